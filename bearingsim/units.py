@@ -1,0 +1,243 @@
+"""Strict quantities: a number with its unit in, a float in SI out.
+
+The table holds the units of this field and no others. Everything that could be read in two ways is refused:
+a decimal comma, a missing unit, a unit of another dimension, NaN and infinity. Conversion is exact up to one
+rounding (decimal fractions, and pi where the unit needs it), so `0.8 mm` and `800 um` give the same float.
+
+Inside the program angles are in rad, rotation speeds in rad/s, frequencies in Hz.
+"""
+
+import math
+import re
+from collections.abc import Collection
+from difflib import get_close_matches
+from fractions import Fraction
+from functools import lru_cache
+from typing import Literal, NamedTuple
+
+Dimension = Literal[
+    "length",
+    "angle",
+    "rotation",
+    "force",
+    "time",
+    "frequency",
+    "velocity",
+    "acceleration",
+    "stiffness",
+    "damping",
+    "inverse velocity",
+    "mass",
+    "density",
+    "pressure",
+    "ratio",
+    "number",
+]
+
+
+class Factor(NamedTuple):
+    """SI value of one unit: an exact fraction, times pi where `pi` is set."""
+
+    exact: Fraction
+    pi: bool = False
+
+
+def _decimal(**powers: int) -> dict[str, Factor]:
+    return {word: Factor(Fraction(10) ** power) for word, power in powers.items()}
+
+
+def _per(above: dict[str, Factor], below: dict[str, Factor], between: str = "/") -> dict[str, Factor]:
+    return {
+        f"{a}{between}{b}": Factor(fa.exact / fb.exact) for a, fa in above.items() for b, fb in below.items()
+    }
+
+
+_METRES = _decimal(m=0, mm=-3, um=-6)
+_NEWTONS = _decimal(N=0, kN=3)
+
+UNITS: dict[Dimension, dict[str, Factor]] = {
+    "length": _METRES | _decimal(nm=-9),
+    "angle": {"deg": Factor(Fraction(1, 180), pi=True), "rad": Factor(Fraction(1))},
+    "rotation": {
+        "rpm": Factor(Fraction(1, 30), pi=True),
+        "r/min": Factor(Fraction(1, 30), pi=True),
+        "Hz": Factor(Fraction(2), pi=True),
+        "deg/s": Factor(Fraction(1, 180), pi=True),
+        "rad/s": Factor(Fraction(1)),
+    },
+    "force": _NEWTONS,
+    "time": _decimal(s=0, ms=-3, us=-6, ns=-9) | {"min": Factor(Fraction(60))},
+    "frequency": _decimal(Hz=0, kHz=3),
+    "velocity": _per(_METRES, _decimal(s=0)),
+    "acceleration": _per(_METRES, {"s^2": Factor(Fraction(1))}),
+    "stiffness": _per(_NEWTONS | _decimal(MN=6), _METRES),
+    "damping": _per(_NEWTONS, _METRES, between=" s/"),
+    "inverse velocity": _per(_decimal(s=0), _decimal(m=0, mm=-3)),
+    "mass": _decimal(kg=0, g=-3),
+    "density": _decimal(**{"kg/m^3": 0, "g/cm^3": 3}),
+    "pressure": _decimal(Pa=0, kPa=3, MPa=6, GPa=9),
+    "ratio": {"%": Factor(Fraction(1, 100)), "": Factor(Fraction(1))},
+    "number": {"": Factor(Fraction(1))},
+}
+
+EXPECTED: dict[Dimension, str] = {
+    "length": "a length such as `0.8 mm`",
+    "angle": "an angle such as `5 deg`",
+    "rotation": "a rotation speed such as `1800 rpm`",
+    "force": "a force such as `150 N`",
+    "time": "a time such as `50 ms`",
+    "frequency": "a frequency such as `10240 Hz`",
+    "velocity": "a velocity such as `5 um/s`",
+    "acceleration": "an acceleration such as `9.81 m/s^2`",
+    "stiffness": "a stiffness such as `1e7 N/m`",
+    "damping": "a damping coefficient such as `200 N s/m`",
+    "inverse velocity": "an inverse velocity such as `50 s/m`",
+    "mass": "a mass such as `0.6 kg`",
+    "density": "a density such as `7850 kg/m^3`",
+    "pressure": "a pressure such as `207 GPa`",
+    "ratio": "a ratio such as `30 %` or `0.3`",
+    "number": "a plain number such as `1.5`",
+}
+
+DISPLAY: dict[Dimension, str] = {
+    "length": "mm",
+    "angle": "deg",
+    "rotation": "rpm",
+    "force": "N",
+    "time": "s",
+    "frequency": "Hz",
+    "velocity": "um/s",
+    "acceleration": "m/s^2",
+    "stiffness": "N/m",
+    "damping": "N s/m",
+    "inverse velocity": "s/m",
+    "mass": "kg",
+    "density": "kg/m^3",
+    "pressure": "GPa",
+    "ratio": "%",
+    "number": "",
+}
+"""Unit in which a quantity of each dimension is shown when nobody asked for another."""
+
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
+_SPELLING = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "·": " ", "⋅": " ", "*": " ", "²": "^2", "³": "^3"})
+
+
+class UnitError(ValueError):
+    """A text is not a quantity of the dimension asked for.
+
+    `expected` says what would be, with an example; `hint` what is wrong (or None); `nearest` is the closest
+    valid unit word (or None).
+    """
+
+    def __init__(self, text: str, expected: str, hint: str | None = None, nearest: str | None = None) -> None:
+        self.text, self.expected, self.hint, self.nearest = text, expected, hint, nearest
+        super().__init__(f"expected {expected}, got `{text}`" + (f" ({hint})" if hint else ""))
+
+
+def split(text: str) -> tuple[str, str]:
+    """Number and unit word of a quantity as written (`("0.8", "mm")`; the word in the table's spelling).
+
+    Raises UnitError if the text does not begin with a number.
+    """
+    number = _NUMBER.match(text.strip())
+    if number is None or _DECIMAL_COMMA.match(text.strip()):
+        raise UnitError(text, "a number with its unit", _number_hint(text))
+    return number.group(), _spelling(text.strip()[number.end() :])
+
+
+@lru_cache(maxsize=8192)
+def parse(text: str, dimension: Dimension) -> float:
+    """SI value of a quantity written with its unit.
+
+    Raises UnitError on a decimal comma, NaN, infinity, a missing or unknown unit or another dimension's unit.
+    """
+    try:
+        number, word = split(text)
+    except UnitError as error:
+        raise UnitError(text, EXPECTED[dimension], error.hint) from None
+    factor = UNITS[dimension].get(word)
+    if factor is None:
+        raise UnitError(text, EXPECTED[dimension], *_unit_hint(word, dimension))
+    return _convert(text, number, factor, dimension)
+
+
+def display(value: float, word: str, dimension: Dimension | None = None) -> float:
+    """An SI value in the unit `word`.
+
+    `dimension` is needed only where the word means two things (Hz: a frequency or a rotation speed).
+    Raises UnitError for an unknown word, or one that means two things.
+    """
+    factors = {d: f[_spelling(word)] for d, f in UNITS.items() if _spelling(word) in f}
+    if dimension is not None and dimension not in factors:
+        raise UnitError(word, f"a unit of {dimension}", *_unit_hint(_spelling(word), dimension))
+    chosen = {factors[dimension]} if dimension else set(factors.values())
+    if len(chosen) != 1:
+        raise UnitError(word, "a unit with one meaning", "say which dimension is meant")
+    return _in_unit(value, chosen.pop())
+
+
+def show(value: float, word: str, dimension: Dimension | None = None) -> str:
+    """An SI value as text in the unit `word`, six digits: `show(0.0008, "mm")` is `0.8 mm`."""
+    return f"{display(value, word, dimension):.6g} {word}".strip()
+
+
+def common_dimension(first: str, second: str) -> Dimension | None:
+    """A dimension that knows both unit words, or None."""
+    return next((d for d, words in UNITS.items() if first in words and second in words), None)
+
+
+def nearest_word(word: str, words: Collection[str]) -> str | None:
+    """The word of `words` closest to `word`, regardless of case; None if none is close."""
+    folded = {candidate.lower(): candidate for candidate in sorted(words, reverse=True)}
+    close = get_close_matches(word.lower(), folded, n=1, cutoff=0.5)
+    return folded[close[0]] if close else None
+
+
+def _spelling(word: str) -> str:
+    word = re.sub(r"N ?[. ] ?s\b", "N s", " ".join(word.translate(_SPELLING).split()))
+    return re.sub(r"(?<=m|s)([23])$", r"^\1", re.sub(r" ?/ ?", "/", word))
+
+
+def _convert(text: str, number: str, factor: Factor, dimension: Dimension) -> float:
+    rough = float(number)
+    if rough == 0.0 or math.isinf(rough):  # also keeps 1e999999999 away from exact arithmetic
+        value = abs(rough)
+    else:
+        try:
+            value = float(Fraction(number) * factor.exact) * (math.pi if factor.pi else 1.0)
+        except OverflowError:
+            value = math.inf
+    if math.isinf(value):
+        raise UnitError(text, EXPECTED[dimension], "the number is too large")
+    return value
+
+
+def _in_unit(value: float, factor: Factor) -> float:
+    turns = value / math.pi if factor.pi else value
+    return turns * factor.exact.denominator / factor.exact.numerator
+
+
+def _number_hint(text: str) -> str | None:
+    if not text.strip():
+        return "nothing is written"
+    if _DECIMAL_COMMA.match(text.strip()):
+        return "write a decimal point"
+    if re.match(r"[+-]?\.?(nan|inf)", text.strip(), re.IGNORECASE):
+        return "the number must be finite"
+    return None
+
+
+def _unit_hint(word: str, dimension: Dimension) -> tuple[str | None, str | None]:
+    """What is wrong with a unit word, and the nearest right one."""
+    words = [w for w in UNITS[dimension] if w]
+    if not word:
+        return "the unit is missing", None
+    if not words:
+        return "no unit here", None
+    other = next((d for d in UNITS if word in UNITS[d]), None)
+    if other is not None:
+        return f"`{word}` is a unit of {other}", None
+    nearest = nearest_word(word, words)
+    return (f"did you mean `{nearest}`?" if nearest else f"units: {', '.join(words)}"), nearest

@@ -1,0 +1,219 @@
+"""YAML as written: every scalar stays text, every value knows its place.
+
+PyYAML's own loader reads `1e-3` as a string, `12:30:45` as a number, `no` as False and keeps the last of two
+equal keys. Here nothing is guessed: a file becomes a tree of `Node`, whose marks let a later error point at
+the character that caused it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import yaml
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A place in a file: line and column count from 1 (0: the file as a whole)."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+    source_line: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A value of the file, its place, and the place of its key where it has one."""
+
+    value: str | tuple[Node, ...] | dict[str, Node]
+    mark: Mark
+    key: Mark | None = None
+
+    @property
+    def mapping(self) -> dict[str, Node]:
+        """The entries; empty if this is not a mapping."""
+        return self.value if isinstance(self.value, dict) else {}
+
+    @property
+    def items(self) -> tuple[Node, ...]:
+        """The elements; empty if this is not a list."""
+        return self.value if isinstance(self.value, tuple) else ()
+
+    @property
+    def text(self) -> str:
+        """The scalar as written, or the mapping or list in flow style."""
+        if isinstance(self.value, dict):
+            return "{" + ", ".join(f"{key}: {node.text}" for key, node in self.value.items()) + "}"
+        if isinstance(self.value, tuple):
+            return "[" + ", ".join(node.text for node in self.value) + "]"
+        return self.value
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing that is wrong, where, and what would mend it."""
+
+    file: str
+    line: int
+    column: int
+    source_line: str
+    message: str
+    hint: str | None = None
+
+    def __str__(self) -> str:
+        place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+        text = f"{place}: {self.message}" + (f" ({self.hint})" if self.hint else "")
+        if not self.column:
+            return text
+        return f"{text}\n    {self.source_line}\n    {' ' * (self.column - 1)}^"
+
+
+class StudyError(Exception):
+    """Everything found wrong in a study and the files it names, as `problems`."""
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems = list(problems)
+        super().__init__("\n".join(map(str, self.problems)))
+
+
+def problem(mark: Mark, message: str, hint: str | None = None) -> Problem:
+    """A problem at a place."""
+    return Problem(mark.file, mark.line, mark.column, mark.source_line, message, hint)
+
+
+def plain(node: Node) -> Any:
+    """The tree as dicts, lists and texts."""
+    if isinstance(node.value, dict):
+        return {key: plain(child) for key, child in node.value.items()}
+    if isinstance(node.value, tuple):
+        return [plain(child) for child in node.value]
+    return node.value
+
+
+def read_text(path: Path) -> str:
+    """The text of a file; raises StudyError if it cannot be read as UTF-8 text."""
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise StudyError([Problem(str(path), 0, 0, "", "no such file")]) from None
+    except UnicodeDecodeError:
+        raise StudyError([Problem(str(path), 0, 0, "", "not a text file in UTF-8")]) from None
+    except OSError as error:
+        raise StudyError([Problem(str(path), 0, 0, "", f"cannot be read: {error.strerror}")]) from None
+
+
+def parse(text: str, file: str) -> Node:
+    """The tree of a YAML text; raises StudyError on a syntax error and on every doubled key."""
+    import yaml
+
+    try:
+        root = yaml.compose(text, Loader=yaml.BaseLoader)
+    except yaml.YAMLError as error:
+        raise StudyError([_syntax_problem(error, text, file)]) from None
+    if root is None:
+        return Node({}, Mark(file, 1, 0, ""))
+    walk = _Walk(file, text.splitlines())
+    tree = walk.node(root)
+    if walk.problems:
+        raise StudyError(walk.problems)
+    return tree
+
+
+def parse_argument(text: str, label: str, offset: int) -> Node:
+    """The tree of a value given on the command line.
+
+    Errors show `label` (what was typed); the value starts there at the character `offset`.
+    """
+    try:
+        tree = parse(text, label)
+    except StudyError as error:
+        raise StudyError(_typed(p, label, offset) for p in error.problems) from None
+    return _moved(tree, label, offset)
+
+
+@lru_cache(maxsize=64)
+def _argument_mark(label: str, column: int) -> Mark:
+    return Mark("command line", 0, column, label)
+
+
+def _typed(found: Problem, label: str, offset: int) -> Problem:
+    return replace(found, file="command line", line=0, column=found.column + offset, source_line=label)
+
+
+def _moved(node: Node, label: str, offset: int) -> Node:
+    mark = _argument_mark(label, node.mark.column + offset)
+    key = node.key and _argument_mark(label, node.key.column + offset)
+    if isinstance(node.value, dict):
+        return Node({k: _moved(child, label, offset) for k, child in node.value.items()}, mark, key)
+    if isinstance(node.value, tuple):
+        return Node(tuple(_moved(child, label, offset) for child in node.value), mark, key)
+    return Node(node.value, mark, key)
+
+
+def _syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
+    place = getattr(error, "problem_mark", None)
+    what = getattr(error, "problem", None) or str(error).splitlines()[0]
+    if place is None:
+        return Problem(file, 0, 0, "", f"not valid YAML: {what}")
+    lines = text.splitlines()
+    line = min(place.line, len(lines) - 1)
+    column = place.column if line == place.line else len(lines[line])
+    return Problem(file, line + 1, column + 1, lines[line], f"not valid YAML: {what}")
+
+
+class _Walk:
+    """One pass over PyYAML's nodes; collects what is wrong and goes on."""
+
+    def __init__(self, file: str, lines: list[str]) -> None:
+        self.file, self.lines = file, lines
+        self.problems: list[Problem] = []
+        self.done: dict[int, Node | None] = {}  # None while a node is being walked
+
+    def mark(self, node: yaml.Node) -> Mark:
+        place = node.start_mark
+        line = self.lines[place.line] if place.line < len(self.lines) else ""
+        return Mark(self.file, place.line + 1, place.column + 1, line)
+
+    def node(self, raw: yaml.Node) -> Node:
+        if id(raw) in self.done:  # an alias: the same node again
+            known = self.done[id(raw)]
+            return known or self.refuse(raw, "an alias inside its own anchor")
+        self.done[id(raw)] = None
+        node = self.fresh(raw)
+        self.done[id(raw)] = node
+        return node
+
+    def fresh(self, raw: yaml.Node) -> Node:
+        import yaml
+
+        if raw.tag.startswith("!"):
+            return self.refuse(raw, f"the tag `{raw.tag}` means nothing here")
+        if isinstance(raw, yaml.MappingNode):
+            return Node(self.entries(raw), self.mark(raw))
+        if isinstance(raw, yaml.SequenceNode):
+            return Node(tuple(self.node(child) for child in raw.value), self.mark(raw))
+        return Node(str(raw.value), self.mark(raw))
+
+    def entries(self, raw: yaml.MappingNode) -> dict[str, Node]:
+        found: dict[str, Node] = {}
+        for raw_key, raw_value in raw.value:
+            key, value = self.node(raw_key), self.node(raw_value)
+            if not isinstance(key.value, str):
+                self.problems.append(problem(key.mark, "a key must be a word"))
+            elif key.value in found:
+                first = found[key.value].key
+                where = f", first on line {first.line}" if first else ""
+                self.problems.append(problem(key.mark, f"the key `{key.value}` is given twice{where}"))
+            else:
+                found[key.value] = replace(value, key=key.mark)
+        return found
+
+    def refuse(self, raw: yaml.Node, message: str) -> Node:
+        self.problems.append(problem(self.mark(raw), message))
+        return Node("", self.mark(raw))
