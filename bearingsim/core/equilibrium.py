@@ -1,0 +1,232 @@
+"""The exact static equilibrium: where the ring rests at a given cage angle.
+
+For a ring position u each roller finds its own balance Q_o = Q_i + m_r omega_c^2 r (one unknown, bracketed);
+the ring's position is then found by Newton with backtracking on the net force
+
+    f(u) = -F e_0 - k_b (u - u_0) + sum_j Q_o,j(u) e_r(theta_j)
+
+which is minus the gradient of a convex energy, so the method cannot wander off. A roller that carries nothing
+rests on the outer race. ``static`` takes one such equilibrium per step; ``ring`` and ``rollers`` start from it.
+"""
+
+from math import cos, hypot, pi, sin
+
+import numpy as np
+
+from bearingsim.core.contact import elastic, tangent
+from bearingsim.core.defects import W, depression, roller_over
+from bearingsim.core.jit import jit
+from bearingsim.core.layout import (
+    COS,
+    COS_0,
+    DELTA_I,
+    DELTA_O,
+    LANES,
+    Q_I,
+    Q_O,
+    SIN,
+    SIN_0,
+    STAGE,
+    A,
+    Q,
+    V,
+    X,
+    Y,
+)
+
+K_SERIES = STAGE  # scratch row: stiffness of the two contacts of a roller in series, N/m
+RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
+MAX_STEPS = 200
+
+
+@jit
+def outer_force(stiffness, pits, d, s, o):
+    """Outer contact at approach ``o`` (m, from the undamaged race): force, slope and mean approach.
+
+    ``d`` is the pit under the roller, -1 for none; ``s`` the roller's distance from the pit's middle (m).
+    """
+    if d < 0:
+        return elastic(stiffness, max(o, 0.0)), tangent(stiffness, max(o, 0.0)), max(o, 0.0)
+    force, slope, mean = 0.0, 0.0, 0.0
+    for k in range(pits.used[d]):
+        group = pits.groups[d, k]
+        delta = max(o - depression(group, s, pits.R)[0], 0.0)
+        force += group[W] * elastic(stiffness, delta)
+        slope += group[W] * tangent(stiffness, delta)
+        mean += group[W] * delta
+    return force, slope, mean
+
+
+@jit
+def excess_force(model, d, s, touch, q):
+    """Net inward force (N) on a roller at ``q`` (m) and its slope; ``touch`` is where it meets the outer race."""
+    bearing, stiffness = model.bearing, model.contact.stiffness
+    outer, slope, _mean = outer_force(stiffness, model.pits, d, s, q - touch)
+    inner = max(-bearing.gap - q, 0.0)
+    r = 0.5 * (bearing.R_o + bearing.R_i) + q
+    centrifugal = bearing.m_r * bearing.omega_c * bearing.omega_c * r
+    return outer - elastic(stiffness, inner) - centrifugal, slope + tangent(stiffness, inner)
+
+
+@jit
+def roller_balance(model, d, s, u_r):
+    """Position q (m) of a roller when the outer race stands ``u_r`` further out at its angle.
+
+    Newton inside a bracket: from touching the outer race with no force to pressing on it with all there is.
+    """
+    gap = model.bearing.gap
+    touch = u_r + gap
+    massless = model.bearing.m_r == 0.0
+    if massless and touch >= -gap:
+        return touch
+    if massless and d < 0:
+        return u_r / 2.0
+    low, high = touch, max(touch, -gap) + 1e-6
+    while excess_force(model, d, s, touch, high)[0] < 0.0:
+        high += high - low
+    q = 0.5 * (low + high)
+    for _ in range(MAX_STEPS):
+        excess, slope = excess_force(model, d, s, touch, q)
+        if excess > 0.0:
+            high = q
+        else:
+            low = q
+        target = q - excess / slope
+        if not low <= target <= high:
+            target = 0.5 * (low + high)
+        if abs(target - q) <= 1e-16 * abs(high - touch) or low == high:
+            return target
+        q = target
+    return q
+
+
+@jit
+def pit_under(pits, theta_c, Z, roller):
+    """Index of the pit under ``roller`` (-1 for none) and the distance s (m) from its middle."""
+    for d in range(len(pits.angle)):
+        nearest, s = roller_over(pits, d, theta_c, Z)
+        if nearest == roller and abs(s) < pits.half_width[d]:
+            return d, s
+    return -1, 0.0
+
+
+@jit
+def balance_rollers(model, t, y):
+    """Balance every roller for the ring position in ``y``; fills its angle, approach, force and K_SERIES rows."""
+    bearing, stiffness = model.bearing, model.contact.stiffness
+    theta_c = bearing.theta_0 + bearing.omega_c * t
+    C, S = cos(theta_c), sin(theta_c)
+    for roller in range(bearing.Z):
+        j = LANES + roller
+        c = C * y[COS_0 + j] - S * y[SIN_0 + j]
+        s = S * y[COS_0 + j] + C * y[SIN_0 + j]
+        u_r = y[Q + X] * c + y[Q + Y] * s
+        d, along = pit_under(model.pits, theta_c, bearing.Z, roller)
+        q = roller_balance(model, d, along, u_r)
+        force, k_o, approach = outer_force(stiffness, model.pits, d, along, q - u_r - bearing.gap)
+        inner = max(-bearing.gap - q, 0.0)
+        k_i = tangent(stiffness, inner) if inner > 0.0 else 0.0
+        y[COS + j], y[SIN + j], y[Q + j] = c, s, q
+        y[DELTA_O + j], y[DELTA_I + j] = approach, inner
+        y[Q_O + j], y[Q_I + j] = force, elastic(stiffness, inner)
+        y[K_SERIES + j] = k_o * k_i / (k_o + k_i) if force > 0.0 else 0.0
+
+
+@jit
+def net_force(model, y):
+    """Net force (N) on the ring, from the rows that ``balance_rollers`` filled."""
+    support = model.support
+    f_x = -support.F - support.k_b * (y[Q + X] - support.x_0)
+    f_y = -support.k_b * (y[Q + Y] - support.y_0)
+    for j in range(LANES, LANES + model.bearing.Z):
+        f_x += y[Q_O + j] * y[COS + j]
+        f_y += y[Q_O + j] * y[SIN + j]
+    return f_x, f_y
+
+
+@jit
+def ring_stiffness(model, y):
+    """Stiffness of the ring's support (N/m): entries xx, xy, yy of the symmetric matrix -df/du."""
+    k_b = model.support.k_b
+    # a ring hanging on one roller has no stiffness across it: a trace of it keeps the step finite
+    trace = 1e-9 * model.contact.stiffness.k
+    k_xx, k_xy, k_yy = k_b + trace, 0.0, k_b + trace
+    for j in range(LANES, LANES + model.bearing.Z):
+        c, s, k = y[COS + j], y[SIN + j], y[K_SERIES + j]
+        k_xx += k * c * c
+        k_xy += k * c * s
+        k_yy += k * s * s
+    return k_xx, k_xy, k_yy
+
+
+@jit
+def solve_2x2(k_xx, k_xy, k_yy, f_x, f_y):
+    """Solution of the symmetric 2 x 2 system."""
+    determinant = k_xx * k_yy - k_xy * k_xy
+    return (k_yy * f_x - k_xy * f_y) / determinant, (k_xx * f_y - k_xy * f_x) / determinant
+
+
+@jit
+def find_rest(model, t, y):
+    """Put ring and rollers at rest at time ``t`` (s), starting from the ring position in ``y``.
+
+    Returns the residual force (N); velocities are left alone.
+    """
+    goal = RESIDUAL * (model.support.F + 1e-3)
+    balance_rollers(model, t, y)
+    f_x, f_y = net_force(model, y)
+    residual = hypot(f_x, f_y)
+    for _ in range(MAX_STEPS):
+        if residual <= goal:
+            break
+        k_xx, k_xy, k_yy = ring_stiffness(model, y)
+        d_x, d_y = solve_2x2(k_xx, k_xy, k_yy, f_x, f_y)
+        x, z, part, before = y[Q + X], y[Q + Y], 1.0, residual
+        while part > 1e-6:
+            y[Q + X], y[Q + Y] = x + part * d_x, z + part * d_y
+            balance_rollers(model, t, y)
+            f_x, f_y = net_force(model, y)
+            residual = hypot(f_x, f_y)
+            if residual < before:
+                break
+            part *= 0.5
+        if residual >= before:
+            break
+    return residual
+
+
+@jit
+def first_guess(model, y):
+    """Put the ring where one roller on the load line would carry everything: every equilibrium is near."""
+    stiffness, gap = model.contact.stiffness, model.bearing.gap
+    delta = 1e-9
+    while elastic(stiffness, delta) < model.support.F:
+        delta *= 1.1
+    y[Q + X], y[Q + Y] = -2.0 * (max(gap, 0.0) + delta), 0.0
+
+
+@jit
+def rest_from_scratch(model, t, y):
+    """``find_rest`` with nothing known beforehand; all velocities zero. Returns the residual force (N)."""
+    y[Q : Q + A - V] = 0.0
+    y[V : V + A - V] = 0.0
+    first_guess(model, y)
+    return find_rest(model, t, y)
+
+
+def mean_rest(model, y, samples=64):
+    """Mean ring position (m, m) over one ball pass at rest, and the largest outer contact force met (N).
+
+    Used once for the anchor of the bracket, once for the load a roller carries. Raises ``ArithmeticError`` if
+    an equilibrium is not found to 1e-8 of the load.
+    """
+    pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
+    positions, largest = [], 0.0
+    for n in range(samples):
+        residual = rest_from_scratch(model, (n + 0.5) / samples * pass_time, y)
+        if not residual <= 1e-8 * model.support.F:
+            raise ArithmeticError(f"no static equilibrium: {residual:g} N left of {model.support.F:g} N")
+        positions.append((y[Q + X], y[Q + Y]))
+        largest = max(largest, y[Q_O + LANES : Q_O + LANES + model.bearing.Z].max())
+    x, z = np.mean(positions, axis=0)
+    return float(x), float(z), float(largest)

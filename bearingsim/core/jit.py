@@ -1,0 +1,98 @@
+"""How the core is compiled: the one place that decides it.
+
+Three words are used everywhere else:
+
+``jit``      compiles a function (cached on disk).
+``generic``  one name, one implementation per parameter type; the choice is made when the caller is compiled,
+             so what is not chosen is not there. Called from Python it dispatches like ``singledispatch``.
+``add``      an addition whose order the compiler may change: it lets a sum over rollers use vector lanes, while
+             every other operation keeps its IEEE meaning (full ``fastmath`` makes ``isfinite(nan)`` true).
+
+The cache folder is named by a digest of the core's sources, because numba looks only at the file of the
+function itself and would serve stale code after a change in a callee.
+"""
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core import config as numba_config
+from numba.extending import overload
+
+CORE = Path(__file__).parent
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
+
+
+def source_digest() -> str:
+    """First 12 hex digits of SHA-256 over the core's sources and numba's version."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for source in sorted(CORE.rglob("*.py")):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def cache_folder() -> Path:
+    """Where compiled code is kept: ``$BEARINGSIM_CACHE``, else the user's cache, else the temporary folder."""
+    chosen = os.environ.get("BEARINGSIM_CACHE") or os.environ.get("XDG_CACHE_HOME")
+    base = Path(chosen) if chosen else Path.home() / ".cache"
+    folder = base / "bearingsim" / source_digest()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        folder = Path(tempfile.gettempdir()) / f"bearingsim-{os.getuid()}" / source_digest()
+        folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+_CACHE = str(cache_folder())
+
+
+def jit(function: Callable) -> Any:
+    """Compile ``function`` on first call, or load it from the cache."""
+    before = numba_config.CACHE_DIR
+    numba_config.CACHE_DIR = _CACHE  # read while the decorator runs, so other users of numba keep their own
+    try:
+        return numba.njit(cache=True, **OPTIONS)(function)
+    finally:
+        numba_config.CACHE_DIR = before
+
+
+def generic(declaration: Callable) -> Any:
+    """Turn ``declaration`` into a function chosen by the type of its first argument.
+
+    The declaration's body is never run; it carries the name, the arguments and the docstring. Implementations
+    are added with ``@name.register(ParameterType)`` where ``ParameterType`` is a ``NamedTuple`` class.
+    """
+    implementations: dict[type, Callable] = {}
+
+    def dispatch(*arguments: Any) -> Any:
+        return implementations[type(arguments[0])](*arguments)
+
+    def choose(first: Any, *rest: Any) -> Callable | None:
+        return implementations.get(getattr(first, "instance_class", None))  # type: ignore[arg-type]
+
+    def register(parameters: type) -> Callable:
+        def keep(implementation: Callable) -> Callable:
+            implementations[parameters] = implementation
+            return implementation
+
+        return keep
+
+    dispatch.__name__ = declaration.__name__
+    dispatch.__qualname__ = declaration.__qualname__
+    dispatch.__doc__ = declaration.__doc__
+    dispatch.__module__ = declaration.__module__
+    dispatch.register = register  # type: ignore[attr-defined]
+    dispatch.types = implementations.keys()  # type: ignore[attr-defined]
+    overload(dispatch, jit_options=OPTIONS, strict=False)(choose)
+    return dispatch
+
+
+@numba.njit(error_model="numpy", fastmath={"reassoc", "contract"})
+def add(a: float, b: float) -> float:
+    """a + b, in whatever order suits the vector unit when it accumulates."""
+    return a + b

@@ -1,0 +1,1 @@
+"""Integrators: a NamedTuple of parameters and one ``step`` each; ``advance`` drives any of them."""

@@ -1,0 +1,37 @@
+"""The functions every model has, chosen by the type of its parameters."""
+
+from typing import Any
+
+import numpy as np
+
+from bearingsim.core.jit import generic
+
+
+@generic
+def width(model: Any) -> int:
+    """Entries of a row that the model's state takes (the ring's, then the lanes in use)."""
+
+
+@generic
+def accelerations(model: Any, t: float, y: np.ndarray) -> None:
+    """Fill the acceleration and contact rows of ``y`` from its position and velocity rows at time ``t`` (s)."""
+
+
+@generic
+def rest(model: Any, t: float, y: np.ndarray) -> float:
+    """Put the massless model at its equilibrium at time ``t`` (s); returns the residual force (N)."""
+
+
+@generic
+def stiffness_per_mass(model: Any, y: np.ndarray, j: int) -> float:
+    """Stiffness over mass (1/s^2) of body ``j`` (an entry of a row) as it stands now."""
+
+
+@generic
+def damping_per_mass(model: Any, y: np.ndarray, j: int) -> float:
+    """Damping over mass (1/s) of body ``j`` as it stands now."""
+
+
+@generic
+def watched(model: Any) -> tuple[int, int]:
+    """The entries of a row whose step limit is watched: first, and one past the last."""

@@ -1,0 +1,145 @@
+"""``ring``: the ring moves in x and y; rollers have no mass, so a roller's two contacts are in series.
+
+Over an undamaged race both contacts share the approach and its rate equally,
+
+    Q = normal_force(delta/2, v/2),   delta = -u.e_r - G_r/2,   v its rate,
+
+and over a pit with several groups along the roller the elastic balance is solved for the inner approach,
+
+    sum_k w_k E(delta - delta_i - h_k) = E(delta_i),
+
+with each group's closing rate halved. (Differentiating the balance gives that half exactly for damping
+proportional to the elastic force, and for one group with any law; the dashpots' own relaxation of a massless
+roller, some microseconds, is left out.) Left out besides: the rollers' inertia and centrifugal load.
+"""
+
+from math import cos, sin
+from typing import Any, NamedTuple
+
+from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
+from bearingsim.core.defects import W, Pits, depression, roller_over
+from bearingsim.core.equilibrium import roller_balance
+from bearingsim.core.jit import add, jit
+from bearingsim.core.layout import (
+    COS,
+    COS_0,
+    DELTA_I,
+    DELTA_O,
+    LANES,
+    Q_I,
+    Q_O,
+    SIN,
+    SIN_0,
+    V_I,
+    V_O,
+    VECTOR,
+    A,
+    Q,
+    V,
+    X,
+    Y,
+)
+from bearingsim.core.models.interface import (
+    accelerations,
+    damping_per_mass,
+    stiffness_per_mass,
+    watched,
+    width,
+)
+from bearingsim.core.parameters import Bearing, Support
+
+
+class Ring(NamedTuple):
+    """Parameters of the model; ``bearing.m_r`` must be 0."""
+
+    bearing: Bearing
+    support: Support
+    contact: Any
+    pits: Pits
+
+
+@width.register(Ring)
+def _width(model):
+    return LANES
+
+
+@watched.register(Ring)
+def _watched(model):
+    return X, X + 1
+
+
+@jit
+def halves(bearing, theta_c, y, n):
+    """Angles, and half the total approach and rate of every roller over an undamaged race."""
+    C, S = cos(theta_c), sin(theta_c)
+    omega_c, gap = bearing.omega_c, bearing.gap
+    u_x, u_y, v_x, v_y = y[Q + X], y[Q + Y], y[V + X], y[V + Y]
+    w_x, w_y = v_x + omega_c * u_y, v_y - omega_c * u_x
+    for j in range(LANES, n):
+        c = C * y[COS_0 + j] - S * y[SIN_0 + j]
+        s = S * y[COS_0 + j] + C * y[SIN_0 + j]
+        y[COS + j] = c
+        y[SIN + j] = s
+        y[DELTA_O + j] = -0.5 * (u_x * c + u_y * s) - gap
+        y[V_O + j] = -0.5 * (w_x * c + w_y * s)
+
+
+@jit
+def over_pits(model, theta_c, y):
+    """Solve the series of each roller that stands over a pit."""
+    pits, bearing = model.pits, model.bearing
+    for d in range(len(pits.angle)):
+        roller, s = roller_over(pits, d, theta_c, bearing.Z)
+        if abs(s) < pits.half_width[d]:
+            j = LANES + roller
+            u_r = -2.0 * (y[DELTA_O + j] + bearing.gap)
+            outer = roller_balance(model, d, s, u_r) - u_r - bearing.gap
+            force, mean = 0.0, 0.0
+            for k in range(pits.used[d]):
+                group = pits.groups[d, k]
+                h, slope = depression(group, s, pits.R)
+                rate = y[V_O + j] - 0.5 * slope * pits.R_o * bearing.omega_c
+                force += group[W] * normal_force(model.contact, outer - h, rate)
+                mean += group[W] * max(outer - h, 0.0)
+            y[Q_O + j] = force
+            y[DELTA_O + j] = mean
+
+
+@accelerations.register(Ring)
+def _accelerations(model, t, y):
+    bearing, support = model.bearing, model.support
+    n = LANES + (bearing.Z + VECTOR - 1) // VECTOR * VECTOR
+    theta_c = bearing.theta_0 + bearing.omega_c * t
+    halves(bearing, theta_c, y, n)
+    for j in range(LANES, n):
+        y[Q_O + j] = normal_force(model.contact, y[DELTA_O + j], y[V_O + j])
+    over_pits(model, theta_c, y)
+
+    f_x, f_y = 0.0, 0.0
+    for j in range(LANES, n):
+        y[Q_I + j] = y[Q_O + j]
+        y[DELTA_I + j] = y[DELTA_O + j]
+        y[V_I + j] = y[V_O + j]
+        f_x = add(f_x, y[Q_O + j] * y[COS + j])
+        f_y = add(f_y, y[Q_O + j] * y[SIN + j])
+    f_x += -support.F - support.k_b * (y[Q + X] - support.x_0) - support.c_b * y[V + X]
+    f_y += -support.k_b * (y[Q + Y] - support.y_0) - support.c_b * y[V + Y]
+    y[A + X] = f_x / bearing.m_o
+    y[A + Y] = f_y / bearing.m_o
+
+
+@stiffness_per_mass.register(Ring)
+def _stiffness_per_mass(model, y, j):
+    """All contacts in one line: at least the largest eigenvalue of the ring's stiffness, at most twice it."""
+    total = model.support.k_b
+    for i in range(LANES, LANES + model.bearing.Z):
+        total += 0.5 * stiffness_slope(model.contact, max(y[DELTA_O + i], 0.0), y[V_O + i])
+    return total / model.bearing.m_o
+
+
+@damping_per_mass.register(Ring)
+def _damping_per_mass(model, y, j):
+    total = model.support.c_b
+    for i in range(LANES, LANES + model.bearing.Z):
+        total += 0.5 * damping_slope(model.contact, max(y[DELTA_O + i], 0.0), y[V_O + i])
+    return total / model.bearing.m_o

@@ -1,0 +1,144 @@
+"""``rollers``: the ring moves in x and y, each roller radially; the cage turns at its kinematic speed.
+
+    delta_o = r + R_w - R_o - u.e_r - h(s_o),  v_o = r' - u'.e_r - omega_c u.e_theta - h'(s_o) R_o omega_c
+    delta_i = R_i + R_w - r,                   v_i = -r'
+    m_r r'' = m_r omega_c^2 r + Q_i - Q_o
+    m_o u'' = -F e_0 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)
+
+The position of a roller is kept as its displacement q from the middle of the clearance, r = d_m/2 + q: 0.03 m
+would cost 2 of 16 digits. Left out: friction, tangential motion, tilt, the bending of the rings.
+"""
+
+from math import cos, sin
+from typing import Any, NamedTuple
+
+from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
+from bearingsim.core.defects import W, Pits, depression, roller_over
+from bearingsim.core.jit import add, jit
+from bearingsim.core.layout import (
+    COS,
+    COS_0,
+    DELTA_I,
+    DELTA_O,
+    INVERSE_MASS,
+    LANES,
+    Q_I,
+    Q_O,
+    SIN,
+    SIN_0,
+    V_I,
+    V_O,
+    VECTOR,
+    A,
+    Q,
+    V,
+    X,
+    Y,
+)
+from bearingsim.core.models.interface import (
+    accelerations,
+    damping_per_mass,
+    stiffness_per_mass,
+    watched,
+    width,
+)
+from bearingsim.core.parameters import Bearing, Support
+
+
+class Rollers(NamedTuple):
+    """Parameters of the model; ``contact`` is any law of ``contact.py``, the same at both races."""
+
+    bearing: Bearing
+    support: Support
+    contact: Any
+    pits: Pits
+
+
+@width.register(Rollers)
+def _width(model):
+    return LANES + (model.bearing.Z + VECTOR - 1) // VECTOR * VECTOR
+
+
+@watched.register(Rollers)
+def _watched(model):
+    return LANES, LANES + model.bearing.Z
+
+
+@jit
+def approaches(bearing, theta_c, y, n):
+    """Angles, approaches and their rates of both contacts of every roller over an undamaged race."""
+    C, S = cos(theta_c), sin(theta_c)
+    omega_c, gap = bearing.omega_c, bearing.gap
+    u_x, u_y, v_x, v_y = y[Q + X], y[Q + Y], y[V + X], y[V + Y]
+    w_x, w_y = v_x + omega_c * u_y, v_y - omega_c * u_x  # u' - omega_c x u, so that w.e_r = d(u.e_r)/dt
+    for j in range(LANES, n):
+        c = C * y[COS_0 + j] - S * y[SIN_0 + j]
+        s = S * y[COS_0 + j] + C * y[SIN_0 + j]
+        y[COS + j] = c
+        y[SIN + j] = s
+        y[DELTA_O + j] = y[Q + j] - (u_x * c + u_y * s) - gap
+        y[V_O + j] = y[V + j] - (w_x * c + w_y * s)
+        y[DELTA_I + j] = -gap - y[Q + j]
+        y[V_I + j] = -y[V + j]
+
+
+@jit
+def over_pits(model, theta_c, y):
+    """Correct the outer contact of each roller that stands over a pit (its force is the sum of its groups).
+
+    The approach kept for the roller is the mean over its length of what is in contact, for the step watch.
+    """
+    pits, bearing = model.pits, model.bearing
+    for d in range(len(pits.angle)):
+        roller, s = roller_over(pits, d, theta_c, bearing.Z)
+        if abs(s) < pits.half_width[d]:
+            j = LANES + roller
+            force, mean = 0.0, 0.0
+            for k in range(pits.used[d]):
+                group = pits.groups[d, k]
+                h, slope = depression(group, s, pits.R)
+                delta = y[DELTA_O + j] - h
+                rate = y[V_O + j] - slope * pits.R_o * bearing.omega_c
+                force += group[W] * normal_force(model.contact, delta, rate)
+                mean += group[W] * max(delta, 0.0)
+            y[Q_O + j] = force
+            y[DELTA_O + j] = mean
+
+
+@accelerations.register(Rollers)
+def _accelerations(model, t, y):
+    bearing, support, contact = model.bearing, model.support, model.contact
+    n = width(model)
+    theta_c = bearing.theta_0 + bearing.omega_c * t
+    approaches(bearing, theta_c, y, n)
+    for j in range(LANES, n):
+        y[Q_O + j] = normal_force(contact, y[DELTA_O + j], y[V_O + j])
+        y[Q_I + j] = normal_force(contact, y[DELTA_I + j], y[V_I + j])
+    over_pits(model, theta_c, y)
+
+    omega_2 = bearing.omega_c * bearing.omega_c
+    middle = 0.5 * (bearing.R_o + bearing.R_i)
+    f_x, f_y = 0.0, 0.0
+    for j in range(LANES, n):
+        centrifugal = bearing.m_r * omega_2 * (middle + y[Q + j])
+        y[A + j] = y[INVERSE_MASS + j] * (centrifugal + y[Q_I + j] - y[Q_O + j])
+        f_x = add(f_x, y[Q_O + j] * y[COS + j])
+        f_y = add(f_y, y[Q_O + j] * y[SIN + j])
+    f_x += -support.F - support.k_b * (y[Q + X] - support.x_0) - support.c_b * y[V + X]
+    f_y += -support.k_b * (y[Q + Y] - support.y_0) - support.c_b * y[V + Y]
+    y[A + X] = f_x / bearing.m_o
+    y[A + Y] = f_y / bearing.m_o
+
+
+@stiffness_per_mass.register(Rollers)
+def _stiffness_per_mass(model, y, j):
+    outer = stiffness_slope(model.contact, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = stiffness_slope(model.contact, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    return y[INVERSE_MASS + j] * (outer + inner)
+
+
+@damping_per_mass.register(Rollers)
+def _damping_per_mass(model, y, j):
+    outer = damping_slope(model.contact, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = damping_slope(model.contact, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    return y[INVERSE_MASS + j] * (outer + inner)

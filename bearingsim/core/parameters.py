@@ -1,0 +1,30 @@
+"""What the models know, in SI. Symbols are those of docs/model.md; fields are floats unless said otherwise.
+
+Every float must be a ``float`` (an ``int`` would compile a second copy of the core): ``build.py`` makes them.
+"""
+
+from typing import NamedTuple
+
+
+class Bearing(NamedTuple):
+    """Geometry, masses and motion."""
+
+    Z: int  # rollers
+    R_w: float  # roller radius, m
+    R_o: float  # outer race radius, m
+    R_i: float  # inner race radius, m
+    gap: float  # a quarter of the diametral radial clearance, m: what each contact of a centred roller lacks
+    m_r: float  # roller mass, kg
+    m_o: float  # outer ring mass, kg
+    omega_c: float  # cage speed, rad/s
+    theta_0: float  # angle of the first roller at t = 0, rad
+
+
+class Support(NamedTuple):
+    """What holds and loads the outer ring: F along -e_0, a bracket spring and damper anchored at (x_0, y_0)."""
+
+    F: float  # N
+    k_b: float  # N/m
+    c_b: float  # N s/m
+    x_0: float  # m
+    y_0: float  # m
