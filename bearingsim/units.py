@@ -121,7 +121,9 @@ DISPLAY: dict[Dimension, str] = {
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
-_SPELLING = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "·": " ", "⋅": " ", "*": " ", "²": "^2", "³": "^3"})
+_SPELLING = str.maketrans(
+    {"µ": "u", "μ": "u", "°": "deg", "·": " ", "⋅": " ", "*": " ", "²": "^2", "³": "^3"}
+)
 
 
 class UnitError(ValueError):

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -137,7 +136,6 @@ def parse_argument(text: str, label: str, offset: int) -> Node:
     return _moved(tree, label, offset)
 
 
-@lru_cache(maxsize=64)
 def _argument_mark(label: str, column: int) -> Mark:
     return Mark("command line", 0, column, label)
 

@@ -1,0 +1,156 @@
+"""Kinds of value that the sections are made of: each turns text into SI, or says what it expected."""
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, NoReturn
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from bearingsim.units import EXPECTED, UNITS, Dimension, UnitError, nearest_word, parse
+
+
+class Section(BaseModel):
+    """A part of a study: frozen, and closed to unknown keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Mark of a float field: the dimension of its text, and the bound that its value keeps."""
+
+    dimension: Dimension
+    above: float = -math.inf
+    least: float = -math.inf
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        kinds = ["string", "number"] if "" in UNITS[self.dimension] else "string"
+        return {"type": kinds, "description": EXPECTED[self.dimension]}
+
+    def __call__(self, given: Any) -> float:
+        """The value in SI; refuses what is no quantity of the dimension, or out of bounds."""
+        value = _number(given, self.dimension)
+        if value <= self.above or value < self.least:
+            bound = "above zero" if self.above == 0.0 else "that is not negative"
+            refuse("bound", f"expected {EXPECTED[self.dimension]} {bound}, got {described(given)}")
+        return value
+
+
+Length = Annotated[float, Quantity("length", above=0.0)]
+Clearance = Annotated[float, Quantity("length")]
+Angle = Annotated[float, Quantity("angle")]
+Rotation = Annotated[float, Quantity("rotation", above=0.0)]
+Force = Annotated[float, Quantity("force", least=0.0)]
+Duration = Annotated[float, Quantity("time", above=0.0)]
+Delay = Annotated[float, Quantity("time", least=0.0)]
+Frequency = Annotated[float, Quantity("frequency", above=0.0)]
+Stiffness = Annotated[float, Quantity("stiffness", above=0.0)]
+Damping = Annotated[float, Quantity("damping", least=0.0)]
+InverseVelocity = Annotated[float, Quantity("inverse velocity", least=0.0)]
+Mass = Annotated[float, Quantity("mass", above=0.0)]
+Density = Annotated[float, Quantity("density", above=0.0)]
+Pressure = Annotated[float, Quantity("pressure", above=0.0)]
+Number = Annotated[float, Quantity("number", least=0.0)]
+
+
+def refuse(kind: str, message: str, hint: str | None = None, **context: Any) -> NoReturn:
+    """Raise the error of a validator: its kind, a message, and a hint that would mend it."""
+    found = {"kind": kind, "message": message, "hint": hint, **context}
+    raise PydanticCustomError("bearingsim", "{message}", found)
+
+
+def described(given: Any) -> str:
+    """A wrong value, in the words of an error message."""
+    if isinstance(given, dict):
+        return "a mapping"
+    if isinstance(given, list | tuple):
+        return "a list"
+    return f"`{given}`"
+
+
+def one_of(*words: str) -> BeforeValidator:
+    """Validator of a word that must be in a list."""
+
+    def check(given: Any) -> Any:
+        if given not in words:
+            raise_unknown_word(given, words)
+        return given
+
+    return BeforeValidator(check)
+
+
+def raise_unknown_word(given: Any, words: tuple[str, ...]) -> NoReturn:
+    """Refuse a word, naming the valid ones and the nearest."""
+    near = nearest_word(given, words) if isinstance(given, str) else None
+    hint = f"did you mean `{near}`?" if near else None
+    refuse("word", f"expected {alternatives(words)}, got {described(given)}", hint)
+
+
+def alternatives(words: tuple[str, ...]) -> str:
+    """`a`, `b` or `c`."""
+    quoted = [f"`{word}`" for word in words]
+    return " or ".join([", ".join(quoted[:-1]), quoted[-1]]) if len(quoted) > 1 else quoted[0]
+
+
+def _number(given: Any, dimension: Dimension) -> float:
+    expected = EXPECTED[dimension]
+    if isinstance(given, str):
+        try:
+            return parse(given, dimension)
+        except UnitError as error:
+            refuse("quantity", f"expected {error.expected}, got `{given}`", error.hint)
+    if isinstance(given, bool) or not isinstance(given, int | float):
+        refuse("quantity", f"expected {expected}, got {described(given)}")
+    if not math.isfinite(given):
+        refuse("quantity", f"expected {expected}, got `{given}`", "the number must be finite")
+    return float(given)
+
+
+def _switch(given: Any) -> bool:
+    if isinstance(given, bool):
+        return given
+    if given not in ("true", "false"):
+        raise_unknown_word(given, ("true", "false"))
+    return bool(given == "true")
+
+
+def whole(least: int, most: int) -> BeforeValidator:
+    """Validator of a whole number between two bounds."""
+
+    def check(given: Any) -> int:
+        written = isinstance(given, str) and re.fullmatch(r"[+-]?\d{1,9}", given, re.ASCII)
+        is_int = isinstance(given, int) and not isinstance(given, bool)
+        if not (written or is_int) or not least <= int(given) <= most:
+            refuse("whole", f"expected a whole number from {least} to {most}, got {described(given)}")
+        return int(given)
+
+    return BeforeValidator(check)
+
+
+def _step(given: Any) -> Any:
+    if given == "auto":
+        return given
+    try:
+        return Quantity("time", above=0.0)(given)
+    except PydanticCustomError as error:
+        context = error.context or {}
+        hint = context["hint"] or "or `auto`"
+        refuse("quantity", str(context["message"]), hint)
+
+
+def _text(given: Any) -> str:
+    if not isinstance(given, str):
+        refuse("text", f"expected a text, got {described(given)}")
+    return given
+
+
+Switch = Annotated[bool, BeforeValidator(_switch)]
+Step = Annotated[float | Literal["auto"], BeforeValidator(_step)]
+Text = Annotated[str, BeforeValidator(_text)]

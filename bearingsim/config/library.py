@@ -1,0 +1,64 @@
+"""Bearings, rigs and materials kept in files: a name, or a path, becomes a tree."""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal
+
+from bearingsim import yamlfile
+from bearingsim.units import nearest_word
+
+Kind = Literal["bearings", "rigs", "materials"]
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def folders(kind: Kind) -> list[Path]:
+    """Where files of a kind are looked for, in order: the working folder, the installed copy, the checkout."""
+    return [base / "configs" / kind for base in (Path.cwd(), _PACKAGE, _PACKAGE.parent)]
+
+
+def library_names(kind: Kind) -> list[str]:
+    """Names that can be used as they are."""
+    return sorted({path.stem for folder in folders(kind) for path in folder.glob("*.yaml")})
+
+
+def find(kind: Kind, name: str, beside: Path | None = None) -> Path:
+    """The file behind a name or a path (relative to the working folder, or else to `beside`).
+
+    Raises ValueError, saying what exists.
+    """
+    if name.endswith((".yaml", ".yml")) or "/" in name:
+        candidates = [base / name for base in (Path(), beside) if base is not None]
+    else:
+        candidates = [folder / f"{name}.yaml" for folder in folders(kind)]
+    for path in candidates:
+        if name and path.is_file():
+            return path
+    raise ValueError(_not_found(kind, name))
+
+
+def read(kind: Kind, name: str, beside: Path | None = None) -> yamlfile.Node:
+    """The tree of a named file; ValueError if there is none, StudyError if it is not YAML."""
+    path = find(kind, name, beside).absolute()
+    return _read(path, path.stat().st_mtime_ns)
+
+
+def described(kind: Kind, given: Any) -> Any:
+    """A mapping for a name, anything else unchanged: how sections accept a name in Python."""
+    return yamlfile.plain(read(kind, given)) if isinstance(given, str) else given
+
+
+@lru_cache(maxsize=256)
+def _read(path: Path, modified: int) -> yamlfile.Node:
+    return yamlfile.parse(yamlfile.read_text(path), _shown(path))
+
+
+def _shown(path: Path) -> str:
+    return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else str(path)
+
+
+def _not_found(kind: Kind, name: str) -> str:
+    known = library_names(kind)
+    near = nearest_word(name, known)
+    advice = f"did you mean `{near}`?" if near else f"there are: {', '.join(known)}; or give a path"
+    return f"no {kind[:-1]} `{name}` ({advice})"
