@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import LANES, OVERRUN, OVERRUN_MAX, Q_I, Q_MAX, Q_O, A, Q, V, X, Y
+from bearingsim.core.layout import ACCELERATION, OVERRUN, OVERRUN_MAX, POSITION, Q_I, Q_MAX, Q_O, VELOCITY, X, Y
 from bearingsim.core.methods.interface import load_number, step
 from bearingsim.core.models.interface import damping_per_mass, stiffness_per_mass, watched
+from bearingsim.core.parameters import lanes
 
 CHANNELS = 8  # rows of a recording: x, y, x', y', x'', y'', and the first roller's outer and inner force
 FIRST_OUTER, FIRST_INNER = 6, 7
@@ -30,40 +31,38 @@ FINE, OUTRUN, NOT_FINITE = 0, 1, 2  # outcomes of a look
 @jit
 def record(y, n, out):
     """Write the state after a step into column ``n`` of ``out`` (CHANNELS, steps)."""
-    out[0, n] = y[Q + X]
-    out[1, n] = y[Q + Y]
-    out[2, n] = y[V + X]
-    out[3, n] = y[V + Y]
-    out[4, n] = y[A + X]
-    out[5, n] = y[A + Y]
-    out[6, n] = y[Q_O + LANES]
-    out[7, n] = y[Q_I + LANES]
+    out[0, n] = y[POSITION + X]
+    out[1, n] = y[POSITION + Y]
+    out[2, n] = y[VELOCITY + X]
+    out[3, n] = y[VELOCITY + Y]
+    out[4, n] = y[ACCELERATION + X]
+    out[5, n] = y[ACCELERATION + Y]
+    out[6, n] = y[Q_O]
+    out[7, n] = y[Q_I]
 
 
 @jit
-def keep_largest_force(y, end):
+def keep_largest_force(y, n):
     """Running maximum of each roller's outer contact force."""
-    for j in range(LANES, end):
+    for j in range(n):
         y[Q_MAX + j] = max(y[Q_MAX + j], y[Q_O + j])
 
 
 @jit
 def look(method, model, watch, y):
     """Outcome and body: is the state finite, and has a body outrun the step limit for longer than allowed?"""
-    first, end = watched(model)
-    if not np.isfinite(y[Q + X] + y[Q + Y] + y[V + X] + y[V + Y]):
-        return NOT_FINITE, X
-    for j in range(first, end):
+    elapsed = watch.stride * method.h
+    bodies = watched(model)
+    for j in range(bodies):
         load = load_number(method, stiffness_per_mass(model, y, j), damping_per_mass(model, y, j))
-        if not np.isfinite(load):
-            return NOT_FINITE, j
-        if load > 1.0:
-            y[OVERRUN + j] += watch.stride * method.h
-            y[OVERRUN_MAX + j] = max(y[OVERRUN_MAX + j], y[OVERRUN + j])
-            if y[OVERRUN + j] > watch.patience:
-                return OUTRUN, j
-        else:
-            y[OVERRUN + j] = 0.0
+        over = 0.0 if load <= 1.0 else y[OVERRUN + j] + elapsed
+        y[OVERRUN + j] = over
+        y[OVERRUN_MAX + j] = max(y[OVERRUN_MAX + j], over)
+    if not np.isfinite(y[POSITION + X] + y[POSITION + Y] + y[VELOCITY + X] + y[VELOCITY + Y]):
+        return NOT_FINITE, -1
+    for j in range(bodies):
+        if y[OVERRUN + j] > watch.patience:
+            return OUTRUN, j
     return FINE, -1
 
 
@@ -73,11 +72,11 @@ def advance(method, model, watch, start, y, out):
 
     Returns (steps taken, outcome, body): all steps and FINE, or the step at which the watch stopped the run.
     """
-    lanes = LANES + model.bearing.Z
+    used = lanes(model.bearing)
     for n in range(out.shape[1]):
         step(method, model, (start + n) * method.h, y)
         record(y, n, out)
-        keep_largest_force(y, lanes)
+        keep_largest_force(y, used)
         if (start + n) % watch.stride == 0:
             outcome, body = look(method, model, watch, y)
             if outcome != FINE:

@@ -21,20 +21,21 @@ from bearingsim.core.layout import (
     COS_0,
     DELTA_I,
     DELTA_O,
-    LANES,
+    POSITION,
     Q_I,
     Q_O,
+    ROW,
     SIN,
     SIN_0,
     STAGE,
-    A,
+    VELOCITY,
     Q,
-    V,
     X,
     Y,
 )
 
 K_SERIES = STAGE  # scratch row: stiffness of the two contacts of a roller in series, N/m
+PIT, ALONG = STAGE + ROW, STAGE + 2 * ROW  # scratch rows: the pit under a roller (-1: none), and where in it
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 MAX_STEPS = 200
 
@@ -101,13 +102,14 @@ def roller_balance(model, d, s, u_r):
 
 
 @jit
-def pit_under(pits, theta_c, Z, roller):
-    """Index of the pit under ``roller`` (-1 for none) and the distance s (m) from its middle."""
+def find_pits(pits, theta_c, Z, y):
+    """Fill the rows PIT and ALONG: which pit is under which roller, and how far (m) its middle is."""
+    for j in range(Z):
+        y[PIT + j] = -1.0
     for d in range(len(pits.angle)):
-        nearest, s = roller_over(pits, d, theta_c, Z)
-        if nearest == roller and abs(s) < pits.half_width[d]:
-            return d, s
-    return -1, 0.0
+        j, s = roller_over(pits, d, theta_c, Z)
+        if abs(s) < pits.half_width[d]:
+            y[PIT + j], y[ALONG + j] = d, s
 
 
 @jit
@@ -115,13 +117,13 @@ def balance_rollers(model, t, y):
     """Balance every roller for the ring position in ``y``; fills its angle, approach, force and K_SERIES rows."""
     bearing, stiffness = model.bearing, model.contact.stiffness
     theta_c = bearing.theta_0 + bearing.omega_c * t
+    find_pits(model.pits, theta_c, bearing.Z, y)
     C, S = cos(theta_c), sin(theta_c)
-    for roller in range(bearing.Z):
-        j = LANES + roller
+    for j in range(bearing.Z):
         c = C * y[COS_0 + j] - S * y[SIN_0 + j]
         s = S * y[COS_0 + j] + C * y[SIN_0 + j]
-        u_r = y[Q + X] * c + y[Q + Y] * s
-        d, along = pit_under(model.pits, theta_c, bearing.Z, roller)
+        u_r = y[POSITION + X] * c + y[POSITION + Y] * s
+        d, along = int(y[PIT + j]), y[ALONG + j]
         q = roller_balance(model, d, along, u_r)
         force, k_o, approach = outer_force(stiffness, model.pits, d, along, q - u_r - bearing.gap)
         inner = max(-bearing.gap - q, 0.0)
@@ -136,9 +138,9 @@ def balance_rollers(model, t, y):
 def net_force(model, y):
     """Net force (N) on the ring, from the rows that ``balance_rollers`` filled."""
     support = model.support
-    f_x = -support.F - support.k_b * (y[Q + X] - support.x_0)
-    f_y = -support.k_b * (y[Q + Y] - support.y_0)
-    for j in range(LANES, LANES + model.bearing.Z):
+    f_x = -support.F - support.k_b * (y[POSITION + X] - support.x_0)
+    f_y = -support.k_b * (y[POSITION + Y] - support.y_0)
+    for j in range(model.bearing.Z):
         f_x += y[Q_O + j] * y[COS + j]
         f_y += y[Q_O + j] * y[SIN + j]
     return f_x, f_y
@@ -151,7 +153,7 @@ def ring_stiffness(model, y):
     # a ring hanging on one roller has no stiffness across it: a trace of it keeps the step finite
     trace = 1e-9 * model.contact.stiffness.k
     k_xx, k_xy, k_yy = k_b + trace, 0.0, k_b + trace
-    for j in range(LANES, LANES + model.bearing.Z):
+    for j in range(model.bearing.Z):
         c, s, k = y[COS + j], y[SIN + j], y[K_SERIES + j]
         k_xx += k * c * c
         k_xy += k * c * s
@@ -181,9 +183,9 @@ def find_rest(model, t, y):
             break
         k_xx, k_xy, k_yy = ring_stiffness(model, y)
         d_x, d_y = solve_2x2(k_xx, k_xy, k_yy, f_x, f_y)
-        x, z, part, before = y[Q + X], y[Q + Y], 1.0, residual
+        x, z, part, before = y[POSITION + X], y[POSITION + Y], 1.0, residual
         while part > 1e-6:
-            y[Q + X], y[Q + Y] = x + part * d_x, z + part * d_y
+            y[POSITION + X], y[POSITION + Y] = x + part * d_x, z + part * d_y
             balance_rollers(model, t, y)
             f_x, f_y = net_force(model, y)
             residual = hypot(f_x, f_y)
@@ -202,14 +204,14 @@ def first_guess(model, y):
     delta = 1e-9
     while elastic(stiffness, delta) < model.support.F:
         delta *= 1.1
-    y[Q + X], y[Q + Y] = -2.0 * (max(gap, 0.0) + delta), 0.0
+    y[POSITION + X], y[POSITION + Y] = -2.0 * (max(gap, 0.0) + delta), 0.0
 
 
 @jit
 def rest_from_scratch(model, t, y):
     """``find_rest`` with nothing known beforehand; all velocities zero. Returns the residual force (N)."""
-    y[Q : Q + A - V] = 0.0
-    y[V : V + A - V] = 0.0
+    y[POSITION : POSITION + ROW] = 0.0
+    y[VELOCITY : VELOCITY + ROW] = 0.0
     first_guess(model, y)
     return find_rest(model, t, y)
 
@@ -226,7 +228,7 @@ def mean_rest(model, y, samples=64):
         residual = rest_from_scratch(model, (n + 0.5) / samples * pass_time, y)
         if not residual <= 1e-8 * model.support.F:
             raise ArithmeticError(f"no static equilibrium: {residual:g} N left of {model.support.F:g} N")
-        positions.append((y[Q + X], y[Q + Y]))
-        largest = max(largest, y[Q_O + LANES : Q_O + LANES + model.bearing.Z].max())
+        positions.append((y[POSITION + X], y[POSITION + Y]))
+        largest = max(largest, y[Q_O : Q_O + model.bearing.Z].max())
     x, z = np.mean(positions, axis=0)
     return float(x), float(z), float(largest)

@@ -5,6 +5,9 @@ Every float must be a ``float`` (an ``int`` would compile a second copy of the c
 
 from typing import NamedTuple
 
+from bearingsim.core.jit import jit
+from bearingsim.core.layout import VECTOR
+
 
 class Bearing(NamedTuple):
     """Geometry, masses and motion."""
@@ -28,3 +31,9 @@ class Support(NamedTuple):
     c_b: float  # N s/m
     x_0: float  # m
     y_0: float  # m
+
+
+@jit
+def lanes(bearing):
+    """Lanes in use: the rollers, padded to the vector width."""
+    return (bearing.Z + VECTOR - 1) // VECTOR * VECTOR

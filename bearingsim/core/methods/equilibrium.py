@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from bearingsim.core.layout import A, V, X, Y
+from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY, X, Y
 from bearingsim.core.methods.interface import load_number, step
 from bearingsim.core.models.interface import rest
 
@@ -15,10 +15,12 @@ class Equilibrium(NamedTuple):
 
 @step.register(Equilibrium)
 def _step(method, model, t, y):
-    v_x, v_y = y[V + X], y[V + Y]
+    v_x, v_y = y[VELOCITY + X], y[VELOCITY + Y]
+    y[POSITION + X] += method.h * v_x  # a first guess
+    y[POSITION + Y] += method.h * v_y
     rest(model, t + method.h, y)
-    y[A + X] = (y[V + X] - v_x) / method.h
-    y[A + Y] = (y[V + Y] - v_y) / method.h
+    y[ACCELERATION + X] = (y[VELOCITY + X] - v_x) / method.h
+    y[ACCELERATION + Y] = (y[VELOCITY + Y] - v_y) / method.h
 
 
 @load_number.register(Equilibrium)

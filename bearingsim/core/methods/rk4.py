@@ -7,7 +7,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ROW, STAGE, A, Q, V
+from bearingsim.core.layout import ACCELERATION, POSITION, ROW, STAGE, VELOCITY
 from bearingsim.core.methods.interface import load_number, step
 from bearingsim.core.models.interface import accelerations, width
 
@@ -25,8 +25,8 @@ class RungeKutta4(NamedTuple):
 def keep(y, n):
     """Remember where the step starts and clear the weighted sums of slopes."""
     for j in range(n):
-        y[START_Q + j] = y[Q + j]
-        y[START_V + j] = y[V + j]
+        y[START_Q + j] = y[POSITION + j]
+        y[START_V + j] = y[VELOCITY + j]
         y[SUM_Q + j] = 0.0
         y[SUM_V + j] = 0.0
 
@@ -35,20 +35,20 @@ def keep(y, n):
 def stage(weight, ahead, y, n):
     """Add the slopes found here with their weight (s) and go ``ahead`` (s) from the start along them."""
     for j in range(n):
-        slope_q, slope_v = y[V + j], y[A + j]
+        slope_q, slope_v = y[VELOCITY + j], y[ACCELERATION + j]
         y[SUM_Q + j] += weight * slope_q
         y[SUM_V + j] += weight * slope_v
-        y[Q + j] = y[START_Q + j] + ahead * slope_q
-        y[V + j] = y[START_V + j] + ahead * slope_v
+        y[POSITION + j] = y[START_Q + j] + ahead * slope_q
+        y[VELOCITY + j] = y[START_V + j] + ahead * slope_v
 
 
 @jit
 def finish(weight, y, n):
     """Add the last slopes and take the step."""
     for j in range(n):
-        y[Q + j], y[V + j] = (
-            y[START_Q + j] + y[SUM_Q + j] + weight * y[V + j],
-            y[START_V + j] + y[SUM_V + j] + weight * y[A + j],
+        y[POSITION + j], y[VELOCITY + j] = (
+            y[START_Q + j] + y[SUM_Q + j] + weight * y[VELOCITY + j],
+            y[START_V + j] + y[SUM_V + j] + weight * y[ACCELERATION + j],
         )
 
 

@@ -10,7 +10,7 @@ half the limit of symplectic Euler.
 from typing import NamedTuple
 
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import STAGE, A, Q, V
+from bearingsim.core.layout import ACCELERATION, POSITION, STAGE, VELOCITY
 from bearingsim.core.methods.interface import load_number, step
 from bearingsim.core.models.interface import accelerations, width
 
@@ -25,17 +25,17 @@ class Verlet(NamedTuple):
 def drift(h, y, n):
     """Positions to the end of the step, velocities to their prediction; half-kicked velocities are kept."""
     for j in range(n):
-        kicked = y[V + j] + 0.5 * h * y[A + j]
+        kicked = y[VELOCITY + j] + 0.5 * h * y[ACCELERATION + j]
         y[STAGE + j] = kicked
-        y[Q + j] += h * kicked
-        y[V + j] += h * y[A + j]
+        y[POSITION + j] += h * kicked
+        y[VELOCITY + j] += h * y[ACCELERATION + j]
 
 
 @jit
 def kick(h, y, n):
     """The second half of the kick, with the new accelerations."""
     for j in range(n):
-        y[V + j] = y[STAGE + j] + 0.5 * h * y[A + j]
+        y[VELOCITY + j] = y[STAGE + j] + 0.5 * h * y[ACCELERATION + j]
 
 
 @step.register(Verlet)

@@ -24,14 +24,14 @@ def rest(model: Any, t: float, y: np.ndarray) -> float:
 
 @generic
 def stiffness_per_mass(model: Any, y: np.ndarray, j: int) -> float:
-    """Stiffness over mass (1/s^2) of body ``j`` (an entry of a row) as it stands now."""
+    """Stiffness over mass (1/s^2) of watched body ``j`` as it stands now."""
 
 
 @generic
 def damping_per_mass(model: Any, y: np.ndarray, j: int) -> float:
-    """Damping over mass (1/s) of body ``j`` as it stands now."""
+    """Damping over mass (1/s) of watched body ``j`` as it stands now."""
 
 
 @generic
-def watched(model: Any) -> tuple[int, int]:
-    """The entries of a row whose step limit is watched: first, and one past the last."""
+def watched(model: Any) -> int:
+    """How many bodies have their step limit watched: the rollers (by lane), or the ring alone."""

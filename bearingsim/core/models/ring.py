@@ -17,25 +17,24 @@ from math import cos, sin
 from typing import Any, NamedTuple
 
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.defects import W, Pits, depression, roller_over
+from bearingsim.core.defects import Pits, W, depression, roller_over
 from bearingsim.core.equilibrium import roller_balance
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
+    ACCELERATION,
     COS,
     COS_0,
     DELTA_I,
     DELTA_O,
     LANES,
+    POSITION,
     Q_I,
     Q_O,
     SIN,
     SIN_0,
     V_I,
     V_O,
-    VECTOR,
-    A,
-    Q,
-    V,
+    VELOCITY,
     X,
     Y,
 )
@@ -46,7 +45,7 @@ from bearingsim.core.models.interface import (
     watched,
     width,
 )
-from bearingsim.core.parameters import Bearing, Support
+from bearingsim.core.parameters import Bearing, Support, lanes
 
 
 class Ring(NamedTuple):
@@ -65,7 +64,7 @@ def _width(model):
 
 @watched.register(Ring)
 def _watched(model):
-    return X, X + 1
+    return 1
 
 
 @jit
@@ -73,9 +72,9 @@ def halves(bearing, theta_c, y, n):
     """Angles, and half the total approach and rate of every roller over an undamaged race."""
     C, S = cos(theta_c), sin(theta_c)
     omega_c, gap = bearing.omega_c, bearing.gap
-    u_x, u_y, v_x, v_y = y[Q + X], y[Q + Y], y[V + X], y[V + Y]
+    u_x, u_y, v_x, v_y = y[POSITION + X], y[POSITION + Y], y[VELOCITY + X], y[VELOCITY + Y]
     w_x, w_y = v_x + omega_c * u_y, v_y - omega_c * u_x
-    for j in range(LANES, n):
+    for j in range(n):
         c = C * y[COS_0 + j] - S * y[SIN_0 + j]
         s = S * y[COS_0 + j] + C * y[SIN_0 + j]
         y[COS + j] = c
@@ -89,9 +88,8 @@ def over_pits(model, theta_c, y):
     """Solve the series of each roller that stands over a pit."""
     pits, bearing = model.pits, model.bearing
     for d in range(len(pits.angle)):
-        roller, s = roller_over(pits, d, theta_c, bearing.Z)
+        j, s = roller_over(pits, d, theta_c, bearing.Z)
         if abs(s) < pits.half_width[d]:
-            j = LANES + roller
             u_r = -2.0 * (y[DELTA_O + j] + bearing.gap)
             outer = roller_balance(model, d, s, u_r) - u_r - bearing.gap
             force, mean = 0.0, 0.0
@@ -108,38 +106,40 @@ def over_pits(model, theta_c, y):
 @accelerations.register(Ring)
 def _accelerations(model, t, y):
     bearing, support = model.bearing, model.support
-    n = LANES + (bearing.Z + VECTOR - 1) // VECTOR * VECTOR
+    n = lanes(bearing)
     theta_c = bearing.theta_0 + bearing.omega_c * t
     halves(bearing, theta_c, y, n)
-    for j in range(LANES, n):
+    for j in range(n):
         y[Q_O + j] = normal_force(model.contact, y[DELTA_O + j], y[V_O + j])
     over_pits(model, theta_c, y)
 
     f_x, f_y = 0.0, 0.0
-    for j in range(LANES, n):
+    for j in range(n):
         y[Q_I + j] = y[Q_O + j]
         y[DELTA_I + j] = y[DELTA_O + j]
         y[V_I + j] = y[V_O + j]
         f_x = add(f_x, y[Q_O + j] * y[COS + j])
         f_y = add(f_y, y[Q_O + j] * y[SIN + j])
-    f_x += -support.F - support.k_b * (y[Q + X] - support.x_0) - support.c_b * y[V + X]
-    f_y += -support.k_b * (y[Q + Y] - support.y_0) - support.c_b * y[V + Y]
-    y[A + X] = f_x / bearing.m_o
-    y[A + Y] = f_y / bearing.m_o
+    f_x += -support.F - support.k_b * (y[POSITION + X] - support.x_0) - support.c_b * y[VELOCITY + X]
+    f_y += -support.k_b * (y[POSITION + Y] - support.y_0) - support.c_b * y[VELOCITY + Y]
+    y[ACCELERATION + X] = f_x / bearing.m_o
+    y[ACCELERATION + Y] = f_y / bearing.m_o
 
 
 @stiffness_per_mass.register(Ring)
 def _stiffness_per_mass(model, y, j):
     """All contacts in one line: at least the largest eigenvalue of the ring's stiffness, at most twice it."""
-    total = model.support.k_b
-    for i in range(LANES, LANES + model.bearing.Z):
-        total += 0.5 * stiffness_slope(model.contact, max(y[DELTA_O + i], 0.0), y[V_O + i])
-    return total / model.bearing.m_o
+    total = 0.0
+    for i in range(lanes(model.bearing)):
+        real = y[COS + i] * y[COS + i] + y[SIN + i] * y[SIN + i]  # 1, and 0 in a padded lane
+        total = add(total, real * stiffness_slope(model.contact, max(y[DELTA_O + i], 0.0), y[V_O + i]))
+    return (0.5 * total + model.support.k_b) / model.bearing.m_o
 
 
 @damping_per_mass.register(Ring)
 def _damping_per_mass(model, y, j):
-    total = model.support.c_b
-    for i in range(LANES, LANES + model.bearing.Z):
-        total += 0.5 * damping_slope(model.contact, max(y[DELTA_O + i], 0.0), y[V_O + i])
-    return total / model.bearing.m_o
+    total = 0.0
+    for i in range(lanes(model.bearing)):
+        real = y[COS + i] * y[COS + i] + y[SIN + i] * y[SIN + i]
+        total = add(total, real * damping_slope(model.contact, max(y[DELTA_O + i], 0.0), y[V_O + i]))
+    return (0.5 * total + model.support.c_b) / model.bearing.m_o

@@ -13,22 +13,24 @@ from math import cos, sin
 from typing import Any, NamedTuple
 
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.defects import W, Pits, depression, roller_over
+from bearingsim.core.defects import Pits, W, depression, roller_over
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
+    ACCELERATION,
     COS,
     COS_0,
     DELTA_I,
     DELTA_O,
     INVERSE_MASS,
     LANES,
+    POSITION,
     Q_I,
     Q_O,
     SIN,
     SIN_0,
     V_I,
     V_O,
-    VECTOR,
+    VELOCITY,
     A,
     Q,
     V,
@@ -42,7 +44,7 @@ from bearingsim.core.models.interface import (
     watched,
     width,
 )
-from bearingsim.core.parameters import Bearing, Support
+from bearingsim.core.parameters import Bearing, Support, lanes
 
 
 class Rollers(NamedTuple):
@@ -56,12 +58,12 @@ class Rollers(NamedTuple):
 
 @width.register(Rollers)
 def _width(model):
-    return LANES + (model.bearing.Z + VECTOR - 1) // VECTOR * VECTOR
+    return LANES + lanes(model.bearing)
 
 
 @watched.register(Rollers)
 def _watched(model):
-    return LANES, LANES + model.bearing.Z
+    return model.bearing.Z
 
 
 @jit
@@ -69,9 +71,9 @@ def approaches(bearing, theta_c, y, n):
     """Angles, approaches and their rates of both contacts of every roller over an undamaged race."""
     C, S = cos(theta_c), sin(theta_c)
     omega_c, gap = bearing.omega_c, bearing.gap
-    u_x, u_y, v_x, v_y = y[Q + X], y[Q + Y], y[V + X], y[V + Y]
+    u_x, u_y, v_x, v_y = y[POSITION + X], y[POSITION + Y], y[VELOCITY + X], y[VELOCITY + Y]
     w_x, w_y = v_x + omega_c * u_y, v_y - omega_c * u_x  # u' - omega_c x u, so that w.e_r = d(u.e_r)/dt
-    for j in range(LANES, n):
+    for j in range(n):
         c = C * y[COS_0 + j] - S * y[SIN_0 + j]
         s = S * y[COS_0 + j] + C * y[SIN_0 + j]
         y[COS + j] = c
@@ -90,9 +92,8 @@ def over_pits(model, theta_c, y):
     """
     pits, bearing = model.pits, model.bearing
     for d in range(len(pits.angle)):
-        roller, s = roller_over(pits, d, theta_c, bearing.Z)
+        j, s = roller_over(pits, d, theta_c, bearing.Z)
         if abs(s) < pits.half_width[d]:
-            j = LANES + roller
             force, mean = 0.0, 0.0
             for k in range(pits.used[d]):
                 group = pits.groups[d, k]
@@ -108,10 +109,10 @@ def over_pits(model, theta_c, y):
 @accelerations.register(Rollers)
 def _accelerations(model, t, y):
     bearing, support, contact = model.bearing, model.support, model.contact
-    n = width(model)
+    n = lanes(bearing)
     theta_c = bearing.theta_0 + bearing.omega_c * t
     approaches(bearing, theta_c, y, n)
-    for j in range(LANES, n):
+    for j in range(n):
         y[Q_O + j] = normal_force(contact, y[DELTA_O + j], y[V_O + j])
         y[Q_I + j] = normal_force(contact, y[DELTA_I + j], y[V_I + j])
     over_pits(model, theta_c, y)
@@ -119,15 +120,15 @@ def _accelerations(model, t, y):
     omega_2 = bearing.omega_c * bearing.omega_c
     middle = 0.5 * (bearing.R_o + bearing.R_i)
     f_x, f_y = 0.0, 0.0
-    for j in range(LANES, n):
+    for j in range(n):
         centrifugal = bearing.m_r * omega_2 * (middle + y[Q + j])
         y[A + j] = y[INVERSE_MASS + j] * (centrifugal + y[Q_I + j] - y[Q_O + j])
         f_x = add(f_x, y[Q_O + j] * y[COS + j])
         f_y = add(f_y, y[Q_O + j] * y[SIN + j])
-    f_x += -support.F - support.k_b * (y[Q + X] - support.x_0) - support.c_b * y[V + X]
-    f_y += -support.k_b * (y[Q + Y] - support.y_0) - support.c_b * y[V + Y]
-    y[A + X] = f_x / bearing.m_o
-    y[A + Y] = f_y / bearing.m_o
+    f_x += -support.F - support.k_b * (y[POSITION + X] - support.x_0) - support.c_b * y[VELOCITY + X]
+    f_y += -support.k_b * (y[POSITION + Y] - support.y_0) - support.c_b * y[VELOCITY + Y]
+    y[ACCELERATION + X] = f_x / bearing.m_o
+    y[ACCELERATION + Y] = f_y / bearing.m_o
 
 
 @stiffness_per_mass.register(Rollers)

@@ -7,10 +7,10 @@ Its velocity is the rate at which that place moves, by differentiating the balan
 from typing import Any, NamedTuple
 
 from bearingsim.core.contact import tangent
-from bearingsim.core.defects import W, Pits, depression
-from bearingsim.core.equilibrium import K_SERIES, find_rest, pit_under, ring_stiffness, solve_2x2
+from bearingsim.core.defects import Pits, W, depression
+from bearingsim.core.equilibrium import ALONG, K_SERIES, PIT, find_rest, ring_stiffness, solve_2x2
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import COS, DELTA_I, LANES, Q_O, SIN, Q, V, X, Y
+from bearingsim.core.layout import COS, DELTA_I, LANES, POSITION, Q_O, SIN, VELOCITY, X, Y
 from bearingsim.core.models.interface import damping_per_mass, rest, stiffness_per_mass, watched, width
 from bearingsim.core.parameters import Bearing, Support
 
@@ -45,19 +45,16 @@ def pit_rate(model, d, s, inner, u_r):
 
 
 @jit
-def moving_force(model, t, y):
+def moving_force(model, y):
     """df/dt (N/s) of the net force with the ring held: rollers change angle, pits sink under them."""
     bearing = model.bearing
-    theta_c = bearing.theta_0 + bearing.omega_c * t
     g_x, g_y = 0.0, 0.0
-    for roller in range(bearing.Z):
-        j = LANES + roller
+    for j in range(bearing.Z):
         c, s = y[COS + j], y[SIN + j]
-        rate = -bearing.omega_c * (-y[Q + X] * s + y[Q + Y] * c)
-        d, along = pit_under(model.pits, theta_c, bearing.Z, roller)
-        if d >= 0:
-            u_r = y[Q + X] * c + y[Q + Y] * s
-            rate -= pit_rate(model, d, along, y[DELTA_I + j], u_r)
+        rate = -bearing.omega_c * (-y[POSITION + X] * s + y[POSITION + Y] * c)
+        if y[PIT + j] >= 0.0:
+            u_r = y[POSITION + X] * c + y[POSITION + Y] * s
+            rate -= pit_rate(model, int(y[PIT + j]), y[ALONG + j], y[DELTA_I + j], u_r)
         force_rate, turning = y[K_SERIES + j] * rate, y[Q_O + j] * bearing.omega_c
         g_x += force_rate * c - turning * s
         g_y += force_rate * s + turning * c
@@ -67,15 +64,15 @@ def moving_force(model, t, y):
 @rest.register(Static)
 def _rest(model, t, y):
     residual = find_rest(model, t, y)
-    g_x, g_y = moving_force(model, t, y)
+    g_x, g_y = moving_force(model, y)
     k_xx, k_xy, k_yy = ring_stiffness(model, y)
-    y[V + X], y[V + Y] = solve_2x2(k_xx, k_xy, k_yy, g_x, g_y)
+    y[VELOCITY + X], y[VELOCITY + Y] = solve_2x2(k_xx, k_xy, k_yy, g_x, g_y)
     return residual
 
 
 @watched.register(Static)
 def _watched(model):
-    return 0, 0
+    return 0
 
 
 @stiffness_per_mass.register(Static)
