@@ -1,0 +1,73 @@
+"""Which jobs go together: shards of a study, and units of work of a sensible size."""
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from typing import Any, NamedTuple
+
+from bearingsim.store.units import JobLike
+
+__all__ = ["Cost", "pack", "shard_of"]
+
+UNIT_S = 2.0  # computing that makes the 30 ms of a file small
+SHORTEST_UNIT_S = 0.25
+UNITS_PER_WORKER = 3  # a study that is soon done is cut finer, so that no worker idles
+UNIT_BYTES = 64e6
+
+
+class Cost(NamedTuple):
+    """Estimated price of a job: CPU time in s, series in bytes."""
+
+    seconds: float
+    bytes: float
+
+
+def shard_of(jobs: Sequence[JobLike], shard: tuple[int, int]) -> list[JobLike]:
+    """Share ``k`` of ``n`` (from 1) of the jobs: every n-th in the order of ids, the same on every machine.
+
+    Raises ValueError for a share that does not exist.
+    """
+    k, n = shard
+    if not 1 <= k <= n:
+        raise ValueError(f"there is no shard {k}/{n}: count from 1/{n} to {n}/{n}")
+    ours = {job.id for job in sorted(jobs, key=lambda job: job.id)[k - 1 :: n]}
+    return [job for job in jobs if job.id in ours]
+
+
+def pack(jobs: Sequence[JobLike], costs: Sequence[Cost], workers: int) -> list[list[int]]:
+    """Indices of the jobs of each unit, most expensive unit first.
+
+    A unit has at least 2 s of computing unless there is too little of it for all workers, one time axis and
+    one set of channels.
+    """
+    target = unit_seconds(sum(cost.seconds for cost in costs), workers)
+    order = sorted(range(len(jobs)), key=lambda index: _axis(jobs[index].case))
+    alike = [list(group) for _, group in groupby(order, key=lambda index: _axis(jobs[index].case))]
+    units = [unit for group in alike for unit in _cut(group, costs, target)]
+    return sorted(units, key=lambda unit: -sum(costs[index].seconds for index in unit))
+
+
+def unit_seconds(total: float, workers: int) -> float:
+    """Computing time that makes a unit worth its file, for a study of ``total`` seconds."""
+    return min(UNIT_S, max(SHORTEST_UNIT_S, total / (UNITS_PER_WORKER * workers)))
+
+
+def _axis(case: Any) -> str:
+    """Text that is the same for cases with one time axis and one set of channels."""
+    names = ("sampling", "duration", "antialias", "record")
+    return repr([getattr(case, name, None) for name in names])
+
+
+def _cut(group: Sequence[int], costs: Sequence[Cost], target: float) -> Iterator[list[int]]:
+    """Cut a run of jobs into units of ``target`` seconds; a job as long as that is a unit of its own."""
+    unit: list[int] = []
+    for index in group:
+        if costs[index].seconds >= target:
+            yield [index]
+            continue
+        unit.append(index)
+        seconds, size = sum(costs[i].seconds for i in unit), sum(costs[i].bytes for i in unit)
+        if seconds >= target or size >= UNIT_BYTES:
+            yield unit
+            unit = []
+    if unit:
+        yield unit

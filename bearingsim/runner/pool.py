@@ -1,0 +1,90 @@
+"""Computing units of work, in this process or in a pool that survives the death of its workers."""
+
+import os
+import re
+import warnings
+from collections.abc import Generator, Sequence
+from concurrent.futures.process import BrokenProcessPool
+
+from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
+from bearingsim.store import Failure, log, take_suspects
+
+__all__ = ["WorkersDie", "outcomes"]
+
+BARREN_RESTARTS = 3
+
+
+class WorkersDie(Exception):
+    """Worker processes die before they compute anything."""
+
+
+def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
+    """Compute units of work and yield what became of each, as they come.
+
+    One worker means this process; more are always other processes, even for one unit. A worker that dies takes
+    the pool with it and names no culprit: the jobs that were running then are computed one at a time, and the
+    one that dies alone becomes a failure.
+    """
+    if workers == 1:
+        yield from map(compute, works)
+        return
+    waiting, barren = list(works), 0
+    while waiting:
+        returned: set[str] = set()
+        try:
+            for outcome in _in_pool(waiting, workers):
+                returned.add(outcome.unit)
+                yield outcome
+            return
+        except BrokenProcessPool as death:
+            waiting = [work for work in waiting if work.unit not in returned]
+            suspects = take_suspects(waiting[0].root, [work.unit for work in waiting])
+            barren = 0 if returned or suspects else barren + 1
+            if barren == BARREN_RESTARTS:
+                raise WorkersDie(f"worker processes die as they start ({_exit_codes(death)})") from death
+            log(waiting[0].root, "worker died", exit=_exit_codes(death), suspects=sorted(suspects))
+        yield from (_alone(work.only([job]), workers) for work in waiting for job in _ids(work) & suspects)
+        remaining = (work.only(_ids(work) - suspects) for work in waiting)
+        waiting = [work for work in remaining if work.jobs]
+
+
+def _ids(work: Work) -> set[str]:
+    return {job.id for job in work.jobs}
+
+
+def _in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
+    """Outcomes in the order of completion. Raises BrokenProcessPool when a worker dies; all are dead then."""
+    from joblib import Parallel, delayed, parallel_config
+
+    with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=(os.getpid(),)):
+        pool = Parallel(
+            n_jobs=max(2, min(workers, len(works))), return_as="generator_unordered", batch_size=1, max_nbytes=None
+        )
+    results = pool(delayed(compute)(work) for work in works)
+    try:
+        yield from results
+    finally:
+        with warnings.catch_warnings():  # left early on purpose: joblib would say so
+            warnings.simplefilter("ignore")
+            results.close()
+
+
+def _alone(work: Work, workers: int) -> Outcome:
+    """Compute a single job with nothing beside it, so that a death names its culprit."""
+    try:
+        return next(iter(list(_in_pool([work], workers))))
+    except BrokenProcessPool as death:
+        take_suspects(work.root, [work.unit])
+        failure = Failure(
+            job=work.jobs[0].id,
+            reason=f"the worker process died: {_exit_codes(death)}",
+            advice="if it was killed for memory, try fewer workers (--jobs) or a shorter duration",
+            attempts=2,
+        )
+        return Outcome(unit=work.unit, done=(), failed=(failure,))
+
+
+def _exit_codes(death: BrokenProcessPool) -> str:
+    """What loky tells of dead workers, such as ``SIGKILL(-9)``."""
+    found = re.search(r"\{(.+?)\}", str(death))
+    return found[1] if found else type(death).__name__

@@ -1,0 +1,66 @@
+"""Progress of a run: a bar with the time left on a terminal, a plain line now and then elsewhere."""
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+
+__all__ = ["Report", "progress"]
+
+LINE_EVERY_S = 10.0
+
+Report = Callable[[int, int, float], None]
+"""Told of jobs done, jobs failed, and estimated seconds of computing that they stood for."""
+
+
+def progress(shown: bool | None, jobs: int, seconds: float) -> AbstractContextManager[Report]:
+    """Show the progress of ``jobs`` jobs of ``seconds`` estimated computing; ``shown`` False shows nothing."""
+    if shown is False or jobs == 0:
+        return nullcontext(lambda done, failed, cost: None)
+    return _bar(jobs, seconds) if sys.stderr.isatty() else _lines(jobs, seconds)
+
+
+@contextmanager
+def _bar(jobs: int, seconds: float) -> Iterator[Report]:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    look = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left"))
+    done = failed = 0
+    with Progress(*look, TimeRemainingColumn(), console=Console(stderr=True)) as bar:
+        task = bar.add_task(_counts(0, 0, jobs), total=seconds)
+
+        def report(now_done: int, now_failed: int, cost: float) -> None:
+            nonlocal done, failed
+            done, failed = done + now_done, failed + now_failed
+            bar.update(task, advance=cost, description=_counts(done, failed, jobs))
+
+        yield report
+
+
+@contextmanager
+def _lines(jobs: int, seconds: float) -> Iterator[Report]:
+    started = last = time.monotonic()
+    done = failed = 0
+    computed = 0.0
+
+    def report(now_done: int, now_failed: int, cost: float) -> None:
+        nonlocal done, failed, computed, last
+        done, failed, computed = done + now_done, failed + now_failed, computed + cost
+        now = time.monotonic()
+        if now - last >= LINE_EVERY_S:
+            left = (now - started) * (seconds - computed) / max(computed, 1e-9)
+            print(f"{_counts(done, failed, jobs)}, about {_duration(left)} left", file=sys.stderr, flush=True)
+            last = now
+
+    yield report
+
+
+def _counts(done: int, failed: int, jobs: int) -> str:
+    return f"{done + failed}/{jobs} jobs" + (f", {failed} failed" if failed else "")
+
+
+def _duration(seconds: float) -> str:
+    minutes, rest = divmod(round(max(seconds, 0.0)), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s" if minutes else f"{rest} s"

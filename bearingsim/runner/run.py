@@ -1,0 +1,177 @@
+"""Running a study: what is not done yet is computed and stored, whatever happens meanwhile."""
+
+import shlex
+import time
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from bearingsim import store
+from bearingsim.runner.packing import Cost, pack, shard_of
+from bearingsim.runner.pool import outcomes
+from bearingsim.runner.progress import progress as shown_progress
+from bearingsim.runner.summary import Interrupted, RunSummary, grouped
+from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
+from bearingsim.store.units import JobLike
+
+__all__ = ["run"]
+
+
+def run(
+    study: Any,
+    out: str | Path | None = None,
+    jobs: int | None = None,
+    fresh: bool = False,
+    retry_failed: bool = False,
+    shard: tuple[int, int] = (1, 1),
+    verify: bool = False,
+    progress: bool | None = None,
+    engine: Engine = BEARINGSIM,
+) -> RunSummary:
+    """Compute the jobs of a study that are not stored yet, into ``out`` (default ``results/<study>``).
+
+    jobs: worker processes (default: the CPUs); 1 computes in this process. fresh: throw stored results away
+    first. retry_failed: try failed jobs again. shard: ``(k, n)`` computes share k of n. verify: read every
+    stored byte against its checksum before trusting it. progress: False shows none.
+
+    Raises Interrupted (with the summary; what is done stays done), ValueError for options that contradict each
+    other, store.FolderInUse, WorkersDie, and OSError when the folder cannot be written.
+    """
+    started = time.perf_counter()
+    root = Path(out if out is not None else Path("results") / study.name).resolve()
+    workers, ours = _workers(jobs), shard_of(study.jobs(), shard)
+    _prepare(root, study, fresh, shard)
+    plan = _plan(root, ours, retry_failed, verify)
+    store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
+    tally = _Tally(root, _command(study, root), plan.failures)
+    interrupted = False
+    try:
+        if plan.todo:
+            works = _works(root, study, plan.todo, workers, engine)
+            load(engine.warm)([job.case for job in plan.todo])
+            _compute(works, workers, tally, progress)
+    except KeyboardInterrupt:
+        interrupted = True
+    store.build_table(root)
+    seconds = time.perf_counter() - started
+    summary = tally.summary(study.name, len(ours), plan.resumed, seconds, interrupted)
+    store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
+    if interrupted:
+        raise Interrupted(summary)
+    return summary
+
+
+def _workers(asked: int | None) -> int:
+    """Worker processes: what was asked for, or the CPUs. Raises ValueError for less than one."""
+    from joblib import cpu_count
+
+    if asked is not None and asked < 1:
+        raise ValueError(f"expected at least 1 worker process, got {asked}")
+    return asked or int(cpu_count())
+
+
+def _prepare(root: Path, study: Any, fresh: bool, shard: tuple[int, int]) -> None:
+    if fresh and shard != (1, 1):
+        raise ValueError("a fresh start would throw away the other shards' results: remove the folder first")
+    root.mkdir(parents=True, exist_ok=True)
+    store.sweep(root)
+    if fresh:
+        store.discard(root)
+    store.write_plan(root, study)
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """What is left to do: jobs to compute, number of jobs done before, failures that are not tried again."""
+
+    todo: list[JobLike]
+    resumed: int
+    failures: dict[str, store.Failure]
+
+
+def _plan(root: Path, jobs: Sequence[JobLike], retry_failed: bool, verify: bool) -> _Plan:
+    sealed = store.sealed_jobs(root, checksums=verify)
+    left = [job for job in jobs if job.id not in sealed]
+    ids = {job.id for job in left}
+    failures = {job: failure for job, failure in store.read_failures(root).items() if job in ids}
+    todo = left if retry_failed else [job for job in left if job.id not in failures]
+    return _Plan(todo, len(jobs) - len(left), failures)
+
+
+@dataclass
+class _Tally:
+    """What has become of the jobs so far; writes failures and the journal as outcomes come in."""
+
+    root: Path
+    command: str
+    failures: dict[str, store.Failure]
+    done: int = 0
+    cpu_s: float = 0.0
+    integrator_cpu_s: float = 0.0
+
+    def add(self, outcome: Outcome) -> None:
+        """Take an outcome in."""
+        self.done += len(outcome.done)
+        self.cpu_s += outcome.cpu_s
+        self.integrator_cpu_s += outcome.integrator_cpu_s
+        for job in outcome.done:
+            if self.failures.pop(job, None) is not None:
+                store.clear_failure(self.root, job)
+        for failure in outcome.failed:
+            self._add_failure(failure)
+        facts = {"done": len(outcome.done), "failed": len(outcome.failed)}
+        store.log(self.root, "unit", unit=outcome.unit, **facts, seconds=round(outcome.seconds, 3))
+
+    def summary(self, study: str, planned: int, resumed: int, seconds: float, interrupted: bool) -> RunSummary:
+        """What the run comes to."""
+        return RunSummary(
+            study=study,
+            folder=self.root,
+            planned=planned,
+            resumed=resumed,
+            done=self.done,
+            failures=grouped(self.failures.values()),
+            seconds=seconds,
+            cpu_s=self.cpu_s,
+            integrator_cpu_s=self.integrator_cpu_s,
+            interrupted=interrupted,
+        )
+
+    def _add_failure(self, failure: store.Failure) -> None:
+        before = self.failures.get(failure.job)
+        attempts = failure.attempts + (before.attempts if before else 0)
+        told = replace(failure, attempts=attempts, command=self.command, when=store.now())
+        self.failures[failure.job] = told
+        told.write(self.root)
+
+
+def _works(root: Path, study: Any, todo: Sequence[JobLike], workers: int, engine: Engine) -> list[Work]:
+    """Pack the jobs left to do into units of work."""
+    estimates = [load(engine.estimate)(job.case) for job in todo]
+    costs = [Cost(float(one.cpu_seconds), float(one.bytes)) for one in estimates]
+    provenance = store.provenance(study)
+    return [
+        Work(root, tuple(todo[i] for i in unit), tuple(costs[i].seconds for i in unit), engine, provenance)
+        for unit in pack(todo, costs, workers)
+    ]
+
+
+def _compute(works: Sequence[Work], workers: int, tally: _Tally, shown: bool | None) -> None:
+    """Compute units of work, taking each outcome in as it comes."""
+    price = {job.id: seconds for work in works for job, seconds in zip(work.jobs, work.seconds, strict=True)}
+    bar = shown_progress(shown, len(price), sum(price.values()))
+    with bar as report, closing(outcomes(works, workers)) as coming:
+        for outcome in coming:
+            tally.add(outcome)
+            ids = [*outcome.done, *(failure.job for failure in outcome.failed)]
+            report(len(outcome.done), len(outcome.failed), sum(price[job] for job in ids))
+
+
+def _command(study: Any, root: Path) -> str:
+    """The command that tries the failed jobs of a study again."""
+    words = ["bearingsim", "run", str(study.path or root / "study.yaml"), "--out", str(root)]
+    for path, value in study.overrides.items():
+        words += ["--set", f"{path}={value}"]
+    return shlex.join([*words, *(["--quick"] if study.quick else []), "--retry-failed"])

@@ -1,0 +1,92 @@
+"""What a run comes to: counts, time, and failures grouped by reason."""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+from bearingsim.store import Failure
+
+__all__ = ["FailureGroup", "Interrupted", "RunSummary", "grouped"]
+
+
+@dataclass(frozen=True)
+class FailureGroup:
+    """Failures of one kind: the reason and advice of the first, and all their jobs."""
+
+    reason: str
+    advice: str
+    jobs: tuple[str, ...]
+
+    def __str__(self) -> str:
+        advice = f" ({self.advice})" if self.advice else ""
+        count = f"{len(self.jobs)} job" + ("s" if len(self.jobs) > 1 else "")
+        return f"{count} failed: {self.reason}{advice}, for example {self.jobs[0]}"
+
+
+def grouped(failures: Iterable[Failure]) -> tuple[FailureGroup, ...]:
+    """Group failures whose reasons differ in numbers at most, largest group first."""
+    ordered = sorted(failures, key=lambda failure: (_kind(failure), failure.job))
+    groups = [list(group) for _, group in groupby(ordered, key=_kind)]
+    found = [FailureGroup(g[0].reason, g[0].advice, tuple(failure.job for failure in g)) for g in groups]
+    return tuple(sorted(found, key=lambda group: -len(group.jobs)))
+
+
+def _kind(failure: Failure) -> str:
+    return re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", failure.reason)
+
+
+@dataclass(frozen=True)
+class RunSummary:
+    """Result of a run: numbers of jobs planned, done before and done now, failures; times in s.
+
+    ``cpu_s`` is CPU time of the workers, ``integrator_cpu_s`` the part of it inside the integrator.
+    """
+
+    study: str
+    folder: Path
+    planned: int
+    resumed: int
+    done: int
+    failures: tuple[FailureGroup, ...]
+    seconds: float
+    cpu_s: float
+    integrator_cpu_s: float
+    interrupted: bool = False
+
+    @property
+    def failed(self) -> int:
+        """Number of jobs that failed, now or in an earlier run."""
+        return sum(len(group.jobs) for group in self.failures)
+
+    @property
+    def missing(self) -> int:
+        """Number of planned jobs neither done nor failed."""
+        return self.planned - self.resumed - self.done - self.failed
+
+    @property
+    def integrator_share(self) -> float:
+        """Share of the workers' CPU time spent inside the integrator, NaN when nothing was computed."""
+        return self.integrator_cpu_s / self.cpu_s if self.cpu_s > 0 else float("nan")
+
+    @property
+    def exit_code(self) -> int:
+        """0 all done, 1 some failed, 130 interrupted."""
+        return 130 if self.interrupted else int(self.failed > 0)
+
+    def __str__(self) -> str:
+        counts = {"done before": self.resumed, "failed": self.failed, "left": self.missing}
+        parts = [f"{self.done} done", *(f"{count} {what}" for what, count in counts.items() if count)]
+        line = f"{self.study}: {', '.join(parts)} of {self.planned} jobs in {self.seconds:.1f} s"
+        if self.cpu_s > 0:
+            line += f", {self.integrator_share:.0%} of the workers' CPU time in the integrator"
+        return "\n".join([line, *map(str, self.failures)])
+
+
+class Interrupted(KeyboardInterrupt):
+    """A run was interrupted; what was done by then is stored. Carries the summary."""
+
+    def __init__(self, summary: RunSummary) -> None:
+        super().__init__(f"interrupted: {summary}")
+        self.summary = summary

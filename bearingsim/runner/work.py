@@ -1,0 +1,131 @@
+"""A unit of work and how one is computed: this is what runs in a worker process."""
+
+import ctypes
+import importlib
+import os
+import signal
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from bearingsim.store import Failure, start_marker, unit_name, write_units
+from bearingsim.store.units import JobLike, RecordLike, Value
+
+__all__ = ["BEARINGSIM", "Engine", "Outcome", "Work", "compute", "die_with_parent", "load"]
+
+PR_SET_PDEATHSIG = 1
+POLL_S = 2.0
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Import paths ``module:function`` of what computes a case, estimates its cost, and compiles beforehand."""
+
+    simulate: str = "bearingsim.simulate:simulate"
+    estimate: str = "bearingsim.choose:estimate"
+    warm: str = "bearingsim.simulate:warm"
+
+
+BEARINGSIM = Engine()
+
+
+@dataclass(frozen=True)
+class Work:
+    """Jobs to compute in one go, where to store them, and the estimated time in s of each."""
+
+    root: Path
+    jobs: tuple[JobLike, ...]
+    seconds: tuple[float, ...]
+    engine: Engine
+    provenance: Mapping[str, Value]
+
+    @property
+    def unit(self) -> str:
+        """Name of the unit, by its jobs."""
+        return unit_name(job.id for job in self.jobs)
+
+    def only(self, ids: Iterable[str]) -> "Work":
+        """The part of the work that concerns some jobs."""
+        wanted = set(ids)
+        pairs = [pair for pair in zip(self.jobs, self.seconds, strict=True) if pair[0].id in wanted]
+        return replace(self, jobs=tuple(job for job, _ in pairs), seconds=tuple(cost for _, cost in pairs))
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a unit of work: jobs sealed, jobs failed, CPU time in s."""
+
+    unit: str
+    done: tuple[str, ...]
+    failed: tuple[Failure, ...]
+    seconds: float = 0.0
+    cpu_s: float = 0.0
+    integrator_cpu_s: float = 0.0
+
+
+def load(path: str) -> Callable[..., Any]:
+    """The function at an import path ``module:function``."""
+    module, _, name = path.partition(":")
+    function: Callable[..., Any] = getattr(importlib.import_module(module), name)
+    return function
+
+
+def compute(work: Work) -> Outcome:
+    """Simulate the jobs of a unit, seal their records, and return failures as values.
+
+    Only what concerns the whole study is raised: a disk that is full, a bug outside the simulation.
+    """
+    started, cpu = time.perf_counter(), time.process_time()
+    done: list[tuple[JobLike, RecordLike]] = []
+    failed: list[Failure] = []
+    simulate, unit = load(work.engine.simulate), work.unit
+    with start_marker(work.root, unit) as note:
+        for job in work.jobs:
+            note(job.id)
+            try:
+                done.append((job, simulate(job.case)))
+            except Exception as error:
+                failed.append(_failure(job.id, error))
+        write_units(work.root, done, work.provenance)
+    return Outcome(
+        unit=unit,
+        done=tuple(job.id for job, _ in done),
+        failed=tuple(failed),
+        seconds=time.perf_counter() - started,
+        cpu_s=time.process_time() - cpu,
+        integrator_cpu_s=sum(float(record.info.get("integrator_cpu_s", 0.0)) for _, record in done),
+    )
+
+
+def _failure(job: str, error: Exception) -> Failure:
+    """A failure as a value; an error of the simulation brings its own reason, advice and time."""
+    text = str(error).strip().partition("\n")[0]
+    return Failure(
+        job=job,
+        reason=str(getattr(error, "reason", "") or f"{type(error).__name__}: {text}".rstrip(": ")),
+        advice=str(getattr(error, "advice", "") or ""),
+        time=getattr(error, "time", None),
+        traceback="".join(traceback.format_exception(error)),
+    )
+
+
+def die_with_parent(parent: int) -> None:
+    """Let this worker be killed when its parent dies, and leave Ctrl-C to the parent."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    else:
+        threading.Thread(target=_watch, args=(parent,), daemon=True).start()
+    if os.getppid() != parent:  # it died before the request was made
+        os._exit(1)
+
+
+def _watch(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(POLL_S)
+    os._exit(1)

@@ -1,0 +1,44 @@
+"""The results folder of a study: immutable unit files, journals, failures, and a table made from them.
+
+Nothing under a final name is ever half-written, and nothing but the table has more than one writer, so a run
+can be killed at any moment and several runs may share a folder.
+"""
+
+from bearingsim.store.files import lock, sweep
+from bearingsim.store.folder import FolderInUse, discard, sealed_jobs
+from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
+from bearingsim.store.names import flat_parameters
+from bearingsim.store.provenance import provenance
+from bearingsim.store.results import Results, ResultsError, open_results
+from bearingsim.store.table import build_table, read_plan, write_plan
+from bearingsim.store.units import DamagedUnit, Series, check_unit, read_series, unit_name, unit_path, write_units
+
+__all__ = [
+    "DamagedUnit",
+    "Failure",
+    "FolderInUse",
+    "Results",
+    "ResultsError",
+    "Series",
+    "build_table",
+    "check_unit",
+    "clear_failure",
+    "discard",
+    "flat_parameters",
+    "lock",
+    "log",
+    "now",
+    "open_results",
+    "provenance",
+    "read_failures",
+    "read_plan",
+    "read_series",
+    "sealed_jobs",
+    "start_marker",
+    "sweep",
+    "take_suspects",
+    "unit_name",
+    "unit_path",
+    "write_plan",
+    "write_units",
+]

@@ -1,0 +1,98 @@
+"""What happened: the journal of each running parent, start markers of units, and failed jobs."""
+
+import json
+import shutil
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from bearingsim.store.files import write_text, writer, writer_is_dead
+
+__all__ = ["Failure", "clear_failure", "log", "now", "read_failures", "start_marker", "take_suspects"]
+
+
+def now() -> str:
+    """UTC time as ISO 8601 text, to the millisecond."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def log(root: Path, event: str, **facts: Any) -> None:
+    """Append one line to this process's journal ``journal-<host>-<pid>.jsonl``."""
+    line = json.dumps({"when": now(), "event": event, **facts}, ensure_ascii=False)
+    with (root / f"journal-{writer()}.jsonl").open("a", encoding="utf-8") as journal:
+        journal.write(line + "\n")
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A job that gave no result, as it stands in ``failed/<job>.json``; ``time`` is simulated time in s."""
+
+    job: str
+    reason: str
+    advice: str = ""
+    time: float | None = None
+    traceback: str = ""
+    attempts: int = 1
+    command: str = ""
+    when: str = ""
+
+    def write(self, root: Path) -> None:
+        """Write ``failed/<job>.json``."""
+        write_text(_failure_path(root, self.job), json.dumps(asdict(self), indent=1, ensure_ascii=False))
+
+
+def _failure_path(root: Path, job: str) -> Path:
+    return root / "failed" / f"{job}.json"
+
+
+def read_failures(root: Path) -> dict[str, Failure]:
+    """Failures on record, by job id."""
+    paths = sorted((root / "failed").glob("*.json"))
+    return {path.stem: Failure(**json.loads(path.read_text(encoding="utf-8"))) for path in paths}
+
+
+def clear_failure(root: Path, job: str) -> None:
+    """Forget a failure: the job has been computed since."""
+    _failure_path(root, job).unlink(missing_ok=True)
+
+
+def clear_failures(root: Path) -> None:
+    """Forget every failure."""
+    shutil.rmtree(root / "failed", ignore_errors=True)
+
+
+@contextmanager
+def start_marker(root: Path, unit: str) -> Iterator[Callable[[str], None]]:
+    """Mark a unit as being computed; the function given notes the job in hand.
+
+    A process that is killed leaves the marker behind, and its last line names the job that was running.
+    """
+    path = root / "units" / unit[:2] / f"{unit}.{writer()}.started"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        with path.open("w", encoding="utf-8") as marker:
+
+            def note(job: str) -> None:
+                marker.write(job + "\n")
+                marker.flush()
+
+            yield note
+    finally:
+        path.unlink(missing_ok=True)
+
+
+def take_suspects(root: Path, units: Iterable[str]) -> set[str]:
+    """Jobs that were running in ``units`` when their processes died; removes the markers that told."""
+    markers = [
+        path
+        for unit in units
+        for path in (root / "units" / unit[:2]).glob(f"{unit}.*.started")
+        if writer_is_dead(path)
+    ]
+    last_lines = [path.read_text(encoding="utf-8").split()[-1:] for path in markers]
+    for path in markers:
+        path.unlink(missing_ok=True)
+    return {job for line in last_lines for job in line}

@@ -1,0 +1,75 @@
+"""Names of what is stored, with the unit and the words that go with them."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+__all__ = ["channel_attributes", "feature_attributes", "flat_parameters", "parameter_attributes"]
+
+PARAMETER_UNITS = {
+    "m": "roller_diameter roller_length pitch_diameter bore outside_diameter width length depth clearance",
+    "rad": "angle start_angle sensor_angle",
+    "rad/s": "speed",
+    "N": "load",
+    "kg": "ring_mass",
+    "kg/m^3": "density",
+    "Pa": "young_modulus",
+    "N/m": "bracket_stiffness",
+    "N s/m": "bracket_damping",
+    "s/m": "chi",
+    "s": "beta step duration settle",
+    "Hz": "sampling",
+}
+UNIT_OF_PARAMETER = {word: unit for unit, words in PARAMETER_UNITS.items() for word in words.split()}
+FREE_TEXT = ("source",)
+
+
+def flat_parameters(case: Any) -> dict[str, float | str]:
+    """All of a case in one flat mapping, SI: ``bearing.roller_diameter``, ``defects.1.width``, ``model`` ...
+
+    Items of lists are numbered from 1, lists of words are joined by spaces; what is not set and free text
+    that shapes no result are left out.
+    """
+    return dict(_flat("", case.model_dump()))
+
+
+def _flat(path: str, value: Any) -> Iterator[tuple[str, float | str]]:
+    if isinstance(value, Mapping):
+        for name, item in value.items():
+            if name not in FREE_TEXT:
+                yield from _flat(f"{path}.{name}" if path else str(name), item)
+    elif isinstance(value, list | tuple) and value and all(isinstance(item, str) for item in value):
+        yield path, " ".join(value)
+    elif isinstance(value, list | tuple):
+        for number, item in enumerate(value, 1):
+            yield from _flat(f"{path}.{number}", item)
+    elif isinstance(value, bool):
+        yield path, str(value).lower()
+    elif isinstance(value, int | float):
+        yield path, float(value)
+    elif value is not None:
+        yield path, str(value)
+
+
+def parameter_attributes(name: str) -> dict[str, str]:
+    """``units`` of a parameter, by the last word of its name; none for words and pure numbers."""
+    unit = UNIT_OF_PARAMETER.get(name.rpartition(".")[2])
+    return {} if unit is None else {"units": unit}
+
+
+def channel_attributes(name: str) -> dict[str, str]:
+    """``units`` and ``long_name`` of a stored channel such as ``ring.velocity.x``."""
+    from bearingsim.config import CHANNELS
+
+    whole, _, component = name.rpartition(".")
+    if name in CHANNELS:
+        whole, component = name, ""
+    channel = CHANNELS[whole]
+    return {"units": channel.unit, "long_name": f"{channel.long_name} {component}".strip()}
+
+
+def feature_attributes(name: str) -> dict[str, str]:
+    """``units`` and ``long_name`` of a feature; none for one that is not in the list of features."""
+    from bearingsim.config import FEATURES
+
+    feature = FEATURES.get(name)
+    return {} if feature is None else {"units": feature.unit or "1", "long_name": feature.long_name}

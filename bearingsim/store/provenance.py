@@ -1,0 +1,55 @@
+"""What made a result: model, packages, commit, host."""
+
+import platform
+import socket
+import subprocess
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+__all__ = ["provenance"]
+
+PACKAGES = ("bearingsim", "numpy", "numba", "scipy", "h5py")
+
+
+def provenance(study: Any) -> dict[str, str | int]:
+    """Facts that every unit file carries: study text and overrides, versions, git commit, host, time."""
+    from bearingsim.core import MODEL_VERSION
+
+    overrides = " ".join(f"{path}={value}" for path, value in study.overrides.items())
+    facts = {
+        "study": study.name,
+        "study_text": study.text.rstrip() + "\n",
+        "overrides": overrides,
+        "quick": int(bool(study.quick)),
+        "model_version": MODEL_VERSION,
+        "host": socket.gethostname(),
+        "platform": platform.platform(),
+        "python": platform.python_version(),
+        "packages": ", ".join(f"{name} {_version(name)}" for name in PACKAGES),
+        "git_commit": _commit(),
+    }
+    return {name: value for name, value in facts.items() if value != ""}
+
+
+def _version(package: str) -> str:
+    if package == "bearingsim":
+        from bearingsim import __version__
+
+        return __version__
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "absent"
+
+
+def _commit() -> str:
+    """Commit of the checkout this package runs from, with ``-dirty`` if it was changed; empty outside one."""
+    checkout = Path(__file__).parents[2]
+    if not (checkout / ".git").exists():
+        return ""
+    try:
+        command = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+        return subprocess.run(command, capture_output=True, text=True, timeout=10, check=True).stdout.strip()
+    except (OSError, subprocess.SubprocessError):
+        return ""

@@ -1,0 +1,125 @@
+"""Reading a results folder: the table of its jobs, the series of one, everything for xarray."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bearingsim.store.journal import Failure, read_failures
+from bearingsim.store.names import channel_attributes, feature_attributes, parameter_attributes
+from bearingsim.store.table import job_frame, read_plan, table
+from bearingsim.store.units import Series, read_series, unit_path
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+__all__ = ["Results", "ResultsError", "open_results"]
+
+
+class ResultsError(Exception):
+    """A folder holds no results, or not those asked for."""
+
+
+def open_results(path: str | Path) -> "Results":
+    """Open the results folder of a study. Raises ResultsError if it is none."""
+    root = Path(path)
+    if not (root / "plan.json").is_file():
+        raise ResultsError(f"{root} holds no results of a study (it has no plan.json)")
+    return Results(root)
+
+
+@dataclass(frozen=True)
+class Results:
+    """The results of a study, as far as they have been computed when first asked for."""
+
+    path: Path
+
+    @cached_property
+    def plan(self) -> dict[str, Any]:
+        """What the study expanded to: its name, overrides, units of swept paths, figures and jobs."""
+        return read_plan(self.path)
+
+    @cached_property
+    def jobs(self) -> tuple[str, ...]:
+        """Ids of all planned jobs, cases first, then healthy twins."""
+        return tuple(entry["job"] for entry in self.plan["jobs"])
+
+    @cached_property
+    def _frame(self) -> "pd.DataFrame":
+        return job_frame(self.path)
+
+    def table(self) -> "pd.DataFrame":
+        """One row per job: ``job``, swept paths and features in SI, status, reason, seconds, healthy, unit."""
+        return table(self.plan, self._frame)
+
+    def parameters(self) -> "pd.DataFrame":
+        """All resolved parameters of the finished jobs in SI, indexed by job."""
+        done = self._frame[self._frame["status"] == "done"]
+        return done.filter(regex="^parameters/").rename(columns=lambda name: name.partition("/")[2])
+
+    def info(self) -> "pd.DataFrame":
+        """What the solver said of each finished job (step, CPU time, error estimates), indexed by job."""
+        done = self._frame[self._frame["status"] == "done"]
+        return done.filter(regex="^info/").rename(columns=lambda name: name.partition("/")[2])
+
+    def failures(self) -> dict[str, Failure]:
+        """Planned jobs that failed, by id, with reason, advice and traceback."""
+        status = self._frame["status"]
+        return {job: failure for job, failure in read_failures(self.path).items() if status.get(job) == "failed"}
+
+    def series(self, job: str) -> Series:
+        """The recorded series of a job. Raises ResultsError when it is unknown or has none."""
+        if job not in self._frame.index:
+            raise ResultsError(f"no job {job} in {self.path}")
+        row = self._frame.loc[job]
+        if row["status"] != "done":
+            raise ResultsError(f"job {job} has no series: {row['reason'] or 'not computed yet'}")
+        return read_series(unit_path(self.path, str(row["unit"])), job)
+
+    def to_xarray(self, jobs: Sequence[str] | None = None) -> "xr.Dataset":
+        """Series, features and swept values of finished jobs (or some of them) over ``job`` and ``time``.
+
+        Loads the series into memory. Raises ResultsError without xarray, or when time axes differ.
+        """
+        try:
+            import xarray as xr
+        except ModuleNotFoundError:
+            raise ResultsError("to_xarray needs the package xarray: pip install xarray h5netcdf") from None
+        rows = self.table().set_index("job")
+        done = rows[rows["status"] == "done"] if jobs is None else rows.loc[list(jobs)]
+        swept = {path for entry in self.plan["jobs"] for path in entry["swept"]}
+        columns = {
+            name: ("job", done[name].to_numpy(), _attributes(name, name in swept))
+            for name in done.columns
+            if name in swept or f"features/{name}" in self._frame
+        }
+        series = _stack({job: self.series(job) for job in done.index})
+        data = xr.Dataset({**columns, **series}, coords={"job": done.index.to_numpy(object)})
+        data = data.set_coords(sorted(swept))
+        return data.assign_attrs(study=self.plan["study"])
+
+
+def _attributes(name: str, swept: bool) -> dict[str, str]:
+    return parameter_attributes(name) if swept else feature_attributes(name)
+
+
+def _stack(series: dict[str, Series]) -> dict[str, Any]:
+    """Channels (job, time) and the time axis, as xarray takes them."""
+    if not series:
+        return {}
+    first = next(iter(series.values()))
+    if not all(np.array_equal(one.time, first.time) for one in series.values()):
+        raise ResultsError("the jobs have different time axes: name jobs of one duration and sampling")
+    stacked = {
+        name: (
+            ("job", "time"),
+            np.stack([one.channels[name] for one in series.values()]),
+            channel_attributes(name),
+        )
+        for name in first.channels
+    }
+    return {"time": ("time", first.time, {"units": "s"}), **stacked}

@@ -1,0 +1,197 @@
+"""The table of a study: parameters, features, status and unit of each job, in ``study.h5`` and ``results.csv``.
+
+Made from ``plan.json``, the sealed units and the failures on record, so it can be thrown away and made again;
+rows of units already in ``study.h5`` are taken from there.
+"""
+
+import hashlib
+import json
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from bearingsim.store.files import lock, sealing, unit_files, write_text
+from bearingsim.store.journal import read_failures
+from bearingsim.store.units import GROUPS, LIBVER, TEXT, read_columns, write_columns, write_jobs
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["build_table", "job_frame", "read_plan", "table", "write_plan"]
+
+PER_JOB = ("status", "reason", "healthy", "unit")
+
+
+def write_plan(root: Path, study: Any) -> None:
+    """Write ``study.yaml`` (the text as given) and ``plan.json`` (what it expanded to)."""
+    from bearingsim.core import MODEL_VERSION
+
+    plan = {
+        "study": study.name,
+        "file": str(study.path) if study.path else None,
+        "overrides": dict(study.overrides),
+        "quick": bool(study.quick),
+        "model_version": MODEL_VERSION,
+        "units": dict(study.units),
+        "figures": [asdict(figure) for figure in study.figures],
+        "jobs": [{"job": job.id, "healthy": job.healthy, "swept": dict(job.swept)} for job in study.jobs()],
+    }
+    write_text(root / "study.yaml", study.text)
+    write_text(root / "plan.json", json.dumps(plan, indent=1, ensure_ascii=False) + "\n")
+
+
+def read_plan(root: Path) -> dict[str, Any]:
+    """What the study expanded to. Raises FileNotFoundError when the folder holds no results."""
+    plan: dict[str, Any] = json.loads((root / "plan.json").read_text(encoding="utf-8"))
+    return plan
+
+
+def job_frame(root: Path) -> "pd.DataFrame":
+    """Everything known of each planned job, indexed by id: ``parameters/...``, ``features/...``, ``info/...``,
+    ``status`` (done, failed, missing), ``reason``, ``healthy`` (id of the twin), ``unit``.
+
+    Read from ``study.h5`` when that is up to date, made anew (and written, where possible) otherwise.
+    """
+    print_now = _fingerprint(root)
+    known = _read_frame(root)
+    if known is not None and known.attrs["fingerprint"] == print_now:
+        return known
+    try:
+        return build_table(root)
+    except PermissionError:
+        return _make_frame(root, known)
+
+
+def build_table(root: Path) -> "pd.DataFrame":
+    """Make ``study.h5`` and ``results.csv`` from what the folder holds; return the frame of ``job_frame``."""
+    with lock(root):
+        fingerprint = _fingerprint(root)
+        frame = _make_frame(root, _read_frame(root))
+        _write_frame(root, frame, fingerprint)
+        with sealing(root / "results.csv") as part:
+            table(read_plan(root), frame).to_csv(part, index=False)
+    return frame
+
+
+def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
+    """One row per job: ``job``, swept paths (SI), features, status, reason, seconds, healthy, unit."""
+    import pandas as pd
+
+    swept = pd.DataFrame([entry["swept"] for entry in plan["jobs"]], index=frame.index)
+    features = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
+    seconds = frame["info/cpu_s"] if "info/cpu_s" in frame else pd.Series(np.nan, frame.index)
+    rest = pd.DataFrame({"status": frame["status"], "reason": frame["reason"], "seconds": seconds})
+    whole = pd.concat([swept, features, rest, frame[["healthy", "unit"]]], axis=1)
+    return whole.rename_axis("job").reset_index()
+
+
+# Making the frame
+
+
+def _make_frame(root: Path, known: "pd.DataFrame | None") -> "pd.DataFrame":
+    import pandas as pd
+
+    plan, failures = read_plan(root), read_failures(root)
+    ids = [entry["job"] for entry in plan["jobs"]]
+    frame = _collect(unit_files(root), known).reindex(ids)
+    done = frame["unit"].notna()
+    reasons = pd.Series({job: failure.reason for job, failure in failures.items()}, dtype=object)
+    frame["reason"] = reasons.reindex(frame.index).where(~done)
+    frame["status"] = np.where(done, "done", np.where(frame["reason"].notna(), "failed", "missing"))
+    frame["healthy"] = [entry["healthy"] for entry in plan["jobs"]]
+    words = frame.select_dtypes(exclude="number").columns
+    frame[words] = frame[words].astype(object).where(frame[words].notna(), "")
+    return pd.concat([frame, healthy_differences(frame)], axis=1)
+
+
+def _collect(units: Sequence[Path], known: "pd.DataFrame | None") -> "pd.DataFrame":
+    """Rows of all sealed units, a job that lies in several taken from the first; units in ``known`` from there."""
+    import pandas as pd
+
+    by_name = {path.stem: path for path in units}
+    frames = [pd.DataFrame({"unit": pd.Series(dtype=object)}, index=pd.Index([], name="job"))]
+    if known is not None:
+        kept = known[known["unit"].isin(by_name)].drop(columns=["status", "reason", "healthy"])
+        frames.append(kept.loc[:, ~kept.columns.str.endswith("-healthy")])
+    read = set(frames[-1]["unit"])
+    frames += [
+        frame for name, path in by_name.items() if name not in read and (frame := _unit_frame(path)) is not None
+    ]
+    whole = pd.concat([frame for frame in frames if len(frame)] or frames[:1])
+    return whole[~whole.index.duplicated()]
+
+
+def _unit_frame(path: Path) -> "pd.DataFrame":
+    import pandas as pd
+
+    try:
+        columns = read_columns(path)
+    except (OSError, KeyError) as error:
+        warnings.warn(f"{path} cannot be read, its jobs count as missing: {error}", stacklevel=2)
+        return pd.DataFrame()
+    return pd.DataFrame(columns).set_index("job").assign(unit=path.stem)
+
+
+def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
+    """``|A - A_healthy|`` of the complex amplitude of each line with a phase, NaN where there is no twin."""
+    import pandas as pd
+
+    lines = [name.removesuffix(".phase") for name in frame.columns if str(name).endswith(".phase")]
+    differences = {}
+    for line in lines:
+        amplitude = frame[line] * np.exp(1j * frame[f"{line}.phase"])
+        twin = amplitude.reindex(frame["healthy"]).to_numpy()
+        differences[f"{line}-healthy"] = np.abs(amplitude.to_numpy() - twin)
+    return pd.DataFrame(differences, index=frame.index)
+
+
+# study.h5
+
+
+def _fingerprint(root: Path) -> str:
+    """Digest of what the table is made from: the plan, names and sizes of units and failures."""
+    sources = [*unit_files(root), *sorted((root / "failed").glob("*.json"))]
+    listing = "\n".join(f"{path.name} {path.stat().st_size}" for path in sources)
+    return hashlib.sha256((root / "plan.json").read_bytes() + listing.encode()).hexdigest()
+
+
+def _write_frame(root: Path, frame: "pd.DataFrame", fingerprint: str) -> None:
+    with sealing(root / "study.h5") as part, h5py.File(part, "w", libver=LIBVER) as file:
+        jobs = write_jobs(file, list(frame.index))
+        for name in PER_JOB:
+            column = file.create_dataset(name, data=frame[name].to_numpy(object), dtype=TEXT)
+            column.dims[0].attach_scale(jobs)
+        for group in GROUPS:
+            names = [name for name in frame.columns if name.startswith(f"{group}/")]
+            columns = {name.partition("/")[2]: _column(frame[name]) for name in names}
+            write_columns(file, jobs, group, columns)
+        file.attrs["fingerprint"] = fingerprint
+
+
+def _column(values: "pd.Series[Any]") -> NDArray[Any]:
+    if values.dtype.kind in "fiub":
+        return values.to_numpy(np.float64)
+    return values.astype(str).to_numpy(object)
+
+
+def _read_frame(root: Path) -> "pd.DataFrame | None":
+    """The frame as ``study.h5`` holds it, None when there is none or it does not open."""
+    import pandas as pd
+
+    path = root / "study.h5"
+    try:
+        columns = read_columns(path)
+        with h5py.File(path) as file:
+            columns |= {name: file[name].asstr()[()] for name in PER_JOB}
+            fingerprint = file.attrs["fingerprint"]
+    except (OSError, KeyError):
+        return None
+    frame = pd.DataFrame(columns).set_index("job")
+    frame.attrs["fingerprint"] = fingerprint
+    return frame

@@ -1,0 +1,267 @@
+"""The unit file: one immutable HDF5 file with the series, parameters and features of one or more jobs.
+
+Root: ``time`` (float64, s) and ``job`` (ids) are dimension scales, each channel is a float32 dataset
+(job, time). Groups ``parameters``, ``features`` and ``info`` hold one dataset over ``job`` per name, in SI with
+a ``units`` attribute; group ``provenance`` tells what made the file. Plain HDF5: xarray (h5netcdf), ncdump,
+h5web and MATLAB open it unaided.
+"""
+
+import hashlib
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any, Protocol
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from bearingsim.store.files import sealing
+from bearingsim.store.names import channel_attributes, feature_attributes, flat_parameters, parameter_attributes
+
+__all__ = [
+    "DamagedUnit",
+    "Series",
+    "check_unit",
+    "read_columns",
+    "read_series",
+    "unit_name",
+    "unit_path",
+    "write_columns",
+    "write_units",
+]
+
+LIBVER = ("v110", "v110")  # object headers with checksums and no 64 kB limit on attributes
+TEXT = h5py.string_dtype()
+CHUNK_BYTES = 1 << 16
+LONGEST_CHUNK = 1 << 18  # samples
+GROUPS = ("parameters", "features", "info")
+
+Value = float | int | str
+Row = Mapping[str, Value]
+
+
+class DamagedUnit(Exception):
+    """A unit file that does not open, or does not hold what its name promises."""
+
+
+class JobLike(Protocol):
+    """What the store needs to know of a job."""
+
+    @property
+    def id(self) -> str: ...
+    @property
+    def case(self) -> Any: ...
+
+
+class RecordLike(Protocol):
+    """What the store needs to know of a simulated record."""
+
+    @property
+    def time(self) -> NDArray[np.float64]: ...
+    @property
+    def series(self) -> Mapping[str, NDArray[np.float64]]: ...
+    @property
+    def features(self) -> Mapping[str, float]: ...
+    @property
+    def info(self) -> Mapping[str, Value]: ...
+
+
+@dataclass(frozen=True)
+class Series:
+    """The recorded series of one job: ``time`` (n,) in s, ``channels`` name -> (n,) in SI, ``units`` by name."""
+
+    time: NDArray[np.float64]
+    channels: dict[str, NDArray[np.float32]]
+    units: dict[str, str]
+
+    def __getitem__(self, channel: str) -> NDArray[np.float32]:
+        return self.channels[channel]
+
+
+def unit_name(jobs: Iterable[str]) -> str:
+    """Name of the unit that holds these jobs: 16 hex digits of SHA-256 over the ids in sorted order."""
+    return hashlib.sha256("\n".join(sorted(jobs)).encode()).hexdigest()[:16]
+
+
+def unit_path(root: Path, unit: str) -> Path:
+    """Where a unit lies in a results folder."""
+    return root / "units" / unit[:2] / f"{unit}.h5"
+
+
+# Writing
+
+
+def write_units(
+    root: Path, done: Sequence[tuple[JobLike, RecordLike]], provenance: Mapping[str, Value]
+) -> list[Path]:
+    """Seal the records of some jobs, one file per common time axis and set of channels; return the files."""
+    ordered = sorted(done, key=lambda pair: (_shape_key(pair[1]), pair[0].id))
+    groups = [list(group) for _, group in groupby(ordered, key=lambda pair: _shape_key(pair[1]))]
+    return [_write_unit(root, group, provenance) for group in groups]
+
+
+def _shape_key(record: RecordLike) -> tuple[bytes, tuple[str, ...]]:
+    names = tuple(sorted(record.series))
+    return (np.asarray(record.time, np.float64).tobytes() if names else b""), names
+
+
+def _write_unit(root: Path, done: Sequence[tuple[JobLike, RecordLike]], provenance: Mapping[str, Value]) -> Path:
+    ids = [job.id for job, _ in done]
+    path = unit_path(root, unit_name(ids))
+    with sealing(path) as part, h5py.File(part, "w", libver=LIBVER) as file:
+        jobs = write_jobs(file, ids)
+        _write_series(file, jobs, [record for _, record in done])
+        write_columns(file, jobs, "parameters", columns([flat_parameters(job.case) for job, _ in done]))
+        write_columns(file, jobs, "features", columns([record.features for _, record in done]))
+        write_columns(file, jobs, "info", columns([record.info for _, record in done]))
+        _write_provenance(file, provenance)
+    return path
+
+
+def write_jobs(file: h5py.File, ids: Sequence[str]) -> h5py.Dataset:
+    """Write the ``job`` dimension: a scale of ids."""
+    jobs = file.create_dataset("job", data=np.array(ids, object), dtype=TEXT)
+    jobs.make_scale("job")
+    jobs.attrs["long_name"] = "job id"
+    return jobs
+
+
+def _write_series(file: h5py.File, jobs: h5py.Dataset, records: Sequence[RecordLike]) -> None:
+    first = records[0]
+    if not first.series:
+        return
+    time = file.create_dataset("time", data=np.asarray(first.time, np.float64), fletcher32=True)
+    time.make_scale("time")
+    time.attrs.update(units="s", long_name="time")
+    for name in sorted(first.series):
+        data = np.stack([np.asarray(record.series[name], np.float32) for record in records])
+        channel = file.create_dataset(
+            name, data=data, chunks=_chunks(*data.shape), compression="gzip", shuffle=True, fletcher32=True
+        )
+        channel.dims[0].attach_scale(jobs)
+        channel.dims[1].attach_scale(time)
+        channel.attrs.update(channel_attributes(name))
+
+
+def _chunks(jobs: int, samples: int) -> tuple[int, int]:
+    """One job per chunk, or as many short ones as make a chunk worth its overhead."""
+    width = max(1, min(samples, LONGEST_CHUNK))
+    return min(jobs, max(1, CHUNK_BYTES // (4 * width))), width
+
+
+def columns(rows: Sequence[Row]) -> dict[str, NDArray[Any]]:
+    """Turn one mapping per job into one array per name: float64, or text as soon as one value is a word.
+
+    A name that a job does not have reads NaN, or the empty text.
+    """
+    names = dict.fromkeys(name for row in rows for name in row)
+    return {name: _column([row.get(name) for row in rows]) for name in names}
+
+
+def _column(values: Sequence[Value | None]) -> NDArray[Any]:
+    if any(isinstance(value, str) for value in values):
+        return np.array(["" if value is None else str(value) for value in values], object)
+    return np.array([math.nan if value is None else value for value in values], np.float64)
+
+
+def write_columns(file: h5py.File, jobs: h5py.Dataset, group: str, named: Mapping[str, NDArray[Any]]) -> None:
+    """Write one dataset over ``job`` per name into a group, with ``units`` and ``long_name`` where known."""
+    attributes = {"parameters": parameter_attributes, "features": feature_attributes}.get(group)
+    folder = file.require_group(group)
+    for name, values in named.items():
+        if values.dtype == object:
+            column = folder.create_dataset(name, data=values, dtype=TEXT)
+        else:
+            column = folder.create_dataset(name, data=values, chunks=values.shape, fletcher32=True)
+        column.dims[0].attach_scale(jobs)
+        if attributes is not None:
+            column.attrs.update(attributes(name))
+
+
+def _write_provenance(file: h5py.File, provenance: Mapping[str, Value]) -> None:
+    """Short facts become attributes of the file; the study's text, of any length, a dataset."""
+    folder = file.require_group("provenance")
+    for name, value in provenance.items():
+        if isinstance(value, str) and "\n" in value:
+            folder.create_dataset(name, data=value, dtype=TEXT)
+        else:
+            file.attrs[name] = value
+    file.attrs["status"] = "complete"
+
+
+# Reading
+
+
+def check_unit(path: Path, checksums: bool = False) -> list[str]:
+    """Return the ids of the jobs a unit holds, after checking that it holds them.
+
+    The file opens, is marked complete, its ids make its name and every channel has its full shape; with
+    ``checksums`` every byte is read against its checksum. Raises DamagedUnit.
+    """
+    try:
+        with h5py.File(path) as file:
+            ids = _checked_ids(path, file)
+            if checksums:
+                _read_everything(file)
+            return ids
+    except (OSError, KeyError, RuntimeError, ValueError) as error:
+        raise DamagedUnit(f"{path.name}: {error}") from error
+
+
+def _checked_ids(path: Path, file: h5py.File) -> list[str]:
+    ids = list(file["job"].asstr()[()])
+    if file.attrs.get("status") != "complete":
+        raise DamagedUnit(f"{path.name}: not marked complete")
+    if unit_name(ids) != path.stem:
+        raise DamagedUnit(f"{path.name}: its job ids are not those of its name")
+    for name in _channels(file):
+        whole = (len(ids), len(file["time"]))
+        if file[name].shape != whole:
+            raise DamagedUnit(f"{path.name}: {name} has shape {file[name].shape}, not {whole}")
+    return ids
+
+
+def _read_everything(folder: h5py.Group) -> None:
+    """Read every dataset: HDF5 raises on the first chunk that does not match its checksum."""
+    for item in folder.values():
+        if isinstance(item, h5py.Group):
+            _read_everything(item)
+        else:
+            item[()]
+
+
+def _channels(file: h5py.File) -> list[str]:
+    return [name for name, item in file.items() if isinstance(item, h5py.Dataset) and item.ndim == 2]
+
+
+def read_columns(path: Path, groups: Sequence[str] = GROUPS) -> dict[str, NDArray[Any]]:
+    """Read the columns over ``job`` of a unit or of the table: ``job``, ``features/velocity@BPFO`` ..."""
+    with h5py.File(path) as file:
+        found = {
+            f"{group}/{name}": _read(item)
+            for group in groups
+            if group in file
+            for name, item in file[group].items()
+        }
+        return {"job": _read(file["job"]), **found}
+
+
+def _read(item: h5py.Dataset) -> NDArray[Any]:
+    return item.asstr()[()] if item.dtype == object else item[()]
+
+
+def read_series(path: Path, job: str) -> Series:
+    """Read the series of one job from its unit. Raises KeyError if the unit does not hold the job."""
+    with h5py.File(path) as file:
+        ids = list(file["job"].asstr()[()])
+        if job not in ids:
+            raise KeyError(f"{path.name} does not hold job {job}")
+        row, names = ids.index(job), _channels(file)
+        return Series(
+            time=file["time"][()] if names else np.empty(0),
+            channels={name: file[name][row] for name in names},
+            units={name: str(file[name].attrs["units"]) for name in names},
+        )

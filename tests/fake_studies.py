@@ -1,0 +1,134 @@
+"""Small stand-ins for a study and its simulation, importable from worker processes."""
+
+import hashlib
+import json
+import math
+import os
+import signal
+import sys
+import time
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from bearingsim.runner import Engine, Interrupted, run
+
+ENGINE = Engine("fake_studies:simulate", "fake_studies:estimate", "fake_studies:warm")
+
+
+class FakeError(Exception):
+    """Like the simulation's own error: reason, advice, time."""
+
+    def __init__(self, reason: str, advice: str, time: float | None) -> None:
+        super().__init__(reason)
+        self.reason, self.advice, self.time = reason, advice, time
+
+
+@dataclass(frozen=True)
+class FakeCase:
+    """A case whose ``deed`` says what computing it does beside a signal of amplitude ``width``."""
+
+    width: float = 1e-3
+    deed: str = ""
+    seconds: float = 0.0
+    duration: float = 0.02
+    sampling: float = 10240.0
+    record: tuple[str, ...] = ("ring.velocity",)
+    healthy: bool = False
+
+    def model_dump(self) -> dict[str, Any]:
+        defects = () if self.healthy else ({"race": "outer", "width": self.width},)
+        tree = {key: value for key, value in asdict(self).items() if key not in ("width", "healthy")}
+        return {**tree, "bearing": {"name": "fake", "roller_diameter": 0.014, "source": "none"}, "defects": defects}
+
+
+@dataclass(frozen=True)
+class FakeJob:
+    id: str
+    case: FakeCase
+    swept: dict[str, float | str]
+    healthy: str | None
+
+
+@dataclass
+class FakeStudy:
+    widths: list[float] = field(default_factory=lambda: [1e-3, 2e-3, 3e-3])
+    deeds: dict[int, str] = field(default_factory=dict)  # by number of the case
+    seconds: float = 0.0
+    name: str = "fake"
+    path: Path | None = Path("studies/fake.yaml")
+    text: str = "study: fake\nload: 150 N\n"
+    overrides: dict[str, str] = field(default_factory=lambda: {"load": "200 N"})
+    quick: bool = False
+    units: dict[str, str] = field(default_factory=lambda: {"defect.width": "mm"})
+    figures: tuple[Any, ...] = ()
+
+    def jobs(self) -> list[FakeJob]:
+        twin = FakeCase(healthy=True, seconds=self.seconds)
+        twin_id = case_id(twin)
+        cases = [FakeCase(w, self.deeds.get(i, ""), self.seconds) for i, w in enumerate(self.widths)]
+        jobs = [FakeJob(case_id(case), case, {"defect.width": case.width}, twin_id) for case in cases]
+        return [*jobs, FakeJob(twin_id, twin, {}, None)]
+
+
+def case_id(case: FakeCase) -> str:
+    return hashlib.sha256(json.dumps(asdict(case), sort_keys=True).encode()).hexdigest()[:16]
+
+
+def estimate(case: FakeCase) -> SimpleNamespace:
+    return SimpleNamespace(cpu_seconds=max(case.seconds, 0.001), bytes=8 * case.duration * case.sampling)
+
+
+def warm(cases: list[FakeCase]) -> None:
+    """Nothing to compile."""
+
+
+def record_of(case: FakeCase) -> SimpleNamespace:
+    """A record with a line of amplitude ``width`` (healthy: 1 mm/s) and quarter-turn phase."""
+    time_s = np.arange(round(case.duration * case.sampling)) / case.sampling
+    amplitude, phase = (1e-3, 0.0) if case.healthy else (case.width, math.pi / 2)
+    noise = np.random.default_rng(int(case_id(case), 16)).normal(0.0, 1e-4, (2, time_s.size))
+    x, y = amplitude * np.cos(2 * np.pi * 91.7 * time_s + phase) + noise
+    series = {"ring.velocity.x": x, "ring.velocity.y": y} if case.record else {}
+    features = {"velocity@BPFO": amplitude, "velocity@BPFO.phase": phase, "velocity.rms": float(np.std(x))}
+    return SimpleNamespace(
+        time=time_s,
+        series=series,
+        features=features,
+        info={"step_s": 5e-7, "cpu_s": case.seconds, "integrator_cpu_s": 0.9 * case.seconds, "model": "fake"},
+    )
+
+
+def simulate(case: FakeCase) -> SimpleNamespace:
+    """Take its time, do its deed, and give the record if that can still be."""
+    time.sleep(case.seconds)
+    deed, _, flag = case.deed.partition(" ")
+    if deed == "raise":
+        raise FakeError("no steady state after 0.3 s", "shorten the step", 0.3)
+    if deed == "divide":
+        print(1 / 0)
+    if deed == "exit":
+        os._exit(3)
+    if deed == "kill":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if deed == "die-once" and not Path(flag).exists():
+        Path(flag).touch()
+        os._exit(4)
+    if deed == "interrupt":
+        raise KeyboardInterrupt
+    if deed == "touch":
+        Path(flag).touch()
+    return record_of(case)
+
+
+def main(out: str, jobs: str, count: str, seconds: str) -> None:
+    """Run a study of ``count`` cases: what the tests start as another process, to kill it."""
+    study = FakeStudy([1e-3 * (i + 1) for i in range(int(count))], seconds=float(seconds))
+    try:
+        run(study, out, jobs=int(jobs), progress=False, engine=ENGINE)
+    except Interrupted as stop:
+        print(stop.summary)
+        sys.exit(stop.summary.exit_code)
