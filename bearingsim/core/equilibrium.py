@@ -1,7 +1,7 @@
 """The exact static equilibrium: where the ring rests at a given cage angle.
 
 For a ring position u each roller finds its own balance Q_o = Q_i + m_r omega_c^2 r (one unknown, bracketed);
-the ring's position is then found by Newton with backtracking on the net force
+the ring's position is then found by Newton with a line search on the net force
 
     f(u) = -F e_0 - k_b (u - u_0) + sum_j Q_o,j(u) e_r(theta_j)
 
@@ -38,6 +38,7 @@ K_SERIES = STAGE  # scratch row: stiffness of the two contacts of a roller in se
 PIT, ALONG = STAGE + ROW, STAGE + 2 * ROW  # scratch rows: the pit under a roller (-1: none), and where in it
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 MAX_STEPS = 200
+LONGEST_STEP = 1e-5  # m
 
 
 @jit
@@ -169,42 +170,80 @@ def solve_2x2(k_xx, k_xy, k_yy, f_x, f_y):
 
 
 @jit
+def push_at(model, t, y, x, z, d_x, d_y, part):
+    """Net force (N) with the ring moved by ``part`` of (d_x, d_y) from (x, z), and its push that way (N m)."""
+    y[POSITION + X], y[POSITION + Y] = x + part * d_x, z + part * d_y
+    balance_rollers(model, t, y)
+    f_x, f_y = net_force(model, y)
+    return f_x, f_y, f_x * d_x + f_y * d_y
+
+
+@jit
+def search_along(model, t, y, d_x, d_y, push):
+    """Go along (d_x, d_y) (m) until the force no longer pushes that way; the full length if it never stops.
+
+    ``push`` is the force along the way at its start. Returns the net force (N) at the end.
+    """
+    x, z = y[POSITION + X], y[POSITION + Y]
+    f_x, f_y, end = push_at(model, t, y, x, z, d_x, d_y, 1.0)
+    if abs(end) <= 0.5 * push or end > 0.0:
+        return f_x, f_y
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        part = 0.5 * (low + high)
+        f_x, f_y, here = push_at(model, t, y, x, z, d_x, d_y, part)
+        if abs(here) <= 0.5 * push:
+            break
+        if here > 0.0:
+            low = part
+        else:
+            high = part
+    return f_x, f_y
+
+
+@jit
 def find_rest(model, t, y):
     """Put ring and rollers at rest at time ``t`` (s), starting from the ring position in ``y``.
 
-    Returns the residual force (N); velocities are left alone.
+    Newton on the net force with a line search on the energy's slope. Returns the residual force (N);
+    velocities are left alone.
     """
     goal = RESIDUAL * (model.support.F + 1e-3)
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)
-    residual = hypot(f_x, f_y)
     for _ in range(MAX_STEPS):
-        if residual <= goal:
+        if hypot(f_x, f_y) <= goal:
             break
         k_xx, k_xy, k_yy = ring_stiffness(model, y)
         d_x, d_y = solve_2x2(k_xx, k_xy, k_yy, f_x, f_y)
-        x, z, part, before = y[POSITION + X], y[POSITION + Y], 1.0, residual
-        while part > 1e-6:
-            y[POSITION + X], y[POSITION + Y] = x + part * d_x, z + part * d_y
-            balance_rollers(model, t, y)
-            f_x, f_y = net_force(model, y)
-            residual = hypot(f_x, f_y)
-            if residual < before:
-                break
-            part *= 0.5
-        if residual >= before:
-            break
-    return residual
+        shorter = min(1.0, LONGEST_STEP / hypot(d_x, d_y))
+        d_x, d_y = shorter * d_x, shorter * d_y
+        f_x, f_y = search_along(model, t, y, d_x, d_y, f_x * d_x + f_y * d_y)
+    return hypot(f_x, f_y)
 
 
 @jit
-def first_guess(model, y):
-    """Put the ring where one roller on the load line would carry everything: every equilibrium is near."""
-    stiffness, gap = model.contact.stiffness, model.bearing.gap
-    delta = 1e-9
-    while elastic(stiffness, delta) < model.support.F:
-        delta *= 1.1
-    y[POSITION + X], y[POSITION + Y] = -2.0 * (max(gap, 0.0) + delta), 0.0
+def force_along(model, t, y, x):
+    """Net force (N) along the load line with the ring at ``x`` (m) on it: falls as x grows."""
+    y[POSITION + X], y[POSITION + Y] = x, 0.0
+    balance_rollers(model, t, y)
+    return net_force(model, y)[0]
+
+
+@jit
+def first_guess(model, t, y):
+    """Put the ring on the load line where the force along it vanishes, by bisection to a nanometre."""
+    reach = 1e-7 + 2.0 * abs(model.bearing.gap)
+    while force_along(model, t, y, -reach) < 0.0:
+        reach *= 2.0
+    low, high = -reach, reach
+    while high - low > 1e-9:
+        middle = 0.5 * (low + high)
+        if force_along(model, t, y, middle) > 0.0:
+            low = middle
+        else:
+            high = middle
+    force_along(model, t, y, low)  # the side on which rollers carry
 
 
 @jit
@@ -212,7 +251,7 @@ def rest_from_scratch(model, t, y):
     """``find_rest`` with nothing known beforehand; all velocities zero. Returns the residual force (N)."""
     y[POSITION : POSITION + ROW] = 0.0
     y[VELOCITY : VELOCITY + ROW] = 0.0
-    first_guess(model, y)
+    first_guess(model, t, y)
     return find_rest(model, t, y)
 
 

@@ -92,15 +92,17 @@ def over_pits(model, theta_c, y):
         if abs(s) < pits.half_width[d]:
             u_r = -2.0 * (y[DELTA_O + j] + bearing.gap)
             outer = roller_balance(model, d, s, u_r) - u_r - bearing.gap
-            force, mean = 0.0, 0.0
+            force, mean, closing = 0.0, 0.0, 0.0
             for k in range(pits.used[d]):
                 group = pits.groups[d, k]
                 h, slope = depression(group, s, pits.R)
                 rate = y[V_O + j] - 0.5 * slope * pits.R_o * bearing.omega_c
                 force += group[W] * normal_force(model.contact, outer - h, rate)
                 mean += group[W] * max(outer - h, 0.0)
+                closing += group[W] * max(outer - h, 0.0) * rate
             y[Q_O + j] = force
             y[DELTA_O + j] = mean
+            y[V_O + j] = closing / mean if mean > 0.0 else 0.0
 
 
 @accelerations.register(Ring)

@@ -88,13 +88,13 @@ def approaches(bearing, theta_c, y, n):
 def over_pits(model, theta_c, y):
     """Correct the outer contact of each roller that stands over a pit (its force is the sum of its groups).
 
-    The approach kept for the roller is the mean over its length of what is in contact, for the step watch.
+    The approach and rate kept for the roller are means over what is in contact, for the step watch.
     """
     pits, bearing = model.pits, model.bearing
     for d in range(len(pits.angle)):
         j, s = roller_over(pits, d, theta_c, bearing.Z)
         if abs(s) < pits.half_width[d]:
-            force, mean = 0.0, 0.0
+            force, mean, closing = 0.0, 0.0, 0.0
             for k in range(pits.used[d]):
                 group = pits.groups[d, k]
                 h, slope = depression(group, s, pits.R)
@@ -102,8 +102,10 @@ def over_pits(model, theta_c, y):
                 rate = y[V_O + j] - slope * pits.R_o * bearing.omega_c
                 force += group[W] * normal_force(model.contact, delta, rate)
                 mean += group[W] * max(delta, 0.0)
+                closing += group[W] * max(delta, 0.0) * rate
             y[Q_O + j] = force
             y[DELTA_O + j] = mean
+            y[V_O + j] = closing / mean if mean > 0.0 else 0.0
 
 
 @accelerations.register(Rollers)
