@@ -47,9 +47,7 @@ def _decimal(**powers: int) -> dict[str, Factor]:
 
 
 def _per(above: dict[str, Factor], below: dict[str, Factor], between: str = "/") -> dict[str, Factor]:
-    return {
-        f"{a}{between}{b}": Factor(fa.exact / fb.exact) for a, fa in above.items() for b, fb in below.items()
-    }
+    return {f"{a}{between}{b}": Factor(fa.exact / fb.exact) for a, fa in above.items() for b, fb in below.items()}
 
 
 _METRES = _decimal(m=0, mm=-3, um=-6)
@@ -121,9 +119,7 @@ DISPLAY: dict[Dimension, str] = {
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
-_SPELLING = str.maketrans(
-    {"µ": "u", "μ": "u", "°": "deg", "·": " ", "⋅": " ", "*": " ", "²": "^2", "³": "^3"}
-)
+_SPELLING = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"})
 
 
 class UnitError(ValueError):

@@ -10,10 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     import yaml
+
+
+ARGUMENT = "command line"
+"""Stands for the file's name where a value came from the command line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,8 +111,15 @@ def read_text(path: Path) -> str:
         raise StudyError([Problem(str(path), 0, 0, "", f"cannot be read: {error.strerror}")]) from None
 
 
-def parse(text: str, file: str) -> Node:
-    """The tree of a YAML text; raises StudyError on a syntax error and on every doubled key."""
+class Document(NamedTuple):
+    """A file's tree, and what is wrong with it (doubled keys, tags); the tree is complete all the same."""
+
+    root: Node
+    problems: tuple[Problem, ...]
+
+
+def parse(text: str, file: str) -> Document:
+    """The tree of a YAML text; raises StudyError on a syntax error."""
     import yaml
 
     try:
@@ -116,42 +127,42 @@ def parse(text: str, file: str) -> Node:
     except yaml.YAMLError as error:
         raise StudyError([_syntax_problem(error, text, file)]) from None
     if root is None:
-        return Node({}, Mark(file, 1, 0, ""))
+        return Document(Node({}, Mark(file)), ())
     walk = _Walk(file, text.splitlines())
-    tree = walk.node(root)
-    if walk.problems:
-        raise StudyError(walk.problems)
-    return tree
+    return Document(walk.node(root), tuple(walk.problems))
 
 
-def parse_argument(text: str, label: str, offset: int) -> Node:
-    """The tree of a value given on the command line.
+def parse_argument(text: str, typed: str) -> Document:
+    """The tree of a value given on the command line, at the end of what was `typed` there.
 
-    Errors show `label` (what was typed); the value starts there at the character `offset`.
+    Raises StudyError on a syntax error.
     """
+    before = typed[: len(typed) - len(text)].replace("\n", " ")
+    indented = " " * len(before) + text.replace("\n", " ")
     try:
-        tree = parse(text, label)
+        root, problems = parse(indented, ARGUMENT)
     except StudyError as error:
-        raise StudyError(_typed(p, label, offset) for p in error.problems) from None
-    return _moved(tree, label, offset)
+        raise StudyError(_retyped(found, typed) for found in error.problems) from None
+    return Document(_moved(root, typed), tuple(_retyped(found, typed) for found in problems))
 
 
-def _argument_mark(label: str, column: int) -> Mark:
-    return Mark("command line", 0, column, label)
+def argument_mark(typed: str, column: int) -> Mark:
+    """A place on the command line."""
+    return Mark(ARGUMENT, 0, column, typed)
 
 
-def _typed(found: Problem, label: str, offset: int) -> Problem:
-    return replace(found, file="command line", line=0, column=found.column + offset, source_line=label)
+def _retyped(found: Problem, typed: str) -> Problem:
+    return replace(found, line=0, source_line=typed)
 
 
-def _moved(node: Node, label: str, offset: int) -> Node:
-    mark = _argument_mark(label, node.mark.column + offset)
-    key = node.key and _argument_mark(label, node.key.column + offset)
-    if isinstance(node.value, dict):
-        return Node({k: _moved(child, label, offset) for k, child in node.value.items()}, mark, key)
-    if isinstance(node.value, tuple):
-        return Node(tuple(_moved(child, label, offset) for child in node.value), mark, key)
-    return Node(node.value, mark, key)
+def _moved(node: Node, typed: str) -> Node:
+    value = node.value
+    if isinstance(value, dict):
+        value = {key: _moved(child, typed) for key, child in value.items()}
+    elif isinstance(value, tuple):
+        value = tuple(_moved(child, typed) for child in value)
+    key = argument_mark(typed, node.key.column) if node.key else None
+    return Node(value, argument_mark(typed, node.mark.column), key)
 
 
 def _syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:

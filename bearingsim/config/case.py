@@ -163,11 +163,15 @@ class Case(Section):
         return self
 
 
+Path = tuple[str | int, ...]
+"""Where a value stands in a case: `("defects", 0, "length")`."""
+
+
 class Conflict(NamedTuple):
     """Values that are right alone but not together: a kind, the paths concerned, and why."""
 
     kind: str
-    paths: tuple[tuple[str | int, ...], ...]
+    paths: tuple[Path, ...]
     message: str
     hint: str | None = None
 
@@ -180,21 +184,19 @@ def conflicts(case: Case) -> Iterator[Conflict]:
         yield from _overlap(first, second, case)
     if case.model == "static" and case.method is not None:
         paths = (("method",), ("model",))
-        yield Conflict(
-            "method", paths, f"the static model has no method, got `{case.method}`", "leave it out"
-        )
+        yield Conflict("method", paths, f"the static model has no method, got `{case.method}`", "leave it out")
     ball_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
     if case.duration < ball_pass:
         shown, needed = show(case.duration, "ms"), show(ball_pass, "ms")
-        paths = (("duration",), ("speed",), ("bearing",))
-        yield Conflict("duration", paths, f"{shown} is shorter than one ball pass ({needed})")
+        timing: tuple[Path, ...] = (("duration",), ("speed",), ("bearing",))
+        yield Conflict("duration", timing, f"{shown} is shorter than one ball pass ({needed})")
 
 
 def _defect_conflicts(number: int, defect: Defect, bearing: Bearing) -> Iterator[Conflict]:
     at = ("defects", number)
     if defect.length > bearing.roller_length:
         length, roller = show(defect.length, "mm"), show(bearing.roller_length, "mm")
-        paths = ((*at, "length"), ("bearing", "roller_length"))
+        paths: tuple[Path, ...] = ((*at, "length"), ("bearing", "roller_length"))
         yield Conflict("long", paths, f"a defect of {length} is longer than the roller ({roller})")
     if defect.width > bearing.roller_spacing:
         width, spacing = show(defect.width, "mm"), show(bearing.roller_spacing, "mm")

@@ -28,9 +28,7 @@ class Quantity:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_before_validator_function(self, handler(source))
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         kinds = ["string", "number"] if "" in UNITS[self.dimension] else "string"
         return {"type": kinds, "description": EXPECTED[self.dimension]}
 
@@ -41,6 +39,14 @@ class Quantity:
             bound = "above zero" if self.above == 0.0 else "that is not negative"
             refuse("bound", f"expected {EXPECTED[self.dimension]} {bound}, got {described(given)}")
         return value
+
+
+class QuantityOrAuto(Quantity):
+    """Mark of a field that may also say `auto`."""
+
+    def __call__(self, given: Any) -> Any:
+        """The value in SI, or the word."""
+        return given if given == "auto" else super().__call__(given)
 
 
 Length = Annotated[float, Quantity("length", above=0.0)]
@@ -134,17 +140,6 @@ def whole(least: int, most: int) -> BeforeValidator:
     return BeforeValidator(check)
 
 
-def _step(given: Any) -> Any:
-    if given == "auto":
-        return given
-    try:
-        return Quantity("time", above=0.0)(given)
-    except PydanticCustomError as error:
-        context = error.context or {}
-        hint = context["hint"] or "or `auto`"
-        refuse("quantity", str(context["message"]), hint)
-
-
 def _text(given: Any) -> str:
     if not isinstance(given, str):
         refuse("text", f"expected a text, got {described(given)}")
@@ -152,5 +147,5 @@ def _text(given: Any) -> str:
 
 
 Switch = Annotated[bool, BeforeValidator(_switch)]
-Step = Annotated[float | Literal["auto"], BeforeValidator(_step)]
+Step = Annotated[float | Literal["auto"], QuantityOrAuto("time", above=0.0)]
 Text = Annotated[str, BeforeValidator(_text)]

@@ -13,7 +13,7 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def folders(kind: Kind) -> list[Path]:
-    """Where files of a kind are looked for, in order: the working folder, the installed copy, the checkout."""
+    """Where files of a kind are looked for, in order: working folder, installed copy, checkout."""
     return [base / "configs" / kind for base in (Path.cwd(), _PACKAGE, _PACKAGE.parent)]
 
 
@@ -37,7 +37,7 @@ def find(kind: Kind, name: str, beside: Path | None = None) -> Path:
     raise ValueError(_not_found(kind, name))
 
 
-def read(kind: Kind, name: str, beside: Path | None = None) -> yamlfile.Node:
+def read(kind: Kind, name: str, beside: Path | None = None) -> yamlfile.Document:
     """The tree of a named file; ValueError if there is none, StudyError if it is not YAML."""
     path = find(kind, name, beside).absolute()
     return _read(path, path.stat().st_mtime_ns)
@@ -45,11 +45,16 @@ def read(kind: Kind, name: str, beside: Path | None = None) -> yamlfile.Node:
 
 def described(kind: Kind, given: Any) -> Any:
     """A mapping for a name, anything else unchanged: how sections accept a name in Python."""
-    return yamlfile.plain(read(kind, given)) if isinstance(given, str) else given
+    if not isinstance(given, str):
+        return given
+    document = read(kind, given)
+    if document.problems:
+        raise yamlfile.StudyError(document.problems)
+    return yamlfile.plain(document.root)
 
 
 @lru_cache(maxsize=256)
-def _read(path: Path, modified: int) -> yamlfile.Node:
+def _read(path: Path, modified: int) -> yamlfile.Document:
     return yamlfile.parse(yamlfile.read_text(path), _shown(path))
 
 

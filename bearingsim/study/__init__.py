@@ -1,0 +1,22 @@
+"""Study files: read, checked, and expanded into jobs."""
+
+from bearingsim.study.jobs import Figure, Job, Study, case_id
+from bearingsim.study.load import load_bearing, load_study
+from bearingsim.study.paths import dimension
+from bearingsim.study.schema import json_schema
+from bearingsim.study.template import NEW_STUDY
+from bearingsim.yamlfile import Problem, StudyError
+
+__all__ = [
+    "NEW_STUDY",
+    "Figure",
+    "Job",
+    "Problem",
+    "Study",
+    "StudyError",
+    "case_id",
+    "dimension",
+    "json_schema",
+    "load_bearing",
+    "load_study",
+]

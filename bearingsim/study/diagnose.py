@@ -1,0 +1,187 @@
+"""From a tree to a case, or to every problem with its place in the file."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from bearingsim.config import Case
+from bearingsim.config.case import DAMPING_LAWS, Conflict, Path
+from bearingsim.study.paths import known_paths, label
+from bearingsim.units import EXPECTED, nearest_word
+from bearingsim.yamlfile import Mark, Node, Problem, plain, problem
+
+STUDY_KEYS = ("study", "figures", "sweep", "quick")
+
+Found = dict[tuple[Mark, str, str], Problem]
+"""Problems by place, path and kind: of the same one met in many cases the first is kept."""
+
+_STAND_INS: dict[str, Any] = {
+    "bearing": "nf308",
+    "speed": 100.0,
+    "load": 1.0,
+    "shape": "rectangular",
+    "length": 1e-6,
+    "width": 1e-6,
+    "depth": 1e-6,
+}
+
+
+def case_of(tree: Node, swept: frozenset[Path], found: Found) -> Case | None:
+    """The case of an expanded tree; if it has none, None, and what is wrong goes into `found`.
+
+    A conflict between values is shown at the one that is swept, if one is.
+    """
+    data = plain(tree)
+    try:
+        return Case.model_validate(data)
+    except ValidationError as error:
+        errors = error.errors(include_url=False)
+    for details in errors:
+        for path, kind, entry in _problems(details, tree, swept):
+            found.setdefault((_mark_of(entry), label(path, 0), kind), entry)
+    for conflict in _hidden_conflicts(data, errors):
+        entry = _conflict_problem(conflict, tree, swept)
+        found.setdefault((_mark_of(entry), label(conflict.paths[0], 0), conflict.kind), entry)
+    return None
+
+
+def _mark_of(entry: Problem) -> Mark:
+    return Mark(entry.file, entry.line, entry.column, entry.source_line)
+
+
+def _problems(details: ErrorDetails, tree: Node, swept: frozenset[Path]) -> Iterator[tuple[Path, str, Problem]]:
+    context = details.get("ctx", {})
+    if "conflicts" in context:
+        for conflict in context["conflicts"]:
+            yield conflict.paths[0], conflict.kind, _conflict_problem(conflict, tree, swept)
+        return
+    path = _path_of(details)
+    yield path, str(context.get("kind", details["type"])), _problem(details, path, tree)
+
+
+def _problem(details: ErrorDetails, path: Path, tree: Node) -> Problem:
+    name, defects = str(path[-1]) if path else "", len(tree.mapping.get("defects", tree).items)
+    if details["type"] == "missing":
+        what = known_paths().get(label(path, 0))
+        hint = f"expected {EXPECTED[what]}" if what else None
+        return _at(_key_mark(tree, path[:-1]), path[:-1], defects, f"`{name}` is missing", hint)
+    if details["type"] == "extra_forbidden":
+        return _at(_key_mark(tree, path), path[:-1], defects, *_unknown_key(name, path, tree))
+    message, hint = _said(details)
+    return _at(_nearest_node(tree, path).mark, path, defects, message, hint)
+
+
+def _at(mark: Mark, path: Path, defects: int, message: str, hint: str | None) -> Problem:
+    where = label(path, defects)
+    return problem(mark, f"{where}: {message}" if where else message, hint)
+
+
+def _said(details: ErrorDetails) -> tuple[str, str | None]:
+    context = details.get("ctx", {})
+    if details["type"] == "bearingsim":
+        return context["message"], context["hint"]
+    if details["type"] == "tuple_type":
+        return "expected a list such as `[a, b]`", None
+    if details["type"] in ("model_type", "model_attributes_type", "dict_type"):
+        return "expected a mapping of keys", None
+    return details["msg"].removeprefix("Value error, "), None
+
+
+def _unknown_key(name: str, path: Path, tree: Node) -> tuple[str, str]:
+    known = _keys_at(path[:-1], tree)
+    near = nearest_word(name, known)
+    return f"unknown key `{name}`", f"did you mean `{near}`?" if near else f"known: {', '.join(known)}"
+
+
+def _keys_at(path: Path, tree: Node) -> list[str]:
+    """The keys that a section may have."""
+    if path[-1:] == ("damping",):
+        law = _nearest_node(tree, path).mapping.get("law")
+        return list(DAMPING_LAWS[law.text if law else "hunt-crossley"].model_fields)
+    prefix = label(path, 0) + "." if path else ""
+    inner = [known.removeprefix(prefix) for known in known_paths() if known.startswith(prefix)]
+    extra = ["name", "source"] if path[:1] in (("bearing",), ("rig",)) else [] if path else list(STUDY_KEYS)
+    return [key for key in inner if "." not in key] + extra
+
+
+def _path_of(details: ErrorDetails) -> Path:
+    """Where the error is in the tree: without the tags that pydantic adds for the damping's law."""
+    path = [step for i, step in enumerate(details["loc"]) if not _is_tag(details["loc"], i)]
+    at = details.get("ctx", {}).get("at")
+    return (*path, at) if at else tuple(path)
+
+
+def _is_tag(loc: Path, index: int) -> bool:
+    return index > 0 and loc[index - 1] == "damping" and loc[index] in DAMPING_LAWS
+
+
+def _nearest_node(tree: Node, path: Path) -> Node:
+    """The node at a path, or the last one on the way."""
+    for step in path:
+        below = tree.mapping.get(str(step))
+        if isinstance(step, int) and step < len(tree.items):
+            below = tree.items[step]
+        if below is None:
+            break
+        tree = below
+    return tree
+
+
+def _key_mark(tree: Node, path: Path) -> Mark:
+    node = _nearest_node(tree, path)
+    return node.key or node.mark
+
+
+def _conflict_problem(conflict: Conflict, tree: Node, swept: frozenset[Path]) -> Problem:
+    """At the value that is swept, if one is; else at the first that is written at all."""
+    written = [path for path in conflict.paths if _is_written(tree, path)] or [conflict.paths[0]]
+    moving = [path for path in written if any(path[: len(s)] == s for s in swept)]
+    path = (moving or written)[0]
+    defects = len(tree.mapping.get("defects", tree).items)
+    return _at(_nearest_node(tree, path).mark, path, defects, conflict.message, conflict.hint)
+
+
+def _is_written(tree: Node, path: Path) -> bool:
+    return _nearest_node(tree, path) is not _nearest_node(tree, path[:-1])
+
+
+def _hidden_conflicts(data: dict[str, Any], errors: list[ErrorDetails]) -> list[Conflict]:
+    """Conflicts among the values that are right, seen once stand-ins replace those that are wrong."""
+    bad = [_path_of(details) for details in errors]
+    if () in bad:
+        return []
+    for path, details in zip(bad, errors, strict=True):
+        _mend(data, path, details["type"] == "extra_forbidden")
+    try:
+        Case.model_validate(data)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0].get("ctx", {})
+        return [c for c in first.get("conflicts", []) if not _touches(c.paths, bad)]
+    return []
+
+
+def _touches(paths: tuple[Path, ...], bad: list[Path]) -> bool:
+    return any(p[: len(b)] == b or b[: len(p)] == p for p in paths for b in bad)
+
+
+def _mend(data: dict[str, Any], path: Path, unknown: bool) -> None:
+    """Put a stand-in where a value is wrong, or take it away."""
+    if path[0] == "defects" and len(path) > 1:
+        _mend_defect(data, path, unknown)
+    elif unknown and len(path) == 1:
+        data.pop(str(path[0]), None)
+    else:
+        data.pop(str(path[0]), None)
+        data |= {key: value for key, value in _STAND_INS.items() if key == path[0]}
+
+
+def _mend_defect(data: dict[str, Any], path: Path, unknown: bool) -> None:
+    defects, number = data["defects"], int(path[1])
+    if len(path) == 2 or not isinstance(defects[number], dict):
+        defects[number] = {key: _STAND_INS[key] for key in ("shape", "length", "width", "depth")}
+        return
+    defects[number].pop(path[2], None)
+    if not unknown and path[2] in _STAND_INS:
+        defects[number][path[2]] = _STAND_INS[str(path[2])]

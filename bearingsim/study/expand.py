@@ -1,0 +1,75 @@
+"""A tree in its plain form: names replaced by what their files say, `defect` by a list of one."""
+
+from pathlib import Path as FilePath
+
+from bearingsim.config.library import Kind, read
+from bearingsim.study.paths import put
+from bearingsim.yamlfile import Node, Problem, StudyError, problem
+
+
+def expanded(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
+    """The tree with references opened (relative paths also from `folder`); doing it twice changes nothing.
+
+    A name that leads nowhere stays as it is: the case refuses it with its place.
+    """
+    tree = _listed_defects(tree, problems)
+    tree = _with_default(tree, "rig", "bvt5")
+    for section, kind in _REFERENCES:
+        if section in tree.mapping:
+            opened = _opened(tree.mapping[section], kind, folder, problems)
+            tree = put(tree, (section,), opened)
+    return _law_by_name(_opened_material(tree, folder, problems))
+
+
+_REFERENCES: tuple[tuple[str, Kind], ...] = (("bearing", "bearings"), ("rig", "rigs"))
+
+
+def _listed_defects(tree: Node, problems: list[Problem]) -> Node:
+    single = tree.mapping.get("defect")
+    if single is None:
+        return tree
+    if "defects" in tree.mapping:
+        message = "say `defect` (one mapping) or `defects` (a list), not both"
+        problems.append(problem(single.key or single.mark, message))
+    rest = {key: node for key, node in tree.mapping.items() if key != "defect"}
+    listed = Node((single,), single.mark, single.key)
+    return Node({"defects": listed} | rest, tree.mark, tree.key)
+
+
+def _with_default(tree: Node, key: str, name: str) -> Node:
+    if not isinstance(tree.value, dict) or key in tree.value:
+        return tree
+    return put(tree, (key,), Node(name, tree.mark))
+
+
+def _opened(node: Node, kind: Kind, folder: FilePath, problems: list[Problem]) -> Node:
+    if not isinstance(node.value, str):
+        return node
+    try:
+        document = read(kind, node.value, folder)
+    except ValueError:
+        return node
+    except StudyError as error:
+        problems += [found for found in error.problems if found not in problems]
+        return node
+    problems += [found for found in document.problems if found not in problems]
+    return document.root
+
+
+def _opened_material(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
+    bearing = tree.mapping.get("bearing")
+    if bearing is None or not isinstance(bearing.value, dict):
+        return tree
+    bearing = _with_default(bearing, "material", "steel")
+    material = _opened(bearing.mapping["material"], "materials", folder, problems)
+    return put(tree, ("bearing",), put(bearing, ("material",), material))
+
+
+def _law_by_name(tree: Node) -> Node:
+    """`damping: kraemer` as the mapping `{law: kraemer}`, so that a sweep can reach into it."""
+    contact = tree.mapping.get("contact")
+    damping = contact.mapping.get("damping") if contact else None
+    if damping is None or not isinstance(damping.value, str):
+        return tree
+    law = Node({"law": Node(damping.value, damping.mark)}, damping.mark, damping.key)
+    return put(tree, ("contact", "damping"), law)

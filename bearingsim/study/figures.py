@@ -1,0 +1,83 @@
+"""The `figures:` section."""
+
+from collections.abc import Collection
+
+from bearingsim.config import FEATURES
+from bearingsim.study.jobs import Figure
+from bearingsim.units import nearest_word
+from bearingsim.yamlfile import Node, Problem, problem
+
+KEYS = ("y", "x", "by", "panels", "where", "title", "log")
+
+
+def parse_figures(section: Node | None, swept: Collection[str], problems: list[Problem]) -> tuple[Figure, ...]:
+    """The figures of a study that sweeps the paths `swept`."""
+    if section is None:
+        return ()
+    if not isinstance(section.value, tuple):
+        message = "figures: expected a list such as `[{y: velocity@BPFO, x: load}]`"
+        problems.append(problem(section.mark, message))
+    found = [_figure(node, swept, problems) for node in section.items]
+    return tuple(figure for figure in found if figure is not None)
+
+
+def _figure(node: Node, swept: Collection[str], problems: list[Problem]) -> Figure | None:
+    before = len(problems)
+    _check_keys(node, problems)
+    for name in ("x", "by", "panels"):
+        _check_words(name, node, swept, "swept path", problems)
+    _check_words("y", node, FEATURES, "feature", problems)
+    _check_words("log", node, ("x", "y"), "axis", problems)
+    where = node.mapping.get("where")
+    for path, value in (where.mapping if where else {}).items():
+        _check_word("where", path, value, swept, "swept path", problems)
+    if len(problems) > before:
+        return None
+    entries = node.mapping
+    return Figure(
+        y=_texts(entries.get("y")),
+        x=entries["x"].text,
+        by=_texts(entries.get("by")),
+        panels=_texts(entries.get("panels")),
+        where={path: value.text for path, value in where.mapping.items()} if where else {},
+        title=entries["title"].text if "title" in entries else None,
+        log=_texts(entries.get("log")),
+    )
+
+
+def _check_keys(node: Node, problems: list[Problem]) -> None:
+    if not isinstance(node.value, dict):
+        problems.append(problem(node.mark, "figures: expected a mapping such as `{y: velocity@BPFO, x: load}`"))
+        return
+    for key, value in node.mapping.items():
+        _check_word("figures", key, value, KEYS, "key", problems)
+    for key in ("x", "y"):
+        if key not in node.mapping:
+            problems.append(problem(node.mark, f"figures: `{key}` is missing"))
+    if "x" in node.mapping and not isinstance(node.mapping["x"].value, str):
+        problems.append(problem(node.mapping["x"].mark, "figures.x: expected one swept path"))
+    if "where" in node.mapping and not isinstance(node.mapping["where"].value, dict):
+        problems.append(problem(node.mapping["where"].mark, "figures.where: expected `{path: value}`"))
+
+
+def _check_words(key: str, node: Node, words: Collection[str], what: str, problems: list[Problem]) -> None:
+    entry = node.mapping.get(key)
+    for word in (entry.items or (entry,)) if entry else ():
+        _check_word(f"figures.{key}", word.text, word, words, what, problems)
+
+
+def _check_word(
+    where: str, word: str, node: Node, words: Collection[str], what: str, problems: list[Problem]
+) -> None:
+    if word not in words:
+        near = nearest_word(word, words)
+        few = "known: " + ", ".join(words) if 0 < len(words) < 10 else None
+        hint = f"did you mean `{near}`?" if near else few
+        mark = node.key if node.key and node.key.column and where in ("figures", "where") else node.mark
+        problems.append(problem(mark, f"{where}: no {what} `{word}`", hint))
+
+
+def _texts(node: Node | None) -> tuple[str, ...]:
+    if node is None:
+        return ()
+    return tuple(item.text for item in node.items) if isinstance(node.value, tuple) else (node.text,)

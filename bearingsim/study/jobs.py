@@ -1,0 +1,101 @@
+"""What a study expands to: cases, their ids, and the jobs that a runner works through."""
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from bearingsim.config import Case
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of a study: features against a swept path, one curve per `by`, one panel per `panels`."""
+
+    y: tuple[str, ...]
+    x: str
+    by: tuple[str, ...] = ()
+    panels: tuple[str, ...] = ()
+    where: dict[str, str] = field(default_factory=dict)
+    title: str | None = None
+    log: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Job:
+    """One simulation of a study: its id, its swept values (SI, or words), and its healthy twin's id.
+
+    `healthy` is None for a bearing without defects, which is its own twin.
+    """
+
+    id: str
+    case: Case
+    swept: dict[str, float | str]
+    healthy: str | None
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study file, read and checked: `text` as written, `units` of the swept paths as written there."""
+
+    name: str
+    path: str
+    text: str
+    overrides: dict[str, str]
+    quick: bool
+    figures: tuple[Figure, ...]
+    units: dict[str, str]
+    swept_cases: tuple[tuple[Case, dict[str, float | str]], ...] = field(repr=False)
+
+    def cases(self) -> list[Case]:
+        """The swept cases, in order: the last entry of `sweep` changes fastest."""
+        return [case for case, _ in self.swept_cases]
+
+    def jobs(self) -> list[Job]:
+        """Every job once: the cases first, then the healthy twins they are compared with."""
+        jobs: dict[str, Job] = {}
+        twins: dict[str, Job] = {}
+        for case, swept in self.swept_cases:
+            twin = _twin(case, swept)
+            job_id = case_id(case)
+            jobs.setdefault(job_id, Job(job_id, case, swept, twin.id if twin else None))
+            if twin:
+                twins.setdefault(twin.id, twin)
+        return list((jobs | {key: twin for key, twin in twins.items() if key not in jobs}).values())
+
+
+def case_id(case: Case) -> str:
+    """16 hex digits that name a result: equal for equal physics, however it was written.
+
+    Covers all that shapes the numbers (12 significant digits) and the model's version; not the names and
+    sources of bearing, rig and material.
+    """
+    from bearingsim.core import MODEL_VERSION
+
+    values = case.model_dump() | {"record": sorted(set(case.record)), "model_version": MODEL_VERSION}
+    text = json.dumps(_canonical(values), sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _canonical(value: Any) -> Any:
+    if isinstance(value, float):
+        return float(f"{value:.12g}") + 0.0  # no negative zero
+    if isinstance(value, dict):
+        return {key: _canonical(inner) for key, inner in value.items() if key not in ("name", "source")}
+    if isinstance(value, list | tuple):
+        return [_canonical(inner) for inner in value]
+    return value
+
+
+def _twin(case: Case, swept: dict[str, float | str]) -> Job | None:
+    """The same bearing without its defects."""
+    if not case.defects:
+        return None
+    healthy = case.model_copy(update={"defects": ()})
+    kept = dict(_undamaged(swept))
+    return Job(case_id(healthy), healthy, kept, None)
+
+
+def _undamaged(swept: dict[str, float | str]) -> Iterator[tuple[str, float | str]]:
+    return ((path, value) for path, value in swept.items() if path.split(".")[0] not in ("defect", "defects"))

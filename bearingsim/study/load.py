@@ -1,0 +1,229 @@
+"""A study file in, a checked `Study` out, or every problem at once."""
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+
+from bearingsim.config import Bearing, Case
+from bearingsim.config.case import Path
+from bearingsim.study.diagnose import STUDY_KEYS, Found, case_of
+from bearingsim.study.expand import expanded
+from bearingsim.study.figures import parse_figures
+from bearingsim.study.jobs import Study, case_id
+from bearingsim.study.paths import dimension, known_paths, parse_path, put, value_at
+from bearingsim.study.sweep import Axis, is_sweep, parse_sweep, replaced, rows_of, single_axis
+from bearingsim.units import UnitError, split
+from bearingsim.yamlfile import (
+    Mark,
+    Node,
+    Problem,
+    StudyError,
+    argument_mark,
+    parse,
+    parse_argument,
+    problem,
+    read_text,
+)
+
+MOST_CASES = 1_000_000
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
+_LIST_VALUED = ("defects", "record")
+
+Swept = dict[str, float | str]
+
+
+def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None, quick: bool = False) -> Study:
+    """Read and check a study file.
+
+    `overrides` maps paths to values as they would stand in the file (`{"load": "200 N"}`); `quick` takes the
+    file's reduced grid. Raises StudyError with everything that is wrong.
+    """
+    text = read_text(FilePath(path))
+    root, flaws = parse(text, str(path))
+    if not isinstance(root.value, dict):
+        raise StudyError([*flaws, problem(root.mark, "expected `key: value` lines, as `bearingsim new` writes")])
+    problems = list(flaws)
+    given = dict(overrides or {})
+    plans = [_Plan.of(root, FilePath(path).parent, given, reduced) for reduced in (False, True)]
+    cases = [plan.cases() for plan in plans]  # both: a mistake in `quick` is told now, not when first used
+    swept = {path: None for plan in plans for axis in plan.axes for path in axis.paths}
+    figures = parse_figures(root.mapping.get("figures"), swept, problems)
+    name = _name(root, problems)
+    for plan in plans:
+        problems += plan.all_problems()
+    if problems:
+        raise StudyError(_in_order(problems, str(path)))
+    return Study(name, str(path), text, given, quick, figures, plans[quick].units(), tuple(cases[quick]))
+
+
+def load_bearing(name: str) -> Bearing:
+    """The bearing of a name or path; StudyError, pointing into its file, if something is wrong."""
+    mark = argument_mark(name, 1)
+    probe = {"bearing": name, "speed": "1 rad/s", "load": "1 N", "duration": "1e9 s"}
+    plan = _Plan(Node({key: Node(text, mark) for key, text in probe.items()}, mark), FilePath())
+    plan.expand()
+    found = plan.cases()
+    if not found:
+        raise StudyError(_in_order(plan.all_problems(), ""))
+    return found[0][0].bearing
+
+
+@dataclass
+class _Plan:
+    """A study on its way: its base, its axes, and what was found wrong so far."""
+
+    base: Node
+    folder: FilePath
+    axes: list[Axis] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
+    found: Found = field(default_factory=dict)
+    places: dict[str, Path] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, root: Node, folder: FilePath, overrides: Mapping[str, str], quick: bool) -> "_Plan":
+        """The plan of a file: its base and sweep, then `quick`, then the overrides."""
+        entries = {key: node for key, node in root.mapping.items() if key not in STUDY_KEYS}
+        plan = cls(Node(entries, root.mark), folder)
+        plan.expand()
+        sweep = root.mapping.get("sweep")
+        plan.axes = parse_sweep(sweep, plan.problems) if sweep else []
+        if quick and "quick" in root.mapping:
+            plan.reduce(root.mapping["quick"])
+        for path, text in overrides.items():
+            plan.override(path, text)
+        plan.axes = [axis for axis in plan.axes if plan.check(axis)]
+        return plan
+
+    def expand(self) -> None:
+        """Open the references of the base."""
+        self.base = expanded(self.base, self.folder, self.problems)
+
+    def reduce(self, quick: Node) -> None:
+        """Take over the entries of `quick:`."""
+        if not isinstance(quick.value, dict):
+            message = "quick: expected a mapping such as `{duration: 0.3 s, sweep: {load: [150 N]}}`"
+            self.problems.append(problem(quick.mark, message))
+        for key, node in quick.mapping.items():
+            if key == "sweep":
+                for axis in parse_sweep(node, self.problems):
+                    self.axes = replaced(self.axes, axis)
+            else:
+                self.fix(key, node, node.key or node.mark)
+
+    def override(self, path: str, text: str) -> None:
+        """Take over a value from the command line."""
+        typed = f"--set {path}={text}"
+        try:
+            value, flaws = parse_argument(text, typed)
+        except StudyError as error:
+            self.problems += error.problems
+            return
+        self.problems += flaws
+        mark = argument_mark(typed, len("--set ") + 1)
+        if is_sweep(value) and path not in _LIST_VALUED:
+            axis = single_axis(path, Node(value.value, value.mark, mark), self.problems)
+            self.axes = replaced(self.axes, axis) if axis else self.axes
+        else:
+            self.fix(path, value, mark)
+
+    def fix(self, path: str, value: Node, mark: Mark) -> None:
+        """Give a path one value: in the base, and instead of its sweep."""
+        place = self.place(path, mark)
+        if place is None:
+            return
+        self.base = put(self.base, place, value)
+        self.expand()
+        if any(path in axis.paths for axis in self.axes):
+            self.axes = replaced(self.axes, Axis((path,), ((value,),), (value,)))
+
+    def place(self, path: str, mark: Mark) -> Path | None:
+        """Where a path leads, or None, which is noted."""
+        try:
+            return parse_path(path, len(self.base.mapping.get("defects", self.base).items))
+        except ValueError as error:
+            self.problems.append(problem(mark, str(error)))
+            return None
+
+    def check(self, axis: Axis) -> bool:
+        """Whether an axis' paths exist and are not swept twice."""
+        before = len(self.problems)
+        for path, node in zip(axis.paths, axis.keys, strict=True):
+            mark = node.key or node.mark
+            place = self.place(path, mark)
+            if place in self.places.values():
+                self.problems.append(problem(mark, f"`{path}` is swept twice"))
+            elif place:
+                self.places[path] = place
+        return len(self.problems) == before
+
+    def cases(self) -> list[tuple[Case, Swept]]:
+        """The cases, each once, with their swept values; what is wrong with others is noted."""
+        count = math.prod(len(axis.rows) for axis in self.axes)
+        if count > MOST_CASES:
+            mark = self.axes[0].keys[0].mark
+            self.problems.append(problem(mark, f"sweep: {count} cases; at most {MOST_CASES} are possible"))
+            return []
+        cases: dict[str, tuple[Case, Swept]] = {}
+        for row in rows_of(self.axes):
+            case = self.case(row)
+            if case is not None:
+                cases.setdefault(case_id(case), (case, self.swept(case, row)))
+        return list(cases.values())
+
+    def case(self, row: list[tuple[str, Node]]) -> Case | None:
+        """The case of one combination of swept values."""
+        tree = self.base
+        for path, value in sorted(row, key=lambda pair: len(self.places[pair[0]])):  # sections before parts
+            tree = put(tree, self.places[path], value)
+            if dimension(path) is None:
+                tree = expanded(tree, self.folder, self.problems)
+        try:
+            return case_of(tree, frozenset(self.places[path] for path, _ in row), self.found)
+        except StudyError as error:  # a file named here is no YAML
+            self.problems += error.problems
+            return None
+
+    def swept(self, case: Case, row: list[tuple[str, Node]]) -> Swept:
+        """The swept values of a case: numbers in SI, everything else as written."""
+        values: Swept = {}
+        for path, node in row:
+            value = value_at(case, self.places[path])
+            is_number = isinstance(value, int | float) and not isinstance(value, bool)
+            values[path] = float(value) if is_number else node.text
+        return values
+
+    def units(self) -> dict[str, str]:
+        """The unit of each swept path as first written; empty for words."""
+        firsts = {path: node for axis in self.axes for path, node in zip(axis.paths, axis.rows[0], strict=True)}
+        return {path: _unit(path, node) for path, node in firsts.items()}
+
+    def all_problems(self) -> list[Problem]:
+        """What was found, less the values that are missing only because their sweep is wrong."""
+        swept = {key for key in known_paths() if any(p.message.startswith(f"sweep.{key}:") for p in self.problems)}
+        kept = [p for (_, path, kind), p in self.found.items() if not (kind == "missing" and path in swept)]
+        return self.problems + kept
+
+
+def _unit(path: str, node: Node) -> str:
+    try:
+        return split(node.text)[1] if dimension(path) else ""
+    except UnitError:  # a word where a quantity could stand, such as `auto`
+        return ""
+
+
+def _name(root: Node, problems: list[Problem]) -> str:
+    node = root.mapping.get("study")
+    if node is None:
+        problems.append(problem(root.mark, "`study` is missing", "give the study a name, as in `study: first`"))
+        return ""
+    if not isinstance(node.value, str) or not _NAME.fullmatch(node.value):
+        message = f"study: expected a name of letters, digits, `-`, `_` and `.`, got `{node.text}`"
+        problems.append(problem(node.mark, message))
+    return node.text
+
+
+def _in_order(problems: Iterable[Problem], main: str) -> list[Problem]:
+    """Each problem once, in the order of the file; other files after it."""
+    return sorted(dict.fromkeys(problems), key=lambda p: (p.file != main, p.file, p.line, p.column))

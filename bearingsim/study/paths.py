@@ -1,0 +1,108 @@
+"""Paths into a case, as a user types them: `load`, `defect.length`, `defects.2.width`, `contact.damping.chi`."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from typing import Any, get_args
+
+from bearingsim.config import Case
+from bearingsim.config.case import Path
+from bearingsim.config.fields import Quantity, Section
+from bearingsim.units import Dimension, nearest_word
+from bearingsim.yamlfile import Node
+
+
+@cache
+def known_paths() -> dict[str, Dimension | None]:
+    """Every path that can be swept, with its dimension (None: words or whole sections)."""
+    return dict(_walk(Case, ""))
+
+
+def dimension(path: str) -> Dimension | None:
+    """The dimension of the values at a path; KeyError if there is no such path."""
+    return known_paths()[_without_number(path)]
+
+
+def parse_path(text: str, defects: int) -> Path:
+    """Where a path leads in a case with that many defects; ValueError if nowhere."""
+    plain = _without_number(text)
+    if plain not in known_paths():
+        near = nearest_word(text, list(known_paths()))
+        raise ValueError(f"no such path `{text}`" + (f" (did you mean `{near}`?)" if near else ""))
+    head, *rest = text.split(".")
+    if head == "defect":
+        return ("defects", _only_defect(text, defects), *rest)
+    if head == "defects" and rest:
+        return ("defects", _numbered_defect(int(rest[0]), defects), *rest[1:])
+    return (head, *rest)
+
+
+def label(path: Path, defects: int) -> str:
+    """A path as a user types it."""
+    if len(path) > 1 and path[0] == "defects":
+        head = "defect" if defects <= 1 else f"defects.{int(path[1]) + 1}"
+        return ".".join([head, *map(str, path[2:])])
+    return ".".join(map(str, path))
+
+
+def put(tree: Node, path: Path, value: Node) -> Node:
+    """The tree with another value at a path; sections missing on the way are made."""
+    if not path:
+        return replace(value, key=tree.key or value.key)
+    head, rest = path[0], path[1:]
+    empty = Node({}, value.mark)
+    if isinstance(head, int):
+        items = list(tree.items) or [empty]
+        items[head] = put(items[head], rest, value)
+        return replace(tree, value=tuple(items))
+    child = put(tree.mapping.get(head, empty), rest, value)
+    return replace(tree, value={**tree.mapping, head: child})
+
+
+def value_at(case: Case, path: Path) -> Any:
+    """What stands at a path of a case."""
+    found: Any = case
+    for step in path:
+        found = found[step] if isinstance(step, int) else getattr(found, step)
+    return found
+
+
+def _walk(section: type[Section], prefix: str) -> Iterator[tuple[str, Dimension | None]]:
+    for name, field in section.model_fields.items():
+        if name in ("name", "source"):  # labels shape no result
+            continue
+        marks = [*field.metadata, *_leaves(field.annotation)]
+        yield prefix + name, next((m.dimension for m in marks if isinstance(m, Quantity)), None)
+        below = prefix + ("defect" if name == "defects" else name)
+        if name == "defects":
+            yield below, None
+        for inner in marks:
+            if isinstance(inner, type) and issubclass(inner, Section):
+                yield from _walk(inner, below + ".")
+
+
+def _leaves(annotation: Any) -> Iterator[Any]:
+    """Classes and marks inside a type such as `tuple[Defect, ...]` or `Annotated[float, ...] | None`."""
+    yield annotation
+    for inner in get_args(annotation):
+        yield from _leaves(inner)
+
+
+def _without_number(path: str) -> str:
+    head, *rest = path.split(".")
+    numbered = head == "defects" and rest and rest[0].isdecimal() and len(rest[0]) < 5
+    return ".".join(["defect", *rest[1:]]) if numbered else path
+
+
+def _only_defect(text: str, defects: int) -> int:
+    if defects > 1:
+        raise ValueError(f"which of the {defects} defects? (say `{text.replace('defect', 'defects.1', 1)}`)")
+    if defects == 0 and text != "defect":
+        raise ValueError(f"`{text}`: the study has no `defect`")
+    return 0
+
+
+def _numbered_defect(number: int, defects: int) -> int:
+    if not 1 <= number <= defects:
+        raise ValueError(f"there is no defect {number} (the study has {defects}, counted from 1)")
+    return number - 1

@@ -1,0 +1,67 @@
+"""A JSON schema of study files, for editors."""
+
+from typing import Any
+
+from bearingsim.config import FEATURES, Case
+from bearingsim.study.sweep import GENERATORS
+
+_WORDS = {"type": ["string", "array"], "items": {"type": "string"}}
+
+
+def json_schema() -> dict[str, Any]:
+    """The schema of a study file (JSON Schema 2020-12)."""
+    case = Case.model_json_schema()
+    fields = _case_fields(case)
+    own = {
+        "study": {"type": "string", "description": "name of the study: letters, digits, - _ ."},
+        "figures": {"type": "array", "items": _figure()},
+        "sweep": _sweep(),
+        "quick": {"type": "object", "properties": fields | {"sweep": _sweep()}},
+    }
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "bearingsim study",
+        "type": "object",
+        "properties": own | fields,
+        "required": ["study"],
+        "additionalProperties": False,
+        "$defs": case["$defs"],
+    }
+
+
+def _case_fields(case: dict[str, Any]) -> dict[str, Any]:
+    """The fields of a case; what is a section in Python may be a name in a file."""
+    fields = dict(case["properties"])
+    for name in ("bearing", "rig"):
+        fields[name] = {"anyOf": [{"type": "string"}, {"$ref": f"#/$defs/{name.capitalize()}"}]}
+    material = {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/Material"}]}
+    case["$defs"]["Bearing"]["properties"]["material"] = material
+    damping = case["$defs"]["Contact"]["properties"]["damping"]
+    case["$defs"]["Contact"]["properties"]["damping"] = {"anyOf": [{"type": "string"}, damping]}
+    return fields | {"defect": {"$ref": "#/$defs/Defect"}}
+
+
+def _figure() -> dict[str, Any]:
+    names = {"type": "string", "enum": list(FEATURES)}
+    properties = {
+        "y": {"anyOf": [names, {"type": "array", "items": names}]},
+        "x": {"type": "string"},
+        "by": _WORDS,
+        "panels": _WORDS,
+        "where": {"type": "object"},
+        "title": {"type": "string"},
+        "log": _WORDS,
+    }
+    return {"type": "object", "properties": properties, "required": ["y", "x"], "additionalProperties": False}
+
+
+def _sweep() -> dict[str, Any]:
+    three = {"type": "array", "minItems": 3, "maxItems": 3}
+    generated = [
+        {"type": "object", "properties": {word: three}, "required": [word], "additionalProperties": False}
+        for word in GENERATORS
+    ]
+    values = {"anyOf": [{"type": "array", "minItems": 1}, *generated]}
+    block = {"type": "object", "additionalProperties": values}
+    zipped = {"anyOf": [block, {"type": "array", "items": block}]}
+    return {"type": "object", "properties": {"zip": zipped}, "additionalProperties": values}

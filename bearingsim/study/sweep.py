@@ -1,0 +1,205 @@
+"""The `sweep:` section: lists, linspace, range, logspace, their product, and `zip`."""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from itertools import product
+
+from bearingsim.units import UnitError, common_dimension, display, nearest_word, parse, split
+from bearingsim.yamlfile import Node, Problem, problem
+
+MOST_VALUES = 100_000
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Paths that move together, and the rows of values that they take."""
+
+    paths: tuple[str, ...]
+    rows: tuple[tuple[Node, ...], ...]
+    keys: tuple[Node, ...]  # the entries in the file, for messages
+
+    @property
+    def zipped(self) -> bool:
+        """Whether this came from a `zip:` block."""
+        return len(self.paths) > 1
+
+
+def parse_sweep(sweep: Node, problems: list[Problem]) -> list[Axis]:
+    """The axes of a sweep section, in the written order."""
+    if not isinstance(sweep.value, dict):
+        problems.append(problem(sweep.mark, "sweep: expected a mapping such as `{load: [150 N, 300 N]}`"))
+    axes = []
+    for key, node in sweep.mapping.items():
+        for block in _blocks(key, node, problems):
+            axes.append(_axis(block, problems))
+    return [axis for axis in axes if axis is not None]
+
+
+def rows_of(axes: list[Axis]) -> Iterator[list[tuple[str, Node]]]:
+    """Every combination of the axes' rows, the last axis fastest, as pairs of path and value."""
+    for rows in product(*(axis.rows for axis in axes)):
+        yield [pair for axis, row in zip(axes, rows, strict=True) for pair in zip(axis.paths, row, strict=True)]
+
+
+def single_axis(path: str, entry: Node, problems: list[Problem]) -> Axis | None:
+    """The axis of one path."""
+    return _axis({path: entry}, problems)
+
+
+def is_sweep(node: Node) -> bool:
+    """Whether a value stands for several: a list, or `{linspace: ...}` and its like."""
+    return isinstance(node.value, tuple) or bool(node.mapping.keys() & GENERATORS.keys())
+
+
+def replaced(axes: list[Axis], new: Axis) -> list[Axis]:
+    """The axes with one replaced: the axis of the same path, or all `zip:` blocks by a zip; else appended."""
+    if new.zipped:
+        same = [axis for axis in axes if axis.zipped or set(axis.paths) & set(new.paths)]
+        at = axes.index(same[0]) if same else len(axes)
+        return (
+            [axis for axis in axes[:at] if axis not in same]
+            + [new]
+            + [axis for axis in axes[at:] if axis not in same]
+        )
+    found: list[Axis] = []
+    for axis in axes:
+        found += _without(axis, new) if new.paths[0] in axis.paths else [axis]
+    return found if new in found else [*found, new]
+
+
+def _without(axis: Axis, new: Axis) -> list[Axis]:
+    """The axis less the new one's path, and the new one before it."""
+    kept = [i for i, path in enumerate(axis.paths) if path not in new.paths]
+    if not kept:
+        return [new]
+    rows = tuple(tuple(row[i] for i in kept) for row in axis.rows)
+    rest = Axis(tuple(axis.paths[i] for i in kept), rows, tuple(axis.keys[i] for i in kept))
+    return [new, rest]
+
+
+def _blocks(key: str, node: Node, problems: list[Problem]) -> list[dict[str, Node]]:
+    if key != "zip":
+        return [{key: node}]
+    blocks = node.items if isinstance(node.value, tuple) else (node,)
+    if not all(block.mapping for block in blocks):
+        problems.append(problem(node.mark, "zip: expected a mapping of paths to lists of equal length"))
+    return [block.mapping for block in blocks if block.mapping]
+
+
+def _axis(entries: dict[str, Node], problems: list[Problem]) -> Axis | None:
+    columns = [_values(path, node, problems) for path, node in entries.items()]
+    lengths = [len(column) for column in columns]
+    if not all(lengths):
+        return None
+    if len(set(lengths)) > 1:
+        counts = ", ".join(f"`{path}` has {n}" for path, n in zip(entries, lengths, strict=True))
+        first = next(iter(entries.values()))
+        problems.append(problem(first.key or first.mark, f"zip: lists of unequal length ({counts})"))
+        return None
+    return Axis(tuple(entries), tuple(zip(*columns, strict=True)), tuple(entries.values()))
+
+
+def _values(path: str, node: Node, problems: list[Problem]) -> tuple[Node, ...]:
+    """The values of one entry; none if the entry is wrong, which is noted."""
+    try:
+        return _listed(node) if isinstance(node.value, tuple) else _generated(node)
+    except _Wrong as wrong:
+        problems.append(problem(wrong.node.mark, f"sweep.{path}: {wrong}", wrong.hint))
+        return ()
+
+
+class _Wrong(Exception):
+    def __init__(self, node: Node, message: str, hint: str | None = None) -> None:
+        self.node, self.hint = node, hint
+        super().__init__(message)
+
+
+def _listed(node: Node) -> tuple[Node, ...]:
+    if not node.items:
+        raise _Wrong(node, "the list is empty")
+    return node.items
+
+
+def _generated(node: Node) -> tuple[Node, ...]:
+    words = list(node.mapping)
+    if len(words) != 1 or words[0] not in GENERATORS:
+        hint = f"write `[{node.text}]`" if isinstance(node.value, str) else None
+        near = nearest_word(words[0], list(GENERATORS)) if words else None
+        expected = "expected a list, or `linspace`, `logspace` or `range` with three numbers"
+        raise _Wrong(node, expected, f"did you mean `{near}`?" if near else hint)
+    arguments = node.mapping[words[0]]
+    if len(arguments.items) != 3:
+        raise _Wrong(arguments, f"expected three values, as in `{words[0]}: {_EXAMPLES[words[0]]}`")
+    return GENERATORS[words[0]](*arguments.items)
+
+
+def _number(node: Node, unit: str | None) -> tuple[float, str]:
+    """The number of a quantity, in `unit` if one is asked for, and its unit."""
+    if not isinstance(node.value, str):
+        raise _Wrong(node, "expected a number with its unit")
+    try:
+        number, word = split(node.value)
+        return (float(number), word) if unit in (None, word) else (_converted(node.value, word, str(unit)), word)
+    except UnitError as error:
+        raise _Wrong(node, f"expected {error.expected}, got `{node.value}`", error.hint) from None
+
+
+def _converted(text: str, word: str, unit: str) -> float:
+    dimension = common_dimension(word, unit)
+    if dimension is None:
+        raise UnitError(text, f"the unit `{unit}` as in the first value")
+    return display(parse(text, dimension), unit, dimension)
+
+
+def _count(node: Node) -> int:
+    if not isinstance(node.value, str) or not node.value.isdecimal() or not 2 <= int(node.value) <= MOST_VALUES:
+        raise _Wrong(node, f"expected the number of values, from 2 to {MOST_VALUES}, got `{node.text}`")
+    return int(node.value)
+
+
+def _between(first: Node, last: Node, count: Node, at: Callable[[float, float, float], float]) -> tuple[Node, ...]:
+    """Values from the first to the last; `at(a, b, t)` lies between them at the fraction t."""
+    a, unit = _number(first, None)
+    b, _ = _number(last, unit)
+    n = _count(count)
+    if at is _geometric and not (a > 0.0 and b > 0.0):
+        raise _Wrong(first, "logspace needs values above zero")
+    middle = [_node(at(a, b, i / (n - 1)), unit, first) for i in range(1, n - 1)]
+    return (first, *middle, last)
+
+
+def _linear(a: float, b: float, t: float) -> float:
+    return a + (b - a) * t
+
+
+def _geometric(a: float, b: float, t: float) -> float:
+    return float(a * (b / a) ** t)
+
+
+def _range(first: Node, last: Node, step: Node) -> tuple[Node, ...]:
+    a, unit = _number(first, None)
+    b, _ = _number(last, unit)
+    h, _ = _number(step, unit)
+    steps = (b - a) / h if h else math.nan
+    if not 0.0 <= steps < MOST_VALUES:
+        raise _Wrong(step, f"a step of `{step.text}` does not lead from `{first.text}` to `{last.text}`")
+    count = math.floor(steps + 1e-9)
+    return (first, *(_node(a + i * h, unit, first) for i in range(1, count + 1)))
+
+
+def _node(number: float, unit: str, first: Node) -> Node:
+    return Node(f"{number:.12g} {unit}".strip(), first.mark)
+
+
+GENERATORS: dict[str, Callable[[Node, Node, Node], tuple[Node, ...]]] = {
+    "linspace": partial(_between, at=_linear),
+    "logspace": partial(_between, at=_geometric),
+    "range": _range,
+}
+_EXAMPLES = {
+    "linspace": "[150 N, 300 N, 4]",
+    "logspace": "[0.05 um, 50 um, 7]",
+    "range": "[0 deg, 60 deg, 10 deg]",
+}
