@@ -42,7 +42,11 @@ class FakeCase:
     def model_dump(self) -> dict[str, Any]:
         defects = () if self.healthy else ({"race": "outer", "width": self.width},)
         tree = {key: value for key, value in asdict(self).items() if key not in ("width", "healthy")}
-        return {**tree, "bearing": {"name": "fake", "roller_diameter": 0.014, "source": "none"}, "defects": defects}
+        return {
+            **tree,
+            "bearing": {"name": "fake", "roller_diameter": 0.014, "source": "none"},
+            "defects": defects,
+        }
 
 
 @dataclass(frozen=True)
@@ -98,13 +102,21 @@ def record_of(case: FakeCase) -> SimpleNamespace:
         time=time_s,
         series=series,
         features=features,
-        info={"step_s": 5e-7, "cpu_s": case.seconds, "integrator_cpu_s": 0.9 * case.seconds, "model": "fake"},
+        info={"step_s": 5e-7, "cpu_s": case.seconds, "integrator_cpu_s": spun(case), "model": "fake"},
     )
+
+
+def spun(case: FakeCase) -> float:
+    """CPU time in s that counts as the integrator's: that of spinning, not of sleeping."""
+    return case.seconds if case.deed == "spin" else 0.0
 
 
 def simulate(case: FakeCase) -> SimpleNamespace:
     """Take its time, do its deed, and give the record if that can still be."""
-    time.sleep(case.seconds)
+    end = time.process_time() + spun(case)
+    while time.process_time() < end:
+        pass
+    time.sleep(case.seconds - spun(case))
     deed, _, flag = case.deed.partition(" ")
     if deed == "raise":
         raise FakeError("no steady state after 0.3 s", "shorten the step", 0.3)
@@ -119,8 +131,12 @@ def simulate(case: FakeCase) -> SimpleNamespace:
         os._exit(4)
     if deed == "interrupt":
         raise KeyboardInterrupt
-    if deed == "touch":
-        Path(flag).touch()
+    if deed == "raise-unless" and not Path(flag).exists():
+        raise FakeError("not yet", "wait", None)
+    if deed == "pid":
+        Path(flag).write_text(str(os.getpid()))
+    if deed == "threads":
+        Path(flag).write_text(os.environ["OMP_NUM_THREADS"])
     return record_of(case)
 
 

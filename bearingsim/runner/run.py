@@ -54,6 +54,7 @@ def run(
             _compute(works, workers, tally, progress)
     except KeyboardInterrupt:
         interrupted = True
+    store.sweep(root)
     store.build_table(root)
     seconds = time.perf_counter() - started
     summary = tally.summary(study.name, len(ours), plan.resumed, seconds, interrupted)

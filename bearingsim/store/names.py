@@ -1,9 +1,15 @@
 """Names of what is stored, with the unit and the words that go with them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-__all__ = ["channel_attributes", "feature_attributes", "flat_parameters", "parameter_attributes"]
+__all__ = [
+    "channel_attributes",
+    "feature_attributes",
+    "flat_parameters",
+    "in_feature_order",
+    "parameter_attributes",
+]
 
 PARAMETER_UNITS = {
     "m": "roller_diameter roller_length pitch_diameter bore outside_diameter width length depth clearance",
@@ -73,3 +79,11 @@ def feature_attributes(name: str) -> dict[str, str]:
 
     feature = FEATURES.get(name)
     return {} if feature is None else {"units": feature.unit or "1", "long_name": feature.long_name}
+
+
+def in_feature_order(names: Iterable[str]) -> list[str]:
+    """Names of features in the order of the list of features, unknown ones last by name."""
+    from bearingsim.config import FEATURES
+
+    order = {name: number for number, name in enumerate(FEATURES)}
+    return sorted(names, key=lambda name: (order.get(name, len(order)), name))

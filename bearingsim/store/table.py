@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from bearingsim.store.files import lock, sealing, unit_files, write_text
 from bearingsim.store.journal import read_failures
+from bearingsim.store.names import in_feature_order
 from bearingsim.store.units import GROUPS, LIBVER, TEXT, read_columns, write_columns, write_jobs
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ def build_table(root: Path) -> "pd.DataFrame":
         _write_frame(root, frame, fingerprint)
         with sealing(root / "results.csv") as part:
             table(read_plan(root), frame).to_csv(part, index=False)
-    return frame
+    return frame.sort_index(axis=1)
 
 
 def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
@@ -85,6 +86,7 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
 
     swept = pd.DataFrame([entry["swept"] for entry in plan["jobs"]], index=frame.index)
     features = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
+    features = features[in_feature_order(features.columns)]
     seconds = frame["info/cpu_s"] if "info/cpu_s" in frame else pd.Series(np.nan, frame.index)
     rest = pd.DataFrame({"status": frame["status"], "reason": frame["reason"], "seconds": seconds})
     whole = pd.concat([swept, features, rest, frame[["healthy", "unit"]]], axis=1)
@@ -106,7 +108,7 @@ def _make_frame(root: Path, known: "pd.DataFrame | None") -> "pd.DataFrame":
     frame["status"] = np.where(done, "done", np.where(frame["reason"].notna(), "failed", "missing"))
     frame["healthy"] = [entry["healthy"] for entry in plan["jobs"]]
     words = frame.select_dtypes(exclude="number").columns
-    frame[words] = frame[words].astype(object).where(frame[words].notna(), "")
+    frame = frame.fillna(dict.fromkeys(words, "")).astype(dict.fromkeys(words, str))
     return pd.concat([frame, healthy_differences(frame)], axis=1)
 
 
@@ -194,4 +196,4 @@ def _read_frame(root: Path) -> "pd.DataFrame | None":
         return None
     frame = pd.DataFrame(columns).set_index("job")
     frame.attrs["fingerprint"] = fingerprint
-    return frame
+    return frame.sort_index(axis=1)
