@@ -7,7 +7,8 @@ the character that caused it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -176,6 +177,21 @@ def _syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
     return Problem(file, line + 1, column + 1, lines[line], f"not valid YAML: {what}")
 
 
+_UNIT = re.compile(r"[^\W\d]|%|°")
+
+
+def _is_decimal_comma(before: yaml.Node | None, after: yaml.Node) -> bool:
+    """Whether YAML took the comma of `0,2 mm` for the one between two entries."""
+    if before is None or not isinstance(before.value, str) or not isinstance(after.value, str):
+        return False
+    touching = before.end_mark.index + 1 == after.start_mark.index
+    return touching and bool(re.fullmatch(r"[+-]?\d+", before.value)) and after.value[:1].isdecimal()
+
+
+def _joined(before: Node, after: Node) -> Node:
+    return replace(before, value=f"{before.text},{after.text}")
+
+
 class _Walk:
     """One pass over PyYAML's nodes; collects what is wrong and goes on."""
 
@@ -206,22 +222,41 @@ class _Walk:
         if isinstance(raw, yaml.MappingNode):
             return Node(self.entries(raw), self.mark(raw))
         if isinstance(raw, yaml.SequenceNode):
-            return Node(tuple(self.node(child) for child in raw.value), self.mark(raw))
+            items = [self.node(child) for child in raw.value]
+            return Node(tuple(self.rejoined(raw.value, items)), self.mark(raw))
         return Node(str(raw.value), self.mark(raw))
 
     def entries(self, raw: yaml.MappingNode) -> dict[str, Node]:
         found: dict[str, Node] = {}
+        before: tuple[str, yaml.Node | None] = ("", None)  # the last key, and its value
         for raw_key, raw_value in raw.value:
             key, value = self.node(raw_key), self.node(raw_value)
-            if not isinstance(key.value, str):
-                self.problems.append(problem(key.mark, "a key must be a word"))
-            elif key.value in found:
-                first = found[key.value].key
-                where = f", first on line {first.line}" if first else ""
-                self.problems.append(problem(key.mark, f"the key `{key.value}` is given twice{where}"))
-            else:
-                found[key.value] = replace(value, key=key.mark)
+            if _is_decimal_comma(before[1], raw_key) and value.value == "":
+                found[before[0]] = _joined(found[before[0]], key)
+                continue
+            self.enter(found, key, value)
+            before = (key.text, raw_value if key.text in found else None)
         return found
+
+    def enter(self, found: dict[str, Node], key: Node, value: Node) -> None:
+        if not isinstance(key.value, str):
+            self.problems.append(problem(key.mark, "a key must be a word"))
+        elif key.value in found:
+            first = found[key.value].key
+            where = f", first on line {first.line}" if first else ""
+            self.problems.append(problem(key.mark, f"the key `{key.value}` is given twice{where}"))
+        else:
+            found[key.value] = replace(value, key=key.mark)
+
+    def rejoined(self, raw: list[yaml.Node], items: list[Node]) -> Iterator[Node]:
+        """The items of a list; `0` and `2 mm` that were written `0,2 mm` as the one that was meant."""
+        skip = False
+        for i, item in enumerate(items):
+            after = raw[i + 1] if i + 1 < len(raw) else None
+            splits = after is not None and _is_decimal_comma(raw[i], after) and _UNIT.search(items[i + 1].text)
+            if not skip:
+                yield _joined(item, items[i + 1]) if splits else item
+            skip = bool(splits) and not skip
 
     def refuse(self, raw: yaml.Node, message: str) -> Node:
         self.problems.append(problem(self.mark(raw), message))

@@ -37,7 +37,8 @@ class Quantity:
         value = _number(given, self.dimension)
         if value <= self.above or value < self.least:
             bound = "above zero" if self.above == 0.0 else "that is not negative"
-            refuse("bound", f"expected {EXPECTED[self.dimension]} {bound}, got {described(given)}")
+            expected = EXPECTED[self.dimension].replace(" such as", f" {bound}, such as")
+            refuse("bound", f"expected {expected}, got {described(given)}")
         return value
 
 

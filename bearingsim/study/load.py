@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import reduce
 from pathlib import Path as FilePath
 
 from bearingsim.config import Bearing, Case
@@ -12,8 +13,8 @@ from bearingsim.study.diagnose import STUDY_KEYS, Found, case_of
 from bearingsim.study.expand import expanded
 from bearingsim.study.figures import parse_figures
 from bearingsim.study.jobs import Study, case_id
-from bearingsim.study.paths import dimension, known_paths, parse_path, put, value_at
-from bearingsim.study.sweep import Axis, is_sweep, parse_sweep, replaced, rows_of, single_axis
+from bearingsim.study.paths import dimension, parse_path, put, value_at
+from bearingsim.study.sweep import Axis, is_sweep, parse_sweep, replaced, rows_of, single_axis, written_paths
 from bearingsim.units import UnitError, split
 from bearingsim.yamlfile import (
     Mark,
@@ -46,16 +47,18 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
         raise StudyError([*flaws, problem(root.mark, "expected `key: value` lines, as `bearingsim new` writes")])
     problems = list(flaws)
     given = dict(overrides or {})
-    plans = [_Plan.of(root, FilePath(path).parent, given, reduced) for reduced in (False, True)]
-    cases = [plan.cases() for plan in plans]  # both: a mistake in `quick` is told now, not when first used
+    # Both are checked, so that a mistake in `quick` is told now and not when it is first used.
+    modes = (False, True) if "quick" in root.mapping else (False,)
+    plans = [_Plan.of(root, FilePath(path).parent, given, reduced) for reduced in modes]
+    cases = [plan.cases() for plan in plans]
     swept = {path: None for plan in plans for axis in plan.axes for path in axis.paths}
     figures = parse_figures(root.mapping.get("figures"), swept, problems)
     name = _name(root, problems)
-    for plan in plans:
-        problems += plan.all_problems()
+    problems += [found for plan in plans for found in plan.all_problems()]
     if problems:
         raise StudyError(_in_order(problems, str(path)))
-    return Study(name, str(path), text, given, quick, figures, plans[quick].units(), tuple(cases[quick]))
+    chosen = -1 if quick else 0
+    return Study(name, str(path), text, given, quick, figures, plans[chosen].units(), tuple(cases[chosen]))
 
 
 def load_bearing(name: str) -> Bearing:
@@ -79,7 +82,8 @@ class _Plan:
     axes: list[Axis] = field(default_factory=list)
     problems: list[Problem] = field(default_factory=list)
     found: Found = field(default_factory=dict)
-    places: dict[str, Path] = field(default_factory=dict)
+    asked: set[str] = field(default_factory=set)  # paths that a sweep names, right or wrong
+    places: dict[str, Path] = field(default_factory=dict)  # where those lead that are right
 
     @classmethod
     def of(cls, root: Node, folder: FilePath, overrides: Mapping[str, str], quick: bool) -> "_Plan":
@@ -87,10 +91,10 @@ class _Plan:
         entries = {key: node for key, node in root.mapping.items() if key not in STUDY_KEYS}
         plan = cls(Node(entries, root.mark), folder)
         plan.expand()
-        sweep = root.mapping.get("sweep")
-        plan.axes = parse_sweep(sweep, plan.problems) if sweep else []
+        if "sweep" in root.mapping:
+            plan.axes = plan.take_sweep(root.mapping["sweep"])
         if quick and "quick" in root.mapping:
-            plan.reduce(root.mapping["quick"])
+            plan.take_quick(root.mapping["quick"])
         for path, text in overrides.items():
             plan.override(path, text)
         plan.axes = [axis for axis in plan.axes if plan.check(axis)]
@@ -100,15 +104,22 @@ class _Plan:
         """Open the references of the base."""
         self.base = expanded(self.base, self.folder, self.problems)
 
-    def reduce(self, quick: Node) -> None:
+    def take_sweep(self, sweep: Node) -> list[Axis]:
+        """The axes of a `sweep:`."""
+        self.asked |= written_paths(sweep)
+        return parse_sweep(sweep, self.problems)
+
+    def take_quick(self, quick: Node) -> None:
         """Take over the entries of `quick:`."""
         if not isinstance(quick.value, dict):
             message = "quick: expected a mapping such as `{duration: 0.3 s, sweep: {load: [150 N]}}`"
             self.problems.append(problem(quick.mark, message))
         for key, node in quick.mapping.items():
             if key == "sweep":
-                for axis in parse_sweep(node, self.problems):
-                    self.axes = replaced(self.axes, axis)
+                new = self.take_sweep(node)
+                if any(axis.zipped for axis in new):
+                    self.axes = [axis for axis in self.axes if not axis.zipped]
+                self.axes = reduce(replaced, new, self.axes)
             else:
                 self.fix(key, node, node.key or node.mark)
 
@@ -201,8 +212,8 @@ class _Plan:
 
     def all_problems(self) -> list[Problem]:
         """What was found, less the values that are missing only because their sweep is wrong."""
-        swept = {key for key in known_paths() if any(p.message.startswith(f"sweep.{key}:") for p in self.problems)}
-        kept = [p for (_, path, kind), p in self.found.items() if not (kind == "missing" and path in swept)]
+        wrong = self.asked - self.places.keys()
+        kept = [p for (_, path, kind), p in self.found.items() if not (kind == "missing" and path in wrong)]
         return self.problems + kept
 
 

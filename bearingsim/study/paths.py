@@ -42,7 +42,7 @@ def label(path: Path, defects: int) -> str:
     if len(path) > 1 and path[0] == "defects":
         head = "defect" if defects <= 1 else f"defects.{int(path[1]) + 1}"
         return ".".join([head, *map(str, path[2:])])
-    return ".".join(map(str, path))
+    return ".".join(str(step) for step in path if isinstance(step, str))
 
 
 def put(tree: Node, path: Path, value: Node) -> Node:

@@ -37,6 +37,12 @@ def parse_sweep(sweep: Node, problems: list[Problem]) -> list[Axis]:
     return [axis for axis in axes if axis is not None]
 
 
+def written_paths(sweep: Node) -> set[str]:
+    """The paths that a sweep section names, right or wrong."""
+    blocks = [block for key, node in sweep.mapping.items() for block in _blocks(key, node, [])]
+    return {path for block in blocks for path in block}
+
+
 def rows_of(axes: list[Axis]) -> Iterator[list[tuple[str, Node]]]:
     """Every combination of the axes' rows, the last axis fastest, as pairs of path and value."""
     for rows in product(*(axis.rows for axis in axes)):
@@ -54,29 +60,25 @@ def is_sweep(node: Node) -> bool:
 
 
 def replaced(axes: list[Axis], new: Axis) -> list[Axis]:
-    """The axes with one replaced: the axis of the same path, or all `zip:` blocks by a zip; else appended."""
-    if new.zipped:
-        same = [axis for axis in axes if axis.zipped or set(axis.paths) & set(new.paths)]
-        at = axes.index(same[0]) if same else len(axes)
-        return (
-            [axis for axis in axes[:at] if axis not in same]
-            + [new]
-            + [axis for axis in axes[at:] if axis not in same]
-        )
+    """The axes with the new one in place of its paths' old values; at the end if they had none."""
     found: list[Axis] = []
+    placed = False
     for axis in axes:
-        found += _without(axis, new) if new.paths[0] in axis.paths else [axis]
-    return found if new in found else [*found, new]
+        clashes = not set(axis.paths).isdisjoint(new.paths)
+        if clashes and not placed:
+            found.append(new)
+            placed = True
+        found += _without(axis, new.paths) if clashes else [axis]
+    return found if placed else [*found, new]
 
 
-def _without(axis: Axis, new: Axis) -> list[Axis]:
-    """The axis less the new one's path, and the new one before it."""
-    kept = [i for i, path in enumerate(axis.paths) if path not in new.paths]
+def _without(axis: Axis, paths: tuple[str, ...]) -> list[Axis]:
+    """The axis less some paths; nothing if none is left."""
+    kept = [i for i, path in enumerate(axis.paths) if path not in paths]
     if not kept:
-        return [new]
+        return []
     rows = tuple(tuple(row[i] for i in kept) for row in axis.rows)
-    rest = Axis(tuple(axis.paths[i] for i in kept), rows, tuple(axis.keys[i] for i in kept))
-    return [new, rest]
+    return [Axis(tuple(axis.paths[i] for i in kept), rows, tuple(axis.keys[i] for i in kept))]
 
 
 def _blocks(key: str, node: Node, problems: list[Problem]) -> list[dict[str, Node]]:
