@@ -83,6 +83,8 @@ def case_id(case: FakeCase) -> str:
 
 
 def estimate(case: FakeCase) -> SimpleNamespace:
+    if case.deed == "raise refused":
+        raise ValueError("the step is over the limit")
     return SimpleNamespace(cpu_seconds=max(case.seconds, 0.001), bytes=8 * case.duration * case.sampling)
 
 

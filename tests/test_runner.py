@@ -192,6 +192,11 @@ def test_failures_are_grouped_by_reason_whatever_the_numbers() -> None:
     assert str(groups[0]) == "2 jobs failed: diverged at 0.12 s (halve the step), for example job0"
 
 
+def test_refused_case_fails_alone(tmp_path: Path) -> None:
+    summary = compute(FakeStudy(deeds={0: "raise refused"}), tmp_path)
+    assert (summary.done, summary.failed) == (3, 1)
+
+
 @pytest.mark.parametrize(("deed", "cause"), [("exit", "EXIT(3)"), ("kill", "SIGKILL(-9)")])
 def test_dying_worker_costs_its_job_only(tmp_path: Path, deed: str, cause: str) -> None:
     study = FakeStudy([1e-3 * (i + 1) for i in range(8)], deeds={3: deed}, seconds=0.02)

@@ -14,7 +14,9 @@ import xarray as xr
 from fake_studies import FakeCase, FakeJob, FakeStudy, case_id, record_of
 
 from bearingsim import store
+from bearingsim.config import Case
 from bearingsim.store.files import sealing, writer, writer_is_dead
+from bearingsim.store.names import parameter_attributes
 from bearingsim.store.units import columns
 
 PROVENANCE = {"model_version": 1, "study_text": "study: fake\n" + "# long\n" * 20_000}
@@ -22,7 +24,7 @@ PROVENANCE = {"model_version": 1, "study_text": "study: fake\n" + "# long\n" * 2
 
 def seal(root: Path, study: FakeStudy, jobs: list[FakeJob] | None = None) -> list[Path]:
     """Store jobs of a study (all by default) as a run would."""
-    store.write_plan(root, study)
+    store.write_plan(root, study, study.jobs())
     return store.write_units(root, [(job, record_of(job.case)) for job in jobs or study.jobs()], PROVENANCE)
 
 
@@ -95,11 +97,27 @@ def test_parameters_are_flat_and_in_si() -> None:
     }
 
 
+def test_parameters_carry_their_si_unit() -> None:
+    bearing = {"name": "b", "rollers": 9, "roller_diameter": 0.01, "roller_length": 0.01, "pitch_diameter": 0.05}
+    sizes = {"bore": 0.03, "outside_diameter": 0.07, "width": 0.015}
+    defects = [{"shape": "rectangular", "length": 2e-3, "width": 1e-3, "depth": 1e-4}]
+    case = Case.model_validate({"bearing": bearing | sizes, "speed": 100.0, "load": 50.0, "defects": defects})
+    units = {name: parameter_attributes(name).get("units") for name in store.flat_parameters(case)}
+    expected = {"bearing.roller_diameter": "m", "bearing.material.density": "kg/m^3", "defects.1.angle": "rad"}
+    expected |= {"speed": "rad/s", "load": "N", "contact.damping.chi": "s/m", "rig.bracket_damping": "N s/m"}
+    assert {name: units[name] for name in expected} == expected
+    assert units["model"] is None
+    assert units["bearing.rollers"] is None
+
+
 def test_nothing_stays_under_a_final_name_when_writing_fails(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError), sealing(tmp_path / "a.txt") as part:
-        part.with_name("half").touch()
-        part.with_name("half").rename(part)
-        (tmp_path / "absent").read_text()
+    def write_half() -> None:
+        with sealing(tmp_path / "a.txt") as part:
+            part.write_text("half")
+            raise OSError("no space left")
+
+    with pytest.raises(OSError, match="no space"):
+        write_half()
     assert list(tmp_path.iterdir()) == []
 
 
@@ -271,7 +289,7 @@ def test_table_file_opens_in_xarray(tmp_path: Path, study: FakeStudy) -> None:
 
 
 def test_plan_tells_what_was_asked(tmp_path: Path, study: FakeStudy) -> None:
-    store.write_plan(tmp_path, study)
+    store.write_plan(tmp_path, study, study.jobs())
     plan = store.read_plan(tmp_path)
     assert (tmp_path / "study.yaml").read_text() == study.text
     assert (plan["study"], plan["overrides"], plan["units"]) == ("fake", {"load": "200 N"}, {"defect.width": "mm"})

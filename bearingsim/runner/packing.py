@@ -59,15 +59,15 @@ def _axis(case: Any) -> str:
 
 def _cut(group: Sequence[int], costs: Sequence[Cost], target: float) -> Iterator[list[int]]:
     """Cut a run of jobs into units of ``target`` seconds; a job as long as that is a unit of its own."""
-    unit: list[int] = []
+    unit, seconds, size = [], 0.0, 0.0
     for index in group:
         if costs[index].seconds >= target:
             yield [index]
             continue
         unit.append(index)
-        seconds, size = sum(costs[i].seconds for i in unit), sum(costs[i].bytes for i in unit)
+        seconds, size = seconds + costs[index].seconds, size + costs[index].bytes
         if seconds >= target or size >= UNIT_BYTES:
             yield unit
-            unit = []
+            unit, seconds, size = [], 0.0, 0.0
     if unit:
         yield unit

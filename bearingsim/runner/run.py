@@ -2,7 +2,7 @@
 
 import shlex
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -41,8 +41,10 @@ def run(
     """
     started = time.perf_counter()
     root = Path(out if out is not None else Path("results") / study.name).resolve()
-    workers, ours = _workers(jobs), shard_of(study.jobs(), shard)
-    _prepare(root, study, fresh, shard)
+    every = study.jobs()
+    workers, ours = _workers(jobs), shard_of(every, shard)
+    _prepare(root, fresh, shard)
+    store.write_plan(root, study, every)
     plan = _plan(root, ours, retry_failed, verify)
     store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
     tally = _Tally(root, _command(study, root), plan.failures)
@@ -73,14 +75,13 @@ def _workers(asked: int | None) -> int:
     return asked or int(cpu_count())
 
 
-def _prepare(root: Path, study: Any, fresh: bool, shard: tuple[int, int]) -> None:
+def _prepare(root: Path, fresh: bool, shard: tuple[int, int]) -> None:
     if fresh and shard != (1, 1):
         raise ValueError("a fresh start would throw away the other shards' results: remove the folder first")
     root.mkdir(parents=True, exist_ok=True)
     store.sweep(root)
     if fresh:
         store.discard(root)
-    store.write_plan(root, study)
 
 
 @dataclass(frozen=True)
@@ -150,13 +151,22 @@ class _Tally:
 
 def _works(root: Path, study: Any, todo: Sequence[JobLike], workers: int, engine: Engine) -> list[Work]:
     """Pack the jobs left to do into units of work."""
-    estimates = [load(engine.estimate)(job.case) for job in todo]
-    costs = [Cost(float(one.cpu_seconds), float(one.bytes)) for one in estimates]
+    estimate = load(engine.estimate)
+    costs = [_cost(estimate, job.case) for job in todo]
     provenance = store.provenance(study)
     return [
         Work(root, tuple(todo[i] for i in unit), tuple(costs[i].seconds for i in unit), engine, provenance)
         for unit in pack(todo, costs, workers)
     ]
+
+
+def _cost(estimate: Callable[[Any], Any], case: Any) -> Cost:
+    """Price of a job; nothing for a case that is refused: its simulation will say why."""
+    try:
+        found = estimate(case)
+    except Exception:
+        return Cost(0.0, 0.0)
+    return Cost(float(found.cpu_seconds), float(found.bytes))
 
 
 def _compute(works: Sequence[Work], workers: int, tally: _Tally, shown: bool | None) -> None:

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from bearingsim.units import UNITS, Dimension
+
 __all__ = [
     "channel_attributes",
     "feature_attributes",
@@ -11,21 +13,6 @@ __all__ = [
     "parameter_attributes",
 ]
 
-PARAMETER_UNITS = {
-    "m": "roller_diameter roller_length pitch_diameter bore outside_diameter width length depth clearance",
-    "rad": "angle start_angle sensor_angle",
-    "rad/s": "speed",
-    "N": "load",
-    "kg": "ring_mass",
-    "kg/m^3": "density",
-    "Pa": "young_modulus",
-    "N/m": "bracket_stiffness",
-    "N s/m": "bracket_damping",
-    "s/m": "chi",
-    "s": "beta step duration settle",
-    "Hz": "sampling",
-}
-UNIT_OF_PARAMETER = {word: unit for unit, words in PARAMETER_UNITS.items() for word in words.split()}
 FREE_TEXT = ("source",)
 
 
@@ -57,9 +44,20 @@ def _flat(path: str, value: Any) -> Iterator[tuple[str, float | str]]:
 
 
 def parameter_attributes(name: str) -> dict[str, str]:
-    """``units`` of a parameter, by the last word of its name; none for words and pure numbers."""
-    unit = UNIT_OF_PARAMETER.get(name.rpartition(".")[2])
-    return {} if unit is None else {"units": unit}
+    """``units`` of a parameter; none for words and pure numbers."""
+    from bearingsim.study import dimension
+
+    try:
+        found = dimension(name)
+    except KeyError:
+        return {}
+    unit = "" if found is None else si_unit(found)
+    return {"units": unit} if unit else {}
+
+
+def si_unit(dimension: Dimension) -> str:
+    """The word of a dimension's SI unit: the one that is neither scaled nor in turns."""
+    return next(word for word, factor in UNITS[dimension].items() if factor.exact == 1 and not factor.pi)
 
 
 def channel_attributes(name: str) -> dict[str, str]:

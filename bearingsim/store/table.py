@@ -7,7 +7,7 @@ rows of units already in ``study.h5`` are taken from there.
 import hashlib
 import json
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,8 +29,8 @@ __all__ = ["build_table", "job_frame", "read_plan", "table", "write_plan"]
 PER_JOB = ("status", "reason", "healthy", "unit")
 
 
-def write_plan(root: Path, study: Any) -> None:
-    """Write ``study.yaml`` (the text as given) and ``plan.json`` (what it expanded to)."""
+def write_plan(root: Path, study: Any, jobs: Iterable[Any]) -> None:
+    """Write ``study.yaml`` (the text as given) and ``plan.json`` (the jobs it expanded to)."""
     from bearingsim.core import MODEL_VERSION
 
     plan = {
@@ -41,7 +41,7 @@ def write_plan(root: Path, study: Any) -> None:
         "model_version": MODEL_VERSION,
         "units": dict(study.units),
         "figures": [asdict(figure) for figure in study.figures],
-        "jobs": [{"job": job.id, "healthy": job.healthy, "swept": dict(job.swept)} for job in study.jobs()],
+        "jobs": [{"job": job.id, "healthy": job.healthy, "swept": dict(job.swept)} for job in jobs],
     }
     write_text(root / "study.yaml", study.text)
     write_text(root / "plan.json", json.dumps(plan, indent=1, ensure_ascii=False) + "\n")
