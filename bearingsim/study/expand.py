@@ -1,8 +1,9 @@
 """A tree in its plain form: names replaced by what their files say, `defect` by a list of one."""
 
+from dataclasses import replace
 from pathlib import Path as FilePath
 
-from bearingsim.config.library import Kind, read
+from bearingsim.config.library import Kind, find, read
 from bearingsim.study.paths import put
 from bearingsim.yamlfile import Node, Problem, StudyError, problem
 
@@ -51,7 +52,8 @@ def _opened(node: Node, kind: Kind, folder: FilePath, problems: list[Problem]) -
         return node
     except StudyError as error:
         problems += [found for found in error.problems if found not in problems]
-        return node
+        # By its full path the case finds the file too, and refuses it likewise.
+        return replace(node, value=str(find(kind, node.value, folder).absolute()))
     problems += [found for found in document.problems if found not in problems]
     return document.root
 
