@@ -133,4 +133,3 @@ def roller_over(pits, d, theta_c, Z):
     nearest = np.floor(turns + 0.5)
     j = int(-nearest - Z * np.floor(-nearest / Z))
     return j, (turns - nearest) * (2.0 * pi / Z) * pits.R_o
-

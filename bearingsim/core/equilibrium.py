@@ -83,6 +83,9 @@ def roller_balance(model, d, s, u_r):
         return touch
     if massless and d < 0:
         return u_r / 2.0
+    if massless and model.pits.used[d] == 1:
+        h = depression(model.pits.groups[d, 0], s, model.pits.R)[0]
+        return min(0.5 * (u_r + h), -gap)
     low, high = touch, max(touch, -gap) + 1e-6
     while excess_force(model, d, s, touch, high)[0] < 0.0:
         high += high - low
@@ -255,19 +258,18 @@ def rest_from_scratch(model, t, y):
     return find_rest(model, t, y)
 
 
-def mean_rest(model, y, samples=64):
-    """Mean ring position (m, m) over one ball pass at rest, and the largest outer contact force met (N).
+def mean_rest(model, y, samples=32):
+    """Mean ring position (m, m) over one ball pass at rest: the anchor of the bracket.
 
-    Used once for the anchor of the bracket, once for the load a roller carries. Raises ``ArithmeticError`` if
-    an equilibrium is not found to 1e-8 of the load.
+    Raises ``ArithmeticError`` if an equilibrium is not found to 1e-8 of the load.
     """
     pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
-    positions, largest = [], 0.0
+    positions = []
     for n in range(samples):
-        residual = rest_from_scratch(model, (n + 0.5) / samples * pass_time, y)
+        find = rest_from_scratch if n == 0 else find_rest
+        residual = find(model, (n + 0.5) / samples * pass_time, y)
         if not residual <= 1e-8 * model.support.F:
             raise ArithmeticError(f"no static equilibrium: {residual:g} N left of {model.support.F:g} N")
         positions.append((y[POSITION + X], y[POSITION + Y]))
-        largest = max(largest, y[Q_O : Q_O + model.bearing.Z].max())
     x, z = np.mean(positions, axis=0)
-    return float(x), float(z), float(largest)
+    return float(x), float(z)

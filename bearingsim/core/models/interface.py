@@ -18,6 +18,11 @@ def accelerations(model: Any, t: float, y: np.ndarray) -> None:
 
 
 @generic
+def begin(model: Any, t: float, y: np.ndarray) -> None:
+    """Complete a buffer whose rollers and ring are at rest at time ``t`` (s): what a first step builds on."""
+
+
+@generic
 def rest(model: Any, t: float, y: np.ndarray) -> float:
     """Put the massless model at its equilibrium at time ``t`` (s); returns the residual force (N)."""
 

@@ -40,6 +40,7 @@ from bearingsim.core.layout import (
 )
 from bearingsim.core.models.interface import (
     accelerations,
+    begin,
     damping_per_mass,
     stiffness_per_mass,
     watched,
@@ -126,6 +127,11 @@ def _accelerations(model, t, y):
     f_y += -support.k_b * (y[POSITION + Y] - support.y_0) - support.c_b * y[VELOCITY + Y]
     y[ACCELERATION + X] = f_x / bearing.m_o
     y[ACCELERATION + Y] = f_y / bearing.m_o
+
+
+@begin.register(Ring)
+def _begin(model, t, y):
+    accelerations(model, t, y)
 
 
 @stiffness_per_mass.register(Ring)

@@ -39,6 +39,7 @@ from bearingsim.core.layout import (
 )
 from bearingsim.core.models.interface import (
     accelerations,
+    begin,
     damping_per_mass,
     stiffness_per_mass,
     watched,
@@ -131,6 +132,11 @@ def _accelerations(model, t, y):
     f_y += -support.k_b * (y[POSITION + Y] - support.y_0) - support.c_b * y[VELOCITY + Y]
     y[ACCELERATION + X] = f_x / bearing.m_o
     y[ACCELERATION + Y] = f_y / bearing.m_o
+
+
+@begin.register(Rollers)
+def _begin(model, t, y):
+    accelerations(model, t, y)
 
 
 @stiffness_per_mass.register(Rollers)

@@ -1,0 +1,120 @@
+"""From a case to the core's parameters: the one place where configuration meets physics.
+
+Imports numba (through the core), so import it only where something is computed.
+"""
+
+from functools import lru_cache
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from bearingsim import config
+from bearingsim.core import contact as laws
+from bearingsim.core.defects import Pits, groups_of, outer_reduced_radius, pits
+from bearingsim.core.equilibrium import mean_rest
+from bearingsim.core.kinematics import cage_speed
+from bearingsim.core.layout import Q_O, buffer
+from bearingsim.core.methods.equilibrium import Equilibrium
+from bearingsim.core.methods.rk4 import RungeKutta4
+from bearingsim.core.methods.verlet import Verlet
+from bearingsim.core.models.ring import Ring
+from bearingsim.core.models.rollers import Rollers
+from bearingsim.core.models.static import Static
+from bearingsim.core.parameters import Bearing, Support
+
+MODELS: dict[str, Any] = {"static": Static, "ring": Ring, "rollers": Rollers}
+METHODS: dict[str | None, Any] = {"verlet": Verlet, "rk4": RungeKutta4, None: Equilibrium}
+STIFFNESS: dict[str, Any] = {"palmgren": laws.palmgren, "iso16281": laws.iso16281}
+
+
+def roller_mass(bearing: config.Bearing) -> float:
+    """Mass (kg) of one roller: a plain cylinder."""
+    return bearing.material.density * pi / 4.0 * bearing.roller_diameter**2 * bearing.roller_length
+
+
+def ring_mass(case: config.Case) -> float:
+    """Mass (kg) of the outer ring: as given by the rig, else a plain tube from the race to the outside."""
+    if case.rig.ring_mass is not None:
+        return case.rig.ring_mass
+    ring = case.bearing
+    return ring.material.density * pi * ((ring.outside_diameter / 2.0) ** 2 - outer_radius(case) ** 2) * ring.width
+
+
+def outer_radius(case: config.Case) -> float:
+    """Radius (m) of the outer race, half of the clearance on its side."""
+    return (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0 + case.clearance / 4.0
+
+
+def bearing(case: config.Case) -> Bearing:
+    """Geometry, masses and motion of the case's bearing."""
+    b = case.bearing
+    return Bearing(
+        Z=b.rollers,
+        R_w=b.roller_diameter / 2.0,
+        R_o=outer_radius(case),
+        R_i=(b.pitch_diameter - b.roller_diameter) / 2.0 - case.clearance / 4.0,
+        gap=case.clearance / 4.0,
+        m_r=roller_mass(b) if case.model == "rollers" else 0.0,
+        m_o=float(ring_mass(case)),
+        omega_c=cage_speed(case.speed, b.roller_diameter, b.pitch_diameter),
+        theta_0=case.start_angle,
+    )
+
+
+def contact(case: config.Case) -> Any:
+    """The contact law: damping around stiffness."""
+    stiffness = STIFFNESS[case.contact.stiffness](case.bearing.roller_length)
+    match case.contact.damping:
+        case config.HuntCrossley(chi=chi):
+            return laws.HuntCrossley(stiffness, chi)
+        case config.Kraemer(beta=beta):
+            return laws.Kraemer(stiffness, beta)
+        case config.General(coefficient=c, velocity_exponent=m2, indentation_exponent=m3):
+            return laws.General(stiffness, c * 1e3 ** (m2 + m3), m2, m3)  # mm to m
+    raise ValueError(f"no such damping: {case.contact.damping}")
+
+
+def outer_pits(case: config.Case) -> Pits:
+    """The pits of the outer race."""
+    R_w, R_o = case.bearing.roller_diameter / 2.0, outer_radius(case)
+    R = outer_reduced_radius(R_w, R_o)
+    groups = [
+        groups_of(d.shape, d.length, d.width, d.depth, case.bearing.roller_length, R, case.contact.length_nodes)
+        for d in case.defects
+    ]
+    return pits([d.angle for d in case.defects], groups, R_w, R_o)
+
+
+def model(case: config.Case) -> Any:
+    """The core's model of the case, its bracket anchored where the healthy bearing rests on average.
+
+    So the load is what the bearing carries: a bracket anchored anywhere else would take a share of it.
+    Raises ``ArithmeticError`` if the healthy bearing finds no equilibrium.
+    """
+    of_case, law = bearing(case), contact(case)
+    x_0, y_0 = anchor(MODELS[case.model], of_case, law, case.load)
+    support = Support(case.load, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
+    return MODELS[case.model](of_case, support, law, outer_pits(case))
+
+
+@lru_cache(maxsize=256)
+def anchor(kind: Any, of_case: Bearing, law: Any, load: float) -> tuple[float, float]:
+    """Mean place (m, m) of the healthy, unsupported ring over a ball pass."""
+    free = kind(of_case, Support(load, 0.0, 0.0, 0.0, 0.0), law, pits([], [], of_case.R_w, of_case.R_o))
+    return mean_rest(free, empty_buffer(free))
+
+
+def empty_buffer(model: Any) -> np.ndarray:
+    """A zeroed state buffer for the model."""
+    return buffer(model.bearing.Z, model.bearing.m_r)
+
+
+def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:
+    """Outer contact force (N) of each roller, (Z,), as the buffer has it."""
+    return y[Q_O : Q_O + model.bearing.Z]
+
+
+def method(case: config.Case, h: float) -> Any:
+    """The core's method of the case with step ``h`` (s)."""
+    return METHODS[case.method](h)

@@ -1,0 +1,231 @@
+"""Which step a case needs, and what it will cost: computed before anything runs.
+
+An explicit method is stable up to a step that stiffness and damping set. Damping often sets it, and grows with
+the load, so the limit is taken twice: at rest, and at an estimate of the roller's impact on the far edge of the
+steepest pit. All numbers are printed by ``bearingsim check``; a step over the limit at impact is refused.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import ceil, floor, inf, pi, sqrt
+from typing import Any
+
+from bearingsim import build
+from bearingsim.config import CHANNELS, Case
+from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
+from bearingsim.core.defects import DEPTH, X_E, B
+from bearingsim.core.equilibrium import find_rest, rest_from_scratch
+from bearingsim.core.methods.interface import load_number
+from bearingsim.core.models.interface import begin, damping_per_mass, stiffness_per_mass, watched
+from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
+
+FRACTION = {"verlet": 0.5, "rk4": 0.5}  # of the limit at impact, for `step: auto`; measured, see docs/methods.md
+PER_CROSSING = 50  # steps while a roller crosses the narrowest pit, for `step: auto`
+FEWEST_PER_CROSSING = 8  # fewer are refused
+LONGEST = 20e-6  # s: a step nobody needs to exceed, for the models without a limit
+SAMPLES_OF_A_PASS = 16  # cage angles at which the load at rest is looked at
+FINE_PER_SAMPLE, FEWEST_FINE = 4, 64
+COST = {  # CPU s per step, measured on one core of a 2.6 GHz server; only for estimates
+    ("static", None): 2.5e-6,
+    ("ring", "verlet"): 0.15e-6,
+    ("ring", "rk4"): 0.5e-6,
+    ("rollers", "verlet"): 0.2e-6,
+    ("rollers", "rk4"): 0.65e-6,
+}
+OVERHEAD = 0.02  # CPU s per job: build, filters, features, writing
+
+
+class StepError(ValueError):
+    """A step that must not be taken; ``advice`` says what to do instead."""
+
+    def __init__(self, reason: str, advice: str) -> None:
+        super().__init__(f"{reason}; {advice}")
+        self.reason, self.advice = reason, advice
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a case's step must respect. Times in s, forces in N, frequencies in Hz; inf where there is no limit.
+
+    The limits are the method's own, on the linearised bearing; ``impact_force`` is an estimate of the peak.
+    """
+
+    rest_load: float
+    contact_frequency: float
+    damping_ratio: float
+    at_rest: float
+    closing_speed: float
+    impact_force: float
+    at_impact: float
+    crossing: float
+
+
+@dataclass(frozen=True)
+class Grid:
+    """How a case is cut in time.
+
+    rate: ball passes per second (Hz); ``fine_per_pass`` fine samples in each, ``decimation`` steps of ``step`` s
+    to a fine sample. ``passes`` are computed: settling, the record, and what its last sample's filter reaches.
+    """
+
+    rate: float
+    step: float
+    fine_per_pass: int
+    decimation: int
+    passes: int
+
+    @property
+    def fine_rate(self) -> float:
+        """Fine samples per second (Hz)."""
+        return self.rate * self.fine_per_pass
+
+    @property
+    def steps_per_pass(self) -> int:
+        """Integrator steps in a ball pass."""
+        return self.fine_per_pass * self.decimation
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a job will take: CPU seconds on one core, bytes on disk before compression, steps."""
+
+    cpu_seconds: float
+    bytes: int
+    steps: int
+
+
+def limits(case: Case) -> Limits:
+    """Limits of the case's step (see ``Limits``). Raises ``ArithmeticError`` if nothing holds the ring."""
+    return _limits(case.model_copy(update={"step": "auto", "record": (), "duration": 1.0, "settle": 0.0}))
+
+
+@lru_cache(maxsize=1024)
+def _limits(case: Case) -> Limits:
+    model = build.model(case)
+    rest_load, K, C = loads_at_rest(model)
+    speed = closing_speed(model)
+    peak, K_more, C_more = impact(model, speed)
+    omega = sqrt(K) if K > 0.0 else inf
+    return Limits(
+        rest_load=rest_load,
+        contact_frequency=omega / (2.0 * pi),
+        damping_ratio=C / (2.0 * omega),
+        at_rest=step_limit(case, K, C),
+        closing_speed=speed,
+        impact_force=peak + rest_load,
+        at_impact=step_limit(case, K + K_more, C + C_more),
+        crossing=min((d.width for d in case.defects), default=inf) / (model.bearing.R_o * model.bearing.omega_c),
+    )
+
+
+def loads_at_rest(model: Any) -> tuple[float, float, float]:
+    """Largest outer contact force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
+    y = build.empty_buffer(model)
+    pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
+    load, K, C = 0.0, 0.0, 0.0
+    for n in range(SAMPLES_OF_A_PASS):
+        t = (n + 0.5) / SAMPLES_OF_A_PASS * pass_time
+        (rest_from_scratch if n == 0 else find_rest)(model, t, y)
+        load = max(load, float(build.outer_forces(model, y).max()))
+        begin(model, t, y)
+        for j in range(watched(model)):
+            K = max(K, stiffness_per_mass(model, y, j))
+            C = max(C, damping_per_mass(model, y, j))
+    return load, float(K), float(C)
+
+
+def closing_speed(model: Any) -> float:
+    """Estimate of the speed (m/s) at which a roller meets the far edge of the steepest pit.
+
+    The contact point runs at R_o omega_c; the envelope's slope is at most x/R with x the distance from the rim
+    where the roller reaches wall, floor or middle.
+    """
+    pits = model.pits
+    slopes = [
+        min(group[B], group[X_E], sqrt(2.0 * pits.R * group[DEPTH])) / pits.R
+        for groups, used in zip(pits.groups, pits.used, strict=True)
+        for group in groups[:used]
+    ]
+    return float(max(slopes, default=0.0) * pits.R_o * model.bearing.omega_c)
+
+
+def impact(model: Any, speed: float) -> tuple[float, float, float]:
+    """A free roller thrown at one race with ``speed`` (m/s): peak force, and the largest slopes over its mass.
+
+    Returns (N, stiffness/mass in 1/s^2, damping/mass in 1/s). Models whose rollers have no mass have no such
+    impact: zeros.
+    """
+    m, law = model.bearing.m_r, model.contact
+    if m == 0.0 or speed == 0.0:
+        return 0.0, 0.0, 0.0
+    h = min(1e-7, 1e-3 * pi * sqrt(m / stiffness_slope(law, 1e-7, 0.0)))
+    delta, v, peak, K, C = 0.0, speed, 0.0, 0.0, 0.0
+    while v > 0.0:
+        force = normal_force(law, delta, v)
+        peak = max(peak, force)
+        K = max(K, stiffness_slope(law, max(delta, 0.0), v))
+        C = max(C, damping_slope(law, max(delta, 0.0), v))
+        delta += h * v
+        v -= h * normal_force(law, delta, v) / m
+    return float(peak), float(K) / m, float(C) / m
+
+
+def step_limit(case: Case, K: float, C: float) -> float:
+    """The step (s) at which the case's method turns unstable; K (1/s^2) and C (1/s) over a body's mass."""
+    if case.method is None or (K == 0.0 and C == 0.0):
+        return inf
+    low, high = 0.0, 1.0
+    while high - low > 1e-6 * high:
+        h = 0.5 * (low + high)
+        if load_number(build.method(case, h), K, C) > 1.0:
+            high = h
+        else:
+            low = h
+    return low
+
+
+def wanted_step(case: Case) -> float:
+    """The step (s) a case asks for, or is given by ``auto``. Raises ``StepError`` if it must not be taken."""
+    found = limits(case)
+    if case.step == "auto":
+        fraction = FRACTION.get(case.method or "", 1.0)
+        return min(fraction * found.at_impact, found.crossing / PER_CROSSING, LONGEST)
+    safe = min(found.at_impact, found.crossing / FEWEST_PER_CROSSING)
+    if case.step > safe:
+        raise StepError(*_refusal(case.step, found))
+    return case.step
+
+
+def _refusal(step: float, found: Limits) -> tuple[str, str]:
+    if step > found.at_impact:
+        reason = (
+            f"a step of {1e6 * step:.3g} us is over the method's limit of {1e6 * found.at_impact:.3g} us at an"
+            f" impact of about {found.impact_force:.0f} N ({1e6 * found.at_rest:.3g} us at rest)"
+        )
+    else:
+        reason = f"a step of {1e6 * step:.3g} us passes a pit of {1e6 * found.crossing:.3g} us in too few steps"
+    safe = min(found.at_impact / 2.0, found.crossing / PER_CROSSING)
+    return reason, f"say `step: auto` or at most {1e6 * safe:.2g} us"
+
+
+def grid(case: Case) -> Grid:
+    """Cut the case in time: the wanted step, shortened until a ball pass holds a whole number of fine samples."""
+    rate = case.bearing.ball_pass_frequency(case.speed)
+    fine = max(FEWEST_FINE, ceil(FINE_PER_SAMPLE * case.sampling / rate))
+    decimation = max(1, ceil(1.0 / (rate * fine * wanted_step(case)) * (1.0 - 1e-12)))
+    beyond = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + 2) / (rate * fine)
+    passes = ceil((case.settle + case.duration + beyond) * rate)
+    return Grid(rate, 1.0 / (rate * fine * decimation), fine, decimation, passes)
+
+
+def estimate(case: Case) -> Estimate:
+    """What the case will take. Raises ``StepError`` like ``wanted_step``."""
+    cut = grid(case)
+    computed = cut.passes if case.model != "static" else 1
+    steps = computed * cut.steps_per_pass
+    columns = sum(len(CHANNELS[name].components) for name in case.record)
+    return Estimate(
+        cpu_seconds=OVERHEAD + steps * COST[case.model, case.method],
+        bytes=4 * columns * floor(case.duration * case.sampling),
+        steps=steps,
+    )

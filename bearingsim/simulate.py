@@ -1,0 +1,274 @@
+"""One case, computed: the integrator's steps become series and features."""
+
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from math import ceil, cos, floor, sin
+from typing import Any
+
+import numpy as np
+
+from bearingsim import build, choose, signals
+from bearingsim.config import CHANNELS, Case, dataset_names
+from bearingsim.config.names import HARMONICS, line_name
+from bearingsim.core.advance import CHANNELS as ROWS
+from bearingsim.core.advance import FINE, FIRST_OUTER, OUTRUN, Watch, advance, record
+from bearingsim.core.equilibrium import rest_from_scratch
+from bearingsim.core.layout import OVERRUN_MAX, Q_MAX, ROW
+from bearingsim.core.methods.equilibrium import Equilibrium
+from bearingsim.core.models.interface import begin
+from bearingsim.core.sampling import (
+    DECIMATION_REACH,
+    RESAMPLE_REACH,
+    decimate,
+    decimation_kernel,
+    pick,
+    resample,
+    resampling_kernel,
+)
+
+ROW_OF = {name: row for row, name in enumerate(name for channel in CHANNELS for name in dataset_names(channel))}
+QUANTITIES = ("displacement", "velocity", "acceleration")
+
+
+class SimulationError(Exception):
+    """A run that must not be trusted: why, what to do instead, and when (s into the run; None before it)."""
+
+    def __init__(self, reason: str, advice: str, time: float | None = None) -> None:
+        super().__init__(f"{reason}; {advice}")
+        self.reason, self.advice, self.time = reason, advice, time
+
+    def __reduce__(self) -> tuple:
+        return SimulationError, (self.reason, self.advice, self.time)
+
+
+@dataclass(frozen=True)
+class Record:
+    """What a simulation gives, in SI.
+
+    time: (n,) s from the start of the record (after settling); series: (n,) arrays by dataset name
+    (``ring.velocity.x``); features: numbers by name (``velocity@BPFO``); info: how it was computed (step, steps,
+    CPU seconds, limits, cage angle at the start of the record).
+    """
+
+    time: np.ndarray
+    series: dict[str, np.ndarray]
+    features: dict[str, float]
+    info: dict[str, float | int | str]
+
+    @property
+    def displacement(self) -> np.ndarray:
+        """Displacement of the ring (n, 2), m: along and across the load line."""
+        return self._pair("ring.displacement")
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """Velocity of the ring (n, 2), m/s: along and across the load line."""
+        return self._pair("ring.velocity")
+
+    @property
+    def acceleration(self) -> np.ndarray:
+        """Acceleration of the ring (n, 2), m/s^2: along and across the load line."""
+        return self._pair("ring.acceleration")
+
+    @property
+    def error(self) -> dict[str, float]:
+        """Standard error of each line's amplitude, from its scatter between ball passes."""
+        ending = "-scatter"
+        return {k.removesuffix(ending): v for k, v in self.features.items() if k.endswith(ending)}
+
+    def _pair(self, channel: str) -> np.ndarray:
+        names = dataset_names(channel)
+        if names[0] not in self.series:
+            raise KeyError(f"{channel} was not recorded: add it to `record`")
+        return np.stack([self.series[name] for name in names], axis=1)
+
+
+@dataclass(frozen=True)
+class _Tape:
+    """What the integrator leaves behind, before it is sampled.
+
+    fine: (rows kept, n) fine samples, number 0 (t = 0) in column ``zero``; picked: (ROWS, m) raw values at the
+    record's instants, empty with the low-pass on; y: the buffer at the end.
+    """
+
+    fine: np.ndarray
+    zero: int
+    picked: np.ndarray
+    y: np.ndarray
+    integrator_cpu_s: float
+
+
+def simulate(case: Case) -> Record:
+    """Compute one case. Raises ``SimulationError`` for a run refused before or stopped under way."""
+    began = time.process_time()
+    try:
+        cut, found = choose.grid(case), choose.limits(case)
+        model = build.model(case)
+    except choose.StepError as error:
+        raise SimulationError(error.reason, error.advice) from error
+    except ArithmeticError as error:
+        raise SimulationError(str(error), "give the bearing a load that its rollers can carry") from error
+    tape = _integrate(case, model, cut, _watch(cut, found))
+    sampled = _resampled(case, cut, tape) if case.antialias else tape.picked
+    forces, overruns = (tape.y[row : row + model.bearing.Z] for row in (Q_MAX, OVERRUN_MAX))
+    return Record(
+        time=np.arange(samples(case)) / case.sampling,
+        series={name: sampled[ROW_OF[name]] for channel in case.record for name in dataset_names(channel)},
+        features=_lines(case, cut, tape) | _statistics(case, sampled) | {"outer_force.max": float(forces.max())},
+        info={
+            "step_s": cut.step,
+            "steps": cut.passes * cut.steps_per_pass,
+            "step_limit_at_rest_s": found.at_rest,
+            "step_limit_at_impact_s": found.at_impact,
+            "longest_overrun_s": float(overruns.max()),
+            "cage_angle_start_rad": case.start_angle + model.bearing.omega_c * case.settle,
+            "integrator_cpu_s": tape.integrator_cpu_s,
+            "cpu_s": time.process_time() - began,
+        },
+    )
+
+
+def warm(cases: Iterable[Case]) -> None:
+    """Compile what the cases need (or load it from the cache) by computing one ball pass of each kind."""
+    kinds = {(c.model, c.method, type(c.contact.damping), c.contact.stiffness, c.antialias): c for c in cases}
+    for case in kinds.values():
+        one_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
+        simulate(case.model_copy(update={"duration": one_pass, "settle": 0.0, "step": "auto", "defects": ()}))
+
+
+def _rows_kept(case: Case) -> int:
+    """Rows of a recording that are filtered: the ring's, and the forces (the last ones) if they are recorded."""
+    return ROWS if any(name.startswith("roller") for name in case.record) else FIRST_OUTER
+
+
+def _recorded(y: np.ndarray) -> np.ndarray:
+    """The state in the buffer as a column of a recording (ROWS, 1)."""
+    column = np.empty((ROWS, 1))
+    record(y, 0, column)
+    return column
+
+
+def _watch(cut: choose.Grid, found: choose.Limits) -> Watch:
+    """Look a few times within an impact (half a period of the roller between its contacts)."""
+    patience = 0.5 / found.contact_frequency if found.contact_frequency > 0.0 else 1.0
+    return Watch(stride=min(16, max(1, int(patience / (4.0 * cut.step)))), patience=patience)
+
+
+def _integrate(case: Case, model: Any, cut: choose.Grid, watch: Watch) -> _Tape:
+    """Step through all ball passes, keeping fine samples (and raw picks where the case wants them)."""
+    y = _start(model)
+    M, D = cut.fine_per_pass, cut.decimation
+    taps = decimation_kernel(D)
+    lead = ceil(RESAMPLE_REACH * cut.fine_rate / case.sampling) + 1  # before t = 0 everything stood still
+    fine = np.empty((_rows_kept(case), lead + cut.passes * M))
+    fine[:, :lead] = _recorded(y)[: len(fine)]
+    picked = np.empty((ROWS, 0 if case.antialias else samples(case)))
+    settled = floor(case.settle * cut.rate)
+    clock = [0.0]
+    for p, window in enumerate(_ball_passes(model, build.method(case, cut.step), watch, cut, y, clock)):
+        decimate(window, taps, D, fine[:, lead + p * M : lead + (p + 1) * M])
+        _pick_pass(case, cut, p, window, picked)
+        if p + 1 == settled:
+            y[Q_MAX : Q_MAX + ROW] = 0.0
+    return _Tape(fine, lead + DECIMATION_REACH - 1, picked, y, clock[0])
+
+
+def _start(model: Any) -> np.ndarray:
+    """A buffer at static equilibrium at t = 0, its accelerations (or the static model's velocity) filled in."""
+    y = build.empty_buffer(model)
+    residual = rest_from_scratch(model, 0.0, y)
+    if not residual <= 1e-8 * model.support.F:
+        raise SimulationError(
+            f"no static equilibrium at the start: {residual:.3g} N left", "check load and clearance"
+        )
+    begin(model, 0.0, y)
+    return y
+
+
+def _ball_passes(
+    model: Any, method: Any, watch: Watch, cut: choose.Grid, y: np.ndarray, clock: list[float]
+) -> Iterator[np.ndarray]:
+    """The recording, a ball pass at a time: (ROWS, tail + steps) with the end of the pass before in front.
+
+    The same array every time. ``clock[0]`` gathers the CPU seconds spent in the integrator.
+    """
+    steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
+    window = np.empty((ROWS, tail + steps))
+    window[:] = _recorded(y)
+    for p in range(cut.passes):
+        window[:, :tail] = window[:, steps:].copy()
+        if p == 0 or not isinstance(method, Equilibrium):  # what has no memory repeats itself
+            began = time.thread_time()
+            taken, outcome, body = advance(method, model, watch, p * steps, y, window[:, tail:])
+            clock[0] += time.thread_time() - began
+            if outcome != FINE:
+                raise _stopped(outcome, body, cut.step, (p * steps + taken) * cut.step)
+        yield window
+
+
+def _stopped(outcome: int, body: int, step: float, t: float) -> SimulationError:
+    """Why the watch stopped a run."""
+    if outcome == OUTRUN:
+        reason = f"roller {body + 1} stayed over the step limit for longer than an impact"
+    else:
+        reason = "the ring's motion is no longer finite"
+    return SimulationError(
+        f"{reason}, {1e3 * t:.4g} ms into the run", f"take a step under {1e6 * step / 2:.2g} us", t
+    )
+
+
+def samples(case: Case) -> int:
+    """Samples of the record."""
+    return floor(case.duration * case.sampling + 1e-6)
+
+
+def _pick_pass(case: Case, cut: choose.Grid, p: int, window: np.ndarray, picked: np.ndarray) -> None:
+    """Fill in the raw values whose instants lie in ball pass ``p`` (start excluded, end included)."""
+    steps, tail = cut.steps_per_pass, window.shape[1] - cut.steps_per_pass
+    ratio = 1.0 / (case.sampling * cut.step)  # steps per sample
+    start = case.settle / cut.step
+    first, end = (max(0, floor((q * steps - start) / ratio) + 1) for q in (p, p + 1))
+    first = 0 if p == 0 else min(first, picked.shape[1])
+    end = min(end, picked.shape[1])
+    if end > first:
+        column = start + first * ratio - p * steps + tail - 1
+        pick(window, column, ratio, picked[:, first:end])
+
+
+def _resampled(case: Case, cut: choose.Grid, tape: _Tape) -> np.ndarray:
+    """The record's samples (rows kept, n), low-passed from the fine ones."""
+    out = np.empty((len(tape.fine), samples(case)))
+    ratio = cut.fine_rate / case.sampling
+    resample(tape.fine, case.settle * cut.fine_rate + tape.zero, ratio, resampling_kernel(), out)
+    return out
+
+
+def _along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
+    """A quantity of the ring in the direction the sensor looks."""
+    x, y = (rows[ROW_OF[name]] for name in dataset_names(f"ring.{quantity}"))
+    return cos(case.rig.sensor_angle) * x + sin(case.rig.sensor_angle) * y
+
+
+def _lines(case: Case, cut: choose.Grid, tape: _Tape) -> dict[str, float]:
+    """Amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
+    start = ceil(case.settle * cut.fine_rate - 1e-6)
+    length = floor(case.duration * cut.rate + 1e-6) * cut.fine_per_pass
+    angle = case.bearing.rollers * case.start_angle
+    found = {}
+    for quantity in QUANTITIES:
+        whole = _along_sensor(case, tape.fine[:, start + tape.zero : start + tape.zero + length], quantity)
+        lines = signals.lines_by_pass(whole, cut.fine_per_pass, HARMONICS, start, angle)
+        for harmonic, by_pass in zip(HARMONICS, lines, strict=True):
+            name = f"{quantity}@{line_name(harmonic)}"
+            found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(by_pass)
+    return found
+
+
+def _statistics(case: Case, sampled: np.ndarray) -> dict[str, float]:
+    """RMS, peak, crest factor and kurtosis of the record, along the sensor."""
+    return {
+        f"{quantity}.{name}": value
+        for quantity in QUANTITIES
+        for name, value in signals.statistics(_along_sensor(case, sampled, quantity)).items()
+    }
