@@ -146,10 +146,9 @@ def test_linspace_takes_an_inner_value_as_if_it_were_written(write: Write) -> No
 
 def test_a_whole_section_can_be_swept_and_its_parts_too(write: Write) -> None:
     text = BASE + (
-        "sweep:\n  contact.damping.chi: [5 s/m, 50 s/m]\n"
+        "sweep:\n  contact.damping.chi: [5 s/m, 50 s/m]\n  defect.length: [1 mm]\n"
         "  defect:\n    - {shape: circular, length: 3 mm, width: 1 mm, depth: 1 um}\n"
         "    - {shape: triangular, length: 3 mm, width: 1 mm, depth: 1 um}\n"
-        "  defect.length: [1 mm]\n"
     )
     study = load_study(write(text))
     assert [case.defects[0].shape for case in study.cases()] == ["circular", "triangular"] * 2
@@ -358,6 +357,12 @@ def test_an_override_replaces_a_sweep(
     assert study.overrides == overrides
 
 
+def test_an_override_keeps_its_axis_in_place(write: Write) -> None:
+    study = load_study(write(SWEPT), {"load": "[7 N, 8 N]"})
+    assert list(study.units) == ["load", "defect.width", "defect.depth"]
+    assert [row[0] for row in swept(study)] == [7.0, 7.0, 8.0, 8.0]
+
+
 def test_an_override_of_what_is_not_swept(write: Write) -> None:
     overrides = {
         "duration": "2 s",
@@ -506,6 +511,26 @@ quick: {sweep: {model: [rigid]}}
     ]:
         assert part in told
     assert told.count("^") == 17
+
+
+@pytest.mark.parametrize(
+    ("text", "count"),
+    [
+        # a wrong angle does not also overlap the defect at 0 deg
+        (
+            BASE.replace("defect: ", "defects:\n  - &pit ")
+            + "  - {shape: circular, length: 3 mm, width: 1 mm, depth: 1 um, angle: 5 N}\n",
+            1,
+        ),
+        # of the values that a linspace makes, the ends
+        (BASE + "sweep: {speed: {linspace: [1 rpm, 4 rpm, 4]}}\n", 2),
+        # a wrong sweep of what the base does not say
+        (BASE.replace("load: 150 N\n", "") + "sweep: {load: 1 N}\n", 1),
+        (BASE.replace("load: 150 N\n", "") + "sweep: {zip: {load: [1 N], settle: [1 s, 2 s]}}\n", 1),
+    ],
+)
+def test_a_mistake_has_no_echo(write: Write, text: str, count: int) -> None:
+    assert len(problems(write(text))) == count
 
 
 def test_a_mistake_in_a_bearings_file_is_shown_there(write: Write, tmp_path: Path) -> None:
