@@ -18,7 +18,7 @@ import pytest
 from fake_studies import ENGINE, FakeStudy, record_of
 
 from bearingsim import store
-from bearingsim.runner import Interrupted, RunSummary, run
+from bearingsim.runner import Interrupted, RunSummary, progress, run
 from bearingsim.runner.packing import Cost, pack, shard_of, unit_seconds
 from bearingsim.runner.summary import grouped
 
@@ -91,6 +91,13 @@ def test_progress_lines_tell_counts_and_time_left(
     assert len(lines) == 2  # units
     assert "left" in lines[0]
     assert lines[-1] == "4/4 jobs, 1 failed, about 0 s left"
+
+
+def test_bar_counts_jobs_and_failures(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress._bar(4, 4.0) as report:
+        report(1, 0, 1.0)
+        report(2, 1, 3.0)
+    assert "4/4 jobs, 1 failed" in capsys.readouterr().err
 
 
 # Resuming

@@ -4,8 +4,11 @@ import json
 import os
 import subprocess
 import sys
+import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -180,7 +183,7 @@ def test_sweep_takes_leftovers_of_dead_writers_only(tmp_path: Path) -> None:
     names["long ago"] = folder / "ab.h5.elsewhere-2.part"
     for path in names.values():
         path.touch()
-    os.utime(names["long ago"], (time.time() - 7200,) * 2)
+    os.utime(names["long ago"], (time.time() - 2 * 86400,) * 2)
     assert set(store.sweep(tmp_path)) == {names["dead"], names["long ago"]}
     assert not names["dead"].exists()
     assert names["own"].exists()
@@ -262,8 +265,24 @@ def test_table_is_rebuilt_when_lost_damaged_or_stale(tmp_path: Path, study: Fake
 def test_table_is_read_without_the_units_while_up_to_date(tmp_path: Path, study: FakeStudy) -> None:
     [path] = seal(tmp_path, study)
     first = store.open_results(tmp_path).table()
+    written = (tmp_path / "study.h5").stat().st_mtime_ns
     path.write_bytes(b"x" * path.stat().st_size)
     assert store.open_results(tmp_path).table().equals(first)
+    assert (tmp_path / "study.h5").stat().st_mtime_ns == written
+
+
+@pytest.mark.parametrize("action", [store.build_table, store.sweep, store.discard])
+def test_parents_that_share_a_folder_take_turns(
+    tmp_path: Path, study: FakeStudy, action: Callable[[Path], Any]
+) -> None:
+    seal(tmp_path, study)
+    other = threading.Thread(target=action, args=(tmp_path,))
+    with store.lock(tmp_path):
+        other.start()
+        other.join(0.3)
+        assert other.is_alive()
+    other.join(10.0)
+    assert not other.is_alive()
 
 
 def test_damaged_unit_is_missing_from_the_table_with_a_warning(tmp_path: Path, study: FakeStudy) -> None:

@@ -8,6 +8,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 __all__ = ["Report", "progress"]
 
 LINE_EVERY_S = 10.0
+SPEED_OVER_S = 3600.0  # units of work may come minutes apart
 
 Report = Callable[[int, int, float], None]
 """Told of jobs done, jobs failed, and estimated seconds of computing that they stood for."""
@@ -27,7 +28,8 @@ def _bar(jobs: int, seconds: float) -> Iterator[Report]:
 
     look = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left"))
     done = failed = 0
-    with Progress(*look, TimeRemainingColumn(), console=Console(stderr=True)) as bar:
+    screen = Console(stderr=True)
+    with Progress(*look, TimeRemainingColumn(), console=screen, speed_estimate_period=SPEED_OVER_S) as bar:
         task = bar.add_task(_counts(0, 0, jobs), total=seconds)
 
         def report(now_done: int, now_failed: int, cost: float) -> None:

@@ -16,7 +16,7 @@ from filelock import BaseFileLock, FileLock
 __all__ = ["lock", "sealing", "sweep", "temporary_files", "unit_files", "write_text", "writer", "writer_is_dead"]
 
 LEFTOVER = (".part", ".started")
-FOREIGN_AGE_S = 3600.0  # another host's process cannot be asked; a live .part is seconds old
+FOREIGN_AGE_S = 86400.0  # another host's process cannot be asked: longer than any job takes
 
 
 def writer() -> str:
