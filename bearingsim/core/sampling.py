@@ -37,6 +37,15 @@ def resampling_kernel() -> np.ndarray:
 
 
 @jit
+def dot(a, b, n):
+    """Sum of a[k] b[k] over the first n."""
+    total = 0.0
+    for k in range(n):
+        total = add(total, a[k] * b[k])
+    return total
+
+
+@jit
 def decimate(raw, taps, D, out):
     """Filter ``raw`` (C, n) and keep one in D: out[c, m] is centred on column m D + len(taps)//2 + D - 1.
 
@@ -47,10 +56,7 @@ def decimate(raw, taps, D, out):
     for c in range(out.shape[0]):
         for m in range(out.shape[1]):
             start = (m + 1) * D - 1
-            total = 0.0
-            for k in range(length):
-                total = add(total, taps[k] * raw[c, start + k])
-            out[c, m] = total
+            out[c, m] = dot(taps, raw[c, start : start + length], length)
 
 
 @jit
@@ -73,10 +79,7 @@ def resample(fine, first, ratio, kernel, out):
             weights[k] = kernel[i] + (place - i) * (kernel[i + 1] - kernel[i])
             total = add(total, weights[k])
         for c in range(out.shape[0]):
-            value = 0.0
-            for k in range(count):
-                value = add(value, weights[k] * fine[c, low + k])
-            out[c, n] = value / total
+            out[c, n] = dot(weights, fine[c, low : low + count], count) / total
 
 
 @jit
