@@ -189,6 +189,18 @@ def test_sweep_takes_leftovers_of_dead_writers_only(tmp_path: Path) -> None:
     assert names["own"].exists()
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_killed_writer_counts_as_dead_before_it_is_waited_for(tmp_path: Path) -> None:
+    process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
+    part = tmp_path / f"x.{writer().rpartition('-')[0]}-{process.pid}.part"
+    part.touch()
+    assert not writer_is_dead(part)
+    process.kill()
+    os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
+    assert writer_is_dead(part)
+    process.wait()
+
+
 def test_fresh_start_refuses_a_folder_in_use(tmp_path: Path, study: FakeStudy) -> None:
     [path] = seal(tmp_path, study)
     with store.start_marker(tmp_path, path.stem), pytest.raises(store.FolderInUse, match="another run"):
