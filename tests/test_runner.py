@@ -374,7 +374,9 @@ def test_large_series_are_not_gathered_in_memory() -> None:
     assert [len(unit) for unit in pack(FakeStudy().jobs(), costs, workers=1)] == [2, 2]
 
 
-def test_small_study_is_cut_for_all_workers() -> None:
-    assert unit_seconds(1000.0, 2) == 2.0
-    assert unit_seconds(6.0, 4) == 0.5
+def test_size_of_units_follows_the_study() -> None:
+    assert unit_seconds(100.0, 2) == 2.0
+    assert unit_seconds(6.0, 4) == 0.5  # short: three units for each worker
     assert unit_seconds(0.1, 64) == 0.25
+    assert unit_seconds(500.0, 2) == 5.0  # long: fifty
+    assert unit_seconds(1e6, 2) == 10.0

@@ -8,9 +8,9 @@ from bearingsim.store.units import JobLike
 
 __all__ = ["Cost", "pack", "shard_of"]
 
-UNIT_S = 2.0  # computing that makes the 30 ms of a file small
-SHORTEST_UNIT_S = 0.25
-UNITS_PER_WORKER = 3  # a study that is soon done is cut finer, so that no worker idles
+UNIT_S = 2.0  # computing that makes the 40 ms of a file small
+SHORTEST_UNIT_S, LONGEST_UNIT_S = 0.25, 10.0
+FEWEST_UNITS, MOST_UNITS = 3, 50  # per worker: fewer leave some idle at the end, more are only more files
 UNIT_BYTES = 64e6
 
 
@@ -47,8 +47,10 @@ def pack(jobs: Sequence[JobLike], costs: Sequence[Cost], workers: int) -> list[l
 
 
 def unit_seconds(total: float, workers: int) -> float:
-    """Computing time that makes a unit worth its file, for a study of ``total`` seconds."""
-    return min(UNIT_S, max(SHORTEST_UNIT_S, total / (UNITS_PER_WORKER * workers)))
+    """Computing time of a unit for a study of ``total`` seconds: 2 s, less in a short study, more in a long one."""
+    share = total / workers
+    wanted = max(min(UNIT_S, share / FEWEST_UNITS), share / MOST_UNITS)
+    return min(max(wanted, SHORTEST_UNIT_S), LONGEST_UNIT_S)
 
 
 def _axis(case: Any) -> str:
