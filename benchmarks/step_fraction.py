@@ -1,0 +1,90 @@
+"""How the error grows with the step, in fractions of the method's limit at impact.
+
+    python benchmarks/step_fraction.py [--csv FILE]
+
+For each scene and method the case is computed with steps of a few fractions of ``Limits.at_impact`` and compared
+with RK4 at a twentieth of it: relative error of the velocity line at BPFO, of its RMS, and of the largest contact
+force, as far as the run came. The fractions of ``choose.FRACTION`` and the refusal at 1 rest on this table.
+"""
+
+import argparse
+import csv
+import sys
+from unittest import mock
+
+from bearingsim import choose
+from bearingsim.config import Case
+from bearingsim.simulate import SimulationError, simulate
+
+FRACTIONS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
+FEATURES = ("velocity@BPFO", "velocity.rms", "outer_force.max")
+BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "duration": "0.2 s", "settle": "30 ms"}
+PIT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+SCENES: dict[str, dict] = {
+    "healthy": {},
+    "0.2 mm slot": {"defect": PIT | {"width": "0.2 mm"}},
+    "0.8 mm slot": {"defect": PIT},
+    "2 mm slot": {"defect": PIT | {"width": "2 mm"}},
+    "0.8 mm slot, 300 N": {"defect": PIT, "load": "300 N"},
+    "0.8 mm slot, 40 deg": {"defect": PIT | {"angle": "40 deg"}},
+    "0.8 mm slot, 1 um deep": {"defect": PIT | {"depth": "1 um"}},
+    "0.8 mm slot, 10 um clearance": {"defect": PIT, "clearance": "10 um"},
+    "0.8 mm slot, 25 um clearance": {"defect": PIT, "clearance": "25 um"},
+    "0.8 mm slot, 6000 rpm": {"defect": PIT, "speed": "6000 rpm"},
+    "0.8 mm bowl": {"defect": PIT | {"shape": "circular"}},
+    "0.8 mm groove, 5 um": {"defect": PIT | {"shape": "triangular", "depth": "5 um"}},
+    "0.8 mm slot, chi 5 s/m": {"defect": PIT, "contact": {"damping": {"chi": "5 s/m"}}},
+    "0.8 mm slot, kraemer": {"defect": PIT, "contact": {"damping": "kraemer"}},
+}
+
+
+def features(case: Case, step: float) -> dict[str, float] | str:
+    """Features with a step that may be too long, or why the run was stopped."""
+    with mock.patch.object(choose, "wanted_step", return_value=step):
+        try:
+            return simulate(case).features
+        except SimulationError as error:
+            return error.reason
+
+
+def compare(name: str, model: str) -> list[dict]:
+    """Rows of the table for one scene."""
+    settings = BASE | SCENES[name] | {"model": model}
+    exact_case = Case.model_validate(settings | {"method": "rk4"})
+    exact = features(exact_case, choose.limits(exact_case).at_impact / 20.0)
+    if isinstance(exact, str):
+        raise RuntimeError(f"{name}: the reference was stopped: {exact}")
+    rows = []
+    for method in ("verlet", "rk4"):
+        case = Case.model_validate(settings | {"method": method})
+        limit = choose.limits(case).at_impact
+        for fraction in FRACTIONS:
+            found = features(case, fraction * limit)
+            row: dict = {"scene": name, "model": model, "method": method, "fraction": fraction}
+            row["step_us"] = round(1e6 * fraction * limit, 3)
+            if isinstance(found, str):
+                row["stopped"] = found
+            else:
+                row |= {key: f"{abs(found[key] / exact[key] - 1.0):.1e}" for key in FEATURES}
+            rows.append(row)
+    return rows
+
+
+def main() -> None:
+    """Print the table; write it to a file if asked."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--csv")
+    parser.add_argument("--model", default="rollers")
+    parser.add_argument("--scene", action="append", choices=list(SCENES))
+    options = parser.parse_args()
+    columns = ["scene", "model", "method", "fraction", "step_us", *FEATURES, "stopped"]
+    with open(options.csv, "w", newline="") if options.csv else sys.stdout as target:
+        table = csv.DictWriter(target, columns)
+        table.writeheader()
+        for name in options.scene or SCENES:
+            table.writerows(compare(name, options.model))
+            target.flush()
+
+
+if __name__ == "__main__":
+    main()

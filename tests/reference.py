@@ -1,0 +1,93 @@
+"""An independent solution of `rollers`, from the equations of docs/model.md, sharing no code with the package.
+
+Absolute roller radii, the pit's envelope by brute-force minimisation over a grid of contact points, the static
+start by SciPy's root finder, time by SciPy's DOP853 at tight tolerance and small steps. NF308, 1800 rpm, 150 N,
+clearance 0, a full-length box on the load line.
+"""
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq, root
+
+Z, D_W, D_M, L_W = 13, 0.012, 0.065, 0.012
+R_W, R_O, R_I = D_W / 2, (D_M + D_W) / 2, (D_M - D_W) / 2
+OMEGA_C = 2 * np.pi * 30 * (1 - D_W / D_M) / 2
+M_R = 7850 * np.pi * R_W**2 * L_W
+M_O = 7850 * np.pi * (0.045**2 - R_O**2) * 0.023
+K = 8.06e4 * 12 ** (8 / 9) * 1000 ** (10 / 9)
+CHI, K_B, C_B, LOAD = 50.0, 1e7, 200.0, 150.0
+THETA = np.pi / Z + 2 * np.pi * np.arange(Z) / Z
+REDUCED = R_W * R_O / (R_O - R_W)
+
+
+def elastic(delta):
+    return K * np.maximum(delta, 0.0) ** (10 / 9)
+
+
+def sunk(s, width, depth):
+    """h(s) = min over t of p(t) + (t - s)^2/(2 R), and dh/ds = (s - t*)/R at the minimiser (envelope theorem)."""
+    pit = np.linspace(-width / 2, width / 2, 2001)
+    t = np.concatenate([pit, pit[[0, -1]], [s]])
+    inside = np.concatenate([np.full(pit.size, depth), [0.0, 0.0], [0.0 if abs(s) >= width / 2 else depth]])
+    gap = inside + (t - s) ** 2 / (2 * REDUCED)
+    best = np.argmin(gap)
+    return gap[best], (s - t[best]) / REDUCED
+
+
+def roller_at_rest(u_r):
+    """Radius of a roller in balance between the races when the outer ring stands u_r further out."""
+
+    def inward(r):
+        return elastic(r + R_W - R_O - u_r) - elastic(R_I + R_W - r) - M_R * OMEGA_C**2 * r
+
+    touch = R_O - R_W + u_r
+    return brentq(inward, touch, max(touch, R_I + R_W) + 1e-5, xtol=1e-19, rtol=1e-14)
+
+
+def rest(angles, stiffness, anchor):
+    """Ring place and roller radii at rest, on a bracket spring of ``stiffness`` at ``anchor``."""
+
+    def net(microns):
+        u = 1e-6 * microns
+        total = np.array([-LOAD, 0.0]) - stiffness * (u - anchor)
+        for a in angles:
+            e_r = np.array([np.cos(a), np.sin(a)])
+            total += elastic(roller_at_rest(u @ e_r) + R_W - R_O - u @ e_r) * e_r
+        return total / LOAD
+
+    found = root(net, [-0.4, 0.0], tol=1e-12)
+    assert np.abs(found.fun).max() < 1e-7
+    u = 1e-6 * found.x
+    return u, np.array([roller_at_rest(u[0] * np.cos(a) + u[1] * np.sin(a)) for a in angles])
+
+
+def simulate(width, depth, times, max_step=1e-6, rtol=1e-9):
+    """Velocity of the ring (2, n) in m/s at ``times`` (s)."""
+    pass_angle = 2 * np.pi / Z
+    phases = [THETA + pass_angle * (n + 0.5) / 16 for n in range(16)]
+    anchor = np.mean([rest(angles, 0.0, np.zeros(2))[0] for angles in phases], axis=0)
+    u, r = rest(THETA, K_B, anchor)
+
+    def rhs(t, y):
+        u, w, q, v = y[:2], y[2:4], y[4 : 4 + Z], y[4 + Z :]
+        angle = THETA + OMEGA_C * t
+        c, s = np.cos(angle), np.sin(angle)
+        arc = R_O * (np.remainder(angle + np.pi, 2 * np.pi) - np.pi)
+        h, sinking = np.zeros(Z), np.zeros(Z)
+        for j in np.flatnonzero(np.abs(arc) < width / 2):
+            h[j], slope = sunk(arc[j], width, depth)
+            sinking[j] = slope * R_O * OMEGA_C
+        delta_o = q - (u[0] * c + u[1] * s) - h
+        v_o = v - (w[0] * c + w[1] * s) - OMEGA_C * (u[1] * c - u[0] * s) - sinking
+        force_o = np.maximum(elastic(delta_o) * (1 + CHI * v_o), 0.0)
+        force_i = np.maximum(elastic(-q) * (1 - CHI * v), 0.0)
+        radial = OMEGA_C**2 * (R_O - R_W + q) + (force_i - force_o) / M_R
+        a_x = (-LOAD - K_B * (u[0] - anchor[0]) - C_B * w[0] + force_o @ c) / M_O
+        a_y = (-K_B * (u[1] - anchor[1]) - C_B * w[1] + force_o @ s) / M_O
+        return np.concatenate([w, [a_x, a_y], v, radial])
+
+    y0 = np.concatenate([u, [0.0, 0.0], r - (R_O - R_W), np.zeros(Z)])
+    scale = np.concatenate([[1e-7] * 2, [1e-4] * 2, [1e-7] * Z, [1e-3] * Z])
+    out = solve_ivp(rhs, (0.0, times[-1]), y0, "DOP853", times, rtol=rtol, atol=rtol * scale, max_step=max_step)
+    assert out.success, out.message
+    return out.y[2:4]
