@@ -47,7 +47,7 @@ def pack(jobs: Sequence[JobLike], costs: Sequence[Cost], workers: int) -> list[l
 
 
 def unit_seconds(total: float, workers: int) -> float:
-    """Computing time of a unit for a study of ``total`` seconds: 2 s, less in a short study, more in a long one."""
+    """Computing time in s of a unit of a study of ``total`` s: 2, less in a short study, more in a long one."""
     share = total / workers
     wanted = max(min(UNIT_S, share / FEWEST_UNITS), share / MOST_UNITS)
     return min(max(wanted, SHORTEST_UNIT_S), LONGEST_UNIT_S)
