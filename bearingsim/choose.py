@@ -19,8 +19,10 @@ from bearingsim.core.methods.interface import load_number
 from bearingsim.core.models.interface import begin, damping_per_mass, stiffness_per_mass, watched
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 
-FRACTION = {"verlet": 0.5, "rk4": 0.5}  # of the limit at impact, for `step: auto`; measured, see docs/methods.md
-PER_CROSSING = 50  # steps while a roller crosses the narrowest pit, for `step: auto`
+# `step: auto` takes the smallest of three, measured by benchmarks/step_fraction.py (see docs/methods.md):
+FRACTION = {"verlet": 0.5, "rk4": 0.25}  # of the method's limit at impact
+PER_PERIOD = {"verlet": 40, "rk4": 20}  # steps in a period of the contact, which light damping lets ring
+PER_CROSSING = 50  # steps while a roller crosses the narrowest pit
 FEWEST_PER_CROSSING = 8  # fewer are refused
 LONGEST = 20e-6  # s: a step nobody needs to exceed, for the models without a limit
 SAMPLES_OF_A_PASS = 16  # cage angles at which the load at rest is looked at
@@ -188,24 +190,33 @@ def wanted_step(case: Case) -> float:
     """The step (s) a case asks for, or is given by ``auto``. Raises ``StepError`` if it must not be taken."""
     found = limits(case)
     if case.step == "auto":
-        fraction = FRACTION.get(case.method or "", 1.0)
-        return min(fraction * found.at_impact, found.crossing / PER_CROSSING, LONGEST)
+        return automatic_step(case.method, found)
     safe = min(found.at_impact, found.crossing / FEWEST_PER_CROSSING)
     if case.step > safe:
-        raise StepError(*_refusal(case.step, found))
+        raise StepError(_refusal(case.step, found), _advice(case.method, found))
     return case.step
 
 
-def _refusal(step: float, found: Limits) -> tuple[str, str]:
+def automatic_step(method: str | None, found: Limits) -> float:
+    """The step (s) that keeps the line at the fault frequency within about 1 %, by measurement."""
+    resolved = min(found.crossing / PER_CROSSING, LONGEST)
+    if method is None:
+        return resolved
+    period = 1.0 / found.contact_frequency
+    return min(resolved, FRACTION[method] * found.at_impact, period / PER_PERIOD[method])
+
+
+def _refusal(step: float, found: Limits) -> str:
     if step > found.at_impact:
-        reason = (
+        return (
             f"a step of {1e6 * step:.3g} us is over the method's limit of {1e6 * found.at_impact:.3g} us at an"
             f" impact of about {found.impact_force:.0f} N ({1e6 * found.at_rest:.3g} us at rest)"
         )
-    else:
-        reason = f"a step of {1e6 * step:.3g} us passes a pit of {1e6 * found.crossing:.3g} us in too few steps"
-    safe = min(found.at_impact / 2.0, found.crossing / PER_CROSSING)
-    return reason, f"say `step: auto` or at most {1e6 * safe:.2g} us"
+    return f"a step of {1e6 * step:.3g} us passes a pit of {1e6 * found.crossing:.3g} us in too few steps"
+
+
+def _advice(method: str | None, found: Limits) -> str:
+    return f"say `step: auto` ({1e6 * automatic_step(method, found):.2g} us)"
 
 
 def grid(case: Case) -> Grid:

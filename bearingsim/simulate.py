@@ -164,13 +164,11 @@ def _integrate(case: Case, model: Any, cut: choose.Grid, watch: Watch) -> _Tape:
     fine = np.empty((_rows_kept(case), lead + cut.passes * M))
     fine[:, :lead] = _recorded(y)[: len(fine)]
     picked = np.empty((ROWS, 0 if case.antialias else samples(case)))
-    settled = floor(case.settle * cut.rate)
     clock = [0.0]
-    for p, window in enumerate(_ball_passes(model, build.method(case, cut.step), watch, cut, y, clock)):
+    settled = floor(case.settle * cut.rate)
+    for p, window in enumerate(_ball_passes(model, build.method(case, cut.step), watch, cut, settled, y, clock)):
         decimate(window, taps, D, fine[:, lead + p * M : lead + (p + 1) * M])
         _pick_pass(case, cut, p, window, picked)
-        if p + 1 == settled:
-            y[Q_MAX : Q_MAX + ROW] = 0.0
     return _Tape(fine, lead + DECIMATION_REACH - 1, picked, y, clock[0])
 
 
@@ -187,11 +185,12 @@ def _start(model: Any) -> np.ndarray:
 
 
 def _ball_passes(
-    model: Any, method: Any, watch: Watch, cut: choose.Grid, y: np.ndarray, clock: list[float]
+    model: Any, method: Any, watch: Watch, cut: choose.Grid, settled: int, y: np.ndarray, clock: list[float]
 ) -> Iterator[np.ndarray]:
     """The recording, a ball pass at a time: (ROWS, tail + steps) with the end of the pass before in front.
 
-    The same array every time. ``clock[0]`` gathers the CPU seconds spent in the integrator.
+    The same array every time. From ball pass ``settled`` on the largest forces count; ``clock[0]`` gathers the
+    CPU seconds spent in the integrator.
     """
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
     window = np.empty((ROWS, tail + steps))
@@ -199,6 +198,8 @@ def _ball_passes(
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
         if p == 0 or not isinstance(method, Equilibrium):  # what has no memory repeats itself
+            if p == settled:
+                y[Q_MAX : Q_MAX + ROW] = 0.0
             began = time.thread_time()
             taken, outcome, body = advance(method, model, watch, p * steps, y, window[:, tail:])
             clock[0] += time.thread_time() - began
