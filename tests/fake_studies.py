@@ -92,6 +92,10 @@ def warm(cases: list[FakeCase]) -> None:
     """Nothing to compile."""
 
 
+def fail_to_warm(cases: list[FakeCase]) -> None:
+    raise FakeError("no case is like this", "none", None)
+
+
 def record_of(case: FakeCase) -> SimpleNamespace:
     """A record with a line of amplitude ``width`` (healthy: 1 mm/s) and quarter-turn phase."""
     time_s = np.arange(round(case.duration * case.sampling)) / case.sampling

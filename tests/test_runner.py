@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -202,6 +203,13 @@ def test_failures_are_grouped_by_reason_whatever_the_numbers() -> None:
 def test_refused_case_fails_alone(tmp_path: Path) -> None:
     summary = compute(FakeStudy(deeds={0: "raise refused"}), tmp_path)
     assert (summary.done, summary.failed) == (3, 1)
+
+
+def test_failing_warm_up_costs_nothing_but_time(tmp_path: Path) -> None:
+    engine = replace(ENGINE, warm="fake_studies:fail_to_warm")
+    summary = run(FakeStudy(), tmp_path, jobs=1, progress=False, engine=engine)
+    assert (summary.done, summary.failed) == (4, 0)
+    assert "warm-up failed" in [line["event"] for line in journal_of(tmp_path)]
 
 
 @pytest.mark.parametrize(("deed", "cause"), [("exit", "EXIT(3)"), ("kill", "SIGKILL(-9)")])

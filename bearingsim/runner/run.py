@@ -52,7 +52,7 @@ def run(
     try:
         if plan.todo:
             works = _works(root, study, plan.todo, workers, engine)
-            load(engine.warm)([job.case for job in plan.todo])
+            _warm(root, engine, plan.todo)
             _compute(works, workers, tally, progress)
     except KeyboardInterrupt:
         interrupted = True
@@ -158,6 +158,14 @@ def _works(root: Path, study: Any, todo: Sequence[JobLike], workers: int, engine
         Work(root, tuple(todo[i] for i in unit), tuple(costs[i].seconds for i in unit), engine, provenance)
         for unit in pack(todo, costs, workers)
     ]
+
+
+def _warm(root: Path, engine: Engine, todo: Sequence[JobLike]) -> None:
+    """Compile before workers start; a case that fails here fails as a job too, and is told there."""
+    try:
+        load(engine.warm)([job.case for job in todo])
+    except Exception as error:
+        store.log(root, "warm-up failed", reason=f"{type(error).__name__}: {error}")
 
 
 def _cost(estimate: Callable[[Any], Any], case: Any) -> Cost:
