@@ -219,8 +219,18 @@ def _advice(method: str | None, found: Limits) -> str:
     return f"say `step: auto` ({1e6 * automatic_step(method, found):.2g} us)"
 
 
+def samples(case: Case) -> int:
+    """Samples of the record."""
+    return floor(case.duration * case.sampling + 1e-6)
+
+
 def grid(case: Case) -> Grid:
-    """Cut the case in time: the wanted step, shortened until a ball pass holds a whole number of fine samples."""
+    """Cut the case in time: the wanted step, shortened until a ball pass holds a whole number of fine samples.
+
+    Raises ``StepError`` like ``wanted_step``, or if no sample falls into the record.
+    """
+    if samples(case) < 1:
+        raise StepError("no sample falls into the record", "take a higher `sampling` or a longer `duration`")
     rate = case.bearing.ball_pass_frequency(case.speed)
     fine = max(FEWEST_FINE, ceil(FINE_PER_SAMPLE * case.sampling / rate))
     decimation = max(1, ceil(1.0 / (rate * fine * wanted_step(case)) * (1.0 - 1e-12)))
@@ -237,6 +247,6 @@ def estimate(case: Case) -> Estimate:
     columns = sum(len(CHANNELS[name].components) for name in case.record)
     return Estimate(
         cpu_seconds=OVERHEAD + steps * COST[case.model, case.method],
-        bytes=4 * columns * floor(case.duration * case.sampling),
+        bytes=4 * columns * samples(case),
         steps=steps,
     )

@@ -14,7 +14,7 @@ def lines_by_pass(fine: np.ndarray, M: int, harmonics: Sequence[int], start: int
     if the line peaks as a roller passes phi = 0, and a defect at phi shifts it by -k Z phi. Over whole passes no
     other harmonic leaks in. Returns (harmonics, passes) complex.
     """
-    angle = Z_theta_0 + 2.0 * pi * (start + np.arange(M)) / M
+    angle = Z_theta_0 + 2.0 * pi * ((start + np.arange(M)) % M) / M  # of the pass, so that no digits are lost
     angles = np.multiply.outer(np.asarray(harmonics), angle)
     passes = fine.reshape(-1, M).T
     return 2.0 / M * (np.cos(angles) @ passes - 1j * (np.sin(angles) @ passes))
@@ -38,7 +38,7 @@ def statistics(series: np.ndarray) -> dict[str, float]:
     moving = series - series.mean()
     square = np.mean(moving**2)
     peak = np.abs(moving).max()
-    alive = square > 0.0
+    alive = peak > 1e-12 * np.abs(series).max()  # less is rounding
     return {
         "rms": float(np.sqrt(square)),
         "peak": float(peak),

@@ -113,7 +113,7 @@ def simulate(case: Case) -> Record:
     sampled = _resampled(case, cut, tape) if case.antialias else tape.picked
     forces, overruns = (tape.y[row : row + model.bearing.Z] for row in (Q_MAX, OVERRUN_MAX))
     return Record(
-        time=np.arange(samples(case)) / case.sampling,
+        time=np.arange(choose.samples(case)) / case.sampling,
         series={name: sampled[ROW_OF[name]] for channel in case.record for name in dataset_names(channel)},
         features=_lines(case, cut, tape) | _statistics(case, sampled) | {"outer_force.max": float(forces.max())},
         info={
@@ -133,8 +133,8 @@ def warm(cases: Iterable[Case]) -> None:
     """Compile what the cases need (or load it from the cache) by computing one ball pass of each kind."""
     kinds = {(c.model, c.method, type(c.contact.damping), c.contact.stiffness, c.antialias): c for c in cases}
     for case in kinds.values():
-        one_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
-        simulate(case.model_copy(update={"duration": one_pass, "settle": 0.0, "step": "auto", "defects": ()}))
+        short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
+        simulate(case.model_copy(update={"duration": short, "settle": 0.0, "step": "auto", "defects": ()}))
 
 
 def _rows_kept(case: Case) -> int:
@@ -163,17 +163,20 @@ def _integrate(case: Case, model: Any, cut: choose.Grid, watch: Watch) -> _Tape:
     lead = ceil(RESAMPLE_REACH * cut.fine_rate / case.sampling) + 1  # before t = 0 everything stood still
     fine = np.empty((_rows_kept(case), lead + cut.passes * M))
     fine[:, :lead] = _recorded(y)[: len(fine)]
-    picked = np.empty((ROWS, 0 if case.antialias else samples(case)))
+    picked = np.empty((ROWS, 0 if case.antialias else choose.samples(case)))
     clock = [0.0]
     settled = floor(case.settle * cut.rate)
     for p, window in enumerate(_ball_passes(model, build.method(case, cut.step), watch, cut, settled, y, clock)):
         decimate(window, taps, D, fine[:, lead + p * M : lead + (p + 1) * M])
         _pick_pass(case, cut, p, window, picked)
-    return _Tape(fine, lead + DECIMATION_REACH - 1, picked, y, clock[0])
+    zero = lead + DECIMATION_REACH - 1
+    if case.method is None:  # what has no memory was never at rest: it repeats itself before t = 0 too
+        fine[:, :zero] = fine[:, zero + np.arange(-zero, 0) % M]
+    return _Tape(fine, zero, picked, y, clock[0])
 
 
 def _start(model: Any) -> np.ndarray:
-    """A buffer at static equilibrium at t = 0, its accelerations (or the static model's velocity) filled in."""
+    """A buffer at static equilibrium at t = 0, its accelerations filled in."""
     y = build.empty_buffer(model)
     residual = rest_from_scratch(model, 0.0, y)
     if not residual <= 1e-8 * model.support.F:
@@ -195,9 +198,12 @@ def _ball_passes(
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
     window = np.empty((ROWS, tail + steps))
     window[:] = _recorded(y)
+    repeats = isinstance(method, Equilibrium)  # what has no memory
+    if repeats:  # one step more than are kept: the first has no velocity before it to take its acceleration from
+        advance(method, model, watch, -tail - 1, y, window[:, steps - 1 :])
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
-        if p == 0 or not isinstance(method, Equilibrium):  # what has no memory repeats itself
+        if p == 0 or not repeats:
             if p == settled:
                 y[Q_MAX : Q_MAX + ROW] = 0.0
             began = time.thread_time()
@@ -219,11 +225,6 @@ def _stopped(outcome: int, body: int, step: float, t: float) -> SimulationError:
     )
 
 
-def samples(case: Case) -> int:
-    """Samples of the record."""
-    return floor(case.duration * case.sampling + 1e-6)
-
-
 def _pick_pass(case: Case, cut: choose.Grid, p: int, window: np.ndarray, picked: np.ndarray) -> None:
     """Fill in the raw values whose instants lie in ball pass ``p`` (start excluded, end included)."""
     steps, tail = cut.steps_per_pass, window.shape[1] - cut.steps_per_pass
@@ -233,13 +234,12 @@ def _pick_pass(case: Case, cut: choose.Grid, p: int, window: np.ndarray, picked:
     first = 0 if p == 0 else min(first, picked.shape[1])
     end = min(end, picked.shape[1])
     if end > first:
-        column = start + first * ratio - p * steps + tail - 1
-        pick(window, column, ratio, picked[:, first:end])
+        pick(window, start - p * steps + tail - 1, ratio, picked, first, end)
 
 
 def _resampled(case: Case, cut: choose.Grid, tape: _Tape) -> np.ndarray:
     """The record's samples (rows kept, n), low-passed from the fine ones."""
-    out = np.empty((len(tape.fine), samples(case)))
+    out = np.empty((len(tape.fine), choose.samples(case)))
     ratio = cut.fine_rate / case.sampling
     resample(tape.fine, case.settle * cut.fine_rate + tape.zero, ratio, resampling_kernel(), out)
     return out

@@ -83,9 +83,12 @@ def resample(fine, first, ratio, kernel, out):
 
 
 @jit
-def pick(raw, first, ratio, out):
-    """Raw values between steps: out[:, n] at column first + n ratio of ``raw`` (C, m), linear in between."""
-    for n in range(out.shape[1]):
+def pick(raw, first, ratio, out, begin, end):
+    """Raw values between steps: out[:, n] at column first + n ratio of ``raw`` (C, m), begin <= n < end.
+
+    Linear in between. ``out`` is the whole record: a slice of it would compile a second copy where it covers all.
+    """
+    for n in range(begin, end):
         place = first + n * ratio
         i = min(int(place), raw.shape[1] - 2)
         for c in range(out.shape[0]):
