@@ -1,0 +1,247 @@
+"""The commands."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from bearingsim import __version__
+from bearingsim.cli.group import Commands
+from bearingsim.cli.opening import job_meant, near
+from bearingsim.cli.opening import opened as opened_results
+from bearingsim.cli.refusal import Refusal
+
+if TYPE_CHECKING:
+    from bearingsim.study import Study
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    cls=Commands,
+    name="bearingsim",
+    help="Parametric studies of the vibration of a cylindrical roller bearing with local defects.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="study file (YAML)", show_default=False)]
+Results = Annotated[
+    Path | None, typer.Argument(metavar="[RESULTS]", help="results folder; default: the newest in ./results")
+]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="PATH=VALUE", help="another value, or list of values, for a path; repeatable"),
+]
+Quick = Annotated[bool, typer.Option("--quick", help="the study's own reduced grid")]
+Json = Annotated[bool, typer.Option("--json", help="for a script to read")]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="worker processes (default: the CPUs; 1: no pool)")
+]
+
+
+def main() -> None:
+    """Entry point of the command `bearingsim`."""
+    app()
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"bearingsim {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="detail, and tracebacks of errors")] = False,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="print the version and exit")
+    ] = False,
+) -> None:
+    """Options of all commands (`-v` stands before the command)."""
+
+
+@app.command()
+def new(
+    path: Annotated[Path, typer.Argument(metavar="[PATH]", help="file to write")] = Path("study.yaml"),
+) -> None:
+    """Write a commented study file to start from."""
+    from bearingsim.study import NEW_STUDY
+
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(NEW_STUDY)
+    except FileExistsError:
+        raise Refusal(f"{path} exists already: give another path, or remove it") from None
+    typer.echo(f"{path} written: next `bearingsim check {path}`")
+
+
+@app.command()
+def check(
+    ctx: typer.Context,
+    study: Annotated[Path | None, typer.Argument(metavar="STUDY", help="study file (YAML)")] = None,
+    set_: Set = None,
+    quick: Quick = False,
+    jobs: Jobs = None,
+    schema: Annotated[bool, typer.Option("--schema", help="print the JSON schema of study files, for editors")] = False,
+    as_json: Json = False,
+) -> None:
+    """Validate a study and print its plan: jobs, steps, time and disk. Runs nothing."""
+    if schema:
+        from bearingsim.study import json_schema
+
+        typer.echo(json.dumps(json_schema(), indent=1))
+        return
+    if study is None:
+        raise typer.BadParameter("name a study file (or --schema)", param_hint="STUDY")
+    from bearingsim.cli import plan
+
+    found = plan.plan_of(_loaded(study, set_, quick), jobs)
+    if as_json:
+        typer.echo(plan.as_json(found))
+    else:
+        plan.show(found, verbose=_verbose(ctx))
+    for refused in found.refused:
+        typer.echo(f"{study}: {refused}", err=True)
+    if found.refused:
+        raise typer.Exit(2)
+
+
+@app.command()
+def run(
+    ctx: typer.Context,
+    study: StudyFile,
+    jobs: Jobs = None,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="results folder (default: results/<study>)")] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="throw stored results away first")] = False,
+    retry_failed: Annotated[bool, typer.Option("--retry-failed", help="try failed jobs again")] = False,
+    set_: Set = None,
+    shard: Annotated[str, typer.Option(metavar="K/N", help="share K of N of the jobs")] = "1/1",
+    quick: Quick = False,
+    verify: Annotated[bool, typer.Option("--verify", help="read stored results against their checksums")] = False,
+) -> None:
+    """Compute what is not done yet, and store it. Exit code 1: some jobs failed, the rest is stored."""
+    share = _share(shard)
+    if fresh and share != (1, 1):
+        raise typer.BadParameter("would throw away the other shards' results: remove the folder first", param_hint="--fresh")
+    asked = _loaded(study, set_, quick)
+    from bearingsim import runner
+
+    summary = runner.run(asked, out, jobs, fresh, retry_failed, share, verify)
+    typer.echo(str(summary))
+    if _verbose(ctx) and summary.failed:
+        from bearingsim.cli import tables
+
+        tables.show_failures(summary.folder, tracebacks=True)
+    typer.echo(f"results: {near(summary.folder)}")
+    raise typer.Exit(summary.exit_code)
+
+
+@app.command()
+def plot(
+    results: Results = None,
+    kind: Annotated[str, typer.Option(help="sweep, phase, series or spectrum")] = "sweep",
+    x: Annotated[str | None, typer.Option(metavar="PATH", help="swept path on the x axis")] = None,
+    by: Annotated[list[str] | None, typer.Option(metavar="PATH", help="one curve per value; repeatable")] = None,
+    y: Annotated[list[str] | None, typer.Option(metavar="FEATURE", help="one column of axes each; repeatable")] = None,
+    job: Annotated[list[str] | None, typer.Option(metavar="JOB", help="job of a series or spectrum; repeatable")] = None,
+    file_format: Annotated[str, typer.Option("--format", help="png, svg or pdf")] = "png",
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="folder (default: RESULTS/figures)")] = None,
+) -> None:
+    """Draw figures: those the study names, or one for each swept parameter."""
+    from bearingsim import plots
+    from bearingsim.plots.plot import FORMATS
+
+    _one_of("--kind", kind, plots.KINDS)
+    _one_of("--format", file_format, FORMATS)
+    opened = opened_results(results)
+    ids = [job_meant(opened, word) for word in job or []]
+    for path in plots.plot(opened, kind, x, by or (), y or (), ids, file_format, out):
+        typer.echo(near(path))
+
+
+@app.command()
+def show(
+    results: Results = None,
+    failed: Annotated[bool, typer.Option("--failed", help="only failed jobs, with reason and advice")] = False,
+    columns: Annotated[list[str] | None, typer.Option(metavar="NAME", help="column of the table; repeatable")] = None,
+    as_json: Json = False,
+) -> None:
+    """Print the table of jobs: what was swept, status, features."""
+    from bearingsim.cli import tables
+
+    opened = opened_results(results)
+    if failed and not as_json:
+        tables.show_failures(opened.path)
+    else:
+        tables.show_jobs(opened, columns or [], failed, as_json)
+
+
+@app.command()
+def export(
+    results: Results = None,
+    features: Annotated[Path | None, typer.Option(metavar="FILE", help="write the table of features (.csv, .parquet)")] = None,
+    series: Annotated[list[str] | None, typer.Option(metavar="JOB", help="write the series of a job; repeatable")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="file of the series (.csv, .mat)")] = None,
+    file_format: Annotated[str | None, typer.Option("--format", help="csv, parquet or mat, where no file is named")] = None,
+) -> None:
+    """Write features to csv or parquet, or the series of chosen jobs to csv or mat."""
+    from bearingsim.cli import exporting
+
+    opened = opened_results(results)
+    ids = [job_meant(opened, word) for word in series or []]
+    written = []
+    if features or not ids:
+        written.append(exporting.features(opened, features, None if ids else file_format))
+    if ids:
+        written.append(exporting.series(opened, ids, out, file_format))
+    for path in written:
+        typer.echo(near(path))
+
+
+@app.command()
+def freq(
+    bearing: Annotated[str, typer.Argument(help="a name in configs/bearings, or a path")],
+    speed: Annotated[str, typer.Option(help="speed of the inner ring")] = "1800 rpm",
+    as_json: Json = False,
+) -> None:
+    """Print the characteristic frequencies of a bearing, and their harmonics."""
+    from bearingsim.cli import frequencies
+
+    found = frequencies.of_bearing(bearing, speed)
+    if as_json:
+        typer.echo(json.dumps(found, indent=1))
+    else:
+        frequencies.show(bearing, speed, found)
+
+
+def _verbose(ctx: typer.Context) -> bool:
+    return bool(ctx.find_root().params["verbose"])
+
+
+def _loaded(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
+    """The study, with what `--set` says."""
+    from bearingsim.study import load_study
+
+    return load_study(path, dict(map(_assignment, assignments or [])), quick)
+
+
+def _assignment(text: str) -> tuple[str, str]:
+    path, equals, value = text.partition("=")
+    if not equals or not path:
+        raise typer.BadParameter(f"expected PATH=VALUE such as `load=200 N`, got `{text}`", param_hint="--set")
+    return path.strip(), value.strip()
+
+
+def _share(text: str) -> tuple[int, int]:
+    k, _, n = text.partition("/")
+    if not (k.isdecimal() and n.isdecimal() and 1 <= int(k) <= int(n)):
+        raise typer.BadParameter(f"expected K/N with K from 1 to N, such as 1/4, got `{text}`", param_hint="--shard")
+    return int(k), int(n)
+
+
+def _one_of(option: str, word: str, known: tuple[str, ...]) -> None:
+    if word not in known:
+        raise typer.BadParameter(f"expected {', '.join(known[:-1])} or {known[-1]}, got `{word}`", param_hint=option)

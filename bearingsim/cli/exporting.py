@@ -1,0 +1,71 @@
+"""`bearingsim export`: features and series in files that other programs read."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from bearingsim.cli.refusal import Refusal
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from bearingsim.store import Results, Series
+
+__all__ = ["features", "series"]
+
+
+def features(results: "Results", path: Path | None, file_format: str | None) -> Path:
+    """Write the table of jobs (swept values and features in SI) to csv or parquet; return the file."""
+    writers: dict[str, Callable[[pd.DataFrame, Path], Any]] = {
+        "csv": lambda table, file: table.to_csv(file, index=False),
+        "parquet": lambda table, file: table.to_parquet(file, index=False),
+    }
+    target = path or Path(f"{results.plan['study']}-features.{file_format or 'csv'}")
+    write = writers[_suffix(target, tuple(writers))]
+    write(results.table(), target)
+    return target
+
+
+def series(results: "Results", jobs: Sequence[str], path: Path | None, file_format: str | None) -> Path:
+    """Write the recorded series (SI) of some jobs to csv or mat; return the file. Raises ResultsError."""
+    target = path or Path(f"{results.plan['study']}-series.{file_format or 'csv'}")
+    write = {"csv": _to_csv, "mat": _to_mat}[_suffix(target, ("csv", "mat"))]
+    found = {job: results.series(job) for job in jobs}
+    empty = [job for job, one in found.items() if not one.channels]
+    if empty:
+        raise Refusal(f"job {empty[0]} has no series: the study says `record: []`")
+    write(found, target)
+    return target
+
+
+def _suffix(path: Path, known: tuple[str, ...]) -> str:
+    suffix = path.suffix.removeprefix(".").lower()
+    if suffix not in known:
+        raise Refusal(f"{path}: expected a name that ends in .{' or .'.join(known)}")
+    return suffix
+
+
+def _to_csv(found: "dict[str, Series]", path: Path) -> None:
+    """One time column, one column per channel (and job, if there are several); units in the heads."""
+    import numpy as np
+    import pandas as pd
+
+    first = next(iter(found.values()))
+    if not all(np.array_equal(one.time, first.time) for one in found.values()):
+        raise Refusal("the jobs have different time axes: write them to .mat, or one by one")
+    columns = {"time [s]": first.time}
+    for job, one in found.items():
+        before = f"{job}/" if len(found) > 1 else ""
+        columns |= {f"{before}{name} [{one.units[name]}]": values for name, values in one.channels.items()}
+    pd.DataFrame(columns).to_csv(path, index=False)
+
+
+def _to_mat(found: "dict[str, Series]", path: Path) -> None:
+    """One struct per job, `job_<id>`: time and channels, dots of names as underscores."""
+    from scipy.io import savemat
+
+    structs = {
+        f"job_{job}": {"time": one.time} | {name.replace(".", "_"): v for name, v in one.channels.items()}
+        for job, one in found.items()
+    }
+    savemat(path, structs, oned_as="column")

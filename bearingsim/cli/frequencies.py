@@ -1,0 +1,54 @@
+"""`bearingsim freq`: the frequencies at which the parts of a bearing pass."""
+
+from typing import Any
+
+import typer
+
+from bearingsim.cli.screen import print_table
+
+__all__ = ["of_bearing", "show"]
+
+HARMONICS = (1, 2, 3, 4, 5)
+NAMES = {
+    "BPFO": "rollers over a point of the outer race",
+    "BPFI": "rollers over a point of the inner race",
+    "FTF": "turns of the cage",
+    "BSF": "turns of a roller about its axis; a spot on it hits at 2 BSF",
+}
+
+
+def of_bearing(name: str, speed: str) -> dict[str, Any]:
+    """Orders of shaft speed and harmonics (Hz) of the bearing's frequencies. Raises StudyError, UnitError."""
+    from math import pi
+
+    from bearingsim.core import kinematics
+    from bearingsim.study import load_bearing
+    from bearingsim.units import parse
+
+    bearing, omega = load_bearing(name), parse(speed, "rotation")
+    Z, D_w, d_m = bearing.rollers, bearing.roller_diameter, bearing.pitch_diameter
+    hertz = {
+        "BPFO": kinematics.ball_pass_frequency_outer(omega, D_w, d_m, Z),
+        "BPFI": kinematics.ball_pass_frequency_inner(omega, D_w, d_m, Z),
+        "FTF": kinematics.fundamental_train_frequency(omega, D_w, d_m),
+        "BSF": kinematics.ball_spin_frequency(omega, D_w, d_m),
+    }
+    shaft = omega / (2.0 * pi)
+    return {
+        "bearing": bearing.name,
+        "shaft_hz": shaft,
+        "frequencies": {
+            key: {"order": value / shaft, "hz": [k * value for k in HARMONICS]} for key, value in hertz.items()
+        },
+    }
+
+
+def show(name: str, speed: str, found: dict[str, Any]) -> None:
+    """Print the frequencies as a table."""
+    typer.echo(f"{found['bearing'] or name} at {speed} (shaft {found['shaft_hz']:.4g} Hz)")
+    heads = ["", "what", "order", *(f"{k} x (Hz)" for k in HARMONICS)]
+    rows = [
+        [key, NAMES[key], f"{entry['order']:.4f}", *(f"{value:.3f}" for value in entry["hz"])]
+        for key, entry in found["frequencies"].items()
+    ]
+    print_table(heads, rows, words=2)

@@ -1,0 +1,218 @@
+"""`bearingsim check`: what a study will do, and what it will take."""
+
+import json
+import math
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from bearingsim.cli.screen import console, print_table, significant
+
+if TYPE_CHECKING:
+    from bearingsim.choose import Estimate, Limits
+    from bearingsim.study import Job, Study
+
+__all__ = ["Plan", "as_json", "plan_of", "show"]
+
+
+@dataclass(frozen=True)
+class Priced:
+    """A job with the step chosen for it (s), the limits of that step, and its price."""
+
+    job: "Job"
+    step: float
+    limits: "Limits"
+    estimate: "Estimate"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A study's cases and their healthy twins, priced; ``refused``: why some cannot be run, one text a kind."""
+
+    study: "Study"
+    cases: tuple[Priced, ...]
+    twins: tuple[Priced, ...]
+    refused: tuple[str, ...]
+    workers: int
+
+    @property
+    def everything(self) -> tuple[Priced, ...]:
+        """Cases and twins."""
+        return self.cases + self.twins
+
+    @property
+    def cpu_seconds(self) -> float:
+        """Estimated CPU time (s) of all jobs."""
+        return sum(priced.estimate.cpu_seconds for priced in self.everything)
+
+    @property
+    def wall_seconds(self) -> float:
+        """Estimated time (s) on the workers: the longest job, or an even share of all."""
+        longest = max((priced.estimate.cpu_seconds for priced in self.everything), default=0.0)
+        return max(longest, self.cpu_seconds / self.workers)
+
+    @property
+    def bytes(self) -> int:
+        """Estimated bytes on disk of all series, before compression."""
+        return sum(priced.estimate.bytes for priced in self.everything)
+
+
+def plan_of(study: "Study", workers: int | None) -> Plan:
+    """Price every job of a study; refusals are gathered, not raised."""
+    from joblib import cpu_count
+
+    jobs = study.jobs()
+    referred = {job.healthy for job in jobs}
+    priced, refusals = [], []
+    for job in jobs:
+        try:
+            priced.append(_priced(job))
+        except (ValueError, ArithmeticError) as error:
+            refusals.append((job, str(error)))
+    return Plan(
+        study=study,
+        cases=tuple(one for one in priced if one.job.healthy or one.job.id not in referred),
+        twins=tuple(one for one in priced if one.job.id in referred and not one.job.healthy),
+        refused=tuple(_grouped(refusals, study)),
+        workers=workers or cpu_count(),
+    )
+
+
+def _priced(job: "Job") -> Priced:
+    from bearingsim import choose
+
+    cut = choose.grid(job.case)
+    return Priced(job, cut.step, choose.limits(job.case), choose.estimate(job.case))
+
+
+def _grouped(refusals: Iterable[tuple["Job", str]], study: "Study") -> Iterable[str]:
+    """One message for all refusals that differ in numbers at most."""
+    from bearingsim.plots.labels import described
+
+    groups: dict[str, list[tuple[Job, str]]] = {}
+    for job, text in refusals:
+        groups.setdefault(re.sub(r"[\d.]+(e[-+]?\d+)?", "#", text), []).append((job, text))
+    for group in groups.values():
+        job, text = group[0]
+        where = described(job.swept, study.units)
+        count = f"{len(group)} jobs refused, the first at" if len(group) > 1 else "refused:"
+        yield f"{count} {where or 'the only case'}: {text}"
+
+
+# What is printed: rows of a table, one column per model and method
+
+
+Line = tuple[str, Callable[[Priced], float]]
+LINES: tuple[Line, ...] = (
+    ("step chosen (us)", lambda p: 1e6 * p.step),
+    ("step limit at rest (us)", lambda p: 1e6 * p.limits.at_rest),
+    ("step limit at impact (us)", lambda p: 1e6 * p.limits.at_impact),
+    ("crossing of the pit (us)", lambda p: 1e6 * p.limits.crossing),
+    ("contact frequency (kHz)", lambda p: 1e-3 * p.limits.contact_frequency),
+    ("damping ratio", lambda p: p.limits.damping_ratio),
+    ("largest force at rest (N)", lambda p: p.limits.rest_load),
+    ("closing speed (mm/s)", lambda p: 1e3 * p.limits.closing_speed),
+    ("impact force, about (N)", lambda p: p.limits.impact_force),
+    ("CPU time of a job (s)", lambda p: p.estimate.cpu_seconds),
+)
+
+
+def show(plan: Plan, verbose: bool) -> None:
+    """Print the plan; verbose: a line for each case, too."""
+    study, out = plan.study, console()
+    swept = ", ".join(study.units) or "nothing"
+    out.print(f"{study.name}: {_counts(plan)}; sweeps {swept}", markup=False)
+    if not plan.everything:
+        return
+    groups = _groups(plan.cases or plan.twins)
+    out.print()
+    heads = ["", *groups]
+    rows = [[name, *(_span(map(value, group)) for group in groups.values())] for name, value in LINES]
+    print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
+    out.print()
+    if verbose:
+        _show_cases(plan)
+        out.print()
+    time = f"{duration(plan.cpu_seconds)} of CPU time, {duration(plan.wall_seconds)} on {plan.workers}"
+    out.print(f"about {time} worker{'s' * (plan.workers > 1)}, at most {size(plan.bytes)} of series", markup=False)
+
+
+def _counts(plan: Plan) -> str:
+    cases, twins = len(plan.cases), len(plan.twins)
+    jobs = f"{cases + twins} job{'s' * (cases + twins != 1)}"
+    return f"{jobs} ({cases} case{'s' * (cases != 1)}, {twins} healthy twin{'s' * (twins != 1)})"
+
+
+def _groups(priced: Sequence[Priced]) -> dict[str, list[Priced]]:
+    groups: dict[str, list[Priced]] = {}
+    for one in priced:
+        groups.setdefault(" ".join(filter(None, [one.job.case.model, one.job.case.method])), []).append(one)
+    return groups
+
+
+def _span(found: Iterable[float]) -> str:
+    """`0.31` or `0.31 .. 0.42`; a dash where there is no number."""
+    known = [value for value in found if math.isfinite(value) and value > 0.0]
+    low, high = (significant(pick(known, default=math.nan)) for pick in (min, max))
+    return low if low == high else f"{low} .. {high}"
+
+
+def _show_cases(plan: Plan) -> None:
+    from bearingsim.plots.labels import value_text
+
+    units = plan.study.units
+    heads = [*units, *(name for name, _ in LINES)]
+    rows = [
+        [*(value_text(path, one.job.swept[path], units) for path in units), *(_span([f(one)]) for _, f in LINES)]
+        for one in plan.cases
+    ]
+    print_table(heads, rows, words=len(units))
+
+
+def duration(seconds: float) -> str:
+    """`0.4 s`, `12 s`, `3 min 20 s`, `2 h 5 min`."""
+    if seconds < 100.0:
+        return f"{significant(seconds, 2)} s"
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s"
+
+
+def size(count: int) -> str:
+    """Bytes as `12 kB`, `3.4 MB`, `1.2 GB`."""
+    for unit, scale in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
+        if count >= scale:
+            return f"{significant(count / scale, 2)} {unit}"
+    return f"{count} B"
+
+
+def as_json(plan: Plan) -> str:
+    """The plan for a script: SI, null where there is no limit."""
+    found = {
+        "study": plan.study.name,
+        "cases": len(plan.cases),
+        "twins": len(plan.twins),
+        "cpu_seconds": plan.cpu_seconds,
+        "wall_seconds": plan.wall_seconds,
+        "workers": plan.workers,
+        "bytes": plan.bytes,
+        "refused": list(plan.refused),
+        "jobs": [_job_entry(priced) for priced in plan.everything],
+    }
+    return json.dumps(found, indent=1)
+
+
+def _job_entry(priced: Priced) -> dict[str, Any]:
+    job = priced.job
+    limits = {name: value if math.isfinite(value) else None for name, value in asdict(priced.limits).items()}
+    return {
+        "job": job.id,
+        "healthy": job.healthy,
+        "swept": job.swept,
+        "model": job.case.model,
+        "method": job.case.method,
+        "step": priced.step,
+        "limits": limits,
+        "estimate": asdict(priced.estimate),
+    }

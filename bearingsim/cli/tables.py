@@ -1,0 +1,93 @@
+"""`bearingsim show`: jobs and failures as tables."""
+
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from bearingsim.cli.refusal import Refusal
+from bearingsim.cli.screen import print_table, significant
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from bearingsim.store import Results
+
+__all__ = ["show_failures", "show_jobs"]
+
+FEATURES = ("velocity@BPFO", "velocity@BPFO-healthy", "velocity.rms", "outer_force.max")
+
+
+def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json: bool) -> None:
+    """Print a row per job; columns: instead of the usual ones. As JSON: all of them, in SI."""
+    table = results.table()
+    rows = table[table["status"] == "failed"] if failed else table
+    swept = list(results.plan["units"])
+    chosen = list(columns) or [*swept, *(name for name in FEATURES if name in table), "status", "seconds"]
+    _check(chosen, list(table))
+    if as_json:
+        kept = rows[["job", *chosen]] if columns else rows
+        typer.echo(json.dumps([_plain(row) for row in kept.to_dict("records")], indent=1))
+        return
+    heads, cells = zip(*(_column(results, rows, name) for name in chosen), strict=True)
+    lines = [[job[:8], *line] for job, *line in zip(rows["job"], *cells, strict=True)]
+    print_table(["job", *heads], lines)
+    typer.echo(_counts(table))
+
+
+def _check(chosen: Sequence[str], known: Sequence[str]) -> None:
+    from bearingsim.units import nearest_word
+
+    for name in chosen:
+        if name not in known:
+            near = nearest_word(name, known)
+            raise Refusal(f"no column `{name}`" + (f" (did you mean `{near}`?)" if near else ""))
+
+
+def _plain(row: dict[str, Any]) -> dict[str, Any]:
+    return {key: None if isinstance(value, float) and math.isnan(value) else value for key, value in row.items()}
+
+
+def _counts(table: "pd.DataFrame") -> str:
+    counts = table["status"].value_counts()
+    return f"{len(table)} jobs: " + ", ".join(f"{count} {status}" for status, count in counts.items())
+
+
+def _column(results: "Results", rows: "pd.DataFrame", name: str) -> tuple[str, list[str]]:
+    """Head and cells of a column, in the study's unit or a readable one."""
+    from bearingsim.plots import labels
+
+    units = results.plan["units"]
+    if name in units:
+        return name, ["" if _missing(v) else labels.value_text(name, v, units) for v in rows[name]]
+    if rows[name].dtype.kind != "f":
+        return name, [str(value) for value in rows[name]]
+    largest = rows[name].abs().max()
+    unit, factor = labels.feature_axis(name, float(largest)) if name != "seconds" else ("s", 1.0)
+    cells = [significant(value * factor, 4) for value in rows[name]]
+    return f"{name} ({unit})" if unit else name, cells
+
+
+def _missing(value: object) -> bool:
+    return isinstance(value, float) and math.isnan(value)
+
+
+def show_failures(folder: Path, tracebacks: bool = False) -> None:
+    """Print failed jobs with reason and advice, and the command that tries them again."""
+    from bearingsim.plots.labels import described
+    from bearingsim.store import open_results
+
+    results = open_results(folder)
+    swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
+    failures = results.failures()
+    for job, failure in failures.items():
+        typer.echo(f"{job}  {described(swept[job], results.plan['units'])}")
+        when = f", {1e3 * failure.time:.4g} ms into the run" if failure.time is not None else ""
+        typer.echo(f"    {failure.reason}{when}" + (f" ({failure.advice})" if failure.advice else ""))
+        if tracebacks:
+            typer.echo(failure.traceback)
+    commands = dict.fromkeys(failure.command for failure in failures.values())
+    typer.echo("\n".join(f"again: {command}" for command in commands) or "no job failed")

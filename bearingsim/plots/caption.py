@@ -1,0 +1,69 @@
+"""What all cases of a figure have in common, for the line below it."""
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from bearingsim.plots import labels
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from bearingsim.store import Results
+
+__all__ = ["fixed_values"]
+
+SAID = (  # parameters worth saying, in order, with the word that introduces the value
+    ("bearing.name", ""),
+    ("speed", ""),
+    ("load", "load"),
+    ("clearance", "clearance"),
+    ("contact.stiffness", "stiffness"),
+    ("contact.damping.law", "damping"),
+    ("contact.damping.chi", "chi"),
+    ("contact.damping.beta", "beta"),
+    ("model", "model"),
+    ("method", "method"),
+    ("duration", "record"),
+)
+DEFECT = ("shape", "length", "width", "depth", "angle")
+IN_UM = ("clearance",)
+
+
+def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
+    """Resolved parameters that do not vary over the finished jobs of ``rows``, in words.
+
+    drawn: swept paths that the figure shows and the caption leaves out.
+    """
+    known = results.parameters()
+    known = known.loc[known.index.intersection(rows["job"])]
+    units = dict(results.plan["units"]) | {path: "um" for path in IN_UM if path not in results.plan["units"]}
+    said = [*_defects(known, drawn, units), *_machine(known, drawn, units)]
+    return [*said, "quick grid"] if results.plan["quick"] else said
+
+
+def _machine(known: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:
+    for path, word in SAID:
+        value = _single(known, path)
+        if value is not None and path not in drawn:
+            yield f"{word} {labels.value_text(path, value, units)}".strip()
+
+
+def _defects(known: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:
+    """Each defect's fixed values, as `circular defect, width 0.8 mm, depth 0.05 mm`."""
+    count = len({name.split(".")[1] for name in known.columns if name.startswith("defects.")})
+    for number in range(1, count + 1):
+        for part in DEFECT:
+            names = {f"defect.{part}", f"defects.{number}.{part}"}
+            value = _single(known, f"defects.{number}.{part}")
+            if value is not None and not names & drawn:
+                shown = units if not names & units.keys() else {f"defect.{part}": units[min(names & units.keys())]}
+                text = labels.value_text(f"defect.{part}", value, shown)
+                which = f" {number}" if count > 1 else ""
+                yield f"{text} defect{which}" if part == "shape" else f"{part} {text}"
+
+
+def _single(known: "pd.DataFrame", path: str) -> object:
+    """The value that a parameter has in all jobs; None if it varies or is not set."""
+    if path not in known or known[path].isna().any() or known[path].nunique() != 1:
+        return None
+    return known[path].iloc[0] or (0.0 if known[path].dtype.kind == "f" else None)

@@ -1,0 +1,110 @@
+"""Words for people: names of paths and features, values with readable units."""
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+
+from bearingsim.units import DISPLAY, UNITS, Dimension, display
+
+__all__ = [
+    "PlotError",
+    "described",
+    "feature_axis",
+    "feature_text",
+    "name_text",
+    "number_text",
+    "pretty",
+    "shown",
+    "unit_of",
+    "value_text",
+]
+
+PRETTY = {"um": "µm", "nm": "nm", "deg": "°", "um/s": "µm/s", "us": "µs", "m/s^2": "m/s²", "mm/s^2": "mm/s²"}
+SCALES: dict[str, tuple[tuple[str, float], ...]] = {  # readable units of a feature's SI unit, largest first
+    "m": (("mm", 1e3), ("µm", 1e6), ("nm", 1e9)),
+    "m/s": (("m/s", 1.0), ("mm/s", 1e3), ("µm/s", 1e6)),
+    "m/s^2": (("m/s²", 1.0), ("mm/s²", 1e3)),
+    "N": (("kN", 1e-3), ("N", 1.0)),
+    "rad": (("°", 57.29577951308232),),
+}
+
+
+class PlotError(Exception):
+    """A figure that cannot be drawn from what there is."""
+
+
+def pretty(unit: str) -> str:
+    """A unit word as it is printed: µ for u, the degree sign, raised digits."""
+    return PRETTY.get(unit, unit)
+
+
+def name_text(path: str) -> str:
+    """A path in words: ``defect.length`` is `defect length`, ``defects.2.width`` `defect 2 width`."""
+    words = path.removeprefix("contact.damping.").removeprefix("contact.").replace("defects.", "defect ")
+    return words.replace(".", " ").replace("_", " ")
+
+
+@cache
+def _dimension(path: str) -> Dimension | None:
+    from bearingsim.study import dimension
+
+    try:
+        return dimension(path)
+    except KeyError:
+        return None
+
+
+def unit_of(path: str, units: Mapping[str, str]) -> str:
+    """The unit in which a path's values are shown: as the study writes it, else the field's usual one."""
+    dimension = _dimension(path)
+    written = units.get(path, "")
+    if dimension is None or written in UNITS[dimension]:
+        return written
+    return DISPLAY[dimension]
+
+
+def shown(path: str, value: float, unit: str) -> float:
+    """An SI value of a path in ``unit``."""
+    return display(value, unit, _dimension(path)) if unit else value
+
+
+def number_text(value: float) -> str:
+    """A number with at most five significant digits."""
+    return f"{value:.5g}"
+
+
+def value_text(path: str, value: object, units: Mapping[str, str]) -> str:
+    """A value of a path as a person writes it: `0.8 mm`, `rollers`."""
+    if not isinstance(value, int | float):
+        return str(value).strip("{}")
+    unit = unit_of(path, units)
+    text = number_text(shown(path, float(value), unit))
+    return f"{text}{'' if unit in ('deg', '') else ' '}{pretty(unit)}"
+
+
+def described(swept: Mapping[str, object], units: Mapping[str, str], paths: Iterable[str] | None = None) -> str:
+    """Swept values in one line: `defect length 3 mm, load 150 N, model rollers`."""
+    chosen = swept if paths is None else [path for path in paths if path in swept]
+    return ", ".join(f"{name_text(path)} {value_text(path, swept[path], units)}" for path in chosen)
+
+
+def feature_text(name: str) -> str:
+    """A feature in words, as the label of an axis begins: `Velocity amplitude at BPFO`."""
+    from bearingsim.config import FEATURES
+
+    line = name.removesuffix("-healthy.phase")
+    if line != name:
+        text = f"phase of {line.replace('@', ' at ')} less the healthy one's"
+    else:
+        text = FEATURES[name].long_name if name in FEATURES else name
+    return text[:1].upper() + text[1:]
+
+
+def feature_axis(name: str, largest: float) -> tuple[str, float]:
+    """Unit word and factor from SI for a feature, so that its largest value reads well; no unit: `("", 1.0)`."""
+    from bearingsim.config import FEATURES
+
+    unit = "rad" if name.endswith(".phase") else FEATURES[name].unit if name in FEATURES else ""
+    if unit not in SCALES:
+        return unit, 1.0
+    scales = SCALES[unit]
+    return next(((unit, factor) for unit, factor in scales if largest * factor >= 1.0), scales[-1])

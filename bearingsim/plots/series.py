@@ -1,0 +1,1 @@
+"""Series and spectra of chosen jobs."""

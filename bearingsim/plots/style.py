@@ -1,0 +1,68 @@
+"""How figures look: for a column of a journal, colour-blind safe, and readable in grey print."""
+
+from typing import Any, NamedTuple
+
+from matplotlib import colormaps
+
+__all__ = ["COLUMN_IN", "RC", "Look", "looks"]
+
+COLUMN_IN = 3.3  # width of one column of axes
+SEQUENCE_FROM = 7  # more values than this, in order, take their colours from a scale
+
+RC: dict[str, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9.0,
+    "axes.labelsize": 9.0,
+    "axes.titlesize": 9.0,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.fontsize": 8.0,
+    "legend.frameon": False,
+    "legend.handlelength": 2.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.7,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
+    "grid.color": "0.9",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 4.5,
+    "savefig.dpi": 200,
+    "pdf.fonttype": 42,
+    "svg.fonttype": "none",
+}
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9")  # Okabe and Ito
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h")
+LINES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (3, 1, 1, 1, 1, 1)))
+
+
+class Look(NamedTuple):
+    """Colour, marker and line of a curve."""
+
+    colour: Any
+    marker: str
+    line: Any
+
+
+def looks(first: int, second: int, ordered: bool) -> list[list[Look]]:
+    """Looks of ``first`` x ``second`` curves: colour and marker tell the first, the line the second.
+
+    With a single second value the line tells the first too. ``ordered``: many first values are shades.
+    """
+    shades = ordered and first >= SEQUENCE_FROM
+    colours = _shades(first) if shades else [COLOURS[i % len(COLOURS)] for i in range(first)]
+    return [
+        [
+            Look(colours[i], MARKERS[i % len(MARKERS)], LINES[(j if second > 1 else 0 if shades else i) % len(LINES)])
+            for j in range(second)
+        ]
+        for i in range(first)
+    ]
+
+
+def _shades(count: int) -> list[Any]:
+    scale = colormaps["viridis"]
+    return [scale(0.92 * i / (count - 1)) for i in range(count)]

@@ -1,0 +1,200 @@
+"""Features against a swept parameter: the figures of a parametric study."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from matplotlib.figure import Figure as Canvas
+from matplotlib.lines import Line2D
+
+from bearingsim.plots import labels, select
+from bearingsim.plots.style import COLUMN_IN, Look, looks
+from bearingsim.study import Figure
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+__all__ = ["draw"]
+
+ROW_IN = 2.5
+CHARACTER_IN = 0.066  # width of a letter of the legend
+STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
+ALIKE = 4.0  # panels whose largest values lie within this factor share the axis
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One line of a panel: what it is called by each of the two things that tell lines apart, and its rows."""
+
+    first: str
+    second: str
+    look: Look
+    rows: "pd.DataFrame"
+
+
+def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
+    """Draw a completed figure: a column of axes per y, a row per panel, a line per combination of `by`.
+
+    rows: the cases of the figure, SI; caption: what all of them have in common, wrapped below.
+    """
+    panels = list(select.splits(rows, figure.panels, units))
+    styles = curve_looks(figure, rows, units)
+    entries = legend_entries(figure, styles, rows)
+    canvas, axes = _sheet(len(panels), len(figure.y), entries)
+    for row, (text, part) in enumerate(panels):
+        for column, name in enumerate(figure.y):
+            _panel(axes[row][column], name, figure, rows, curves_of(figure, part, units, styles), units)
+            _letter(axes[row][column], row * len(figure.y) + column, len(panels) * len(figure.y), text)
+    _share_scales(axes, figure, rows)
+    for ax in axes[-1]:
+        ax.set_xlabel(axis_label(labels.name_text(figure.x), select.x_unit(figure.x, rows, units)))
+    if entries:
+        canvas.legend(handles=entries, loc="outside right upper")
+    finish(canvas, figure.title, caption)
+    return canvas
+
+
+def finish(canvas: Canvas, title: str | None, caption: Sequence[str]) -> None:
+    """Put the title above and the caption, wrapped to the figure's width, below."""
+    import textwrap
+
+    if title:
+        canvas.suptitle(title, fontsize=10.0)
+    width = int(canvas.get_size_inches()[0] / 0.0585)
+    text = textwrap.fill(", ".join(caption), width, break_on_hyphens=False)
+    canvas.supxlabel(text, x=0.01, ha="left", fontsize=7.0, color="0.35")
+
+
+def axis_label(text: str, unit: str) -> str:
+    """`Defect length (mm)`."""
+    return text[:1].upper() + text[1:] + (f" ({labels.pretty(unit)})" if unit else "")
+
+
+def _sheet(rows: int, columns: int, entries: Sequence[Line2D]) -> tuple[Canvas, list[list["Axes"]]]:
+    letters = max((len(str(entry.get_label())) for entry in entries), default=-8)
+    width = columns * COLUMN_IN + 0.55 + CHARACTER_IN * letters
+    canvas = Canvas(figsize=(width, rows * ROW_IN + 0.55), layout="constrained")
+    return canvas, [list(line) for line in canvas.subplots(rows, columns, sharex=True, squeeze=False)]
+
+
+# Curves and their looks
+
+
+def curve_looks(
+    figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]
+) -> dict[tuple[str, str], Look]:
+    """The look of each combination of the first `by` path and all others, the same in every panel."""
+    firsts = [text for text, _ in select.splits(rows, figure.by[:1], units)]
+    seconds = list(dict.fromkeys(text for text, _ in select.splits(rows, figure.by[1:], units)))
+    ordered = bool(figure.by) and select.is_numeric(select.values(rows, figure.by[0]))
+    table = looks(len(firsts), len(seconds), ordered)
+    return {(a, b): table[i][j] for i, a in enumerate(firsts) for j, b in enumerate(seconds)}
+
+
+def curves_of(
+    figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], styles: Mapping[tuple[str, str], Look]
+) -> list[Curve]:
+    """The curves of one panel."""
+    return [
+        Curve(first, second, styles[first, second], inner.sort_values(figure.x, kind="stable"))
+        for first, part in select.splits(rows, figure.by[:1], units)
+        for second, inner in select.splits(part, figure.by[1:], units)
+    ]
+
+
+def legend_entries(
+    figure: Figure, styles: Mapping[tuple[str, str], Look], rows: "pd.DataFrame"
+) -> list[Line2D]:
+    """A legend that names the first `by` path by colour and marker, the others by line, and marks of failures."""
+    firsts = list(dict.fromkeys(first for first, _ in styles))
+    seconds = list(dict.fromkeys(second for _, second in styles))
+    entries: list[Line2D] = []
+    if len(firsts) > 1:
+        line = "" if len(seconds) > 1 else None
+        entries += [_entry(first, styles[first, seconds[0]], line) for first in firsts]
+    if len(seconds) > 1:
+        entries += [_entry(second, styles[firsts[0], second]._replace(colour="0.25", marker="")) for second in seconds]
+    lost = [mark for status, mark in STATUS_MARKS.items() if (rows["status"] == status).any()]
+    return entries + [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in lost]
+
+
+def _entry(text: str, look: Look, line: Any = None) -> Line2D:
+    style = look.line if line is None else line
+    return Line2D([], [], color=look.colour, marker=look.marker, linestyle=style or "", label=text)
+
+
+# One panel
+
+
+def _panel(
+    ax: "Axes", name: str, figure: Figure, rows: "pd.DataFrame", curves: list[Curve], units: Mapping[str, str]
+) -> None:
+    """Draw one feature's curves; the y unit is that of the whole column."""
+    unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))
+    ax.set_ylabel(axis_label(labels.feature_text(name), unit))
+    for curve in curves:
+        x = positions(figure.x, curve.rows, rows, units)
+        look = curve.look
+        single = {"markerfacecolor": "none"} if len(curves) > 1 and look.line != "-" else {}
+        ax.plot(x, curve.rows[name] * factor, color=look.colour, marker=look.marker, ls=look.line, **single)
+        _mark_lost(ax, x, curve.rows["status"])
+    _x_axis(ax, figure, rows, units)
+    _y_axis(ax, name, figure)
+
+
+def positions(x: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping[str, str]) -> list[float]:
+    """Where the rows stand on the x axis: in the study's unit, or words counted from 0."""
+    known = select.values(rows, x)
+    if not select.is_numeric(known):
+        return [float(known.index(value)) for value in part[x]]
+    unit = select.x_unit(x, rows, units)
+    return [labels.shown(x, value, unit) for value in part[x]]
+
+
+def _mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None:
+    """Jobs without a result stand as marks on the x axis."""
+    for kind, (marker, colour, _) in STATUS_MARKS.items():
+        where = [position for position, state in zip(x, status, strict=True) if state == kind]
+        at_axis = ax.get_xaxis_transform()
+        ax.plot(where, [0.025] * len(where), marker, color=colour, ms=6, mew=1.5, transform=at_axis, clip_on=False)
+
+
+def _x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> None:
+    known = select.values(rows, figure.x)
+    if not select.is_numeric(known):
+        ax.set_xticks(range(len(known)), [labels.value_text(figure.x, value, units) for value in known])
+        ax.margins(x=0.12)
+    elif "x" in figure.log:
+        ax.set_xscale("log")
+        ax.xaxis.set_major_formatter(lambda value, _: labels.number_text(value))
+    elif len(known) <= 7:
+        unit = select.x_unit(figure.x, rows, units)
+        ax.set_xticks([labels.shown(figure.x, value, unit) for value in known])
+
+
+def _y_axis(ax: "Axes", name: str, figure: Figure) -> None:
+    if "y" in figure.log and not name.endswith(".phase"):
+        ax.set_yscale("log")
+        ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
+    elif name.endswith(".phase"):
+        ax.set_ylim(-190.0, 190.0)
+        ax.set_yticks(range(-180, 181, 90))
+    else:
+        ax.set_ylim(bottom=0.0)
+
+
+def _letter(ax: "Axes", number: int, count: int, text: str) -> None:
+    """`(a)` and what the panel shows, above its left corner."""
+    letter = f"({chr(ord('a') + number)})" if count > 1 else ""
+    ax.set_title(" ".join(filter(None, [letter, text])), loc="left")
+
+
+def _share_scales(axes: list[list["Axes"]], figure: Figure, rows: "pd.DataFrame") -> None:
+    """Panels of one feature get one y axis if their values are of one size, so that they can be compared."""
+    for column in range(len(figure.y)):
+        stack = [line[column] for line in axes]
+        tops = [ax.get_ylim()[1] for ax in stack]
+        if "y" not in figure.log and max(tops) <= ALIKE * min(tops):
+            for ax in stack:
+                ax.set_ylim(top=max(tops))
