@@ -1,0 +1,35 @@
+"""Core parameters for the tests of the mechanics, built from a case with a few words."""
+
+from typing import Any
+
+import numpy as np
+
+from bearingsim import build
+from bearingsim.config import Case
+from bearingsim.core.advance import CHANNELS, FINE, Watch, advance
+from bearingsim.core.equilibrium import rest_from_scratch
+from bearingsim.core.models.interface import begin
+
+SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+
+
+def case(**given: Any) -> Case:
+    """The NF308 at 1800 rpm and 150 N, healthy unless a defect is given."""
+    return Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"} | given)
+
+
+def at_rest(model: Any, t: float = 0.0) -> np.ndarray:
+    """A buffer with the model at static equilibrium."""
+    y = build.empty_buffer(model)
+    assert rest_from_scratch(model, t, y) <= 1e-8 * model.support.F
+    begin(model, t, y)
+    return y
+
+
+def drive(model: Any, method: Any, steps: int, y: np.ndarray | None = None, patience: float = 1.0) -> np.ndarray:
+    """Recording (CHANNELS, steps) from rest, or from ``y``."""
+    y = at_rest(model) if y is None else y
+    out = np.empty((CHANNELS, steps))
+    taken, outcome, _ = advance(method, model, Watch(8, patience), 0, y, out)
+    assert (taken, outcome) == (steps, FINE)
+    return out

@@ -1,0 +1,158 @@
+"""The ladder of models: against an independent solution, against each other, and against mechanics."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+from bearingsim import build
+from bearingsim.core.advance import CHANNELS, NOT_FINITE, Watch, advance
+from bearingsim.core.contact import normal_force
+from bearingsim.core.layout import ACCELERATION, COS, POSITION, Q_I, Q_O, SIN, VELOCITY, A, Q, V, X, Y
+from bearingsim.core.methods.rk4 import RungeKutta4
+from bearingsim.core.methods.verlet import Verlet
+from bearingsim.core.models.interface import accelerations
+from bearingsim.simulate import simulate
+from tests import reference
+from tests.scenes import SLOT, at_rest, case, drive
+
+
+@pytest.fixture(scope="module")
+def independent():
+    """Ring velocity every 10 us over 20 ms (three crossings of a 0.8 mm slot) by the tests' own solution."""
+    times = 1e-5 * np.arange(1, 2001)
+    return reference.simulate(0.8e-3, 0.05e-3, times)
+
+
+def every_10_us(method):
+    """The package's ring velocity at the same instants."""
+    stride = round(1e-5 / method.h)
+    return drive(build.model(case(defect=SLOT)), method, 2000 * stride)[2:4, stride - 1 :: stride]
+
+
+def test_rk4_meets_an_independent_solution(independent):
+    """At 0.5 us within 0.1 % of the velocity's range, everywhere."""
+    error = np.abs(every_10_us(RungeKutta4(5e-7)) - independent).max(axis=1)
+    assert (error < 1e-3 * np.ptp(independent[0])).all()
+
+
+def test_verlet_meets_an_independent_solution_and_converges(independent):
+    """At 0.5 us within 0.2 % RMS of the range; at 0.25 us at least twice as near."""
+    errors = [np.sqrt(np.mean((every_10_us(Verlet(h))[0] - independent[0]) ** 2)) for h in (5e-7, 2.5e-7)]
+    assert errors[0] < 2e-3 * np.ptp(independent[0])
+    assert errors[1] < errors[0] / 2
+
+
+def test_the_step_that_is_refused_would_be_wrong(independent):
+    """Verlet at 2 us on the 0.8 mm slot, unwatched: not finite, or off by a tenth of the range and more."""
+    out, model = np.empty((CHANNELS, 10_000)), build.model(case(defect=SLOT))
+    taken, outcome, _ = advance(Verlet(2e-6), model, Watch(1, 1.0), 0, at_rest(model), out)
+    wrong = out[2, 4:taken:5]
+    assert outcome == NOT_FINITE or np.abs(wrong - independent[0]).max() > 0.1 * np.ptp(independent[0])
+
+
+@pytest.mark.parametrize("shape", ["rectangular", "circular"])
+def test_rollers_without_mass_are_a_ring(shape):
+    """Rollers of 3 % of their mass move the line by less than 2 %; a bowl has its groups solved in series."""
+    defect = SLOT | {"shape": shape, "length": "6 mm"}
+    light = {"bearing": build_light(0.03), "rig": {"ring_mass": f"{ring_mass()} kg"}}
+    short = {"duration": "0.1 s", "settle": "20 ms", "defect": defect} | light
+    rollers = simulate(case(model="rollers", **short)).features
+    ring = simulate(case(model="ring", **short)).features
+    assert rollers["velocity@BPFO"] == pytest.approx(ring["velocity@BPFO"], rel=0.02)
+    assert rollers["velocity@BPFO.phase"] == pytest.approx(ring["velocity@BPFO.phase"], abs=0.02)
+
+
+def build_light(factor):
+    """The NF308 of a material so light that only the rollers' mass can tell (the ring's is given)."""
+    bearing = case().bearing
+    return bearing.model_copy(
+        update={"material": bearing.material.model_copy(update={"density": factor * bearing.material.density})}
+    )
+
+
+def ring_mass():
+    return build.ring_mass(case())
+
+
+@pytest.mark.parametrize("defect", [None, SLOT, SLOT | {"shape": "circular", "length": "6 mm", "angle": "20 deg"}])
+def test_slow_rotation_is_static(defect):
+    """At 6 rpm inertia and damping have nothing to do: displacement lines within 1 %."""
+    given = {"speed": "6 rpm", "duration": "2 s", "settle": "2 s", "sampling": "1000 Hz", "step": "40 us"}
+    given |= {"defect": defect} if defect else {}
+    ring = simulate(case(model="ring", **given | {"step": "10 us"})).features
+    static = simulate(case(model="static", **given)).features
+    for line in ("displacement@BPFO", "displacement@2BPFO"):
+        assert ring[line] == pytest.approx(static[line], rel=0.01)
+
+
+def random_state(model, seed):
+    """A buffer away from equilibrium: micrometres and centimetres per second."""
+    random = np.random.default_rng(seed)
+    y = at_rest(model)
+    y[POSITION : POSITION + 2] += random.normal(0, 1e-6, 2)
+    y[VELOCITY : VELOCITY + 2] += random.normal(0, 1e-2, 2)
+    y[Q : Q + 13] += random.normal(0, 1e-6, 13)
+    y[V : V + 13] += random.normal(0, 1e-2, 13)
+    return y
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_momentum_balances_at_any_state(seed):
+    """Ring and rollers together feel only the load, the bracket, the inner race and the centrifugal load."""
+    model = build.model(case(defect=SLOT, clearance="1 um"))
+    b, s = model.bearing, model.support
+    y = random_state(model, seed)
+    accelerations(model, 0.3e-3, y)
+    e = np.array([y[COS : COS + 13], y[SIN : SIN + 13]])
+    r = (b.R_o + b.R_i) / 2 + y[Q : Q + 13]
+    rate = b.m_r * (e @ (y[A : A + 13] - b.omega_c**2 * r))
+    rate += b.m_o * y[ACCELERATION : ACCELERATION + 2]
+    u, w = y[POSITION : POSITION + 2], y[VELOCITY : VELOCITY + 2]
+    outside = np.array([-s.F, 0.0]) - s.k_b * (u - [s.x_0, s.y_0]) - s.c_b * w + e @ y[Q_I : Q_I + 13]
+    assert rate == pytest.approx(outside, abs=1e-9 * np.abs(y[Q_O : Q_O + 13]).sum())
+
+
+def test_a_free_roller_flies_straight():
+    """Without contact a roller in the turning frame obeys r'' = omega_c^2 r: cosh."""
+    model = build.model(case(clearance="200 um", load="1 N"))
+    model = model._replace(support=model.support._replace(F=0.0, k_b=0.0))
+    b = model.bearing
+    y = build.empty_buffer(model)
+    accelerations(model, 0.0, y)
+    drive(model, RungeKutta4(1e-6), 200, y)
+    r0, t = (b.R_o + b.R_i) / 2, 200e-6
+    assert y[Q : Q + 13] == pytest.approx(r0 * (np.cosh(b.omega_c * t) - 1), rel=1e-6)
+
+
+def test_moving_approach_rate_is_the_approachs_derivative():
+    """v_o of the model equals the change of delta_o in time, the pit's slope under the roller included."""
+    model = build.model(case(defect=SLOT | {"width": "2 mm"}, start_angle=0.015))
+    y = random_state(model, 1)
+    found, h = [], 1e-9
+    for t in (-h, h):
+        moved = y.copy()
+        moved[POSITION : POSITION + 2] += t * y[VELOCITY : VELOCITY + 2]
+        moved[Q : Q + 13] += t * y[V : V + 13]
+        theta = model.bearing.theta_0 + model.bearing.omega_c * t
+        u_r = moved[POSITION + X] * np.cos(theta) + moved[POSITION + Y] * np.sin(theta)
+        rim = 1e-3 - abs(model.bearing.R_o * theta)
+        found.append(moved[Q] - u_r - min(rim**2 / (2 * model.pits.R), 0.05e-3))
+    accelerations(model, 0.0, y)
+    rate, delta = (found[1] - found[0]) / (2 * h), (found[0] + found[1]) / 2
+    assert y[Q_O] == pytest.approx(normal_force(model.contact, delta, rate), rel=1e-5, abs=1e-3)
+
+
+def test_two_pits_are_felt_by_two_rollers():
+    """A second pit one pitch further doubles the series of impacts: the same wave, twice as strong in force."""
+    one = simulate(case(model="static", defect=SLOT | {"width": "0.3 mm"}, duration="20 ms", settle="0 ms"))
+    pitch = 2 * pi / 13
+    two = simulate(
+        case(
+            model="static",
+            duration="20 ms",
+            settle="0 ms",
+            defects=[SLOT | {"width": "0.3 mm"}, SLOT | {"width": "0.3 mm", "angle": pitch}],
+        )
+    )
+    assert two.features["velocity@BPFO"] > 1.2 * one.features["velocity@BPFO"]
