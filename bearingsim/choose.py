@@ -219,6 +219,11 @@ def _advice(method: str | None, found: Limits) -> str:
     return f"say `step: auto` ({1e6 * automatic_step(method, found):.2g} us)"
 
 
+def repeats(case: Case) -> bool:
+    """Whether each ball pass equals the one before: nothing has memory, and no single roller is recorded."""
+    return case.method is None and not any(name.startswith("roller") for name in case.record)
+
+
 def samples(case: Case) -> int:
     """Samples of the record."""
     return floor(case.duration * case.sampling + 1e-6)
@@ -242,7 +247,7 @@ def grid(case: Case) -> Grid:
 def estimate(case: Case) -> Estimate:
     """What the case will take. Raises ``StepError`` like ``wanted_step``."""
     cut = grid(case)
-    computed = cut.passes if case.model != "static" else 1
+    computed = 1 if repeats(case) else cut.passes
     steps = computed * cut.steps_per_pass
     columns = sum(len(CHANNELS[name].components) for name in case.record)
     return Estimate(

@@ -15,7 +15,6 @@ from bearingsim.core.advance import CHANNELS as ROWS
 from bearingsim.core.advance import FINE, FIRST_OUTER, OUTRUN, Watch, advance, record
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import OVERRUN_MAX, Q_MAX, ROW
-from bearingsim.core.methods.equilibrium import Equilibrium
 from bearingsim.core.models.interface import begin
 from bearingsim.core.sampling import (
     DECIMATION_REACH,
@@ -165,13 +164,12 @@ def _integrate(case: Case, model: Any, cut: choose.Grid, watch: Watch) -> _Tape:
     fine[:, :lead] = _recorded(y)[: len(fine)]
     picked = np.empty((ROWS, 0 if case.antialias else choose.samples(case)))
     clock = [0.0]
-    settled = floor(case.settle * cut.rate)
-    for p, window in enumerate(_ball_passes(model, build.method(case, cut.step), watch, cut, settled, y, clock)):
+    for p, window in enumerate(_ball_passes(case, model, cut, watch, y, clock)):
         decimate(window, taps, D, fine[:, lead + p * M : lead + (p + 1) * M])
         _pick_pass(case, cut, p, window, picked)
     zero = lead + DECIMATION_REACH - 1
     if case.method is None:  # what has no memory was never at rest: it repeats itself before t = 0 too
-        fine[:, :zero] = fine[:, zero + np.arange(-zero, 0) % M]
+        fine[:FIRST_OUTER, :zero] = fine[:FIRST_OUTER, zero + np.arange(-zero, 0) % M]
     return _Tape(fine, zero, picked, y, clock[0])
 
 
@@ -188,22 +186,22 @@ def _start(model: Any) -> np.ndarray:
 
 
 def _ball_passes(
-    model: Any, method: Any, watch: Watch, cut: choose.Grid, settled: int, y: np.ndarray, clock: list[float]
+    case: Case, model: Any, cut: choose.Grid, watch: Watch, y: np.ndarray, clock: list[float]
 ) -> Iterator[np.ndarray]:
     """The recording, a ball pass at a time: (ROWS, tail + steps) with the end of the pass before in front.
 
-    The same array every time. From ball pass ``settled`` on the largest forces count; ``clock[0]`` gathers the
-    CPU seconds spent in the integrator.
+    The same array every time. Once settled, the largest forces count; ``clock[0]`` gathers the CPU seconds spent
+    in the integrator.
     """
+    method, settled = build.method(case, cut.step), floor(case.settle * cut.rate)
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
     window = np.empty((ROWS, tail + steps))
     window[:] = _recorded(y)
-    repeats = isinstance(method, Equilibrium)  # what has no memory
-    if repeats:  # one step more than are kept: the first has no velocity before it to take its acceleration from
+    if case.method is None:  # one step more than are kept: the first knows no velocity before it
         advance(method, model, watch, -tail - 1, y, window[:, steps - 1 :])
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
-        if p == 0 or not repeats:
+        if p == 0 or not choose.repeats(case):
             if p == settled:
                 y[Q_MAX : Q_MAX + ROW] = 0.0
             began = time.thread_time()
