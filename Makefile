@@ -1,0 +1,66 @@
+# make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's figures
+# make test    all tests                               make check    tests, lint, types, import contract
+PYTHON ?= python3
+VENV ?= .venv
+JOBS ?= 2
+BIN := $(VENV)/bin
+STUDIES := fig14 fig15 fig16
+
+.DEFAULT_GOAL := help
+.PHONY: help install install-dev demo test check lint studies $(STUDIES) lock bench clean
+
+help:
+	@sed -n '1,2s/^# //p' Makefile
+
+install: $(VENV)/installed
+install-dev: $(VENV)/installed-dev
+
+$(BIN)/python:
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed")'
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/installed: requirements.lock pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+$(VENV)/installed-dev: requirements-dev.lock $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dev.lock
+	@touch $@
+
+demo: install
+	$(BIN)/bearingsim run studies/fig14_length.yaml --quick --jobs $(JOBS) --out results/demo-fig14
+	$(BIN)/bearingsim plot results/demo-fig14
+	$(BIN)/bearingsim run studies/fig16_angle.yaml --quick --jobs $(JOBS) --out results/demo-fig16
+	$(BIN)/bearingsim plot results/demo-fig16
+	@echo "The figures are in results/demo-fig14/figures and results/demo-fig16/figures."
+
+fig14 fig15 fig16: fig%: install
+	$(BIN)/bearingsim run $(wildcard studies/$@_*.yaml) --jobs $(JOBS) --out results/$@
+	$(BIN)/bearingsim plot results/$@
+
+studies: $(STUDIES)
+
+test: install-dev
+	$(BIN)/python -m pytest
+
+lint: install-dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+check: lint test
+
+bench: install-dev
+	$(BIN)/python benchmarks/step_fraction.py
+
+lock: install-dev
+	$(BIN)/python -m pip install --quiet uv
+	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header \
+	  --no-emit-index-url --no-annotate --group build pyproject.toml -o requirements.lock
+	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header \
+	  --no-emit-index-url --no-annotate --group dev pyproject.toml -o requirements-dev.lock
+
+clean:
+	rm -rf results build dist .pytest_cache .mypy_cache .ruff_cache
