@@ -67,7 +67,7 @@ def test_damping_is_chosen_by_its_law() -> None:
     ("fields", "part"),
     [
         ({"speed": "0 rpm"}, "a rotation speed above zero"),
-        ({"load": "-1 N"}, "a force that is not negative"),
+        ({"load": "-1 N"}, "a force above zero"),
         ({"load": float("nan")}, "got `nan`"),
         ({"load": True}, "expected a force"),
         ({"load": {"a": "1 N"}}, "got a mapping"),
