@@ -40,11 +40,17 @@ LINES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5))
 
 
 class Look(NamedTuple):
-    """Colour, marker and line of a curve."""
+    """Colour, marker and line of a curve; hollow markers if not ``filled``."""
 
     colour: Any
     marker: str
     line: Any
+    filled: bool = True
+
+    def keywords(self) -> dict[str, Any]:
+        """As matplotlib's Line2D takes it."""
+        fill = {} if self.filled else {"markerfacecolor": "white"}
+        return {"color": self.colour, "marker": self.marker, "linestyle": self.line, **fill}
 
 
 def looks(first: int, second: int, ordered: bool) -> list[list[Look]]:
@@ -56,8 +62,9 @@ def looks(first: int, second: int, ordered: bool) -> list[list[Look]]:
     colours = _shades(first) if shades else [COLOURS[i % len(COLOURS)] for i in range(first)]
     return [
         [
-            Look(colours[i], MARKERS[i % len(MARKERS)], LINES[(j if second > 1 else 0 if shades else i) % len(LINES)])
+            Look(colours[i], MARKERS[i % len(MARKERS)], LINES[line % len(LINES)], filled=j == 0)
             for j in range(second)
+            for line in [j if second > 1 else 0 if shades else i]
         ]
         for i in range(first)
     ]
@@ -65,4 +72,4 @@ def looks(first: int, second: int, ordered: bool) -> list[list[Look]]:
 
 def _shades(count: int) -> list[Any]:
     scale = colormaps["viridis"]
-    return [scale(0.92 * i / (count - 1)) for i in range(count)]
+    return [scale(0.86 * i / (count - 1)) for i in range(count)]

@@ -1,5 +1,6 @@
 """Features against a swept parameter: the figures of a parametric study."""
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["draw"]
 
 ROW_IN = 2.5
+LABEL_LETTERS = 34  # of an axis label, in a line
 CHARACTER_IN = 0.066  # width of a letter of the legend
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
 ALIKE = 4.0  # panels whose largest values lie within this factor share the axis
@@ -57,11 +59,9 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
 
 def finish(canvas: Canvas, title: str | None, caption: Sequence[str]) -> None:
     """Put the title above and the caption, wrapped to the figure's width, below."""
-    import textwrap
-
     if title:
         canvas.suptitle(title, fontsize=10.0)
-    width = int(canvas.get_size_inches()[0] / 0.0585)
+    width = int(canvas.get_size_inches()[0] / 0.053)
     text = textwrap.fill(", ".join(caption), width, break_on_hyphens=False)
     canvas.supxlabel(text, x=0.01, ha="left", fontsize=7.0, color="0.35")
 
@@ -75,6 +75,7 @@ def _sheet(rows: int, columns: int, entries: Sequence[Line2D]) -> tuple[Canvas, 
     letters = max((len(str(entry.get_label())) for entry in entries), default=-8)
     width = columns * COLUMN_IN + 0.55 + CHARACTER_IN * letters
     canvas = Canvas(figsize=(width, rows * ROW_IN + 0.55), layout="constrained")
+    canvas.get_layout_engine().set(w_pad=0.08, h_pad=0.06)
     return canvas, [list(line) for line in canvas.subplots(rows, columns, sharex=True, squeeze=False)]
 
 
@@ -111,17 +112,16 @@ def legend_entries(
     seconds = list(dict.fromkeys(second for _, second in styles))
     entries: list[Line2D] = []
     if len(firsts) > 1:
-        line = "" if len(seconds) > 1 else None
-        entries += [_entry(first, styles[first, seconds[0]], line) for first in firsts]
+        plain = {"line": ""} if len(seconds) > 1 else {}
+        entries += [_entry(first, styles[first, seconds[0]]._replace(**plain)) for first in firsts]
     if len(seconds) > 1:
-        entries += [_entry(second, styles[firsts[0], second]._replace(colour="0.25", marker="")) for second in seconds]
+        entries += [_entry(second, styles[firsts[0], second]._replace(colour="0.25")) for second in seconds]
     lost = [mark for status, mark in STATUS_MARKS.items() if (rows["status"] == status).any()]
     return entries + [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in lost]
 
 
-def _entry(text: str, look: Look, line: Any = None) -> Line2D:
-    style = look.line if line is None else line
-    return Line2D([], [], color=look.colour, marker=look.marker, linestyle=style or "", label=text)
+def _entry(text: str, look: Look) -> Line2D:
+    return Line2D([], [], label=text, **look.keywords())
 
 
 # One panel
@@ -132,12 +132,10 @@ def _panel(
 ) -> None:
     """Draw one feature's curves; the y unit is that of the whole column."""
     unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))
-    ax.set_ylabel(axis_label(labels.feature_text(name), unit))
+    ax.set_ylabel(textwrap.fill(axis_label(labels.feature_text(name), unit), LABEL_LETTERS))
     for curve in curves:
         x = positions(figure.x, curve.rows, rows, units)
-        look = curve.look
-        single = {"markerfacecolor": "none"} if len(curves) > 1 and look.line != "-" else {}
-        ax.plot(x, curve.rows[name] * factor, color=look.colour, marker=look.marker, ls=look.line, **single)
+        ax.plot(x, curve.rows[name] * factor, **curve.look.keywords())
         _mark_lost(ax, x, curve.rows["status"])
     _x_axis(ax, figure, rows, units)
     _y_axis(ax, name, figure)
@@ -156,8 +154,10 @@ def _mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None
     """Jobs without a result stand as marks on the x axis."""
     for kind, (marker, colour, _) in STATUS_MARKS.items():
         where = [position for position, state in zip(x, status, strict=True) if state == kind]
-        at_axis = ax.get_xaxis_transform()
-        ax.plot(where, [0.025] * len(where), marker, color=colour, ms=6, mew=1.5, transform=at_axis, clip_on=False)
+        if where:  # an empty line that is not clipped has no place, and breaks the layout
+            at_axis = ax.get_xaxis_transform()
+            marks = {"color": colour, "ms": 6, "mew": 1.5, "clip_on": False}
+            ax.plot(where, [0.025] * len(where), marker, transform=at_axis, **marks)
 
 
 def _x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> None:
@@ -170,7 +170,8 @@ def _x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str
         ax.xaxis.set_major_formatter(lambda value, _: labels.number_text(value))
     elif len(known) <= 7:
         unit = select.x_unit(figure.x, rows, units)
-        ax.set_xticks([labels.shown(figure.x, value, unit) for value in known])
+        ticks = [labels.shown(figure.x, value, unit) for value in known]
+        ax.set_xticks(ticks, [labels.number_text(tick) for tick in ticks])
 
 
 def _y_axis(ax: "Axes", name: str, figure: Figure) -> None:
