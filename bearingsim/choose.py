@@ -98,30 +98,33 @@ class Estimate:
 
 def limits(case: Case) -> Limits:
     """Limits of the case's step (see ``Limits``). Raises ``ArithmeticError`` if nothing holds the ring."""
-    return _limits(case.model_copy(update={"step": "auto", "record": (), "duration": 1.0, "settle": 0.0}))
-
-
-@lru_cache(maxsize=1024)
-def _limits(case: Case) -> Limits:
+    rest_load, K, C = loads_at_rest(_healthy(case))
     model = build.model(case)
-    rest_load, K, C = loads_at_rest(model)
     speed = closing_speed(model)
-    peak, K_more, C_more = impact(model, speed)
+    peak, K_more, C_more = impact(model.bearing.m_r, model.contact, speed)
     omega = sqrt(K) if K > 0.0 else inf
     return Limits(
         rest_load=rest_load,
         contact_frequency=omega / (2.0 * pi),
         damping_ratio=C / (2.0 * omega),
-        at_rest=step_limit(case, K, C),
+        at_rest=step_limit(case.method, K, C),
         closing_speed=speed,
         impact_force=peak + rest_load,
-        at_impact=step_limit(case, K + K_more, C + C_more),
+        at_impact=step_limit(case.method, K + K_more, C + C_more),
         crossing=min((d.width for d in case.defects), default=inf) / (model.bearing.R_o * model.bearing.omega_c),
     )
 
 
-def loads_at_rest(model: Any) -> tuple[float, float, float]:
+def _healthy(case: Case) -> Case:
+    """The case without what does not touch its load at rest, so that many cases share one."""
+    same = {"defects": (), "step": "auto", "record": (), "duration": 1.0, "settle": 0.0, "sampling": 1e4}
+    return case.model_copy(update=same)
+
+
+@lru_cache(maxsize=256)
+def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Largest outer contact force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
+    model = build.model(healthy)
     y = build.empty_buffer(model)
     pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     load, K, C = 0.0, 0.0, 0.0
@@ -151,13 +154,13 @@ def closing_speed(model: Any) -> float:
     return float(max(slopes, default=0.0) * pits.R_o * model.bearing.omega_c)
 
 
-def impact(model: Any, speed: float) -> tuple[float, float, float]:
-    """A free roller thrown at one race with ``speed`` (m/s): peak force, and the largest slopes over its mass.
+@lru_cache(maxsize=1024)
+def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
+    """A free roller of mass ``m`` (kg) thrown at one race with ``speed`` (m/s): peak force, largest slopes over m.
 
     Returns (N, stiffness/mass in 1/s^2, damping/mass in 1/s). Models whose rollers have no mass have no such
     impact: zeros.
     """
-    m, law = model.bearing.m_r, model.contact
     if m == 0.0 or speed == 0.0:
         return 0.0, 0.0, 0.0
     h = min(1e-7, 1e-3 * pi * sqrt(m / stiffness_slope(law, 1e-7, 0.0)))
@@ -172,14 +175,14 @@ def impact(model: Any, speed: float) -> tuple[float, float, float]:
     return float(peak), float(K) / m, float(C) / m
 
 
-def step_limit(case: Case, K: float, C: float) -> float:
-    """The step (s) at which the case's method turns unstable; K (1/s^2) and C (1/s) over a body's mass."""
-    if case.method is None or (K == 0.0 and C == 0.0):
+def step_limit(method: str | None, K: float, C: float) -> float:
+    """The step (s) at which a method turns unstable; K (1/s^2) and C (1/s) over a body's mass."""
+    if method is None or (K == 0.0 and C == 0.0):
         return inf
     low, high = 0.0, 1.0
     while high - low > 1e-6 * high:
         h = 0.5 * (low + high)
-        if load_number(build.method(case, h), K, C) > 1.0:
+        if load_number(build.METHODS[method](h), K, C) > 1.0:
             high = h
         else:
             low = h

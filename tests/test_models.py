@@ -4,10 +4,12 @@ from math import pi
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from bearingsim import build
 from bearingsim.core.advance import CHANNELS, NOT_FINITE, Watch, advance
 from bearingsim.core.contact import normal_force
+from bearingsim.core.defects import depression
 from bearingsim.core.layout import ACCELERATION, COS, POSITION, Q_I, Q_O, SIN, VELOCITY, A, Q, V, X, Y
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
@@ -141,6 +143,38 @@ def test_moving_approach_rate_is_the_approachs_derivative():
     accelerations(model, 0.0, y)
     rate, delta = (found[1] - found[0]) / (2 * h), (found[0] + found[1]) / 2
     assert y[Q_O] == pytest.approx(normal_force(model.contact, delta, rate), rel=1e-5, abs=1e-3)
+
+
+def ring_over(defect):
+    """A ring at a random state with its first roller over a pit, and that roller's Delta, its rate, h and h'."""
+    model = build.model(case(model="ring", defect=defect, start_angle=0.003))
+    y = at_rest(model)
+    y[VELOCITY : VELOCITY + 2] = 0.02, -0.01
+    accelerations(model, 0.0, y)
+    b, u, w, theta = model.bearing, y[POSITION : POSITION + 2], y[VELOCITY : VELOCITY + 2], 0.003
+    e_r, e_theta = np.array([np.cos(theta), np.sin(theta)]), np.array([-np.sin(theta), np.cos(theta)])
+    Delta, rate = -u @ e_r, -w @ e_r - b.omega_c * (u @ e_theta)
+    groups = model.pits.groups[0, : model.pits.used[0]]
+    sunk = np.array([depression(group, b.R_o * theta, model.pits.R) for group in groups])
+    return model, y, Delta, rate, groups[:, 0], sunk[:, 0], sunk[:, 1] * b.R_o * b.omega_c
+
+
+def test_a_ring_shares_approach_and_rate_between_both_contacts_over_a_slot():
+    model, y, Delta, rate, _, h, sinking = ring_over(SLOT | {"width": "0.3 mm"})
+    by_hand = normal_force(model.contact, (Delta - h[0]) / 2, (rate - sinking[0]) / 2)
+    assert y[Q_O] == pytest.approx(by_hand, rel=1e-9)
+    assert by_hand > 1.0
+
+
+def test_a_ring_balances_a_roller_over_a_bowl():
+    """Elastic: outer groups together carry what the inner contact carries; damping: half of each group's rate."""
+    model, y, Delta, rate, w, h, sinking = ring_over(SLOT | {"shape": "circular", "length": "8 mm", "depth": "0.2 um"})
+    k = model.contact.stiffness.k
+    outer = lambda d_i: w * k * np.maximum(Delta - d_i - h, 0.0) ** (10 / 9)  # noqa: E731
+    d_i = brentq(lambda d: outer(d).sum() - k * d ** (10 / 9), 0.0, Delta, xtol=1e-20)
+    by_hand = (outer(d_i) * (1 + model.contact.chi * (rate - sinking) / 2)).sum()
+    assert y[Q_O] == pytest.approx(by_hand, rel=1e-8)
+    assert (outer(d_i) > 0).sum() >= 2
 
 
 def test_two_pits_are_felt_by_two_rollers():
