@@ -1,6 +1,7 @@
 """The classical Runge-Kutta method, fourth order, four evaluations a step (Kutta 1901).
 
-Its stability region reaches -2.785 on the real axis and 2.828 i on the imaginary one.
+Its stability region reaches -2.785 on the real axis and 2.828 i on the imaginary one; in between, at a damping
+ratio of 0.54, its edge comes as near as 2.615.
 """
 
 from math import sqrt
@@ -11,7 +12,7 @@ from bearingsim.core.layout import ACCELERATION, POSITION, ROW, STAGE, VELOCITY
 from bearingsim.core.methods.interface import load_number, step
 from bearingsim.core.models.interface import accelerations, width
 
-REACH = 2.785
+REACH_REAL, REACH = 2.785, 2.615  # of decaying and of oscillating motion
 START_Q, START_V, SUM_Q, SUM_V = STAGE, STAGE + ROW, STAGE + 2 * ROW, STAGE + 3 * ROW
 
 
@@ -68,5 +69,6 @@ def _step(method, model, t, y):
 
 @load_number.register(RungeKutta4)
 def _load_number(method, K, C):
-    fast = sqrt(K) if C * C < 4.0 * K else 0.5 * (C + sqrt(C * C - 4.0 * K))
-    return method.h * fast / REACH
+    if C * C < 4.0 * K:
+        return method.h * sqrt(K) / REACH
+    return method.h * 0.5 * (C + sqrt(C * C - 4.0 * K)) / REACH_REAL
