@@ -44,6 +44,9 @@ class StepError(ValueError):
         super().__init__(f"{reason}; {advice}")
         self.reason, self.advice = reason, advice
 
+    def __reduce__(self) -> tuple:
+        return StepError, (self.reason, self.advice)
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -154,7 +157,7 @@ def closing_speed(model: Any) -> float:
     return float(max(slopes, default=0.0) * pits.R_o * model.bearing.omega_c)
 
 
-@lru_cache(maxsize=1024)
+@lru_cache(maxsize=1024, typed=True)  # laws with the same numbers are equal tuples
 def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
     """A free roller of mass ``m`` (kg) thrown at one race with ``speed`` (m/s): peak force, largest slopes over m.
 
