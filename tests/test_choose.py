@@ -1,0 +1,242 @@
+"""Steps, and what they cost, before anything runs."""
+
+import pickle
+from math import inf, pi, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from bearingsim import build, choose
+from bearingsim.choose import StepError, grid, limits, wanted_step
+from bearingsim.config import Case
+from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY
+from bearingsim.core.methods.interface import step
+from bearingsim.core.models.interface import accelerations, width
+
+SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+NARROW = SLOT | {"width": "0.2 mm"}
+SLOTS = [pytest.param((), id="healthy"), pytest.param((SLOT,), id="0.8 mm"), pytest.param((NARROW,), id="0.2 mm")]
+
+
+def case(**fields: Any) -> Case:
+    return Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"} | fields)
+
+
+class Oscillator(NamedTuple):
+    """q'' = -K q - C q': the simplest thing a method can be unstable on."""
+
+    K: float
+    C: float
+
+
+@width.register(Oscillator)
+def _width(model: Oscillator) -> int:
+    return 1
+
+
+@accelerations.register(Oscillator)
+def _accelerations(model: Oscillator, t: float, y: np.ndarray) -> None:
+    y[ACCELERATION] = -model.K * y[POSITION] - model.C * y[VELOCITY]
+
+
+def growth(method: Any, model: Oscillator) -> float:
+    """Largest factor by which a step multiplies a part of the motion: spectral radius of the step, as coded."""
+    rows = [POSITION, VELOCITY, ACCELERATION]
+    columns = []
+    for row in rows:
+        y = build.empty_buffer(build.model(case(model="ring")))
+        y[row] = 1.0
+        step(method, model, 0.0, y)
+        columns.append(y[rows])
+    return float(np.abs(np.linalg.eigvals(np.array(columns).T)).max())
+
+
+def measured_limit(name: str, K: float, C: float) -> float:
+    """The step (s) at which the method starts to grow on the oscillator, by bisection."""
+    low, high = 0.0, 4.0 / sqrt(K)
+    while high - low > 1e-4 * high:
+        h = 0.5 * (low + high)
+        if growth(build.METHODS[name](h), Oscillator(K, C)) > 1.0 + 1e-9:
+            high = h
+        else:
+            low = h
+    return low
+
+
+@pytest.mark.parametrize("zeta", [0.01, 0.1, 0.3, 0.54, 0.7, 0.99, 1.01, 3.0, 10.0])
+@pytest.mark.parametrize(("method", "least"), [("verlet", 0.98), ("rk4", 0.85)])
+def test_step_limit_is_where_the_method_diverges(method: str, least: float, zeta: float) -> None:
+    omega = 2.0 * pi * 20e3
+    K, C = omega**2, 2.0 * zeta * omega
+    true = measured_limit(method, K, C)
+    assert least * true <= choose.step_limit(method, K, C) <= 1.0002 * true
+
+
+def test_nothing_to_hold_or_damp_has_no_limit() -> None:
+    assert choose.step_limit("verlet", 0.0, 0.0) == inf
+    assert choose.step_limit(None, 1e9, 1e4) == inf
+
+
+@pytest.mark.parametrize("model", ["ring", "rollers"])
+@pytest.mark.parametrize("method", ["verlet", "rk4"])
+@pytest.mark.parametrize("defects", SLOTS)
+def test_limits_fall_with_the_load(model: str, method: str, defects: tuple) -> None:
+    found = [
+        limits(case(model=model, method=method, defects=defects, load=load)) for load in (50, 150, 300, 1000, 5000)
+    ]
+    for name in ("at_rest", "at_impact"):
+        series = [getattr(one, name) for one in found]
+        assert series == sorted(series, reverse=True)
+        assert len(set(series)) == len(series)
+    assert all(one.at_impact <= one.at_rest for one in found)
+    assert [one.rest_load for one in found] == sorted(one.rest_load for one in found)
+
+
+def test_limits_do_not_depend_on_what_is_recorded_or_for_how_long() -> None:
+    base = case(defect=SLOT)
+    other = case(defect=SLOT, record=[], duration="3 s", settle="0 s", step="0.1 us")
+    assert limits(base) == limits(other)
+    assert limits(case(defect=SLOT, load="151 N")) != limits(base)
+
+
+def test_crossing_is_the_time_over_the_narrowest_pit() -> None:
+    found = limits(case(defects=[SLOT | {"angle": "30 deg"}, NARROW]))
+    cage = 2 * pi * 30 * (1 - 12 / 65) / 2
+    assert found.crossing == pytest.approx(0.2e-3 / (0.0385 * cage), rel=1e-12)
+    assert limits(case()).crossing == inf
+
+
+@pytest.mark.parametrize(
+    ("defect", "reach"),
+    [
+        (SLOT, 0.4e-3),  # the roller meets the far rim
+        (SLOT | {"depth": "1 um"}, sqrt(2 * 6e-3 * 38.5e-3 / 32.5e-3 * 1e-6)),  # the floor before the middle
+        (SLOT | {"shape": "triangular", "depth": "5 um"}, 6e-3 * 38.5e-3 / 32.5e-3 * 2 * 5 / 800),  # the wall
+    ],
+)
+def test_closing_speed_is_the_steepest_slope_times_the_speed_along_the_race(defect: dict, reach: float) -> None:
+    cage = 2 * pi * 30 * (1 - 12 / 65) / 2
+    expected = reach / (6e-3 * 38.5e-3 / 32.5e-3) * 38.5e-3 * cage
+    assert limits(case(defect=defect)).closing_speed == pytest.approx(expected, rel=1e-12)
+
+
+def test_impact_without_damping_turns_all_energy_into_the_contact() -> None:
+    model = build.model(case(contact={"damping": {"chi": "0 s/m"}}))
+    speed, m, k = 0.05, model.bearing.m_r, model.contact.stiffness.k
+    deepest = (19.0 / 9.0 * 0.5 * m * speed**2 / k) ** (9.0 / 19.0)
+    peak, K, C = choose.impact(m, model.contact, speed)
+    assert peak == pytest.approx(k * deepest ** (10.0 / 9.0), rel=2e-3)
+    assert m * K == pytest.approx(10.0 / 9.0 * k * deepest ** (1.0 / 9.0), rel=2e-3)
+    assert C == 0.0
+
+
+def test_a_faster_impact_is_harder() -> None:
+    model = build.model(case())
+    found = [choose.impact(model.bearing.m_r, model.contact, speed) for speed in (0.01, 0.03, 0.1, 0.3)]
+    assert (np.diff(found, axis=0) > 0.0).all()
+    assert choose.impact(model.bearing.m_r, model.contact, 0.0) == (0.0, 0.0, 0.0)
+    assert choose.impact(0.0, model.contact, 0.1) == (0.0, 0.0, 0.0)
+
+
+def test_laws_with_the_same_numbers_are_not_taken_for_each_other() -> None:
+    laws = (
+        case(contact={"damping": {"law": "hunt-crossley", "chi": 1e-4}}),
+        case(contact={"damping": {"law": "kraemer", "beta": 1e-4}}),
+    )
+    soft, hard = (choose.impact(0.01, build.contact(one), 0.05) for one in laws)
+    assert hard[2] > 10.0 * soft[2]
+
+
+@pytest.mark.parametrize("defect", [SLOT, NARROW])
+def test_two_microseconds_are_too_long_for_verlet(defect: dict) -> None:
+    with pytest.raises(StepError, match=r"a step of 2 us is over the method's limit of [\d.]+ us") as caught:
+        wanted_step(case(defect=defect, step="2 us"))
+    assert "step: auto" in caught.value.advice
+    assert f"{1e6 * wanted_step(case(defect=defect)):.2g} us" in caught.value.advice
+
+
+@pytest.mark.parametrize("method", ["verlet", "rk4"])
+def test_half_a_microsecond_is_accepted(method: str) -> None:
+    given = case(defect=SLOT, method=method, step="0.5 us")
+    assert wanted_step(given) == 0.5e-6
+    assert grid(given).step <= 0.5e-6
+
+
+@pytest.mark.parametrize("defects", SLOTS)
+@pytest.mark.parametrize("method", ["verlet", "rk4"])
+def test_a_step_is_refused_exactly_above_the_limit(method: str, defects: tuple) -> None:
+    given = {"method": method, "defects": defects, "load": "300 N"}
+    found = limits(case(**given))
+    assert wanted_step(case(**given, step=0.999 * found.at_impact)) == 0.999 * found.at_impact
+    with pytest.raises(StepError):
+        wanted_step(case(**given, step=1.001 * found.at_impact))
+
+
+def test_a_pit_must_not_be_passed_in_too_few_steps() -> None:
+    crossing = limits(case(model="static", defect=NARROW)).crossing
+    with pytest.raises(StepError, match="too few steps"):
+        wanted_step(case(model="static", defect=NARROW, step=crossing / 7))
+    assert wanted_step(case(model="static", defect=NARROW, step=crossing / 9)) == crossing / 9
+
+
+@pytest.mark.parametrize(
+    ("model", "method"),
+    [("static", None), ("ring", "rk4"), ("ring", "verlet"), ("rollers", "rk4"), ("rollers", "verlet")],
+)
+@pytest.mark.parametrize("defects", SLOTS)
+@pytest.mark.parametrize("chi", [0.01, 50.0])
+def test_the_automatic_step_obeys_every_bound(model: str, method: str | None, defects: tuple, chi: float) -> None:
+    given = case(model=model, method=method, defects=defects, contact={"damping": {"chi": chi}})
+    found, chosen = limits(given), wanted_step(given)
+    bounds = [found.crossing / 50, 20e-6]
+    if method:
+        bounds.append({"verlet": 0.5, "rk4": 0.25}[method] * found.at_impact)
+        bounds.append(1.0 / found.contact_frequency / {"verlet": 40, "rk4": 20}[method])
+    assert chosen == pytest.approx(min(bounds), rel=1e-12)
+    assert wanted_step(given.model_copy(update={"step": chosen})) == chosen
+
+
+@pytest.mark.parametrize("sampling", [200e3, 1024.0, 10240.0, 12345.678, 37.0])
+@pytest.mark.parametrize("model", ["static", "ring"])
+def test_the_grid_fits(sampling: float, model: str) -> None:
+    given = case(model=model, sampling=sampling, defect=SLOT, duration="0.3 s", settle="11 ms")
+    cut = grid(given)
+    assert cut.step <= wanted_step(given) * (1 + 1e-12)
+    assert cut.steps_per_pass * cut.step * 159.0 == pytest.approx(1.0, rel=1e-12)
+    assert cut.fine_rate >= 4.0 * sampling * (1 - 1e-12)
+    assert cut.fine_per_pass >= 64
+    assert cut.passes / 159.0 >= 0.311 + 13.0 / sampling
+
+
+def test_no_step_is_wasted_on_rounding() -> None:
+    """A step that divides the fine sample exactly is taken as it is, not one shorter."""
+    cut = grid(case(model="ring"))
+    again = grid(case(model="ring", step=cut.step))
+    assert again == cut
+
+
+def test_a_record_without_samples_is_refused() -> None:
+    with pytest.raises(StepError, match="no sample"):
+        grid(case(duration="10 ms", sampling="50 Hz"))
+
+
+def test_estimate_counts_steps_and_bytes() -> None:
+    given = case(model="ring", duration=0.29, sampling=10000.0, record=["ring.velocity", "roller.outer_force"])
+    found, cut = choose.estimate(given), grid(given)
+    assert found.bytes == 3 * 4 * 2900
+    assert found.steps == cut.passes * cut.steps_per_pass
+    assert choose.estimate(case(record=[])).bytes == 0
+
+
+def test_static_computes_one_pass_unless_a_roller_is_watched() -> None:
+    ring, roller = (case(model="static", record=[name]) for name in ("ring.velocity", "roller.outer_force"))
+    assert choose.estimate(ring).steps == grid(ring).steps_per_pass
+    assert choose.estimate(roller).steps == grid(roller).passes * grid(roller).steps_per_pass
+
+
+def test_a_step_error_survives_pickling() -> None:
+    with pytest.raises(StepError) as caught:
+        wanted_step(case(defect=SLOT, step="2 us"))
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert (again.reason, again.advice) == (caught.value.reason, caught.value.advice)
