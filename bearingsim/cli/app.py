@@ -27,6 +27,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+FRESH_SHARD = "would throw away the other shards' results: remove the folder first"
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="study file (YAML)", show_default=False)]
 Results = Annotated[
     Path | None, typer.Argument(metavar="[RESULTS]", help="results folder; default: the newest in ./results")
@@ -37,9 +38,7 @@ Set = Annotated[
 ]
 Quick = Annotated[bool, typer.Option("--quick", help="the study's own reduced grid")]
 Json = Annotated[bool, typer.Option("--json", help="for a script to read")]
-Jobs = Annotated[
-    int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="worker processes (default: the CPUs; 1: no pool)")
-]
+Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="worker processes; 1: no pool")]
 
 
 def main() -> None:
@@ -60,7 +59,7 @@ def common(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="print the version and exit")
     ] = False,
 ) -> None:
-    """Options of all commands (`-v` stands before the command)."""
+    """Options of all commands."""
 
 
 @app.command()
@@ -85,7 +84,9 @@ def check(
     set_: Set = None,
     quick: Quick = False,
     jobs: Jobs = None,
-    schema: Annotated[bool, typer.Option("--schema", help="print the JSON schema of study files, for editors")] = False,
+    schema: Annotated[
+        bool, typer.Option("--schema", help="print the JSON schema of study files, for editors")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Validate a study and print its plan: jobs, steps, time and disk. Runs nothing."""
@@ -114,7 +115,9 @@ def run(
     ctx: typer.Context,
     study: StudyFile,
     jobs: Jobs = None,
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="results folder (default: results/<study>)")] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="results folder (default: results/<study>)")
+    ] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="throw stored results away first")] = False,
     retry_failed: Annotated[bool, typer.Option("--retry-failed", help="try failed jobs again")] = False,
     set_: Set = None,
@@ -125,7 +128,7 @@ def run(
     """Compute what is not done yet, and store it. Exit code 1: some jobs failed, the rest is stored."""
     share = _share(shard)
     if fresh and share != (1, 1):
-        raise typer.BadParameter("would throw away the other shards' results: remove the folder first", param_hint="--fresh")
+        raise typer.BadParameter(FRESH_SHARD, param_hint="--fresh")
     asked = _loaded(study, set_, quick)
     from bearingsim import runner
 
@@ -145,8 +148,12 @@ def plot(
     kind: Annotated[str, typer.Option(help="sweep, phase, series or spectrum")] = "sweep",
     x: Annotated[str | None, typer.Option(metavar="PATH", help="swept path on the x axis")] = None,
     by: Annotated[list[str] | None, typer.Option(metavar="PATH", help="one curve per value; repeatable")] = None,
-    y: Annotated[list[str] | None, typer.Option(metavar="FEATURE", help="one column of axes each; repeatable")] = None,
-    job: Annotated[list[str] | None, typer.Option(metavar="JOB", help="job of a series or spectrum; repeatable")] = None,
+    y: Annotated[
+        list[str] | None, typer.Option(metavar="FEATURE", help="one column of axes each; repeatable")
+    ] = None,
+    job: Annotated[
+        list[str] | None, typer.Option(metavar="JOB", help="job of a series or spectrum; repeatable")
+    ] = None,
     file_format: Annotated[str, typer.Option("--format", help="png, svg or pdf")] = "png",
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="folder (default: RESULTS/figures)")] = None,
 ) -> None:
@@ -166,7 +173,9 @@ def plot(
 def show(
     results: Results = None,
     failed: Annotated[bool, typer.Option("--failed", help="only failed jobs, with reason and advice")] = False,
-    columns: Annotated[list[str] | None, typer.Option(metavar="NAME", help="column of the table; repeatable")] = None,
+    columns: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="column of the table; repeatable")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Print the table of jobs: what was swept, status, features."""
@@ -182,10 +191,16 @@ def show(
 @app.command()
 def export(
     results: Results = None,
-    features: Annotated[Path | None, typer.Option(metavar="FILE", help="write the table of features (.csv, .parquet)")] = None,
-    series: Annotated[list[str] | None, typer.Option(metavar="JOB", help="write the series of a job; repeatable")] = None,
+    features: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="write the table of features (.csv, .parquet)")
+    ] = None,
+    series: Annotated[
+        list[str] | None, typer.Option(metavar="JOB", help="write the series of a job; repeatable")
+    ] = None,
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="file of the series (.csv, .mat)")] = None,
-    file_format: Annotated[str | None, typer.Option("--format", help="csv, parquet or mat, where no file is named")] = None,
+    file_format: Annotated[
+        str | None, typer.Option("--format", help="csv, parquet or mat, where no file is named")
+    ] = None,
 ) -> None:
     """Write features to csv or parquet, or the series of chosen jobs to csv or mat."""
     from bearingsim.cli import exporting
@@ -238,10 +253,11 @@ def _assignment(text: str) -> tuple[str, str]:
 def _share(text: str) -> tuple[int, int]:
     k, _, n = text.partition("/")
     if not (k.isdecimal() and n.isdecimal() and 1 <= int(k) <= int(n)):
-        raise typer.BadParameter(f"expected K/N with K from 1 to N, such as 1/4, got `{text}`", param_hint="--shard")
+        raise typer.BadParameter(f"expected K/N such as 1/4, got `{text}`", param_hint="--shard")
     return int(k), int(n)
 
 
 def _one_of(option: str, word: str, known: tuple[str, ...]) -> None:
     if word not in known:
-        raise typer.BadParameter(f"expected {', '.join(known[:-1])} or {known[-1]}, got `{word}`", param_hint=option)
+        words = f"{', '.join(known[:-1])} or {known[-1]}"
+        raise typer.BadParameter(f"expected {words}, got `{word}`", param_hint=option)

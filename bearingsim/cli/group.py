@@ -26,6 +26,11 @@ EXPECTED = (  # errors that say all a user needs, by module and name: they are i
 class Commands(TyperGroup):
     """Commands whose expected errors end with a message on stderr and exit code 2, an interrupt with 130."""
 
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Take `-v` wherever it stands."""
+        loud = [word for word in args if word in ("-v", "--verbose")]
+        return super().parse_args(ctx, loud[:1] + [word for word in args if word not in loud])
+
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""
         try:
@@ -34,8 +39,6 @@ class Commands(TyperGroup):
             summary = getattr(stop, "summary", None)
             typer.echo(str(summary) if summary else "interrupted", err=True)
             raise typer.Exit(INTERRUPTED) from None
-        except BrokenPipeError:
-            raise
         except (OSError, *expected()) as error:
             if ctx.params.get("verbose"):
                 traceback.print_exc()

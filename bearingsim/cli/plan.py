@@ -123,7 +123,7 @@ def show(plan: Plan, verbose: bool) -> None:
     study, out = plan.study, console()
     swept = ", ".join(study.units) or "nothing"
     out.print(f"{study.name}: {_counts(plan)}; sweeps {swept}", markup=False)
-    if not plan.everything:
+    if plan.refused or not plan.everything:
         return
     groups = _groups(plan.cases or plan.twins)
     out.print()

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +27,7 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     rows = table[table["status"] == "failed"] if failed else table
     swept = list(results.plan["units"])
     chosen = list(columns) or [*swept, *(name for name in FEATURES if name in table), "status", "seconds"]
-    _check(chosen, list(table))
+    _check(chosen, [str(name) for name in table])
     if as_json:
         kept = rows[["job", *chosen]] if columns else rows
         typer.echo(json.dumps([_plain(row) for row in kept.to_dict("records")], indent=1))
@@ -47,8 +47,11 @@ def _check(chosen: Sequence[str], known: Sequence[str]) -> None:
             raise Refusal(f"no column `{name}`" + (f" (did you mean `{near}`?)" if near else ""))
 
 
-def _plain(row: dict[str, Any]) -> dict[str, Any]:
-    return {key: None if isinstance(value, float) and math.isnan(value) else value for key, value in row.items()}
+def _plain(row: Mapping[Any, Any]) -> dict[str, Any]:
+    """A row for JSON: null for what is not there."""
+    return {
+        str(key): None if isinstance(value, float) and math.isnan(value) else value for key, value in row.items()
+    }
 
 
 def _counts(table: "pd.DataFrame") -> str:

@@ -35,7 +35,7 @@ def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> l
     drawn: swept paths that the figure shows and the caption leaves out.
     """
     known = results.parameters()
-    known = known.loc[known.index.intersection(rows["job"])]
+    known = known.loc[known.index.intersection(list(rows["job"]))]
     units = dict(results.plan["units"]) | {path: "um" for path in IN_UM if path not in results.plan["units"]}
     said = [*_defects(known, drawn, units), *_machine(known, drawn, units)]
     return [*said, "quick grid"] if results.plan["quick"] else said

@@ -1,6 +1,6 @@
 """Words for people: names of paths and features, values with readable units."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cache
 
 from bearingsim.units import DISPLAY, UNITS, Dimension, display
@@ -81,10 +81,14 @@ def value_text(path: str, value: object, units: Mapping[str, str]) -> str:
     return f"{text}{'' if unit in ('deg', '') else ' '}{pretty(unit)}"
 
 
-def described(swept: Mapping[str, object], units: Mapping[str, str], paths: Iterable[str] | None = None) -> str:
-    """Swept values in one line: `defect length 3 mm, load 150 N, model rollers`."""
-    chosen = swept if paths is None else [path for path in paths if path in swept]
-    return ", ".join(f"{name_text(path)} {value_text(path, swept[path], units)}" for path in chosen)
+def described(swept: Mapping[str, object], units: Mapping[str, str]) -> str:
+    """Swept values in one line: `circular, length 3 mm, load 150 N, model rollers`."""
+    return ", ".join(f"{_short(path)} {value_text(path, swept[path], units)}".strip() for path in swept)
+
+
+def _short(path: str) -> str:
+    """The name of a path where its value follows: what belongs to the only defect needs no `defect`."""
+    return "" if path == "defect.shape" else name_text(path.removeprefix("defect."))
 
 
 def feature_text(name: str) -> str:

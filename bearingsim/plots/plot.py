@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any
 
 from bearingsim.plots.labels import PlotError
 
@@ -13,16 +13,15 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-__all__ = ["FORMATS", "KINDS", "plot"]
+__all__ = ["FORMATS", "KINDS", "drawn", "plot"]
 
-Kind = Literal["sweep", "series", "spectrum", "phase"]
-KINDS = get_args(Kind)
+KINDS = ("sweep", "phase", "series", "spectrum")
 FORMATS = ("png", "svg", "pdf")
 
 
 def plot(
     results: "Results",
-    kind: Kind = "sweep",
+    kind: str = "sweep",
     x: str | None = None,
     by: Sequence[str] = (),
     y: Sequence[str] = (),
@@ -40,13 +39,24 @@ def plot(
     from bearingsim.plots.style import RC
 
     folder = out or results.path / "figures"
-    folder.mkdir(parents=True, exist_ok=True)
-    with mpl.rc_context(RC):
-        if kind in ("series", "spectrum"):
-            sheets = _of_jobs(results, kind, jobs)
-        else:
-            sheets = _of_table(results, kind, x, by, y)
+    with mpl.rc_context(RC):  # type: ignore[arg-type]
+        sheets = drawn(results, kind, x, by, y, jobs)
+        folder.mkdir(parents=True, exist_ok=True)
         return [_written(canvas, folder / f"{name}.{file_format}") for name, canvas in sheets]
+
+
+def drawn(
+    results: "Results",
+    kind: str = "sweep",
+    x: str | None = None,
+    by: Sequence[str] = (),
+    y: Sequence[str] = (),
+    jobs: Sequence[str] = (),
+) -> list[tuple[str, "Canvas"]]:
+    """The figures of ``plot`` with their names, not written anywhere."""
+    if kind in ("series", "spectrum"):
+        return _of_jobs(results, kind, jobs)
+    return _of_table(results, kind, x, by, y)
 
 
 def _written(canvas: "Canvas", path: Path) -> Path:
@@ -66,8 +76,7 @@ def _of_table(
     sheets = []
     for number, wanted in enumerate(_wanted(results, rows, kind, x, by, y), 1):
         figure, part = select.completed(wanted, rows, units)
-        drawn = {figure.x, *figure.by, *figure.panels}
-        caption = fixed_values(results, part, drawn)
+        caption = fixed_values(results, part, {figure.x, *figure.by, *figure.panels})
         sheets.append((_name(number, figure), sweep.draw(figure, part, units, caption)))
     return sheets
 

@@ -13,7 +13,20 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-__all__ = ["automatic", "case_rows", "completed", "default_y", "is_numeric", "planned", "splits", "twins", "values", "varied", "with_defect_phase", "x_unit"]
+__all__ = [
+    "automatic",
+    "case_rows",
+    "completed",
+    "default_y",
+    "is_numeric",
+    "planned",
+    "splits",
+    "twins",
+    "values",
+    "varied",
+    "with_defect_phase",
+    "x_unit",
+]
 
 LINE = "velocity@BPFO"
 PHASES = (f"{LINE}.phase", f"{LINE}-healthy.phase")
@@ -96,7 +109,8 @@ def _arranged(x: str, others: Sequence[str], rows: "pd.DataFrame") -> Figure:
 
 def default_y(rows: "pd.DataFrame") -> tuple[str, ...]:
     """The line at BPFO, and what of it the defect has made."""
-    return tuple(name for name in (LINE, f"{LINE}-healthy") if name in rows and rows[name].notna().any()) or (LINE,)
+    known = (name for name in (LINE, f"{LINE}-healthy") if name in rows and rows[name].notna().any())
+    return tuple(known) or (LINE,)
 
 
 def with_defect_phase(results: "Results", rows: "pd.DataFrame") -> "pd.DataFrame":

@@ -22,6 +22,7 @@ __all__ = ["amplitude_spectrum", "draw_series", "draw_spectrum", "some_jobs"]
 SHOWN_PASSES = 8  # ball passes of a series
 SHOWN_LINES = 6  # multiples of BPFO of a spectrum
 SOME = 3
+DIAMETERS = ("bearing.roller_diameter", "bearing.pitch_diameter")
 ROW_IN = 1.7
 HEALTHY = "0.35"
 
@@ -45,15 +46,14 @@ def signal_of(results: "Results", job: str) -> Signal:
     """The recorded velocity of a job. Raises PlotError if the study did not record it."""
     from bearingsim.core.kinematics import ball_pass_frequency_outer
 
-    series, known = results.series(job), results.parameters().loc[job]
+    series = results.series(job)
+    known: dict[Any, Any] = results.parameters().loc[job].to_dict()
     try:
-        x, y = (series[f"ring.velocity.{component}"] for component in "xy")
+        x, y = (np.asarray(series[f"ring.velocity.{component}"], np.float64) for component in "xy")
     except KeyError:
         raise labels.PlotError(f"job {job} has no ring.velocity: add it to `record`") from None
-    angle = known["rig.sensor_angle"]
-    bpfo = ball_pass_frequency_outer(
-        known["speed"], known["bearing.roller_diameter"], known["bearing.pitch_diameter"], int(known["bearing.rollers"])
-    )
+    angle, D_w, d_m = (known[name] for name in ("rig.sensor_angle", *DIAMETERS))
+    bpfo = ball_pass_frequency_outer(known["speed"], D_w, d_m, int(known["bearing.rollers"]))
     return Signal(series.time, cos(angle) * x + sin(angle) * y, bpfo)
 
 
@@ -77,12 +77,11 @@ def draw_series(results: "Results", jobs: Sequence[str]) -> Canvas:
         shown = signal.time <= SHOWN_PASSES / signal.bpfo
         return 1e3 * signal.time[shown], signal.velocity[shown]
 
-    canvas, axes = _stack(results, jobs, curve, "Time (ms)", "Velocity")
-    return canvas
+    return _stack(results, jobs, curve, "Time (ms)", "Velocity")[0]
 
 
 def draw_spectrum(results: "Results", jobs: Sequence[str]) -> Canvas:
-    """Amplitude spectrum of the velocity, multiples of BPFO marked, a panel per job, its healthy twin in dark grey."""
+    """Amplitude spectrum of the velocity, multiples of BPFO marked, else like ``draw_series``."""
 
     def curve(signal: Signal) -> tuple[np.ndarray, np.ndarray]:
         frequency, amplitude = amplitude_spectrum(signal)
@@ -98,7 +97,7 @@ def draw_spectrum(results: "Results", jobs: Sequence[str]) -> Canvas:
 
 def _mark_lines(ax: "Axes", bpfo: float, named: bool) -> None:
     for k in range(1, SHOWN_LINES + 1):
-        ax.axvline(k * bpfo, color=COLOURS[1], lw=0.7, ls=(0, (3, 2)), zorder=0)
+        ax.axvline(k * bpfo, color=COLOURS[1], lw=0.7, alpha=0.45, zorder=0.9)
         if named:
             text = f"{k} BPFO" if k > 1 else "BPFO"
             ax.annotate(text, (k * bpfo, 1.0), (0, 2), xycoords=("data", "axes fraction"),

@@ -27,8 +27,6 @@ RC: dict[str, Any] = {
     "axes.formatter.useoffset": False,
     "grid.color": "0.9",
     "grid.linewidth": 0.6,
-    "lines.linewidth": 1.2,
-    "lines.markersize": 4.5,
     "savefig.dpi": 200,
     "pdf.fonttype": 42,
     "svg.fonttype": "none",
@@ -40,17 +38,22 @@ LINES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5))
 
 
 class Look(NamedTuple):
-    """Colour, marker and line of a curve; hollow markers if not ``filled``."""
+    """Colour, marker and line of a curve; hollow markers if not ``filled``.
+
+    ``rank`` counts curves: later ones are thinner, so that one under another still shows.
+    """
 
     colour: Any
     marker: str
     line: Any
     filled: bool = True
+    rank: int = 0
 
     def keywords(self) -> dict[str, Any]:
         """As matplotlib's Line2D takes it."""
         fill = {} if self.filled else {"markerfacecolor": "white"}
-        return {"color": self.colour, "marker": self.marker, "linestyle": self.line, **fill}
+        widths = {"linewidth": max(2.2 - 0.4 * self.rank, 1.1), "markersize": max(7.0 - self.rank, 4.0)}
+        return {"color": self.colour, "marker": self.marker, "linestyle": self.line, **widths, **fill}
 
 
 def looks(first: int, second: int, ordered: bool) -> list[list[Look]]:
@@ -62,9 +65,9 @@ def looks(first: int, second: int, ordered: bool) -> list[list[Look]]:
     colours = _shades(first) if shades else [COLOURS[i % len(COLOURS)] for i in range(first)]
     return [
         [
-            Look(colours[i], MARKERS[i % len(MARKERS)], LINES[line % len(LINES)], filled=j == 0)
+            Look(colours[i], MARKERS[i % len(MARKERS)], LINES[line % len(LINES)], j == 0, rank)
             for j in range(second)
-            for line in [j if second > 1 else 0 if shades else i]
+            for line, rank in [(j, j + 1) if second > 1 else (0, 3) if shades else (i, i)]
         ]
         for i in range(first)
     ]

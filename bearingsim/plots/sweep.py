@@ -1,11 +1,13 @@
 """Features against a swept parameter: the figures of a parametric study."""
 
+import math
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure as Canvas
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from bearingsim.plots import labels, select
@@ -22,7 +24,8 @@ ROW_IN = 2.5
 LABEL_LETTERS = 34  # of an axis label, in a line
 CHARACTER_IN = 0.066  # width of a letter of the legend
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
-ALIKE = 4.0  # panels whose largest values lie within this factor share the axis
+NO_BREAK = "\u00a0"
+ALIKE = 2.5  # panels whose largest values lie within this factor share the axis
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,8 @@ def finish(canvas: Canvas, title: str | None, caption: Sequence[str]) -> None:
     if title:
         canvas.suptitle(title, fontsize=10.0)
     width = int(canvas.get_size_inches()[0] / 0.053)
-    text = textwrap.fill(", ".join(caption), width, break_on_hyphens=False)
+    whole = [item.replace(" ", NO_BREAK) for item in caption]
+    text = textwrap.fill(", ".join(whole), width, break_on_hyphens=False)
     canvas.supxlabel(text, x=0.01, ha="left", fontsize=7.0, color="0.35")
 
 
@@ -74,17 +78,14 @@ def axis_label(text: str, unit: str) -> str:
 def _sheet(rows: int, columns: int, entries: Sequence[Line2D]) -> tuple[Canvas, list[list["Axes"]]]:
     letters = max((len(str(entry.get_label())) for entry in entries), default=-8)
     width = columns * COLUMN_IN + 0.55 + CHARACTER_IN * letters
-    canvas = Canvas(figsize=(width, rows * ROW_IN + 0.55), layout="constrained")
-    canvas.get_layout_engine().set(w_pad=0.08, h_pad=0.06)
+    canvas = Canvas(figsize=(width, rows * ROW_IN + 0.55), layout=ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.06))
     return canvas, [list(line) for line in canvas.subplots(rows, columns, sharex=True, squeeze=False)]
 
 
 # Curves and their looks
 
 
-def curve_looks(
-    figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]
-) -> dict[tuple[str, str], Look]:
+def curve_looks(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> dict[tuple[str, str], Look]:
     """The look of each combination of the first `by` path and all others, the same in every panel."""
     firsts = [text for text, _ in select.splits(rows, figure.by[:1], units)]
     seconds = list(dict.fromkeys(text for text, _ in select.splits(rows, figure.by[1:], units)))
@@ -104,16 +105,14 @@ def curves_of(
     ]
 
 
-def legend_entries(
-    figure: Figure, styles: Mapping[tuple[str, str], Look], rows: "pd.DataFrame"
-) -> list[Line2D]:
+def legend_entries(figure: Figure, styles: Mapping[tuple[str, str], Look], rows: "pd.DataFrame") -> list[Line2D]:
     """A legend that names the first `by` path by colour and marker, the others by line, and marks of failures."""
     firsts = list(dict.fromkeys(first for first, _ in styles))
     seconds = list(dict.fromkeys(second for _, second in styles))
     entries: list[Line2D] = []
     if len(firsts) > 1:
-        plain = {"line": ""} if len(seconds) > 1 else {}
-        entries += [_entry(first, styles[first, seconds[0]]._replace(**plain)) for first in firsts]
+        looks_of = [(first, styles[first, seconds[0]]) for first in firsts]
+        entries += [_entry(text, look._replace(line="") if len(seconds) > 1 else look) for text, look in looks_of]
     if len(seconds) > 1:
         entries += [_entry(second, styles[firsts[0], second]._replace(colour="0.25")) for second in seconds]
     lost = [mark for status, mark in STATUS_MARKS.items() if (rows["status"] == status).any()]
@@ -135,7 +134,7 @@ def _panel(
     ax.set_ylabel(textwrap.fill(axis_label(labels.feature_text(name), unit), LABEL_LETTERS))
     for curve in curves:
         x = positions(figure.x, curve.rows, rows, units)
-        ax.plot(x, curve.rows[name] * factor, **curve.look.keywords())
+        ax.plot(*_broken(x, list(curve.rows[name] * factor), name), **curve.look.keywords())
         _mark_lost(ax, x, curve.rows["status"])
     _x_axis(ax, figure, rows, units)
     _y_axis(ax, name, figure)
@@ -150,14 +149,23 @@ def positions(x: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping
     return [labels.shown(x, value, unit) for value in part[x]]
 
 
+def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[float], list[float]]:
+    """The points of a curve; one of phases is broken where it leaves at -180 deg to come back at 180."""
+    points = [(x[0], y[0])]
+    for here, before in zip(zip(x[1:], y[1:], strict=True), y, strict=False):
+        if name.endswith(".phase") and abs(here[1] - before) > 180.0:
+            points.append((math.nan, math.nan))
+        points.append(here)
+    return [a for a, _ in points], [b for _, b in points]
+
+
 def _mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None:
     """Jobs without a result stand as marks on the x axis."""
     for kind, (marker, colour, _) in STATUS_MARKS.items():
         where = [position for position, state in zip(x, status, strict=True) if state == kind]
         if where:  # an empty line that is not clipped has no place, and breaks the layout
-            at_axis = ax.get_xaxis_transform()
-            marks = {"color": colour, "ms": 6, "mew": 1.5, "clip_on": False}
-            ax.plot(where, [0.025] * len(where), marker, transform=at_axis, **marks)
+            marks: dict[str, Any] = {"color": colour, "markersize": 6, "markeredgewidth": 1.5, "clip_on": False}
+            ax.plot(where, [0.025] * len(where), marker, transform=ax.get_xaxis_transform(), **marks)
 
 
 def _x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> None:
