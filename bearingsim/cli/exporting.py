@@ -53,7 +53,7 @@ def _to_csv(found: "dict[str, Series]", path: Path) -> None:
     first = next(iter(found.values()))
     if not all(np.array_equal(one.time, first.time) for one in found.values()):
         raise Refusal("the jobs have different time axes: write them to .mat, or one by one")
-    columns = {"time [s]": first.time}
+    columns: dict[str, Any] = {"time [s]": first.time}
     for job, one in found.items():
         before = f"{job}/" if len(found) > 1 else ""
         columns |= {f"{before}{name} [{one.units[name]}]": values for name, values in one.channels.items()}

@@ -39,7 +39,7 @@ class Commands(TyperGroup):
             summary = getattr(stop, "summary", None)
             typer.echo(str(summary) if summary else "interrupted", err=True)
             raise typer.Exit(INTERRUPTED) from None
-        except (OSError, *expected()) as error:
+        except expected() as error:
             if ctx.params.get("verbose"):
                 traceback.print_exc()
             typer.echo(f"bearingsim: {error}" if isinstance(error, OSError) else str(error), err=True)
@@ -47,6 +47,6 @@ class Commands(TyperGroup):
 
 
 def expected() -> tuple[type[Exception], ...]:
-    """The expected errors of the modules that have been imported."""
+    """The system's errors, and the expected ones of the modules that have been imported."""
     found = (getattr(sys.modules.get(module), name, None) for module, name in EXPECTED)
-    return tuple(error for error in found if error is not None)
+    return (OSError, *(error for error in found if error is not None))

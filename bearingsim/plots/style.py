@@ -52,7 +52,7 @@ class Look(NamedTuple):
     def keywords(self) -> dict[str, Any]:
         """As matplotlib's Line2D takes it."""
         fill = {} if self.filled else {"markerfacecolor": "white"}
-        widths = {"linewidth": max(2.2 - 0.4 * self.rank, 1.1), "markersize": max(7.0 - self.rank, 4.0)}
+        widths = {"linewidth": max(1.8 - 0.3 * self.rank, 1.1), "markersize": max(6.5 - self.rank, 4.0)}
         return {"color": self.colour, "marker": self.marker, "linestyle": self.line, **widths, **fill}
 
 

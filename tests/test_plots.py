@@ -1,0 +1,348 @@
+"""Figures, drawn from results whose numbers are known."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+
+from bearingsim import store
+from bearingsim.plots import PlotError, labels, plot, select, style
+from bearingsim.plots.plot import drawn
+from bearingsim.plots.series import Signal, amplitude_spectrum
+from bearingsim.study import load_study
+
+STUDY = """\
+study: known
+bearing: nf308
+speed: 1800 rpm
+load: 150 N
+clearance: 5 um
+defect: {shape: circular, length: 3 mm, width: 0.8 mm, depth: 0.05 mm}
+sweep:
+  defect.length: [3 mm, 6 mm, 9 mm]
+  load: [150 N, 300 N]
+  model: [static, ring]
+duration: 0.2 s
+"""
+FIGURES = """\
+figures:
+  - {y: [velocity@BPFO, velocity@BPFO-healthy], x: defect.length, by: load, panels: model}
+"""
+BPFO = 159.0
+
+
+def amplitude(case):
+    """The line (m/s) of a made-up result: 2 um/s per mm and 1 um/s per 150 N; healthy 0.5 um/s."""
+    if not case.defects:
+        return 0.5e-6
+    return 2e-3 * case.defects[0].length + case.load / 150.0 * 1e-6
+
+
+def phase(case):
+    """Phase (rad) of the made-up line: that of a defect that turns with its angle; healthy 0."""
+    return -13.0 * case.defects[0].angle - 0.5 if case.defects else 0.0
+
+
+def record(case):
+    time = np.arange(round(case.duration * case.sampling)) / case.sampling
+    wave = amplitude(case) * np.cos(2.0 * math.pi * BPFO * time)
+    series = {"ring.velocity.x": wave, "ring.velocity.y": 0.0 * wave} if case.record else {}
+    features = {
+        "velocity@BPFO": amplitude(case),
+        "velocity@BPFO.phase": phase(case),
+        "velocity.rms": 1e3 * amplitude(case),
+    }
+    return SimpleNamespace(time=time, series=series, features=features, info={"cpu_s": 0.1})
+
+
+@pytest.fixture
+def results(tmp_path):
+    """A function that makes a results folder of a study text; ``lost`` maps the number of a job to its status."""
+
+    def make(text=STUDY + FIGURES, lost=None, **options):
+        file = tmp_path / "study.yaml"
+        file.write_text(text)
+        study, root = load_study(file, **options), tmp_path / "results"
+        root.mkdir()
+        jobs, lost = study.jobs(), lost or {}
+        store.write_plan(root, study, jobs)
+        done = [(job, record(job.case)) for number, job in enumerate(jobs) if number not in lost]
+        store.write_units(root, done, {})
+        for number, status in lost.items():
+            if status == "failed":
+                store.Failure(jobs[number].id, "the ring left", "shorten the step").write(root)
+        return store.open_results(root)
+
+    return make
+
+
+def only(sheets):
+    [(name, canvas)] = sheets
+    return name, canvas
+
+
+def lines(ax):
+    """Curves of axes by x and y, markers of lost jobs left out."""
+    return [line for line in ax.lines if line.get_marker() not in ("x", "|") or len(line.get_xdata()) > 2]
+
+
+def text_of(canvas):
+    return [entry.get_text() for entry in canvas.legends[0].get_texts()]
+
+
+def test_a_column_per_feature_a_row_per_panel_a_line_per_value(results):
+    name, canvas = only(drawn(results()))
+    assert name == "fig1-velocity-bpfo-vs-defect-length"
+    assert len(canvas.axes) == 4
+    assert [ax.get_title(loc="left") for ax in canvas.axes] == [
+        "(a) model static",
+        "(b) model static",
+        "(c) model ring",
+        "(d) model ring",
+    ]
+    assert text_of(canvas) == ["load 150 N", "load 300 N"]
+
+
+def test_values_stand_in_readable_units(results):
+    _, canvas = only(drawn(results()))
+    low, high = lines(canvas.axes[0])
+    assert list(low.get_xdata()) == pytest.approx([3.0, 6.0, 9.0])
+    assert list(low.get_ydata()) == pytest.approx([7.0, 13.0, 19.0])  # um/s
+    assert list(high.get_ydata()) == pytest.approx([8.0, 14.0, 20.0])
+    assert canvas.axes[2].get_xlabel() == "Defect length (mm)"
+    assert canvas.axes[0].get_ylabel() == "Velocity amplitude at BPFO (µm/s)"
+    assert canvas.axes[0].get_ylim()[0] == 0.0
+
+
+def test_the_line_less_the_healthy_one_is_a_complex_difference(results):
+    _, canvas = only(drawn(results()))
+    first = lines(canvas.axes[1])[0].get_ydata()[0]
+    assert first == pytest.approx(abs(7.0 * np.exp(-0.5j) - 0.5))
+
+
+def test_the_healthy_twins_are_no_points(results):
+    opened = results()
+    assert len(select.case_rows(opened)) == 12
+    assert len(opened.table()) == 16
+
+
+def test_a_path_that_no_one_named_becomes_curves(results):
+    text = STUDY + "figures: [{y: velocity@BPFO, x: defect.length, by: load}]\n"
+    _, canvas = only(drawn(results(text)))
+    assert len(lines(canvas.axes[0])) == 4
+    assert text_of(canvas) == ["load 150 N", "load 300 N", "model static", "model ring"]
+
+
+def test_a_path_that_moves_with_x_does_not(results):
+    text = STUDY.replace(
+        "  defect.length: [3 mm, 6 mm, 9 mm]\n",
+        "  zip: {defect.length: [3 mm, 6 mm, 9 mm], defect.width: [0.3 mm, 0.6 mm, 0.9 mm]}\n",
+    )
+    found = drawn(results(text), x="defect.length", by=["load", "model"])
+    assert len(lines(only(found)[1].axes[0])) == 4
+
+
+def test_where_takes_some_rows(results):
+    text = STUDY + "figures: [{y: velocity@BPFO, x: defect.length, where: {load: 0.3 kN, model: ring}}]\n"
+    _, canvas = only(drawn(results(text)))
+    [line] = lines(canvas.axes[0])
+    assert list(line.get_ydata()) == pytest.approx([8.0, 14.0, 20.0])
+
+
+def test_lost_jobs_are_marked_where_they_would_stand(results):
+    _, canvas = only(drawn(results(lost={0: "failed", 11: "missing"})))
+    failed = [line for line in canvas.axes[0].lines if line.get_marker() == "x"]
+    missing = [line for line in canvas.axes[2].lines if line.get_marker() == "|"]
+    assert [list(line.get_xdata()) for line in failed] == [[3.0]]
+    assert [list(line.get_xdata()) for line in missing] == [[9.0]]
+    assert text_of(canvas)[-2:] == ["failed", "not computed"]
+
+
+def test_without_figures_each_swept_number_is_an_x(results):
+    sheets = drawn(results(STUDY))
+    assert [name for name, _ in sheets] == [
+        "fig1-velocity-bpfo-vs-defect-length",
+        "fig2-velocity-bpfo-vs-load",
+    ]
+
+
+def test_too_many_curves_become_panels(results):
+    text = STUDY.replace("[150 N, 300 N]", "{linspace: [100 N, 300 N, 6]}")
+    _, canvas = drawn(results(text))[0]
+    assert len(canvas.axes) == 4  # two models, two features
+    assert len(lines(canvas.axes[0])) == 6
+
+
+def test_a_figure_whose_x_is_fixed_gives_way(results):
+    sheets = drawn(results(overrides={"defect.length": "6 mm"}))
+    assert [name for name, _ in sheets] == ["fig1-velocity-bpfo-vs-load"]
+
+
+def test_words_stand_on_x_in_the_order_of_the_study(results):
+    _, canvas = only(drawn(results(STUDY), x="model"))
+    assert [label.get_text() for label in canvas.axes[0].get_xticklabels()] == ["static", "ring"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"x": "defect.lenght"}, "did you mean `defect.length`?"),
+        ({"y": ["velocity@BPFI"]}, "did you mean `velocity@BPFO`?"),
+        ({"by": ["lode"]}, "did you mean `load`?"),
+    ],
+)
+def test_an_unknown_name_is_refused_with_the_nearest(results, options, message):
+    with pytest.raises(PlotError, match=message.replace("?", r"\?")):
+        drawn(results(), **options)
+
+
+def test_nothing_swept_is_refused(results):
+    with pytest.raises(PlotError, match="sweeps nothing"):
+        drawn(results(STUDY, overrides={"defect.length": "3 mm", "load": "150 N", "model": "ring"}))
+
+
+def test_the_caption_tells_what_is_fixed_and_not_what_is_drawn(results):
+    _, canvas = only(drawn(results()))
+    caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
+    assert "circular defect, width 0.8 mm, depth 0.05 mm" in caption
+    assert "clearance 5 µm" in caption
+    assert "1800 rpm" in caption
+    assert "length 3" not in caption
+    assert "model" not in caption
+
+
+def test_a_log_axis_is_one(results):
+    text = STUDY + "figures: [{y: velocity@BPFO, x: defect.length, log: [x, y]}]\n"
+    _, canvas = only(drawn(results(text)))
+    assert (canvas.axes[0].get_xscale(), canvas.axes[0].get_yscale()) == ("log", "log")
+
+
+def test_panels_of_one_size_share_their_axis(results):
+    _, canvas = only(drawn(results()))
+    assert canvas.axes[0].get_ylim() == canvas.axes[2].get_ylim()
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_figures_are_written_under_their_names(results, suffix):
+    opened = results()
+    [path] = plot(opened, file_format=suffix)
+    assert path == opened.path / "figures" / f"fig1-velocity-bpfo-vs-defect-length.{suffix}"
+    head = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[suffix]
+    assert path.read_bytes().startswith(head)
+    if suffix == "svg":
+        assert "Defect length (mm)" in path.read_text()
+
+
+def test_nothing_lies_outside_the_sheet(results):
+    _, canvas = only(drawn(results(lost={0: "failed"})))
+    canvas.draw_without_rendering()
+    sheet = canvas.bbox.padded(1.0)
+    boxes = [ax.get_tightbbox() for ax in canvas.axes] + [canvas.legends[0].get_window_extent()]
+    assert all(sheet.x0 <= b.x0 and b.x1 <= sheet.x1 and sheet.y0 <= b.y0 and b.y1 <= sheet.y1 for b in boxes)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "ordered"), [(3, 1, False), (2, 3, False), (9, 1, True), (5, 2, True)]
+)
+def test_curves_differ_even_in_grey(first, second, ordered):
+    table = [look for row in style.looks(first, second, ordered) for look in row]
+    assert len({(look.marker, look.filled, str(look.line)) for look in table}) == first * second
+    assert len({look.colour for look in table}) == first
+
+
+def test_shades_grow_lighter():
+    shades = [sum(to_rgb(row[0].colour)) for row in style.looks(9, 1, True)]
+    assert shades == sorted(shades)
+
+
+@pytest.mark.parametrize(
+    ("name", "largest", "unit", "factor"),
+    [
+        ("velocity@BPFO", 9.1e-6, "µm/s", 1e6),
+        ("velocity.rms", 2.5e-3, "mm/s", 1e3),
+        ("velocity.rms", 0.0, "µm/s", 1e6),
+        ("displacement.rms", 4e-8, "nm", 1e9),
+        ("acceleration.peak", 12.0, "m/s²", 1.0),
+        ("outer_force.max", 434.0, "N", 1.0),
+        ("velocity@BPFO.phase", 1.0, "°", 180.0 / math.pi),
+        ("velocity.kurtosis", 30.0, "", 1.0),
+    ],
+)
+def test_units_follow_the_magnitude(name, largest, unit, factor):
+    assert labels.feature_axis(name, largest) == (unit, pytest.approx(factor))
+
+
+def test_swept_values_in_words():
+    swept = {"defect.shape": "circular", "defect.width": 0.0008, "defects.2.angle": math.pi / 6.0, "load": 150.0}
+    text = labels.described(swept, {"defect.width": "um", "defects.2.angle": "deg"})
+    assert text == "circular, width 800 µm, defect 2 angle 30°, load 150 N"
+
+
+# Phase, series, spectrum
+
+
+def test_the_phase_of_the_difference_follows_the_angle(results):
+    text = STUDY.replace(
+        "  defect.length: [3 mm, 6 mm, 9 mm]\n", "  defect.angle: {range: [0 deg, 60 deg, 5 deg]}\n"
+    )
+    _, canvas = only(drawn(results(text), kind="phase", x="defect.angle"))
+    assert canvas.axes[0].get_ylabel() == "Velocity phase at BPFO (°)"
+    x, y = (np.asarray(data) for data in lines(canvas.axes[1])[0].get_data())
+    line, healthy = 7.0 * np.exp(1j * (-13.0 * np.radians(x) - 0.5)), 0.5
+    wanted = np.degrees(np.angle(line - healthy))
+    kept = ~np.isnan(x)
+    assert y[kept] == pytest.approx(wanted[kept])
+    assert np.isnan(x).sum() >= 1  # broken where the phase wraps
+    assert np.nanmax(np.abs(np.diff(y))) <= 180.0
+
+
+def test_a_sine_has_a_peak_of_its_height():
+    time = np.arange(5000) / 10240.0
+    wave = 3e-6 * np.sin(2.0 * math.pi * BPFO * time) + 1.0
+    frequency, height = amplitude_spectrum(Signal(time, wave, BPFO))
+    peak = height.argmax()
+    assert frequency[peak] == pytest.approx(BPFO, abs=1e-2)
+    assert height[peak] == pytest.approx(3e-6, rel=1e-3)
+    assert height[0] < 1e-9
+
+
+def test_a_spectrum_has_the_line_where_it_is_marked(results):
+    opened = results()
+    name, canvas = only(drawn(opened, kind="spectrum", jobs=[opened.jobs[0]]))
+    [ax] = canvas.axes
+    curve = next(line for line in ax.lines if line.get_label() == "with defect")
+    peak = np.argmax(curve.get_ydata())
+    marks = [line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 2]
+    assert name == "spectrum"
+    assert marks == pytest.approx([BPFO * k for k in range(1, 7)])
+    assert curve.get_xdata()[peak] == pytest.approx(BPFO, abs=0.1)
+    assert curve.get_ydata()[peak] == pytest.approx(7.0, rel=1e-3)
+
+
+def test_a_series_shows_the_first_passes_with_the_healthy_twin(results):
+    opened = results()
+    _, canvas = only(drawn(opened, kind="series", jobs=opened.jobs[:2]))
+    assert len(canvas.axes) == 2
+    assert [line.get_label() for line in canvas.axes[0].lines] == ["with defect", "healthy"]
+    assert canvas.axes[0].lines[0].get_xdata()[-1] == pytest.approx(1e3 * 8 / BPFO, rel=2e-3)
+    assert canvas.axes[0].get_title(loc="left") == "length 3 mm, load 150 N, model static"
+
+
+def test_series_of_some_jobs_if_none_is_named(results):
+    _, canvas = only(drawn(results(), kind="series"))
+    assert len(canvas.axes) == 3
+
+
+def test_the_sensor_looks_where_the_rig_says(results):
+    text = STUDY + "rig: {sensor_angle: 60 deg}\n"
+    opened = results(text)
+    _, canvas = only(drawn(opened, kind="series", jobs=opened.jobs[:1]))
+    assert max(canvas.axes[0].lines[0].get_ydata()) == pytest.approx(3.5, rel=1e-3)
+
+
+def test_a_study_that_records_nothing_has_no_series(results):
+    opened = results(STUDY + "record: []\n")
+    with pytest.raises(PlotError, match=r"no ring\.velocity"):
+        drawn(opened, kind="series", jobs=opened.jobs[:1])
