@@ -1,0 +1,100 @@
+"""What one integrator step costs, for each model and method, healthy and over a slot.
+
+    python benchmarks/step_cost.py [--csv FILE] [--steps N] [--rounds N]
+
+NF308, 1800 rpm, 150 N. Every variant is compiled and warmed first; then all take turns, each running the same N steps
+a round under the watch that `simulate` sets, and the fastest round of each counts: what disturbs a machine comes and
+goes, and hits all alike. A second block gives `rollers` other numbers of rollers, to show what padding costs.
+Columns: ns per step; the step `auto` chooses (us); CPU s per simulated second that follows from the two.
+"""
+
+import argparse
+import csv
+import sys
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from bearingsim import build, choose
+from bearingsim.config import Case
+from bearingsim.core.advance import CHANNELS, FINE, advance
+from bearingsim.core.equilibrium import rest_from_scratch
+from bearingsim.core.models.interface import begin
+from bearingsim.simulate import _watch
+
+BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
+SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+BOWL = SLOT | {"shape": "circular", "length": "9 mm"}
+SCENES: dict[str, dict] = {"healthy": {}, "0.8 mm slot": {"defect": SLOT}, "9 mm bowl": {"defect": BOWL}}
+PAIRS = (("static", None), ("ring", "verlet"), ("ring", "rk4"), ("rollers", "verlet"), ("rollers", "rk4"))
+ROLLERS = (8, 13, 16, 24, 32)
+SLOWER = {"static": 50}  # a balance costs about as much as so many steps
+
+
+def variant(labels: dict[str, Any], case: Case, model: Any) -> dict[str, Any]:
+    """A variant ready to be timed: labels for the table, method, model, state at rest."""
+    cut = choose.grid(case)
+    y = build.empty_buffer(model)
+    rest_from_scratch(model, 0.0, y)
+    begin(model, 0.0, y)
+    row = labels | {"auto_step_us": round(1e6 * cut.step, 3)}
+    watch, method = _watch(cut, choose.limits(case)), build.method(case, cut.step)
+    return {"row": row, "method": method, "model": model, "watch": watch, "y": y, "at": 0}
+
+
+def models_and_methods() -> Iterator[dict[str, Any]]:
+    """Every model with every method, in each scene."""
+    for scene, defect in SCENES.items():
+        for model, method in PAIRS:
+            case = Case.model_validate(BASE | defect | {"model": model} | ({"method": method} if method else {}))
+            labels = {"scene": scene, "model": model, "method": method or "", "rollers": case.bearing.rollers}
+            yield variant(labels, case, build.model(case))
+
+
+def numbers_of_rollers() -> Iterator[dict[str, Any]]:
+    """`rollers` with other numbers of rollers: only the arithmetic matters here, they would not all fit."""
+    case = Case.model_validate(BASE | {"clearance": "-1 um"})
+    for Z in ROLLERS:
+        model = build.model(case)
+        model = model._replace(bearing=model.bearing._replace(Z=Z))
+        yield variant({"scene": "lanes", "model": "rollers", "method": "verlet", "rollers": Z}, case, model)
+
+
+def run(one: dict[str, Any], steps: int) -> float:
+    """CPU time (ns) per step of one round; the variant's clock goes on from round to round."""
+    count = max(1, steps // SLOWER.get(one["row"]["model"], 1))
+    out = np.empty((CHANNELS, count))
+    began = time.thread_time_ns()
+    _, outcome, _ = advance(one["method"], one["model"], one["watch"], one["at"], one["y"], out)
+    took = time.thread_time_ns() - began
+    if outcome != FINE:
+        raise RuntimeError(f"{one['row']}: the run was stopped")
+    one["at"] += count
+    return took / count
+
+
+def main() -> None:
+    """Time all variants in turn; print the table, or write it to a file."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--csv")
+    parser.add_argument("--steps", type=int, default=20_000)
+    parser.add_argument("--rounds", type=int, default=15)
+    options = parser.parse_args()
+    variants = [*models_and_methods(), *numbers_of_rollers()]
+    for one in variants:
+        run(one, options.steps)
+    times = [[run(one, options.steps) for one in variants] for _ in range(options.rounds)]
+    best = np.min(times, axis=0)
+    columns = [*variants[0]["row"], "ns_per_step", "cpu_s_per_simulated_s"]
+    with open(options.csv, "w", newline="") if options.csv else sys.stdout as target:
+        table = csv.DictWriter(target, columns, lineterminator="\n")
+        table.writeheader()
+        for one, ns in zip(variants, best, strict=True):
+            cost = round(1e-9 * float(ns) / one["method"].h, 4)
+            table.writerow(one["row"] | {"ns_per_step": round(float(ns), 1), "cpu_s_per_simulated_s": cost})
+
+
+if __name__ == "__main__":
+    main()
