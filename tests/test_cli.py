@@ -1,0 +1,388 @@
+"""What a user types, and what comes back: text, exit code, files."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.io import loadmat
+from typer.testing import CliRunner
+
+from bearingsim import __version__
+from bearingsim.cli import app
+
+STUDY = """\
+study: small
+bearing: nf308
+speed: 1800 rpm
+load: 150 N
+defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 0.05 mm}
+sweep:
+  load: [150 N, 300 N]
+  model: [static, ring]
+duration: 30 ms
+settle: 10 ms
+figures:
+  - {y: velocity@BPFO, x: load, by: model}
+quick: {sweep: {model: [static]}}
+"""
+
+
+def type_(*words, code=0):
+    """Type a command; its output, its messages on stderr, after checking its exit code."""
+    result = CliRunner().invoke(app, [str(word) for word in words])
+    assert result.exit_code == code, result.output
+    assert "Traceback" not in result.stderr
+    return result.stdout, result.stderr
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty working folder with a small study in it."""
+    monkeypatch.chdir(tmp_path)
+    Path("small.yaml").write_text(STUDY)
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """The results of the small study, computed once."""
+    folder = tmp_path_factory.mktemp("done")
+    (folder / "small.yaml").write_text(STUDY)
+    out = folder / "results" / "small"
+    said, _ = type_("run", folder / "small.yaml", "--jobs", "1", "--out", out)
+    assert said.startswith("small: 8 done of 8 jobs")
+    return out
+
+
+def ids(results):
+    return pd.read_csv(results / "results.csv")["job"]
+
+
+# The program
+
+
+def python(code, **env):
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=os.environ | env)
+
+
+def test_help_imports_nothing_heavy():
+    code = (
+        "import sys\nfrom bearingsim.cli import main\nsys.argv = ['bearingsim', '--help']\n"
+        "try: main()\nexcept SystemExit as end: assert end.code == 0\n"
+        "heavy = {'numba', 'scipy', 'pandas', 'matplotlib', 'h5py', 'numpy', 'pydantic', 'yaml', 'joblib'}\n"
+        "print('HEAVY', sorted(heavy & set(sys.modules)))"
+    )
+    told = python(code).stdout
+    assert told.rstrip().endswith("HEAVY []")
+    assert "Parametric studies" in told
+
+
+def test_checking_a_wrong_study_imports_nothing_heavy(here):
+    Path("small.yaml").write_text(STUDY.replace("150 N", "150 kg"))
+    code = (
+        "import sys\nfrom bearingsim.cli import main\nsys.argv = ['bearingsim', 'check', 'small.yaml']\n"
+        "try: main()\nexcept SystemExit as end: assert end.code == 2\n"
+        "print('HEAVY', sorted({'numba', 'scipy', 'pandas', 'matplotlib', 'h5py'} & set(sys.modules)))"
+    )
+    assert python(code).stdout.rstrip().endswith("HEAVY []")
+
+
+def test_python_m_is_the_command():
+    told = subprocess.run([sys.executable, "-m", "bearingsim", "--version"], capture_output=True, text=True)
+    assert told.stdout == f"bearingsim {__version__}\n"
+
+
+def test_no_color_is_honoured(here):
+    code = "import sys\nfrom bearingsim.cli import main\nsys.argv = ['bearingsim', 'freq', 'nf308']\nmain()"
+    assert "\x1b" in python(code, FORCE_COLOR="1", NO_COLOR="").stdout
+    told = python(code, FORCE_COLOR="1", NO_COLOR="1").stdout
+    assert "BPFO" in told
+    assert "\x1b[3" not in told
+
+
+@pytest.mark.parametrize("words", [["rum"], ["run"], ["check", "small.yaml", "--sett", "a=b"]])
+def test_a_wrong_command_is_a_message_and_2(here, words):
+    out, told = type_(*words, code=2)
+    assert out == ""
+    assert told
+
+
+# new, check
+
+
+def test_new_writes_a_study_that_checks(here):
+    said, _ = type_("new", "mine.yaml")
+    assert "mine.yaml" in said
+    said, _ = type_("check", "mine.yaml")
+    assert said.startswith("defect-length: 15 jobs (12 cases, 3 healthy twins)")
+
+
+def test_new_overwrites_nothing(here):
+    _, told = type_("new", "small.yaml", code=2)
+    assert "exists already" in told
+    assert Path("small.yaml").read_text() == STUDY
+
+
+def test_check_prints_the_plan(here):
+    said, _ = type_("check", "small.yaml", "--jobs", "2")
+    assert "8 jobs (4 cases, 4 healthy twins); sweeps load, model" in said
+    rows = {line[: line.find("  ")].strip(): line.split() for line in said.splitlines() if "  " in line}
+    assert rows["cases"][-2:] == ["2", "2"]
+    assert rows["crossing of the pit (us)"][-2:] == ["270", "270"]  # 0.8 mm at 2.959 m/s
+    assert rows["step limit at rest (us)"][5] == "-"  # the static model has none
+    assert "2 workers" in said
+    assert len(max(said.splitlines(), key=len)) < 100
+
+
+def test_check_for_a_script(here):
+    found = json.loads(type_("check", "small.yaml", "--json", "--jobs", "2")[0])
+    assert (found["cases"], found["twins"], found["refused"]) == (4, 4, [])
+    ring = [job for job in found["jobs"] if job["model"] == "ring"]
+    assert all(0.0 < job["step"] < job["limits"]["at_impact"] for job in ring)
+    assert found["cpu_seconds"] == pytest.approx(sum(job["estimate"]["cpu_seconds"] for job in found["jobs"]))
+    assert found["cpu_seconds"] / 2 <= found["wall_seconds"] <= found["cpu_seconds"]
+
+
+def test_check_lists_cases_when_asked(here):
+    said, _ = type_("check", "small.yaml", "-v")
+    assert sum(line.startswith(("150 N", "300 N")) for line in said.splitlines()) == 4
+
+
+def test_set_and_quick_change_the_plan(here):
+    said, _ = type_("check", "small.yaml", "--quick", "--set", "load=[100 N, 150 N, 200 N]")
+    assert "6 jobs (3 cases, 3 healthy twins)" in said
+
+
+def test_check_shows_every_mistake_at_once(here):
+    Path("small.yaml").write_text(STUDY.replace("0.8 mm", "0,8 mm").replace("30 ms", "30"))
+    out, told = type_("check", "small.yaml", code=2)
+    assert out == ""
+    assert "small.yaml:5:52: defect.width" in told
+    assert "write a decimal point" in told
+    assert "duration" in told
+
+
+def test_a_step_over_the_limit_is_refused_once(here):
+    _, told = type_("check", "small.yaml", "--set", "model=rollers", "--set", "step=20 us", code=2)
+    [line] = told.splitlines()
+    assert line.startswith("small.yaml: 4 jobs refused, the first at load 150 N")
+    assert "over the method's limit" in line
+    assert "say `step: auto`" in line
+
+
+def test_a_case_without_equilibrium_is_refused(here, monkeypatch):
+    def nothing_holds(case):
+        raise ArithmeticError(f"no equilibrium at {case.load} N")
+
+    monkeypatch.setattr("bearingsim.choose.limits", nothing_holds)
+    _, told = type_("check", "small.yaml", code=2)
+    first = "8 jobs refused, the first at load 150 N, model static"
+    assert told == f"small.yaml: {first}: no equilibrium at 150.0 N\n"
+
+
+def test_the_schema_is_json():
+    schema = json.loads(type_("check", "--schema")[0])
+    assert schema["title"] == "bearingsim study"
+
+
+def test_check_needs_a_study():
+    assert "name a study file" in type_("check", code=2)[1]
+
+
+# run
+
+
+def test_run_resumes(done):
+    said, _ = type_("run", done.parents[1] / "small.yaml", "--jobs", "1", "--out", done, "--verify")
+    assert said.startswith("small: 0 done, 8 done before of 8 jobs")
+
+
+def test_run_goes_to_results(here):
+    said, _ = type_("run", "small.yaml", "--jobs", "1", "--quick", "--shard", "1/2")
+    assert "2 done of 2 jobs" in said
+    assert "results: results/small" in said
+    assert Path("results/small/results.csv").is_file()
+
+
+def test_failed_jobs_are_stored_and_told(here):
+    words = ["run", "small.yaml", "--jobs", "1", "--set", "load=150 N", "--set", "model=[static, rollers]"]
+    said, _ = type_(*words, "--set", "step=5 us", code=1)
+    assert "2 done, 2 failed of 4 jobs" in said
+    assert "2 jobs failed: a step of" in said
+    said, _ = type_("show", "--failed")
+    assert "model rollers" in said
+    assert "over the method's limit" in said
+    assert "again: bearingsim run small.yaml" in said
+    table = json.loads(type_("show", "--failed", "--json")[0])
+    assert [row["status"] for row in table] == ["failed", "failed"]
+    assert table[0]["velocity@BPFO"] is None
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--set", "load"], "expected PATH=VALUE"),
+        (["--set", "lode=150 N"], "did you mean `load`?"),
+        (["--shard", "3/2"], "expected K/N"),
+        (["--shard", "1/2", "--fresh"], "other shards"),
+        (["--jobs", "0"], "greater than or equal to 1"),
+    ],
+)
+def test_a_wrong_option_is_a_message_and_2(here, words, message):
+    _, told = type_("run", "small.yaml", *words, code=2)
+    assert message in " ".join(told.replace("│", " ").split())
+    assert not Path("results").exists()
+
+
+def test_a_file_that_is_not_there(here):
+    assert type_("run", "none.yaml", code=2)[1] == "none.yaml: no such file\n"
+
+
+def test_a_folder_that_cannot_be_written(here):
+    Path("file").write_text("")
+    _, told = type_("run", "small.yaml", "--jobs", "1", "--out", "file/results", code=2)
+    assert told.startswith("bearingsim: ")
+
+
+def test_an_interrupt_is_130_and_tells_what_is_done(here, monkeypatch):
+    from bearingsim import runner
+
+    def interrupted(*_):
+        raise runner.Interrupted(runner.RunSummary("small", here, 8, 1, 2, (), 0.5, 0.4, 0.3, interrupted=True))
+
+    monkeypatch.setattr(runner, "run", interrupted)
+    _, told = type_("run", "small.yaml", code=130)
+    assert "2 done, 1 done before, 5 left of 8 jobs" in told
+
+
+def test_detail_shows_the_traceback_of_an_error(here):
+    result = CliRunner().invoke(app, ["check", "none.yaml", "-v"])
+    assert result.exit_code == 2
+    assert "Traceback" in result.stderr
+
+
+# plot, show, export
+
+
+def test_plot_writes_the_figures_of_the_study(done, tmp_path):
+    said, _ = type_("plot", done, "--out", tmp_path, "--format", "svg")
+    assert said.split() == [str(tmp_path / "fig1-velocity-bpfo-vs-load.svg")]
+    assert (tmp_path / "fig1-velocity-bpfo-vs-load.svg").stat().st_size > 10_000
+
+
+def test_plot_takes_the_newest_results(done, monkeypatch):
+    monkeypatch.chdir(done.parents[1])
+    said, _ = type_("plot", "--kind", "spectrum", "--job", ids(done)[0][:9])
+    assert said.split() == ["results/small/figures/spectrum.png"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--kind", "pie"], "sweep, phase, series or spectrum"),
+        (["--format", "gif"], "png, svg or pdf"),
+        (["--x", "lode"], "did you mean `load`?"),
+        (["--kind", "series", "--job", "xyz"], "no job begins with `xyz`"),
+    ],
+)
+def test_plot_refuses_what_it_does_not_know(done, words, message):
+    _, told = type_("plot", done, *words, code=2)
+    assert message in " ".join(told.replace("│", " ").split())
+
+
+@pytest.mark.parametrize("command", ["plot", "show", "export"])
+def test_without_results_there_is_a_message(here, command):
+    assert "there are no results" in type_(command, code=2)[1]
+    assert "holds no results" in type_(command, here, code=2)[1]
+
+
+def test_show_prints_a_row_per_job(done):
+    said, _ = type_("show", done)
+    lines = said.splitlines()
+    assert "velocity@BPFO (µm/s)" in lines[0]
+    assert sum(line.startswith(tuple(job[:8] for job in ids(done))) for line in lines) == 8
+    assert lines[-1] == "8 jobs: 8 done"
+
+
+def test_show_takes_columns(done):
+    said, _ = type_("show", done, "--columns", "load", "--columns", "velocity.rms")
+    assert said.splitlines()[0].split() == ["job", "load", "velocity.rms", "(µm/s)"]
+    assert "did you mean `velocity.rms`?" in type_("show", done, "--columns", "velocity.rmse", code=2)[1]
+
+
+def test_show_for_a_script(done):
+    rows = json.loads(type_("show", done, "--json")[0])
+    assert {row["load"] for row in rows} == {150.0, 300.0}
+    assert all(row["status"] == "done" for row in rows)
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_features_are_exported(done, tmp_path, suffix):
+    file = tmp_path / f"features.{suffix}"
+    assert type_("export", done, "--features", file)[0].strip() == str(file)
+    read = pd.read_csv if suffix == "csv" else pd.read_parquet
+    table, whole = read(file), pd.read_csv(done / "results.csv")
+    assert list(table["job"]) == list(whole["job"])
+    assert table["velocity@BPFO"].to_numpy() == pytest.approx(whole["velocity@BPFO"].to_numpy())
+
+
+def test_export_names_its_file(done, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert type_("export", done, "--format", "parquet")[0] == "small-features.parquet\n"
+    assert Path("small-features.parquet").is_file()
+
+
+def test_series_are_exported_to_csv(done, tmp_path):
+    first, second = ids(done)[:2]
+    type_("export", done, "--series", first, "--series", second, "--out", tmp_path / "both.csv")
+    table = pd.read_csv(tmp_path / "both.csv")
+    heads = [f"{job}/ring.velocity.{c} [m/s]" for job in (first, second) for c in "xy"]
+    assert list(table) == ["time [s]", *heads]
+    assert len(table) == 307  # 30 ms at 10240 Hz
+    assert np.diff(table["time [s]"]) == pytest.approx(1.0 / 10240.0)
+    assert table[heads[0]].abs().max() > 1e-6
+
+
+def test_series_are_exported_to_matlab(done, tmp_path):
+    job = ids(done)[1]
+    type_("export", done, "--series", job[:10], "--out", tmp_path / "one.mat")
+    struct = loadmat(tmp_path / "one.mat", simplify_cells=True)[f"job_{job}"]
+    assert set(struct) == {"time", "ring_velocity_x", "ring_velocity_y"}
+    assert len(struct["ring_velocity_x"]) == len(struct["time"]) == 307
+
+
+def test_export_refuses_other_formats(done, tmp_path):
+    assert "ends in .csv or .parquet" in type_("export", done, "--features", tmp_path / "a.xlsx", code=2)[1]
+    words = ["--series", ids(done)[0], "--out", tmp_path / "a.wav"]
+    assert "ends in .csv or .mat" in type_("export", done, *words, code=2)[1]
+
+
+# freq
+
+
+def test_freq_prints_the_frequencies():
+    said, _ = type_("freq", "nf308")
+    found = {line.split()[0]: line.split()[-6:] for line in said.splitlines()[3:]}
+    assert found["BPFO"] == ["5.3000", "159.000", "318.000", "477.000", "636.000", "795.000"]
+    assert found["BPFI"][:2] == ["7.7000", "231.000"]
+    assert found["FTF"][1] == "12.231"
+    assert found["BSF"][1] == "78.481"
+
+
+def test_freq_at_another_speed_for_a_script():
+    found = json.loads(type_("freq", "nf308", "--speed", "900 rpm", "--json")[0])
+    assert found["shaft_hz"] == pytest.approx(15.0)
+    assert found["frequencies"]["BPFO"]["hz"][1] == pytest.approx(159.0)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [(["nf309"], "did you mean `nf308`?"), (["nf308", "--speed", "1800"], "the unit is missing")],
+)
+def test_freq_refuses_what_it_does_not_know(words, message):
+    assert message in type_("freq", *words, code=2)[1]
