@@ -3,7 +3,7 @@
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import ceil, cos, floor, sin
+from math import ceil, cos, floor, pi, sin
 from typing import Any
 
 import numpy as np
@@ -251,16 +251,23 @@ def _along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
 
 def _lines(case: Case, cut: choose.Grid, tape: _Tape) -> dict[str, float]:
     """Amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
-    start = ceil(case.settle * cut.fine_rate - 1e-6)
-    length = floor(case.duration * cut.rate + 1e-6) * cut.fine_per_pass
+    M, start = cut.fine_per_pass, ceil(case.settle * cut.fine_rate - 1e-6)
+    length = floor(case.duration * cut.rate + 1e-6) * M
+    whole = tape.fine[:, start + tape.zero : start + tape.zero + length + 1]
     angle = case.bearing.rollers * case.start_angle
+    velocity = _along_sensor(case, whole, "velocity")
+    by_pass = {
+        quantity: signals.lines_by_pass(_along_sensor(case, whole, quantity)[:-1], M, HARMONICS, start, angle)
+        for quantity in ("displacement", "velocity")
+    }
+    by_pass["acceleration"] = signals.derivative_lines(
+        by_pass["velocity"], velocity[::M], cut.rate, HARMONICS, angle + 2.0 * pi * (start % M) / M
+    )
     found = {}
-    for quantity in QUANTITIES:
-        whole = _along_sensor(case, tape.fine[:, start + tape.zero : start + tape.zero + length], quantity)
-        lines = signals.lines_by_pass(whole, cut.fine_per_pass, HARMONICS, start, angle)
-        for harmonic, by_pass in zip(HARMONICS, lines, strict=True):
+    for quantity, lines in by_pass.items():
+        for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
-            found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(by_pass)
+            found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values)
     return found
 
 
