@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from bearingsim.signals import line, lines_by_pass, statistics
+from bearingsim.signals import derivative_lines, line, lines_by_pass, statistics
 
 M, PASSES = 66, 7
 HARMONICS = (1, 2, 3, 4, 5)
@@ -43,6 +43,21 @@ def test_a_source_at_phi_turns_the_phase_by_minus_k_Z_phi(k: int) -> None:
     shift = 0.4  # Z phi
     (by_pass,) = lines_by_pass(periodic(3, 1.0 - shift, {k: (1.0, 0.0)}), M, [k], 3, 1.0)
     assert line(by_pass)[1] == pytest.approx(-k * shift, abs=1e-12)
+
+
+def test_lines_of_a_derivative_are_exact_when_the_series_drifts_too() -> None:
+    M, rate, start, drift = 4096, 159.0, 100, 3.0
+    k, angle = np.arange(1, 4), 0.7 + 2 * np.pi * (100 + np.arange(2 * M + 1)) / M
+    series = sum(A * np.cos(n * angle + phase) for n, (A, phase) in LINES.items()) + drift * angle
+    by_pass = lines_by_pass(series[:-1], M, k, start, 0.7)
+    found = derivative_lines(by_pass, series[::M], rate, k, 0.7 + 2 * np.pi * start / M)
+    for n, values in zip(k, found, strict=True):
+        A, phase = LINES[n]
+        expected = 2j * np.pi * rate * n * A * np.exp(1j * phase)
+        rounding = (
+            2 * np.pi * rate * n * 2 * np.pi * drift / M
+        )  # of a sum for an integral; the drift's line is M times it
+        assert np.abs(values - expected).max() < 1.01 * rounding
 
 
 def test_scatter_is_the_standard_error_over_passes() -> None:

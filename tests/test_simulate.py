@@ -1,0 +1,438 @@
+"""From a case to its record: sampling end to end, lines, settling, refusals, and numbers that must not change."""
+
+import hashlib
+import importlib
+import math
+import os
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable
+from typing import Any
+from unittest import mock
+
+import numpy as np
+import pytest
+from scipy.optimize import root
+
+from bearingsim import build, choose
+from bearingsim.config import CHANNELS, FEATURES, Case, dataset_names
+from bearingsim.core.advance import CHANNELS as ROWS
+from bearingsim.core.advance import FINE, Watch, advance
+from bearingsim.core.equilibrium import rest_from_scratch
+from bearingsim.core.layout import POSITION
+from bearingsim.core.models.interface import begin
+from bearingsim.simulate import SimulationError, simulate, warm
+
+MODULE = importlib.import_module("bearingsim.simulate")
+RATE = 159.0  # ball passes per second of the NF308 at 1800 rpm
+SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+RING = ["ring.displacement", "ring.velocity", "ring.acceleration"]
+FORCES = ["roller.outer_force", "roller.inner_force"]
+
+
+def case(**fields: Any) -> Case:
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "duration": "80 ms", "settle": "30 ms"}
+    return Case.model_validate(base | {"model": "ring"} | fields)
+
+
+def line(features: dict[str, float], name: str) -> complex:
+    """A line's complex amplitude."""
+    return features[name] * np.exp(1j * features[f"{name}.phase"])
+
+
+# The chain from steps to samples, on a motion that is known
+
+
+def driven(given: Case, signal: Callable[[np.ndarray], np.ndarray]) -> Any:
+    """The record of a ring whose velocity along the load line is ``signal`` (of the time since the start)."""
+
+    def known(method: Any, model: Any, watch: Watch, start: int, y: np.ndarray, out: np.ndarray) -> tuple:
+        out[:] = 0.0
+        out[2] = signal((start + 1 + np.arange(out.shape[1])) * method.h)
+        return out.shape[1], FINE, -1
+
+    with mock.patch.object(MODULE, "advance", known):
+        return simulate(given)
+
+
+SAMPLINGS = [200e3, 10240.0, 1024.0, 12345.678]
+
+
+@pytest.mark.parametrize("sampling", SAMPLINGS)
+@pytest.mark.parametrize("share", [0.03, 0.37])
+def test_a_tone_in_the_pass_band_is_recorded_where_it_was(sampling: float, share: float) -> None:
+    omega = 2 * np.pi * share * sampling
+    found = driven(case(sampling=sampling), lambda t: np.cos(omega * t + 0.7))
+    t = 0.03 + found.time
+    assert np.abs(found.series["ring.velocity.x"] - np.cos(omega * t + 0.7)).max() < 3e-4
+    assert not found.series["ring.velocity.y"].any()
+
+
+@pytest.mark.parametrize("sampling", SAMPLINGS[1:])
+@pytest.mark.parametrize("share", [0.62, 1.02, 2.7, 3.9, 4.05, 8.03])
+def test_a_tone_that_would_alias_is_rejected(sampling: float, share: float) -> None:
+    given = case(sampling=sampling, step="1 us")
+    found = driven(given, lambda t: np.cos(2 * np.pi * share * sampling * t))
+    assert np.abs(found.series["ring.velocity.x"]).max() < 10 ** (-70 / 20)
+
+
+def test_a_constant_stays_a_constant() -> None:
+    found = driven(case(), lambda t: np.full_like(t, 0.3))
+    assert found.series["ring.velocity.x"] == pytest.approx(0.3, rel=1e-13)
+    assert math.isnan(found.features["velocity.crest"])
+
+
+@pytest.mark.parametrize("settle", [0.03, 0.0371])
+def test_raw_samples_of_a_straight_line_are_exact(settle: float) -> None:
+    found = driven(case(antialias=False, settle=settle, sampling=7777.7), lambda t: 2.0 - 5.0 * t)
+    assert found.series["ring.velocity.x"] == pytest.approx(2.0 - 5.0 * (settle + found.time), abs=1e-12)
+
+
+@pytest.mark.parametrize("sampling", SAMPLINGS)
+@pytest.mark.parametrize("settle", [0.03, 0.0371])
+def test_lines_of_a_known_motion(sampling: float, settle: float) -> None:
+    given = case(sampling=sampling, settle=settle, start_angle=0.2)
+    lines = {1: (2.0, 0.4), 2: (0.3, -2.0), 3: (1e-3, 3.0), 5: (0.2, 1.0), 7: (3.0, 0.1), 61: (1.0, 1.2)}
+
+    def signal(t: np.ndarray) -> np.ndarray:
+        Z_theta = 13 * 0.2 + 2 * np.pi * RATE * t
+        return 1.0 + sum(A * np.cos(k * Z_theta + phase) for k, (A, phase) in lines.items())
+
+    found = driven(given, signal).features
+    for k in range(1, 6):
+        A, phase = lines.get(k, (0.0, 0.0))
+        name = "velocity@BPFO" if k == 1 else f"velocity@{k}BPFO"
+        assert abs(line(found, name) - A * np.exp(1j * phase)) < 2e-4
+        assert found[f"{name}-scatter"] < 1e-9
+    assert found["displacement@BPFO"] == 0.0
+    expected = 1j * 2 * np.pi * RATE * line(found, "velocity@BPFO")
+    assert line(found, "acceleration@BPFO") == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("duration", "sampling", "count"), [(0.29, 10000.0, 2900), (0.0101, 10240.0, 103), (0.05, 333.3, 16)]
+)
+def test_the_time_axis(duration: float, sampling: float, count: int) -> None:
+    found = simulate(case(duration=duration, sampling=sampling))
+    assert len(found.time) == count
+    assert all(len(series) == count for series in found.series.values())
+    assert found.time[0] == 0.0
+    assert found.time == pytest.approx(np.arange(count) / sampling, rel=1e-15)
+
+
+# The chain on real motion, against the integrator driven by hand
+
+
+def by_hand(given: Case, passes: int) -> tuple[np.ndarray, float]:
+    """Recording (8, steps + 1) of every step from the start at rest, and the step (s)."""
+    cut, model = choose.grid(given), build.model(given)
+    y = build.empty_buffer(model)
+    rest_from_scratch(model, 0.0, y)
+    begin(model, 0.0, y)
+    wide = np.empty((ROWS, passes * cut.steps_per_pass + 1))
+    MODULE.record(y, 0, wide)
+    advance(build.method(given, cut.step), model, Watch(1000, 1.0), 0, y, wide[:, 1:])
+    return wide, cut.step
+
+
+ROW = {name: row for row, name in enumerate(name for channel in CHANNELS for name in dataset_names(channel))}
+
+
+@pytest.mark.parametrize("settle", [0.0, 0.0123])
+def test_without_antialias_samples_lie_on_lines_between_steps(settle: float) -> None:
+    given = case(
+        defect=SLOT, antialias=False, settle=settle, duration=0.021, sampling=8765.4, record=RING + FORCES
+    )
+    raw, h = by_hand(given, 6)
+    found = simulate(given)
+    places = (settle + found.time) / h
+    assert len(found.series) == 8
+    for name, series in found.series.items():
+        row = raw[ROW[name]]
+        expected = np.interp(places, np.arange(len(row)), row)
+        assert np.abs(series - expected).max() < 1e-9 * np.abs(row).max()
+
+
+@pytest.mark.parametrize("model", ["ring", "rollers"])
+def test_lines_equal_those_of_the_raw_steps(model: str) -> None:
+    given = case(model=model, defect=SLOT, settle=0.03, duration=0.04, sampling=2048.0)
+    raw, h = by_hand(given, 11)
+    cut = choose.grid(given)
+    start = math.ceil(0.03 * cut.fine_rate - 1e-6) * cut.decimation
+    steps = start + np.arange(6 * cut.steps_per_pass)
+    theta = 13 * given.start_angle + 2 * np.pi * RATE * h * steps
+    found = simulate(given).features
+    for quantity, row in (("displacement", 0), ("velocity", 2), ("acceleration", 4)):
+        for k in (1, 2, 5):
+            expected = 2 * np.mean(raw[row][steps] * np.exp(-1j * k * theta))
+            name = f"{quantity}@BPFO" if k == 1 else f"{quantity}@{k}BPFO"
+            assert abs(line(found, name) / expected - 1.0) < 5e-4
+
+
+def test_settle_zero_starts_at_static_equilibrium() -> None:
+    given = case(model="rollers", settle=0.0, antialias=False, record=RING, sampling=50e3)
+    model = build.model(given)
+    y = build.empty_buffer(model)
+    rest_from_scratch(model, 0.0, y)
+    found = simulate(given)
+    assert found.displacement[0].tolist() == y[POSITION : POSITION + 2].tolist()
+    assert found.displacement[0, 0] == pytest.approx(-3.4e-7, rel=0.1)
+    assert found.velocity[0].tolist() == [0.0, 0.0]
+    smooth = simulate(given.model_copy(update={"antialias": True}))
+    assert smooth.displacement[0] == pytest.approx(found.displacement[0], rel=1e-3, abs=1e-10)
+
+
+@pytest.mark.parametrize("model", ["static", "ring"])
+def test_velocity_lines_are_omega_times_displacement_lines(model: str) -> None:
+    found = simulate(case(model=model, defect=SLOT)).features
+    for k, name in ((1, "BPFO"), (2, "2BPFO"), (3, "3BPFO")):
+        expected = 1j * 2 * np.pi * k * RATE * line(found, f"displacement@{name}")
+        assert abs(line(found, f"velocity@{name}") / expected - 1.0) < 2e-3
+
+
+@pytest.mark.parametrize("model", ["static", "ring"])
+def test_phase_tells_where_the_defect_is(model: str) -> None:
+    """Less the healthy line, a defect at +a leads one at -a by -2 k Z a."""
+    healthy = simulate(case(model=model)).features
+    left, right = (simulate(case(model=model, defect=SLOT | {"angle": f"{a} deg"})).features for a in (2.0, -2.0))
+    for k, name in ((1, "velocity@BPFO"), (2, "velocity@2BPFO")):
+        a, b, none = (line(features, name) for features in (left, right, healthy))
+        turned = np.angle((a - none) / (b - none))
+        expected = -2.0 * k * 13 * math.radians(2.0)
+        assert math.remainder(turned - expected, 2 * math.pi) == pytest.approx(0.0, abs=0.06)
+
+
+@pytest.mark.parametrize(
+    "change", [{"start_angle": 0.4}, {"settle": 0.0413}, {"duration": 0.2}, {"sampling": 3000.0}]
+)
+@pytest.mark.parametrize("model", ["static", "ring"])
+def test_lines_do_not_depend_on_when_one_looks(model: str, change: dict) -> None:
+    """Phases are told from a roller passing the load line, so neither the start nor the length matters."""
+    base, other = (simulate(case(model=model, defect=SLOT, **more)).features for more in ({}, change))
+    for name in ("displacement@BPFO", "velocity@BPFO", "velocity@3BPFO"):
+        assert abs(line(other, name) / line(base, name) - 1.0) < 5e-3
+
+
+@pytest.mark.parametrize("model", ["static", "ring"])
+def test_a_longer_record_of_the_same_motion_has_the_same_features(model: str) -> None:
+    passes = 1.0 / RATE
+    short, long = (
+        simulate(case(model=model, defect=SLOT, sampling=RATE * 64, duration=n * passes)).features for n in (4, 12)
+    )
+    for name, value in short.items():
+        if not name.endswith("-scatter"):
+            assert long[name] == pytest.approx(value, rel=1e-4, abs=1e-12), name
+
+
+def test_static_is_periodic_from_its_first_sample() -> None:
+    """Nothing has memory: no start-up in displacement, velocity or acceleration, in raw and filtered samples."""
+    for antialias in (True, False):
+        given = case(
+            model="static", start_angle=0.1, settle=0.0, sampling=RATE * 40, record=RING, antialias=antialias
+        )
+        for name, series in simulate(given).series.items():
+            passes = series[:400].reshape(10, 40)
+            assert np.abs(passes - passes[-1]).max() < 1e-6 * np.ptp(series), name
+
+
+def test_a_recorded_roller_goes_around_the_bearing_in_static_too() -> None:
+    turn = 13 / RATE
+    static, ring = (
+        simulate(case(model=model, record=FORCES, duration=turn)).series["roller.outer_force"]
+        for model in ("static", "ring")
+    )
+    assert 0.3 < np.mean(static > 1.0) < 0.6  # half of the bearing carries
+    assert np.abs(static - ring).max() < 0.02 * ring.max()
+
+
+# What is recorded and computed
+
+
+def test_the_sensor_sees_the_direction_it_looks_in() -> None:
+    def features(angle: str) -> dict[str, float]:
+        rig = {"name": "r", "sensor_angle": angle}
+        return simulate(case(defect=SLOT | {"angle": "20 deg"}, rig=rig, record=RING)).features
+
+    record = simulate(case(defect=SLOT | {"angle": "20 deg"}, rig={"name": "r"}, record=RING))
+    along, across, between = features("0 deg"), features("90 deg"), features("30 deg")
+    for quantity, series in (("velocity", record.velocity), ("displacement", record.displacement)):
+        for found, direction in ((along, series[:, 0]), (across, series[:, 1])):
+            assert found[f"{quantity}.rms"] == pytest.approx(direction.std(), rel=1e-9)
+        mixed = math.cos(math.pi / 6) * line(along, f"{quantity}@BPFO") + 0.5 * line(across, f"{quantity}@BPFO")
+        assert line(between, f"{quantity}@BPFO") == pytest.approx(mixed, rel=1e-9)
+    assert across["velocity.rms"] != pytest.approx(along["velocity.rms"], rel=0.01)
+
+
+@pytest.mark.parametrize("antialias", [True, False])
+def test_what_is_recorded_does_not_change_the_features(antialias: bool) -> None:
+    found = {
+        len(record): simulate(case(defect=SLOT, record=record, antialias=antialias))
+        for record in ([], RING, FORCES)
+    }
+    names = {len(record): {n for c in record for n in dataset_names(c)} for record in ([], RING, FORCES)}
+    assert {size: set(record.series) for size, record in found.items()} == names
+    assert found[0].features == found[3].features == found[2].features
+    with pytest.raises(KeyError, match="record"):
+        found[0].velocity  # noqa: B018
+
+
+def test_features_are_those_announced() -> None:
+    found = simulate(case(defect=SLOT, record=[])).features
+    assert set(found) == {name for name in FEATURES if not name.endswith("-healthy")}
+    assert all(type(value) is float for value in found.values())
+
+
+def test_forces_recorded_are_consistent() -> None:
+    """The inner contact of the first roller carries what the outer does, less its centrifugal load, on average."""
+    found = simulate(case(model="rollers", record=FORCES, duration=13 / RATE)).series
+    outer, inner = found["roller.outer_force"], found["roller.inner_force"]
+    cage = 2 * np.pi * 30 * (1 - 12 / 65) / 2
+    mass = 7850 * np.pi / 4 * 0.012**3
+    assert np.mean(outer - inner) == pytest.approx(mass * cage**2 * 0.0325, rel=0.01)
+
+
+def test_peak_force_of_static_equals_the_load_sharing() -> None:
+    """Palmgren's two contacts in series, 13 rollers, 150 N, worked out with SciPy alone."""
+    K = 8.06e4 * 12 ** (8 / 9) * 1000 ** (10 / 9) * 2 ** (-10 / 9)
+
+    def forces(u: np.ndarray, theta: float) -> tuple[np.ndarray, np.ndarray]:
+        angles = theta + 2 * np.pi / 13 * np.arange(13)
+        approach = np.maximum(-(1e-6 * u[0] * np.cos(angles) + 1e-6 * u[1] * np.sin(angles)), 0.0)
+        return K * approach ** (10 / 9), angles
+
+    def rest(theta: float) -> float:
+        def net(u: np.ndarray) -> list[float]:
+            Q, angles = forces(u, theta)
+            return [Q @ np.cos(angles) + 150.0, Q @ np.sin(angles)]
+
+        return forces(root(net, [0.4, 0.0], tol=1e-12).x, theta)[0].max()
+
+    expected = max(rest(theta) for theta in np.linspace(0, 2 * np.pi / 13, 101))
+    soft = {"name": "soft", "bracket_stiffness": "1 N/m"}
+    found = simulate(case(model="static", rig=soft)).features["outer_force.max"]
+    assert found == pytest.approx(expected, rel=1e-4)
+
+
+def test_the_largest_force_is_not_that_of_the_settling() -> None:
+    """The first roller over a pit meets a bearing at rest; what counts comes after settling."""
+    given = case(model="rollers", defect=SLOT, record=FORCES, settle=0.05)
+    found = simulate(given)
+    later = simulate(given.model_copy(update={"settle": 0.05 + 3 / RATE}))
+    assert found.features["outer_force.max"] == pytest.approx(later.features["outer_force.max"], rel=0.05)
+
+
+def test_info_says_how_it_was_computed() -> None:
+    given = case(defect=SLOT)
+    info, cut = simulate(given).info, choose.grid(given)
+    assert info["step_s"] == cut.step
+    assert info["steps"] == cut.passes * cut.steps_per_pass
+    cage = 2 * np.pi * RATE / 13
+    assert info["cage_angle_start_rad"] == pytest.approx(given.start_angle + cage * 0.03, rel=1e-12)
+    assert 0.0 < info["integrator_cpu_s"] <= info["cpu_s"]
+
+
+# Refusals
+
+
+def test_a_step_over_the_limit_is_refused_with_advice() -> None:
+    with pytest.raises(SimulationError, match="over the method's limit") as caught:
+        simulate(case(model="rollers", defect=SLOT, step="2 us"))
+    assert caught.value.time is None
+    assert "step: auto" in caught.value.advice
+
+
+@pytest.mark.parametrize("factor", [2.0, 3.0, 10.0, 30.0])
+@pytest.mark.parametrize(("model", "defects"), [("rollers", ()), ("rollers", (SLOT,)), ("ring", ())])
+def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple, factor: float) -> None:
+    """``choose`` would refuse these: whatever slips past it must not come back as a result."""
+    given = case(model=model, defects=defects, sampling=100.0)
+    forced = min(factor * choose.limits(given).at_impact, 0.99 / RATE / choose.FEWEST_FINE)
+    with mock.patch.object(choose, "wanted_step", return_value=forced), pytest.raises(SimulationError) as caught:
+        simulate(given)
+    assert caught.value.time is not None
+    assert 0.0 < caught.value.time < 0.12
+    if model == "rollers":
+        assert "roller " in caught.value.reason
+    assert "step under" in caught.value.advice
+
+
+def test_a_motion_that_is_not_finite_is_stopped() -> None:
+    def broken(method: Any, model: Any, watch: Watch, start: int, y: np.ndarray, out: np.ndarray) -> tuple:
+        y[POSITION] = np.nan
+        return advance(method, model, watch, start, y, out)
+
+    with mock.patch.object(MODULE, "advance", broken), pytest.raises(SimulationError, match="finite"):
+        simulate(case())
+
+
+def test_a_load_too_small_to_balance_is_refused_with_a_reason() -> None:
+    with pytest.raises(SimulationError, match="no static equilibrium") as caught:
+        simulate(case(load=1e-9))
+    assert "load" in caught.value.advice
+
+
+def test_the_error_crosses_processes() -> None:
+    again = pickle.loads(pickle.dumps(SimulationError("why", "what", 0.5)))
+    assert (again.reason, again.advice, again.time, str(again)) == ("why", "what", 0.5, "why; what")
+
+
+def test_warming_takes_any_case() -> None:
+    warm([case(defect=SLOT), case(sampling=100.0), case(model="static"), case(antialias=False), case()])
+
+
+# The same numbers, always
+
+
+def fingerprint(given: Case) -> str:
+    found = simulate(given)
+    digest = hashlib.sha256(repr(sorted(found.features.items())).encode())
+    for name, series in sorted(found.series.items()):
+        digest.update(name.encode() + series.tobytes())
+    return digest.hexdigest()
+
+
+def elsewhere(code: str, **environment: str) -> str:
+    """What a fresh process prints."""
+    env = os.environ | environment | {"PYTHONPATH": os.path.dirname(__file__)}
+    run = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code], env=env, capture_output=True, text=True, timeout=80
+    )
+    assert run.returncode == 0, run.stderr
+    return run.stdout.strip()
+
+
+def test_the_same_case_gives_the_same_bits() -> None:
+    given = case(model="rollers", defect=SLOT, record=RING + FORCES)
+    here = fingerprint(given)
+    assert fingerprint(given) == here
+    code = (
+        "from test_simulate import *; print(fingerprint(case(model='rollers', defect=SLOT, record=RING + FORCES)))"
+    )
+    assert elsewhere(code) == here
+    assert fingerprint(given.model_copy(update={"load": given.load * (1 + 1e-15)})) != here
+
+
+THREE = {  # a small bearing, turning fast, so that plain Python gets through a few ball passes
+    "name": "three",
+    "rollers": 3,
+    "roller_diameter": "12 mm",
+    "roller_length": "12 mm",
+    "pitch_diameter": "65 mm",
+    "bore": "40 mm",
+    "outside_diameter": "90 mm",
+    "width": "23 mm",
+}
+FAST = {"bearing": THREE, "speed": "12000 rpm", "settle": "0 ms", "sampling": "1500 Hz", "clearance": "-2 um"}
+
+
+def numbers(**fields: Any) -> list[float]:
+    found = simulate(case(**(FAST | {"duration": 1.001 / 244.6} | fields)))
+    return [found.features[n] for n in sorted(found.features) if "scatter" not in n and "kurtosis" not in n]
+
+
+def test_plain_python_gives_the_same_numbers() -> None:
+    fields = {"defect": SLOT | {"width": "3 mm"}, "contact": {"damping": {"chi": 5.0}}}
+    code = f"from test_simulate import *; print([x.hex() for x in numbers(**{fields!r})])"
+    plain = [float.fromhex(x) for x in eval(elsewhere(code, NUMBA_DISABLE_JIT="1"))]
+    assert plain == pytest.approx(numbers(**fields), rel=1e-12)
