@@ -2,9 +2,9 @@
 
     python benchmarks/step_cost.py [--csv FILE] [--steps N] [--rounds N]
 
-NF308, 1800 rpm, 150 N. Every variant is compiled and warmed first; then all take turns, each running the same N steps
-a round under the watch that `simulate` sets, and the fastest round of each counts: what disturbs a machine comes and
-goes, and hits all alike. A second block gives `rollers` other numbers of rollers, to show what padding costs.
+NF308, 1800 rpm, 150 N. Every variant is compiled and warmed first; then all take turns, each running the same N
+steps a round under the watch that `simulate` sets, and the fastest round of each counts: what disturbs a machine
+comes and goes, and hits all alike. A second block gives `rollers` other numbers of rollers: the price of padding.
 Columns: ns per step; the step `auto` chooses (us); CPU s per simulated second that follows from the two.
 """
 
