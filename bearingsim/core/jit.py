@@ -16,6 +16,7 @@ import hashlib
 import os
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -38,13 +39,14 @@ def source_digest() -> str:
 def cache_folder() -> Path:
     """Where compiled code is kept: ``$BEARINGSIM_CACHE``, else the user's cache, else the temporary folder."""
     chosen = os.environ.get("BEARINGSIM_CACHE") or os.environ.get("XDG_CACHE_HOME")
-    base = Path(chosen) if chosen else Path.home() / ".cache"
-    folder = base / "bearingsim" / source_digest()
-    try:
+    with suppress(OSError, RuntimeError):  # no such place, or nobody's home
+        base = Path(chosen) if chosen else Path.home() / ".cache"
+        folder = base / "bearingsim" / source_digest()
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        folder = Path(tempfile.gettempdir()) / f"bearingsim-{os.getuid()}" / source_digest()
-        folder.mkdir(parents=True, exist_ok=True)
+        if os.access(folder, os.W_OK):
+            return folder
+    folder = Path(tempfile.gettempdir()) / f"bearingsim-{os.getuid()}" / source_digest()
+    folder.mkdir(parents=True, exist_ok=True)
     return folder
 
 
