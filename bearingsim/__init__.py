@@ -35,9 +35,10 @@ def run(study: "Study", out: "str | Path | None" = None, jobs: int | None = None
     out: folder (default ``results/<study>``); jobs: worker processes (default the CPUs, 1: none); options:
     fresh, retry_failed, shard, verify, progress, as of the command ``bearingsim run``.
     """
-    from bearingsim import runner, store
-
-    return store.open_results(runner.run(study, out, jobs, **options).folder)
+    # By name: what the store asks of this module must not lead to the runner.
+    summary = import_module(f"{__name__}.runner").run(study, out, jobs, **options)
+    results: Results = import_module(f"{__name__}.store").open_results(summary.folder)
+    return results
 
 
 def __dir__() -> list[str]:

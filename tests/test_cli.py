@@ -295,6 +295,20 @@ def test_plot_refuses_what_it_does_not_know(done, words, message):
     assert message in " ".join(told.replace("│", " ").split())
 
 
+def test_plot_tells_which_figure_it_left_out(done, tmp_path):
+    words = ["--where", "model=rollers", "--where", "load=150 N"]
+    assert "no case has model rollers, load 150 N" in type_("plot", done, *words, "--out", tmp_path, code=2)[1]
+    said, told = type_("plot", done, "--where", "model=ring", "--panels", "load", "--out", tmp_path)
+    assert len(said.splitlines()) == 1
+    assert told == ""
+
+
+def test_a_reader_that_stops_reading_is_no_error(done):
+    command = f"{sys.executable} -m bearingsim show {done} | head -c 1"
+    told = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    assert told.stderr == ""
+
+
 @pytest.mark.parametrize("command", ["plot", "show", "export"])
 def test_without_results_there_is_a_message(here, command):
     assert "there are no results" in type_(command, code=2)[1]

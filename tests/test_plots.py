@@ -8,7 +8,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from bearingsim import store
-from bearingsim.plots import PlotError, labels, plot, select, style
+from bearingsim.plots import PlotError, PlotWarning, labels, plot, select, style
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.series import Signal, amplitude_spectrum
 from bearingsim.study import load_study
@@ -173,6 +173,32 @@ def test_too_many_curves_become_panels(results):
     _, canvas = drawn(results(text))[0]
     assert len(canvas.axes) == 4  # two models, two features
     assert len(lines(canvas.axes[0])) == 6
+
+
+def test_what_moves_with_x_makes_no_panels(results):
+    zipped = "zip: {load: [1 N, 2 N, 3 N, 4 N, 5 N], defect.width: [1 mm, 2 mm, 3 mm, 4 mm, 5 mm]}"
+    text = STUDY.replace("load: [150 N, 300 N]", zipped)
+    _, canvas = only(drawn(results(text), x="load"))
+    assert len(canvas.axes) == 2
+    assert len(lines(canvas.axes[0])) == 6
+
+
+def test_a_figure_is_changed_by_what_is_asked(results):
+    opened = results()
+    _, canvas = only(drawn(opened, y=["velocity.rms"], panels=["load"], where={"model": "ring"}))
+    assert [ax.get_title(loc="left") for ax in canvas.axes] == ["(a) load 150 N", "(b) load 300 N"]
+    assert [len(lines(ax)) for ax in canvas.axes] == [1, 1]
+    _, canvas = only(drawn(opened, by=["model"], y=["velocity.rms"]))
+    assert text_of(canvas) == ["model static", "model ring", "load 150 N", "load 300 N"]
+
+
+def test_a_figure_that_cannot_be_drawn_is_left_out_with_a_warning(results):
+    text = STUDY + FIGURES + "  - {y: velocity@BPFO, x: load, where: {model: rollers}}\n"
+    opened = results(text)
+    with pytest.warns(PlotWarning, match="figure 2 left out: no case has model rollers"):
+        assert len(drawn(opened)) == 1
+    with pytest.raises(PlotError, match="no case has load 1 N"):
+        drawn(opened, where={"load": "1 N"})
 
 
 def test_a_figure_whose_x_is_fixed_gives_way(results):

@@ -1,6 +1,7 @@
 """The commands."""
 
 import json
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -30,7 +31,7 @@ app = typer.Typer(
 FRESH_SHARD = "would throw away the other shards' results: remove the folder first"
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="study file (YAML)", show_default=False)]
 Results = Annotated[
-    Path | None, typer.Argument(metavar="[RESULTS]", help="results folder; default: the newest in ./results")
+    Path | None, typer.Argument(metavar="RESULTS", help="results folder; default: the newest in ./results")
 ]
 Set = Annotated[
     list[str] | None,
@@ -64,7 +65,7 @@ def common(
 
 @app.command()
 def new(
-    path: Annotated[Path, typer.Argument(metavar="[PATH]", help="file to write")] = Path("study.yaml"),
+    path: Annotated[Path, typer.Argument(metavar="PATH", help="file to write")] = Path("study.yaml"),
 ) -> None:
     """Write a commented study file to start from."""
     from bearingsim.study import NEW_STUDY
@@ -147,9 +148,15 @@ def plot(
     results: Results = None,
     kind: Annotated[str, typer.Option(help="sweep, phase, series or spectrum")] = "sweep",
     x: Annotated[str | None, typer.Option(metavar="PATH", help="swept path on the x axis")] = None,
-    by: Annotated[list[str] | None, typer.Option(metavar="PATH", help="one curve per value; repeatable")] = None,
+    by: Annotated[list[str] | None, typer.Option(metavar="PATH", help="a curve per value; repeatable")] = None,
     y: Annotated[
-        list[str] | None, typer.Option(metavar="FEATURE", help="one column of axes each; repeatable")
+        list[str] | None, typer.Option(metavar="FEATURE", help="a column of axes each; repeatable")
+    ] = None,
+    panels: Annotated[
+        list[str] | None, typer.Option(metavar="PATH", help="a row of axes per value; repeatable")
+    ] = None,
+    where: Annotated[
+        list[str] | None, typer.Option(metavar="PATH=VALUE", help="only these cases; repeatable")
     ] = None,
     job: Annotated[
         list[str] | None, typer.Option(metavar="JOB", help="job of a series or spectrum; repeatable")
@@ -165,8 +172,13 @@ def plot(
     _one_of("--format", file_format, FORMATS)
     opened = opened_results(results)
     ids = [job_meant(opened, word) for word in job or []]
-    for path in plots.plot(opened, kind, x, by or (), y or (), ids, file_format, out):
-        typer.echo(near(path))
+    chosen = dict(_assignment(word, "--where") for word in where or [])
+    with warnings.catch_warnings(record=True) as left_out:
+        warnings.simplefilter("always", plots.PlotWarning)
+        files = plots.plot(opened, kind, x, ids, file_format, out, y=y, by=by, panels=panels, where=chosen)
+    typer.echo("\n".join(map(near, files)))
+    for warning in left_out:
+        typer.echo(str(warning.message), err=True)
 
 
 @app.command()
@@ -218,7 +230,7 @@ def export(
 
 @app.command()
 def freq(
-    bearing: Annotated[str, typer.Argument(help="a name in configs/bearings, or a path")],
+    bearing: Annotated[str, typer.Argument(metavar="BEARING", help="a name in configs/bearings, or a path")],
     speed: Annotated[str, typer.Option(help="speed of the inner ring")] = "1800 rpm",
     as_json: Json = False,
 ) -> None:
@@ -243,10 +255,10 @@ def _loaded(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
     return load_study(path, dict(map(_assignment, assignments or [])), quick)
 
 
-def _assignment(text: str) -> tuple[str, str]:
+def _assignment(text: str, option: str = "--set") -> tuple[str, str]:
     path, equals, value = text.partition("=")
     if not equals or not path:
-        raise typer.BadParameter(f"expected PATH=VALUE such as `load=200 N`, got `{text}`", param_hint="--set")
+        raise typer.BadParameter(f"expected PATH=VALUE such as `load=200 N`, got `{text}`", param_hint=option)
     return path.strip(), value.strip()
 
 

@@ -39,6 +39,8 @@ class Commands(TyperGroup):
             summary = getattr(stop, "summary", None)
             typer.echo(str(summary) if summary else "interrupted", err=True)
             raise typer.Exit(INTERRUPTED) from None
+        except BrokenPipeError:  # who reads has read enough: typer ends quietly
+            raise
         except expected() as error:
             if ctx.params.get("verbose"):
                 traceback.print_exc()

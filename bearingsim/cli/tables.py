@@ -85,7 +85,8 @@ def show_failures(folder: Path, tracebacks: bool = False) -> None:
 
     results = open_results(folder)
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
-    failures = results.failures()
+    known = results.failures()
+    failures = {job: known[job] for job in results.jobs if job in known}
     for job, failure in failures.items():
         typer.echo(f"{job}  {described(swept[job], results.plan['units'])}")
         when = f", {1e3 * failure.time:.4g} ms into the run" if failure.time is not None else ""

@@ -7,6 +7,7 @@ from bearingsim.units import DISPLAY, UNITS, Dimension, display
 
 __all__ = [
     "PlotError",
+    "PlotWarning",
     "described",
     "feature_axis",
     "feature_text",
@@ -30,6 +31,10 @@ SCALES: dict[str, tuple[tuple[str, float], ...]] = {  # readable units of a feat
 
 class PlotError(Exception):
     """A figure that cannot be drawn from what there is."""
+
+
+class PlotWarning(UserWarning):
+    """A figure that was left out."""
 
 
 def pretty(unit: str) -> str:

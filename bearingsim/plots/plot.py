@@ -1,10 +1,12 @@
 """`bearingsim plot`: which figures, drawn and written where."""
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.plots.labels import PlotError
+from bearingsim.plots.labels import PlotError, PlotWarning
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,16 +25,16 @@ def plot(
     results: "Results",
     kind: str = "sweep",
     x: str | None = None,
-    by: Sequence[str] = (),
-    y: Sequence[str] = (),
     jobs: Sequence[str] = (),
     file_format: str = "png",
     out: Path | None = None,
+    **changes: Any,
 ) -> list[Path]:
     """Draw figures of a study into ``out`` (default: its ``figures`` folder); return the files.
 
-    kind: `sweep` features against swept paths (x, by and y instead of what the study names), `phase` the same
-    for the line's phase, `series` and `spectrum` of some jobs (ids). Raises PlotError, ResultsError.
+    kind: `sweep` features against swept paths, `phase` the phase of the line against them, `series` and
+    `spectrum` of some jobs (ids). Instead of what the study says: x, and among changes y, by, panels (lists) and
+    where (paths and values). Raises PlotError, ResultsError; warns (PlotWarning) of a figure left out.
     """
     import matplotlib as mpl
 
@@ -40,23 +42,18 @@ def plot(
 
     folder = out or results.path / "figures"
     with mpl.rc_context(RC):  # type: ignore[arg-type]
-        sheets = drawn(results, kind, x, by, y, jobs)
+        sheets = drawn(results, kind, x, jobs, **changes)
         folder.mkdir(parents=True, exist_ok=True)
         return [_written(canvas, folder / f"{name}.{file_format}") for name, canvas in sheets]
 
 
 def drawn(
-    results: "Results",
-    kind: str = "sweep",
-    x: str | None = None,
-    by: Sequence[str] = (),
-    y: Sequence[str] = (),
-    jobs: Sequence[str] = (),
+    results: "Results", kind: str = "sweep", x: str | None = None, jobs: Sequence[str] = (), **changes: Any
 ) -> list[tuple[str, "Canvas"]]:
     """The figures of ``plot`` with their names, not written anywhere."""
     if kind in ("series", "spectrum"):
         return _of_jobs(results, kind, jobs)
-    return _of_table(results, kind, x, by, y)
+    return _of_table(results, kind, x, changes)
 
 
 def _written(canvas: "Canvas", path: Path) -> Path:
@@ -65,37 +62,56 @@ def _written(canvas: "Canvas", path: Path) -> Path:
 
 
 def _of_table(
-    results: "Results", kind: str, x: str | None, by: Sequence[str], y: Sequence[str]
+    results: "Results", kind: str, x: str | None, changes: Mapping[str, Any]
 ) -> list[tuple[str, "Canvas"]]:
-    from bearingsim.plots import select, sweep
-    from bearingsim.plots.caption import fixed_values
+    """Every figure that can be drawn; the error of the first that cannot if there is none."""
+    from bearingsim.plots import select
 
-    rows, units = select.case_rows(results), results.plan["units"]
+    rows = select.case_rows(results)
     if kind == "phase":
         rows = select.with_defect_phase(results, rows)
-    sheets = []
-    for number, wanted in enumerate(_wanted(results, rows, kind, x, by, y), 1):
-        figure, part = select.completed(wanted, rows, units)
-        caption = fixed_values(results, part, {figure.x, *figure.by, *figure.panels})
-        sheets.append((_name(number, figure), sweep.draw(figure, part, units, caption)))
+    sheets, problems = [], []
+    for number, figure in enumerate(_wanted(results, rows, kind, x, changes), 1):
+        try:
+            sheets.append(_sheet(results, number, figure, rows))
+        except PlotError as error:
+            problems.append((number, error))
+    if not sheets:
+        raise problems[0][1]
+    for number, problem in problems:
+        warnings.warn(f"figure {number} left out: {problem}", PlotWarning, stacklevel=2)
     return sheets
 
 
+def _sheet(results: "Results", number: int, wanted: "Figure", rows: "pd.DataFrame") -> tuple[str, "Canvas"]:
+    from bearingsim.plots import select, sweep
+    from bearingsim.plots.caption import fixed_values
+
+    units = results.plan["units"]
+    figure, part = select.completed(wanted, rows, units)
+    caption = fixed_values(results, part, {figure.x, *figure.by, *figure.panels})
+    return _name(number, figure), sweep.draw(figure, part, units, caption)
+
+
 def _wanted(
-    results: "Results", rows: "pd.DataFrame", kind: str, x: str | None, by: Sequence[str], y: Sequence[str]
+    results: "Results", rows: "pd.DataFrame", kind: str, x: str | None, changes: Mapping[str, Any]
 ) -> "list[Figure]":
-    """The figures asked for: the study's own, with what was said on the command line instead."""
-    from dataclasses import replace
-
+    """The figures asked for: the study's own, or one over x, with the changes."""
     from bearingsim.plots import select
-    from bearingsim.study import Figure
 
-    found = [Figure(y=select.default_y(rows), x=x)] if x else select.planned(results, rows)
-    changes: dict[str, Any] = {"by": tuple(by)} if by else {}
-    if y or kind == "phase":
-        changes["y"] = tuple(y) or select.PHASES
-    changed = [replace(figure, **changes) for figure in found]
+    found = [select.arranged(x, rows, results.plan["units"])] if x else select.planned(results, rows)
+    given = {key: dict(value) if key == "where" else tuple(value) for key, value in changes.items() if value}
+    if kind == "phase":
+        given.setdefault("y", select.PHASES)
+    changed = [_changed(figure, given) for figure in found]
     return [figure for number, figure in enumerate(changed) if figure not in changed[:number]]
+
+
+def _changed(figure: "Figure", given: dict[str, Any]) -> "Figure":
+    """The figure with what was given; a path that is given as curves makes no panels any more, and vice versa."""
+    by = tuple(path for path in figure.by if path not in given.get("panels", ()))
+    panels = tuple(path for path in figure.panels if path not in given.get("by", ()))
+    return replace(figure, **({"by": by, "panels": panels} | given))
 
 
 def _name(number: int, figure: "Figure") -> str:

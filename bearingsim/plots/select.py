@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
 
 __all__ = [
+    "arranged",
     "automatic",
     "case_rows",
     "completed",
@@ -92,19 +93,26 @@ def automatic(results: "Results", rows: "pd.DataFrame") -> list[Figure]:
 
     Raises PlotError where nothing is swept.
     """
-    paths = varied(rows, list(results.plan["units"]))
+    units = results.plan["units"]
+    paths = varied(rows, list(units))
     numbers = [path for path in paths if is_numeric(values(rows, path))]
     if not paths:
         raise PlotError("the study sweeps nothing: there is no parameter to plot against (try `--kind spectrum`)")
-    return [_arranged(x, [path for path in paths if path != x], rows) for x in numbers or paths[:1]]
+    return [arranged(x, rows, units) for x in numbers or paths[:1]]
 
 
-def _arranged(x: str, others: Sequence[str], rows: "pd.DataFrame") -> Figure:
-    """Others as curves, the one with the fewest values as panels if there would be too many curves."""
+def arranged(x: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> Figure:
+    """A figure over x, other paths as curves, that with the fewest values as panels if curves are too many."""
+    others = [path for path in varied(rows, list(units)) if path != x and not _follows(path, x, rows)]
     ordered = sorted(others, key=lambda path: len(values(rows, path)))
     curves = rows.groupby(list(others)).ngroups if others else 1
     panels = tuple(ordered[:1]) if curves > MOST_CURVES and len(ordered) > 1 else ()
     return Figure(y=default_y(rows), x=x, by=tuple(path for path in others if path not in panels), panels=panels)
+
+
+def _follows(path: str, x: str, rows: "pd.DataFrame") -> bool:
+    """Whether a path has one value for each x: it moves together with it."""
+    return x in rows and bool(rows.groupby(x)[path].nunique().max() <= 1)
 
 
 def default_y(rows: "pd.DataFrame") -> tuple[str, ...]:
