@@ -239,6 +239,20 @@ def test_the_caption_tells_what_is_fixed_and_not_what_is_drawn(results):
     assert "model" not in caption
 
 
+def test_the_caption_leaves_out_what_is_drawn_even_if_one_job_is_left(results):
+    _, canvas = only(drawn(results(lost=dict.fromkeys(range(1, 12), "missing"))))
+    assert not {"length", "load", "model"} & set(canvas.get_supxlabel().replace("\u00a0", " ").split())
+
+
+def test_a_long_legend_takes_nothing_from_the_axes(results):
+    text = STUDY.replace("[static, ring]", "[ring]").replace(
+        "  load", "  contact.damping.chi: [1 s/m, 2 s/m]\n  load"
+    )
+    _, canvas = only(drawn(results(text), x="defect.length"))
+    canvas.draw_without_rendering()
+    assert min(ax.get_window_extent().width / canvas.dpi for ax in canvas.axes) > 2.3
+
+
 def test_a_log_axis_is_one(results):
     text = STUDY + "figures: [{y: velocity@BPFO, x: defect.length, log: [x, y]}]\n"
     _, canvas = only(drawn(results(text)))
@@ -246,8 +260,10 @@ def test_a_log_axis_is_one(results):
 
 
 def test_panels_of_one_size_share_their_axis(results):
-    _, canvas = only(drawn(results()))
-    assert canvas.axes[0].get_ylim() == canvas.axes[2].get_ylim()
+    _, canvas = only(drawn(results(), panels=["load"], by=["model"], y=["velocity@BPFO"]))
+    low, high = canvas.axes
+    assert low.get_ylim() == high.get_ylim()
+    assert high.get_ylim()[1] > 20.0
 
 
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])

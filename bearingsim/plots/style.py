@@ -7,6 +7,7 @@ from matplotlib import colormaps
 __all__ = ["COLUMN_IN", "RC", "Look", "looks"]
 
 COLUMN_IN = 3.3  # width of one column of axes
+FEW = 4  # curves up to this are drawn each thinner than the one before
 SEQUENCE_FROM = 7  # more values than this, in order, take their colours from a scale
 
 RC: dict[str, Any] = {
@@ -67,7 +68,9 @@ def looks(first: int, second: int, ordered: bool) -> list[list[Look]]:
         [
             Look(colours[i], MARKERS[i % len(MARKERS)], LINES[line % len(LINES)], j == 0, rank)
             for j in range(second)
-            for line, rank in [(j, j + 1) if second > 1 else (0, 3) if shades else (i, i)]
+            for line, rank in [
+                (j, j + 1) if second > 1 else (0, 3) if shades else (i, min(i, 3) if first <= FEW else 3)
+            ]
         ]
         for i in range(first)
     ]
