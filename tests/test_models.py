@@ -168,7 +168,8 @@ def test_a_ring_shares_approach_and_rate_between_both_contacts_over_a_slot():
 
 def test_a_ring_balances_a_roller_over_a_bowl():
     """Elastic: outer groups together carry what the inner contact carries; damping: half of each group's rate."""
-    model, y, Delta, rate, w, h, sinking = ring_over(SLOT | {"shape": "circular", "length": "8 mm", "depth": "0.2 um"})
+    bowl = SLOT | {"shape": "circular", "length": "8 mm", "depth": "0.2 um"}
+    model, y, Delta, rate, w, h, sinking = ring_over(bowl)
     k = model.contact.stiffness.k
     outer = lambda d_i: w * k * np.maximum(Delta - d_i - h, 0.0) ** (10 / 9)  # noqa: E731
     d_i = brentq(lambda d: outer(d).sum() - k * d ** (10 / 9), 0.0, Delta, xtol=1e-20)
