@@ -21,11 +21,13 @@ from pathlib import Path
 from typing import Any
 
 import numba
-from numba.core import config as numba_config
+from numba.core import config
 from numba.extending import overload
 
+numba_config: Any = config  # its names are made at run time
+
 CORE = Path(__file__).parent
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
+OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
 def source_digest() -> str:
