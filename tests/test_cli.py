@@ -1,6 +1,7 @@
 """What a user types, and what comes back: text, exit code, files."""
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -13,7 +14,7 @@ from scipy.io import loadmat
 from typer.testing import CliRunner
 
 from bearingsim import __version__
-from bearingsim.cli import app
+from bearingsim.cli import app, plan
 
 STUDY = """\
 study: small
@@ -139,6 +140,14 @@ def test_check_prints_the_plan(here):
     assert len(max(said.splitlines(), key=len)) < 100
 
 
+@pytest.mark.parametrize(
+    ("found", "text"),
+    [([0.2, 0.35], "0.2 .. 0.35"), ([2.0, 2.001], "2"), ([math.inf, 2.0, 0.0], "2"), ([math.inf], "-")],
+)
+def test_a_quantity_of_many_cases_is_a_span(found, text):
+    assert plan.span(found) == text
+
+
 def test_check_for_a_script(here):
     found = json.loads(type_("check", "small.yaml", "--json", "--jobs", "2")[0])
     assert (found["cases"], found["twins"], found["refused"]) == (4, 4, [])
@@ -171,7 +180,7 @@ def test_a_step_over_the_limit_is_refused_once(here):
     _, told = type_("check", "small.yaml", "--set", "model=rollers", "--set", "step=20 us", code=2)
     [line] = told.splitlines()
     assert line.startswith("small.yaml: 4 jobs refused, the first at load 150 N")
-    assert "over the method's limit" in line
+    assert "of the method's limit" in line
     assert "say `step: auto`" in line
 
 
@@ -216,7 +225,7 @@ def test_failed_jobs_are_stored_and_told(here):
     assert "2 jobs failed: a step of" in said
     said, _ = type_("show", "--failed")
     assert "model rollers" in said
-    assert "over the method's limit" in said
+    assert "of the method's limit" in said
     assert "again: bearingsim run small.yaml" in said
     table = json.loads(type_("show", "--failed", "--json")[0])
     assert [row["status"] for row in table] == ["failed", "failed"]

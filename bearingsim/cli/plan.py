@@ -128,7 +128,7 @@ def show(plan: Plan, verbose: bool) -> None:
     groups = _groups(plan.cases or plan.twins)
     out.print()
     heads = ["", *groups]
-    rows = [[name, *(_span(map(value, group)) for group in groups.values())] for name, value in LINES]
+    rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in LINES]
     print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
     if verbose:
@@ -151,7 +151,7 @@ def _groups(priced: Sequence[Priced]) -> dict[str, list[Priced]]:
     return groups
 
 
-def _span(found: Iterable[float]) -> str:
+def span(found: Iterable[float]) -> str:
     """`0.31` or `0.31 .. 0.42`; a dash where there is no number."""
     known = [value for value in found if math.isfinite(value) and value > 0.0]
     low, high = (significant(pick(known, default=math.nan)) for pick in (min, max))
@@ -164,7 +164,7 @@ def _show_cases(plan: Plan) -> None:
     units = plan.study.units
     heads = [*units, *(name for name, _ in LINES)]
     rows = [
-        [*(value_text(path, one.job.swept[path], units) for path in units), *(_span([f(one)]) for _, f in LINES)]
+        [*(value_text(path, one.job.swept[path], units) for path in units), *(span([f(one)]) for _, f in LINES)]
         for one in plan.cases
     ]
     print_table(heads, rows, words=len(units))
