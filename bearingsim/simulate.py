@@ -149,9 +149,9 @@ def _recorded(y: np.ndarray) -> np.ndarray:
 
 
 def _watch(cut: choose.Grid, found: choose.Limits) -> Watch:
-    """Look a few times within an impact (half a period of the roller between its contacts)."""
+    """Look twice within an impact (half a period of the roller between its contacts)."""
     patience = 0.5 / found.contact_frequency if found.contact_frequency > 0.0 else 1.0
-    return Watch(stride=min(16, max(1, int(patience / (4.0 * cut.step)))), patience=patience)
+    return Watch(stride=min(32, max(1, int(patience / (2.0 * cut.step)))), patience=patience)
 
 
 def _integrate(case: Case, model: Any, cut: choose.Grid, watch: Watch) -> _Tape:

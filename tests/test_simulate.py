@@ -352,7 +352,7 @@ def test_info_says_how_it_was_computed() -> None:
 
 
 def test_a_step_over_the_limit_is_refused_with_advice() -> None:
-    with pytest.raises(SimulationError, match="over the method's limit") as caught:
+    with pytest.raises(SimulationError, match="of the method's limit") as caught:
         simulate(case(model="rollers", defect=SLOT, step="2 us"))
     assert caught.value.time is None
     assert "step: auto" in caught.value.advice

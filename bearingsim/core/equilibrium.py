@@ -99,7 +99,7 @@ def roller_balance(model, d, s, u_r):
         target = q - excess / slope
         if not low <= target <= high:
             target = 0.5 * (low + high)
-        if abs(target - q) <= 1e-16 * abs(high - touch) or low == high:
+        if abs(target - q) <= 1e-12 * (high - touch):  # below it lies rounding
             return target
         q = target
     return q

@@ -33,7 +33,7 @@ __all__ = [
     "write_units",
 ]
 
-LIBVER = ("v110", "v110")  # object headers with checksums and no 64 kB limit on attributes
+LIBVER = ("v108", "v108")  # object headers with checksums and no 64 kB limit on attributes
 TEXT = h5py.string_dtype()
 CHUNK_BYTES = 1 << 16
 LONGEST_CHUNK = 1 << 18  # samples
