@@ -10,23 +10,21 @@
 Names are imported when they are first used, so that ``import bearingsim`` costs nothing.
 """
 
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from bearingsim.config import Case
-    from bearingsim.simulate import simulate
+    from bearingsim.simulation import simulate
     from bearingsim.store import Results, open_results
     from bearingsim.study import Study, load_study
 
 __version__ = "0.1.0"
 __all__ = ["Case", "__version__", "load_study", "open_results", "run", "simulate"]
 
-_HOME = {"Case": "config", "load_study": "study", "open_results": "store", "simulate": "simulate"}
+_HOME = {"Case": "config", "load_study": "study", "open_results": "store", "simulate": "simulation"}
 
 
 def run(study: "Study", out: "str | Path | None" = None, jobs: int | None = None, **options: Any) -> "Results":
@@ -45,26 +43,7 @@ def __dir__() -> list[str]:
     return sorted(__all__)
 
 
-def _public(name: str) -> Any:
-    return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
-
-
 def __getattr__(name: str) -> Any:
     if name in _HOME:
-        return _public(name)
+        return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-class _Package(ModuleType):
-    """The package, on which ``simulate`` is the function even once the submodule of that name is imported."""
-
-    @property
-    def simulate(self) -> Any:
-        return _public("simulate")
-
-    @simulate.setter
-    def simulate(self, submodule: ModuleType) -> None:
-        """The import system binds a submodule to its package: here the function keeps the name."""
-
-
-sys.modules[__name__].__class__ = _Package

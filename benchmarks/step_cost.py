@@ -22,7 +22,7 @@ from bearingsim.config import Case
 from bearingsim.core.advance import CHANNELS, FINE, advance
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import begin
-from bearingsim.simulate import _watch
+from bearingsim.simulation import _watch
 
 BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}

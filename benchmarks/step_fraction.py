@@ -14,7 +14,7 @@ from unittest import mock
 
 from bearingsim import choose
 from bearingsim.config import Case
-from bearingsim.simulate import SimulationError, simulate
+from bearingsim.simulation import SimulationError, simulate
 
 FRACTIONS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
 FEATURES = ("velocity@BPFO", "velocity.rms", "outer_force.max")

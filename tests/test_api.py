@@ -58,15 +58,6 @@ def test_a_study_is_run_and_opened(study, tmp_path):
     assert again.jobs == result.jobs
 
 
-def test_simulate_stays_the_function_whatever_is_imported():
-    code = (
-        "import bearingsim.simulate\nfrom bearingsim.simulate import Record\nimport bearingsim as bs\n"
-        "print(bs.simulate.__name__, type(bs.simulate).__name__, Record.__name__)"
-    )
-    told = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True)
-    assert told.stdout.split() == ["simulate", "function", "Record"]
-
-
 def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="no attribute 'simulat'"):
         _ = bs.simulat

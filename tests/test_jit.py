@@ -17,7 +17,7 @@ from bearingsim.core import contact, jit
 VARIATIONS = """
 import bearingsim.core.sampling, importlib, pkgutil, bearingsim.core as core
 from bearingsim.config import Case
-from bearingsim.simulate import simulate, warm
+from bearingsim.simulation import simulate, warm
 
 def compiled():
     modules = [importlib.import_module(m.name) for m in pkgutil.walk_packages(core.__path__, "bearingsim.core.")]

@@ -14,7 +14,7 @@ from bearingsim.core.layout import ACCELERATION, COS, POSITION, Q_I, Q_O, SIN, V
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations
-from bearingsim.simulate import simulate
+from bearingsim.simulation import simulate
 from tests import reference
 from tests.scenes import SLOT, at_rest, case, drive
 

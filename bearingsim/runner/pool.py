@@ -2,9 +2,12 @@
 
 import os
 import re
+import signal
+import threading
 import warnings
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
@@ -60,13 +63,27 @@ def _in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
         pool = Parallel(
             n_jobs=max(2, min(workers, len(works))), return_as="generator_unordered", batch_size=1, max_nbytes=None
         )
-    results = pool(delayed(compute)(work) for work in works)
+    with _deaf_to_interrupts():
+        results = pool(delayed(compute)(work) for work in works)
     try:
         yield from results
     finally:
         with warnings.catch_warnings():  # left early on purpose: joblib would say so
             warnings.simplefilter("ignore")
             results.close()
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Ignore Ctrl-C while workers start: they inherit it, and leave interrupting to this process from birth."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _alone(work: Work, workers: int) -> Outcome:

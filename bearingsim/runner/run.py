@@ -110,12 +110,14 @@ class _Tally:
     command: str
     failures: dict[str, store.Failure]
     done: int = 0
+    start_cpu_s: float = 0.0
     cpu_s: float = 0.0
     integrator_cpu_s: float = 0.0
 
     def add(self, outcome: Outcome) -> None:
         """Take an outcome in."""
         self.done += len(outcome.done)
+        self.start_cpu_s += outcome.start_cpu_s
         self.cpu_s += outcome.cpu_s
         self.integrator_cpu_s += outcome.integrator_cpu_s
         for job in outcome.done:
@@ -136,6 +138,7 @@ class _Tally:
             done=self.done,
             failures=grouped(self.failures.values()),
             seconds=seconds,
+            start_cpu_s=self.start_cpu_s,
             cpu_s=self.cpu_s,
             integrator_cpu_s=self.integrator_cpu_s,
             interrupted=interrupted,

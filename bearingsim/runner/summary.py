@@ -41,7 +41,8 @@ def _kind(failure: Failure) -> str:
 class RunSummary:
     """Result of a run: numbers of jobs planned, done before and done now, failures; times in s.
 
-    ``cpu_s`` is CPU time of the workers, ``integrator_cpu_s`` the part of it inside the integrator.
+    ``start_cpu_s`` is what the workers took to import and compile, ``cpu_s`` their CPU time after that and
+    ``integrator_cpu_s`` the part of it inside the integrator.
     """
 
     study: str
@@ -51,6 +52,7 @@ class RunSummary:
     done: int
     failures: tuple[FailureGroup, ...]
     seconds: float
+    start_cpu_s: float
     cpu_s: float
     integrator_cpu_s: float
     interrupted: bool = False
@@ -67,7 +69,7 @@ class RunSummary:
 
     @property
     def integrator_share(self) -> float:
-        """Share of the workers' CPU time spent inside the integrator, NaN when nothing was computed."""
+        """Share of the workers' CPU time after start-up spent in the integrator, NaN when nothing was computed."""
         return self.integrator_cpu_s / self.cpu_s if self.cpu_s > 0 else float("nan")
 
     @property
@@ -80,7 +82,8 @@ class RunSummary:
         parts = [f"{self.done} done", *(f"{count} {what}" for what, count in counts.items() if count)]
         line = f"{self.study}: {', '.join(parts)} of {self.planned} jobs in {self.seconds:.1f} s"
         if self.cpu_s > 0:
-            line += f", {self.integrator_share:.0%} of the workers' CPU time in the integrator"
+            start = f"{self.start_cpu_s:.1f} s of start-up"
+            line += f", after {start} {self.integrator_share:.0%} of the workers' CPU time in the integrator"
         return "\n".join([line, *map(str, self.failures)])
 
 

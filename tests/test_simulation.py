@@ -23,9 +23,9 @@ from bearingsim.core.advance import FINE, Watch, advance
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import POSITION, Q_MAX
 from bearingsim.core.models.interface import begin
-from bearingsim.simulate import SimulationError, simulate, warm
+from bearingsim.simulation import SimulationError, simulate, warm
 
-MODULE = importlib.import_module("bearingsim.simulate")
+MODULE = importlib.import_module("bearingsim.simulation")
 RATE = 159.0  # ball passes per second of the NF308 at 1800 rpm
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 RING = ["ring.displacement", "ring.velocity", "ring.acceleration"]
