@@ -22,7 +22,7 @@ from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 # `step: auto` takes the smallest of three, measured by benchmarks/step_fraction.py (see docs/methods.md):
 FRACTION = {"verlet": 0.5, "rk4": 0.25}  # of the method's limit at impact
 PER_PERIOD = {"verlet": 40, "rk4": 20}  # steps in a period of the contact, which light damping lets ring
-PER_CROSSING = 50  # steps while a roller crosses the narrowest pit
+PER_CROSSING = {"static": 50, "ring": 50, "rollers": 200}  # steps while a roller crosses the narrowest pit
 SAFE = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
 FEWEST_PER_CROSSING = 8  # fewer are refused
 LONGEST = 20e-6  # s: a step nobody needs to exceed, for the models without a limit
@@ -197,16 +197,16 @@ def wanted_step(case: Case) -> float:
     """The step (s) a case asks for, or is given by ``auto``. Raises ``StepError`` if it must not be taken."""
     found = limits(case)
     if case.step == "auto":
-        return automatic_step(case.method, found)
+        return automatic_step(case.model, case.method, found)
     safe = min(SAFE * found.at_impact, found.crossing / FEWEST_PER_CROSSING)
     if case.step > safe:
-        raise StepError(_refusal(case.step, found), _advice(case.method, found))
+        raise StepError(_refusal(case.step, found), _advice(case, found))
     return case.step
 
 
-def automatic_step(method: str | None, found: Limits) -> float:
+def automatic_step(model: str, method: str | None, found: Limits) -> float:
     """The step (s) that keeps the line at the fault frequency within about 1 %, by measurement."""
-    resolved = min(found.crossing / PER_CROSSING, LONGEST)
+    resolved = min(found.crossing / PER_CROSSING[model], LONGEST)
     if method is None:
         return resolved
     period = 1.0 / found.contact_frequency
@@ -223,8 +223,8 @@ def _refusal(step: float, found: Limits) -> str:
     return f"a step of {1e6 * step:.3g} us passes a pit of {1e6 * found.crossing:.3g} us in too few steps"
 
 
-def _advice(method: str | None, found: Limits) -> str:
-    return f"say `step: auto` ({1e6 * automatic_step(method, found):.2g} us)"
+def _advice(case: Case, found: Limits) -> str:
+    return f"say `step: auto` ({1e6 * automatic_step(case.model, case.method, found):.2g} us)"
 
 
 def repeats(case: Case) -> bool:

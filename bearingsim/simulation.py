@@ -15,7 +15,7 @@ from bearingsim.core.advance import CHANNELS as ROWS
 from bearingsim.core.advance import FINE, FIRST_OUTER, OUTRUN, Watch, advance, record
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import OVERRUN_MAX, Q_MAX, ROW
-from bearingsim.core.models.interface import begin
+from bearingsim.core.models.interface import begin, watched
 from bearingsim.core.sampling import (
     DECIMATION_REACH,
     RESAMPLE_REACH,
@@ -114,7 +114,11 @@ def simulate(case: Case) -> Record:
     return Record(
         time=np.arange(choose.samples(case)) / case.sampling,
         series={name: sampled[ROW_OF[name]] for channel in case.record for name in dataset_names(channel)},
-        features=_lines(case, cut, tape) | _statistics(case, sampled) | {"outer_force.max": float(forces.max())},
+        features={
+            **_lines(case, cut, tape),
+            **_statistics(case, cut, sampled),
+            "outer_force.max": float(forces.max()),
+        },
         info={
             "step_s": cut.step,
             "steps": cut.passes * cut.steps_per_pass,
@@ -213,14 +217,19 @@ def _ball_passes(
             taken, outcome, body = advance(method, model, watch, p * steps, y, window[:, tail:])
             clock[0] += time.thread_time() - began
             if outcome != FINE:
-                raise _stopped(outcome, body, cut.step, (p * steps + taken) * cut.step)
+                raise _stopped(outcome, _name(model, body), cut.step, (p * steps + taken) * cut.step)
         yield window
 
 
-def _stopped(outcome: int, body: int, step: float, t: float) -> SimulationError:
+def _name(model: Any, body: int) -> str:
+    """What a watched body is called."""
+    return f"roller {body + 1}" if watched(model) > 1 else "the ring"
+
+
+def _stopped(outcome: int, body: str, step: float, t: float) -> SimulationError:
     """Why the watch stopped a run."""
     if outcome == OUTRUN:
-        reason = f"roller {body + 1} stayed over the step limit for longer than an impact"
+        reason = f"{body} stayed over the step limit for longer than an impact"
     else:
         reason = "the ring's motion is no longer finite"
     return SimulationError(
@@ -254,10 +263,15 @@ def _along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
     return cos(case.rig.sensor_angle) * x + sin(case.rig.sensor_angle) * y
 
 
+def whole_passes(case: Case, cut: choose.Grid) -> int:
+    """Ball passes that lie wholly in the record."""
+    return floor(case.duration * cut.rate + 1e-6)
+
+
 def _lines(case: Case, cut: choose.Grid, tape: _Tape) -> dict[str, float]:
     """Amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
     M, start = cut.fine_per_pass, ceil(case.settle * cut.fine_rate - 1e-6)
-    length = floor(case.duration * cut.rate + 1e-6) * M
+    length = whole_passes(case, cut) * M
     whole = tape.fine[:, start + tape.zero : start + tape.zero + length + 1]
     angle = case.bearing.rollers * case.start_angle
     velocity = _along_sensor(case, whole, "velocity")
@@ -276,10 +290,11 @@ def _lines(case: Case, cut: choose.Grid, tape: _Tape) -> dict[str, float]:
     return found
 
 
-def _statistics(case: Case, sampled: np.ndarray) -> dict[str, float]:
-    """RMS, peak, crest factor and kurtosis of the record, along the sensor."""
+def _statistics(case: Case, cut: choose.Grid, sampled: np.ndarray) -> dict[str, float]:
+    """RMS, peak, crest factor and kurtosis of the record's whole ball passes, along the sensor."""
+    whole = sampled[:, : round(whole_passes(case, cut) / cut.rate * case.sampling)]
     return {
         f"{quantity}.{name}": value
         for quantity in QUANTITIES
-        for name, value in signals.statistics(_along_sensor(case, sampled, quantity)).items()
+        for name, value in signals.statistics(_along_sensor(case, whole, quantity)).items()
     }

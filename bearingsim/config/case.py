@@ -104,7 +104,7 @@ class Contact(Section):
 
     stiffness: Annotated[StiffnessLaw, one_of(*get_args(StiffnessLaw))] = "palmgren"
     damping: Damping = HuntCrossley()
-    length_nodes: Annotated[int, whole(1, 64)] = 6
+    length_nodes: Annotated[int, whole(1, 64)] = 24
 
 
 def _one_or_many(given: Any) -> Any:
@@ -185,6 +185,10 @@ def conflicts(case: Case) -> Iterator[Conflict]:
     if case.model == "static" and case.method is not None:
         paths = (("method",), ("model",))
         yield Conflict("method", paths, f"the static model has no method, got `{case.method}`", "leave it out")
+    if not -0.01 <= case.clearance / case.bearing.roller_diameter <= 0.05:
+        shown = show(case.clearance, "um")
+        message = f"a clearance of {shown} is beyond -1 % to 5 % of the roller diameter"
+        yield Conflict("clearance", (("clearance",), ("bearing",)), message, "is the unit right?")
     ball_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
     if case.duration < ball_pass:
         shown, needed = show(case.duration, "ms"), show(ball_pass, "ms")

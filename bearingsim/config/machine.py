@@ -11,8 +11,6 @@ from bearingsim.config.fields import (
     Density,
     Length,
     Mass,
-    Number,
-    Pressure,
     Section,
     Stiffness,
     Text,
@@ -33,8 +31,6 @@ class Material(Section):
 
     name: Text = ""
     density: Density
-    young_modulus: Pressure = 207e9
-    poisson_ratio: Number = 0.3
     source: Text = ""
 
 
