@@ -422,7 +422,8 @@ def test_the_same_case_gives_the_same_bits() -> None:
     given = case(model="rollers", defect=SLOT, record=RING + FORCES)
     here = fingerprint(given)
     assert fingerprint(given) == here
-    code = "from test_simulation import *; print(fingerprint(case(model='rollers', defect=SLOT, record=RING + FORCES)))"
+    fields = "model='rollers', defect=SLOT, record=RING + FORCES"
+    code = f"from test_simulation import *; print(fingerprint(case({fields})))"
     assert elsewhere(code) == here
     assert fingerprint(given.model_copy(update={"load": given.load * (1 + 1e-15)})) != here
 
