@@ -1,6 +1,43 @@
-"""Settings of all tests."""
+"""Settings and fixtures of all tests."""
 
+from pathlib import Path
+
+import pytest
 from hypothesis import settings
+
+from tests.commands import STUDY, type_
+from tests.study_text import Write
 
 settings.register_profile("bearingsim", deadline=None)  # the first example may compile
 settings.load_profile("bearingsim")
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    """Writes a study file, and gives its path."""
+
+    def to_file(text: str) -> Path:
+        path = tmp_path / "study.yaml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return to_file
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty working folder with a small study in it."""
+    monkeypatch.chdir(tmp_path)
+    Path("small.yaml").write_text(STUDY)
+    return tmp_path
+
+
+@pytest.fixture(scope="session")
+def done(tmp_path_factory):
+    """The results of the small study, computed once."""
+    folder = tmp_path_factory.mktemp("done")
+    (folder / "small.yaml").write_text(STUDY)
+    out = folder / "results" / "small"
+    said, _ = type_("run", folder / "small.yaml", "--jobs", "1", "--out", out)
+    assert said.startswith("small: 8 done of 8 jobs")
+    return out

@@ -1,11 +1,13 @@
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 from pydantic import ValidationError
 
+from bearingsim import build
 from bearingsim.config import CHANNELS, FEATURES, Bearing, Case, Material, Rig, dataset_names, library_names
+from bearingsim.config.case import Method, Model, StiffnessLaw
 
 SLOT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
 
@@ -157,3 +159,9 @@ def test_names_of_channels_and_features() -> None:
     assert CHANNELS["ring.acceleration"].unit == "m/s^2"
     expected = {"velocity@BPFO", "velocity@5BPFO-healthy", "displacement@2BPFO.phase", "velocity@BPFO-scatter"}
     assert expected | {"acceleration.kurtosis", "outer_force.max"} <= FEATURES.keys()
+
+
+def test_every_word_offered_is_built() -> None:
+    assert set(get_args(Model)) == set(build.MODELS)
+    assert {*get_args(Method), None} == set(build.METHODS)
+    assert set(get_args(StiffnessLaw)) == set(build.STIFFNESS)

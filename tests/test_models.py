@@ -180,7 +180,7 @@ def test_a_ring_balances_a_roller_over_a_bowl():
 
 @pytest.mark.parametrize(("model", "width"), [("rollers", "0.8 mm"), ("rollers", "3 mm"), ("ring", "2 mm")])
 def test_a_bowl_has_groups_enough(model, width):
-    """Each group strikes the far wall as one: 6 on the half length gave 58 % too much RMS at 3 mm; 24 is the default."""
+    """Each group strikes the far wall as one: 6 on the half length gave 58 % too much RMS at 3 mm."""
     bowl = SLOT | {"shape": "circular", "width": width}
     given = {"model": model, "defect": bowl, "duration": "40 ms", "settle": "30 ms"}
     usual, many = (simulate(case(contact=contact, **given)).features for contact in ({}, {"length_nodes": "64"}))
@@ -189,7 +189,7 @@ def test_a_bowl_has_groups_enough(model, width):
 
 
 def test_two_pits_are_felt_by_two_rollers():
-    """A second pit one pitch further doubles the series of impacts: the same wave, twice as strong in force."""
+    """A second pit one pitch further is met at the same time: the line is at least 1.2 times as strong."""
     one = simulate(case(model="static", defect=SLOT | {"width": "0.3 mm"}, duration="20 ms", settle="0 ms"))
     pitch = 2 * pi / 13
     two = simulate(

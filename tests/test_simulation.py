@@ -1,12 +1,7 @@
-"""From a case to its record: sampling end to end, lines, settling, refusals."""
+"""From a case to its record: sampling end to end, lines, settling."""
 
-import hashlib
 import importlib
 import math
-import os
-import pickle
-import subprocess
-import sys
 from collections.abc import Callable
 from typing import Any
 from unittest import mock
@@ -22,18 +17,10 @@ from bearingsim.core.advance import FINE, Watch, advance
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import POSITION, Q_MAX
 from bearingsim.core.models.interface import begin
-from bearingsim.simulation import SimulationError, simulate, warm
+from bearingsim.simulation import simulate, warm
+from tests.short_cases import FORCES, RATE, RING, SLOT, case
 
 MODULE = importlib.import_module("bearingsim.simulation")
-RATE = 159.0  # ball passes per second of the NF308 at 1800 rpm
-SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
-RING = ["ring.displacement", "ring.velocity", "ring.acceleration"]
-FORCES = ["roller.outer_force", "roller.inner_force"]
-
-
-def case(**fields: Any) -> Case:
-    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "duration": "80 ms", "settle": "30 ms"}
-    return Case.model_validate(base | {"model": "ring"} | fields)
 
 
 def line(features: dict[str, float], name: str) -> complex:
@@ -348,106 +335,16 @@ def test_info_says_how_it_was_computed() -> None:
     assert 0.0 < info["integrator_cpu_s"] <= info["cpu_s"]
 
 
-# Refusals
-
-
-def test_a_step_over_the_limit_is_refused_with_advice() -> None:
-    with pytest.raises(SimulationError, match="of the method's limit") as caught:
-        simulate(case(model="rollers", defect=SLOT, step="2 us"))
-    assert caught.value.time is None
-    assert "step: auto" in caught.value.advice
-
-
-@pytest.mark.parametrize("factor", [2.0, 3.0, 10.0, 30.0])
-@pytest.mark.parametrize(("model", "defects"), [("rollers", ()), ("rollers", (SLOT,)), ("ring", ())])
-def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple, factor: float) -> None:
-    """``choose`` would refuse these: whatever slips past it must not come back as a result."""
-    given = case(model=model, defects=defects, sampling=100.0)
-    forced = min(factor * choose.limits(given).at_impact, 0.99 / RATE / choose.FEWEST_FINE)
-    with mock.patch.object(choose, "wanted_step", return_value=forced), pytest.raises(SimulationError) as caught:
-        simulate(given)
-    assert caught.value.time is not None
-    assert 0.0 < caught.value.time < 0.12
-    if model == "rollers":
-        assert "roller " in caught.value.reason
-    assert "step under" in caught.value.advice
-
-
-def test_a_motion_that_is_not_finite_is_stopped() -> None:
-    def broken(method: Any, model: Any, watch: Watch, start: int, y: np.ndarray, out: np.ndarray) -> tuple:
-        y[POSITION] = np.nan
-        return advance(method, model, watch, start, y, out)
-
-    with mock.patch.object(MODULE, "advance", broken), pytest.raises(SimulationError, match="finite"):
-        simulate(case())
-
-
-def test_a_load_too_small_to_balance_is_refused_with_a_reason() -> None:
-    with pytest.raises(SimulationError, match="no static equilibrium") as caught:
-        simulate(case(load=1e-9))
-    assert "load" in caught.value.advice
-
-
-def test_the_error_crosses_processes() -> None:
-    again = pickle.loads(pickle.dumps(SimulationError("why", "what", 0.5)))
-    assert (again.reason, again.advice, again.time, str(again)) == ("why", "what", 0.5, "why; what")
-
-
-def test_warming_takes_any_case() -> None:
-    warm([case(defect=SLOT), case(sampling=100.0), case(model="static"), case(antialias=False), case()])
-
-
-# The same numbers, always
-
-
-def fingerprint(given: Case) -> str:
-    found = simulate(given)
-    digest = hashlib.sha256(repr(sorted(found.features.items())).encode())
-    for name, series in sorted(found.series.items()):
-        digest.update(name.encode() + series.tobytes())
-    return digest.hexdigest()
-
-
-def elsewhere(code: str, **environment: str) -> str:
-    """What a fresh process prints."""
-    env = os.environ | environment | {"PYTHONPATH": os.path.dirname(__file__)}
-    run = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code], env=env, capture_output=True, text=True, timeout=80
-    )
-    assert run.returncode == 0, run.stderr
-    return run.stdout.strip()
-
-
-def test_the_same_case_gives_the_same_bits() -> None:
-    given = case(model="rollers", defect=SLOT, record=RING + FORCES)
-    here = fingerprint(given)
-    assert fingerprint(given) == here
-    fields = "model='rollers', defect=SLOT, record=RING + FORCES"
-    code = f"from test_simulation import *; print(fingerprint(case({fields})))"
-    assert elsewhere(code) == here
-    assert fingerprint(given.model_copy(update={"load": given.load * (1 + 1e-15)})) != here
-
-
-THREE = {  # a small bearing, turning fast, so that plain Python gets through a few ball passes
-    "name": "three",
-    "rollers": 3,
-    "roller_diameter": "12 mm",
-    "roller_length": "12 mm",
-    "pitch_diameter": "65 mm",
-    "bore": "40 mm",
-    "outside_diameter": "90 mm",
-    "width": "23 mm",
-}
-FAST = {"bearing": THREE, "speed": "12000 rpm", "settle": "0 ms", "sampling": "1500 Hz", "clearance": "-2 um"}
-
-
-def numbers(**fields: Any) -> list[float]:
-    found = simulate(case(**(FAST | {"duration": 1.001 / 244.6} | fields)))
-    return [found.features[n] for n in sorted(found.features) if "scatter" not in n and "kurtosis" not in n]
-
-
-def test_plain_python_gives_the_same_numbers() -> None:
-    fields = {"defect": SLOT | {"width": "3 mm"}, "contact": {"damping": {"chi": 5.0}}}
-    code = f"from test_simulation import *; print([x.hex() for x in numbers(**{fields!r})])"
-    plain = [float.fromhex(x) for x in eval(elsewhere(code, NUMBA_DISABLE_JIT="1"))]
-    assert plain == pytest.approx(numbers(**fields), rel=1e-12)
+def test_warming_computes_each_kind_of_case_once() -> None:
+    with mock.patch.object(MODULE, "_WARM", set()), mock.patch.object(MODULE, "simulate", wraps=simulate) as spied:
+        cases = [case(defect=SLOT), case(sampling=100.0), case(model="static"), case(antialias=False), case()]
+        warm(cases)
+        warm(cases)
+    warmed = [call.args[0] for call in spied.call_args_list]
+    kinds = [(given.model, given.antialias) for given in warmed]
+    assert kinds == [("ring", True), ("static", True), ("ring", False)]
+        ("ring", True),
+        ("static", True),
+        ("ring", False),
+    ]
+    assert all(given.duration < 0.01 and not given.defects for given in warmed)

@@ -1,0 +1,29 @@
+"""A small study, and how the tests type a command."""
+
+from typer.testing import CliRunner
+
+from bearingsim.cli import app
+
+STUDY = """\
+study: small
+bearing: nf308
+speed: 1800 rpm
+load: 150 N
+defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 0.05 mm}
+sweep:
+  load: [150 N, 300 N]
+  model: [static, ring]
+duration: 30 ms
+settle: 10 ms
+figures:
+  - {y: velocity@BPFO, x: load, by: model}
+quick: {sweep: {model: [static]}}
+"""
+
+
+def type_(*words, code=0):
+    """Type a command; its output, its messages on stderr, after checking its exit code."""
+    result = CliRunner().invoke(app, [str(word) for word in words])
+    assert result.exit_code == code, result.output
+    assert "Traceback" not in result.stderr
+    return result.stdout, result.stderr

@@ -1,0 +1,59 @@
+"""What is refused before a run, and stopped during one."""
+
+import importlib
+import pickle
+from typing import Any
+from unittest import mock
+
+import numpy as np
+import pytest
+
+from bearingsim import choose
+from bearingsim.core.advance import Watch, advance
+from bearingsim.core.layout import POSITION
+from bearingsim.simulation import SimulationError, simulate
+from tests.short_cases import RATE, SLOT, case
+
+MODULE = importlib.import_module("bearingsim.simulation")
+
+
+def test_a_step_over_the_limit_is_refused_with_advice() -> None:
+    with pytest.raises(SimulationError, match="of the method's limit") as caught:
+        simulate(case(model="rollers", defect=SLOT, step="2 us"))
+    assert caught.value.time is None
+    assert "step: auto" in caught.value.advice
+
+
+@pytest.mark.parametrize("factor", [2.0, 3.0, 10.0, 30.0])
+@pytest.mark.parametrize(("model", "defects"), [("rollers", ()), ("rollers", (SLOT,)), ("ring", ())])
+def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple, factor: float) -> None:
+    """``choose`` would refuse these: whatever slips past it must not come back as a result."""
+    given = case(model=model, defects=defects, sampling=100.0)
+    forced = min(factor * choose.limits(given).at_impact, 0.99 / RATE / choose.FEWEST_FINE)
+    with mock.patch.object(choose, "wanted_step", return_value=forced), pytest.raises(SimulationError) as caught:
+        simulate(given)
+    assert caught.value.time is not None
+    assert 0.0 < caught.value.time < 0.12
+    if model == "rollers":
+        assert "roller " in caught.value.reason
+    assert "step under" in caught.value.advice
+
+
+def test_a_motion_that_is_not_finite_is_stopped() -> None:
+    def broken(method: Any, model: Any, watch: Watch, start: int, y: np.ndarray, out: np.ndarray) -> tuple:
+        y[POSITION] = np.nan
+        return advance(method, model, watch, start, y, out)
+
+    with mock.patch.object(MODULE, "advance", broken), pytest.raises(SimulationError, match="finite"):
+        simulate(case())
+
+
+def test_a_load_too_small_to_balance_is_refused_with_a_reason() -> None:
+    with pytest.raises(SimulationError, match="no static equilibrium") as caught:
+        simulate(case(load=1e-9))
+    assert "load" in caught.value.advice
+
+
+def test_the_error_crosses_processes() -> None:
+    again = pickle.loads(pickle.dumps(SimulationError("why", "what", 0.5)))
+    assert (again.reason, again.advice, again.time, str(again)) == ("why", "what", 0.5, "why; what")
