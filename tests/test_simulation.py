@@ -343,8 +343,4 @@ def test_warming_computes_each_kind_of_case_once() -> None:
     warmed = [call.args[0] for call in spied.call_args_list]
     kinds = [(given.model, given.antialias) for given in warmed]
     assert kinds == [("ring", True), ("static", True), ("ring", False)]
-        ("ring", True),
-        ("static", True),
-        ("ring", False),
-    ]
     assert all(given.duration < 0.01 and not given.defects for given in warmed)
