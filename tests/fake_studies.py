@@ -55,6 +55,7 @@ class FakeJob:
     case: FakeCase
     swept: dict[str, float | str]
     healthy: str | None
+    twin: bool = False
 
 
 @dataclass
@@ -75,7 +76,7 @@ class FakeStudy:
         twin_id = case_id(twin)
         cases = [FakeCase(w, self.deeds.get(i, ""), self.seconds) for i, w in enumerate(self.widths)]
         jobs = [FakeJob(case_id(case), case, {"defect.width": case.width}, twin_id) for case in cases]
-        return [*jobs, FakeJob(twin_id, twin, {}, None)]
+        return [*jobs, FakeJob(twin_id, twin, {}, None, twin=True)]
 
 
 def case_id(case: FakeCase) -> str:

@@ -327,8 +327,10 @@ def test_plan_tells_what_was_asked(tmp_path: Path, study: FakeStudy) -> None:
     assert plan["jobs"][0] == {
         "job": study.jobs()[0].id,
         "healthy": study.jobs()[3].id,
+        "twin": False,
         "swept": {"defect.width": 1e-3},
     }
+    assert [entry["twin"] for entry in plan["jobs"]] == [False, False, False, True]
 
 
 # Results

@@ -127,6 +127,7 @@ def test_twins_are_shared_and_come_last(write: Write) -> None:
     twins = jobs[4:]
     assert [job.swept for job in twins] == [{"load": 1.0}, {"load": 2.0}]
     assert all(job.healthy is None and job.case.defects == () for job in twins)
+    assert [job.twin for job in jobs] == 4 * [False] + 2 * [True]
     assert [job.healthy for job in jobs[:4]] == [twins[0].id, twins[0].id, twins[1].id, twins[1].id]
     assert all(job.id == case_id(job.case) for job in jobs)
     for job in jobs[:4]:
@@ -135,10 +136,18 @@ def test_twins_are_shared_and_come_last(write: Write) -> None:
 
 def test_a_healthy_bearing_has_no_twin(write: Write) -> None:
     text = BASE.replace("defect:", "# defect:") + "sweep: {load: [1 N, 2 N]}\n"
-    assert [(job.swept, job.healthy) for job in load_study(write(text)).jobs()] == [
-        ({"load": 1.0}, None),
-        ({"load": 2.0}, None),
+    assert [(job.swept, job.healthy, job.twin) for job in load_study(write(text)).jobs()] == [
+        ({"load": 1.0}, None, False),
+        ({"load": 2.0}, None, False),
     ]
+
+
+def test_a_healthy_case_is_no_twin(write: Write) -> None:
+    """A case of the study stays one, though others are compared with it."""
+    pits = "[{shape: circular, length: 3 mm, width: 1 mm, depth: 1 um}]"
+    text = BASE.replace("defect:", "# defect:") + f"sweep: {{defects: [[], {pits}]}}\n"
+    healthy, damaged = load_study(write(text)).jobs()
+    assert (damaged.healthy, healthy.twin) == (healthy.id, False)
 
 
 @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])

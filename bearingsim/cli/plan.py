@@ -62,18 +62,16 @@ def plan_of(study: "Study", workers: int | None) -> Plan:
     """Price every job of a study; refusals are gathered, not raised."""
     from joblib import cpu_count
 
-    jobs = study.jobs()
-    referred = {job.healthy for job in jobs}
     priced, refusals = [], []
-    for job in jobs:
+    for job in study.jobs():
         try:
             priced.append(_priced(job))
         except (ValueError, ArithmeticError) as error:
             refusals.append((job, str(error)))
     return Plan(
         study=study,
-        cases=tuple(one for one in priced if one.job.healthy or one.job.id not in referred),
-        twins=tuple(one for one in priced if one.job.id in referred and not one.job.healthy),
+        cases=tuple(one for one in priced if not one.job.twin),
+        twins=tuple(one for one in priced if one.job.twin),
         refused=tuple(_grouped(refusals, study)),
         workers=workers or cpu_count(),
     )

@@ -22,7 +22,6 @@ __all__ = [
     "is_numeric",
     "planned",
     "splits",
-    "twins",
     "values",
     "varied",
     "with_defect_phase",
@@ -36,15 +35,8 @@ MOST_CURVES = 9  # in one panel of an automatic figure
 
 def case_rows(results: "Results") -> "pd.DataFrame":
     """The rows of the table that are cases of the study, not the healthy twins they are compared with."""
-    table = results.table()
-    return table[~table["job"].isin(twins(results))].reset_index(drop=True)
-
-
-def twins(results: "Results") -> set[str]:
-    """Ids of the jobs that are there only as healthy twins."""
-    referred = {entry["healthy"] for entry in results.plan["jobs"]} - {None}
-    damaged = [e["job"] for e in results.plan["jobs"] if any(path.startswith("defect") for path in e["swept"])]
-    return referred - set(damaged)
+    table, twins = results.table(), {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
+    return table[~table["job"].isin(twins)].reset_index(drop=True)
 
 
 def varied(rows: "pd.DataFrame", paths: Sequence[str]) -> list[str]:

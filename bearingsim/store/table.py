@@ -41,7 +41,9 @@ def write_plan(root: Path, study: Any, jobs: Iterable[Any]) -> None:
         "model_version": MODEL_VERSION,
         "units": dict(study.units),
         "figures": [asdict(figure) for figure in study.figures],
-        "jobs": [{"job": job.id, "healthy": job.healthy, "swept": dict(job.swept)} for job in jobs],
+        "jobs": [
+            {"job": job.id, "healthy": job.healthy, "twin": job.twin, "swept": dict(job.swept)} for job in jobs
+        ],
     }
     write_text(root / "study.yaml", study.text)
     write_text(root / "plan.json", json.dumps(plan, indent=1, ensure_ascii=False) + "\n")

@@ -26,13 +26,15 @@ class Figure:
 class Job:
     """One simulation of a study: its id, its swept values (SI, or words), and its healthy twin's id.
 
-    `healthy` is None for a bearing without defects, which is its own twin.
+    `healthy` is None for a bearing without defects, which is its own twin; `twin` tells a job that is there only
+    to be compared with.
     """
 
     id: str
     case: Case
     swept: dict[str, float | str]
     healthy: str | None
+    twin: bool = False
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,7 @@ def _twin(case: Case, swept: dict[str, float | str]) -> Job | None:
         return None
     healthy = case.model_copy(update={"defects": ()})
     kept = dict(_undamaged(swept))
-    return Job(case_id(healthy), healthy, kept, None)
+    return Job(case_id(healthy), healthy, kept, None, twin=True)
 
 
 def _undamaged(swept: dict[str, float | str]) -> Iterator[tuple[str, float | str]]:
