@@ -15,16 +15,12 @@ from bearingsim.core.defects import Pits, groups_of, outer_reduced_radius, pits
 from bearingsim.core.equilibrium import mean_rest
 from bearingsim.core.kinematics import cage_speed
 from bearingsim.core.layout import Q_O, buffer
-from bearingsim.core.methods.equilibrium import Equilibrium
-from bearingsim.core.methods.rk4 import RungeKutta4
-from bearingsim.core.methods.verlet import Verlet
-from bearingsim.core.models.ring import Ring
-from bearingsim.core.models.rollers import Rollers
-from bearingsim.core.models.static import Static
+from bearingsim.core.methods import equilibrium, rk4, verlet
+from bearingsim.core.models import ring, rollers, static
 from bearingsim.core.parameters import Bearing, Support
 
-MODELS: dict[str, Any] = {"static": Static, "ring": Ring, "rollers": Rollers}
-METHODS: dict[str | None, Any] = {"verlet": Verlet, "rk4": RungeKutta4, None: Equilibrium}
+MODELS = {"static": static.KIND, "ring": ring.KIND, "rollers": rollers.KIND}
+METHODS = {"verlet": verlet.KIND, "rk4": rk4.KIND, None: equilibrium.KIND}
 STIFFNESS: dict[str, Any] = {"palmgren": laws.palmgren, "iso16281": laws.iso16281}
 
 
@@ -48,14 +44,14 @@ def outer_radius(case: config.Case) -> float:
 
 def bearing(case: config.Case) -> Bearing:
     """Geometry, masses and motion of the case's bearing."""
-    b = case.bearing
+    b, massless = case.bearing, MODELS[case.model].massless
     return Bearing(
         Z=b.rollers,
         R_w=b.roller_diameter / 2.0,
         R_o=outer_radius(case),
         R_i=(b.pitch_diameter - b.roller_diameter) / 2.0 - case.clearance / 4.0,
         gap=case.clearance / 4.0,
-        m_r=roller_mass(b) if case.model == "rollers" else 0.0,
+        m_r=0.0 if massless else roller_mass(b),
         m_o=float(ring_mass(case)),
         omega_c=cage_speed(case.speed, b.roller_diameter, b.pitch_diameter),
         theta_0=case.start_angle,
@@ -90,17 +86,23 @@ def model(case: config.Case) -> Any:
     """The core's model of the case, its bracket anchored where the healthy bearing rests on average.
 
     So the load is what the bearing carries: a bracket anchored anywhere else would take a share of it.
-    Raises ``ArithmeticError`` if the healthy bearing finds no equilibrium.
+    Raises ``NoEquilibrium`` if the healthy bearing finds no equilibrium.
     """
     of_case, law = bearing(case), contact(case)
-    x_0, y_0 = anchor(MODELS[case.model], of_case, law, case.load)
+    kind = MODELS[case.model].parameters
+    x_0, y_0 = anchor(kind, of_case, law, case.load)
     support = Support(case.load, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
-    return MODELS[case.model](of_case, support, law, outer_pits(case))
+    return kind(of_case, support, law, outer_pits(case))
+
+
+def anchor(kind: Any, of_case: Bearing, law: Any, load: float) -> tuple[float, float]:
+    """Mean place (m, m) of the healthy, unsupported ring over a ball pass."""
+    return _anchor(kind, of_case, law, repr(law), load)
 
 
 @lru_cache(maxsize=256)
-def anchor(kind: Any, of_case: Bearing, law: Any, load: float) -> tuple[float, float]:
-    """Mean place (m, m) of the healthy, unsupported ring over a ball pass."""
+def _anchor(kind: Any, of_case: Bearing, law: Any, named: str, load: float) -> tuple[float, float]:
+    """``anchor``, remembered; ``named`` tells laws apart that are equal as tuples."""
     free = kind(of_case, Support(load, 0.0, 0.0, 0.0, 0.0), law, pits([], [], of_case.R_w, of_case.R_o))
     return mean_rest(free, empty_buffer(free))
 
@@ -117,4 +119,4 @@ def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:
 
 def method(case: config.Case, h: float) -> Any:
     """The core's method of the case with step ``h`` (s)."""
-    return METHODS[case.method](h)
+    return METHODS[case.method].parameters(h)

@@ -2,7 +2,8 @@
 
 An explicit method is stable up to a step that stiffness and damping set. Damping often sets it, and grows with
 the load, so the limit is taken twice: at rest, and at an estimate of the roller's impact on the far edge of the
-steepest pit. All numbers are printed by ``bearingsim check``; a step over the limit at impact is refused.
+steepest pit. All numbers are printed by ``bearingsim check``; a step near the limit at impact or over it is
+refused.
 """
 
 from dataclasses import dataclass
@@ -19,22 +20,11 @@ from bearingsim.core.methods.interface import load_number
 from bearingsim.core.models.interface import begin, damping_per_mass, stiffness_per_mass, watched
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 
-# `step: auto` takes the smallest of three, measured by benchmarks/step_fraction.py (see docs/methods.md):
-FRACTION = {"verlet": 0.5, "rk4": 0.25}  # of the method's limit at impact
-PER_PERIOD = {"verlet": 40, "rk4": 20}  # steps in a period of the contact, which light damping lets ring
-PER_CROSSING = {"static": 50, "ring": 50, "rollers": 200}  # steps while a roller crosses the narrowest pit
 SAFE = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
 FEWEST_PER_CROSSING = 8  # fewer are refused
 LONGEST = 20e-6  # s: a step nobody needs to exceed, for the models without a limit
 SAMPLES_OF_A_PASS = 16  # cage angles at which the load at rest is looked at
 FINE_PER_SAMPLE, FEWEST_FINE = 4, 64
-COST = {  # CPU s per step by benchmarks/step_cost.py, one core of a 2.6 GHz server; only for estimates
-    ("static", None): 9e-6,
-    ("ring", "verlet"): 0.21e-6,
-    ("ring", "rk4"): 0.71e-6,
-    ("rollers", "verlet"): 0.22e-6,
-    ("rollers", "rk4"): 0.73e-6,
-}
 OVERHEAD = 0.02  # CPU s per job: build, filters, features, writing
 
 
@@ -101,7 +91,7 @@ class Estimate:
 
 
 def limits(case: Case) -> Limits:
-    """Limits of the case's step (see ``Limits``). Raises ``ArithmeticError`` if nothing holds the ring."""
+    """Limits of the case's step (see ``Limits``). Raises ``NoEquilibrium`` if nothing holds the ring."""
     rest_load, K, C = loads_at_rest(_healthy(case))
     model = build.model(case)
     speed = closing_speed(model)
@@ -158,13 +148,18 @@ def closing_speed(model: Any) -> float:
     return float(max(slopes, default=0.0) * pits.R_o * model.bearing.omega_c)
 
 
-@lru_cache(maxsize=1024, typed=True)  # laws with the same numbers are equal tuples
 def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
     """A free roller of mass ``m`` (kg) thrown at one race with ``speed`` (m/s): peak force, largest slopes over m.
 
     Returns (N, stiffness/mass in 1/s^2, damping/mass in 1/s). Models whose rollers have no mass have no such
     impact: zeros.
     """
+    return _impact(m, law, repr(law), speed)
+
+
+@lru_cache(maxsize=1024)
+def _impact(m: float, law: Any, named: str, speed: float) -> tuple[float, float, float]:
+    """``impact``, remembered; ``named`` tells laws apart that are equal as tuples."""
     if m == 0.0 or speed == 0.0:
         return 0.0, 0.0, 0.0
     h = min(1e-7, 1e-3 * pi * sqrt(m / stiffness_slope(law, 1e-7, 0.0)))
@@ -186,7 +181,7 @@ def step_limit(method: str | None, K: float, C: float) -> float:
     low, high = 0.0, 1.0
     while high - low > 1e-6 * high:
         h = 0.5 * (low + high)
-        if load_number(build.METHODS[method](h), K, C) > 1.0:
+        if load_number(build.METHODS[method].parameters(h), K, C) > 1.0:
             high = h
         else:
             low = h
@@ -197,20 +192,20 @@ def wanted_step(case: Case) -> float:
     """The step (s) a case asks for, or is given by ``auto``. Raises ``StepError`` if it must not be taken."""
     found = limits(case)
     if case.step == "auto":
-        return automatic_step(case.model, case.method, found)
+        return automatic_step(case, found)
     safe = min(SAFE * found.at_impact, found.crossing / FEWEST_PER_CROSSING)
     if case.step > safe:
         raise StepError(_refusal(case.step, found), _advice(case, found))
     return case.step
 
 
-def automatic_step(model: str, method: str | None, found: Limits) -> float:
-    """The step (s) that keeps the line at the fault frequency within about 1 %, by measurement."""
-    resolved = min(found.crossing / PER_CROSSING[model], LONGEST)
-    if method is None:
+def automatic_step(case: Case, found: Limits) -> float:
+    """The step (s) that was measured to keep the line of the fault within about 1 % (see docs/methods.md)."""
+    model, method = build.MODELS[case.model], build.METHODS[case.method]
+    resolved = min(found.crossing / model.per_crossing, LONGEST)
+    if model.memoryless:
         return resolved
-    period = 1.0 / found.contact_frequency
-    return min(resolved, FRACTION[method] * found.at_impact, period / PER_PERIOD[method])
+    return min(resolved, method.fraction * found.at_impact, 1.0 / found.contact_frequency / method.per_period)
 
 
 def _refusal(step: float, found: Limits) -> str:
@@ -224,12 +219,12 @@ def _refusal(step: float, found: Limits) -> str:
 
 
 def _advice(case: Case, found: Limits) -> str:
-    return f"say `step: auto` ({1e6 * automatic_step(case.model, case.method, found):.2g} us)"
+    return f"say `step: auto` ({1e6 * automatic_step(case, found):.2g} us)"
 
 
 def repeats(case: Case) -> bool:
     """Whether each ball pass equals the one before: nothing has memory, and no single roller is recorded."""
-    return case.method is None and not any(name.startswith("roller") for name in case.record)
+    return build.MODELS[case.model].memoryless and not any(name.startswith("roller") for name in case.record)
 
 
 def samples(case: Case) -> int:
@@ -257,9 +252,10 @@ def estimate(case: Case) -> Estimate:
     cut = grid(case)
     computed = 1 if repeats(case) else cut.passes
     steps = computed * cut.steps_per_pass
+    cost = build.METHODS[case.method].evaluations * build.MODELS[case.model].cost
     columns = sum(len(CHANNELS[name].components) for name in case.record)
     return Estimate(
-        cpu_seconds=OVERHEAD + steps * COST[case.model, case.method],
+        cpu_seconds=OVERHEAD + steps * cost,
         bytes=4 * columns * samples(case),
         steps=steps,
     )

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from bearingsim import build, choose, signals
-from bearingsim.config import CHANNELS, Case, dataset_names
+from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import HARMONICS, line_name
 from bearingsim.core.advance import CHANNELS as ROWS
-from bearingsim.core.advance import FINE, FIRST_OUTER, OUTRUN, Watch, advance, record
-from bearingsim.core.equilibrium import rest_from_scratch
+from bearingsim.core.advance import FINE, FIRST_OUTER, OUTRUN, RECORDED, Watch, advance, record
+from bearingsim.core.equilibrium import NoEquilibrium, rest_from_scratch
 from bearingsim.core.layout import OVERRUN_MAX, Q_MAX, ROW
 from bearingsim.core.models.interface import begin, watched
 from bearingsim.core.sampling import (
@@ -26,7 +26,7 @@ from bearingsim.core.sampling import (
     resampling_kernel,
 )
 
-ROW_OF = {name: row for row, name in enumerate(name for channel in CHANNELS for name in dataset_names(channel))}
+ROW_OF = {name: row for row, name in enumerate(RECORDED)}
 QUANTITIES = ("displacement", "velocity", "acceleration")
 
 
@@ -106,7 +106,7 @@ def simulate(case: Case) -> Record:
         model = build.model(case)
     except choose.StepError as error:
         raise SimulationError(error.reason, error.advice) from error
-    except ArithmeticError as error:
+    except NoEquilibrium as error:
         raise SimulationError(str(error), "give the bearing a load that its rollers can carry") from error
     tape = _integrate(case, model, cut, _watch(cut, found))
     sampled = _resampled(case, cut, tape) if case.antialias else tape.picked
@@ -177,7 +177,7 @@ def _integrate(case: Case, model: Any, cut: choose.Grid, watch: Watch) -> _Tape:
         decimate(window, taps, D, fine[:, lead + p * M : lead + (p + 1) * M])
         _pick_pass(case, cut, p, window, picked)
     zero = lead + DECIMATION_REACH - 1
-    if case.method is None:  # what has no memory was never at rest: it repeats itself before t = 0 too
+    if build.MODELS[case.model].memoryless:  # never at rest: it repeats itself before t = 0 too
         fine[:FIRST_OUTER, :zero] = fine[:FIRST_OUTER, zero + np.arange(-zero, 0) % M]
     return _Tape(fine, zero, picked, y, clock[0])
 
@@ -206,7 +206,7 @@ def _ball_passes(
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
     window = np.empty((ROWS, tail + steps))
     window[:] = _recorded(y)
-    if case.method is None:  # one step more than are kept: the first knows no velocity before it
+    if build.MODELS[case.model].memoryless:  # one step more than are kept: the first knows no velocity before it
         advance(method, model, watch, -tail - 1, y, window[:, steps - 1 :])
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()

@@ -4,7 +4,8 @@
 
 For each scene and method the case is computed with steps of a few fractions of ``Limits.at_impact`` and compared
 with RK4 at a twentieth of it: relative error of the velocity line at BPFO, of its RMS, and of the largest contact
-force, as far as the run came. The fractions of ``choose.FRACTION`` and the refusal at 1 rest on this table.
+force, as far as the run came. The fractions that automatic steps take, and
+the refusal near 1, rest on this table.
 """
 
 import argparse

@@ -57,7 +57,7 @@ def measured_limit(name: str, K: float, C: float) -> float:
     low, high = 0.0, 4.0 / sqrt(K)
     while high - low > 1e-4 * high:
         h = 0.5 * (low + high)
-        if growth(build.METHODS[name](h), Oscillator(K, C)) > 1.0 + 1e-9:
+        if growth(build.METHODS[name].parameters(h), Oscillator(K, C)) > 1.0 + 1e-9:
             high = h
         else:
             low = h

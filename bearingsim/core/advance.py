@@ -14,8 +14,12 @@ from bearingsim.core.methods.interface import load_number, step
 from bearingsim.core.models.interface import damping_per_mass, stiffness_per_mass, watched
 from bearingsim.core.parameters import lanes
 
-CHANNELS = 8  # rows of a recording: x, y, x', y', x'', y'', and the first roller's outer and inner force
-FIRST_OUTER, FIRST_INNER = 6, 7
+RECORDED = (  # rows of a recording; forces are the first roller's
+    *("ring.displacement.x", "ring.displacement.y", "ring.velocity.x", "ring.velocity.y"),
+    *("ring.acceleration.x", "ring.acceleration.y", "roller.outer_force", "roller.inner_force"),
+)
+CHANNELS = len(RECORDED)
+FIRST_OUTER = RECORDED.index("roller.outer_force")
 
 
 class Watch(NamedTuple):

@@ -41,6 +41,10 @@ MAX_STEPS = 200
 LONGEST_STEP = 1e-5  # m
 
 
+class NoEquilibrium(ArithmeticError):
+    """The rollers cannot hold the load."""
+
+
 @jit
 def outer_force(stiffness, pits, d, s, o):
     """Outer contact at approach ``o`` (m, from the undamaged race): force, slope and mean approach.
@@ -155,7 +159,7 @@ def ring_stiffness(model, y):
     """Stiffness of the ring's support (N/m): entries xx, xy, yy of the symmetric matrix -df/du."""
     k_b = model.support.k_b
     # a ring hanging on one roller has no stiffness across it: a trace of it keeps the step finite
-    trace = 1e-9 * model.contact.stiffness.k
+    trace = 1e-8 * tangent(model.contact.stiffness, 1e-7)
     k_xx, k_xy, k_yy = k_b + trace, 0.0, k_b + trace
     for j in range(model.bearing.Z):
         c, s, k = y[COS + j], y[SIN + j], y[K_SERIES + j]
@@ -261,7 +265,7 @@ def rest_from_scratch(model, t, y):
 def mean_rest(model, y, samples=32):
     """Mean ring position (m, m) over one ball pass at rest: the anchor of the bracket.
 
-    Raises ``ArithmeticError`` if an equilibrium is not found to 1e-8 of the load.
+    Raises ``NoEquilibrium`` if one is not found to 1e-8 of the load.
     """
     pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     positions = []
@@ -269,7 +273,7 @@ def mean_rest(model, y, samples=32):
         find = rest_from_scratch if n == 0 else find_rest
         residual = find(model, (n + 0.5) / samples * pass_time, y)
         if not residual <= 1e-8 * model.support.F:
-            raise ArithmeticError(f"no static equilibrium: {residual:g} N left of {model.support.F:g} N")
+            raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {model.support.F:g} N")
         positions.append((y[POSITION + X], y[POSITION + Y]))
     x, z = np.mean(positions, axis=0)
     return float(x), float(z)

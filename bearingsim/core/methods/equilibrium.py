@@ -6,9 +6,9 @@ samples of a jump give a wrong mean; differences of places add up to the way gon
 
 from typing import NamedTuple
 
+from bearingsim.core.equilibrium import find_rest
 from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY, X, Y
-from bearingsim.core.methods.interface import load_number, step
-from bearingsim.core.models.interface import rest
+from bearingsim.core.methods.interface import MethodKind, load_number, step
 
 
 class Equilibrium(NamedTuple):
@@ -20,12 +20,12 @@ class Equilibrium(NamedTuple):
 @step.register(Equilibrium)
 def _step(method, model, t, y):
     h, v_x, v_y = method.h, y[VELOCITY + X], y[VELOCITY + Y]
-    rest(model, t + 0.5 * h, y)
+    find_rest(model, t + 0.5 * h, y)
     x_before, y_before = y[POSITION + X], y[POSITION + Y]
-    rest(model, t + 1.5 * h, y)
+    find_rest(model, t + 1.5 * h, y)
     y[VELOCITY + X] = (y[POSITION + X] - x_before) / h
     y[VELOCITY + Y] = (y[POSITION + Y] - y_before) / h
-    rest(model, t + h, y)
+    find_rest(model, t + h, y)
     y[ACCELERATION + X] = (y[VELOCITY + X] - v_x) / h
     y[ACCELERATION + Y] = (y[VELOCITY + Y] - v_y) / h
 
@@ -33,3 +33,6 @@ def _step(method, model, t, y):
 @load_number.register(Equilibrium)
 def _load_number(method, K, C):
     return 0.0
+
+
+KIND = MethodKind(Equilibrium, evaluations=3, fraction=1.0, per_period=1)

@@ -1,10 +1,24 @@
 """The functions every method has, chosen by the type of its parameters."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from bearingsim.core.jit import generic
+
+
+class MethodKind(NamedTuple):
+    """What others must know of a method; steps measured by benchmarks/step_fraction.py (docs/methods.md).
+
+    parameters: its ``NamedTuple``; evaluations: of the model in a step; fraction: of the stability limit at
+    impact, the most an automatic step takes; per_period: steps of an automatic run in a period of the contact,
+    which light damping lets ring.
+    """
+
+    parameters: type
+    evaluations: int
+    fraction: float
+    per_period: int
 
 
 @generic

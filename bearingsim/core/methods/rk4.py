@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, POSITION, ROW, STAGE, VELOCITY
-from bearingsim.core.methods.interface import load_number, step
+from bearingsim.core.methods.interface import MethodKind, load_number, step
 from bearingsim.core.models.interface import accelerations, width
 
 REACH_REAL, REACH = 2.785, 2.615  # of decaying and of oscillating motion
@@ -72,3 +72,6 @@ def _load_number(method, K, C):
     if C * C < 4.0 * K:
         return method.h * sqrt(K) / REACH
     return method.h * 0.5 * (C + sqrt(C * C - 4.0 * K)) / REACH_REAL
+
+
+KIND = MethodKind(RungeKutta4, evaluations=4, fraction=0.25, per_period=20)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, POSITION, STAGE, VELOCITY
-from bearingsim.core.methods.interface import load_number, step
+from bearingsim.core.methods.interface import MethodKind, load_number, step
 from bearingsim.core.models.interface import accelerations, width
 
 
@@ -49,3 +49,6 @@ def _step(method, model, t, y):
 @load_number.register(Verlet)
 def _load_number(method, K, C):
     return method.h * (0.25 * method.h * K + C)
+
+
+KIND = MethodKind(Verlet, evaluations=1, fraction=0.5, per_period=40)

@@ -1,10 +1,25 @@
 """The functions every model has, chosen by the type of its parameters."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from bearingsim.core.jit import generic
+
+
+class ModelKind(NamedTuple):
+    """What others must know of a model.
+
+    parameters: its ``NamedTuple``; massless: its rollers have no inertia; memoryless: each instant stands alone,
+    so it needs no method; per_crossing: steps of an automatic run over the narrowest pit; cost: CPU s of an
+    evaluation (benchmarks/step_cost.py, one core of a 2.6 GHz server; for estimates only).
+    """
+
+    parameters: type
+    massless: bool
+    memoryless: bool
+    per_crossing: int
+    cost: float
 
 
 @generic
@@ -20,11 +35,6 @@ def accelerations(model: Any, t: float, y: np.ndarray) -> None:
 @generic
 def begin(model: Any, t: float, y: np.ndarray) -> None:
     """Complete a buffer whose rollers and ring are at rest at time ``t`` (s): what a first step builds on."""
-
-
-@generic
-def rest(model: Any, t: float, y: np.ndarray) -> float:
-    """Put the massless model at its equilibrium at time ``t`` (s); returns the residual force (N)."""
 
 
 @generic

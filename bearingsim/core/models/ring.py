@@ -8,12 +8,12 @@ and over a pit with several groups along the roller the elastic balance is solve
 
     sum_k w_k E(delta - delta_i - h_k) = E(delta_i),
 
-with each group's closing rate halved. (Differentiating the balance gives that half exactly for damping
-proportional to the elastic force, and for one group with any law; the dashpots' own relaxation of a massless
-roller, some microseconds, is left out.) Left out besides: the rollers' inertia and centrifugal load.
+with each group's closing rate halved. (While that balance holds, the half is exact for damping proportional to
+the elastic force, and for one group with any law. A massless roller between dashpots would relax to it within some
+microseconds; leaving that out costs under 1 % of the force over a bowl, 3 % at chi = 200 s/m.) Left out besides:
+the rollers' inertia and centrifugal load.
 """
 
-from math import cos, sin
 from typing import Any, NamedTuple
 
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
@@ -21,9 +21,7 @@ from bearingsim.core.defects import Pits, W, depression, roller_over
 from bearingsim.core.equilibrium import roller_balance
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
-    ACCELERATION,
     COS,
-    COS_0,
     DELTA_I,
     DELTA_O,
     LANES,
@@ -31,7 +29,6 @@ from bearingsim.core.layout import (
     Q_I,
     Q_O,
     SIN,
-    SIN_0,
     V_I,
     V_O,
     VELOCITY,
@@ -39,6 +36,7 @@ from bearingsim.core.layout import (
     Y,
 )
 from bearingsim.core.models.interface import (
+    ModelKind,
     accelerations,
     begin,
     damping_per_mass,
@@ -46,6 +44,7 @@ from bearingsim.core.models.interface import (
     watched,
     width,
 )
+from bearingsim.core.models.outer_ring import accelerate_ring, turn
 from bearingsim.core.parameters import Bearing, Support, lanes
 
 
@@ -69,17 +68,13 @@ def _watched(model):
 
 
 @jit
-def halves(bearing, theta_c, y, n):
-    """Angles, and half the total approach and rate of every roller over an undamaged race."""
-    C, S = cos(theta_c), sin(theta_c)
+def halves(bearing, y, n):
+    """Half the total approach and half its rate of every roller over an undamaged race."""
     omega_c, gap = bearing.omega_c, bearing.gap
     u_x, u_y, v_x, v_y = y[POSITION + X], y[POSITION + Y], y[VELOCITY + X], y[VELOCITY + Y]
     w_x, w_y = v_x + omega_c * u_y, v_y - omega_c * u_x
     for j in range(n):
-        c = C * y[COS_0 + j] - S * y[SIN_0 + j]
-        s = S * y[COS_0 + j] + C * y[SIN_0 + j]
-        y[COS + j] = c
-        y[SIN + j] = s
+        c, s = y[COS + j], y[SIN + j]
         y[DELTA_O + j] = -0.5 * (u_x * c + u_y * s) - gap
         y[V_O + j] = -0.5 * (w_x * c + w_y * s)
 
@@ -108,25 +103,19 @@ def over_pits(model, theta_c, y):
 
 @accelerations.register(Ring)
 def _accelerations(model, t, y):
-    bearing, support = model.bearing, model.support
+    bearing = model.bearing
     n = lanes(bearing)
     theta_c = bearing.theta_0 + bearing.omega_c * t
-    halves(bearing, theta_c, y, n)
+    turn(theta_c, y, n)
+    halves(bearing, y, n)
     for j in range(n):
         y[Q_O + j] = normal_force(model.contact, y[DELTA_O + j], y[V_O + j])
     over_pits(model, theta_c, y)
-
-    f_x, f_y = 0.0, 0.0
     for j in range(n):
         y[Q_I + j] = y[Q_O + j]
         y[DELTA_I + j] = y[DELTA_O + j]
         y[V_I + j] = y[V_O + j]
-        f_x = add(f_x, y[Q_O + j] * y[COS + j])
-        f_y = add(f_y, y[Q_O + j] * y[SIN + j])
-    f_x += -support.F - support.k_b * (y[POSITION + X] - support.x_0) - support.c_b * y[VELOCITY + X]
-    f_y += -support.k_b * (y[POSITION + Y] - support.y_0) - support.c_b * y[VELOCITY + Y]
-    y[ACCELERATION + X] = f_x / bearing.m_o
-    y[ACCELERATION + Y] = f_y / bearing.m_o
+    accelerate_ring(model, y, n)
 
 
 @begin.register(Ring)
@@ -151,3 +140,6 @@ def _damping_per_mass(model, y, j):
         real = y[COS + i] * y[COS + i] + y[SIN + i] * y[SIN + i]
         total = add(total, real * damping_slope(model.contact, max(y[DELTA_O + i], 0.0), y[V_O + i]))
     return (0.5 * total + model.support.c_b) / model.bearing.m_o
+
+
+KIND = ModelKind(Ring, massless=True, memoryless=False, per_crossing=50, cost=0.19e-6)

@@ -7,9 +7,8 @@ of the ring as rollers sink into a pit.
 from typing import Any, NamedTuple
 
 from bearingsim.core.defects import Pits
-from bearingsim.core.equilibrium import find_rest
 from bearingsim.core.layout import LANES
-from bearingsim.core.models.interface import begin, damping_per_mass, rest, stiffness_per_mass, watched, width
+from bearingsim.core.models.interface import ModelKind, begin, damping_per_mass, stiffness_per_mass, watched, width
 from bearingsim.core.parameters import Bearing, Support
 
 
@@ -32,11 +31,6 @@ def _begin(model, t, y):
     return None
 
 
-@rest.register(Static)
-def _rest(model, t, y):
-    return find_rest(model, t, y)
-
-
 @watched.register(Static)
 def _watched(model):
     return 0
@@ -50,3 +44,6 @@ def _stiffness_per_mass(model, y, j):
 @damping_per_mass.register(Static)
 def _damping_per_mass(model, y, j):
     return 0.0
+
+
+KIND = ModelKind(Static, massless=True, memoryless=True, per_crossing=50, cost=3e-6)
