@@ -53,6 +53,7 @@ lint: install-dev
 check: lint test
 
 bench: install-dev
+	$(BIN)/python benchmarks/step_cost.py
 	$(BIN)/python benchmarks/step_fraction.py
 
 lock: install-dev
@@ -63,4 +64,4 @@ lock: install-dev
 	  --no-emit-index-url --no-annotate --group dev pyproject.toml -o requirements-dev.lock
 
 clean:
-	rm -rf results build dist .pytest_cache .mypy_cache .ruff_cache
+	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

@@ -47,8 +47,18 @@ def cache_folder() -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         if os.access(folder, os.W_OK):
             return folder
-    folder = Path(tempfile.gettempdir()) / f"bearingsim-{os.getuid()}" / source_digest()
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = private_temporary_folder() / source_digest()
+    folder.mkdir(exist_ok=True)
+    return folder
+
+
+def private_temporary_folder() -> Path:
+    """A folder in the temporary one that is this user's: what is compiled is run, so nobody else may write there."""
+    user = os.getuid() if hasattr(os, "getuid") else "user"
+    folder = Path(tempfile.gettempdir()) / f"bearingsim-{user}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    if hasattr(os, "getuid") and folder.stat().st_uid != user:
+        return Path(tempfile.mkdtemp(prefix="bearingsim-"))
     return folder
 
 
