@@ -200,6 +200,11 @@ def test_failures_are_grouped_by_reason_whatever_the_numbers() -> None:
     assert str(groups[0]) == "2 jobs failed: diverged at 0.12 s (halve the step), for example job0"
 
 
+def test_durations_are_readable() -> None:
+    found = [progress.duration(seconds) for seconds in (0.123, 12.4, 99.4, 99.6, 3725.0)]
+    assert found == ["0.12 s", "12 s", "99 s", "1 min 40 s", "1 h 2 min"]
+
+
 def test_refused_case_fails_alone(tmp_path: Path) -> None:
     summary = compute(FakeStudy(deeds={0: "raise refused"}), tmp_path)
     assert (summary.done, summary.failed) == (3, 1)

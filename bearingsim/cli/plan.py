@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
@@ -87,10 +86,11 @@ def _priced(job: "Job") -> Priced:
 def _grouped(refusals: Iterable[tuple["Job", str]], study: "Study") -> Iterable[str]:
     """One message for all refusals that differ in numbers at most."""
     from bearingsim.plots.labels import described
+    from bearingsim.runner.summary import kind_of
 
     groups: dict[str, list[tuple[Job, str]]] = {}
     for job, text in refusals:
-        groups.setdefault(re.sub(r"[\d.]+(e[-+]?\d+)?", "#", text), []).append((job, text))
+        groups.setdefault(kind_of(text), []).append((job, text))
     for group in groups.values():
         job, text = group[0]
         where = described(job.swept, study.units)
@@ -118,6 +118,8 @@ LINES: tuple[Line, ...] = (
 
 def show(plan: Plan, verbose: bool) -> None:
     """Print the plan; verbose: a line for each case, too."""
+    from bearingsim.runner.progress import duration
+
     study, out = plan.study, console()
     swept = ", ".join(study.units) or "nothing"
     out.print(f"{study.name}: {_counts(plan)}; sweeps {swept}", markup=False)
@@ -166,15 +168,6 @@ def _show_cases(plan: Plan) -> None:
         for one in plan.cases
     ]
     print_table(heads, rows, words=len(units))
-
-
-def duration(seconds: float) -> str:
-    """`0.4 s`, `12 s`, `3 min 20 s`, `2 h 5 min`."""
-    if seconds < 100.0:
-        return f"{significant(seconds, 2)} s"
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s"
 
 
 def size(count: int) -> str:

@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 
-__all__ = ["Report", "progress"]
+__all__ = ["Report", "duration", "progress"]
 
 LINE_EVERY_S = 10.0
 SPEED_OVER_S = 3600.0  # units of work may come minutes apart
@@ -51,8 +51,8 @@ def _lines(jobs: int, seconds: float) -> Iterator[Report]:
         done, failed, computed = done + now_done, failed + now_failed, computed + cost
         now = time.monotonic()
         if now - last >= LINE_EVERY_S:
-            left = (now - started) * (seconds - computed) / max(computed, 1e-9)
-            print(f"{_counts(done, failed, jobs)}, about {_duration(left)} left", file=sys.stderr, flush=True)
+            left = (now - started) * max(seconds - computed, 0.0) / max(computed, 1e-9)
+            print(f"{_counts(done, failed, jobs)}, about {duration(left)} left", file=sys.stderr, flush=True)
             last = now
 
     yield report
@@ -62,7 +62,10 @@ def _counts(done: int, failed: int, jobs: int) -> str:
     return f"{done + failed}/{jobs} jobs" + (f", {failed} failed" if failed else "")
 
 
-def _duration(seconds: float) -> str:
-    minutes, rest = divmod(round(max(seconds, 0.0)), 60)
+def duration(seconds: float) -> str:
+    """`0.4 s`, `12 s`, `3 min 20 s`, `2 h 5 min`."""
+    if seconds < 99.5:
+        return f"{seconds:.2g} s"
+    minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s" if minutes else f"{rest} s"
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s"

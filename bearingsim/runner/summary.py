@@ -8,7 +8,7 @@ from pathlib import Path
 
 from bearingsim.store import Failure
 
-__all__ = ["FailureGroup", "Interrupted", "RunSummary", "grouped"]
+__all__ = ["FailureGroup", "Interrupted", "RunSummary", "grouped", "kind_of"]
 
 
 @dataclass(frozen=True)
@@ -27,14 +27,15 @@ class FailureGroup:
 
 def grouped(failures: Iterable[Failure]) -> tuple[FailureGroup, ...]:
     """Group failures whose reasons differ in numbers at most, largest group first."""
-    ordered = sorted(failures, key=lambda failure: (_kind(failure), failure.job))
-    groups = [list(group) for _, group in groupby(ordered, key=_kind)]
+    ordered = sorted(failures, key=lambda failure: (kind_of(failure.reason), failure.job))
+    groups = [list(group) for _, group in groupby(ordered, key=lambda failure: kind_of(failure.reason))]
     found = [FailureGroup(g[0].reason, g[0].advice, tuple(failure.job for failure in g)) for g in groups]
     return tuple(sorted(found, key=lambda group: -len(group.jobs)))
 
 
-def _kind(failure: Failure) -> str:
-    return re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", failure.reason)
+def kind_of(reason: str) -> str:
+    """A reason without its numbers: the same for all that failed alike."""
+    return re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", reason)
 
 
 @dataclass(frozen=True)
