@@ -193,6 +193,12 @@ def nearest_word(word: str, words: Collection[str]) -> str | None:
     return folded[close[0]] if close else None
 
 
+def suggestion(word: str, words: Collection[str]) -> str:
+    """`did you mean ...?` with the closest of `words`; empty if none is close."""
+    near = nearest_word(word, words)
+    return f"did you mean `{near}`?" if near else ""
+
+
 def _spelling(word: str) -> str:
     word = re.sub(r"N ?[. ] ?s\b", "N s", " ".join(word.translate(_SPELLING).split()))
     return re.sub(r"(?<=m|s)([23])$", r"^\1", re.sub(r" ?/ ?", "/", word))
@@ -237,5 +243,4 @@ def _unit_hint(word: str, dimension: Dimension) -> tuple[str | None, str | None]
     other = next((d for d in UNITS if word in UNITS[d]), None)
     if other is not None:
         return f"`{word}` is a unit of {other}", None
-    nearest = nearest_word(word, words)
-    return (f"did you mean `{nearest}`?" if nearest else f"units: {', '.join(words)}"), nearest
+    return suggestion(word, words) or f"units: {', '.join(words)}", nearest_word(word, words)

@@ -39,12 +39,12 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
 
 
 def _check(chosen: Sequence[str], known: Sequence[str]) -> None:
-    from bearingsim.units import nearest_word
+    from bearingsim.units import suggestion
 
     for name in chosen:
         if name not in known:
-            near = nearest_word(name, known)
-            raise Refusal(f"no column `{name}`" + (f" (did you mean `{near}`?)" if near else ""))
+            near = suggestion(name, known)
+            raise Refusal(f"no column `{name}`" + (f" ({near})" if near else ""))
 
 
 def _plain(row: Mapping[Any, Any]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NoReturn
 from pydantic import BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from bearingsim.units import EXPECTED, UNITS, Dimension, UnitError, nearest_word, parse
+from bearingsim.units import EXPECTED, UNITS, Dimension, UnitError, parse, suggestion
 
 
 class Section(BaseModel):
@@ -95,9 +95,8 @@ def one_of(*words: str) -> BeforeValidator:
 
 def raise_unknown_word(given: Any, words: tuple[str, ...]) -> NoReturn:
     """Refuse a word, naming the valid ones and the nearest."""
-    near = nearest_word(given, words) if isinstance(given, str) else None
-    hint = f"did you mean `{near}`?" if near else None
-    refuse("word", f"expected {alternatives(words)}, got {described(given)}", hint)
+    hint = suggestion(given, words) if isinstance(given, str) else ""
+    refuse("word", f"expected {alternatives(words)}, got {described(given)}", hint or None)
 
 
 def alternatives(words: tuple[str, ...]) -> str:

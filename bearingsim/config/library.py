@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from bearingsim import yamlfile
-from bearingsim.units import nearest_word
+from bearingsim.units import suggestion
 
 Kind = Literal["bearings", "rigs", "materials"]
 
@@ -64,6 +64,5 @@ def _shown(path: Path) -> str:
 
 def _not_found(kind: Kind, name: str) -> str:
     known = library_names(kind)
-    near = nearest_word(name, known)
-    advice = f"did you mean `{near}`?" if near else f"there are: {', '.join(known)}; or give a path"
+    advice = suggestion(name, known) or f"there are: {', '.join(known)}; or give a path"
     return f"no {kind[:-1]} `{name}` ({advice})"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim.plots.labels import PlotError, described, unit_of
 from bearingsim.study import Figure, dimension
-from bearingsim.units import UnitError, nearest_word, parse
+from bearingsim.units import UnitError, parse, suggestion
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -147,8 +147,7 @@ def completed(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) ->
 
 def _check(word: str, known: Any, what: str) -> None:
     if word not in known:
-        near = nearest_word(word, list(known))
-        advice = f"did you mean `{near}`?" if near else f"there are: {', '.join(known) or 'none'}"
+        advice = suggestion(word, list(known)) or f"there are: {', '.join(known) or 'none'}"
         raise PlotError(f"no {what} `{word}` in these results ({advice})")
 
 

@@ -9,7 +9,7 @@ from pydantic_core import ErrorDetails
 from bearingsim.config import Case
 from bearingsim.config.case import DAMPING_LAWS, Conflict, Path
 from bearingsim.study.paths import known_paths, label
-from bearingsim.units import EXPECTED, nearest_word
+from bearingsim.units import EXPECTED, suggestion
 from bearingsim.yamlfile import Mark, Node, Problem, plain, problem
 
 STUDY_KEYS = ("study", "figures", "sweep", "quick")
@@ -91,8 +91,7 @@ def _said(details: ErrorDetails) -> tuple[str, str | None]:
 
 def _unknown_key(name: str, path: Path, tree: Node) -> tuple[str, str]:
     known = _keys_at(path[:-1], tree)
-    near = nearest_word(name, known)
-    return f"unknown key `{name}`", f"did you mean `{near}`?" if near else f"known: {', '.join(known)}"
+    return f"unknown key `{name}`", suggestion(name, known) or f"known: {', '.join(known)}"
 
 
 def _keys_at(path: Path, tree: Node) -> list[str]:

@@ -4,7 +4,7 @@ from collections.abc import Collection
 
 from bearingsim.config import FEATURES
 from bearingsim.study.jobs import Figure
-from bearingsim.units import nearest_word
+from bearingsim.units import suggestion
 from bearingsim.yamlfile import Node, Problem, problem
 
 KEYS = ("y", "x", "by", "panels", "where", "title", "log")
@@ -70,9 +70,8 @@ def _check_word(
     where: str, word: str, node: Node, words: Collection[str], what: str, problems: list[Problem]
 ) -> None:
     if word not in words:
-        near = nearest_word(word, words)
         few = "known: " + ", ".join(words) if 0 < len(words) < 10 else None
-        hint = f"did you mean `{near}`?" if near else few
+        hint = suggestion(word, words) or few
         mark = node.key if node.key and node.key.column and where in ("figures", "where") else node.mark
         problems.append(problem(mark, f"{where}: no {what} `{word}`", hint))
 

@@ -8,7 +8,7 @@ from typing import Any, get_args
 from bearingsim.config import Case
 from bearingsim.config.case import Path
 from bearingsim.config.fields import Quantity, Section
-from bearingsim.units import Dimension, nearest_word
+from bearingsim.units import Dimension, suggestion
 from bearingsim.yamlfile import Node
 
 
@@ -27,8 +27,8 @@ def parse_path(text: str, defects: int) -> Path:
     """Where a path leads in a case with that many defects; ValueError if nowhere."""
     plain = _without_number(text)
     if plain not in known_paths():
-        near = nearest_word(text, list(known_paths()))
-        raise ValueError(f"no such path `{text}`" + (f" (did you mean `{near}`?)" if near else ""))
+        near = suggestion(text, list(known_paths()))
+        raise ValueError(f"no such path `{text}`" + (f" ({near})" if near else ""))
     head, *rest = text.split(".")
     if head == "defect":
         return ("defects", _only_defect(text, defects), *rest)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import product
 
-from bearingsim.units import UnitError, common_dimension, display, nearest_word, parse, split
+from bearingsim.units import UnitError, common_dimension, display, parse, split, suggestion
 from bearingsim.yamlfile import Node, Problem, problem
 
 MOST_VALUES = 100_000
@@ -128,9 +128,9 @@ def _generated(node: Node) -> tuple[Node, ...]:
     words = list(node.mapping)
     if len(words) != 1 or words[0] not in GENERATORS:
         hint = f"write `[{node.text}]`" if isinstance(node.value, str) else None
-        near = nearest_word(words[0], list(GENERATORS)) if words else None
+        near = suggestion(words[0], list(GENERATORS)) if words else ""
         expected = "expected a list, or `linspace`, `logspace` or `range` with three numbers"
-        raise _Wrong(node, expected, f"did you mean `{near}`?" if near else hint)
+        raise _Wrong(node, expected, near or hint)
     arguments = node.mapping[words[0]]
     if len(arguments.items) != 3:
         raise _Wrong(arguments, f"expected three values, as in `{words[0]}: {_EXAMPLES[words[0]]}`")
