@@ -211,9 +211,8 @@ def automatic_step(case: Case, found: Limits) -> float:
 def _refusal(step: float, found: Limits) -> str:
     if step > SAFE * found.at_impact:
         return (
-            f"a step of {1e6 * step:.3g} us is over {SAFE:.0%} of the method's limit,"
-            f" {1e6 * found.at_impact:.3g} us at an impact of about {found.impact_force:.0f} N"
-            f" ({1e6 * found.at_rest:.3g} us at rest)"
+            f"a step of {1e6 * step:.3g} us is over {1e6 * SAFE * found.at_impact:.3g} us, {SAFE:.0%} of the method's"
+            f" limit at an impact of about {found.impact_force:.0f} N ({1e6 * found.at_rest:.3g} us at rest)"
         )
     return f"a step of {1e6 * step:.3g} us passes a pit of {1e6 * found.crossing:.3g} us in too few steps"
 

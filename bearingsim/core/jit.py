@@ -53,10 +53,10 @@ def cache_folder() -> Path:
 
 
 def private_temporary_folder() -> Path:
-    """A folder in the temporary one that is this user's: what is compiled is run, so nobody else may write there."""
+    """A folder in the temporary one that is this user's own: what lies there is run."""
     user = os.getuid() if hasattr(os, "getuid") else "user"
     folder = Path(tempfile.gettempdir()) / f"bearingsim-{user}"
-    folder.mkdir(mode=0o700, exist_ok=True)
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     if hasattr(os, "getuid") and folder.stat().st_uid != user:
         return Path(tempfile.mkdtemp(prefix="bearingsim-"))
     return folder
