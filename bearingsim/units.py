@@ -15,6 +15,8 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Literal, NamedTuple
 
+from bearingsim.errors import UserError
+
 Dimension = Literal[
     "length",
     "angle",
@@ -122,7 +124,7 @@ _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
 _SPELLING = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"})
 
 
-class UnitError(ValueError):
+class UnitError(UserError, ValueError):
     """A text is not a quantity of the dimension asked for.
 
     `expected` says what would be, with an example; `hint` what is wrong (or None); `nearest` is the closest

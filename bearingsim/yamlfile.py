@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from bearingsim.errors import UserError
+
 if TYPE_CHECKING:
     import yaml
 
@@ -78,7 +80,7 @@ class Problem:
         return f"{text}\n    {self.source_line}\n    {' ' * (self.column - 1)}^"
 
 
-class StudyError(Exception):
+class StudyError(UserError):
     """Everything found wrong in a study and the files it names, as `problems`."""
 
     def __init__(self, problems: Iterable[Problem]) -> None:

@@ -11,7 +11,7 @@ from bearingsim import __version__
 from bearingsim.cli.group import Commands
 from bearingsim.cli.opening import job_meant, near
 from bearingsim.cli.opening import opened as opened_results
-from bearingsim.cli.refusal import Refusal
+from bearingsim.errors import UserError
 
 if TYPE_CHECKING:
     from bearingsim.study import Study
@@ -74,7 +74,7 @@ def new(
         with path.open("x", encoding="utf-8") as file:
             file.write(NEW_STUDY)
     except FileExistsError:
-        raise Refusal(f"{path} exists already: give another path, or remove it") from None
+        raise UserError(f"{path} exists already: give another path, or remove it") from None
     typer.echo(f"{path} written: next `bearingsim check {path}`")
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.cli.refusal import Refusal
+from bearingsim.errors import UserError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,7 +33,7 @@ def series(results: "Results", jobs: Sequence[str], path: Path | None, file_form
     found = {job: results.series(job) for job in jobs}
     empty = [job for job, one in found.items() if not one.channels]
     if empty:
-        raise Refusal(f"job {empty[0]} has no series: the study says `record: []`")
+        raise UserError(f"job {empty[0]} has no series: the study says `record: []`")
     write(found, target)
     return target
 
@@ -41,7 +41,7 @@ def series(results: "Results", jobs: Sequence[str], path: Path | None, file_form
 def _suffix(path: Path, known: tuple[str, ...]) -> str:
     suffix = path.suffix.removeprefix(".").lower()
     if suffix not in known:
-        raise Refusal(f"{path}: expected a name that ends in .{' or .'.join(known)}")
+        raise UserError(f"{path}: expected a name that ends in .{' or .'.join(known)}")
     return suffix
 
 
@@ -52,7 +52,7 @@ def _to_csv(found: "dict[str, Series]", path: Path) -> None:
 
     first = next(iter(found.values()))
     if not all(np.array_equal(one.time, first.time) for one in found.values()):
-        raise Refusal("the jobs have different time axes: write them to .mat, or one by one")
+        raise UserError("the jobs have different time axes: write them to .mat, or one by one")
     columns: dict[str, Any] = {"time [s]": first.time}
     for job, one in found.items():
         before = f"{job}/" if len(found) > 1 else ""

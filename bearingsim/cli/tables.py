@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from bearingsim.cli.refusal import Refusal
 from bearingsim.cli.screen import print_table, significant
+from bearingsim.errors import UserError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -44,7 +44,7 @@ def _check(chosen: Sequence[str], known: Sequence[str]) -> None:
     for name in chosen:
         if name not in known:
             near = suggestion(name, known)
-            raise Refusal(f"no column `{name}`" + (f" ({near})" if near else ""))
+            raise UserError(f"no column `{name}`" + (f" ({near})" if near else ""))
 
 
 def _plain(row: Mapping[Any, Any]) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from functools import cache
 
+from bearingsim.errors import UserError
 from bearingsim.units import DISPLAY, UNITS, Dimension, display
 
 __all__ = [
@@ -29,7 +30,7 @@ SCALES: dict[str, tuple[tuple[str, float], ...]] = {  # readable units of a feat
 }
 
 
-class PlotError(Exception):
+class PlotError(UserError):
     """A figure that cannot be drawn from what there is."""
 
 

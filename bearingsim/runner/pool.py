@@ -9,6 +9,7 @@ from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 
+from bearingsim.errors import UserError
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
 
@@ -17,7 +18,7 @@ __all__ = ["WorkersDie", "outcomes"]
 BARREN_RESTARTS = 3
 
 
-class WorkersDie(Exception):
+class WorkersDie(UserError):
     """Worker processes die before they compute anything."""
 
 

@@ -3,6 +3,7 @@
 import shutil
 from pathlib import Path
 
+from bearingsim.errors import UserError
 from bearingsim.store.files import lock, temporary_files, unit_files, writer_is_dead
 from bearingsim.store.journal import clear_failures, log
 from bearingsim.store.units import DamagedUnit, check_unit
@@ -10,7 +11,7 @@ from bearingsim.store.units import DamagedUnit, check_unit
 __all__ = ["FolderInUse", "discard", "sealed_jobs"]
 
 
-class FolderInUse(Exception):
+class FolderInUse(UserError):
     """A results folder cannot be cleared while another run writes to it."""
 
 

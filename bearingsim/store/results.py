@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from bearingsim.errors import UserError
 from bearingsim.store.journal import Failure, read_failures
 from bearingsim.store.names import channel_attributes, feature_attributes, parameter_attributes
 from bearingsim.store.table import job_frame, read_plan, table
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["Results", "ResultsError", "open_results"]
 
 
-class ResultsError(Exception):
+class ResultsError(UserError):
     """A folder holds no results, or not those asked for."""
 
 

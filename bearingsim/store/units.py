@@ -18,6 +18,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from bearingsim.errors import UserError
 from bearingsim.store.files import sealing
 from bearingsim.store.names import channel_attributes, feature_attributes, flat_parameters, parameter_attributes
 
@@ -43,7 +44,7 @@ Value = float | int | str
 Row = Mapping[str, Value]
 
 
-class DamagedUnit(Exception):
+class DamagedUnit(UserError):
     """A unit file that does not open, or does not hold what its name promises."""
 
 
