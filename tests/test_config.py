@@ -6,7 +6,17 @@ import pytest
 from pydantic import ValidationError
 
 from bearingsim import build
-from bearingsim.config import CHANNELS, FEATURES, Bearing, Case, Material, Rig, dataset_names, library_names
+from bearingsim.config import (
+    CHANNELS,
+    FEATURES,
+    Bearing,
+    Case,
+    Material,
+    Rig,
+    dataset_names,
+    library,
+    library_names,
+)
 from bearingsim.config.case import Method, Model, StiffnessLaw
 
 SLOT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
@@ -146,6 +156,20 @@ def test_configs_beside_the_user_come_first(tmp_path: Path, monkeypatch: pytest.
     assert (
         Bearing.model_validate(NF308 | {"material": "configs/materials/ceramic.yaml"}).material.density == 3200.0
     )
+
+
+def test_configs_come_from_the_package_or_its_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Installed, `configs` beside the package is somebody else's; in a checkout it is where they are written."""
+    monkeypatch.chdir(tmp_path)
+    package = tmp_path / "site-packages" / "bearingsim"
+    monkeypatch.setattr(library, "_PACKAGE", package)
+    for folder, name in ((package, "packed"), (package.parent, "beside")):
+        (folder / "configs" / "materials").mkdir(parents=True)
+        (folder / "configs" / "materials" / f"{name}.yaml").write_text("density: 1 kg/m^3\n")
+    assert library_names("materials") == ["packed"]
+    assert Material.model_validate(library.described("materials", "packed")).density == 1.0
+    (package.parent / "pyproject.toml").touch()
+    assert library_names("materials") == ["beside"]
 
 
 def test_sections_are_frozen() -> None:

@@ -13,8 +13,9 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def folders(kind: Kind) -> list[Path]:
-    """Where files of a kind are looked for, in order: working folder, installed copy, checkout."""
-    return [base / "configs" / kind for base in (Path.cwd(), _PACKAGE, _PACKAGE.parent)]
+    """Where files of a kind are looked for, in order: working folder, installed copy, or checkout."""
+    home = _PACKAGE.parent if (_PACKAGE.parent / "pyproject.toml").is_file() else _PACKAGE
+    return [base / "configs" / kind for base in (Path.cwd(), home)]
 
 
 def library_names(kind: Kind) -> list[str]:
