@@ -8,7 +8,6 @@ from bearingsim.cli.screen import print_table
 
 __all__ = ["of_bearing", "show"]
 
-HARMONICS = (1, 2, 3, 4, 5)
 NAMES = {
     "BPFO": "rollers over a point of the outer race",
     "BPFI": "rollers over a point of the inner race",
@@ -21,6 +20,7 @@ def of_bearing(name: str, speed: str) -> dict[str, Any]:
     """Orders of shaft speed and harmonics (Hz) of the bearing's frequencies. Raises StudyError, UnitError."""
     from math import pi
 
+    from bearingsim.config.names import HARMONICS
     from bearingsim.core import kinematics
     from bearingsim.study import load_bearing
     from bearingsim.units import parse
@@ -45,6 +45,8 @@ def of_bearing(name: str, speed: str) -> dict[str, Any]:
 
 def show(name: str, speed: str, found: dict[str, Any]) -> None:
     """Print the frequencies as a table."""
+    from bearingsim.config.names import HARMONICS
+
     typer.echo(f"{found['bearing'] or name} at {speed} (shaft {found['shaft_hz']:.4g} Hz)")
     heads = ["", "what", "order", *(f"{k} x (Hz)" for k in HARMONICS)]
     rows = [

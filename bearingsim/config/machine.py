@@ -18,6 +18,7 @@ from bearingsim.config.fields import (
     whole,
 )
 from bearingsim.config.library import Kind, described
+from bearingsim.core.kinematics import ball_pass_frequency_outer
 from bearingsim.units import show
 
 
@@ -59,8 +60,7 @@ class Bearing(Section):
 
     def ball_pass_frequency(self, speed: float) -> float:
         """Rollers passing a point of the outer race per second (BPFO), Hz; `speed` in rad/s."""
-        slowing = 1.0 - self.roller_diameter / self.pitch_diameter
-        return self.rollers * speed * slowing / (4.0 * math.pi)
+        return ball_pass_frequency_outer(speed, self.roller_diameter, self.pitch_diameter, self.rollers)
 
     @model_validator(mode="after")
     def _fits(self) -> "Bearing":
