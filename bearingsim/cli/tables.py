@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from bearingsim.cli.screen import print_table, significant
+from bearingsim.cli.screen import needed_width, print_table, significant, terminal_width
 from bearingsim.errors import UserError
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["show_failures", "show_jobs"]
 
+Column = tuple[str, list[str]]  # head and cells
 FEATURES = ("velocity@BPFO", "velocity@BPFO-healthy", "velocity.rms", "outer_force.max")
 
 
@@ -29,13 +30,29 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     chosen = list(columns) or [*swept, *(name for name in FEATURES if name in table), "status", "seconds"]
     _check(chosen, [str(name) for name in table])
     if as_json:
-        kept = rows[["job", *chosen]] if columns else rows
-        typer.echo(json.dumps([_plain(row) for row in kept.to_dict("records")], indent=1))
+        asked = rows[["job", *chosen]] if columns else rows
+        typer.echo(json.dumps([_plain(row) for row in asked.to_dict("records")], indent=1))
         return
-    heads, cells = zip(*(_column(results, rows, name) for name in chosen), strict=True)
-    lines = [[job[:8], *line] for job, *line in zip(rows["job"], *cells, strict=True)]
-    print_table(["job", *heads], lines)
+    found = [("job", [job[:8] for job in rows["job"]]), *(_column(results, rows, name) for name in chosen)]
+    kept = found if columns else _fitting(found, [name in FEATURES for name in ["job", *chosen]])
+    print_table([head for head, _ in kept], list(zip(*(cells for _, cells in kept), strict=True)))
     typer.echo(_counts(table))
+    if len(kept) < len(found):
+        left = ", ".join(head for head, _ in found if head not in dict(kept))
+        typer.echo(f"not shown, the terminal is too narrow: {left} (`--columns NAME`, `--json`, or a pipe)")
+
+
+def _fitting(found: list[Column], features: Sequence[bool]) -> list[Column]:
+    """The columns that fit into the terminal: features are left out from the right, nothing else is."""
+    width = terminal_width()
+    kept = [head for head, _ in found]
+    for (head, _), feature in reversed(list(zip(found, features, strict=True))):
+        columns = [[name, *cells] for name, cells in found if name in kept]
+        if width is None or needed_width([column[0] for column in columns], zip(*columns, strict=True)) <= width:
+            break
+        if feature:
+            kept.remove(head)
+    return [column for column in found if column[0] in kept]
 
 
 def _check(chosen: Sequence[str], known: Sequence[str]) -> None:
@@ -59,7 +76,7 @@ def _counts(table: "pd.DataFrame") -> str:
     return f"{len(table)} jobs: " + ", ".join(f"{count} {status}" for status, count in counts.items())
 
 
-def _column(results: "Results", rows: "pd.DataFrame", name: str) -> tuple[str, list[str]]:
+def _column(results: "Results", rows: "pd.DataFrame", name: str) -> Column:
     """Head and cells of a column, in the study's unit or a readable one."""
     from bearingsim.plots import labels
 

@@ -1,0 +1,55 @@
+"""Tables on narrow terminals."""
+
+import pytest
+
+from bearingsim.cli import screen, tables
+from tests.commands import type_
+
+
+@pytest.fixture
+def terminal(monkeypatch):
+    """Makes stdout a terminal of some width."""
+
+    def of_width(width):
+        for module in (screen, tables):
+            monkeypatch.setattr(module, "terminal_width", lambda: width)
+
+    return of_width
+
+
+def rows_of(said):
+    """Heads and cells of a printed table, blank lines and rules left out."""
+    return [line.split() for line in said.splitlines() if line.strip(" ─")]
+
+
+@pytest.mark.parametrize("width", [20, 60, 80, 120])
+def test_a_narrow_terminal_crops_no_cell(done, terminal, width):
+    whole = rows_of(type_("show", done)[0])[:9]
+    terminal(width)
+    narrow = rows_of(type_("show", done)[0])[:9]
+    for line, kept in zip(whole[1:], narrow[1:], strict=True):
+        assert kept[:4] == line[:4]  # job, load, model
+        assert kept[-2:] == line[-2:]  # status, seconds
+        assert set(kept) <= set(line)
+
+
+def test_show_tells_what_does_not_fit(done, terminal):
+    terminal(75)
+    said, _ = type_("show", done)
+    assert max(map(len, said.splitlines()[:9])) <= 75
+    assert "outer_force.max" not in said.splitlines()[0]
+    assert "too narrow: velocity@BPFO-healthy (µm/s), velocity.rms (µm/s), outer_force.max (N) (`--col" in said
+
+
+def test_columns_asked_for_are_all_printed(done, terminal):
+    terminal(20)
+    said, _ = type_("show", done, "--columns", "velocity.rms", "--columns", "outer_force.max")
+    assert said.splitlines()[0].split() == ["job", "velocity.rms", "(µm/s)", "outer_force.max", "(N)"]
+
+
+def test_long_texts_are_folded(terminal, capsys):
+    terminal(40)
+    screen.print_table(["", "what", "order"], [["FTF", "turns of the cage, and some more words", "1.25"]], words=2)
+    said = capsys.readouterr().out
+    assert max(map(len, said.splitlines())) <= 40
+    assert "1.25" in said
