@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import typer
+
 from bearingsim.errors import UserError
 
 if TYPE_CHECKING:
@@ -12,17 +14,22 @@ __all__ = ["job_meant", "near", "opened"]
 
 
 def opened(folder: Path | None) -> "Results":
-    """The results in a folder, or the newest in ./results. Raises UserError."""
-    from bearingsim.store import open_results
+    """The results in a folder, or the newest sound ones in ./results. Raises UserError, ResultsError."""
+    from bearingsim.store import ResultsError, open_results
 
-    return open_results(folder if folder is not None else _newest())
+    if folder is not None:
+        return open_results(folder)
+    for root in _newest_first():
+        try:
+            return open_results(root)
+        except ResultsError as error:
+            typer.echo(f"{error} (left out)", err=True)
+    raise UserError("there are no results in ./results: name a folder, or run a study first")
 
 
-def _newest() -> Path:
-    plans = list(Path("results").glob("*/plan.json"))
-    if not plans:
-        raise UserError("there are no results in ./results: name a folder, or run a study first")
-    return max(plans, key=lambda plan: max(file.stat().st_mtime for file in plan.parent.glob("*"))).parent
+def _newest_first() -> list[Path]:
+    roots = [plan.parent for plan in Path("results").glob("*/plan.json")]
+    return sorted(roots, key=lambda root: max(file.stat().st_mtime for file in root.glob("*")), reverse=True)
 
 
 def job_meant(results: "Results", word: str) -> str:

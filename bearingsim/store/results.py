@@ -20,17 +20,26 @@ if TYPE_CHECKING:
 
 __all__ = ["Results", "ResultsError", "open_results"]
 
+PLANNED = ("study", "quick", "units", "figures", "jobs")  # what is read of a plan
+
 
 class ResultsError(UserError):
     """A folder holds no results, or not those asked for."""
 
 
 def open_results(path: str | Path) -> "Results":
-    """Open the results folder of a study. Raises ResultsError if it is none."""
+    """Open the results folder of a study. Raises ResultsError if it is none, or its plan is damaged."""
     root = Path(path)
     if not (root / "plan.json").is_file():
         raise ResultsError(f"{root} holds no results of a study (it has no plan.json)")
-    return Results(root)
+    results = Results(root)
+    try:
+        sound = isinstance(results.plan, dict) and set(PLANNED) <= results.plan.keys() and bool(results.jobs)
+    except (ValueError, KeyError, TypeError):
+        sound = False
+    if not sound:
+        raise ResultsError(f"{root / 'plan.json'} is damaged: run the study again, what is computed is kept")
+    return results
 
 
 @dataclass(frozen=True)
