@@ -63,7 +63,6 @@ Damping = Annotated[float, Quantity("damping", least=0.0)]
 InverseVelocity = Annotated[float, Quantity("inverse velocity", least=0.0)]
 Mass = Annotated[float, Quantity("mass", above=0.0)]
 Density = Annotated[float, Quantity("density", above=0.0)]
-Pressure = Annotated[float, Quantity("pressure", above=0.0)]
 Number = Annotated[float, Quantity("number", least=0.0)]
 
 

@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bearingsim.store.units import JobLike
+if TYPE_CHECKING:
+    from bearingsim.study import Job
 
 __all__ = ["Cost", "pack", "shard_of"]
 
@@ -21,7 +22,7 @@ class Cost(NamedTuple):
     bytes: float
 
 
-def shard_of(jobs: Sequence[JobLike], shard: tuple[int, int]) -> list[JobLike]:
+def shard_of(jobs: Sequence["Job"], shard: tuple[int, int]) -> list["Job"]:
     """Share ``k`` of ``n`` (from 1) of the jobs: every n-th in the order of ids, the same on every machine.
 
     Raises ValueError for a share that does not exist.
@@ -33,7 +34,7 @@ def shard_of(jobs: Sequence[JobLike], shard: tuple[int, int]) -> list[JobLike]:
     return [job for job in jobs if job.id in ours]
 
 
-def pack(jobs: Sequence[JobLike], costs: Sequence[Cost], workers: int) -> list[list[int]]:
+def pack(jobs: Sequence["Job"], costs: Sequence[Cost], workers: int) -> list[list[int]]:
     """Indices of the jobs of each unit, most expensive unit first.
 
     A unit has at least 2 s of computing unless there is too little of it for all workers, one time axis and

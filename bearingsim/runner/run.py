@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
 from bearingsim.runner.packing import Cost, pack, shard_of
@@ -14,13 +14,15 @@ from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import progress as shown_progress
 from bearingsim.runner.summary import Interrupted, RunSummary, grouped
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
-from bearingsim.store.units import JobLike
+
+if TYPE_CHECKING:
+    from bearingsim.study import Job, Study
 
 __all__ = ["run"]
 
 
 def run(
-    study: Any,
+    study: "Study",
     out: str | Path | None = None,
     jobs: int | None = None,
     fresh: bool = False,
@@ -88,12 +90,12 @@ def _prepare(root: Path, fresh: bool, shard: tuple[int, int]) -> None:
 class _Plan:
     """What is left to do: jobs to compute, number of jobs done before, failures that are not tried again."""
 
-    todo: list[JobLike]
+    todo: list["Job"]
     resumed: int
     failures: dict[str, store.Failure]
 
 
-def _plan(root: Path, jobs: Sequence[JobLike], retry_failed: bool, verify: bool) -> _Plan:
+def _plan(root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool) -> _Plan:
     sealed = store.sealed_jobs(root, checksums=verify)
     left = [job for job in jobs if job.id not in sealed]
     ids = {job.id for job in left}
@@ -152,7 +154,7 @@ class _Tally:
         told.write(self.root)
 
 
-def _works(root: Path, study: Any, todo: Sequence[JobLike], workers: int, engine: Engine) -> list[Work]:
+def _works(root: Path, study: "Study", todo: Sequence["Job"], workers: int, engine: Engine) -> list[Work]:
     """Pack the jobs left to do into units of work."""
     estimate = load(engine.estimate)
     costs = [_cost(estimate, job.case) for job in todo]
@@ -163,7 +165,7 @@ def _works(root: Path, study: Any, todo: Sequence[JobLike], workers: int, engine
     ]
 
 
-def _warm(root: Path, engine: Engine, todo: Sequence[JobLike]) -> None:
+def _warm(root: Path, engine: Engine, todo: Sequence["Job"]) -> None:
     """Compile before workers start; a case that fails here fails as a job too, and is told there."""
     try:
         load(engine.warm)([job.case for job in todo])
@@ -191,7 +193,7 @@ def _compute(works: Sequence[Work], workers: int, tally: _Tally, shown: bool | N
             report(len(outcome.done), len(outcome.failed), sum(price[job] for job in ids))
 
 
-def _command(study: Any, root: Path) -> str:
+def _command(study: "Study", root: Path) -> str:
     """The command that tries the failed jobs of a study again."""
     words = ["bearingsim", "run", str(study.path or root / "study.yaml"), "--out", str(root)]
     for path, value in study.overrides.items():

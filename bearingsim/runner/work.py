@@ -12,10 +12,14 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bearingsim.store import Failure, start_marker, unit_name, write_units
-from bearingsim.store.units import JobLike, RecordLike, Value
+from bearingsim.store.units import Value
+
+if TYPE_CHECKING:
+    from bearingsim.simulation import Record
+    from bearingsim.study import Job
 
 __all__ = ["BEARINGSIM", "Engine", "Outcome", "Work", "compute", "die_with_parent", "load"]
 
@@ -40,7 +44,7 @@ class Work:
     """Jobs to compute in one go, where to store them, and the estimated time in s of each."""
 
     root: Path
-    jobs: tuple[JobLike, ...]
+    jobs: tuple["Job", ...]
     seconds: tuple[float, ...]
     engine: Engine
     provenance: Mapping[str, Value]
@@ -88,7 +92,7 @@ def compute(work: Work) -> Outcome:
     started = time.perf_counter()
     start_cpu_s = _start_up(work)
     cpu = time.process_time()
-    done: list[tuple[JobLike, RecordLike]] = []
+    done: list[tuple[Job, Record]] = []
     failed: list[Failure] = []
     simulate, unit = load(work.engine.simulate), work.unit
     with start_marker(work.root, unit) as note:

@@ -5,19 +5,22 @@ import socket
 import subprocess
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from bearingsim.study import Study
 
 __all__ = ["provenance"]
 
 PACKAGES = ("bearingsim", "numpy", "numba", "scipy", "h5py")
 
 
-def provenance(study: Any) -> dict[str, str | int]:
+def provenance(study: "Study") -> dict[str, str | int]:
     """Facts that every unit file carries: study text and overrides, versions, git commit, host, time."""
     from bearingsim.core import MODEL_VERSION
 
     overrides = " ".join(f"{path}={value}" for path, value in study.overrides.items())
-    facts = {
+    facts: dict[str, str | int] = {
         "study": study.name,
         "study_text": study.text.rstrip() + "\n",
         "overrides": overrides,

@@ -24,12 +24,14 @@ from bearingsim.store.units import GROUPS, LIBVER, TEXT, read_columns, write_col
 if TYPE_CHECKING:
     import pandas as pd
 
+    from bearingsim.study import Job, Study
+
 __all__ = ["build_table", "job_frame", "read_plan", "table", "write_plan"]
 
 PER_JOB = ("status", "reason", "healthy", "unit")
 
 
-def write_plan(root: Path, study: Any, jobs: Iterable[Any]) -> None:
+def write_plan(root: Path, study: "Study", jobs: Iterable["Job"]) -> None:
     """Write ``study.yaml`` (the text as given) and ``plan.json`` (the jobs it expanded to)."""
     from bearingsim.core import MODEL_VERSION
 

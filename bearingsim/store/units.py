@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -21,6 +21,10 @@ from numpy.typing import NDArray
 from bearingsim.errors import UserError
 from bearingsim.store.files import sealing
 from bearingsim.store.names import channel_attributes, feature_attributes, flat_parameters, parameter_attributes
+
+if TYPE_CHECKING:
+    from bearingsim.simulation import Record
+    from bearingsim.study import Job
 
 __all__ = [
     "DamagedUnit",
@@ -48,28 +52,6 @@ class DamagedUnit(UserError):
     """A unit file that does not open, or does not hold what its name promises."""
 
 
-class JobLike(Protocol):
-    """What the store needs to know of a job."""
-
-    @property
-    def id(self) -> str: ...
-    @property
-    def case(self) -> Any: ...
-
-
-class RecordLike(Protocol):
-    """What the store needs to know of a simulated record."""
-
-    @property
-    def time(self) -> NDArray[np.float64]: ...
-    @property
-    def series(self) -> Mapping[str, NDArray[np.float64]]: ...
-    @property
-    def features(self) -> Mapping[str, float]: ...
-    @property
-    def info(self) -> Mapping[str, Value]: ...
-
-
 @dataclass(frozen=True)
 class Series:
     """The recorded series of one job: ``time`` (n,) in s, ``channels`` name -> (n,) in SI, ``units`` by name."""
@@ -95,21 +77,19 @@ def unit_path(root: Path, unit: str) -> Path:
 # Writing
 
 
-def write_units(
-    root: Path, done: Sequence[tuple[JobLike, RecordLike]], provenance: Mapping[str, Value]
-) -> list[Path]:
+def write_units(root: Path, done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]) -> list[Path]:
     """Seal the records of some jobs, one file per common time axis and set of channels; return the files."""
     ordered = sorted(done, key=lambda pair: (_shape_key(pair[1]), pair[0].id))
     groups = [list(group) for _, group in groupby(ordered, key=lambda pair: _shape_key(pair[1]))]
     return [_write_unit(root, group, provenance) for group in groups]
 
 
-def _shape_key(record: RecordLike) -> tuple[bytes, tuple[str, ...]]:
+def _shape_key(record: "Record") -> tuple[bytes, tuple[str, ...]]:
     names = tuple(sorted(record.series))
     return (np.asarray(record.time, np.float64).tobytes() if names else b""), names
 
 
-def _write_unit(root: Path, done: Sequence[tuple[JobLike, RecordLike]], provenance: Mapping[str, Value]) -> Path:
+def _write_unit(root: Path, done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]) -> Path:
     ids = [job.id for job, _ in done]
     path = unit_path(root, unit_name(ids))
     with sealing(path) as part, h5py.File(part, "w", libver=LIBVER) as file:
@@ -130,7 +110,7 @@ def write_jobs(file: h5py.File, ids: Sequence[str]) -> h5py.Dataset:
     return jobs
 
 
-def _write_series(file: h5py.File, jobs: h5py.Dataset, records: Sequence[RecordLike]) -> None:
+def _write_series(file: h5py.File, jobs: h5py.Dataset, records: Sequence["Record"]) -> None:
     first = records[0]
     if not first.series:
         return
