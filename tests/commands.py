@@ -24,6 +24,6 @@ quick: {sweep: {model: [static]}}
 def type_(*words, code=0):
     """Type a command; its output, its messages on stderr, after checking its exit code."""
     result = CliRunner().invoke(app, [str(word) for word in words])
-    assert result.exit_code == code, result.output
+    assert result.exit_code == code, (result.output, result.exc_info)
     assert "Traceback" not in result.stderr
     return result.stdout, result.stderr
