@@ -206,8 +206,8 @@ def _ball_passes(
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
     window = np.empty((ROWS, tail + steps))
     window[:] = _recorded(y)
-    if build.MODELS[case.model].memoryless:  # one step more than are kept: the first knows no velocity before it
-        advance(method, model, watch, -tail - 1, y, window[:, steps - 1 :])
+    if build.MODELS[case.model].memoryless:  # it was never at rest: what was before t = 0 is known
+        advance(method, model, watch, -tail, y, window[:, steps:])
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
         if p == 0 or not choose.repeats(case):

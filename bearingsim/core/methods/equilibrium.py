@@ -1,7 +1,8 @@
 """Not an integrator: the balance found anew at every step, for models without inertia.
 
-The velocity at t is the way between t - h/2 and t + h/2 over h. A pit's cusp makes the true velocity jump, and
-samples of a jump give a wrong mean; differences of places add up to the way gone, so lines come out right.
+Velocity and acceleration at t are differences of the places at t - h, t and t + h. A pit's cusp makes the true
+velocity jump, and samples of a jump have a wrong mean; differences of places add up to the way gone, so lines come
+out right.
 """
 
 from typing import NamedTuple
@@ -19,15 +20,17 @@ class Equilibrium(NamedTuple):
 
 @step.register(Equilibrium)
 def _step(method, model, t, y):
-    h, v_x, v_y = method.h, y[VELOCITY + X], y[VELOCITY + Y]
-    find_rest(model, t + 0.5 * h, y)
-    x_before, y_before = y[POSITION + X], y[POSITION + Y]
-    find_rest(model, t + 1.5 * h, y)
-    y[VELOCITY + X] = (y[POSITION + X] - x_before) / h
-    y[VELOCITY + Y] = (y[POSITION + Y] - y_before) / h
+    h = method.h
+    find_rest(model, t, y)
+    x_0, y_0 = y[POSITION + X], y[POSITION + Y]
+    find_rest(model, t + 2.0 * h, y)
+    x_2, y_2 = y[POSITION + X], y[POSITION + Y]
     find_rest(model, t + h, y)
-    y[ACCELERATION + X] = (y[VELOCITY + X] - v_x) / h
-    y[ACCELERATION + Y] = (y[VELOCITY + Y] - v_y) / h
+    x_1, y_1 = y[POSITION + X], y[POSITION + Y]
+    y[VELOCITY + X] = (x_2 - x_0) / (2.0 * h)
+    y[VELOCITY + Y] = (y_2 - y_0) / (2.0 * h)
+    y[ACCELERATION + X] = (x_2 - 2.0 * x_1 + x_0) / (h * h)
+    y[ACCELERATION + Y] = (y_2 - 2.0 * y_1 + y_0) / (h * h)
 
 
 @load_number.register(Equilibrium)
