@@ -336,6 +336,14 @@ def test_plan_tells_what_was_asked(tmp_path: Path, study: FakeStudy) -> None:
 # Results
 
 
+def test_a_plan_of_an_older_version_is_refused(tmp_path: Path, study: FakeStudy) -> None:
+    store.write_plan(tmp_path, study, study.jobs())
+    plan = (tmp_path / "plan.json").read_text()
+    (tmp_path / "plan.json").write_text(plan.replace('"twin"', '"unknown"'))
+    with pytest.raises(store.ResultsError, match="run the study again"):
+        store.open_results(tmp_path)
+
+
 def test_results_give_series_and_parameters(tmp_path: Path, study: FakeStudy) -> None:
     seal(tmp_path, study)
     results = store.open_results(str(tmp_path))

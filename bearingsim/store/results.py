@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Results", "ResultsError", "open_results"]
 
-PLANNED = ("study", "quick", "units", "figures", "jobs")  # what is read of a plan
+PLANNED = {"study", "quick", "units", "figures", "jobs"}  # what is read of a plan, and of each of its jobs
+PLANNED_JOB = {"job", "healthy", "twin", "swept"}
 
 
 class ResultsError(UserError):
@@ -34,8 +35,9 @@ def open_results(path: str | Path) -> "Results":
         raise ResultsError(f"{root} holds no results of a study (it has no plan.json)")
     results = Results(root)
     try:
-        sound = isinstance(results.plan, dict) and set(PLANNED) <= results.plan.keys() and bool(results.jobs)
-    except (ValueError, KeyError, TypeError):
+        jobs = results.plan["jobs"]
+        sound = results.plan.keys() >= PLANNED and jobs and all(job.keys() >= PLANNED_JOB for job in jobs)
+    except (ValueError, KeyError, TypeError, AttributeError):
         sound = False
     if not sound:
         raise ResultsError(f"{root / 'plan.json'} is damaged: run the study again, what is computed is kept")
