@@ -26,7 +26,7 @@ def test_plot_writes_the_figures_of_the_study(done, tmp_path):
 def test_plot_takes_the_newest_results(done, monkeypatch):
     monkeypatch.chdir(done.parents[1])
     said, _ = type_("plot", "--kind", "spectrum", "--job", ids(done)[0][:9])
-    assert said.split() == ["results/small/figures/spectrum.png"]
+    assert said.split() == [f"results/small/figures/spectrum-{ids(done)[0][:8]}.png"]
 
 
 @pytest.mark.parametrize(
@@ -46,7 +46,7 @@ def test_plot_refuses_what_it_does_not_know(done, words, message):
 def test_plot_tells_which_figure_it_left_out(done, tmp_path):
     words = ["--where", "model=rollers", "--where", "load=150 N"]
     assert "no case has model rollers, load 150 N" in type_("plot", done, *words, "--out", tmp_path, code=2)[1]
-    said, told = type_("plot", done, "--where", "model=ring", "--panels", "load", "--out", tmp_path)
+    said, told = type_("plot", done, "--where", "model=ring", "--panels", "model", "--out", tmp_path)
     assert len(said.splitlines()) == 1
     assert told == ""
 

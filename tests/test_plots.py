@@ -52,6 +52,7 @@ def record(case):
     features = {
         "velocity@BPFO": amplitude(case),
         "velocity@BPFO.phase": phase(case),
+        "velocity@BPFO-scatter": 1e-19 * (1.0 + case.load),
         "velocity.rms": 1e3 * amplitude(case),
     }
     return SimpleNamespace(time=time, series=series, features=features, info={"cpu_s": 0.1})
@@ -357,7 +358,7 @@ def test_a_spectrum_has_the_line_where_it_is_marked(results):
     curve = next(line for line in ax.lines if line.get_label() == "with defect")
     peak = np.argmax(curve.get_ydata())
     marks = [line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 2]
-    assert name == "spectrum"
+    assert name == f"spectrum-{opened.jobs[0][:8]}"
     assert marks == pytest.approx([BPFO * k for k in range(1, 7)])
     assert curve.get_xdata()[peak] == pytest.approx(BPFO, abs=0.1)
     assert curve.get_ydata()[peak] == pytest.approx(7.0, rel=1e-3)

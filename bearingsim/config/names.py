@@ -48,7 +48,7 @@ def _line_features(quantity: str, unit: str) -> dict[str, Feature]:
         found[f"{quantity}@{line}"] = Feature(unit, f"{quantity} amplitude at {line}")
         found[f"{quantity}@{line}.phase"] = Feature("rad", f"{quantity} phase at {line}")
         found[f"{quantity}@{line}-scatter"] = Feature(unit, f"standard error of {quantity} at {line}")
-        found[f"{quantity}@{line}-healthy"] = Feature(unit, f"{quantity} at {line} less the healthy one's")
+        found[f"{quantity}@{line}-healthy"] = Feature(unit, f"{quantity} at {line}, change against healthy")
     return found
 
 

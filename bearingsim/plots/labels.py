@@ -103,7 +103,7 @@ def feature_text(name: str) -> str:
 
     line = name.removesuffix("-healthy.phase")
     if line != name:
-        text = f"phase of {line.replace('@', ' at ')} less the healthy one's"
+        text = f"phase of {line.replace('@', ' at ')}, change against healthy"
     else:
         text = FEATURES[name].long_name if name in FEATURES else name
     return text[:1].upper() + text[1:]

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["FORMATS", "KINDS", "drawn", "plot"]
 
 KINDS = ("sweep", "phase", "series", "spectrum")
+MOST_NAMED = 4  # jobs in the name of a file
 FORMATS = ("png", "svg", "pdf")
 
 
@@ -52,7 +53,7 @@ def drawn(
 ) -> list[tuple[str, "Canvas"]]:
     """The figures of ``plot`` with their names, not written anywhere."""
     if kind in ("series", "spectrum"):
-        return _of_jobs(results, kind, jobs)
+        return _of_jobs(results, kind, jobs, {"x": x, **changes})
     return _of_table(results, kind, x, changes)
 
 
@@ -73,7 +74,8 @@ def _of_table(
     sheets, problems = [], []
     for number, figure in enumerate(_wanted(results, rows, kind, x, changes), 1):
         try:
-            sheets.append(_sheet(results, number, figure, rows))
+            canvas, figure_drawn = _sheet(results, figure, rows)
+            sheets.append((_name(number, figure_drawn, x, changes), canvas))
         except PlotError as error:
             problems.append((number, error))
     if not sheets:
@@ -83,14 +85,15 @@ def _of_table(
     return sheets
 
 
-def _sheet(results: "Results", number: int, wanted: "Figure", rows: "pd.DataFrame") -> tuple[str, "Canvas"]:
+def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple[Canvas, Figure]":
+    """The figure drawn, and as it was completed."""
     from bearingsim.plots import select, sweep
     from bearingsim.plots.caption import fixed_values
 
     units = results.plan["units"]
     figure, part = select.completed(wanted, rows, units)
     caption = fixed_values(results, part, {figure.x, *figure.by, *figure.panels})
-    return _name(number, figure), sweep.draw(figure, part, units, caption)
+    return sweep.draw(figure, part, units, caption), figure
 
 
 def _wanted(
@@ -100,9 +103,11 @@ def _wanted(
     from bearingsim.plots import select
 
     found = [select.arranged(x, rows, results.plan["units"])] if x else select.planned(results, rows)
-    given = {key: dict(value) if key == "where" else tuple(value) for key, value in changes.items() if value}
+    given: dict[str, Any] = {
+        key: dict(value) if key == "where" else tuple(value) for key, value in changes.items() if value
+    }
     if kind == "phase":
-        given.setdefault("y", select.PHASES)
+        given["y"] = select.phases(given["y"]) if "y" in given else select.PHASES
     changed = [_changed(figure, given) for figure in found]
     return [figure for number, figure in enumerate(changed) if figure not in changed[:number]]
 
@@ -114,17 +119,36 @@ def _changed(figure: "Figure", given: dict[str, Any]) -> "Figure":
     return replace(figure, **({"by": by, "panels": panels} | given))
 
 
-def _name(number: int, figure: "Figure") -> str:
-    """`fig1-velocity-bpfo-vs-defect-length`."""
-    words = f"fig{number} {figure.y[0]} vs {figure.x}".lower()
-    return "-".join("".join(c if c.isalnum() else " " for c in words).split())
+def _name(number: int, figure: "Figure", x: str | None, changes: Mapping[str, Any]) -> str:
+    """`fig1-velocity-bpfo-vs-defect-length`; one that the study does not name tells what was asked for."""
+    asked = x or any(changes.values())
+    y = figure.y if changes.get("y") else figure.y[:1]
+    words = [f"{'plot' if asked else 'fig'}{number}", *y, "vs", figure.x]
+    for key in ("by", "panels"):
+        words += [key, *changes[key]] if changes.get(key) else []
+    where = [f"{path} {value.replace('-', 'minus ')}" for path, value in (changes.get("where") or {}).items()]
+    return _slug([*words, *(["where", *where] if where else [])])
 
 
-def _of_jobs(results: "Results", kind: str, jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
-    from bearingsim.plots import series
+def _slug(words: Sequence[str]) -> str:
+    return "-".join("".join(c if c.isalnum() else " " for c in " ".join(words).lower()).split())
 
-    chosen = list(jobs) or series.some_jobs(results)
+
+def _of_jobs(
+    results: "Results", kind: str, jobs: Sequence[str], changes: Mapping[str, Any]
+) -> list[tuple[str, "Canvas"]]:
+    from bearingsim.plots import select, series
+
+    where = changes.get("where") or {}
+    useless = [key for key, value in changes.items() if value and (key != "where" or jobs)]
+    if useless:
+        taken = "jobs that are named take no where" if useless == ["where"] else f"a {kind} takes no {useless[0]}"
+        raise PlotError(f"{taken}: its jobs are chosen by `--job` or by `--where`")
+    rows = select.matching(select.case_rows(results), where, results.plan["units"])
+    chosen = list(jobs) or series.some_jobs(rows)
     if not chosen:
         raise PlotError("no job is done yet: there is nothing to draw")
     draw = series.draw_spectrum if kind == "spectrum" else series.draw_series
-    return [(kind, draw(results, chosen))]
+    named = [job[:8] for job in chosen[:MOST_NAMED]]
+    more = [f"and {len(chosen) - MOST_NAMED} more"] if len(chosen) > MOST_NAMED else []
+    return [(_slug([kind, *named, *more]), draw(results, chosen))]

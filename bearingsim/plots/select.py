@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from bearingsim.config import FEATURES
 from bearingsim.plots.labels import PlotError, described, unit_of
 from bearingsim.study import Figure, dimension
 from bearingsim.units import UnitError, parse, suggestion
@@ -20,6 +21,8 @@ __all__ = [
     "completed",
     "default_y",
     "is_numeric",
+    "matching",
+    "phases",
     "planned",
     "splits",
     "values",
@@ -130,19 +133,38 @@ def completed(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) ->
 
     Raises PlotError for a path or feature that the results do not have.
     """
-    for path in (figure.x, *figure.by, *figure.panels):
+    paths = (figure.x, *figure.by, *figure.panels)
+    for path in paths:
         _check(path, units, "swept path")
+        if paths.count(path) > 1:
+            raise PlotError(f"`{path}` can be only one of x axis, curves and panels")
     for name in figure.y:
-        _check(name, [column for column in rows if column not in units], "feature")
-    for path, text in figure.where.items():
-        rows = rows[_matches(rows[path], path, text)]
-    if rows.empty:
-        raise PlotError(f"no case has {', '.join(f'{path} {text}' for path, text in figure.where.items())}")
+        _check(name, [column for column in rows if column in FEATURES or column in PHASES], "feature")
+    rows = matching(rows, figure.where, units)
     by = list(figure.by)
     for path in varied(rows, [path for path in units if path not in (figure.x, *by, *figure.panels)]):
         if rows.groupby([figure.x, *by, *figure.panels])[path].nunique().max() > 1:
             by.append(path)
     return replace(figure, by=tuple(by)), rows
+
+
+def matching(rows: "pd.DataFrame", where: Mapping[str, str], units: Mapping[str, str]) -> "pd.DataFrame":
+    """The rows whose swept paths have the values written. Raises PlotError for an unknown path, or if none has."""
+    for path, text in where.items():
+        _check(path, units, "swept path")
+        rows = rows[_matches(rows[path], path, text)]
+    if rows.empty:
+        raise PlotError(f"no case has {', '.join(f'{path} {text}' for path, text in where.items())}")
+    return rows
+
+
+def phases(features: Sequence[str]) -> tuple[str, ...]:
+    """The phases of some lines, each named by its line or its phase. Raises PlotError for what has no phase."""
+    found = tuple(f"{name.removesuffix('.phase')}.phase" for name in features)
+    for name, phase in zip(features, found, strict=True):
+        if phase not in FEATURES and phase not in PHASES:
+            raise PlotError(f"`{name}` has no phase: expected a line such as `{LINE}`")
+    return found
 
 
 def _check(word: str, known: Any, what: str) -> None:

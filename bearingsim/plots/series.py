@@ -13,6 +13,7 @@ from bearingsim.plots.style import COLOURS, COLUMN_IN
 from bearingsim.plots.sweep import axis_label, finish
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
     from bearingsim.store import Results
@@ -35,9 +36,8 @@ class Signal(NamedTuple):
     bpfo: float
 
 
-def some_jobs(results: "Results") -> list[str]:
-    """A few finished cases from all over the study: the first, the last, one between."""
-    rows = select.case_rows(results)
+def some_jobs(rows: "pd.DataFrame") -> list[str]:
+    """A few finished cases from all over some rows of the table: the first, the last, one between."""
     done = list(rows[rows["status"] == "done"]["job"])
     return list(dict.fromkeys(done[round(i * (len(done) - 1) / (SOME - 1))] for i in range(SOME))) if done else []
 

@@ -25,7 +25,6 @@ LABEL_LETTERS = 34  # of an axis label, in a line
 CHARACTER_IN = 0.066  # width of a letter of the legend
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
 NO_BREAK = "\u00a0"
-ALIKE = 2.5  # panels whose largest values lie within this factor share the axis
 
 
 @dataclass(frozen=True)
@@ -44,14 +43,15 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
     rows: the cases of the figure, SI; caption: what all of them have in common, wrapped below.
     """
     panels = list(select.splits(rows, figure.panels, units))
+    order = {value: place for place, value in enumerate(select.values(rows, figure.x))}
     styles = curve_looks(figure, rows, units)
     entries = legend_entries(figure, styles, rows)
     canvas, axes = _sheet(len(panels), len(figure.y), entries)
     for row, (text, part) in enumerate(panels):
         for column, name in enumerate(figure.y):
-            _panel(axes[row][column], name, figure, rows, curves_of(figure, part, units, styles), units)
+            _panel(axes[row][column], name, figure, rows, curves_of(figure, part, units, styles, order), units)
             _letter(axes[row][column], row * len(figure.y) + column, len(panels) * len(figure.y), text)
-    _share_scales(axes, figure, rows)
+    _share_scales(axes)
     for ax in axes[-1]:
         ax.set_xlabel(axis_label(labels.name_text(figure.x), select.x_unit(figure.x, rows, units)))
     if entries:
@@ -95,11 +95,15 @@ def curve_looks(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) 
 
 
 def curves_of(
-    figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], styles: Mapping[tuple[str, str], Look]
+    figure: Figure,
+    rows: "pd.DataFrame",
+    units: Mapping[str, str],
+    styles: Mapping[tuple[str, str], Look],
+    order: Mapping[Any, int],
 ) -> list[Curve]:
-    """The curves of one panel."""
+    """The curves of one panel, their points in the given order of the values on x."""
     return [
-        Curve(first, second, styles[first, second], inner.sort_values(figure.x, kind="stable"))
+        Curve(first, second, styles[first, second], inner.loc[inner[figure.x].map(order).sort_values().index])
         for first, part in select.splits(rows, figure.by[:1], units)
         for second, inner in select.splits(part, figure.by[1:], units)
     ]
@@ -191,6 +195,7 @@ def _y_axis(ax: "Axes", name: str, figure: Figure) -> None:
         ax.set_yticks(range(-180, 181, 90))
     else:
         ax.set_ylim(bottom=0.0)
+        ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
 
 
 def _letter(ax: "Axes", number: int, count: int, text: str) -> None:
@@ -199,11 +204,9 @@ def _letter(ax: "Axes", number: int, count: int, text: str) -> None:
     ax.set_title(" ".join(filter(None, [letter, text])), loc="left")
 
 
-def _share_scales(axes: list[list["Axes"]], figure: Figure, rows: "pd.DataFrame") -> None:
-    """Panels of one feature get one y axis if their values are of one size, so that they can be compared."""
-    for column in range(len(figure.y)):
-        stack = [line[column] for line in axes]
-        tops = [ax.get_ylim()[1] for ax in stack]
-        if "y" not in figure.log and max(tops) <= ALIKE * min(tops):
-            for ax in stack:
-                ax.set_ylim(top=max(tops))
+def _share_scales(axes: list[list["Axes"]]) -> None:
+    """The panels of one feature, a column of them, have one y axis, so that they can be compared."""
+    for stack in zip(*axes, strict=True):
+        limits = [ax.get_ylim() for ax in stack]
+        for ax in stack:
+            ax.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
