@@ -15,7 +15,7 @@ from bearingsim import build
 from bearingsim.config import CHANNELS, Case
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import DEPTH, X_E, B
-from bearingsim.core.equilibrium import find_rest, rest_from_scratch
+from bearingsim.core.equilibrium import NoEquilibrium, find_rest, rest_from_scratch
 from bearingsim.core.methods.interface import load_number
 from bearingsim.core.models.interface import begin, damping_per_mass, stiffness_per_mass, watched
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
@@ -28,15 +28,15 @@ FINE_PER_SAMPLE, FEWEST_FINE = 4, 64
 OVERHEAD = 0.02  # CPU s per job: build, filters, features, writing
 
 
-class StepError(ValueError):
-    """A step that must not be taken; ``advice`` says what to do instead."""
+class Refused(ValueError):
+    """A case that must not be computed as it stands; ``advice`` says what to do instead."""
 
     def __init__(self, reason: str, advice: str) -> None:
         super().__init__(f"{reason}; {advice}")
         self.reason, self.advice = reason, advice
 
     def __reduce__(self) -> tuple:
-        return StepError, (self.reason, self.advice)
+        return Refused, (self.reason, self.advice)
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,14 @@ class Estimate:
 
 
 def limits(case: Case) -> Limits:
-    """Limits of the case's step (see ``Limits``). Raises ``NoEquilibrium`` if nothing holds the ring."""
+    """Limits of the case's step (see ``Limits``). Raises ``Refused`` if nothing holds the ring."""
+    try:
+        return _limits(case)
+    except NoEquilibrium as error:
+        raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
+
+
+def _limits(case: Case) -> Limits:
     rest_load, K, C = loads_at_rest(_healthy(case))
     model = build.model(case)
     speed = closing_speed(model)
@@ -189,13 +196,13 @@ def step_limit(method: str | None, K: float, C: float) -> float:
 
 
 def wanted_step(case: Case) -> float:
-    """The step (s) a case asks for, or is given by ``auto``. Raises ``StepError`` if it must not be taken."""
+    """The step (s) a case asks for, or is given by ``auto``. Raises ``Refused`` if it must not be taken."""
     found = limits(case)
     if case.step == "auto":
         return automatic_step(case, found)
     safe = min(SAFE * found.at_impact, found.crossing / FEWEST_PER_CROSSING)
     if case.step > safe:
-        raise StepError(_refusal(case.step, found), _advice(case, found))
+        raise Refused(_refusal(case.step, found), _advice(case, found))
     return case.step
 
 
@@ -211,8 +218,9 @@ def automatic_step(case: Case, found: Limits) -> float:
 def _refusal(step: float, found: Limits) -> str:
     if step > SAFE * found.at_impact:
         return (
-            f"a step of {1e6 * step:.3g} us is over {1e6 * SAFE * found.at_impact:.3g} us, {SAFE:.0%} of the method's"
-            f" limit at an impact of about {found.impact_force:.0f} N ({1e6 * found.at_rest:.3g} us at rest)"
+            f"a step of {1e6 * step:.3g} us is over {1e6 * SAFE * found.at_impact:.3g} us, {SAFE:.0%} of the"
+            f" method's limit at an impact of about {found.impact_force:.0f} N"
+            f" ({1e6 * found.at_rest:.3g} us at rest)"
         )
     return f"a step of {1e6 * step:.3g} us passes a pit of {1e6 * found.crossing:.3g} us in too few steps"
 
@@ -234,10 +242,10 @@ def samples(case: Case) -> int:
 def grid(case: Case) -> Grid:
     """Cut the case in time: the wanted step, shortened until a ball pass holds a whole number of fine samples.
 
-    Raises ``StepError`` like ``wanted_step``, or if no sample falls into the record.
+    Raises ``Refused`` like ``wanted_step``, or if no sample falls into the record.
     """
     if samples(case) < 1:
-        raise StepError("no sample falls into the record", "take a higher `sampling` or a longer `duration`")
+        raise Refused("no sample falls into the record", "take a higher `sampling` or a longer `duration`")
     rate = case.bearing.ball_pass_frequency(case.speed)
     fine = max(FEWEST_FINE, ceil(FINE_PER_SAMPLE * case.sampling / rate))
     decimation = max(1, ceil(1.0 / (rate * fine * wanted_step(case)) * (1.0 - 1e-12)))
@@ -247,7 +255,7 @@ def grid(case: Case) -> Grid:
 
 
 def estimate(case: Case) -> Estimate:
-    """What the case will take. Raises ``StepError`` like ``wanted_step``."""
+    """What the case will take. Raises ``Refused`` like ``wanted_step``."""
     cut = grid(case)
     computed = 1 if repeats(case) else cut.passes
     steps = computed * cut.steps_per_pass

@@ -13,7 +13,7 @@ from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import HARMONICS, line_name
 from bearingsim.core.advance import CHANNELS as ROWS
 from bearingsim.core.advance import FINE, FIRST_OUTER, OUTRUN, RECORDED, Watch, advance, record
-from bearingsim.core.equilibrium import NoEquilibrium, rest_from_scratch
+from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import OVERRUN_MAX, Q_MAX, ROW
 from bearingsim.core.models.interface import begin, watched
 from bearingsim.core.sampling import (
@@ -104,10 +104,8 @@ def simulate(case: Case) -> Record:
     try:
         cut, found = choose.grid(case), choose.limits(case)
         model = build.model(case)
-    except choose.StepError as error:
+    except choose.Refused as error:
         raise SimulationError(error.reason, error.advice) from error
-    except NoEquilibrium as error:
-        raise SimulationError(str(error), "give the bearing a load that its rollers can carry") from error
     tape = _integrate(case, model, cut, _watch(cut, found))
     sampled = _resampled(case, cut, tape) if case.antialias else tape.picked
     forces, overruns = (tape.y[row : row + model.bearing.Z] for row in (Q_MAX, OVERRUN_MAX))

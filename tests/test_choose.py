@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bearingsim import build, choose
-from bearingsim.choose import StepError, grid, limits, wanted_step
+from bearingsim.choose import Refused, grid, limits, wanted_step
 from bearingsim.config import Case
 from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY
 from bearingsim.core.methods.interface import step
@@ -150,7 +150,7 @@ def test_laws_with_the_same_numbers_are_not_taken_for_each_other() -> None:
 
 @pytest.mark.parametrize("defect", [SLOT, NARROW])
 def test_two_microseconds_are_too_long_for_verlet(defect: dict) -> None:
-    with pytest.raises(StepError, match=r"a step of 2 us is over [\d.]+ us, 90% of the method's limit") as caught:
+    with pytest.raises(Refused, match=r"a step of 2 us is over [\d.]+ us, 90% of the method's limit") as caught:
         wanted_step(case(defect=defect, step="2 us"))
     assert "step: auto" in caught.value.advice
     assert f"{1e6 * wanted_step(case(defect=defect)):.2g} us" in caught.value.advice
@@ -169,13 +169,13 @@ def test_a_step_is_refused_exactly_above_the_limit(method: str, defects: tuple) 
     given = {"method": method, "defects": defects, "load": "300 N"}
     found = limits(case(**given))
     assert wanted_step(case(**given, step=0.899 * found.at_impact)) == 0.899 * found.at_impact
-    with pytest.raises(StepError):
+    with pytest.raises(Refused):
         wanted_step(case(**given, step=0.901 * found.at_impact))
 
 
 def test_a_pit_must_not_be_passed_in_too_few_steps() -> None:
     crossing = limits(case(model="static", defect=NARROW)).crossing
-    with pytest.raises(StepError, match="too few steps"):
+    with pytest.raises(Refused, match="too few steps"):
         wanted_step(case(model="static", defect=NARROW, step=crossing / 7))
     assert wanted_step(case(model="static", defect=NARROW, step=crossing / 9)) == crossing / 9
 
@@ -217,7 +217,7 @@ def test_no_step_is_wasted_on_rounding() -> None:
 
 
 def test_a_record_without_samples_is_refused() -> None:
-    with pytest.raises(StepError, match="no sample"):
+    with pytest.raises(Refused, match="no sample"):
         grid(case(duration="10 ms", sampling="50 Hz"))
 
 
@@ -236,7 +236,7 @@ def test_static_computes_one_pass_unless_a_roller_is_watched() -> None:
 
 
 def test_a_step_error_survives_pickling() -> None:
-    with pytest.raises(StepError) as caught:
+    with pytest.raises(Refused) as caught:
         wanted_step(case(defect=SLOT, step="2 us"))
     again = pickle.loads(pickle.dumps(caught.value))
     assert (again.reason, again.advice) == (caught.value.reason, caught.value.advice)

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 from bearingsim import __version__
 from bearingsim.cli import app, plan
+from bearingsim.core.equilibrium import NoEquilibrium
 from tests.commands import STUDY, type_
 
 # The program
@@ -136,12 +137,15 @@ def test_a_step_over_the_limit_is_refused_once(here):
 
 def test_a_case_without_equilibrium_is_refused(here, monkeypatch):
     def nothing_holds(case):
-        raise ArithmeticError(f"no equilibrium at {case.load} N")
+        raise NoEquilibrium(f"no equilibrium at {case.load} N")
 
-    monkeypatch.setattr("bearingsim.choose.limits", nothing_holds)
+    monkeypatch.setattr("bearingsim.choose.loads_at_rest", nothing_holds)
     _, told = type_("check", "small.yaml", code=2)
     first = "8 jobs refused, the first at load 150 N, model static"
-    assert told == f"small.yaml: {first}: no equilibrium at 150.0 N\n"
+    assert (
+        told
+        == f"small.yaml: {first}: no equilibrium at 150.0 N; give the bearing a load that its rollers can carry\n"
+    )
 
 
 def test_the_schema_is_json():

@@ -97,6 +97,7 @@ def test_damping_is_chosen_by_its_law() -> None:
         ({"rig": "xyz"}, "there are: bvt5"),
         ({"defect": SLOT | {"length": "13 mm"}}, "13 mm is longer than the roller (12 mm)"),
         ({"defect": SLOT | {"width": "19 mm"}}, "19 mm is wider than the roller spacing (18.6079 mm)"),
+        ({"defect": SLOT | {"depth": "10 mm"}}, "10 mm deep goes through the outer ring (6.5 mm)"),
         ({"defect": SLOT | {"width": "-1 mm"}}, "above zero"),
         ({"defect": SLOT | {"race": "inner"}}, "expected `outer`"),
         ({"defect": SLOT, "defects": [SLOT]}, "not both"),

@@ -65,7 +65,7 @@ def plan_of(study: "Study", workers: int | None) -> Plan:
     for job in study.jobs():
         try:
             priced.append(_priced(job))
-        except (ValueError, ArithmeticError) as error:
+        except ValueError as error:
             refusals.append((job, str(error)))
     return Plan(
         study=study,

@@ -207,6 +207,12 @@ def _defect_conflicts(number: int, defect: Defect, bearing: Bearing) -> Iterator
         paths = ((*at, "width"), ("bearing",))
         yield Conflict("wide", paths, f"a defect of {width} is wider than the roller spacing ({spacing})")
 
+    wall = (bearing.outside_diameter - bearing.pitch_diameter - bearing.roller_diameter) / 2.0
+    if defect.depth >= wall:
+        depth, thick = show(defect.depth, "mm"), show(wall, "mm")
+        paths = ((*at, "depth"), ("bearing", "outside_diameter"))
+        yield Conflict("deep", paths, f"a defect {depth} deep goes through the outer ring ({thick})")
+
 
 def _overlap(first: int, second: int, case: Case) -> Iterator[Conflict]:
     a, b = case.defects[first], case.defects[second]

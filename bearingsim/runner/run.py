@@ -2,7 +2,7 @@
 
 import shlex
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -32,7 +32,9 @@ def run(
     progress: bool | None = None,
     engine: Engine = BEARINGSIM,
 ) -> RunSummary:
-    """Compute the jobs of a study that are not stored yet, into ``out`` (default ``results/<study>``).
+    """Compute the jobs of a study that are not stored yet, into ``out``.
+
+    out: default ``results/<study>``, of a quick study ``results/<study>-quick``.
 
     jobs: worker processes (default: the CPUs); 1 computes in this process. fresh: throw stored results away
     first. retry_failed: try failed jobs again. shard: ``(k, n)`` computes share k of n. verify: read every
@@ -42,10 +44,12 @@ def run(
     other, store.FolderInUse, WorkersDie, and OSError when the folder cannot be written.
     """
     started = time.perf_counter()
-    root = Path(out if out is not None else Path("results") / study.name).resolve()
+    name = f"{study.name}-quick" if study.quick else study.name
+    root = Path(out if out is not None else Path("results") / name).resolve()
     every = study.jobs()
     workers, ours = _workers(jobs), shard_of(every, shard)
     _prepare(root, fresh, shard)
+    earlier = store.planned_jobs(root)
     store.write_plan(root, study, every)
     plan = _plan(root, ours, retry_failed, verify)
     store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
@@ -61,11 +65,27 @@ def run(
     store.sweep(root)
     store.build_table(root)
     seconds = time.perf_counter() - started
-    summary = tally.summary(study.name, len(ours), plan.resumed, seconds, interrupted)
+    left_out = len((earlier & plan.sealed) - {job.id for job in every})
+    notes = tuple(_notes(left_out, plan.damaged))
+    summary = tally.summary(study.name, len(ours), plan.resumed, seconds, interrupted, notes)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
     if interrupted:
         raise Interrupted(summary)
     return summary
+
+
+def _notes(left_out: int, damaged: int) -> Iterator[str]:
+    """What is worth knowing of the results that were there before."""
+    if left_out:
+        yield (
+            f"{left_out} job{'s' * (left_out > 1)} of the earlier plan {'are' if left_out > 1 else 'is'} not in this"
+            " one: they leave the table, their results stay in units/ (a run of the earlier plan brings them back)"
+        )
+    if damaged:
+        yield (
+            f"{damaged} damaged unit{'s' * (damaged > 1)} found and set aside (units/*/*.damaged):"
+            " what was in there was computed again"
+        )
 
 
 def _workers(asked: int | None) -> int:
@@ -88,20 +108,25 @@ def _prepare(root: Path, fresh: bool, shard: tuple[int, int]) -> None:
 
 @dataclass(frozen=True)
 class _Plan:
-    """What is left to do: jobs to compute, number of jobs done before, failures that are not tried again."""
+    """What is left to do: jobs to compute, number of jobs done before, failures that are not tried again.
+
+    sealed: ids of all jobs that the folder holds, of this study or not; damaged: number of damaged units.
+    """
 
     todo: list["Job"]
     resumed: int
     failures: dict[str, store.Failure]
+    sealed: set[str]
+    damaged: int
 
 
 def _plan(root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool) -> _Plan:
-    sealed = store.sealed_jobs(root, checksums=verify)
+    sealed, damaged = store.sealed_jobs(root, checksums=verify)
     left = [job for job in jobs if job.id not in sealed]
     ids = {job.id for job in left}
     failures = {job: failure for job, failure in store.read_failures(root).items() if job in ids}
     todo = left if retry_failed else [job for job in left if job.id not in failures]
-    return _Plan(todo, len(jobs) - len(left), failures)
+    return _Plan(todo, len(jobs) - len(left), failures, sealed, damaged)
 
 
 @dataclass
@@ -130,7 +155,15 @@ class _Tally:
         facts = {"done": len(outcome.done), "failed": len(outcome.failed)}
         store.log(self.root, "unit", unit=outcome.unit, **facts, seconds=round(outcome.seconds, 3))
 
-    def summary(self, study: str, planned: int, resumed: int, seconds: float, interrupted: bool) -> RunSummary:
+    def summary(
+        self,
+        study: str,
+        planned: int,
+        resumed: int,
+        seconds: float,
+        interrupted: bool,
+        notes: tuple[str, ...],
+    ) -> RunSummary:
         """What the run comes to."""
         return RunSummary(
             study=study,
@@ -144,6 +177,7 @@ class _Tally:
             cpu_s=self.cpu_s,
             integrator_cpu_s=self.integrator_cpu_s,
             interrupted=interrupted,
+            notes=notes,
         )
 
     def _add_failure(self, failure: store.Failure) -> None:
@@ -177,7 +211,7 @@ def _cost(estimate: Callable[[Any], Any], case: Any) -> Cost:
     """Price of a job; nothing for a case that is refused: its simulation will say why."""
     try:
         found = estimate(case)
-    except Exception:
+    except ValueError:
         return Cost(0.0, 0.0)
     return Cost(float(found.cpu_seconds), float(found.bytes))
 
