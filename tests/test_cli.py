@@ -168,8 +168,8 @@ def test_run_resumes(done):
 def test_run_goes_to_results(here):
     said, _ = type_("run", "small.yaml", "--jobs", "1", "--quick", "--shard", "1/2")
     assert "2 done of 2 jobs" in said
-    assert "results: results/small" in said
-    assert Path("results/small/results.csv").is_file()
+    assert "results: results/small-quick" in said
+    assert Path("results/small-quick/results.csv").is_file()
 
 
 def test_failed_jobs_are_stored_and_told(here):

@@ -75,7 +75,7 @@ def test_jobs_of_other_time_axes_get_their_own_unit(tmp_path: Path) -> None:
     jobs = [FakeJob(case_id(case), case, {}, None) for case in cases]
     units = store.write_units(tmp_path, [(job, record_of(job.case)) for job in jobs], PROVENANCE)
     assert sorted(len(store.check_unit(unit)) for unit in units) == [1, 1, 2]
-    assert store.sealed_jobs(tmp_path) == {job.id for job in jobs}
+    assert store.sealed_jobs(tmp_path) == ({job.id for job in jobs}, 0)
     [bare] = [unit for unit in units if jobs[2].id in store.check_unit(unit)]
     assert store.read_series(bare, jobs[2].id).channels == {}
 
@@ -133,7 +133,7 @@ def test_truncated_unit_is_found_and_set_aside(tmp_path: Path, study: FakeStudy,
     [bad], [_] = seal(tmp_path, study, first), seal(tmp_path, study, second)
     content = bad.read_bytes()
     bad.write_bytes(content[: int(kept if kept >= 1 else kept * len(content))])
-    assert store.sealed_jobs(tmp_path) == {job.id for job in second}
+    assert store.sealed_jobs(tmp_path) == ({job.id for job in second}, 1)
     assert not bad.exists()
     assert bad.with_suffix(".damaged").exists()
     [journal] = tmp_path.glob("journal-*.jsonl")
@@ -150,7 +150,7 @@ def test_flipped_byte_is_found_by_reading_checksums(tmp_path: Path, study: FakeS
     assert len(store.check_unit(path)) == 4
     with pytest.raises(store.DamagedUnit, match=path.name):
         store.check_unit(path, checksums=True)
-    assert store.sealed_jobs(tmp_path, checksums=True) == set()
+    assert store.sealed_jobs(tmp_path, checksums=True) == (set(), 1)
 
 
 def test_unit_under_another_name_is_not_trusted(tmp_path: Path, study: FakeStudy) -> None:

@@ -117,7 +117,10 @@ def run(
     study: StudyFile,
     jobs: Jobs = None,
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="results folder (default: results/<study>)")
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="results folder (default: results/<study>, of --quick results/<study>-quick)"
+        ),
     ] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="throw stored results away first")] = False,
     retry_failed: Annotated[bool, typer.Option("--retry-failed", help="try failed jobs again")] = False,

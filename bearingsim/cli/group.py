@@ -26,8 +26,7 @@ class Commands(TyperGroup):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt as stop:
-            summary = getattr(stop, "summary", None)
-            typer.echo(str(summary) if summary else "interrupted", err=True)
+            typer.echo(str(stop) or "interrupted", err=True)
             raise typer.Exit(INTERRUPTED) from None
         except BrokenPipeError:  # who reads has read enough: typer ends quietly
             raise

@@ -77,15 +77,12 @@ def run(
 def _notes(left_out: int, damaged: int) -> Iterator[str]:
     """What is worth knowing of the results that were there before."""
     if left_out:
-        yield (
-            f"{left_out} job{'s' * (left_out > 1)} of the earlier plan {'are' if left_out > 1 else 'is'} not in this"
-            " one: they leave the table, their results stay in units/ (a run of the earlier plan brings them back)"
-        )
+        verb = "s of the earlier plan are" if left_out > 1 else " of the earlier plan is"
+        stay = "their results stay in units/ (a run of the earlier plan brings them back)"
+        yield f"{left_out} job{verb} not in this one: they leave the table, {stay}"
     if damaged:
-        yield (
-            f"{damaged} damaged unit{'s' * (damaged > 1)} found and set aside (units/*/*.damaged):"
-            " what was in there was computed again"
-        )
+        units = f"{damaged} damaged unit{'s' * (damaged > 1)}"
+        yield f"{units} found and set aside (units/*/*.damaged): their jobs are computed again"
 
 
 def _workers(asked: int | None) -> int:

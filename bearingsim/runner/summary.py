@@ -43,7 +43,7 @@ class RunSummary:
     """Result of a run: numbers of jobs planned, done before and done now, failures; times in s.
 
     ``start_cpu_s`` is what the workers took to import and compile, ``cpu_s`` their CPU time after that and
-    ``integrator_cpu_s`` the part of it inside the integrator.
+    ``integrator_cpu_s`` the part of it inside the integrator; ``notes`` tell what became of earlier results.
     """
 
     study: str
@@ -57,6 +57,7 @@ class RunSummary:
     cpu_s: float
     integrator_cpu_s: float
     interrupted: bool = False
+    notes: tuple[str, ...] = ()
 
     @property
     def failed(self) -> int:
@@ -85,12 +86,13 @@ class RunSummary:
         if self.cpu_s > 0:
             start = f"{self.start_cpu_s:.1f} s of start-up"
             line += f", after {start} {self.integrator_share:.0%} of the workers' CPU time in the integrator"
-        return "\n".join([line, *map(str, self.failures)])
+        return "\n".join([line, *map(str, self.failures), *self.notes])
 
 
 class Interrupted(KeyboardInterrupt):
     """A run was interrupted; what was done by then is stored. Carries the summary."""
 
     def __init__(self, summary: RunSummary) -> None:
-        super().__init__(f"interrupted: {summary}")
+        advice = f"results so far: {summary.folder}; run the same command to continue"
+        super().__init__(f"interrupted: {summary}\n{advice}")
         self.summary = summary

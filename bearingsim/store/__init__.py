@@ -9,7 +9,7 @@ from bearingsim.store.folder import FolderInUse, discard, sealed_jobs
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
 from bearingsim.store.names import flat_parameters
 from bearingsim.store.provenance import provenance
-from bearingsim.store.results import Results, ResultsError, open_results
+from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs
 from bearingsim.store.table import build_table, read_plan, write_plan
 from bearingsim.store.units import DamagedUnit, Series, check_unit, read_series, unit_name, unit_path, write_units
 
@@ -29,6 +29,7 @@ __all__ = [
     "log",
     "now",
     "open_results",
+    "planned_jobs",
     "provenance",
     "read_failures",
     "read_plan",

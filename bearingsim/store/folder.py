@@ -15,20 +15,22 @@ class FolderInUse(UserError):
     """A results folder cannot be cleared while another run writes to it."""
 
 
-def sealed_jobs(root: Path, checksums: bool = False) -> set[str]:
-    """Ids of the jobs that lie in sound units.
+def sealed_jobs(root: Path, checksums: bool = False) -> tuple[set[str], int]:
+    """Ids of the jobs that lie in sound units, and the number of damaged units found.
 
     Units that do not open, or do not hold what they promise, are renamed to ``.damaged`` and noted in the
     journal; with ``checksums`` every byte of every unit is read.
     """
     jobs: set[str] = set()
+    damaged = 0
     for path in unit_files(root):
         try:
             jobs.update(check_unit(path, checksums))
         except DamagedUnit as damage:
             path.replace(path.with_suffix(".damaged"))
             log(root, "unit damaged", unit=path.stem, reason=str(damage))
-    return jobs
+            damaged += 1
+    return jobs, damaged
 
 
 def discard(root: Path) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["Results", "ResultsError", "open_results"]
+__all__ = ["Results", "ResultsError", "open_results", "planned_jobs"]
 
 PLANNED = {"study", "quick", "units", "figures", "jobs"}  # what is read of a plan, and of each of its jobs
 PLANNED_JOB = {"job", "healthy", "twin", "swept"}
@@ -42,6 +42,14 @@ def open_results(path: str | Path) -> "Results":
     if not sound:
         raise ResultsError(f"{root / 'plan.json'} is damaged: run the study again, what is computed is kept")
     return results
+
+
+def planned_jobs(root: Path) -> set[str]:
+    """Ids of the jobs of the plan in a folder; none without a sound plan."""
+    try:
+        return set(open_results(root).jobs)
+    except ResultsError:
+        return set()
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from bearingsim.store.files import lock, sealing, unit_files, write_text
 from bearingsim.store.journal import read_failures
 from bearingsim.store.names import in_feature_order
-from bearingsim.store.units import GROUPS, LIBVER, TEXT, read_columns, write_columns, write_jobs
+from bearingsim.store.units import GROUPS, LIBVER, TEXT, UNREADABLE, read_columns, write_columns, write_jobs
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -138,7 +138,7 @@ def _unit_frame(path: Path) -> "pd.DataFrame":
 
     try:
         columns = read_columns(path)
-    except (OSError, KeyError) as error:
+    except UNREADABLE as error:
         warnings.warn(f"{path} cannot be read, its jobs count as missing: {error}", stacklevel=2)
         return pd.DataFrame()
     return pd.DataFrame(columns).set_index("job").assign(unit=path.stem)
@@ -196,7 +196,7 @@ def _read_frame(root: Path) -> "pd.DataFrame | None":
         with h5py.File(path) as file:
             columns |= {name: file[name].asstr()[()] for name in PER_JOB}
             fingerprint = file.attrs["fingerprint"]
-    except (OSError, KeyError):
+    except UNREADABLE:
         return None
     frame = pd.DataFrame(columns).set_index("job")
     frame.attrs["fingerprint"] = fingerprint

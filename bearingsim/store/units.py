@@ -42,6 +42,7 @@ LIBVER = ("v108", "v108")  # object headers with checksums and no 64 kB limit on
 TEXT = h5py.string_dtype()
 CHUNK_BYTES = 1 << 16
 LONGEST_CHUNK = 1 << 18  # samples
+UNREADABLE = (OSError, KeyError, TypeError, ValueError, RuntimeError, AttributeError)  # HDF5 of torn files
 GROUPS = ("parameters", "features", "info")
 
 Value = float | int | str
@@ -188,7 +189,7 @@ def check_unit(path: Path, checksums: bool = False) -> list[str]:
             if checksums:
                 _read_everything(file)
             return ids
-    except (OSError, KeyError, RuntimeError, ValueError) as error:
+    except UNREADABLE as error:
         raise DamagedUnit(f"{path.name}: {error}") from error
 
 
