@@ -229,4 +229,7 @@ def _unit_hint(word: str, dimension: Dimension) -> tuple[str | None, str | None]
     other = next((d for d in UNITS if word in UNITS[d]), None)
     if other is not None:
         return f"`{word}` is a unit of {other}", None
-    return suggestion(word, words) or f"units: {', '.join(words)}", nearest_word(word, words)
+    near = nearest_word(word, words)
+    if near and word.endswith(near):  # a prefix that is not in the table: the bare unit would be another quantity
+        near = None
+    return f"did you mean `{near}`?" if near else f"units: {', '.join(words)}", near

@@ -114,7 +114,11 @@ def test_series_are_exported_to_matlab(done, tmp_path):
     job = ids(done)[1]
     type_("export", done, "--series", job[:10], "--out", tmp_path / "one.mat")
     struct = loadmat(tmp_path / "one.mat", simplify_cells=True)[f"job_{job}"]
-    assert set(struct) == {"time", "ring_velocity_x", "ring_velocity_y"}
+    assert set(struct) == {"time", "ring_velocity_x", "ring_velocity_y", "units", "parameters"}
+    assert struct["units"] == {"time": "s", "ring_velocity_x": "m/s", "ring_velocity_y": "m/s"}
+    assert struct["parameters"]["defects_1_width"] == pytest.approx(0.0008)
+    assert struct["parameters"]["load"] == 150.0
+    assert struct["parameters"]["model"] == "ring"
     assert len(struct["ring_velocity_x"]) == len(struct["time"]) == 307
 
 

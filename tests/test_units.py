@@ -102,3 +102,11 @@ def test_every_dimension_can_be_shown_and_asked_for() -> None:
         assert DISPLAY[dimension] in words
         example = EXPECTED[dimension].split("`")[1]
         assert parse(example, dimension) > 0.0
+
+
+@pytest.mark.parametrize(("text", "dimension"), [("10 MHz", "frequency"), ("1 cm", "length"), ("3 daN", "force")])
+def test_an_unknown_prefix_lists_the_units(text, dimension):
+    with pytest.raises(UnitError) as refused:
+        parse(text, dimension)
+    assert refused.value.hint == f"units: {', '.join(UNITS[dimension])}"
+    assert refused.value.nearest is None

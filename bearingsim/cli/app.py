@@ -255,7 +255,10 @@ def _loaded(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
     """The study, with what `--set` says."""
     from bearingsim.study import load_study
 
-    return load_study(path, dict(map(_assignment, assignments or [])), quick)
+    study = load_study(path, dict(map(_assignment, assignments or [])), quick)
+    if quick and not study.quick:
+        typer.echo(f"{path} has no `quick:` section: this is the whole study", err=True)
+    return study
 
 
 def _assignment(text: str, option: str = "--set") -> tuple[str, str]:

@@ -1,6 +1,6 @@
 """`bearingsim export`: features and series in files that other programs read."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,19 +29,25 @@ def features(results: "Results", path: Path | None, file_format: str | None) -> 
 def series(results: "Results", jobs: Sequence[str], path: Path | None, file_format: str | None) -> Path:
     """Write the recorded series (SI) of some jobs to csv or mat; return the file. Raises ResultsError."""
     target = path or Path(f"{results.plan['study']}-series.{file_format or 'csv'}")
-    write = {"csv": _to_csv, "mat": _to_mat}[_suffix(target, ("csv", "mat"))]
+    suffix = _suffix(target, ("csv", "mat"))
     found = {job: results.series(job) for job in jobs}
     empty = [job for job, one in found.items() if not one.channels]
     if empty:
         raise UserError(f"job {empty[0]} has no series: the study says `record: []`")
-    write(found, target)
+    if suffix == "csv":
+        _to_csv(found, target)
+    else:
+        _to_mat(found, results.parameters(), target)
     return target
 
 
 def _suffix(path: Path, known: tuple[str, ...]) -> str:
+    """The format that a file's name asks for. Raises UserError for another, or where there is no folder."""
     suffix = path.suffix.removeprefix(".").lower()
     if suffix not in known:
         raise UserError(f"{path}: expected a name that ends in .{' or .'.join(known)}")
+    if not path.parent.is_dir():
+        raise UserError(f"{path}: there is no folder {path.parent}")
     return suffix
 
 
@@ -60,12 +66,21 @@ def _to_csv(found: "dict[str, Series]", path: Path) -> None:
     pd.DataFrame(columns).to_csv(path, index=False)
 
 
-def _to_mat(found: "dict[str, Series]", path: Path) -> None:
-    """One struct per job, `job_<id>`: time and channels, dots of names as underscores."""
+def _to_mat(found: "dict[str, Series]", parameters: "pd.DataFrame", path: Path) -> None:
+    """One struct per job, `job_<id>`: time, channels, their units, the job's parameters (SI, or words)."""
     from scipy.io import savemat
 
     structs = {
-        f"job_{job}": {"time": one.time} | {name.replace(".", "_"): v for name, v in one.channels.items()}
+        f"job_{job}": {
+            **_fields({"time": one.time} | one.channels),
+            "units": _fields({"time": "s"} | one.units),
+            "parameters": _fields(parameters.loc[job].replace("", None).dropna().to_dict()),
+        }
         for job, one in found.items()
     }
-    savemat(path, structs, oned_as="column")
+    savemat(path, structs, oned_as="column", long_field_names=True)
+
+
+def _fields(named: Mapping[Any, Any]) -> dict[str, Any]:
+    """Dots of names as underscores: what MATLAB takes as the name of a field."""
+    return {str(name).replace(".", "_"): value for name, value in named.items()}

@@ -23,9 +23,11 @@ def of_bearing(name: str, speed: str) -> dict[str, Any]:
     from bearingsim.config.names import HARMONICS
     from bearingsim.core import kinematics
     from bearingsim.study import load_bearing
-    from bearingsim.units import parse
+    from bearingsim.units import UnitError, parse
 
     bearing, omega = load_bearing(name), parse(speed, "rotation")
+    if omega <= 0.0:
+        raise UnitError(speed, "a rotation speed above zero, such as `1800 rpm`")
     Z, D_w, d_m = bearing.rollers, bearing.roller_diameter, bearing.pitch_diameter
     hertz = {
         "BPFO": kinematics.ball_pass_frequency_outer(omega, D_w, d_m, Z),

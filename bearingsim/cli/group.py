@@ -1,6 +1,9 @@
 """The set of commands, and what becomes of errors: a message and an exit code, no traceback."""
 
+import errno
+import os
 import traceback
+from pathlib import Path
 from typing import Any
 
 import typer
@@ -11,6 +14,26 @@ from bearingsim.errors import UserError
 __all__ = ["INTERRUPTED", "WRONG", "Commands"]
 
 WRONG, INTERRUPTED = 2, 130
+
+WORDS = {
+    errno.ENOENT: "there is no such file or folder",
+    errno.EEXIST: "this is a file, not a folder",
+    errno.ENOTDIR: "a part of this path is a file, not a folder",
+    errno.EACCES: "you are not allowed to read or write here",
+    errno.EPERM: "you are not allowed to read or write here",
+    errno.EROFS: "the disk can only be read",
+    errno.ENOSPC: "the disk is full",
+}
+
+
+def sentence(error: OSError) -> str:
+    """An error of the system in words: the path, and what is wrong with it."""
+    if not error.filename or error.errno is None:
+        return f"bearingsim: {error}"
+    path = Path(os.fsdecode(error.filename))
+    if error.errno == errno.ENOENT and not path.parent.exists():
+        return f"{path}: there is no folder {path.parent}"
+    return f"{path}: {WORDS.get(error.errno, error.strerror)}"
 
 
 class Commands(TyperGroup):
@@ -32,6 +55,7 @@ class Commands(TyperGroup):
             raise
         except (OSError, UserError) as error:
             if ctx.params.get("verbose"):
-                traceback.print_exc()
-            typer.echo(f"bearingsim: {error}" if isinstance(error, OSError) else str(error), err=True)
+                typer.echo("Traceback (most recent call last):", err=True)
+                traceback.print_tb(error.__traceback__)
+            typer.echo(sentence(error) if isinstance(error, OSError) else str(error), err=True)
             raise typer.Exit(WRONG) from None

@@ -39,7 +39,7 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     """Read and check a study file.
 
     `overrides` maps paths to values as they would stand in the file (`{"load": "200 N"}`); `quick` takes the
-    file's reduced grid. Raises StudyError with everything that is wrong.
+    file's reduced grid, if it has one. Raises StudyError with everything that is wrong.
     """
     text = read_text(FilePath(path))
     root, flaws = parse(text, str(path))
@@ -57,8 +57,9 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     problems += [found for plan in plans for found in plan.all_problems()]
     if problems:
         raise StudyError(_in_order(problems, str(path)))
-    chosen = -1 if quick else 0
-    return Study(name, str(path), text, given, quick, figures, plans[chosen].units(), tuple(cases[chosen]))
+    reduced = quick and "quick" in root.mapping
+    chosen = -1 if reduced else 0
+    return Study(name, str(path), text, given, reduced, figures, plans[chosen].units(), tuple(cases[chosen]))
 
 
 def load_bearing(name: str) -> Bearing:
