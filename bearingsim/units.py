@@ -230,6 +230,6 @@ def _unit_hint(word: str, dimension: Dimension) -> tuple[str | None, str | None]
     if other is not None:
         return f"`{word}` is a unit of {other}", None
     near = nearest_word(word, words)
-    if near and word.removesuffix(near).isalpha() and word.endswith(near):  # a prefix that is not in the table: the bare unit would be another quantity
-        near = None
+    if near and word.endswith(near) and word.removesuffix(near).isalpha():
+        near = None  # a prefix that is not in the table: the bare unit would be another quantity
     return f"did you mean `{near}`?" if near else f"units: {', '.join(words)}", near

@@ -38,7 +38,8 @@ def test_show_tells_what_does_not_fit(done, terminal):
     said, _ = type_("show", done)
     assert max(map(len, said.splitlines()[:9])) <= 75
     assert "outer_force.max" not in said.splitlines()[0]
-    assert "too narrow: velocity@BPFO-healthy (µm/s), velocity.rms (µm/s), outer_force.max (N) (`--col" in said
+    left = "velocity@BPFO-healthy (µm/s), velocity.rms (µm/s), outer_force.max (N)"
+    assert f"3 columns too wide for the terminal: {left} (`--columns NAME`" in said
 
 
 def test_columns_asked_for_are_all_printed(done, terminal):

@@ -39,7 +39,8 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     typer.echo(_counts(table))
     if len(kept) < len(found):
         left = ", ".join(head for head, _ in found if head not in dict(kept))
-        typer.echo(f"not shown, the terminal is too narrow: {left} (`--columns NAME`, `--json`, or a pipe)")
+        count = len(found) - len(kept)
+        typer.echo(f"{count} columns too wide for the terminal: {left} (`--columns NAME`, `--json` or a pipe)")
 
 
 def _fitting(found: list[Column], features: Sequence[bool]) -> list[Column]:

@@ -40,7 +40,7 @@ def open_results(path: str | Path) -> "Results":
     except (ValueError, KeyError, TypeError, AttributeError):
         sound = False
     if not sound:
-        raise ResultsError(f"{root / 'plan.json'} is damaged: run the study again, what is computed is kept")
+        raise ResultsError(f"{root / 'plan.json'} is damaged or of an earlier version: run the study again")
     return results
 
 
