@@ -204,9 +204,14 @@ def _letter(ax: "Axes", number: int, count: int, text: str) -> None:
     ax.set_title(" ".join(filter(None, [letter, text])), loc="left")
 
 
+COMPARABLE = 4.0  # spans of y axes that differ by more keep their own: the smaller curves would lie flat
+
+
 def _share_scales(axes: list[list["Axes"]]) -> None:
-    """The panels of one feature, a column of them, have one y axis, so that they can be compared."""
+    """Panels of one feature, a column of them, have one y axis for comparison, unless they differ too much."""
     for stack in zip(*axes, strict=True):
         limits = [ax.get_ylim() for ax in stack]
-        for ax in stack:
-            ax.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
+        spans = [high - low for low, high in limits]
+        if max(spans) <= COMPARABLE * min(spans):
+            for ax in stack:
+                ax.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
