@@ -1,5 +1,6 @@
 """Settings and fixtures of all tests."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,8 @@ from hypothesis import settings
 from tests.commands import STUDY, type_
 from tests.study_text import Write
 
-settings.register_profile("bearingsim", deadline=None)  # the first example may compile
+# no deadline: the first example may compile; in CI always the same examples, elsewhere new ones every time
+settings.register_profile("bearingsim", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("bearingsim")
 
 
