@@ -77,9 +77,9 @@ def run(
 def _notes(left_out: int, damaged: int) -> Iterator[str]:
     """What is worth knowing of the results that were there before."""
     if left_out:
-        verb = "s of the earlier plan are" if left_out > 1 else " of the earlier plan is"
-        stay = "their results stay in units/ (a run of the earlier plan brings them back)"
-        yield f"{left_out} job{verb} not in this one: they leave the table, {stay}"
+        jobs = f"{left_out} job{'s' * (left_out > 1)}"
+        stay = "results stay in units/ (a run of the earlier plan brings them back)"
+        yield f"out of the table, for not being in this plan: {jobs} of the earlier one; {stay}"
     if damaged:
         units = f"{damaged} damaged unit{'s' * (damaged > 1)}"
         yield f"{units} found and set aside (units/*/*.damaged): their jobs are computed again"
