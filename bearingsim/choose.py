@@ -25,6 +25,7 @@ FEWEST_PER_CROSSING = 8  # fewer are refused
 LONGEST = 20e-6  # s: a step nobody needs to exceed, for the models without a limit
 SAMPLES_OF_A_PASS = 16  # cage angles at which the load at rest is looked at
 FINE_PER_SAMPLE, FEWEST_FINE = 4, 64
+MOST_STEPS = 10_000_000  # in a ball pass, whose recording is held in memory: 640 MB
 OVERHEAD = 0.02  # CPU s per job: build, filters, features, writing
 
 
@@ -242,13 +243,18 @@ def samples(case: Case) -> int:
 def grid(case: Case) -> Grid:
     """Cut the case in time: the wanted step, shortened until a ball pass holds a whole number of fine samples.
 
-    Raises ``Refused`` like ``wanted_step``, or if no sample falls into the record.
+    Raises ``Refused`` like ``wanted_step``, if no sample falls into the record, or if a pass has too many steps.
     """
     if samples(case) < 1:
         raise Refused("no sample falls into the record", "take a higher `sampling` or a longer `duration`")
     rate = case.bearing.ball_pass_frequency(case.speed)
     fine = max(FEWEST_FINE, ceil(FINE_PER_SAMPLE * case.sampling / rate))
     decimation = max(1, ceil(1.0 / (rate * fine * wanted_step(case)) * (1.0 - 1e-12)))
+    if fine * decimation > MOST_STEPS:
+        raise Refused(
+            f"a ball pass would take {fine * decimation:.2g} steps (at most {MOST_STEPS:.0e} are held in memory)",
+            "lower `contact.damping`, which sets the step of an explicit method, or take a higher speed",
+        )
     beyond = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + 2) / (rate * fine)
     passes = ceil((case.settle + case.duration + beyond) * rate)
     return Grid(rate, 1.0 / (rate * fine * decimation), fine, decimation, passes)

@@ -240,3 +240,11 @@ def test_a_step_error_survives_pickling() -> None:
         wanted_step(case(defect=SLOT, step="2 us"))
     again = pickle.loads(pickle.dumps(caught.value))
     assert (again.reason, again.advice) == (caught.value.reason, caught.value.advice)
+
+
+def test_a_contact_too_damped_for_explicit_steps_is_refused_before_memory_is_asked_for() -> None:
+    """1e6 N s/mm as printed by the paper, with indentation exponent 0: steps of some picoseconds."""
+    printed = {"law": "general", "coefficient": "1e6", "indentation_exponent": "0"}
+    with pytest.raises(Refused, match=r"a ball pass would take .* steps") as caught:
+        grid(case(model="rollers", defect=SLOT, contact={"damping": printed}))
+    assert "contact.damping" in caught.value.advice
