@@ -4,7 +4,7 @@ Imports numba (through the core), so import it only where something is computed.
 """
 
 from functools import lru_cache
-from math import pi
+from math import ceil, pi
 from typing import Any
 
 import numpy as np
@@ -105,6 +105,21 @@ def _anchor(kind: Any, of_case: Bearing, law: Any, named: str, load: float) -> t
     """``anchor``, remembered; ``named`` tells laws apart that are equal as tuples."""
     free = kind(of_case, Support(load, 0.0, 0.0, 0.0, 0.0), law, pits([], [], of_case.R_w, of_case.R_o))
     return mean_rest(free, empty_buffer(free))
+
+
+def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
+    """The model with the cusp of its first pit ``cusp`` of a step after a step's start.
+
+    At the cusp the damping force jumps; where in a step it does so decides whether the error is of first or of
+    second order (docs/methods.md). The rollers start less than a step further on. Of several pits only the first
+    is in step.
+    """
+    if len(model.pits.angle) == 0:
+        return model
+    b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
+    steps = (b.theta_0 - model.pits.angle[0]) / pass_angle * steps_per_pass  # whole when the cusp is met
+    ahead = ceil(steps + cusp) - cusp - steps
+    return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))
 
 
 def empty_buffer(model: Any) -> np.ndarray:

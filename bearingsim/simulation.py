@@ -103,7 +103,8 @@ def simulate(case: Case) -> Record:
     began = time.process_time()
     try:
         cut, found = choose.grid(case), choose.limits(case)
-        model = build.model(case)
+        cusp = build.METHODS[case.method].cusp
+        model = build.in_step(build.model(case), cut.steps_per_pass, cusp)
     except choose.Refused as error:
         raise SimulationError(error.reason, error.advice) from error
     tape = _integrate(case, model, cut, _watch(cut, found))
@@ -113,7 +114,7 @@ def simulate(case: Case) -> Record:
         time=np.arange(choose.samples(case)) / case.sampling,
         series={name: sampled[ROW_OF[name]] for channel in case.record for name in dataset_names(channel)},
         features={
-            **_lines(case, cut, tape),
+            **_lines(case, cut, tape, model.bearing.theta_0),
             **_statistics(case, cut, sampled),
             "outer_force.max": float(forces.max()),
         },
@@ -123,7 +124,7 @@ def simulate(case: Case) -> Record:
             "step_limit_at_rest_s": found.at_rest,
             "step_limit_at_impact_s": found.at_impact,
             "longest_overrun_s": float(overruns.max()),
-            "cage_angle_start_rad": case.start_angle + model.bearing.omega_c * case.settle,
+            "cage_angle_start_rad": model.bearing.theta_0 + model.bearing.omega_c * case.settle,
             "integrator_cpu_s": tape.integrator_cpu_s,
             "cpu_s": time.process_time() - began,
         },
@@ -266,12 +267,15 @@ def whole_passes(case: Case, cut: choose.Grid) -> int:
     return floor(case.duration * cut.rate + 1e-6)
 
 
-def _lines(case: Case, cut: choose.Grid, tape: _Tape) -> dict[str, float]:
-    """Amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
+def _lines(case: Case, cut: choose.Grid, tape: _Tape, theta_0: float) -> dict[str, float]:
+    """Amplitude, phase and scatter of the lines at the outer-race frequency and its multiples.
+
+    ``theta_0``: the first roller's angle (rad) at t = 0, as it was computed.
+    """
     M, start = cut.fine_per_pass, ceil(case.settle * cut.fine_rate - 1e-6)
     length = whole_passes(case, cut) * M
     whole = tape.fine[:, start + tape.zero : start + tape.zero + length + 1]
-    angle = case.bearing.rollers * case.start_angle
+    angle = case.bearing.rollers * theta_0
     velocity = _along_sensor(case, whole, "velocity")
     by_pass = {
         quantity: signals.lines_by_pass(_along_sensor(case, whole, quantity)[:-1], M, HARMONICS, start, angle)

@@ -189,7 +189,7 @@ def test_a_pit_must_not_be_passed_in_too_few_steps() -> None:
 def test_the_automatic_step_obeys_every_bound(model: str, method: str | None, defects: tuple, chi: float) -> None:
     given = case(model=model, method=method, defects=defects, contact={"damping": {"chi": chi}})
     found, chosen = limits(given), wanted_step(given)
-    bounds = [found.crossing / (200 if model == "rollers" else 50), 20e-6]
+    bounds = [found.crossing / (100 if model == "rollers" else 50), 20e-6]
     if method:
         bounds.append({"verlet": 0.5, "rk4": 0.25}[method] * found.at_impact)
         bounds.append(1.0 / found.contact_frequency / {"verlet": 40, "rk4": 20}[method])

@@ -331,7 +331,8 @@ def test_info_says_how_it_was_computed() -> None:
     assert info["step_s"] == cut.step
     assert info["steps"] == cut.passes * cut.steps_per_pass
     cage = 2 * np.pi * RATE / 13
-    assert info["cage_angle_start_rad"] == pytest.approx(given.start_angle + cage * 0.03, rel=1e-12)
+    asked = given.start_angle + cage * 0.03
+    assert 0.0 <= info["cage_angle_start_rad"] - asked <= cage * cut.step  # moved to put the cusp in step
     assert 0.0 < info["integrator_cpu_s"] <= info["cpu_s"]
 
 
@@ -344,3 +345,40 @@ def test_warming_computes_each_kind_of_case_once() -> None:
     kinds = [(given.model, given.antialias) for given in warmed]
     assert kinds == [("ring", True), ("static", True), ("ring", False)]
     assert all(given.duration < 0.01 and not given.defects for given in warmed)
+
+
+# The jump of the damping force at a narrow pit's cusp
+
+
+NARROW = [  # at high speed the jump decays within a step: these were 5 and 3 % off when it fell anywhere in a step
+    ("verlet", {"speed": "12000 rpm", "defect": SLOT | {"width": "0.15 mm"}}),
+    ("rk4", {"speed": "6694 rpm", "load": "235 N", "defect": SLOT | {"width": "0.109 mm"}}),
+]
+
+
+@pytest.mark.parametrize(("method", "fields"), NARROW)
+@pytest.mark.parametrize("angle", ["0 deg", "3.3 deg"])
+def test_the_cusp_of_a_narrow_pit_costs_no_first_order_error(method: str, fields: dict, angle: str) -> None:
+    """Half the step changes the line by less than 0.5 %, wherever the pit lies, at 50 steps a crossing."""
+    given = case(model="rollers", method=method, duration="30 ms", settle="20 ms", **fields)
+    given = given.model_copy(update={"defects": (given.defects[0].model_copy(update={"angle": radians(angle)}),)})
+    step = choose.limits(given).crossing / 50
+    found = []
+    for h in (step, step / 2):
+        with mock.patch.object(choose, "wanted_step", return_value=h):
+            found.append(simulate(given).features["velocity@BPFO"])
+    assert found[0] == pytest.approx(found[1], rel=5e-3)
+
+
+def radians(angle: str) -> float:
+    return math.radians(float(angle.split()[0]))
+
+
+@pytest.mark.parametrize("method", ["verlet", "rk4"])
+def test_the_cusp_lies_where_the_method_wants_it(method: str) -> None:
+    given = case(model="rollers", method=method, defect=SLOT | {"angle": "7 deg"})
+    cusp, steps = build.METHODS[method].cusp, 12345
+    moved = build.in_step(build.model(given), steps, cusp).bearing
+    place = (moved.theta_0 - math.radians(7)) * moved.Z * steps / (2 * math.pi)
+    assert abs(place + cusp - round(place + cusp)) < 1e-6
+    assert 0.0 <= moved.theta_0 - given.start_angle < 2 * math.pi / (moved.Z * steps)

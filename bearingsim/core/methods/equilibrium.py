@@ -38,4 +38,4 @@ def _load_number(method, K, C):
     return 0.0
 
 
-KIND = MethodKind(Equilibrium, evaluations=3, fraction=1.0, per_period=1)
+KIND = MethodKind(Equilibrium, evaluations=3, fraction=1.0, per_period=1, cusp=1 / 2)

@@ -12,13 +12,15 @@ class MethodKind(NamedTuple):
 
     parameters: its ``NamedTuple``; evaluations: of the model in a step; fraction: of the stability limit at
     impact, the most an automatic step takes; per_period: steps of an automatic run in a period of the contact,
-    which light damping lets ring.
+    which light damping lets ring; cusp: the part of a step after which a force that jumps is still integrated
+    without a first-order error (where the method's weights after it add up to the time after it).
     """
 
     parameters: type
     evaluations: int
     fraction: float
     per_period: int
+    cusp: float
 
 
 @generic
