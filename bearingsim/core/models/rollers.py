@@ -142,5 +142,5 @@ def _damping_per_mass(model, y, j):
     return y[INVERSE_MASS + j] * (outer + inner)
 
 
-# at the cusp of a narrow pit the damping force jumps, and decays within 0.2 us: hence the many steps over it
+# at the cusp of a narrow pit the damping force jumps, and decays within 0.2 us: hence more steps over it
 KIND = ModelKind(Rollers, massless=False, memoryless=False, per_crossing=100, cost=0.19e-6)
