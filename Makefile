@@ -55,6 +55,7 @@ check: lint test
 bench: install-dev
 	$(BIN)/python benchmarks/step_cost.py
 	$(BIN)/python benchmarks/step_fraction.py
+	$(BIN)/python benchmarks/narrow_pits.py
 
 lock: install-dev
 	$(BIN)/python -m pip install --quiet uv

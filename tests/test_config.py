@@ -98,6 +98,8 @@ def test_damping_is_chosen_by_its_law() -> None:
         ({"defect": SLOT | {"length": "13 mm"}}, "13 mm is longer than the roller (12 mm)"),
         ({"defect": SLOT | {"width": "19 mm"}}, "19 mm is wider than the roller spacing (18.6079 mm)"),
         ({"defect": SLOT | {"depth": "10 mm"}}, "10 mm deep goes through the outer ring (6.5 mm)"),
+        ({"clearance": "25 mm"}, "beyond -1 % to 5 % of the roller diameter"),
+        ({"clearance": "-1 mm"}, "beyond -1 % to 5 % of the roller diameter"),
         ({"defect": SLOT | {"width": "-1 mm"}}, "above zero"),
         ({"defect": SLOT | {"race": "inner"}}, "expected `outer`"),
         ({"defect": SLOT, "defects": [SLOT]}, "not both"),
