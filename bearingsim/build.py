@@ -11,9 +11,23 @@ import numpy as np
 
 from bearingsim import config
 from bearingsim.core import contact as laws
-from bearingsim.core.defects import Pits, groups_of, outer_reduced_radius, pits
+from bearingsim.core.defects import (
+    ANGLE,
+    INNER,
+    ON,
+    ON_INNER,
+    ON_OUTER,
+    OUTER,
+    Meeting,
+    Pits,
+    groups_of,
+    inner_reduced_radius,
+    outer_reduced_radius,
+    pits,
+)
 from bearingsim.core.equilibrium import mean_rest
-from bearingsim.core.kinematics import cage_speed
+from bearingsim.core.excitations import Envelope
+from bearingsim.core.kinematics import ball_spin_frequency, cage_speed
 from bearingsim.core.layout import Q_O, buffer
 from bearingsim.core.methods import equilibrium, rk4, verlet
 from bearingsim.core.models import ring, rollers, static
@@ -42,6 +56,11 @@ def outer_radius(case: config.Case) -> float:
     return (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0 + case.clearance / 4.0
 
 
+def inner_radius(case: config.Case) -> float:
+    """Radius (m) of the inner race, half of the clearance on its side."""
+    return (case.bearing.pitch_diameter - case.bearing.roller_diameter) / 2.0 - case.clearance / 4.0
+
+
 def bearing(case: config.Case) -> Bearing:
     """Geometry, masses and motion of the case's bearing."""
     b, massless = case.bearing, MODELS[case.model].massless
@@ -49,11 +68,13 @@ def bearing(case: config.Case) -> Bearing:
         Z=b.rollers,
         R_w=b.roller_diameter / 2.0,
         R_o=outer_radius(case),
-        R_i=(b.pitch_diameter - b.roller_diameter) / 2.0 - case.clearance / 4.0,
+        R_i=inner_radius(case),
         gap=case.clearance / 4.0,
         m_r=0.0 if massless else roller_mass(b),
         m_o=float(ring_mass(case)),
+        omega_i=case.speed,
         omega_c=cage_speed(case.speed, b.roller_diameter, b.pitch_diameter),
+        omega_b=2.0 * pi * ball_spin_frequency(case.speed, b.roller_diameter, b.pitch_diameter),
         theta_0=case.start_angle,
     )
 
@@ -71,15 +92,29 @@ def contact(case: config.Case) -> Any:
     raise ValueError(f"no such damping: {case.contact.damping}")
 
 
-def outer_pits(case: config.Case) -> Pits:
-    """The pits of the outer race."""
-    R_w, R_o = case.bearing.roller_diameter / 2.0, outer_radius(case)
-    R = outer_reduced_radius(R_w, R_o)
-    groups = [
-        groups_of(d.shape, d.length, d.width, d.depth, case.bearing.roller_length, R, case.contact.length_nodes)
-        for d in case.defects
-    ]
-    return pits([d.angle for d in case.defects], groups, R_w, R_o)
+def meetings(case: config.Case) -> Pits:
+    """Where the rollers' contacts meet the case's pits."""
+    R_w, R_o, R_i = case.bearing.roller_diameter / 2.0, outer_radius(case), inner_radius(case)
+    reduced = {OUTER: outer_reduced_radius(R_w, R_o), INNER: inner_reduced_radius(R_w, R_i)}
+    found = []
+    for d in case.defects:
+        on, radius, sides = {
+            "outer": (ON_OUTER, R_o, (OUTER,)),
+            "inner": (ON_INNER, R_i, (INNER,)),
+            "roller": (d.roller - 1, R_w, (OUTER, INNER)),
+        }[d.race]
+        for side in sides:
+            groups = groups_of(
+                d.shape,
+                d.length,
+                d.width,
+                d.depth,
+                case.bearing.roller_length,
+                reduced[side],
+                case.contact.length_nodes,
+            )
+            found.append(Meeting(side, on, d.angle, radius, reduced[side], groups))
+    return pits(found, Envelope())
 
 
 def model(case: config.Case) -> Any:
@@ -91,8 +126,8 @@ def model(case: config.Case) -> Any:
     of_case, law = bearing(case), contact(case)
     kind = MODELS[case.model].parameters
     x_0, y_0 = anchor(kind, of_case, law, case.load)
-    support = Support(case.load, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
-    return kind(of_case, support, law, outer_pits(case))
+    support = Support(case.load, 0.0, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
+    return kind(of_case, support, law, law, meetings(case))
 
 
 def anchor(kind: Any, of_case: Bearing, law: Any, load: float) -> tuple[float, float]:
@@ -103,7 +138,7 @@ def anchor(kind: Any, of_case: Bearing, law: Any, load: float) -> tuple[float, f
 @lru_cache(maxsize=256)
 def _anchor(kind: Any, of_case: Bearing, law: Any, named: str, load: float) -> tuple[float, float]:
     """``anchor``, remembered; ``named`` tells laws apart that are equal as tuples."""
-    free = kind(of_case, Support(load, 0.0, 0.0, 0.0, 0.0), law, pits([], [], of_case.R_w, of_case.R_o))
+    free = kind(of_case, Support(load, 0.0, 0.0, 0.0, 0.0, 0.0), law, law, pits([], Envelope()))
     return mean_rest(free, empty_buffer(free))
 
 
@@ -112,12 +147,12 @@ def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
 
     At the cusp the damping force jumps; where in a step it does so decides whether the error is of first or of
     second order (docs/methods.md). The rollers start less than a step further on. Of several pits only the first
-    is in step.
+    is in step, and only on the outer race: what turns meets its steps anywhere, and the error averages out.
     """
-    if len(model.pits.angle) == 0:
+    if len(model.pits.head) == 0 or model.pits.head[0, ON] != ON_OUTER:
         return model
     b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
-    steps = (b.theta_0 - model.pits.angle[0]) / pass_angle * steps_per_pass  # whole when the cusp is met
+    steps = (b.theta_0 - model.pits.head[0, ANGLE]) / pass_angle * steps_per_pass  # whole when the cusp is met
     ahead = ceil(steps + cusp) - cusp - steps
     return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))
 

@@ -14,7 +14,7 @@ from typing import Any
 from bearingsim import build
 from bearingsim.config import CHANNELS, Case
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.defects import DEPTH, X_E, B
+from bearingsim.core.defects import DEPTH, HALF_WIDTH, REDUCED, USED, X_E, B, sliding
 from bearingsim.core.equilibrium import NoEquilibrium, find_rest, rest_from_scratch
 from bearingsim.core.methods.interface import load_number
 from bearingsim.core.models.interface import begin, damping_per_mass, stiffness_per_mass, watched
@@ -103,7 +103,7 @@ def _limits(case: Case) -> Limits:
     rest_load, K, C = loads_at_rest(_healthy(case))
     model = build.model(case)
     speed = closing_speed(model)
-    peak, K_more, C_more = impact(model.bearing.m_r, model.contact, speed)
+    peak, K_more, C_more = impact(model.bearing.m_r, model.outer, speed)
     omega = sqrt(K) if K > 0.0 else inf
     return Limits(
         rest_load=rest_load,
@@ -113,7 +113,7 @@ def _limits(case: Case) -> Limits:
         closing_speed=speed,
         impact_force=peak + rest_load,
         at_impact=step_limit(case.method, K + K_more, C + C_more),
-        crossing=min((d.width for d in case.defects), default=inf) / (model.bearing.R_o * model.bearing.omega_c),
+        crossing=crossing_time(model),
     )
 
 
@@ -141,19 +141,28 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     return load, float(K), float(C)
 
 
+def crossing_time(model: Any) -> float:
+    """The shortest time (s) a contact takes to cross a pit from rim to rim; inf without pits."""
+    pits = model.pits
+    times = [2.0 * pits.head[d, HALF_WIDTH] / abs(sliding(pits, d, model.bearing)) for d in range(len(pits.head))]
+    return float(min(times, default=inf))
+
+
 def closing_speed(model: Any) -> float:
     """Estimate of the speed (m/s) at which a roller meets the far edge of the steepest pit.
 
-    The contact point runs at R_o omega_c; the envelope's slope is at most x/R with x the distance from the rim
-    where the roller reaches wall, floor or middle.
+    The envelope's slope is at most x/R with x the distance from the rim where the roller reaches wall, floor or
+    middle; the roller moves past it at the sliding speed.
     """
     pits = model.pits
-    slopes = [
-        min(group[B], group[X_E], sqrt(2.0 * pits.R * group[DEPTH])) / pits.R
-        for groups, used in zip(pits.groups, pits.used, strict=True)
-        for group in groups[:used]
+    speeds = [
+        min(group[B], group[X_E], sqrt(2.0 * pits.head[d, REDUCED] * group[DEPTH]))
+        / pits.head[d, REDUCED]
+        * abs(sliding(pits, d, model.bearing))
+        for d in range(len(pits.head))
+        for group in pits.groups[d, : int(pits.head[d, USED])]
     ]
-    return float(max(slopes, default=0.0) * pits.R_o * model.bearing.omega_c)
+    return float(max(speeds, default=0.0))
 
 
 def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:

@@ -58,3 +58,14 @@ def statistics(series: np.ndarray) -> dict[str, float]:
         "crest": float(peak / np.sqrt(square)) if alive else float("nan"),
         "kurtosis": float(np.mean(moving**4) / square**2) if alive else float("nan"),
     }
+
+
+def line_at(series: np.ndarray, angle: np.ndarray) -> complex:
+    w = np.hanning(len(series))
+    return complex(2.0 * np.sum(w * series * np.exp(-1j * angle)) / w.sum())
+
+
+def resolvable(frequencies: np.ndarray, duration: float) -> np.ndarray:
+    f = np.abs(np.asarray(frequencies))
+    away = np.abs(f[:, None] - f[None, :]) + np.where(np.eye(len(f)), np.inf, 0.0)
+    return (away.min(axis=1) > 1.9 / duration) & (f > 1.9 / duration)

@@ -6,10 +6,12 @@ import numpy as np
 
 from bearingsim import build
 from bearingsim.config import Case
-from bearingsim.core.advance import CHANNELS, FINE, Watch, advance
+from bearingsim.core.advance import FINE, RING, Watch, advance
 from bearingsim.core.equilibrium import rest_from_scratch
+from bearingsim.core.layout import Q_I, Q_O
 from bearingsim.core.models.interface import begin
 
+PLACES = np.array([*RING, Q_O, Q_I])  # the ring's motion, and the first roller's forces
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 
 
@@ -27,9 +29,9 @@ def at_rest(model: Any, t: float = 0.0) -> np.ndarray:
 
 
 def drive(model: Any, method: Any, steps: int, y: np.ndarray | None = None, patience: float = 1.0) -> np.ndarray:
-    """Recording (CHANNELS, steps) from rest, or from ``y``."""
+    """Recording (len(PLACES), steps) from rest, or from ``y``."""
     y = at_rest(model) if y is None else y
-    out = np.empty((CHANNELS, steps))
-    taken, outcome, _ = advance(method, model, Watch(8, patience), 0, y, out)
+    out = np.empty((len(PLACES), steps))
+    taken, outcome, _ = advance(method, model, Watch(8, patience), 0, y, PLACES, out)
     assert (taken, outcome) == (steps, FINE)
     return out

@@ -39,7 +39,8 @@ Method = Literal["verlet", "rk4"]
 class Defect(Section):
     """A pit in a race: lengths in m (`length` along the axis, `width` along rolling), angle in rad."""
 
-    race: Annotated[Literal["outer"], one_of("outer")] = "outer"
+    race: Annotated[Literal["outer", "inner", "roller"], one_of("outer", "inner", "roller")] = "outer"
+    roller: int = 1
     shape: Annotated[Shape, one_of(*get_args(Shape))]
     length: Length
     width: Length

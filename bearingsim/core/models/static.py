@@ -17,7 +17,8 @@ class Static(NamedTuple):
 
     bearing: Bearing
     support: Support
-    contact: Any
+    outer: Any
+    inner: Any
     pits: Pits
 
 
