@@ -1,6 +1,5 @@
 """From the names of channels to places in the simulation's buffer, and from what lies there to what is meant."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -65,7 +64,7 @@ def recorded(case: Case) -> np.ndarray:
 
 
 def series(
-    case: Case, model: Any, rows: np.ndarray, places: Sequence[int], time: np.ndarray
+    case: Case, model: Any, rows: np.ndarray, places: np.ndarray, time: np.ndarray
 ) -> dict[str, np.ndarray]:
     """The recorded channels by dataset name, from rows (C, n) sampled at ``time`` (n,), s into the run."""
     row_of = {int(p): row for p, row in zip(places, rows, strict=True)}

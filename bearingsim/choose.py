@@ -240,8 +240,12 @@ def _advice(case: Case, found: Limits) -> str:
 
 
 def repeats(case: Case) -> bool:
-    """Whether each ball pass equals the one before: nothing has memory, and no single roller is recorded."""
-    return build.MODELS[case.model].memoryless and not any(name.startswith("roller") for name in case.record)
+    """Whether each ball pass equals the one before: nothing has memory or turns, and no single roller is recorded."""
+    return (
+        build.MODELS[case.model].memoryless
+        and all(defect.race == "outer" for defect in case.defects)
+        and not any(name.startswith("roller") for name in case.record)
+    )
 
 
 def samples(case: Case) -> int:

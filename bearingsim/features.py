@@ -1,4 +1,4 @@
-"""Numbers read from a run: lines at the characteristic frequencies, statistics, what the rollers and the cage did."""
+"""Numbers read from a run: lines at characteristic frequencies, statistics, what rollers and cage did."""
 
 from dataclasses import dataclass
 from math import ceil, cos, floor, pi, sin
@@ -35,7 +35,7 @@ class Tape:
 
 
 class Turns(NamedTuple):
-    """Angles (n,) in rad at the fine samples: of the first roller, the inner ring, and a roller's roll in the cage."""
+    """Angles (n,) in rad at fine samples: of the first roller, the inner ring, and a roller's roll in the cage."""
 
     cage: np.ndarray
     inner: np.ndarray
@@ -80,7 +80,7 @@ def first_sample(case: Case, cut: Grid) -> int:
 
 
 def turns(model: Any, cut: Grid, start: int, slip: np.ndarray) -> Turns:
-    """Angles at the fine samples from number ``start`` on; ``slip``: (n,) the cage's turn beyond its kinematic one."""
+    """Angles at fine samples from number ``start`` on; ``slip``: (n,) the cage's turn beyond its kinematic one."""
     b = model.bearing
     t = elapsed_times(model, (start + np.arange(len(slip))) / cut.fine_rate)
     return Turns(b.theta_0 + b.omega_c * t + slip, b.omega_i * t, b.omega_b * t + b.omega_b / b.omega_c * slip)
@@ -113,7 +113,7 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
 
 
 def other_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
-    """Amplitude and phase of the lines whose periods do not divide the record; nan where it is too short to tell."""
+    """Amplitude and phase of lines whose periods do not divide the record; nan where it is too short to tell."""
     start = first_sample(case, cut)
     length = max(2, floor(case.duration * cut.fine_rate + 1e-6))
     fine = tape.fine[: len(BASE), start + tape.zero : start + tape.zero + length]

@@ -23,8 +23,8 @@ class Feature(NamedTuple):
 class Line(NamedTuple):
     """A frequency as whole multiples of five others, and of the angles behind them.
 
-    outer: BPFO (Z times the cage's angle); inner: BPFI (Z times the inner ring's angle less the cage's); spin: BSF (a
-    roller's roll in the cage); cage: FTF; shaft: the inner ring's rotation.
+    outer: BPFO (Z times the cage's angle); inner: BPFI (Z times the inner ring's angle less the cage's); spin: BSF
+    (a roller's roll in the cage); cage: FTF; shaft: the inner ring's rotation.
     """
 
     outer: int = 0
@@ -57,8 +57,8 @@ LINES: dict[str, Line] = {
     "FTF": Line(cage=1),
     "fr": Line(shaft=1),
 }
-"""Lines that are read: a pit of the inner race stands at BPFI with sidebands of the shaft, a roller's at 2 BSF with
-sidebands of the cage, an unbalance at fr."""
+"""Lines that are read: a pit of the inner race stands at BPFI with sidebands of the shaft, a roller's at 2 BSF
+with sidebands of the cage, an unbalance at fr."""
 
 ROLLER = {
     "outer_force": Channel(("",), "N", "contact force of roller {} on the outer race"),

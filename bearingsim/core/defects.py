@@ -59,8 +59,8 @@ HEAD = 7
 class Pits(NamedTuple):
     """All meetings, packed in few arrays: each one that a function is handed costs it reference counting.
 
-    head: (D, 7) as in ``Meeting``, then half_width (m), beyond which no roller feels the pit, and used, its number of
-    groups; groups: (D, K, 5), padded with rows of weight zero; excitation: what a roller feels of a pit
+    head: (D, 7) as in ``Meeting``, then half_width (m), beyond which no roller feels the pit, and used, its number
+    of groups; groups: (D, K, 5), padded with rows of weight zero; excitation: what a roller feels of a pit
     (``core/excitations.py``).
     """
 
@@ -149,8 +149,8 @@ def depression(group, s, R):
 def meeting(pits, d, theta_c, theta_i, roll, Z):
     """Which roller is nearest to meeting ``d``, and its distance s (m) along rolling from the pit's middle.
 
-    theta_c: angle of roller 0 (rad); the Z rollers are evenly spaced. theta_i: angle of the inner ring. roll: how far
-    a roller has turned backwards relative to the line through its centre and the bearing's.
+    theta_c: angle of roller 0 (rad); the Z rollers are evenly spaced. theta_i: angle of the inner ring. roll: how
+    far a roller has turned backwards relative to the line through its centre and the bearing's.
     """
     head = pits.head[d]
     on = head[ON]

@@ -51,7 +51,7 @@ class NoEquilibrium(ArithmeticError):
 
 @jit
 def outer_force(model, y, j, delta):
-    """Force (N), slope (N/m) and mean approach (m) of roller ``j``'s outer contact, ``delta`` (m) into the race."""
+    """Force (N), slope (N/m) and mean approach (m) of roller ``j``'s outer contact, ``delta`` (m) in the race."""
     return elastic_over_pit(model.outer.stiffness, model.pits, int(y[PIT + j]), y[ALONG + j], delta)
 
 
@@ -107,7 +107,7 @@ def roller_balance(model, y, j, u_r):
 
 @jit
 def find_pits(model, t, y):
-    """Fill the rows PIT and ALONG: the meeting that each contact stands in, and how far (m) the pit's middle is."""
+    """Fill the rows PIT and ALONG: the meeting each contact stands in, and its distance (m) from the middle."""
     bearing, pits = model.bearing, model.pits
     theta_c, theta_i, roll = turns(bearing, t)
     for j in range(bearing.Z):

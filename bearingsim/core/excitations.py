@@ -12,7 +12,7 @@ class Envelope(NamedTuple):
 
 @generic
 def felt(excitation: Any, group: Any, s: float, R: float) -> tuple[float, float, float]:
-    """Share of the group's weight that acts, its sinking h (m) and slope dh/ds, at ``s`` (m) from the pit's middle."""
+    """Share of the group's weight that acts, its sinking h (m), slope dh/ds; ``s`` (m) from the pit's middle."""
 
 
 @felt.register(Envelope)

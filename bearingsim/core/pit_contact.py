@@ -1,4 +1,4 @@
-"""One contact of a roller over a pit: the sum over the pit's groups, scalar, for the few rollers that stand in one."""
+"""One contact of a roller over a pit: the sum over the pit's groups; scalar, since few rollers stand in one."""
 
 from bearingsim.core.contact import elastic, normal_force, tangent
 from bearingsim.core.defects import HALF_WIDTH, REDUCED, SIDE, USED, W, meeting
@@ -73,7 +73,7 @@ def mean_sinking(pits, d, s):
 
 @jit
 def outdone(pits, d, j, s, theta_c, theta_i, roll, Z):
-    """Whether another meeting counts at this contact of roller ``j``: where two pits meet, the deeper one is felt."""
+    """Whether another meeting counts at this contact of roller ``j``: of two pits the deeper one is felt."""
     for e in range(len(pits.head)):
         if e != d and pits.head[e, SIDE] == pits.head[d, SIDE]:
             other, along = meeting(pits, e, theta_c, theta_i, roll, Z)

@@ -5,8 +5,9 @@
     m_r r'' = m_r omega_c^2 r + Q_i - Q_o
     m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)
 
-(A pit of a roller counts in h at each of its contacts, sliding past at R_w omega_b.) The position of a roller is kept as its displacement q from the middle of the clearance, r = d_m/2 + q: 0.03 m
-would cost 2 of 16 digits. Left out: friction, tangential motion, tilt, the bending of the rings.
+(A pit of a roller counts in h at each of its contacts, sliding past at R_w omega_b.) The position of a roller is
+kept as its displacement q from the middle of the clearance, r = d_m/2 + q: 0.03 m would cost 2 of 16 digits. Left
+out: friction, tangential motion, tilt, the bending of the rings.
 """
 
 from typing import Any, NamedTuple
