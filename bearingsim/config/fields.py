@@ -37,7 +37,8 @@ class Quantity:
         """The value in SI; refuses what is no quantity of the dimension, or out of bounds."""
         value = _number(given, self.dimension)
         if value <= self.above or value < self.least or value > self.most:
-            expected = EXPECTED[self.dimension].replace(" such as", f" {self._bound()}, such as")
+            what, example = EXPECTED[self.dimension].split(" such as ")
+            expected = f"{what} {self._bound()}" + (f", such as {example}" if self.most == math.inf else "")
             refuse("bound", f"expected {expected}, got {described(given)}")
         return value
 
