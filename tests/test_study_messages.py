@@ -34,7 +34,7 @@ def pointed(problem: Problem) -> str:
         ("lod: 150 N", "lod", "unknown key `lod` (did you mean `load`?)"),
         ("speed: 1 rpm", "speed: 1", "the key `speed` is given twice, first on line 3"),
         ("antialias: no", "no", "antialias: expected `true` or `false`, got `no`"),
-        ("model: roller", "roller", "model: expected `static`, `ring` or `rollers`, got `roller` (did you mean `rollers`?)"),
+        ("model: roller", "roller", "model: expected `least`, `impulse`, `static`, `ring`, `rollers` or `planar`, got `roller` (did you mean `rollers`?)"),
         ("duration: 1 ms", "1 ms", "duration: 1 ms is shorter than one ball pass (6.28931 ms)"),
         ("rig: bvt", "bvt", "rig: no rig `bvt` (did you mean `bvt5`?)"),
         ("rig: {sensor: 0 deg}", "sensor:", "rig: unknown key `sensor` (did you mean `sensor_angle`?)"),
