@@ -1,8 +1,8 @@
 """The friction coefficient of one contact as a function of its slip.
 
-A law gives mu(v, u), odd in the slip speed v (m/s) of one surface over the other: the friction force on the first
-is -mu(v, u) Q. u > 0 (m/s) is the speed at which both surfaces roll through the contact, their mean. Every law has a
-finite slope at v = 0 and so no sticking: under a steady force less than mu Q a contact creeps.
+A law gives mu(v, u), odd in the slip speed v (m/s) of one surface over the other: the friction force on the
+first is -mu(v, u) Q. u > 0 (m/s) is the mean of the speeds at which the two surfaces pass through the contact.
+Every law has a finite slope at v = 0 and so no sticking: under a steady force less than mu Q a contact creeps.
 
 ``mu`` keeps the vector lanes of a loop over rollers.
 """
@@ -25,7 +25,7 @@ class Frictionless(NamedTuple):
 class StaticDynamic(NamedTuple):
     """Dry friction of the multibody codes: up to mu_s at the slip v_s, down to mu_d at v_d, then level.
 
-    Cubic steps, from -mu_s at -v_s to mu_s at v_s and from there to mu_d; 0 < v_s < v_d (m/s). ``u`` has no effect.
+    Cubic steps, from -mu_s at -v_s to mu_s at v_s and from there to mu_d; 0 < v_s < v_d (m/s); whatever ``u``.
     Sources: the contact friction of Adams (STEP) and RecurDyn; written out by Wingertszahn et al., Lubricants 11
     (2023) 369, eqs 21-27. v_s and v_d are numerical, not material: no surface slips at v_s under a static force.
     """
@@ -78,8 +78,8 @@ def rise(x):
 def exp_minus(x):
     """e^-x for 0 <= x <= 40 without a call, relative error below 2e-14.
 
-    e^-x = 2^n e^r, n the whole number nearest to -x/ln 2, |r| <= ln(2)/2. Adding 1.5 * 2^52 rounds to whole numbers
-    and leaves n in the lowest bits, from where it is shifted into the exponent; e^r is its series.
+    e^-x = 2^n e^r, n the whole number nearest to -x/ln 2, |r| <= ln(2)/2. Adding 1.5 * 2^52 rounds to whole
+    numbers and leaves n in the lowest bits, from where it is shifted into the exponent; e^r is its series.
     """
     shifted = x * -1.4426950408889634 + 6755399441055744.0
     n = shifted - 6755399441055744.0
