@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from bearingsim.core.contact import elastic, palmgren
-from bearingsim.core.defects import GROUP, B, W, outer_reduced_radius
+from bearingsim.core.defects import DEPTH, GROUP, X_E, B, W, outer_reduced_radius
 from bearingsim.core.excitations import (
     ClearanceIncrease,
     Envelope,
@@ -96,6 +96,13 @@ def test_slopes_are_derivatives(excitation, shape, width, depth, place):
         steepest = max(depth, width**2 / (8 * R)) / width
         assume(abs(left - right) < 1e-3 * steepest)  # no kink between
         assert here[2] == pytest.approx(rate, abs=2e-3 * steepest)
+
+
+@given(excitation=excitations, shape=shapes, width=widths, depth=depths, place=places)
+def test_slopes_have_the_bound_that_impact_speeds_are_estimated_with(excitation, shape, width, depth, place):
+    for row in rows_of(excitation, shape, width, depth):
+        bound = min(row[B], row[X_E], sqrt(2 * R * row[DEPTH])) / R
+        assert abs(felt(excitation, row, place * width, R)[2]) <= bound * (1 + 1e-9)
 
 
 @given(excitation=st.sampled_from(PULSES), shape=shapes, width=widths, depth=depths)

@@ -7,8 +7,8 @@ middle a group of weight w carries
 
 and its approach grows more slowly by h'(s) ds/dt. An excitation is a type: it says what share and h are (``felt``)
 and what the columns of its groups mean (``groups``), except for W, the weight, and B, the half width (m) beyond
-which nothing is felt. DEPTH is never less than the largest h, and h stops growing at X_E from the rim at the latest:
-estimates of impact speed read them.
+which nothing is felt. The slope is nowhere more than min(B, X_E, sqrt(2 R DEPTH))/R: estimates of impact speed use
+that.
 
 Several of the published forms take the race as flat and let a ball sink by R_w - sqrt(R_w^2 - w^2/4). Here all use
 the radius R relative to the race, as the envelope does: for an NF308's outer race that is 15 % less, and the forms
@@ -215,11 +215,11 @@ def _groups_pressure_share(excitation, shape, length, width, depth, L_w, R, node
 class SoftEdge(NamedTuple):
     """The envelope, with only ``kept`` (1) of the contact's stiffness while the roller hangs on a rim.
 
-    After Niu, Cao, He and Li 2014 and 2015, whose ball of finite size is held less stiffly in the defect, with slip
-    and traction (those are the model's business: ``planar``). 0.65 is the middle of 0.6 to 0.7, what a half-space
-    solution gives for one sharp edge alone. Full stiffness returns on the floor and on a wall. Left out: the passage
-    from race to edge within half a contact's width, so the force jumps at the rim; and in the middle of a narrow
-    pit, where two edges carry, the stiffness is that of one.
+    After Niu, Cao, He and Li 2014 and 2015, whose ball of finite size is held less stiffly in the defect, with
+    slip and traction (those are the model's business: ``planar``). 0.65 is the middle of 0.6 to 0.7, what a
+    half-space solution gives for one sharp edge alone. Full stiffness returns on the floor and on a wall. Left
+    out: the passage from race to edge within half a contact's width, so the force jumps at the rim; and in the
+    middle of a narrow pit, where two edges carry, the stiffness is that of one.
     """
 
     kept: float = 0.65
