@@ -131,16 +131,6 @@ def tangent(law: Any, delta: float) -> float:
     """Slope of the elastic force (N/m) at approach ``delta`` >= 0 (m)."""
 
 
-@generic
-def share(outer: Any, inner: Any, delta: float) -> float:
-    """Approach (m) of the inner contact when both contacts in series have ``delta`` >= 0 (m) together."""
-
-
-@share.register(TenNinths)
-def _share_ten_ninths(outer, inner, delta):
-    return 0.5 * delta
-
-
 @elastic.register(TenNinths)
 def _elastic_ten_ninths(law, delta):
     return law.k * delta * ninth_root(delta)
