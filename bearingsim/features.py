@@ -122,13 +122,13 @@ def other_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, floa
     frequencies = [(angle[-1] - angle[0]) / (2.0 * pi * length) * cut.fine_rate for angle in angles.values()]
     told = dict(zip(LINES, signals.resolvable(np.array(frequencies), case.duration), strict=True))
     hertz = dict(zip(LINES, frequencies, strict=True))
-    found = {}
+    found: dict[str, float] = {}
     for name in OTHER_LINES:
         for quantity in ("displacement", "velocity"):
-            A = signals.line_at(along_sensor(case, fine, quantity), angles[name]) if told[name] else complex("nan")
-            found[f"{quantity}@{name}"], found[f"{quantity}@{name}.phase"] = abs(A), float(np.angle(A))
+            A = complex(signals.line_at(along_sensor(case, fine, quantity), angles[name]) if told[name] else "nan")
+            found[f"{quantity}@{name}"], found[f"{quantity}@{name}.phase"] = float(abs(A)), float(np.angle(A))
         A = 2j * pi * hertz[name] * A  # a velocity has fewer impacts to fold into the line than an acceleration
-        found[f"acceleration@{name}"], found[f"acceleration@{name}.phase"] = abs(A), float(np.angle(A))
+        found[f"acceleration@{name}"], found[f"acceleration@{name}.phase"] = float(abs(A)), float(np.angle(A))
     return found
 
 

@@ -10,11 +10,10 @@ import numpy as np
 
 from bearingsim import build, channels, choose
 from bearingsim.channels import BASE
-from bearingsim.config import Case, dataset_names
+from bearingsim.config import Case, Section, dataset_names
 from bearingsim.core.advance import FINE, OUTRUN, Watch, advance, keep_largest_forces
-from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import OVERRUN_MAX, Q_I_MAX, Q_MAX, Q_P_MAX, ROW
-from bearingsim.core.models.interface import begin, watched
+from bearingsim.core.models.interface import watched
 from bearingsim.core.parameters import lanes
 from bearingsim.core.sampling import (
     DECIMATION_REACH,
@@ -86,7 +85,7 @@ def simulate(case: Case) -> Record:
     began = time.process_time()
     try:
         cut, found = choose.grid(case), choose.limits(case)
-        cusp = build.METHODS[case.method].cusp
+        cusp = build.method_kind(case).cusp
         model = build.in_step(build.model(case), cut.steps_per_pass, cusp)
     except choose.Refused as error:
         raise SimulationError(error.reason, error.advice) from error
@@ -117,11 +116,18 @@ _WARM: set[tuple] = set()  # kinds of case that this process has compiled or loa
 def warm(cases: Iterable[Case]) -> None:
     """Compile what the cases need (or load it from the cache) by computing one ball pass of each new kind."""
     for case in cases:
-        kind = (case.model, case.method, type(case.contact.damping), case.contact.stiffness, case.antialias)
+        kind = _words(case)
         if kind not in _WARM:
             short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
-            simulate(case.model_copy(update={"duration": short, "settle": 0.0, "step": "auto", "defects": ()}))
+            simulate(case.model_copy(update={"duration": short, "settle": 0.0, "step": "auto"}))
             _WARM.add(kind)
+
+
+def _words(value: Any) -> Any:
+    """All words of a section, and for its numbers their types: cases alike in that run the same compiled code."""
+    if isinstance(value, Section):
+        return tuple(_words(getattr(value, name)) for name in type(value).model_fields)
+    return value if isinstance(value, str | bool | None) else type(value)
 
 
 def _watch(cut: choose.Grid, found: choose.Limits) -> Watch:
@@ -132,7 +138,7 @@ def _watch(cut: choose.Grid, found: choose.Limits) -> Watch:
 
 def _integrate(case: Case, model: Any, cut: choose.Grid, watch: Watch) -> Tape:
     """Step through all ball passes, keeping fine samples (and raw picks where the case wants them)."""
-    y, places = _start(model), channels.recorded(case)
+    y, places = _start(case, model), channels.recorded(case)
     M, D = cut.fine_per_pass, cut.decimation
     taps = decimation_kernel(D)
     lead = ceil(RESAMPLE_REACH * cut.fine_rate / case.sampling) + 1  # before t = 0 everything stood still
@@ -144,20 +150,18 @@ def _integrate(case: Case, model: Any, cut: choose.Grid, watch: Watch) -> Tape:
         decimate(window, taps, D, fine[:, lead + p * M : lead + (p + 1) * M])
         _pick_pass(case, cut, p, window, picked)
     zero = lead + DECIMATION_REACH - 1
-    if build.MODELS[case.model].memoryless:  # never at rest: it repeats itself before t = 0 too
+    if build.kind(case).memoryless:  # never at rest: it repeats itself before t = 0 too
         fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % M]
     return Tape(places, fine, zero, picked, y, clock[0])
 
 
-def _start(model: Any) -> np.ndarray:
+def _start(case: Case, model: Any) -> np.ndarray:
     """A buffer at static equilibrium at t = 0, its accelerations filled in."""
-    y = build.empty_buffer(model)
-    residual = rest_from_scratch(model, 0.0, y)
-    if not residual <= 1e-8 * model.support.F:
+    y, residual = build.start(case, model)
+    if not residual <= 1e-8 * case.load:
         raise SimulationError(
             f"no static equilibrium at the start: {residual:.3g} N left", "check load and clearance"
         )
-    begin(model, 0.0, y)
     keep_largest_forces(y, lanes(model.bearing))
     return y
 
@@ -180,7 +184,7 @@ def _ball_passes(
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
     window = np.empty((len(places), tail + steps))
     window[:] = y[places][:, np.newaxis]
-    if build.MODELS[case.model].memoryless:  # it was never at rest: what was before t = 0 is known
+    if build.kind(case).memoryless:  # it was never at rest: what was before t = 0 is known
         advance(method, model, watch, -tail, y, places, window[:, steps:])
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()

@@ -22,25 +22,27 @@ from bearingsim.core.layout import (
     POSITION,
     PS,
     PSI,
+    PUSH_R,
+    PUSH_T,
     Q_P,
     SE,
     SPIN_V,
+    SUMS,
     TORQUE,
     VELOCITY,
     X_C,
     X_I,
     Y_C,
     Y_I,
-    PUSH_R,
-    PUSH_T,
     Q,
-    SUMS,
     V,
     X,
     Y,
 )
 
-F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = (SUMS + n for n in range(8))  # cells: forces (N), torques (N m)
+F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = (
+    SUMS + n for n in range(8)
+)  # cells: forces (N), torques (N m)
 
 
 class KinematicCage(NamedTuple):

@@ -10,10 +10,11 @@ rests on the outer race. ``static`` takes one such equilibrium per step; ``ring`
 """
 
 from math import cos, hypot, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.contact import share, tangent
+from bearingsim.core.contact import damping_slope, share, tangent
 from bearingsim.core.defects import HALF_WIDTH, SIDE, meeting
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
@@ -259,18 +260,53 @@ def rest_from_scratch(model, t, y):
     return find_rest(model, t, y)
 
 
+class Rest(NamedTuple):
+    """A bearing at rest, averaged over a ball pass.
+
+    x, y: place of the ring (m); load: largest force on a roller (N), and approach, that of its two contacts together
+    (m), at any time; K_x, K_y, C_x, C_y: stiffness (N/m) and damping (N s/m) that the rollers offer the ring.
+    """
+
+    x: float
+    y: float
+    load: float
+    approach: float
+    K_x: float
+    K_y: float
+    C_x: float
+    C_y: float
+
+
+@jit
+def ring_damping(model, y):
+    """Damping (N s/m) that the rollers offer the ring along e_0 and e_90: a roller's two contacts in series."""
+    c_xx, c_yy = 0.0, 0.0
+    for j in range(model.bearing.Z):
+        outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), 0.0)
+        inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), 0.0)
+        in_series = outer * inner / max(outer + inner, 1e-300)
+        c_xx += in_series * y[COS + j] * y[COS + j]
+        c_yy += in_series * y[SIN + j] * y[SIN + j]
+    return c_xx, c_yy
+
+
 def mean_rest(model, y, samples=32):
-    """Mean ring position (m, m) over one ball pass at rest: the anchor of the bracket.
+    """``Rest`` of a bearing, from ``samples`` of a ball pass.
 
     Raises ``NoEquilibrium`` if one is not found to 1e-8 of the load.
     """
-    pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
-    positions = []
+    Z = model.bearing.Z
+    pass_time = 2.0 * pi / (Z * model.bearing.omega_c)
+    found, loads = [], []
     for n in range(samples):
         find = rest_from_scratch if n == 0 else find_rest
         residual = find(model, (n + 0.5) / samples * pass_time, y)
         if not residual <= 1e-8 * model.support.F:
             raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {model.support.F:g} N")
-        positions.append((y[POSITION + X], y[POSITION + Y]))
-    x, z = np.mean(positions, axis=0)
-    return float(x), float(z)
+        k_xx, _, k_yy = ring_stiffness(model, y)
+        found.append((y[POSITION + X], y[POSITION + Y], k_xx, k_yy, *ring_damping(model, y)))
+        most = int(np.argmax(y[Q_I : Q_I + Z]))
+        loads.append((y[Q_O + most], y[DELTA_O + most] + y[DELTA_I + most]))
+    x, z, k_x, k_y, c_x, c_y = (float(value) for value in np.mean(found, axis=0))
+    load, approach = (float(value) for value in max(loads))
+    return Rest(x, z, load, approach, k_x, k_y, c_x, c_y)

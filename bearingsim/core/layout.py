@@ -40,7 +40,9 @@ Q_MAX, OVERRUN, OVERRUN_MAX = (_FIRST + n * ROW for n in range(16, 19))  # large
 Q_I_MAX, Q_P_MAX = (_FIRST + n * ROW for n in range(19, 21))  # largest Q_I and |Q_P|
 WORK = _FIRST + 21 * ROW  # rows a model may use within an evaluation
 PC, PS, CE, SE = (WORK + n * ROW for n in range(4))  # direction of a roller's pocket; cos and sin of EPS
-N_R, N_T, RHO_O, T_O = (WORK + n * ROW for n in range(4, 8))  # outer contact: normal along e_r, e_theta; distance of
+N_R, N_T, RHO_O, T_O = (
+    WORK + n * ROW for n in range(4, 8)
+)  # outer contact: normal along e_r, e_theta; distance of
 # the roller from the ring's centre (m); its speed across the normal (m/s)
 M_R, M_T, RHO_I, T_I = (WORK + n * ROW for n in range(8, 12))  # the same of the inner contact
 PUSH_R, PUSH_T, TORQUE = (WORK + n * ROW for n in range(12, 15))  # on a roller: along e_r, e_theta (N), spin (N m)

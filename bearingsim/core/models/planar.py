@@ -345,4 +345,4 @@ def _damping_per_mass(model, y, j):
     return y[INVERSE_MASS + j] * max(outer + inner, rubbing)
 
 
-KIND = ModelKind(Planar, massless=False, memoryless=False, per_crossing=100, cost=0.4e-6)
+KIND = ModelKind(Planar, loaded=True, massless=False, memoryless=False, per_crossing=100, cost=0.4e-6)
