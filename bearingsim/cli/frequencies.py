@@ -53,7 +53,12 @@ def show(name: str, speed: str, found: dict[str, Any]) -> None:
     typer.echo(f"{found['bearing'] or name} at {speed} (shaft {found['shaft_hz']:.4g} Hz)")
     heads = ["", "what", "order", *(f"{k} x (Hz)" for k in HARMONICS)]
     rows = [
-        [key, NAMES[key].format(found["element"]), f"{entry['order']:.4f}", *(f"{value:.3f}" for value in entry["hz"])]
+        [
+            key,
+            NAMES[key].format(found["element"]),
+            f"{entry['order']:.4f}",
+            *(f"{value:.3f}" for value in entry["hz"]),
+        ]
         for key, entry in found["frequencies"].items()
     ]
     print_table(heads, rows, words=2)
