@@ -9,11 +9,10 @@ import re
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
-from pydantic import GetCoreSchemaHandler, ValidationInfo
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
 from bearingsim.config.fields import Quantity, refuse
-from bearingsim.units import suggestion
 
 Class = Literal["C2", "CN", "C3", "C4", "C5"]
 CLASSES: tuple[Class, ...] = get_args(Class)
@@ -80,12 +79,17 @@ class _ClearanceOrClass(Quantity):
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_before_validator_function(self._checked, handler(source))
 
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        length = super().__get_pydantic_json_schema__(schema, handler)
+        return length | {"description": f"{length['description']}, or a class: {', '.join(CLASSES)}"}
+
     def _checked(self, given: Any, info: ValidationInfo) -> float:
         if not isinstance(given, str) or not re.match(r"\s*[A-Za-z]", given):
             return self(given)
         if given not in CLASSES:
             expected = f"expected a length such as `20 um`, or a class: {', '.join(CLASSES)}"
-            refuse("word", f"{expected}; got `{given}`", suggestion(given, CLASSES) or None)
+            meant = given.upper() if given.upper() in CLASSES else None
+            refuse("word", f"{expected}; got `{given}`", f"did you mean `{meant}`?" if meant else None)
         bearing = info.data.get("bearing")
         if bearing is None:  # wrong itself, which is told there
             return 0.0

@@ -53,8 +53,12 @@ class Constant(Section):
     exponent: PositiveNumber
 
 
-DAMPING = Laws({"hunt-crossley": HuntCrossley, "kraemer": Kraemer, "general": General}, "hunt-crossley")
-STIFFNESS = Laws({"constant": Constant}, "constant")
+DAMPING = Laws(
+    {"hunt-crossley": HuntCrossley, "kraemer": Kraemer, "general": General},
+    default="hunt-crossley",
+    words=("hunt-crossley", "kraemer"),
+)
+STIFFNESS = Laws({"constant": Constant}, default="constant", words=get_args(StiffnessLaw))
 
 WORD = "word"
 """Tag of a stiffness law that has no numbers."""

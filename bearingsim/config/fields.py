@@ -153,10 +153,14 @@ def unless_none(given: Any) -> Any:
 
 @dataclass(frozen=True)
 class Laws:
-    """Sections of which a field holds one, told apart by their `law`; a bare word is a law with its defaults."""
+    """Sections of which a field holds one, told apart by their `law`; a bare word is a law with its defaults.
+
+    `words` are the laws that may be given as a bare word.
+    """
 
     sections: dict[str, type[Section]]
     default: str
+    words: tuple[str, ...]
 
     def tag(self, given: Any) -> Any:
         """The law of what is given; a mapping without `law` is the default law's."""

@@ -79,7 +79,11 @@ class Frictionless(Section):
     law: Literal["none"] = "none"
 
 
-FRICTION = Laws({"static-dynamic": StaticDynamic, "traction": Traction, "none": Frictionless}, "static-dynamic")
+FRICTION = Laws(
+    {"static-dynamic": StaticDynamic, "traction": Traction, "none": Frictionless},
+    default="static-dynamic",
+    words=("static-dynamic", "traction", "none"),
+)
 
 Friction = Annotated[
     Annotated[StaticDynamic, Tag("static-dynamic")]

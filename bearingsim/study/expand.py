@@ -59,7 +59,7 @@ def _opened(node: Node, kind: Kind, folder: FilePath, problems: list[Problem]) -
         # By its full path the case finds the file too, and refuses it likewise.
         return replace(node, value=str(find(kind, node.value, folder).absolute()))
     problems += [found for found in document.problems if found not in problems]
-    return document.root
+    return replace(document.root, mark=node.mark)  # what is wrong with the whole is wrong where it was named
 
 
 def _opened_material(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
