@@ -22,8 +22,8 @@ def spacing(series: np.ndarray, fs: float, period: float) -> float:
     Scatter of the passes does no harm, as each pair keeps its distance.
 
     nan if no maximum stands 0.05 of the variance over its surroundings, and six times the deviation that noise
-    makes in so many passes: one event to a pass, or none. Limits: spacings from about 0.1 to 0.4 of the period (one
-    beyond half is read as the period less itself); 50 passes or more; ringing over by the next event. An event
+    makes in so many passes: one event to a pass, or none. Limits: spacings from about 0.1 to 0.4 of the period
+    (beyond half, the period less itself is read); 50 passes or more; ringing over by the next event. An event
     counts where its energy is: an entry that rises in 0.3 ms before an exit that rises at once reads 0.2 ms late.
     ValueError if the record holds under two passes, or a pass under 40 samples.
     """

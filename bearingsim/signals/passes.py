@@ -49,7 +49,7 @@ def kernel(distance: np.ndarray) -> np.ndarray:
     """Windowed sinc at a distance in samples (P,), not normalised.
 
     The window is the exponential of a semicircle, as good as Kaiser's and quicker (Barnett, Magland and af
-    Klinteberg, SIAM J. Sci. Comput. 41, 2019, C479, eq. 1.8).
+    Klinteberg, SIAM J. Sci. Comput. 41, 2019, C479-C504).
     """
     inside = np.maximum(1.0 - (distance / (TAPS // 2)) ** 2, 0.0)
     return np.sinc(distance) * np.exp(SHARPNESS * np.sqrt(inside))

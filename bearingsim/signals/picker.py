@@ -74,7 +74,7 @@ def pick_from(
     Frequency and amplitude are those of a parabola through three amplitudes to the power 0.23: for a pure tone
     under a Hann window within 0.001 of a bin and 0.2 % (Werner and Germain, Sinusoidal parameter estimation using
     quadratic interpolation around power-scaled magnitude spectrum peaks, Appl. Sci. 6, 2016, 306). The median is
-    that of the spectrum within 10 % or 20 bins of the expected frequency. None too if nothing stands twice over it.
+    that of the spectrum within 10 % or 20 bins of the expected frequency. None too if nothing is twice that.
     Neighbours closer than a Hann window resolves are for ``pick_line``.
     """
     step = float(frequencies[1] - frequencies[0])

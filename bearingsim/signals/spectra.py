@@ -31,7 +31,7 @@ def squared_envelope(series: np.ndarray, fs: float, band: tuple[float, float] | 
     """Squared magnitude (n,) of the analytic signal of a series (n,), of what lies in ``band`` (Hz) if given.
 
     By Fourier transform: negative frequencies, and those outside the band, are set to zero (Randall and Antoni,
-    Rolling element bearing diagnostics - a tutorial, Mech. Syst. Signal Process. 25, 2011, section 5.2). The
+    Rolling element bearing diagnostics - a tutorial, Mech. Syst. Signal Process. 25, 2011, 485-520). The
     record counts as periodic: its two ends mix over about the inverse of the band's width. ValueError for a
     band that is empty or not within 0 to fs/2.
     """
@@ -58,7 +58,7 @@ def envelope_spectrum(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Amplitude spectrum of the squared envelope of a series (n,) sampled at ``fs`` (Hz): where damage shows.
 
-    Impacts ring at resonances; their repetition is in the envelope (Randall and Antoni 2011, section 5.2; squared,
+    Impacts ring at resonances; their repetition is in the envelope (Randall and Antoni 2011; squared,
     since its root adds harmonics that alias). ``band`` (Hz): where it rings; all of it if not given. Returns
     frequencies (Hz) and amplitudes in the series' unit squared, as ``spectrum`` does. ValueError as
     ``squared_envelope``.
