@@ -240,7 +240,7 @@ def _advice(case: Case, found: Limits) -> str:
 
 
 def repeats(case: Case) -> bool:
-    """Whether each ball pass equals the one before: nothing has memory or turns, and no single roller is recorded."""
+    """Whether each ball pass equals the one before: nothing has memory, no pit turns, no roller is recorded."""
     return (
         build.MODELS[case.model].memoryless
         and all(defect.race == "outer" for defect in case.defects)

@@ -11,10 +11,10 @@ import numpy as np
 from bearingsim import build, channels, choose
 from bearingsim.channels import BASE
 from bearingsim.config import Case, dataset_names
-from bearingsim.core.advance import FINE, OUTRUN, Watch, advance, keep_largest_forces
+from bearingsim.core.advance import FINE, OUTRUN, Watch, advance, keep_largest_forces, start_at_rest
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import OVERRUN_MAX, Q_I_MAX, Q_MAX, Q_P_MAX, ROW
-from bearingsim.core.models.interface import begin, watched
+from bearingsim.core.models.interface import watched
 from bearingsim.core.parameters import lanes
 from bearingsim.core.sampling import (
     DECIMATION_REACH,
@@ -117,10 +117,12 @@ _WARM: set[tuple] = set()  # kinds of case that this process has compiled or loa
 def warm(cases: Iterable[Case]) -> None:
     """Compile what the cases need (or load it from the cache) by computing one ball pass of each new kind."""
     for case in cases:
-        kind = (case.model, case.method, type(case.contact.damping), case.contact.stiffness, case.antialias)
+        laws = (type(case.contact.damping), case.contact.stiffness)
+        kind = (case.model, case.method, *laws, case.antialias, bool(case.defects))
         if kind not in _WARM:
             short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
-            simulate(case.model_copy(update={"duration": short, "settle": 0.0, "step": "auto", "defects": ()}))
+            changes = {"duration": short, "settle": 0.0, "step": "auto", "defects": case.defects[:1]}
+            simulate(case.model_copy(update=changes))
             _WARM.add(kind)
 
 
@@ -157,7 +159,7 @@ def _start(model: Any) -> np.ndarray:
         raise SimulationError(
             f"no static equilibrium at the start: {residual:.3g} N left", "check load and clearance"
         )
-    begin(model, 0.0, y)
+    start_at_rest(model, y)
     keep_largest_forces(y, lanes(model.bearing))
     return y
 

@@ -16,8 +16,9 @@ SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "
 
 
 def case(**given: Any) -> Case:
-    """The NF308 at 1800 rpm and 150 N, healthy unless a defect is given."""
-    return Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"} | given)
+    """The NF308 at 1800 rpm and 150 N in `rollers`, healthy unless a defect is given."""
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers"}
+    return Case.model_validate(base | given)
 
 
 def at_rest(model: Any, t: float = 0.0) -> np.ndarray:

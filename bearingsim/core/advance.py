@@ -27,7 +27,7 @@ from bearingsim.core.layout import (
     Y,
 )
 from bearingsim.core.methods.interface import load_number, step
-from bearingsim.core.models.interface import damping_per_mass, stiffness_per_mass, watched
+from bearingsim.core.models.interface import begin, damping_per_mass, stiffness_per_mass, watched
 from bearingsim.core.parameters import lanes
 
 RING = tuple(block + axis for block in (POSITION, VELOCITY, ACCELERATION) for axis in (X, Y))
@@ -42,6 +42,12 @@ class Watch(NamedTuple):
 
 
 FINE, OUTRUN, NOT_FINITE = 0, 1, 2  # outcomes of a look
+
+
+@jit
+def start_at_rest(model, y):
+    """``begin`` at t = 0, compiled as a whole: from Python its parts compile one by one, each when first met."""
+    begin(model, 0.0, y)
 
 
 @jit
