@@ -16,7 +16,7 @@ from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations
 from bearingsim.simulation import simulate
 from tests import reference
-from tests.scenes import PLACES, SLOT, at_rest, case, drive
+from tests.scenes import PLACES, SLOT, at_rest, case, drive, light_rollers
 
 
 @pytest.fixture(scope="module")
@@ -57,24 +57,11 @@ def test_the_step_that_is_refused_would_be_wrong(independent):
 def test_rollers_without_mass_are_a_ring(shape):
     """Rollers of 3 % of their mass move the line by less than 2 %; a bowl has its groups solved in series."""
     defect = SLOT | {"shape": shape, "length": "6 mm"}
-    light = {"bearing": build_light(0.03), "rig": {"ring_mass": f"{ring_mass()} kg"}}
-    short = {"duration": "0.1 s", "settle": "20 ms", "defect": defect} | light
+    short = {"duration": "0.1 s", "settle": "20 ms", "defect": defect} | light_rollers(0.03)
     rollers = simulate(case(model="rollers", **short)).features
     ring = simulate(case(model="ring", **short)).features
     assert rollers["velocity@BPFO"] == pytest.approx(ring["velocity@BPFO"], rel=0.02)
     assert rollers["velocity@BPFO.phase"] == pytest.approx(ring["velocity@BPFO.phase"], abs=0.02)
-
-
-def build_light(factor):
-    """The NF308 of a material so light that only the rollers' mass can tell (the ring's is given)."""
-    bearing = case().bearing
-    return bearing.model_copy(
-        update={"material": bearing.material.model_copy(update={"density": factor * bearing.material.density})}
-    )
-
-
-def ring_mass():
-    return build.ring_mass(case())
 
 
 @pytest.mark.parametrize("defect", [None, SLOT, SLOT | {"shape": "circular", "length": "6 mm", "angle": "20 deg"}])
