@@ -13,12 +13,12 @@ from typing import Any
 
 from bearingsim import build
 from bearingsim.config import CHANNELS, Case
+from bearingsim.core.advance import start_at_rest
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import DEPTH, HALF_WIDTH, REDUCED, USED, X_E, B, sliding
 from bearingsim.core.equilibrium import NoEquilibrium, find_rest, rest_from_scratch
 from bearingsim.core.friction import steepest
 from bearingsim.core.methods.interface import load_number
-from bearingsim.core.models.interface import begin, damping_per_mass, stiffness_per_mass, watched
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 
 SAFE = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
@@ -157,10 +157,8 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
         t = (n + 0.5) / SAMPLES_OF_A_PASS * pass_time
         (rest_from_scratch if n == 0 else find_rest)(still, t, y)
         load = max(load, float(build.outer_forces(model, y).max()))
-        begin(model, t, y)
-        for j in range(watched(model)):
-            K = max(K, stiffness_per_mass(model, y, j))
-            C = max(C, damping_per_mass(model, y, j))
+        K_now, C_now = start_at_rest(model, t, y)
+        K, C = max(K, K_now), max(C, C_now)
     return load, float(K), float(C)
 
 
@@ -264,7 +262,7 @@ def _advice(case: Case, found: Limits) -> str:
 
 
 def repeats(case: Case) -> bool:
-    """Whether each ball pass equals the one before: nothing has memory or turns, and no single roller is recorded."""
+    """Whether each ball pass equals the one before: nothing has memory, no pit turns, no roller is recorded."""
     return (
         build.kind(case).memoryless
         and all(defect.race == "outer" for defect in case.defects)

@@ -127,6 +127,8 @@ def _words(value: Any) -> Any:
     """All words of a section, and for its numbers their types: cases alike in that run the same compiled code."""
     if isinstance(value, Section):
         return tuple(_words(getattr(value, name)) for name in type(value).model_fields)
+    if isinstance(value, tuple):
+        return bool(value)
     return value if isinstance(value, str | bool | None) else type(value)
 
 

@@ -27,7 +27,7 @@ from bearingsim.core.layout import (
     Y,
 )
 from bearingsim.core.methods.interface import load_number, step
-from bearingsim.core.models.interface import damping_per_mass, stiffness_per_mass, watched
+from bearingsim.core.models.interface import begin, damping_per_mass, stiffness_per_mass, watched
 from bearingsim.core.parameters import lanes
 
 RING = tuple(block + axis for block in (POSITION, VELOCITY, ACCELERATION) for axis in (X, Y))
@@ -42,6 +42,20 @@ class Watch(NamedTuple):
 
 
 FINE, OUTRUN, NOT_FINITE = 0, 1, 2  # outcomes of a look
+
+
+@jit
+def start_at_rest(model, t, y):
+    """``begin``, compiled as a whole: from Python its parts compile one by one, each when first met.
+
+    Returns the largest stiffness (1/s^2) and damping (1/s) over mass of a watched body.
+    """
+    begin(model, t, y)
+    K, C = 0.0, 0.0
+    for j in range(watched(model)):
+        K = max(K, stiffness_per_mass(model, y, j))
+        C = max(C, damping_per_mass(model, y, j))
+    return K, C
 
 
 @jit
