@@ -132,7 +132,7 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
 
 
 def rubbing(model: Any, force: float) -> float:
-    """How fast (1/s) friction under ``force`` (N) brings a roller between two races to roll; 0 without friction."""
+    """How fast (1/s) friction under ``force`` (N) brings a roller between two races to roll."""
     law, b = getattr(model, "friction", None), model.bearing
     return 0.0 if law is None else 4.0 * float(steepest(law, b.R_w * b.omega_b)) * force / b.m_r
 

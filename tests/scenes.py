@@ -27,7 +27,7 @@ def light_rollers(factor: float) -> dict[str, Any]:
     usual = case()
     material = usual.bearing.material.model_copy(update={"density": factor * usual.bearing.material.density})
     bearing = usual.bearing.model_copy(update={"material": material})
-    return {"bearing": bearing, "rig": {"ring_mass": f"{build.ring_mass(usual)} kg"}}
+    return {"bearing": bearing, "rig": {"ring_mass": f"{build.geometry.ring_mass(usual)} kg"}}
 
 
 def at_rest(model: Any, t: float = 0.0) -> np.ndarray:

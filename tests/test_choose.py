@@ -146,7 +146,7 @@ def test_laws_with_the_same_numbers_are_not_taken_for_each_other() -> None:
         case(contact={"damping": {"law": "hunt-crossley", "chi": 1e-4}}),
         case(contact={"damping": {"law": "kraemer", "beta": 1e-4}}),
     )
-    soft, hard = (choose.impact(0.01, build.contact(one), 0.05) for one in laws)
+    soft, hard = (choose.impact(0.01, build.contacts.outer(one), 0.05) for one in laws)
     assert hard[2] > 10.0 * soft[2]
 
 

@@ -116,7 +116,7 @@ def test_a_bowls_mean_depth_converges_with_the_nodes():
 
 @given(theta_c=st.floats(-20.0, 20.0), angle=st.floats(-4.0, 4.0), Z=st.integers(3, 64))
 def test_the_nearest_roller_is_found_at_any_angle(theta_c, angle, Z):
-    pits = build.meetings(case(defect=SLOT))
+    pits = build.pits.meetings(case(defect=SLOT))
     pits.head[0, ANGLE] = angle
     R_o = pits.head[0, RADIUS]
     j, s = meeting(pits, 0, theta_c, 0.0, 0.0, Z)

@@ -1,17 +1,15 @@
 """Pits of the inner race and of a roller: where they are met, how fast they close, and what balances over them."""
 
-from math import cos, pi, sin
+from math import pi
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from scipy.optimize import brentq
 
-from bearingsim import build, choose
+from bearingsim import build
 from bearingsim.core.contact import normal_force
 from bearingsim.core.defects import (
-    ANGLE,
     INNER,
     ON_INNER,
     ON_OUTER,
@@ -25,14 +23,11 @@ from bearingsim.core.defects import (
     sliding,
 )
 from bearingsim.core.excitations import Envelope
-from bearingsim.core.layout import COS_0, POSITION, Q_I, Q_O, SIN_0, VELOCITY, Q, V, X, Y, buffer
-from bearingsim.core.methods.rk4 import RungeKutta4
+from bearingsim.core.layout import POSITION, Q_I, Q_O, VELOCITY, Q, V
 from bearingsim.core.models.interface import accelerations
 from bearingsim.core.parameters import turns
 from bearingsim.core.pit_contact import outdone
-from bearingsim.simulation import simulate
-from tests import reference
-from tests.scenes import SLOT, at_rest, case, drive
+from tests.scenes import SLOT, at_rest, case
 
 BEARING = build.model(case()).bearing
 R_OUTER, R_INNER = 1e-3 / (1 / 6 - 1 / 38.5), 1e-3 / (1 / 6 + 1 / 26.5)  # m, of roller and race

@@ -46,7 +46,7 @@ F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = (
 
 
 class KinematicCage(NamedTuple):
-    """Turns at its kinematic speed about the bearing's centre and holds every roller in the middle of its pocket."""
+    """Turns at its kinematic speed about the bearing's centre, every roller in the middle of its pocket."""
 
 
 class FreeCage(NamedTuple):
@@ -69,15 +69,17 @@ class Centred(NamedTuple):
 
 
 class RollerGuided(NamedTuple):
-    """Held by the rollers: a pocket stops its roller radially after ``play`` (m) either way; law: of that contact."""
+    """Held by the rollers: a pocket stops its roller radially after ``play`` (m) either way; law: of the contact."""
 
     play: float
     law: Any
 
 
 class RingGuided(NamedTuple):
-    """Runs on a land of a ring with the radial ``play`` (m); land: its radius (m); outer: 1.0 on the outer ring,
-    0.0 on the inner; law and friction: of the contact between cage and land."""
+    """Runs on a land of a ring with the radial ``play`` (m).
+
+    land: its radius (m); outer: 1.0 on the outer ring, 0.0 on the inner; law, friction: between cage and land.
+    """
 
     play: float
     land: float
@@ -91,8 +93,10 @@ class NoDrag(NamedTuple):
 
 
 class OilDrag(NamedTuple):
-    """Oil resists: roller: N s^2/m^2, on a roller's orbit (1/2 rho C_d L D); land: N m s/rad, on the cage relative to
-    a ring; outer: 1.0 if that is the outer ring (at rest), 0.0 the inner."""
+    """Oil resists a roller's orbit, and the cage where it faces a ring.
+
+    roller: 1/2 rho C_d L D, N s^2/m^2; land: N m s/rad; outer: 1.0 if the ring is the outer (at rest), 0.0 the inner.
+    """
 
     roller: float
     land: float

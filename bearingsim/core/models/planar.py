@@ -1,13 +1,13 @@
 """``planar``: rings, rollers and cage move freely in the plane; friction drives the rollers, slip comes out.
 
-Per roller: radial displacement q, angle eps from the middle of its own pocket, and spin; besides, the ring in x and y
-(and its rotation, on a torsion spring), the cage's rotation and centre, the inner ring's centre on its shaft. With
+Per roller: radial displacement q, angle eps from the middle of its own pocket, and spin; besides, the ring in x and
+y (and its rotation, on a torsion spring), the cage's rotation and centre, the inner ring's centre on its shaft. With
 rho = |c_j - u| the distance of a roller from the ring's centre, n from there to the roller, tau across it,
 
     delta_o = rho + R_w - R_o - h(s),   s = R_o (angle of n - psi - phi_d),   force on the roller  -Q_o (n + g tau)
 
-where g = -h'(s) R_o/rho: at a pit the contact's normal tilts, so that its edge pushes the roller along. Likewise at
-the inner race. Slip at a contact is the speed of the roller's surface over the race's, the roller's arm being
+where g = -h'(s) R_o/rho: at a pit the contact's normal tilts, so that its edge pushes the roller along. Likewise
+at the inner race. Slip at a contact is the speed of the roller's surface over the race's, the roller's arm being
 R_w - delta/2, and the friction -mu(slip) Q. No small angle is taken for u: the linear approach q - u.e_r would do
 work on a closed path. Angles and turns are kept beyond their kinematic values, so no digits are lost.
 
@@ -93,8 +93,8 @@ class Planar(NamedTuple):
     """Parameters of the model.
 
     outer, inner: contact laws at the races; motion: ``core/motion.py``; friction: at the races
-    (``core/friction.py``); cage, drag: ``core/cage.py``; shaft, bracket: ``core/shaft.py``; gravity: m/s^2 along e_0, on
-    rollers and cage (a ring's weight is part of its load).
+    (``core/friction.py``); cage, drag: ``core/cage.py``; shaft, bracket: ``core/shaft.py``; gravity: m/s^2 along e_0,
+    on rollers and cage (a ring's weight is part of its load).
     """
 
     bearing: Bearing
