@@ -19,6 +19,7 @@ from bearingsim.config.free import (
     Traction,
     Unbalance,
 )
+from bearingsim.config.fields import Section
 from bearingsim.config.library import library_names
 from bearingsim.config.machine import Bearing, Material, Rig
 from bearingsim.config.names import CHANNELS, FEATURES, Channel, Feature, dataset_names
@@ -45,6 +46,7 @@ __all__ = [
     "Material",
     "Ramp",
     "Rig",
+    "Section",
     "Shaft",
     "StaticDynamic",
     "Traction",

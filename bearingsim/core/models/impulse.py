@@ -1,0 +1,96 @@
+"""``impulse``: the ring alone, an oscillator along e_0 and another along e_90, struck when rollers meet pits.
+
+    m x'' + C_x x' + K_x x = sum_k J_x,k delta(t - t_k),      and the same in y
+
+x and y are displacements from the place where the healthy bearing rests. After McFadden and Smith (J. Sound Vib.
+96, 1984, 69-82, one point defect; 98, 1985, 263-273, several): a train of impulses, as strong as the load where
+each acts, through the transfer function of what it strikes. Theirs leads to a resonance of the machine; here it is
+that of the rigid ring on its rollers. Times and strengths: ``core/impulse_train.py``.
+
+Left out: the rollers (no contact forces), that stiffness varies as they pass, that it falls while one of them
+carries nothing, and the coupling of the two directions, which vanishes on average over a ball pass.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.core.jit import jit
+from bearingsim.core.layout import LANES
+from bearingsim.core.models.interface import ModelKind, begin, damping_per_mass, stiffness_per_mass, watched, width
+from bearingsim.core.parameters import Bearing
+
+
+class Impulse(NamedTuple):
+    """Parameters of the model: a mode along each axis, and the train of impulses.
+
+    m: mass that moves (kg); K_x, K_y: its stiffness about the place of rest (N/m), > 0; C_x, C_y: damping (N s/m),
+    >= 0; times: (n,) s, ascending; J_x, J_y: (n,) N s.
+    """
+
+    bearing: Bearing
+    m: float
+    K_x: float
+    K_y: float
+    C_x: float
+    C_y: float
+    times: np.ndarray
+    J_x: np.ndarray
+    J_y: np.ndarray
+
+
+@jit
+def decay(m, K, C, t):
+    """The two functions c (1) and s (s) that free motion over ``t`` >= 0 (s) is made of (see ``swing``).
+
+    With beta = C/2m and D = K/m - beta^2: c = e^(-beta t) cos(sqrt(D) t), s = e^(-beta t) sin(sqrt(D) t)/sqrt(D),
+    their hyperbolic continuation for D < 0, and a series around D = 0.
+    """
+    beta = C / (2.0 * m)
+    D = K / m - beta * beta
+    Dt2 = D * t * t
+    if abs(Dt2) < 1e-4:
+        fall = np.exp(-beta * t)
+        return fall * (1.0 - Dt2 / 2.0 + Dt2 * Dt2 / 24.0), fall * t * (1.0 - Dt2 / 6.0 + Dt2 * Dt2 / 120.0)
+    if D > 0.0:
+        fall, omega = np.exp(-beta * t), np.sqrt(D)
+        return fall * np.cos(omega * t), fall * np.sin(omega * t) / omega
+    spread = np.sqrt(-D)
+    slow = np.exp(-K / m / (beta + spread) * t)  # (beta - spread) without cancellation
+    return 0.5 * slow * (1.0 + np.exp(-2.0 * spread * t)), -0.5 * slow * np.expm1(-2.0 * spread * t) / spread
+
+
+@jit
+def swing(m, K, C, t, x, v):
+    """Displacement (m) and velocity (m/s) after ``t`` (s) of free motion from ``x`` and ``v``: exact."""
+    beta = C / (2.0 * m)
+    c, s = decay(m, K, C, t)
+    return x * (c + beta * s) + v * s, v * (c - beta * s) - x * K / m * s
+
+
+@width.register(Impulse)
+def _width(model):
+    return LANES
+
+
+@begin.register(Impulse)
+def _begin(model, t, y):
+    return None
+
+
+@watched.register(Impulse)
+def _watched(model):
+    return 0
+
+
+@stiffness_per_mass.register(Impulse)
+def _stiffness_per_mass(model, y, j):
+    return 0.0
+
+
+@damping_per_mass.register(Impulse)
+def _damping_per_mass(model, y, j):
+    return 0.0
+
+
+KIND = ModelKind(Impulse, loaded=False, massless=True, memoryless=False, per_crossing=8, cost=0.3e-6)

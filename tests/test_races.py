@@ -1,0 +1,188 @@
+"""Pits of the inner race and of a roller: where they are met, how fast they close, and what balances over them."""
+
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+
+from bearingsim import build, choose
+from bearingsim.core.contact import normal_force
+from bearingsim.core.defects import (
+    ANGLE,
+    INNER,
+    ON_INNER,
+    ON_OUTER,
+    OUTER,
+    RADIUS,
+    REDUCED,
+    SIDE,
+    Meeting,
+    meeting,
+    pits,
+    sliding,
+)
+from bearingsim.core.excitations import Envelope
+from bearingsim.core.layout import COS_0, POSITION, Q_I, Q_O, SIN_0, VELOCITY, Q, V, X, Y, buffer
+from bearingsim.core.methods.rk4 import RungeKutta4
+from bearingsim.core.models.interface import accelerations
+from bearingsim.core.parameters import turns
+from bearingsim.core.pit_contact import outdone
+from bearingsim.simulation import simulate
+from tests import reference
+from tests.scenes import SLOT, at_rest, case, drive
+
+BEARING = build.model(case()).bearing
+R_OUTER, R_INNER = 1e-3 / (1 / 6 - 1 / 38.5), 1e-3 / (1 / 6 + 1 / 26.5)  # m, of roller and race
+ANGLES = st.floats(-20.0, 20.0)
+PLACES_OF_A_PIT = ({}, {"race": "inner"}, {"race": "roller", "roller": 5})
+
+
+def one_pit(side, on, angle, radius=0.01, R=0.005, depth=5e-5):
+    """A single full-length slot of 0.8 mm."""
+    return pits([Meeting(side, on, angle, radius, R, [(1.0, 0.4e-3, 1.0, 0.0, depth)])], Envelope())
+
+
+def wrapped(angle):
+    return np.angle(np.exp(1j * np.asarray(angle)))
+
+
+# Where a pit is met, and how fast it slides past
+
+
+@given(
+    theta_c=ANGLES, theta_i=ANGLES, angle=ANGLES, Z=st.integers(3, 64), on=st.sampled_from([ON_OUTER, ON_INNER])
+)
+def test_the_roller_nearest_to_a_races_pit_is_met(theta_c, theta_i, angle, Z, on):
+    """Over all rollers: the arc from the pit (turning with the ring, if on the inner race) to each contact."""
+    j, s = meeting(one_pit(int(on == ON_INNER), on, angle), 0, theta_c, theta_i, 0.3, Z)
+    place = angle + (theta_i if on == ON_INNER else 0.0)
+    arcs = 0.01 * wrapped(theta_c + 2 * pi * np.arange(Z) / Z - place)
+    assert 0 <= j < Z
+    assert abs(s) == pytest.approx(np.abs(arcs).min(), abs=1e-14)
+    assert s == pytest.approx(arcs[j], abs=1e-14) or abs(abs(s) - 0.01 * pi / Z) < 1e-12
+
+
+@given(roll=ANGLES, angle=ANGLES, side=st.sampled_from([OUTER, INNER]), on=st.integers(0, 12))
+def test_a_rollers_pit_is_met_where_it_faces_the_race(roll, angle, side, on):
+    """The pit stands at ``angle - roll`` from the outermost point; the races touch at 0 and at half a turn."""
+    j, s = meeting(one_pit(side, on, angle), 0, 0.7, 0.2, roll, 13)
+    stands = np.exp(1j * (angle - roll))
+    faces = 1.0 if side == OUTER else -1.0
+    assert j == on
+    assert abs(s) == pytest.approx(0.01 * abs(np.angle(stands * faces)), abs=1e-13)
+    assert s == pytest.approx(-0.01 * np.angle(stands * faces), abs=1e-13) or abs(s) > 0.01 * (pi - 1e-9)
+
+
+@given(t=st.floats(0.0, 1.0), angle=ANGLES, where=st.sampled_from([(0, -1), (1, -2), (0, 4), (1, 4)]))
+def test_sliding_is_the_derivative_of_the_distance(t, angle, where):
+    side, on = where
+    one, dt = one_pit(side, on, angle), 1e-7
+    here, after = (meeting(one, 0, *turns(BEARING, t + n * dt), 13) for n in (0, 1))
+    assume(here[0] == after[0] and abs(after[1] - here[1]) < 1e-4)  # no other roller, no other turn
+    assert (after[1] - here[1]) / dt == pytest.approx(sliding(one, 0, BEARING), rel=1e-5)
+
+
+def test_nothing_slips():
+    """The contact runs at 2.959 m/s along outer race, inner race (backwards) and roller alike."""
+    outer, inner, roller = (build.model(case(defect=SLOT | on)) for on in PLACES_OF_A_PIT)
+    assert sliding(outer.pits, 0, BEARING) == pytest.approx(2.959, abs=5e-4)
+    assert sliding(inner.pits, 0, BEARING) == pytest.approx(-sliding(outer.pits, 0, BEARING), rel=1e-12)
+    for d in (0, 1):
+        assert sliding(roller.pits, d, BEARING) == pytest.approx(sliding(outer.pits, 0, BEARING), rel=1e-12)
+
+
+def test_each_contact_has_its_own_curvature():
+    """1/R is 1/6 - 1/38.5 on the outer race and 1/6 + 1/26.5 on the inner, per mm; a roller's pit meets both."""
+    outer, inner, roller = (build.model(case(defect=SLOT | on)).pits.head for on in PLACES_OF_A_PIT)
+    assert outer[:, [SIDE, REDUCED, RADIUS]] == pytest.approx(np.array([[0, R_OUTER, 38.5e-3]]))
+    assert inner[:, [SIDE, REDUCED, RADIUS]] == pytest.approx(np.array([[1, R_INNER, 26.5e-3]]))
+    assert roller[:, [SIDE, REDUCED, RADIUS]] == pytest.approx(np.array([[0, R_OUTER, 6e-3], [1, R_INNER, 6e-3]]))
+
+
+# What closes
+
+
+def beside(carried, off, **given):
+    """A model whose first roller is off the middle of a pit by ``off`` (m) at one contact, and which (0, 1)."""
+    side = OUTER if carried.get("race", "outer") == "outer" else INNER
+    defect = SLOT | {"width": "2 mm"} | carried
+    if carried.get("race") == "roller":
+        side, defect = carried["side"], defect | {"roller": 1}
+        defect["angle"] = -off / 6e-3 + (pi if side == INNER else 0.0)
+        del defect["side"]
+    else:
+        defect["angle"] = -off / (38.5e-3 if side == OUTER else 26.5e-3)
+    return build.model(case(defect=defect, start_angle=0.0, **given)), side
+
+
+CONTACTS = ({"race": "inner"}, {"race": "roller", "side": OUTER}, {"race": "roller", "side": INNER})
+
+
+@pytest.mark.parametrize("carried", CONTACTS)
+@pytest.mark.parametrize("off", [-0.7e-3, -0.4e-3, 0.5e-3, 0.9e-3])
+def test_the_closing_rate_is_the_derivative_of_the_approach(carried, off):
+    """Positions and angles are carried on by their rates for a nanosecond: the contact's force is that of both."""
+    model, side = beside(carried, off, contact={"damping": {"chi": 1.0}})  # so light that nothing lets go
+    b, y, dt = model.bearing, at_rest(model), 1e-9
+    random = np.random.default_rng(3)
+    y[VELOCITY : VELOCITY + 2] += random.normal(0, 1e-2, 2)
+    y[V : V + 13] += random.normal(0, 1e-2, 13)
+    y[Q] += 6e-5 if side == OUTER else -6e-5
+    R = R_OUTER if side == OUTER else R_INNER
+
+    def approach(t):
+        u = y[POSITION : POSITION + 2] + t * y[VELOCITY : VELOCITY + 2]
+        q, theta = y[Q] + t * y[V], b.omega_c * t
+        turned = {"inner": 26.5e-3 * (b.omega_c - b.omega_i), "roller": 6e-3 * b.omega_b}[carried["race"]] * t
+        rim = 1e-3 - abs(off + turned)
+        race = q - u[0] * np.cos(theta) - u[1] * np.sin(theta) if side == OUTER else -q
+        return race - rim**2 / (2 * R)
+
+    rate, delta = (approach(dt) - approach(-dt)) / (2 * dt), approach(0.0)
+    accelerations(model, 0.0, y)
+    expected = normal_force(model.outer, delta, rate)
+    assert y[Q_O if side == OUTER else Q_I] == pytest.approx(expected, rel=1e-5, abs=1e-3)
+    assert expected > 1000.0
+
+
+# Two pits at one contact
+
+
+@given(
+    theta=st.floats(-0.02, 0.02),
+    off=st.floats(-0.5e-3, 0.5e-3),
+    depths=st.tuples(st.floats(1e-7, 3e-5), st.floats(1e-7, 3e-5)),
+    side=st.sampled_from([OUTER, INNER]),
+    swapped=st.booleans(),
+)
+def test_of_two_pits_the_deeper_one_is_felt(theta, off, depths, side, swapped):
+    """A race's pit at the load line and one of the first roller, ``off`` its own middle, each sunk by hand."""
+    R = R_OUTER if side == OUTER else R_INNER
+    half = 0.4e-3
+    of_race = Meeting(
+        side, ON_OUTER if side == OUTER else ON_INNER, 0.0, 0.03, R, [(1.0, half, 1.0, 0.0, depths[0])]
+    )
+    of_roller = Meeting(side, 0, pi * side, 6e-3, R, [(1.0, half, 1.0, 0.0, depths[1])])
+    both = pits([of_roller, of_race] if swapped else [of_race, of_roller], Envelope())
+    along = (0.03 * theta, off)
+    sunk = [min(max(half - abs(s), 0.0) ** 2 / (2 * R), depth) for s, depth in zip(along, depths, strict=True)]
+    assume(max(sunk) > 0.0 and sunk[0] != sunk[1])
+    felt = [
+        abs(s) < half and not outdone(both, int(n != swapped), 0, s, theta, 0.0, off / 6e-3, 13)
+        for n, s in enumerate(along)
+    ]
+    assert felt == [sunk[0] > sunk[1], sunk[1] > sunk[0]]
+
+
+def test_two_equal_pits_are_felt_once():
+    """A race's pit and a roller's in the same place, facing each other: the force of one alone, in every model."""
+    for name in ("rollers", "ring", "static"):
+        given = {"start_angle": 0.003, "model": name}
+        defects = [SLOT, SLOT | {"race": "roller", "angle": -0.003 * 38.5 / 6}]
+        one, both = (build.model(case(defects=some, **given)) for some in (defects[:1], defects))
+        y_one, y_both = at_rest(one), at_rest(both)
+        assert y_both[Q_O : Q_O + 13] == pytest.approx(y_one[Q_O : Q_O + 13], rel=1e-9, abs=1e-9)
+        assert y_both[Q_O] < 0.5 * y_both[Q_O + 1]
