@@ -7,6 +7,7 @@ All sections are frozen and refuse unknown keys. pydantic's ValidationError is r
 from bearingsim.config.case import Case
 from bearingsim.config.contact import Constant, Contact, Damping, General, HuntCrossley, Kraemer
 from bearingsim.config.defect import Defect
+from bearingsim.config.fields import Section
 from bearingsim.config.free import (
     Cage,
     CageFriction,
@@ -19,7 +20,6 @@ from bearingsim.config.free import (
     Traction,
     Unbalance,
 )
-from bearingsim.config.fields import Section
 from bearingsim.config.library import library_names
 from bearingsim.config.machine import Bearing, Material, Rig
 from bearingsim.config.names import CHANNELS, FEATURES, Channel, Feature, dataset_names
