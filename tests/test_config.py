@@ -6,6 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 from bearingsim import build
+from bearingsim.build import contacts
 from bearingsim.config import (
     CHANNELS,
     FEATURES,
