@@ -6,6 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 from bearingsim import build
+from bearingsim.build import contacts
 from bearingsim.config import (
     CHANNELS,
     FEATURES,
@@ -25,6 +26,7 @@ from bearingsim.config import (
 )
 from bearingsim.config.case import Method, Model
 from bearingsim.config.contact import StiffnessLaw
+from bearingsim.config.ladder import LADDER, METHODLESS
 
 SLOT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
 INNER, ON_ROLLER = SLOT | {"race": "inner"}, SLOT | {"race": "roller"}
@@ -348,6 +350,13 @@ def test_names_of_channels_and_features() -> None:
 
 
 def test_every_word_offered_is_built() -> None:
-    assert set(build.MODELS) <= set(get_args(Model))
-    assert {*get_args(Method), None} == set(build.METHODS)
-    assert set(build.STIFFNESS) <= set(get_args(StiffnessLaw))
+    assert {*get_args(Model)} - {"least"} == set(build.MODELS)
+    assert set(LADDER) == set(build.MODELS)
+    assert {*get_args(Method)} == set(build.METHODS)
+    assert set(METHODLESS) == set(build.OWN_METHODS)
+
+
+@pytest.mark.parametrize("law", get_args(StiffnessLaw))
+def test_every_stiffness_offered_is_built(law: str) -> None:
+    bearing = "6205" if law == "point" else "nf308"
+    assert contacts.outer(case(bearing=bearing, contact={"stiffness": law}))

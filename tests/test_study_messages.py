@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from bearingsim.config import CHANNELS
+from bearingsim.config.fields import alternatives
 from bearingsim.study import Problem, StudyError, load_bearing, load_study
 from tests.study_text import BASE, Write
 
@@ -40,7 +42,7 @@ def pointed(problem: Problem) -> str:
         ("rig: {sensor: 0 deg}", "sensor:", "rig: unknown key `sensor` (did you mean `sensor_angle`?)"),
         ("contact: {damping: {law: kraemer, chi: 5 s/m}}", "chi", "contact.damping: unknown key `chi` (known: law, beta)"),
         ("contact: {damping: {law: general, coefficient: 1}}", "damping", "contact.damping: `indentation_exponent` is missing (expected a plain number such as `1.5`)"),
-        ("record: [ring.velocty]", "ring.velocty", "record: expected `ring.displacement`, `ring.velocity`, `ring.acceleration`, `roller.outer_force` or `roller.inner_force`, got `ring.velocty` (did you mean `ring.velocity`?)"),
+        ("record: [ring.velocty]", "ring.velocty", f"record: expected {alternatives(tuple(CHANNELS))}, got `ring.velocty` (did you mean `ring.velocity`?)"),
         ("record: ring.velocity", "ring.velocity", "record: expected a list such as `[a, b]`"),
         ("record: !!python/object:os.system x", "!!python", None),
         ("load: [150 N", None, "not valid YAML: expected ',' or ']', but got '<stream end>'"),

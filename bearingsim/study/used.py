@@ -14,7 +14,6 @@ IDLE: dict[str, Any] = {
     "drag": None,
     "shaft": None,
     "unbalance": None,
-    "seed": 0,
     "bearing": {"element": "roller", "inner_groove_radius": None, "outer_groove_radius": None},
     "rig": {"torsion_stiffness": None, "torsion_damping": None},
     "defects": {"roller": None},
