@@ -93,7 +93,7 @@ def sinking(arcs, along, width, depth, reduced):
 
 
 def simulate(width, depth, times, race="outer", angle=0.0, max_step=1e-6, rtol=1e-9):
-    """Velocity of the ring (2, n) in m/s at ``times`` (s), with a pit on ``race`` at ``angle`` (see ``places``)."""
+    """Velocity of the ring (2, n) in m/s at ``times`` (s), with a pit as ``places`` has it."""
     pass_angle = 2 * np.pi / Z
     phases = [THETA + pass_angle * (n + 0.5) / 16 for n in range(16)]
     anchor = np.mean([rest(angles, 0.0, np.zeros(2))[0] for angles in phases], axis=0)

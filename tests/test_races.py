@@ -26,7 +26,7 @@ from bearingsim.core.defects import (
 )
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.excitations import Envelope
-from bearingsim.core.layout import COS_0, POSITION, Q_I, Q_O, SIN_0, VELOCITY, Q, V, X, Y, buffer
+from bearingsim.core.layout import COS_0, POSITION, Q_I, Q_O, SIN_0, VELOCITY, Q, V, X, buffer
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.interface import accelerations
 from bearingsim.core.parameters import turns
@@ -38,7 +38,7 @@ from tests.scenes import SLOT, at_rest, case, drive, light_rollers
 BEARING = build.model(case()).bearing
 R_OUTER, R_INNER = 1e-3 / (1 / 6 - 1 / 38.5), 1e-3 / (1 / 6 + 1 / 26.5)  # m, of roller and race
 ANGLES = st.floats(-20.0, 20.0)
-PLACES_OF_A_PIT = ({}, {"race": "inner"}, {"race": "roller", "roller": 5})
+PLACES_OF_A_PIT = ({}, {"race": "inner"}, {"race": "roller", "roller": 1})
 
 
 def one_pit(side, on, angle, radius=0.01, R=0.005, depth=5e-5):
@@ -215,7 +215,7 @@ def unequal(model, factor=3.0):
 
 
 def test_two_unequal_contacts_in_series_share_the_approach():
-    """delta = (Q/k_o)^0.9 + (Q/k_i)^0.9: the roller on the load line under a ring that only it and two others hold."""
+    """delta = (Q/k_o)^0.9 + (Q/k_i)^0.9: by hand for all 13 rollers."""
     model = unequal(build.model(case(model="static", start_angle=0.0, clearance="20 um", load="50 N")))
     model = model._replace(support=model.support._replace(k_b=0.0))
     y, k_o, k_i = at_rest(model), model.outer.stiffness.k, model.inner.stiffness.k
@@ -263,7 +263,7 @@ def test_iso16281_with_two_rollers_at_one_place():
     assert y[Q_O : Q_O + 13].max() == pytest.approx(967.7, rel=2e-4)
 
 
-@pytest.mark.parametrize("turned", [pi / 4, pi / 2 - 0.1, -2.0])
+@pytest.mark.parametrize("turned", [pi / 4, pi / 2 - 0.1, -pi / 3])
 @pytest.mark.parametrize("name", ["ring", "rollers"])
 def test_a_load_from_another_side_turns_the_whole_motion(name, turned):
     """Load, rollers, pit and bracket turned by an angle: the same motion, turned."""
@@ -289,20 +289,20 @@ def test_static_repeats_itself_only_with_pits_that_stand(carried):
     stands = carried == {}
     cut, found = choose.grid(given), simulate(given)
     assert choose.estimate(given).steps == (1 if stands else cut.passes) * cut.steps_per_pass
-    x = np.interp(
-        (np.arange(3)[:, None] + np.arange(50) / 50) / 159.0, found.time, found.series["ring.velocity.x"]
-    )
-    assert (np.abs(x[2] - x[1]).max() < 0.3 * np.ptp(x)) == stands
+    x = found.series["ring.velocity.x"]
+    later = np.interp(found.time[:300] + 1 / 159.0, found.time, x)
+    assert (np.abs(later - x[:300]).max() < 0.3 * np.ptp(x)) == stands
 
 
 def test_fast_rollers_press_outwards():
-    """12 000 rpm: an unloaded roller presses on the outer race with m_r omega_c^2 r, and every loaded one besides."""
+    """12 000 rpm: each presses on the outer race with m_r omega_c^2 r more than on the inner, loaded or not."""
     model = build.model(case(model="rollers", speed="12000 rpm", clearance="20 um"))
-    b, y = model.bearing, at_rest(model)
+    b, y = model.bearing, build.empty_buffer(model)
+    assert rest_from_scratch(model, 0.0, y) < 1e-6
     outward = b.m_r * b.omega_c**2 * ((b.R_o + b.R_i) / 2 + y[Q : Q + 13])
     free = y[Q_I : Q_I + 13] == 0.0
     assert 8 <= free.sum() <= 11
-    assert 80.0 < outward.min()
+    assert outward.min() > 80.0
     assert y[Q_O : Q_O + 13] - y[Q_I : Q_I + 13] == pytest.approx(outward, rel=1e-9)
     angle = b.theta_0 + 2 * pi * np.arange(13) / 13
     assert y[Q_I : Q_I + 13] @ np.cos(angle) == pytest.approx(150.0, rel=0.02)
