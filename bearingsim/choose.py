@@ -107,10 +107,10 @@ def _limits(case: Case) -> Limits:
         rest_load=rest_load,
         contact_frequency=omega / (2.0 * pi),
         damping_ratio=C / (2.0 * omega),
-        at_rest=step_limit(case, K, C),
+        at_rest=step_limit(case.method, K, C),
         closing_speed=0.0,
         impact_force=rest_load,
-        at_impact=step_limit(case, K, C),
+        at_impact=step_limit(case.method, K, C),
         crossing=inf,
     )
     return _with_pits(case, found, K, C) if build.kind(case).loaded else found
@@ -126,7 +126,7 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
         healthy,
         closing_speed=speed,
         impact_force=peak + healthy.rest_load,
-        at_impact=step_limit(case, K + K_more, C + C_more),
+        at_impact=step_limit(case.method, K + K_more, C + C_more),
         crossing=crossing_time(model),
     )
 
@@ -212,15 +212,14 @@ def _impact(m: float, law: Any, named: str, speed: float) -> tuple[float, float,
     return float(peak), float(K) / m, float(C) / m
 
 
-def step_limit(case: Case, K: float, C: float) -> float:
-    """The step (s) at which the case's method turns unstable; K (1/s^2) and C (1/s) over a body's mass."""
-    method = build.method_kind(case).parameters
-    if case.method is None or (K == 0.0 and C == 0.0):
+def step_limit(method: str | None, K: float, C: float) -> float:
+    """The step (s) at which a method turns unstable; K (1/s^2) and C (1/s) over a body's mass."""
+    if method is None or (K == 0.0 and C == 0.0):
         return inf
     low, high = 0.0, 1.0
     while high - low > 1e-6 * high:
         h = 0.5 * (low + high)
-        if load_number(method(h), K, C) > 1.0:
+        if load_number(build.METHODS[method].parameters(h), K, C) > 1.0:
             high = h
         else:
             low = h
