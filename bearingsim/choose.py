@@ -17,7 +17,6 @@ from bearingsim.core.advance import start_at_rest
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import DEPTH, HALF_WIDTH, REDUCED, USED, X_E, B, sliding
 from bearingsim.core.equilibrium import NoEquilibrium, find_rest, rest_from_scratch
-from bearingsim.core.friction import steepest
 from bearingsim.core.methods.interface import load_number
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 
@@ -121,7 +120,6 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
     model = build.model(case)
     speed = closing_speed(model)
     peak, K_more, C_more = impact(model.bearing.m_r, model.outer, speed)
-    C_more = max(C_more, rubbing(model, peak + healthy.rest_load) - C)
     return replace(
         healthy,
         closing_speed=speed,
@@ -129,12 +127,6 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
         at_impact=step_limit(case.method, K + K_more, C + C_more),
         crossing=crossing_time(model),
     )
-
-
-def rubbing(model: Any, force: float) -> float:
-    """How fast (1/s) friction under ``force`` (N) brings a roller between two races to roll."""
-    law, b = getattr(model, "friction", None), model.bearing
-    return 0.0 if law is None else 4.0 * float(steepest(law, b.R_w * b.omega_b)) * force / b.m_r
 
 
 def _healthy(case: Case) -> Case:
@@ -149,7 +141,7 @@ def _healthy(case: Case) -> Case:
 @lru_cache(maxsize=256)
 def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Largest outer contact force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
-    model = build.model(healthy)
+    model = build.relaxed(build.model(healthy), LONGEST)
     y, still = build.empty_buffer(model), build.statics(model)
     pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     load, K, C = 0.0, 0.0, 0.0

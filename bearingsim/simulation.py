@@ -86,7 +86,7 @@ def simulate(case: Case) -> Record:
     try:
         cut, found = choose.grid(case), choose.limits(case)
         cusp = build.method_kind(case).cusp
-        model = build.in_step(build.model(case), cut.steps_per_pass, cusp)
+        model = build.in_step(build.relaxed(build.model(case), cut.step), cut.steps_per_pass, cusp)
     except choose.Refused as error:
         raise SimulationError(error.reason, error.advice) from error
     tape = _integrate(case, model, cut, _watch(cut, found))

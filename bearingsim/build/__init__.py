@@ -33,6 +33,7 @@ __all__ = [
     "method_kind",
     "model",
     "outer_forces",
+    "relaxed",
     "start",
     "statics",
 ]
@@ -84,7 +85,8 @@ def model(case: Case) -> Any:
     if not kind(case).loaded:
         return impulses.model(case, support(case))
     parameters: Any = kind(case).parameters
-    return parameters(**{name: PARTS[name](case) for name in parameters._fields})
+    made = [name for name in parameters._fields if name not in parameters._field_defaults]
+    return parameters(**{name: PARTS[name](case) for name in made})
 
 
 def support(case: Case) -> Support:
@@ -107,6 +109,11 @@ def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
     steps = (b.theta_0 - found.head[0, ANGLE]) / pass_angle * steps_per_pass  # whole when the cusp is met
     ahead = ceil(steps + cusp) - cusp - steps
     return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))
+
+
+def relaxed(model: Any, h: float) -> Any:
+    """The model with friction that acts no faster than the step ``h`` (s), so that it limits no step."""
+    return model._replace(lag=h) if hasattr(model, "lag") else model
 
 
 def start(case: Case, model: Any) -> tuple[np.ndarray, float]:

@@ -56,4 +56,6 @@ def point_contact(case: Case, on_outer: bool) -> PointContact:
     b = case.bearing
     r_g = b.outer_groove_radius if on_outer else b.inner_groove_radius
     R = -outer_radius(case) if on_outer else inner_radius(case)
-    return ball_on_race(b.material.young_modulus, b.material.poisson_ratio, b.roller_diameter, float(r_g or 0.0), R)
+    return ball_on_race(
+        b.material.young_modulus, b.material.poisson_ratio, b.roller_diameter, float(r_g or 0.0), R
+    )

@@ -1,4 +1,4 @@
-"""What moves freely in ``planar``: motion, friction, cage, drag, shaft. Dimensions that a case leaves open are assumed."""
+"""What moves freely in ``planar``: motion, friction, cage, drag, shaft. What a case leaves open is assumed here."""
 
 from math import pi
 from typing import Any
@@ -119,7 +119,7 @@ def gravity(case: Case) -> float:
 
 
 def scattered(case: Case, model: Any) -> Any:
-    """Angles (Z,) in rad of the rollers from the middles of their pockets at the start: random with a seed above 0."""
+    """Angles (Z,) in rad of the rollers from the middles of their pockets at the start; random with a seed."""
     play = getattr(getattr(model, "cage", None), "play", 0.0)
     if case.seed == 0 or play == 0.0:
         return 0.0

@@ -28,6 +28,12 @@ def ring_mass(case: Case) -> float:
     return ring.material.density * pi * ((ring.outside_diameter / 2.0) ** 2 - outer_radius(case) ** 2) * ring.width
 
 
+def roller_inertia(case: Case) -> float:
+    """Moment of inertia (kg m^2) of a rolling element about its axis: of a cylinder, or of a sphere."""
+    share = 1.0 / 2.0 if case.bearing.element == "roller" else 2.0 / 5.0
+    return share * case.bearing.element_mass * (case.bearing.roller_diameter / 2.0) ** 2
+
+
 def ring_inertia(case: Case) -> float:
     """Moment of inertia (kg m^2) of the outer ring about its axis, as of a tube of its mass."""
     return ring_mass(case) * ((case.bearing.outside_diameter / 2.0) ** 2 + outer_radius(case) ** 2) / 2.0
@@ -43,6 +49,7 @@ def bearing(case: Case) -> Bearing:
         R_i=inner_radius(case),
         gap=case.clearance / 4.0,
         m_r=0.0 if case.model in MASSLESS else b.element_mass,
+        I_r=0.0 if case.model in MASSLESS else roller_inertia(case),
         m_o=float(ring_mass(case)),
         omega_i=case.speed,
         omega_c=cage_speed(case.speed, b.roller_diameter, b.pitch_diameter),

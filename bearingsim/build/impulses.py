@@ -20,7 +20,11 @@ LEAD = 4  # ball passes, and samples LEAD times that, by which a run may end aft
 def model(case: Case, support: Support) -> Impulse:
     """The ring as two oscillators, on the healthy bearing's mean stiffness and damping at rest."""
     rest, b = healthy_rest(case), geometry.bearing(case)
-    end = case.settle + case.duration + LEAD * (4.0 / case.sampling + 1.0 / case.bearing.ball_pass_frequency(case.speed))
+    end = (
+        case.settle
+        + case.duration
+        + LEAD * (4.0 / case.sampling + 1.0 / case.bearing.ball_pass_frequency(case.speed))
+    )
     found = [one for d in case.defects for one in pits.of_defect(case, d, pits.excitation(case))]
     blows = _train(case, load_zone(case), found, end)
     return Impulse(

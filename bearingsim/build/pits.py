@@ -64,7 +64,7 @@ def half_width(case: Case) -> float:
 
 
 def contact_length(case: Case, side: int) -> float:
-    """Length (m) of the contact along the axis: the roller's; of a ball that of its ellipse under the largest load."""
+    """Length (m) of the contact along the axis: the roller's; of a ball that of its ellipse at the largest load."""
     if case.bearing.roller_length is not None:
         return case.bearing.roller_length
     return 2.0 * point_contact(case, side == OUTER).semi_axes(largest_load(case))[0]
@@ -78,7 +78,8 @@ def of_defect(case: Case, d: config.Defect, chosen: Any) -> list[Meeting]:
         "roller": ((d.roller or 1) - 1, case.bearing.roller_diameter / 2.0, (OUTER, INNER)),
     }[d.race]
     return [
-        Meeting(side, on, d.angle, radius, reduced_radius(case, side), cut(case, d, chosen, side)) for side in sides
+        Meeting(side, on, d.angle, radius, reduced_radius(case, side), cut(case, d, chosen, side))
+        for side in sides
     ]
 
 

@@ -39,6 +39,4 @@ def healthy_rest(case: Case) -> Rest:
 def _rest(of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_across: float) -> Rest:
     """``healthy_rest``, remembered; ``named`` tells laws apart that are equal as tuples."""
     free = Support(F, F_across, 0.0, 0.0, 0.0, 0.0)
-    return mean_rest(
-        Static(of_case, free, outer, inner, pits([], Envelope())), buffer(of_case.Z, of_case.m_r)
-    )
+    return mean_rest(Static(of_case, free, outer, inner, pits([], Envelope())), buffer(of_case.Z, of_case.m_r))

@@ -69,7 +69,7 @@ class Centred(NamedTuple):
 
 
 class RollerGuided(NamedTuple):
-    """Held by the rollers: a pocket stops its roller radially after ``play`` (m) either way; law: of the contact."""
+    """Held by the rollers: a pocket stops its roller radially after ``play`` (m); law: of the contact."""
 
     play: float
     law: Any
@@ -95,7 +95,7 @@ class NoDrag(NamedTuple):
 class OilDrag(NamedTuple):
     """Oil resists a roller's orbit, and the cage where it faces a ring.
 
-    roller: 1/2 rho C_d L D, N s^2/m^2; land: N m s/rad; outer: 1.0 if the ring is the outer (at rest), 0.0 the inner.
+    roller: 1/2 rho C_d L D, N s^2/m^2; land: N m s/rad; outer: 1.0 if the ring is the outer, at rest, else 0.0.
     """
 
     roller: float

@@ -264,7 +264,7 @@ class Rest(NamedTuple):
     """A bearing at rest, averaged over a ball pass.
 
     x, y: place of the ring (m); load: largest force on a roller (N), and approach, that of its two contacts
-    together (m), at any time; K_x, K_y, C_x, C_y: stiffness (N/m) and damping (N s/m) that the rollers offer the ring.
+    together (m), at any time; K_x, K_y, C_x, C_y: stiffness (N/m) and damping (N s/m) that rollers offer the ring.
     """
 
     x: float

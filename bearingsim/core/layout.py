@@ -46,8 +46,9 @@ N_R, N_T, RHO_O, T_O = (
 # the roller from the ring's centre (m); its speed across the normal (m/s)
 M_R, M_T, RHO_I, T_I = (WORK + n * ROW for n in range(8, 12))  # the same of the inner contact
 PUSH_R, PUSH_T, TORQUE = (WORK + n * ROW for n in range(12, 15))  # on a roller: along e_r, e_theta (N), spin (N m)
-SUMS = WORK + 15 * ROW  # sums over rollers
-WORKS = 16
+F_O, F_I = (WORK + n * ROW for n in range(15, 17))  # friction at the two contacts (N)
+SUMS = WORK + 17 * ROW  # sums over rollers
+WORKS = 18
 STAGE = WORK + WORKS * ROW  # states a method may use, between evaluations
 STAGES = 4
 LOADED = STAGE + STAGES * STATE  # one cell: rollers that carry load

@@ -18,6 +18,7 @@ class Bearing(NamedTuple):
     R_i: float  # inner race radius, m
     gap: float  # a quarter of the diametral radial clearance, m: what each contact of a centred roller lacks
     m_r: float  # roller mass, kg
+    I_r: float  # roller's moment of inertia about its axis, kg m^2
     m_o: float  # outer ring mass, kg
     omega_i: float  # inner ring's speed, rad/s
     omega_c: float  # cage speed, rad/s

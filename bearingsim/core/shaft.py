@@ -16,7 +16,7 @@ class ElasticShaft(NamedTuple):
     """The inner ring on a spring and a damper, and an unbalance that turns with it.
 
     m: of inner ring and shaft (kg); k: N/m; c: N s/m; unbalance: mass times its distance from the axis (kg m), at
-    ``angle`` (rad) from the load line at t = 0. The displacement counts from where the load holds the ring at rest.
+    ``angle`` (rad) from the load line at t = 0. Displacements count from where the load holds the ring.
     """
 
     m: float

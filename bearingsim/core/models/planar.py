@@ -1,8 +1,8 @@
 """``planar``: rings, rollers and cage move freely in the plane; friction drives the rollers, slip comes out.
 
-Per roller: radial displacement q, angle eps from the middle of its own pocket, and spin; besides, the ring in x and
-y (and its rotation, on a torsion spring), the cage's rotation and centre, the inner ring's centre on its shaft. With
-rho = |c_j - u| the distance of a roller from the ring's centre, n from there to the roller, tau across it,
+Per roller: radial displacement q, angle eps from the middle of its own pocket, and spin; besides, the ring in x
+and y (and its rotation, on a torsion spring), the cage's rotation and centre, the inner ring's centre on its shaft.
+With rho = |c_j - u| the distance of a roller from the ring's centre, n from there to the roller, tau across it,
 
     delta_o = rho + R_w - R_o - h(s),   s = R_o (angle of n - psi - phi_d),   force on the roller  -Q_o (n + g tau)
 
@@ -32,6 +32,8 @@ from bearingsim.core.layout import (
     EPS,
     EPS_A,
     EPS_V,
+    F_I,
+    F_O,
     INVERSE_MASS,
     LANES,
     M_R,
@@ -88,13 +90,15 @@ from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.pit_contact import force_over_pit, outdone
 from bearingsim.core.shaft import move_inner_ring, rotate_ring
 
+AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
+
 
 class Planar(NamedTuple):
     """Parameters of the model.
 
     outer, inner: contact laws at the races; motion: ``core/motion.py``; friction: at the races
-    (``core/friction.py``); cage, drag: ``core/cage.py``; shaft, bracket: ``core/shaft.py``; gravity: m/s^2 along e_0,
-    on rollers and cage (a ring's weight is part of its load).
+    (``core/friction.py``); cage, drag: ``core/cage.py``; shaft, bracket: ``core/shaft.py``; gravity: m/s^2 along
+    e_0, on rollers and cage (a ring's weight is part of its load); lag: of friction, s (see ``rub``).
     """
 
     bearing: Bearing
@@ -109,6 +113,7 @@ class Planar(NamedTuple):
     shaft: Any
     bracket: Any
     gravity: float
+    lag: float = 0.0
 
 
 @width.register(Planar)
@@ -225,10 +230,27 @@ def over_pits(model, theta_c, theta_i, roll, omega_i, spin, y):
 
 
 @jit
+def rub(k_o, k_i, s_o, s_i, a, b):
+    """Friction (N) at a roller's two contacts: that of the slips as they will be a lag later.
+
+    k_o, k_i: friction over slip at either contact (N s/m); s_o, s_i: slip (m/s). A force F_o changes the slips at
+    the rates -(1/m + R_w^2/I) F_o and -(1/m - R_w^2/I) F_o, crosswise F_i; a, b: these factors times the lag
+    (s/kg). The new slips follow from forces k s with the new s, in closed form. So slip never dies out faster than
+    within the lag, however steep the friction's curve, and an explicit step as long as the lag is stable; without
+    lag the force is k s.
+    """
+    determinant = (1.0 + a * k_o) * (1.0 + a * k_i) - b * b * k_o * k_i
+    f_o = k_o * ((1.0 + a * k_i) * s_o - b * k_i * s_i) / determinant
+    f_i = k_i * ((1.0 + a * k_o) * s_i - b * k_o * s_o) / determinant
+    return f_o, f_i
+
+
+@jit
 def push_rollers(model, omega_cage, omega_i, spin, y, n):
     """Slip, friction and drag of every roller: fills PUSH_R, PUSH_T, TORQUE and the cells of both rings."""
     b, friction, drag, g = model.bearing, model.friction, model.drag, model.gravity
     R_w, middle, psi_v = b.R_w, 0.5 * (b.R_o + b.R_i), y[VELOCITY + PSI]
+    along, across = model.lag * (1.0 / b.m_r + R_w * R_w / b.I_r), model.lag * (1.0 / b.m_r - R_w * R_w / b.I_r)
     f_x, f_y, torque, i_x, i_y = 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(n):
         c, s = y[COS + j], y[SIN + j]
@@ -237,28 +259,28 @@ def push_rollers(model, omega_cage, omega_i, spin, y, n):
         theta_v = omega_cage + y[EPS_V + j]
         u = R_w * abs(theta_v - beta_v)  # surfaces through a contact that moves with the roller's centre
 
-        arm = R_w - 0.5 * y[DELTA_O + j]
-        slip = y[T_O + j] + beta_v * arm - psi_v * (y[RHO_O + j] + arm)
-        f = mu(friction, slip, u) * y[Q_O + j]
-        y[SLIP_O + j] = slip
-        across = y[TILT_O + j] - f
-        o_r = -y[Q_O + j] * y[N_R + j] - across * y[N_T + j]
-        o_t = -y[Q_O + j] * y[N_T + j] + across * y[N_R + j]
-        spinning = y[TORQUE + j] - f * arm
-        torque = add(torque, real * f * (y[RHO_O + j] + arm))
+        arm_o, arm_i = R_w - 0.5 * y[DELTA_O + j], R_w - 0.5 * y[DELTA_I + j]
+        s_o = y[T_O + j] + beta_v * arm_o - psi_v * (y[RHO_O + j] + arm_o)
+        s_i = y[T_I + j] - beta_v * arm_i - omega_i * (y[RHO_I + j] - arm_i)
+        y[SLIP_O + j], y[SLIP_I + j] = s_o, s_i
+        s_o += AT_REST if s_o > 0.0 else -AT_REST
+        s_i += AT_REST if s_i > 0.0 else -AT_REST
+        k_o, k_i = mu(friction, s_o, u) * y[Q_O + j] / s_o, mu(friction, s_i, u) * y[Q_I + j] / s_i
+        f_o, f_i = rub(k_o, k_i, s_o, s_i, along, across)
 
-        arm = R_w - 0.5 * y[DELTA_I + j]
-        slip = y[T_I + j] - beta_v * arm - omega_i * (y[RHO_I + j] - arm)
-        f = mu(friction, slip, u) * y[Q_I + j]
-        y[SLIP_I + j] = slip
-        across = y[TILT_I + j] - f
-        i_r = y[Q_I + j] * y[M_R + j] - across * y[M_T + j]
-        i_t = y[Q_I + j] * y[M_T + j] + across * y[M_R + j]
+        tangential = y[TILT_O + j] - f_o
+        o_r = -y[Q_O + j] * y[N_R + j] - tangential * y[N_T + j]
+        o_t = -y[Q_O + j] * y[N_T + j] + tangential * y[N_R + j]
+        tangential = y[TILT_I + j] - f_i
+        i_r = y[Q_I + j] * y[M_R + j] - tangential * y[M_T + j]
+        i_t = y[Q_I + j] * y[M_T + j] + tangential * y[M_R + j]
+        y[F_O + j], y[F_I + j] = f_o, f_i
+        torque = add(torque, real * f_o * (y[RHO_O + j] + arm_o))
 
         weight = g * b.m_r
         y[PUSH_R + j] = o_r + i_r + weight * c
         y[PUSH_T + j] = o_t + i_t - weight * s + orbit_drag(drag, theta_v * (middle + y[Q + j]))
-        y[TORQUE + j] = spinning + f * arm
+        y[TORQUE + j] += f_i * arm_i - f_o * arm_o
         f_x = add(f_x, -o_r * c + o_t * s)
         f_y = add(f_y, -o_r * s - o_t * c)
         i_x = add(i_x, -i_r * c + i_t * s)
@@ -279,9 +301,9 @@ def move_outer_ring(model, y):
 
 @jit
 def move_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
-    """q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = 2 M/(m R_w^2)."""
+    """q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = M/I."""
     b, cage = model.bearing, model.cage
-    middle, twice = 0.5 * (b.R_o + b.R_i), 2.0 / (b.R_w * b.R_w)
+    middle = 0.5 * (b.R_o + b.R_i)
     for j in range(n):
         per_mass = y[INVERSE_MASS + j]
         real = b.m_r * per_mass
@@ -289,7 +311,7 @@ def move_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
         y[A + j] = real * r * theta_v * theta_v + per_mass * y[PUSH_R + j]
         theta_a = (per_mass * y[PUSH_T + j] - 2.0 * y[V + j] * theta_v) / r
         y[EPS_A + j] = let_go(cage, real * (theta_a - alpha_cage))
-        y[SPIN_A + j] = let_go(cage, real * (twice * per_mass * y[TORQUE + j] - alpha_spin))
+        y[SPIN_A + j] = let_go(cage, real * (y[TORQUE + j] / b.I_r - alpha_spin))
 
 
 @accelerations.register(Planar)
@@ -336,13 +358,13 @@ def _stiffness_per_mass(model, y, j):
 
 @damping_per_mass.register(Planar)
 def _damping_per_mass(model, y, j):
-    """Radial damping, or what friction does to the slip: between two races 4 dmu/dv Q/m, at one race 3."""
+    """Radial damping, or what friction does to the slip where it is stiffer (see ``rub``)."""
     outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
     inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     b = model.bearing
-    pressed = y[Q_O + j] + y[Q_I + j] + 2.0 * max(y[Q_O + j], y[Q_I + j])
+    pressed = max(y[Q_O + j], y[Q_I + j]) * 2.0 * b.R_w * b.R_w / b.I_r
     rubbing = steepest(model.friction, b.R_w * b.omega_b) * pressed
-    return y[INVERSE_MASS + j] * max(outer + inner, rubbing)
+    return max(y[INVERSE_MASS + j] * (outer + inner), rubbing / (1.0 + model.lag * rubbing))
 
 
 KIND = ModelKind(Planar, loaded=True, massless=False, memoryless=False, per_crossing=100, cost=0.4e-6)
