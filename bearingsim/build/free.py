@@ -1,4 +1,4 @@
-"""What moves freely in ``planar``: motion, friction, cage, drag, shaft. What a case leaves open is assumed here."""
+"""What moves freely in ``planar``: motion, friction, cage, drag, shaft. What a case leaves open is assumed."""
 
 from math import pi
 from typing import Any

@@ -64,7 +64,7 @@ def half_width(case: Case) -> float:
 
 
 def contact_length(case: Case, side: int) -> float:
-    """Length (m) of the contact along the axis: the roller's; of a ball that of its ellipse at the largest load."""
+    """Length (m) of the contact along the axis: the roller's; of a ball its ellipse's at the largest load."""
     if case.bearing.roller_length is not None:
         return case.bearing.roller_length
     return 2.0 * point_contact(case, side == OUTER).semi_axes(largest_load(case))[0]

@@ -1,8 +1,8 @@
 """``planar``: rings, rollers and cage move freely in the plane; friction drives the rollers, slip comes out.
 
 Per roller: radial displacement q, angle eps from the middle of its own pocket, and spin; besides, the ring in x
-and y (and its rotation, on a torsion spring), the cage's rotation and centre, the inner ring's centre on its shaft.
-With rho = |c_j - u| the distance of a roller from the ring's centre, n from there to the roller, tau across it,
+and y (and its rotation, on a torsion spring), the cage's rotation and centre, the inner ring's on its shaft. With
+rho = |c_j - u| the distance of a roller from the ring's centre, n from there to the roller, tau across it,
 
     delta_o = rho + R_w - R_o - h(s),   s = R_o (angle of n - psi - phi_d),   force on the roller  -Q_o (n + g tau)
 
