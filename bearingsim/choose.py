@@ -6,18 +6,19 @@ steepest pit. All numbers are printed by ``bearingsim check``; a step near the l
 refused.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil, floor, inf, pi, sqrt
 from typing import Any
 
 from bearingsim import build
 from bearingsim.config import CHANNELS, Case
+from bearingsim.core.advance import start_at_rest
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.defects import DEPTH, X_E, B
+from bearingsim.core.defects import DEPTH, HALF_WIDTH, REDUCED, USED, X_E, B, sliding
 from bearingsim.core.equilibrium import NoEquilibrium, find_rest, rest_from_scratch
+from bearingsim.core.friction import steepest
 from bearingsim.core.methods.interface import load_number
-from bearingsim.core.models.interface import begin, damping_per_mass, stiffness_per_mass, watched
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 
 SAFE = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
@@ -101,25 +102,47 @@ def limits(case: Case) -> Limits:
 
 def _limits(case: Case) -> Limits:
     rest_load, K, C = loads_at_rest(_healthy(case))
-    model = build.model(case)
-    speed = closing_speed(model)
-    peak, K_more, C_more = impact(model.bearing.m_r, model.contact, speed)
     omega = sqrt(K) if K > 0.0 else inf
-    return Limits(
+    found = Limits(
         rest_load=rest_load,
         contact_frequency=omega / (2.0 * pi),
         damping_ratio=C / (2.0 * omega),
         at_rest=step_limit(case.method, K, C),
-        closing_speed=speed,
-        impact_force=peak + rest_load,
-        at_impact=step_limit(case.method, K + K_more, C + C_more),
-        crossing=min((d.width for d in case.defects), default=inf) / (model.bearing.R_o * model.bearing.omega_c),
+        closing_speed=0.0,
+        impact_force=rest_load,
+        at_impact=step_limit(case.method, K, C),
+        crossing=inf,
     )
+    return _with_pits(case, found, K, C) if build.kind(case).loaded else found
+
+
+def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
+    """The limits with what pits do to them."""
+    model = build.model(case)
+    speed = closing_speed(model)
+    peak, K_more, C_more = impact(model.bearing.m_r, model.outer, speed)
+    C_more = max(C_more, rubbing(model, peak + healthy.rest_load) - C)
+    return replace(
+        healthy,
+        closing_speed=speed,
+        impact_force=peak + healthy.rest_load,
+        at_impact=step_limit(case.method, K + K_more, C + C_more),
+        crossing=crossing_time(model),
+    )
+
+
+def rubbing(model: Any, force: float) -> float:
+    """How fast (1/s) friction under ``force`` (N) brings a roller between two races to roll."""
+    law, b = getattr(model, "friction", None), model.bearing
+    return 0.0 if law is None else 4.0 * float(steepest(law, b.R_w * b.omega_b)) * force / b.m_r
 
 
 def _healthy(case: Case) -> Case:
     """The case without what does not touch its load at rest, so that many cases share one."""
     same = {"defects": (), "step": "auto", "record": (), "duration": 1.0, "settle": 0.0, "sampling": 1e4}
+    same |= {"excitation": "envelope", "seed": 0}
+    if not build.kind(case).loaded:  # what is struck stands on the healthy bearing, as the ring does
+        same |= {"model": "ring"}
     return case.model_copy(update=same)
 
 
@@ -127,33 +150,40 @@ def _healthy(case: Case) -> Case:
 def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Largest outer contact force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
     model = build.model(healthy)
-    y = build.empty_buffer(model)
+    y, still = build.empty_buffer(model), build.statics(model)
     pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     load, K, C = 0.0, 0.0, 0.0
     for n in range(SAMPLES_OF_A_PASS):
         t = (n + 0.5) / SAMPLES_OF_A_PASS * pass_time
-        (rest_from_scratch if n == 0 else find_rest)(model, t, y)
+        (rest_from_scratch if n == 0 else find_rest)(still, t, y)
         load = max(load, float(build.outer_forces(model, y).max()))
-        begin(model, t, y)
-        for j in range(watched(model)):
-            K = max(K, stiffness_per_mass(model, y, j))
-            C = max(C, damping_per_mass(model, y, j))
+        K_now, C_now = start_at_rest(model, t, y)
+        K, C = max(K, K_now), max(C, C_now)
     return load, float(K), float(C)
+
+
+def crossing_time(model: Any) -> float:
+    """The shortest time (s) a contact takes to cross a pit from rim to rim; inf without pits."""
+    pits = model.pits
+    times = [2.0 * pits.head[d, HALF_WIDTH] / abs(sliding(pits, d, model.bearing)) for d in range(len(pits.head))]
+    return float(min(times, default=inf))
 
 
 def closing_speed(model: Any) -> float:
     """Estimate of the speed (m/s) at which a roller meets the far edge of the steepest pit.
 
-    The contact point runs at R_o omega_c; the envelope's slope is at most x/R with x the distance from the rim
-    where the roller reaches wall, floor or middle.
+    The envelope's slope is at most x/R with x the distance from the rim where the roller reaches wall, floor or
+    middle; the roller moves past it at the sliding speed.
     """
     pits = model.pits
-    slopes = [
-        min(group[B], group[X_E], sqrt(2.0 * pits.R * group[DEPTH])) / pits.R
-        for groups, used in zip(pits.groups, pits.used, strict=True)
-        for group in groups[:used]
+    speeds = [
+        min(group[B], group[X_E], sqrt(2.0 * pits.head[d, REDUCED] * group[DEPTH]))
+        / pits.head[d, REDUCED]
+        * abs(sliding(pits, d, model.bearing))
+        for d in range(len(pits.head))
+        for group in pits.groups[d, : int(pits.head[d, USED])]
     ]
-    return float(max(slopes, default=0.0) * pits.R_o * model.bearing.omega_c)
+    return float(max(speeds, default=0.0))
 
 
 def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
@@ -209,7 +239,7 @@ def wanted_step(case: Case) -> float:
 
 def automatic_step(case: Case, found: Limits) -> float:
     """The step (s) that was measured to keep the line of the fault within about 1 % (see docs/methods.md)."""
-    model, method = build.MODELS[case.model], build.METHODS[case.method]
+    model, method = build.kind(case), build.method_kind(case)
     resolved = min(found.crossing / model.per_crossing, LONGEST)
     if model.memoryless:
         return resolved
@@ -231,8 +261,12 @@ def _advice(case: Case, found: Limits) -> str:
 
 
 def repeats(case: Case) -> bool:
-    """Whether each ball pass equals the one before: nothing has memory, and no single roller is recorded."""
-    return build.MODELS[case.model].memoryless and not any(name.startswith("roller") for name in case.record)
+    """Whether each ball pass equals the one before: nothing has memory, no pit turns, no roller is recorded."""
+    return (
+        build.kind(case).memoryless
+        and all(defect.race == "outer" for defect in case.defects)
+        and not any(name.startswith("roller") for name in case.record)
+    )
 
 
 def samples(case: Case) -> int:
@@ -265,7 +299,7 @@ def estimate(case: Case) -> Estimate:
     cut = grid(case)
     computed = 1 if repeats(case) else cut.passes
     steps = computed * cut.steps_per_pass
-    cost = build.METHODS[case.method].evaluations * build.MODELS[case.model].cost
+    cost = build.method_kind(case).evaluations * build.kind(case).cost
     columns = sum(len(CHANNELS[name].components) for name in case.record)
     return Estimate(
         cpu_seconds=OVERHEAD + steps * cost,

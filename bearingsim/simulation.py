@@ -3,19 +3,18 @@
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import ceil, cos, floor, pi, sin
+from math import ceil, floor
 from typing import Any
 
 import numpy as np
 
-from bearingsim import build, choose, signals
-from bearingsim.config import Case, dataset_names
-from bearingsim.config.names import HARMONICS, line_name
-from bearingsim.core.advance import CHANNELS as ROWS
-from bearingsim.core.advance import FINE, FIRST_OUTER, OUTRUN, RECORDED, Watch, advance, record
-from bearingsim.core.equilibrium import rest_from_scratch
-from bearingsim.core.layout import OVERRUN_MAX, Q_MAX, ROW
-from bearingsim.core.models.interface import begin, watched
+from bearingsim import build, channels, choose
+from bearingsim.channels import BASE
+from bearingsim.config import Case, Section, dataset_names
+from bearingsim.core.advance import FINE, OUTRUN, Watch, advance, keep_largest_forces
+from bearingsim.core.layout import OVERRUN_MAX, Q_I_MAX, Q_MAX, Q_P_MAX, ROW
+from bearingsim.core.models.interface import watched
+from bearingsim.core.parameters import lanes
 from bearingsim.core.sampling import (
     DECIMATION_REACH,
     RESAMPLE_REACH,
@@ -25,9 +24,7 @@ from bearingsim.core.sampling import (
     resample,
     resampling_kernel,
 )
-
-ROW_OF = {name: row for row, name in enumerate(RECORDED)}
-QUANTITIES = ("displacement", "velocity", "acceleration")
+from bearingsim.features import Tape, features
 
 
 class SimulationError(Exception):
@@ -83,41 +80,23 @@ class Record:
         return np.stack([self.series[name] for name in names], axis=1)
 
 
-@dataclass(frozen=True)
-class _Tape:
-    """What the integrator leaves behind, before it is sampled.
-
-    fine: (rows kept, n) fine samples, number 0 (t = 0) in column ``zero``; picked: (ROWS, m) raw values at the
-    record's instants, empty with the low-pass on; y: the buffer at the end.
-    """
-
-    fine: np.ndarray
-    zero: int
-    picked: np.ndarray
-    y: np.ndarray
-    integrator_cpu_s: float
-
-
 def simulate(case: Case) -> Record:
     """Compute one case. Raises ``SimulationError`` for a run refused before or stopped under way."""
     began = time.process_time()
     try:
         cut, found = choose.grid(case), choose.limits(case)
-        cusp = build.METHODS[case.method].cusp
+        cusp = build.method_kind(case).cusp
         model = build.in_step(build.model(case), cut.steps_per_pass, cusp)
     except choose.Refused as error:
         raise SimulationError(error.reason, error.advice) from error
     tape = _integrate(case, model, cut, _watch(cut, found))
     sampled = _resampled(case, cut, tape) if case.antialias else tape.picked
-    forces, overruns = (tape.y[row : row + model.bearing.Z] for row in (Q_MAX, OVERRUN_MAX))
+    instants = np.arange(choose.samples(case)) / case.sampling
+    overruns = tape.y[OVERRUN_MAX : OVERRUN_MAX + model.bearing.Z]
     return Record(
-        time=np.arange(choose.samples(case)) / case.sampling,
-        series={name: sampled[ROW_OF[name]] for channel in case.record for name in dataset_names(channel)},
-        features={
-            **_lines(case, cut, tape, model.bearing.theta_0),
-            **_statistics(case, cut, sampled),
-            "outer_force.max": float(forces.max()),
-        },
+        time=instants,
+        series=channels.series(case, model, sampled, tape.places, case.settle + instants),
+        features=features(case, model, cut, tape, sampled),
         info={
             "step_s": cut.step,
             "steps": cut.passes * cut.steps_per_pass,
@@ -137,23 +116,20 @@ _WARM: set[tuple] = set()  # kinds of case that this process has compiled or loa
 def warm(cases: Iterable[Case]) -> None:
     """Compile what the cases need (or load it from the cache) by computing one ball pass of each new kind."""
     for case in cases:
-        kind = (case.model, case.method, type(case.contact.damping), case.contact.stiffness, case.antialias)
+        kind = _words(case)
         if kind not in _WARM:
             short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
-            simulate(case.model_copy(update={"duration": short, "settle": 0.0, "step": "auto", "defects": ()}))
+            simulate(case.model_copy(update={"duration": short, "settle": 0.0, "step": "auto"}))
             _WARM.add(kind)
 
 
-def _rows_kept(case: Case) -> int:
-    """Rows of a recording that are filtered: the ring's, and the forces (the last ones) if they are recorded."""
-    return ROWS if any(name.startswith("roller") for name in case.record) else FIRST_OUTER
-
-
-def _recorded(y: np.ndarray) -> np.ndarray:
-    """The state in the buffer as a column of a recording (ROWS, 1)."""
-    column = np.empty((ROWS, 1))
-    record(y, 0, column)
-    return column
+def _words(value: Any) -> Any:
+    """All words of a section, and for its numbers their types: cases alike in that run the same compiled code."""
+    if isinstance(value, Section):
+        return tuple(_words(getattr(value, name)) for name in type(value).model_fields)
+    if isinstance(value, tuple):
+        return bool(value)
+    return value if isinstance(value, str | bool | None) else type(value)
 
 
 def _watch(cut: choose.Grid, found: choose.Limits) -> Watch:
@@ -162,58 +138,64 @@ def _watch(cut: choose.Grid, found: choose.Limits) -> Watch:
     return Watch(stride=min(32, max(1, int(patience / (2.0 * cut.step)))), patience=patience)
 
 
-def _integrate(case: Case, model: Any, cut: choose.Grid, watch: Watch) -> _Tape:
+def _integrate(case: Case, model: Any, cut: choose.Grid, watch: Watch) -> Tape:
     """Step through all ball passes, keeping fine samples (and raw picks where the case wants them)."""
-    y = _start(model)
+    y, places = _start(case, model), channels.recorded(case)
     M, D = cut.fine_per_pass, cut.decimation
     taps = decimation_kernel(D)
     lead = ceil(RESAMPLE_REACH * cut.fine_rate / case.sampling) + 1  # before t = 0 everything stood still
-    fine = np.empty((_rows_kept(case), lead + cut.passes * M))
-    fine[:, :lead] = _recorded(y)[: len(fine)]
-    picked = np.empty((ROWS, 0 if case.antialias else choose.samples(case)))
+    fine = np.empty((len(places), lead + cut.passes * M))
+    fine[:, :lead] = y[places][:, np.newaxis]
+    picked = np.empty((len(places), 0 if case.antialias else choose.samples(case)))
     clock = [0.0]
-    for p, window in enumerate(_ball_passes(case, model, cut, watch, y, clock)):
+    for p, window in enumerate(_ball_passes(case, model, cut, watch, y, places, clock)):
         decimate(window, taps, D, fine[:, lead + p * M : lead + (p + 1) * M])
         _pick_pass(case, cut, p, window, picked)
     zero = lead + DECIMATION_REACH - 1
-    if build.MODELS[case.model].memoryless:  # never at rest: it repeats itself before t = 0 too
-        fine[:FIRST_OUTER, :zero] = fine[:FIRST_OUTER, zero + np.arange(-zero, 0) % M]
-    return _Tape(fine, zero, picked, y, clock[0])
+    if build.kind(case).memoryless:  # never at rest: it repeats itself before t = 0 too
+        fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % M]
+    return Tape(places, fine, zero, picked, y, clock[0])
 
 
-def _start(model: Any) -> np.ndarray:
+def _start(case: Case, model: Any) -> np.ndarray:
     """A buffer at static equilibrium at t = 0, its accelerations filled in."""
-    y = build.empty_buffer(model)
-    residual = rest_from_scratch(model, 0.0, y)
-    if not residual <= 1e-8 * model.support.F:
+    y, residual = build.start(case, model)
+    if not residual <= 1e-8 * case.load:
         raise SimulationError(
             f"no static equilibrium at the start: {residual:.3g} N left", "check load and clearance"
         )
-    begin(model, 0.0, y)
+    keep_largest_forces(y, lanes(model.bearing))
     return y
 
 
 def _ball_passes(
-    case: Case, model: Any, cut: choose.Grid, watch: Watch, y: np.ndarray, clock: list[float]
+    case: Case,
+    model: Any,
+    cut: choose.Grid,
+    watch: Watch,
+    y: np.ndarray,
+    places: np.ndarray,
+    clock: list[float],
 ) -> Iterator[np.ndarray]:
-    """The recording, a ball pass at a time: (ROWS, tail + steps) with the end of the pass before in front.
+    """The recording, a ball pass at a time: (C, tail + steps) with the end of the pass before in front.
 
     The same array every time. Once settled, the largest forces count; ``clock[0]`` gathers the CPU seconds spent
     in the integrator.
     """
     method, settled = build.method(case, cut.step), floor(case.settle * cut.rate)
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
-    window = np.empty((ROWS, tail + steps))
-    window[:] = _recorded(y)
-    if build.MODELS[case.model].memoryless:  # it was never at rest: what was before t = 0 is known
-        advance(method, model, watch, -tail, y, window[:, steps:])
+    window = np.empty((len(places), tail + steps))
+    window[:] = y[places][:, np.newaxis]
+    if build.kind(case).memoryless:  # it was never at rest: what was before t = 0 is known
+        advance(method, model, watch, -tail, y, places, window[:, steps:])
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
         if p == 0 or not choose.repeats(case):
             if p == settled:
-                y[Q_MAX : Q_MAX + ROW] = 0.0
+                for row in (Q_MAX, Q_I_MAX, Q_P_MAX):
+                    y[row : row + ROW] = 0.0
             began = time.thread_time()
-            taken, outcome, body = advance(method, model, watch, p * steps, y, window[:, tail:])
+            taken, outcome, body = advance(method, model, watch, p * steps, y, places, window[:, tail:])
             clock[0] += time.thread_time() - began
             if outcome != FINE:
                 raise _stopped(outcome, _name(model, body), cut.step, (p * steps + taken) * cut.step)
@@ -248,55 +230,9 @@ def _pick_pass(case: Case, cut: choose.Grid, p: int, window: np.ndarray, picked:
         pick(window, start - p * steps + tail - 1, ratio, picked, first, end)
 
 
-def _resampled(case: Case, cut: choose.Grid, tape: _Tape) -> np.ndarray:
+def _resampled(case: Case, cut: choose.Grid, tape: Tape) -> np.ndarray:
     """The record's samples (rows kept, n), low-passed from the fine ones."""
     out = np.empty((len(tape.fine), choose.samples(case)))
     ratio = cut.fine_rate / case.sampling
     resample(tape.fine, case.settle * cut.fine_rate + tape.zero, ratio, resampling_kernel(), out)
     return out
-
-
-def _along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
-    """A quantity of the ring in the direction the sensor looks."""
-    x, y = (rows[ROW_OF[name]] for name in dataset_names(f"ring.{quantity}"))
-    return cos(case.rig.sensor_angle) * x + sin(case.rig.sensor_angle) * y
-
-
-def whole_passes(case: Case, cut: choose.Grid) -> int:
-    """Ball passes that lie wholly in the record."""
-    return floor(case.duration * cut.rate + 1e-6)
-
-
-def _lines(case: Case, cut: choose.Grid, tape: _Tape, theta_0: float) -> dict[str, float]:
-    """Amplitude, phase and scatter of the lines at the outer-race frequency and its multiples.
-
-    ``theta_0``: the first roller's angle (rad) at t = 0, as it was computed.
-    """
-    M, start = cut.fine_per_pass, ceil(case.settle * cut.fine_rate - 1e-6)
-    length = whole_passes(case, cut) * M
-    whole = tape.fine[:, start + tape.zero : start + tape.zero + length + 1]
-    angle = case.bearing.rollers * theta_0
-    velocity = _along_sensor(case, whole, "velocity")
-    by_pass = {
-        quantity: signals.lines_by_pass(_along_sensor(case, whole, quantity)[:-1], M, HARMONICS, start, angle)
-        for quantity in ("displacement", "velocity")
-    }
-    by_pass["acceleration"] = signals.derivative_lines(
-        by_pass["velocity"], velocity[::M], cut.rate, HARMONICS, angle + 2.0 * pi * (start % M) / M
-    )
-    found = {}
-    for quantity, lines in by_pass.items():
-        for harmonic, values in zip(HARMONICS, lines, strict=True):
-            name = f"{quantity}@{line_name(harmonic)}"
-            found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values)
-    return found
-
-
-def _statistics(case: Case, cut: choose.Grid, sampled: np.ndarray) -> dict[str, float]:
-    """RMS, peak, crest factor and kurtosis of the record's whole ball passes, along the sensor."""
-    whole = sampled[:, : round(whole_passes(case, cut) / cut.rate * case.sampling)]
-    return {
-        f"{quantity}.{name}": value
-        for quantity in QUANTITIES
-        for name, value in signals.statistics(_along_sensor(case, whole, quantity)).items()
-    }

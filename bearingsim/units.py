@@ -26,9 +26,15 @@ Dimension = Literal[
     "frequency",
     "stiffness",
     "damping",
+    "velocity",
     "inverse velocity",
     "mass",
     "density",
+    "pressure",
+    "viscosity",
+    "unbalance",
+    "torsional stiffness",
+    "torsional damping",
     "number",
 ]
 
@@ -67,8 +73,14 @@ UNITS: dict[Dimension, dict[str, Factor]] = {
     "stiffness": _per(_NEWTONS | _decimal(MN=6), _METRES),
     "damping": _per(_NEWTONS, _METRES, between=" s/"),
     "inverse velocity": _per(_decimal(s=0), _decimal(m=0, mm=-3)),
+    "velocity": _per(_METRES, _decimal(s=0)),
     "mass": _decimal(kg=0, g=-3),
     "density": _decimal(**{"kg/m^3": 0, "g/cm^3": 3}),
+    "pressure": _decimal(Pa=0, MPa=6, GPa=9) | {"N/mm^2": Factor(Fraction(10) ** 6)},
+    "viscosity": _decimal(**{"Pa s": 0, "mPa s": -3}),
+    "unbalance": _decimal(**{"kg m": 0, "kg mm": -3, "g m": -3, "g mm": -6}),
+    "torsional stiffness": _decimal(**{"N m/rad": 0, "N mm/rad": -3}),
+    "torsional damping": _decimal(**{"N m s/rad": 0, "N mm s/rad": -3}),
     "number": {"": Factor(Fraction(1))},
 }
 
@@ -81,9 +93,15 @@ EXPECTED: dict[Dimension, str] = {
     "frequency": "a frequency such as `10240 Hz`",
     "stiffness": "a stiffness such as `1e7 N/m`",
     "damping": "a damping coefficient such as `200 N s/m`",
+    "velocity": "a velocity such as `0.1 m/s`",
     "inverse velocity": "an inverse velocity such as `50 s/m`",
     "mass": "a mass such as `0.6 kg`",
     "density": "a density such as `7850 kg/m^3`",
+    "pressure": "a pressure such as `207 GPa`",
+    "viscosity": "a dynamic viscosity such as `0.05 Pa s`",
+    "unbalance": "an unbalance such as `100 g mm`",
+    "torsional stiffness": "a torsional stiffness such as `1e4 N m/rad`",
+    "torsional damping": "a torsional damping such as `0.1 N m s/rad`",
     "number": "a plain number such as `1.5`",
 }
 
@@ -96,16 +114,22 @@ DISPLAY: dict[Dimension, str] = {
     "frequency": "Hz",
     "stiffness": "N/m",
     "damping": "N s/m",
+    "velocity": "m/s",
     "inverse velocity": "s/m",
     "mass": "kg",
     "density": "kg/m^3",
+    "pressure": "GPa",
+    "viscosity": "Pa s",
+    "unbalance": "g mm",
+    "torsional stiffness": "N m/rad",
+    "torsional damping": "N m s/rad",
     "number": "",
 }
 """Unit in which a quantity of each dimension is shown when nobody asked for another."""
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
-_SPELLING = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "³": "^3"})
+_SPELLING = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"})
 
 
 class UnitError(UserError, ValueError):
@@ -186,8 +210,16 @@ def suggestion(word: str, words: Collection[str]) -> str:
 
 
 def _spelling(word: str) -> str:
-    word = re.sub(r"N ?[. ] ?s\b", "N s", " ".join(word.translate(_SPELLING).split()))
-    return re.sub(r"(?<=m)3$", "^3", re.sub(r" ?/ ?", "/", word))
+    """The word as the table has it: one blank between the factors of a product, powers with `^`."""
+    word = " ".join(word.translate(_SPELLING).split())
+    word = re.sub(r"\b(N|Pa|mPa) ?[. ] ?s\b", r"\1 s", re.sub(r"\b(Pa|mPa)s\b", r"\1 s", word))
+    word = re.sub(r"\bN ?[. ]? ?(m|mm)( ?[. ] ?s)?(?= ?/ ?rad)", _torsional, word)
+    return re.sub(r"(?<=m)([23])$", r"^\1", re.sub(r" ?/ ?", "/", word))
+
+
+def _torsional(found: re.Match[str]) -> str:
+    """`N m` or `N m s`, the blanks set."""
+    return f"N {found[1]} s" if found[2] else f"N {found[1]}"
 
 
 def _convert(text: str, number: str, factor: Factor, dimension: Dimension) -> float:

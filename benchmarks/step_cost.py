@@ -19,8 +19,9 @@ import numpy as np
 
 from bearingsim import build, choose
 from bearingsim.config import Case
-from bearingsim.core.advance import CHANNELS, FINE, advance
+from bearingsim.core.advance import FINE, RING, advance
 from bearingsim.core.equilibrium import rest_from_scratch
+from bearingsim.core.layout import Q_I, Q_O
 from bearingsim.core.models.interface import begin
 from bearingsim.simulation import _watch
 
@@ -65,9 +66,10 @@ def numbers_of_rollers() -> Iterator[dict[str, Any]]:
 def run(one: dict[str, Any], steps: int) -> float:
     """CPU time (ns) per step of one round; the variant's clock goes on from round to round."""
     count = max(1, steps // SLOWER.get(one["row"]["model"], 1))
-    out = np.empty((CHANNELS, count))
+    places = np.array([*RING, Q_O, Q_I])
+    out = np.empty((len(places), count))
     began = time.thread_time_ns()
-    _, outcome, _ = advance(one["method"], one["model"], one["watch"], one["at"], one["y"], out)
+    _, outcome, _ = advance(one["method"], one["model"], one["watch"], one["at"], one["y"], places, out)
     took = time.thread_time_ns() - began
     if outcome != FINE:
         raise RuntimeError(f"{one['row']}: the run was stopped")

@@ -2,7 +2,8 @@
 
 Absolute roller radii, the pit's envelope by brute-force minimisation over a grid of contact points, the static
 start by SciPy's root finder, time by SciPy's DOP853 at tight tolerance and small steps. NF308, 1800 rpm, 150 N,
-clearance 0, a full-length box on the load line.
+clearance 0, one full-length box: on the outer race, on the inner race (it turns with it), or on the first roller.
+The contacts run along both races and the rollers at one speed, since nothing slips.
 """
 
 import numpy as np
@@ -17,21 +18,22 @@ M_O = 7850 * np.pi * (0.045**2 - R_O**2) * 0.023
 K = 8.06e4 * 12 ** (8 / 9) * 1000 ** (10 / 9)
 CHI, K_B, C_B, LOAD = 50.0, 1e7, 200.0, 150.0
 THETA = np.pi / Z + 2 * np.pi * np.arange(Z) / Z
-REDUCED = R_W * R_O / (R_O - R_W)
+OMEGA_I = 2 * np.pi * 30
+REDUCED_O, REDUCED_I = 1 / (1 / R_W - 1 / R_O), 1 / (1 / R_W + 1 / R_I)
 
 
 def elastic(delta):
     return K * np.maximum(delta, 0.0) ** (10 / 9)
 
 
-def sunk(s, width, depth):
-    """h(s) = min over t of p(t) + (t - s)^2/(2 R), and dh/ds = (s - t*)/R at the minimiser (envelope theorem)."""
+def sunk(s, width, depth, reduced):
+    """h(s) = min over t of p(t) + (t - s)^2/(2 reduced), and dh/ds at the minimiser (envelope theorem)."""
     pit = np.linspace(-width / 2, width / 2, 2001)
     t = np.concatenate([pit, pit[[0, -1]], [s]])
     inside = np.concatenate([np.full(pit.size, depth), [0.0, 0.0], [0.0 if abs(s) >= width / 2 else depth]])
-    gap = inside + (t - s) ** 2 / (2 * REDUCED)
+    gap = inside + (t - s) ** 2 / (2 * reduced)
     best = np.argmin(gap)
-    return gap[best], (s - t[best]) / REDUCED
+    return gap[best], (s - t[best]) / reduced
 
 
 def roller_at_rest(u_r):
@@ -44,8 +46,28 @@ def roller_at_rest(u_r):
     return brentq(inward, touch, max(touch, R_I + R_W) + 1e-5, xtol=1e-19, rtol=1e-14)
 
 
+def around(angle):
+    return np.remainder(angle + np.pi, 2 * np.pi) - np.pi
+
+
+def places(race, angle, t):
+    """Arcs (m) of the contacts from the pit's middle, (Z,) outer and inner, and the speed (m/s) they grow at.
+
+    A contact that cannot meet the pit is a metre away. At t = 0 the pit is at ``angle`` from the load line, or
+    from the outermost point of the first roller, which turns backwards in the cage.
+    """
+    nowhere, theta, speed = np.ones(Z), THETA + OMEGA_C * t, R_O * OMEGA_C
+    if race == "outer":
+        return R_O * around(theta - angle), nowhere, speed
+    if race == "inner":
+        return nowhere, -R_I * around(theta - angle - OMEGA_I * t), speed
+    on_first = np.where(np.arange(Z) == 0, 0.0, 1.0)
+    stands = angle - speed / R_W * t
+    return on_first - R_W * around(stands), on_first - R_W * around(stands - np.pi), speed
+
+
 def rest(angles, stiffness, anchor):
-    """Ring place and roller radii at rest, on a bracket spring of ``stiffness`` at ``anchor``."""
+    """Ring place and roller radii at rest, on a bracket spring of ``stiffness`` at ``anchor``; no pit."""
 
     def net(microns):
         u = 1e-6 * microns
@@ -61,8 +83,17 @@ def rest(angles, stiffness, anchor):
     return u, np.array([roller_at_rest(u[0] * np.cos(a) + u[1] * np.sin(a)) for a in angles])
 
 
-def simulate(width, depth, times, max_step=1e-6, rtol=1e-9):
-    """Velocity of the ring (2, n) in m/s at ``times`` (s)."""
+def sinking(arcs, along, width, depth, reduced):
+    """How far (m) and how fast (m/s) each roller sinks, (Z,) each."""
+    h, speed = np.zeros(Z), np.zeros(Z)
+    for j in np.flatnonzero(np.abs(arcs) < width / 2):
+        h[j], slope = sunk(arcs[j], width, depth, reduced)
+        speed[j] = slope * along
+    return h, speed
+
+
+def simulate(width, depth, times, race="outer", angle=0.0, max_step=1e-6, rtol=1e-9):
+    """Velocity of the ring (2, n) in m/s at ``times`` (s), with a pit as ``places`` has it."""
     pass_angle = 2 * np.pi / Z
     phases = [THETA + pass_angle * (n + 0.5) / 16 for n in range(16)]
     anchor = np.mean([rest(angles, 0.0, np.zeros(2))[0] for angles in phases], axis=0)
@@ -70,17 +101,15 @@ def simulate(width, depth, times, max_step=1e-6, rtol=1e-9):
 
     def rhs(t, y):
         u, w, q, v = y[:2], y[2:4], y[4 : 4 + Z], y[4 + Z :]
-        angle = THETA + OMEGA_C * t
-        c, s = np.cos(angle), np.sin(angle)
-        arc = R_O * (np.remainder(angle + np.pi, 2 * np.pi) - np.pi)
-        h, sinking = np.zeros(Z), np.zeros(Z)
-        for j in np.flatnonzero(np.abs(arc) < width / 2):
-            h[j], slope = sunk(arc[j], width, depth)
-            sinking[j] = slope * R_O * OMEGA_C
-        delta_o = q - (u[0] * c + u[1] * s) - h
-        v_o = v - (w[0] * c + w[1] * s) - OMEGA_C * (u[1] * c - u[0] * s) - sinking
+        theta = THETA + OMEGA_C * t
+        c, s = np.cos(theta), np.sin(theta)
+        outer, inner, speed = places(race, angle, t)
+        h_o, sinking_o = sinking(outer, speed, width, depth, REDUCED_O)
+        h_i, sinking_i = sinking(inner, speed, width, depth, REDUCED_I)
+        delta_o = q - (u[0] * c + u[1] * s) - h_o
+        v_o = v - (w[0] * c + w[1] * s) - OMEGA_C * (u[1] * c - u[0] * s) - sinking_o
         force_o = np.maximum(elastic(delta_o) * (1 + CHI * v_o), 0.0)
-        force_i = np.maximum(elastic(-q) * (1 - CHI * v), 0.0)
+        force_i = np.maximum(elastic(-q - h_i) * (1 - CHI * (v + sinking_i)), 0.0)
         radial = OMEGA_C**2 * (R_O - R_W + q) + (force_i - force_o) / M_R
         a_x = (-LOAD - K_B * (u[0] - anchor[0]) - C_B * w[0] + force_o @ c) / M_O
         a_y = (-K_B * (u[1] - anchor[1]) - C_B * w[1] + force_o @ s) / M_O

@@ -6,16 +6,28 @@ import numpy as np
 
 from bearingsim import build
 from bearingsim.config import Case
-from bearingsim.core.advance import CHANNELS, FINE, Watch, advance
+from bearingsim.core.advance import FINE, RING, Watch, advance
 from bearingsim.core.equilibrium import rest_from_scratch
+from bearingsim.core.layout import Q_I, Q_O
 from bearingsim.core.models.interface import begin
 
+ON_INNER_RACE, ON_A_ROLLER = {"race": "inner"}, {"race": "roller"}  # of a defect: what carries it
+PLACES = np.array([*RING, Q_O, Q_I])  # the ring's motion, and the first roller's forces
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 
 
 def case(**given: Any) -> Case:
-    """The NF308 at 1800 rpm and 150 N, healthy unless a defect is given."""
-    return Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"} | given)
+    """The NF308 at 1800 rpm and 150 N in `rollers`, healthy unless a defect is given."""
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers"}
+    return Case.model_validate(base | given)
+
+
+def light_rollers(factor: float) -> dict[str, Any]:
+    """Fields of a case: the NF308 of a material so light that only the rollers tell (the ring's mass is given)."""
+    usual = case()
+    material = usual.bearing.material.model_copy(update={"density": factor * usual.bearing.material.density})
+    bearing = usual.bearing.model_copy(update={"material": material})
+    return {"bearing": bearing, "rig": {"ring_mass": f"{build.geometry.ring_mass(usual)} kg"}}
 
 
 def at_rest(model: Any, t: float = 0.0) -> np.ndarray:
@@ -27,9 +39,9 @@ def at_rest(model: Any, t: float = 0.0) -> np.ndarray:
 
 
 def drive(model: Any, method: Any, steps: int, y: np.ndarray | None = None, patience: float = 1.0) -> np.ndarray:
-    """Recording (CHANNELS, steps) from rest, or from ``y``."""
+    """Recording (len(PLACES), steps) from rest, or from ``y``."""
     y = at_rest(model) if y is None else y
-    out = np.empty((CHANNELS, steps))
-    taken, outcome, _ = advance(method, model, Watch(8, patience), 0, y, out)
+    out = np.empty((len(PLACES), steps))
+    taken, outcome, _ = advance(method, model, Watch(8, patience), 0, y, PLACES, out)
     assert (taken, outcome) == (steps, FINE)
     return out

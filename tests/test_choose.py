@@ -20,7 +20,9 @@ SLOTS = [pytest.param((), id="healthy"), pytest.param((SLOT,), id="0.8 mm"), pyt
 
 
 def case(**fields: Any) -> Case:
-    return Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"} | fields)
+    return Case.model_validate(
+        {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers"} | fields
+    )
 
 
 class Oscillator(NamedTuple):
@@ -123,9 +125,9 @@ def test_closing_speed_is_the_steepest_slope_times_the_speed_along_the_race(defe
 
 def test_impact_without_damping_turns_all_energy_into_the_contact() -> None:
     model = build.model(case(contact={"damping": {"chi": "0 s/m"}}))
-    speed, m, k = 0.05, model.bearing.m_r, model.contact.stiffness.k
+    speed, m, k = 0.05, model.bearing.m_r, model.outer.stiffness.k
     deepest = (19.0 / 9.0 * 0.5 * m * speed**2 / k) ** (9.0 / 19.0)
-    peak, K, C = choose.impact(m, model.contact, speed)
+    peak, K, C = choose.impact(m, model.outer, speed)
     assert peak == pytest.approx(k * deepest ** (10.0 / 9.0), rel=2e-3)
     assert m * K == pytest.approx(10.0 / 9.0 * k * deepest ** (1.0 / 9.0), rel=2e-3)
     assert C == 0.0
@@ -133,10 +135,10 @@ def test_impact_without_damping_turns_all_energy_into_the_contact() -> None:
 
 def test_a_faster_impact_is_harder() -> None:
     model = build.model(case())
-    found = [choose.impact(model.bearing.m_r, model.contact, speed) for speed in (0.01, 0.03, 0.1, 0.3)]
+    found = [choose.impact(model.bearing.m_r, model.outer, speed) for speed in (0.01, 0.03, 0.1, 0.3)]
     assert (np.diff(found, axis=0) > 0.0).all()
-    assert choose.impact(model.bearing.m_r, model.contact, 0.0) == (0.0, 0.0, 0.0)
-    assert choose.impact(0.0, model.contact, 0.1) == (0.0, 0.0, 0.0)
+    assert choose.impact(model.bearing.m_r, model.outer, 0.0) == (0.0, 0.0, 0.0)
+    assert choose.impact(0.0, model.outer, 0.1) == (0.0, 0.0, 0.0)
 
 
 def test_laws_with_the_same_numbers_are_not_taken_for_each_other() -> None:
@@ -144,7 +146,7 @@ def test_laws_with_the_same_numbers_are_not_taken_for_each_other() -> None:
         case(contact={"damping": {"law": "hunt-crossley", "chi": 1e-4}}),
         case(contact={"damping": {"law": "kraemer", "beta": 1e-4}}),
     )
-    soft, hard = (choose.impact(0.01, build.contact(one), 0.05) for one in laws)
+    soft, hard = (choose.impact(0.01, build.contacts.outer(one), 0.05) for one in laws)
     assert hard[2] > 10.0 * soft[2]
 
 

@@ -6,20 +6,31 @@ import pytest
 from pydantic import ValidationError
 
 from bearingsim import build
+from bearingsim.build import contacts
 from bearingsim.config import (
     CHANNELS,
     FEATURES,
     Bearing,
+    Cage,
     Case,
+    Constant,
+    Drag,
+    Frictionless,
     Material,
     Rig,
+    StaticDynamic,
+    Traction,
     dataset_names,
     library,
     library_names,
 )
-from bearingsim.config.case import Method, Model, StiffnessLaw
+from bearingsim.config.case import Method, Model
+from bearingsim.config.contact import StiffnessLaw
+from bearingsim.config.ladder import LADDER, METHODLESS
 
 SLOT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
+INNER, ON_ROLLER = SLOT | {"race": "inner"}, SLOT | {"race": "roller"}
+PLANAR = {"model": "planar"}
 
 
 def case(**fields: Any) -> Case:
@@ -101,7 +112,49 @@ def test_damping_is_chosen_by_its_law() -> None:
         ({"clearance": "25 mm"}, "beyond -1 % to 5 % of the roller diameter"),
         ({"clearance": "-1 mm"}, "beyond -1 % to 5 % of the roller diameter"),
         ({"defect": SLOT | {"width": "-1 mm"}}, "above zero"),
-        ({"defect": SLOT | {"race": "inner"}}, "expected `outer`"),
+        ({"defect": SLOT | {"race": "middle"}}, "expected `outer`, `inner` or `roller`"),
+        ({"defect": SLOT | {"race": "roller", "roller": 14}}, "there is no roller 14: the bearing has 13"),
+        ({"defect": SLOT | {"race": "roller", "roller": 0}}, "whole number from 1 to 64"),
+        ({"defect": SLOT | {"roller": 3}}, "a defect of the outer race is on no roller"),
+        ({"defect": INNER | {"width": "13 mm"}}, "wider than the roller spacing on the inner race (12.808 mm)"),
+        ({"defect": INNER | {"depth": "6.6 mm"}}, "6.6 mm deep goes through the inner ring (6.5 mm)"),
+        ({"defect": INNER | {"length": "13 mm"}}, "13 mm is longer than the roller (12 mm)"),
+        ({"defect": ON_ROLLER | {"width": "13 mm"}}, "wider than the roller's diameter (12 mm)"),
+        ({"defect": ON_ROLLER | {"depth": "6 mm"}}, "6 mm deep goes past the roller's middle (6 mm)"),
+        ({"excitation": "envelop"}, "expected `envelope`"),
+        ({"model": "impulse", "defect": SLOT, "method": "rk4"}, "the impulse model has no method, got `rk4`"),
+        ({"model": "impulse"}, "without a defect there are no impulses"),
+        ({"clearance": "C6"}, "expected a length such as `20 um`, or a class: C2, CN, C3, C4, C5; got `C6`"),
+        ({"seed": "-1"}, "whole number from 0"),
+        ({"record": ["roller.14.outer_force"]}, "there is no roller 14: the bearing has 13"),
+        ({"record": ["roller.0.outer_force"]}, "expected `ring.displacement`"),
+        ({"contact": {"stiffness": "hertz"}}, "expected `palmgren`, `iso16281`, `johnson`, `point` or `constant`"),
+        ({"contact": {"stiffness": "constant"}}, "the law `constant` needs numbers"),
+        ({"contact": {"stiffness": {"law": "johnson", "exponent": 1.1}}}, "the law `johnson` takes no numbers"),
+        ({"contact": {"stiffness": {"coefficient": 1e5, "exponent": 0}}}, "a plain number above zero"),
+        ({"contact": {"stiffness": "point"}}, "the law `point` is a ball's contact, not a roller's"),
+        (
+            {"bearing": "6205", "contact": {"stiffness": "johnson"}},
+            "`johnson` is a roller's contact, not a ball's",
+        ),
+        (PLANAR | {"friction": "dry"}, "expected `static-dynamic`, `traction` or `none`, got `dry`"),
+        (PLANAR | {"friction": {"dynamic": 0.4}}, "dynamic friction (0.4) is above static (0.3)"),
+        (PLANAR | {"friction": {"dynamic_speed": "1 mm/s"}}, "must be above `static_speed`"),
+        (PLANAR | {"friction": {"law": "traction", "static": 0.3}}, "Extra inputs"),
+        (PLANAR | {"cage": {"motion": "kinematic"}, "friction": "traction"}, "RMS 11-15 % low"),
+        (
+            PLANAR | {"cage": {"motion": "kinematic"}, "drag": {}},
+            "drag brakes nothing while the cage is kinematic",
+        ),
+        (PLANAR | {"cage": {"motion": "kinematic", "guide": "rollers"}}, "a kinematic cage stays centred"),
+        (PLANAR | {"cage": {"guide": "rings"}}, "expected `centred`, `rollers`, `inner-ring` or `outer-ring`"),
+        (PLANAR | {"drag": {"oil_fraction": 1.5}}, "expected a plain number from 0 to 1, got `1.5`"),
+        (PLANAR | {"drag": {"oil_viscosity": "0 Pa s"}}, "a dynamic viscosity above zero"),
+        (PLANAR | {"drag": "some"}, "valid dictionary or instance of Drag"),
+        (PLANAR | {"shaft": {"stiffness": "1e8 N/m"}}, "Field required"),
+        (PLANAR | {"unbalance": {"mass_radius": "100 g mm"}}, "moves nothing while the inner ring is rigid"),
+        (PLANAR | {"rig": {"torsion_damping": "1 N m s/rad"}}, "does not rotate without `torsion_stiffness`"),
+        (PLANAR | {"ramp": {"to": "0 rpm", "time": "1 s"}}, "a rotation speed above zero"),
         ({"defect": SLOT, "defects": [SLOT]}, "not both"),
         ({"defects": "none"}, "expected a list"),
         ({"lod": "1 N"}, "Extra inputs"),
@@ -121,6 +174,82 @@ def test_defects_of_one_race_do_not_overlap(apart: str, fits: bool) -> None:
         assert "overlaps defect 1" in messages(defects=pair)[0]
 
 
+def test_defects_of_other_elements_may_lie_at_the_same_angle() -> None:
+    assert len(case(defects=[SLOT, INNER, ON_ROLLER, ON_ROLLER | {"roller": 2}]).defects) == 4
+    assert "overlaps defect 1" in messages(defects=[ON_ROLLER, ON_ROLLER | {"roller": 1, "angle": "7 deg"}])[0]
+    # 0.8 mm on a roller of 6 mm radius is 7.64 deg, on an inner race of 26.5 mm radius 1.73 deg
+    assert len(case(defects=[ON_ROLLER, ON_ROLLER | {"angle": "7.7 deg"}]).defects) == 2
+    assert "overlaps defect 1" in messages(defects=[INNER, INNER | {"angle": "1.7 deg"}])[0]
+    assert len(case(defects=[INNER, INNER | {"angle": "1.8 deg"}]).defects) == 2
+
+
+def test_what_depends_on_the_model_is_filled_in() -> None:
+    assert case().friction is None
+    assert case().cage is None
+    assert case(friction="none").friction is None
+    found = case(model="planar")
+    assert (found.friction, found.cage, found.drag) == (StaticDynamic(), Cage(), None)
+    assert found.method == "verlet"
+    kinematic = case(model="planar", cage={"motion": "kinematic"})
+    assert kinematic.friction == Frictionless()
+    assert case(model="planar", friction="none").friction == Frictionless()
+    impulse = case(model="impulse", defect=SLOT)
+    assert (impulse.excitation, impulse.method) == ("impulse-train", None)
+    assert case(model="impulse", defect=SLOT, excitation="random-impulses").excitation == "random-impulses"
+    assert case(defect=ON_ROLLER).defects[0].roller == 1
+    assert case(defect=SLOT).defects[0].roller is None
+
+
+def test_the_defaults_of_free_rollers() -> None:
+    """Friction coefficients are the paper's; the rest are assumptions of this project."""
+    cage, friction, drag = Cage(), StaticDynamic(), Drag()
+    assert (friction.static, friction.dynamic) == (0.3, 0.15)
+    assert (friction.static_speed, friction.dynamic_speed) == (0.02, 0.1)
+    assert (cage.friction.static, cage.friction.dynamic) == (0.002, 0.001)
+    assert (cage.pocket_clearance, cage.guide_clearance) == (2e-4, 4e-4)
+    assert Cage.model_validate({"pocket_clearance": "0.1 mm"}).radial_pocket_clearance == 1e-4
+    assert Cage.model_validate({"radial_pocket_clearance": "0.3 mm"}).radial_pocket_clearance == 3e-4
+    assert (drag.oil_fraction, drag.oil_density, drag.oil_viscosity, drag.land_gap) == (0.1, 860.0, 0.05, 2e-4)
+    traction = case(model="planar", friction="traction").friction
+    assert isinstance(traction, Traction)
+    assert (traction.a, traction.b, traction.c, traction.d) == (-0.1, 22.28, 181.46, 0.1)
+
+
+def test_stiffness_suits_the_bearing() -> None:
+    assert case().contact.stiffness == "palmgren"
+    assert case(bearing="6205").contact.stiffness == "point"
+    constant = case(bearing="6205", contact={"stiffness": {"coefficient": "1e5", "exponent": "1.5"}})
+    assert constant.contact.stiffness == Constant(coefficient=1e5, exponent=1.5)
+    assert case(contact={"stiffness": {"law": "iso16281"}}).contact.stiffness == "iso16281"
+
+
+def test_optional_sections_may_be_none() -> None:
+    sections = ("ramp", "drag", "shaft", "unbalance")
+    found = case(**dict.fromkeys(sections, "none"))
+    assert [getattr(found, name) for name in sections] == 4 * [None]
+
+
+def test_every_section_survives_its_own_dump() -> None:
+    found = case(
+        model="planar",
+        bearing="6205",
+        clearance="C3",
+        defects=[SLOT, ON_ROLLER],
+        friction="traction",
+        cage={"guide": "outer-ring", "mass": "20 g"},
+        drag={},
+        shaft={"stiffness": "1e8 N/m", "mass": "1 kg"},
+        unbalance={"mass_radius": "1e-4 kg m"},
+        ramp={"to": "3000 rpm", "time": "1 s"},
+        gravity=True,
+        load_across="-20 N",
+        seed=3,
+        rig={"torsion_stiffness": "1e4 Nm/rad"},
+    )
+    assert Case.model_validate(found.model_dump()) == found
+    assert found.load_across == -20.0
+
+
 NF308 = {
     "rollers": 13,
     "roller_diameter": 0.012,
@@ -132,6 +261,28 @@ NF308 = {
 }
 
 
+BALL = {
+    "element": "ball",
+    "roller_length": None,
+    "inner_groove_radius": 0.00624,
+    "outer_groove_radius": 0.00636,
+}
+
+
+def test_the_mass_of_a_rolling_element() -> None:
+    roller, ball = (Bearing.model_validate(NF308 | change) for change in ({}, BALL))
+    assert roller.element_mass == pytest.approx(7850 * math.pi * 0.006**2 * 0.012)
+    assert ball.element_mass == pytest.approx(7850 * 4 / 3 * math.pi * 0.006**3)
+    assert ball.inner_spacing == pytest.approx(math.pi * 0.053 / 13)
+
+
+def test_a_balls_pit_may_be_longer_than_its_contact() -> None:
+    assert case(bearing="6205", defect=SLOT | {"length": "15 mm"}).defects[0].length == 0.015
+    assert "longer than the bearing (15 mm)" in messages(bearing="6205", defect=SLOT | {"length": "15.1 mm"})[0]
+    too_long = ON_ROLLER | {"length": "8 mm"}
+    assert "longer than the ball (7.94 mm)" in messages(bearing="6205", defect=too_long)[0]
+
+
 @pytest.mark.parametrize(
     ("change", "part"),
     [
@@ -139,6 +290,16 @@ NF308 = {
         ({"rollers": 2}, "from 3 to 64"),
         ({"outside_diameter": 0.0769}, "outside the outer ring"),
         ({"bore": 0.0531}, "inside the bore"),
+        ({"roller_length": None}, "a roller bearing needs `roller_length`"),
+        ({"inner_groove_radius": 0.0062}, "a roller bearing has none"),
+        ({"element": "ball"}, "a ball bearing has none"),
+        ({"element": "ball", "roller_length": None}, "a ball bearing needs `inner_groove_radius`"),
+        (BALL | {"outer_groove_radius": None}, "a ball bearing needs `outer_groove_radius`"),
+        (
+            BALL | {"inner_groove_radius": 0.006},
+            r"a groove of 6 mm does not fit the ball \(over 6 mm, at most 12 mm",
+        ),
+        (BALL | {"outer_groove_radius": 0.0121}, "a groove of 12.1 mm does not fit the ball"),
     ],
 )
 def test_a_bearing_must_fit_together(change: dict[str, Any], part: str) -> None:
@@ -189,6 +350,13 @@ def test_names_of_channels_and_features() -> None:
 
 
 def test_every_word_offered_is_built() -> None:
-    assert set(get_args(Model)) == set(build.MODELS)
-    assert {*get_args(Method), None} == set(build.METHODS)
-    assert set(get_args(StiffnessLaw)) == set(build.STIFFNESS)
+    assert {*get_args(Model)} - {"least"} == set(build.MODELS)
+    assert set(LADDER) == set(build.MODELS)
+    assert {*get_args(Method)} == set(build.METHODS)
+    assert set(METHODLESS) == set(build.OWN_METHODS)
+
+
+@pytest.mark.parametrize("law", get_args(StiffnessLaw))
+def test_every_stiffness_offered_is_built(law: str) -> None:
+    bearing = "6205" if law == "point" else "nf308"
+    assert contacts.outer(case(bearing=bearing, contact={"stiffness": law}))

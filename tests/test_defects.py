@@ -9,14 +9,16 @@ from hypothesis import strategies as st
 
 from bearingsim import build
 from bearingsim.core.defects import (
+    ANGLE,
     GROUP,
+    RADIUS,
     bowl,
     box,
     depression,
     groove,
     groups_of,
+    meeting,
     outer_reduced_radius,
-    roller_over,
 )
 from tests.scenes import SLOT, case
 
@@ -114,9 +116,11 @@ def test_a_bowls_mean_depth_converges_with_the_nodes():
 
 @given(theta_c=st.floats(-20.0, 20.0), angle=st.floats(-4.0, 4.0), Z=st.integers(3, 64))
 def test_the_nearest_roller_is_found_at_any_angle(theta_c, angle, Z):
-    pits = build.outer_pits(case(defect=SLOT))._replace(angle=np.array([angle]))
-    j, s = roller_over(pits, 0, theta_c, Z)
+    pits = build.pits.meetings(case(defect=SLOT))
+    pits.head[0, ANGLE] = angle
+    R_o = pits.head[0, RADIUS]
+    j, s = meeting(pits, 0, theta_c, 0.0, 0.0, Z)
     distances = np.remainder(theta_c + 2 * pi * np.arange(Z) / Z - angle + pi, 2 * pi) - pi
     assert 0 <= j < Z
-    assert abs(s) / pits.R_o <= np.abs(distances).min() + 1e-9
-    assert abs(np.remainder(distances[j] - s / pits.R_o + pi, 2 * pi) - pi) < 1e-9
+    assert abs(s) / R_o <= np.abs(distances).min() + 1e-9
+    assert abs(np.remainder(distances[j] - s / R_o + pi, 2 * pi) - pi) < 1e-9

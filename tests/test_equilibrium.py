@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from bearingsim import build
 from bearingsim.core.contact import elastic, iso16281
+from bearingsim.core.defects import REDUCED
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import POSITION, Q_I, Q_O, X, Y, buffer
 from tests.scenes import SLOT, at_rest, case
@@ -52,7 +53,7 @@ def test_many_rollers_share_the_load_as_the_integral_says(epsilon):
     """Z Q_max J_r = F with the clearance that gives the load zone its parameter, exponent 10/9."""
     Z, load = 64, 2000.0
     Q_max = load / (Z * sjovall(epsilon, 10 / 9))
-    k = build.contact(case()).stiffness.k
+    k = build.contacts.outer(case()).stiffness.k
     delta = 2 * (Q_max / k) ** 0.9  # both contacts
     clearance = 2 * delta * (1 / (2 * epsilon) - 1)  # delta = shift - G_r/2, epsilon = (1 - G_r/(2 shift))/2
     assert forces(unsupported(Z, load, clearance))[0].max() == pytest.approx(Q_max, rel=2e-3)
@@ -73,8 +74,8 @@ def test_iso16281_load_distribution_with_clearance():
     Computed from ISO/TS 16281's lamina law Q = 35948 L^(8/9) delta^(10/9), delta of both contacts together.
     """
     model = unsupported(load=3000.0, clearance=18.4e-6)
-    law = model.contact._replace(stiffness=iso16281(0.010))
-    loads, y = forces(model._replace(contact=law))
+    law = model.outer._replace(stiffness=iso16281(0.010))
+    loads, y = forces(model._replace(outer=law, inner=law))
     assert loads.max() == pytest.approx(1280.40, rel=1e-4)
     assert -1e3 * y[POSITION + X] == pytest.approx(0.0170796, rel=1e-4)
 
@@ -127,9 +128,9 @@ def test_the_bracket_takes_no_share_of_the_load():
 def test_a_slot_takes_the_load_off_its_roller():
     """The roller on a narrow full-length slot carries what the two contacts in series give with h taken off."""
     healthy = unsupported(first=0.0)
-    slot = healthy._replace(pits=build.outer_pits(case(defect=SLOT | {"width": "0.1 mm"})))
+    slot = healthy._replace(pits=build.pits.meetings(case(defect=SLOT | {"width": "0.1 mm"})))
     loads, y = forces(slot)
-    h, shift, law = (0.1e-3) ** 2 / 8 / slot.pits.R, -y[POSITION + X], slot.contact.stiffness
+    h, shift, law = (0.1e-3) ** 2 / 8 / slot.pits.head[0, REDUCED], -y[POSITION + X], slot.outer.stiffness
     inner = brentq(lambda d: elastic(law, shift - h - d) - elastic(law, d), 1e-12, shift - h - 1e-12, xtol=1e-20)
     assert loads[0] == pytest.approx(elastic(law, inner), rel=1e-9)
     assert loads[0] < 0.8 * forces(healthy)[0][0]

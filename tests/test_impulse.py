@@ -42,7 +42,7 @@ from bearingsim.core.methods.interface import step
 from bearingsim.core.models.impulse import Impulse, swing
 from tests.scenes import case
 
-BEARING = build.bearing(case())
+BEARING = build.geometry.bearing(case())
 L_W, DEEP = 0.012, 5e-5
 PASS = 2 * pi / (BEARING.Z * BEARING.omega_c)
 K, M = 1e7, 0.3

@@ -31,6 +31,8 @@ CASES = [Case.model_validate(BASE | {"model": "ring"} | more) for more in (
     {"defect": SLOT},
     {"defect": SLOT | {"shape": "circular", "length": 0.003}, "contact": {"length_nodes": 3}},
     {"defects": [SLOT, SLOT | {"shape": "triangular", "angle": 1}, SLOT | {"angle": "-1 rad"}]},
+    {"defect": SLOT, "start_angle": 0},
+    {"defects": [SLOT | {"race": "inner"}, SLOT | {"race": "roller", "roller": 3, "angle": 1}, SLOT]},
     {"load": 200, "speed": 100, "clearance": 0, "start_angle": 0, "duration": 1, "sampling": 1000, "settle": 0},
     {"contact": {"stiffness": "iso16281", "damping": {"chi": 10}}},
     {"record": ["roller.outer_force"], "sampling": 50e3},

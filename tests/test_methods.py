@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from bearingsim import build
-from bearingsim.core.advance import CHANNELS, FINE, NOT_FINITE, OUTRUN, Watch, advance
+from bearingsim.core.advance import FINE, NOT_FINITE, OUTRUN, Watch, advance
 from bearingsim.core.layout import POSITION, VELOCITY, Q, V
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations
-from tests.scenes import SLOT, at_rest, case, drive
+from tests.scenes import PLACES, SLOT, at_rest, case, drive
 
 SMOOTH = {"clearance": "-4 um", "contact": {"damping": {"chi": "5 s/m"}}}  # preloaded: no contact opens
 
@@ -61,7 +61,7 @@ def test_verlet_keeps_the_energy_of_undamped_contacts():
 
 def energy(model, y):
     """Kinetic + elastic + spring + potential of the load (J)."""
-    b, s, k = model.bearing, model.support, model.contact.stiffness.k
+    b, s, k = model.bearing, model.support, model.outer.stiffness.k
     angle = b.theta_0 + 2 * np.pi * np.arange(13) / 13
     u, w, q, v = y[POSITION : POSITION + 2], y[VELOCITY : VELOCITY + 2], y[Q : Q + 13], y[V : V + 13]
     outer = np.maximum(q - u[0] * np.cos(angle) - u[1] * np.sin(angle) - b.gap, 0.0)
@@ -77,16 +77,16 @@ def test_a_run_in_pieces_is_the_same_run(method):
     whole = drive(model, method, 9000)
     y, watch, pieces = at_rest(model), Watch(8, 1.0), []
     for start, count in ((0, 1000), (1000, 3001), (4001, 4999)):
-        out = np.empty((CHANNELS, count))
-        advance(method, model, watch, start, y, out)
+        out = np.empty((len(PLACES), count))
+        advance(method, model, watch, start, y, PLACES, out)
         pieces.append(out)
     assert np.array_equal(np.hstack(pieces), whole)
 
 
 def outcome(method, patience=13e-6, steps=60_000, **given):
     model = build.model(case(**given))
-    out = np.empty((CHANNELS, steps))
-    return advance(method, model, Watch(2, patience), 0, at_rest(model), out)
+    out = np.empty((len(PLACES), steps))
+    return advance(method, model, Watch(2, patience), 0, at_rest(model), PLACES, out)
 
 
 def test_the_watch_lets_a_good_run_pass():

@@ -7,16 +7,16 @@ import pytest
 from scipy.optimize import brentq
 
 from bearingsim import build
-from bearingsim.core.advance import CHANNELS, NOT_FINITE, Watch, advance
+from bearingsim.core.advance import NOT_FINITE, Watch, advance
 from bearingsim.core.contact import normal_force
-from bearingsim.core.defects import depression
+from bearingsim.core.defects import REDUCED, USED, W, depression
 from bearingsim.core.layout import ACCELERATION, COS, POSITION, Q_I, Q_O, SIN, VELOCITY, A, Q, V, X, Y
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations
 from bearingsim.simulation import simulate
 from tests import reference
-from tests.scenes import SLOT, at_rest, case, drive
+from tests.scenes import PLACES, SLOT, at_rest, case, drive, light_rollers
 
 
 @pytest.fixture(scope="module")
@@ -47,8 +47,8 @@ def test_verlet_meets_an_independent_solution_and_converges(independent):
 
 def test_the_step_that_is_refused_would_be_wrong(independent):
     """Verlet at 2 us on the 0.8 mm slot, unwatched: not finite, or off by a tenth of the range and more."""
-    out, model = np.empty((CHANNELS, 10_000)), build.model(case(defect=SLOT))
-    taken, outcome, _ = advance(Verlet(2e-6), model, Watch(1, 1.0), 0, at_rest(model), out)
+    out, model = np.empty((len(PLACES), 10_000)), build.model(case(defect=SLOT))
+    taken, outcome, _ = advance(Verlet(2e-6), model, Watch(1, 1.0), 0, at_rest(model), PLACES, out)
     wrong = out[2, 4:taken:5]
     assert outcome == NOT_FINITE or np.abs(wrong - independent[0]).max() > 0.1 * np.ptp(independent[0])
 
@@ -57,24 +57,11 @@ def test_the_step_that_is_refused_would_be_wrong(independent):
 def test_rollers_without_mass_are_a_ring(shape):
     """Rollers of 3 % of their mass move the line by less than 2 %; a bowl has its groups solved in series."""
     defect = SLOT | {"shape": shape, "length": "6 mm"}
-    light = {"bearing": build_light(0.03), "rig": {"ring_mass": f"{ring_mass()} kg"}}
-    short = {"duration": "0.1 s", "settle": "20 ms", "defect": defect} | light
+    short = {"duration": "0.1 s", "settle": "20 ms", "defect": defect} | light_rollers(0.03)
     rollers = simulate(case(model="rollers", **short)).features
     ring = simulate(case(model="ring", **short)).features
     assert rollers["velocity@BPFO"] == pytest.approx(ring["velocity@BPFO"], rel=0.02)
     assert rollers["velocity@BPFO.phase"] == pytest.approx(ring["velocity@BPFO.phase"], abs=0.02)
-
-
-def build_light(factor):
-    """The NF308 of a material so light that only the rollers' mass can tell (the ring's is given)."""
-    bearing = case().bearing
-    return bearing.model_copy(
-        update={"material": bearing.material.model_copy(update={"density": factor * bearing.material.density})}
-    )
-
-
-def ring_mass():
-    return build.ring_mass(case())
 
 
 @pytest.mark.parametrize("defect", [None, SLOT, SLOT | {"shape": "circular", "length": "6 mm", "angle": "20 deg"}])
@@ -139,10 +126,10 @@ def test_moving_approach_rate_is_the_approachs_derivative():
         theta = model.bearing.theta_0 + model.bearing.omega_c * t
         u_r = moved[POSITION + X] * np.cos(theta) + moved[POSITION + Y] * np.sin(theta)
         rim = 1e-3 - abs(model.bearing.R_o * theta)
-        found.append(moved[Q] - u_r - min(rim**2 / (2 * model.pits.R), 0.05e-3))
+        found.append(moved[Q] - u_r - min(rim**2 / (2 * model.pits.head[0, REDUCED]), 0.05e-3))
     accelerations(model, 0.0, y)
     rate, delta = (found[1] - found[0]) / (2 * h), (found[0] + found[1]) / 2
-    assert y[Q_O] == pytest.approx(normal_force(model.contact, delta, rate), rel=1e-5, abs=1e-3)
+    assert y[Q_O] == pytest.approx(normal_force(model.outer, delta, rate), rel=1e-5, abs=1e-3)
 
 
 def ring_over(defect):
@@ -154,14 +141,14 @@ def ring_over(defect):
     b, u, w, theta = model.bearing, y[POSITION : POSITION + 2], y[VELOCITY : VELOCITY + 2], 0.003
     e_r, e_theta = np.array([np.cos(theta), np.sin(theta)]), np.array([-np.sin(theta), np.cos(theta)])
     Delta, rate = -u @ e_r, -w @ e_r - b.omega_c * (u @ e_theta)
-    groups = model.pits.groups[0, : model.pits.used[0]]
-    sunk = np.array([depression(group, b.R_o * theta, model.pits.R) for group in groups])
-    return model, y, Delta, rate, groups[:, 0], sunk[:, 0], sunk[:, 1] * b.R_o * b.omega_c
+    groups = model.pits.groups[0, : int(model.pits.head[0, USED])]
+    sunk = np.array([depression(group, b.R_o * theta, model.pits.head[0, REDUCED]) for group in groups])
+    return model, y, Delta, rate, groups[:, W], sunk[:, 0], sunk[:, 1] * b.R_o * b.omega_c
 
 
 def test_a_ring_shares_approach_and_rate_between_both_contacts_over_a_slot():
     model, y, Delta, rate, _, h, sinking = ring_over(SLOT | {"width": "0.3 mm"})
-    by_hand = normal_force(model.contact, (Delta - h[0]) / 2, (rate - sinking[0]) / 2)
+    by_hand = normal_force(model.outer, (Delta - h[0]) / 2, (rate - sinking[0]) / 2)
     assert y[Q_O] == pytest.approx(by_hand, rel=1e-9)
     assert by_hand > 1.0
 
@@ -170,10 +157,10 @@ def test_a_ring_balances_a_roller_over_a_bowl():
     """Elastic: outer groups together carry what the inner contact carries; damping: half of each group's rate."""
     bowl = SLOT | {"shape": "circular", "length": "8 mm", "depth": "0.2 um"}
     model, y, Delta, rate, w, h, sinking = ring_over(bowl)
-    k = model.contact.stiffness.k
+    k = model.outer.stiffness.k
     outer = lambda d_i: w * k * np.maximum(Delta - d_i - h, 0.0) ** (10 / 9)  # noqa: E731
     d_i = brentq(lambda d: outer(d).sum() - k * d ** (10 / 9), 0.0, Delta, xtol=1e-20)
-    by_hand = (outer(d_i) * (1 + model.contact.chi * (rate - sinking) / 2)).sum()
+    by_hand = (outer(d_i) * (1 + model.outer.chi * (rate - sinking) / 2)).sum()
     assert y[Q_O] == pytest.approx(by_hand, rel=1e-8)
     assert (outer(d_i) > 0).sum() >= 2
 

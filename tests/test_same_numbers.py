@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from bearingsim.config import Case
@@ -62,8 +63,10 @@ def numbers(**fields: Any) -> list[float]:
     return [found.features[n] for n in sorted(found.features) if "scatter" not in n and "kurtosis" not in n]
 
 
-def test_plain_python_gives_the_same_numbers() -> None:
-    fields = {"defect": SLOT | {"width": "3 mm"}, "contact": {"damping": {"chi": 5.0}}}
+@pytest.mark.parametrize("carried", [{}, {"race": "inner"}, {"race": "roller", "roller": 2}])
+def test_plain_python_gives_the_same_numbers(carried: dict) -> None:
+    fields = {"defect": SLOT | {"width": "3 mm"} | carried, "contact": {"damping": {"chi": 5.0}}}
     code = f"from tests.{HERE.stem} import *; print([x.hex() for x in numbers(**{fields!r})])"
     plain = [float.fromhex(x) for x in eval(elsewhere(code, NUMBA_DISABLE_JIT="1"))]
-    assert plain == pytest.approx(numbers(**fields), rel=1e-12)
+    assert plain == pytest.approx(numbers(**fields), rel=1e-12, nan_ok=True)  # lines too near each other are nan
+    assert np.isfinite(plain).mean() > 0.4

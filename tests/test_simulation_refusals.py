@@ -40,9 +40,11 @@ def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple,
 
 
 def test_a_motion_that_is_not_finite_is_stopped() -> None:
-    def broken(method: Any, model: Any, watch: Watch, start: int, y: np.ndarray, out: np.ndarray) -> tuple:
+    def broken(
+        method: Any, model: Any, watch: Watch, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
+    ) -> tuple:
         y[POSITION] = np.nan
-        return advance(method, model, watch, start, y, out)
+        return advance(method, model, watch, start, y, places, out)
 
     with mock.patch.object(MODULE, "advance", broken), pytest.raises(SimulationError, match="finite"):
         simulate(case())

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bearingsim.config import Case
+from bearingsim.config import Cage, Case, Drag, StaticDynamic
 from bearingsim.study import NEW_STUDY, case_id, dimension, json_schema, load_study
 from tests.study_text import Write
 
@@ -27,7 +27,8 @@ def test_the_template_is_a_good_study(write: Write) -> None:
 
 def test_the_commented_lines_of_the_template_hold_the_defaults(write: Write) -> None:
     said = NEW_STUDY.replace("\n# zip", "\n#   zip")
-    for key in ("rig", "clearance", "model", "method", "step", "settle", "sampling"):
+    keys = ("rig", "clearance", "excitation", "model", "method", "step", "settle", "sampling", "gravity", "seed")
+    for key in keys:
         said = said.replace(f"\n# {key}:", f"\n{key}:")
     said = said.replace("# contact:\n#   stiffness", "contact:\n  stiffness").replace(
         "\n#   damping", "\n  damping"
@@ -36,7 +37,20 @@ def test_the_commented_lines_of_the_template_hold_the_defaults(write: Write) -> 
     assert load_study(write(said)).cases() == load_study(write(NEW_STUDY)).cases()
 
 
+def test_the_templates_lines_for_the_planar_model_are_right(write: Write) -> None:
+    said = NEW_STUDY.replace("\n# model: rollers", "\nmodel: least")
+    for key in ("friction", "cage", "drag", "ramp", "shaft", "unbalance"):
+        said = said.replace(f"\n# {key}:", f"\n{key}:")
+    found = load_study(write(said)).cases()[0]
+    assert (found.model, found.friction, found.cage) == ("planar", StaticDynamic(), Cage())
+    assert found.drag == Drag()
+    assert None not in (found.ramp, found.shaft, found.unbalance)
+
+
 # Ids
+
+
+PLANAR = {"model": "planar"}
 
 
 def one(**fields: Any) -> Case:
@@ -77,6 +91,14 @@ def _decimal(value: Fraction) -> str:
         ({"clearance": 0.0}, {"clearance": -0.0}),
         ({"load": 150.0}, {"load": 150.0 * (1 + 1e-15)}),
         ({}, {"method": "verlet"}),
+        ({}, {"contact": {"stiffness": "palmgren"}}),
+        ({}, {"excitation": "soft-edge"}),  # nothing to excite
+        ({}, {"seed": 3}),  # nothing random
+        ({}, {"friction": "none", "drag": "none"}),  # which is so in this model
+        ({"clearance": "CN"}, {"clearance": "37.5 um"}),
+        ({"model": "ring"}, {"model": "least", "contact": {"damping": "hunt-crossley"}}),
+        (PLANAR, PLANAR | {"friction": "static-dynamic", "cage": {"motion": "free"}}),
+        (PLANAR, PLANAR | {"cage": {"radial_pocket_clearance": "0.2 mm"}}),
         ({}, {"start_angle": math.pi / 13}),
         ({}, {"contact": {"damping": {"law": "hunt-crossley", "chi": "0.05 s/mm"}}}),
     ],
@@ -104,12 +126,73 @@ def test_equal_physics_equal_id(first: dict[str, Any], second: dict[str, Any]) -
         {"start_angle": "0 deg"},
         {"sampling": "1024 Hz"},
         {"antialias": "false"},
+        {"load_across": "1 N"},
+        {"model": "planar"},
+        {"contact": {"stiffness": "johnson"}},
+        {"contact": {"stiffness": {"law": "constant", "coefficient": 3e5, "exponent": 1.1}}},
         {"record": []},
         {"defect": {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-3}},
     ],
 )
 def test_whatever_shapes_the_result_shapes_the_id(change: dict[str, Any]) -> None:
     assert case_id(one(**change)) != case_id(one())
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"gravity": True},
+        {"seed": 1},
+        {"friction": "none"},
+        {"friction": {"static": 0.2}},
+        {"friction": "traction"},
+        {"cage": {"mass": "20 g"}},
+        {"cage": {"motion": "kinematic"}},
+        {"cage": {"friction": {"static": 0.01}}},
+        {"drag": {}},
+        {"ramp": {"to": "20 Hz", "time": "1 s"}},
+        {"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"}},
+        {"rig": {"torsion_stiffness": "1e4 N m/rad"}},
+    ],
+)
+def test_what_the_planar_model_takes_shapes_the_id(change: dict[str, Any]) -> None:
+    assert case_id(one(**PLANAR | change)) != case_id(one(**PLANAR))
+
+
+def test_what_carries_a_pit_and_how_it_is_felt_shape_the_id() -> None:
+    pit = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-4}
+    races = [{"race": "outer"}, {"race": "inner"}, {"race": "roller"}, {"race": "roller", "roller": 2}]
+    ids = {case_id(one(defect=pit | race)) for race in races}
+    ids |= {case_id(one(defect=pit, excitation=word)) for word in ("half-sine-pulse", "soft-edge")}
+    impulses = {"defect": pit, "model": "impulse"}
+    ids |= {case_id(one(**impulses)), case_id(one(**impulses, excitation="random-impulses"))}
+    ids |= {case_id(one(**impulses, excitation="random-impulses", seed=1))}
+    assert len(ids) == 9
+    assert case_id(one(**impulses, seed=1)) == case_id(one(**impulses))
+    assert case_id(one(defect=pit | {"race": "roller"})) == case_id(
+        one(defect=pit | {"race": "roller", "roller": 1})
+    )
+
+
+def test_elastic_constants_shape_the_id_where_they_are_used() -> None:
+    def ids(**fields: Any) -> set[str]:
+        materials = [{"density": 7850.0, "young_modulus": modulus} for modulus in (207e9, 100e9)]
+        bearing = one().bearing.model_dump()
+        return {case_id(one(bearing=bearing | {"material": material}, **fields)) for material in materials}
+
+    assert len(ids()) == 1
+    assert len(ids(contact={"stiffness": "johnson"})) == 2
+
+
+def test_a_field_that_is_new_renames_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ids as the first version of the model gave them, before these fields were."""
+    monkeypatch.setattr("bearingsim.core.MODEL_VERSION", 1)
+    pit = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-3}
+    assert case_id(one()) == "974269e6f84a60ad"
+    assert case_id(one(model="static")) == "2510496c4be94656"
+    assert case_id(one(defect=pit)) == "4a0348f94d255097"
+    assert case_id(one(model="ring", defects=[pit, pit | {"angle": 1.0}])) == "7f2b9e8f07decf70"
+    assert case_id(one(contact={"stiffness": "iso16281", "damping": "kraemer"})) == "00aa2375f74ec272"
 
 
 def test_names_do_not_shape_the_id_but_the_models_version_does(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -131,6 +214,10 @@ def test_the_schema_knows_what_a_study_may_say() -> None:
     assert schema["required"] == ["study"]
     assert {"study", "sweep", "figures", "quick", "defect", *Case.model_fields} == schema["properties"].keys()
     assert schema["$defs"]["Defect"]["properties"]["shape"]["enum"] == ["rectangular", "triangular", "circular"]
+    assert schema["properties"]["friction"]["anyOf"][0]["enum"] == ["static-dynamic", "traction", "none"]
+    assert schema["properties"]["drag"]["anyOf"][0] == {"const": "none"}
+    assert "a class: C2, CN" in schema["properties"]["clearance"]["description"]
+    assert "palmgren" in schema["$defs"]["Contact"]["properties"]["stiffness"]["anyOf"][0]["enum"]
     assert schema["properties"]["load"]["type"] == "string"
     assert schema["properties"]["load"]["description"] == "a force such as `150 N`"
 
@@ -140,6 +227,19 @@ def test_dimensions_of_paths() -> None:
     assert dimension("speed") == "rotation"
     assert dimension("rig.ring_mass") == "mass"
     assert dimension("contact.damping.beta") == "time"
+    assert dimension("contact.stiffness") is None
+    assert dimension("contact.stiffness.exponent") == "number"
+    assert dimension("clearance") == "length"
+    assert dimension("ramp.to") == "rotation"
+    assert dimension("friction") is None
+    assert dimension("friction.static_speed") == "velocity"
+    assert dimension("cage.friction.dynamic") == "number"
+    assert dimension("cage.pocket_clearance") == "length"
+    assert dimension("drag.oil_viscosity") == "viscosity"
+    assert dimension("unbalance.mass_radius") == "unbalance"
+    assert dimension("rig.torsion_stiffness") == "torsional stiffness"
+    assert dimension("bearing.material.young_modulus") == "pressure"
+    assert dimension("defects.2.race") is None
     assert dimension("model") is None
 
 

@@ -223,3 +223,111 @@ def test_an_override_of_what_is_not_swept(write: Write) -> None:
     assert (case.duration, len(case.record), case.bearing.roller_length) == (2.0, 2, 0.009)
     assert "duration" not in study.jobs()[0].swept
     assert len(load_study(write(SWEPT), {"speed": "[20 Hz, 30 Hz]"}).cases()) == 12
+
+
+# Models, excitations, classes, optional sections
+
+
+def test_one_study_runs_all_excitations(write: Write) -> None:
+    text = BASE + (
+        "sweep:\n"
+        "  zip:\n"
+        "    model: [impulse, impulse, ring, rollers, rollers]\n"
+        "    excitation: [impulse-train, random-impulses, half-sine-pulse, clearance-increase, envelope]\n"
+        "  load: [150 N, 300 N]\n"
+        "figures: [{y: velocity@BPFO, x: load, by: excitation}]\n"
+    )
+    jobs = load_study(write(text)).jobs()
+    cases = [job for job in jobs if not job.twin]
+    assert [(job.case.model, job.case.excitation) for job in cases[::2]] == [
+        ("impulse", "impulse-train"),
+        ("impulse", "random-impulses"),
+        ("ring", "half-sine-pulse"),
+        ("rollers", "clearance-increase"),
+        ("rollers", "envelope"),
+    ]
+    assert cases[0].swept == {"model": "impulse", "excitation": "impulse-train", "load": 150.0}
+    assert [job.healthy is None for job in cases] == 4 * [True] + 6 * [False]
+    twins = [job for job in jobs if job.twin]
+    assert [(job.case.model, job.case.load) for job in twins] == [
+        ("ring", 150.0),
+        ("ring", 300.0),
+        ("rollers", 150.0),
+        ("rollers", 300.0),
+    ]
+    assert {job.case.excitation for job in twins} == {"envelope"}
+    assert twins[0].swept == {"model": "ring", "load": 150.0}
+    assert cases[6].healthy == cases[8].healthy == twins[2].id
+
+
+def test_the_seed_is_the_healthy_twins_where_something_is_random(write: Write) -> None:
+    sweep = "sweep: {seed: [1, 2, 3]}\n"
+    (ring, twin) = load_study(write(BASE + "model: ring\n" + sweep)).jobs()
+    assert (ring.swept, twin.swept, twin.case.seed) == ({"seed": 1.0}, {}, 0)
+    jobs = load_study(write(BASE + "model: planar\n" + sweep)).jobs()
+    assert [job.case.seed for job in jobs if job.twin] == [1, 2, 3]
+    assert [job.swept for job in jobs if job.twin] == [{"seed": 1.0}, {"seed": 2.0}, {"seed": 3.0}]
+
+
+def test_clearance_by_class_and_by_length(write: Write) -> None:
+    study = load_study(write(BASE + "sweep: {clearance: [C2, CN, 10 um], bearing: [nf308, nu205]}\n"))
+    found = [(case.bearing.name, round(1e6 * case.clearance, 6)) for case in study.cases()]
+    assert found == [
+        ("NF308", 17.5),
+        ("NU205", 12.5),
+        ("NF308", 37.5),
+        ("NU205", 32.5),
+        ("NF308", 10.0),
+        ("NU205", 10.0),
+    ]
+    assert [row[0] for row in swept(study)] == ["C2", "C2", "CN", "CN", 1e-5, 1e-5]
+    assert study.units["clearance"] == ""
+
+
+@pytest.mark.parametrize(
+    ("base", "entry", "values"),
+    [
+        ("model: planar", "friction: [static-dynamic, traction, none]", ["static-dynamic", "traction", "none"]),
+        ("model: planar", "friction.static: [0.2, 0.3]", [0.2, 0.3]),
+        ("model: planar\nfriction: traction", "friction.d: [0.1, 0.05]", [0.1, 0.05]),
+        ("model: planar", "cage.pocket_clearance: [0.1 mm, 0.2 mm]", [1e-4, 2e-4]),
+        ("model: planar", "cage.guide: [centred, inner-ring]", ["centred", "inner-ring"]),
+        ("model: planar", "cage.friction.static: [0.002, 0.02]", [0.002, 0.02]),
+        ("model: planar", "drag: [none, {}]", ["none", "{}"]),
+        ("model: planar", "drag.oil_fraction: [0, 0.2]", [0.0, 0.2]),
+        ("model: planar\nramp: {time: 1 s}", "ramp.to: [20 Hz, 40 Hz]", [40 * math.pi, 80 * math.pi]),
+        ("model: planar\nshaft: {mass: 1 kg}", "shaft.stiffness: [1e7 N/m, 1e8 N/m]", [1e7, 1e8]),
+        ("model: planar", "gravity: [true, false]", ["true", "false"]),
+        ("model: planar", "rig.torsion_stiffness: [1e3 N m/rad, 1e4 N m/rad]", [1e3, 1e4]),
+        ("", "load_across: [-20 N, 20 N]", [-20.0, 20.0]),
+        ("", "defect.race: [outer, inner, roller]", ["outer", "inner", "roller"]),
+        ("", "model: [least, ring]", ["least", "ring"]),
+        ("", "contact.stiffness: [johnson, {coefficient: 3e5, exponent: 1.1}]", None),
+        ("contact: {stiffness: {coefficient: 3e5}}", "contact.stiffness.exponent: [1, 1.1]", [1.0, 1.1]),
+        ("", "zip: {model: [rollers, planar], friction: [none, static-dynamic]}", ["rollers", "planar"]),
+    ],
+)
+def test_the_words_of_free_rollers_can_be_swept(
+    write: Write, base: str, entry: str, values: list[float | str] | None
+) -> None:
+    rows = swept(load_study(write(BASE + f"{base}\nsweep: {{{entry}}}\n")))
+    assert [row[0] for row in rows] == values or values is None
+    assert len(set(rows)) >= 2
+
+
+def test_a_rollers_number_can_be_swept(write: Write) -> None:
+    text = BASE.replace("{shape", "{race: roller, shape") + "sweep: {defect.roller: [1, 5]}\n"
+    assert [case.defects[0].roller for case in load_study(write(text)).cases()] == [1, 5]
+
+
+def test_optional_sections_from_the_command_line(write: Write) -> None:
+    overrides = {"model": "planar", "cage.pocket_clearance": "0.1 mm", "friction": "traction", "drag": "{}"}
+    (case,) = load_study(write(BASE), overrides).cases()
+    assert case.cage is not None
+    assert case.cage.pocket_clearance == 1e-4
+    assert case.friction is not None
+    assert case.friction.law == "traction"
+    assert case.drag is not None
+    assert case.drag.oil_fraction == 0.1
+    (case,) = load_study(write(BASE + "drag: {}\n"), {"model": "planar", "drag": "none"}).cases()
+    assert case.drag is None

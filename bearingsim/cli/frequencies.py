@@ -9,10 +9,10 @@ from bearingsim.cli.screen import print_table
 __all__ = ["of_bearing", "show"]
 
 NAMES = {
-    "BPFO": "rollers over a point of the outer race",
-    "BPFI": "rollers over a point of the inner race",
+    "BPFO": "{}s over a point of the outer race",
+    "BPFI": "{}s over a point of the inner race",
     "FTF": "turns of the cage",
-    "BSF": "turns of a roller about its axis; a spot on it hits at 2 BSF",
+    "BSF": "turns of a {} about its axis; a spot on it hits at 2 BSF",
 }
 
 
@@ -38,6 +38,7 @@ def of_bearing(name: str, speed: str) -> dict[str, Any]:
     shaft = omega / (2.0 * pi)
     return {
         "bearing": bearing.name,
+        "element": bearing.element,
         "shaft_hz": shaft,
         "frequencies": {
             key: {"order": value / shaft, "hz": [k * value for k in HARMONICS]} for key, value in hertz.items()
@@ -52,7 +53,12 @@ def show(name: str, speed: str, found: dict[str, Any]) -> None:
     typer.echo(f"{found['bearing'] or name} at {speed} (shaft {found['shaft_hz']:.4g} Hz)")
     heads = ["", "what", "order", *(f"{k} x (Hz)" for k in HARMONICS)]
     rows = [
-        [key, NAMES[key], f"{entry['order']:.4f}", *(f"{value:.3f}" for value in entry["hz"])]
+        [
+            key,
+            NAMES[key].format(found["element"]),
+            f"{entry['order']:.4f}",
+            *(f"{value:.3f}" for value in entry["hz"]),
+        ]
         for key, entry in found["frequencies"].items()
     ]
     print_table(heads, rows, words=2)

@@ -4,7 +4,22 @@ Text with units comes in (`"0.8 mm"`, from YAML), floats in SI come out; floats 
 All sections are frozen and refuse unknown keys. pydantic's ValidationError is raised for what is wrong.
 """
 
-from bearingsim.config.case import Case, Contact, Damping, Defect, General, HuntCrossley, Kraemer
+from bearingsim.config.case import Case
+from bearingsim.config.contact import Constant, Contact, Damping, General, HuntCrossley, Kraemer
+from bearingsim.config.defect import Defect
+from bearingsim.config.fields import Section
+from bearingsim.config.free import (
+    Cage,
+    CageFriction,
+    Drag,
+    Friction,
+    Frictionless,
+    Ramp,
+    Shaft,
+    StaticDynamic,
+    Traction,
+    Unbalance,
+)
 from bearingsim.config.library import library_names
 from bearingsim.config.machine import Bearing, Material, Rig
 from bearingsim.config.names import CHANNELS, FEATURES, Channel, Feature, dataset_names
@@ -13,17 +28,29 @@ __all__ = [
     "CHANNELS",
     "FEATURES",
     "Bearing",
+    "Cage",
+    "CageFriction",
     "Case",
     "Channel",
+    "Constant",
     "Contact",
     "Damping",
     "Defect",
+    "Drag",
     "Feature",
+    "Friction",
+    "Frictionless",
     "General",
     "HuntCrossley",
     "Kraemer",
     "Material",
+    "Ramp",
     "Rig",
+    "Section",
+    "Shaft",
+    "StaticDynamic",
+    "Traction",
+    "Unbalance",
     "dataset_names",
     "library_names",
 ]

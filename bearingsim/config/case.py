@@ -1,110 +1,44 @@
 """One case: everything that one simulation needs to be told."""
 
 import math
-from collections.abc import Iterator
-from itertools import combinations
-from typing import Annotated, Any, Literal, NamedTuple, get_args
+from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
+from bearingsim.config import contact, free, ladder
+from bearingsim.config.channels import channel
+from bearingsim.config.clearance import Clearance
+from bearingsim.config.conflicts import conflicts
+from bearingsim.config.contact import Contact
+from bearingsim.config.defect import Defect, Excitation
 from bearingsim.config.fields import (
     Angle,
-    Clearance,
     Delay,
     Duration,
     Force,
     Frequency,
-    InverseVelocity,
-    Length,
-    Number,
+    Laws,
     Rotation,
     Section,
+    SignedForce,
     Step,
     Switch,
     one_of,
-    raise_unknown_word,
     refuse,
+    unless_none,
     whole,
 )
 from bearingsim.config.machine import Bearing, Rig, default_rig, named
-from bearingsim.config.names import CHANNELS
-from bearingsim.units import show
 
-Shape = Literal["rectangular", "triangular", "circular"]
-StiffnessLaw = Literal["palmgren", "iso16281"]
-Model = Literal["static", "ring", "rollers"]
+Model = Literal["least", "impulse", "static", "ring", "rollers", "planar"]
 Method = Literal["verlet", "rk4"]
 
-
-class Defect(Section):
-    """A pit in a race: lengths in m (`length` along the axis, `width` along rolling), angle in rad."""
-
-    race: Annotated[Literal["outer"], one_of("outer")] = "outer"
-    shape: Annotated[Shape, one_of(*get_args(Shape))]
-    length: Length
-    width: Length
-    depth: Length
-    angle: Angle = 0.0
-
-
-class HuntCrossley(Section):
-    """Damping force `chi` (s/m) times the approach rate times the elastic force."""
-
-    law: Literal["hunt-crossley"] = "hunt-crossley"
-    chi: InverseVelocity = 50.0
-
-
-class Kraemer(Section):
-    """Damping proportional to the tangent stiffness, by the time `beta` (s)."""
-
-    law: Literal["kraemer"] = "kraemer"
-    beta: Delay = 1e-5
-
-
-class General(Section):
-    """c |v|^m2 delta^m3 with the coefficient in N, mm and s, as multibody tools print it."""
-
-    law: Literal["general"] = "general"
-    coefficient: Number
-    velocity_exponent: Number = 1.0
-    indentation_exponent: Number
-
-
-DAMPING_LAWS: dict[str, type[Section]] = {
-    "hunt-crossley": HuntCrossley,
-    "kraemer": Kraemer,
-    "general": General,
+LAWS: dict[tuple[str | int, ...], Laws] = {
+    ("contact", "damping"): contact.DAMPING,
+    ("contact", "stiffness"): contact.STIFFNESS,
+    ("friction",): free.FRICTION,
 }
-
-
-def _law(given: Any) -> Any:
-    """The tag of a damping; a mapping without `law` is the default law's."""
-    return given.get("law", "hunt-crossley") if isinstance(given, dict) else getattr(given, "law", None)
-
-
-def _damping(given: Any) -> Any:
-    """A bare word is a law with its default numbers."""
-    found = {"law": given} if isinstance(given, str) else given
-    if _law(found) not in DAMPING_LAWS:
-        raise_unknown_word(_law(found), tuple(DAMPING_LAWS))
-    return found
-
-
-Damping = Annotated[
-    Annotated[HuntCrossley, Tag("hunt-crossley")]
-    | Annotated[Kraemer, Tag("kraemer")]
-    | Annotated[General, Tag("general")],
-    Discriminator(_law),
-    BeforeValidator(_damping),
-]
-
-
-class Contact(Section):
-    """How rollers and races press on each other."""
-
-    stiffness: Annotated[StiffnessLaw, one_of(*get_args(StiffnessLaw))] = "palmgren"
-    damping: Damping = HuntCrossley()
-    length_nodes: Annotated[int, whole(1, 64)] = 24
+"""The fields that hold one of several laws, by their path."""
 
 
 def _one_or_many(given: Any) -> Any:
@@ -114,28 +48,42 @@ def _one_or_many(given: Any) -> Any:
 
 
 class Case(Section):
-    """One simulation, in SI: speed in rad/s, load in N, lengths in m, angles in rad, times in s.
+    """One simulation, in SI: speed in rad/s, loads in N, lengths in m, angles in rad, times in s.
 
-    `defect` (one mapping) may be given instead of `defects`. `start_angle` is the first roller's angle at
-    t = 0 (pi / rollers if not given); `method` is None for the static model, which needs none.
+    `defect` (one mapping) may be given instead of `defects`. What depends on other values is filled in, so that a
+    case says what is computed: `clearance` by class is a length; `model` is never `least`; `method` is None for
+    models without one; `start_angle` is the first roller's angle at t = 0, pi / rollers if not given; `excitation`
+    is `impulse-train` for the impulse model if not given; `contact.stiffness` suits the bearing. `friction` and
+    `cage` are None below the planar model, and never None in it. `drag`, `ramp`, `shaft` and `unbalance` are None
+    where absent.
     """
 
     bearing: Annotated[Bearing, named("bearings")]
     rig: Annotated[Rig, named("rigs")] = Field(default_factory=default_rig)
     speed: Rotation
+    ramp: Annotated[free.Ramp | None, BeforeValidator(unless_none)] = None
     load: Force
+    load_across: SignedForce = 0.0
+    gravity: Switch = False
     clearance: Clearance = 0.0
     defects: Annotated[tuple[Defect, ...], BeforeValidator(_one_or_many)] = ()
+    excitation: Annotated[Excitation, one_of(*get_args(Excitation))] = "envelope"
     contact: Contact = Contact()
+    friction: free.Friction | None = None
+    cage: free.Cage | None = None
+    drag: Annotated[free.Drag | None, BeforeValidator(unless_none)] = None
+    shaft: Annotated[free.Shaft | None, BeforeValidator(unless_none)] = None
+    unbalance: Annotated[free.Unbalance | None, BeforeValidator(unless_none)] = None
     model: Annotated[Model, one_of(*get_args(Model))] = "rollers"
     method: Annotated[Method, one_of(*get_args(Method))] | None = None
     step: Step = "auto"
     duration: Duration = 1.0
     settle: Delay = 0.05
     start_angle: Angle = 0.0
+    seed: Annotated[int, whole(0, 999_999_999)] = 0
     sampling: Frequency = 10240.0
     antialias: Switch = True
-    record: tuple[Annotated[str, one_of(*CHANNELS)], ...] = ("ring.velocity",)
+    record: tuple[Annotated[str, BeforeValidator(channel)], ...] = ("ring.velocity",)
 
     @model_validator(mode="before")
     @classmethod
@@ -148,11 +96,37 @@ class Case(Section):
 
     @model_validator(mode="after")
     def _resolved(self) -> "Case":
-        if self.method is None and self.model != "static":
-            object.__setattr__(self, "method", "verlet")
+        if self.model == "least":
+            self._fill("model", ladder.least(self) or ladder.LADDER[-1])
+        if self.model == "impulse" and "excitation" not in self.model_fields_set:
+            self._fill("excitation", "impulse-train")
+        if self.method is None and self.model not in ladder.METHODLESS:
+            self._fill("method", "verlet")
         if "start_angle" not in self.model_fields_set:
-            object.__setattr__(self, "start_angle", math.pi / self.bearing.rollers)
+            self._fill("start_angle", math.pi / self.bearing.rollers)
+        self._fill("contact", self._suited_contact())
+        self._fill("defects", tuple(_numbered(defect) for defect in self.defects))
+        self._fill_free_motion()
         return self
+
+    def _fill_free_motion(self) -> None:
+        if self.model != "planar":
+            if isinstance(self.friction, free.Frictionless):
+                self._fill("friction", None)
+            return
+        cage = self.cage or free.Cage()
+        self._fill("cage", cage)
+        if self.friction is None:
+            self._fill("friction", free.Frictionless() if cage.motion == "kinematic" else free.StaticDynamic())
+
+    def _suited_contact(self) -> Contact:
+        if self.contact.stiffness is not None:
+            return self.contact
+        law = "palmgren" if self.bearing.element == "roller" else "point"
+        return self.contact.model_copy(update={"stiffness": law})
+
+    def _fill(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":
@@ -163,62 +137,8 @@ class Case(Section):
         return self
 
 
-Path = tuple[str | int, ...]
-"""Where a value stands in a case: `("defects", 0, "length")`."""
-
-
-class Conflict(NamedTuple):
-    """Values that are right alone but not together: a kind, the paths concerned, and why."""
-
-    kind: str
-    paths: tuple[Path, ...]
-    message: str
-    hint: str | None = None
-
-
-def conflicts(case: Case) -> Iterator[Conflict]:
-    """Everything in a case that does not fit together."""
-    for number, defect in enumerate(case.defects):
-        yield from _defect_conflicts(number, defect, case.bearing)
-    for first, second in combinations(range(len(case.defects)), 2):
-        yield from _overlap(first, second, case)
-    if case.model == "static" and case.method is not None:
-        paths = (("method",), ("model",))
-        yield Conflict("method", paths, f"the static model has no method, got `{case.method}`", "leave it out")
-    if not -0.01 <= case.clearance / case.bearing.roller_diameter <= 0.05:
-        shown = show(case.clearance, "um")
-        message = f"a clearance of {shown} is beyond -1 % to 5 % of the roller diameter"
-        yield Conflict("clearance", (("clearance",), ("bearing",)), message, "is the unit right?")
-    ball_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
-    if case.duration < ball_pass:
-        shown, needed = show(case.duration, "ms"), show(ball_pass, "ms")
-        timing: tuple[Path, ...] = (("duration",), ("speed",), ("bearing",))
-        yield Conflict("duration", timing, f"{shown} is shorter than one ball pass ({needed})")
-
-
-def _defect_conflicts(number: int, defect: Defect, bearing: Bearing) -> Iterator[Conflict]:
-    at = ("defects", number)
-    if defect.length > bearing.roller_length:
-        length, roller = show(defect.length, "mm"), show(bearing.roller_length, "mm")
-        paths: tuple[Path, ...] = ((*at, "length"), ("bearing", "roller_length"))
-        yield Conflict("long", paths, f"a defect of {length} is longer than the roller ({roller})")
-    if defect.width > bearing.roller_spacing:
-        width, spacing = show(defect.width, "mm"), show(bearing.roller_spacing, "mm")
-        paths = ((*at, "width"), ("bearing",))
-        yield Conflict("wide", paths, f"a defect of {width} is wider than the roller spacing ({spacing})")
-
-    wall = (bearing.outside_diameter - bearing.pitch_diameter - bearing.roller_diameter) / 2.0
-    if defect.depth >= wall:
-        depth, thick = show(defect.depth, "mm"), show(wall, "mm")
-        paths = ((*at, "depth"), ("bearing", "outside_diameter"))
-        yield Conflict("deep", paths, f"a defect {depth} deep goes through the outer ring ({thick})")
-
-
-def _overlap(first: int, second: int, case: Case) -> Iterator[Conflict]:
-    a, b = case.defects[first], case.defects[second]
-    radius = (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0
-    distance = abs(math.remainder(a.angle - b.angle, 2.0 * math.pi)) * radius
-    if a.race == b.race and distance < (a.width + b.width) / 2.0:
-        paths = tuple(("defects", i, key) for i in (second, first) for key in ("angle", "width"))
-        message = f"overlaps defect {first + 1}: their centres are {show(distance, 'mm')} apart"
-        yield Conflict("overlap", paths, message, "move one, or make one wider defect of them")
+def _numbered(defect: Defect) -> Defect:
+    """A roller's defect with the number of its roller."""
+    if defect.race != "roller" or defect.roller is not None:
+        return defect
+    return defect.model_copy(update={"roller": 1})

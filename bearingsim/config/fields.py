@@ -24,6 +24,7 @@ class Quantity:
     dimension: Dimension
     above: float = -math.inf
     least: float = -math.inf
+    most: float = math.inf
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_before_validator_function(self, handler(source))
@@ -35,11 +36,20 @@ class Quantity:
     def __call__(self, given: Any) -> float:
         """The value in SI; refuses what is no quantity of the dimension, or out of bounds."""
         value = _number(given, self.dimension)
-        if value <= self.above or value < self.least:
-            bound = "above zero" if self.above == 0.0 else "that is not negative"
-            expected = EXPECTED[self.dimension].replace(" such as", f" {bound}, such as")
+        if value <= self.above or value < self.least or value > self.most:
+            what, example = EXPECTED[self.dimension].split(" such as ")
+            expected = f"{what} {self._bound()}" + (f", such as {example}" if self.most == math.inf else "")
             refuse("bound", f"expected {expected}, got {described(given)}")
         return value
+
+    def _bound(self) -> str:
+        if self.most < math.inf:
+            return (
+                f"above {self.above:g} and at most {self.most:g}"
+                if self.above > -math.inf
+                else (f"from {self.least:g} to {self.most:g}")
+            )
+        return "above zero" if self.above == 0.0 else "that is not negative"
 
 
 class QuantityOrAuto(Quantity):
@@ -51,19 +61,29 @@ class QuantityOrAuto(Quantity):
 
 
 Length = Annotated[float, Quantity("length", above=0.0)]
-Clearance = Annotated[float, Quantity("length")]
 Angle = Annotated[float, Quantity("angle")]
 Rotation = Annotated[float, Quantity("rotation", above=0.0)]
 Force = Annotated[float, Quantity("force", above=0.0)]
+SignedForce = Annotated[float, Quantity("force")]
 Duration = Annotated[float, Quantity("time", above=0.0)]
 Delay = Annotated[float, Quantity("time", least=0.0)]
 Frequency = Annotated[float, Quantity("frequency", above=0.0)]
 Stiffness = Annotated[float, Quantity("stiffness", above=0.0)]
 Damping = Annotated[float, Quantity("damping", least=0.0)]
+Velocity = Annotated[float, Quantity("velocity", above=0.0)]
 InverseVelocity = Annotated[float, Quantity("inverse velocity", least=0.0)]
 Mass = Annotated[float, Quantity("mass", above=0.0)]
 Density = Annotated[float, Quantity("density", above=0.0)]
+Pressure = Annotated[float, Quantity("pressure", above=0.0)]
+Viscosity = Annotated[float, Quantity("viscosity", above=0.0)]
+MassRadius = Annotated[float, Quantity("unbalance", above=0.0)]
+TorsionalStiffness = Annotated[float, Quantity("torsional stiffness", above=0.0)]
+TorsionalDamping = Annotated[float, Quantity("torsional damping", least=0.0)]
 Number = Annotated[float, Quantity("number", least=0.0)]
+PositiveNumber = Annotated[float, Quantity("number", above=0.0)]
+SignedNumber = Annotated[float, Quantity("number")]
+Share = Annotated[float, Quantity("number", least=0.0, most=1.0)]
+PoissonRatio = Annotated[float, Quantity("number", above=0.0, most=0.5)]
 
 
 def refuse(kind: str, message: str, hint: str | None = None, **context: Any) -> NoReturn:
@@ -124,6 +144,34 @@ def _switch(given: Any) -> bool:
     if given not in ("true", "false"):
         raise_unknown_word(given, ("true", "false"))
     return bool(given == "true")
+
+
+def unless_none(given: Any) -> Any:
+    """Nothing for the word `none`: before an optional section, so that a sweep can switch it off."""
+    return None if given == "none" else given
+
+
+@dataclass(frozen=True)
+class Laws:
+    """Sections of which a field holds one, told apart by their `law`; a bare word is a law with its defaults.
+
+    `words` are the laws that may be given as a bare word.
+    """
+
+    sections: dict[str, type[Section]]
+    default: str
+    words: tuple[str, ...]
+
+    def tag(self, given: Any) -> Any:
+        """The law of what is given; a mapping without `law` is the default law's."""
+        return given.get("law", self.default) if isinstance(given, dict) else getattr(given, "law", None)
+
+    def spelled(self, given: Any) -> Any:
+        """A word as a mapping; refuses what is no law."""
+        found = {"law": given} if isinstance(given, str) else given
+        if self.tag(found) not in self.sections:
+            raise_unknown_word(self.tag(found), tuple(self.sections))
+        return found
 
 
 def whole(least: int, most: int) -> BeforeValidator:

@@ -1,7 +1,7 @@
 """What the user has on the bench: materials, bearings, rigs."""
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -11,15 +11,25 @@ from bearingsim.config.fields import (
     Density,
     Length,
     Mass,
+    PoissonRatio,
+    Pressure,
     Section,
     Stiffness,
     Text,
+    TorsionalDamping,
+    TorsionalStiffness,
+    one_of,
     refuse,
     whole,
 )
 from bearingsim.config.library import Kind, described
 from bearingsim.core.kinematics import ball_pass_frequency_outer
 from bearingsim.units import show
+
+Element = Literal["roller", "ball"]
+
+_GROOVES = ("inner_groove_radius", "outer_groove_radius")
+_OF_ELEMENT = {"roller_length": "roller"} | dict.fromkeys(_GROOVES, "ball")
 
 
 def named(kind: Kind) -> BeforeValidator:
@@ -28,10 +38,12 @@ def named(kind: Kind) -> BeforeValidator:
 
 
 class Material(Section):
-    """What rollers and rings are made of."""
+    """What rollers and rings are made of. The elastic constants are for the laws `johnson` and `point`."""
 
     name: Text = ""
     density: Density
+    young_modulus: Pressure = 207e9
+    poisson_ratio: PoissonRatio = 0.3
     source: Text = ""
 
 
@@ -40,12 +52,19 @@ def _steel() -> Any:
 
 
 class Bearing(Section):
-    """A cylindrical roller bearing: nominal dimensions in m, without clearance."""
+    """A radial bearing: nominal dimensions in m, without clearance.
+
+    `rollers` and `roller_diameter` are number and diameter of the rolling elements, balls too. Cylindrical rollers
+    have a `roller_length`; balls have grooves instead, whose radii (m) lie in the plane of the bearing's axis.
+    """
 
     name: Text = ""
+    element: Annotated[Element, one_of(*get_args(Element))] = "roller"
     rollers: Annotated[int, whole(3, 64)]
     roller_diameter: Length
-    roller_length: Length
+    roller_length: Length | None = None
+    inner_groove_radius: Length | None = None
+    outer_groove_radius: Length | None = None
     pitch_diameter: Length
     bore: Length
     outside_diameter: Length
@@ -58,9 +77,38 @@ class Bearing(Section):
         """Distance along the outer race between neighbouring rollers, m."""
         return math.pi * (self.pitch_diameter + self.roller_diameter) / self.rollers
 
+    @property
+    def inner_spacing(self) -> float:
+        """Distance along the inner race between neighbouring rollers, m."""
+        return math.pi * (self.pitch_diameter - self.roller_diameter) / self.rollers
+
+    @property
+    def element_mass(self) -> float:
+        """Mass of one rolling element, kg: a plain cylinder or a sphere."""
+        cross_section = math.pi / 4.0 * self.roller_diameter**2
+        length = 2.0 / 3.0 * self.roller_diameter if self.roller_length is None else self.roller_length
+        return self.material.density * cross_section * length
+
     def ball_pass_frequency(self, speed: float) -> float:
         """Rollers passing a point of the outer race per second (BPFO), Hz; `speed` in rad/s."""
         return ball_pass_frequency_outer(speed, self.roller_diameter, self.pitch_diameter, self.rollers)
+
+    @model_validator(mode="after")
+    def _has_its_elements(self) -> "Bearing":
+        for name, element in _OF_ELEMENT.items():
+            if getattr(self, name) is not None and element != self.element:
+                refuse("foreign", f"a {self.element} bearing has none", "leave it out", at=name)
+            if getattr(self, name) is None and element == self.element:
+                refuse("missing", f"a {self.element} bearing needs `{name}`, a length such as `12 mm`", at=name)
+            if name in _GROOVES and element == self.element:
+                self._check_groove(name)
+        return self
+
+    def _check_groove(self, name: str) -> None:
+        ball = self.roller_diameter / 2.0
+        if not ball < getattr(self, name) <= 2.0 * ball:
+            given, least, most = (show(value, "mm") for value in (getattr(self, name), ball, 2.0 * ball))
+            refuse("groove", f"a groove of {given} does not fit the ball (over {least}, at most {most})", at=name)
 
     @model_validator(mode="after")
     def _fits(self) -> "Bearing":
@@ -78,11 +126,16 @@ class Bearing(Section):
 
 
 class Rig(Section):
-    """The bracket that holds the outer ring, and the sensor on it."""
+    """The bracket that holds the outer ring, and the sensor on it.
+
+    Without `torsion_stiffness` (N m/rad) the ring does not rotate.
+    """
 
     name: Text = ""
     bracket_stiffness: Stiffness = 1e7
     bracket_damping: Damping = 200.0
+    torsion_stiffness: TorsionalStiffness | None = None
+    torsion_damping: TorsionalDamping | None = None
     sensor_angle: Angle = 0.0
     ring_mass: Mass | None = None
     source: Text = ""

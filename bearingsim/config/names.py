@@ -1,5 +1,7 @@
 """The names a user types for what is recorded and what is computed from it."""
 
+import re
+from collections.abc import Mapping
 from typing import NamedTuple
 
 
@@ -18,22 +20,22 @@ class Feature(NamedTuple):
     long_name: str
 
 
-CHANNELS: dict[str, Channel] = {
-    "ring.displacement": Channel(("x", "y"), "m", "displacement of the outer ring"),
-    "ring.velocity": Channel(("x", "y"), "m/s", "velocity of the outer ring"),
-    "ring.acceleration": Channel(("x", "y"), "m/s^2", "acceleration of the outer ring"),
-    "roller.outer_force": Channel(("",), "N", "contact force of the first roller on the outer race"),
-    "roller.inner_force": Channel(("",), "N", "contact force of the first roller on the inner race"),
-}
-"""x points to the most loaded position (phi = 0), y across the load line (phi = 90 deg)."""
+class Line(NamedTuple):
+    """A frequency as whole multiples of five others, and of the angles behind them.
+
+    outer: BPFO (Z times the cage's angle); inner: BPFI (Z times the inner ring's angle less the cage's); spin: BSF
+    (a roller's roll in the cage); cage: FTF; shaft: the inner ring's rotation.
+    """
+
+    outer: int = 0
+    inner: int = 0
+    spin: int = 0
+    cage: int = 0
+    shaft: int = 0
+
 
 HARMONICS = (1, 2, 3, 4, 5)
 """Multiples of the outer-race frequency whose lines are computed."""
-
-
-def dataset_names(channel: str) -> tuple[str, ...]:
-    """Names under which a channel's components are stored (`ring.velocity.x`, ...; KeyError if unknown)."""
-    return tuple(f"{channel}.{component}".rstrip(".") for component in CHANNELS[channel].components)
 
 
 def line_name(harmonic: int) -> str:
@@ -41,13 +43,93 @@ def line_name(harmonic: int) -> str:
     return "BPFO" if harmonic == 1 else f"{harmonic}BPFO"
 
 
+LINES: dict[str, Line] = {
+    **{line_name(k): Line(outer=k) for k in HARMONICS},
+    "BPFI": Line(inner=1),
+    "2BPFI": Line(inner=2),
+    "3BPFI": Line(inner=3),
+    "BPFI-fr": Line(inner=1, shaft=-1),
+    "BPFI+fr": Line(inner=1, shaft=1),
+    "2BSF": Line(spin=2),
+    "4BSF": Line(spin=4),
+    "2BSF-FTF": Line(spin=2, cage=-1),
+    "2BSF+FTF": Line(spin=2, cage=1),
+    "FTF": Line(cage=1),
+    "fr": Line(shaft=1),
+}
+"""Lines that are read: a pit of the inner race stands at BPFI with sidebands of the shaft, a roller's at 2 BSF
+with sidebands of the cage, an unbalance at fr."""
+
+ROLLER = {
+    "outer_force": Channel(("",), "N", "contact force of roller {} on the outer race"),
+    "inner_force": Channel(("",), "N", "contact force of roller {} on the inner race"),
+    "outer_slip": Channel(("",), "m/s", "slip of roller {} on the outer race"),
+    "inner_slip": Channel(("",), "m/s", "slip of roller {} on the inner race"),
+    "cage_force": Channel(("",), "N", "force of the cage on roller {}, forwards"),
+    "spin": Channel(("",), "rad/s", "spin of roller {}, in the sense of rolling"),
+}
+"""What can be recorded of any roller: `roller.3.outer_force`; without a number, of the first."""
+
+
+class _Channels(dict[str, Channel]):
+    """Channels by name; one of a numbered roller is made when it is asked for."""
+
+    def __missing__(self, name: str) -> Channel:
+        found = re.fullmatch(r"roller\.([1-9]\d?)\.(\w+)", name)
+        if not found or found[2] not in ROLLER:
+            raise KeyError(name)
+        return _numbered(found[2], found[1])
+
+    def __contains__(self, name: object) -> bool:
+        try:
+            self[str(name)]
+        except KeyError:
+            return False
+        return True
+
+
+def _numbered(kind: str, number: str) -> Channel:
+    channel = ROLLER[kind]
+    return channel._replace(long_name=channel.long_name.format(number))
+
+
+CHANNELS: Mapping[str, Channel] = _Channels(
+    {
+        "ring.displacement": Channel(("x", "y"), "m", "displacement of the outer ring"),
+        "ring.velocity": Channel(("x", "y"), "m/s", "velocity of the outer ring"),
+        "ring.acceleration": Channel(("x", "y"), "m/s^2", "acceleration of the outer ring"),
+        "ring.rotation": Channel(("",), "rad", "rotation of the outer ring"),
+        **{f"roller.{kind}": _numbered(kind, "1") for kind in ROLLER},
+        "cage.speed": Channel(("",), "rad/s", "speed of the cage"),
+        "cage.slip": Channel(("",), "", "slip of the cage"),
+        "cage.position": Channel(("x", "y"), "m", "displacement of the cage"),
+        "inner.displacement": Channel(("x", "y"), "m", "displacement of the inner ring"),
+        "load_zone.rollers": Channel(("",), "", "rollers that carry load"),
+    }
+)
+"""x points to the most loaded position (phi = 0), y across the load line (phi = 90 deg)."""
+
+
+def dataset_names(channel: str) -> tuple[str, ...]:
+    """Names under which a channel's components are stored (`ring.velocity.x`, ...; KeyError if unknown)."""
+    return tuple(f"{channel}.{component}".rstrip(".") for component in CHANNELS[channel].components)
+
+
+def roller_of(channel: str) -> tuple[int, str] | None:
+    """Number (from 1) and quantity of a roller's channel; None for another."""
+    head, *rest = channel.split(".")
+    if head != "roller":
+        return None
+    return (int(rest[0]), rest[1]) if len(rest) > 1 else (1, rest[0])
+
+
 def _line_features(quantity: str, unit: str) -> dict[str, Feature]:
     found = {}
-    for harmonic in HARMONICS:
-        line = line_name(harmonic)
+    for line, made_of in LINES.items():
         found[f"{quantity}@{line}"] = Feature(unit, f"{quantity} amplitude at {line}")
         found[f"{quantity}@{line}.phase"] = Feature("rad", f"{quantity} phase at {line}")
-        found[f"{quantity}@{line}-scatter"] = Feature(unit, f"standard error of {quantity} at {line}")
+        if made_of.outer:
+            found[f"{quantity}@{line}-scatter"] = Feature(unit, f"standard error of {quantity} at {line}")
         found[f"{quantity}@{line}-healthy"] = Feature(unit, f"{quantity} at {line}, change against healthy")
     return found
 
@@ -65,7 +147,14 @@ def _features() -> dict[str, Feature]:
     found: dict[str, Feature] = {}
     for quantity, unit in {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}.items():
         found |= _line_features(quantity, unit) | _statistics(quantity, unit)
-    return found | {"outer_force.max": Feature("N", "largest force of a roller on the outer race")}
+    return found | {
+        "outer_force.max": Feature("N", "largest force of a roller on the outer race"),
+        "inner_force.max": Feature("N", "largest force of a roller on the inner race"),
+        "cage_force.max": Feature("N", "largest force of the cage on a roller"),
+        "load_zone.extent": Feature("rad", "mean extent of the load zone"),
+        "cage.slip.mean": Feature("", "mean slip of the cage"),
+        "cage.slip.std": Feature("", "standard deviation of the cage's slip"),
+    }
 
 
 FEATURES: dict[str, Feature] = _features()

@@ -8,18 +8,30 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, OVERRUN, OVERRUN_MAX, POSITION, Q_I, Q_MAX, Q_O, VELOCITY, X, Y
+from bearingsim.core.jit import add, jit
+from bearingsim.core.layout import (
+    ACCELERATION,
+    LANES,
+    LOADED,
+    OVERRUN,
+    OVERRUN_MAX,
+    POSITION,
+    Q_I,
+    Q_I_MAX,
+    Q_MAX,
+    Q_O,
+    Q_P,
+    Q_P_MAX,
+    VELOCITY,
+    X,
+    Y,
+)
 from bearingsim.core.methods.interface import load_number, step
-from bearingsim.core.models.interface import damping_per_mass, stiffness_per_mass, watched
+from bearingsim.core.models.interface import begin, damping_per_mass, stiffness_per_mass, watched
 from bearingsim.core.parameters import lanes
 
-RECORDED = (  # rows of a recording; forces are the first roller's
-    *("ring.displacement.x", "ring.displacement.y", "ring.velocity.x", "ring.velocity.y"),
-    *("ring.acceleration.x", "ring.acceleration.y", "roller.outer_force", "roller.inner_force"),
-)
-CHANNELS = len(RECORDED)
-FIRST_OUTER = RECORDED.index("roller.outer_force")
+RING = tuple(block + axis for block in (POSITION, VELOCITY, ACCELERATION) for axis in (X, Y))
+"""Places in the buffer of what every recording begins with: the ring's displacement, velocity, acceleration."""
 
 
 class Watch(NamedTuple):
@@ -33,23 +45,36 @@ FINE, OUTRUN, NOT_FINITE = 0, 1, 2  # outcomes of a look
 
 
 @jit
-def record(y, n, out):
-    """Write the state after a step into column ``n`` of ``out`` (CHANNELS, steps)."""
-    out[0, n] = y[POSITION + X]
-    out[1, n] = y[POSITION + Y]
-    out[2, n] = y[VELOCITY + X]
-    out[3, n] = y[VELOCITY + Y]
-    out[4, n] = y[ACCELERATION + X]
-    out[5, n] = y[ACCELERATION + Y]
-    out[6, n] = y[Q_O]
-    out[7, n] = y[Q_I]
+def start_at_rest(model, t, y):
+    """``begin``, compiled as a whole: from Python its parts compile one by one, each when first met.
+
+    Returns the largest stiffness (1/s^2) and damping (1/s) over mass of a watched body.
+    """
+    begin(model, t, y)
+    K, C = 0.0, 0.0
+    for j in range(watched(model)):
+        K = max(K, stiffness_per_mass(model, y, j))
+        C = max(C, damping_per_mass(model, y, j))
+    return K, C
 
 
 @jit
-def keep_largest_force(y, n):
-    """Running maximum of each roller's outer contact force."""
+def record(y, places, n, out):
+    """Write the values at ``places`` of the buffer into column ``n`` of ``out`` (len(places), steps)."""
+    for c in range(len(places)):
+        out[c, n] = y[places[c]]
+
+
+@jit
+def keep_largest_forces(y, n):
+    """Running maxima of each roller's forces, and the number of rollers that carry load now."""
+    loaded = 0.0
     for j in range(n):
         y[Q_MAX + j] = max(y[Q_MAX + j], y[Q_O + j])
+        y[Q_I_MAX + j] = max(y[Q_I_MAX + j], y[Q_I + j])
+        y[Q_P_MAX + j] = max(y[Q_P_MAX + j], abs(y[Q_P + j]))
+        loaded = add(loaded, 1.0 if y[Q_I + j] > 0.0 else 0.0)
+    y[LOADED] = loaded
 
 
 @jit
@@ -62,7 +87,10 @@ def look(method, model, watch, y):
         over = 0.0 if load <= 1.0 else y[OVERRUN + j] + elapsed
         y[OVERRUN + j] = over
         y[OVERRUN_MAX + j] = max(y[OVERRUN_MAX + j], over)
-    if not np.isfinite(y[POSITION + X] + y[POSITION + Y] + y[VELOCITY + X] + y[VELOCITY + Y]):
+    moving = 0.0
+    for c in range(LANES):
+        moving += y[POSITION + c] + y[VELOCITY + c]
+    if not np.isfinite(moving):
         return NOT_FINITE, -1
     for j in range(bodies):
         if y[OVERRUN + j] > watch.patience:
@@ -71,16 +99,17 @@ def look(method, model, watch, y):
 
 
 @jit
-def advance(method, model, watch, start, y, out):
-    """Take ``out.shape[1]`` steps from step number ``start``, recording after each into ``out`` (CHANNELS, n).
+def advance(method, model, watch, start, y, places, out):
+    """Take ``out.shape[1]`` steps from step number ``start``, recording ``places`` of the buffer after each.
 
-    Returns (steps taken, outcome, body): all steps and FINE, or the step at which the watch stopped the run.
+    places: (C,) integers; out: (C, n). Returns (steps taken, outcome, body): all steps and FINE, or the step at
+    which the watch stopped the run.
     """
     used = lanes(model.bearing)
     for n in range(out.shape[1]):
         step(method, model, (start + n) * method.h, y)
-        record(y, n, out)
-        keep_largest_force(y, used)
+        keep_largest_forces(y, used)
+        record(y, places, n, out)
         if (start + n) % watch.stride == 0:
             outcome, body = look(method, model, watch, y)
             if outcome != FINE:

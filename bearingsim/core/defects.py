@@ -3,11 +3,12 @@
 A roller is round and cannot follow a narrow pit: what its centre feels is the envelope of the roller over the
 profile p(t) of the pit,
 
-    h(s) = min over t of [ p(t) + (t - s)^2 / (2 R) ],    R = R_w R_o / (R_o - R_w) on the outer race,
+    h(s) = min over t of [ p(t) + (t - s)^2 / (2 R) ],
 
-s being the distance along the race from the pit's middle. For a box, a V groove and a parabolic bowl the
-minimum has one closed form. With x = max(b - |s|, 0), the distance from the rim, split at x_e into
-x_1 = min(x, x_e) and x_2 = x - x_1,
+s being the distance along rolling from the pit's middle, and 1/R the curvature of roller and race relative to each
+other: R = R_w R_o / (R_o - R_w) on the outer race, R_w R_i / (R_i + R_w) on the inner. For a box, a V groove and a
+parabolic bowl the minimum has one closed form. With x = max(b - |s|, 0), the distance from the rim, split at x_e
+into x_1 = min(x, x_e) and x_2 = x - x_1,
 
     h = min(d, x_1^2 / (2 R) + x_1 x_2 / R - kappa x_2^2 / 2)
 
@@ -18,8 +19,9 @@ Along the roller the pit is cut into groups of weight w (their sum is 1), each w
 group for the untouched length, one for a box or a V (exact), Gauss nodes for a bowl.
 """
 
+from collections.abc import Sequence
 from math import pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,21 +32,41 @@ NEVER = 1.0  # m: a wall met only a metre from the rim is never met
 W, B, X_E, KAPPA, DEPTH = range(5)  # columns of a group
 GROUP = 5
 
+OUTER, INNER = 0, 1  # sides of a roller, on which it touches a race
+ON_OUTER, ON_INNER = -1, -2  # what carries a pit, if no roller
 
-class Pits(NamedTuple):
-    """Pits of the outer race.
 
-    angle: (D,) rad from the load line; groups: (D, K, 5) rows w, b (m), x_e (m), kappa (1/m), depth (m), padded
-    with rows of weight zero; used: (D,) rows in use; half_width: (D,) m, beyond which no roller feels the pit;
-    R: reduced radius (m); R_o: race radius (m).
+class Meeting(NamedTuple):
+    """A pit as one contact meets it. A pit of a race is met on that race's side, a roller's pit on both.
+
+    side: OUTER or INNER; on: ON_OUTER, ON_INNER, or the number of the roller that carries it; angle: rad from the
+    load line (on the inner race at t = 0), or from the roller's outermost point at t = 0; radius: of the surface
+    that carries it (m); R: reduced radius of roller and race (m); groups: rows (w, b, x_e, kappa, depth).
     """
 
-    angle: np.ndarray
-    groups: np.ndarray
-    used: np.ndarray
-    half_width: np.ndarray
+    side: int
+    on: int
+    angle: float
+    radius: float
     R: float
-    R_o: float
+    groups: Sequence[tuple[float, ...]]
+
+
+SIDE, ON, ANGLE, RADIUS, REDUCED, HALF_WIDTH, USED = range(7)  # columns of a meeting's head
+HEAD = 7
+
+
+class Pits(NamedTuple):
+    """All meetings, packed in few arrays: each one that a function is handed costs it reference counting.
+
+    head: (D, 7) as in ``Meeting``, then half_width (m), beyond which no roller feels the pit, and used, its number
+    of groups; groups: (D, K, 5), padded with rows of weight zero; excitation: what a roller feels of a pit
+    (``core/excitations.py``).
+    """
+
+    head: np.ndarray
+    groups: np.ndarray
+    excitation: Any
 
 
 def box(width: float, depth: float) -> tuple[float, float, float, float]:
@@ -88,26 +110,26 @@ def groups_of(shape: str, length: float, width: float, depth: float, L_w: float,
     raise ValueError(f"no such shape: {shape}")
 
 
-def pits(angles: list[float], groups: list[list], R_w: float, R_o: float) -> Pits:
-    """Pack the groups of each pit (see ``groups_of``) into the arrays the core reads."""
-    deepest = max([len(rows) for rows in groups], default=1)
-    packed = np.zeros((len(groups), deepest, GROUP))
-    for one, rows in zip(packed, groups, strict=True):
-        one[: len(rows)] = rows
-    used = np.array([len(rows) for rows in groups], dtype=np.int64)
-    return Pits(
-        angle=np.array(angles, dtype=float),
-        groups=packed,
-        used=used,
-        half_width=packed[:, :, B].max(axis=1),
-        R=outer_reduced_radius(R_w, R_o),
-        R_o=float(R_o),
-    )
+def pits(meetings: Sequence[Meeting], excitation: Any) -> Pits:
+    """Pack the meetings into the arrays the core reads."""
+    deepest = max([len(one.groups) for one in meetings], default=1)
+    groups = np.zeros((len(meetings), deepest, GROUP))
+    for row, one in zip(groups, meetings, strict=True):
+        row[: len(one.groups)] = one.groups
+    head = np.zeros((len(meetings), HEAD))
+    for row, one, cut in zip(head, meetings, groups, strict=True):
+        row[:] = one.side, one.on, one.angle, one.radius, one.R, cut[:, B].max(), len(one.groups)
+    return Pits(head, groups, excitation)
 
 
 def outer_reduced_radius(R_w: float, R_o: float) -> float:
     """Radius (m) of the roller relative to the outer race it rolls in: R_w R_o / (R_o - R_w)."""
     return R_w * R_o / (R_o - R_w)
+
+
+def inner_reduced_radius(R_w: float, R_i: float) -> float:
+    """Radius (m) of the roller relative to the inner race it rolls on: R_w R_i / (R_i + R_w)."""
+    return R_w * R_i / (R_i + R_w)
 
 
 @jit
@@ -124,12 +146,28 @@ def depression(group, s, R):
 
 
 @jit
-def roller_over(pits, d, theta_c, Z):
-    """Which of Z evenly spaced rollers is nearest to pit ``d``, and its distance s (m) from the pit's middle.
+def meeting(pits, d, theta_c, theta_i, roll, Z):
+    """Which roller is nearest to meeting ``d``, and its distance s (m) along rolling from the pit's middle.
 
-    theta_c: angle of roller 0 (rad); roller j stands at theta_c + 2 pi j/Z.
+    theta_c: angle of roller 0 (rad); the Z rollers are evenly spaced. theta_i: angle of the inner ring. roll: how
+    far a roller has turned backwards relative to the line through its centre and the bearing's.
     """
-    turns = (theta_c - pits.angle[d]) * Z / (2.0 * pi)
-    nearest = np.floor(turns + 0.5)
+    head = pits.head[d]
+    on = head[ON]
+    if on >= 0.0:
+        turn = (roll - head[ANGLE]) / (2.0 * pi) - 0.5 * head[SIDE]
+        return int(on), (turn - np.floor(turn + 0.5)) * 2.0 * pi * head[RADIUS]
+    place = head[ANGLE] + (theta_i if on == ON_INNER else 0.0)
+    turn = (theta_c - place) * Z / (2.0 * pi)
+    nearest = np.floor(turn + 0.5)
     j = int(-nearest - Z * np.floor(-nearest / Z))
-    return j, (turns - nearest) * (2.0 * pi / Z) * pits.R_o
+    return j, (turn - nearest) * (2.0 * pi / Z) * head[RADIUS]
+
+
+@jit
+def sliding(pits, d, bearing):
+    """How fast (m/s) rollers move past the pit, ds/dt, at kinematic speeds."""
+    on = pits.head[d, ON]
+    if on >= 0.0:
+        return pits.head[d, RADIUS] * bearing.omega_b
+    return pits.head[d, RADIUS] * (bearing.omega_c - (bearing.omega_i if on == ON_INNER else 0.0))

@@ -3,18 +3,19 @@
 For a ring position u each roller finds its own balance Q_o = Q_i + m_r omega_c^2 r (one unknown, bracketed);
 the ring's position is then found by Newton with a line search on the net force
 
-    f(u) = -F e_0 - k_b (u - u_0) + sum_j Q_o,j(u) e_r(theta_j)
+    f(u) = -F e_0 - F_across e_90 - k_b (u - u_0) + sum_j Q_o,j(u) e_r(theta_j)
 
 which is minus the gradient of a convex energy, so the method cannot wander off. A roller that carries nothing
 rests on the outer race. ``static`` takes one such equilibrium per step; ``ring`` and ``rollers`` start from it.
 """
 
 from math import cos, hypot, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.contact import elastic, tangent
-from bearingsim.core.defects import W, depression, roller_over
+from bearingsim.core.contact import damping_slope, share, tangent
+from bearingsim.core.defects import HALF_WIDTH, SIDE, meeting
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
     COS,
@@ -27,15 +28,19 @@ from bearingsim.core.layout import (
     ROW,
     SIN,
     SIN_0,
-    STAGE,
+    STATE,
     VELOCITY,
+    WORK,
     Q,
     X,
     Y,
 )
+from bearingsim.core.parameters import turns
+from bearingsim.core.pit_contact import elastic_over_pit, outdone
 
-K_SERIES = STAGE  # scratch row: stiffness of the two contacts of a roller in series, N/m
-PIT, ALONG = STAGE + ROW, STAGE + 2 * ROW  # scratch rows: the pit under a roller (-1: none), and where in it
+K_SERIES = WORK  # work row: stiffness of the two contacts of a roller in series, N/m
+PIT, ALONG = WORK + ROW, WORK + 3 * ROW  # work rows, two each (outer, inner): the meeting that a roller's contact
+# stands in (-1: none), and its distance from the pit's middle, m
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 MAX_STEPS = 200
 LONGEST_STEP = 1e-5  # m
@@ -46,56 +51,48 @@ class NoEquilibrium(ArithmeticError):
 
 
 @jit
-def outer_force(stiffness, pits, d, s, o):
-    """Outer contact at approach ``o`` (m, from the undamaged race): force, slope and mean approach.
-
-    ``d`` is the pit under the roller, -1 for none; ``s`` the roller's distance from the pit's middle (m).
-    """
-    if d < 0:
-        return elastic(stiffness, max(o, 0.0)), tangent(stiffness, max(o, 0.0)), max(o, 0.0)
-    force, slope, mean = 0.0, 0.0, 0.0
-    for k in range(pits.used[d]):
-        group = pits.groups[d, k]
-        delta = max(o - depression(group, s, pits.R)[0], 0.0)
-        force += group[W] * elastic(stiffness, delta)
-        slope += group[W] * tangent(stiffness, delta)
-        mean += group[W] * delta
-    return force, slope, mean
+def outer_force(model, y, j, delta):
+    """Force (N), slope (N/m) and mean approach (m) of roller ``j``'s outer contact, ``delta`` (m) in the race."""
+    return elastic_over_pit(model.outer.stiffness, model.pits, int(y[PIT + j]), y[ALONG + j], delta)
 
 
 @jit
-def excess_force(model, d, s, touch, q):
+def inner_force(model, y, j, delta):
+    """The same for its inner contact."""
+    d, s = int(y[PIT + ROW + j]), y[ALONG + ROW + j]
+    return elastic_over_pit(model.inner.stiffness, model.pits, d, s, delta)
+
+
+@jit
+def excess_force(model, y, j, touch, q):
     """Net inward force (N) on a roller at ``q`` (m) and its slope; ``touch`` is where it meets the outer race."""
-    bearing, stiffness = model.bearing, model.contact.stiffness
-    outer, slope, _mean = outer_force(stiffness, model.pits, d, s, q - touch)
-    inner = max(-bearing.gap - q, 0.0)
+    bearing = model.bearing
+    outer, k_o, _ = outer_force(model, y, j, q - touch)
+    inner, k_i, _ = inner_force(model, y, j, -bearing.gap - q)
     r = 0.5 * (bearing.R_o + bearing.R_i) + q
-    centrifugal = bearing.m_r * bearing.omega_c * bearing.omega_c * r
-    return outer - elastic(stiffness, inner) - centrifugal, slope + tangent(stiffness, inner)
+    return outer - inner - bearing.m_r * bearing.omega_c * bearing.omega_c * r, k_o + k_i
 
 
 @jit
-def roller_balance(model, d, s, u_r):
+def roller_balance(model, y, j, u_r):
     """Position q (m) of a roller when the outer race stands ``u_r`` further out at its angle.
 
-    Newton inside a bracket: from touching the outer race with no force to pressing on it with all there is.
+    Newton inside a bracket: from touching the outer race with no force to pressing on it with all there is. The
+    rows PIT and ALONG say where it stands over a pit.
     """
     gap = model.bearing.gap
     touch = u_r + gap
-    massless = model.bearing.m_r == 0.0
-    if massless and touch >= -gap:
-        return touch
-    if massless and d < 0:
-        return u_r / 2.0
-    if massless and model.pits.used[d] == 1:
-        h = depression(model.pits.groups[d, 0], s, model.pits.R)[0]
-        return min(0.5 * (u_r + h), -gap)
+    if model.bearing.m_r == 0.0:
+        if touch >= -gap:
+            return touch
+        if y[PIT + j] < 0.0 and y[PIT + ROW + j] < 0.0:
+            return -gap - share(model.outer.stiffness, model.inner.stiffness, -gap - touch)
     low, high = touch, max(touch, -gap) + 1e-6
-    while excess_force(model, d, s, touch, high)[0] < 0.0:
+    while excess_force(model, y, j, touch, high)[0] < 0.0:
         high += high - low
     q = 0.5 * (low + high)
     for _ in range(MAX_STEPS):
-        excess, slope = excess_force(model, d, s, touch, q)
+        excess, slope = excess_force(model, y, j, touch, q)
         if excess > 0.0:
             high = q
         else:
@@ -110,36 +107,37 @@ def roller_balance(model, d, s, u_r):
 
 
 @jit
-def find_pits(pits, theta_c, Z, y):
-    """Fill the rows PIT and ALONG: which pit is under which roller, and how far (m) its middle is."""
-    for j in range(Z):
+def find_pits(model, t, y):
+    """Fill the rows PIT and ALONG: the meeting each contact stands in, and its distance (m) from the middle."""
+    bearing, pits = model.bearing, model.pits
+    theta_c, theta_i, roll = turns(bearing, t)
+    for j in range(bearing.Z):
         y[PIT + j] = -1.0
-    for d in range(len(pits.angle)):
-        j, s = roller_over(pits, d, theta_c, Z)
-        if abs(s) < pits.half_width[d]:
-            y[PIT + j], y[ALONG + j] = d, s
+        y[PIT + ROW + j] = -1.0
+    for d in range(len(pits.head)):
+        j, s = meeting(pits, d, theta_c, theta_i, roll, bearing.Z)
+        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(pits, d, j, s, theta_c, theta_i, roll, bearing.Z):
+            row = ROW * int(pits.head[d, SIDE])
+            y[PIT + row + j], y[ALONG + row + j] = d, s
 
 
 @jit
 def balance_rollers(model, t, y):
     """Balance every roller for the ring position in ``y``; fills its angle, approach, force and K_SERIES rows."""
-    bearing, stiffness = model.bearing, model.contact.stiffness
-    theta_c = bearing.theta_0 + bearing.omega_c * t
-    find_pits(model.pits, theta_c, bearing.Z, y)
+    bearing = model.bearing
+    find_pits(model, t, y)
+    theta_c, _, _ = turns(bearing, t)
     C, S = cos(theta_c), sin(theta_c)
     for j in range(bearing.Z):
         c = C * y[COS_0 + j] - S * y[SIN_0 + j]
         s = S * y[COS_0 + j] + C * y[SIN_0 + j]
         u_r = y[POSITION + X] * c + y[POSITION + Y] * s
-        d, along = int(y[PIT + j]), y[ALONG + j]
-        q = roller_balance(model, d, along, u_r)
-        force, k_o, approach = outer_force(stiffness, model.pits, d, along, q - u_r - bearing.gap)
-        inner = max(-bearing.gap - q, 0.0)
-        k_i = tangent(stiffness, inner) if inner > 0.0 else 0.0
+        q = roller_balance(model, y, j, u_r)
         y[COS + j], y[SIN + j], y[Q + j] = c, s, q
-        y[DELTA_O + j], y[DELTA_I + j] = approach, inner
-        y[Q_O + j], y[Q_I + j] = force, elastic(stiffness, inner)
-        y[K_SERIES + j] = k_o * k_i / (k_o + k_i) if force > 0.0 else 0.0
+        y[Q_O + j], k_o, y[DELTA_O + j] = outer_force(model, y, j, q - u_r - bearing.gap)
+        y[Q_I + j], k_i, y[DELTA_I + j] = inner_force(model, y, j, -bearing.gap - q)
+        carries = y[Q_O + j] > 0.0 and y[Q_I + j] > 0.0
+        y[K_SERIES + j] = k_o * k_i / (k_o + k_i) if carries else 0.0
 
 
 @jit
@@ -147,7 +145,7 @@ def net_force(model, y):
     """Net force (N) on the ring, from the rows that ``balance_rollers`` filled."""
     support = model.support
     f_x = -support.F - support.k_b * (y[POSITION + X] - support.x_0)
-    f_y = -support.k_b * (y[POSITION + Y] - support.y_0)
+    f_y = -support.F_across - support.k_b * (y[POSITION + Y] - support.y_0)
     for j in range(model.bearing.Z):
         f_x += y[Q_O + j] * y[COS + j]
         f_y += y[Q_O + j] * y[SIN + j]
@@ -159,7 +157,7 @@ def ring_stiffness(model, y):
     """Stiffness of the ring's support (N/m): entries xx, xy, yy of the symmetric matrix -df/du."""
     k_b = model.support.k_b
     # a ring hanging on one roller has no stiffness across it: a trace of it keeps the step finite
-    trace = 1e-8 * tangent(model.contact.stiffness, 1e-7)
+    trace = 1e-8 * tangent(model.outer.stiffness, 1e-7)
     k_xx, k_xy, k_yy = k_b + trace, 0.0, k_b + trace
     for j in range(model.bearing.Z):
         c, s, k = y[COS + j], y[SIN + j], y[K_SERIES + j]
@@ -256,24 +254,59 @@ def first_guess(model, t, y):
 @jit
 def rest_from_scratch(model, t, y):
     """``find_rest`` with nothing known beforehand; all velocities zero. Returns the residual force (N)."""
-    y[POSITION : POSITION + ROW] = 0.0
-    y[VELOCITY : VELOCITY + ROW] = 0.0
+    y[POSITION : POSITION + STATE] = 0.0
+    y[VELOCITY : VELOCITY + STATE] = 0.0
     first_guess(model, t, y)
     return find_rest(model, t, y)
 
 
+class Rest(NamedTuple):
+    """A bearing at rest, averaged over a ball pass.
+
+    x, y: place of the ring (m); load: largest force on a roller (N), and approach, that of its two contacts
+    together (m), at any time; K_x, K_y, C_x, C_y: stiffness (N/m) and damping (N s/m) that the rollers offer the ring.
+    """
+
+    x: float
+    y: float
+    load: float
+    approach: float
+    K_x: float
+    K_y: float
+    C_x: float
+    C_y: float
+
+
+@jit
+def ring_damping(model, y):
+    """Damping (N s/m) that the rollers offer the ring along e_0 and e_90: a roller's two contacts in series."""
+    c_xx, c_yy = 0.0, 0.0
+    for j in range(model.bearing.Z):
+        outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), 0.0)
+        inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), 0.0)
+        in_series = outer * inner / max(outer + inner, 1e-300)
+        c_xx += in_series * y[COS + j] * y[COS + j]
+        c_yy += in_series * y[SIN + j] * y[SIN + j]
+    return c_xx, c_yy
+
+
 def mean_rest(model, y, samples=32):
-    """Mean ring position (m, m) over one ball pass at rest: the anchor of the bracket.
+    """``Rest`` of a bearing, from ``samples`` of a ball pass.
 
     Raises ``NoEquilibrium`` if one is not found to 1e-8 of the load.
     """
-    pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
-    positions = []
+    Z = model.bearing.Z
+    pass_time = 2.0 * pi / (Z * model.bearing.omega_c)
+    found, loads = [], []
     for n in range(samples):
         find = rest_from_scratch if n == 0 else find_rest
         residual = find(model, (n + 0.5) / samples * pass_time, y)
         if not residual <= 1e-8 * model.support.F:
             raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {model.support.F:g} N")
-        positions.append((y[POSITION + X], y[POSITION + Y]))
-    x, z = np.mean(positions, axis=0)
-    return float(x), float(z)
+        k_xx, _, k_yy = ring_stiffness(model, y)
+        found.append((y[POSITION + X], y[POSITION + Y], k_xx, k_yy, *ring_damping(model, y)))
+        most = int(np.argmax(y[Q_I : Q_I + Z]))
+        loads.append((y[Q_O + most], y[DELTA_O + most] + y[DELTA_I + most]))
+    x, z, k_x, k_y, c_x, c_y = (float(value) for value in np.mean(found, axis=0))
+    load, approach = (float(value) for value in max(loads))
+    return Rest(x, z, load, approach, k_x, k_y, c_x, c_y)

@@ -10,7 +10,7 @@ from bearingsim.core.layout import VECTOR
 
 
 class Bearing(NamedTuple):
-    """Geometry, masses and motion."""
+    """Geometry, masses and motion. Speeds are kinematic: those of rolling without slip (at t = 0, with a ramp)."""
 
     Z: int  # rollers
     R_w: float  # roller radius, m
@@ -19,14 +19,17 @@ class Bearing(NamedTuple):
     gap: float  # a quarter of the diametral radial clearance, m: what each contact of a centred roller lacks
     m_r: float  # roller mass, kg
     m_o: float  # outer ring mass, kg
+    omega_i: float  # inner ring's speed, rad/s
     omega_c: float  # cage speed, rad/s
+    omega_b: float  # a roller's speed relative to the cage, rad/s, against the sense of rotation
     theta_0: float  # angle of the first roller at t = 0, rad
 
 
 class Support(NamedTuple):
-    """What holds and loads the outer ring: F along -e_0, a bracket spring and damper anchored at (x_0, y_0)."""
+    """What holds and loads the outer ring: -F e_0 - F_across e_90, a bracket spring and damper at (x_0, y_0)."""
 
     F: float  # N
+    F_across: float  # N
     k_b: float  # N/m
     c_b: float  # N s/m
     x_0: float  # m
@@ -37,3 +40,9 @@ class Support(NamedTuple):
 def lanes(bearing):
     """Lanes in use: the rollers, padded to the vector width."""
     return (bearing.Z + VECTOR - 1) // VECTOR * VECTOR
+
+
+@jit
+def turns(bearing, t):
+    """Angles (rad) of the cage, the inner ring and a roller's roll in the cage at time ``t``, without slip."""
+    return bearing.theta_0 + bearing.omega_c * t, bearing.omega_i * t, bearing.omega_b * t

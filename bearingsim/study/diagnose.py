@@ -7,7 +7,9 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from bearingsim.config import Case
-from bearingsim.config.case import DAMPING_LAWS, Conflict, Path
+from bearingsim.config.case import LAWS
+from bearingsim.config.conflicts import Conflict, Path
+from bearingsim.config.contact import WORD
 from bearingsim.study.paths import known_paths, label
 from bearingsim.units import EXPECTED, suggestion
 from bearingsim.yamlfile import Mark, Node, Problem, plain, problem
@@ -96,9 +98,9 @@ def _unknown_key(name: str, path: Path, tree: Node) -> tuple[str, str]:
 
 def _keys_at(path: Path, tree: Node) -> list[str]:
     """The keys that a section may have."""
-    if path[-1:] == ("damping",):
+    if path in LAWS:
         law = _nearest_node(tree, path).mapping.get("law")
-        return list(DAMPING_LAWS[law.text if law else "hunt-crossley"].model_fields)
+        return list(LAWS[path].sections[law.text if law else LAWS[path].default].model_fields)
     prefix = label(path, 0) + "." if path else ""
     inner = [known.removeprefix(prefix) for known in known_paths() if known.startswith(prefix)]
     extra = ["name", "source"] if path[:1] in (("bearing",), ("rig",)) else [] if path else list(STUDY_KEYS)
@@ -106,14 +108,15 @@ def _keys_at(path: Path, tree: Node) -> list[str]:
 
 
 def _path_of(details: ErrorDetails) -> Path:
-    """Where the error is in the tree: without the tags that pydantic adds for the damping's law."""
+    """Where the error is in the tree: without the tags that pydantic adds for a law."""
     path = [step for i, step in enumerate(details["loc"]) if not _is_tag(details["loc"], i)]
     at = details.get("ctx", {}).get("at")
     return (*path, at) if at else tuple(path)
 
 
 def _is_tag(loc: Path, index: int) -> bool:
-    return index > 0 and loc[index - 1] == "damping" and loc[index] in DAMPING_LAWS
+    laws = LAWS.get(loc[:index])
+    return laws is not None and (loc[index] in laws.sections or loc[index] == WORD)
 
 
 def _nearest_node(tree: Node, path: Path) -> Node:

@@ -1,11 +1,13 @@
 """A tree in its plain form: names replaced by what their files say, `defect` by a list of one."""
 
 from dataclasses import replace
+from functools import reduce
 from pathlib import Path as FilePath
 
+from bearingsim.config.case import LAWS
 from bearingsim.config.library import Kind, find, read
 from bearingsim.study.paths import put
-from bearingsim.yamlfile import Node, Problem, StudyError, problem
+from bearingsim.yamlfile import Mark, Node, Problem, StudyError, problem
 
 
 def expanded(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
@@ -19,8 +21,10 @@ def expanded(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
         if section in tree.mapping:
             opened = _opened(tree.mapping[section], kind, folder, problems)
             tree = put(tree, (section,), opened)
-    return _law_by_name(_opened_material(tree, folder, problems))
+    return _laws_by_name(_opened_material(tree, folder, problems))
 
+
+_NOTHING = Node("", Mark(""))
 
 _REFERENCES: tuple[tuple[str, Kind], ...] = (("bearing", "bearings"), ("rig", "rigs"))
 
@@ -55,7 +59,7 @@ def _opened(node: Node, kind: Kind, folder: FilePath, problems: list[Problem]) -
         # By its full path the case finds the file too, and refuses it likewise.
         return replace(node, value=str(find(kind, node.value, folder).absolute()))
     problems += [found for found in document.problems if found not in problems]
-    return document.root
+    return replace(document.root, mark=node.mark)  # what is wrong with the whole is wrong where it was named
 
 
 def _opened_material(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
@@ -67,11 +71,11 @@ def _opened_material(tree: Node, folder: FilePath, problems: list[Problem]) -> N
     return put(tree, ("bearing",), put(bearing, ("material",), material))
 
 
-def _law_by_name(tree: Node) -> Node:
+def _laws_by_name(tree: Node) -> Node:
     """`damping: kraemer` as the mapping `{law: kraemer}`, so that a sweep can reach into it."""
-    contact = tree.mapping.get("contact")
-    damping = contact.mapping.get("damping") if contact else None
-    if damping is None or not isinstance(damping.value, str):
-        return tree
-    law = Node({"law": Node(damping.value, damping.mark)}, damping.mark, damping.key)
-    return put(tree, ("contact", "damping"), law)
+    for path in LAWS:
+        section = reduce(lambda node, step: node.mapping.get(str(step), _NOTHING), path, tree)
+        if section is not _NOTHING and isinstance(section.value, str):
+            law = Node({"law": Node(section.value, section.mark)}, section.mark, section.key)
+            tree = put(tree, path, law)
+    return tree

@@ -2,11 +2,11 @@
 
 import hashlib
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 from bearingsim.config import Case
+from bearingsim.study.used import used
 
 
 @dataclass(frozen=True)
@@ -71,11 +71,11 @@ def case_id(case: Case) -> str:
     """16 hex digits that name a result: equal for equal physics, however it was written.
 
     Covers all that shapes the numbers (12 significant digits) and the model's version; not the names and
-    sources of bearing, rig and material.
+    sources of bearing, rig and material, nor what the case does not use.
     """
     from bearingsim.core import MODEL_VERSION
 
-    values = case.model_dump() | {"record": sorted(set(case.record)), "model_version": MODEL_VERSION}
+    values = used(case) | {"record": sorted(set(case.record)), "model_version": MODEL_VERSION}
     text = json.dumps(_canonical(values), sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -91,13 +91,11 @@ def _canonical(value: Any) -> Any:
 
 
 def _twin(case: Case, swept: dict[str, float | str]) -> Job | None:
-    """The same bearing without its defects."""
-    if not case.defects:
+    """The same bearing without its defects; none for the impulse model, which has nothing to say of it."""
+    if not case.defects or case.model == "impulse":
         return None
-    healthy = case.model_copy(update={"defects": ()})
-    kept = dict(_undamaged(swept))
+    dropped = {"defect", "defects", "excitation"} | ({"seed"} if case.model != "planar" else set())
+    plain = {name: Case.model_fields[name].default for name in dropped & Case.model_fields.keys()}
+    healthy = case.model_copy(update=plain)
+    kept = {path: value for path, value in swept.items() if path.split(".")[0] not in dropped}
     return Job(case_id(healthy), healthy, kept, None, twin=True)
-
-
-def _undamaged(swept: dict[str, float | str]) -> Iterator[tuple[str, float | str]]:
-    return ((path, value) for path, value in swept.items() if path.split(".")[0] not in ("defect", "defects"))

@@ -8,7 +8,7 @@ from functools import reduce
 from pathlib import Path as FilePath
 
 from bearingsim.config import Bearing, Case
-from bearingsim.config.case import Path
+from bearingsim.config.conflicts import Path
 from bearingsim.study.diagnose import STUDY_KEYS, Found, case_of
 from bearingsim.study.expand import expanded
 from bearingsim.study.figures import parse_figures
@@ -203,7 +203,7 @@ class _Plan:
         for path, node in row:
             value = value_at(case, self.places[path])
             is_number = isinstance(value, int | float) and not isinstance(value, bool)
-            values[path] = float(value) if is_number else node.text
+            values[path] = float(value) if is_number and not _is_word(path, node) else node.text
         return values
 
     def units(self) -> dict[str, str]:
@@ -219,10 +219,15 @@ class _Plan:
 
 
 def _unit(path: str, node: Node) -> str:
+    return split(node.text)[1] if dimension(path) and not _is_word(path, node) else ""
+
+
+def _is_word(path: str, node: Node) -> bool:
+    """Whether a word stands where a quantity could, such as `auto`, or a clearance's class."""
     try:
-        return split(node.text)[1] if dimension(path) else ""
-    except UnitError:  # a word where a quantity could stand, such as `auto`
-        return ""
+        return dimension(path) is not None and not split(node.text)
+    except UnitError:
+        return True
 
 
 def _name(root: Node, problems: list[Problem]) -> str:

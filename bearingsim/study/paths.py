@@ -6,7 +6,7 @@ from functools import cache
 from typing import Any, get_args
 
 from bearingsim.config import Case
-from bearingsim.config.case import Path
+from bearingsim.config.conflicts import Path
 from bearingsim.config.fields import Quantity, Section
 from bearingsim.units import Dimension, suggestion
 from bearingsim.yamlfile import Node

@@ -3,6 +3,7 @@
 from typing import Any
 
 from bearingsim.config import FEATURES, Case
+from bearingsim.config.case import LAWS
 from bearingsim.study.sweep import GENERATORS
 
 _WORDS = {"type": ["string", "array"], "items": {"type": "string"}}
@@ -36,8 +37,11 @@ def _case_fields(case: dict[str, Any]) -> dict[str, Any]:
         fields[name] = {"anyOf": [{"type": "string"}, {"$ref": f"#/$defs/{name.capitalize()}"}]}
     material = {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/Material"}]}
     case["$defs"]["Bearing"]["properties"]["material"] = material
-    damping = case["$defs"]["Contact"]["properties"]["damping"]
-    case["$defs"]["Contact"]["properties"]["damping"] = {"anyOf": [{"type": "string"}, damping]}
+    for path, laws in LAWS.items():
+        where = case["$defs"]["Contact"]["properties"] if path[0] == "contact" else fields
+        where[path[-1]] = {"anyOf": [{"type": "string", "enum": list(laws.words)}, where[path[-1]]]}
+    for name in ("ramp", "drag", "shaft", "unbalance"):
+        fields[name] = {"anyOf": [{"const": "none"}, fields[name]]}
     return fields | {"defect": {"$ref": "#/$defs/Defect"}}
 
 

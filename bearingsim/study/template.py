@@ -11,15 +11,17 @@ bearing: nf308                    # a name in configs/bearings, a path to such a
 # rig: bvt5                       # the bracket that holds the outer ring, and the sensor
 speed: 1800 rpm                   # of the inner ring
 load: 150 N                       # radial
-# clearance: 0 um                 # diametral, in operation; negative is preload
+# clearance: 0 um                 # diametral, in operation; negative is preload; or a class such as CN or C3
 
 # The damage. Several defects: `defects:` with a list, reached as defects.1.width. None: a healthy bearing.
 defect:
+  race: outer                     # inner (turns with the ring), or roller, with its number: `roller: 3`
   shape: circular                 # rectangular, triangular or circular
   length: 3 mm                    # along the roller
   width: 0.8 mm                   # along rolling
   depth: 0.05 mm
   angle: 0 deg                    # from the most loaded position
+# excitation: envelope            # how it is felt; or half-sine-pulse, clearance-increase, soft-edge, ...
 
 # What varies: the product of the entries, the last one fastest. Values are a list, or
 # {linspace: [from, to, how many]}, {logspace: [from, to, how many]}, {range: [from, to, step]}.
@@ -27,20 +29,31 @@ sweep:
   defect.length: [3 mm, 6 mm, 9 mm, 12 mm]
   load: {linspace: [150 N, 300 N, 3]}
 # zip: {defect.width: [0.2 mm, 0.4 mm], defect.depth: [0.02 mm, 0.05 mm]}     # moves several together
+# zip: {model: [impulse, ring, rollers], excitation: [impulse-train, half-sine-pulse, envelope]}
 
 # The model
-# model: rollers                  # static (equilibrium only), ring (massless rollers) or rollers
+# model: rollers                  # impulse, static, ring, rollers, planar, or least: the lowest that can do it all
 # method: verlet                  # or rk4
 # step: auto                      # or a time such as 0.5 us
 # contact:
-#   stiffness: palmgren           # or iso16281
+#   stiffness: palmgren           # or iso16281, johnson; point for balls; {law: constant, ...}
 #   damping: {law: hunt-crossley, chi: 50 s/m}      # or {law: kraemer, beta: 10 us}
+
+# What only the planar model can: slip, cage, changing speed
+# friction: static-dynamic        # or traction, none, or {law: static-dynamic, static: 0.3, dynamic: 0.15}
+# cage: {pocket_clearance: 0.2 mm, guide: centred}          # guide: rollers, inner-ring or outer-ring frees it
+# drag: {oil_fraction: 0.1, oil_viscosity: 0.05 Pa s}       # none without it
+# ramp: {to: 3000 rpm, time: 1 s}                           # from `speed`
+# gravity: false
+# shaft: {stiffness: 1e8 N/m, mass: 1 kg}                   # rigid without it
+# unbalance: {mass_radius: 100 g mm}
+# seed: 0                                                   # of what is random
 
 # The record
 duration: 1 s                     # after settling
 # settle: 50 ms                   # run before anything is recorded
 # sampling: 10240 Hz              # of the stored series, after a low-pass; `antialias: false` picks raw values
-record: [ring.velocity]           # also ring.displacement, ring.acceleration, roller.outer_force, ...
+record: [ring.velocity]           # also ring.displacement, ring.acceleration, roller.outer_force, cage.speed, ...
 
 figures:
   - {y: velocity@BPFO, x: defect.length, by: load}

@@ -8,12 +8,12 @@ from math import sqrt
 from typing import NamedTuple
 
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, POSITION, ROW, STAGE, VELOCITY
+from bearingsim.core.layout import ACCELERATION, POSITION, STAGE, STATE, VELOCITY
 from bearingsim.core.methods.interface import MethodKind, load_number, step
 from bearingsim.core.models.interface import accelerations, width
 
 REACH_REAL, REACH = 2.785, 2.615  # of decaying and of oscillating motion
-START_Q, START_V, SUM_Q, SUM_V = STAGE, STAGE + ROW, STAGE + 2 * ROW, STAGE + 3 * ROW
+START_Q, START_V, SUM_Q, SUM_V = (STAGE + n * STATE for n in range(4))
 
 
 class RungeKutta4(NamedTuple):

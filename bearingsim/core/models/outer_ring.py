@@ -17,13 +17,13 @@ def turn(theta_c, y, n):
 
 @jit
 def accelerate_ring(model, y, n):
-    """m_o u'' = -F e_0 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)."""
+    """m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)."""
     support, m_o = model.support, model.bearing.m_o
     f_x, f_y = 0.0, 0.0
     for j in range(n):
         f_x = add(f_x, y[Q_O + j] * y[COS + j])
         f_y = add(f_y, y[Q_O + j] * y[SIN + j])
     f_x += -support.F - support.k_b * (y[POSITION + X] - support.x_0) - support.c_b * y[VELOCITY + X]
-    f_y += -support.k_b * (y[POSITION + Y] - support.y_0) - support.c_b * y[VELOCITY + Y]
+    f_y += -support.F_across - support.k_b * (y[POSITION + Y] - support.y_0) - support.c_b * y[VELOCITY + Y]
     y[ACCELERATION + X] = f_x / m_o
     y[ACCELERATION + Y] = f_y / m_o

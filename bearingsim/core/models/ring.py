@@ -16,9 +16,9 @@ the rollers' inertia and centrifugal load.
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.defects import Pits, W, depression, roller_over
-from bearingsim.core.equilibrium import roller_balance
+from bearingsim.core.contact import damping_slope, normal_force, share, stiffness_slope
+from bearingsim.core.defects import Pits, sliding
+from bearingsim.core.equilibrium import ALONG, PIT, find_pits, roller_balance
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
     COS,
@@ -28,6 +28,7 @@ from bearingsim.core.layout import (
     POSITION,
     Q_I,
     Q_O,
+    ROW,
     SIN,
     V_I,
     V_O,
@@ -45,7 +46,8 @@ from bearingsim.core.models.interface import (
     width,
 )
 from bearingsim.core.models.outer_ring import accelerate_ring, turn
-from bearingsim.core.parameters import Bearing, Support, lanes
+from bearingsim.core.parameters import Bearing, Support, lanes, turns
+from bearingsim.core.pit_contact import force_over_pit, sinking_rate
 
 
 class Ring(NamedTuple):
@@ -53,7 +55,8 @@ class Ring(NamedTuple):
 
     bearing: Bearing
     support: Support
-    contact: Any
+    outer: Any
+    inner: Any
     pits: Pits
 
 
@@ -68,53 +71,61 @@ def _watched(model):
 
 
 @jit
-def halves(bearing, y, n):
-    """Half the total approach and half its rate of every roller over an undamaged race."""
-    omega_c, gap = bearing.omega_c, bearing.gap
+def series(model, y, n):
+    """The two contacts of every roller over undamaged races: approaches, and half of the rate to each."""
+    omega_c, gap = model.bearing.omega_c, model.bearing.gap
     u_x, u_y, v_x, v_y = y[POSITION + X], y[POSITION + Y], y[VELOCITY + X], y[VELOCITY + Y]
     w_x, w_y = v_x + omega_c * u_y, v_y - omega_c * u_x
     for j in range(n):
         c, s = y[COS + j], y[SIN + j]
-        y[DELTA_O + j] = -0.5 * (u_x * c + u_y * s) - gap
+        delta = -(u_x * c + u_y * s) - 2.0 * gap
+        inner = share(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
+        y[DELTA_O + j] = delta - inner
+        y[DELTA_I + j] = inner
         y[V_O + j] = -0.5 * (w_x * c + w_y * s)
+        y[V_I + j] = y[V_O + j]
 
 
 @jit
-def over_pits(model, theta_c, y):
-    """Solve the series of each roller that stands over a pit."""
+def over_pit(model, y, j):
+    """Solve the series of a roller of which a contact stands over a pit."""
     pits, bearing = model.pits, model.bearing
-    for d in range(len(pits.angle)):
-        j, s = roller_over(pits, d, theta_c, bearing.Z)
-        if abs(s) < pits.half_width[d]:
-            u_r = -2.0 * (y[DELTA_O + j] + bearing.gap)
-            outer = roller_balance(model, d, s, u_r) - u_r - bearing.gap
-            force, mean, closing = 0.0, 0.0, 0.0
-            for k in range(pits.used[d]):
-                group = pits.groups[d, k]
-                h, slope = depression(group, s, pits.R)
-                rate = y[V_O + j] - 0.5 * slope * pits.R_o * bearing.omega_c
-                force += group[W] * normal_force(model.contact, outer - h, rate)
-                mean += group[W] * max(outer - h, 0.0)
-                closing += group[W] * max(outer - h, 0.0) * rate
-            y[Q_O + j] = force
-            y[DELTA_O + j] = mean
-            y[V_O + j] = closing / mean if mean > 0.0 else 0.0
+    u_r = -(y[DELTA_O + j] + y[DELTA_I + j] + 2.0 * bearing.gap)
+    q = roller_balance(model, y, j, u_r)
+    outer, inner, half = q - u_r - bearing.gap, -bearing.gap - q, y[V_O + j]
+    y[DELTA_O + j], y[DELTA_I + j] = outer, inner
+    d, s = int(y[PIT + j]), y[ALONG + j]
+    e, along = int(y[PIT + ROW + j]), y[ALONG + ROW + j]
+    if d >= 0:
+        speed = sliding(pits, d, bearing)
+        if e >= 0:
+            half -= 0.5 * sinking_rate(model.inner.stiffness, pits, e, along, sliding(pits, e, bearing), inner)
+        y[Q_O + j], _, y[DELTA_O + j], y[V_O + j] = force_over_pit(
+            model.outer, pits, d, s, 0.5 * speed, outer, half
+        )
+    else:
+        speed = sliding(pits, e, bearing)
+        y[Q_O + j], _, y[DELTA_I + j], y[V_I + j] = force_over_pit(
+            model.inner, pits, e, along, 0.5 * speed, inner, half
+        )
+        y[V_O + j] = y[V_I + j]
 
 
 @accelerations.register(Ring)
 def _accelerations(model, t, y):
     bearing = model.bearing
     n = lanes(bearing)
-    theta_c = bearing.theta_0 + bearing.omega_c * t
-    turn(theta_c, y, n)
-    halves(bearing, y, n)
+    turn(turns(bearing, t)[0], y, n)
+    series(model, y, n)
     for j in range(n):
-        y[Q_O + j] = normal_force(model.contact, y[DELTA_O + j], y[V_O + j])
-    over_pits(model, theta_c, y)
+        y[Q_O + j] = normal_force(model.outer, y[DELTA_O + j], y[V_O + j])
+    if len(model.pits.head) > 0:
+        find_pits(model, t, y)
+        for j in range(bearing.Z):
+            if y[PIT + j] >= 0.0 or y[PIT + ROW + j] >= 0.0:
+                over_pit(model, y, j)
     for j in range(n):
         y[Q_I + j] = y[Q_O + j]
-        y[DELTA_I + j] = y[DELTA_O + j]
-        y[V_I + j] = y[V_O + j]
     accelerate_ring(model, y, n)
 
 
@@ -123,14 +134,22 @@ def _begin(model, t, y):
     accelerations(model, t, y)
 
 
+@jit
+def in_series(outer, inner):
+    """Stiffness or damping of two contacts in series; 0 where one of them is 0."""
+    return outer * inner / max(outer + inner, 1e-300)
+
+
 @stiffness_per_mass.register(Ring)
 def _stiffness_per_mass(model, y, j):
     """All contacts in one line: at least the largest eigenvalue of the ring's stiffness, at most twice it."""
     total = 0.0
     for i in range(lanes(model.bearing)):
         real = y[COS + i] * y[COS + i] + y[SIN + i] * y[SIN + i]  # 1, and 0 in a padded lane
-        total = add(total, real * stiffness_slope(model.contact, max(y[DELTA_O + i], 0.0), y[V_O + i]))
-    return (0.5 * total + model.support.k_b) / model.bearing.m_o
+        outer = stiffness_slope(model.outer, max(y[DELTA_O + i], 0.0), y[V_O + i])
+        inner = stiffness_slope(model.inner, max(y[DELTA_I + i], 0.0), y[V_I + i])
+        total = add(total, real * in_series(outer, inner))
+    return (total + model.support.k_b) / model.bearing.m_o
 
 
 @damping_per_mass.register(Ring)
@@ -138,8 +157,10 @@ def _damping_per_mass(model, y, j):
     total = 0.0
     for i in range(lanes(model.bearing)):
         real = y[COS + i] * y[COS + i] + y[SIN + i] * y[SIN + i]
-        total = add(total, real * damping_slope(model.contact, max(y[DELTA_O + i], 0.0), y[V_O + i]))
-    return (0.5 * total + model.support.c_b) / model.bearing.m_o
+        outer = damping_slope(model.outer, max(y[DELTA_O + i], 0.0), y[V_O + i])
+        inner = damping_slope(model.inner, max(y[DELTA_I + i], 0.0), y[V_I + i])
+        total = add(total, real * in_series(outer, inner))
+    return (total + model.support.c_b) / model.bearing.m_o
 
 
-KIND = ModelKind(Ring, massless=True, memoryless=False, per_crossing=50, cost=0.19e-6)
+KIND = ModelKind(Ring, loaded=True, massless=True, memoryless=False, per_crossing=50, cost=0.19e-6)

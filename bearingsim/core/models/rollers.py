@@ -1,18 +1,19 @@
 """``rollers``: the ring moves in x and y, each roller radially; the cage turns at its kinematic speed.
 
     delta_o = r + R_w - R_o - u.e_r - h(s_o),  v_o = r' - u'.e_r - omega_c u.e_theta - h'(s_o) R_o omega_c
-    delta_i = R_i + R_w - r,                   v_i = -r'
+    delta_i = R_i + R_w - r - h(s_i),          v_i = -r' - h'(s_i) R_i (omega_c - omega_i)
     m_r r'' = m_r omega_c^2 r + Q_i - Q_o
-    m_o u'' = -F e_0 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)
+    m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)
 
-The position of a roller is kept as its displacement q from the middle of the clearance, r = d_m/2 + q: 0.03 m
-would cost 2 of 16 digits. Left out: friction, tangential motion, tilt, the bending of the rings.
+(A pit of a roller counts in h at each of its contacts, sliding past at R_w omega_b.) The position of a roller is
+kept as its displacement q from the middle of the clearance, r = d_m/2 + q: 0.03 m would cost 2 of 16 digits. Left
+out: friction, tangential motion, tilt, the bending of the rings.
 """
 
 from typing import Any, NamedTuple
 
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.defects import Pits, W, depression, roller_over
+from bearingsim.core.defects import HALF_WIDTH, OUTER, SIDE, Pits, meeting, sliding
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
     COS,
@@ -43,15 +44,17 @@ from bearingsim.core.models.interface import (
     width,
 )
 from bearingsim.core.models.outer_ring import accelerate_ring, turn
-from bearingsim.core.parameters import Bearing, Support, lanes
+from bearingsim.core.parameters import Bearing, Support, lanes, turns
+from bearingsim.core.pit_contact import force_over_pit, outdone
 
 
 class Rollers(NamedTuple):
-    """Parameters of the model; ``contact`` is any law of ``contact.py``, the same at both races."""
+    """Parameters of the model; ``outer`` and ``inner`` are the contact laws (``contact.py``) at the two races."""
 
     bearing: Bearing
     support: Support
-    contact: Any
+    outer: Any
+    inner: Any
     pits: Pits
 
 
@@ -80,40 +83,37 @@ def approaches(bearing, y, n):
 
 
 @jit
-def over_pits(model, theta_c, y):
-    """Correct the outer contact of each roller that stands over a pit (its force is the sum of its groups).
+def over_pits(model, t, y):
+    """Correct the contact of each roller that stands over a pit (its force is the sum of its groups).
 
     The approach and rate kept for the roller are means over what is in contact, for the step watch.
     """
     pits, bearing = model.pits, model.bearing
-    for d in range(len(pits.angle)):
-        j, s = roller_over(pits, d, theta_c, bearing.Z)
-        if abs(s) < pits.half_width[d]:
-            force, mean, closing = 0.0, 0.0, 0.0
-            for k in range(pits.used[d]):
-                group = pits.groups[d, k]
-                h, slope = depression(group, s, pits.R)
-                delta = y[DELTA_O + j] - h
-                rate = y[V_O + j] - slope * pits.R_o * bearing.omega_c
-                force += group[W] * normal_force(model.contact, delta, rate)
-                mean += group[W] * max(delta, 0.0)
-                closing += group[W] * max(delta, 0.0) * rate
-            y[Q_O + j] = force
-            y[DELTA_O + j] = mean
-            y[V_O + j] = closing / mean if mean > 0.0 else 0.0
+    theta_c, theta_i, roll = turns(bearing, t)
+    for d in range(len(pits.head)):
+        j, s = meeting(pits, d, theta_c, theta_i, roll, bearing.Z)
+        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(pits, d, j, s, theta_c, theta_i, roll, bearing.Z):
+            speed = sliding(pits, d, bearing)
+            if pits.head[d, SIDE] == OUTER:
+                y[Q_O + j], _, y[DELTA_O + j], y[V_O + j] = force_over_pit(
+                    model.outer, pits, d, s, speed, y[DELTA_O + j], y[V_O + j]
+                )
+            else:
+                y[Q_I + j], _, y[DELTA_I + j], y[V_I + j] = force_over_pit(
+                    model.inner, pits, d, s, speed, y[DELTA_I + j], y[V_I + j]
+                )
 
 
 @accelerations.register(Rollers)
 def _accelerations(model, t, y):
-    bearing, contact = model.bearing, model.contact
+    bearing = model.bearing
     n = lanes(bearing)
-    theta_c = bearing.theta_0 + bearing.omega_c * t
-    turn(theta_c, y, n)
+    turn(turns(bearing, t)[0], y, n)
     approaches(bearing, y, n)
     for j in range(n):
-        y[Q_O + j] = normal_force(contact, y[DELTA_O + j], y[V_O + j])
-        y[Q_I + j] = normal_force(contact, y[DELTA_I + j], y[V_I + j])
-    over_pits(model, theta_c, y)
+        y[Q_O + j] = normal_force(model.outer, y[DELTA_O + j], y[V_O + j])
+        y[Q_I + j] = normal_force(model.inner, y[DELTA_I + j], y[V_I + j])
+    over_pits(model, t, y)
 
     omega_2 = bearing.omega_c * bearing.omega_c
     middle = 0.5 * (bearing.R_o + bearing.R_i)
@@ -130,17 +130,17 @@ def _begin(model, t, y):
 
 @stiffness_per_mass.register(Rollers)
 def _stiffness_per_mass(model, y, j):
-    outer = stiffness_slope(model.contact, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = stiffness_slope(model.contact, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    outer = stiffness_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = stiffness_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     return y[INVERSE_MASS + j] * (outer + inner)
 
 
 @damping_per_mass.register(Rollers)
 def _damping_per_mass(model, y, j):
-    outer = damping_slope(model.contact, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = damping_slope(model.contact, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     return y[INVERSE_MASS + j] * (outer + inner)
 
 
 # at the cusp of a narrow pit the damping force jumps, and decays within 0.2 us: hence more steps over it
-KIND = ModelKind(Rollers, massless=False, memoryless=False, per_crossing=100, cost=0.19e-6)
+KIND = ModelKind(Rollers, loaded=True, massless=False, memoryless=False, per_crossing=100, cost=0.19e-6)

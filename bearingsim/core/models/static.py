@@ -17,7 +17,8 @@ class Static(NamedTuple):
 
     bearing: Bearing
     support: Support
-    contact: Any
+    outer: Any
+    inner: Any
     pits: Pits
 
 
@@ -46,4 +47,4 @@ def _damping_per_mass(model, y, j):
     return 0.0
 
 
-KIND = ModelKind(Static, massless=True, memoryless=True, per_crossing=50, cost=3e-6)
+KIND = ModelKind(Static, loaded=True, massless=True, memoryless=True, per_crossing=50, cost=3e-6)

@@ -1,0 +1,138 @@
+"""From a case to the core's parameters: the one place where configuration meets physics.
+
+Imports numba (through the core), so import it only where something is computed.
+"""
+
+from math import ceil, pi
+from typing import Any
+
+import numpy as np
+
+from bearingsim.build import contacts, free, geometry, impulses, pits
+from bearingsim.build.rest import anchor, statics
+from bearingsim.config import Case
+from bearingsim.core.advance import start_at_rest
+from bearingsim.core.defects import ANGLE, ON, ON_OUTER
+from bearingsim.core.equilibrium import rest_from_scratch
+from bearingsim.core.layout import EPS, Q_O, buffer
+from bearingsim.core.methods import equilibrium, rk4, verlet
+from bearingsim.core.methods import impulses as exact
+from bearingsim.core.methods.interface import MethodKind
+from bearingsim.core.models import impulse, planar, ring, rollers, static
+from bearingsim.core.models.interface import ModelKind
+from bearingsim.core.parameters import Support
+
+__all__ = [
+    "METHODS",
+    "MODELS",
+    "OWN_METHODS",
+    "empty_buffer",
+    "in_step",
+    "kind",
+    "method",
+    "method_kind",
+    "model",
+    "outer_forces",
+    "start",
+    "statics",
+]
+
+MODELS: dict[str, ModelKind] = {
+    "impulse": impulse.KIND,
+    "static": static.KIND,
+    "ring": ring.KIND,
+    "rollers": rollers.KIND,
+    "planar": planar.KIND,
+}
+METHODS: dict[str, MethodKind] = {"verlet": verlet.KIND, "rk4": rk4.KIND}
+OWN_METHODS: dict[str, MethodKind] = {"impulse": exact.KIND, "static": equilibrium.KIND}
+"""Of models that are no differential equations: the only way to step them."""
+
+PARTS: dict[str, Any] = {
+    "bearing": geometry.bearing,
+    "support": lambda case: support(case),
+    "outer": contacts.outer,
+    "inner": contacts.inner,
+    "pits": pits.meetings,
+    "motion": free.motion,
+    "friction": free.friction,
+    "cage": free.cage,
+    "drag": free.drag,
+    "shaft": free.shaft,
+    "bracket": free.bracket,
+    "gravity": free.gravity,
+}
+"""How each field of a model's parameters is made."""
+
+
+def kind(case: Case) -> ModelKind:
+    """What is to be known of the case's model."""
+    return MODELS[case.model]
+
+
+def method_kind(case: Case) -> MethodKind:
+    """What is to be known of the case's method."""
+    return OWN_METHODS[case.model] if case.method is None else METHODS[case.method]
+
+
+def model(case: Case) -> Any:
+    """The core's model of the case, its bracket anchored where the healthy bearing rests on average.
+
+    So the load is what the bearing carries: a bracket anchored anywhere else would take a share of it.
+    Raises ``NoEquilibrium`` if the healthy bearing finds no equilibrium.
+    """
+    if not kind(case).loaded:
+        return impulses.model(case, support(case))
+    parameters: Any = kind(case).parameters
+    return parameters(**{name: PARTS[name](case) for name in parameters._fields})
+
+
+def support(case: Case) -> Support:
+    """Load and bracket of the case."""
+    x_0, y_0 = anchor(case)
+    return Support(case.load, case.load_across, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
+
+
+def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
+    """The model with the cusp of its first pit ``cusp`` of a step after a step's start.
+
+    At the cusp the damping force jumps; where in a step it does so decides whether the error is of first or of
+    second order (docs/methods.md). The rollers start less than a step further on. Of several pits only the first
+    is in step, and only on the outer race: what turns meets its steps anywhere, and the error averages out.
+    """
+    found = getattr(model, "pits", None)
+    if found is None or len(found.head) == 0 or found.head[0, ON] != ON_OUTER:
+        return model
+    b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
+    steps = (b.theta_0 - found.head[0, ANGLE]) / pass_angle * steps_per_pass  # whole when the cusp is met
+    ahead = ceil(steps + cusp) - cusp - steps
+    return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))
+
+
+def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
+    """A buffer at t = 0 at static equilibrium, accelerations filled in; and the force left over (N).
+
+    With a free cage and a seed, the rollers begin anywhere in their pockets.
+    """
+    y, residual = empty_buffer(model), 0.0
+    if kind(case).loaded:
+        residual = rest_from_scratch(statics(model), 0.0, y)
+        y[EPS : EPS + model.bearing.Z] = free.scattered(case, model)
+        start_at_rest(model, 0.0, y)
+    return y, residual
+
+
+def empty_buffer(model: Any) -> np.ndarray:
+    """A zeroed state buffer for the model."""
+    return buffer(model.bearing.Z, model.bearing.m_r)
+
+
+def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:
+    """Outer contact force (N) of each roller, (Z,), as the buffer has it."""
+    return y[Q_O : Q_O + model.bearing.Z]
+
+
+def method(case: Case, h: float) -> Any:
+    """The core's method of the case with step ``h`` (s)."""
+    parameters: Any = method_kind(case).parameters
+    return parameters(h)

@@ -1,0 +1,61 @@
+"""The parameters of ``impulse``: what is struck, and when, and how hard."""
+
+from math import atan2
+from typing import Any
+
+import numpy as np
+
+from bearingsim.build import contacts, geometry, pits
+from bearingsim.build.rest import healthy_rest
+from bearingsim.config import Case
+from bearingsim.core.contact import EXPONENT, exponent
+from bearingsim.core.defects import Meeting
+from bearingsim.core.impulse_train import LoadZone, random_train, train
+from bearingsim.core.models.impulse import Impulse
+from bearingsim.core.parameters import Support
+
+LEAD = 4  # ball passes, and samples LEAD times that, by which a run may end after its record
+
+
+def model(case: Case, support: Support) -> Impulse:
+    """The ring as two oscillators, on the healthy bearing's mean stiffness and damping at rest."""
+    rest, b = healthy_rest(case), geometry.bearing(case)
+    end = case.settle + case.duration + LEAD * (4.0 / case.sampling + 1.0 / case.bearing.ball_pass_frequency(case.speed))
+    found = [one for d in case.defects for one in pits.of_defect(case, d, pits.excitation(case))]
+    blows = _train(case, load_zone(case), found, end)
+    return Impulse(
+        bearing=b,
+        m=b.m_o,
+        K_x=rest.K_x + support.k_b,
+        K_y=rest.K_y + support.k_b,
+        C_x=rest.C_x + support.c_b,
+        C_y=rest.C_y + support.c_b,
+        times=blows.times,
+        J_x=blows.J_x,
+        J_y=blows.J_y,
+    )
+
+
+def _train(case: Case, zone: LoadZone, found: list[Meeting], end: float) -> Any:
+    b = geometry.bearing(case)
+    if case.excitation == "random-impulses":
+        return random_train(b, zone, found, 0.0, end, np.random.default_rng(case.seed))
+    return train(b, zone, found, 0.0, end)
+
+
+def load_zone(case: Case) -> LoadZone:
+    """How the healthy bearing at rest shares its load."""
+    rest = healthy_rest(case)
+    shift = rest.approach + case.clearance / 2.0
+    return LoadZone(
+        q_0=rest.load,
+        delta_0=rest.approach,
+        epsilon=0.5 * (1.0 - case.clearance / (2.0 * shift)),
+        n=_exponent(contacts.outer(case).stiffness),
+        axis=atan2(case.load_across, case.load),
+    )
+
+
+def _exponent(law: Any) -> float:
+    """The exponent of a law; of one that is no power of the approach, a line contact's."""
+    return float(exponent(law)) if type(law) in exponent.types else EXPONENT

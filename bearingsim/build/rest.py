@@ -1,0 +1,44 @@
+"""The healthy bearing at rest: where its bracket is anchored, and the largest load of a roller."""
+
+from functools import lru_cache
+from typing import Any
+
+from bearingsim.build import contacts, geometry
+from bearingsim.config import Case
+from bearingsim.core.defects import pits
+from bearingsim.core.equilibrium import Rest, mean_rest
+from bearingsim.core.excitations import Envelope
+from bearingsim.core.layout import buffer
+from bearingsim.core.models.static import Static
+from bearingsim.core.parameters import Bearing, Support
+
+
+def statics(model: Any) -> Static:
+    """What of a model stands still: all that the equilibrium is found from, whatever else it knows."""
+    return Static(model.bearing, model.support, model.outer, model.inner, model.pits)
+
+
+def anchor(case: Case) -> tuple[float, float]:
+    """Mean place (m, m) of the healthy, unsupported ring over a ball pass."""
+    rest = healthy_rest(case)
+    return rest.x, rest.y
+
+
+def largest_load(case: Case) -> float:
+    """Largest force (N) on a roller of the healthy, unsupported bearing at rest, over a ball pass."""
+    return healthy_rest(case).load
+
+
+def healthy_rest(case: Case) -> Rest:
+    """The healthy, unsupported bearing at rest, averaged over a ball pass."""
+    laws = contacts.outer(case), contacts.inner(case)
+    return _rest(geometry.bearing(case), *laws, repr(laws), case.load, case.load_across)
+
+
+@lru_cache(maxsize=256)
+def _rest(of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_across: float) -> Rest:
+    """``healthy_rest``, remembered; ``named`` tells laws apart that are equal as tuples."""
+    free = Support(F, F_across, 0.0, 0.0, 0.0, 0.0)
+    return mean_rest(
+        Static(of_case, free, outer, inner, pits([], Envelope())), buffer(of_case.Z, of_case.m_r)
+    )

@@ -1,0 +1,87 @@
+"""From the names of channels to places in the simulation's buffer, and from what lies there to what is meant."""
+
+from typing import Any
+
+import numpy as np
+
+from bearingsim.config import Case, dataset_names
+from bearingsim.config.names import roller_of
+from bearingsim.core.advance import RING
+from bearingsim.core.layout import (
+    LOADED,
+    PHI_C,
+    POSITION,
+    PSI,
+    Q_I,
+    Q_O,
+    Q_P,
+    SLIP_I,
+    SLIP_O,
+    SPIN_V,
+    VELOCITY,
+    X_C,
+    X_I,
+    Y_C,
+    Y_I,
+)
+from bearingsim.core.motion import speed_factor
+
+MOTION = ("displacement", "velocity", "acceleration")
+TURN_OF_CAGE, SPEED_OF_CAGE = POSITION + PHI_C, VELOCITY + PHI_C
+PLACES = {
+    **dict(zip((name for quantity in MOTION for name in dataset_names(f"ring.{quantity}")), RING, strict=True)),
+    "ring.rotation": POSITION + PSI,
+    "cage.speed": SPEED_OF_CAGE,
+    "cage.slip": SPEED_OF_CAGE,
+    "cage.position.x": POSITION + X_C,
+    "cage.position.y": POSITION + Y_C,
+    "inner.displacement.x": POSITION + X_I,
+    "inner.displacement.y": POSITION + Y_I,
+    "load_zone.rollers": LOADED,
+}
+OF_ROLLER = {
+    "outer_force": Q_O,
+    "inner_force": Q_I,
+    "outer_slip": SLIP_O,
+    "inner_slip": SLIP_I,
+    "cage_force": Q_P,
+    "spin": SPIN_V,
+}
+BASE = (*RING, LOADED, TURN_OF_CAGE, SPEED_OF_CAGE)
+"""What features are computed from, whether it is recorded or not: the first rows of every recording."""
+
+
+def place(name: str) -> int:
+    """Where in the buffer a dataset's values come from."""
+    roller = roller_of(name)
+    return PLACES[name] if roller is None else OF_ROLLER[roller[1]] + roller[0] - 1
+
+
+def recorded(case: Case) -> np.ndarray:
+    """Places (C,) in the buffer that a run of the case records: ``BASE``, then what else it asks for."""
+    asked = [place(name) for channel in case.record for name in dataset_names(channel)]
+    return np.array([*BASE, *dict.fromkeys(p for p in asked if p not in BASE)], dtype=np.int64)
+
+
+def series(
+    case: Case, model: Any, rows: np.ndarray, places: np.ndarray, time: np.ndarray
+) -> dict[str, np.ndarray]:
+    """The recorded channels by dataset name, from rows (C, n) sampled at ``time`` (n,), s into the run."""
+    row_of = {int(p): row for p, row in zip(places, rows, strict=True)}
+    return {
+        name: _meant(name, row_of[place(name)], model, time)
+        for channel in case.record
+        for name in dataset_names(channel)
+    }
+
+
+def _meant(name: str, values: np.ndarray, model: Any, time: np.ndarray) -> np.ndarray:
+    """The buffer keeps turning beyond the kinematic one, to lose no digits; a channel means the whole."""
+    b = model.bearing
+    if name == "cage.speed":
+        return values + b.omega_c * speed_factor(model, time)
+    if name == "cage.slip":
+        return -values / (b.omega_c * speed_factor(model, time))
+    if name.endswith(".spin"):
+        return (b.omega_b - b.omega_c) * speed_factor(model, time) - values
+    return values

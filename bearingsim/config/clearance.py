@@ -1,0 +1,102 @@
+"""Radial internal clearance by class: ISO 5753-1, in um by bore.
+
+Cylindrical roller bearings with a cylindrical bore and deep groove ball bearings have tables of their own. The
+values are the standard's as bearing makers reprint them. They hold for the bearing on the shelf: fits and
+temperature take some of the clearance away.
+"""
+
+import re
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, NamedTuple, get_args
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic_core import CoreSchema, core_schema
+
+from bearingsim.config.fields import Quantity, refuse
+
+Class = Literal["C2", "CN", "C3", "C4", "C5"]
+CLASSES: tuple[Class, ...] = get_args(Class)
+
+
+class _Row(NamedTuple):
+    """Limits in um of each class for bores over `over` up to and including `most` (mm)."""
+
+    over: float
+    most: float
+    limits: tuple[tuple[float, float], ...]
+
+
+_ROLLER = (
+    _Row(0, 24, ((0, 25), (20, 45), (35, 60), (50, 75), (65, 90))),
+    _Row(24, 30, ((0, 25), (20, 45), (35, 60), (50, 75), (70, 95))),
+    _Row(30, 40, ((5, 30), (25, 50), (45, 70), (60, 85), (80, 105))),
+    _Row(40, 50, ((5, 35), (30, 60), (50, 80), (70, 100), (95, 125))),
+    _Row(50, 65, ((10, 40), (40, 70), (60, 90), (80, 110), (110, 140))),
+    _Row(65, 80, ((10, 45), (40, 75), (65, 100), (90, 125), (130, 165))),
+    _Row(80, 100, ((15, 50), (50, 85), (75, 110), (105, 140), (155, 190))),
+    _Row(100, 120, ((15, 55), (50, 90), (85, 125), (125, 165), (180, 220))),
+)
+_BALL = (
+    _Row(6, 10, ((0, 7), (2, 13), (8, 23), (14, 29), (20, 37))),
+    _Row(10, 18, ((0, 9), (3, 18), (11, 25), (18, 33), (25, 45))),
+    _Row(18, 24, ((0, 10), (5, 20), (13, 28), (20, 36), (28, 48))),
+    _Row(24, 30, ((1, 11), (5, 20), (13, 28), (23, 41), (30, 53))),
+    _Row(30, 40, ((1, 11), (6, 20), (15, 33), (28, 46), (40, 64))),
+    _Row(40, 50, ((1, 11), (6, 23), (18, 36), (30, 51), (45, 73))),
+    _Row(50, 65, ((1, 15), (8, 28), (23, 43), (38, 61), (55, 90))),
+    _Row(65, 80, ((1, 15), (10, 30), (25, 51), (46, 71), (65, 105))),
+    _Row(80, 100, ((1, 18), (12, 36), (30, 58), (53, 84), (75, 120))),
+    _Row(100, 120, ((2, 20), (15, 41), (36, 66), (61, 97), (90, 140))),
+)
+_TABLES: dict[str, tuple[_Row, ...]] = {"roller": _ROLLER, "ball": _BALL}
+
+
+def limits(word: Class, element: str, bore: float) -> tuple[float, float]:
+    """Least and largest clearance (m) of a class; `element` is `roller` or `ball`, `bore` in m.
+
+    Raises ValueError, saying which bores the table has.
+    """
+    table = _TABLES[element]
+    millimetres = 1e3 * bore
+    for row in table:
+        if row.over < millimetres <= row.most * (1.0 + 1e-12):
+            low, high = row.limits[CLASSES.index(word)]
+            return 1e-6 * low, 1e-6 * high
+    span = f"over {table[0].over:g} to {table[-1].most:g} mm"
+    raise ValueError(f"class {word} is known for bores {span}, not for {millimetres:g} mm")
+
+
+def middle(word: Class, element: str, bore: float) -> float:
+    """The middle of a class's range, m; ValueError as in `limits`."""
+    low, high = limits(word, element, bore)
+    return round(0.5 * (low + high), 12)
+
+
+@dataclass(frozen=True)
+class _ClearanceOrClass(Quantity):
+    """Mark of a clearance: a length, or a class at the bore of the section's `bearing`, which stands before it."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_before_validator_function(self._checked, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        length = super().__get_pydantic_json_schema__(schema, handler)
+        return length | {"description": f"{length['description']}, or a class: {', '.join(CLASSES)}"}
+
+    def _checked(self, given: Any, info: ValidationInfo) -> float:
+        if not isinstance(given, str) or not re.match(r"\s*[A-Za-z]", given):
+            return self(given)
+        if given not in CLASSES:
+            expected = f"expected a length such as `20 um`, or a class: {', '.join(CLASSES)}"
+            meant = given.upper() if given.upper() in CLASSES else None
+            refuse("word", f"{expected}; got `{given}`", f"did you mean `{meant}`?" if meant else None)
+        bearing = info.data.get("bearing")
+        if bearing is None:  # wrong itself, which is told there
+            return 0.0
+        try:
+            return middle(given, bearing.element, bearing.bore)
+        except ValueError as error:
+            refuse("bore", str(error), "give a length")
+
+
+Clearance = Annotated[float, _ClearanceOrClass("length")]

@@ -1,0 +1,218 @@
+"""Values of a case that are right alone but not together."""
+
+import math
+from collections.abc import Iterator
+from itertools import combinations
+from typing import TYPE_CHECKING, NamedTuple
+
+from bearingsim.config import ladder
+from bearingsim.config.channels import roller_number
+from bearingsim.config.contact import OF_LINES
+from bearingsim.config.defect import IMPULSES
+from bearingsim.config.free import Frictionless
+from bearingsim.units import show
+
+if TYPE_CHECKING:
+    from bearingsim.config.case import Case
+    from bearingsim.config.defect import Defect
+    from bearingsim.config.machine import Bearing
+
+Path = tuple[str | int, ...]
+"""Where a value stands in a case: `("defects", 0, "length")`."""
+
+
+class Conflict(NamedTuple):
+    """Values that do not go together: a kind, the paths concerned, why, and what would mend it."""
+
+    kind: str
+    paths: tuple[Path, ...]
+    message: str
+    hint: str | None = None
+
+
+def conflicts(case: "Case") -> Iterator[Conflict]:
+    """Everything in a case that does not fit together."""
+    yield from _defects(case)
+    yield from _model(case)
+    yield from _contact(case)
+    yield from _free_motion(case)
+    yield from _record(case)
+    yield from _sizes(case)
+
+
+# Pits
+
+
+def _defects(case: "Case") -> Iterator[Conflict]:
+    for number, defect in enumerate(case.defects):
+        at = ("defects", number)
+        yield from _roller_of(at, defect, case.bearing)
+        yield from _length(at, defect, case.bearing)
+        yield from _width(at, defect, case.bearing)
+        yield from _depth(at, defect, case.bearing)
+    for first, second in combinations(range(len(case.defects)), 2):
+        yield from _overlap(first, second, case)
+
+
+def _roller_of(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+    paths: tuple[Path, ...] = ((*at, "roller"), (*at, "race"))
+    if defect.roller is not None and defect.race != "roller":
+        message = f"a defect of the {defect.race} race is on no roller"
+        yield Conflict("roller", paths, message, "say `race: roller`, or leave it out")
+    elif defect.roller is not None and defect.roller > bearing.rollers:
+        message = f"there is no roller {defect.roller}: the bearing has {bearing.rollers}"
+        yield Conflict("roller", (paths[0], ("bearing", "rollers")), message, "they count from 1")
+
+
+def _length(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+    longest, name, key = bearing.width, "bearing", "width"
+    if bearing.roller_length is not None:
+        longest, name, key = bearing.roller_length, "roller", "roller_length"
+    elif defect.race == "roller":
+        longest, name, key = bearing.roller_diameter, "ball", "roller_diameter"
+    if defect.length > longest:
+        length, most = show(defect.length, "mm"), show(longest, "mm")
+        paths: tuple[Path, ...] = ((*at, "length"), ("bearing", key))
+        yield Conflict("long", paths, f"a defect of {length} is longer than the {name} ({most})")
+
+
+def _width(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+    widest, name = {
+        "outer": (bearing.roller_spacing, "roller spacing"),
+        "inner": (bearing.inner_spacing, "roller spacing on the inner race"),
+        "roller": (bearing.roller_diameter, "roller's diameter"),
+    }[defect.race]
+    if defect.width > widest:
+        width, most = show(defect.width, "mm"), show(widest, "mm")
+        message = f"a defect of {width} is wider than the {name} ({most})"
+        yield Conflict("wide", ((*at, "width"), ("bearing",)), message)
+
+
+def _depth(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+    pitch, roller = bearing.pitch_diameter, bearing.roller_diameter
+    wall, through, key = {
+        "outer": ((bearing.outside_diameter - pitch - roller) / 2.0, "through the outer ring", "outside_diameter"),
+        "inner": ((pitch - roller - bearing.bore) / 2.0, "through the inner ring", "bore"),
+        "roller": (roller / 2.0, "past the roller's middle", "roller_diameter"),
+    }[defect.race]
+    if defect.depth >= wall:
+        depth, thick = show(defect.depth, "mm"), show(wall, "mm")
+        paths: tuple[Path, ...] = ((*at, "depth"), ("bearing", key))
+        yield Conflict("deep", paths, f"a defect {depth} deep goes {through} ({thick})")
+
+
+def _overlap(first: int, second: int, case: "Case") -> Iterator[Conflict]:
+    a, b = case.defects[first], case.defects[second]
+    if a.element != b.element:
+        return
+    pitch, roller = case.bearing.pitch_diameter, case.bearing.roller_diameter
+    radius = {"outer": (pitch + roller) / 2.0, "inner": (pitch - roller) / 2.0, "roller": roller / 2.0}[a.race]
+    distance = abs(math.remainder(a.angle - b.angle, 2.0 * math.pi)) * radius
+    if distance < (a.width + b.width) / 2.0:
+        paths = tuple(("defects", i, key) for i in (second, first) for key in ("angle", "width"))
+        message = f"overlaps defect {first + 1}: their centres are {show(distance, 'mm')} apart"
+        yield Conflict("overlap", paths, message, "move one, or make one wider defect of them")
+
+
+# Model
+
+
+def _model(case: "Case") -> Iterator[Conflict]:
+    found = ladder.lacking(case)
+    hint = _able(case)
+    for need in found:
+        message = f"the {case.model} model cannot do this: {need.why}"
+        yield Conflict(f"model {need.what}", (*need.paths, ("model",)), message, hint)
+    if case.model in ladder.METHODLESS and case.method is not None:
+        paths: tuple[Path, ...] = (("method",), ("model",))
+        yield Conflict(
+            "method", paths, f"the {case.model} model has no method, got `{case.method}`", "leave it out"
+        )
+
+
+def _able(case: "Case") -> str:
+    least = ladder.least(case)
+    return f"the least that can is `model: {least}`" if least else "no model can do all that is asked for"
+
+
+# Contact
+
+
+def _contact(case: "Case") -> Iterator[Conflict]:
+    law, element = case.contact.stiffness, case.bearing.element
+    if (element == "ball" and law in OF_LINES) or (element == "roller" and law == "point"):
+        paths: tuple[Path, ...] = (("contact", "stiffness"), ("bearing",))
+        shape, hint = ("a roller's", "say `point`") if element == "ball" else ("a ball's", "say `palmgren`")
+        yield Conflict("contact", paths, f"the law `{law}` is {shape} contact, not a {element}'s", hint)
+
+
+# Free motion
+
+
+def _free_motion(case: "Case") -> Iterator[Conflict]:
+    if case.unbalance is not None and case.shaft is None:
+        message = "an unbalance moves nothing while the inner ring is rigid"
+        yield Conflict("shaft", (("unbalance",),), message, "give `shaft: {stiffness: 1e8 N/m, mass: 1 kg}`")
+    if case.rig.torsion_damping is not None and case.rig.torsion_stiffness is None:
+        paths: tuple[Path, ...] = (("rig", "torsion_damping"), ("rig",))
+        yield Conflict("torsion", paths, "the ring does not rotate without `torsion_stiffness`", "give both")
+    if case.cage is not None and case.cage.motion == "kinematic":
+        yield from _kinematic_cage(case)
+
+
+def _kinematic_cage(case: "Case") -> Iterator[Conflict]:
+    assert case.cage is not None
+    motion: Path = ("cage", "motion")
+    if case.friction is not None and not isinstance(case.friction, Frictionless):
+        message = (
+            "a kinematic cage goes only with `friction: none`: rollers held at their places by it cannot give way,"
+            " and friction then damps too much (RMS 11-15 % low)"
+        )
+        yield Conflict("kinematic", (("friction",), motion), message, "say `friction: none`, or `motion: free`")
+    if case.drag is not None:
+        message = "drag brakes nothing while the cage is kinematic"
+        yield Conflict("kinematic drag", (("drag",), motion), message, "say `drag: none`, or `motion: free`")
+    if case.cage.guide != "centred":
+        message = f"a kinematic cage stays centred, got `guide: {case.cage.guide}`"
+        yield Conflict("kinematic guide", (("cage", "guide"), motion), message, "leave it out, or `motion: free`")
+
+
+# Record, sizes, times
+
+
+def _record(case: "Case") -> Iterator[Conflict]:
+    for index, name in enumerate(case.record):
+        at: Path = ("record", index)
+        number = roller_number(name)
+        if number is not None and number > case.bearing.rollers:
+            message = f"there is no roller {number}: the bearing has {case.bearing.rollers}"
+            yield Conflict("channel", (at, ("bearing", "rollers")), message, "they count from 1")
+        still = _still(name, case) if case.model == "planar" else None
+        if still:
+            yield Conflict("still", (at,), f"`{name}` stays zero: {still[0]}", still[1])
+
+
+def _still(name: str, case: "Case") -> tuple[str, str] | None:
+    """Why a channel of the planar model would be a row of zeros, and what would move it."""
+    if name == "ring.rotation" and case.rig.torsion_stiffness is None:
+        return "the bracket lets no ring rotate", "give `rig.torsion_stiffness`"
+    if name == "inner.displacement" and case.shaft is None:
+        return "the inner ring is rigid", "give `shaft`"
+    if name == "cage.position" and (case.cage is None or case.cage.guide == "centred"):
+        return "the cage is centred", "give `cage.guide`"
+    return None
+
+
+def _sizes(case: "Case") -> Iterator[Conflict]:
+    if not -0.01 <= case.clearance / case.bearing.roller_diameter <= 0.05:
+        shown = show(case.clearance, "um")
+        message = f"a clearance of {shown} is beyond -1 % to 5 % of the roller diameter"
+        yield Conflict("clearance", (("clearance",), ("bearing",)), message, "is the unit right?")
+    ball_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
+    if case.duration < ball_pass:
+        shown, needed = show(case.duration, "ms"), show(ball_pass, "ms")
+        timing: tuple[Path, ...] = (("duration",), ("speed",), ("bearing",))
+        yield Conflict("duration", timing, f"{shown} is shorter than one ball pass ({needed})")
+    if case.excitation in IMPULSES and case.model == "impulse" and not case.defects:
+        paths: tuple[Path, ...] = (("model",), ("excitation",))
+        yield Conflict("silent", paths, "without a defect there are no impulses", "give a `defect`")

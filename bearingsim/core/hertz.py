@@ -1,0 +1,128 @@
+"""Hertz contact: from geometry and material to the constants of the contact laws. Plain Python, nothing compiled.
+
+Elastic half-spaces, smooth and dry, contact small against the radii. Both bodies are of one material (E, nu).
+Source: K. L. Johnson, Contact Mechanics, Cambridge 1985, sections 4.1 and 4.2.
+"""
+
+from math import exp, log, pi, sqrt
+from typing import NamedTuple
+
+LONGEST_ELLIPSE = 1e4  # ratio of the axes; a longer contact is a line
+
+
+def effective_modulus(E: float, nu: float) -> float:
+    """E* = E/(2 (1 - nu^2)) (Pa) of two bodies of Young's modulus ``E`` (Pa) and Poisson's ratio ``nu``."""
+    return E / (2.0 * (1.0 - nu * nu))
+
+
+# Line contact
+
+
+def half_width(Q_per_m: float, R: float, E_star: float) -> float:
+    """Half width b (m) of the strip in contact under ``Q_per_m`` (N/m); ``R``: relative radius (m).
+
+    R is R_w R_i/(R_i + R_w) on an inner race, R_w R_o/(R_o - R_w) on an outer, R_w on a flat.
+    """
+    return sqrt(4.0 * Q_per_m * R / (pi * E_star))
+
+
+def line_pressure(Q_per_m: float, R: float, E_star: float) -> float:
+    """Largest pressure (Pa) of a line contact, 2 Q'/(pi b) = sqrt(Q' E*/(pi R)); arguments as ``half_width``."""
+    return sqrt(Q_per_m * E_star / (pi * R))
+
+
+# Point contact
+
+
+class PointContact(NamedTuple):
+    """An elliptic contact, Q = k delta^(3/2), whose semi-axes are a Q^(1/3) >= b Q^(1/3).
+
+    k: N/m^(3/2); a, b: m/N^(1/3).
+    """
+
+    k: float
+    a: float
+    b: float
+
+    def semi_axes(self, Q: float) -> tuple[float, float]:
+        """The longer and the shorter semi-axis (m) of the ellipse under the force ``Q`` (N)."""
+        return self.a * Q ** (1.0 / 3.0), self.b * Q ** (1.0 / 3.0)
+
+    def pressure(self, Q: float) -> float:
+        """Largest pressure (Pa) under the force ``Q`` (N): 3 Q/(2 pi a b)."""
+        a, b = self.semi_axes(Q)
+        return 1.5 * Q / (pi * a * b)
+
+
+def ball_on_race(E: float, nu: float, D_w: float, r_g: float, R: float) -> PointContact:
+    """A ball of diameter ``D_w`` (m) on a race whose groove has the radius ``r_g`` (m); E in Pa.
+
+    ``R``: radius of the race at the bottom of its groove (m), positive for an inner race (convex), negative for
+    an outer (concave). The long axis lies across the direction of rolling. Raises ValueError if the ball does not
+    fit, or fits so closely that there is no ellipse.
+    """
+    along, across = 2.0 / D_w + 1.0 / R, 2.0 / D_w - 1.0 / r_g  # curvatures relative to the race, 1/m
+    if along <= 0.0 or across <= 0.0:
+        raise ValueError(f"a ball of diameter {D_w} m does not fit a groove of {r_g} m on a race of {R} m")
+    return elliptic_contact(effective_modulus(E, nu), along, across)
+
+
+def elliptic_contact(E_star: float, rho_1: float, rho_2: float) -> PointContact:
+    """The contact of two bodies of the relative principal curvatures ``rho_1``, ``rho_2`` > 0 (1/m), in any order.
+
+    With kappa = a/b, the complete elliptic integrals K and E of the modulus e, e^2 = 1 - 1/kappa^2, and
+    A + B = (rho_1 + rho_2)/2:
+
+        k = (2 pi E*/3) kappa sqrt(E/(K^3 (A + B))),    a^3 = 3 Q kappa^2 E/(2 pi E* (A + B))
+
+    The integrals come from the arithmetic-geometric mean and kappa by bisection: exact to 1e-11. (The usual fits
+    of Hamrock and Brewe are good to a few per cent.)
+    """
+    kappa = axis_ratio(max(rho_1, rho_2) / min(rho_1, rho_2))
+    K, short_of_one = elliptic_integrals(kappa)
+    E, A_and_B = K * (1.0 - short_of_one), (rho_1 + rho_2) / 2.0
+    k = 2.0 * pi * E_star / 3.0 * kappa * sqrt(E / (K**3 * A_and_B))
+    a = (1.5 * kappa**2 * E / (pi * E_star * A_and_B)) ** (1.0 / 3.0)
+    return PointContact(k, a, a / kappa)
+
+
+def elliptic_integrals(kappa: float) -> tuple[float, float]:
+    """K, and 1 - E/K, of the modulus e with e^2 = 1 - 1/kappa^2.
+
+    K = pi/(2 agm(1, 1/kappa)), 1 - E/K = sum of 2^(n-1) c_n^2 (Abramowitz and Stegun, 17.6). The second is
+    returned as it is summed, because differences such as K - E would lose it in rounding.
+    """
+    high, low = 1.0, 1.0 / kappa
+    total, weight = modulus_squared(kappa) / 2.0, 1.0
+    while high - low > 1e-15:
+        c = (high - low) / 2.0
+        high, low = (high + low) / 2.0, sqrt(high * low)
+        total += weight * c * c
+        weight *= 2.0
+    return pi / (2.0 * high), total
+
+
+def modulus_squared(kappa: float) -> float:
+    """e^2 = 1 - 1/kappa^2."""
+    return (kappa - 1.0) * (kappa + 1.0) / (kappa * kappa)
+
+
+def curvature_ratio(kappa: float) -> float:
+    """B/A of the curvatures whose ellipse has the axes' ratio ``kappa`` > 1: (kappa^2 E - K)/(K - E)."""
+    _, short_of_one = elliptic_integrals(kappa)
+    return kappa * kappa * (modulus_squared(kappa) - short_of_one) / short_of_one
+
+
+def axis_ratio(ratio: float) -> float:
+    """kappa = a/b of the ellipse that bodies of the curvatures' ratio B/A = ``ratio`` >= 1 make."""
+    if ratio < 1.0 + 1e-12:
+        return 1.0  # a circle, where the ratio itself is 0/0
+    low, high = 0.0, log(LONGEST_ELLIPSE)
+    if ratio > curvature_ratio(LONGEST_ELLIPSE):
+        raise ValueError(f"curvatures in the ratio {ratio:.3g} make a line, not an ellipse")
+    while high - low > 1e-15 * (1.0 + high):
+        middle = (low + high) / 2.0
+        if middle in (low, high):
+            break
+        low, high = (middle, high) if curvature_ratio(exp(middle)) < ratio else (low, middle)
+    return exp((low + high) / 2.0)

@@ -1,0 +1,348 @@
+"""``planar``: rings, rollers and cage move freely in the plane; friction drives the rollers, slip comes out.
+
+Per roller: radial displacement q, angle eps from the middle of its own pocket, and spin; besides, the ring in x and
+y (and its rotation, on a torsion spring), the cage's rotation and centre, the inner ring's centre on its shaft. With
+rho = |c_j - u| the distance of a roller from the ring's centre, n from there to the roller, tau across it,
+
+    delta_o = rho + R_w - R_o - h(s),   s = R_o (angle of n - psi - phi_d),   force on the roller  -Q_o (n + g tau)
+
+where g = -h'(s) R_o/rho: at a pit the contact's normal tilts, so that its edge pushes the roller along. Likewise
+at the inner race. Slip at a contact is the speed of the roller's surface over the race's, the roller's arm being
+R_w - delta/2, and the friction -mu(slip) Q. No small angle is taken for u: the linear approach q - u.e_r would do
+work on a closed path. Angles and turns are kept beyond their kinematic values, so no digits are lost.
+
+Left out: tilt, skew and axial motion of rollers, the bending of rings and cage, oil films as springs.
+"""
+
+from math import atan2, cos, sin, sqrt
+from typing import Any, NamedTuple
+
+from bearingsim.core.cage import F_X, F_X_I, F_Y, F_Y_I, M_RING, drive_cage, let_go, orbit_drag, pockets
+from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
+from bearingsim.core.defects import HALF_WIDTH, ON, ON_INNER, OUTER, RADIUS, SIDE, Pits, meeting
+from bearingsim.core.friction import mu, steepest
+from bearingsim.core.jit import add, jit
+from bearingsim.core.layout import (
+    ACCELERATION,
+    CE,
+    COS,
+    COS_0,
+    DELTA_I,
+    DELTA_O,
+    EPS,
+    EPS_A,
+    EPS_V,
+    INVERSE_MASS,
+    LANES,
+    M_R,
+    M_T,
+    N_R,
+    N_T,
+    PC,
+    PHI_C,
+    POSITION,
+    PS,
+    PSI,
+    PUSH_R,
+    PUSH_T,
+    Q_I,
+    Q_O,
+    RHO_I,
+    RHO_O,
+    ROW,
+    SE,
+    SIN,
+    SIN_0,
+    SLIP_I,
+    SLIP_O,
+    SPIN,
+    SPIN_A,
+    SPIN_V,
+    T_I,
+    T_O,
+    TILT_I,
+    TILT_O,
+    TORQUE,
+    V_I,
+    V_O,
+    VELOCITY,
+    X_I,
+    Y_I,
+    A,
+    Q,
+    V,
+    X,
+    Y,
+)
+from bearingsim.core.models.interface import (
+    ModelKind,
+    accelerations,
+    begin,
+    damping_per_mass,
+    stiffness_per_mass,
+    watched,
+    width,
+)
+from bearingsim.core.motion import elapsed
+from bearingsim.core.parameters import Bearing, Support, lanes
+from bearingsim.core.pit_contact import force_over_pit, outdone
+from bearingsim.core.shaft import move_inner_ring, rotate_ring
+
+
+class Planar(NamedTuple):
+    """Parameters of the model.
+
+    outer, inner: contact laws at the races; motion: ``core/motion.py``; friction: at the races
+    (``core/friction.py``); cage, drag: ``core/cage.py``; shaft, bracket: ``core/shaft.py``; gravity: m/s^2 along e_0,
+    on rollers and cage (a ring's weight is part of its load).
+    """
+
+    bearing: Bearing
+    support: Support
+    outer: Any
+    inner: Any
+    pits: Pits
+    motion: Any
+    friction: Any
+    cage: Any
+    drag: Any
+    shaft: Any
+    bracket: Any
+    gravity: float
+
+
+@width.register(Planar)
+def _width(model):
+    return 2 * ROW + LANES + lanes(model.bearing)
+
+
+@watched.register(Planar)
+def _watched(model):
+    return model.bearing.Z
+
+
+@jit
+def place(theta_c, y, n):
+    """Directions of pockets and rollers, the first pocket standing at ``theta_c`` (rad).
+
+    |EPS| stays under a hundredth, where the series are exact to rounding.
+    """
+    C, S = cos(theta_c), sin(theta_c)
+    for j in range(n):
+        pc = C * y[COS_0 + j] - S * y[SIN_0 + j]
+        ps = S * y[COS_0 + j] + C * y[SIN_0 + j]
+        e = y[EPS + j]
+        e2 = e * e
+        ce = 1.0 - e2 * (0.5 - e2 * (1.0 / 24.0 - e2 / 720.0))
+        se = e * (1.0 - e2 * (1.0 / 6.0 - e2 * (1.0 / 120.0 - e2 / 5040.0)))
+        y[PC + j], y[PS + j], y[CE + j], y[SE + j] = pc, ps, ce, se
+        y[COS + j] = pc * ce - ps * se
+        y[SIN + j] = ps * ce + pc * se
+
+
+@jit
+def approach_outer(bearing, omega_cage, y, n):
+    """Approach, its rate, normal and sideways speed of every outer contact over an undamaged race."""
+    gap, middle = bearing.gap, 0.5 * (bearing.R_o + bearing.R_i)
+    u_x, u_y, v_x, v_y = y[POSITION + X], y[POSITION + Y], y[VELOCITY + X], y[VELOCITY + Y]
+    for j in range(n):
+        c, s = y[COS + j], y[SIN + j]
+        u_r, u_t = u_x * c + u_y * s, u_y * c - u_x * s
+        r = middle + y[Q + j]
+        d_r = y[V + j] - (v_x * c + v_y * s)
+        d_t = r * (omega_cage + y[EPS_V + j]) - (v_y * c - v_x * s)
+        x = r - u_r
+        rho = sqrt(x * x + u_t * u_t)
+        n_r, n_t = x / rho, -u_t / rho
+        y[RHO_O + j], y[N_R + j], y[N_T + j] = rho, n_r, n_t
+        y[DELTA_O + j] = y[Q + j] - u_r - gap + u_t * u_t / (rho + x)
+        y[V_O + j] = n_r * d_r + n_t * d_t
+        y[T_O + j] = n_r * d_t - n_t * d_r
+        y[TILT_O + j] = 0.0
+        y[TORQUE + j] = 0.0
+
+
+@jit
+def approach_inner(bearing, omega_cage, y, n):
+    """The same of every inner contact; its normal points from the inner ring's centre to the roller."""
+    gap, middle = bearing.gap, 0.5 * (bearing.R_o + bearing.R_i)
+    u_x, u_y, v_x, v_y = y[POSITION + X_I], y[POSITION + Y_I], y[VELOCITY + X_I], y[VELOCITY + Y_I]
+    for j in range(n):
+        c, s = y[COS + j], y[SIN + j]
+        u_r, u_t = u_x * c + u_y * s, u_y * c - u_x * s
+        r = middle + y[Q + j]
+        d_r = y[V + j] - (v_x * c + v_y * s)
+        d_t = r * (omega_cage + y[EPS_V + j]) - (v_y * c - v_x * s)
+        x = r - u_r
+        rho = sqrt(x * x + u_t * u_t)
+        n_r, n_t = x / rho, -u_t / rho
+        y[RHO_I + j], y[M_R + j], y[M_T + j] = rho, n_r, n_t
+        y[DELTA_I + j] = -gap - y[Q + j] + u_r - u_t * u_t / (rho + x)
+        y[V_I + j] = -n_r * d_r - n_t * d_t
+        y[T_I + j] = n_r * d_t - n_t * d_r
+        y[TILT_I + j] = 0.0
+
+
+@jit
+def over_pits(model, theta_c, theta_i, roll, omega_i, spin, y):
+    """Correct the contact of each roller that stands over a pit: force, tilt of the normal, torques.
+
+    roll: what a roller has turned backwards in the cage, were it not for slip; spin: its nominal spin (rad/s).
+    Returns the torque (N m) of the pits on the outer ring.
+    """
+    bearing, pits = model.bearing, model.pits
+    torque = 0.0
+    for d in range(len(pits.head)):
+        on, radius = pits.head[d, ON], pits.head[d, RADIUS]
+        own = on >= 0.0
+        rolled = roll - y[SPIN + int(on)] if own else roll
+        j, s = meeting(pits, d, theta_c, theta_i, rolled, bearing.Z)
+        outer = pits.head[d, SIDE] == OUTER
+        tilted = atan2(y[N_T + j], y[N_R + j]) if outer else atan2(y[M_T + j], y[M_R + j])
+        s += radius * (y[EPS + j] + tilted - (y[POSITION + PSI] if outer and not own else 0.0))
+        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(pits, d, j, s, theta_c, theta_i, rolled, bearing.Z):
+            turning = y[VELOCITY + PSI]
+            if own:
+                turning = spin + y[SPIN_V + j]
+            elif on == ON_INNER:
+                turning = omega_i
+            if outer:
+                speed = radius * (y[T_O + j] / y[RHO_O + j] - turning)
+                y[Q_O + j], sideways, y[DELTA_O + j], y[V_O + j] = force_over_pit(
+                    model.outer, pits, d, s, speed, y[DELTA_O + j], y[V_O + j]
+                )
+                y[TILT_O + j] = sideways * radius / y[RHO_O + j]
+                torque -= 0.0 if own else sideways * radius
+            else:
+                speed = radius * (y[T_I + j] / y[RHO_I + j] - turning)
+                y[Q_I + j], sideways, y[DELTA_I + j], y[V_I + j] = force_over_pit(
+                    model.inner, pits, d, s, speed, y[DELTA_I + j], y[V_I + j]
+                )
+                y[TILT_I + j] = sideways * radius / y[RHO_I + j]
+            if own:
+                y[TORQUE + j] -= sideways * radius
+    return torque
+
+
+@jit
+def push_rollers(model, omega_cage, omega_i, spin, y, n):
+    """Slip, friction and drag of every roller: fills PUSH_R, PUSH_T, TORQUE and the cells of both rings."""
+    b, friction, drag, g = model.bearing, model.friction, model.drag, model.gravity
+    R_w, middle, psi_v = b.R_w, 0.5 * (b.R_o + b.R_i), y[VELOCITY + PSI]
+    f_x, f_y, torque, i_x, i_y = 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(n):
+        c, s = y[COS + j], y[SIN + j]
+        real = b.m_r * y[INVERSE_MASS + j]  # 1, and 0 in a padded lane
+        beta_v = spin + y[SPIN_V + j]
+        theta_v = omega_cage + y[EPS_V + j]
+        u = R_w * abs(theta_v - beta_v)  # surfaces through a contact that moves with the roller's centre
+
+        arm = R_w - 0.5 * y[DELTA_O + j]
+        slip = y[T_O + j] + beta_v * arm - psi_v * (y[RHO_O + j] + arm)
+        f = mu(friction, slip, u) * y[Q_O + j]
+        y[SLIP_O + j] = slip
+        across = y[TILT_O + j] - f
+        o_r = -y[Q_O + j] * y[N_R + j] - across * y[N_T + j]
+        o_t = -y[Q_O + j] * y[N_T + j] + across * y[N_R + j]
+        spinning = y[TORQUE + j] - f * arm
+        torque = add(torque, real * f * (y[RHO_O + j] + arm))
+
+        arm = R_w - 0.5 * y[DELTA_I + j]
+        slip = y[T_I + j] - beta_v * arm - omega_i * (y[RHO_I + j] - arm)
+        f = mu(friction, slip, u) * y[Q_I + j]
+        y[SLIP_I + j] = slip
+        across = y[TILT_I + j] - f
+        i_r = y[Q_I + j] * y[M_R + j] - across * y[M_T + j]
+        i_t = y[Q_I + j] * y[M_T + j] + across * y[M_R + j]
+
+        weight = g * b.m_r
+        y[PUSH_R + j] = o_r + i_r + weight * c
+        y[PUSH_T + j] = o_t + i_t - weight * s + orbit_drag(drag, theta_v * (middle + y[Q + j]))
+        y[TORQUE + j] = spinning + f * arm
+        f_x = add(f_x, -o_r * c + o_t * s)
+        f_y = add(f_y, -o_r * s - o_t * c)
+        i_x = add(i_x, -i_r * c + i_t * s)
+        i_y = add(i_y, -i_r * s - i_t * c)
+    y[F_X], y[F_Y], y[F_X_I], y[F_Y_I] = f_x, f_y, i_x, i_y
+    return torque
+
+
+@jit
+def move_outer_ring(model, y):
+    """m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + what the rollers (and a guided cage) push."""
+    support, m_o = model.support, model.bearing.m_o
+    f_x = y[F_X] - support.F - support.k_b * (y[POSITION + X] - support.x_0) - support.c_b * y[VELOCITY + X]
+    f_y = y[F_Y] - support.F_across - support.k_b * (y[POSITION + Y] - support.y_0) - support.c_b * y[VELOCITY + Y]
+    y[ACCELERATION + X] = f_x / m_o
+    y[ACCELERATION + Y] = f_y / m_o
+
+
+@jit
+def move_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
+    """q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = 2 M/(m R_w^2)."""
+    b, cage = model.bearing, model.cage
+    middle, twice = 0.5 * (b.R_o + b.R_i), 2.0 / (b.R_w * b.R_w)
+    for j in range(n):
+        per_mass = y[INVERSE_MASS + j]
+        real = b.m_r * per_mass
+        r, theta_v = middle + y[Q + j], omega_cage + y[EPS_V + j]
+        y[A + j] = real * r * theta_v * theta_v + per_mass * y[PUSH_R + j]
+        theta_a = (per_mass * y[PUSH_T + j] - 2.0 * y[V + j] * theta_v) / r
+        y[EPS_A + j] = let_go(cage, real * (theta_a - alpha_cage))
+        y[SPIN_A + j] = let_go(cage, real * (twice * per_mass * y[TORQUE + j] - alpha_spin))
+
+
+@accelerations.register(Planar)
+def _accelerations(model, t, y):
+    b = model.bearing
+    n = lanes(b)
+    time, rate, growth = elapsed(model.motion, t)
+    theta_i, omega_i = b.omega_i * time, b.omega_i * rate
+    omega_cage = b.omega_c * rate + y[VELOCITY + PHI_C]
+    spin = (b.omega_c - b.omega_b) * rate
+    turned = b.omega_c * time + y[POSITION + PHI_C]
+    theta_c = b.theta_0 + turned
+    place(theta_c, y, n)
+    approach_outer(b, omega_cage, y, n)
+    approach_inner(b, omega_cage, y, n)
+    for j in range(n):
+        y[Q_O + j] = normal_force(model.outer, y[DELTA_O + j], y[V_O + j])
+        y[Q_I + j] = normal_force(model.inner, y[DELTA_I + j], y[V_I + j])
+    torque = 0.0
+    if len(model.pits.head) > 0:
+        roll = turned - (b.omega_c - b.omega_b) * time
+        torque = over_pits(model, theta_c, theta_i, roll, omega_i, spin, y)
+    y[M_RING] = torque + push_rollers(model, omega_cage, omega_i, spin, y, n)
+    pockets(model.cage, model, omega_cage, spin, y, n)
+    alpha_cage = drive_cage(model.cage, model, omega_cage, omega_i, b.omega_c * growth, y)
+    y[ACCELERATION + PHI_C] = alpha_cage - b.omega_c * growth
+    move_rollers(model, omega_cage, alpha_cage, (b.omega_c - b.omega_b) * growth, y, n)
+    move_outer_ring(model, y)
+    rotate_ring(model.bracket, y)
+    move_inner_ring(model.shaft, model, theta_i, omega_i, b.omega_i * growth, y)
+
+
+@begin.register(Planar)
+def _begin(model, t, y):
+    accelerations(model, t, y)
+
+
+@stiffness_per_mass.register(Planar)
+def _stiffness_per_mass(model, y, j):
+    outer = stiffness_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = stiffness_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    return y[INVERSE_MASS + j] * (outer + inner)
+
+
+@damping_per_mass.register(Planar)
+def _damping_per_mass(model, y, j):
+    """Radial damping, or what friction does to the slip: between two races 4 dmu/dv Q/m, at one race 3."""
+    outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    b = model.bearing
+    pressed = y[Q_O + j] + y[Q_I + j] + 2.0 * max(y[Q_O + j], y[Q_I + j])
+    rubbing = steepest(model.friction, b.R_w * b.omega_b) * pressed
+    return y[INVERSE_MASS + j] * max(outer + inner, rubbing)
+
+
+KIND = ModelKind(Planar, loaded=True, massless=False, memoryless=False, per_crossing=100, cost=0.4e-6)

@@ -1,0 +1,57 @@
+"""How the inner ring turns: at a steady speed, or on a ramp. Every kinematic speed is proportional to it."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim.core.jit import generic
+
+
+class Steady(NamedTuple):
+    """The speed of ``Bearing.omega_i`` all along."""
+
+
+class Ramp(NamedTuple):
+    """From the bearing's speed at t = 0 linearly to ``ratio`` times it at ``T`` (s), steady from there on."""
+
+    ratio: float
+    T: float
+
+
+@generic
+def elapsed(motion: Any, t: float) -> tuple[float, float, float]:
+    """The time (s) in which the ring would have turned as far at its first speed; its rate and acceleration (1/s).
+
+    So angles are omega_i times the first, speeds omega_i times the second; at a steady speed it is t, 1, 0.
+    """
+
+
+@elapsed.register(Steady)
+def _elapsed_steady(motion, t):
+    return t, 1.0, 0.0
+
+
+@elapsed.register(Ramp)
+def _elapsed_ramp(motion, t):
+    growth = (motion.ratio - 1.0) / motion.T
+    on_ramp = min(t, motion.T)
+    after = t - on_ramp
+    steep = growth if t < motion.T else 0.0
+    return on_ramp + 0.5 * growth * on_ramp * on_ramp + motion.ratio * after, 1.0 + growth * on_ramp, steep
+
+
+def motion_of(model: Any) -> Any:
+    """The model's motion; ``Steady`` for a model that knows no other."""
+    return getattr(model, "motion", Steady())
+
+
+def elapsed_times(model: Any, time: np.ndarray) -> np.ndarray:
+    """``elapsed``'s first result at each time (n,), s."""
+    motion = motion_of(model)
+    return time if isinstance(motion, Steady) else np.array([elapsed(motion, t)[0] for t in time.tolist()])
+
+
+def speed_factor(model: Any, time: np.ndarray) -> Any:
+    """Speed at each time (n,), s, over the speed at t = 0; 1.0 at a steady speed."""
+    motion = motion_of(model)
+    return 1.0 if isinstance(motion, Steady) else np.array([elapsed(motion, t)[1] for t in time.tolist()])

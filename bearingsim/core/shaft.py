@@ -1,0 +1,80 @@
+"""What holds the inner ring, and the outer ring against rotation."""
+
+from math import cos, sin
+from typing import Any, NamedTuple
+
+from bearingsim.core.cage import F_X_I, F_Y_I, M_RING
+from bearingsim.core.jit import generic
+from bearingsim.core.layout import ACCELERATION, POSITION, PSI, VELOCITY, X_I, Y_I
+
+
+class RigidShaft(NamedTuple):
+    """The inner ring's centre stays where it is."""
+
+
+class ElasticShaft(NamedTuple):
+    """The inner ring on a spring and a damper, and an unbalance that turns with it.
+
+    m: of inner ring and shaft (kg); k: N/m; c: N s/m; unbalance: mass times its distance from the axis (kg m), at
+    ``angle`` (rad) from the load line at t = 0. The displacement counts from where the load holds the ring at rest.
+    """
+
+    m: float
+    k: float
+    c: float
+    unbalance: float
+    angle: float
+
+
+@generic
+def move_inner_ring(shaft: Any, model: Any, theta_i: float, omega_i: float, alpha_i: float, y: Any) -> None:
+    """Write the inner ring's acceleration from the forces gathered in the cells F_X_I, F_Y_I.
+
+    theta_i, omega_i, alpha_i: its angle (rad), speed (rad/s) and angular acceleration (rad/s^2).
+    """
+
+
+@move_inner_ring.register(RigidShaft)
+def _move_inner_ring_rigid(shaft, model, theta_i, omega_i, alpha_i, y):
+    return None
+
+
+@move_inner_ring.register(ElasticShaft)
+def _move_inner_ring_elastic(shaft, model, theta_i, omega_i, alpha_i, y):
+    support, at = model.support, theta_i + shaft.angle
+    c, s = cos(at), sin(at)
+    f_x = y[F_X_I] + support.F - shaft.k * y[POSITION + X_I] - shaft.c * y[VELOCITY + X_I]
+    f_y = y[F_Y_I] + support.F_across - shaft.k * y[POSITION + Y_I] - shaft.c * y[VELOCITY + Y_I]
+    y[ACCELERATION + X_I] = (f_x + shaft.unbalance * (omega_i * omega_i * c + alpha_i * s)) / shaft.m
+    y[ACCELERATION + Y_I] = (f_y + shaft.unbalance * (omega_i * omega_i * s - alpha_i * c)) / shaft.m
+
+
+class FixedRing(NamedTuple):
+    """The bracket does not let the outer ring rotate."""
+
+
+class TorsionSpring(NamedTuple):
+    """The bracket holds the outer ring by a torsion spring k (N m/rad) and damper c (N m s/rad).
+
+    inertia: of the ring about its axis (kg m^2).
+    """
+
+    inertia: float
+    k: float
+    c: float
+
+
+@generic
+def rotate_ring(bracket: Any, y: Any) -> None:
+    """Write the outer ring's angular acceleration from the torque gathered in the cell M_RING."""
+
+
+@rotate_ring.register(FixedRing)
+def _rotate_ring_fixed(bracket, y):
+    return None
+
+
+@rotate_ring.register(TorsionSpring)
+def _rotate_ring_spring(bracket, y):
+    torque = y[M_RING] - bracket.k * y[POSITION + PSI] - bracket.c * y[VELOCITY + PSI]
+    y[ACCELERATION + PSI] = torque / bracket.inertia

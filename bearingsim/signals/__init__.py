@@ -1,0 +1,27 @@
+"""From series to numbers: lines, spectra, events and the usual statistics. NumPy in, numbers out."""
+
+from bearingsim.signals.events import spacing
+from bearingsim.signals.lines import derivative_lines, line, line_at, lines_at, lines_by_pass, resolvable
+from bearingsim.signals.moments import statistics
+from bearingsim.signals.passes import at_equal_angles
+from bearingsim.signals.picker import PickedLine, pick_from, pick_line
+from bearingsim.signals.spectra import envelope_spectrum, hann, spectrum, squared_envelope
+
+__all__ = [
+    "PickedLine",
+    "at_equal_angles",
+    "derivative_lines",
+    "envelope_spectrum",
+    "hann",
+    "line",
+    "line_at",
+    "lines_at",
+    "lines_by_pass",
+    "pick_from",
+    "pick_line",
+    "resolvable",
+    "spacing",
+    "spectrum",
+    "squared_envelope",
+    "statistics",
+]

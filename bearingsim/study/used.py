@@ -1,0 +1,47 @@
+"""What a case uses of all it can say: the part that shapes its numbers, and so its id."""
+
+from typing import Any
+
+from bearingsim.config import Case
+
+IDLE: dict[str, Any] = {
+    "ramp": None,
+    "load_across": 0.0,
+    "gravity": False,
+    "excitation": "envelope",
+    "friction": None,
+    "cage": None,
+    "drag": None,
+    "shaft": None,
+    "unbalance": None,
+    "bearing": {"element": "roller", "inner_groove_radius": None, "outer_groove_radius": None},
+    "rig": {"torsion_stiffness": None, "torsion_damping": None},
+    "defects": {"roller": None},
+}
+"""Values that do nothing. They are left out, so that a field that is new does not rename results that exist."""
+
+ELASTIC = ("johnson", "point")
+"""The contact laws that take the material's elastic constants."""
+
+
+def used(case: Case) -> dict[str, Any]:
+    """The case as nested values, without what does not shape its numbers."""
+    values: dict[str, Any] = _without(case.model_dump(), IDLE)
+    if case.contact.stiffness not in ELASTIC:
+        material = values["bearing"]["material"]
+        del material["young_modulus"], material["poisson_ratio"]
+    if not case.defects:
+        values.pop("excitation", None)
+    if case.model != "planar" and case.excitation != "random-impulses":
+        values.pop("seed", None)
+    return values
+
+
+def _without(value: Any, idle: Any) -> Any:
+    """The value less the entries that are idle; of a list, each of its mappings."""
+    if isinstance(value, list | tuple):
+        return [_without(inner, idle) for inner in value]
+    if not isinstance(value, dict) or not isinstance(idle, dict):
+        return value
+    kept = {key: _without(inner, idle.get(key)) for key, inner in value.items()}
+    return {key: inner for key, inner in kept.items() if key not in idle or inner != idle[key]}

@@ -1,0 +1,40 @@
+"""Whether a compiled loop over rollers kept its vector lanes, read from its LLVM code."""
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import llvmlite.binding as llvm
+import numba
+import numpy as np
+import pytest
+
+from bearingsim.core import jit
+
+ROW = 100
+# what a processor does on a vector; exp, log and pow look the same in this code, but are taken apart into calls
+INSTRUCTIONS = r"llvm\.(fabs|sqrt|fma|fmuladd|maxnum|minnum|[su]max|[su]min|masked\.gather)\.v.*"
+needs_vectors = pytest.mark.skipif(
+    not llvm.get_host_cpu_features().get("avx2"), reason="the processor has no AVX2: no gathers, no wide integers"
+)
+
+
+def compiled(loop: Callable) -> Any:
+    """``loop`` compiled with the core's options, uncached."""
+    return numba.njit(**jit.OPTIONS)(loop)
+
+
+def rows(*values: float) -> np.ndarray:
+    """A flat buffer of rows, each filled with one of ``values``."""
+    return np.repeat(np.array(values, dtype=float), ROW)
+
+
+def keeps_lanes(loop: Any, *arguments: Any) -> bool:
+    """Whether the loop of a compiled function computes with vectors and calls no function."""
+    loop(*arguments)
+    code = loop.inspect_llvm(tuple(numba.typeof(argument) for argument in arguments))
+    blocks = re.split(r"\n(?=[\w.]+:)", code)
+    bodies = [block for block in blocks if block.startswith("vector.body")]
+    called = {name for body in bodies for name in re.findall(r"call [^@\n]*@([\w.]+)\(", body)}
+    real_calls = {name for name in called if not re.fullmatch(INSTRUCTIONS, name)}
+    return bool(bodies) and "x double>" in "".join(bodies) and not real_calls
