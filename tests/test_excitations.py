@@ -164,6 +164,18 @@ def test_piecewise_pulse_of_a_narrow_slot_is_a_half_sine(width, depth, place):
     assert piecewise == pytest.approx(half_sine, rel=1e-9, abs=1e-9 * depth)
 
 
+@given(shape=st.sampled_from(["triangular", "circular"]), width=widths, depth=depths, place=places)
+def test_piecewise_pulse_of_a_pit_without_a_floor_is_a_half_sine(shape, width, depth, place):
+    for row, other in zip(
+        rows_of(PiecewisePulse(), shape, width, depth), rows_of(HalfSinePulse(), shape, width, depth), strict=True
+    ):
+        found, expected = (
+            felt(PiecewisePulse(), row, place * width, R),
+            felt(HalfSinePulse(), other, place * width, R),
+        )
+        assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * depth)
+
+
 @given(shape=shapes, width=widths, depth=depths, place=st.floats(-0.49, 0.49))
 def test_clearance_increase_knows_no_roller(shape, width, depth, place):
     """Near its middle a bowl's section is the pit's; box and V have one section."""

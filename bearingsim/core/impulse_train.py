@@ -39,7 +39,7 @@ class LoadZone(NamedTuple):
     q_0: largest load of a roller (N); delta_0: approach of its two contacts together (m); epsilon: load zone
     parameter, 1/2 without clearance, less with it, more with preload; n: exponent of the contact, 10/9 for a line,
     3/2 for a point; axis: angle of the most loaded position from the load line (rad); K_x, K_y: the ring's
-    stiffness on its rollers (N/m), inf to leave out that it is less while a roller carries nothing. Source:
+    stiffness on rollers and bracket (N/m), inf to leave out that it is less while one carries nothing. Source:
     Stribeck; McFadden and Smith 1984.
     """
 
