@@ -66,7 +66,7 @@ PINNED = {  # um/s, `rollers`, 0.8 mm slot, 150 N, 1 s; less than `ring`'s 5.189
 
 
 def test_lines_of_one_second():
-    """Each pit's own lines are there, the other's and the healthy bearing's are not; each is omega times the last."""
+    """Each pit's own lines are there, the other's are not, nor in a healthy bearing."""
     healthy = simulate(case(duration="1 s")).features
     for race, expected in PINNED.items():
         found = simulate(case(duration="1 s", defect=SLOT | {"race": race})).features
