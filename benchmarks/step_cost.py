@@ -29,6 +29,7 @@ BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 BOWL = SLOT | {"shape": "circular", "length": "9 mm"}
 SCENES: dict[str, dict] = {"healthy": {}, "0.8 mm slot": {"defect": SLOT}, "9 mm bowl": {"defect": BOWL}}
+SCENES |= {f"0.8 mm slot, {race}": {"defect": SLOT | {"race": race}} for race in ("inner", "roller")}
 PAIRS = (("static", None), ("ring", "verlet"), ("ring", "rk4"), ("rollers", "verlet"), ("rollers", "rk4"))
 ROLLERS = (8, 13, 16, 24, 32)
 SLOWER = {"static": 50}  # a balance costs about as much as so many steps

@@ -123,6 +123,20 @@ def test_closing_speed_is_the_steepest_slope_times_the_speed_along_the_race(defe
     assert limits(case(defect=defect)).closing_speed == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.parametrize("race", ["inner", "roller"])
+def test_pits_that_turn_are_crossed_at_the_same_speed_and_met_on_the_tighter_race(race: str) -> None:
+    """Rolling: 2.959 m/s everywhere. On the inner race 1/R is 1/6 + 1/26.5 per mm: the edge is steeper there."""
+    found, speed = limits(case(defect=SLOT | {"race": race})), 0.0385 * 2 * pi * 30 * (1 - 12 / 65) / 2
+    assert found.crossing == pytest.approx(0.8e-3 / speed, rel=1e-12)
+    assert found.closing_speed == pytest.approx(0.4e-3 * (1 / 6e-3 + 1 / 26.5e-3) * speed, rel=1e-12)
+
+
+def test_only_a_pit_that_stands_is_put_in_step() -> None:
+    models = [build.model(case(defect=SLOT | {"race": race})) for race in ("outer", "inner", "roller")]
+    moved = [build.in_step(model, 12345, 0.3).bearing.theta_0 != model.bearing.theta_0 for model in models]
+    assert moved == [True, False, False]
+
+
 def test_impact_without_damping_turns_all_energy_into_the_contact() -> None:
     model = build.model(case(contact={"damping": {"chi": "0 s/m"}}))
     speed, m, k = 0.05, model.bearing.m_r, model.outer.stiffness.k

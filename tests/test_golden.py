@@ -4,18 +4,20 @@ import pytest
 
 from bearingsim.core import MODEL_VERSION
 from bearingsim.simulation import simulate
-from tests.scenes import SLOT, case
+from tests.scenes import ON_A_ROLLER, ON_INNER_RACE, SLOT, case
 
 SHORT = {"duration": "80 ms", "settle": "30 ms"}
 GOLDEN_VERSION = 2  # the MODEL_VERSION whose numbers these are
 WIDE = SLOT | {"shape": "circular", "length": "6 mm", "angle": "10 deg"}
 GROOVE = SLOT | {"shape": "triangular", "depth": "5 um", "angle": "-20 deg"}
 KRAEMER = {"stiffness": "iso16281", "damping": "kraemer"}
+THIRD = {"roller": 3}
 RAW = {"load": "300 N", "clearance": "5 um", "antialias": False}
 SCENES = {
     "rollers": {"model": "rollers", "defect": SLOT},
     "ring": {"model": "ring", "method": "rk4", "contact": KRAEMER, "defect": WIDE} | RAW,
     "static": {"model": "static", "defect": GROOVE, "clearance": "-2 um"},
+    "inner race and roller": {"model": "rollers", "defects": [SLOT | ON_INNER_RACE, WIDE | ON_A_ROLLER | THIRD]},
 }
 NUMBERS: dict[str, dict[str, float]] = {
     "rollers": {
@@ -50,6 +52,19 @@ NUMBERS: dict[str, dict[str, float]] = {
         "acceleration.rms": 4.755007160514761,
         "acceleration.kurtosis": 21.222942961408076,
         "outer_force.max": 210.13943444022414,
+    },
+    "inner race and roller": {
+        "displacement@BPFI": 3.484883454693133e-09,
+        "velocity@BPFI": 5.0315360831497924e-06,
+        "velocity@BPFI.phase": -1.5786987590585826,
+        "velocity@BPFI+fr": 4.871208875270924e-06,
+        "velocity@BPFO": 8.878711287248966e-07,
+        "velocity.rms": 0.0001765311355997932,
+        "acceleration@BPFI-fr": 0.004567384791960348,
+        "acceleration.rms": 3.1551903002222472,
+        "outer_force.max": 92.1822424650798,
+        "inner_force.max": 77.40969493715069,
+        "load_zone.extent": 3.0952635389257943,
     },
 }
 
