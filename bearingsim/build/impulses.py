@@ -26,12 +26,13 @@ def model(case: Case, support: Support) -> Impulse:
         + LEAD * (4.0 / case.sampling + 1.0 / case.bearing.ball_pass_frequency(case.speed))
     )
     found = [one for d in case.defects for one in pits.of_defect(case, d, pits.excitation(case))]
-    blows = _train(case, load_zone(case), found, end)
+    zone = load_zone(case, rest.K_x + support.k_b, rest.K_y + support.k_b)
+    blows = _train(case, zone, found, end)
     return Impulse(
         bearing=b,
         m=b.m_o,
-        K_x=rest.K_x + support.k_b,
-        K_y=rest.K_y + support.k_b,
+        K_x=zone.K_x,
+        K_y=zone.K_y,
         C_x=rest.C_x + support.c_b,
         C_y=rest.C_y + support.c_b,
         times=blows.times,
@@ -47,8 +48,8 @@ def _train(case: Case, zone: LoadZone, found: list[Meeting], end: float) -> Any:
     return train(b, zone, found, 0.0, end)
 
 
-def load_zone(case: Case) -> LoadZone:
-    """How the healthy bearing at rest shares its load."""
+def load_zone(case: Case, K_x: float, K_y: float) -> LoadZone:
+    """How the healthy bearing at rest shares its load; ``K_x``, ``K_y``: of the ring, with bracket (N/m)."""
     rest = healthy_rest(case)
     shift = rest.approach + case.clearance / 2.0
     return LoadZone(
@@ -57,6 +58,8 @@ def load_zone(case: Case) -> LoadZone:
         epsilon=0.5 * (1.0 - case.clearance / (2.0 * shift)),
         n=_exponent(contacts.outer(case).stiffness),
         axis=atan2(case.load_across, case.load),
+        K_x=K_x,
+        K_y=K_y,
     )
 
 
