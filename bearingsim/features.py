@@ -14,6 +14,9 @@ from bearingsim.config.names import HARMONICS, LINES, Line, line_name
 from bearingsim.core.layout import LOADED, Q_I_MAX, Q_MAX, Q_P_MAX
 from bearingsim.core.motion import elapsed_times, speed_factor
 
+FEWEST_PASSES = 3
+"""Ball passes that a record must hold for lines to be read against a free cage: interpolation takes its ends."""
+
 ROW_OF = {place: row for row, place in enumerate(BASE)}
 OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
 
@@ -93,16 +96,20 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
     whole = tape.fine[: len(BASE), start + tape.zero : start + tape.zero + length]
     angle = Z * model.bearing.theta_0
     slip = whole[ROW_OF[TURN_OF_CAGE]]
+    rate = cut.rate
     if hasattr(model, "cage"):  # its passes take what time they take
-        ball_pass = Z * turns(model, cut, start, slip).cage
-        whole, start = signals.at_equal_angles(whole, ball_pass - angle, M)
+        ball_pass = Z * turns(model, cut, start, slip).cage - angle
+        if ball_pass[-1] - ball_pass[0] < 2.0 * pi * FEWEST_PASSES:
+            return dict.fromkeys(_ball_pass_names(), float("nan"))
+        rate = float(ball_pass[-1] - ball_pass[0]) / (2.0 * pi * (length - 1)) * cut.fine_rate
+        whole, start = signals.at_equal_angles(whole, ball_pass, M)[0], 0
     velocity = along_sensor(case, whole, "velocity")
     by_pass = {
         quantity: signals.lines_by_pass(along_sensor(case, whole, quantity)[:-1], M, HARMONICS, start, angle)
         for quantity in ("displacement", "velocity")
     }
     by_pass["acceleration"] = signals.derivative_lines(
-        by_pass["velocity"], velocity[::M], cut.rate, HARMONICS, angle + 2.0 * pi * (start % M) / M
+        by_pass["velocity"], velocity[::M], rate, HARMONICS, angle + 2.0 * pi * (start % M) / M
     )
     found = {}
     for quantity, lines in by_pass.items():
@@ -110,6 +117,11 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
             name = f"{quantity}@{line_name(harmonic)}"
             found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values)
     return found
+
+
+def _ball_pass_names() -> list[str]:
+    lines = [f"{quantity}@{line_name(harmonic)}" for quantity in MOTION for harmonic in HARMONICS]
+    return [f"{line}{ending}" for line in lines for ending in ("", ".phase", "-scatter")]
 
 
 def other_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
