@@ -276,7 +276,8 @@ def samples(case: Case) -> int:
 def grid(case: Case, part: float = 1.0) -> Grid:
     """Cut the case in time: the wanted step, shortened until a ball pass holds a whole number of fine samples.
 
-    part: of the wanted step, to take less. On a ramp the ball pass is that of the highest speed. Raises ``Refused`` like ``wanted_step``, if no sample falls into the record, or if a pass has too many steps.
+    part: of the wanted step, to take less. On a ramp the ball pass is that of the highest speed. Raises
+    ``Refused`` like ``wanted_step``, if no sample falls into the record, or if a pass has too many steps.
     """
     if samples(case) < 1:
         raise Refused("no sample falls into the record", "take a higher `sampling` or a longer `duration`")

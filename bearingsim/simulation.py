@@ -26,7 +26,6 @@ from bearingsim.core.sampling import (
 )
 from bearingsim.features import Tape, features
 
-
 SHORTENED = (1.0, 0.5, 0.25, 0.125)
 """Parts of an automatic step that are tried in turn."""
 
