@@ -31,22 +31,23 @@ def spacing(series: np.ndarray, fs: float, period: float) -> float:
             f"{len(series)} samples at {fs:g} Hz are not two passes of {period:g} s, {SMOOTHED} samples in each"
         )
     envelope = smoothed(levelled_envelope(series, fs, WHITENED / period), period * fs / SMOOTHED)
-    before = before_exits(np.sqrt(np.maximum(envelope, 0.0)), int(period * fs / 2.0))
-    if len(before) < 2:
+    passes = about_exits(np.sqrt(np.maximum(envelope, 0.0)), int(period * fs / 2.0))
+    if len(passes) < 2:
         return float("nan")
-    mean, error = before.mean(axis=0), before.std(axis=0) / np.sqrt(len(before) - 1)
+    mean, error = passes.mean(axis=0), passes.std(axis=0) / np.sqrt(len(passes) - 1)
     if np.ptp(mean) <= STILL * mean.mean():
         return float("nan")
-    entry = most_prominent(mean, np.maximum(LEAST * np.ptp(mean), NOISE * error))
-    return (before.shape[1] - 1 - entry) / fs
+    half = len(mean) // 2
+    entry = most_prominent(mean[: half + 1], np.maximum(LEAST * np.ptp(mean), NOISE * error))
+    return (summit(mean, half) - summit(mean, entry)) / fs if entry else float("nan")
 
 
-def before_exits(envelope: np.ndarray, half: int) -> np.ndarray:
-    """The half pass (passes, half + 1) that ends at each value of an envelope (n,) highest within half a pass."""
+def about_exits(envelope: np.ndarray, half: int) -> np.ndarray:
+    """Passes (p, 2 half + 1) about each value of an envelope (n,) that is the highest within half a pass."""
     tops = maxima(envelope)
     tops = tops[(tops >= half) & (tops < len(envelope) - half)]
     around = np.lib.stride_tricks.sliding_window_view(envelope, 2 * half + 1)[tops - half]
-    return around[envelope[tops] >= around.max(axis=1), : half + 1]
+    return around[envelope[tops] >= around.max(axis=1)]
 
 
 def levelled_envelope(series: np.ndarray, fs: float, reach: float) -> np.ndarray:
@@ -72,18 +73,20 @@ def maxima(values: np.ndarray) -> np.ndarray:
     return 1 + np.flatnonzero((values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:]))
 
 
-def most_prominent(values: np.ndarray, least: np.ndarray) -> float:
-    """Place, between samples, of the inner maximum that stands most over its surroundings; nan if there is none.
+def most_prominent(values: np.ndarray, least: np.ndarray) -> int:
+    """Index of the inner maximum that stands most over its surroundings; 0 if there is none.
 
-    values: (n,); least: (n,) what a maximum must stand to count. It stands over the higher of the two lowest values
-    between it and what is higher on either side.
+    values: (n,); least: (n,) or more, what a maximum must stand to count. It stands over the higher of the two
+    lowest values between it and what is higher on either side.
     """
     tops = maxima(values)
     heights = np.array([height(values, int(top)) for top in tops])
     heights[heights < least[tops]] = 0.0
-    if not np.any(heights):
-        return float("nan")
-    top = tops[np.argmax(heights)]
+    return int(tops[np.argmax(heights)]) if np.any(heights) else 0
+
+
+def summit(values: np.ndarray, top: int) -> float:
+    """Place, between samples, of the local maximum at index ``top``: that of the parabola through three values."""
     left, middle, right = values[top - 1 : top + 2]
     return float(top + 0.5 * (left - right) / (left - 2.0 * middle + right))
 
