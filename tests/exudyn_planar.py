@@ -1,9 +1,9 @@
-"""The planar bearing carried by EXUDYN (Gerstmayr, PyPI `exudyn`), a general multibody code, with its own contacts.
+"""The planar bearing carried by EXUDYN (Gerstmayr, PyPI `exudyn`), a general multibody code, by its own contacts.
 
-The bodies are EXUDYN's rigid bodies, every contact its ``ObjectContactSphereSphere`` (a circle in the plane): rollers
-in the hollow outer ring and on the inner ring, Hunt-Crossley damping, Coulomb friction proportional to the slip in a zone.
-A slot is two points on the ring, its edges: the race does not bear a roller between them, they do. So neither the
-envelope nor its slope is used here. The inner ring is so heavy that it turns as prescribed.
+The bodies are EXUDYN's rigid bodies, every contact is its ``ObjectContactSphereSphere`` (circles, in the plane):
+rollers in the hollow outer ring and on the inner ring, Hunt-Crossley damping, Coulomb friction proportional to the
+slip in a zone. A slot is two points on the ring, its edges: they bear a roller between them, the race does not. So
+neither the envelope nor its slope is used here. The inner ring is so heavy that it turns as prescribed.
 
 What differs from `planar`: forces are not clamped at zero (Hunt-Crossley pulls when a contact opens faster than
 1/chi), circles meet edges exactly where the envelope is a parabola, and there is no cage.
@@ -56,7 +56,7 @@ def disc(system, mass, inertia, centre, velocity, angular_velocity):
 def touch(system, scene, roller, other, radius, gap=1.0, hollow=False):
     """Contact of two markers with the scene's law: chi = 1.5 (1 - restitution)/(slowest impact) in EXUDYN's words.
 
-    Whether it touches in the first step is what it remembers: the sign of ``gap``. A gap of 1 m: switched off as yet.
+    The sign of ``gap`` tells EXUDYN's first step whether the two touch. A gap of 1 m: switched off as yet.
     """
     from exudyn import utilities as eu
 
@@ -163,8 +163,32 @@ def simulate(scene, step, duration=DURATION, sampling=SAMPLING):
     integration.endTime, integration.numberOfSteps = duration, round(duration / step)
     integration.adaptiveStep, integration.verboseMode = False, 0
     integration.discontinuous.iterationTolerance = 1e30  # a fixed step, never repeated
-    settings.solutionSettings.sensorsWritePeriod = sampling
-    settings.solutionSettings.writeSolutionToFile = False
+    settings.solution.sensors.writePeriod = sampling
+    settings.solution.file.write = False
     system.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
     seen = system.GetSensorStoredData(sensor)
     return seen[:, 0], seen[:, 1:3].T
+
+
+def kept(name):
+    """(time (n,), ring displacement (2, n)) that ``keep`` wrote of the scene."""
+    with np.load(KEPT) as data:
+        return data["time"].astype(float), data[name].astype(float) + data[name + "_middle"][:, None]
+
+
+def keep():
+    columns = {}
+    for name, (scene, step) in SCENES.items():
+        time, displacement = simulate(scene, step)
+        middle = displacement.mean(axis=1)  # kept apart: the ring moves by a thousandth of where it stands
+        columns |= {
+            "time": time,
+            name: (displacement - middle[:, None]).astype(np.float32),
+            name + "_middle": middle,
+        }
+    KEPT.parent.mkdir(exist_ok=True)
+    np.savez_compressed(KEPT, **columns)
+
+
+if __name__ == "__main__":
+    keep()
