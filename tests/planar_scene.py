@@ -1,4 +1,4 @@
-"""The scenes of tests/reference_planar.py carried by the package's `planar`, with the laws that only tests need."""
+"""The scenes of tests/reference_planar.py carried by the package's `planar`, with laws that only tests need."""
 
 from typing import Any, NamedTuple
 
