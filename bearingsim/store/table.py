@@ -93,8 +93,9 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     features = features[in_feature_order(features.columns)]
     seconds = frame["info/cpu_s"] if "info/cpu_s" in frame else pd.Series(np.nan, frame.index)
     rest = pd.DataFrame({"status": frame["status"], "reason": frame["reason"], "seconds": seconds})
-    whole = pd.concat([swept, features, rest, frame[["healthy", "unit"]]], axis=1)
-    return whole.rename_axis("job").reset_index()
+    jobs = pd.DataFrame({"job": frame.index}, index=frame.index)
+    whole = pd.concat([jobs, swept, features, rest, frame[["healthy", "unit"]]], axis=1)
+    return whole.reset_index(drop=True)
 
 
 # Making the frame
@@ -105,12 +106,14 @@ def _make_frame(root: Path, known: "pd.DataFrame | None") -> "pd.DataFrame":
 
     plan, failures = read_plan(root), read_failures(root)
     ids = [entry["job"] for entry in plan["jobs"]]
-    frame = _collect(unit_files(root), known).reindex(ids)
-    done = frame["unit"].notna()
+    stored = _collect(unit_files(root), known).reindex(ids)
+    done = stored["unit"].notna()
     reasons = pd.Series({job: failure.reason for job, failure in failures.items()}, dtype=object)
-    frame["reason"] = reasons.reindex(frame.index).where(~done)
-    frame["status"] = np.where(done, "done", np.where(frame["reason"].notna(), "failed", "missing"))
-    frame["healthy"] = [entry["healthy"] for entry in plan["jobs"]]
+    reason = reasons.reindex(stored.index).where(~done)
+    status = np.where(done, "done", np.where(reason.notna(), "failed", "missing"))
+    healthy = [entry["healthy"] for entry in plan["jobs"]]
+    told = pd.DataFrame({"reason": reason, "status": status, "healthy": healthy}, index=stored.index)
+    frame = pd.concat([stored, told], axis=1)  # of many columns, inserting one is slow, and warned of
     words = frame.select_dtypes(exclude="number").columns
     frame = frame.fillna(dict.fromkeys(words, "")).astype(dict.fromkeys(words, str))
     return pd.concat([frame, healthy_differences(frame)], axis=1)
@@ -141,7 +144,7 @@ def _unit_frame(path: Path) -> "pd.DataFrame":
     except UNREADABLE as error:
         warnings.warn(f"{path} cannot be read, its jobs count as missing: {error}", stacklevel=2)
         return pd.DataFrame()
-    return pd.DataFrame(columns).set_index("job").assign(unit=path.stem)
+    return pd.DataFrame({**columns, "unit": path.stem}).set_index("job")
 
 
 def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
