@@ -131,7 +131,7 @@ def other_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, floa
     fine = tape.fine[: len(BASE), start + tape.zero : start + tape.zero + length]
     turning = turns(model, cut, start, fine[ROW_OF[TURN_OF_CAGE]])
     angles = {name: turning.along(line, case.bearing.rollers) for name, line in LINES.items()}
-    frequencies = [(angle[-1] - angle[0]) / (2.0 * pi * length) * cut.fine_rate for angle in angles.values()]
+    frequencies = [(angle[-1] - angle[0]) / (2.0 * pi * (length - 1)) * cut.fine_rate for angle in angles.values()]
     told = dict(zip(LINES, signals.resolvable(np.array(frequencies), case.duration), strict=True))
     hertz = dict(zip(LINES, frequencies, strict=True))
     found: dict[str, float] = {}
