@@ -50,10 +50,12 @@ EVERYTHING = {
 }
 """Fields of a case in which all that can act does."""
 SPEEDING = {"ramp": {"to": "2400 rpm", "time": "5 ms"}, "friction": "traction"}
+RUBBING = {"static": "0.2", "dynamic": "0.1", "static_speed": "2 m/s", "dynamic_speed": "8 m/s"}
+"""Friction of the cage that still depends on the slip at the speeds of a bearing that turns."""
 WAYS = {
-    "on rollers": {"cage": {"guide": "rollers"}, "drag": {"land": "outer"}},
-    "on the outer ring": {"cage": {"guide": "outer-ring"}, "drag": {"land": "inner"}} | SPEEDING,
-    "on the inner ring": {"cage": {"guide": "inner-ring"}, "drag": {"land": "outer"}} | SPEEDING,
+    "on rollers": {"cage": {"guide": "rollers", "friction": RUBBING}, "drag": {"land": "outer"}},
+    "on the outer ring": {"cage": {"guide": "outer-ring", "friction": RUBBING}, "drag": {"land": "inner"}} | SPEEDING,
+    "on the inner ring": {"cage": {"guide": "inner-ring", "friction": RUBBING}, "drag": {"land": "outer"}} | SPEEDING,
 }
 
 
