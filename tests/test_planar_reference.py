@@ -10,7 +10,7 @@ RING = ("ring_x", "ring_y", "velocity_x", "velocity_y")
 
 
 def differences(name: str, begin: float = 0.0) -> dict[str, float]:
-    """Largest difference over the range of each of RING from ``begin`` (s) on; of the cage's speed over its own."""
+    """Largest difference over the range of each of RING from ``begin`` (s) on; of the cage's speed over it."""
     kept, scene = reference_planar.kept(name), reference_planar.SCENES[name]
     _, found = planar_scene.simulate(scene, reference_planar.KEPT_TIMES[-1], STEP)
     seen = found[:, np.rint(reference_planar.KEPT_TIMES / STEP).astype(int)]
