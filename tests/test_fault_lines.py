@@ -1,4 +1,4 @@
-"""Where the lines of damaged elements stand, found in the recorded velocity by the picker, which knows no model."""
+"""Where lines of damaged elements stand, found in the recorded velocity by the picker, which knows no model."""
 
 from functools import cache
 
@@ -9,7 +9,7 @@ from bearingsim.signals import PickedLine, pick_line
 from bearingsim.simulation import Record, simulate
 from tests.scenes import SLOT, case
 
-BPFO, BPFI, TWICE_BSF, FTF, SHAFT = 159.0, 231.0, 156.9615385, 12.2307692, 30.0  # Hz: NF308, 1800 rpm, from its geometry
+BPFO, BPFI, TWICE_BSF, FTF, SHAFT = 159.0, 231.0, 156.9615385, 12.2307692, 30.0  # Hz: NF308 at 1800 rpm
 FS = 10240.0
 SCENES = {
     "inner": {"defect": SLOT | {"race": "inner"}},
@@ -20,7 +20,7 @@ SCENES = {
 
 @cache
 def record(name: str, seconds: float = 2.0) -> Record:
-    """2 s of a scene of ``SCENES``: Hann's window, under which the features are read, leaks 0.5 % of 2 BSF into BPFO."""
+    """2 s of a scene: Hann's window, under which features are read, leaks 0.5 % of 2 BSF into BPFO."""
     return simulate(case(duration=seconds, **SCENES[name]))
 
 
@@ -33,7 +33,7 @@ def picked(name: str, hertz: float) -> PickedLine | None:
     ("name", "line", "sideband"), [("inner", BPFI, SHAFT), ("roller", TWICE_BSF, FTF)], ids=["inner", "roller"]
 )
 def test_a_turning_pit_has_its_line_and_sidebands(name: str, line: float, sideband: float) -> None:
-    """BPFI with sidebands of the shaft, 2 BSF with sidebands of the cage: all stand far above what is around them."""
+    """BPFI with sidebands of the shaft, 2 BSF with sidebands of the cage: far above what is around them."""
     for hertz in (line, line - sideband, line + sideband):
         found = picked(name, hertz)
         assert found is not None, hertz
