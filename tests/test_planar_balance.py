@@ -55,8 +55,10 @@ RUBBING = {"static": "0.2", "dynamic": "0.1", "static_speed": "2 m/s", "dynamic_
 """Friction of the cage that still depends on the slip at the speeds of a bearing that turns."""
 WAYS = {
     "on rollers": {"cage": {"guide": "rollers", "friction": RUBBING}, "drag": {"land": "outer"}},
-    "on the outer ring": {"cage": {"guide": "outer-ring", "friction": RUBBING}, "drag": {"land": "inner"}} | SPEEDING,
-    "on the inner ring": {"cage": {"guide": "inner-ring", "friction": RUBBING}, "drag": {"land": "outer"}} | SPEEDING,
+    "on the outer ring": {"cage": {"guide": "outer-ring", "friction": RUBBING}, "drag": {"land": "inner"}}
+    | SPEEDING,
+    "on the inner ring": {"cage": {"guide": "inner-ring", "friction": RUBBING}, "drag": {"land": "outer"}}
+    | SPEEDING,
 }
 
 

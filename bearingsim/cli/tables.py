@@ -47,7 +47,7 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
 
 
 def _usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
-    """The line that shows the defects, what of it they have made, statistics; where the cage can slip, its slip."""
+    """The line that shows the defects, what of it they made, statistics; where the cage can slip, its slip."""
     from bearingsim.plots import lines
 
     known = results.parameters()
