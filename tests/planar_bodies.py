@@ -274,7 +274,7 @@ def balance(s: Scene) -> Balance:
 def masses(s: Scene) -> list[tuple[float, float, Body]]:
     """Mass (kg), moment of inertia (kg m^2) and motion of each body; 0 for what is not free to move or turn."""
     model, b = s.model, s.model.bearing
-    found = [(b.m_r, b.m_r * b.R_w**2 / 2, Body(*(part[j] for part in s.rollers))) for j in range(b.Z)]
+    found = [(b.m_r, b.I_r, Body(*(part[j] for part in s.rollers))) for j in range(b.Z)]
     found.append((b.m_o, model.bracket.inertia if isinstance(model.bracket, TorsionSpring) else 0.0, s.ring))
     if isinstance(model.cage, FreeCage):
         found.append((model.cage.m, model.cage.inertia, s.cage))
