@@ -47,7 +47,7 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
 
 
 def _usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
-    """The line that shows the defects, what of it they have made, statistics; where the cage can slip, its slip."""
+    """The line that shows the defects, the cage's slip if it can slip, what the defects have made, statistics."""
     from bearingsim.plots import lines
 
     known = results.parameters()

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["DRAW", "amplitude_spectrum", "done_jobs", "roller_angle", "some_jobs"]
 
 SHOWN_PASSES = {"ring.": 8, "load_zone.": 8, "roller.": 26}  # of a series, in ball passes; of others all
+SHOWN_IN_SECONDS = 0.5  # s: shorter times stand in ms
 SHOWN_LINES = 6  # multiples of the first line in a spectrum
 SOME = 3
 ROW_IN, LOW_ROW_IN = 1.7, 1.15
@@ -34,6 +35,7 @@ HEALTHY = "0.35"
 MARK_COLOURS = {"outer": COLOURS[1], "inner": COLOURS[3], "roller": COLOURS[2]}
 PARTS = {"": COLOURS[0], "x": COLOURS[0], "y": COLOURS[1]}
 LABEL_LETTERS = 26
+SQUARES = 3.0  # a square reads well from 0.1 on
 DASHED = (0, (2, 2))
 
 Curve = tuple[np.ndarray, np.ndarray]
@@ -98,16 +100,17 @@ def _shown_spectrum(spectrum: Callable[[Signal, float], Curve], job: Job, _: str
     return frequency[shown], amplitude[shown]
 
 
-def _shown_series(job: Job, channel: str, signal: Signal) -> Curve:
-    passes = _shown_passes(channel)
-    if passes is None or _has_ramp(job):
-        return signal.time, signal.values
-    shown = signal.time <= passes / lines.frequency(lines.FAMILIES["outer"].first, job.known)
-    return 1e3 * signal.time[shown], signal.values[shown]
+def _beginning(span: float | None, scale: float, job: Job, channel: str, signal: Signal) -> Curve:
+    shown = signal.time <= (shown_time(job, channel) if span is None else span)
+    return signal.time[shown] / scale, signal.values[shown]
 
 
-def _shown_passes(channel: str) -> int | None:
-    return next((passes for start, passes in SHOWN_PASSES.items() if channel.startswith(start)), None)
+def shown_time(job: Job, channel: str) -> float:
+    """How much of a series is worth showing (s): what is fast only for some ball passes."""
+    passes = next((passes for start, passes in SHOWN_PASSES.items() if channel.startswith(start)), np.inf)
+    if _has_ramp(job):
+        passes = np.inf
+    return float(min(passes / lines.frequency(lines.FAMILIES["outer"].first, job.known), job.known["duration"]))
 
 
 def _has_ramp(job: Job) -> bool:
@@ -142,16 +145,16 @@ def _round(job: Job, channel: str, signal: Signal) -> Curve:
 # Drawing
 
 
-def draw_series(results: "Results", jobs: Sequence[str], y: Sequence[str] = ()) -> Canvas:
-    """Channels over time, a panel per job, its healthy twin in dark grey: the first ball passes of fast ones."""
+def draw_series(
+    results: "Results", jobs: Sequence[str], y: Sequence[str] = (), span: float | None = None
+) -> Canvas:
+    """Channels over time, a panel per job, its healthy twin in dark grey; ``span``: so much of them (s)."""
     found = recorded.all_jobs(results, jobs)
-    ramps = any(_has_ramp(job) for job in found.values())
-    view = View(_shown_series, partial(_time_label, ramps), recorded.text_of)
-    return _grid(results, found, recorded.channels_for(found, y), view)[0]
-
-
-def _time_label(ramps: bool, channel: str) -> str:
-    return "Time (s)" if ramps or _shown_passes(channel) is None else "Time (ms)"
+    channels = recorded.channels_for(found, y)
+    longest = max(shown_time(job, channel) for job in found.values() for channel in channels)
+    unit, scale = ("s", 1.0) if (span or longest) >= SHOWN_IN_SECONDS else ("ms", 1e-3)
+    view = View(partial(_beginning, span, scale), lambda _: f"Time ({unit})", recorded.text_of)
+    return _grid(results, found, channels, view)[0]
 
 
 def draw_spectrum(
@@ -208,7 +211,7 @@ def _outer_pits(known: Mapping[Any, Any]) -> list[float]:
     return [known[f"{head}.angle"] for head in heads if known[f"{head}.race"] == "outer"]
 
 
-DRAW: dict[str, Callable[["Results", Sequence[str], Sequence[str]], Canvas]] = {
+DRAW: dict[str, Callable[..., Canvas]] = {
     "series": draw_series,
     "spectrum": draw_spectrum,
     "envelope": partial(
@@ -279,7 +282,7 @@ def _grid(
         title = labels.described(swept[job], results.plan["units"])
         row[0].set_title(title, loc="left", fontsize=8, pad=11 if row is axes[0] else 4)
     share_scales(axes)
-    _legend(canvas, axes[0][0])
+    _legend(canvas, [ax for row in axes for ax in row])
     rows = select.case_rows(results)
     finish(canvas, None, fixed_values(results, rows[rows["job"].isin(jobs)], set().union(*swept.values())))
     return canvas, axes
@@ -293,8 +296,9 @@ def _curves(job: Job, channel: str, view: View) -> dict[str, Curve]:
 def _unit(channel: str, view: View, drawn: Mapping[str, Mapping[str, Curve]]) -> tuple[str, float]:
     """The unit of a column and the factor from SI that suits its largest value."""
     largest = max(float(np.nanmax(np.abs(y))) for curves in drawn.values() for _, y in curves.values())
-    unit, factor = labels.readable(recorded.unit_of(channel), channel, largest ** (1.0 / view.power))
-    return (f"({unit})²" if view.power == 2 and "/" in unit else unit + "²" * (view.power - 1)), factor**view.power
+    alike = (SQUARES if view.power == 2 else 1.0) * largest ** (1.0 / view.power)
+    unit, factor = labels.readable(recorded.unit_of(channel), channel, alike)
+    return (labels.squared(unit) if view.power == 2 else unit), factor**view.power
 
 
 def _panel(ax: "Axes", curves: Mapping[str, Curve], healthy: Mapping[str, Curve], factor: float) -> None:
@@ -315,10 +319,11 @@ def _name_axes(column: Sequence["Axes"], label: str, only: bool) -> None:
         ax.set_ylabel(textwrap.fill(label, LABEL_LETTERS), fontsize=8.0)
 
 
-def _legend(canvas: Canvas, ax: "Axes") -> None:
-    handles, names = ax.get_legend_handles_labels()
-    if handles:
-        canvas.legend(handles, names, loc="outside upper right", ncols=len(handles))
+def _legend(canvas: Canvas, axes: Iterable["Axes"]) -> None:
+    """One entry for each name that a curve has."""
+    entries = {name: handle for ax in axes for handle, name in zip(*ax.get_legend_handles_labels(), strict=True)}
+    if entries:
+        canvas.legend(list(entries.values()), list(entries), loc="outside upper right", ncols=len(entries))
 
 
 def _twins(results: "Results", jobs: Iterable[str]) -> dict[str, str]:
