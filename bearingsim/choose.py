@@ -94,9 +94,16 @@ class Estimate:
 def limits(case: Case) -> Limits:
     """Limits of the case's step (see ``Limits``). Raises ``Refused`` if nothing holds the ring."""
     try:
-        return _limits(case)
+        return _limits(_at_full_speed(case))
     except NoEquilibrium as error:
         raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
+
+
+def _at_full_speed(case: Case) -> Case:
+    """The case at the highest speed of its ramp, without the ramp."""
+    if case.ramp is None:
+        return case
+    return case.model_copy(update={"speed": max(case.speed, case.ramp.to), "ramp": None})
 
 
 def _limits(case: Case) -> Limits:
@@ -266,16 +273,17 @@ def samples(case: Case) -> int:
     return floor(case.duration * case.sampling + 1e-6)
 
 
-def grid(case: Case) -> Grid:
+def grid(case: Case, part: float = 1.0) -> Grid:
     """Cut the case in time: the wanted step, shortened until a ball pass holds a whole number of fine samples.
 
-    Raises ``Refused`` like ``wanted_step``, if no sample falls into the record, or if a pass has too many steps.
+    part: of the wanted step, to take less. On a ramp the ball pass is that of the highest speed. Raises
+    ``Refused`` like ``wanted_step``, if no sample falls into the record, or if a pass has too many steps.
     """
     if samples(case) < 1:
         raise Refused("no sample falls into the record", "take a higher `sampling` or a longer `duration`")
-    rate = case.bearing.ball_pass_frequency(case.speed)
+    rate = case.bearing.ball_pass_frequency(_at_full_speed(case).speed)
     fine = max(FEWEST_FINE, ceil(FINE_PER_SAMPLE * case.sampling / rate))
-    decimation = max(1, ceil(1.0 / (rate * fine * wanted_step(case)) * (1.0 - 1e-12)))
+    decimation = max(1, ceil(1.0 / (rate * fine * part * wanted_step(case)) * (1.0 - 1e-12)))
     if fine * decimation > MOST_STEPS:
         raise Refused(
             f"a ball pass would take {fine * decimation:.2g} steps (at most {MOST_STEPS:.0e} are held in memory)",

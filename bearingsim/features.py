@@ -14,6 +14,9 @@ from bearingsim.config.names import HARMONICS, LINES, Line, line_name
 from bearingsim.core.layout import LOADED, Q_I_MAX, Q_MAX, Q_P_MAX
 from bearingsim.core.motion import elapsed_times, speed_factor
 
+FEWEST_PASSES = 3
+"""Ball passes that a record must hold for lines to be read against a free cage: interpolation takes its ends."""
+
 ROW_OF = {place: row for row, place in enumerate(BASE)}
 OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
 
@@ -93,16 +96,20 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
     whole = tape.fine[: len(BASE), start + tape.zero : start + tape.zero + length]
     angle = Z * model.bearing.theta_0
     slip = whole[ROW_OF[TURN_OF_CAGE]]
+    rate = cut.rate
     if hasattr(model, "cage"):  # its passes take what time they take
-        ball_pass = Z * turns(model, cut, start, slip).cage
-        whole, start = signals.at_equal_angles(whole, ball_pass - angle, M)
+        ball_pass = Z * turns(model, cut, start, slip).cage - angle
+        if ball_pass[-1] - ball_pass[0] < 2.0 * pi * FEWEST_PASSES:
+            return dict.fromkeys(_ball_pass_names(), float("nan"))
+        rate = float(ball_pass[-1] - ball_pass[0]) / (2.0 * pi * (length - 1)) * cut.fine_rate
+        whole, start = signals.at_equal_angles(whole, ball_pass, M)[0], 0
     velocity = along_sensor(case, whole, "velocity")
     by_pass = {
         quantity: signals.lines_by_pass(along_sensor(case, whole, quantity)[:-1], M, HARMONICS, start, angle)
         for quantity in ("displacement", "velocity")
     }
     by_pass["acceleration"] = signals.derivative_lines(
-        by_pass["velocity"], velocity[::M], cut.rate, HARMONICS, angle + 2.0 * pi * (start % M) / M
+        by_pass["velocity"], velocity[::M], rate, HARMONICS, angle + 2.0 * pi * (start % M) / M
     )
     found = {}
     for quantity, lines in by_pass.items():
@@ -112,6 +119,11 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
     return found
 
 
+def _ball_pass_names() -> list[str]:
+    lines = [f"{quantity}@{line_name(harmonic)}" for quantity in MOTION for harmonic in HARMONICS]
+    return [f"{line}{ending}" for line in lines for ending in ("", ".phase", "-scatter")]
+
+
 def other_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
     """Amplitude and phase of lines whose periods do not divide the record; nan where it is too short to tell."""
     start = first_sample(case, cut)
@@ -119,7 +131,7 @@ def other_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, floa
     fine = tape.fine[: len(BASE), start + tape.zero : start + tape.zero + length]
     turning = turns(model, cut, start, fine[ROW_OF[TURN_OF_CAGE]])
     angles = {name: turning.along(line, case.bearing.rollers) for name, line in LINES.items()}
-    frequencies = [(angle[-1] - angle[0]) / (2.0 * pi * length) * cut.fine_rate for angle in angles.values()]
+    frequencies = [(angle[-1] - angle[0]) / (2.0 * pi * (length - 1)) * cut.fine_rate for angle in angles.values()]
     told = dict(zip(LINES, signals.resolvable(np.array(frequencies), case.duration), strict=True))
     hertz = dict(zip(LINES, frequencies, strict=True))
     found: dict[str, float] = {}
@@ -143,17 +155,21 @@ def statistics(case: Case, cut: Grid, sampled: np.ndarray) -> dict[str, float]:
 
 
 def extremes(model: Any, y: np.ndarray) -> dict[str, float]:
-    """Largest forces (N) that any roller met."""
-    rows = {"outer_force.max": Q_MAX, "inner_force.max": Q_I_MAX, "cage_force.max": Q_P_MAX}
-    return {name: float(y[row : row + model.bearing.Z].max()) for name, row in rows.items()}
+    """Largest forces (N) that any roller met; nan for what the model does not know."""
+    rows = {"outer_force.max": Q_MAX, "inner_force.max": Q_I_MAX} if hasattr(model, "outer") else {}
+    rows |= {"cage_force.max": Q_P_MAX} if hasattr(model, "cage") else {}
+    found = {name: float(y[row : row + model.bearing.Z].max()) for name, row in rows.items()}
+    return dict.fromkeys(("outer_force.max", "inner_force.max", "cage_force.max"), float("nan")) | found
 
 
 def cage_and_load_zone(case: Case, model: Any, sampled: np.ndarray) -> dict[str, float]:
-    """Mean extent of the load zone (rad), and the cage's slip."""
+    """Mean extent of the load zone (rad), and the cage's slip; nan for what the model does not know."""
     time = case.settle + np.arange(sampled.shape[1]) / case.sampling
     slip = -sampled[ROW_OF[SPEED_OF_CAGE]] / (model.bearing.omega_c * speed_factor(model, time))
+    extent = float(sampled[ROW_OF[LOADED]].mean()) * 2.0 * pi / model.bearing.Z
+    free = hasattr(model, "cage")
     return {
-        "load_zone.extent": float(sampled[ROW_OF[LOADED]].mean()) * 2.0 * pi / model.bearing.Z,
-        "cage.slip.mean": float(slip.mean()),
-        "cage.slip.std": float(slip.std()),
+        "load_zone.extent": extent if hasattr(model, "outer") else float("nan"),
+        "cage.slip.mean": float(slip.mean()) if free else float("nan"),
+        "cage.slip.std": float(slip.std()) if free else float("nan"),
     }

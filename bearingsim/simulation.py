@@ -26,6 +26,9 @@ from bearingsim.core.sampling import (
 )
 from bearingsim.features import Tape, features
 
+SHORTENED = (1.0, 0.5, 0.25, 0.125)
+"""Parts of an automatic step that are tried in turn."""
+
 
 class SimulationError(Exception):
     """A run that must not be trusted: why, what to do instead, and when (s into the run; None before it)."""
@@ -80,11 +83,29 @@ class Record:
         return np.stack([self.series[name] for name in names], axis=1)
 
 
+class _Outrun(SimulationError):
+    """The step was too long for what happened."""
+
+
 def simulate(case: Case) -> Record:
-    """Compute one case. Raises ``SimulationError`` for a run refused before or stopped under way."""
+    """Compute one case. Raises ``SimulationError`` for a run refused before or stopped under way.
+
+    An automatic step rests on an estimate of the impacts to come; where they are harder, the run begins again with
+    half the step.
+    """
+    for part in SHORTENED if case.step == "auto" else (1.0,):
+        try:
+            return _simulate(case, part)
+        except _Outrun as error:
+            outrun = error
+    raise SimulationError(outrun.reason, outrun.advice, outrun.time)
+
+
+def _simulate(case: Case, part: float) -> Record:
+    """Compute one case with ``part`` of the step that it asks for."""
     began = time.process_time()
     try:
-        cut, found = choose.grid(case), choose.limits(case)
+        cut, found = choose.grid(case, part), choose.limits(case)
         cusp = build.method_kind(case).cusp
         model = build.in_step(build.relaxed(build.model(case), cut.step), cut.steps_per_pass, cusp)
     except choose.Refused as error:
@@ -207,15 +228,13 @@ def _name(model: Any, body: int) -> str:
     return f"roller {body + 1}" if watched(model) > 1 else "the ring"
 
 
-def _stopped(outcome: int, body: str, step: float, t: float) -> SimulationError:
+def _stopped(outcome: int, body: str, step: float, t: float) -> _Outrun:
     """Why the watch stopped a run."""
     if outcome == OUTRUN:
         reason = f"{body} stayed over the step limit for longer than an impact"
     else:
         reason = "the ring's motion is no longer finite"
-    return SimulationError(
-        f"{reason}, {1e3 * t:.4g} ms into the run", f"take a step under {1e6 * step / 2:.2g} us", t
-    )
+    return _Outrun(f"{reason}, {1e3 * t:.4g} ms into the run", f"take a step under {1e6 * step / 2:.2g} us", t)
 
 
 def _pick_pass(case: Case, cut: choose.Grid, p: int, window: np.ndarray, picked: np.ndarray) -> None:

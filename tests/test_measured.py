@@ -112,7 +112,7 @@ def test_entry_and_exit_are_as_far_apart_as_others_found(name: str, expected: fl
     """
     signal = SIGNALS[name]()
     found = spacing(signal.series, signal.fs, 1.0 / strongest(signal))
-    assert found == pytest.approx(expected, rel=0.015)
+    assert found == pytest.approx(expected, rel=0.01)
     crossing = 8 / 360 / (BPFO / 9 * signal.shaft)
     assert 0.75 < found / crossing < 0.95
 

@@ -139,6 +139,12 @@ def test_a_tone_is_read_at_varying_speed_over_a_mean_a_thousand_times_it_and_bac
     assert abs(line_at(tone, -angle) - 0.4 * np.exp(2j)) < 1e-4 * 0.4  # cos(-angle + 2)
 
 
+def test_other_multiples_of_a_turn_do_not_leak_in_though_the_speed_swings_with_every_turn() -> None:
+    t = np.arange(10240) / FS
+    angle = wandering(t, 70.0, 0.05, 70.0)
+    assert abs(line_at(1.0 + np.cos(2 * angle) + np.sin(3 * angle), angle)) < 1e-4
+
+
 @pytest.mark.parametrize(
     ("apart", "limit"), [(2.0, 1e-6), (2.04, 0.01), (2.4, 0.0268), (2.95, 0.01), (12.0, 2e-4)]
 )
@@ -200,11 +206,13 @@ def test_the_envelope_spectrum_shows_how_a_resonance_is_modulated_and_the_band_c
     t = np.arange(20480) / FS
     one = (1 + 0.5 * np.cos(2 * np.pi * 30 * t)) * np.cos(2 * np.pi * 3000 * t)
     other = (1 + 0.5 * np.cos(2 * np.pi * 47 * t)) * np.cos(2 * np.pi * 1000 * t)
-    frequencies, amplitudes = envelope_spectrum(one + other, FS, (2500.0, 3500.0))
-    at = {f: amplitudes[np.argmin(np.abs(frequencies - f))] for f in (30, 47, 60)}
+    above = (1 + 0.5 * np.cos(2 * np.pi * 53 * t)) * np.cos(2 * np.pi * 4500 * t)
+    frequencies, amplitudes = envelope_spectrum(one + other + above, FS, (2500.0, 3500.0))
+    at = {f: amplitudes[np.argmin(np.abs(frequencies - f))] for f in (30, 47, 53, 60)}
     assert at[30] == pytest.approx(1.0, rel=1e-6)  # (1 + m cos)^2 = 1 + 2 m cos + m^2 cos^2
     assert at[60] == pytest.approx(0.125, rel=1e-6)
     assert at[47] < 1e-9
+    assert at[53] < 1e-9
     with pytest.raises(ValueError, match="6000"):
         envelope_spectrum(one, FS, (2500.0, 6000.0))
 
@@ -293,6 +301,7 @@ def test_a_slope_of_a_spectrum_is_no_line_nor_is_what_lies_outside() -> None:
     assert picked.prominence == pytest.approx(5.0, rel=0.05)
     assert pick_from(frequencies, bumps, 110.0) is None
     assert pick_from(frequencies, np.zeros(1000), 100.0) is None
+    assert pick_from(frequencies, 1.0 + 0.5 * np.cos(frequencies), 100.0) is None  # ripple
 
 
 @pytest.mark.parametrize("share", [0.03, 0.11, 0.25, 0.4])
@@ -356,12 +365,21 @@ def events(
     return series
 
 
-@pytest.mark.parametrize("share", [0.12, 0.2, 0.4])
+@pytest.mark.parametrize("share", [0.1, 0.2, 0.4])
 @pytest.mark.parametrize("disturbance", [{}, {"slip": 0.01, "noise": 0.02}, {"noise": 0.1}])
 def test_entry_and_exit_are_as_far_apart_as_they_were_made(share: float, disturbance: dict[str, float]) -> None:
     period = 1 / 36
     found = spacing(events(share * period, period, 60, 0.5, **disturbance), 40960.0, period)
     assert -0.25e-3 < found - share * period < 0.02e-3  # the entry rises slowly
+
+
+def test_two_events_of_one_kind_are_told_to_a_tenth_of_a_sample() -> None:
+    period, gap = 0.025, 0.005  # 1024 and 204.8 samples
+    one = events(gap, period, 60, 0.0)
+    transform = np.fft.rfft(one) * np.exp(-2j * np.pi * np.fft.rfftfreq(len(one)) * gap * 40960)
+    assert spacing(0.7 * one + np.fft.irfft(transform, len(one)), 40960.0, period) == pytest.approx(
+        gap, abs=0.1 / 40960
+    )
 
 
 @pytest.mark.parametrize("disturbance", [{}, {"slip": 0.01, "noise": 0.02}, {"noise": 0.1}])

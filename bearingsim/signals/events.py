@@ -7,9 +7,9 @@ from bearingsim.signals.spectra import analytic
 SMOOTHED = 40  # events closer than a pass over this are one
 WHITENED = 20  # lines to either side over which the spectrum is levelled
 FLOOR = 1e-3  # of the mean power: what is weaker is not raised to the rest
-LEAST = 0.05  # of the envelope's variance: a bump of the autocovariance that stands less is ripple
-NOISE = 6.0  # standard deviations of the ripple that noise makes
-STILL = 1e-10  # of the mean envelope squared: less variance is rounding
+LEAST = 0.08  # of the exit: an entry that stands less is ripple
+STILL = 1e-6  # of the envelope: what moves less is rounding
+NOISE = 7.0  # standard errors of the mean over passes: what stands less is noise
 
 
 def spacing(series: np.ndarray, fs: float, period: float) -> float:
@@ -17,27 +17,37 @@ def spacing(series: np.ndarray, fs: float, period: float) -> float:
 
     period: of the passes (s). The spectrum is levelled, so that the entry, which is weak and low, and the exit,
     which rings, count alike (pre-whitening: Sawalhi and Randall, Vibration response of spalled rolling element
-    bearings, Mech. Syst. Signal Process. 25, 2011). Of the squared envelope, smoothed over period/40, the root is
-    taken; the spacing is the lag below period/2 where the autocovariance of that has its most prominent maximum.
-    Scatter of the passes does no harm, as each pair keeps its distance.
+    bearings, Mech. Syst. Signal Process. 25, 2011, 846-870). The squared envelope is smoothed over period/40, its
+    root taken, and all passes averaged about their highest value, the exit; so scatter of the passes does no harm.
+    The spacing is that of the most prominent maximum in the half pass before it.
 
-    nan if no maximum stands 0.05 of the variance over its surroundings, and six times the deviation that noise
-    makes in so many passes: one event to a pass, or none. Limits: spacings from about 0.1 to 0.4 of the period
-    (beyond half, the period less itself is read); 50 passes or more; ringing over by the next event. An event
-    counts where its energy is: an entry that rises in 0.3 ms before an exit that rises at once reads 0.2 ms late.
-    ValueError if the record holds under two passes, or a pass under 40 samples.
+    nan if that stands less than 0.08 of the exit over its surroundings, or less than seven times the mean's own
+    error there: one event to a pass, or none. Limits: spacings from 0.1 to 0.4 of the period, and the exit must be
+    the stronger. An event counts where its energy is: an entry that rises in 0.3 ms before an exit that rises at
+    once reads 0.2 ms late. ValueError if the record holds under two passes, or a pass under 40 samples.
     """
     if len(series) < 2.0 * period * fs or period * fs < SMOOTHED:
         raise ValueError(
             f"{len(series)} samples at {fs:g} Hz are not two passes of {period:g} s, {SMOOTHED} samples in each"
         )
     envelope = smoothed(levelled_envelope(series, fs, WHITENED / period), period * fs / SMOOTHED)
-    magnitude = np.sqrt(np.maximum(envelope, 0.0))
-    covariance = autocovariance(magnitude)[: int(period * fs / 2.0) + 2]
-    if not covariance[0] > STILL * magnitude.mean() ** 2:
+    passes = about_exits(np.sqrt(np.maximum(envelope, 0.0)), int(period * fs / 2.0))
+    if len(passes) < 2:
         return float("nan")
-    ripple = NOISE / np.sqrt(SMOOTHED * len(series) / (fs * period))
-    return most_prominent(covariance / covariance[0], max(LEAST, ripple)) / fs
+    mean, error = passes.mean(axis=0), passes.std(axis=0) / np.sqrt(len(passes) - 1)
+    if np.ptp(mean) <= STILL * mean.mean():
+        return float("nan")
+    half = len(mean) // 2
+    entry = most_prominent(mean[: half + 1], np.maximum(LEAST * np.ptp(mean), NOISE * error))
+    return (summit(mean, half) - summit(mean, entry)) / fs if entry else float("nan")
+
+
+def about_exits(envelope: np.ndarray, half: int) -> np.ndarray:
+    """Passes (p, 2 half + 1) about each value of an envelope (n,) that is the highest within half a pass."""
+    tops = maxima(envelope)
+    tops = tops[(tops >= half) & (tops < len(envelope) - half)]
+    around = np.lib.stride_tricks.sliding_window_view(envelope, 2 * half + 1)[tops - half]
+    return around[envelope[tops] >= around.max(axis=1)]
 
 
 def levelled_envelope(series: np.ndarray, fs: float, reach: float) -> np.ndarray:
@@ -58,22 +68,25 @@ def smoothed(series: np.ndarray, width: float) -> np.ndarray:
     return np.fft.irfft(np.fft.rfft(series) * bell, len(series))
 
 
-def autocovariance(series: np.ndarray) -> np.ndarray:
-    """Autocovariance (n,) of a series (n,) at lags 0 to n - 1, each over the pairs that the record holds."""
-    power = np.abs(np.fft.rfft(series - series.mean(), 2 * len(series))) ** 2
-    return np.fft.irfft(power)[: len(series)] / np.arange(len(series), 0, -1)
+def maxima(values: np.ndarray) -> np.ndarray:
+    """Indices of the local maxima of values (n,), the ends apart."""
+    return 1 + np.flatnonzero((values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:]))
 
 
-def most_prominent(values: np.ndarray, least: float) -> float:
-    """Place, between samples, of the inner maximum that stands most over its surroundings, nan if under ``least``.
+def most_prominent(values: np.ndarray, least: np.ndarray) -> int:
+    """Index of the inner maximum that stands most over its surroundings; 0 if there is none.
 
-    A maximum stands over the higher of the two lowest values between it and what is higher on either side.
+    values: (n,); least: (n,) or more, what a maximum must stand to count. It stands over the higher of the two
+    lowest values between it and what is higher on either side.
     """
-    tops = 1 + np.flatnonzero((values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:]))
+    tops = maxima(values)
     heights = np.array([height(values, int(top)) for top in tops])
-    if not np.any(heights >= least):
-        return float("nan")
-    top = tops[np.argmax(heights)]
+    heights[heights < least[tops]] = 0.0
+    return int(tops[np.argmax(heights)]) if np.any(heights) else 0
+
+
+def summit(values: np.ndarray, top: int) -> float:
+    """Place, between samples, of the local maximum at index ``top``: that of the parabola through three values."""
     left, middle, right = values[top - 1 : top + 2]
     return float(top + 0.5 * (left - right) / (left - 2.0 * middle + right))
 
