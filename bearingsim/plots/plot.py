@@ -44,7 +44,8 @@ def plot(
     kind: `sweep` features against swept paths, `phase` the phase of the line against them; of some jobs (ids, or
     `all`) their `series`, `spectrum`, the spectrum of the squared `envelope`, and what a `roller` meets on its way
     round. Instead of what the study says: x, and among changes y (features; of jobs channels), by, panels (lists),
-    where (paths and values) and span (s; of a series). Raises PlotError, ResultsError; warns (PlotWarning) of a figure left out.
+    where (paths and values) and span (s; of a series). Raises PlotError, ResultsError; warns (PlotWarning) of a
+    figure left out.
     """
     import matplotlib as mpl
 

@@ -33,8 +33,8 @@ ROW_IN, LOW_ROW_IN = 1.7, 1.15
 MANY = 6  # jobs above which rows are low
 HEALTHY = "0.35"
 MARK_COLOURS = {"outer": COLOURS[1], "inner": COLOURS[3], "roller": COLOURS[2]}
-PARTS = {"": COLOURS[0], "x": COLOURS[0], "y": COLOURS[1]}
-LABEL_LETTERS = 26
+PARTS = {"": COLOURS[0], "x": COLOURS[2], "y": COLOURS[3]}
+LABEL_LETTERS, LETTER_IN = 26, 0.075
 SQUARES = 3.0  # a square reads well from 0.1 on
 DASHED = (0, (2, 2))
 
@@ -42,12 +42,16 @@ Curve = tuple[np.ndarray, np.ndarray]
 
 
 class View(NamedTuple):
-    """A way to look at signals: their curve, in SI; what stands on the axes; the power of the channel's unit."""
+    """A way to look at signals: their curve, in SI; what stands on the axes; the power of the channel's unit.
+
+    twins: whether the healthy twin is drawn too, where a channel has one curve.
+    """
 
     curve: Callable[[Job, str, Signal], Curve]
     x_label: Callable[[str], str]
     y_label: Callable[[str], str]
     power: int = 1
+    twins: bool = True
 
 
 def done_jobs(rows: "pd.DataFrame") -> list[str]:
@@ -177,6 +181,7 @@ def draw_spectrum(
     for row, job in zip(axes, found.values(), strict=True):
         for ax in row:
             ax.set_ylim(bottom=0.0)
+            ax.set_xlim(0.0, (SHOWN_LINES + 0.5) * first_line(job.known))
             if not _has_ramp(job):
                 _mark_lines(ax, job, named=row is axes[0])
     _name_sidebands(canvas, found.values())
@@ -194,7 +199,7 @@ def draw_roller(results: "Results", jobs: Sequence[str], y: Sequence[str] = ()) 
     for name in channels:
         if roller_of(name) is None:
             raise labels.PlotError(f"`{name}` is of no roller: draw its series instead")
-    view = View(_round, lambda _: "Angle of the roller (°)", recorded.text_of)
+    view = View(_round, lambda _: "Angle of the roller (°)", recorded.text_of, twins=False)
     canvas, axes = _grid(results, found, channels, view)
     for row, job in zip(axes, found.values(), strict=True):
         for ax in row:
@@ -214,9 +219,7 @@ def _outer_pits(known: Mapping[Any, Any]) -> list[float]:
 DRAW: dict[str, Callable[..., Canvas]] = {
     "series": draw_series,
     "spectrum": draw_spectrum,
-    "envelope": partial(
-        draw_spectrum, spectrum=envelope_spectrum, of="Amplitude of the squared envelope of {}", power=2
-    ),
+    "envelope": partial(draw_spectrum, spectrum=envelope_spectrum, of="Squared envelope of the {}", power=2),
     "roller": draw_roller,
 }
 """By kind of figure."""
@@ -263,7 +266,7 @@ def _grid(
 ) -> tuple[Canvas, list[list["Axes"]]]:
     """A row of axes per job, a column per channel with one unit; titles of what was swept; the healthy twins."""
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
-    twin_of = _twins(results, jobs)
+    twin_of = _twins(results, jobs) if view.twins else {}
     twins = recorded.all_jobs(results, sorted(set(twin_of.values())))
     height = LOW_ROW_IN if len(jobs) > MANY else ROW_IN
     size = (max(2, len(channels)) * COLUMN_IN, height * len(jobs) + 0.6)
@@ -274,8 +277,8 @@ def _grid(
         drawn = {job: _curves(one, channel, view) for job, one in jobs.items()}
         unit, factor = _unit(channel, view, drawn)
         for row, (job, curves) in zip(axes, drawn.items(), strict=True):
-            healthy = _curves(twins[twin_of[job]], channel, view) if job in twin_of else {}
-            _panel(row[column], curves, healthy, factor)
+            known = job in twin_of and len(curves) == 1
+            _panel(row[column], curves, _curves(twins[twin_of[job]], channel, view) if known else {}, factor)
         _name_axes([row[column] for row in axes], axis_label(view.y_label(channel), unit), len(channels) == 1)
         axes[-1][column].set_xlabel(view.x_label(channel))
     for row, job in zip(axes, jobs, strict=True):
@@ -305,15 +308,18 @@ def _panel(ax: "Axes", curves: Mapping[str, Curve], healthy: Mapping[str, Curve]
     for component, (x, y) in curves.items():
         name = component or ("with defect" if healthy else None)
         ax.plot(x, factor * y, color=PARTS[component], lw=0.9, label=name)
-    for number, (x, y) in enumerate(healthy.values()):
-        ax.plot(x, factor * y, color=HEALTHY, lw=0.9, label=None if number else "healthy")
+    for x, y in healthy.values():
+        ax.plot(x, factor * y, color=HEALTHY, lw=0.9, label="healthy")
     ax.margins(x=0.0)
 
 
 def _name_axes(column: Sequence["Axes"], label: str, only: bool) -> None:
     """The label of a column's y axes: once beside all of them if there is no other column."""
     if only:
-        column[0].figure.supylabel(label, fontsize=9.0)
+        canvas = column[0].get_figure(root=True)
+        assert canvas is not None
+        letters = int(canvas.get_size_inches()[1] / LETTER_IN)
+        canvas.supylabel(textwrap.fill(label, letters), fontsize=9.0)
         return
     for ax in column:
         ax.set_ylabel(textwrap.fill(label, LABEL_LETTERS), fontsize=8.0)

@@ -34,6 +34,7 @@ __all__ = [
 ]
 
 ROW_IN = 2.7
+HEADROOM = 1.05  # an axis from zero ends so much above the largest value
 LABEL_LETTERS = 34  # of an axis label, in a line
 CHARACTER_IN = 0.066  # width of a letter of the legend
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
@@ -214,7 +215,9 @@ def _y_axis(ax: "Axes", name: str, figure: Figure) -> None:
         ax.set_ylim(-190.0, 190.0)
         ax.set_yticks(range(-180, 181, 90))
     else:
-        ax.set_ylim(bottom=0.0)
+        low, high = ax.dataLim.intervaly  # the margins are of a range that may be far from zero
+        if low >= 0.0:
+            ax.set_ylim(0.0, max(ax.get_ylim()[1], HEADROOM * high))
         ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
 
 
