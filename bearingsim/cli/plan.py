@@ -10,6 +10,7 @@ from bearingsim.cli.screen import console, print_table, significant
 
 if TYPE_CHECKING:
     from bearingsim.choose import Estimate, Limits
+    from bearingsim.config import Case
     from bearingsim.study import Job, Study
 
 __all__ = ["Plan", "as_json", "plan_of", "show"]
@@ -17,12 +18,17 @@ __all__ = ["Plan", "as_json", "plan_of", "show"]
 
 @dataclass(frozen=True)
 class Priced:
-    """A job with the step chosen for it (s), the limits of that step, and its price."""
+    """A job with the step chosen for it (s), the limits of that step (s), and its price.
+
+    rubbing: the steps at which the method would turn unstable by friction alone, at rest and at impact; inf
+    without friction.
+    """
 
     job: "Job"
     step: float
     limits: "Limits"
     estimate: "Estimate"
+    rubbing: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -79,8 +85,19 @@ def plan_of(study: "Study", workers: int | None) -> Plan:
 def _priced(job: "Job") -> Priced:
     from bearingsim import choose
 
-    cut = choose.grid(job.case)
-    return Priced(job, cut.step, choose.limits(job.case), choose.estimate(job.case))
+    cut, limits = choose.grid(job.case), choose.limits(job.case)
+    return Priced(job, cut.step, limits, choose.estimate(job.case), _rubbing(job.case, limits))
+
+
+def _rubbing(case: "Case", limits: "Limits") -> tuple[float, float]:
+    """The steps (s) that friction allows: under the largest load at rest, and under that of an impact."""
+    from bearingsim import build, choose
+
+    if case.friction is None:
+        return math.inf, math.inf
+    model, forces = build.model(case), (limits.rest_load, limits.impact_force)
+    at_rest, at_impact = (choose.step_limit(case.method, 0.0, choose.rubbing(model, force)) for force in forces)
+    return at_rest, at_impact
 
 
 def _grouped(refusals: Iterable[tuple["Job", str]], study: "Study") -> Iterable[str]:
@@ -114,6 +131,11 @@ LINES: tuple[Line, ...] = (
     ("impact force, about (N)", lambda p: p.limits.impact_force),
     ("CPU time of a job (s)", lambda p: p.estimate.cpu_seconds),
 )
+FRICTION: tuple[Line, ...] = (
+    ("step limit of friction at rest (us)", lambda p: 1e6 * p.rubbing[0]),
+    ("step limit of friction at impact (us)", lambda p: 1e6 * p.rubbing[1]),
+)
+"""Said where there is friction."""
 
 
 def show(plan: Plan, verbose: bool) -> None:
@@ -128,14 +150,46 @@ def show(plan: Plan, verbose: bool) -> None:
     groups = _groups(plan.cases or plan.twins)
     out.print()
     heads = ["", *groups]
-    rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in LINES]
+    rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
     print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
+    for told in choices(plan):
+        out.print(told, markup=False)
     if verbose:
         _show_cases(plan)
         out.print()
     time = f"{duration(plan.cpu_seconds)} of CPU time, {duration(plan.wall_seconds)} on {plan.workers}"
     out.print(f"about {time} worker{'s' * (plan.workers > 1)}, at most {size(plan.bytes)} of series", markup=False)
+
+
+def _lines(plan: Plan) -> tuple[Line, ...]:
+    """The lines of the plan's table: those of friction only where there is some."""
+    rubs = any(math.isfinite(one.rubbing[0]) for one in plan.everything)
+    return (*LINES[:4], *FRICTION, *LINES[4:]) if rubs else LINES
+
+
+def choices(plan: Plan) -> list[str]:
+    """What `model: least` has chosen, and why no lower model will do: a text for each choice."""
+    from bearingsim.config import ladder
+
+    asked = _written_model(plan.study)
+    found: dict[str, int] = {}
+    for case in (one.job.case for one in plan.cases if one.job.swept.get("model", asked) == "least"):
+        why = "; ".join(ladder.reasons(case)) or "nothing asks for more"
+        text = f"`{case.model}` is the least model: {why}"
+        found[text] = found.get(text, 0) + 1
+    count = len(plan.cases)
+    return [text if n == count else f"{n} of {count} cases: {text}" for text, n in found.items()]
+
+
+def _written_model(study: "Study") -> str | None:
+    """The model as the study says it where it does not sweep it; the cases know only which one it came to."""
+    from bearingsim.yamlfile import parse
+
+    root = parse(study.text, study.path).root.mapping
+    quick = root["quick"].mapping if study.quick else {}
+    written = [section["model"].text for section in (quick, root) if "model" in section]
+    return study.overrides.get("model", written[0] if written else None)
 
 
 def _counts(plan: Plan) -> str:
@@ -162,9 +216,10 @@ def _show_cases(plan: Plan) -> None:
     from bearingsim.plots.labels import value_text
 
     units = plan.study.units
-    heads = [*units, *(name for name, _ in LINES)]
+    lines = _lines(plan)
+    heads = [*units, *(name for name, _ in lines)]
     rows = [
-        [*(value_text(path, one.job.swept[path], units) for path in units), *(span([f(one)]) for _, f in LINES)]
+        [*(value_text(path, one.job.swept[path], units) for path in units), *(span([f(one)]) for _, f in lines)]
         for one in plan.cases
     ]
     print_table(heads, rows, words=len(units))
@@ -195,14 +250,20 @@ def as_json(plan: Plan) -> str:
 
 
 def _job_entry(priced: Priced) -> dict[str, Any]:
+    from bearingsim.config import ladder
+
     job = priced.job
-    limits = {name: value if math.isfinite(value) else None for name, value in asdict(priced.limits).items()}
+    at_rest, at_impact = priced.rubbing
+    named = asdict(priced.limits) | {"friction_at_rest": at_rest, "friction_at_impact": at_impact}
+    limits = {name: value if math.isfinite(value) else None for name, value in named.items()}
     return {
         "job": job.id,
         "healthy": job.healthy,
         "swept": job.swept,
         "model": job.case.model,
         "method": job.case.method,
+        "least_model": ladder.least(job.case),
+        "reasons": ladder.reasons(job.case),
         "step": priced.step,
         "limits": limits,
         "estimate": asdict(priced.estimate),

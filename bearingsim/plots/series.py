@@ -269,7 +269,7 @@ def _grid(
     twin_of = _twins(results, jobs) if view.twins else {}
     twins = recorded.all_jobs(results, sorted(set(twin_of.values())))
     height = LOW_ROW_IN if len(jobs) > MANY else ROW_IN
-    size = (max(2, len(channels)) * COLUMN_IN, height * len(jobs) + 0.6)
+    size = (max(2, len(channels)) * COLUMN_IN, height * len(jobs) + (0.6 if len(jobs) > 1 else 1.0))
     canvas = Canvas(figsize=size, layout="constrained")
     made = canvas.subplots(len(jobs), len(channels), sharex="col", squeeze=False)
     axes = [list(row) for row in made]
@@ -315,7 +315,7 @@ def _panel(ax: "Axes", curves: Mapping[str, Curve], healthy: Mapping[str, Curve]
 
 def _name_axes(column: Sequence["Axes"], label: str, only: bool) -> None:
     """The label of a column's y axes: once beside all of them if there is no other column."""
-    if only:
+    if only and len(column) > 1:
         canvas = column[0].get_figure(root=True)
         assert canvas is not None
         letters = int(canvas.get_size_inches()[1] / LETTER_IN)
