@@ -112,10 +112,11 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
         by_pass["velocity"], velocity[::M], rate, HARMONICS, angle + 2.0 * pi * (start % M) / M
     )
     found = {}
+    turning = any(defect.race != "outer" for defect in case.defects)
     for quantity, lines in by_pass.items():
         for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
-            found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values)
+            found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values, turning)
     return found
 
 

@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.cli.screen import console, print_table, significant
@@ -20,8 +21,8 @@ __all__ = ["Plan", "as_json", "plan_of", "show"]
 class Priced:
     """A job with the step chosen for it (s), the limits of that step (s), and its price.
 
-    rubbing: the steps at which the method would turn unstable by friction alone, at rest and at impact; inf
-    without friction.
+    rubbing: the most that friction can do to the most loaded roller at rest (N), and the time (s) in which it
+    brings that roller to roll; nan and inf without friction.
     """
 
     job: "Job"
@@ -86,18 +87,33 @@ def _priced(job: "Job") -> Priced:
     from bearingsim import choose
 
     cut, limits = choose.grid(job.case), choose.limits(job.case)
-    return Priced(job, cut.step, limits, choose.estimate(job.case), _rubbing(job.case, limits))
+    return Priced(job, cut.step, limits, choose.estimate(job.case), rubbing(job.case, limits.rest_load))
 
 
-def _rubbing(case: "Case", limits: "Limits") -> tuple[float, float]:
-    """The steps (s) that friction allows: under the largest load at rest, and under that of an impact."""
-    from bearingsim import build, choose
+def rubbing(case: "Case", force: float) -> tuple[float, float]:
+    """The largest friction (N) under a force (N), and the time (s) in which it brings a slipping roller to roll.
+
+    Slip s of a roller between two races under the force Q each dies out like exp(-2 mu' Q R_w^2/I_r t), mu' the
+    steepest slope of the friction's curve.
+    """
+    from bearingsim import build
+    from bearingsim.core.friction import steepest
 
     if case.friction is None:
-        return math.inf, math.inf
-    model, forces = build.model(case), (limits.rest_load, limits.impact_force)
-    at_rest, at_impact = (choose.step_limit(case.method, 0.0, choose.rubbing(model, force)) for force in forces)
-    return at_rest, at_impact
+        return math.nan, math.inf
+    model = build.model(case)
+    b, u = model.bearing, model.bearing.R_w * model.bearing.omega_b
+    slope = float(steepest(model.friction, u))
+    settled = b.I_r / (2.0 * slope * force * b.R_w**2) if slope > 0.0 else math.inf
+    return most_friction(model.friction, u) * force, settled
+
+
+@lru_cache(maxsize=256)
+def most_friction(law: Any, u: float) -> float:
+    """The largest friction coefficient of a law at the rolling speed ``u`` (m/s), within 1 %."""
+    from bearingsim.core.friction import mu
+
+    return max(float(mu(law, u * 10.0 ** (n / SLIPS_PER_DECADE), u)) for n in range(-4 * SLIPS_PER_DECADE, 1))
 
 
 def _grouped(refusals: Iterable[tuple["Job", str]], study: "Study") -> Iterable[str]:
@@ -132,10 +148,11 @@ LINES: tuple[Line, ...] = (
     ("CPU time of a job (s)", lambda p: p.estimate.cpu_seconds),
 )
 FRICTION: tuple[Line, ...] = (
-    ("step limit of friction at rest (us)", lambda p: 1e6 * p.rubbing[0]),
-    ("step limit of friction at impact (us)", lambda p: 1e6 * p.rubbing[1]),
+    ("friction at rest, at most (N)", lambda p: p.rubbing[0]),
+    ("slip at rest settles in (us)", lambda p: 1e6 * p.rubbing[1]),
 )
-"""Said where there is friction."""
+"""Said where there is friction. It lags by a step, so it limits none; a step under the time resolves it."""
+SLIPS_PER_DECADE = 50
 
 
 def show(plan: Plan, verbose: bool) -> None:
@@ -164,8 +181,8 @@ def show(plan: Plan, verbose: bool) -> None:
 
 def _lines(plan: Plan) -> tuple[Line, ...]:
     """The lines of the plan's table: those of friction only where there is some."""
-    rubs = any(math.isfinite(one.rubbing[0]) for one in plan.everything)
-    return (*LINES[:4], *FRICTION, *LINES[4:]) if rubs else LINES
+    rubs = any(math.isfinite(one.rubbing[1]) for one in plan.everything)
+    return (*LINES[:-1], *FRICTION, LINES[-1]) if rubs else LINES
 
 
 def choices(plan: Plan) -> list[str]:
@@ -253,8 +270,7 @@ def _job_entry(priced: Priced) -> dict[str, Any]:
     from bearingsim.config import ladder
 
     job = priced.job
-    at_rest, at_impact = priced.rubbing
-    named = asdict(priced.limits) | {"friction_at_rest": at_rest, "friction_at_impact": at_impact}
+    named = asdict(priced.limits) | dict(zip(("friction", "slip_settles"), priced.rubbing, strict=True))
     limits = {name: value if math.isfinite(value) else None for name, value in named.items()}
     return {
         "job": job.id,
