@@ -22,22 +22,22 @@ from tests.reference_planar import OUTER, Coulomb, HuntCrossley, Pit, Scene, anc
 KEPT = Path(__file__).parent / "data" / "exudyn_planar.npz"
 HEAVY = 1e12  # kg, kg m^2
 POINT = 1e-12  # m, the radius of an edge
-BARELY = 1e-3  # restitution coefficient: any, since only 1.5 (1 - it)/(slowest impact) enters
+SLOWEST_IMPACT = 3.0  # m/s, faster than any here, so that EXUDYN always takes this one
 
-HEALTHY = Scene(friction=Coulomb(0.3, 0.02), clamp=False)
-SPALL = replace(HEALTHY, damping=HuntCrossley(5.0), pits=(Pit(OUTER, 2e-3, 0.5e-3),))
+HEALTHY = Scene(friction=Coulomb(0.3, 0.02), friction_tilts=True, clamp=False)
+SPALL = replace(HEALTHY, damping=HuntCrossley(30.0), pits=(Pit(OUTER, 2e-3, 0.5e-3),))
 SCENES = {"healthy": (HEALTHY, 1e-6), "spall": (SPALL, 0.25e-6)}  # scene, step (s)
 DURATION = 0.02
 SAMPLING = 2e-5
 
 
 class Bearing(NamedTuple):
-    """An assembled system, and the item numbers by which it is steered and read."""
+    """A system, and the item numbers by which it is steered and read."""
 
     system: Any
     container: Any
     ring: int  # node
-    rollers: list  # nodes
+    contacts: list  # objects, all
     races: list  # objects: a roller in the outer ring
     edges: list  # objects: a roller's two contacts with the edges of a slot, or ()
 
@@ -54,7 +54,7 @@ def disc(system, mass, inertia, centre, velocity, angular_velocity):
 
 
 def touch(system, scene, roller, other, radius, gap=1.0, hollow=False):
-    """Contact of two markers with the scene's law: chi = 1.5 (1 - restitution)/(slowest impact) in EXUDYN's words.
+    """Contact of two markers with the scene's law.
 
     The sign of ``gap`` tells EXUDYN's first step whether the two touch. A gap of 1 m: switched off as yet.
     """
@@ -70,8 +70,7 @@ def touch(system, scene, roller, other, radius, gap=1.0, hollow=False):
             contactStiffness=scene.elastic.k,
             contactStiffnessExponent=scene.elastic.m,
             impactModel=1,
-            restitutionCoefficient=BARELY,
-            minimumImpactVelocity=1.5 * (1.0 - BARELY) / scene.damping.chi,
+            minimumImpactVelocity=SLOWEST_IMPACT,
             dynamicFriction=scene.friction.mu,
             frictionProportionalZone=scene.friction.zone,
             activeConnector=gap < 1.0,
@@ -80,7 +79,7 @@ def touch(system, scene, roller, other, radius, gap=1.0, hollow=False):
 
 
 def assembled(scene) -> Bearing:
-    """At the reference's static start: the same places and rates, given to EXUDYN as numbers."""
+    """In the reference's static start: the same places and rates, given to EXUDYN as numbers."""
     import exudyn as exu
     from exudyn import utilities as eu
 
@@ -110,18 +109,33 @@ def assembled(scene) -> Bearing:
         for pit in scene.pits
         for a in (pit.angle - pit.width / 2 / scene.R_o, pit.angle + pit.width / 2 / scene.R_o)
     ]
-    rollers, races, edges = [], [], []
+    inner, races, edges = [], [], []
     for c, velocity in zip(x.rollers, v.rollers, strict=True):
-        node, body = disc(system, scene.m_r, scene.roller_inertia, c, velocity, scene.spin)
+        _, body = disc(system, scene.m_r, scene.roller_inertia, c, velocity, scene.spin)
         marker = fixed(body)
-        rollers.append(node)
         races.append(
             touch(system, scene, marker, on_ring, scene.R_o, scene.R_o - scene.R_w - abs(c - x.ring), True)
         )
-        touch(system, scene, marker, on_shaft, scene.R_i, abs(c) - scene.R_i - scene.R_w)
+        inner.append(touch(system, scene, marker, on_shaft, scene.R_i, abs(c) - scene.R_i - scene.R_w))
         edges.append([touch(system, scene, marker, rim, POINT) for rim in rims])
-    system.Assemble()
-    return Bearing(system, container, ring, rollers, races, edges)
+    contacts = [*inner, *races, *(contact for pair in edges for contact in pair)]
+    return Bearing(system, container, ring, contacts, races, edges)
+
+
+def damped(bearing, scene):
+    """Gives all contacts the scene's Hunt-Crossley damping.
+
+    EXUDYN's has chi = 1.5 (1 - restitution)/(speed of impact), the speed being that seen or a least one. Only the
+    ratio enters the force, so the least speed is set above all that occur. The restitution coefficient is then
+    a negative number without a meaning, which EXUDYN takes after assembly with its checks off.
+    """
+    import exudyn as exu
+
+    exu.special.exceptions.parameterRangeChecks = False
+    for contact in bearing.contacts:
+        restitution = 1.0 - scene.damping.chi * SLOWEST_IMPACT / 1.5
+        bearing.system.SetObjectParameter(contact, "restitutionCoefficient", restitution)
+    exu.special.exceptions.parameterRangeChecks = True
 
 
 def bridged(bearing, scene):
@@ -158,6 +172,7 @@ def simulate(scene, step, duration=DURATION, sampling=SAMPLING):
     if scene.pits:
         system.SetPreStepUserFunction(bridged(bearing, scene))
     system.Assemble()
+    damped(bearing, scene)
     settings = exu.SimulationSettings()
     integration = settings.timeIntegration
     integration.endTime, integration.numberOfSteps = duration, round(duration / step)

@@ -1,8 +1,7 @@
-"""The bodies of `planar` seen from outside, for balances: written from mechanics with vectors, not from the model.
+"""The bodies of `planar` as vectors, for balances: written from mechanics, not from the model.
 
-Points and vectors of the plane are complex numbers: x along e_0, y along e_90. Arrays are (Z, n) for rollers and (n,)
-for what there is one of, n being instants. Only the friction law `static-dynamic` or none, contacts of Hunt and
-Crossley around a power law, and rectangular pits.
+Points and vectors of the plane are complex numbers: x along e_0, y along e_90. Arrays are (Z, n) for rollers and
+(n,) for what there is one of, n being instants. Contacts of Hunt and Crossley around power laws, rectangular pits.
 """
 
 from typing import Any, NamedTuple
@@ -11,7 +10,7 @@ import numpy as np
 
 from bearingsim.core.cage import FreeCage, OilDrag, RingGuided, RollerGuided
 from bearingsim.core.contact import exponent
-from bearingsim.core.defects import ANGLE, DEPTH, ON, ON_INNER, RADIUS, REDUCED, SIDE, USED, B, W
+from bearingsim.core.defects import ANGLE, DEPTH, HALF_WIDTH, ON, RADIUS, REDUCED, SIDE, USED, B, W
 from bearingsim.core.friction import StaticDynamic, Traction
 from bearingsim.core.layout import LANES, PHI_C, POSITION, PSI, ROW, VELOCITY, X_C, X_I, Y_C, Y_I, X, Y
 from bearingsim.core.motion import elapsed
@@ -118,6 +117,22 @@ class Flow(NamedTuple):
         return Flow(*(a + b for a, b in zip(self, other, strict=True)))
 
 
+class Press(NamedTuple):
+    """Contacts (Z, n): force (N), energy stored (J), power lost (W), approach (m), torque on the race (N m)."""
+
+    force: Any
+    stored: Any
+    lost: Any
+    mean: Any
+    torque: Any
+
+
+def press(law, delta, rate, aside) -> Press:
+    """Contacts with the approach ``delta`` (m), growing at ``rate`` (m/s); ``aside``: arm on the race (m)."""
+    Q, Q_e, stored = force(law, delta, rate)
+    return Press(Q, stored, (Q - Q_e) * rate, np.maximum(delta, 0), Q * aside)
+
+
 def race(s: Scene, outer: bool) -> Flow:
     """All contacts of the rollers with one race."""
     model, b, rollers, ring = s.model, s.model.bearing, s.rollers, (s.ring if outer else s.inner)
@@ -126,38 +141,44 @@ def race(s: Scene, outer: bool) -> Flow:
     rho = np.abs(apart)
     n = apart / rho
     delta, closing = (rho + b.R_w - b.R_o if outer else b.R_i + b.R_w - rho), sign * dot(n, speed)
-    sweep = dot(1j * n, speed) / rho
-    Q, Q_e, stored = force(law, delta, closing)
-    lost, mean, turned = (Q - Q_e) * closing, np.maximum(delta, 0), np.zeros_like(delta)
+    found = press(law, delta, closing, 0.0)
     for head, groups in zip(model.pits.head, model.pits.groups, strict=True):
-        if head[SIDE] != (0 if outer else 1):
-            continue
-        who = np.zeros((b.Z, 1), bool)
-        if head[ON] >= 0:
-            who[int(head[ON])] = True
-            pit = rollers.angle + pockets(b, b.theta_0) + head[ANGLE]
-            x, x_rate = head[RADIUS] * angle_between(pit, sign * n), head[RADIUS] * (sweep - rollers.turns)
-        else:
-            who[:] = True
-            x = head[RADIUS] * angle_between(ring.angle + head[ANGLE], n)
-            x_rate = head[RADIUS] * (sweep - ring.turns)
-        inside = who & (np.abs(x) < head[5])
-        over = np.zeros((6, *delta.shape))
-        for group in groups[: int(head[USED])]:
-            rim = np.maximum(group[B] - np.abs(x), 0)
-            floor = rim**2 / (2 * head[REDUCED]) >= group[DEPTH]
-            h = np.where(floor, group[DEPTH], rim**2 / (2 * head[REDUCED]))
-            slope = np.where(floor, 0, -np.sign(x) * rim / head[REDUCED])
-            part, part_e, part_stored = force(law, delta - h, closing - slope * x_rate)
-            loss = (part - part_e) * (closing - slope * x_rate)
-            aside = part * slope * head[RADIUS] if head[ON] == ON_INNER else 0 * part
-            over += group[W] * np.array([part, part_e, part_stored, loss, np.maximum(delta - h, 0), aside])
-        Q, Q_e, stored, lost, mean, turned = np.where(inside, over, [Q, Q_e, stored, lost, mean, turned])
-    touch = rollers.at + sign * (b.R_w - mean / 2) * n
+        if head[SIDE] == (0 if outer else 1):
+            x, x_rate = passing(s, head, ring, n, sign, dot(1j * n, speed) / rho)
+            over = over_pit(law, delta, closing, head, groups, x, x_rate)
+            found = Press(*np.where(np.abs(x) < head[HALF_WIDTH], over, found))
+    touch = rollers.at + sign * (b.R_w - found.mean / 2) * n
     slip = dot(1j * n, rollers.speed_of(touch) - ring.speed_of(touch))
-    f = mu(model.friction, slip, b.R_w * np.abs(orbit(s) - rollers.turns)) * Q
-    torque = 0.0 if outer else cross(touch - ring.at, f * 1j * n) - turned
-    return Flow(stored.sum(axis=0), (lost + f * slip).sum(axis=0), np.sum(torque, axis=0))
+    f = mu(model.friction, slip, b.R_w * np.abs(orbit(s) - rollers.turns)) * found.force
+    torque = cross(touch - ring.at, f * 1j * n) + found.torque
+    return Flow(
+        found.stored.sum(axis=0), (found.lost + f * slip).sum(axis=0), 0.0 if outer else torque.sum(axis=0)
+    )
+
+
+def passing(s: Scene, head, ring: Body, n, sign, sweep):
+    """Distance (m) of rollers from a pit's middle, infinite if it is not theirs, and its rate (m/s)."""
+    if head[ON] < 0:
+        x = head[RADIUS] * angle_between(ring.angle + head[ANGLE], n)
+        return x, head[RADIUS] * (sweep - ring.turns)
+    b, own = s.model.bearing, np.full((s.model.bearing.Z, 1), np.inf)
+    own[int(head[ON])] = 0.0
+    pit = s.rollers.angle + pockets(b, b.theta_0) + head[ANGLE]
+    return own + head[RADIUS] * angle_between(pit, sign * n), head[RADIUS] * (sweep - s.rollers.turns)
+
+
+def over_pit(law, delta, closing, head, groups, x, x_rate) -> Press:
+    """Contacts at ``x`` (m) from the middle of a rectangular pit: all its groups together."""
+    total = Press(*np.zeros((5, *delta.shape)))
+    for group in groups[: int(head[USED])]:
+        rim = np.maximum(group[B] - np.abs(x), 0)
+        on_floor = rim**2 / (2 * head[REDUCED]) >= group[DEPTH]
+        h = np.where(on_floor, group[DEPTH], rim**2 / (2 * head[REDUCED]))
+        slope = np.where(on_floor, 0, -np.sign(x) * rim / head[REDUCED])
+        aside = -slope * head[RADIUS] if head[ON] < 0 else 0.0  # a roller's own pit turns the roller, not the race
+        part = press(law, delta - h, closing - slope * x_rate, aside)
+        total = Press(*(so_far + group[W] * more for so_far, more in zip(total, part, strict=True)))
+    return total
 
 
 def angle_between(a, n):
@@ -172,7 +193,7 @@ def orbit(s: Scene):
 
 def cage_contacts(s: Scene) -> Flow:
     """The contacts of the cage: pockets, and whatever guides it."""
-    model, b, cage, rollers = s.model, s.model.bearing, s.model.cage, s.rollers
+    b, cage, rollers = s.model.bearing, s.model.cage, s.rollers
     if not isinstance(cage, FreeCage):
         return Flow(0.0, 0.0, 0.0)
     e_r = np.exp(1j * pockets(b, s.cage.angle))
@@ -251,7 +272,7 @@ def balance(s: Scene) -> Balance:
 
 
 def masses(s: Scene) -> list[tuple[float, float, Body]]:
-    """Mass (kg), moment of inertia (kg m^2) and motion of each body; what does not move or turn freely has none."""
+    """Mass (kg), moment of inertia (kg m^2) and motion of each body; 0 for what is not free to move or turn."""
     model, b = s.model, s.model.bearing
     found = [(b.m_r, b.m_r * b.R_w**2 / 2, Body(*(part[j] for part in s.rollers))) for j in range(b.Z)]
     found.append((b.m_o, model.bracket.inertia if isinstance(model.bracket, TorsionSpring) else 0.0, s.ring))
@@ -267,8 +288,8 @@ def inertia(s: Scene) -> tuple[Any, Any, Any]:
     bodies = masses(s)
     return (
         sum(m * body.moves for m, _, body in bodies),
-        sum(m * cross(body.at, body.moves) + I * body.turns for m, I, body in bodies),
-        sum(m * np.abs(body.moves) ** 2 + I * body.turns**2 for m, I, body in bodies) / 2,
+        sum(m * cross(body.at, body.moves) + turning * body.turns for m, turning, body in bodies),
+        sum(m * np.abs(body.moves) ** 2 + turning * body.turns**2 for m, turning, body in bodies) / 2,
     )
 
 

@@ -137,6 +137,7 @@ class Scene:
     damping: Callable = LUBRICATED
     clamp: bool = True
     friction: Callable = frictionless
+    friction_tilts: bool = False  # it acts where the edge of a pit touches, and across that; else under the centre
     pits: tuple = ()
     cage_mass: float = 0.05
     cage_moves: bool = False  # its centre
@@ -254,13 +255,15 @@ def race_contact(scene, side, centre, velocity, race, c, v, roller):
     elastic = scene.elastic.force(delta)
     Q = elastic + np.where(delta > 0.0, scene.damping(elastic, rate), 0.0)
     Q = np.maximum(Q, 0.0) if scene.clamp else Q
-    arm = side * (scene.R_w - delta / 2)
-    slip = rho * beta_rate + arm * roller[1] - race[1] * (rho + arm)
+    gradient = side * n - pits.to_place / rho * tau  # of delta, by the roller's place
+    arm = (scene.R_w - delta / 2) * (gradient / np.abs(gradient) if scene.friction_tilts else side * n)
+    along = 1j * side * arm / np.abs(arm)
+    slip = dot(relative + 1j * roller[1] * arm - 1j * race[1] * (apart + arm), along)
     rub = -scene.friction(slip) * Q
     return Contact(
-        force=-Q * (side * n - pits.to_place / rho * tau) + rub * tau,
-        torque=rub * arm + Q * pits.roller_torque,
-        race_torque=-rub * (rho + arm) + Q * pits.race_torque,
+        force=-Q * gradient + rub * along,
+        torque=rub * cross(arm, along) + Q * pits.roller_torque,
+        race_torque=-rub * cross(apart + arm, along) + Q * pits.race_torque,
         Q=Q,
         slip=slip,
         stored=np.sum(scene.elastic.energy(delta)),

@@ -50,15 +50,19 @@ EVERYTHING = {
 }
 """Fields of a case in which all that can act does."""
 SPEEDING = {"ramp": {"to": "2400 rpm", "time": "5 ms"}, "friction": "traction"}
+RUBBING = {"static": "0.2", "dynamic": "0.1", "static_speed": "2 m/s", "dynamic_speed": "8 m/s"}
+"""Friction of the cage that still depends on the slip at the speeds of a bearing that turns."""
 WAYS = {
-    "on rollers": {"cage": {"guide": "rollers"}, "drag": {"land": "outer"}},
-    "on the outer ring": {"cage": {"guide": "outer-ring"}, "drag": {"land": "inner"}} | SPEEDING,
-    "on the inner ring": {"cage": {"guide": "inner-ring"}, "drag": {"land": "outer"}} | SPEEDING,
+    "on rollers": {"cage": {"guide": "rollers", "friction": RUBBING}, "drag": {"land": "outer"}},
+    "on the outer ring": {"cage": {"guide": "outer-ring", "friction": RUBBING}, "drag": {"land": "inner"}}
+    | SPEEDING,
+    "on the inner ring": {"cage": {"guide": "inner-ring", "friction": RUBBING}, "drag": {"land": "outer"}}
+    | SPEEDING,
 }
 
 
 def random_state(model, seed):
-    """A buffer far from rest: micrometres and centimetres per second at the races, the cage's clearances used up."""
+    """A buffer far from rest: micrometres and centimetres per second at the races, the cage beyond its play."""
     random, Z = np.random.default_rng(seed), model.bearing.Z
     y = build.empty_buffer(model)
     for row, size in ((Q, 3e-6), (V, 2e-2), (EPS, 3e-3), (EPS_V, 1.0), (SPIN, 0.02), (SPIN_V, 8.0)):
@@ -101,7 +105,7 @@ def shaken(way, seed):
 
 
 def leaving(model, y):
-    """Balances at five states on the line that leaves the state in ``y`` as its accelerations say; their distance."""
+    """Balances at five states on the line along which ``y`` is leaving, and their distance (s)."""
     h, at = 2e-8, bodies.places(model.bearing.Z)
     velocities = at[len(at) // 2 :]
     slope = np.concatenate([y[velocities], y[velocities + ACCELERATION - VELOCITY]])
@@ -177,7 +181,7 @@ def balances(model, t, out):
 
 
 def closing(model, method, span, y):
-    """Energy (J) that appears from nowhere until each second instant, and energy lost by the end; Simpson's rule."""
+    """Most energy (J) that came from nowhere at any (second) instant, and all that was lost; Simpson's rule."""
     found, h = balances(model, *recorded(model, method, span, y)), method.h
     net = found.power - found.lost
     gone = np.cumsum(net[:-2:2] + 4 * net[1:-1:2] + net[2::2]) * h / 3
@@ -221,7 +225,7 @@ def test_energy_closes_over_a_slot():
 
 
 def test_verlet_keeps_the_energy_of_an_undamped_bearing():
-    """No damping, no friction: what the energy strays falls with the square of the step, to 2e-5 of what is exchanged."""
+    """No damping, no friction: the energy strays with the square of the step, by 2e-5 of what is exchanged."""
     model, y = begun()
     slides = StaticDynamic(0.0, 0.0, 0.02, 0.1)
     cage = model.cage._replace(friction=slides, pocket=model.cage.pocket._replace(chi=0.0))

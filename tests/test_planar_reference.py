@@ -10,7 +10,7 @@ RING = ("ring_x", "ring_y", "velocity_x", "velocity_y")
 
 
 def differences(name: str, begin: float = 0.0) -> dict[str, float]:
-    """Largest difference over the range of each of RING from ``begin`` (s) on; of the cage's speed over its own."""
+    """Largest difference over the range of each of RING from ``begin`` (s) on; of the cage's speed over it."""
     kept, scene = reference_planar.kept(name), reference_planar.SCENES[name]
     _, found = planar_scene.simulate(scene, reference_planar.KEPT_TIMES[-1], STEP)
     seen = found[:, np.rint(reference_planar.KEPT_TIMES / STEP).astype(int)]
@@ -31,7 +31,7 @@ def test_every_instant_over_a_pit_is_as_in_the_independent_solution(name: str) -
 
 
 def test_a_healthy_bearing_is_as_in_the_independent_solution() -> None:
-    """Its ring moves by nanometres, and the start is 2e-12 m off (the equilibrium takes u.e_r for the approach)."""
+    """Its ring moves by nanometres; the start is 2e-12 m off (the equilibrium takes u.e_r for the approach)."""
     off = differences("friction", begin=5e-3)
     assert max(off[key] for key in RING) < 1e-3
     assert off["cage"] < 1e-7

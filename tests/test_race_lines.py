@@ -79,7 +79,7 @@ def test_lines_of_one_second():
         for name in list(expected)[:3]:
             omega = 2 * pi * FREQUENCY[name]
             assert found[f"velocity@{name}"] == pytest.approx(omega * found[f"displacement@{name}"], rel=2e-3)
-            assert found[f"acceleration@{name}"] == pytest.approx(omega * found[f"velocity@{name}"], rel=1e-3)
+            assert found[f"acceleration@{name}"] == pytest.approx(omega * found[f"velocity@{name}"], rel=2e-6)
 
 
 def test_a_healthy_bearing_has_nothing_there():
@@ -134,11 +134,11 @@ def test_rollers_without_mass_are_a_ring(carried, names, duration, shape):
 
 @pytest.mark.parametrize(
     ("carried", "names", "duration"),
-    [(ON_INNER_RACE, OF_THE_INNER_RACE, "20 s"), (ON_A_ROLLER, OF_A_ROLLER[2:], "50 s")],
+    [(ON_INNER_RACE, OF_THE_INNER_RACE, "8 s"), (ON_A_ROLLER, OF_A_ROLLER[2:], "20 s")],
 )
 def test_slow_rotation_is_static(carried, names, duration):
-    """At 6 rpm inertia and damping have nothing to do: displacement lines within 0.1 %."""
-    usual = {"speed": "6 rpm", "duration": duration, "settle": "2 s", "sampling": "500 Hz"}
+    """At 15 rpm inertia and damping have nothing to do: displacement lines within 0.1 %."""
+    usual = {"speed": "15 rpm", "duration": duration, "settle": "2 s", "sampling": "500 Hz"}
     usual |= {"defect": SLOT | carried, "quantity": "displacement"}
     ring = lines(names, model="ring", step="20 us", **usual)
     static = lines(names, model="static", step="400 us", **usual)

@@ -249,6 +249,29 @@ def test_a_ring_on_unequal_contacts_is_one_of_light_rollers(carried):
     assert np.std(v_ring - v) < 0.05 * np.std(v)
 
 
+@pytest.mark.parametrize("name", ["static", "ring"])
+@pytest.mark.parametrize("races", [("inner",), ("outer", "inner")])
+def test_a_roller_between_pits_of_unequal_races(races, name):
+    """At rest, by hand: slots of 0.1 mm over half of the roller let it sink by h into one race, or into both.
+
+    half E_o(d_o) + half E_o(d_o - h_o) = half E_i(d_i) + half E_i(d_i - h_i), with d_o + d_i = -u.e_r.
+    """
+    defects = [SLOT | {"width": "0.1 mm", "length": "6 mm", "race": race} for race in races]
+    model = unequal(build.model(case(model=name, defects=defects, start_angle=0.0)), 3.0)
+    y, k_o, k_i = build.empty_buffer(model), model.outer.stiffness.k, model.inner.stiffness.k
+    assert rest_from_scratch(model, 0.0, y) < 1e-6
+    h_o = (0.05e-3) ** 2 / (2 * R_OUTER) if "outer" in races else 0.0
+    h_i = (0.05e-3) ** 2 / (2 * R_INNER)
+
+    def halves(k, d, h):
+        return 0.5 * k * (max(d, 0.0) ** (10 / 9) + max(d - h, 0.0) ** (10 / 9))
+
+    whole = -y[POSITION + X]
+    d_i = brentq(lambda d: halves(k_o, whole - d, h_o) - halves(k_i, d, h_i), 0.0, whole, xtol=1e-20)
+    assert y[Q_O] == pytest.approx(halves(k_i, d_i, h_i), rel=1e-8)
+    assert y[Q_I] == pytest.approx(y[Q_O], rel=1e-8)
+
+
 # What else the solver is asked
 
 

@@ -149,11 +149,12 @@ def run(
 @app.command()
 def plot(
     results: Results = None,
-    kind: Annotated[str, typer.Option(help="sweep, phase, series or spectrum")] = "sweep",
+    kind: Annotated[str, typer.Option(help="sweep, phase; of jobs series, spectrum, envelope, roller")] = "sweep",
     x: Annotated[str | None, typer.Option(metavar="PATH", help="swept path on the x axis")] = None,
     by: Annotated[list[str] | None, typer.Option(metavar="PATH", help="a curve per value; repeatable")] = None,
     y: Annotated[
-        list[str] | None, typer.Option(metavar="FEATURE", help="a column of axes each; repeatable")
+        list[str] | None,
+        typer.Option(metavar="NAME", help="feature, or channel of a job: a column of axes each; repeatable"),
     ] = None,
     panels: Annotated[
         list[str] | None, typer.Option(metavar="PATH", help="a row of axes per value; repeatable")
@@ -162,19 +163,19 @@ def plot(
         list[str] | None, typer.Option(metavar="PATH=VALUE", help="only these cases; repeatable")
     ] = None,
     job: Annotated[
-        list[str] | None, typer.Option(metavar="JOB", help="job of a series or spectrum; repeatable")
+        list[str] | None, typer.Option(metavar="JOB", help="job of a series or spectrum, or `all`; repeatable")
     ] = None,
     file_format: Annotated[str, typer.Option("--format", help="png, svg or pdf")] = "png",
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="folder (default: RESULTS/figures)")] = None,
 ) -> None:
     """Draw figures: those the study names, or one for each swept parameter."""
     from bearingsim import plots
-    from bearingsim.plots.plot import FORMATS
+    from bearingsim.plots.plot import ALL, FORMATS
 
     _one_of("--kind", kind, plots.KINDS)
     _one_of("--format", file_format, FORMATS)
     opened = opened_results(results)
-    ids = [job_meant(opened, word) for word in job or []]
+    ids = [ALL] if job == [ALL] else [job_meant(opened, word) for word in job or []]
     chosen = dict(_assignment(word, "--where") for word in where or [])
     with warnings.catch_warnings(record=True) as left_out:
         warnings.simplefilter("always", plots.PlotWarning)

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["show_failures", "show_jobs"]
 
 Column = tuple[str, list[str]]  # head and cells
-FEATURES = ("velocity@BPFO", "velocity@BPFO-healthy", "velocity.rms", "outer_force.max")
+STATISTICS = ("velocity.rms", "outer_force.max")
 
 
 def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json: bool) -> None:
@@ -27,33 +28,56 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     table = results.table()
     rows = table[table["status"] == "failed"] if failed else table
     swept = list(results.plan["units"])
-    chosen = list(columns) or [*swept, *(name for name in FEATURES if name in table), "status", "seconds"]
+    features = _usual_features(results, table)
+    chosen = list(columns) or [*swept, *features, "status", "seconds"]
     _check(chosen, [str(name) for name in table])
     if as_json:
         asked = rows[["job", *chosen]] if columns else rows
         typer.echo(json.dumps([_plain(row) for row in asked.to_dict("records")], indent=1))
         return
     found = [("job", [job[:8] for job in rows["job"]]), *(_column(results, rows, name) for name in chosen)]
-    kept = found if columns else _fitting(found, [name in FEATURES for name in ["job", *chosen]])
+    kept = found if columns else _fitting(found, [name in features for name in ["job", *chosen]])
     print_table([head for head, _ in kept], list(zip(*(cells for _, cells in kept), strict=True)))
     typer.echo(_counts(table))
     if len(kept) < len(found):
-        left = ", ".join(head for head, _ in found if head not in dict(kept))
+        heads = {_stacked(head) for head, _ in kept}
+        left = ", ".join(head for head, _ in found if _stacked(head) not in heads)
         count = len(found) - len(kept)
         typer.echo(f"{count} columns too wide for the terminal: {left} (`--columns NAME`, `--json` or a pipe)")
 
 
+def _usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
+    """The line that shows the defects, what of it they made, statistics; where the cage can slip, its slip."""
+    from bearingsim.plots import lines
+
+    known = results.parameters()
+    shown = [f"velocity@{line}" for line in lines.fitting(known)]
+    slip = ["cage.slip.mean"] if lines.is_planar(known) else []
+    wanted = (*shown, *slip, *(f"{line}-healthy" for line in shown), *STATISTICS)
+    return [name for name in wanted if name in table]
+
+
 def _fitting(found: list[Column], features: Sequence[bool]) -> list[Column]:
-    """The columns that fit into the terminal: features are left out from the right, nothing else is."""
-    width = terminal_width()
-    kept = [head for head, _ in found]
-    for (head, _), feature in reversed(list(zip(found, features, strict=True))):
-        columns = [[name, *cells] for name, cells in found if name in kept]
-        if width is None or needed_width([column[0] for column in columns], zip(*columns, strict=True)) <= width:
+    """The columns that fit into the terminal: heads are stacked, then features left out from the right."""
+    if _fits(found):
+        return found
+    kept = [(_stacked(head), cells) for head, cells in found]
+    for column, feature in reversed(list(zip(list(kept), features, strict=True))):
+        if _fits(kept):
             break
         if feature:
-            kept.remove(head)
-    return [column for column in found if column[0] in kept]
+            kept.remove(column)
+    return kept
+
+
+def _fits(columns: Sequence[Column]) -> bool:
+    width, whole = terminal_width(), [[head, *cells] for head, cells in columns]
+    return width is None or needed_width([one[0] for one in whole], zip(*whole, strict=True)) <= width
+
+
+def _stacked(head: str) -> str:
+    """A head in several lines: broken before `.width` and `-healthy`, the unit below."""
+    return re.sub(r"(?<=\w)(?=[.-][a-z])", "\n", head).replace(" (", "\n(")
 
 
 def _check(chosen: Sequence[str], known: Sequence[str]) -> None:

@@ -7,6 +7,7 @@ from bearingsim.errors import UserError
 from bearingsim.units import DISPLAY, UNITS, Dimension, display
 
 __all__ = [
+    "COST",
     "PlotError",
     "PlotWarning",
     "described",
@@ -15,6 +16,7 @@ __all__ = [
     "name_text",
     "number_text",
     "pretty",
+    "readable",
     "shown",
     "unit_of",
     "value_text",
@@ -26,8 +28,13 @@ SCALES: dict[str, tuple[tuple[str, float], ...]] = {  # readable units of a feat
     "m/s": (("m/s", 1.0), ("mm/s", 1e3), ("µm/s", 1e6)),
     "m/s^2": (("m/s²", 1.0), ("mm/s²", 1e3)),
     "N": (("N", 1.0),),
+    "s": (("s", 1.0), ("ms", 1e3)),
     "rad": (("°", 57.29577951308232),),
+    "%": (("%", 1e2),),
 }
+SHARES = ("cage.slip",)  # pure numbers that people say in per cent, with what is computed of them
+COST, COST_UNIT, COST_TEXT = "seconds", "s", "CPU time of a job"
+"""A column of the table that can be drawn like a feature."""
 
 
 class PlotError(UserError):
@@ -104,6 +111,8 @@ def feature_text(name: str) -> str:
     line = name.removesuffix("-healthy.phase")
     if line != name:
         text = f"phase of {line.replace('@', ' at ')}, change against healthy"
+    elif name == COST:
+        text = COST_TEXT
     else:
         text = FEATURES[name].long_name if name in FEATURES else name
     return text[:1].upper() + text[1:]
@@ -114,6 +123,13 @@ def feature_axis(name: str, largest: float) -> tuple[str, float]:
     from bearingsim.config import FEATURES
 
     unit = "rad" if name.endswith(".phase") else FEATURES[name].unit if name in FEATURES else ""
+    return readable(COST_UNIT if name == COST else unit, name, largest)
+
+
+def readable(unit: str, name: str, largest: float) -> tuple[str, float]:
+    """Unit word and factor from SI for a quantity of some name, so that its largest value reads well."""
+    if any(name == share or name.startswith(f"{share}.") for share in SHARES):
+        unit = "%"
     if unit not in SCALES:
         return unit, 1.0
     scales = SCALES[unit]

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ["FORMATS", "KINDS", "drawn", "plot"]
 
-KINDS = ("sweep", "phase", "series", "spectrum")
+OF_JOBS = ("series", "spectrum", "envelope", "roller")
+KINDS = ("sweep", "phase", *OF_JOBS)
+ALL = "all"
 MOST_NAMED = 4  # jobs in the name of a file
 FORMATS = ("png", "svg", "pdf")
 
@@ -33,9 +35,10 @@ def plot(
 ) -> list[Path]:
     """Draw figures of a study into ``out`` (default: its ``figures`` folder); return the files.
 
-    kind: `sweep` features against swept paths, `phase` the phase of the line against them, `series` and
-    `spectrum` of some jobs (ids). Instead of what the study says: x, and among changes y, by, panels (lists) and
-    where (paths and values). Raises PlotError, ResultsError; warns (PlotWarning) of a figure left out.
+    kind: `sweep` features against swept paths, `phase` the phase of the line against them; of some jobs (ids, or
+    `all`) their `series`, `spectrum`, the spectrum of the squared `envelope`, and what a `roller` meets on its way
+    round. Instead of what the study says: x, and among changes y (features; of jobs channels), by, panels (lists)
+    and where (paths and values). Raises PlotError, ResultsError; warns (PlotWarning) of a figure left out.
     """
     import matplotlib as mpl
 
@@ -52,7 +55,7 @@ def drawn(
     results: "Results", kind: str = "sweep", x: str | None = None, jobs: Sequence[str] = (), **changes: Any
 ) -> list[tuple[str, "Canvas"]]:
     """The figures of ``plot`` with their names, not written anywhere."""
-    if kind in ("series", "spectrum"):
+    if kind in OF_JOBS:
         return _of_jobs(results, kind, jobs, {"x": x, **changes})
     return _of_table(results, kind, x, changes)
 
@@ -70,7 +73,7 @@ def _of_table(
 
     rows = select.case_rows(results)
     if kind == "phase":
-        rows = select.with_defect_phase(results, rows)
+        rows = select.with_defect_phases(results, rows)
     sheets, problems = [], []
     for number, figure in enumerate(_wanted(results, rows, kind, x, changes), 1):
         try:
@@ -87,13 +90,14 @@ def _of_table(
 
 def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple[Canvas, Figure]":
     """The figure drawn, and as it was completed."""
-    from bearingsim.plots import select, sweep
+    from bearingsim.plots import categories, select, sweep
     from bearingsim.plots.caption import fixed_values
 
     units = results.plan["units"]
     figure, part = select.completed(wanted, rows, units)
     caption = fixed_values(results, part, {figure.x, *figure.by, *figure.panels})
-    return sweep.draw(figure, part, units, caption), figure
+    draw = categories.draw if categories.are_many(figure, part, units) else sweep.draw
+    return draw(figure, part, units, caption), figure
 
 
 def _wanted(
@@ -102,12 +106,12 @@ def _wanted(
     """The figures asked for: the study's own, or one over x, with the changes."""
     from bearingsim.plots import select
 
-    found = [select.arranged(x, rows, results.plan["units"])] if x else select.planned(results, rows)
+    found = [select.arranged(results, x, rows)] if x else select.planned(results, rows)
     given: dict[str, Any] = {
         key: dict(value) if key == "where" else tuple(value) for key, value in changes.items() if value
     }
     if kind == "phase":
-        given["y"] = select.phases(given["y"]) if "y" in given else select.PHASES
+        given["y"] = select.phases(given["y"]) if "y" in given else select.default_phases(results)
     changed = [_changed(figure, given) for figure in found]
     return [figure for number, figure in enumerate(changed) if figure not in changed[:number]]
 
@@ -139,16 +143,21 @@ def _of_jobs(
 ) -> list[tuple[str, "Canvas"]]:
     from bearingsim.plots import select, series
 
-    where = changes.get("where") or {}
-    useless = [key for key, value in changes.items() if value and (key != "where" or jobs)]
+    where, named = changes.get("where") or {}, list(jobs) != [ALL] and jobs
+    useless = [key for key in ("x", "by", "panels") if changes.get(key)] + ["where"] * bool(where and named)
     if useless:
         taken = "jobs that are named take no where" if useless == ["where"] else f"a {kind} takes no {useless[0]}"
         raise PlotError(f"{taken}: its jobs are chosen by `--job` or by `--where`")
     rows = select.matching(select.case_rows(results), where, results.plan["units"])
-    chosen = list(jobs) or series.some_jobs(rows)
+    chosen = list(named or (series.done_jobs(rows) if jobs else series.some_jobs(rows)))
     if not chosen:
         raise PlotError("no job is done yet: there is nothing to draw")
-    draw = series.draw_spectrum if kind == "spectrum" else series.draw_series
-    named = [job[:8] for job in chosen[:MOST_NAMED]]
-    more = [f"and {len(chosen) - MOST_NAMED} more"] if len(chosen) > MOST_NAMED else []
-    return [(_slug([kind, *named, *more]), draw(results, chosen))]
+    y = tuple(changes.get("y") or ())
+    return [
+        (_name_of_jobs(kind, y, chosen if named or not jobs else [ALL]), series.DRAW[kind](results, chosen, y))
+    ]
+
+
+def _name_of_jobs(kind: str, y: Sequence[str], jobs: Sequence[str]) -> str:
+    more = [f"and {len(jobs) - MOST_NAMED} more"] if len(jobs) > MOST_NAMED else []
+    return _slug([kind, *y, *(job[:8] for job in jobs[:MOST_NAMED]), *more])

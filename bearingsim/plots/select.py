@@ -1,11 +1,13 @@
 """What a figure is made of: the rows of the table that belong to it, and how they split into curves."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.config import FEATURES
-from bearingsim.plots.labels import PlotError, described, unit_of
+from bearingsim.plots.labels import COST, PlotError, described, unit_of, value_text
+from bearingsim.plots.lines import fitting, is_planar, races_of_all
 from bearingsim.study import Figure, dimension
 from bearingsim.units import UnitError, parse, suggestion
 
@@ -19,21 +21,24 @@ __all__ = [
     "automatic",
     "case_rows",
     "completed",
+    "default_phases",
     "default_y",
+    "is_drawable",
     "is_numeric",
+    "joined",
     "matching",
     "phases",
     "planned",
     "splits",
     "values",
     "varied",
-    "with_defect_phase",
+    "with_defect_phases",
     "x_unit",
 ]
 
-LINE = "velocity@BPFO"
-PHASES = (f"{LINE}.phase", f"{LINE}-healthy.phase")
+HEALTHY_PHASE = "-healthy.phase"
 MOST_CURVES = 9  # in one panel of an automatic figure
+UNSAID = "none"  # a word that adds nothing to the name of a category
 
 
 def case_rows(results: "Results") -> "pd.DataFrame":
@@ -93,16 +98,19 @@ def automatic(results: "Results", rows: "pd.DataFrame") -> list[Figure]:
     numbers = [path for path in paths if is_numeric(values(rows, path))]
     if not paths:
         raise PlotError("the study sweeps nothing: there is no parameter to plot against (try `--kind spectrum`)")
-    return [arranged(x, rows, units) for x in numbers or paths[:1]]
+    return [arranged(results, x, rows) for x in numbers or paths[:1]]
 
 
-def arranged(x: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> Figure:
+def arranged(results: "Results", x: str, rows: "pd.DataFrame") -> Figure:
     """A figure over x, other paths as curves, that with the fewest values as panels if curves are too many."""
-    others = [path for path in varied(rows, list(units)) if path != x and not _follows(path, x, rows)]
+    units = results.plan["units"]
+    beside = joined(x, [], rows, units)
+    others = [path for path in varied(rows, list(units)) if path not in beside and not _follows(path, x, rows)]
     ordered = sorted(others, key=lambda path: len(values(rows, path)))
     curves = rows.groupby(list(others)).ngroups if others else 1
     panels = tuple(ordered[:1]) if curves > MOST_CURVES and len(ordered) > 1 else ()
-    return Figure(y=default_y(rows), x=x, by=tuple(path for path in others if path not in panels), panels=panels)
+    curves_of = tuple(path for path in others if path not in panels)
+    return Figure(y=default_y(results, rows), x=x, by=curves_of, panels=panels)
 
 
 def _follows(path: str, x: str, rows: "pd.DataFrame") -> bool:
@@ -110,22 +118,40 @@ def _follows(path: str, x: str, rows: "pd.DataFrame") -> bool:
     return x in rows and bool(rows.groupby(x)[path].nunique().max() <= 1)
 
 
-def default_y(rows: "pd.DataFrame") -> tuple[str, ...]:
-    """The line at BPFO, and what of it the defect has made."""
-    known = (name for name in (LINE, f"{LINE}-healthy") if name in rows and rows[name].notna().any())
-    return tuple(known) or (LINE,)
+def default_y(results: "Results", rows: "pd.DataFrame") -> tuple[str, ...]:
+    """The line that shows the defects and what of it they have made; of several kinds of defect each one's line.
+
+    Of healthy bearings that can slip also the slip.
+    """
+    known = results.parameters()
+    lines = [f"velocity@{line}" for line in fitting(known)]
+    wanted = [*lines, f"{lines[0]}-healthy"] if len(lines) == 1 else lines
+    if is_planar(known) and not races_of_all(known):
+        wanted.append("cage.slip.mean")
+    return tuple(name for name in wanted if name in rows and rows[name].notna().any()) or (lines[0],)
 
 
-def with_defect_phase(results: "Results", rows: "pd.DataFrame") -> "pd.DataFrame":
-    """The rows with the phase (rad) of the line less the healthy twin's: what the defect alone adds."""
+def default_phases(results: "Results") -> tuple[str, ...]:
+    """The phase of the line that shows the defects, and of what of it they have made."""
+    line = f"velocity@{fitting(results.parameters())[0]}"
+    return f"{line}.phase", f"{line}{HEALTHY_PHASE}"
+
+
+def with_defect_phases(results: "Results", rows: "pd.DataFrame") -> "pd.DataFrame":
+    """The rows with the phases (rad) of all lines less the healthy twin's: what the defect alone adds."""
     import numpy as np
+    import pandas as pd
 
-    if not set(PHASES[:1]) <= set(rows):
-        raise PlotError("no job is done yet: there is no phase to draw")
     table = results.table().set_index("job")
-    lines = table[LINE] * np.exp(1j * table[f"{LINE}.phase"])
-    twin = lines.reindex(rows["healthy"]).to_numpy()
-    return rows.assign(**{PHASES[1]: np.angle(lines.reindex(rows["job"]).to_numpy() - twin)})
+    lines = [str(name).removesuffix(".phase") for name in table if str(name).endswith(".phase")]
+    if not lines:
+        raise PlotError("no job is done yet: there is no phase to draw")
+    found = {}
+    for line in lines:
+        amplitude = table[line] * np.exp(1j * table[f"{line}.phase"])
+        twin = amplitude.reindex(rows["healthy"]).to_numpy()
+        found[f"{line}{HEALTHY_PHASE}"] = np.angle(amplitude.reindex(rows["job"]).to_numpy() - twin)
+    return pd.concat([rows, pd.DataFrame(found, index=rows.index)], axis=1)
 
 
 def completed(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> tuple[Figure, "pd.DataFrame"]:
@@ -139,13 +165,49 @@ def completed(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) ->
         if paths.count(path) > 1:
             raise PlotError(f"`{path}` can be only one of x axis, curves and panels")
     for name in figure.y:
-        _check(name, [column for column in rows if column in FEATURES or column in PHASES], "feature")
+        _check(name, list(filter(is_drawable, map(str, rows))), "feature")
     rows = matching(rows, figure.where, units)
+    together = joined(figure.x, (*figure.by, *figure.panels), rows, units)
+    x, rows = _as_categories(together, rows, units)
     by = list(figure.by)
-    for path in varied(rows, [path for path in units if path not in (figure.x, *by, *figure.panels)]):
-        if rows.groupby([figure.x, *by, *figure.panels])[path].nunique().max() > 1:
+    for path in varied(rows, [path for path in units if path not in (*together, *by, *figure.panels)]):
+        if rows.groupby([x, *by, *figure.panels])[path].nunique().max() > 1:
             by.append(path)
-    return replace(figure, by=tuple(by)), rows
+    return replace(figure, x=x, by=tuple(by)), rows
+
+
+def is_drawable(column: str) -> bool:
+    """Whether a column of the table can stand on the y axis."""
+    return column in FEATURES or column == COST or column.endswith(HEALTHY_PHASE)
+
+
+def joined(x: str, placed: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]) -> list[str]:
+    """The paths that name a category together with the words on x: those that a `zip` ties to it.
+
+    Words are tied where not every word of one meets every word of the other. ``placed``: curves and panels.
+    """
+    if x not in rows or is_numeric(values(rows, x)):
+        return [x]
+    others = [path for path in varied(rows, list(units)) if path != x and path not in placed]
+    words = [path for path in others if not is_numeric(values(rows, path))]
+    return [x, *(path for path in words if rows.groupby([x, path]).ngroups < _product(rows, x, path))]
+
+
+def _product(rows: "pd.DataFrame", *paths: str) -> int:
+    return math.prod(rows[path].nunique() for path in paths)
+
+
+def _as_categories(
+    paths: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]
+) -> tuple[str, "pd.DataFrame"]:
+    """The paths as one, and the rows with a column for it: `envelope, ring` in `excitation, model`."""
+    if len(paths) == 1:
+        return paths[0], rows
+    texts = [
+        ", ".join(text for path in paths if (text := value_text(path, row[path], units)) != UNSAID)
+        for _, row in rows[list(paths)].iterrows()
+    ]
+    return ", ".join(paths), rows.assign(**{", ".join(paths): texts})
 
 
 def matching(rows: "pd.DataFrame", where: Mapping[str, str], units: Mapping[str, str]) -> "pd.DataFrame":
@@ -162,8 +224,8 @@ def phases(features: Sequence[str]) -> tuple[str, ...]:
     """The phases of some lines, each named by its line or its phase. Raises PlotError for what has no phase."""
     found = tuple(f"{name.removesuffix('.phase')}.phase" for name in features)
     for name, phase in zip(features, found, strict=True):
-        if phase not in FEATURES and phase not in PHASES:
-            raise PlotError(f"`{name}` has no phase: expected a line such as `{LINE}`")
+        if phase.replace(HEALTHY_PHASE, ".phase") not in FEATURES:
+            raise PlotError(f"`{name}` has no phase: expected a line such as `velocity@BPFO`")
     return found
 
 

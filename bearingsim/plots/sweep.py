@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure as Canvas
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from bearingsim.plots import labels, select
 from bearingsim.plots.style import COLUMN_IN, Look, looks
@@ -17,13 +18,26 @@ from bearingsim.study import Figure
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
 
-__all__ = ["draw"]
+__all__ = [
+    "axis_label",
+    "curve_looks",
+    "curves_of",
+    "draw",
+    "finish",
+    "legend_entries",
+    "legend_width",
+    "letter",
+    "share_scales",
+    "ticks_between",
+]
 
 ROW_IN = 2.7
 LABEL_LETTERS = 34  # of an axis label, in a line
 CHARACTER_IN = 0.066  # width of a letter of the legend
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
+FEW_DECADES = 200.0  # ratio of the ends of a log axis up to which numbers stand between its decades
 NO_BREAK = "\u00a0"
 
 
@@ -50,8 +64,8 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
     for row, (text, part) in enumerate(panels):
         for column, name in enumerate(figure.y):
             _panel(axes[row][column], name, figure, rows, curves_of(figure, part, units, styles, order), units)
-            _letter(axes[row][column], row * len(figure.y) + column, len(panels) * len(figure.y), text)
-    _share_scales(axes)
+            letter(axes[row][column], row * len(figure.y) + column, len(panels) * len(figure.y), text)
+    share_scales(axes)
     for ax in axes[-1]:
         ax.set_xlabel(axis_label(labels.name_text(figure.x), select.x_unit(figure.x, rows, units)))
     if entries:
@@ -76,10 +90,14 @@ def axis_label(text: str, unit: str) -> str:
 
 
 def _sheet(rows: int, columns: int, entries: Sequence[Line2D]) -> tuple[Canvas, list[list["Axes"]]]:
-    letters = max((len(str(entry.get_label())) for entry in entries), default=-8)
-    width = columns * COLUMN_IN + 0.55 + CHARACTER_IN * letters
+    width = columns * COLUMN_IN + 0.55 + legend_width(entries)
     canvas = Canvas(figsize=(width, rows * ROW_IN + 0.55), layout=ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.06))
     return canvas, [list(line) for line in canvas.subplots(rows, columns, sharex=True, squeeze=False)]
+
+
+def legend_width(entries: Sequence[Line2D]) -> float:
+    """Inches that a legend beside the axes takes, beyond those for its handles."""
+    return CHARACTER_IN * max((len(str(entry.get_label())) for entry in entries), default=-8)
 
 
 # Curves and their looks
@@ -139,7 +157,7 @@ def _panel(
     for curve in curves:
         x = positions(figure.x, curve.rows, rows, units)
         ax.plot(*_broken(x, list(curve.rows[name] * factor), name), **curve.look.keywords())
-        _mark_lost(ax, x, curve.rows["status"])
+        mark_lost(ax, x, curve.rows["status"])
     _x_axis(ax, figure, rows, units)
     _y_axis(ax, name, figure)
 
@@ -163,7 +181,7 @@ def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[flo
     return [a for a, _ in points], [b for _, b in points]
 
 
-def _mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None:
+def mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None:
     """Jobs without a result stand as marks on the x axis."""
     for kind, (marker, colour, _) in STATUS_MARKS.items():
         where = [position for position, state in zip(x, status, strict=True) if state == kind]
@@ -179,7 +197,7 @@ def _x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str
         ax.margins(x=0.12)
     elif "x" in figure.log:
         ax.set_xscale("log")
-        ax.xaxis.set_major_formatter(lambda value, _: labels.number_text(value))
+        ticks_between(ax.xaxis, ax.dataLim.intervalx)
     elif len(known) <= 7:
         unit = select.x_unit(figure.x, rows, units)
         ticks = [labels.shown(figure.x, value, unit) for value in known]
@@ -188,8 +206,8 @@ def _x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str
 
 def _y_axis(ax: "Axes", name: str, figure: Figure) -> None:
     if "y" in figure.log and not name.endswith(".phase"):
-        ax.set_yscale("log")
-        ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
+        ax.set_yscale("log", nonpositive="mask")
+        ticks_between(ax.yaxis, ax.dataLim.intervaly)
     elif name.endswith(".phase"):
         ax.set_ylim(-190.0, 190.0)
         ax.set_yticks(range(-180, 181, 90))
@@ -198,7 +216,16 @@ def _y_axis(ax: "Axes", name: str, figure: Figure) -> None:
         ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
 
 
-def _letter(ax: "Axes", number: int, count: int, text: str) -> None:
+def ticks_between(axis: "Axis", interval: Sequence[float]) -> None:
+    """Ticks of a log axis in plain numbers, at 1, 2, 5 of each decade where there are few decades."""
+    low, high = interval
+    few = 0.0 < low < high < FEW_DECADES * low
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
+    axis.set_major_formatter(lambda value, _: labels.number_text(value))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def letter(ax: "Axes", number: int, count: int, text: str) -> None:
     """`(a)` and what the panel shows, above its left corner."""
     letter = f"({chr(ord('a') + number)})" if count > 1 else ""
     ax.set_title(" ".join(filter(None, [letter, text])), loc="left")
@@ -207,7 +234,7 @@ def _letter(ax: "Axes", number: int, count: int, text: str) -> None:
 COMPARABLE = 4.0  # spans of y axes that differ by more keep their own: the smaller curves would lie flat
 
 
-def _share_scales(axes: list[list["Axes"]]) -> None:
+def share_scales(axes: list[list["Axes"]]) -> None:
     """Panels of one feature, a column of them, have one y axis for comparison, unless they differ too much."""
     for stack in zip(*axes, strict=True):
         limits = [ax.get_ylim() for ax in stack]

@@ -1,0 +1,115 @@
+"""What a job has recorded, as a figure shows it: one channel, its components, its unit."""
+
+from collections.abc import Iterator, Sequence
+from math import cos, sin
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from bearingsim.config import CHANNELS, dataset_names
+from bearingsim.config.names import roller_of
+from bearingsim.plots.labels import PlotError
+from bearingsim.units import suggestion
+
+if TYPE_CHECKING:
+    from bearingsim.store import Results, Series
+
+__all__ = ["Job", "Signal", "all_jobs", "channels_for", "signals_of", "text_of", "unit_of"]
+
+PREFERRED = ("ring.velocity", "ring.acceleration", "ring.displacement")
+
+
+class Signal(NamedTuple):
+    """A channel of a job: time (n,) in s and values (n,) in SI; component: what tells it from its sisters."""
+
+    time: np.ndarray
+    values: np.ndarray
+    component: str = ""
+
+    @property
+    def rate(self) -> float:
+        """Samples per second (Hz)."""
+        return float((len(self.time) - 1) / (self.time[-1] - self.time[0]))
+
+
+class Job(NamedTuple):
+    """A finished job: its parameters, what the solver said of it, its series."""
+
+    known: dict[Any, Any]
+    info: dict[Any, Any]
+    series: "Series"
+
+    @property
+    def recorded(self) -> list[str]:
+        """The channels that its case asked for, in that order."""
+        return str(self.known["record"]).split() if self.series.channels else []
+
+
+def all_jobs(results: "Results", jobs: Sequence[str]) -> dict[str, Job]:
+    """Some finished jobs by id. Raises ResultsError for one that has none."""
+    series = {job: results.series(job) for job in jobs}
+    ids = list(series)
+    known, info = (frame.loc[ids].to_dict("index") for frame in (results.parameters(), results.info()))
+    return {job: Job(known[job], info[job], series[job]) for job in jobs}
+
+
+def channels_for(jobs: dict[str, Job], asked: Sequence[str], prefix: str = "") -> list[str]:
+    """The channels to draw: those asked for, or the ring's velocity, or else the first that was recorded.
+
+    prefix: of the names that will do. Raises PlotError for what a job has not recorded.
+    """
+    name, first = next(iter(jobs.items()))
+    recorded = [channel for channel in first.recorded if channel.startswith(prefix)]
+    if not recorded:
+        raise PlotError(f"job {name} has recorded no {prefix or 'channel'}: add one to `record`")
+    wanted = list(asked) or [next((channel for channel in PREFERRED if channel in recorded), recorded[0])]
+    for channel in wanted:
+        for job, one in jobs.items():
+            _check(job, channel, one.recorded)
+    return wanted
+
+
+def _check(job: str, channel: str, recorded: Sequence[str]) -> None:
+    known = [*recorded, *(name for whole in recorded for name in dataset_names(whole))]
+    if _as_recorded(channel, known) is None:
+        advice = suggestion(channel, known) or f"there are: {', '.join(recorded)}"
+        raise PlotError(f"job {job} has recorded no `{channel}` ({advice})")
+
+
+def _as_recorded(channel: str, recorded: Sequence[str]) -> str | None:
+    """The name under which a channel was recorded: `roller.spin` is `roller.1.spin`."""
+    roller = roller_of(channel) if channel in CHANNELS else None
+    same = (name for name in recorded if name == channel or (roller and roller_of(name) == roller))
+    return next(same, None)
+
+
+def signals_of(job: Job, channel: str) -> Iterator[Signal]:
+    """A channel's components, or its one component; of the ring's motion what the sensor would give."""
+    time, series = job.series.time, job.series.channels
+    if channel in series:
+        yield Signal(time, np.asarray(series[channel], np.float64))
+        return
+    names = dataset_names(_as_recorded(channel, job.recorded) or channel)
+    rows = [np.asarray(series[name], np.float64) for name in names]
+    if channel.startswith("ring.") and len(rows) == 2:
+        angle = job.known["rig.sensor_angle"]
+        yield Signal(time, cos(angle) * rows[0] + sin(angle) * rows[1])
+        return
+    for name, values in zip(names, rows, strict=True):
+        yield Signal(time, values, name.removeprefix(channel).removeprefix("."))
+
+
+def unit_of(channel: str) -> str:
+    """The SI unit of a channel, or of one of its components."""
+    return CHANNELS[_whole(channel)].unit
+
+
+def text_of(channel: str) -> str:
+    """A channel in words, as an axis begins: `Contact force of roller 3 on the outer race`."""
+    whole = _whole(channel)
+    text = f"{CHANNELS[whole].long_name} {channel.removeprefix(whole).removeprefix('.')}".strip()
+    return text[:1].upper() + text[1:]
+
+
+def _whole(channel: str) -> str:
+    return channel if channel in CHANNELS else channel.rpartition(".")[0]
