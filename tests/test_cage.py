@@ -74,9 +74,6 @@ def test_drag_holds_the_cage_back_by_a_clearance_each_turn(clearance, slip):
         )
     )
     assert run.features["cage.slip.mean"] == pytest.approx(slip, rel=0.1)
-    assert run.features["cage.slip.mean"] == pytest.approx(
-        1e-3 * float(clearance.split()[0]) / LOADED_ARC, rel=0.3
-    )
     assert np.abs(run.series["roller.cage_force"]).max() > 0.5
 
 
