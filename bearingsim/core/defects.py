@@ -93,8 +93,11 @@ def bowl(width: float, depth: float, R: float, zeta: float) -> tuple[float, floa
 
 
 def groups_of(shape: str, length: float, width: float, depth: float, L_w: float, R: float, nodes: int) -> list:
-    """Groups (w, b, x_e, kappa, depth) of a centred pit; lengths in m, ``nodes`` on a bowl's half length."""
-    share = length / L_w
+    """Groups (w, b, x_e, kappa, depth) of a centred pit; lengths in m, ``nodes`` on a bowl's half length.
+
+    A pit may be longer than the contact (``L_w``), as a ball's often is: what lies beyond is not felt.
+    """
+    share, reach = min(1.0, length / L_w), min(1.0, L_w / length)
     untouched = [(1.0 - share, 0.0, NEVER, 0.0, 0.0)] if share < 1.0 else []
     if shape == "rectangular":
         return [*untouched, (share, *box(width, depth))]
@@ -103,7 +106,7 @@ def groups_of(shape: str, length: float, width: float, depth: float, L_w: float,
     if shape == "circular":
         zeta, weight = np.polynomial.legendre.leggauss(nodes)
         bowls = [
-            (share * float(w) / 2.0, *bowl(width, depth, R, (1.0 + float(z)) / 2.0))
+            (share * float(w) / 2.0, *bowl(width, depth, R, reach * (1.0 + float(z)) / 2.0))
             for z, w in zip(zeta, weight, strict=True)
         ]
         return [*untouched, *bowls]

@@ -1,0 +1,164 @@
+"""Slip of the cage against load and speed: as `planar` gives it, and from a balance of forces. Derived in docs/slip.md.
+
+    python benchmarks/slip.py RESULTS [--csv FILE] [--png FILE] [--onsets FILE]
+
+RESULTS: of `bearingsim run studies/slip.yaml`. The onset of gross slip (the load at which the cage lags by 5 %, coming
+from rolling) is bisected for each friction law and speed, three seeds each; about 3 CPU minutes.
+"""
+
+import argparse
+import csv
+from collections.abc import Callable
+from math import exp, log, pi
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import matplotlib.pyplot as plt
+import numpy as np
+from scipy.optimize import brentq
+
+from bearingsim import build, open_results, simulate
+from bearingsim.config import Case
+from bearingsim.core.cage import land_drag, orbit_drag
+from bearingsim.core.equilibrium import find_rest, rest_from_scratch
+from bearingsim.core.friction import mu
+from bearingsim.core.layout import Q_I, Q_O
+from bearingsim.plots.style import COLOURS, MARKERS, RC
+
+GROSS = 0.05  # slip of the cage from which it is called gross
+CREEPING = np.geomspace(5e-4, GROSS, 200)  # slips that are tried in turn
+CAGE_ANGLES = 16  # of a ball pass
+SEEDS = (1, 2, 3)
+SPEEDS = (600, 1800, 3000, 6000)  # rpm
+LAWS = ("static-dynamic", "traction")
+
+
+class Loads(NamedTuple):
+    """Forces of the rollers at rest, all cage angles together: sums over the entries are means over a ball pass.
+
+    angle: (n,) rad from the load line, in the sense of rotation; inner, outer: (n,) N.
+    """
+
+    angle: np.ndarray
+    inner: np.ndarray
+    outer: np.ndarray
+
+
+def loads(model: Any, slip: float) -> Loads:
+    """What each roller carries where, at the cage's speed with ``slip``."""
+    b = model.bearing._replace(omega_c=model.bearing.omega_c * (1.0 - slip))
+    still, y, entries = build.statics(model._replace(bearing=b)), build.empty_buffer(model), []
+    for n in range(CAGE_ANGLES):
+        turned = (n + 0.5) / CAGE_ANGLES * 2.0 * pi / b.Z
+        (rest_from_scratch if n == 0 else find_rest)(still, turned / b.omega_c, y)
+        angle = (b.theta_0 + turned + 2.0 * pi * np.arange(b.Z) / b.Z + pi) % (2.0 * pi) - pi
+        entries.append([angle, y[Q_I : Q_I + b.Z] / CAGE_ANGLES, y[Q_O : Q_O + b.Z] / CAGE_ANGLES])
+    return Loads(*np.concatenate(entries, axis=1))
+
+
+def drag_torque(model: Any, slip: float) -> float:
+    """Torque (N m) of the oil on cage and rollers."""
+    b, r = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
+    omega = b.omega_c * (1.0 - slip)
+    return float(-land_drag(model.drag, omega, b.omega_i) - b.Z * r * orbit_drag(model.drag, omega * r))
+
+
+def friction_torque(model: Any, found: Loads, slip: float) -> float:
+    """Torque (N m) that the races can exert at a slip, through the rollers that have crossed their pockets."""
+    b, r = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
+    entry = found.angle[found.inner > 0.0].min()
+    pushing = (found.inner > 0.0) & ((found.angle - entry) * r * slip >= 2.0 * model.cage.play)
+    inner, outer = found.inner[pushing].sum(), found.outer[pushing].sum()
+    return float(2.0 * r * coefficient(model, slip, inner / outer) * inner) if inner > 0.0 else 0.0
+
+
+def coefficient(model: Any, slip: float, ratio: float) -> float:
+    """Friction coefficient at the inner race, its force the same as at the outer: mu(v_i) Q_i = mu(v_o) Q_o.
+
+    v_i + v_o = slip R_i omega_i; ratio: Q_i/Q_o.
+    """
+    b, ratio = model.bearing, min(ratio, 1.0 - 1e-9)
+    v, u = slip * b.R_i * b.omega_i, b.R_w * b.omega_b
+    v_o = brentq(lambda v_o: mu(model.friction, v - v_o, u) * ratio - mu(model.friction, v_o, u), 0.0, v / 2.0)
+    return mu(model.friction, v - v_o, u)
+
+
+def balance(case: Case) -> float:
+    """Slip of the cage at which friction first holds the drag; 1 if it never does."""
+    model = build.model(case)
+    found = loads(model, 0.0)
+    for slip in CREEPING:
+        if friction_torque(model, found, slip) >= drag_torque(model, slip):
+            return float(slip)
+
+    def excess(slip: float) -> float:
+        return friction_torque(model, loads(model, slip), slip) - drag_torque(model, slip)
+
+    if excess(GROSS) >= 0.0:  # with its own loads: the slip that was tried last, to the step
+        return GROSS
+    return float(brentq(excess, GROSS, 0.99, xtol=1e-4)) if excess(0.99) > 0.0 else 1.0
+
+
+def bisected(slip: Callable[[float], float], low: float, high: float) -> float:
+    """Load (N) between ``low`` (gross slip) and ``high`` (none) at which gross slip sets in, within 1 %; or nan."""
+    if not slip(low) > GROSS > slip(high):
+        return float("nan")
+    while high / low > 1.01:
+        middle = exp(0.5 * (log(low) + log(high)))
+        low, high = (middle, high) if slip(middle) > GROSS else (low, middle)
+    return float((low * high) ** 0.5)
+
+
+def onset_by_balance(case: Case, low: float = 0.2, high: float = 200.0) -> float:
+    """Load (N) under which a case slips grossly, by the balance."""
+    return bisected(lambda load: balance(case.model_copy(update={"load": load})), low, high)
+
+
+def onset_by_simulation(case: Case, about: float) -> float:
+    """The same by simulation from rolling, looked for within a factor of 1.5 of a load (N)."""
+    near = (about / 1.5, 1.5 * about)
+    return bisected(lambda load: simulate(case.model_copy(update={"load": load})).features["cage.slip.mean"], *near)
+
+
+def onsets(base: Case) -> list[dict[str, Any]]:
+    """Onset of gross slip for each law and speed, by both ways."""
+    rows = []
+    for law in LAWS:
+        for speed in SPEEDS:
+            given = base.model_dump(exclude_unset=True) | {"friction": law, "speed": speed * pi / 30.0}
+            case = Case.model_validate(given)
+            balanced = onset_by_balance(case)
+            seeds = [case.model_copy(update={"seed": seed}) for seed in SEEDS]
+            simulated = [round(onset_by_simulation(one, balanced), 2) for one in seeds]
+            ratio = round(float(np.mean(simulated)) / balanced, 3)
+            rows.append({"friction": law, "speed_rpm": speed, "balance_N": round(balanced, 2)})
+            rows[-1] |= {f"seed_{seed}_N": found for seed, found in zip(SEEDS, simulated, strict=True)}
+            rows[-1] |= {"mean_over_balance": ratio}
+            print(rows[-1], flush=True)
+    return rows
+
+
+def chart(folder: str) -> list[dict[str, Any]]:
+    """One row for each law, speed and load: mean over the seeds, their spread, the largest unsteadiness, the balance."""
+    results = open_results(folder)
+    found: dict[tuple[str, float, float], list[tuple[float, float]]] = {}
+    cases: dict[tuple[str, float, float], Case] = {}
+    for case, features in computed(results):
+        key = (case.friction.law, case.speed, case.load)
+        found.setdefault(key, []).append((features["cage.slip.mean"], features["cage.slip.std"]))
+        cases[key] = case
+    rows = []
+    for key, values in found.items():
+        mean, std = np.array(values).T
+        rows.append(
+            {
+                "friction": key[0],
+                "speed_rpm": round(key[1] * 30.0 / pi),
+                "load_N": round(key[2], 3),
+                "slip": round(float(mean.mean()), 5),
+                "spread_of_seeds": round(float(np.ptp(mean)), 5),
+                "std_in_time": round(float(std.max()), 5),
+                "balance": round(balance(cases[key]), 5),
+            }
+        )
+    return rows
