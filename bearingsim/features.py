@@ -112,10 +112,11 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
         by_pass["velocity"], velocity[::M], rate, HARMONICS, angle + 2.0 * pi * (start % M) / M
     )
     found = {}
+    turning = any(defect.race != "outer" for defect in case.defects)
     for quantity, lines in by_pass.items():
         for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
-            found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values)
+            found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values, turning)
     return found
 
 
@@ -155,17 +156,21 @@ def statistics(case: Case, cut: Grid, sampled: np.ndarray) -> dict[str, float]:
 
 
 def extremes(model: Any, y: np.ndarray) -> dict[str, float]:
-    """Largest forces (N) that any roller met."""
-    rows = {"outer_force.max": Q_MAX, "inner_force.max": Q_I_MAX, "cage_force.max": Q_P_MAX}
-    return {name: float(y[row : row + model.bearing.Z].max()) for name, row in rows.items()}
+    """Largest forces (N) that any roller met; nan for what the model does not know."""
+    rows = {"outer_force.max": Q_MAX, "inner_force.max": Q_I_MAX} if hasattr(model, "outer") else {}
+    rows |= {"cage_force.max": Q_P_MAX} if hasattr(model, "cage") else {}
+    found = {name: float(y[row : row + model.bearing.Z].max()) for name, row in rows.items()}
+    return dict.fromkeys(("outer_force.max", "inner_force.max", "cage_force.max"), float("nan")) | found
 
 
 def cage_and_load_zone(case: Case, model: Any, sampled: np.ndarray) -> dict[str, float]:
-    """Mean extent of the load zone (rad), and the cage's slip."""
+    """Mean extent of the load zone (rad), and the cage's slip; nan for what the model does not know."""
     time = case.settle + np.arange(sampled.shape[1]) / case.sampling
     slip = -sampled[ROW_OF[SPEED_OF_CAGE]] / (model.bearing.omega_c * speed_factor(model, time))
+    extent = float(sampled[ROW_OF[LOADED]].mean()) * 2.0 * pi / model.bearing.Z
+    free = hasattr(model, "cage")
     return {
-        "load_zone.extent": float(sampled[ROW_OF[LOADED]].mean()) * 2.0 * pi / model.bearing.Z,
-        "cage.slip.mean": float(slip.mean()),
-        "cage.slip.std": float(slip.std()),
+        "load_zone.extent": extent if hasattr(model, "outer") else float("nan"),
+        "cage.slip.mean": float(slip.mean()) if free else float("nan"),
+        "cage.slip.std": float(slip.std()) if free else float("nan"),
     }

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import ceil, floor
+from math import ceil, floor, hypot
 from typing import Any
 
 import numpy as np
@@ -181,7 +181,7 @@ def _integrate(case: Case, model: Any, cut: choose.Grid, watch: Watch) -> Tape:
 def _start(case: Case, model: Any) -> np.ndarray:
     """A buffer at static equilibrium at t = 0, its accelerations filled in."""
     y, residual = build.start(case, model)
-    if not residual <= 1e-8 * case.load:
+    if not residual <= 1e-8 * hypot(case.load, case.load_across):
         raise SimulationError(
             f"no static equilibrium at the start: {residual:.3g} N left", "check load and clearance"
         )

@@ -125,8 +125,8 @@ def assembled(scene) -> Bearing:
 def damped(bearing, scene):
     """Gives all contacts the scene's Hunt-Crossley damping.
 
-    EXUDYN's has chi = 1.5 (1 - restitution)/(speed of impact) with the speed it has seen, at least a given one. Only
-    the ratio enters the force, so the least speed is set above all that occur. That makes the restitution coefficient
+    EXUDYN's has chi = 1.5 (1 - restitution)/(speed of impact), the speed being that seen or a least one. Only the
+    ratio enters the force, so the least speed is set above all that occur. The restitution coefficient is then
     a negative number without a meaning, which EXUDYN takes after assembly with its checks off.
     """
     import exudyn as exu

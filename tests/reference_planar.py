@@ -563,6 +563,7 @@ KEPT = Path(__file__).parent / "data" / "reference_planar.npz"
 KEPT_TIMES = np.linspace(0.0, 0.02, 1001)
 RUBBING = {
     "friction": static_dynamic(),
+    "friction_tilts": True,
     "pocket_stiffness": 1e7,
     "pocket_friction": static_dynamic(static=0.002, dynamic=0.001),
 }

@@ -58,7 +58,7 @@ NUMBERS: dict[str, dict[str, float]] = {
         "velocity@BPFI": 5.031536402525795e-06,
         "velocity@BPFI.phase": -1.5786987218953104,
         "velocity@BPFI+fr": 4.871208977858787e-06,
-        "velocity@BPFO": 8.878711287248966e-07,
+        "velocity@BPFO": 6.70891988692991e-07,
         "velocity.rms": 0.0001765311355997932,
         "acceleration@BPFI-fr": 0.004568777350966563,
         "acceleration.rms": 3.1551903002222472,

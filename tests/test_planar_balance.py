@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bearingsim import build
-from bearingsim.core.advance import FINE, Watch, advance, start_at_rest
+from bearingsim.core.advance import start_at_rest
 from bearingsim.core.cage import RingGuided
 from bearingsim.core.defects import ANGLE, RADIUS
 from bearingsim.core.friction import StaticDynamic
@@ -34,6 +34,7 @@ from bearingsim.core.layout import (
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from tests import planar_bodies as bodies
+from tests.planar_runs import balances, begun, closing, orders, recorded
 from tests.scenes import SLOT, case
 
 WHERE = 2e-3  # s: when the balances at any state are drawn up
@@ -54,8 +55,10 @@ RUBBING = {"static": "0.2", "dynamic": "0.1", "static_speed": "2 m/s", "dynamic_
 """Friction of the cage that still depends on the slip at the speeds of a bearing that turns."""
 WAYS = {
     "on rollers": {"cage": {"guide": "rollers", "friction": RUBBING}, "drag": {"land": "outer"}},
-    "on the outer ring": {"cage": {"guide": "outer-ring", "friction": RUBBING}, "drag": {"land": "inner"}} | SPEEDING,
-    "on the inner ring": {"cage": {"guide": "inner-ring", "friction": RUBBING}, "drag": {"land": "outer"}} | SPEEDING,
+    "on the outer ring": {"cage": {"guide": "outer-ring", "friction": RUBBING}, "drag": {"land": "inner"}}
+    | SPEEDING,
+    "on the inner ring": {"cage": {"guide": "inner-ring", "friction": RUBBING}, "drag": {"land": "outer"}}
+    | SPEEDING,
 }
 
 
@@ -137,12 +140,15 @@ def test_in_the_states_below_everything_acts(way):
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("seed", range(4))
 def test_momentum_and_torque_balance_at_any_state(way, seed):
-    """Rings, rollers and cage together feel what acts from outside, to 1e-12 of the forces between them."""
+    """Rings, rollers and cage together feel what acts from outside, to 1e-12 of the forces between them.
+
+    The torque holds the friction at the inner race, which comes from slips good to 1e-12 m/s: 1e-11.
+    """
     model, y = shaken(way, seed)
     found, h = leaving(model, y)
     between = y[Q_O : Q_O + 13].sum() + y[Q_I : Q_I + 13].sum()
     assert abs(rate(found.momentum, h) - found.force[2]) < 1e-12 * between
-    assert abs(rate(found.spin, h) - found.torque[2]) < 1e-12 * between * model.bearing.R_o
+    assert abs(rate(found.spin, h) - found.torque[2]) < 1e-11 * between * model.bearing.R_o
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -160,49 +166,11 @@ def test_power_balances_at_any_state(way, seed):
 # along a motion
 
 
-def recorded(model, method, span, y):
-    """Instants (n + 1,) and all that moves (places, n + 1) over ``span`` (s) from the state in ``y``."""
-    at, n = bodies.places(model.bearing.Z), round(span / method.h)
-    y, out = y.copy(), np.empty((len(at), n + 1))
-    out[:, 0], later = y[at], np.empty((len(at), n))
-    taken, outcome, _ = advance(method, model, Watch(8, 1.0), 0, y, at, later)
-    assert (taken, outcome) == (n, FINE)
-    out[:, 1:] = later
-    return method.h * np.arange(n + 1), out
-
-
-def balances(model, t, out):
-    """Balances at all instants, some thousands at a time."""
-    pieces = [slice(k, k + 4000) for k in range(0, len(t), 4000)]
-    found = [bodies.balance(bodies.scene(model, t[piece], out[:, piece])) for piece in pieces]
-    return bodies.Balance(*(np.concatenate(column) for column in zip(*found, strict=True)))
-
-
-def closing(model, method, span, y):
-    """Most energy (J) that came from nowhere at any (second) instant, and all that was lost; Simpson's rule."""
-    found, h = balances(model, *recorded(model, method, span, y)), method.h
-    net = found.power - found.lost
-    gone = np.cumsum(net[:-2:2] + 4 * net[1:-1:2] + net[2::2]) * h / 3
-    return np.abs(found.energy[2::2] - found.energy[0] - gone).max(), h * found.lost.sum()
-
-
-def orders(errors):
-    """Orders of convergence that errors at halved steps show."""
-    return np.log2(np.array(errors[:-1]) / errors[1:])
-
-
-def begun(**given):
-    """A model of the plain kind at static equilibrium."""
-    given = case(model="planar", **given)
-    model = build.model(given)
-    return model, build.start(given, model)[0]
-
-
 def test_energy_closes_in_a_healthy_bearing():
     """Damping and friction on: Verlet closes to second order, Runge-Kutta to fourth."""
     model, y = begun()
     slow = [closing(model, Verlet(h), 6.4e-3, y)[0] for h in (8e-7, 4e-7, 2e-7)]
-    fast = [closing(model, RungeKutta4(h), 6.4e-3, y)[0] for h in (1.6e-6, 8e-7, 4e-7)]
+    fast = [closing(model, RungeKutta4(h), 6.4e-3, y)[0] for h in (3.2e-6, 1.6e-6, 8e-7)]
     assert orders(slow) == pytest.approx(2.0, abs=0.1)
     assert orders(fast) == pytest.approx(4.2, abs=0.4)
 

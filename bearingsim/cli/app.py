@@ -165,6 +165,7 @@ def plot(
     job: Annotated[
         list[str] | None, typer.Option(metavar="JOB", help="job of a series or spectrum, or `all`; repeatable")
     ] = None,
+    span: Annotated[str | None, typer.Option(metavar="TIME", help="so much of a series, such as `20 ms`")] = None,
     file_format: Annotated[str, typer.Option("--format", help="png, svg or pdf")] = "png",
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="folder (default: RESULTS/figures)")] = None,
 ) -> None:
@@ -177,9 +178,16 @@ def plot(
     opened = opened_results(results)
     ids = [ALL] if job == [ALL] else [job_meant(opened, word) for word in job or []]
     chosen = dict(_assignment(word, "--where") for word in where or [])
+    changes = {
+        "y": y,
+        "by": by,
+        "panels": panels,
+        "where": chosen,
+        "span": _time("--span", span) if span else None,
+    }
     with warnings.catch_warnings(record=True) as left_out:
         warnings.simplefilter("always", plots.PlotWarning)
-        files = plots.plot(opened, kind, x, ids, file_format, out, y=y, by=by, panels=panels, where=chosen)
+        files = plots.plot(opened, kind, x, ids, file_format, out, **changes)
     typer.echo("\n".join(map(near, files)))
     for warning in left_out:
         typer.echo(str(warning.message), err=True)
@@ -267,6 +275,18 @@ def _assignment(text: str, option: str = "--set") -> tuple[str, str]:
     if not equals or not path:
         raise typer.BadParameter(f"expected PATH=VALUE such as `load=200 N`, got `{text}`", param_hint=option)
     return path.strip(), value.strip()
+
+
+def _time(option: str, text: str) -> float:
+    from bearingsim.units import UnitError, parse
+
+    try:
+        seconds = parse(text, "time")
+    except UnitError as error:
+        raise typer.BadParameter(str(error), param_hint=option) from None
+    if seconds <= 0.0:
+        raise typer.BadParameter(f"expected a time above zero, got `{text}`", param_hint=option)
+    return seconds
 
 
 def _share(text: str) -> tuple[int, int]:

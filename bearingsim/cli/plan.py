@@ -4,12 +4,14 @@ import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.cli.screen import console, print_table, significant
 
 if TYPE_CHECKING:
     from bearingsim.choose import Estimate, Limits
+    from bearingsim.config import Case
     from bearingsim.study import Job, Study
 
 __all__ = ["Plan", "as_json", "plan_of", "show"]
@@ -17,12 +19,17 @@ __all__ = ["Plan", "as_json", "plan_of", "show"]
 
 @dataclass(frozen=True)
 class Priced:
-    """A job with the step chosen for it (s), the limits of that step, and its price."""
+    """A job with the step chosen for it (s), the limits of that step (s), and its price.
+
+    rubbing: the most that friction can do to the most loaded roller at rest (N), and the time (s) in which it
+    brings that roller to roll; nan and inf without friction.
+    """
 
     job: "Job"
     step: float
     limits: "Limits"
     estimate: "Estimate"
+    rubbing: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -79,8 +86,34 @@ def plan_of(study: "Study", workers: int | None) -> Plan:
 def _priced(job: "Job") -> Priced:
     from bearingsim import choose
 
-    cut = choose.grid(job.case)
-    return Priced(job, cut.step, choose.limits(job.case), choose.estimate(job.case))
+    cut, limits = choose.grid(job.case), choose.limits(job.case)
+    return Priced(job, cut.step, limits, choose.estimate(job.case), rubbing(job.case, limits.rest_load))
+
+
+def rubbing(case: "Case", force: float) -> tuple[float, float]:
+    """The largest friction (N) under a force (N), and the time (s) in which it brings a slipping roller to roll.
+
+    Slip s of a roller between two races under the force Q each dies out like exp(-2 mu' Q R_w^2/I_r t), mu' the
+    steepest slope of the friction's curve.
+    """
+    from bearingsim import build
+    from bearingsim.core.friction import steepest
+
+    if case.friction is None:
+        return math.nan, math.inf
+    model = build.model(case)
+    b, u = model.bearing, model.bearing.R_w * model.bearing.omega_b
+    slope = float(steepest(model.friction, u))
+    settled = b.I_r / (2.0 * slope * force * b.R_w**2) if slope > 0.0 else math.inf
+    return most_friction(model.friction, u) * force, settled
+
+
+@lru_cache(maxsize=256)
+def most_friction(law: Any, u: float) -> float:
+    """The largest friction coefficient of a law at the rolling speed ``u`` (m/s), within 1 %."""
+    from bearingsim.core.friction import mu
+
+    return max(float(mu(law, u * 10.0 ** (n / SLIPS_PER_DECADE), u)) for n in range(-4 * SLIPS_PER_DECADE, 1))
 
 
 def _grouped(refusals: Iterable[tuple["Job", str]], study: "Study") -> Iterable[str]:
@@ -114,6 +147,12 @@ LINES: tuple[Line, ...] = (
     ("impact force, about (N)", lambda p: p.limits.impact_force),
     ("CPU time of a job (s)", lambda p: p.estimate.cpu_seconds),
 )
+FRICTION: tuple[Line, ...] = (
+    ("friction at rest, at most (N)", lambda p: p.rubbing[0]),
+    ("slip at rest settles in (us)", lambda p: 1e6 * p.rubbing[1]),
+)
+"""Said where there is friction. It lags by a step, so it limits none; a step under the time resolves it."""
+SLIPS_PER_DECADE = 50
 
 
 def show(plan: Plan, verbose: bool) -> None:
@@ -128,14 +167,46 @@ def show(plan: Plan, verbose: bool) -> None:
     groups = _groups(plan.cases or plan.twins)
     out.print()
     heads = ["", *groups]
-    rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in LINES]
+    rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
     print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
+    for told in choices(plan):
+        out.print(told, markup=False)
     if verbose:
         _show_cases(plan)
         out.print()
     time = f"{duration(plan.cpu_seconds)} of CPU time, {duration(plan.wall_seconds)} on {plan.workers}"
     out.print(f"about {time} worker{'s' * (plan.workers > 1)}, at most {size(plan.bytes)} of series", markup=False)
+
+
+def _lines(plan: Plan) -> tuple[Line, ...]:
+    """The lines of the plan's table: those of friction only where there is some."""
+    rubs = any(math.isfinite(one.rubbing[1]) for one in plan.everything)
+    return (*LINES[:-1], *FRICTION, LINES[-1]) if rubs else LINES
+
+
+def choices(plan: Plan) -> list[str]:
+    """What `model: least` has chosen, and why no lower model will do: a text for each choice."""
+    from bearingsim.config import ladder
+
+    asked = _written_model(plan.study)
+    found: dict[str, int] = {}
+    for case in (one.job.case for one in plan.cases if one.job.swept.get("model", asked) == "least"):
+        why = "; ".join(ladder.reasons(case)) or "nothing asks for more"
+        text = f"`{case.model}` is the least model: {why}"
+        found[text] = found.get(text, 0) + 1
+    count = len(plan.cases)
+    return [text if n == count else f"{n} of {count} cases: {text}" for text, n in found.items()]
+
+
+def _written_model(study: "Study") -> str | None:
+    """The model as the study says it where it does not sweep it; the cases know only which one it came to."""
+    from bearingsim.yamlfile import parse
+
+    root = parse(study.text, study.path).root.mapping
+    quick = root["quick"].mapping if study.quick else {}
+    written = [section["model"].text for section in (quick, root) if "model" in section]
+    return study.overrides.get("model", written[0] if written else None)
 
 
 def _counts(plan: Plan) -> str:
@@ -162,9 +233,10 @@ def _show_cases(plan: Plan) -> None:
     from bearingsim.plots.labels import value_text
 
     units = plan.study.units
-    heads = [*units, *(name for name, _ in LINES)]
+    lines = _lines(plan)
+    heads = [*units, *(name for name, _ in lines)]
     rows = [
-        [*(value_text(path, one.job.swept[path], units) for path in units), *(span([f(one)]) for _, f in LINES)]
+        [*(value_text(path, one.job.swept[path], units) for path in units), *(span([f(one)]) for _, f in lines)]
         for one in plan.cases
     ]
     print_table(heads, rows, words=len(units))
@@ -195,14 +267,19 @@ def as_json(plan: Plan) -> str:
 
 
 def _job_entry(priced: Priced) -> dict[str, Any]:
+    from bearingsim.config import ladder
+
     job = priced.job
-    limits = {name: value if math.isfinite(value) else None for name, value in asdict(priced.limits).items()}
+    named = asdict(priced.limits) | dict(zip(("friction", "slip_settles"), priced.rubbing, strict=True))
+    limits = {name: value if math.isfinite(value) else None for name, value in named.items()}
     return {
         "job": job.id,
         "healthy": job.healthy,
         "swept": job.swept,
         "model": job.case.model,
         "method": job.case.method,
+        "least_model": ladder.least(job.case),
+        "reasons": ladder.reasons(job.case),
         "step": priced.step,
         "limits": limits,
         "estimate": asdict(priced.estimate),

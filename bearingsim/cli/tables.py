@@ -47,14 +47,14 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
 
 
 def _usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
-    """The line that shows the defects, what of it they have made, statistics; where the cage can slip, its slip."""
+    """The line that shows the defects, the cage's slip if it can slip, what the defects have made, statistics."""
     from bearingsim.plots import lines
 
     known = results.parameters()
     shown = [f"velocity@{line}" for line in lines.fitting(known)]
     slip = ["cage.slip.mean"] if lines.is_planar(known) else []
     wanted = (*shown, *slip, *(f"{line}-healthy" for line in shown), *STATISTICS)
-    return [name for name in wanted if name in table]
+    return [name for name in wanted if name in table and table[name].notna().any()]
 
 
 def _fitting(found: list[Column], features: Sequence[bool]) -> list[Column]:
@@ -131,7 +131,8 @@ def show_failures(folder: Path, tracebacks: bool = False) -> None:
     failures = {job: known[job] for job in results.jobs if job in known}
     for job, failure in failures.items():
         typer.echo(f"{job}  {described(swept[job], results.plan['units'])}")
-        when = f", {1e3 * failure.time:.4g} ms into the run" if failure.time is not None else ""
+        told = failure.time is None or "into the run" in failure.reason
+        when = "" if told else f", {1e3 * (failure.time or 0.0):.4g} ms into the run"
         typer.echo(f"    {failure.reason}{when}" + (f" ({failure.advice})" if failure.advice else ""))
         if tracebacks:
             typer.echo(failure.traceback)

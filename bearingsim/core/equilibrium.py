@@ -213,7 +213,7 @@ def find_rest(model, t, y):
     Newton on the net force with a line search on the energy's slope. Returns the residual force (N);
     velocities are left alone.
     """
-    goal = RESIDUAL * (model.support.F + 1e-3)
+    goal = RESIDUAL * (hypot(model.support.F, model.support.F_across) + 1e-3)
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)
     for _ in range(MAX_STEPS):
@@ -301,8 +301,9 @@ def mean_rest(model, y, samples=32):
     for n in range(samples):
         find = rest_from_scratch if n == 0 else find_rest
         residual = find(model, (n + 0.5) / samples * pass_time, y)
-        if not residual <= 1e-8 * model.support.F:
-            raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {model.support.F:g} N")
+        load = hypot(model.support.F, model.support.F_across)
+        if not residual <= 1e-8 * load:
+            raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {load:g} N")
         k_xx, _, k_yy = ring_stiffness(model, y)
         found.append((y[POSITION + X], y[POSITION + Y], k_xx, k_yy, *ring_damping(model, y)))
         most = int(np.argmax(y[Q_I : Q_I + Z]))

@@ -15,16 +15,23 @@ __all__ = ["fixed_values"]
 SAID = (  # parameters worth saying, in order, with the word that introduces the value
     ("bearing.name", ""),
     ("speed", ""),
+    ("ramp.to", "ramp to"),
     ("load", "load"),
+    ("load_across", "across"),
     ("clearance", "clearance"),
     ("contact.stiffness", "stiffness"),
     ("contact.damping.law", "damping"),
     ("contact.damping.chi", "chi"),
     ("contact.damping.beta", "beta"),
+    ("excitation", ""),
     ("model", "model"),
+    ("friction.law", "friction"),
+    ("cage.guide", "cage guide"),
+    ("drag.oil_fraction", "oil fraction"),
     ("method", "method"),
     ("duration", "record"),
 )
+USUAL = {"excitation": "envelope", "load_across": 0.0}  # not worth saying
 DEFECT = ("shape", "length", "width", "depth", "angle")
 IN_UM = ("clearance",)
 
@@ -44,7 +51,7 @@ def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> l
 def _machine(known: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:
     for path, word in SAID:
         value = _single(known, path)
-        if value is not None and path not in drawn:
+        if value is not None and value != USUAL.get(path) and path not in drawn:
             yield f"{word} {labels.value_text(path, value, units)}".strip()
 
 
@@ -59,7 +66,15 @@ def _defects(known: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -
                 shown = units if not names & units.keys() else {f"defect.{part}": units[min(names & units.keys())]}
                 text = labels.value_text(f"defect.{part}", value, shown)
                 which = f" {number}" if count > 1 else ""
-                yield f"{text} defect{which}" if part == "shape" else f"{part} {text}"
+                yield f"{text} defect{which}{_place(known, number)}" if part == "shape" else f"{part} {text}"
+
+
+def _place(known: "pd.DataFrame", number: int) -> str:
+    """Where a defect is, if that is not the outer race."""
+    race, roller = (_single(known, f"defects.{number}.{name}") for name in ("race", "roller"))
+    if race == "roller":
+        return f" of roller {labels.number_text(float(str(roller)))}" if roller is not None else " of a roller"
+    return " of the inner race" if race == "inner" else ""
 
 
 def _single(known: "pd.DataFrame", path: str) -> object:

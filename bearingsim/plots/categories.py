@@ -1,5 +1,6 @@
 """Features of many named cases, one under the other: names on the left, a column of values per feature."""
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -30,6 +31,7 @@ __all__ = ["are_many", "draw"]
 
 MOST_UPRIGHT, MOST_LETTERS = 6, 36  # names, and letters of all of them, that find room below an axis
 COLUMN_IN, LINE_IN, CHARACTER_IN = 2.3, 0.22, 0.072
+LABEL_LETTERS = 30  # of an axis label, in a line
 SPREAD = 0.5  # of the distance between names, over which several curves are spread
 ROOM = 0.22  # of the axis' length, for the number beside the last point
 
@@ -81,7 +83,7 @@ def _panel(
 ) -> None:
     """One feature's points, on a line per name."""
     unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))
-    ax.set_xlabel(axis_label(labels.feature_text(name), unit), fontsize=8.0, wrap=True)
+    ax.set_xlabel(textwrap.fill(axis_label(labels.feature_text(name), unit), LABEL_LETTERS), fontsize=8.0)
     is_log = "y" in figure.log and not name.endswith(".phase")
     for number, curve in enumerate(curves):
         aside = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
@@ -121,7 +123,7 @@ def _value_axis(ax: "Axes", name: str, is_log: bool) -> None:
     """The axis of values, with room for the number of the largest."""
     if is_log:
         ax.set_xscale("log", nonpositive="mask")
-        ticks_between(ax.xaxis, ax.dataLim.intervalx)
+        ticks_between(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
         low, high = ax.get_xlim()
         ax.set_xlim(low, high * (high / low) ** ROOM)
     elif name.endswith(".phase"):

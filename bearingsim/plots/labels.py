@@ -18,6 +18,7 @@ __all__ = [
     "pretty",
     "readable",
     "shown",
+    "squared",
     "unit_of",
     "value_text",
 ]
@@ -81,8 +82,8 @@ def shown(path: str, value: float, unit: str) -> float:
 
 
 def number_text(value: float) -> str:
-    """A number with at most five significant digits."""
-    return f"{value:.5g}"
+    """A number with at most five significant digits, without an exponent up to a million."""
+    return f"{value:.0f}" if 1e5 <= abs(value) < 1e6 else f"{value:.5g}"
 
 
 def value_text(path: str, value: object, units: Mapping[str, str]) -> str:
@@ -102,6 +103,14 @@ def described(swept: Mapping[str, object], units: Mapping[str, str]) -> str:
 def _short(path: str) -> str:
     """The name of a path where its value follows: what belongs to the only defect needs no `defect`."""
     return "" if path == "defect.shape" else name_text(path.removeprefix("defect."))
+
+
+def squared(unit: str) -> str:
+    """The square of a printed unit: `µm²/s²`."""
+    above, _, below = unit.partition("/")
+    return "/".join(
+        f"{part.removesuffix('²')}{'⁴' if part.endswith('²') else '²'}" for part in (above, below) if part
+    )
 
 
 def feature_text(name: str) -> str:

@@ -20,6 +20,12 @@ __all__ = ["FORMATS", "KINDS", "drawn", "plot"]
 OF_JOBS = ("series", "spectrum", "envelope", "roller")
 KINDS = ("sweep", "phase", *OF_JOBS)
 ALL = "all"
+USELESS = {
+    **dict.fromkeys(("sweep", "phase"), ("span",)),
+    **dict.fromkeys(OF_JOBS, ("x", "by", "panels", "span")),
+    "series": ("x", "by", "panels"),
+}
+"""What a kind of figure does not take."""
 MOST_NAMED = 4  # jobs in the name of a file
 FORMATS = ("png", "svg", "pdf")
 
@@ -37,8 +43,9 @@ def plot(
 
     kind: `sweep` features against swept paths, `phase` the phase of the line against them; of some jobs (ids, or
     `all`) their `series`, `spectrum`, the spectrum of the squared `envelope`, and what a `roller` meets on its way
-    round. Instead of what the study says: x, and among changes y (features; of jobs channels), by, panels (lists)
-    and where (paths and values). Raises PlotError, ResultsError; warns (PlotWarning) of a figure left out.
+    round. Instead of what the study says: x, and among changes y (features; of jobs channels), by, panels (lists),
+    where (paths and values) and span (s; of a series). Raises PlotError, ResultsError; warns (PlotWarning) of a
+    figure left out.
     """
     import matplotlib as mpl
 
@@ -55,8 +62,9 @@ def drawn(
     results: "Results", kind: str = "sweep", x: str | None = None, jobs: Sequence[str] = (), **changes: Any
 ) -> list[tuple[str, "Canvas"]]:
     """The figures of ``plot`` with their names, not written anywhere."""
+    _check_changes(kind, {"x": x, **changes})
     if kind in OF_JOBS:
-        return _of_jobs(results, kind, jobs, {"x": x, **changes})
+        return _of_jobs(results, kind, jobs, changes)
     return _of_table(results, kind, x, changes)
 
 
@@ -143,19 +151,25 @@ def _of_jobs(
 ) -> list[tuple[str, "Canvas"]]:
     from bearingsim.plots import select, series
 
-    where, named = changes.get("where") or {}, list(jobs) != [ALL] and jobs
-    useless = [key for key in ("x", "by", "panels") if changes.get(key)] + ["where"] * bool(where and named)
-    if useless:
-        taken = "jobs that are named take no where" if useless == ["where"] else f"a {kind} takes no {useless[0]}"
-        raise PlotError(f"{taken}: its jobs are chosen by `--job` or by `--where`")
+    where, y = changes.get("where") or {}, tuple(changes.get("y") or ())
+    named = [] if list(jobs) == [ALL] else list(jobs)
+    if named and where:
+        raise PlotError("jobs that are named take no where: say `--job` or `--where`")
     rows = select.matching(select.case_rows(results), where, results.plan["units"])
-    chosen = list(named or (series.done_jobs(rows) if jobs else series.some_jobs(rows)))
+    chosen = named or (series.done_jobs(rows) if jobs else series.some_jobs(rows))
     if not chosen:
         raise PlotError("no job is done yet: there is nothing to draw")
-    y = tuple(changes.get("y") or ())
-    return [
-        (_name_of_jobs(kind, y, chosen if named or not jobs else [ALL]), series.DRAW[kind](results, chosen, y))
-    ]
+    options = {"span": changes["span"]} if changes.get("span") else {}
+    name = _name_of_jobs(kind, y, [ALL] if jobs and not named else chosen)
+    return [(name, series.DRAW[kind](results, chosen, y, **options))]
+
+
+def _check_changes(kind: str, changes: Mapping[str, Any]) -> None:
+    """Refuse what a kind of figure does not take."""
+    useless = [name for name in USELESS[kind] if changes.get(name)]
+    if useless:
+        how = ": its jobs are chosen by `--job` or by `--where`" if kind in OF_JOBS else ""
+        raise PlotError(f"a {kind} takes no {useless[0]}{how}")
 
 
 def _name_of_jobs(kind: str, y: Sequence[str], jobs: Sequence[str]) -> str:

@@ -26,26 +26,32 @@ if TYPE_CHECKING:
 __all__ = ["DRAW", "amplitude_spectrum", "done_jobs", "roller_angle", "some_jobs"]
 
 SHOWN_PASSES = {"ring.": 8, "load_zone.": 8, "roller.": 26}  # of a series, in ball passes; of others all
+SHOWN_IN_SECONDS = 0.5  # s: shorter times stand in ms
 SHOWN_LINES = 6  # multiples of the first line in a spectrum
 SOME = 3
 ROW_IN, LOW_ROW_IN = 1.7, 1.15
 MANY = 6  # jobs above which rows are low
 HEALTHY = "0.35"
 MARK_COLOURS = {"outer": COLOURS[1], "inner": COLOURS[3], "roller": COLOURS[2]}
-PARTS = {"": COLOURS[0], "x": COLOURS[0], "y": COLOURS[1]}
-LABEL_LETTERS = 26
+PARTS = {"": COLOURS[0], "x": COLOURS[2], "y": COLOURS[3]}
+LABEL_LETTERS, LETTER_IN = 26, 0.075
+SQUARES = 3.0  # a square reads well from 0.1 on
 DASHED = (0, (2, 2))
 
 Curve = tuple[np.ndarray, np.ndarray]
 
 
 class View(NamedTuple):
-    """A way to look at signals: their curve, in SI; what stands on the axes; the power of the channel's unit."""
+    """A way to look at signals: their curve, in SI; what stands on the axes; the power of the channel's unit.
+
+    twins: whether the healthy twin is drawn too, where a channel has one curve.
+    """
 
     curve: Callable[[Job, str, Signal], Curve]
     x_label: Callable[[str], str]
     y_label: Callable[[str], str]
     power: int = 1
+    twins: bool = True
 
 
 def done_jobs(rows: "pd.DataFrame") -> list[str]:
@@ -98,16 +104,17 @@ def _shown_spectrum(spectrum: Callable[[Signal, float], Curve], job: Job, _: str
     return frequency[shown], amplitude[shown]
 
 
-def _shown_series(job: Job, channel: str, signal: Signal) -> Curve:
-    passes = _shown_passes(channel)
-    if passes is None or _has_ramp(job):
-        return signal.time, signal.values
-    shown = signal.time <= passes / lines.frequency(lines.FAMILIES["outer"].first, job.known)
-    return 1e3 * signal.time[shown], signal.values[shown]
+def _beginning(span: float | None, scale: float, job: Job, channel: str, signal: Signal) -> Curve:
+    shown = signal.time <= (shown_time(job, channel) if span is None else span)
+    return signal.time[shown] / scale, signal.values[shown]
 
 
-def _shown_passes(channel: str) -> int | None:
-    return next((passes for start, passes in SHOWN_PASSES.items() if channel.startswith(start)), None)
+def shown_time(job: Job, channel: str) -> float:
+    """How much of a series is worth showing (s): what is fast only for some ball passes."""
+    passes = next((passes for start, passes in SHOWN_PASSES.items() if channel.startswith(start)), np.inf)
+    if _has_ramp(job):
+        passes = np.inf
+    return float(min(passes / lines.frequency(lines.FAMILIES["outer"].first, job.known), job.known["duration"]))
 
 
 def _has_ramp(job: Job) -> bool:
@@ -142,16 +149,16 @@ def _round(job: Job, channel: str, signal: Signal) -> Curve:
 # Drawing
 
 
-def draw_series(results: "Results", jobs: Sequence[str], y: Sequence[str] = ()) -> Canvas:
-    """Channels over time, a panel per job, its healthy twin in dark grey: the first ball passes of fast ones."""
+def draw_series(
+    results: "Results", jobs: Sequence[str], y: Sequence[str] = (), span: float | None = None
+) -> Canvas:
+    """Channels over time, a panel per job, its healthy twin in dark grey; ``span``: so much of them (s)."""
     found = recorded.all_jobs(results, jobs)
-    ramps = any(_has_ramp(job) for job in found.values())
-    view = View(_shown_series, partial(_time_label, ramps), recorded.text_of)
-    return _grid(results, found, recorded.channels_for(found, y), view)[0]
-
-
-def _time_label(ramps: bool, channel: str) -> str:
-    return "Time (s)" if ramps or _shown_passes(channel) is None else "Time (ms)"
+    channels = recorded.channels_for(found, y)
+    longest = max(shown_time(job, channel) for job in found.values() for channel in channels)
+    unit, scale = ("s", 1.0) if (span or longest) >= SHOWN_IN_SECONDS else ("ms", 1e-3)
+    view = View(partial(_beginning, span, scale), lambda _: f"Time ({unit})", recorded.text_of)
+    return _grid(results, found, channels, view)[0]
 
 
 def draw_spectrum(
@@ -174,6 +181,7 @@ def draw_spectrum(
     for row, job in zip(axes, found.values(), strict=True):
         for ax in row:
             ax.set_ylim(bottom=0.0)
+            ax.set_xlim(0.0, (SHOWN_LINES + 0.5) * first_line(job.known))
             if not _has_ramp(job):
                 _mark_lines(ax, job, named=row is axes[0])
     _name_sidebands(canvas, found.values())
@@ -191,7 +199,7 @@ def draw_roller(results: "Results", jobs: Sequence[str], y: Sequence[str] = ()) 
     for name in channels:
         if roller_of(name) is None:
             raise labels.PlotError(f"`{name}` is of no roller: draw its series instead")
-    view = View(_round, lambda _: "Angle of the roller (°)", recorded.text_of)
+    view = View(_round, lambda _: "Angle of the roller (°)", recorded.text_of, twins=False)
     canvas, axes = _grid(results, found, channels, view)
     for row, job in zip(axes, found.values(), strict=True):
         for ax in row:
@@ -208,12 +216,10 @@ def _outer_pits(known: Mapping[Any, Any]) -> list[float]:
     return [known[f"{head}.angle"] for head in heads if known[f"{head}.race"] == "outer"]
 
 
-DRAW: dict[str, Callable[["Results", Sequence[str], Sequence[str]], Canvas]] = {
+DRAW: dict[str, Callable[..., Canvas]] = {
     "series": draw_series,
     "spectrum": draw_spectrum,
-    "envelope": partial(
-        draw_spectrum, spectrum=envelope_spectrum, of="Amplitude of the squared envelope of {}", power=2
-    ),
+    "envelope": partial(draw_spectrum, spectrum=envelope_spectrum, of="Squared envelope of the {}", power=2),
     "roller": draw_roller,
 }
 """By kind of figure."""
@@ -260,10 +266,10 @@ def _grid(
 ) -> tuple[Canvas, list[list["Axes"]]]:
     """A row of axes per job, a column per channel with one unit; titles of what was swept; the healthy twins."""
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
-    twin_of = _twins(results, jobs)
+    twin_of = _twins(results, jobs) if view.twins else {}
     twins = recorded.all_jobs(results, sorted(set(twin_of.values())))
     height = LOW_ROW_IN if len(jobs) > MANY else ROW_IN
-    size = (max(2, len(channels)) * COLUMN_IN, height * len(jobs) + 0.6)
+    size = (max(2, len(channels)) * COLUMN_IN, height * len(jobs) + (0.6 if len(jobs) > 1 else 1.0))
     canvas = Canvas(figsize=size, layout="constrained")
     made = canvas.subplots(len(jobs), len(channels), sharex="col", squeeze=False)
     axes = [list(row) for row in made]
@@ -271,15 +277,15 @@ def _grid(
         drawn = {job: _curves(one, channel, view) for job, one in jobs.items()}
         unit, factor = _unit(channel, view, drawn)
         for row, (job, curves) in zip(axes, drawn.items(), strict=True):
-            healthy = _curves(twins[twin_of[job]], channel, view) if job in twin_of else {}
-            _panel(row[column], curves, healthy, factor)
+            known = job in twin_of and len(curves) == 1
+            _panel(row[column], curves, _curves(twins[twin_of[job]], channel, view) if known else {}, factor)
         _name_axes([row[column] for row in axes], axis_label(view.y_label(channel), unit), len(channels) == 1)
         axes[-1][column].set_xlabel(view.x_label(channel))
     for row, job in zip(axes, jobs, strict=True):
         title = labels.described(swept[job], results.plan["units"])
         row[0].set_title(title, loc="left", fontsize=8, pad=11 if row is axes[0] else 4)
     share_scales(axes)
-    _legend(canvas, axes[0][0])
+    _legend(canvas, [ax for row in axes for ax in row])
     rows = select.case_rows(results)
     finish(canvas, None, fixed_values(results, rows[rows["job"].isin(jobs)], set().union(*swept.values())))
     return canvas, axes
@@ -293,32 +299,37 @@ def _curves(job: Job, channel: str, view: View) -> dict[str, Curve]:
 def _unit(channel: str, view: View, drawn: Mapping[str, Mapping[str, Curve]]) -> tuple[str, float]:
     """The unit of a column and the factor from SI that suits its largest value."""
     largest = max(float(np.nanmax(np.abs(y))) for curves in drawn.values() for _, y in curves.values())
-    unit, factor = labels.readable(recorded.unit_of(channel), channel, largest ** (1.0 / view.power))
-    return (f"({unit})²" if view.power == 2 and "/" in unit else unit + "²" * (view.power - 1)), factor**view.power
+    alike = (SQUARES if view.power == 2 else 1.0) * largest ** (1.0 / view.power)
+    unit, factor = labels.readable(recorded.unit_of(channel), channel, alike)
+    return (labels.squared(unit) if view.power == 2 else unit), factor**view.power
 
 
 def _panel(ax: "Axes", curves: Mapping[str, Curve], healthy: Mapping[str, Curve], factor: float) -> None:
     for component, (x, y) in curves.items():
         name = component or ("with defect" if healthy else None)
         ax.plot(x, factor * y, color=PARTS[component], lw=0.9, label=name)
-    for number, (x, y) in enumerate(healthy.values()):
-        ax.plot(x, factor * y, color=HEALTHY, lw=0.9, label=None if number else "healthy")
+    for x, y in healthy.values():
+        ax.plot(x, factor * y, color=HEALTHY, lw=0.9, label="healthy")
     ax.margins(x=0.0)
 
 
 def _name_axes(column: Sequence["Axes"], label: str, only: bool) -> None:
     """The label of a column's y axes: once beside all of them if there is no other column."""
-    if only:
-        column[0].figure.supylabel(label, fontsize=9.0)
+    if only and len(column) > 1:
+        canvas = column[0].get_figure(root=True)
+        assert canvas is not None
+        letters = int(canvas.get_size_inches()[1] / LETTER_IN)
+        canvas.supylabel(textwrap.fill(label, letters), fontsize=9.0)
         return
     for ax in column:
         ax.set_ylabel(textwrap.fill(label, LABEL_LETTERS), fontsize=8.0)
 
 
-def _legend(canvas: Canvas, ax: "Axes") -> None:
-    handles, names = ax.get_legend_handles_labels()
-    if handles:
-        canvas.legend(handles, names, loc="outside upper right", ncols=len(handles))
+def _legend(canvas: Canvas, axes: Iterable["Axes"]) -> None:
+    """One entry for each name that a curve has."""
+    entries = {name: handle for ax in axes for handle, name in zip(*ax.get_legend_handles_labels(), strict=True)}
+    if entries:
+        canvas.legend(list(entries.values()), list(entries), loc="outside upper right", ncols=len(entries))
 
 
 def _twins(results: "Results", jobs: Iterable[str]) -> dict[str, str]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure as Canvas
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from bearingsim.plots import labels, select
 from bearingsim.plots.style import COLUMN_IN, Look, looks
@@ -34,10 +34,13 @@ __all__ = [
 ]
 
 ROW_IN = 2.7
+HEADROOM = 1.05  # an axis from zero ends so much above the largest value
 LABEL_LETTERS = 34  # of an axis label, in a line
 CHARACTER_IN = 0.066  # width of a letter of the legend
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
-FEW_DECADES = 200.0  # ratio of the ends of a log axis up to which numbers stand between its decades
+EVEN = 3.0  # ratio of the ends of a log axis up to which its ticks are as even as a plain one's
+TICKS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)))
+"""Digits at which a log axis has ticks, by the ratio of the ends up to which they find room."""
 NO_BREAK = "\u00a0"
 
 
@@ -197,7 +200,7 @@ def _x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str
         ax.margins(x=0.12)
     elif "x" in figure.log:
         ax.set_xscale("log")
-        ticks_between(ax.xaxis, ax.dataLim.intervalx)
+        ticks_between(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
     elif len(known) <= 7:
         unit = select.x_unit(figure.x, rows, units)
         ticks = [labels.shown(figure.x, value, unit) for value in known]
@@ -207,20 +210,23 @@ def _x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str
 def _y_axis(ax: "Axes", name: str, figure: Figure) -> None:
     if "y" in figure.log and not name.endswith(".phase"):
         ax.set_yscale("log", nonpositive="mask")
-        ticks_between(ax.yaxis, ax.dataLim.intervaly)
+        ticks_between(ax.yaxis, ax.dataLim.minposy, ax.dataLim.y1)
     elif name.endswith(".phase"):
         ax.set_ylim(-190.0, 190.0)
         ax.set_yticks(range(-180, 181, 90))
     else:
-        ax.set_ylim(bottom=0.0)
+        low, high = ax.dataLim.intervaly  # the margins are of a range that may be far from zero
+        if low >= 0.0:
+            ax.set_ylim(0.0, max(ax.get_ylim()[1], HEADROOM * high))
         ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
 
 
-def ticks_between(axis: "Axis", interval: Sequence[float]) -> None:
-    """Ticks of a log axis in plain numbers, at 1, 2, 5 of each decade where there are few decades."""
-    low, high = interval
-    few = 0.0 < low < high < FEW_DECADES * low
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
+def ticks_between(axis: "Axis", low: float, high: float) -> None:
+    """Ticks of a log axis over values from ``low`` > 0, in plain numbers, the more the fewer decades there are."""
+    span = high / low
+    between = next((digits for most, digits in TICKS if span < most), (1.0,))
+    axis.set_major_locator(MaxNLocator(4) if span < EVEN else LogLocator(subs=between))
+    axis.set_minor_locator(NullLocator() if span < EVEN else LogLocator(subs="auto"))
     axis.set_major_formatter(lambda value, _: labels.number_text(value))
     axis.set_minor_formatter(NullFormatter())
 

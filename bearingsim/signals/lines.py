@@ -33,13 +33,17 @@ def derivative_lines(
     return 2j * pi * rate * k * by_pass + 2.0 * rate * np.exp(-1j * k * Z_theta) * np.diff(borders)
 
 
-def line(by_pass: np.ndarray) -> tuple[float, float, float]:
+def line(by_pass: np.ndarray, neighbours: bool = False) -> tuple[float, float, float]:
     """Amplitude, phase (rad) and standard error of the amplitude, from a line in each pass.
 
-    The error is the scatter from pass to pass over the root of their number; nan with fewer than two passes.
+    With ``neighbours`` (lines that no whole number of passes holds, such as 2 BSF beside BPFO) the passes are
+    weighted by Hann's window, which leaks nothing from two lines' widths on. The error is the scatter from pass to
+    pass over the root of their number, neighbours included; nan with fewer than two passes.
     """
-    mean = by_pass.mean()
-    scatter = np.sqrt(np.mean(np.abs(by_pass - mean) ** 2) / (len(by_pass) - 1)) if len(by_pass) > 1 else np.nan
+    n = len(by_pass)
+    weights = np.sin(pi * (np.arange(n) + 0.5) / n) ** 2 if neighbours else np.ones(n)
+    mean = (weights * by_pass).sum() / weights.sum()
+    scatter = np.sqrt(np.mean(np.abs(by_pass - mean) ** 2) / (n - 1)) if n > 1 else np.nan
     return float(abs(mean)), float(np.angle(mean)), float(scatter)
 
 

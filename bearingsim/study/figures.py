@@ -7,6 +7,9 @@ from bearingsim.study.jobs import Figure
 from bearingsim.units import suggestion
 from bearingsim.yamlfile import Node, Problem, problem
 
+DRAWN = (*FEATURES, "seconds")
+"""Columns of the results table that can stand on a y axis: features, and the CPU time of a job."""
+
 KEYS = ("y", "x", "by", "panels", "where", "title", "log")
 
 
@@ -26,7 +29,7 @@ def _figure(node: Node, swept: Collection[str], problems: list[Problem]) -> Figu
     _check_keys(node, problems)
     for name in ("x", "by", "panels"):
         _check_words(name, node, swept, "swept path", problems)
-    _check_words("y", node, FEATURES, "feature", problems)
+    _check_words("y", node, DRAWN, "feature", problems)
     _check_words("log", node, ("x", "y"), "axis", problems)
     where = node.mapping.get("where")
     for path, value in (where.mapping if where else {}).items():

@@ -2,8 +2,9 @@
 
 from typing import Any
 
-from bearingsim.config import FEATURES, Case
+from bearingsim.config import Case
 from bearingsim.config.case import LAWS
+from bearingsim.study.figures import DRAWN
 from bearingsim.study.sweep import GENERATORS
 
 _WORDS = {"type": ["string", "array"], "items": {"type": "string"}}
@@ -46,7 +47,7 @@ def _case_fields(case: dict[str, Any]) -> dict[str, Any]:
 
 
 def _figure() -> dict[str, Any]:
-    names = {"type": "string", "enum": list(FEATURES)}
+    names = {"type": "string", "enum": list(DRAWN)}
     properties = {
         "y": {"anyOf": [names, {"type": "array", "items": names}]},
         "x": {"type": "string"},

@@ -11,11 +11,12 @@ bearing: nf308                    # a name in configs/bearings, a path to such a
 # rig: bvt5                       # the bracket that holds the outer ring, and the sensor
 speed: 1800 rpm                   # of the inner ring
 load: 150 N                       # radial
+# load_across: 0 N                # a second load, across it
 # clearance: 0 um                 # diametral, in operation; negative is preload; or a class such as CN or C3
 
 # The damage. Several defects: `defects:` with a list, reached as defects.1.width. None: a healthy bearing.
 defect:
-  race: outer                     # inner (turns with the ring), or roller, with its number: `roller: 3`
+  race: outer                     # or inner (turns with the ring), or roller, with its number: `roller: 3`
   shape: circular                 # rectangular, triangular or circular
   length: 3 mm                    # along the roller
   width: 0.8 mm                   # along rolling
@@ -51,9 +52,9 @@ sweep:
 
 # The record
 duration: 1 s                     # after settling
-# settle: 50 ms                   # run before anything is recorded
+# settle: 50 ms                   # run before anything is recorded; with drag take 0.3 s, with gross slip 1 s
 # sampling: 10240 Hz              # of the stored series, after a low-pass; `antialias: false` picks raw values
-record: [ring.velocity]           # also ring.displacement, ring.acceleration, roller.outer_force, cage.speed, ...
+record: [ring.velocity]           # also ring.displacement, roller.3.outer_force, cage.slip, ...
 
 figures:
   - {y: velocity@BPFO, x: defect.length, by: load}

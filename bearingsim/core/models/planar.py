@@ -7,9 +7,10 @@ rho = |c_j - u| the distance of a roller from the ring's centre, n from there to
     delta_o = rho + R_w - R_o - h(s),   s = R_o (angle of n - psi - phi_d),   force on the roller  -Q_o (n + g tau)
 
 where g = -h'(s) R_o/rho: at a pit the contact's normal tilts, so that its edge pushes the roller along. Likewise
-at the inner race. Slip at a contact is the speed of the roller's surface over the race's, the roller's arm being
-R_w - delta/2, and the friction -mu(slip) Q. No small angle is taken for u: the linear approach q - u.e_r would do
-work on a closed path. Angles and turns are kept beyond their kinematic values, so no digits are lost.
+at the inner race. Slip at a contact is the speed of the roller's surface over the race's, across the normal that a
+pit tilts, the roller's arm being R_w - delta/2, and the friction -mu(slip) Q. No small angle is taken for u: the
+linear approach q - u.e_r would do work on a closed path. Angles and turns are kept beyond their kinematic values,
+so no digits are lost.
 
 Left out: tilt, skew and axial motion of rollers, the bending of rings and cage, oil films as springs.
 """
@@ -24,6 +25,8 @@ from bearingsim.core.friction import mu, steepest
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
     ACCELERATION,
+    APART_I,
+    APART_O,
     CE,
     COS,
     COS_0,
@@ -213,6 +216,7 @@ def over_pits(model, theta_c, theta_i, roll, omega_i, spin, y):
                 turning = omega_i
             if outer:
                 speed = radius * (y[T_O + j] / y[RHO_O + j] - turning)
+                y[APART_O + j] = y[V_O + j]
                 y[Q_O + j], sideways, y[DELTA_O + j], y[V_O + j] = force_over_pit(
                     model.outer, pits, d, s, speed, y[DELTA_O + j], y[V_O + j]
                 )
@@ -220,6 +224,7 @@ def over_pits(model, theta_c, theta_i, roll, omega_i, spin, y):
                 torque -= 0.0 if own else sideways * radius
             else:
                 speed = radius * (y[T_I + j] / y[RHO_I + j] - turning)
+                y[APART_I + j] = -y[V_I + j]
                 y[Q_I + j], sideways, y[DELTA_I + j], y[V_I + j] = force_over_pit(
                     model.inner, pits, d, s, speed, y[DELTA_I + j], y[V_I + j]
                 )
@@ -260,22 +265,27 @@ def push_rollers(model, omega_cage, omega_i, spin, y, n):
         u = R_w * abs(theta_v - beta_v)  # surfaces through a contact that moves with the roller's centre
 
         arm_o, arm_i = R_w - 0.5 * y[DELTA_O + j], R_w - 0.5 * y[DELTA_I + j]
-        s_o = y[T_O + j] + beta_v * arm_o - psi_v * (y[RHO_O + j] + arm_o)
-        s_i = y[T_I + j] - beta_v * arm_i - omega_i * (y[RHO_I + j] - arm_i)
+        lean_o = y[TILT_O + j] / max(y[Q_O + j], 1e-300)  # of the normal against n, in a pit; its sine and cosine
+        lean_i = y[TILT_I + j] / max(y[Q_I + j], 1e-300)
+        cos_o, cos_i = 1.0 / sqrt(1.0 + lean_o * lean_o), 1.0 / sqrt(1.0 + lean_i * lean_i)
+        sin_o, sin_i = lean_o * cos_o, lean_i * cos_i
+        on_o, on_i = y[RHO_O + j] * cos_o + arm_o, y[RHO_I + j] * cos_i - arm_i  # arms on the rings
+        s_o = y[T_O + j] * cos_o + y[APART_O + j] * sin_o + beta_v * arm_o - psi_v * on_o
+        s_i = y[T_I + j] * cos_i - y[APART_I + j] * sin_i - beta_v * arm_i - omega_i * on_i
         y[SLIP_O + j], y[SLIP_I + j] = s_o, s_i
         s_o += AT_REST if s_o > 0.0 else -AT_REST
         s_i += AT_REST if s_i > 0.0 else -AT_REST
         k_o, k_i = mu(friction, s_o, u) * y[Q_O + j] / s_o, mu(friction, s_i, u) * y[Q_I + j] / s_i
         f_o, f_i = rub(k_o, k_i, s_o, s_i, along, across)
 
-        tangential = y[TILT_O + j] - f_o
-        o_r = -y[Q_O + j] * y[N_R + j] - tangential * y[N_T + j]
-        o_t = -y[Q_O + j] * y[N_T + j] + tangential * y[N_R + j]
-        tangential = y[TILT_I + j] - f_i
-        i_r = y[Q_I + j] * y[M_R + j] - tangential * y[M_T + j]
-        i_t = y[Q_I + j] * y[M_T + j] + tangential * y[M_R + j]
+        along_n, across_n = -y[Q_O + j] - f_o * sin_o, y[TILT_O + j] - f_o * cos_o
+        o_r = along_n * y[N_R + j] - across_n * y[N_T + j]
+        o_t = along_n * y[N_T + j] + across_n * y[N_R + j]
+        along_n, across_n = y[Q_I + j] + f_i * sin_i, y[TILT_I + j] - f_i * cos_i
+        i_r = along_n * y[M_R + j] - across_n * y[M_T + j]
+        i_t = along_n * y[M_T + j] + across_n * y[M_R + j]
         y[F_O + j], y[F_I + j] = f_o, f_i
-        torque = add(torque, real * f_o * (y[RHO_O + j] + arm_o))
+        torque = add(torque, real * f_o * on_o)
 
         weight = g * b.m_r
         y[PUSH_R + j] = o_r + i_r + weight * c
