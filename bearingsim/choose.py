@@ -126,7 +126,8 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
     """The limits with what pits do to them."""
     model = build.model(case)
     speed = closing_speed(model)
-    peak, K_more, C_more = impact(model.bearing.m_r, model.outer, speed)
+    hits = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
+    peak, K_more, C_more = (max(values) for values in zip(*hits, strict=True))
     return replace(
         healthy,
         closing_speed=speed,
