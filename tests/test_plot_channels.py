@@ -12,7 +12,7 @@ from bearingsim.core.kinematics import cage_speed
 from bearingsim.plots import PlotError, labels, recorded, series
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import Job, Signal
-from tests.test_plots import BPFO, STUDY, only, results, text_of
+from tests.test_plots import BPFO, STUDY, only, record, results, text_of
 
 __all__ = ["results"]
 
@@ -164,10 +164,20 @@ def test_the_envelope_spectrum_shows_the_rhythm_of_a_tone():
     assert height[frequency == 2000.0] < 1e-6
 
 
-def test_an_envelope_has_the_square_of_the_unit(results):
+def test_an_envelope_has_the_square_of_the_unit(results, monkeypatch):
+    """A tone of 7 um/s whose amplitude swings by half: 2 * 0.5 * 49 um^2/s^2."""
+
+    def swinging(case):
+        made, time = record(case), time_of(case)
+        tone = 1.0 + 0.5 * np.cos(2.0 * math.pi * BPFO * time)
+        made.series["ring.velocity.x"] = 7e-6 * tone * np.cos(2.0 * math.pi * 2000.0 * time)
+        return made
+
+    monkeypatch.setattr("tests.test_plots.record", swinging)
     opened = results(STUDY)
     _, canvas = only(drawn(opened, kind="envelope", jobs=opened.jobs[:1]))
     [ax] = canvas.axes
+    assert max(ax.lines[0].get_ydata()) == pytest.approx(49.0, rel=0.02)
     assert ax.get_ylabel().replace("\n", " ") == "Squared envelope of the velocity of the outer ring (µm²/s²)"
     assert text_of(canvas) == ["with defect", "healthy"]
 

@@ -1,6 +1,7 @@
 """Which lines a figure shows and marks, and how words stand on an axis."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from bearingsim.cli import tables
@@ -18,8 +19,8 @@ INNER, ROLLER = {"defects.1.race": "inner"}, {"defects.1.race": "roller"}
 PAIRS = """\
   zip:
     excitation: [envelope, envelope, half-sine-pulse, soft-edge, impulse-train]
-    model: [static, ring, rollers, rollers, impulse]
-    friction: [none, none, none, none, none]
+    model: [static, ring, rollers, planar, impulse]
+    friction: [none, none, none, traction, none]
 """
 
 
@@ -43,6 +44,11 @@ def test_faults_of_several_elements_have_their_families_in_order():
     assert lines.races(*jobs) == ["outer", "inner", "roller"]
     assert lines.races({"defects.1.race": "", "load": 1.0}) == []
     assert {mark.race for mark in lines.marks(NF308 | jobs[0], 300.0)} == {"inner", "roller"}
+
+
+def test_healthy_bearings_have_the_lines_of_variable_compliance():
+    assert lines.fitting(pd.DataFrame({"load": [1.0]})) == ["BPFO"]
+    assert [mark.name for mark in lines.marks(NF308, 400.0)] == ["BPFO", "2 BPFO"]
 
 
 @pytest.fixture
@@ -117,13 +123,13 @@ def names_of(ax):
 
 def test_words_that_are_zipped_name_a_category_each(results):
     name, canvas = only(drawn(results(with_pairs())))
-    assert name == "fig1-velocity-bpfo-vs-excitation-model"
+    assert name == "fig1-velocity-bpfo-vs-excitation-model-friction"
     assert len(canvas.axes) == 2
     assert names_of(canvas.axes[0]) == [
         "envelope, static",
         "envelope, ring",
         "half-sine-pulse, rollers",
-        "soft-edge, rollers",
+        "soft-edge, planar, traction",
         "impulse-train, impulse",
     ]
     assert canvas.axes[0].yaxis_inverted()
