@@ -118,19 +118,26 @@ class Flow(NamedTuple):
 
 
 class Press(NamedTuple):
-    """Contacts (Z, n): force (N), energy stored (J), power lost (W), approach (m), torque on the race (N m)."""
+    """Contacts (Z, n): force (N), energy stored (J), power lost (W), approach (m), torque on the race (N m).
+
+    ``moment``: sum of force times dh/ds times the radius of the surface that carries the pit (N m).
+    """
 
     force: Any
     stored: Any
     lost: Any
     mean: Any
     torque: Any
+    moment: Any
 
 
-def press(law, delta, rate, aside) -> Press:
-    """Contacts with the approach ``delta`` (m), growing at ``rate`` (m/s); ``aside``: arm on the race (m)."""
+def press(law, delta, rate, aside, steep=0.0) -> Press:
+    """Contacts with the approach ``delta`` (m), growing at ``rate`` (m/s).
+
+    ``aside``: arm on the race (m); ``steep``: dh/ds times the radius of what carries the pit (m).
+    """
     Q, Q_e, stored = force(law, delta, rate)
-    return Press(Q, stored, (Q - Q_e) * rate, np.maximum(delta, 0), Q * aside)
+    return Press(Q, stored, (Q - Q_e) * rate, np.maximum(delta, 0), Q * aside, Q * steep)
 
 
 def race(s: Scene, outer: bool) -> Flow:
@@ -147,10 +154,12 @@ def race(s: Scene, outer: bool) -> Flow:
             x, x_rate = passing(s, head, ring, n, sign, dot(1j * n, speed) / rho)
             over = over_pit(law, delta, closing, head, groups, x, x_rate)
             found = Press(*np.where(np.abs(x) < head[HALF_WIDTH], over, found))
-    touch = rollers.at + sign * (b.R_w - found.mean / 2) * n
-    slip = dot(1j * n, rollers.speed_of(touch) - ring.speed_of(touch))
+    normal = n - sign * found.moment / (rho * np.maximum(found.force, 1e-300)) * 1j * n
+    normal /= np.abs(normal)
+    touch = rollers.at + sign * (b.R_w - found.mean / 2) * normal
+    slip = dot(1j * normal, rollers.speed_of(touch) - ring.speed_of(touch))
     f = mu(model.friction, slip, b.R_w * np.abs(orbit(s) - rollers.turns)) * found.force
-    torque = cross(touch - ring.at, f * 1j * n) + found.torque
+    torque = cross(touch - ring.at, f * 1j * normal) + found.torque
     return Flow(
         found.stored.sum(axis=0), (found.lost + f * slip).sum(axis=0), 0.0 if outer else torque.sum(axis=0)
     )
@@ -169,14 +178,14 @@ def passing(s: Scene, head, ring: Body, n, sign, sweep):
 
 def over_pit(law, delta, closing, head, groups, x, x_rate) -> Press:
     """Contacts at ``x`` (m) from the middle of a rectangular pit: all its groups together."""
-    total = Press(*np.zeros((5, *delta.shape)))
+    total = Press(*np.zeros((6, *delta.shape)))
     for group in groups[: int(head[USED])]:
         rim = np.maximum(group[B] - np.abs(x), 0)
         on_floor = rim**2 / (2 * head[REDUCED]) >= group[DEPTH]
         h = np.where(on_floor, group[DEPTH], rim**2 / (2 * head[REDUCED]))
         slope = np.where(on_floor, 0, -np.sign(x) * rim / head[REDUCED])
         aside = -slope * head[RADIUS] if head[ON] < 0 else 0.0  # a roller's own pit turns the roller, not the race
-        part = press(law, delta - h, closing - slope * x_rate, aside)
+        part = press(law, delta - h, closing - slope * x_rate, aside, slope * head[RADIUS])
         total = Press(*(so_far + group[W] * more for so_far, more in zip(total, part, strict=True)))
     return total
 
