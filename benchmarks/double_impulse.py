@@ -18,7 +18,6 @@ import numpy as np
 
 from bearingsim import build
 from bearingsim.config import Case
-from bearingsim.core.defects import outer_reduced_radius
 from bearingsim.signals import spacing
 from bearingsim.simulation import Record, simulate
 
@@ -77,7 +76,7 @@ def scene(bearing: str, rpm: float, width: float, depth: float, passes: float = 
 def reach(case: Case) -> float:
     """sqrt(2 R_eff d) (m): before a rim, the element touches it from the floor."""
     b = build.model(case).bearing
-    return sqrt(2.0 * outer_reduced_radius(b.R_w, b.R_o) * case.defects[0].depth)
+    return sqrt(2.0 * b.R_w * b.R_o / (b.R_o - b.R_w) * case.defects[0].depth)
 
 
 def crossings(case: Case, record: Record) -> Iterator[Crossing]:

@@ -169,7 +169,7 @@ def draw(found: pd.DataFrame, at: list[dict[str, Any]], target: str) -> None:
                 title=law, xlabel="load (N)", xscale="log", yscale="log", ylim=(0.1, 110.0), xlim=(0.9, 360.0)
             )
         panels[0].set_ylabel("slip of the cage (%)")
-        panels[1].legend(title="markers: simulated\nlines: balance")
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper", title="lines: balance")
         figure.savefig(target)
 
 
