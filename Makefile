@@ -1,16 +1,20 @@
 # make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's figures
-# make test    all tests                               make check    tests, lint, types, import contract
+# make test    all tests                               make excitations | inner_race | roller_defect | slip
+# make check   tests, lint, types, import contract     (add QUICK=1 for a reduced grid)
 PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
 BIN := $(VENV)/bin
-STUDIES := fig14 fig15 fig16
+FIGURES := fig14 fig15 fig16
+STUDIES := $(FIGURES) excitations inner_race roller_defect slip
+REDUCED := $(if $(QUICK),--quick)
+RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
 .PHONY: help install install-dev demo test check lint studies $(STUDIES) lock bench clean
 
 help:
-	@sed -n '1,2s/^# //p' Makefile
+	@sed -n '1,3s/^# //p' Makefile
 
 install: $(VENV)/installed
 install-dev: $(VENV)/installed-dev
@@ -35,11 +39,17 @@ demo: install
 	$(BIN)/bearingsim plot results/demo-fig16
 	@echo "The figures are in results/demo-fig14/figures and results/demo-fig16/figures."
 
-fig14 fig15 fig16: fig%: install
-	$(BIN)/bearingsim run $(wildcard studies/$@_*.yaml) --jobs $(JOBS) --out results/$@
-	$(BIN)/bearingsim plot results/$@
+$(STUDIES): install
+	$(BIN)/bearingsim run $(wildcard studies/$@.yaml studies/$@_*.yaml) --jobs $(JOBS) $(REDUCED) --out $(RESULTS)
+	$(BIN)/bearingsim plot $(RESULTS)
+	$(MORE)
 
-studies: $(STUDIES)
+excitations: MORE = $(BIN)/bearingsim plot $(RESULTS) --kind series --job all --span '10 ms' && \
+  $(BIN)/bearingsim plot $(RESULTS) --kind spectrum --job all
+inner_race roller_defect: MORE = for kind in spectrum envelope; do $(BIN)/bearingsim plot $(RESULTS) --kind $$kind \
+  --where model=rollers --where clearance='10 um' || exit 1; done
+
+studies: $(FIGURES)
 
 test: install-dev
 	$(BIN)/python -m pytest

@@ -1,23 +1,22 @@
-"""Slip of the cage against load and speed: as `planar` gives it, and from a balance of forces. Derived in docs/slip.md.
+"""Slip of the cage against load and speed: simulated, and from a balance of forces (docs/slip.md).
 
     python benchmarks/slip.py RESULTS [--csv FILE] [--png FILE] [--onsets FILE]
 
-RESULTS: of `bearingsim run studies/slip.yaml`. The onset of gross slip (the load at which the cage lags by 5 %, coming
-from rolling) is bisected for each friction law and speed, three seeds each; about 3 CPU minutes.
+RESULTS: of `bearingsim run studies/slip.yaml`. The onset of gross slip (the load at which the cage lags by 5 %,
+coming from rolling) is bisected for each friction law and speed, three seeds each; about 4 CPU minutes.
 """
 
 import argparse
-import csv
 from collections.abc import Callable
 from math import exp, log, pi
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 from scipy.optimize import brentq
 
-from bearingsim import build, open_results, simulate
+from bearingsim import build, load_study, open_results, simulate
 from bearingsim.config import Case
 from bearingsim.core.cage import land_drag, orbit_drag
 from bearingsim.core.equilibrium import find_rest, rest_from_scratch
@@ -65,7 +64,7 @@ def drag_torque(model: Any, slip: float) -> float:
 
 def friction_torque(model: Any, found: Loads, slip: float) -> float:
     """Torque (N m) that the races can exert at a slip, through the rollers that have crossed their pockets."""
-    b, r = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
+    r = 0.5 * (model.bearing.R_o + model.bearing.R_i)
     entry = found.angle[found.inner > 0.0].min()
     pushing = (found.inner > 0.0) & ((found.angle - entry) * r * slip >= 2.0 * model.cage.play)
     inner, outer = found.inner[pushing].sum(), found.outer[pushing].sum()
@@ -100,7 +99,7 @@ def balance(case: Case) -> float:
 
 
 def bisected(slip: Callable[[float], float], low: float, high: float) -> float:
-    """Load (N) between ``low`` (gross slip) and ``high`` (none) at which gross slip sets in, within 1 %; or nan."""
+    """Load (N) between ``low`` (gross slip) and ``high`` (none) at which gross slip sets in, to 1 %; or nan."""
     if not slip(low) > GROSS > slip(high):
         return float("nan")
     while high / low > 1.01:
@@ -117,48 +116,89 @@ def onset_by_balance(case: Case, low: float = 0.2, high: float = 200.0) -> float
 def onset_by_simulation(case: Case, about: float) -> float:
     """The same by simulation from rolling, looked for within a factor of 1.5 of a load (N)."""
     near = (about / 1.5, 1.5 * about)
-    return bisected(lambda load: simulate(case.model_copy(update={"load": load})).features["cage.slip.mean"], *near)
+    return bisected(
+        lambda load: simulate(case.model_copy(update={"load": load})).features["cage.slip.mean"], *near
+    )
 
 
 def onsets(base: Case) -> list[dict[str, Any]]:
-    """Onset of gross slip for each law and speed, by both ways."""
-    rows = []
+    """Onset of gross slip for each law and speed, by both ways; and slip over load by the balance, to be drawn."""
+    rows: list[dict[str, Any]] = []
     for law in LAWS:
         for speed in SPEEDS:
-            given = base.model_dump(exclude_unset=True) | {"friction": law, "speed": speed * pi / 30.0}
-            case = Case.model_validate(given)
+            case = Case.model_validate(given(base) | {"friction": law, "speed": speed * pi / 30.0})
             balanced = onset_by_balance(case)
-            seeds = [case.model_copy(update={"seed": seed}) for seed in SEEDS]
-            simulated = [round(onset_by_simulation(one, balanced), 2) for one in seeds]
-            ratio = round(float(np.mean(simulated)) / balanced, 3)
+            found = [onset_by_simulation(case.model_copy(update={"seed": seed}), balanced) for seed in SEEDS]
             rows.append({"friction": law, "speed_rpm": speed, "balance_N": round(balanced, 2)})
-            rows[-1] |= {f"seed_{seed}_N": found for seed, found in zip(SEEDS, simulated, strict=True)}
-            rows[-1] |= {"mean_over_balance": ratio}
+            rows[-1] |= {f"seed_{seed}_N": round(one, 2) for seed, one in zip(SEEDS, found, strict=True)}
+            rows[-1]["simulated_over_balance"] = round(float(np.mean(found)) / balanced, 3)
             print(rows[-1], flush=True)
+            near = np.concatenate([np.geomspace(1.0, 300.0, 40), balanced * np.array([0.98, 0.995, 1.005, 1.02])])
+            near.sort()
+            rows[-1]["curve"] = [near, [balance(case.model_copy(update={"load": float(load)})) for load in near]]
     return rows
 
 
-def chart(folder: str) -> list[dict[str, Any]]:
-    """One row for each law, speed and load: mean over the seeds, their spread, the largest unsteadiness, the balance."""
-    results = open_results(folder)
-    found: dict[tuple[str, float, float], list[tuple[float, float]]] = {}
-    cases: dict[tuple[str, float, float], Case] = {}
-    for case, features in computed(results):
-        key = (case.friction.law, case.speed, case.load)
-        found.setdefault(key, []).append((features["cage.slip.mean"], features["cage.slip.std"]))
-        cases[key] = case
-    rows = []
-    for key, values in found.items():
-        mean, std = np.array(values).T
-        rows.append(
-            {
-                "friction": key[0],
-                "speed_rpm": round(key[1] * 30.0 / pi),
-                "load_N": round(key[2], 3),
-                "slip": round(float(mean.mean()), 5),
-                "spread_of_seeds": round(float(np.ptp(mean)), 5),
-                "std_in_time": round(float(std.max()), 5),
-                "balance": round(balance(cases[key]), 5),
-            }
-        )
-    return rows
+def chart(folder: str, base: Case) -> pd.DataFrame:
+    """One row for each law, speed and load: mean over the seeds, their range, unsteadiness, balance."""
+    table = open_results(folder).table()
+    grouped = table.groupby(["friction", "speed", "load"], sort=False)
+    found = grouped["cage.slip.mean"].agg(slip="mean", least="min", most="max")
+    found["std_in_time"] = grouped["cage.slip.std"].max()
+    found["balance"] = [
+        balance(Case.model_validate(given(base) | {"friction": law, "speed": speed, "load": load}))
+        for law, speed, load in found.index
+    ]
+    found = found.reset_index()
+    found["speed"] = (found["speed"] * 30.0 / pi).round()
+    return found.rename(columns={"speed": "speed_rpm", "load": "load_N"}).round(5)
+
+
+def given(case: Case) -> dict[str, Any]:
+    """What was said of a case, to be said again with changes."""
+    return case.model_dump(exclude_unset=True)
+
+
+def draw(found: pd.DataFrame, at: list[dict[str, Any]], target: str) -> None:
+    """The chart: simulated (markers, bars over the seeds) and by the balance (lines)."""
+    with plt.rc_context(RC):
+        figure, panels = plt.subplots(1, len(LAWS), figsize=(7.0, 3.4), sharey=True, layout="constrained")
+        for axes, law in zip(panels, LAWS, strict=True):
+            draw_law(axes, found[found["friction"] == law], [row for row in at if row["friction"] == law])
+            axes.set(
+                title=law, xlabel="load (N)", xscale="log", yscale="log", ylim=(0.1, 110.0), xlim=(0.9, 360.0)
+            )
+        panels[0].set_ylabel("slip of the cage (%)")
+        panels[1].legend(title="markers: simulated\nlines: balance")
+        figure.savefig(target)
+
+
+def draw_law(axes: Any, found: pd.DataFrame, at: list[dict[str, Any]]) -> None:
+    """One panel."""
+    for speed, colour, marker in zip(SPEEDS, COLOURS, MARKERS, strict=False):
+        part = found[found["speed_rpm"] == speed]
+        spread = 100.0 * np.abs(part[["least", "most"]].to_numpy().T - part["slip"].to_numpy())
+        axes.errorbar(part["load_N"], 100.0 * part["slip"], spread, fmt=marker, color=colour, ms=4.5, capsize=2)
+        axes.plot([], [], color=colour, marker=marker, ms=4.5, label=f"{speed} rpm")
+        curve = np.array(next(row["curve"] for row in at if row["speed_rpm"] == speed))
+        axes.plot(curve[0], 100.0 * curve[1], color=colour, lw=1.0)
+
+
+def main() -> None:
+    """Compare the results of the study with the balance; find the onsets; write tables and figure."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("results")
+    parser.add_argument("--csv", default="docs/data/slip.csv")
+    parser.add_argument("--onsets", default="docs/data/slip_onset.csv")
+    parser.add_argument("--png", default="docs/figures/slip.png")
+    options = parser.parse_args()
+    base = load_study("studies/slip.yaml").cases()[0]
+    at = onsets(base)
+    found = chart(options.results, base)
+    found.to_csv(options.csv, index=False, lineterminator="\n")
+    draw(found, at, options.png)
+    pd.DataFrame(at).drop(columns="curve").to_csv(options.onsets, index=False, lineterminator="\n")
+
+
+if __name__ == "__main__":
+    main()

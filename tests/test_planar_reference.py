@@ -5,7 +5,7 @@ import pytest
 
 from tests import planar_scene, reference_planar
 
-STEP = 0.25e-6
+STEP = 0.1e-6
 RING = ("ring_x", "ring_y", "velocity_x", "velocity_y")
 
 
@@ -24,9 +24,9 @@ def differences(name: str, begin: float = 0.0) -> dict[str, float]:
 
 @pytest.mark.parametrize("name", ["slot-friction", "inner-pit", "roller-pit"])
 def test_every_instant_over_a_pit_is_as_in_the_independent_solution(name: str) -> None:
-    """0.03 % of each range; measured 0.02 % at most, with the reference's own 1e-6. The cage to 1e-7."""
+    """0.01 % of each range (measured 0.003 %; at the cusp friction changes its direction), the cage to 1e-7."""
     off = differences(name)
-    assert max(off[key] for key in RING) < 3e-4
+    assert max(off[key] for key in RING) < 1e-4
     assert off["cage"] < 1e-7
 
 

@@ -21,7 +21,7 @@ def ramped(to, **given):
 
 @pytest.mark.parametrize("ratio", [0.2, 1.0, 1.5, 4.0])
 def test_angle_speed_and_acceleration_are_one_motion(ratio):
-    """The angle is the integral of the speed (the trapezoidal rule is exact), the speed that of the acceleration."""
+    """The angle is the integral of the speed (by trapezoids, exactly), the speed that of the acceleration."""
     motion, t = Ramp(ratio, T), np.linspace(0.0, 3 * T, 3001)
     angle, speed, acceleration = np.array([elapsed(motion, x) for x in t]).T
     assert (angle[0], speed[0]) == (0.0, 1.0)

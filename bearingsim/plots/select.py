@@ -239,10 +239,10 @@ def _matches(column: "pd.Series[Any]", path: str, text: str) -> "pd.Series[bool]
     """Which values of a swept column are the one written as ``text``."""
     known = dimension(path)
     try:
-        value = parse(text, known) if known else None
-    except UnitError:
+        value = parse(text, known) if known else float(text)  # a seed has no unit
+    except (UnitError, ValueError):
         value = None
-    if value is None:
+    if value is None or not is_numeric(list(column.dropna())):
         return column == text
     return (column - value).abs() <= 1e-9 * abs(value) + 1e-300
 

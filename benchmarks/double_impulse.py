@@ -1,0 +1,153 @@
+"""Where a rolling element is when it enters a wide pit and when it strikes the far edge: docs/double_impulse.md.
+
+    python benchmarks/double_impulse.py [--csv FILE]
+
+Events are read from the contact forces, and their spacing again from the ring's motion as from a measured signal
+(`signals.spacing`). About 2 CPU minutes.
+"""
+
+import argparse
+import csv
+import sys
+from collections.abc import Iterator
+from itertools import product
+from math import nan, pi, radians, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim import build
+from bearingsim.config import Case
+from bearingsim.core.defects import outer_reduced_radius
+from bearingsim.signals import spacing
+from bearingsim.simulation import Record, simulate
+
+OUTER_6205 = 0.02349  # m, radius of the outer race
+ARCS = (5.0, 8.0)  # degrees of the outer race, as on the bearings that were measured
+DEPTHS = (20e-6, 30e-6, 50e-6)  # m; that of the measured bearings is not known
+SPEEDS = (600, 900, 1200)  # rpm
+LIFTED = 0.5  # of the force on the sound race: under it the element has entered
+STRUCK = 0.1  # of that force: over it the far edge has been struck, the floor not
+EARLY = 1.1  # times the expected distance from the pit's end, from where a strike is looked for
+PASSES = 52  # of the record whose spacing is read from the ring
+COLUMNS = (
+    "bearing",
+    "width_mm",
+    "depth_um",
+    "rpm",
+    "entry",
+    "strike",
+    "strike_by_geometry",
+    "before_end_over_geometry",
+    "spacing_ms",
+    "crossing_ms",
+    "ratio",
+    "ratio_velocity",
+    "ratio_acceleration",
+)
+
+
+class Crossing(NamedTuple):
+    """Places (m from the near rim) where one element has entered, and where it strikes the far edge."""
+
+    entry: float
+    strike: float
+
+
+class Reading(NamedTuple):
+    """Means over the crossings of a record: places (m), their spacing and the whole crossing (s)."""
+
+    entry: float
+    strike: float
+    spacing: float
+    crossing: float
+
+
+def scene(bearing: str, rpm: float, width: float, depth: float, passes: float = 5, **changes: Any) -> Case:
+    """A slot (m) over the whole of an element's track at phi = 0 and 150 N; every element's outer force, raw."""
+    base = {"bearing": bearing, "speed": rpm * pi / 30.0, "load": "150 N", "model": "rollers"} | changes
+    b = Case.model_validate(base).bearing
+    ball_pass = 1.0 / b.ball_pass_frequency(rpm * pi / 30.0)
+    slot = {"shape": "rectangular", "width": width, "depth": depth, "length": b.roller_length or b.roller_diameter}
+    record = {"sampling": "100 kHz", "antialias": False, "settle": 4 * ball_pass, "duration": passes * ball_pass}
+    forces = [f"roller.{j + 1}.outer_force" for j in range(b.rollers)]
+    return Case.model_validate(record | {"record": forces} | base | {"defect": slot})
+
+
+def reach(case: Case) -> float:
+    """sqrt(2 R_eff d) (m): before a rim, the element touches it from the floor."""
+    b = build.model(case).bearing
+    return sqrt(2.0 * outer_reduced_radius(b.R_w, b.R_o) * case.defects[0].depth)
+
+
+def crossings(case: Case, record: Record) -> Iterator[Crossing]:
+    """Every whole crossing in the record, by its contact forces; the cage at its kinematic speed."""
+    b, width, x = build.model(case).bearing, case.defects[0].width, reach(case)
+    for j in range(b.Z):
+        turned = record.info["cage_angle_start_rad"] + b.omega_c * record.time + 2.0 * pi * j / b.Z
+        along = b.R_o * ((turned - case.defects[0].angle + pi) % (2.0 * pi) - pi) + width / 2.0
+        force = record.series[f"roller.{j + 1}.outer_force"]
+        near = np.flatnonzero((along > -0.1 * width) & (along < 1.1 * width))
+        for one in np.split(near, np.flatnonzero(np.diff(near) > 1) + 1):
+            if len(one) and along[one[0]] < -0.09 * width and along[one[-1]] > 1.09 * width:
+                yield crossed(along[one], force[one], width - EARLY * x)
+
+
+def crossed(along: np.ndarray, force: np.ndarray, edge: float) -> Crossing:
+    """Events of one crossing: places (n,) in m, forces (n,) in N; ``edge``: where the far edge may begin."""
+    sound = force[along < 0.0].mean()
+    lifted = np.flatnonzero((along > 0.0) & (force < LIFTED * sound))
+    struck = np.flatnonzero((along >= edge) & (force > STRUCK * sound))
+    return Crossing(along[lifted[0]] if len(lifted) else nan, along[struck[0]] if len(struck) else nan)
+
+
+def read(case: Case) -> Reading:
+    """Simulate a case and read its crossings."""
+    b = build.model(case).bearing
+    entry, strike = np.mean(list(crossings(case, simulate(case))), axis=0)
+    speed = b.R_o * b.omega_c
+    return Reading(entry, strike, (strike - entry) / speed, case.defects[0].width / speed)
+
+
+def spacing_of_ring(case: Case, quantity: str) -> float:
+    """Spacing (s) of the two impulses in the ring's ``velocity`` or ``acceleration``, read as from a sensor."""
+    ball_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
+    changes = {
+        "sampling": 51200.0,
+        "antialias": True,
+        "duration": PASSES * ball_pass,
+        "record": (f"ring.{quantity}",),
+    }
+    series = getattr(simulate(case.model_copy(update=changes)), quantity)[:, 0]
+    return spacing(series, 51200.0, ball_pass)
+
+
+def rows() -> Iterator[dict[str, Any]]:
+    """The table: arcs of the 6205, slots of the NF308."""
+    arcs = [("6205", radians(arc) * OUTER_6205, depth, rpm) for arc, depth, rpm in product(ARCS, DEPTHS, SPEEDS)]
+    slots = [("nf308", width, 30e-6, rpm) for width, rpm in product((2e-3, 3e-3, 4e-3, 6e-3), (900, 1800))]
+    for bearing, width, depth, rpm in [*arcs, *slots]:
+        case = scene(bearing, rpm, width, depth)
+        found, x = read(case), reach(case)
+        by_ring = [spacing_of_ring(case, quantity) / found.crossing for quantity in ("velocity", "acceleration")]
+        places = [found.entry / width, found.strike / width, 1.0 - x / width, (width - found.strike) / x]
+        times = [1e3 * found.spacing, 1e3 * found.crossing, found.spacing / found.crossing, *by_ring]
+        numbers = [round(float(value), 3) for value in [*places, *times]]
+        yield dict(zip(COLUMNS, [bearing, round(1e3 * width, 3), round(1e6 * depth), rpm, *numbers], strict=True))
+
+
+def main() -> None:
+    """Print the table, or write it to a file."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--csv")
+    options = parser.parse_args()
+    with open(options.csv, "w", newline="") if options.csv else sys.stdout as target:
+        table = csv.DictWriter(target, COLUMNS, lineterminator="\n")
+        table.writeheader()
+        for row in rows():
+            table.writerow(row)
+            target.flush()
+
+
+if __name__ == "__main__":
+    main()
