@@ -81,7 +81,6 @@ def standing(model: Any, d: int, t: float, y: np.ndarray) -> tuple[int, float]:
     """The roller nearest to meeting ``d`` at time ``t`` (s), and its distance (m) from the pit's middle."""
 
 
-@jit
 def standing_evenly(model, d, t, y):
     """``standing`` of rollers that stand evenly spaced and turn without slip."""
     theta_c, theta_i, roll = turns(model.bearing, t)
