@@ -1,4 +1,4 @@
-"""Parametric studies of the vibration of a cylindrical roller bearing with local defects.
+"""Parametric studies of the vibration of rolling bearings with local defects.
 
     import bearingsim as bs
 

@@ -17,6 +17,7 @@ from bearingsim.core.advance import start_at_rest
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import DEPTH, HALF_WIDTH, REDUCED, USED, X_E, B, sliding
 from bearingsim.core.equilibrium import NoEquilibrium, find_rest, rest_from_scratch
+from bearingsim.core.excitations import LEAPS
 from bearingsim.core.methods.interface import load_number
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 
@@ -126,7 +127,9 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
     """The limits with what pits do to them."""
     model = build.model(case)
     speed = closing_speed(model)
-    peak, K_more, C_more = impact(model.bearing.m_r, model.outer, speed)
+    hits = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
+    hits += [leap(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
+    peak, K_more, C_more = (max(values) for values in zip(*hits, strict=True))
     return replace(
         healthy,
         closing_speed=speed,
@@ -183,6 +186,35 @@ def closing_speed(model: Any) -> float:
         for group in pits.groups[d, : int(pits.head[d, USED])]
     ]
     return float(max(speeds, default=0.0))
+
+
+def leap(model: Any, law: Any, load: float) -> tuple[float, float, float]:
+    """What ``impact`` gives, for a roller under ``load`` (N) whose race comes back at once as the pit ends.
+
+    Only for excitations with such a step. The roller has fallen by then, in free flight from what its inner
+    contact gave it (at most load times approach), but no deeper than the pit; so far it is pressed into the race.
+    """
+    b, pits = model.bearing, model.pits
+    if b.m_r == 0.0 or len(pits.head) == 0 or not isinstance(pits.excitation, LEAPS):
+        return 0.0, 0.0, 0.0
+    flight = crossing_time(model)
+    outwards = b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
+    fall = sqrt(load * approach(law, load) / b.m_r) * flight + 0.5 * outwards * flight * flight
+    deep = min(fall, float(pits.groups[:, :, DEPTH].max()))
+    K, C = stiffness_slope(law, deep, 0.0), damping_slope(law, deep, 0.0)
+    return float(normal_force(law, deep, 0.0)), float(K) / b.m_r, float(C) / b.m_r
+
+
+def approach(law: Any, load: float) -> float:
+    """The approach (m) of a contact at rest under ``load`` (N), by bisection."""
+    low, high = 0.0, 1e-3
+    while high - low > 1e-9 * high:
+        middle = 0.5 * (low + high)
+        if normal_force(law, middle, 0.0) > load:
+            high = middle
+        else:
+            low = middle
+    return high
 
 
 def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:

@@ -99,7 +99,7 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
     rate = cut.rate
     if hasattr(model, "cage"):  # its passes take what time they take
         ball_pass = Z * turns(model, cut, start, slip).cage - angle
-        if ball_pass[-1] - ball_pass[0] < 2.0 * pi * FEWEST_PASSES:
+        if ball_pass[-1] - ball_pass[0] < 2.0 * pi * FEWEST_PASSES or np.any(np.diff(ball_pass) <= 0.0):
             return dict.fromkeys(_ball_pass_names(), float("nan"))
         rate = float(ball_pass[-1] - ball_pass[0]) / (2.0 * pi * (length - 1)) * cut.fine_rate
         whole, start = signals.at_equal_angles(whole, ball_pass, M)[0], 0

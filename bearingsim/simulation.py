@@ -93,17 +93,20 @@ def simulate(case: Case) -> Record:
     An automatic step rests on an estimate of the impacts to come; where they are harder, the run begins again with
     half the step.
     """
+    began, outrun = time.process_time(), None
     for part in SHORTENED if case.step == "auto" else (1.0,):
         try:
-            return _simulate(case, part)
+            return _simulate(case, part, began)
         except _Outrun as error:
             outrun = error
-    raise SimulationError(outrun.reason, outrun.advice, outrun.time)
+        except SimulationError as error:
+            raise outrun or error from error
+    assert outrun is not None
+    raise outrun
 
 
-def _simulate(case: Case, part: float) -> Record:
-    """Compute one case with ``part`` of the step that it asks for."""
-    began = time.process_time()
+def _simulate(case: Case, part: float, began: float) -> Record:
+    """Compute one case with ``part`` of the step that it asks for; ``began``: CPU time at the start, s."""
     try:
         cut, found = choose.grid(case, part), choose.limits(case)
         cusp = build.method_kind(case).cusp
@@ -120,6 +123,7 @@ def _simulate(case: Case, part: float) -> Record:
         features=features(case, model, cut, tape, sampled),
         info={
             "step_s": cut.step,
+            "step_part": part,
             "steps": cut.passes * cut.steps_per_pass,
             "step_limit_at_rest_s": found.at_rest,
             "step_limit_at_impact_s": found.at_impact,

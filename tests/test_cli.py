@@ -99,6 +99,48 @@ def test_a_quantity_of_many_cases_is_a_span(found, text):
     assert plan.span(found) == text
 
 
+LEAST = "`planar` is the least model: a `ramp` changes the speed under way; `drag` brakes rollers and cage"
+
+
+def test_check_says_which_model_is_least_and_why(here):
+    words = [
+        "--set",
+        "load=150 N",
+        "--set",
+        "ramp={to: 900 rpm, time: 50 ms}",
+        "--set",
+        "drag={oil_fraction: 0.1}",
+    ]
+    assert LEAST in type_("check", "small.yaml", "--set", "model=least", *words)[0]
+    assert "is the least model" not in type_("check", "small.yaml", "--set", "model=planar", *words)[0]
+
+
+def test_check_says_how_many_cases_chose_a_model(here):
+    said, _ = type_("check", "small.yaml", "--set", "model=[least, ring]")
+    assert "2 of 4 cases: `static` is the least model: `envelope` moves the rollers" in said
+    named = STUDY.replace("  model: [static, ring]\n", "").replace("load: 1", "model: least\nload: 1", 1)
+    Path("small.yaml").write_text(named)
+    assert "\n`static` is the least model" in type_("check", "small.yaml")[0]
+    Path("small.yaml").write_text(STUDY.replace("quick: {sweep: {model: [static]}}", "quick: {model: least}"))
+    assert "is the least model" not in type_("check", "small.yaml")[0]
+    assert "`static` is the least model" in type_("check", "small.yaml", "--quick")[0]
+
+
+def test_check_says_what_friction_can_do(here):
+    """0.3 of 49.6 N; slip settles in I/(2 mu' Q R^2) with I = m R^2/2, m = 10.65 g and mu' = 1.5 0.3/0.02 s/m."""
+    found = json.loads(type_("check", "small.yaml", "--set", "load=150 N", "--set", "model=planar", "--json")[0])
+    limits = found["jobs"][0]["limits"]
+    assert limits["friction"] == pytest.approx(0.3 * limits["rest_load"], rel=0.01)
+    assert limits["slip_settles"] == pytest.approx(0.01065 / (4.0 * 22.5 * limits["rest_load"]), rel=1e-3)
+    assert found["jobs"][0]["least_model"] == "static"
+    words = ["--set", "load=150 N", "--set", "model=[ring, planar]"]
+    said, _ = type_("check", "small.yaml", *words)
+    rows = {line[: line.find("  ")].strip(): line.split() for line in said.splitlines() if "  " in line}
+    assert rows["friction at rest, at most (N)"][-2:] == ["-", "14.9"]
+    assert rows["slip at rest settles in (us)"][-2:] == ["-", "2.39"]
+    assert "slip at rest" not in type_("check", "small.yaml")[0]
+
+
 def test_check_for_a_script(here):
     found = json.loads(type_("check", "small.yaml", "--json", "--jobs", "2")[0])
     assert (found["cases"], found["twins"], found["refused"]) == (4, 4, [])

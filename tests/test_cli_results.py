@@ -32,10 +32,13 @@ def test_plot_takes_the_newest_results(done, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--kind", "pie"], "sweep, phase, series or spectrum"),
+        (["--kind", "pie"], "sweep, phase, series, spectrum, envelope or roller"),
         (["--format", "gif"], "png, svg or pdf"),
         (["--x", "lode"], "did you mean `load`?"),
         (["--kind", "series", "--job", "xyz"], "no job begins with `xyz`"),
+        (["--kind", "series", "--span", "20"], "expected a time such as `50 ms`"),
+        (["--kind", "series", "--span", "0 ms"], "expected a time above zero, got `0 ms`"),
+        (["--kind", "spectrum", "--span", "20 ms"], "a spectrum takes no span"),
     ],
 )
 def test_plot_refuses_what_it_does_not_know(done, words, message):

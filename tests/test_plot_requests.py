@@ -17,7 +17,9 @@ TEXT = STUDY + FIGURES
         ({"where": {"lode": "150 N"}}, "no swept path `lode`.*did you mean `load`"),
         ({"kind": "spectrum", "where": {"lode": "150 N"}}, "no swept path `lode`.*did you mean `load`"),
         *(({"y": [name]}, f"no feature `{name}`") for name in ("status", "job", "unit", "healthy", "reason")),
-        ({"kind": "series", "y": ["velocity.rms"]}, "a series takes no y"),
+        ({"kind": "series", "y": ["velocity.rms"]}, "has recorded no `velocity.rms`"),
+        ({"kind": "series", "by": ["load"]}, "a series takes no by"),
+        ({"span": 1.0}, "a sweep takes no span"),
         ({"kind": "spectrum", "x": "load"}, "a spectrum takes no x"),
         ({"kind": "phase", "y": ["velocity.rms"]}, "`velocity.rms` has no phase"),
         ({"x": "load", "by": ["load"]}, "`load` can be only one of"),
@@ -36,6 +38,12 @@ def test_jobs_are_named_or_found_by_where(results):
     _, canvas = only(drawn(opened, kind="spectrum", where={"load": "300 N", "model": "ring"}))
     titles = [ax.get_title(loc="left") for ax in canvas.axes]
     assert titles == [f"length {length} mm, load 300 N, model ring" for length in (3, 6, 9)]
+
+
+def test_all_finished_jobs_can_be_drawn(results):
+    name, canvas = only(drawn(results(TEXT, lost={0: "failed"}), kind="series", jobs=["all"]))
+    assert name == "series-all"
+    assert len(canvas.axes) == 11
 
 
 def test_a_line_stands_for_its_phase(results):

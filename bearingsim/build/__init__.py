@@ -20,6 +20,7 @@ from bearingsim.core.methods import impulses as exact
 from bearingsim.core.methods.interface import MethodKind
 from bearingsim.core.models import impulse, planar, ring, rollers, static
 from bearingsim.core.models.interface import ModelKind
+from bearingsim.core.motion import steady
 from bearingsim.core.parameters import Support
 
 __all__ = [
@@ -100,10 +101,11 @@ def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
 
     At the cusp the damping force jumps; where in a step it does so decides whether the error is of first or of
     second order (docs/methods.md). The rollers start less than a step further on. Of several pits only the first
-    is in step, and only on the outer race: what turns meets its steps anywhere, and the error averages out.
+    is in step, and only on the outer race at a steady speed: elsewhere cusps fall anywhere in a step, and the
+    error averages out.
     """
     found = getattr(model, "pits", None)
-    if found is None or len(found.head) == 0 or found.head[0, ON] != ON_OUTER:
+    if found is None or len(found.head) == 0 or found.head[0, ON] != ON_OUTER or not steady(model):
         return model
     b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
     steps = (b.theta_0 - found.head[0, ANGLE]) / pass_angle * steps_per_pass  # whole when the cusp is met

@@ -13,18 +13,16 @@ from bearingsim.core.defects import Meeting
 from bearingsim.core.impulse_train import LoadZone, random_train, train
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.parameters import Support
+from bearingsim.core.sampling import RESAMPLE_REACH
 
-LEAD = 4  # ball passes, and samples LEAD times that, by which a run may end after its record
+LEAD = 4  # ball passes by which a run may go on after its record and what filters reach, and some steps more
 
 
 def model(case: Case, support: Support) -> Impulse:
     """The ring as two oscillators, on the healthy bearing's mean stiffness and damping at rest."""
     rest, b = healthy_rest(case), geometry.bearing(case)
-    end = (
-        case.settle
-        + case.duration
-        + LEAD * (4.0 / case.sampling + 1.0 / case.bearing.ball_pass_frequency(case.speed))
-    )
+    filters = RESAMPLE_REACH / case.sampling
+    end = case.settle + case.duration + filters + LEAD / case.bearing.ball_pass_frequency(case.speed)
     found = [one for d in case.defects for one in pits.of_defect(case, d, pits.excitation(case))]
     zone = load_zone(case, rest.K_x + support.k_b, rest.K_y + support.k_b)
     blows = _train(case, zone, found, end)

@@ -4,7 +4,6 @@ import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.cli.screen import console, print_table, significant
@@ -108,7 +107,6 @@ def rubbing(case: "Case", force: float) -> tuple[float, float]:
     return most_friction(model.friction, u) * force, settled
 
 
-@lru_cache(maxsize=256)
 def most_friction(law: Any, u: float) -> float:
     """The largest friction coefficient of a law at the rolling speed ``u`` (m/s), within 1 %."""
     from bearingsim.core.friction import mu

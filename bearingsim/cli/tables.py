@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-__all__ = ["show_failures", "show_jobs"]
+__all__ = ["show_failures", "show_jobs", "usual_features"]
 
 Column = tuple[str, list[str]]  # head and cells
 STATISTICS = ("velocity.rms", "outer_force.max")
@@ -28,7 +28,7 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     table = results.table()
     rows = table[table["status"] == "failed"] if failed else table
     swept = list(results.plan["units"])
-    features = _usual_features(results, table)
+    features = usual_features(results, table)
     chosen = list(columns) or [*swept, *features, "status", "seconds"]
     _check(chosen, [str(name) for name in table])
     if as_json:
@@ -46,7 +46,7 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
         typer.echo(f"{count} columns too wide for the terminal: {left} (`--columns NAME`, `--json` or a pipe)")
 
 
-def _usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
+def usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
     """The line that shows the defects, the cage's slip if it can slip, what the defects have made, statistics."""
     from bearingsim.plots import lines
 

@@ -6,7 +6,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.config import ladder
-from bearingsim.config.channels import roller_number
+from bearingsim.config.channels import plain, roller_number
 from bearingsim.config.contact import OF_LINES
 from bearingsim.config.defect import IMPULSES
 from bearingsim.config.free import Frictionless
@@ -198,6 +198,9 @@ def _still(name: str, case: "Case") -> tuple[str, str] | None:
         return "the bracket lets no ring rotate", "give `rig.torsion_stiffness`"
     if name == "inner.displacement" and case.shaft is None:
         return "the inner ring is rigid", "give `shaft`"
+    kinematic = case.cage is not None and case.cage.motion == "kinematic"
+    if kinematic and plain(name) in ("cage.slip", "roller.cage_force"):
+        return "the cage is kinematic", "say `motion: free`"
     if name == "cage.position" and (case.cage is None or case.cage.guide == "centred"):
         return "the cage is centred", "give `cage.guide`"
     return None

@@ -5,6 +5,7 @@ that is not firm is one of quality: a model below computes the case, but what is
 `least` heeds both; who names a model takes it as it is.
 """
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -33,6 +34,7 @@ ABILITIES: dict[str, frozenset[str]] = {
     "planar": _PLANAR,
 }
 
+STRIBECK = 4.08  # largest load of a roller over the mean: no clearance, line contact (balls: 4.37)
 NOTABLE = 0.1  # share of the largest load at rest from which the rollers' centrifugal force counts
 
 Path = tuple[str | int, ...]
@@ -66,12 +68,13 @@ def lacking(case: "Case") -> list[Need]:
 
 
 def reasons(case: "Case") -> list[str]:
-    """Why no model below the least one would do, in words; empty if the lowest does."""
+    """What the case asks for that the least model can do and the one below it cannot, in words."""
     chosen = least(case)
-    if chosen is None or chosen == LADDER[0]:
-        return [need.why for need in needs(case)] if chosen else []
-    below = ABILITIES[LADDER[LADDER.index(chosen) - 1]]
-    return list(dict.fromkeys(need.why for need in needs(case) if need.what not in below))
+    if chosen is None:
+        return []
+    below = ABILITIES[LADDER[LADDER.index(chosen) - 1]] if chosen != LADDER[0] else frozenset()
+    able = ABILITIES[chosen] - below
+    return list(dict.fromkeys(need.why for need in needs(case) if need.what in able))
 
 
 # What asks for what
@@ -154,7 +157,8 @@ def _of_masses(case: "Case") -> Iterator[Need]:
     if case.defects and case.excitation not in IMPULSES and sharp:
         why = "how a roller strikes the far edge of a pit, and its force there, depend on its mass"
         yield Need("inertia of rollers", why, (("record",),), firm=False)
-    force, load = _centrifugal_force(case), 4.08 * case.load / case.bearing.rollers
+    force = _centrifugal_force(case)
+    load = STRIBECK * math.hypot(case.load, case.load_across) / case.bearing.rollers
     if force > NOTABLE * load:
         why = (
             f"the centrifugal force of a roller ({show(force, 'N')}) is {force / load:.0%} of the largest load"

@@ -11,6 +11,7 @@ import numpy as np
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
     ACCELERATION,
+    COS,
     LANES,
     LOADED,
     OVERRUN,
@@ -22,6 +23,7 @@ from bearingsim.core.layout import (
     Q_O,
     Q_P,
     Q_P_MAX,
+    SIN,
     VELOCITY,
     X,
     Y,
@@ -73,7 +75,8 @@ def keep_largest_forces(y, n):
         y[Q_MAX + j] = max(y[Q_MAX + j], y[Q_O + j])
         y[Q_I_MAX + j] = max(y[Q_I_MAX + j], y[Q_I + j])
         y[Q_P_MAX + j] = max(y[Q_P_MAX + j], abs(y[Q_P + j]))
-        loaded = add(loaded, 1.0 if y[Q_I + j] > 0.0 else 0.0)
+        real = y[COS + j] * y[COS + j] + y[SIN + j] * y[SIN + j]  # 1, and 0 in a padded lane
+        loaded = add(loaded, real if y[Q_I + j] > 0.0 else 0.0)
     y[LOADED] = loaded
 
 

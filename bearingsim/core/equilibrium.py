@@ -6,7 +6,7 @@ the ring's position is then found by Newton with a line search on the net force
     f(u) = -F e_0 - F_across e_90 - k_b (u - u_0) + sum_j Q_o,j(u) e_r(theta_j)
 
 which is minus the gradient of a convex energy, so the method cannot wander off. A roller that carries nothing
-rests on the outer race. ``static`` takes one such equilibrium per step; ``ring`` and ``rollers`` start from it.
+rests on the outer race. ``static`` takes one such equilibrium per step; every model with contacts starts from it.
 """
 
 from math import cos, hypot, pi, sin
@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core.contact import damping_slope, share, tangent
-from bearingsim.core.defects import HALF_WIDTH, SIDE, meeting
+from bearingsim.core.defects import HALF_WIDTH, SIDE
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
     COS,
@@ -36,7 +36,7 @@ from bearingsim.core.layout import (
     Y,
 )
 from bearingsim.core.parameters import turns
-from bearingsim.core.pit_contact import elastic_over_pit, outdone
+from bearingsim.core.pit_contact import elastic_over_pit, outdone, standing
 
 K_SERIES = WORK  # work row: stiffness of the two contacts of a roller in series, N/m
 PIT, ALONG = WORK + ROW, WORK + 3 * ROW  # work rows, two each (outer, inner): the meeting that a roller's contact
@@ -109,14 +109,13 @@ def roller_balance(model, y, j, u_r):
 @jit
 def find_pits(model, t, y):
     """Fill the rows PIT and ALONG: the meeting each contact stands in, and its distance (m) from the middle."""
-    bearing, pits = model.bearing, model.pits
-    theta_c, theta_i, roll = turns(bearing, t)
-    for j in range(bearing.Z):
+    pits = model.pits
+    for j in range(model.bearing.Z):
         y[PIT + j] = -1.0
         y[PIT + ROW + j] = -1.0
     for d in range(len(pits.head)):
-        j, s = meeting(pits, d, theta_c, theta_i, roll, bearing.Z)
-        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(pits, d, j, s, theta_c, theta_i, roll, bearing.Z):
+        j, s = standing(model, d, t, y)
+        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(model, d, j, s, t, y):
             row = ROW * int(pits.head[d, SIDE])
             y[PIT + row + j], y[ALONG + row + j] = d, s
 

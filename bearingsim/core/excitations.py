@@ -236,3 +236,7 @@ def _felt_soft_edge(excitation, group, s, R):
 @groups.register(SoftEdge)
 def _groups_soft_edge(excitation, shape, length, width, depth, L_w, R, nodes):
     return groups_of(shape, length, width, depth, L_w, R, nodes)
+
+
+LEAPS = (RectangularPulse, ClearanceIncrease, PressureShare)
+"""Excitations under which a pit ends in a step, or nearly: a roller with mass is then deep in the race at once."""

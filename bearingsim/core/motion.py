@@ -45,6 +45,11 @@ def motion_of(model: Any) -> Any:
     return getattr(model, "motion", Steady())
 
 
+def steady(model: Any) -> bool:
+    """Whether the model's speed never changes."""
+    return isinstance(motion_of(model), Steady)
+
+
 def elapsed_times(model: Any, time: np.ndarray) -> np.ndarray:
     """``elapsed``'s first result at each time (n,), s."""
     motion = motion_of(model)

@@ -1,6 +1,6 @@
 """What the models know, in SI. Symbols are those of docs/model.md; fields are floats unless said otherwise.
 
-Every float must be a ``float`` (an ``int`` would compile a second copy of the core): ``build.py`` makes them.
+Every float must be a ``float`` (an ``int`` would compile a second copy of the core): ``build`` makes them.
 """
 
 from typing import NamedTuple

@@ -1,9 +1,14 @@
 """One contact of a roller over a pit: the sum over the pit's groups; scalar, since few rollers stand in one."""
 
+from typing import Any
+
+import numpy as np
+
 from bearingsim.core.contact import elastic, normal_force, tangent
 from bearingsim.core.defects import HALF_WIDTH, REDUCED, SIDE, USED, W, meeting
 from bearingsim.core.excitations import felt
-from bearingsim.core.jit import jit
+from bearingsim.core.jit import generic, jit
+from bearingsim.core.parameters import turns
 
 
 @jit
@@ -71,12 +76,24 @@ def mean_sinking(pits, d, s):
     return mean
 
 
+@generic
+def standing(model: Any, d: int, t: float, y: np.ndarray) -> tuple[int, float]:
+    """The roller nearest to meeting ``d`` at time ``t`` (s), and its distance (m) from the pit's middle."""
+
+
+def standing_evenly(model, d, t, y):
+    """``standing`` of rollers that stand evenly spaced and turn without slip."""
+    theta_c, theta_i, roll = turns(model.bearing, t)
+    return meeting(model.pits, d, theta_c, theta_i, roll, model.bearing.Z)
+
+
 @jit
-def outdone(pits, d, j, s, theta_c, theta_i, roll, Z):
+def outdone(model, d, j, s, t, y):
     """Whether another meeting counts at this contact of roller ``j``: of two pits the deeper one is felt."""
+    pits = model.pits
     for e in range(len(pits.head)):
         if e != d and pits.head[e, SIDE] == pits.head[d, SIDE]:
-            other, along = meeting(pits, e, theta_c, theta_i, roll, Z)
+            other, along = standing(model, e, t, y)
             if other == j and abs(along) < pits.head[e, HALF_WIDTH]:
                 here, there = mean_sinking(pits, d, s), mean_sinking(pits, e, along)
                 if there > here or (there == here and e < d):

@@ -78,3 +78,53 @@ def _rotate_ring_fixed(bracket, y):
 def _rotate_ring_spring(bracket, y):
     torque = y[M_RING] - bracket.k * y[POSITION + PSI] - bracket.c * y[VELOCITY + PSI]
     y[ACCELERATION + PSI] = torque / bracket.inertia
+
+
+@generic
+def held_stiffness(part: Any) -> float:
+    """Stiffness over mass (1/s^2) of the shaft's or the bracket's own spring."""
+
+
+@generic
+def held_damping(part: Any) -> float:
+    """Damping over mass (1/s) of its damper."""
+
+
+@held_stiffness.register(RigidShaft)
+def _held_stiffness_rigid(part):
+    return 0.0
+
+
+@held_damping.register(RigidShaft)
+def _held_damping_rigid(part):
+    return 0.0
+
+
+@held_stiffness.register(ElasticShaft)
+def _held_stiffness_shaft(part):
+    return part.k / part.m
+
+
+@held_damping.register(ElasticShaft)
+def _held_damping_shaft(part):
+    return part.c / part.m
+
+
+@held_stiffness.register(FixedRing)
+def _held_stiffness_fixed(part):
+    return 0.0
+
+
+@held_damping.register(FixedRing)
+def _held_damping_fixed(part):
+    return 0.0
+
+
+@held_stiffness.register(TorsionSpring)
+def _held_stiffness_torsion(part):
+    return part.k / part.inertia
+
+
+@held_damping.register(TorsionSpring)
+def _held_damping_torsion(part):
+    return part.c / part.inertia

@@ -14,7 +14,7 @@ from bearingsim.units import suggestion
 if TYPE_CHECKING:
     from bearingsim.store import Results, Series
 
-__all__ = ["Job", "Signal", "all_jobs", "channels_for", "signals_of", "text_of", "unit_of"]
+__all__ = ["Job", "Signal", "all_jobs", "channels_for", "recorded_as", "signals_of", "text_of", "unit_of"]
 
 PREFERRED = ("ring.velocity", "ring.acceleration", "ring.displacement")
 
@@ -71,12 +71,12 @@ def channels_for(jobs: dict[str, Job], asked: Sequence[str], prefix: str = "") -
 
 def _check(job: str, channel: str, recorded: Sequence[str]) -> None:
     known = [*recorded, *(name for whole in recorded for name in dataset_names(whole))]
-    if _as_recorded(channel, known) is None:
+    if recorded_as(channel, known) is None:
         advice = suggestion(channel, known) or f"there are: {', '.join(recorded)}"
         raise PlotError(f"job {job} has recorded no `{channel}` ({advice})")
 
 
-def _as_recorded(channel: str, recorded: Sequence[str]) -> str | None:
+def recorded_as(channel: str, recorded: Sequence[str]) -> str | None:
     """The name under which a channel was recorded: `roller.spin` is `roller.1.spin`."""
     roller = roller_of(channel) if channel in CHANNELS else None
     same = (name for name in recorded if name == channel or (roller and roller_of(name) == roller))
@@ -89,7 +89,7 @@ def signals_of(job: Job, channel: str) -> Iterator[Signal]:
     if channel in series:
         yield Signal(time, np.asarray(series[channel], np.float64))
         return
-    names = dataset_names(_as_recorded(channel, job.recorded) or channel)
+    names = dataset_names(recorded_as(channel, job.recorded) or channel)
     rows = [np.asarray(series[name], np.float64) for name in names]
     if channel.startswith("ring.") and len(rows) == 2:
         angle = job.known["rig.sensor_angle"]

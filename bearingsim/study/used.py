@@ -21,13 +21,13 @@ IDLE: dict[str, Any] = {
 """Values that do nothing. They are left out, so that a field that is new does not rename results that exist."""
 
 ELASTIC = ("johnson", "point")
-"""The contact laws that take the material's elastic constants."""
+"""The contact laws that take the material's elastic constants (and so does the width of any ball's contact)."""
 
 
 def used(case: Case) -> dict[str, Any]:
     """The case as nested values, without what does not shape its numbers."""
     values: dict[str, Any] = _without(case.model_dump(), IDLE)
-    if case.contact.stiffness not in ELASTIC:
+    if case.contact.stiffness not in ELASTIC and case.bearing.element == "roller" and not _by_pressure(case):
         material = values["bearing"]["material"]
         del material["young_modulus"], material["poisson_ratio"]
     if not case.defects:
@@ -35,6 +35,11 @@ def used(case: Case) -> dict[str, Any]:
     if case.model != "planar" and case.excitation != "random-impulses":
         values.pop("seed", None)
     return values
+
+
+def _by_pressure(case: Case) -> bool:
+    """Whether pits are felt by the contact's width, which depends on the material."""
+    return bool(case.defects) and case.excitation == "pressure-share"
 
 
 def _without(value: Any, idle: Any) -> Any:

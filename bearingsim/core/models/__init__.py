@@ -1,4 +1,4 @@
 """The ladder of models: each a module with a ``NamedTuple`` of parameters and the functions of ``interface.py``.
 
-Its ``KIND`` says what others must know of it; ``build.py`` registers it under its name.
+Its ``KIND`` says what others must know of it; ``build`` registers it under its name.
 """

@@ -90,8 +90,8 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.motion import elapsed
 from bearingsim.core.parameters import Bearing, Support, lanes
-from bearingsim.core.pit_contact import force_over_pit, outdone
-from bearingsim.core.shaft import move_inner_ring, rotate_ring
+from bearingsim.core.pit_contact import force_over_pit, outdone, standing
+from bearingsim.core.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
 
 AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
 
@@ -191,24 +191,32 @@ def approach_inner(bearing, omega_cage, y, n):
         y[TILT_I + j] = 0.0
 
 
+@standing.register(Planar)
+def _standing(model, d, t, y):
+    """From where rollers, rings and cage are, and the rows that ``approach_outer`` and ``approach_inner`` fill."""
+    b, head = model.bearing, model.pits.head[d]
+    time, _, _ = elapsed(model.motion, t)
+    turned = b.omega_c * time + y[POSITION + PHI_C]
+    own, outer = head[ON] >= 0.0, head[SIDE] == OUTER
+    roll = turned - (b.omega_c - b.omega_b) * time - (y[SPIN + int(head[ON])] if own else 0.0)
+    j, s = meeting(model.pits, d, b.theta_0 + turned, b.omega_i * time, roll, b.Z)
+    tilted = atan2(y[N_T + j], y[N_R + j]) if outer else atan2(y[M_T + j], y[M_R + j])
+    return j, s + head[RADIUS] * (y[EPS + j] + tilted - (y[POSITION + PSI] if outer and not own else 0.0))
+
+
 @jit
-def over_pits(model, theta_c, theta_i, roll, omega_i, spin, y):
+def over_pits(model, t, omega_i, spin, y):
     """Correct the contact of each roller that stands over a pit: force, tilt of the normal, torques.
 
-    roll: what a roller has turned backwards in the cage, were it not for slip; spin: its nominal spin (rad/s).
-    Returns the torque (N m) of the pits on the outer ring.
+    spin: a roller's nominal spin (rad/s). Returns the torque (N m) of the pits on the outer ring.
     """
-    bearing, pits = model.bearing, model.pits
+    pits = model.pits
     torque = 0.0
     for d in range(len(pits.head)):
         on, radius = pits.head[d, ON], pits.head[d, RADIUS]
-        own = on >= 0.0
-        rolled = roll - y[SPIN + int(on)] if own else roll
-        j, s = meeting(pits, d, theta_c, theta_i, rolled, bearing.Z)
-        outer = pits.head[d, SIDE] == OUTER
-        tilted = atan2(y[N_T + j], y[N_R + j]) if outer else atan2(y[M_T + j], y[M_R + j])
-        s += radius * (y[EPS + j] + tilted - (y[POSITION + PSI] if outer and not own else 0.0))
-        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(pits, d, j, s, theta_c, theta_i, rolled, bearing.Z):
+        own, outer = on >= 0.0, pits.head[d, SIDE] == OUTER
+        j, s = standing(model, d, t, y)
+        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(model, d, j, s, t, y):
             turning = y[VELOCITY + PSI]
             if own:
                 turning = spin + y[SPIN_V + j]
@@ -332,9 +340,7 @@ def _accelerations(model, t, y):
     theta_i, omega_i = b.omega_i * time, b.omega_i * rate
     omega_cage = b.omega_c * rate + y[VELOCITY + PHI_C]
     spin = (b.omega_c - b.omega_b) * rate
-    turned = b.omega_c * time + y[POSITION + PHI_C]
-    theta_c = b.theta_0 + turned
-    place(theta_c, y, n)
+    place(b.theta_0 + b.omega_c * time + y[POSITION + PHI_C], y, n)
     approach_outer(b, omega_cage, y, n)
     approach_inner(b, omega_cage, y, n)
     for j in range(n):
@@ -342,8 +348,7 @@ def _accelerations(model, t, y):
         y[Q_I + j] = normal_force(model.inner, y[DELTA_I + j], y[V_I + j])
     torque = 0.0
     if len(model.pits.head) > 0:
-        roll = turned - (b.omega_c - b.omega_b) * time
-        torque = over_pits(model, theta_c, theta_i, roll, omega_i, spin, y)
+        torque = over_pits(model, t, omega_i, spin, y)
     y[M_RING] = torque + push_rollers(model, omega_cage, omega_i, spin, y, n)
     pockets(model.cage, model, omega_cage, spin, y, n)
     alpha_cage = drive_cage(model.cage, model, omega_cage, omega_i, b.omega_c * growth, y)
@@ -361,20 +366,23 @@ def _begin(model, t, y):
 
 @stiffness_per_mass.register(Planar)
 def _stiffness_per_mass(model, y, j):
+    """The roller's between its races, or what holds the rings where that is stiffer."""
     outer = stiffness_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
     inner = stiffness_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
-    return y[INVERSE_MASS + j] * (outer + inner)
+    held = max(held_stiffness(model.shaft), held_stiffness(model.bracket))
+    return max(y[INVERSE_MASS + j] * (outer + inner), held)
 
 
 @damping_per_mass.register(Planar)
 def _damping_per_mass(model, y, j):
-    """Radial damping, or what friction does to the slip where it is stiffer (see ``rub``)."""
+    """Radial damping, or that of what holds the rings, or of friction on slip (see ``rub``): the largest."""
     outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
     inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     b = model.bearing
     pressed = max(y[Q_O + j], y[Q_I + j]) * 2.0 * b.R_w * b.R_w / b.I_r
     rubbing = steepest(model.friction, b.R_w * b.omega_b) * pressed
-    return max(y[INVERSE_MASS + j] * (outer + inner), rubbing / (1.0 + model.lag * rubbing))
+    held = max(held_damping(model.shaft), held_damping(model.bracket))
+    return max(y[INVERSE_MASS + j] * (outer + inner), held, rubbing / (1.0 + model.lag * rubbing))
 
 
 KIND = ModelKind(Planar, loaded=True, massless=False, memoryless=False, per_crossing=100, cost=0.4e-6)

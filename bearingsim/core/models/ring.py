@@ -47,7 +47,7 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.models.outer_ring import accelerate_ring, turn
 from bearingsim.core.parameters import Bearing, Support, lanes, turns
-from bearingsim.core.pit_contact import force_over_pit, sinking_rate
+from bearingsim.core.pit_contact import force_over_pit, sinking_rate, standing, standing_evenly
 
 
 class Ring(NamedTuple):
@@ -68,6 +68,9 @@ def _width(model):
 @watched.register(Ring)
 def _watched(model):
     return 1
+
+
+standing.register(Ring)(standing_evenly)
 
 
 @jit

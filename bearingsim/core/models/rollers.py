@@ -13,7 +13,7 @@ out: friction, tangential motion, tilt, the bending of the rings.
 from typing import Any, NamedTuple
 
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.defects import HALF_WIDTH, OUTER, SIDE, Pits, meeting, sliding
+from bearingsim.core.defects import HALF_WIDTH, OUTER, SIDE, Pits, sliding
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
     COS,
@@ -45,7 +45,7 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.models.outer_ring import accelerate_ring, turn
 from bearingsim.core.parameters import Bearing, Support, lanes, turns
-from bearingsim.core.pit_contact import force_over_pit, outdone
+from bearingsim.core.pit_contact import force_over_pit, outdone, standing, standing_evenly
 
 
 class Rollers(NamedTuple):
@@ -82,6 +82,9 @@ def approaches(bearing, y, n):
         y[V_I + j] = -y[V + j]
 
 
+standing.register(Rollers)(standing_evenly)
+
+
 @jit
 def over_pits(model, t, y):
     """Correct the contact of each roller that stands over a pit (its force is the sum of its groups).
@@ -89,10 +92,9 @@ def over_pits(model, t, y):
     The approach and rate kept for the roller are means over what is in contact, for the step watch.
     """
     pits, bearing = model.pits, model.bearing
-    theta_c, theta_i, roll = turns(bearing, t)
     for d in range(len(pits.head)):
-        j, s = meeting(pits, d, theta_c, theta_i, roll, bearing.Z)
-        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(pits, d, j, s, theta_c, theta_i, roll, bearing.Z):
+        j, s = standing(model, d, t, y)
+        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(model, d, j, s, t, y):
             speed = sliding(pits, d, bearing)
             if pits.head[d, SIDE] == OUTER:
                 y[Q_O + j], _, y[DELTA_O + j], y[V_O + j] = force_over_pit(

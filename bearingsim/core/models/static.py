@@ -10,6 +10,7 @@ from bearingsim.core.defects import Pits
 from bearingsim.core.layout import LANES
 from bearingsim.core.models.interface import ModelKind, begin, damping_per_mass, stiffness_per_mass, watched, width
 from bearingsim.core.parameters import Bearing, Support
+from bearingsim.core.pit_contact import standing, standing_evenly
 
 
 class Static(NamedTuple):
@@ -20,6 +21,9 @@ class Static(NamedTuple):
     outer: Any
     inner: Any
     pits: Pits
+
+
+standing.register(Static)(standing_evenly)
 
 
 @width.register(Static)
