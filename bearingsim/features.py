@@ -96,13 +96,15 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
     whole = tape.fine[: len(BASE), start + tape.zero : start + tape.zero + length]
     angle = Z * model.bearing.theta_0
     slip = whole[ROW_OF[TURN_OF_CAGE]]
-    rate = cut.rate
+    rate: Any = cut.rate
     if hasattr(model, "cage"):  # its passes take what time they take
         ball_pass = Z * turns(model, cut, start, slip).cage - angle
         if ball_pass[-1] - ball_pass[0] < 2.0 * pi * FEWEST_PASSES or np.any(np.diff(ball_pass) <= 0.0):
             return dict.fromkeys(_ball_pass_names(), float("nan"))
-        rate = float(ball_pass[-1] - ball_pass[0]) / (2.0 * pi * (length - 1)) * cut.fine_rate
-        whole, start = signals.at_equal_angles(whole, ball_pass, M)[0], 0
+        M *= ceil(2.0 * pi / (M * np.diff(ball_pass).min()))  # the longest pass keeps all its samples
+        time, (whole, first) = np.arange(length) / cut.fine_rate, signals.at_equal_angles(whole, ball_pass, M)
+        passes = first + np.arange((whole.shape[1] - 1) // M + 1)
+        rate, start = 1.0 / np.diff(np.interp(2.0 * pi * passes, ball_pass, time)), 0
     velocity = along_sensor(case, whole, "velocity")
     by_pass = {
         quantity: signals.lines_by_pass(along_sensor(case, whole, quantity)[:-1], M, HARMONICS, start, angle)
@@ -112,11 +114,11 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
         by_pass["velocity"], velocity[::M], rate, HARMONICS, angle + 2.0 * pi * (start % M) / M
     )
     found = {}
-    turning = any(defect.race != "outer" for defect in case.defects)
+    beside = hasattr(model, "cage") or any(defect.race != "outer" for defect in case.defects)
     for quantity, lines in by_pass.items():
         for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
-            found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values, turning)
+            found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values, beside)
     return found
 
 
@@ -134,13 +136,15 @@ def other_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, floa
     angles = {name: turning.along(line, case.bearing.rollers) for name, line in LINES.items()}
     frequencies = [(angle[-1] - angle[0]) / (2.0 * pi * (length - 1)) * cut.fine_rate for angle in angles.values()]
     told = dict(zip(LINES, signals.resolvable(np.array(frequencies), case.duration), strict=True))
-    hertz = dict(zip(LINES, frequencies, strict=True))
     found: dict[str, float] = {}
     for name in OTHER_LINES:
         for quantity in ("displacement", "velocity"):
             A = complex(signals.line_at(along_sensor(case, fine, quantity), angles[name]) if told[name] else "nan")
             found[f"{quantity}@{name}"], found[f"{quantity}@{name}.phase"] = float(abs(A)), float(np.angle(A))
-        A = 2j * pi * hertz[name] * A  # a velocity has fewer impacts to fold into the line than an acceleration
+        # by parts from the velocity, which has fewer impacts to fold into the line than an acceleration
+        speed = np.gradient(angles[name]) * cut.fine_rate
+        A = 1j * complex(signals.line_at(speed * along_sensor(case, fine, "velocity"), angles[name]))
+        A = A if told[name] else complex("nan")
         found[f"acceleration@{name}"], found[f"acceleration@{name}.phase"] = float(abs(A)), float(np.angle(A))
     return found
 

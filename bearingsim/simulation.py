@@ -204,11 +204,13 @@ def _ball_passes(
 ) -> Iterator[np.ndarray]:
     """The recording, a ball pass at a time: (C, tail + steps) with the end of the pass before in front.
 
-    The same array every time. Once settled, the largest forces count; ``clock[0]`` gathers the CPU seconds spent
-    in the integrator.
+    The same array every time. The largest forces are those of the record's whole passes; ``clock[0]`` gathers the
+    CPU seconds spent in the integrator.
     """
-    method, settled = build.method(case, cut.step), floor(case.settle * cut.rate)
+    method, counted = build.method(case, cut.step), _passes_of_record(case, cut)
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
+    largest = np.concatenate([np.arange(row, row + ROW) for row in (Q_MAX, Q_I_MAX, Q_P_MAX)])
+    kept = y[largest]
     window = np.empty((len(places), tail + steps))
     window[:] = y[places][:, np.newaxis]
     if build.kind(case).memoryless:  # it was never at rest: what was before t = 0 is known
@@ -216,15 +218,23 @@ def _ball_passes(
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
         if p == 0 or not choose.repeats(case):
-            if p == settled:
-                for row in (Q_MAX, Q_I_MAX, Q_P_MAX):
-                    y[row : row + ROW] = 0.0
+            if p == counted.start:
+                y[largest] = 0.0
             began = time.thread_time()
             taken, outcome, body = advance(method, model, watch, p * steps, y, places, window[:, tail:])
             clock[0] += time.thread_time() - began
             if outcome != FINE:
                 raise _stopped(outcome, _name(model, body), cut.step, (p * steps + taken) * cut.step)
+        if p == counted.stop - 1:
+            kept = y[largest].copy()
         yield window
+    y[largest] = kept
+
+
+def _passes_of_record(case: Case, cut: choose.Grid) -> range:
+    """The ball passes, counted from t = 0, that lie wholly in the record; the first it touches if none does."""
+    first = ceil(case.settle * cut.rate - 1e-6)
+    return range(first, max(first + 1, floor((case.settle + case.duration) * cut.rate + 1e-6)))
 
 
 def _name(model: Any, body: int) -> str:

@@ -10,7 +10,7 @@ The walls are flat and radial, so N acts along e_theta; the roller's surface rub
 from math import hypot
 from typing import Any, NamedTuple
 
-from bearingsim.core.contact import normal_force
+from bearingsim.core.contact import normal_force, tangent
 from bearingsim.core.friction import mu
 from bearingsim.core.jit import add, generic
 from bearingsim.core.layout import (
@@ -282,6 +282,21 @@ def _drive_cage_free(cage, model, omega_cage, omega_i, alpha, y):
     run_on_land(cage.guide, omega_cage, omega_i, y)
     y[ACCELERATION + X_C], y[ACCELERATION + Y_C] = centre(cage.guide, cage.m, y)
     return (y[M_C] + land_drag(model.drag, omega_cage, omega_i)) / cage.inertia
+
+
+@generic
+def pocket_stiffness(cage: Any, per_mass: float) -> float:
+    """Stiffness of a pocket's wall over the mass (1/s^2) of what it parts, a roller's inverse mass being given."""
+
+
+@pocket_stiffness.register(KinematicCage)
+def _pocket_stiffness_kinematic(cage, per_mass):
+    return 0.0
+
+
+@pocket_stiffness.register(FreeCage)
+def _pocket_stiffness_free(cage, per_mass):
+    return tangent(cage.pocket.stiffness, cage.play) * (per_mass + 2.0 / cage.m)
 
 
 @generic

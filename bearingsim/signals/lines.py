@@ -21,12 +21,13 @@ def lines_by_pass(fine: np.ndarray, M: int, harmonics: Sequence[int], start: int
 
 
 def derivative_lines(
-    by_pass: np.ndarray, borders: np.ndarray, rate: float, harmonics: Sequence[int], Z_theta: float
+    by_pass: np.ndarray, borders: np.ndarray, rate: float | np.ndarray, harmonics: Sequence[int], Z_theta: float
 ) -> np.ndarray:
     """Lines of the derivative of a series, from the series' own lines (harmonics, passes), by parts.
 
     borders: (passes + 1,) the series at the passes' borders, where Z times the first roller's angle is
-    ``Z_theta`` (rad, any border); rate: passes a second (Hz). Samples of an acceleration full of impacts fold
+    ``Z_theta`` (rad, any border); rate: passes a second (Hz), one number or each pass's own (passes,).
+    Samples of an acceleration full of impacts fold
     percents of them into a line a thousand times smaller; a velocity has less to fold.
     """
     k = np.asarray(harmonics)[:, np.newaxis]

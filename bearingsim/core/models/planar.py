@@ -18,7 +18,18 @@ Left out: tilt, skew and axial motion of rollers, the bending of rings and cage,
 from math import atan2, cos, sin, sqrt
 from typing import Any, NamedTuple
 
-from bearingsim.core.cage import F_X, F_X_I, F_Y, F_Y_I, M_RING, drive_cage, let_go, orbit_drag, pockets
+from bearingsim.core.cage import (
+    F_X,
+    F_X_I,
+    F_Y,
+    F_Y_I,
+    M_RING,
+    drive_cage,
+    let_go,
+    orbit_drag,
+    pocket_stiffness,
+    pockets,
+)
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import HALF_WIDTH, ON, ON_INNER, OUTER, RADIUS, SIDE, Pits, meeting
 from bearingsim.core.friction import mu, steepest
@@ -366,11 +377,11 @@ def _begin(model, t, y):
 
 @stiffness_per_mass.register(Planar)
 def _stiffness_per_mass(model, y, j):
-    """The roller's between its races, or what holds the rings where that is stiffer."""
+    """The roller's between its races, or of its pocket, or of what holds the rings: the largest."""
     outer = stiffness_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
     inner = stiffness_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     held = max(held_stiffness(model.shaft), held_stiffness(model.bracket))
-    return max(y[INVERSE_MASS + j] * (outer + inner), held)
+    return max(y[INVERSE_MASS + j] * (outer + inner), held, pocket_stiffness(model.cage, y[INVERSE_MASS + j]))
 
 
 @damping_per_mass.register(Planar)
