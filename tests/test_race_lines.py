@@ -156,7 +156,7 @@ def test_small_pits_of_all_elements_add_up():
     ]
 
     def found(defects):
-        usual = {"duration": "0.2 s", "settle": "0 s", "step": "16 us", "sampling": "4000 Hz"}
+        usual = {"duration": "0.4 s", "settle": "0 s", "step": "16 us", "sampling": "4000 Hz"}
         return lines(names, quantity="displacement", model="static", defects=defects, **usual)
 
     healthy = found([])

@@ -35,7 +35,8 @@ from bearingsim.simulation import simulate
 from tests import reference
 from tests.scenes import SLOT, at_rest, case, drive, light_rollers
 
-BEARING = build.model(case()).bearing
+MODEL = build.model(case())
+BEARING = MODEL.bearing
 R_OUTER, R_INNER = 1e-3 / (1 / 6 - 1 / 38.5), 1e-3 / (1 / 6 + 1 / 26.5)  # m, of roller and race
 ANGLES = st.floats(-20.0, 20.0)
 PLACES_OF_A_PIT = ({}, {"race": "inner"}, {"race": "roller", "roller": 1})
@@ -171,10 +172,9 @@ def test_of_two_pits_the_deeper_one_is_felt(theta, off, depths, side, swapped):
     along = (0.03 * theta, off)
     sunk = [min(max(half - abs(s), 0.0) ** 2 / (2 * R), depth) for s, depth in zip(along, depths, strict=True)]
     assume(max(sunk) > 0.0 and sunk[0] != sunk[1])
-    felt = [
-        abs(s) < half and not outdone(both, int(n != swapped), 0, s, theta, 0.0, off / 6e-3, 13)
-        for n, s in enumerate(along)
-    ]
+    stood = BEARING._replace(theta_0=theta, omega_c=0.0, omega_i=0.0, omega_b=off / 6e-3)
+    model, y = MODEL._replace(bearing=stood, pits=both), build.empty_buffer(MODEL)
+    felt = [abs(s) < half and not outdone(model, int(n != swapped), 0, s, 1.0, y) for n, s in enumerate(along)]
     assert felt == [sunk[0] > sunk[1], sunk[1] > sunk[0]]
 
 

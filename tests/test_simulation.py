@@ -220,7 +220,7 @@ def test_a_longer_record_of_the_same_motion_has_the_same_features(model: str) ->
     )
     for name, value in short.items():
         if not name.endswith("-scatter") and name.split("@")[-1].split(".")[0] not in OTHER_LINES:
-            assert long[name] == pytest.approx(value, rel=1e-4, abs=1e-12), name
+            assert long[name] == pytest.approx(value, rel=1e-4, abs=1e-12, nan_ok=True), name
 
 
 def test_static_is_periodic_from_its_first_sample() -> None:
@@ -315,8 +315,8 @@ def test_peak_force_of_static_equals_the_load_sharing() -> None:
     assert found == pytest.approx(expected, rel=1e-4)
 
 
-@pytest.mark.parametrize(("settle", "counts"), [("0 ms", True), ("6 ms", True), ("7 ms", False), ("30 ms", False)])
-def test_forces_count_from_the_ball_pass_in_which_settling_ends(settle: str, counts: bool) -> None:
+@pytest.mark.parametrize(("settle", "counts"), [("0 ms", True), ("1 ms", False), ("30 ms", False)])
+def test_forces_count_from_the_first_ball_pass_of_the_record(settle: str, counts: bool) -> None:
     def knocked(
         method: Any, model: Any, watch: Watch, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
     ) -> tuple:

@@ -22,8 +22,10 @@ LAND = 0.35  # of the roller's diameter: how far from the pitch circle the cage 
 
 
 def motion(case: Case) -> Any:
-    """How the inner ring turns."""
-    return Steady() if case.ramp is None else Ramp(float(case.ramp.to / case.speed), float(case.ramp.time))
+    """How the inner ring turns; a ramp to the same speed is none."""
+    if case.ramp is None or case.ramp.to == case.speed:
+        return Steady()
+    return Ramp(float(case.ramp.to / case.speed), float(case.ramp.time))
 
 
 def friction(case: Case) -> Any:
