@@ -20,9 +20,7 @@ import numpy as np
 from bearingsim import build, choose
 from bearingsim.config import Case
 from bearingsim.core.advance import FINE, RING, advance
-from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import Q_I, Q_O
-from bearingsim.core.models.interface import begin
 from bearingsim.simulation import _watch
 
 BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
@@ -30,7 +28,8 @@ SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "
 BOWL = SLOT | {"shape": "circular", "length": "9 mm"}
 SCENES: dict[str, dict] = {"healthy": {}, "0.8 mm slot": {"defect": SLOT}, "9 mm bowl": {"defect": BOWL}}
 SCENES |= {f"0.8 mm slot, {race}": {"defect": SLOT | {"race": race}} for race in ("inner", "roller")}
-PAIRS = (("static", None), ("ring", "verlet"), ("ring", "rk4"), ("rollers", "verlet"), ("rollers", "rk4"))
+STEPPED = tuple((model, method) for model in ("ring", "rollers", "planar") for method in ("verlet", "rk4"))
+PAIRS = (("static", None), *STEPPED)
 ROLLERS = (8, 13, 16, 24, 32)
 SLOWER = {"static": 50}  # a balance costs about as much as so many steps
 
@@ -38,9 +37,8 @@ SLOWER = {"static": 50}  # a balance costs about as much as so many steps
 def variant(labels: dict[str, Any], case: Case, model: Any) -> dict[str, Any]:
     """A variant ready to be timed: labels for the table, method, model, state at rest."""
     cut = choose.grid(case)
-    y = build.empty_buffer(model)
-    rest_from_scratch(model, 0.0, y)
-    begin(model, 0.0, y)
+    model = build.relaxed(model, cut.step)
+    y, _ = build.start(case, model)
     row = labels | {"auto_step_us": round(1e6 * cut.step, 3)}
     watch, method = _watch(cut, choose.limits(case)), build.method(case, cut.step)
     return {"row": row, "method": method, "model": model, "watch": watch, "y": y, "at": 0}

@@ -396,4 +396,4 @@ def _damping_per_mass(model, y, j):
     return max(y[INVERSE_MASS + j] * (outer + inner), held, rubbing / (1.0 + model.lag * rubbing))
 
 
-KIND = ModelKind(Planar, loaded=True, massless=False, memoryless=False, per_crossing=100, cost=0.4e-6)
+KIND = ModelKind(Planar, loaded=True, massless=False, memoryless=False, per_crossing=100, cost=0.52e-6)
