@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim import signals
+from bearingsim import build, signals
 from bearingsim.channels import BASE, MOTION, PLACES, SPEED_OF_CAGE, TURN_OF_CAGE
 from bearingsim.choose import Grid
 from bearingsim.config import Case, dataset_names
@@ -61,7 +61,7 @@ def features(case: Case, model: Any, cut: Grid, tape: Tape, sampled: np.ndarray)
         **ball_pass_lines(case, model, cut, tape),
         **other_lines(case, model, cut, tape),
         **statistics(case, cut, sampled),
-        **extremes(model, tape.y),
+        **extremes(case, model, tape.y),
         **cage_and_load_zone(case, model, sampled),
     }
 
@@ -97,7 +97,7 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
     angle = Z * model.bearing.theta_0
     slip = whole[ROW_OF[TURN_OF_CAGE]]
     rate: Any = cut.rate
-    if hasattr(model, "cage"):  # its passes take what time they take
+    if build.kind(case).slips:  # its passes take what time they take
         ball_pass = Z * turns(model, cut, start, slip).cage - angle
         if ball_pass[-1] - ball_pass[0] < 2.0 * pi * FEWEST_PASSES or np.any(np.diff(ball_pass) <= 0.0):
             return dict.fromkeys(_ball_pass_names(), float("nan"))
@@ -114,7 +114,7 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
         by_pass["velocity"], velocity[::M], rate, HARMONICS, angle + 2.0 * pi * (start % M) / M
     )
     found = {}
-    beside = hasattr(model, "cage") or any(defect.race != "outer" for defect in case.defects)
+    beside = build.kind(case).slips or any(defect.race != "outer" for defect in case.defects)
     for quantity, lines in by_pass.items():
         for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
@@ -159,10 +159,10 @@ def statistics(case: Case, cut: Grid, sampled: np.ndarray) -> dict[str, float]:
     }
 
 
-def extremes(model: Any, y: np.ndarray) -> dict[str, float]:
+def extremes(case: Case, model: Any, y: np.ndarray) -> dict[str, float]:
     """Largest forces (N) that any roller met; nan for what the model does not know."""
-    rows = {"outer_force.max": Q_MAX, "inner_force.max": Q_I_MAX} if hasattr(model, "outer") else {}
-    rows |= {"cage_force.max": Q_P_MAX} if hasattr(model, "cage") else {}
+    rows = {"outer_force.max": Q_MAX, "inner_force.max": Q_I_MAX} if build.kind(case).loaded else {}
+    rows |= {"cage_force.max": Q_P_MAX} if build.kind(case).slips else {}
     found = {name: float(y[row : row + model.bearing.Z].max()) for name, row in rows.items()}
     return dict.fromkeys(("outer_force.max", "inner_force.max", "cage_force.max"), float("nan")) | found
 
@@ -172,9 +172,9 @@ def cage_and_load_zone(case: Case, model: Any, sampled: np.ndarray) -> dict[str,
     time = case.settle + np.arange(sampled.shape[1]) / case.sampling
     slip = -sampled[ROW_OF[SPEED_OF_CAGE]] / (model.bearing.omega_c * speed_factor(model, time))
     extent = float(sampled[ROW_OF[LOADED]].mean()) * 2.0 * pi / model.bearing.Z
-    free = hasattr(model, "cage")
+    kind = build.kind(case)
     return {
-        "load_zone.extent": extent if hasattr(model, "outer") else float("nan"),
-        "cage.slip.mean": float(slip.mean()) if free else float("nan"),
-        "cage.slip.std": float(slip.std()) if free else float("nan"),
+        "load_zone.extent": extent if kind.loaded else float("nan"),
+        "cage.slip.mean": float(slip.mean()) if kind.slips else float("nan"),
+        "cage.slip.std": float(slip.std()) if kind.slips else float("nan"),
     }

@@ -104,8 +104,10 @@ def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
     is in step, and only on the outer race at a steady speed: elsewhere cusps fall anywhere in a step, and the
     error averages out.
     """
-    found = getattr(model, "pits", None)
-    if found is None or len(found.head) == 0 or found.head[0, ON] != ON_OUTER or not steady(model):
+    if isinstance(model, impulse.Impulse) or not steady(model):
+        return model
+    found = model.pits
+    if len(found.head) == 0 or found.head[0, ON] != ON_OUTER:
         return model
     b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
     steps = (b.theta_0 - found.head[0, ANGLE]) / pass_angle * steps_per_pass  # whole when the cusp is met
@@ -115,7 +117,7 @@ def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
 
 def relaxed(model: Any, h: float) -> Any:
     """The model with friction that acts no faster than the step ``h`` (s), so that it limits no step."""
-    return model._replace(lag=h) if hasattr(model, "lag") else model
+    return model._replace(lag=h) if isinstance(model, planar.Planar) else model
 
 
 def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
@@ -126,7 +128,7 @@ def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
     y, residual = empty_buffer(model), 0.0
     if kind(case).loaded:
         residual = rest_from_scratch(statics(model), 0.0, y)
-        y[EPS : EPS + model.bearing.Z] = free.scattered(case, model)
+        y[EPS : EPS + model.bearing.Z] = free.scattered(case) if kind(case).slips else 0.0
         start_at_rest(model, 0.0, y)
     return y, residual
 

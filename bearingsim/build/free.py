@@ -120,10 +120,10 @@ def gravity(case: Case) -> float:
     return STANDARD_GRAVITY if case.gravity else 0.0
 
 
-def scattered(case: Case, model: Any) -> Any:
+def scattered(case: Case) -> Any:
     """Angles (Z,) in rad of the rollers from the middles of their pockets at the start; random with a seed."""
-    play = getattr(getattr(model, "cage", None), "play", 0.0)
-    if case.seed == 0 or play == 0.0:
+    found = cage(case)
+    if case.seed == 0 or not isinstance(found, cages.FreeCage):
         return 0.0
-    reach = play / (case.bearing.pitch_diameter / 2.0)
-    return np.random.default_rng(case.seed).uniform(-reach, reach, model.bearing.Z)
+    reach = found.play / (case.bearing.pitch_diameter / 2.0)
+    return np.random.default_rng(case.seed).uniform(-reach, reach, case.bearing.rollers)

@@ -17,7 +17,15 @@ from bearingsim.core.layout import (
     ACCELERATION,
     CE,
     EPS_V,
+    F_X,
+    F_X_C,
+    F_X_I,
+    F_Y,
+    F_Y_C,
+    F_Y_I,
     INVERSE_MASS,
+    M_C,
+    M_RING,
     PC,
     POSITION,
     PS,
@@ -27,7 +35,6 @@ from bearingsim.core.layout import (
     Q_P,
     SE,
     SPIN_V,
-    SUMS,
     TORQUE,
     VELOCITY,
     X_C,
@@ -39,10 +46,6 @@ from bearingsim.core.layout import (
     X,
     Y,
 )
-
-F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = (
-    SUMS + n for n in range(8)
-)  # cells: forces (N), torques (N m)
 
 
 class KinematicCage(NamedTuple):

@@ -39,16 +39,16 @@ TILT_O, TILT_I = (_FIRST + n * ROW for n in range(14, 16))  # tangential force o
 Q_MAX, OVERRUN, OVERRUN_MAX = (_FIRST + n * ROW for n in range(16, 19))  # largest Q_O; seconds over the step limit
 Q_I_MAX, Q_P_MAX = (_FIRST + n * ROW for n in range(19, 21))  # largest Q_I and |Q_P|
 WORK = _FIRST + 21 * ROW  # rows a model may use within an evaluation
+# (the equilibrium uses some of these rows before a motion begins: ``core/equilibrium.py``)
 PC, PS, CE, SE = (WORK + n * ROW for n in range(4))  # direction of a roller's pocket; cos and sin of EPS
-N_R, N_T, RHO_O, T_O = (
-    WORK + n * ROW for n in range(4, 8)
-)  # outer contact: normal along e_r, e_theta; distance of
-# the roller from the ring's centre (m); its speed across the normal (m/s)
+# outer contact: normal along e_r, e_theta; distance from the ring's centre (m); speed across the normal (m/s)
+N_R, N_T, RHO_O, T_O = (WORK + n * ROW for n in range(4, 8))
 M_R, M_T, RHO_I, T_I = (WORK + n * ROW for n in range(8, 12))  # the same of the inner contact
 PUSH_R, PUSH_T, TORQUE = (WORK + n * ROW for n in range(12, 15))  # on a roller: along e_r, e_theta (N), spin (N m)
 F_O, F_I = (WORK + n * ROW for n in range(15, 17))  # friction at the two contacts (N)
 APART_O, APART_I = (WORK + n * ROW for n in range(17, 19))  # rates of RHO_O, RHO_I of rollers over a pit (m/s)
-SUMS = WORK + 19 * ROW  # sums over rollers
+# cells, not rows: forces (N) and torques (N m) on ring, cage and inner ring
+F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = range(WORK + 19 * ROW, WORK + 19 * ROW + 8)
 WORKS = 20
 STAGE = WORK + WORKS * ROW  # states a method may use, between evaluations
 STAGES = 4

@@ -3,9 +3,8 @@
 from math import cos, sin
 from typing import Any, NamedTuple
 
-from bearingsim.core.cage import F_X_I, F_Y_I, M_RING
 from bearingsim.core.jit import generic
-from bearingsim.core.layout import ACCELERATION, POSITION, PSI, VELOCITY, X_I, Y_I
+from bearingsim.core.layout import ACCELERATION, F_X_I, F_Y_I, M_RING, POSITION, PSI, VELOCITY, X_I, Y_I
 
 
 class RigidShaft(NamedTuple):

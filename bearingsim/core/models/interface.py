@@ -11,14 +11,14 @@ class ModelKind(NamedTuple):
     """What others must know of a model.
 
     parameters: its ``NamedTuple``; loaded: its rollers carry load, and it starts from their static equilibrium;
-    massless: its rollers have no inertia; memoryless: each instant stands alone,
-    so it needs no method; per_crossing: steps of an automatic run over the narrowest pit; cost: CPU s of an
+    slips: rollers and cage move freely and can slip; memoryless: each instant stands alone, so it needs no method;
+    per_crossing: steps of an automatic run over the narrowest pit; cost: CPU s of an
     evaluation (benchmarks/step_cost.py, one core of a 2.6 GHz server; for estimates only).
     """
 
     parameters: type
     loaded: bool
-    massless: bool
+    slips: bool
     memoryless: bool
     per_crossing: int
     cost: float

@@ -18,18 +18,7 @@ Left out: tilt, skew and axial motion of rollers, the bending of rings and cage,
 from math import atan2, cos, sin, sqrt
 from typing import Any, NamedTuple
 
-from bearingsim.core.cage import (
-    F_X,
-    F_X_I,
-    F_Y,
-    F_Y_I,
-    M_RING,
-    drive_cage,
-    let_go,
-    orbit_drag,
-    pocket_stiffness,
-    pockets,
-)
+from bearingsim.core.cage import drive_cage, let_go, orbit_drag, pocket_stiffness, pockets
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import HALF_WIDTH, ON, ON_INNER, OUTER, RADIUS, SIDE, Pits, meeting
 from bearingsim.core.friction import mu, steepest
@@ -48,9 +37,14 @@ from bearingsim.core.layout import (
     EPS_V,
     F_I,
     F_O,
+    F_X,
+    F_X_I,
+    F_Y,
+    F_Y_I,
     INVERSE_MASS,
     LANES,
     M_R,
+    M_RING,
     M_T,
     N_R,
     N_T,
@@ -396,4 +390,4 @@ def _damping_per_mass(model, y, j):
     return max(y[INVERSE_MASS + j] * (outer + inner), held, rubbing / (1.0 + model.lag * rubbing))
 
 
-KIND = ModelKind(Planar, loaded=True, massless=False, memoryless=False, per_crossing=100, cost=0.52e-6)
+KIND = ModelKind(Planar, loaded=True, slips=True, memoryless=False, per_crossing=100, cost=0.52e-6)
