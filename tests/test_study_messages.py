@@ -285,3 +285,11 @@ def test_a_sweep_beyond_reason_is_refused(write: Write) -> None:
     thousand = "{linspace: [1 N, 2 N, 1001]}"
     text = BASE + f"sweep: {{load: {thousand}, clearance: {thousand.replace('N', 'um')}}}\n"
     assert "1002001 cases; at most 1000000" in str(problems(write(text))[0])
+
+
+def test_a_figure_of_what_no_model_of_the_study_knows_is_refused(write: Write) -> None:
+    """It would be empty: the cage does not slip below planar."""
+    path = write(BASE + "\nfigures: [{y: [velocity.rms, cage.slip.mean], x: load}]\nsweep: {load: [150 N, 300 N]}\n")
+    (found,) = problems(path)
+    assert "no model of the study has `cage.slip.mean`" in str(found)
+    assert "`model: planar`" in str(found)

@@ -89,14 +89,15 @@ def signals_of(job: Job, channel: str) -> Iterator[Signal]:
     if channel in series:
         yield Signal(time, np.asarray(series[channel], np.float64))
         return
-    names = dataset_names(recorded_as(channel, job.recorded) or channel)
+    whole = recorded_as(channel, job.recorded) or channel
+    names = dataset_names(whole)
     rows = [np.asarray(series[name], np.float64) for name in names]
     if channel.startswith("ring.") and len(rows) == 2:
         angle = job.known["rig.sensor_angle"]
         yield Signal(time, cos(angle) * rows[0] + sin(angle) * rows[1])
         return
     for name, values in zip(names, rows, strict=True):
-        yield Signal(time, values, name.removeprefix(channel).removeprefix("."))
+        yield Signal(time, values, name.removeprefix(whole).removeprefix("."))
 
 
 def unit_of(channel: str) -> str:

@@ -10,6 +10,13 @@ from bearingsim.yamlfile import Node, Problem, problem
 DRAWN = (*FEATURES, "seconds")
 """Columns of the results table that can stand on a y axis: features, and the CPU time of a job."""
 
+_LOADED = ("static", "ring", "rollers", "planar")
+KNOWN_TO = {
+    "cage": ("planar",),
+    **dict.fromkeys(("outer_force", "inner_force", "load_zone"), _LOADED),
+}
+"""Which models give the features that begin so; all others are every model's."""
+
 KEYS = ("y", "x", "by", "panels", "where", "title", "log")
 
 
@@ -22,6 +29,18 @@ def parse_figures(section: Node | None, swept: Collection[str], problems: list[P
         problems.append(problem(section.mark, message))
     found = [_figure(node, swept, problems) for node in section.items]
     return tuple(figure for figure in found if figure is not None)
+
+
+def check_known(section: Node | None, models: Collection[str], problems: list[Problem]) -> None:
+    """Note the features that none of a study's models can give, so that no figure stays empty."""
+    for figure in section.items if section is not None else ():
+        node = figure.mapping.get("y")
+        for one in () if node is None else node.items or (node,):
+            able = next((able for beginning, able in KNOWN_TO.items() if one.text.startswith(beginning)), models)
+            if not set(able) & set(models):
+                words = " or ".join(f"`model: {model}`" for model in able)
+                message = f"figures: no model of the study has `{one.text}`"
+                problems.append(problem(one.mark, message, f"it takes {words}"))
 
 
 def _figure(node: Node, swept: Collection[str], problems: list[Problem]) -> Figure | None:

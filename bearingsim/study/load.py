@@ -11,7 +11,7 @@ from bearingsim.config import Bearing, Case
 from bearingsim.config.conflicts import Path
 from bearingsim.study.diagnose import STUDY_KEYS, Found, case_of
 from bearingsim.study.expand import expanded
-from bearingsim.study.figures import parse_figures
+from bearingsim.study.figures import check_known, parse_figures
 from bearingsim.study.jobs import Study, case_id
 from bearingsim.study.paths import dimension, parse_path, put, value_at
 from bearingsim.study.sweep import Axis, is_sweep, parse_sweep, replaced, rows_of, single_axis, written_paths
@@ -54,6 +54,9 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     swept = {path: None for plan in plans for axis in plan.axes for path in axis.paths}
     figures = parse_figures(root.mapping.get("figures"), swept, problems)
     name = _name(root, problems)
+    if all(cases):
+        models = {case.model for found in cases for case, _ in found}
+        check_known(root.mapping.get("figures"), models, problems)
     problems += [found for plan in plans for found in plan.all_problems()]
     if problems:
         raise StudyError(_in_order(problems, str(path)))
