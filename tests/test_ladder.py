@@ -155,3 +155,12 @@ def test_channels_that_would_stay_zero_are_refused(name: str) -> None:
     ((message, advice),) = refusals(model="planar", record=[name])
     assert message.startswith(f"`{name}` stays zero")
     assert advice == f"give `{STILL[name]}`"
+
+
+def test_impulses_that_came_with_the_model_are_not_asked_for() -> None:
+    """So the message can name the model that gives the forces."""
+    with pytest.raises(ValidationError, match="contact force"):
+        case(model="impulse", record=["roller.outer_force"], defect=PIT)
+    assert "impulses" not in {need.what for need in needs(case(model="impulse", defect=PIT))}
+    asked = case(model="impulse", excitation="impulse-train", defect=PIT)
+    assert "impulses" in {need.what for need in needs(asked)}

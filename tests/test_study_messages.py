@@ -289,7 +289,9 @@ def test_a_sweep_beyond_reason_is_refused(write: Write) -> None:
 
 def test_a_figure_of_what_no_model_of_the_study_knows_is_refused(write: Write) -> None:
     """It would be empty: the cage does not slip below planar."""
-    path = write(BASE + "\nfigures: [{y: [velocity.rms, cage.slip.mean], x: load}]\nsweep: {load: [150 N, 300 N]}\n")
+    path = write(
+        BASE + "\nfigures: [{y: [velocity.rms, cage.slip.mean], x: load}]\nsweep: {load: [150 N, 300 N]}\n"
+    )
     (found,) = problems(path)
     assert "no model of the study has `cage.slip.mean`" in str(found)
     assert "`model: planar`" in str(found)

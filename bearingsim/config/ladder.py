@@ -82,6 +82,8 @@ def reasons(case: "Case") -> list[str]:
 
 def _of_defects(case: "Case") -> Iterator[Need]:
     excitation: tuple[Path, ...] = (("excitation",),)
+    if case.excitation in IMPULSES and "excitation" not in case.model_fields_set:
+        return  # it came with the model
     if case.excitation in IMPULSES:
         yield Need("impulses", f"`{case.excitation}` is forces in time, which only `impulse` computes", excitation)
     elif case.defects:
