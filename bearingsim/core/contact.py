@@ -340,6 +340,12 @@ def stiffness_slope(contact: Any, delta: float, v: float) -> float:
     """How fast the force grows with the approach, dQ/d(delta) (N/m), at ``delta`` >= 0 and ``v``."""
 
 
+@jit
+def in_series(outer: float, inner: float) -> float:
+    """Stiffness or damping of two contacts in series; 0 where one of them is 0."""
+    return outer * inner / max(outer + inner, 1e-300)
+
+
 @normal_force.register(HuntCrossley)
 def _force_hunt_crossley(contact, delta, v):
     return max(elastic(contact.stiffness, max(delta, 0.0)) * (1.0 + contact.chi * v), 0.0)

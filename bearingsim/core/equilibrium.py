@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.contact import damping_slope, share, tangent
+from bearingsim.core.contact import damping_slope, in_series, share, tangent
 from bearingsim.core.defects import HALF_WIDTH, SIDE
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
@@ -283,9 +283,9 @@ def ring_damping(model, y):
     for j in range(model.bearing.Z):
         outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), 0.0)
         inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), 0.0)
-        in_series = outer * inner / max(outer + inner, 1e-300)
-        c_xx += in_series * y[COS + j] * y[COS + j]
-        c_yy += in_series * y[SIN + j] * y[SIN + j]
+        both = in_series(outer, inner)
+        c_xx += both * y[COS + j] * y[COS + j]
+        c_yy += both * y[SIN + j] * y[SIN + j]
     return c_xx, c_yy
 
 

@@ -154,21 +154,31 @@ def place(theta_c, y, n):
 
 
 @jit
+def from_centre(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
+    """A roller as a ring sees it whose centre stands at u (m) and moves at ``v_x``, ``v_y`` (m/s).
+
+    c, s: of the roller's angle; r, v: its radius (m) and radial speed (m/s); theta_v: its orbit (rad/s). Returns
+    its distance rho from the centre (m), the direction n to it along e_r and e_theta, r - rho (m) without
+    cancellation, and its velocity relative to the centre along e_r and e_theta (m/s).
+    """
+    u_r, u_t = u_x * c + u_y * s, u_y * c - u_x * s
+    x = r - u_r
+    rho = sqrt(x * x + u_t * u_t)
+    short = u_r - u_t * u_t / (rho + x)
+    return rho, x / rho, -u_t / rho, short, v - (v_x * c + v_y * s), r * theta_v - (v_y * c - v_x * s)
+
+
+@jit
 def approach_outer(bearing, omega_cage, y, n):
     """Approach, its rate, normal and sideways speed of every outer contact over an undamaged race."""
     gap, middle = bearing.gap, 0.5 * (bearing.R_o + bearing.R_i)
     u_x, u_y, v_x, v_y = y[POSITION + X], y[POSITION + Y], y[VELOCITY + X], y[VELOCITY + Y]
     for j in range(n):
-        c, s = y[COS + j], y[SIN + j]
-        u_r, u_t = u_x * c + u_y * s, u_y * c - u_x * s
-        r = middle + y[Q + j]
-        d_r = y[V + j] - (v_x * c + v_y * s)
-        d_t = r * (omega_cage + y[EPS_V + j]) - (v_y * c - v_x * s)
-        x = r - u_r
-        rho = sqrt(x * x + u_t * u_t)
-        n_r, n_t = x / rho, -u_t / rho
+        rho, n_r, n_t, short, d_r, d_t = from_centre(
+            y[COS + j], y[SIN + j], middle + y[Q + j], y[V + j], omega_cage + y[EPS_V + j], u_x, u_y, v_x, v_y
+        )
         y[RHO_O + j], y[N_R + j], y[N_T + j] = rho, n_r, n_t
-        y[DELTA_O + j] = y[Q + j] - u_r - gap + u_t * u_t / (rho + x)
+        y[DELTA_O + j] = y[Q + j] - gap - short
         y[V_O + j] = n_r * d_r + n_t * d_t
         y[T_O + j] = n_r * d_t - n_t * d_r
         y[TILT_O + j] = 0.0
@@ -181,16 +191,11 @@ def approach_inner(bearing, omega_cage, y, n):
     gap, middle = bearing.gap, 0.5 * (bearing.R_o + bearing.R_i)
     u_x, u_y, v_x, v_y = y[POSITION + X_I], y[POSITION + Y_I], y[VELOCITY + X_I], y[VELOCITY + Y_I]
     for j in range(n):
-        c, s = y[COS + j], y[SIN + j]
-        u_r, u_t = u_x * c + u_y * s, u_y * c - u_x * s
-        r = middle + y[Q + j]
-        d_r = y[V + j] - (v_x * c + v_y * s)
-        d_t = r * (omega_cage + y[EPS_V + j]) - (v_y * c - v_x * s)
-        x = r - u_r
-        rho = sqrt(x * x + u_t * u_t)
-        n_r, n_t = x / rho, -u_t / rho
+        rho, n_r, n_t, short, d_r, d_t = from_centre(
+            y[COS + j], y[SIN + j], middle + y[Q + j], y[V + j], omega_cage + y[EPS_V + j], u_x, u_y, v_x, v_y
+        )
         y[RHO_I + j], y[M_R + j], y[M_T + j] = rho, n_r, n_t
-        y[DELTA_I + j] = -gap - y[Q + j] + u_r - u_t * u_t / (rho + x)
+        y[DELTA_I + j] = short - gap - y[Q + j]
         y[V_I + j] = -n_r * d_r - n_t * d_t
         y[T_I + j] = n_r * d_t - n_t * d_r
         y[TILT_I + j] = 0.0

@@ -17,7 +17,7 @@ the rollers' inertia and centrifugal load.
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.contact import damping_slope, normal_force, share, stiffness_slope
+from bearingsim.core.contact import damping_slope, in_series, normal_force, share, stiffness_slope
 from bearingsim.core.defects import Pits, sliding
 from bearingsim.core.equilibrium import ALONG, PIT, find_pits, roller_balance
 from bearingsim.core.jit import add, jit
@@ -136,12 +136,6 @@ def _accelerations(model, t, y):
 @begin.register(Ring)
 def _begin(model, t, y):
     accelerations(model, t, y)
-
-
-@jit
-def in_series(outer, inner):
-    """Stiffness or damping of two contacts in series; 0 where one of them is 0."""
-    return outer * inner / max(outer + inner, 1e-300)
 
 
 @stiffness_per_mass.register(Ring)
