@@ -1,0 +1,62 @@
+"""A roller cut across its axis into slices, and its profile.
+
+A slice is a short disc of the roller; its middle stands zeta (m) along the axis from the roller's middle, it
+carries the part w of the roller's contact (its part of the length), and is smaller than the roller by the drop of
+the profile. Slices end where pits end, and are of even length in between: the midpoint rule, of second order
+however the load ends along the roller (docs/spatial.md).
+"""
+
+from collections.abc import Callable, Iterable
+from math import log
+from typing import NamedTuple
+
+import numpy as np
+
+ZETA, WEIGHT, DROP = range(3)  # columns of a slice
+MAX_SLICES = 64
+IN_A_PIT = 3.0  # how many times as dense slices lie where a pit is
+
+
+class Slices(NamedTuple):
+    """table: (n, 3): zeta (m), weight (1; the sum is 1), drop (m) of each slice, from -z to +z."""
+
+    table: np.ndarray
+
+
+def edges(L_w: float, pits: Iterable[tuple[float, float]], n: int) -> np.ndarray:
+    """Ends (m, from the middle) of at least ``n`` slices of a roller of length ``L_w`` (m), (n + 1,).
+
+    pits: from where to where (m) each pit reaches along the roller. Every end of a pit is an end of a slice, so
+    there can be more than ``n``; at most ``MAX_SLICES``, else ``ValueError``.
+    """
+    inside = [(max(a, -L_w / 2.0), min(b, L_w / 2.0)) for a, b in pits]
+    cuts = np.unique(np.round([-L_w / 2.0, L_w / 2.0, *(end for pit in inside for end in pit)], 12))
+    middles, lengths = (cuts[1:] + cuts[:-1]) / 2.0, np.diff(cuts)
+    denser = [IN_A_PIT if any(a < middle < b for a, b in inside) else 1.0 for middle in middles]
+    wanted = n * lengths * denser / np.sum(lengths * denser)
+    counts = np.maximum(1, np.ceil(wanted - 1e-9)).astype(int)
+    if counts.sum() > MAX_SLICES:
+        raise ValueError(f"{counts.sum()} slices, at most {MAX_SLICES}")
+    parts = [np.linspace(a, b, m + 1)[:-1] for a, b, m in zip(cuts[:-1], cuts[1:], counts, strict=True)]
+    return np.append(np.concatenate(parts), cuts[-1])
+
+
+def slices(ends: np.ndarray, drop: Callable[[float], float]) -> Slices:
+    """Slices between ``ends`` (n + 1,) in m, with the roller's ``drop`` (m) at their middles."""
+    middles = (ends[1:] + ends[:-1]) / 2.0
+    table = np.stack([middles, np.diff(ends) / (ends[-1] - ends[0]), [drop(float(z)) for z in middles]], axis=1)
+    return Slices(np.ascontiguousarray(table))
+
+
+def crowned(z: float, L_w: float, straight: float, most: float) -> float:
+    """Drop (m) at ``z`` (m) of a parabola that sinks from the ends of the ``straight`` part to ``most`` (m)."""
+    beyond = max(abs(z) - straight / 2.0, 0.0) / (L_w / 2.0 - straight / 2.0) if straight < L_w else 0.0
+    return most * beyond * beyond
+
+
+def logarithmic(z: float, L_w: float, D_w: float) -> float:
+    """Drop (m) at ``z`` (m) of ISO/TS 16281's logarithmic profile, 0.00035 D_w ln[1/(1 - (2 z/L_w)^2)].
+
+    For rollers of L_w <= 2.5 D_w (ISO/TS 16281:2008, 5.4; after Lundberg).
+    """
+    return 0.00035 * D_w * log(1.0 / (1.0 - (2.0 * z / L_w) ** 2))
