@@ -36,6 +36,7 @@ Dimension = Literal[
     "torsional stiffness",
     "torsional damping",
     "number",
+    "share",
 ]
 
 
@@ -82,6 +83,7 @@ UNITS: dict[Dimension, dict[str, Factor]] = {
     "torsional stiffness": _decimal(**{"N m/rad": 0, "N mm/rad": -3}),
     "torsional damping": _decimal(**{"N m s/rad": 0, "N mm s/rad": -3}),
     "number": {"": Factor(Fraction(1))},
+    "share": {"%": Factor(Fraction(1, 100))},
 }
 
 EXPECTED: dict[Dimension, str] = {
@@ -103,6 +105,7 @@ EXPECTED: dict[Dimension, str] = {
     "torsional stiffness": "a torsional stiffness such as `1e4 N m/rad`",
     "torsional damping": "a torsional damping such as `0.1 N m s/rad`",
     "number": "a plain number such as `1.5`",
+    "share": "a share such as `60 %`",
 }
 
 DISPLAY: dict[Dimension, str] = {
@@ -124,6 +127,7 @@ DISPLAY: dict[Dimension, str] = {
     "torsional stiffness": "N m/rad",
     "torsional damping": "N m s/rad",
     "number": "",
+    "share": "%",
 }
 """Unit in which a quantity of each dimension is shown when nobody asked for another."""
 

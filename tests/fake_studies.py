@@ -16,7 +16,7 @@ import numpy as np
 
 from bearingsim.runner import Engine, Interrupted, run
 
-ENGINE = Engine("fake_studies:simulate", "fake_studies:estimate", "fake_studies:warm")
+ENGINE = Engine("fake_studies:simulate", "fake_studies:estimate", "fake_studies:warm", "fake_studies:notes")
 
 
 class FakeError(Exception):
@@ -87,6 +87,11 @@ def estimate(case: FakeCase) -> SimpleNamespace:
     if case.deed == "raise refused":
         raise ValueError("the step is over the limit")
     return SimpleNamespace(cpu_seconds=max(case.seconds, 0.001), bytes=8 * case.duration * case.sampling)
+
+
+def notes(case: FakeCase) -> list[str]:
+    """What is to be known of a case: its deed, if it has one."""
+    return [f"the deed is {case.deed}"] if case.deed.startswith("told") else []
 
 
 def warm(cases: list[FakeCase]) -> None:

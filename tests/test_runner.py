@@ -104,6 +104,13 @@ def test_bar_counts_jobs_and_failures(capsys: pytest.CaptureFixture[str]) -> Non
 # Resuming
 
 
+def test_summary_tells_what_is_to_be_known_of_the_cases(tmp_path: Path) -> None:
+    """Each thing once, whatever the number of cases."""
+    summary = compute(FakeStudy(deeds={0: "told a", 1: "told b", 2: "told a"}), tmp_path)
+    assert summary.notes == ("the deed is told a", "the deed is told b")
+    assert str(summary).endswith("the deed is told a\nthe deed is told b")
+
+
 def test_second_run_computes_nothing(tmp_path: Path) -> None:
     study = FakeStudy()
     compute(study, tmp_path)

@@ -5,13 +5,14 @@ import math
 import subprocess
 import sys
 from fractions import Fraction
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from bearingsim.config import Cage, Case, Drag, StaticDynamic
+from bearingsim.config.defect import Shape
 from bearingsim.study import NEW_STUDY, case_id, dimension, json_schema, load_study
 from tests.study_text import Write
 
@@ -213,7 +214,7 @@ def test_the_schema_knows_what_a_study_may_say() -> None:
     schema = json.loads(json.dumps(json_schema()))
     assert schema["required"] == ["study"]
     assert {"study", "sweep", "figures", "quick", "defect", *Case.model_fields} == schema["properties"].keys()
-    assert schema["$defs"]["Defect"]["properties"]["shape"]["enum"] == ["rectangular", "triangular", "circular"]
+    assert schema["$defs"]["Defect"]["properties"]["shape"]["enum"] == [*get_args(Shape)]
     assert schema["properties"]["friction"]["anyOf"][0]["enum"] == ["static-dynamic", "traction", "none"]
     assert schema["properties"]["drag"]["anyOf"][0] == {"const": "none"}
     assert "a class: C2, CN" in schema["properties"]["clearance"]["description"]

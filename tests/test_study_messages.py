@@ -124,7 +124,7 @@ def test_a_mistake_is_one_message_at_its_place(
 @pytest.mark.parametrize(
     ("defect", "caret", "message"),
     [
-        ("shape: cirular", "cirular", "defect.shape: expected `rectangular`, `triangular` or `circular`, got `cirular` (did you mean `circular`?)"),
+        ("shape: cirular", "cirular", "defect.shape: expected `rectangular`, `triangular`, `circular`, `elliptical`, `spall` or `scan`, got `cirular` (did you mean `circular`?)"),
         ("width: 0,8 mm", "0,8 mm", "defect.width: expected a length such as `0.8 mm`, got `0,8 mm` (write a decimal point)"),
         ("width: -0.8 mm", "-0.8 mm", "defect.width: expected a length above zero, such as `0.8 mm`, got `-0.8 mm`"),
         ("width: 5 deg", "5 deg", "defect.width: expected a length such as `0.8 mm`, got `5 deg` (`deg` is a unit of angle)"),
@@ -134,6 +134,11 @@ def test_a_mistake_is_one_message_at_its_place(
         ("depth: 9 mm, race: inner", "9 mm", "defect.depth: a defect 9 mm deep goes through the inner ring (6.5 mm)"),
         ("length: 13 mm", "13 mm", "defect.length: a defect of 13 mm is longer than the roller (12 mm)"),
         ("width: 19 mm", "19 mm", "defect.width: a defect of 19 mm is wider than the roller spacing (18.6079 mm)"),
+        ("offset: 8 mm", "8 mm", "defect.offset: a defect 8 mm off the middle is beyond the roller's end (6 mm): nothing of it is felt"),
+        ("grown: 60 %", "60 %", "defect.grown: only a spall has `grown` (leave it out, or say `shape: spall`)"),
+        ("shape: spall, grown: 0.6", "0.6", "defect.grown: expected a share such as `60 %`, got `0.6` (the unit is missing)"),
+        ("edge: {radus: 20 um}", "radus", "defect.edge: unknown key `radus` (did you mean `radius`?)"),
+        ("edge: {radius: 20 um, ramp: 1 um}", "{radius", "defect.edge: expected either `radius` or `ramp` (as in `edge: {radius: 20 um}`)"),
         ("lenght: 3 mm", "lenght", "defect: unknown key `lenght` (did you mean `length`?)"),
         ("angle: .nan deg", ".nan deg", "defect.angle: expected an angle such as `5 deg`, got `.nan deg` (the number must be finite)"),
     ],
@@ -164,6 +169,7 @@ duration: 1 N
 sweep: {defects.1.lenght: [1 mm], settle: [1 s, 2 mm]}
 figures: [{y: velocity@BPFO, x: load}]
 quick: {sweep: {model: [rigid]}}
+excitation: soft-edge
 """)
     told = "\n".join(map(str, problems(path, {"foo": "1"})))
     for part in [

@@ -23,7 +23,7 @@ def model(case: Case, support: Support) -> Impulse:
     rest, b = healthy_rest(case), geometry.bearing(case)
     filters = RESAMPLE_REACH / case.sampling
     end = case.settle + case.duration + filters + LEAD / case.bearing.ball_pass_frequency(case.speed)
-    found = [one for d in case.defects for one in pits.of_defect(case, d, pits.excitation(case))]
+    found = pits.met(case)
     zone = load_zone(case, rest.K_x + support.k_b, rest.K_y + support.k_b)
     blows = _train(case, zone, found, end)
     return Impulse(

@@ -168,7 +168,7 @@ def show(plan: Plan, verbose: bool) -> None:
     rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
     print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
-    for told in choices(plan):
+    for told in [*choices(plan), *notes(plan.study)]:
         out.print(told, markup=False)
     if verbose:
         _show_cases(plan)
@@ -195,6 +195,13 @@ def choices(plan: Plan) -> list[str]:
         found[text] = found.get(text, 0) + 1
     count = len(plan.cases)
     return [text if n == count else f"{n} of {count} cases: {text}" for text, n in found.items()]
+
+
+def notes(study: "Study") -> list[str]:
+    """What was repaired and assumed in the scans of a study, each thing once."""
+    from bearingsim.config import scan
+
+    return list(dict.fromkeys(note for case in study.cases() for note in scan.notes(case)))
 
 
 def _written_model(study: "Study") -> str | None:
@@ -259,6 +266,7 @@ def as_json(plan: Plan) -> str:
         "workers": plan.workers,
         "bytes": plan.bytes,
         "refused": list(plan.refused),
+        "notes": notes(plan.study),
         "jobs": [_job_entry(priced) for priced in plan.everything],
     }
     return json.dumps(found, indent=1)

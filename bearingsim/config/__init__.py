@@ -6,7 +6,7 @@ All sections are frozen and refuse unknown keys. pydantic's ValidationError is r
 
 from bearingsim.config.case import Case
 from bearingsim.config.contact import Constant, Contact, Damping, General, HuntCrossley, Kraemer
-from bearingsim.config.defect import Defect
+from bearingsim.config.defect import ROLLED, Defect, Edge
 from bearingsim.config.fields import Section
 from bearingsim.config.free import (
     Cage,
@@ -27,6 +27,7 @@ from bearingsim.config.names import CHANNELS, FEATURES, Channel, Feature, datase
 __all__ = [
     "CHANNELS",
     "FEATURES",
+    "ROLLED",
     "Bearing",
     "Cage",
     "CageFriction",
@@ -37,6 +38,7 @@ __all__ = [
     "Damping",
     "Defect",
     "Drag",
+    "Edge",
     "Feature",
     "Friction",
     "Frictionless",

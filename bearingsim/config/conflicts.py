@@ -1,117 +1,31 @@
 """Values of a case that are right alone but not together."""
 
-import math
 from collections.abc import Iterator
-from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from bearingsim.config import ladder
 from bearingsim.config.channels import plain, roller_number
+from bearingsim.config.conflict import Conflict, Path
 from bearingsim.config.contact import OF_LINES
 from bearingsim.config.defect import IMPULSES
 from bearingsim.config.free import Frictionless
+from bearingsim.config.pits import pit_conflicts
 from bearingsim.units import show
 
 if TYPE_CHECKING:
     from bearingsim.config.case import Case
-    from bearingsim.config.defect import Defect
-    from bearingsim.config.machine import Bearing
 
-Path = tuple[str | int, ...]
-"""Where a value stands in a case: `("defects", 0, "length")`."""
-
-
-class Conflict(NamedTuple):
-    """Values that do not go together: a kind, the paths concerned, why, and what would mend it."""
-
-    kind: str
-    paths: tuple[Path, ...]
-    message: str
-    hint: str | None = None
+__all__ = ["Conflict", "Path", "conflicts"]
 
 
 def conflicts(case: "Case") -> Iterator[Conflict]:
     """Everything in a case that does not fit together."""
-    yield from _defects(case)
+    yield from pit_conflicts(case)
     yield from _model(case)
     yield from _contact(case)
     yield from _free_motion(case)
     yield from _record(case)
     yield from _sizes(case)
-
-
-# Pits
-
-
-def _defects(case: "Case") -> Iterator[Conflict]:
-    for number, defect in enumerate(case.defects):
-        at = ("defects", number)
-        yield from _roller_of(at, defect, case.bearing)
-        yield from _length(at, defect, case.bearing)
-        yield from _width(at, defect, case.bearing)
-        yield from _depth(at, defect, case.bearing)
-    for first, second in combinations(range(len(case.defects)), 2):
-        yield from _overlap(first, second, case)
-
-
-def _roller_of(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
-    paths: tuple[Path, ...] = ((*at, "roller"), (*at, "race"))
-    if defect.roller is not None and defect.race != "roller":
-        message = f"a defect of the {defect.race} race is on no roller"
-        yield Conflict("roller", paths, message, "say `race: roller`, or leave it out")
-    elif defect.roller is not None and defect.roller > bearing.rollers:
-        message = f"there is no roller {defect.roller}: the bearing has {bearing.rollers}"
-        yield Conflict("roller", (paths[0], ("bearing", "rollers")), message, "they count from 1")
-
-
-def _length(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
-    longest, name, key = bearing.width, "bearing", "width"
-    if bearing.roller_length is not None:
-        longest, name, key = bearing.roller_length, "roller", "roller_length"
-    elif defect.race == "roller":
-        longest, name, key = bearing.roller_diameter, "ball", "roller_diameter"
-    if defect.length > longest:
-        length, most = show(defect.length, "mm"), show(longest, "mm")
-        paths: tuple[Path, ...] = ((*at, "length"), ("bearing", key))
-        yield Conflict("long", paths, f"a defect of {length} is longer than the {name} ({most})")
-
-
-def _width(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
-    widest, name = {
-        "outer": (bearing.roller_spacing, "roller spacing"),
-        "inner": (bearing.inner_spacing, "roller spacing on the inner race"),
-        "roller": (bearing.roller_diameter, "roller's diameter"),
-    }[defect.race]
-    if defect.width > widest:
-        width, most = show(defect.width, "mm"), show(widest, "mm")
-        message = f"a defect of {width} is wider than the {name} ({most})"
-        yield Conflict("wide", ((*at, "width"), ("bearing",)), message)
-
-
-def _depth(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
-    pitch, roller = bearing.pitch_diameter, bearing.roller_diameter
-    wall, through, key = {
-        "outer": ((bearing.outside_diameter - pitch - roller) / 2.0, "through the outer ring", "outside_diameter"),
-        "inner": ((pitch - roller - bearing.bore) / 2.0, "through the inner ring", "bore"),
-        "roller": (roller / 2.0, "past the roller's middle", "roller_diameter"),
-    }[defect.race]
-    if defect.depth >= wall:
-        depth, thick = show(defect.depth, "mm"), show(wall, "mm")
-        paths: tuple[Path, ...] = ((*at, "depth"), ("bearing", key))
-        yield Conflict("deep", paths, f"a defect {depth} deep goes {through} ({thick})")
-
-
-def _overlap(first: int, second: int, case: "Case") -> Iterator[Conflict]:
-    a, b = case.defects[first], case.defects[second]
-    if a.element != b.element:
-        return
-    pitch, roller = case.bearing.pitch_diameter, case.bearing.roller_diameter
-    radius = {"outer": (pitch + roller) / 2.0, "inner": (pitch - roller) / 2.0, "roller": roller / 2.0}[a.race]
-    distance = abs(math.remainder(a.angle - b.angle, 2.0 * math.pi)) * radius
-    if distance < (a.width + b.width) / 2.0:
-        paths = tuple(("defects", i, key) for i in (second, first) for key in ("angle", "width"))
-        message = f"overlaps defect {first + 1}: their centres are {show(distance, 'mm')} apart"
-        yield Conflict("overlap", paths, message, "move one, or make one wider defect of them")
 
 
 # Model

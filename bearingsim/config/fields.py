@@ -61,6 +61,7 @@ class QuantityOrAuto(Quantity):
 
 
 Length = Annotated[float, Quantity("length", above=0.0)]
+Place = Annotated[float, Quantity("length")]
 Angle = Annotated[float, Quantity("angle")]
 Rotation = Annotated[float, Quantity("rotation", above=0.0)]
 Force = Annotated[float, Quantity("force", above=0.0)]
@@ -83,6 +84,7 @@ Number = Annotated[float, Quantity("number", least=0.0)]
 PositiveNumber = Annotated[float, Quantity("number", above=0.0)]
 SignedNumber = Annotated[float, Quantity("number")]
 Share = Annotated[float, Quantity("number", least=0.0, most=1.0)]
+Percentage = Annotated[float, Quantity("share", least=0.0, most=1.0)]
 PoissonRatio = Annotated[float, Quantity("number", above=0.0, most=0.5)]
 
 

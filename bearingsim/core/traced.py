@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from bearingsim.core.defects import KAPPA, UNTOUCHED, Meeting, Pits, pits
-from bearingsim.core.depth import EVEN, SMOOTH, cuts, section
+from bearingsim.core.depth import EVEN, SMOOTH, Merged, Placed, Scanned, cuts, extent, section
 from bearingsim.core.envelope import FLAT, Path, cusp, packed, path_over, steepest
 from bearingsim.core.excitations import Traced
-from bearingsim.core.profile import relief
+from bearingsim.core.profile import Profile, relief
 
 Cut = tuple[float, float]
 """Weight (1) and middle z (m, from the roller's) of a slice of a roller."""
@@ -21,7 +21,7 @@ def across(pit: Any, L_w: float, nodes: int) -> list[Cut]:
     """Slices of a roller of length ``L_w`` (m) over a pit, their weights adding up to its share of the roller.
 
     Where the section is the same all along there is one; where it changes smoothly ``nodes`` of Gauss on the
-    longest stretch, in proportion on others; where it is rough twice as many, of even length.
+    longest stretch, in proportion on others; where it is rough as many of even length.
     """
     felt = [(max(a, -L_w / 2.0), min(b, L_w / 2.0), kind) for a, b, kind in cuts(pit)]
     felt = [(a, b, kind) for a, b, kind in felt if b > a]
@@ -39,16 +39,25 @@ def _rule(kind: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
         return np.zeros(1), np.full(1, 2.0)
     if kind == SMOOTH:
         return np.polynomial.legendre.leggauss(nodes)
-    return (np.arange(2 * nodes) + 0.5) / nodes - 1.0, np.full(2 * nodes, 1.0 / nodes)
+    return (2.0 * np.arange(nodes) + 1.0) / nodes - 1.0, np.full(nodes, 2.0 / nodes)
+
+
+Felt = tuple[tuple[float, ...], Path]
+"""A group without its weight (b, x_e, 0, depth), and its path."""
+
+
+def paths_over(pit: Any, R: float, places: Sequence[float]) -> tuple[Felt, ...]:
+    """What is felt of a pit at each z (m) of ``places``: found once."""
+    return _paths_over(pit, repr(pit), R, tuple(float(z) for z in places))
 
 
 @lru_cache(maxsize=64)
-def paths_over(pit: Any, R: float, places: tuple[float, ...]) -> tuple[tuple[tuple[float, ...], Path], ...]:
-    """Group without its weight (b, x_e, 0, depth) and path at each z (m) of ``places``: built once for a pit."""
+def _paths_over(pit: Any, named: str, R: float, places: tuple[float, ...]) -> tuple[Felt, ...]:
+    """``paths_over``, remembered; ``named`` tells shapes apart that are equal as tuples."""
     return tuple(_traced(section(pit, z), R) for z in places)
 
 
-def _traced(profile: Any, R: float) -> tuple[tuple[float, ...], Path]:
+def _traced(profile: Profile, R: float) -> Felt:
     path = path_over(profile, R)
     if len(path.pieces) == 0:
         return UNTOUCHED, path
@@ -59,7 +68,7 @@ def _traced(profile: Any, R: float) -> tuple[tuple[float, ...], Path]:
 def grouped(pit: Any, R: float, slices: Sequence[Cut]) -> tuple[list, list[Path]]:
     """Groups and paths of a roller over a pit; slices that feel the same are one group, the rest of it another."""
     found: dict[bytes, tuple[float, tuple, Path]] = {}
-    for (weight, _), (row, path) in zip(slices, paths_over(pit, R, tuple(z for _, z in slices)), strict=True):
+    for (weight, _), (row, path) in zip(slices, paths_over(pit, R, [z for _, z in slices]), strict=True):
         key = path.pieces.tobytes()
         before = found[key][0] if key in found else 0.0
         found[key] = (before + weight, row, path)
@@ -71,7 +80,7 @@ def grouped(pit: Any, R: float, slices: Sequence[Cut]) -> tuple[list, list[Path]
 
 def sliced(pit: Any, R: float, zetas: Sequence[float]) -> tuple[list, list[Path]]:
     """A group of weight 1 and a path for each slice of a roller whose middle is at zeta (m)."""
-    found = paths_over(pit, R, tuple(float(zeta) for zeta in zetas))
+    found = paths_over(pit, R, zetas)
     return [(1.0, *row) for row, _ in found], [path for _, path in found]
 
 
@@ -83,6 +92,22 @@ def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) ->
         if falls * weight > fall:
             place, fall = where, falls * weight
     return place
+
+
+def span_of(pit: Any, R: float) -> float:
+    """The shortest way (m) over a pit, or one of several merged, along its middle; ``R``: of the roller (m)."""
+    if isinstance(pit, Merged):
+        return min(span_of(part, R) for part in pit.pits)
+    low, high, z_0, z_1 = extent(pit)
+    path = path_over(section(pit, (z_0 + z_1) / 2.0), R)
+    return path.end - float(path.pieces[0, 0]) if len(path.pieces) else high - low
+
+
+def burr(pit: Any) -> float:
+    """How far (m) a pit's highest place stands out of the race; only a scan's can."""
+    if isinstance(pit, Placed):
+        return burr(pit.pit)
+    return max(0.0, -float(pit.depth.min())) if isinstance(pit, Scanned) else 0.0
 
 
 def traced_pits(meetings: Sequence[Meeting]) -> Pits:

@@ -66,7 +66,7 @@ def run(
     store.build_table(root)
     seconds = time.perf_counter() - started
     left_out = len((earlier & plan.sealed) - {job.id for job in every})
-    notes = tuple(_notes(left_out, plan.damaged))
+    notes = (*_notes(left_out, plan.damaged), *_told(engine, every))
     summary = tally.summary(study.name, len(ours), plan.resumed, seconds, interrupted, notes)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
     if interrupted:
@@ -83,6 +83,12 @@ def _notes(left_out: int, damaged: int) -> Iterator[str]:
     if damaged:
         units = f"{damaged} damaged unit{'s' * (damaged > 1)}"
         yield f"{units} found and set aside (units/*/*.damaged): their jobs are computed again"
+
+
+def _told(engine: Engine, jobs: Sequence["Job"]) -> list[str]:
+    """What a user must know of the cases, each thing once."""
+    say = load(engine.notes)
+    return list(dict.fromkeys(note for job in jobs for note in say(job.case)))
 
 
 def _workers(asked: int | None) -> int:

@@ -43,7 +43,8 @@ class RunSummary:
     """Result of a run: numbers of jobs planned, done before and done now, failures; times in s.
 
     ``start_cpu_s`` is what the workers took to import and compile, ``cpu_s`` their CPU time after that and
-    ``integrator_cpu_s`` the part of it inside the integrator; ``notes`` tell what became of earlier results.
+    ``integrator_cpu_s`` the part of it inside the integrator; ``notes`` tell what became of earlier results, and
+    what was repaired or assumed.
     """
 
     study: str

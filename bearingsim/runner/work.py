@@ -29,11 +29,14 @@ POLL_S = 2.0
 
 @dataclass(frozen=True)
 class Engine:
-    """Import paths ``module:function`` of what computes a case, estimates its cost, and compiles beforehand."""
+    """Import paths ``module:function`` of what computes a case, estimates its cost, compiles beforehand, and says
+    what a user must know of a case.
+    """
 
     simulate: str = "bearingsim.simulation:simulate"
     estimate: str = "bearingsim.choose:estimate"
     warm: str = "bearingsim.simulation:warm"
+    notes: str = "bearingsim.config.scan:notes"
 
 
 BEARINGSIM = Engine()

@@ -15,7 +15,7 @@ def expanded(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
 
     A name that leads nowhere stays as it is: the case refuses it with its place.
     """
-    tree = _listed_defects(tree, problems)
+    tree = _with_scans(_listed_defects(tree, problems), folder)
     tree = _with_default(tree, "rig", "bvt5")
     for section, kind in _REFERENCES:
         if section in tree.mapping:
@@ -39,6 +39,19 @@ def _listed_defects(tree: Node, problems: list[Problem]) -> Node:
     rest = {key: node for key, node in tree.mapping.items() if key != "defect"}
     listed = Node((single,), single.mark, single.key)
     return Node({"defects": listed} | rest, tree.mark, tree.key)
+
+
+def _with_scans(tree: Node, folder: FilePath) -> Node:
+    """The tree with the files of scans by their full paths: first looked for from here, then from `folder`."""
+    for number, defect in enumerate(tree.mapping.get("defects", _NOTHING).items):
+        file = defect.mapping.get("file")
+        if file is not None and isinstance(file.value, str):
+            found = next(
+                (base / file.value for base in (FilePath(), folder) if (base / file.value).is_file()), None
+            )
+            if found is not None:
+                tree = put(tree, ("defects", number, "file"), replace(file, value=str(found.absolute())))
+    return tree
 
 
 def _with_default(tree: Node, key: str, name: str) -> Node:

@@ -69,7 +69,7 @@ def value_at(case: Case, path: Path) -> Any:
 
 def _walk(section: type[Section], prefix: str) -> Iterator[tuple[str, Dimension | None]]:
     for name, field in section.model_fields.items():
-        if name in ("name", "source"):  # labels shape no result
+        if name in ("name", "source", "digest"):  # not for users to set, or labels that shape no result
             continue
         marks = [*field.metadata, *_leaves(field.annotation)]
         yield prefix + name, next((m.dimension for m in marks if isinstance(m, Quantity)), None)

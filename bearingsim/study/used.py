@@ -16,7 +16,7 @@ IDLE: dict[str, Any] = {
     "unbalance": None,
     "bearing": {"element": "roller", "inner_groove_radius": None, "outer_groove_radius": None},
     "rig": {"torsion_stiffness": None, "torsion_damping": None},
-    "defects": {"roller": None},
+    "defects": {"roller": None, "offset": 0.0, "edge": None, "grown": None, "seed": None, "digest": None},
 }
 """Values that do nothing. They are left out, so that a field that is new does not rename results that exist."""
 
@@ -32,6 +32,8 @@ def used(case: Case) -> dict[str, Any]:
         del material["young_modulus"], material["poisson_ratio"]
     if not case.defects:
         values.pop("excitation", None)
+    for defect in values["defects"]:
+        defect.pop("file")  # what is in it counts, not where it lies
     if case.model != "planar" and case.excitation != "random-impulses":
         values.pop("seed", None)
     return values
