@@ -155,7 +155,7 @@ def test_rollers_over_a_traced_slot_move_as_over_its_closed_form():
     by_table = model._replace(pits=traced_pits([slot._replace(groups=rows, paths=paths)]))
     expected, found = (drive(one, Verlet(1e-6), 6289, at_rest(one)) for one in (model, by_table))
     scale = np.abs(expected).max(axis=1, keepdims=True) + 1e-12
-    assert np.ptp(expected[-2]) > 50.0
+    assert expected[4].max() > 1000.0  # the ring is struck
     assert found / scale == pytest.approx(expected / scale, abs=1e-6)
 
 
