@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal, get_args
 
-from bearingsim.config.fields import Angle, Length, Section, one_of, whole
+from bearingsim.config.fields import Angle, Length, Section, SignedLength, one_of, whole
 
 Shape = Literal["rectangular", "triangular", "circular"]
 Race = Literal["outer", "inner", "roller"]
@@ -28,6 +28,8 @@ WEAKENED: tuple[Excitation, ...] = ("pressure-share", "soft-edge")
 class Defect(Section):
     """A pit: lengths in m (`length` along the axis, `width` along rolling), angle in rad.
 
+    `offset` is how far the pit's middle lies off the roller's, towards +z (m).
+
     `race` is the element that carries it; `roller` counts from 1 and is 1 if not given. The angle is taken from
     the load line (outer race; inner race at t = 0, turning with the ring) or, on a roller, from the outward
     radial direction at t = 0.
@@ -40,6 +42,7 @@ class Defect(Section):
     width: Length
     depth: Length
     angle: Angle = 0.0
+    offset: SignedLength = 0.0
 
     @property
     def element(self) -> tuple[str, int]:

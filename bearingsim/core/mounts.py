@@ -20,8 +20,8 @@ class Held(NamedTuple):
 class Sprung(NamedTuple):
     """On springs and dampers along the axis and against leaning, about where it was mounted.
 
-    m: kg; I_a, I_t: moments of inertia about its axis and across it (kg m^2); k_z: N/m; c_z: N s/m; k_lean: N m/rad;
-    c_lean: N m s/rad; lean_x, lean_y: components (1) of its axis as mounted.
+    m: kg; I_a, I_t: moments of inertia about its axis and across it (kg m^2); k_z: N/m; c_z: N s/m;
+    k_lean: N m/rad; c_lean: N m s/rad; lean_x, lean_y: components (1) of its axis as mounted.
     """
 
     m: float
