@@ -149,7 +149,7 @@ def run(
 @app.command()
 def plot(
     results: Results = None,
-    kind: Annotated[str, typer.Option(help="sweep, phase; of jobs series, spectrum, envelope, roller")] = "sweep",
+    kind: Annotated[str, typer.Option(help="sweep, phase; of jobs series, spectrum, envelope, roller, pit")] = "sweep",
     x: Annotated[str | None, typer.Option(metavar="PATH", help="swept path on the x axis")] = None,
     by: Annotated[list[str] | None, typer.Option(metavar="PATH", help="a curve per value; repeatable")] = None,
     y: Annotated[

@@ -17,13 +17,15 @@ if TYPE_CHECKING:
 
 __all__ = ["FORMATS", "KINDS", "drawn", "plot"]
 
-OF_JOBS = ("series", "spectrum", "envelope", "roller")
+PIT = "pit"
+OF_JOBS = ("series", "spectrum", "envelope", "roller", PIT)
 KINDS = ("sweep", "phase", *OF_JOBS)
 ALL = "all"
 USELESS = {
     **dict.fromkeys(("sweep", "phase"), ("span",)),
     **dict.fromkeys(OF_JOBS, ("x", "by", "panels", "span")),
     "series": ("x", "by", "panels"),
+    PIT: ("x", "y", "by", "panels", "span"),
 }
 """What a kind of figure does not take."""
 MOST_NAMED = 4  # jobs in the name of a file
@@ -159,9 +161,21 @@ def _of_jobs(
     chosen = named or (series.done_jobs(rows) if jobs else series.some_jobs(rows))
     if not chosen:
         raise PlotError("no job is done yet: there is nothing to draw")
+    if kind == PIT:
+        return _of_pits(results, chosen)
     options = {"span": changes["span"]} if changes.get("span") else {}
     name = _name_of_jobs(kind, y, [ALL] if jobs and not named else chosen)
     return [(name, series.DRAW[kind](results, chosen, y, **options))]
+
+
+def _of_pits(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
+    """A figure for each of the different pits of some jobs."""
+    from bearingsim.plots import pit
+
+    return [
+        (_slug([PIT, one.jobs[0][:8], *([str(one.number)] if one.of > 1 else [])]), pit.draw_pit(results, one))
+        for one in pit.sheets(results, jobs)
+    ]
 
 
 def _check_changes(kind: str, changes: Mapping[str, Any]) -> None:
