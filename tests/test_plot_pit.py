@@ -38,7 +38,7 @@ def group(shape, depth, z):
 @pytest.mark.parametrize("depth", [50e-6, 2e-6])
 def test_the_path_drawn_is_the_one_the_model_feels(shape, z, depth):
     made = pit(shape=shape, depth=depth)
-    assert made.R == pytest.approx(R)
+    assert pytest.approx(R) == made.R
     cut, row = section(made, z), np.array([1.0, *group(shape, depth, z)])
     felt = [depression(row, float(s), R)[0] for s in cut.s]
     assert np.max(np.abs(cut.h - felt)) < 1e-3 * np.max(felt)
@@ -148,7 +148,8 @@ def test_a_wide_pit_is_written(results):
     [
         STUDY,
         STUDY.replace("[static, ring]", "[spatial]") + "cage: {guide: outer-ring}\nfriction: traction\n"
-        "record: [roller.2.spin, cage.slip]\nmisalignment: {inner: 1 mrad}\nshaft: {stiffness: 1e8 N/m, mass: 1 kg}\n",
+        "record: [roller.2.spin, cage.slip]\nmisalignment: {inner: 1 mrad}\n"
+        "shaft: {stiffness: 1e8 N/m, mass: 1 kg}\n",
         STUDY.replace("nf308", "nu205")
         .replace("[static, ring]", "[planar]")
         .replace("9 mm", "5 mm")

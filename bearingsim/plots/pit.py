@@ -35,7 +35,7 @@ STEPS = (1.0, 2.0, 5.0)
 
 
 class Sheet(NamedTuple):
-    """A figure to draw: a pit, the jobs that have it, the first of them; number: of the pit in its case, from 1."""
+    """A figure to draw: a pit, its number (from 1) among those of its case, the jobs that have it, the roller."""
 
     pit: Pit
     number: int

@@ -1,6 +1,7 @@
 """Pits as a figure shows them: how deep they are, and how a roller passes over them."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -24,11 +25,13 @@ class Pit(NamedTuple):
     """One pit. Lengths in m; s along rolling from its middle, z along the roller from the roller's middle.
 
     race: what carries it; R: radius of the roller relative to the race it is met on (of a roller's pit the outer
-    one); s, z: from where to where it reaches; depth: p at s (n,) and z, positive downwards.
+    one); angle: rad, as in the case; s, z: from where to where it reaches; depth: p at s (n,) and z, positive
+    downwards.
     """
 
     race: str
     R: float
+    angle: float
     s: tuple[float, float]
     z: tuple[float, float]
     depth: Callable[[Reals, float], Reals]
@@ -84,14 +87,9 @@ def pits_of(case: "Case") -> Iterator[Pit]:
     from bearingsim.config.slicing import reach
 
     for defect in case.defects:
-        side = 1 if defect.race == "inner" else 0
-        yield Pit(
-            defect.race,
-            pits.reduced_radius(case, side),
-            (-defect.width / 2.0, defect.width / 2.0),
-            reach(defect),
-            lambda s, z, defect=defect: _depth(defect, s, z),
-        )
+        R = pits.reduced_radius(case, 1 if defect.race == "inner" else 0)
+        across = (-defect.width / 2.0, defect.width / 2.0)
+        yield Pit(defect.race, R, defect.angle, across, reach(defect), partial(_depth, defect))
 
 
 def _depth(defect: "Defect", s: Reals, z: float) -> Reals:

@@ -124,8 +124,8 @@ def _has_ramp(job: Job) -> bool:
 def roller_angle(job: Job, number: int) -> np.ndarray:
     """Where a roller (from 1) was during the record: rad from the load line, growing.
 
-    From the recorded speed or slip of the cage, or else as if it did not slip; what it slipped before the record
-    is not known. Raises PlotError for a speed that changes.
+    From the recorded speed or slip of the cage, or else as if it did not slip during the record. A roller's place
+    in its pocket is not known. Raises PlotError for a speed that changes.
     """
     if _has_ramp(job):
         raise labels.PlotError("under a ramp the rollers' angles are not known: draw the series instead")

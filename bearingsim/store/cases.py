@@ -14,8 +14,8 @@ WORDS = ("record",)  # stored as words joined by spaces
 def case_of(parameters: Mapping[Any, Any]) -> "Case":
     """The case of a job from its resolved parameters in SI, as ``Results.parameters`` has them.
 
-    What is not set (NaN or an empty text) is left out, and what was recorded: that is in the series. Raises pydantic's
-    ValidationError for parameters that make no case, as those of another version may.
+    What is not set (NaN or an empty text) is left out, and what was recorded: that is in the series. Raises
+    pydantic's ValidationError for parameters that make no case, as those of another version may.
     """
     from bearingsim.config import Case
 
