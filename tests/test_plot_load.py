@@ -107,7 +107,7 @@ def test_the_instants_are_before_over_and_after_the_pit(loaded):
         [text.get_text() for text in ax.get_legend().get_texts()] for ax in canvas.axes if ax.get_legend()
     ]
     assert [entry.split(",")[0] for entry in entries] == ["before", "over the pit", "largest after", "after"]
-    over, largest = (float(entry.split(", ")[1].split()[0]) for entry in entries[1:3])
+    over, largest = (float(entry.split(",\n")[1].split()[0]) for entry in entries[1:3])
     assert over == pytest.approx(1e3 * middle(), abs=0.03)
     assert 0.45 < (largest - 1e3 * middle()) * OMEGA_C * R_O < 0.62
     curves = {patch.get_label().split(",")[0]: patch.get_data() for patch in canvas.axes[1].patches}

@@ -52,7 +52,7 @@ def draw_load(results: "Results", jobs: Sequence[str], y: Sequence[str] = (), sp
     """
     found = recorded.all_jobs(results, jobs)
     rows = [(job, one) for job, known in found.items() for one in _loads(job, known, y, span)]
-    canvas = Canvas(figsize=(PICTURE_IN + PROFILE_IN + 1.2, ROW_IN * len(rows) + 0.8), layout="constrained")
+    canvas = Canvas(figsize=(PICTURE_IN + PROFILE_IN + 2.4, ROW_IN * len(rows) + 0.8), layout="constrained")
     axes = canvas.subplots(len(rows), 2, squeeze=False, sharey="row", width_ratios=[PICTURE_IN, PROFILE_IN])
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
     for (job, one), (picture, profile) in zip(rows, axes, strict=True):
@@ -173,11 +173,11 @@ def _draw_row(picture: "Axes", profile: "Axes", one: Loaded) -> None:
     for number, (name, at) in enumerate(instants(one).items()):
         look = {"color": COLOURS[number % len(COLOURS)], "ls": LINES[number % len(LINES)], "lw": 1.4}
         profile.stairs(factor * one.load[:, at], 1e3 * one.ends, orientation="horizontal", baseline=None,
-                       label=f"{name}, {1e3 * one.time[at]:.3f} ms", **look)  # fmt: skip
+                       label=f"{name},\n{1e3 * one.time[at]:.3f} ms", **look)  # fmt: skip
         picture.axvline(1e3 * one.time[at], color=look["color"], lw=1.0, ls=look["ls"])
     profile.set_xlabel(f"Line load ({unit})")
     profile.set_xlim(left=0.0)
-    profile.legend(loc="best", fontsize=7)
+    profile.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), fontsize=7, borderaxespad=0.0)
 
 
 def _draw_picture(ax: "Axes", one: Loaded, factor: float, label: str) -> None:
