@@ -148,6 +148,22 @@ def test_a_pit_of_the_inner_race_is_met_as_it_turns(loaded):
     assert canvas.axes[0].get_xlim()[0] == pytest.approx(1e3 * when - 1.5 * 0.8 / speed, abs=0.03)
 
 
+def test_the_pit_of_the_same_race_comes_first(loaded):
+    """Both could be passed within the record: the inner race's at 5.5 ms, the outer race's at 6.1 ms."""
+    inner = "{race: inner, shape: rectangular, length: 3 mm, width: 0.8 mm, depth: 0.05 mm, angle: -150 deg}"
+    text = STUDY.replace("defect: {", f"defects: [{inner}, {{").replace("20 deg}", "20 deg}]")
+    opened = loaded(text=text)
+    low, _ = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))[1].axes[0].get_xlim()
+    assert low == pytest.approx(1e3 * middle() - 1.5 * 0.8 / (OMEGA_C * R_O), abs=0.03)
+
+
+def test_a_roller_that_passes_no_pit_is_told(loaded):
+    opened = loaded(text=STUDY.replace("angle: 20 deg", "angle: -90 deg"))
+    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    assert "passes no pit of a race within the record" in canvas.get_supxlabel().replace("\u00a0", " ")
+    assert canvas.axes[0].get_xlim()[1] == pytest.approx(30.0, abs=0.05)
+
+
 def test_a_roller_without_a_number_is_the_first_one(loaded):
     text = STUDY.replace("roller.2.outer_line_load", "roller.outer_line_load")
     opened = loaded(text=text)
@@ -191,3 +207,10 @@ def test_instants_do_not_need_the_whole_pit_to_be_lifted():
     pit = SimpleNamespace(z=(0.0, 1.0))
     one = Loaded("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), SimpleNamespace(pit=pit))
     assert instants(one) == {"before": 0, "over the pit": 4, "largest after": 6, "after": 8}
+
+
+def test_the_largest_load_is_that_of_forces_not_of_line_loads():
+    """A slice of a tenth of the length counts a tenth."""
+    load = np.array([[1.0, 1.0, 2.0], [1.0, 9.0, 2.0]])
+    one = Loaded("c", np.arange(3.0), load, np.array([0.0, 10.0, 11.0]), None)
+    assert instants(one) == {"largest load": 2, "least load": 0}

@@ -106,6 +106,12 @@ def test_one_figure_for_each_different_pit(results):
     assert [name.startswith("pit-") for name, _ in sheets] == [True] * 3
 
 
+def test_pits_that_differ_in_depth_alone_are_different(results):
+    text = STUDY.replace("defect.length: [3 mm, 6 mm, 9 mm]", "defect.depth: [20 um, 50 um]")
+    sheets = drawn(results(text), kind="pit", jobs=["all"])
+    assert [bar.get_ylim()[0] for _, canvas in sheets for bar in canvas.axes[0].child_axes] == [20.0, 50.0]
+
+
 def test_pits_of_one_case_are_told_apart(results):
     two = "defects: [{race: inner, shape: circular, length: 3 mm, width: 0.8 mm, depth: 50 um, offset: 2 mm},\n" \
         "  {shape: triangular, length: 3 mm, width: 0.8 mm, depth: 50 um}]\n"  # fmt: skip

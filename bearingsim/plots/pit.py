@@ -135,7 +135,6 @@ def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
     s, z = _shown(sheet)
     ax.set_xlim(1e3 * s[0], 1e3 * s[1])
     ax.set_ylim(1e3 * z[0], 1e3 * z[1])
-    ax.set_aspect("equal")
     ax.grid(visible=False)
     ax.axhspan(-half, half, color="0.95", zorder=0.5, lw=0.0)
     for end in (-half, half):
