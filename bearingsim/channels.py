@@ -23,6 +23,7 @@ from bearingsim.core.layout import (
     X_I,
     Y_C,
     Y_I,
+    Q,
 )
 from bearingsim.core.motion import speed_factor
 
@@ -40,6 +41,7 @@ PLACES = {
     "load_zone.rollers": LOADED,
 }
 OF_ROLLER = {
+    "radial": Q,
     "outer_force": Q_O,
     "inner_force": Q_I,
     "outer_slip": SLIP_O,

@@ -88,7 +88,7 @@ def test_the_roller_stands_on_its_path_with_its_own_curvature(results):
     arc = next(line for line in close.lines if line.get_label() == "roller")
     s, depth = (1e-3 * arc.get_xdata(), 1e-6 * arc.get_ydata())
     assert np.polyfit(s, depth, 2)[0] == pytest.approx(-1.0 / (2.0 * R), rel=1e-3)
-    path = next(line for line in close.lines if line.get_label() == "path of the roller")
+    path = next(line for line in close.lines if line.get_label() == "path of a round roller")
     assert max(path.get_ydata()) == pytest.approx(0.8**2 / (8.0 * 1e3 * R) * 1e3, rel=1e-3)
     dots = [line for line in close.lines if line.get_marker() == "o"]
     assert len(dots) == 5

@@ -156,6 +156,7 @@ def _is_said(case: "Case", name: str) -> bool:
 _RECORDED = {
     "ring.acceleration": ("acceleration", "the ring's acceleration depends on its mass"),
     "ring.rotation": ("ring rotation", "`ring.rotation` is the turning of the outer ring"),
+    "roller.radial": ("inertia of rollers", "where a roller is, apart from the races, is recorded"),
     "roller.outer_force": ("forces", "a contact force is recorded"),
     "roller.inner_force": ("forces", "a contact force is recorded"),
     "roller.outer_slip": ("slip", "slip is recorded"),

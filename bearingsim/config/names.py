@@ -61,6 +61,7 @@ LINES: dict[str, Line] = {
 with sidebands of the cage, an unbalance at fr."""
 
 ROLLER = {
+    "radial": Channel(("",), "m", "displacement of roller {} outwards"),
     "outer_force": Channel(("",), "N", "contact force of roller {} on the outer race"),
     "inner_force": Channel(("",), "N", "contact force of roller {} on the inner race"),
     "outer_slip": Channel(("",), "m/s", "slip of roller {} on the outer race"),

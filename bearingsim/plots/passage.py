@@ -1,21 +1,34 @@
-"""When a roller passes a pit, from what its job has recorded."""
+"""When a roller passes a pit, and on which path, from what its job has recorded."""
 
 from math import pi
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from bearingsim.config.names import roller_of
 from bearingsim.plots.pit_shape import Pit, pits_of
-from bearingsim.plots.recorded import Job
+from bearingsim.plots.recorded import Job, recorded_as
 from bearingsim.plots.series import roller_angle
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
 
-__all__ = ["Passage", "first_passage"]
+__all__ = ["Passage", "Taken", "first_passage", "path_taken"]
 
 BEFORE, AFTER = 1.5, 3.0  # widths of the pit that are shown before and after its middle
 LEAST = 6e-4  # m: taken for the width of a narrower pit, since a roller may be anywhere in its pocket
+
+
+class Taken(NamedTuple):
+    """The path that a roller (from 1) took over a pit: place s and depth below the sound race (m), (n,) each.
+
+    lean: of the roller's axis, outwards (rad; (n,)), by which another section than its middle lies deeper.
+    """
+
+    number: int
+    s: np.ndarray
+    depth: np.ndarray
+    lean: np.ndarray
 
 
 class Passage(NamedTuple):
@@ -62,3 +75,30 @@ def _passage(job: Job, case: "Case", number: int, pit: Pit) -> Passage | None:
         if found.window[0] >= time[0] and found.window[1] <= time[-1]:
             return found
     return None
+
+
+def path_taken(job: Job, case: "Case", pit: Pit) -> Taken | None:
+    """The path of the first roller whose place was recorded; None without, or if it does not pass the pit.
+
+    The depth of its lowest point is what it has moved outwards beyond the play, less what the ring has (for a pit
+    of the inner race inwards). It includes the contact's elastic approach.
+    """
+    series = {name: np.asarray(values, np.float64) for name, values in job.series.channels.items()}
+    names = [name for name in job.recorded if (roller_of(name) or (0, ""))[1] == "radial"]
+    ring = "inner" if pit.race == "inner" else "ring"
+    held = ring == "inner" and case.shaft is None
+    if not names or pit.race == "roller" or not (held or f"{ring}.displacement.x" in series):
+        return None
+    number, _ = roller_of(names[0]) or (1, "")
+    passage = _passage(job, case, number, pit)
+    if passage is None:
+        return None
+    angle = roller_angle(job, number)
+    x, y = (0.0 if held else series[f"{ring}.displacement.{part}"] for part in "xy")
+    outwards = series[names[0]] - (x * np.cos(angle) + y * np.sin(angle))
+    depth = (-outwards if ring == "inner" else outwards) - case.clearance / 4.0
+    s = (job.series.time - passage.time) * passage.speed
+    tilt = recorded_as(f"roller.{number}.tilt", job.recorded)
+    lean = series[tilt] if tilt else np.zeros(len(s))
+    shown = (s >= pit.places()[0]) & (s <= pit.places()[-1])
+    return Taken(number, s[shown], depth[shown], (-lean if ring == "inner" else lean)[shown])

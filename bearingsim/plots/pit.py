@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from bearingsim.plots import labels, select
+from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.caption import fixed_values
+from bearingsim.plots.passage import Taken, path_taken
 from bearingsim.plots.pit_shape import MARGIN, Pit, Reals, Section, ends_of_slices, pits_of, section, told_apart
 from bearingsim.plots.style import COLOURS
 from bearingsim.plots.sweep import finish, letter
@@ -30,7 +31,7 @@ SHALLOW = 0.3  # of the pit's depth: a path that stays above this is shown once 
 CLOSER = 1.6  # of the path's depth, shown then
 ROLLERS = (-0.62, -0.25, 0.0, 0.25, 0.62)  # where rollers are drawn, in widths of the pit
 SCALE = "YlGnBu"
-RACE, PATH, ROLLER = "0.15", COLOURS[1], "0.55"
+RACE, PATH, ROLLER, TAKEN = "0.15", COLOURS[1], "0.55", COLOURS[0]
 STEPS = (1.0, 2.0, 5.0)
 
 
@@ -82,21 +83,25 @@ def draw_pit(results: "Results", sheet: Sheet) -> Canvas:
     Lengths are to scale; the heights of a section are exaggerated by a round number, which its title says. A path
     much shallower than the pit is drawn once more, closer.
     """
-    panels = list(_panels(sheet.pit))
+    panels, taken = list(_panels(sheet.pit)), _taken(results, sheet)
     wide, tall = _map_inches(sheet)
     right = LEFT + wide + BAR
     canvas = Canvas(figsize=(right + SECTION_IN + EDGE, 1.0))
-    finish(canvas, _title(sheet), _caption(results, sheet))
+    finish(canvas, _title(sheet), _caption(results, sheet, taken))
     bottom = LINE * (canvas.get_supxlabel().count("\n") + 1) + BELOW
-    stack = sum(panel.inches + ABOVE for panel in panels) + BELOW * (len(panels) - 1)
-    top = bottom + max(tall + ABOVE, stack) + (ABOVE if canvas.get_suptitle() else 0.0)
-    canvas.set_size_inches(canvas.get_figwidth(), top)
-    top -= ABOVE if canvas.get_suptitle() else 0.0
+    stack = sum(panel.inches + ABOVE + BELOW for panel in panels)
+    head = ABOVE if canvas.get_suptitle() else 0.0
+    canvas.set_size_inches(canvas.get_figwidth(), bottom + max(tall + ABOVE, stack) + head)
+    top = canvas.get_figheight() - head
     _draw_map(_place(canvas, LEFT, top - ABOVE - tall, wide, tall), sheet, panels)
-    for number, panel in enumerate(panels):
+    for number, panel in enumerate(panels, 1):
         top -= ABOVE + panel.inches
-        _draw_section(_place(canvas, right, top, SECTION_IN, panel.inches), panel, sheet.pit.R, number + 1)
+        ax = _place(canvas, right, top, SECTION_IN, panel.inches)
+        _draw_section(ax, panel, sheet.pit.R, number)
+        if taken is not None:
+            _draw_taken(ax, panel, taken[1])
         top -= BELOW
+    _name_curves(ax, right, top)
     return canvas
 
 
@@ -104,6 +109,15 @@ def _place(canvas: Canvas, left: float, bottom: float, width: float, height: flo
     """Axes at a place given in inches: their scales are, so the layout is."""
     wide, tall = canvas.get_size_inches()
     return canvas.add_axes((left / wide, bottom / tall, width / wide, height / tall))
+
+
+def _name_curves(ax: "Axes", left: float, top: float) -> None:
+    """A legend at a place given in inches."""
+    canvas = ax.get_figure(root=True)
+    assert canvas is not None
+    corner = (left / canvas.get_figwidth(), top / canvas.get_figheight())
+    where: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": corner, "borderaxespad": 0.0}
+    canvas.legend(*ax.get_legend_handles_labels(), ncols=4, fontsize=7.5, **where)
 
 
 # The map
@@ -200,7 +214,7 @@ def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
     s, width = 1e3 * cut.s, np.ptp(cut.s)
     ax.fill_between(s, 1e6 * cut.p, 1e6 * panel.floor, color="0.88", lw=0.0, zorder=1)
     ax.plot(s, 1e6 * cut.p, color=RACE, lw=1.1, label="pit", zorder=3)
-    ax.plot(s, 1e6 * cut.h, color=PATH, lw=1.5, label="path of the roller", zorder=4)
+    ax.plot(s, 1e6 * cut.h, color=PATH, lw=1.5, label="path of a round roller", zorder=4)
     inner = width / (1.0 + 2.0 * MARGIN)
     for place, name in zip(ROLLERS, ["roller", *[None] * (len(ROLLERS) - 1)], strict=True):
         here = float(np.mean(cut.s)) + place * inner
@@ -214,9 +228,12 @@ def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
     ax.set_ylabel("Depth (µm)")
     times = "to scale" if panel.times == 1.0 else f"heights ×{labels.number_text(panel.times)}"
     letter(ax, number, 2, f"section {panel.name}, {times}")
-    if number == 1:
-        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.99), ncols=3, fontsize=7, columnspacing=1.0,
-                  handlelength=1.8, borderaxespad=0.0)  # fmt: skip
+
+
+def _draw_taken(ax: "Axes", panel: Panel, taken: Taken) -> None:
+    """The path that a roller took, where it is inside the panel."""
+    depth = taken.depth + taken.lean * panel.section.z
+    ax.plot(1e3 * taken.s, 1e6 * depth, color=TAKEN, lw=1.3, ls=(0, (4, 1.2)), label="path it took", zorder=6)
 
 
 # Words
@@ -227,8 +244,24 @@ def _title(sheet: Sheet) -> str | None:
     return f"pit {sheet.number} of {sheet.of}, on {where}" if sheet.of > 1 else None
 
 
-def _caption(results: "Results", sheet: Sheet) -> list[str]:
+def _taken(results: "Results", sheet: Sheet) -> tuple[str, Taken] | None:
+    """The first job whose record shows which path a roller took, and that path."""
+    from bearingsim.store import case_of
+
+    for job in sheet.jobs:
+        [one] = recorded.all_jobs(results, [job]).values()
+        found = path_taken(one, case_of(one.known), sheet.pit)
+        if found is not None:
+            return job, found
+    return None
+
+
+def _caption(results: "Results", sheet: Sheet, taken: tuple[str, Taken] | None) -> list[str]:
     rows = select.case_rows(results)
     R = labels.number_text(round(1e3 * sheet.pit.R, 2))
     said = [f"race unrolled: the roller has the radius {R} mm that it has relative to the race"]
+    if taken is not None:
+        swept = next(entry["swept"] for entry in results.plan["jobs"] if entry["job"] == taken[0])
+        case = labels.described(swept, results.plan["units"])
+        said.append(f"path taken by roller {taken[1].number} at {case or 'this case'}")
     return [*said, *fixed_values(results, rows[rows["job"].isin(sheet.jobs)], set())]
