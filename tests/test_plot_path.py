@@ -89,7 +89,7 @@ def test_a_roller_presses_where_its_path_is_below_the_round_roller_s():
     assert lifted.sum() > 10
     assert np.mean(force[pressed] > 1.0) > 0.9  # damping lets go of what springs back fast
     assert abs(force[lifted]).max() == 0.0
-    assert found.depth.max() == pytest.approx(4.9e-6, rel=0.03)
+    assert found.depth.max() == pytest.approx(4.9e-6, rel=0.05)
     assert found.s[np.argmax(found.depth)] == pytest.approx(0.13e-3, abs=2e-5)
 
 
