@@ -15,7 +15,7 @@ from bearingsim import build
 from bearingsim.config import CHANNELS, Case
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.defects import DEPTH, HALF_WIDTH, REDUCED, USED, X_E, B, sliding
+from bearingsim.core.defects import DEPTH, REDUCED, SPAN, USED, X_E, B, sliding
 from bearingsim.core.equilibrium import NoEquilibrium, find_rest, rest_from_scratch
 from bearingsim.core.excitations import LEAPS
 from bearingsim.core.methods.interface import load_number
@@ -165,9 +165,9 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
 
 
 def crossing_time(model: Any) -> float:
-    """The shortest time (s) a contact takes to cross a pit from rim to rim; inf without pits."""
+    """The shortest time (s) a contact takes to cross a pit, or one of several merged; inf without pits."""
     pits = model.pits
-    times = [2.0 * pits.head[d, HALF_WIDTH] / abs(sliding(pits, d, model.bearing)) for d in range(len(pits.head))]
+    times = [pits.head[d, SPAN] / abs(sliding(pits, d, model.bearing)) for d in range(len(pits.head))]
     return float(min(times, default=inf))
 
 

@@ -12,7 +12,7 @@ from bearingsim.build import contacts, free, geometry, impulses, pits
 from bearingsim.build.rest import anchor, statics
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.defects import ANGLE, ON, ON_OUTER
+from bearingsim.core.defects import ANGLE, CUSP, ON, ON_OUTER, RADIUS
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import EPS, Q_O, buffer
 from bearingsim.core.methods import equilibrium, rk4, verlet
@@ -110,7 +110,8 @@ def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
     if len(found.head) == 0 or found.head[0, ON] != ON_OUTER:
         return model
     b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
-    steps = (b.theta_0 - found.head[0, ANGLE]) / pass_angle * steps_per_pass  # whole when the cusp is met
+    place = found.head[0, ANGLE] + found.head[0, CUSP] / found.head[0, RADIUS]
+    steps = (b.theta_0 - place) / pass_angle * steps_per_pass  # whole when the cusp is met
     ahead = ceil(steps + cusp) - cusp - steps
     return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))
 

@@ -15,6 +15,7 @@ from bearingsim.core.defects import (
     OUTER,
     Meeting,
     Pits,
+    groups_of,
     inner_reduced_radius,
     outer_reduced_radius,
     pits,
@@ -86,4 +87,4 @@ def of_defect(case: Case, d: config.Defect, chosen: Any) -> list[Meeting]:
 def cut(case: Case, d: config.Defect, chosen: Any, side: int) -> list:
     """The groups along the contact that a pit is cut into."""
     L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
-    return felt.groups(chosen, d.shape, d.length, d.width, d.depth, L_w, R, nodes)
+    return felt.groups(chosen, d.shape, groups_of(d.shape, d.length, d.width, d.depth, L_w, R, nodes), R)

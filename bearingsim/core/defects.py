@@ -41,7 +41,9 @@ class Meeting(NamedTuple):
 
     side: OUTER or INNER; on: ON_OUTER, ON_INNER, or the number of the roller that carries it; angle: rad from the
     load line (on the inner race at t = 0), or from the roller's outermost point at t = 0; radius: of the surface
-    that carries it (m); R: reduced radius of roller and race (m); groups: rows (w, b, x_e, kappa, depth).
+    that carries it (m); R: reduced radius of roller and race (m); groups: rows (w, b, x_e, kappa, depth); paths:
+    of a traced pit, one for each group (``core/traced.py``); cusp: place (m) of the sharpest cusp; span: the
+    shortest way (m) over the pit or a part of it, 0 if from rim to rim.
     """
 
     side: int
@@ -50,18 +52,26 @@ class Meeting(NamedTuple):
     radius: float
     R: float
     groups: Sequence[tuple[float, ...]]
+    paths: Sequence[Any] = ()
+    cusp: float = 0.0
+    span: float = 0.0
+
+    @property
+    def half_width(self) -> float:
+        """The distance (m) from the middle beyond which no group feels the pit."""
+        return float(max(row[B] for row in self.groups))
 
 
-SIDE, ON, ANGLE, RADIUS, REDUCED, HALF_WIDTH, USED = range(7)  # columns of a meeting's head
-HEAD = 7
+SIDE, ON, ANGLE, RADIUS, REDUCED, HALF_WIDTH, USED, CUSP, SPAN = range(9)  # columns of a meeting's head
+HEAD = 9
 
 
 class Pits(NamedTuple):
     """All meetings, packed in few arrays: each one that a function is handed costs it reference counting.
 
-    head: (D, 7) as in ``Meeting``, then half_width (m), beyond which no roller feels the pit, and used, its number
-    of groups; groups: (D, K, 5), padded with rows of weight zero; excitation: what a roller feels of a pit
-    (``core/excitations.py``).
+    head: (D, 9) as in ``Meeting``, then half_width (m), beyond which no roller feels the pit, used, its number of
+    groups, cusp (m) and span (m); groups: (D, K, 5), padded with rows of weight zero; excitation: what a roller
+    feels of a pit (``core/excitations.py``).
     """
 
     head: np.ndarray
@@ -92,25 +102,66 @@ def bowl(width: float, depth: float, R: float, zeta: float) -> tuple[float, floa
     return b, b * R / R_pit, 1.0 / (R_pit - R), depth * rest
 
 
-def groups_of(shape: str, length: float, width: float, depth: float, L_w: float, R: float, nodes: int) -> list:
-    """Groups (w, b, x_e, kappa, depth) of a centred pit; lengths in m, ``nodes`` on a bowl's half length.
+UNTOUCHED = (0.0, NEVER, 0.0, 0.0)
+"""b, x_e, kappa, depth where there is no pit."""
 
-    A pit may be longer than the contact (``L_w``), as a ball's often is: what lies beyond is not felt.
-    """
-    share, reach = min(1.0, length / L_w), min(1.0, L_w / length)
-    untouched = [(1.0 - share, 0.0, NEVER, 0.0, 0.0)] if share < 1.0 else []
+
+def section_of(shape: str, width: float, depth: float, R: float, zeta: float) -> tuple[float, float, float, float]:
+    """b, x_e, kappa, depth of a shape at zeta = 2 z/L from its middle, |zeta| < 1."""
     if shape == "rectangular":
-        return [*untouched, (share, *box(width, depth))]
+        return box(width, depth)
     if shape == "triangular":
-        return [*untouched, (share, *groove(width, depth, R))]
+        return groove(width, depth, R)
     if shape == "circular":
-        zeta, weight = np.polynomial.legendre.leggauss(nodes)
-        bowls = [
-            (share * float(w) / 2.0, *bowl(width, depth, R, reach * (1.0 + float(z)) / 2.0))
-            for z, w in zip(zeta, weight, strict=True)
-        ]
-        return [*untouched, *bowls]
+        return bowl(width, depth, R, zeta)
     raise ValueError(f"no such shape: {shape}")
+
+
+def groups_of(
+    shape: str, length: float, width: float, depth: float, L_w: float, R: float, nodes: int, offset: float = 0.0
+) -> list:
+    """Groups (w, b, x_e, kappa, depth) of a pit; lengths in m, ``nodes`` on a bowl's half length.
+
+    offset: of the pit's middle along the roller (m). What lies beyond the contact (``L_w``) is not felt.
+    """
+    low, high = max(-length / 2.0, -L_w / 2.0 - offset), min(length / 2.0, L_w / 2.0 - offset)
+    share = min(1.0, max(high - low, 0.0) / L_w)
+    untouched = [(1.0 - share, *UNTOUCHED)] if share < 1.0 else []
+    if share == 0.0:
+        return untouched
+    if shape != "circular":
+        return [*untouched, (share, *section_of(shape, width, depth, R, 0.0))]
+    halves = [(0.0, high, share)] if low == -high else _halves(low, high, L_w)
+    return [*untouched, *(row for half in halves for row in _bowls(half, length, width, depth, R, nodes))]
+
+
+def _halves(low: float, high: float, L_w: float) -> list[tuple[float, float, float]]:
+    """From where to where (m, from the middle) either half of a pit is felt, and its share of the contact."""
+    if low >= 0.0 or high <= 0.0:
+        a, b = sorted((abs(low), abs(high)))
+        return [(a, b, (b - a) / L_w)]
+    return [(0.0, -low, -low / L_w), (0.0, high, high / L_w)]
+
+
+def _bowls(
+    half: tuple[float, float, float], length: float, width: float, depth: float, R: float, nodes: int
+) -> list:
+    low, high = 2.0 * half[0] / length, 2.0 * half[1] / length
+    zeta, weight = np.polynomial.legendre.leggauss(nodes)
+    return [
+        (half[2] * float(w) / 2.0, *bowl(width, depth, R, low + (high - low) * (1.0 + float(z)) / 2.0))
+        for z, w in zip(zeta, weight, strict=True)
+    ]
+
+
+def slices_of(
+    shape: str, length: float, width: float, depth: float, R: float, zetas: Sequence[float], offset: float = 0.0
+) -> list:
+    """A group of weight 1 for each slice of a roller whose middle is at zeta (m), the pit's at ``offset`` (m)."""
+    places = [2.0 * (zeta - offset) / length for zeta in zetas]
+    return [
+        (1.0, *(section_of(shape, width, depth, R, place) if abs(place) < 1.0 else UNTOUCHED)) for place in places
+    ]
 
 
 def pits(meetings: Sequence[Meeting], excitation: Any) -> Pits:
@@ -120,8 +171,10 @@ def pits(meetings: Sequence[Meeting], excitation: Any) -> Pits:
     for row, one in zip(groups, meetings, strict=True):
         row[: len(one.groups)] = one.groups
     head = np.zeros((len(meetings), HEAD))
-    for row, one, cut in zip(head, meetings, groups, strict=True):
-        row[:] = one.side, one.on, one.angle, one.radius, one.R, cut[:, B].max(), len(one.groups)
+    for row, one in zip(head, meetings, strict=True):
+        reach, used = one.half_width, len(one.groups)
+        span = one.span or 2.0 * reach
+        row[:] = one.side, one.on, one.angle, one.radius, one.R, reach, used, one.cusp, span
     return Pits(head, groups, excitation)
 
 

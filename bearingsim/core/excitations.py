@@ -20,7 +20,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.core.defects import DEPTH, KAPPA, NEVER, X_E, B, W, depression, groups_of
+from bearingsim.core.defects import DEPTH, KAPPA, NEVER, X_E, B, W, depression
+from bearingsim.core.envelope import looked_up
 from bearingsim.core.jit import generic, jit
 
 KEPT, LOST = -1.0, 1.0  # in column KAPPA of ``PressureShare``: which part of the pressure a group is
@@ -35,13 +36,8 @@ def felt(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float,
 
 
 @generic
-def groups(
-    excitation: Any, shape: str, length: float, width: float, depth: float, L_w: float, R: float, nodes: int
-) -> list:
-    """Rows (w, b, x_e, kappa, depth) of a centred pit, as ``felt`` reads them; arguments of ``defects.groups_of``.
-
-    Raises ``ValueError`` for a shape that is not known. Plain Python.
-    """
+def groups(excitation: Any, shape: str, rows: list, R: float) -> list:
+    """Rows of a pit as ``felt`` reads them, from the ``rows`` of its envelope. Plain Python."""
 
 
 class Envelope(NamedTuple):
@@ -58,13 +54,29 @@ def _felt_envelope(excitation, group, s, R):
 
 
 @groups.register(Envelope)
-def _groups_envelope(excitation, shape, length, width, depth, L_w, R, nodes):
-    return groups_of(shape, length, width, depth, L_w, R, nodes)
+def _groups_envelope(excitation, shape, rows, R):
+    return rows
 
 
-def pulses(shape: str, length: float, width: float, depth: float, L_w: float, R: float, nodes: int) -> list:
-    """The envelope's groups with the sag of each, its h in the middle (m), in place of its depth."""
-    rows = groups_of(shape, length, width, depth, L_w, R, nodes)
+class Traced(NamedTuple):
+    """The same path where it has no closed form: looked up in a table, built once for a pit (``core/traced.py``).
+
+    Column KAPPA of a group says where in ``table`` its path begins. Left out: what ``Envelope`` leaves out.
+    """
+
+    table: np.ndarray
+
+
+@felt.register(Traced)
+def _felt_traced(excitation, group, s, R):
+    if abs(s) >= group[B]:
+        return 1.0, 0.0, 0.0
+    h, slope = looked_up(excitation.table, int(group[KAPPA]), s)
+    return 1.0, h, slope
+
+
+def pulses(rows: list, R: float) -> list:
+    """The envelope's rows with the sag of each, its h in the middle (m), in place of its depth."""
     return [(row[W], row[B], NEVER, 0.0, float(depression(np.array(row), 0.0, R)[0])) for row in rows]
 
 
@@ -83,8 +95,8 @@ def _felt_rectangular(excitation, group, s, R):
 
 
 @groups.register(RectangularPulse)
-def _groups_rectangular(excitation, shape, length, width, depth, L_w, R, nodes):
-    return pulses(shape, length, width, depth, L_w, R, nodes)
+def _groups_rectangular(excitation, shape, rows, R):
+    return pulses(rows, R)
 
 
 class HalfSinePulse(NamedTuple):
@@ -105,8 +117,8 @@ def _felt_half_sine(excitation, group, s, R):
 
 
 @groups.register(HalfSinePulse)
-def _groups_half_sine(excitation, shape, length, width, depth, L_w, R, nodes):
-    return pulses(shape, length, width, depth, L_w, R, nodes)
+def _groups_half_sine(excitation, shape, rows, R):
+    return pulses(rows, R)
 
 
 class PiecewisePulse(NamedTuple):
@@ -133,10 +145,11 @@ def _felt_piecewise(excitation, group, s, R):
 
 
 @groups.register(PiecewisePulse)
-def _groups_piecewise(excitation, shape, length, width, depth, L_w, R, nodes):
-    rows = pulses(shape, length, width, depth, L_w, R, nodes)
-    floor = sqrt(2.0 * R * depth) if shape == "rectangular" else NEVER
-    return [(w, b, min(b, floor), 0.0, sag) for w, b, _, _, sag in rows]
+def _groups_piecewise(excitation, shape, rows, R):
+    floors = [sqrt(2.0 * R * row[DEPTH]) if shape == "rectangular" else NEVER for row in rows]
+    return [
+        (w, b, min(b, floor), 0.0, sag) for (w, b, _, _, sag), floor in zip(pulses(rows, R), floors, strict=True)
+    ]
 
 
 class ClearanceIncrease(NamedTuple):
@@ -154,8 +167,7 @@ def _felt_clearance(excitation, group, s, R):
 
 
 @groups.register(ClearanceIncrease)
-def _groups_clearance(excitation, shape, length, width, depth, L_w, R, nodes):
-    rows = groups_of(shape, length, width, depth, L_w, R, nodes)
+def _groups_clearance(excitation, shape, rows, R):
     return [(row[W], row[B], NEVER, 0.0, row[DEPTH]) for row in rows]
 
 
@@ -201,9 +213,9 @@ def _felt_pressure_share(excitation, group, s, R):
 
 
 @groups.register(PressureShare)
-def _groups_pressure_share(excitation, shape, length, width, depth, L_w, R, nodes):
+def _groups_pressure_share(excitation, shape, rows, R):
     found = []
-    for row in groups_of(shape, length, width, depth, L_w, R, nodes):
+    for row in rows:
         if row[DEPTH] == 0.0:
             found.append((row[W], 0.0, NEVER, KEPT, 0.0))
         else:
@@ -234,8 +246,8 @@ def _felt_soft_edge(excitation, group, s, R):
 
 
 @groups.register(SoftEdge)
-def _groups_soft_edge(excitation, shape, length, width, depth, L_w, R, nodes):
-    return groups_of(shape, length, width, depth, L_w, R, nodes)
+def _groups_soft_edge(excitation, shape, rows, R):
+    return rows
 
 
 LEAPS = (RectangularPulse, ClearanceIncrease, PressureShare)

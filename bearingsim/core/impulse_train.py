@@ -25,7 +25,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.defects import INNER, ON_INNER, B, Meeting, W, depression
+from bearingsim.core.defects import INNER, ON_INNER, Meeting, W, depression
+from bearingsim.core.envelope import sinking
 from bearingsim.core.parameters import Bearing
 
 PLACES = 200  # at which the load shed is summed, over half a pit
@@ -113,10 +114,10 @@ def part_of_stiffness(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
 
 def shed_width(meeting: Meeting, delta: np.ndarray, kappa: np.ndarray, n: float) -> np.ndarray:
     """Integral of P over the pit (n,), m: how far rollers with approach ``delta`` > 0 (n,) m go unloaded."""
-    s = (np.arange(PLACES) + 0.5) / PLACES * max(row[B] for row in meeting.groups)
-    h = [np.array([depression(np.array(row), x, meeting.R)[0] for x in s]) for row in meeting.groups]
+    s = ((np.arange(2 * PLACES) + 0.5) / PLACES - 1.0) * meeting.half_width
+    h = sinkings(meeting, s)
     delta, kappa = delta[:, None], kappa[:, None]
-    P = np.repeat(1.0 / (1.0 - kappa), PLACES, axis=1)
+    P = np.repeat(1.0 / (1.0 - kappa), 2 * PLACES, axis=1)
     for _ in range(NEWTON):
         excess, slope = (1.0 - kappa) * P - 1.0, 1.0 - kappa
         for row, sunk in zip(meeting.groups, h, strict=True):
@@ -124,7 +125,14 @@ def shed_width(meeting: Meeting, delta: np.ndarray, kappa: np.ndarray, n: float)
             force = row[W] * left ** (n - 1.0)
             excess, slope = excess + force * left, slope + force * kappa
         P = P - excess / slope
-    return 2.0 * (s[0] + s[-1]) * P.mean(axis=1)
+    return 2.0 * meeting.half_width * P.mean(axis=1)
+
+
+def sinkings(meeting: Meeting, s: np.ndarray) -> list[np.ndarray]:
+    """How far (n,) m each group lets a roller sink at ``s`` (n,) m."""
+    if meeting.paths:
+        return [sinking(path, s)[0] for path in meeting.paths]
+    return [np.array([depression(np.array(row), x, meeting.R)[0] for x in s]) for row in meeting.groups]
 
 
 def strengths(bearing: Bearing, zone: LoadZone, meeting: Meeting, phi: np.ndarray) -> np.ndarray:
@@ -174,7 +182,7 @@ def random_train(
     parts = []
     for meeting, draw in zip(meetings, generator.spawn(len(meetings)), strict=True):
         times, phi, J = struck(bearing, zone, meeting, start, end)
-        width = 2.0 * max(row[B] for row in meeting.groups)
+        width = 2.0 * meeting.half_width
         N = max(1, round(width / spacing))
         u = draw.random((len(times), N, 2))
         late = (u[:, :, 0] - 0.5) * width / crossing_speed(bearing, meeting)

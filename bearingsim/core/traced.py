@@ -1,0 +1,96 @@
+"""From a depth map to what the core reads: where a pit is cut along the roller, its paths, and their table."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from bearingsim.core.defects import KAPPA, UNTOUCHED, Meeting, Pits, pits
+from bearingsim.core.depth import EVEN, SMOOTH, cuts, section
+from bearingsim.core.envelope import FLAT, Path, cusp, packed, path_over, steepest
+from bearingsim.core.excitations import Traced
+from bearingsim.core.profile import relief
+
+Cut = tuple[float, float]
+"""Weight (1) and middle z (m, from the roller's) of a slice of a roller."""
+
+
+def across(pit: Any, L_w: float, nodes: int) -> list[Cut]:
+    """Slices of a roller of length ``L_w`` (m) over a pit, their weights adding up to its share of the roller.
+
+    Where the section is the same all along there is one; where it changes smoothly ``nodes`` of Gauss on the
+    longest stretch, in proportion on others; where it is rough twice as many, of even length.
+    """
+    felt = [(max(a, -L_w / 2.0), min(b, L_w / 2.0), kind) for a, b, kind in cuts(pit)]
+    felt = [(a, b, kind) for a, b, kind in felt if b > a]
+    longest = max((b - a for a, b, _ in felt), default=0.0)
+    return [
+        ((b - a) / L_w * float(weight) / 2.0, (a + b) / 2.0 + (b - a) / 2.0 * float(x))
+        for a, b, kind in felt
+        for x, weight in zip(*_rule(kind, ceil(nodes * (b - a) / longest - 1e-9)), strict=True)
+    ]
+
+
+def _rule(kind: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Places in (-1, 1) and weights (sum 2)."""
+    if kind == EVEN:
+        return np.zeros(1), np.full(1, 2.0)
+    if kind == SMOOTH:
+        return np.polynomial.legendre.leggauss(nodes)
+    return (np.arange(2 * nodes) + 0.5) / nodes - 1.0, np.full(2 * nodes, 1.0 / nodes)
+
+
+@lru_cache(maxsize=64)
+def paths_over(pit: Any, R: float, places: tuple[float, ...]) -> tuple[tuple[tuple[float, ...], Path], ...]:
+    """Group without its weight (b, x_e, 0, depth) and path at each z (m) of ``places``: built once for a pit."""
+    return tuple(_traced(section(pit, z), R) for z in places)
+
+
+def _traced(profile: Any, R: float) -> tuple[tuple[float, ...], Path]:
+    path = path_over(profile, R)
+    if len(path.pieces) == 0:
+        return UNTOUCHED, path
+    reach = R * steepest(path)
+    return (max(-path.pieces[0, 0], path.end, reach), reach, 0.0, relief(profile)), path
+
+
+def grouped(pit: Any, R: float, slices: Sequence[Cut]) -> tuple[list, list[Path]]:
+    """Groups and paths of a roller over a pit; slices that feel the same are one group, the rest of it another."""
+    found: dict[bytes, tuple[float, tuple, Path]] = {}
+    for (weight, _), (row, path) in zip(slices, paths_over(pit, R, tuple(z for _, z in slices)), strict=True):
+        key = path.pieces.tobytes()
+        before = found[key][0] if key in found else 0.0
+        found[key] = (before + weight, row, path)
+    rest = 1.0 - sum(weight for weight, _ in slices)
+    untouched = [(rest, UNTOUCHED, FLAT)] if rest > 1e-12 else []
+    parts = [*untouched, *found.values()]
+    return [(weight, *row) for weight, row, _ in parts], [path for _, _, path in parts]
+
+
+def sliced(pit: Any, R: float, zetas: Sequence[float]) -> tuple[list, list[Path]]:
+    """A group of weight 1 and a path for each slice of a roller whose middle is at zeta (m)."""
+    found = paths_over(pit, R, tuple(float(zeta) for zeta in zetas))
+    return [(1.0, *row) for row, _ in found], [path for _, path in found]
+
+
+def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) -> float:
+    """Place (m) of the cusp that the most of a roller feels the most of; 0 if there is none."""
+    cusps = [(cusp(path), row[0]) for row, path in zip(groups, paths, strict=True) if len(path.pieces)]
+    place, fall = 0.0, 0.0
+    for (where, falls), weight in cusps:
+        if falls * weight > fall:
+            place, fall = where, falls * weight
+    return place
+
+
+def traced_pits(meetings: Sequence[Meeting]) -> Pits:
+    """The meetings packed, and their paths in one table."""
+    paths = [path for one in meetings for path in one.paths if len(path.pieces)]
+    table, places = packed(paths)
+    found, left = pits(meetings, Traced(table)), iter(places)
+    for groups, one in zip(found.groups, meetings, strict=True):
+        for row, path in zip(groups, one.paths, strict=False):
+            row[KAPPA] = next(left) if len(path.pieces) else 0.0
+    return found
