@@ -18,7 +18,7 @@ from bearingsim.core.layout import EPS, Q_O, buffer
 from bearingsim.core.methods import equilibrium, rk4, verlet
 from bearingsim.core.methods import impulses as exact
 from bearingsim.core.methods.interface import MethodKind
-from bearingsim.core.models import impulse, planar, ring, rollers, static
+from bearingsim.core.models import impulse, planar, ring, rollers, spatial, static
 from bearingsim.core.models.interface import ModelKind
 from bearingsim.core.motion import steady
 from bearingsim.core.parameters import Support
@@ -118,7 +118,7 @@ def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
 
 def relaxed(model: Any, h: float) -> Any:
     """The model with friction that acts no faster than the step ``h`` (s), so that it limits no step."""
-    return model._replace(lag=h) if isinstance(model, planar.Planar) else model
+    return model._replace(lag=h) if isinstance(model, planar.Planar | spatial.Spatial) else model
 
 
 def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
@@ -136,7 +136,12 @@ def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
 
 def empty_buffer(model: Any) -> np.ndarray:
     """A zeroed state buffer for the model."""
-    return buffer(model.bearing.Z, model.bearing.m_r)
+    return buffer(model.bearing.Z, model.bearing.m_r, slices_of(model))
+
+
+def slices_of(model: Any) -> int:
+    """How many slices a roller of the model is cut into; 0 of a model that cuts none."""
+    return len(model.slices.table) if isinstance(model, spatial.Spatial) else 0
 
 
 def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:
