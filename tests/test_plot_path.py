@@ -9,7 +9,7 @@ import pytest
 from bearingsim.config import dataset_names
 from bearingsim.core.kinematics import cage_speed
 from bearingsim.plots.passage import first_passage, path_taken
-from bearingsim.plots.pit_shape import pits_of, section
+from bearingsim.plots.pit_shape import cut, pits_of
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import Job
 from bearingsim.simulation import simulate
@@ -81,8 +81,8 @@ def test_a_roller_presses_where_its_path_is_below_the_round_roller_s():
     job = Job(flat_parameters(given), made.info, SimpleNamespace(time=made.time, channels=made.series))
     [pit] = pits_of(given)
     found, passage = path_taken(job, given, pit), first_passage(job, given, 1, "outer")
-    cut = section(pit, 0.0)
-    sinks = np.interp(found.s, cut.s, cut.h)
+    over = cut(pit, 0.0)
+    sinks = np.interp(found.s, over.s, over.h)
     force = np.interp(passage.time + found.s / passage.speed, made.time, made.series["roller.1.outer_force"])
     pressed, lifted = found.depth > sinks + 5e-8, found.depth < sinks - 5e-8
     assert pressed.sum() > 20

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from bearingsim.core.defects import bowl, box, depression, groove
+from bearingsim.core.depth import Circular, Merged, Placed
 from bearingsim.plots import PlotError, plot
 from bearingsim.plots.pit import SECTION_IN, exaggeration
-from bearingsim.plots.pit_shape import pits_of, section, told_apart
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.pit_shape import cut, pits_of, told_apart
+from bearingsim.plots.plot import drawn as figures
 from bearingsim.store import case_of, flat_parameters
 from bearingsim.study import load_study
 from tests.short_cases import case
@@ -39,25 +40,25 @@ def group(shape, depth, z):
 def test_the_path_drawn_is_the_one_the_model_feels(shape, z, depth):
     made = pit(shape=shape, depth=depth)
     assert pytest.approx(R) == made.R
-    cut, row = section(made, z), np.array([1.0, *group(shape, depth, z)])
-    felt = [depression(row, float(s), R)[0] for s in cut.s]
-    assert np.max(np.abs(cut.h - felt)) < 1e-3 * np.max(felt)
-    assert np.all(cut.h <= cut.p + 1e-12)
+    drawn, row = cut(made, z), np.array([1.0, *group(shape, depth, z)])
+    felt = [depression(row, float(s), R)[0] for s in drawn.s]
+    assert np.max(np.abs(drawn.h - felt)) < 1e-3 * np.max(felt)
+    assert np.all(drawn.h <= drawn.p + 1e-12)
 
 
-def test_a_bowl_gets_shallower_towards_its_ends_about_its_own_middle():
+def test_a_pit_stands_about_its_own_middle():
     made = pit(offset="2 mm")
     assert made.z == pytest.approx((0.5e-3, 3.5e-3))
-    assert made.depth(np.zeros(1), 2e-3)[0] == pytest.approx(50e-6)
-    assert made.depth(np.zeros(1), 2e-3 + 0.75e-3)[0] == pytest.approx(0.75 * 50e-6)
-    assert made.depth(np.zeros(1), 0.0)[0] == 0.0
+    assert cut(made, 2e-3).p.max() == pytest.approx(50e-6)
+    assert cut(made, 2e-3 + 0.75e-3).p.max() == pytest.approx(0.75 * 50e-6)
+    assert cut(made, 0.0).p.max() == 0.0
 
 
 def test_the_deepest_section_is_drawn_and_the_middle_if_it_is_another():
     made = pit()
     assert told_apart(made) == pytest.approx([0.0], abs=1e-12)
-    slanted = made._replace(depth=lambda s, z: np.where(abs(s) < 4e-4, 1e-5 * (1.0 + z / 1.5e-3), 0.0))
-    assert told_apart(slanted) == pytest.approx([1.5e-3, 0.0], abs=1e-5)
+    beside = Placed(Circular(1e-3, 0.5e-3, 60e-6), 0.0, 1e-3)
+    assert told_apart(made._replace(map=Merged((made.map, beside)))) == pytest.approx([1e-3, 0.0], abs=1e-5)
 
 
 @pytest.mark.parametrize(("height", "times"), [(1e-3, 1.0), (1e-4, 5.0), (3e-5, 20.0), (3e-6, 200.0)])
@@ -67,7 +68,7 @@ def test_heights_are_exaggerated_by_a_round_number_that_fits(height, times):
 
 def test_a_map_is_to_scale_and_its_sections_are_as_they_say(results):
     opened = results(STUDY)
-    _, canvas = drawn(opened, kind="pit", jobs=opened.jobs[:1])[0]
+    _, canvas = figures(opened, kind="pit", jobs=opened.jobs[:1])[0]
     canvas.draw_without_rendering()
     area, full, close = canvas.axes
     per_mm = [np.ptp(ax.get_window_extent().intervalx) / np.ptp(ax.get_xlim()) for ax in canvas.axes]
@@ -83,7 +84,7 @@ def test_a_map_is_to_scale_and_its_sections_are_as_they_say(results):
 
 def test_the_roller_stands_on_its_path_with_its_own_curvature(results):
     opened = results(STUDY)
-    _, canvas = drawn(opened, kind="pit", jobs=opened.jobs[:1])[0]
+    _, canvas = figures(opened, kind="pit", jobs=opened.jobs[:1])[0]
     close = canvas.axes[2]
     arc = next(line for line in close.lines if line.get_label() == "roller")
     s, depth = (1e-3 * arc.get_xdata(), 1e-6 * arc.get_ydata())
@@ -97,7 +98,7 @@ def test_the_roller_stands_on_its_path_with_its_own_curvature(results):
 
 def test_one_figure_for_each_different_pit(results):
     """Twelve cases, three lengths: load and model do not change the pit."""
-    sheets = drawn(results(STUDY), kind="pit", jobs=["all"])
+    sheets = figures(results(STUDY), kind="pit", jobs=["all"])
     assert len(sheets) == 3
     caption = sheets[1][1].get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     assert "length 6 mm" in caption
@@ -108,8 +109,9 @@ def test_one_figure_for_each_different_pit(results):
 
 def test_pits_that_differ_in_depth_alone_are_different(results):
     text = STUDY.replace("defect.length: [3 mm, 6 mm, 9 mm]", "defect.depth: [20 um, 50 um]")
-    sheets = drawn(results(text), kind="pit", jobs=["all"])
-    assert [bar.get_ylim()[0] for _, canvas in sheets for bar in canvas.axes[0].child_axes] == [20.0, 50.0]
+    sheets = figures(results(text), kind="pit", jobs=["all"])
+    deepest = [canvas.axes[0].child_axes[0].get_ylim()[0] for _, canvas in sheets]
+    assert deepest == pytest.approx([20.0, 50.0])
 
 
 def test_pits_of_one_case_are_told_apart(results):
@@ -117,7 +119,7 @@ def test_pits_of_one_case_are_told_apart(results):
         "  {shape: triangular, length: 3 mm, width: 0.8 mm, depth: 50 um}]\n"  # fmt: skip
     text = "".join(two if line.startswith("defect:") else f"{line}\n" for line in STUDY.splitlines())
     text = text.replace("  defect.length: [3 mm, 6 mm, 9 mm]\n", "")
-    sheets = drawn(results(text), kind="pit", jobs=["all"])
+    sheets = figures(results(text), kind="pit", jobs=["all"])
     assert [name.rpartition("-")[2] for name, _ in sheets] == ["1", "2"]
     assert [canvas.get_suptitle() for _, canvas in sheets] == [
         "pit 1 of 2, on the inner race",
@@ -129,7 +131,7 @@ def test_pits_of_one_case_are_told_apart(results):
 def test_slices_of_the_spatial_model_lie_over_the_map(results):
     text = STUDY.replace("[static, ring]", "[spatial]") + "contact: {slices: 8}\n"
     opened = results(text)
-    area = drawn(opened, kind="pit", jobs=opened.jobs[:1])[0][1].axes[0]
+    area = figures(opened, kind="pit", jobs=opened.jobs[:1])[0][1].axes[0]
     ends = [line.get_ydata()[0] for line in area.lines if line.get_linewidth() == 0.3]
     assert {-1.5, 1.5} <= set(np.round(ends, 9))
     assert len(ends) >= 7
@@ -139,9 +141,9 @@ def test_what_has_no_pit_is_refused(results):
     text = "".join(f"{line}\n" for line in STUDY.splitlines() if "defect" not in line)
     opened = results(text.replace("  defect.length", "  seed").replace("3 mm, 6 mm, 9 mm", "1, 2"))
     with pytest.raises(PlotError, match="no defect: there is no pit to draw"):
-        drawn(opened, kind="pit")
+        figures(opened, kind="pit")
     with pytest.raises(PlotError, match="a pit takes no y"):
-        drawn(opened, kind="pit", y=["velocity.rms"])
+        figures(opened, kind="pit", y=["velocity.rms"])
 
 
 def test_a_wide_pit_is_written(results):

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure as Canvas
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.caption import fixed_values
 from bearingsim.plots.passage import Taken, path_taken
-from bearingsim.plots.pit_shape import MARGIN, Pit, Reals, Section, ends_of_slices, pits_of, section, told_apart
+from bearingsim.plots.pit_shape import MARGIN, Pit, Reals, Section, cut, ends_of_slices, pits_of, told_apart
 from bearingsim.plots.style import COLOURS
 from bearingsim.plots.sweep import finish, letter
 
@@ -72,7 +72,7 @@ def _of_job(job: str, known: Mapping[Any, Any]) -> Iterator[Sheet]:
 
 def _key(sheet: Sheet) -> tuple[Any, ...]:
     """What tells one picture from another."""
-    pit, drawn = sheet.pit, (sheet.pit.map, sheet.slice_ends)
+    pit, drawn = sheet.pit, (sheet.pit.picture, sheet.slice_ends)
     numbers = np.round([pit.R, *pit.s, *pit.z, sheet.roller_length], 9)
     return pit.race, *numbers, *(np.round(part, 12).tobytes() for part in drawn)
 
@@ -143,7 +143,7 @@ def _map_inches(sheet: Sheet) -> tuple[float, float]:
 def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
     """Depth over s and z, the roller's length behind it, its slices' ends and the sections across it."""
     pit, half = sheet.pit, 500.0 * sheet.roller_length
-    depths = 1e6 * np.ma.masked_equal(pit.map, 0.0)
+    depths = 1e6 * np.ma.masked_equal(pit.picture, 0.0)
     made = ax.pcolormesh(1e3 * pit.places(), 1e3 * pit.heights, depths, cmap=SCALE, shading="nearest",
                          vmin=min(0.0, float(depths.min())), rasterized=True, zorder=2)  # fmt: skip
     s, z = _shown(sheet)
@@ -157,9 +157,11 @@ def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
                 textcoords="offset points", va="bottom", fontsize=7, color="0.3", zorder=4)  # fmt: skip
     for end in sheet.slice_ends[1:-1]:
         ax.axhline(1e3 * end, color="0.3", lw=0.3, alpha=0.7, zorder=3)
+    highest = max(panel.section.z for panel in panels)
     for place, name in dict.fromkeys((panel.section.z, panel.name) for panel in panels):
         ax.axhline(1e3 * place, color=PATH, lw=0.8, ls=(0, (4, 2)), zorder=3)
-        ax.annotate(name, (0.98, 1e3 * place), (0, 2), xycoords=("axes fraction", "data"), ha="right",
+        up, va = (2, "bottom") if place == highest else (-2, "top")
+        ax.annotate(name, (0.98, 1e3 * place), (0, up), xycoords=("axes fraction", "data"), ha="right", va=va,
                     textcoords="offset points", fontsize=8, color=PATH, zorder=4)  # fmt: skip
     ax.set_xlabel("Along rolling, s (mm)")
     ax.set_ylabel("Along the roller, z (mm)")
@@ -187,18 +189,18 @@ class Panel(NamedTuple):
 def _panels(pit: Pit) -> Iterator[Panel]:
     """The sections of a pit; of the deepest also a closer one, if the path is far above its floor."""
     for number, place in enumerate(told_apart(pit)):
-        cut, name = section(pit, place), "AB"[number]
-        deepest, path = (float(np.max(values)) for values in (cut.p, cut.h))
-        yield _panel(cut, name, deepest or float(pit.map.max()))
+        made, name = cut(pit, place), "AB"[number]
+        deepest, path = (float(np.max(values)) for values in (made.p, made.h))
+        yield _panel(made, name, deepest or float(pit.picture.max()))
         if number == 0 and 0.0 < path < SHALLOW * deepest:
-            yield _panel(cut, name, CLOSER * path)
+            yield _panel(made, name, CLOSER * path)
 
 
-def _panel(cut: Section, name: str, depth: float) -> Panel:
-    top, bottom = min(float(np.min(cut.p)), 0.0) - HEADROOM * depth, 1.08 * depth
-    times = exaggeration(np.ptp(cut.s) / SECTION_IN, bottom - top)
-    inches = times * (bottom - top) * SECTION_IN / np.ptp(cut.s)
-    return Panel(cut, name, top, bottom, times, max(float(inches), LOWEST_IN))
+def _panel(made: Section, name: str, depth: float) -> Panel:
+    top, bottom = min(float(np.min(made.p)), 0.0) - HEADROOM * depth, 1.08 * depth
+    times = exaggeration(np.ptp(made.s) / SECTION_IN, bottom - top)
+    inches = times * (bottom - top) * SECTION_IN / np.ptp(made.s)
+    return Panel(made, name, top, bottom, times, max(float(inches), LOWEST_IN))
 
 
 def exaggeration(metre_per_inch: float, height: float) -> float:
@@ -210,16 +212,16 @@ def exaggeration(metre_per_inch: float, height: float) -> float:
 
 def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
     """Pit, the roller's path over it, and the roller where it stands on its way; depth downwards."""
-    cut = panel.section
-    s, width = 1e3 * cut.s, np.ptp(cut.s)
-    ax.fill_between(s, 1e6 * cut.p, 1e6 * panel.floor, color="0.88", lw=0.0, zorder=1)
-    ax.plot(s, 1e6 * cut.p, color=RACE, lw=1.1, label="pit", zorder=3)
-    ax.plot(s, 1e6 * cut.h, color=PATH, lw=1.5, label="path of a round roller", zorder=4)
+    made = panel.section
+    s, width = 1e3 * made.s, np.ptp(made.s)
+    ax.fill_between(s, 1e6 * made.p, 1e6 * panel.floor, color="0.88", lw=0.0, zorder=1)
+    ax.plot(s, 1e6 * made.p, color=RACE, lw=1.1, label="pit", zorder=3)
+    ax.plot(s, 1e6 * made.h, color=PATH, lw=1.5, label="path of a round roller", zorder=4)
     inner = width / (1.0 + 2.0 * MARGIN)
     for place, name in zip(ROLLERS, ["roller", *[None] * (len(ROLLERS) - 1)], strict=True):
-        here = float(np.mean(cut.s)) + place * inner
-        low = float(np.interp(here, cut.s, cut.h))
-        ax.plot(s, 1e6 * (low - (cut.s - here) ** 2 / (2.0 * R)), color=ROLLER, lw=0.8, label=name, zorder=2)
+        here = float(np.mean(made.s)) + place * inner
+        low = float(np.interp(here, made.s, made.h))
+        ax.plot(s, 1e6 * (low - (made.s - here) ** 2 / (2.0 * R)), color=ROLLER, lw=0.8, label=name, zorder=2)
         ax.plot(1e3 * here, 1e6 * low, "o", color=PATH, markersize=3, zorder=5)
     ax.set_xlim(s[0], s[-1])
     ax.set_ylim(1e6 * panel.floor, 1e6 * panel.top)

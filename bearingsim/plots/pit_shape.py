@@ -1,8 +1,7 @@
 """Pits as a figure shows them: how deep they are, and how a roller passes over them."""
 
-from collections.abc import Callable, Iterator
-from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +9,11 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from bearingsim.config import Case, Defect
 
-__all__ = ["Pit", "Section", "ends_of_slices", "pits_of", "section", "told_apart"]
+__all__ = ["MARGIN", "Pit", "Reals", "Section", "cut", "ends_of_slices", "pits_of", "told_apart"]
 
-ACROSS, ALONG = 401, 241  # places along rolling and along the roller at which a map looks a pit's depth up
+ACROSS, ALONG = 401, 241  # places along rolling and along the roller at which a picture looks a pit's depth up
 FINER = 4  # times as many in a section
 MARGIN = 0.3  # of the pit's width, shown on either side of it
-
-JUST = 1e-10  # m: as near as a roller that hangs on a rim touches it
 
 Reals = NDArray[np.float64]
 
@@ -25,16 +22,15 @@ class Pit(NamedTuple):
     """One pit. Lengths in m; s along rolling from its middle, z along the roller from the roller's middle.
 
     race: what carries it; R: radius of the roller relative to the race it is met on (of a roller's pit the outer
-    one); angle: rad, as in the case; s, z: from where to where it reaches; depth: p at s (n,) and z, positive
-    downwards.
+    one); angle: rad, as in the case; map: its depth (``core/depth.py``); s, z: from where to where it reaches.
     """
 
     race: str
     R: float
     angle: float
+    map: Any
     s: tuple[float, float]
     z: tuple[float, float]
-    depth: Callable[[Reals, float], Reals]
 
     def places(self, count: int = ACROSS, beside: float = MARGIN) -> Reals:
         """Places (count,) in m along rolling, over the pit and so many of its widths on either side."""
@@ -47,9 +43,12 @@ class Pit(NamedTuple):
         return self.z[0] + (self.z[1] - self.z[0]) * (np.arange(ALONG) + 0.5) / ALONG
 
     @property
-    def map(self) -> Reals:
+    def picture(self) -> Reals:
         """p (m) at ``heights`` and ``places()``."""
-        return np.stack([self.depth(self.places(), z) for z in self.heights])
+        from bearingsim.core.depth import section
+        from bearingsim.core.profile import depth_at
+
+        return np.stack([depth_at(section(self.map, float(z)), self.places()) for z in self.heights])
 
 
 class Section(NamedTuple):
@@ -61,20 +60,20 @@ class Section(NamedTuple):
     h: Reals
 
 
-def section(pit: Pit, z: float) -> Section:
-    """The pit at z (m) along the roller, and h over it: the least of p(t) + (t - s)^2/(2 R) over a grid of t."""
-    s = pit.places(FINER * (ACROSS - 1) + 1)
-    rims = np.add.outer(pit.s, [-JUST, JUST]).ravel()
-    t = np.concatenate([pit.places(2 * FINER * ACROSS, beside=1.0), s, rims])
-    p = pit.depth(t, z)
-    h = np.array([np.min(p + (t - one) ** 2 / (2.0 * pit.R)) for one in s])
-    return Section(z, s, pit.depth(s, z), h)
+def cut(pit: Pit, z: float) -> Section:
+    """The pit at z (m) along the roller."""
+    from bearingsim.core.depth import section
+    from bearingsim.core.envelope import path_over, sinking
+    from bearingsim.core.profile import depth_at
+
+    s, profile = pit.places(FINER * (ACROSS - 1) + 1), section(pit.map, z)
+    return Section(z, s, depth_at(profile, s), sinking(path_over(profile, pit.R), s)[0])
 
 
 def told_apart(pit: Pit) -> list[float]:
     """Places z (m) of the sections worth drawing: the deepest, and the pit's middle if that is another one."""
     middle = pit.heights[ALONG // 2]
-    deepest = pit.map.max(axis=1)
+    deepest = pit.picture.max(axis=1)
     here = int(np.argmax(deepest))
     if deepest[here] <= deepest[ALONG // 2] * (1.0 + 1e-9):
         return [float(middle)]
@@ -84,23 +83,20 @@ def told_apart(pit: Pit) -> list[float]:
 def pits_of(case: "Case") -> Iterator[Pit]:
     """The pits of a case, in its order."""
     from bearingsim.build import pits
-    from bearingsim.config.slicing import reach
+    from bearingsim.core.depth import extent
 
     for defect in case.defects:
-        R = pits.reduced_radius(case, 1 if defect.race == "inner" else 0)
-        across = (-defect.width / 2.0, defect.width / 2.0)
-        yield Pit(defect.race, R, defect.angle, across, reach(defect), partial(_depth, defect))
+        R, made = pits.reduced_radius(case, 1 if defect.race == "inner" else 0), _map(defect)
+        low, high, left, right = extent(made)
+        yield Pit(defect.race, R, defect.angle, made, (low, high), (left, right))
 
 
-def _depth(defect: "Defect", s: Reals, z: float) -> Reals:
-    """p (m) of a pit at s (n,) from its middle and z (m) from the roller's."""
-    across, along = np.abs(2.0 * s / defect.width), abs(2.0 * (z - defect.offset) / defect.length)
-    if defect.shape == "circular":
-        return np.asarray(defect.depth * np.maximum(1.0 - across**2 - along**2, 0.0))
-    if along > 1.0:
-        return np.zeros_like(s)
-    walls = np.where(across <= 1.0, 1.0 if defect.shape == "rectangular" else 1.0 - across, 0.0)
-    return np.asarray(defect.depth * walls)
+def _map(defect: "Defect") -> Any:
+    """The depth map of a defect, z from the roller's middle."""
+    from bearingsim.core import depth
+
+    shape = {"rectangular": depth.Rectangular, "triangular": depth.Triangular, "circular": depth.Circular}
+    return depth.Placed(shape[defect.shape](defect.length, defect.width, defect.depth), 0.0, defect.offset)
 
 
 def ends_of_slices(case: "Case") -> Reals:
