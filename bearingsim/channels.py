@@ -112,7 +112,7 @@ def series(
 
 
 def _meant(name: str, values: np.ndarray, model: Any, time: np.ndarray) -> np.ndarray:
-    """A channel from what the buffer keeps: turns beyond the kinematic ones, to lose no digits; forces of slices."""
+    """A channel from what the buffer keeps: turns beyond the kinematic ones, forces of slices."""
     b = model.bearing
     if name == "cage.speed":
         return values + b.omega_c * speed_factor(model, time)
