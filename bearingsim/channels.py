@@ -8,6 +8,15 @@ from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import roller_of
 from bearingsim.core.advance import RING
 from bearingsim.core.layout import (
+    AXIAL,
+    LEAN_X,
+    LEAN_X_C,
+    LEAN_X_I,
+    LEAN_Y,
+    LEAN_Y_C,
+    LEAN_Y_I,
+    LOAD_I,
+    LOAD_O,
     LOADED,
     PHI_C,
     POSITION,
@@ -15,16 +24,24 @@ from bearingsim.core.layout import (
     Q_I,
     Q_O,
     Q_P,
+    SKEW,
     SLIP_I,
     SLIP_O,
     SPIN_V,
+    TILT,
     VELOCITY,
     X_C,
     X_I,
     Y_C,
     Y_I,
+    Z_C,
+    Z_I,
+    Q,
+    Z,
+    slice_row,
 )
 from bearingsim.core.motion import speed_factor
+from bearingsim.core.slices import WEIGHT
 
 MOTION = ("displacement", "velocity", "acceleration")
 TURN_OF_CAGE, SPEED_OF_CAGE = POSITION + PHI_C, VELOCITY + PHI_C
@@ -37,24 +54,43 @@ PLACES = {
     "cage.position.y": POSITION + Y_C,
     "inner.displacement.x": POSITION + X_I,
     "inner.displacement.y": POSITION + Y_I,
+    "ring.axial": POSITION + Z,
+    "ring.lean.x": POSITION + LEAN_X,
+    "ring.lean.y": POSITION + LEAN_Y,
+    "inner.axial": POSITION + Z_I,
+    "inner.lean.x": POSITION + LEAN_X_I,
+    "inner.lean.y": POSITION + LEAN_Y_I,
+    "cage.axial": POSITION + Z_C,
+    "cage.lean.x": POSITION + LEAN_X_C,
+    "cage.lean.y": POSITION + LEAN_Y_C,
     "load_zone.rollers": LOADED,
 }
 OF_ROLLER = {
+    "radial": Q,
     "outer_force": Q_O,
     "inner_force": Q_I,
     "outer_slip": SLIP_O,
     "inner_slip": SLIP_I,
     "cage_force": Q_P,
     "spin": SPIN_V,
+    "tilt": TILT,
+    "skew": SKEW,
+    "axial": AXIAL,
 }
+OF_SLICE = {"outer_line_load": LOAD_O, "inner_line_load": LOAD_I}
 BASE = (*RING, LOADED, TURN_OF_CAGE, SPEED_OF_CAGE)
 """What features are computed from, whether it is recorded or not: the first rows of every recording."""
 
 
 def place(name: str) -> int:
     """Where in the buffer a dataset's values come from."""
-    roller = roller_of(name)
-    return PLACES[name] if roller is None else OF_ROLLER[roller[1]] + roller[0] - 1
+    found = roller_of(name)
+    if found is None:
+        return PLACES[name]
+    roller, quantity = found
+    kind, _, number = quantity.partition(".")
+    row = slice_row(int(number) - 1, OF_SLICE[kind]) if number else OF_ROLLER[kind]
+    return row + roller - 1
 
 
 def recorded(case: Case) -> np.ndarray:
@@ -76,7 +112,7 @@ def series(
 
 
 def _meant(name: str, values: np.ndarray, model: Any, time: np.ndarray) -> np.ndarray:
-    """The buffer keeps turning beyond the kinematic one, to lose no digits; a channel means the whole."""
+    """A channel from what the buffer keeps: turns beyond the kinematic ones, forces of slices."""
     b = model.bearing
     if name == "cage.speed":
         return values + b.omega_c * speed_factor(model, time)
@@ -84,4 +120,6 @@ def _meant(name: str, values: np.ndarray, model: Any, time: np.ndarray) -> np.nd
         return -values / (b.omega_c * speed_factor(model, time))
     if name.endswith(".spin"):
         return (b.omega_b - b.omega_c) * speed_factor(model, time) - values
+    if "_line_load." in name:
+        return values / (model.slices.table[int(name.rpartition(".")[2]) - 1, WEIGHT] * model.L_w)
     return values

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim import build, channels, choose
-from bearingsim.channels import BASE
+from bearingsim.channels import BASE, TURN_OF_CAGE
 from bearingsim.config import Case, Section, dataset_names
 from bearingsim.core.advance import FINE, OUTRUN, Watch, advance, keep_largest_forces
 from bearingsim.core.layout import OVERRUN_MAX, Q_I_MAX, Q_MAX, Q_P_MAX, ROW
@@ -128,11 +128,17 @@ def _simulate(case: Case, part: float, began: float) -> Record:
             "step_limit_at_rest_s": found.at_rest,
             "step_limit_at_impact_s": found.at_impact,
             "longest_overrun_s": float(overruns.max()),
-            "cage_angle_start_rad": model.bearing.theta_0 + model.bearing.omega_c * case.settle,
+            "cage_angle_start_rad": _cage_angle(case, model, sampled),
             "integrator_cpu_s": tape.integrator_cpu_s,
             "cpu_s": time.process_time() - began,
         },
     )
+
+
+def _cage_angle(case: Case, model: Any, sampled: np.ndarray) -> float:
+    """Where the first roller's pocket is as the record starts, rad; what the cage has slipped is taken off."""
+    slipped = float(sampled[BASE.index(TURN_OF_CAGE), 0])
+    return float(model.bearing.theta_0 + model.bearing.omega_c * case.settle + slipped)
 
 
 _WARM: set[tuple] = set()  # kinds of case that this process has compiled or loaded

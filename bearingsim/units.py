@@ -60,7 +60,7 @@ _NEWTONS = _decimal(N=0, kN=3)
 
 UNITS: dict[Dimension, dict[str, Factor]] = {
     "length": _METRES | _decimal(nm=-9),
-    "angle": {"deg": Factor(Fraction(1, 180), pi=True), "rad": Factor(Fraction(1))},
+    "angle": {"deg": Factor(Fraction(1, 180), pi=True)} | _decimal(rad=0, mrad=-3, urad=-6),
     "rotation": {
         "rpm": Factor(Fraction(1, 30), pi=True),
         "r/min": Factor(Fraction(1, 30), pi=True),

@@ -8,20 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.build import contacts, free, geometry, impulses, pits
+from bearingsim.build import contacts, free, geometry, impulses, pits, space
 from bearingsim.build.rest import anchor, statics
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.defects import ANGLE, CUSP, ON, ON_OUTER, RADIUS
+from bearingsim.core.defects import ANGLE, CUSP, ON, ON_OUTER, RADIUS, Pits, W
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import EPS, Q_O, buffer
 from bearingsim.core.methods import equilibrium, rk4, verlet
 from bearingsim.core.methods import impulses as exact
 from bearingsim.core.methods.interface import MethodKind
-from bearingsim.core.models import impulse, planar, ring, rollers, static
+from bearingsim.core.models import impulse, planar, ring, rollers, spatial, static
 from bearingsim.core.models.interface import ModelKind
 from bearingsim.core.motion import steady
 from bearingsim.core.parameters import Support
+from bearingsim.core.slices import WEIGHT, ZETA
 
 __all__ = [
     "METHODS",
@@ -45,6 +46,7 @@ MODELS: dict[str, ModelKind] = {
     "ring": ring.KIND,
     "rollers": rollers.KIND,
     "planar": planar.KIND,
+    "spatial": spatial.KIND,
 }
 METHODS: dict[str, MethodKind] = {"verlet": verlet.KIND, "rk4": rk4.KIND}
 OWN_METHODS: dict[str, MethodKind] = {"impulse": exact.KIND, "static": equilibrium.KIND}
@@ -55,7 +57,7 @@ PARTS: dict[str, Any] = {
     "support": lambda case: support(case),
     "outer": contacts.outer,
     "inner": contacts.inner,
-    "pits": pits.meetings,
+    "pits": lambda case: met(case),
     "motion": free.motion,
     "friction": free.friction,
     "cage": free.cage,
@@ -63,6 +65,13 @@ PARTS: dict[str, Any] = {
     "shaft": free.shaft,
     "bracket": free.bracket,
     "gravity": free.gravity,
+    "slices": space.slices,
+    "L_w": space.roller_length,
+    "I_t": space.roller_inertia_across,
+    "mount_o": space.outer_mount,
+    "mount_i": space.inner_mount,
+    "flanges": space.flanges,
+    "cage_z": space.cage_in_space,
 }
 """How each field of a model's parameters is made."""
 
@@ -88,6 +97,16 @@ def model(case: Case) -> Any:
     parameters: Any = kind(case).parameters
     made = [name for name in parameters._fields if name not in parameters._field_defaults]
     return parameters(**{name: PARTS[name](case) for name in made})
+
+
+def met(case: Case) -> Pits:
+    """The case's pits, cut as its model cuts rollers; slices weigh what they are of the roller."""
+    if "slices" not in kind(case).parameters._fields:  # type: ignore[attr-defined]
+        return pits.meetings(case)
+    table = space.slices(case).table
+    found = pits.meetings(case, table[:, ZETA])
+    found.groups[:, :, W] *= table[:, WEIGHT]
+    return found
 
 
 def support(case: Case) -> Support:
@@ -118,7 +137,7 @@ def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
 
 def relaxed(model: Any, h: float) -> Any:
     """The model with friction that acts no faster than the step ``h`` (s), so that it limits no step."""
-    return model._replace(lag=h) if isinstance(model, planar.Planar) else model
+    return model._replace(lag=h) if "lag" in model._fields else model
 
 
 def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
@@ -136,7 +155,12 @@ def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
 
 def empty_buffer(model: Any) -> np.ndarray:
     """A zeroed state buffer for the model."""
-    return buffer(model.bearing.Z, model.bearing.m_r)
+    return buffer(model.bearing.Z, model.bearing.m_r, slices_of(model))
+
+
+def slices_of(model: Any) -> int:
+    """How many slices a roller of the model is cut into; 0 of a model that cuts none."""
+    return len(model.slices.table) if "slices" in model._fields else 0
 
 
 def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:

@@ -60,6 +60,10 @@ SHAPES: dict[str, Any] = {
 }
 
 
+Places = Sequence[float] | np.ndarray
+"""Middles of slices along a roller, m."""
+
+
 class Together(NamedTuple):
     """Pits of one element that a roller feels as one: the ``first`` of them, and all of them as one map, its s
     measured from ``angle`` (rad); ``pit`` is None where one pit alone has a closed form.
@@ -70,7 +74,7 @@ class Together(NamedTuple):
     pit: Any
 
 
-def meetings(case: Case, zetas: Sequence[float] | None = None) -> Pits:
+def meetings(case: Case, zetas: Places | None = None) -> Pits:
     """Where the rollers' contacts meet the case's pits.
 
     zetas: middles (m) of a roller's slices: then a group of weight 1 for each of them, in their order.
@@ -80,7 +84,7 @@ def meetings(case: Case, zetas: Sequence[float] | None = None) -> Pits:
     return traced_pits(found) if any(one.paths for one in found) else pits(found, chosen)
 
 
-def met(case: Case, zetas: Sequence[float] | None = None) -> list[Meeting]:
+def met(case: Case, zetas: Places | None = None) -> list[Meeting]:
     """Every pit as each contact meets it: all by closed form, or all traced."""
     return [one for found in together(case) for one in of_pits(case, found, zetas)]
 
@@ -208,7 +212,7 @@ def _merged(case: Case, cluster: Sequence[config.Defect]) -> Together:
 # Meetings
 
 
-def of_pits(case: Case, found: Together, zetas: Sequence[float] | None) -> list[Meeting]:
+def of_pits(case: Case, found: Together, zetas: Places | None) -> list[Meeting]:
     """Pits that are felt as one, as each contact meets them."""
     d = found.first
     on, sides = {
@@ -219,7 +223,7 @@ def of_pits(case: Case, found: Together, zetas: Sequence[float] | None) -> list[
     return [_meeting(case, found, on, side, zetas) for side in sides]
 
 
-def _meeting(case: Case, found: Together, on: int, side: int, zetas: Sequence[float] | None) -> Meeting:
+def _meeting(case: Case, found: Together, on: int, side: int, zetas: Places | None) -> Meeting:
     radius, R = carrier_radius(case, found.first), reduced_radius(case, side)
     if found.pit is None:
         rows = cut(case, found.first, side, zetas)
@@ -242,7 +246,7 @@ def _felt(case: Case, d: config.Defect, one: Meeting) -> Meeting:
     return one
 
 
-def cut(case: Case, d: config.Defect, side: int, zetas: Sequence[float] | None) -> list:
+def cut(case: Case, d: config.Defect, side: int, zetas: Places | None) -> list:
     """The groups along the contact that a pit with a closed form is cut into, or those of given slices."""
     L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
     chosen = excitation(case)
@@ -256,7 +260,7 @@ def cut(case: Case, d: config.Defect, side: int, zetas: Sequence[float] | None) 
     return found
 
 
-def traced(case: Case, pit: Any, side: int, zetas: Sequence[float] | None) -> tuple[list, list]:
+def traced(case: Case, pit: Any, side: int, zetas: Places | None) -> tuple[list, list]:
     """Groups and paths of a traced pit along the contact, or at given slices."""
     L_w, R = contact_length(case, side), reduced_radius(case, side)
     if zetas is not None:

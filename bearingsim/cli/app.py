@@ -149,7 +149,9 @@ def run(
 @app.command()
 def plot(
     results: Results = None,
-    kind: Annotated[str, typer.Option(help="sweep, phase; of jobs series, spectrum, envelope, roller")] = "sweep",
+    kind: Annotated[
+        str, typer.Option(help="sweep, phase; of jobs series, spectrum, envelope, roller, load, pit")
+    ] = "sweep",
     x: Annotated[str | None, typer.Option(metavar="PATH", help="swept path on the x axis")] = None,
     by: Annotated[list[str] | None, typer.Option(metavar="PATH", help="a curve per value; repeatable")] = None,
     y: Annotated[
@@ -165,7 +167,7 @@ def plot(
     job: Annotated[
         list[str] | None, typer.Option(metavar="JOB", help="job of a series or spectrum, or `all`; repeatable")
     ] = None,
-    span: Annotated[str | None, typer.Option(metavar="TIME", help="so much of a series, such as `20 ms`")] = None,
+    span: Annotated[str | None, typer.Option(metavar="TIME", help="so much of a series or load: `20 ms`")] = None,
     file_format: Annotated[str, typer.Option("--format", help="png, svg or pdf")] = "png",
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="folder (default: RESULTS/figures)")] = None,
 ) -> None:

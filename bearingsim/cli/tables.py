@@ -52,7 +52,7 @@ def usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
 
     known = results.parameters()
     shown = [f"velocity@{line}" for line in lines.fitting(known)]
-    slip = ["cage.slip.mean"] if lines.is_planar(known) else []
+    slip = ["cage.slip.mean"] if lines.may_slip(known) else []
     wanted = (*shown, *slip, *(f"{line}-healthy" for line in shown), *STATISTICS)
     return [name for name in wanted if name in table and table[name].notna().any()]
 

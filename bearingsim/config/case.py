@@ -29,8 +29,10 @@ from bearingsim.config.fields import (
     whole,
 )
 from bearingsim.config.machine import Bearing, Rig, default_rig, named
+from bearingsim.config.slicing import by_slices
+from bearingsim.config.space import Misalignment
 
-Model = Literal["least", "impulse", "static", "ring", "rollers", "planar"]
+Model = Literal["least", "impulse", "static", "ring", "rollers", "planar", "spatial"]
 Method = Literal["verlet", "rk4"]
 
 LAWS: dict[tuple[str | int, ...], Laws] = {
@@ -54,8 +56,8 @@ class Case(Section):
     case says what is computed: `clearance` by class is a length; `model` is never `least`; `method` is None for
     models without one; `start_angle` is the first roller's angle at t = 0, pi / rollers if not given; `excitation`
     is `impulse-train` for the impulse model if not given; `contact.stiffness` suits the bearing. `friction` and
-    `cage` are None below the planar model, and never None in it. `drag`, `ramp`, `shaft` and `unbalance` are None
-    where absent.
+    `cage` are None below the planar model, and never None from it on. `drag`, `ramp`, `shaft`, `unbalance` and
+    `misalignment` are None where absent. A line load in `record` is one channel for each slice of the roller.
     """
 
     bearing: Annotated[Bearing, named("bearings")]
@@ -74,6 +76,7 @@ class Case(Section):
     drag: Annotated[free.Drag | None, BeforeValidator(unless_none)] = None
     shaft: Annotated[free.Shaft | None, BeforeValidator(unless_none)] = None
     unbalance: Annotated[free.Unbalance | None, BeforeValidator(unless_none)] = None
+    misalignment: Annotated[Misalignment | None, BeforeValidator(unless_none)] = None
     model: Annotated[Model, one_of(*get_args(Model))] = "rollers"
     method: Annotated[Method, one_of(*get_args(Method))] | None = None
     step: Step = "auto"
@@ -107,10 +110,11 @@ class Case(Section):
         self._fill("contact", self._suited_contact())
         self._fill("defects", tuple(_numbered(defect) for defect in self.defects))
         self._fill_free_motion()
+        self._fill("record", tuple(name for channel in self.record for name in by_slices(channel, self)))
         return self
 
     def _fill_free_motion(self) -> None:
-        if self.model != "planar":
+        if self.model not in ladder.FREE:
             if isinstance(self.friction, free.Frictionless):
                 self._fill("friction", None)
             return

@@ -4,9 +4,9 @@ import re
 from typing import Any
 
 from bearingsim.config.fields import raise_unknown_word
-from bearingsim.config.names import CHANNELS
+from bearingsim.config.names import CHANNELS, LINE_LOADS
 
-_OF_ROLLER = re.compile(r"roller\.(?:([1-9]\d?)\.)?(\w+)", re.ASCII)
+_OF_ROLLER = re.compile(r"roller\.(?:([1-9]\d?)\.)?([a-z_]+)(?:\.([1-9]\d?))?", re.ASCII)
 
 
 def roller_number(channel: str) -> int | None:
@@ -15,14 +15,28 @@ def roller_number(channel: str) -> int | None:
     return int(found[1] or 1) if found else None
 
 
+def slice_number(channel: str) -> int | None:
+    """The slice (from 1) of a roller that a channel belongs to; None if it belongs to none."""
+    found = _OF_ROLLER.fullmatch(channel)
+    return int(found[3]) if found and found[3] else None
+
+
 def plain(channel: str) -> str:
-    """The channel without the roller's number: `roller.3.spin` is `roller.spin`."""
+    """The channel without the numbers of roller and slice: `roller.3.spin` is `roller.spin`."""
     found = _OF_ROLLER.fullmatch(channel)
     return f"roller.{found[2]}" if found else channel
 
 
+def line_load_of(channel: str) -> str | None:
+    """The line load along a whole roller, with the roller's number, that a channel asks for; None for another."""
+    found = _OF_ROLLER.fullmatch(channel)
+    if not found or found[2] not in LINE_LOADS or found[3]:
+        return None
+    return f"roller.{found[1] or 1}.{found[2]}"
+
+
 def channel(given: Any) -> Any:
     """Validator of a name in `record`."""
-    if not isinstance(given, str) or plain(given) not in CHANNELS:
+    if not isinstance(given, str) or given not in CHANNELS:
         raise_unknown_word(given, tuple(CHANNELS))
     return given

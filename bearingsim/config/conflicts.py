@@ -4,16 +4,23 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from bearingsim.config import ladder
-from bearingsim.config.channels import plain, roller_number
+from bearingsim.config.channels import plain, roller_number, slice_number
 from bearingsim.config.conflict import Conflict, Path
 from bearingsim.config.contact import OF_LINES
 from bearingsim.config.defect import IMPULSES
 from bearingsim.config.free import Frictionless
 from bearingsim.config.pits import pit_conflicts
+from bearingsim.config.slicing import slice_ends
 from bearingsim.units import show
 
 if TYPE_CHECKING:
     from bearingsim.config.case import Case
+    from bearingsim.config.free import Shaft
+    from bearingsim.config.machine import Rig
+
+MOST_LEAN = 0.02  # rad: beyond it a bearing is not mounted askew but broken
+SPRUNG = ("axial_stiffness", "axial_damping", "tilting_stiffness", "tilting_damping")
+HELD_BY_CAGE = ("cage.slip", "cage.axial", "cage.lean", "roller.cage_force", "roller.skew", "roller.axial")
 
 __all__ = ["Conflict", "Path", "conflicts"]
 
@@ -24,6 +31,7 @@ def conflicts(case: "Case") -> Iterator[Conflict]:
     yield from _model(case)
     yield from _contact(case)
     yield from _free_motion(case)
+    yield from _in_space(case)
     yield from _record(case)
     yield from _sizes(case)
 
@@ -91,6 +99,41 @@ def _kinematic_cage(case: "Case") -> Iterator[Conflict]:
         yield Conflict("kinematic guide", (("cage", "guide"), motion), message, "leave it out, or `motion: free`")
 
 
+# In space
+
+
+def _in_space(case: "Case") -> Iterator[Conflict]:
+    for name, section in (("rig", case.rig), ("shaft", case.shaft)):
+        yield from _half_sprung(name, section)
+    yield from _lean(case)
+    if case.model == "spatial":
+        try:
+            slice_ends(case)
+        except ValueError as error:
+            paths: tuple[Path, ...] = (("contact", "slices"), ("defects",))
+            yield Conflict("slices", paths, f"the pits cut the roller into {error}", "take fewer `contact.slices`")
+
+
+def _half_sprung(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]:
+    if section is None:
+        return
+    given = [key for key in SPRUNG if getattr(section, key) is not None]
+    springs = ("axial_stiffness", "tilting_stiffness")
+    missing = [key for key in springs if key not in given]
+    if given and missing:
+        paths: tuple[Path, ...] = ((name, given[0]), (name,))
+        words = " and ".join(f"`{key}`" for key in missing)
+        yield Conflict("sprung", paths, f"a ring that leans needs {words} too", "give both stiffnesses")
+
+
+def _lean(case: "Case") -> Iterator[Conflict]:
+    for ring in ("inner", "outer") if case.misalignment else ():
+        lean = getattr(case.misalignment, ring)
+        if abs(lean) > MOST_LEAN:
+            message = f"a lean of {show(lean, 'deg')} is beyond {show(MOST_LEAN, 'deg')}"
+            yield Conflict("lean", (("misalignment", ring),), message, "is the unit right? Try mrad")
+
+
 # Record, sizes, times
 
 
@@ -101,20 +144,37 @@ def _record(case: "Case") -> Iterator[Conflict]:
         if number is not None and number > case.bearing.rollers:
             message = f"there is no roller {number}: the bearing has {case.bearing.rollers}"
             yield Conflict("channel", (at, ("bearing", "rollers")), message, "they count from 1")
-        still = _still(name, case) if case.model == "planar" else None
+        yield from _slice_of(at, name, case)
+        still = _still(name, case) if case.model in ladder.FREE else None
         if still:
             yield Conflict("still", (at,), f"`{name}` stays zero: {still[0]}", still[1])
 
 
+def _slice_of(at: Path, name: str, case: "Case") -> Iterator[Conflict]:
+    number = slice_number(name)
+    if number is None or case.model != "spatial":
+        return
+    count = len(slice_ends(case)) - 1
+    if number > count:
+        message = f"there is no slice {number}: the roller is cut into {count}"
+        yield Conflict(
+            "slice", (at, ("contact", "slices")), message, f"`{name.rpartition('.')[0]}` records them all"
+        )
+
+
 def _still(name: str, case: "Case") -> tuple[str, str] | None:
-    """Why a channel of the planar model would be a row of zeros, and what would move it."""
+    """Why a channel of rollers and cage that move freely would be a row of zeros, and what would move it."""
     if name == "ring.rotation" and case.rig.torsion_stiffness is None:
         return "the bracket lets no ring rotate", "give `rig.torsion_stiffness`"
     if name == "inner.displacement" and case.shaft is None:
         return "the inner ring is rigid", "give `shaft`"
     kinematic = case.cage is not None and case.cage.motion == "kinematic"
-    if kinematic and plain(name) in ("cage.slip", "roller.cage_force"):
+    if kinematic and plain(name) in HELD_BY_CAGE:
         return "the cage is kinematic", "say `motion: free`"
+    if name in ("ring.axial", "ring.lean") and case.rig.tilting_stiffness is None:
+        return "the bracket holds the ring", "give `rig.axial_stiffness` and `rig.tilting_stiffness`"
+    if name in ("inner.axial", "inner.lean") and (case.shaft is None or case.shaft.tilting_stiffness is None):
+        return "the shaft holds the ring", "give `shaft` with `axial_stiffness` and `tilting_stiffness`"
     if name == "cage.position" and (case.cage is None or case.cage.guide == "centred"):
         return "the cage is centred", "give `cage.guide`"
     return None

@@ -104,8 +104,11 @@ class Contact(Section):
     """How rolling elements and races press on each other.
 
     `stiffness` is a word or a `Constant`; in a case it is never None: `palmgren` for rollers, `point` for balls.
+    `length_nodes` cut a pit whose width varies along the roller; `slices` cut the roller of the spatial model, and
+    are more where pits need it.
     """
 
     stiffness: Stiffness | None = None
     damping: Damping = HuntCrossley()
     length_nodes: Annotated[int, whole(1, 64)] = 24
+    slices: Annotated[int, whole(1, 48)] = 24

@@ -8,8 +8,8 @@ from bearingsim.config.fields import (
     Angle,
     Length,
     Percentage,
-    Place,
     Section,
+    SignedLength,
     Text,
     one_of,
     refuse,
@@ -67,7 +67,8 @@ class Defect(Section):
 
     `race` is the element that carries it; `roller` counts from 1 and is 1 if not given. The angle is taken from
     the load line (outer race; inner race at t = 0, turning with the ring) or, on a roller, from the outward
-    radial direction at t = 0. `offset` is how far its middle is from the rollers' middle, along +z.
+    radial direction at t = 0. `offset` is how far the pit's middle lies off the roller's,
+    towards +z (m).
 
     A `spall` has the given sizes when it is `grown` to 1; `seed` is which spall it is. A `scan` is read from
     `file` (CSV or HDF5) and brings its sizes; `digest` is of the file's content.
@@ -80,7 +81,7 @@ class Defect(Section):
     width: Length
     depth: Length
     angle: Angle = 0.0
-    offset: Place = 0.0
+    offset: SignedLength = 0.0
     edge: Annotated[Edge | None, BeforeValidator(unless_none)] = None
     grown: Percentage | None = None
     seed: Annotated[int, whole(0, 999_999_999)] | None = None

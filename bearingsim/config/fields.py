@@ -61,7 +61,8 @@ class QuantityOrAuto(Quantity):
 
 
 Length = Annotated[float, Quantity("length", above=0.0)]
-Place = Annotated[float, Quantity("length")]
+SignedLength = Annotated[float, Quantity("length")]
+LengthOrZero = Annotated[float, Quantity("length", least=0.0)]
 Angle = Annotated[float, Quantity("angle")]
 Rotation = Annotated[float, Quantity("rotation", above=0.0)]
 Force = Annotated[float, Quantity("force", above=0.0)]

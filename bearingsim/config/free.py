@@ -1,4 +1,4 @@
-"""What the `planar` model adds: friction, cage, drag, shaft, ramp. Absent sections are None."""
+"""What moves freely from the `planar` model on: friction, cage, drag, shaft, ramp. Absent sections are None."""
 
 from typing import Annotated, Literal, get_args
 
@@ -20,6 +20,8 @@ from bearingsim.config.fields import (
     Share,
     SignedNumber,
     Stiffness,
+    TorsionalDamping,
+    TorsionalStiffness,
     Velocity,
     Viscosity,
     one_of,
@@ -106,7 +108,8 @@ class Cage(Section):
 
     `pocket_stiffness` (N/m) is linear, `pocket_damping` is chi (s/m) of a Hunt-Crossley contact; both hold for the
     guide too. `radial_pocket_clearance` is the gap that guides a cage on its rollers, the pocket's if not given.
-    Stiffness, damping and clearances are assumptions.
+    `axial_clearance` is the gap along a roller in its pocket, for the spatial model. Stiffness, damping and
+    clearances are assumptions.
     """
 
     motion: Annotated[Motion, one_of(*get_args(Motion))] = "free"
@@ -118,6 +121,7 @@ class Cage(Section):
     guide: Annotated[Guide, one_of(*get_args(Guide))] = "centred"
     guide_clearance: Length = 4e-4
     radial_pocket_clearance: Length | None = None
+    axial_clearance: Length = 4e-4
 
     @model_validator(mode="after")
     def _resolved(self) -> "Cage":
@@ -143,11 +147,18 @@ class Drag(Section):
 
 
 class Shaft(Section):
-    """An inner ring that can move: spring (N/m) and damper (N s/m) that hold it, its mass with the shaft (kg)."""
+    """An inner ring that can move: spring (N/m) and damper (N s/m) that hold it, its mass with the shaft (kg).
+
+    With `axial_stiffness` (N/m) and `tilting_stiffness` (N m/rad) it also moves along its axis and leans.
+    """
 
     stiffness: Stiffness
     damping: Damping = 0.0
     mass: Mass
+    axial_stiffness: Stiffness | None = None
+    axial_damping: Damping | None = None
+    tilting_stiffness: TorsionalStiffness | None = None
+    tilting_damping: TorsionalDamping | None = None
 
 
 class Unbalance(Section):

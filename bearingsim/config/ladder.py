@@ -18,13 +18,16 @@ from bearingsim.units import show
 if TYPE_CHECKING:
     from bearingsim.config.case import Case
 
-LADDER = ("impulse", "static", "ring", "rollers", "planar")
+LADDER = ("impulse", "static", "ring", "rollers", "planar", "spatial")
 METHODLESS = ("impulse", "static")
+FREE = ("planar", "spatial")
+"""Models whose rollers and cage move freely."""
 
-_STATIC = frozenset({"balance", "forces", "a second load", "shapes"})
-_RING = _STATIC | {"damping", "acceleration", "weakened contact"}
+_STATIC = frozenset({"balance", "forces", "a second load", "shapes", "balls"})
+_RING = _STATIC | {"damping", "acceleration", "weakened contact", "shared pressure"}
 _ROLLERS = _RING | {"inertia of rollers"}
 _PLANAR = _ROLLERS | {"ramp", "gravity", "friction", "cage", "drag", "shaft", "ring rotation", "slip"}
+_SPATIAL = _PLANAR - {"balls", "shared pressure"} | {"tilt", "leaning rings", "profile"}
 
 ABILITIES: dict[str, frozenset[str]] = {
     "impulse": frozenset({"impulses", "acceleration"}),
@@ -32,6 +35,7 @@ ABILITIES: dict[str, frozenset[str]] = {
     "ring": _RING,
     "rollers": _ROLLERS,
     "planar": _PLANAR,
+    "spatial": _SPATIAL,
 }
 
 STRIBECK = 4.08  # largest load of a roller over the mean: no clearance, line contact (balls: 4.37)
@@ -51,7 +55,8 @@ class Need(NamedTuple):
 
 def needs(case: "Case") -> list[Need]:
     """All that a case asks of its model."""
-    return [*_of_defects(case), *_of_sections(case), *_of_record(case), *_of_masses(case)]
+    found = [_of_defects, _of_sections, _of_shapes_along, _of_record, _of_masses]
+    return [need for of in found for need in of(case)]
 
 
 def least(case: "Case") -> str | None:
@@ -94,6 +99,13 @@ def _of_defects(case: "Case") -> Iterator[Need]:
     if case.defects and case.excitation in WEAKENED:
         why = f"`{case.excitation}` changes the force at the pit, which acts on the mass of a ring"
         yield Need("weakened contact", why, excitation)
+    if case.defects and case.excitation == "pressure-share":
+        why = "`pressure-share` splits the pressure of a whole roller, not of its slices"
+        yield Need("shared pressure", why, excitation)
+    for number, defect in enumerate(case.defects):
+        if defect.offset != 0.0:
+            why = "a defect off the roller's middle tilts the roller"
+            yield Need("tilt", why, (("defects", number, "offset"),), firm=False)
 
 
 _SECTIONS: tuple[tuple[str, str, str], ...] = (
@@ -103,6 +115,7 @@ _SECTIONS: tuple[tuple[str, str, str], ...] = (
     ("drag", "drag", "`drag` brakes rollers and cage that can slip"),
     ("shaft", "shaft", "a `shaft` lets the inner ring move"),
     ("unbalance", "shaft", "an `unbalance` moves the inner ring"),
+    ("misalignment", "leaning rings", "a `misalignment` loads the rollers unevenly along their length"),
 )
 
 
@@ -117,8 +130,21 @@ def _of_sections(case: "Case") -> Iterator[Need]:
     for name in ("torsion_stiffness", "torsion_damping"):
         if getattr(case.rig, name) is not None:
             yield Need("ring rotation", f"`rig.{name}` lets the outer ring rotate", (("rig", name), ("rig",)))
+    for name in ("axial_stiffness", "axial_damping", "tilting_stiffness", "tilting_damping"):
+        if getattr(case.rig, name) is not None:
+            yield Need("leaning rings", f"`rig.{name}` lets the outer ring lean", (("rig", name), ("rig",)))
+        if case.shaft is not None and getattr(case.shaft, name) is not None:
+            yield Need("leaning rings", f"`shaft.{name}` lets the inner ring lean", (("shaft", name),))
     if "damping" in case.contact.model_fields_set:
         yield Need("damping", "`contact.damping` acts on motion", (("contact", "damping"),), firm=False)
+
+
+def _of_shapes_along(case: "Case") -> Iterator[Need]:
+    if case.bearing.roller_profile.shape != "straight":
+        why = "`roller_profile` shapes the load along the roller"
+        yield Need("profile", why, (("bearing", "roller_profile"), ("bearing",)))
+    if case.bearing.element == "ball":
+        yield Need("balls", "its elements are balls, which have no axis to tilt", (("bearing",),))
 
 
 def _is_said(case: "Case", name: str) -> bool:
@@ -130,6 +156,7 @@ def _is_said(case: "Case", name: str) -> bool:
 _RECORDED = {
     "ring.acceleration": ("acceleration", "the ring's acceleration depends on its mass"),
     "ring.rotation": ("ring rotation", "`ring.rotation` is the turning of the outer ring"),
+    "roller.radial": ("inertia of rollers", "where a roller is, apart from the races, is recorded"),
     "roller.outer_force": ("forces", "a contact force is recorded"),
     "roller.inner_force": ("forces", "a contact force is recorded"),
     "roller.outer_slip": ("slip", "slip is recorded"),
@@ -141,6 +168,14 @@ _RECORDED = {
     "cage.position": ("cage", "the motion of the cage is recorded"),
     "inner.displacement": ("shaft", "the motion of the inner ring is recorded"),
     "load_zone.rollers": ("forces", "the load zone is recorded"),
+    **dict.fromkeys(
+        ("roller.tilt", "roller.skew", "roller.axial", "roller.outer_line_load", "roller.inner_line_load"),
+        ("tilt", "how a roller leans and is loaded along its length is recorded"),
+    ),
+    **dict.fromkeys(
+        ("ring.axial", "ring.lean", "inner.axial", "inner.lean", "cage.axial", "cage.lean"),
+        ("leaning rings", "the motion of a ring out of its plane is recorded"),
+    ),
 }
 
 

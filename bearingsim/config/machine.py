@@ -23,6 +23,7 @@ from bearingsim.config.fields import (
     whole,
 )
 from bearingsim.config.library import Kind, described
+from bearingsim.config.space import Flanges, Profile, RollerProfile
 from bearingsim.core.kinematics import ball_pass_frequency_outer
 from bearingsim.units import show
 
@@ -56,6 +57,7 @@ class Bearing(Section):
 
     `rollers` and `roller_diameter` are number and diameter of the rolling elements, balls too. Cylindrical rollers
     have a `roller_length`; balls have grooves instead, whose radii (m) lie in the plane of the bearing's axis.
+    Profile and flanges are those of rollers, for the spatial model.
     """
 
     name: Text = ""
@@ -69,6 +71,8 @@ class Bearing(Section):
     bore: Length
     outside_diameter: Length
     width: Length
+    roller_profile: RollerProfile = Profile()
+    flanges: Flanges | None = None
     material: Annotated[Material, named("materials")] = Field(default_factory=_steel)
     source: Text = ""
 
@@ -128,7 +132,8 @@ class Bearing(Section):
 class Rig(Section):
     """The bracket that holds the outer ring, and the sensor on it.
 
-    Without `torsion_stiffness` (N m/rad) the ring does not rotate.
+    Without `torsion_stiffness` (N m/rad) the ring does not rotate; without `axial_stiffness` (N/m) and
+    `tilting_stiffness` (N m/rad) it neither moves along its axis nor leans.
     """
 
     name: Text = ""
@@ -136,6 +141,10 @@ class Rig(Section):
     bracket_damping: Damping = 200.0
     torsion_stiffness: TorsionalStiffness | None = None
     torsion_damping: TorsionalDamping | None = None
+    axial_stiffness: Stiffness | None = None
+    axial_damping: Damping | None = None
+    tilting_stiffness: TorsionalStiffness | None = None
+    tilting_damping: TorsionalDamping | None = None
     sensor_angle: Angle = 0.0
     ring_mass: Mass | None = None
     source: Text = ""

@@ -61,24 +61,35 @@ LINES: dict[str, Line] = {
 with sidebands of the cage, an unbalance at fr."""
 
 ROLLER = {
+    "radial": Channel(("",), "m", "displacement of roller {} outwards"),
     "outer_force": Channel(("",), "N", "contact force of roller {} on the outer race"),
     "inner_force": Channel(("",), "N", "contact force of roller {} on the inner race"),
     "outer_slip": Channel(("",), "m/s", "slip of roller {} on the outer race"),
     "inner_slip": Channel(("",), "m/s", "slip of roller {} on the inner race"),
     "cage_force": Channel(("",), "N", "force of the cage on roller {}, forwards"),
     "spin": Channel(("",), "rad/s", "spin of roller {}, in the sense of rolling"),
+    "tilt": Channel(("",), "rad", "tilt of roller {}, its +z end outwards"),
+    "skew": Channel(("",), "rad", "skew of roller {}, its +z end forwards"),
+    "axial": Channel(("",), "m", "axial displacement of roller {}"),
+    "outer_line_load": Channel(("",), "N/m", "line load of roller {} on the outer race"),
+    "inner_line_load": Channel(("",), "N/m", "line load of roller {} on the inner race"),
 }
 """What can be recorded of any roller: `roller.3.outer_force`; without a number, of the first."""
+
+LINE_LOADS = ("outer_line_load", "inner_line_load")
+"""What has a value in each slice of a roller: `roller.3.outer_line_load.7` in the seventh from -z."""
+
+_OF_ROLLER = re.compile(r"roller\.([1-9]\d?)\.([a-z_]+)(?:\.([1-9]\d?))?", re.ASCII)
 
 
 class _Channels(dict[str, Channel]):
     """Channels by name; one of a numbered roller is made when it is asked for."""
 
     def __missing__(self, name: str) -> Channel:
-        found = re.fullmatch(r"roller\.([1-9]\d?)\.(\w+)", name)
-        if not found or found[2] not in ROLLER:
+        found = _OF_ROLLER.fullmatch(name)
+        if not found or found[2] not in ROLLER or (found[3] and found[2] not in LINE_LOADS):
             raise KeyError(name)
-        return _numbered(found[2], found[1])
+        return _numbered(found[2], found[1], found[3])
 
     def __contains__(self, name: object) -> bool:
         try:
@@ -88,9 +99,10 @@ class _Channels(dict[str, Channel]):
         return True
 
 
-def _numbered(kind: str, number: str) -> Channel:
+def _numbered(kind: str, number: str, of_slice: str | None = None) -> Channel:
     channel = ROLLER[kind]
-    return channel._replace(long_name=channel.long_name.format(number))
+    where = f", slice {of_slice}" if of_slice else ""
+    return channel._replace(long_name=channel.long_name.format(number) + where)
 
 
 CHANNELS: Mapping[str, Channel] = _Channels(
@@ -100,10 +112,16 @@ CHANNELS: Mapping[str, Channel] = _Channels(
         "ring.acceleration": Channel(("x", "y"), "m/s^2", "acceleration of the outer ring"),
         "ring.rotation": Channel(("",), "rad", "rotation of the outer ring"),
         **{f"roller.{kind}": _numbered(kind, "1") for kind in ROLLER},
+        "ring.axial": Channel(("",), "m", "axial displacement of the outer ring"),
+        "ring.lean": Channel(("x", "y"), "rad", "lean of the outer ring's axis"),
         "cage.speed": Channel(("",), "rad/s", "speed of the cage"),
         "cage.slip": Channel(("",), "", "slip of the cage"),
         "cage.position": Channel(("x", "y"), "m", "displacement of the cage"),
+        "cage.axial": Channel(("",), "m", "axial displacement of the cage"),
+        "cage.lean": Channel(("x", "y"), "rad", "lean of the cage's axis"),
         "inner.displacement": Channel(("x", "y"), "m", "displacement of the inner ring"),
+        "inner.axial": Channel(("",), "m", "axial displacement of the inner ring"),
+        "inner.lean": Channel(("x", "y"), "rad", "lean of the inner ring's axis"),
         "load_zone.rollers": Channel(("",), "", "rollers that carry load"),
     }
 )
@@ -116,11 +134,12 @@ def dataset_names(channel: str) -> tuple[str, ...]:
 
 
 def roller_of(channel: str) -> tuple[int, str] | None:
-    """Number (from 1) and quantity of a roller's channel; None for another."""
-    head, *rest = channel.split(".")
+    """Number (from 1) and quantity of a roller's channel, `outer_line_load.7` of a slice's; None for another."""
+    head, _, rest = channel.partition(".")
     if head != "roller":
         return None
-    return (int(rest[0]), rest[1]) if len(rest) > 1 else (1, rest[0])
+    number, _, quantity = rest.partition(".")
+    return (int(number), quantity) if number.isdigit() else (1, rest)
 
 
 def _line_features(quantity: str, unit: str) -> dict[str, Feature]:

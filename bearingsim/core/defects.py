@@ -155,7 +155,13 @@ def _bowls(
 
 
 def slices_of(
-    shape: str, length: float, width: float, depth: float, R: float, zetas: Sequence[float], offset: float = 0.0
+    shape: str,
+    length: float,
+    width: float,
+    depth: float,
+    R: float,
+    zetas: Sequence[float] | np.ndarray,
+    offset: float = 0.0,
 ) -> list:
     """A group of weight 1 for each slice of a roller whose middle is at zeta (m), the pit's at ``offset`` (m)."""
     places = [2.0 * (zeta - offset) / length for zeta in zetas]

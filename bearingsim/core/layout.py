@@ -6,28 +6,40 @@ index is negative; it sees both when all rows lie in one buffer at constant offs
 holds the shared coordinates (ring, cage, inner ring), then one lane per roller, padded to the vector width.
 Padded lanes have cos = sin = 0 and an inverse mass of 0: they compute, and change nothing.
 
-A state (positions, velocities, accelerations) is a block of three rows, one for each coordinate of a roller:
-radial, angle, spin. The shared coordinates stand in the first. Models that know less use less of it.
+A state (positions, velocities, accelerations) is a block of six rows, one for each coordinate of a roller:
+radial, angle, spin, axial, and two components of its axis. The shared coordinates stand before the lanes: those of
+the plane in the first row, those that only ``spatial`` knows in the last three. Models that know less use less.
+
+Behind everything else, and only in a buffer made for slices, lie the rows of ``spatial``: those of a roller, of
+each of its two sides, and of each slice (``slice_row``).
 
 The names of rows are offsets: ``y[Q + j]`` is roller j's radial position, ``y[POSITION + X]`` the ring's.
 """
 
 import numpy as np
 
+from bearingsim.core.jit import jit
+
 VECTOR = 8  # doubles in the widest vector register
 LANES = 8  # where a row's lanes begin; before them the shared coordinates
 MAX_ROLLERS = 64
 ROW = LANES + MAX_ROLLERS
-STATE = 3 * ROW
+STATE = 6 * ROW
 
 X, Y, PSI = 0, 1, 2  # shared coordinates in a state: the ring's centre (m) and rotation (rad)
 PHI_C, X_C, Y_C = 3, 4, 5  # the cage's rotation beyond its kinematic one (rad), its centre (m)
 X_I, Y_I = 6, 7  # the inner ring's centre (m)
+Z, Z_C, Z_I = (3 * ROW + n for n in range(3))  # along the bearing's axis: outer ring, cage, inner ring (m)
+LEAN_X, LEAN_X_C, LEAN_X_I = (4 * ROW + n for n in range(3))  # components of their axes along e_0 (1)
+LEAN_Y, LEAN_Y_C, LEAN_Y_I = (5 * ROW + n for n in range(3))  # and along e_90
 POSITION, VELOCITY, ACCELERATION = 0 * STATE, 1 * STATE, 2 * STATE
 
 Q, V, A = (block + LANES for block in (POSITION, VELOCITY, ACCELERATION))  # rollers, radially (m)
 EPS, EPS_V, EPS_A = (row + ROW for row in (Q, V, A))  # angle from the centre of the own pocket (rad)
 SPIN, SPIN_V, SPIN_A = (row + 2 * ROW for row in (Q, V, A))  # rotation beyond the kinematic one (rad)
+AXIAL, AXIAL_V, AXIAL_A = (row + 3 * ROW for row in (Q, V, A))  # rollers, along the bearing's axis (m)
+AXIS_X, AXIS_X_V, AXIS_X_A = (row + 4 * ROW for row in (Q, V, A))  # component of the own axis along e_0 (1)
+AXIS_Y, AXIS_Y_V, AXIS_Y_A = (row + 5 * ROW for row in (Q, V, A))  # and along e_90
 
 _FIRST = 3 * STATE
 COS_0, SIN_0, INVERSE_MASS = (_FIRST + n * ROW for n in range(3))  # constants of a lane: angle at theta_c = 0, 1/m
@@ -49,19 +61,58 @@ F_O, F_I = (WORK + n * ROW for n in range(15, 17))  # friction at the two contac
 APART_O, APART_I = (WORK + n * ROW for n in range(17, 19))  # rates of RHO_O, RHO_I of rollers over a pit (m/s)
 # cells, not rows: forces (N) and torques (N m) on ring, cage and inner ring
 F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = range(WORK + 19 * ROW, WORK + 19 * ROW + 8)
+F_Z, M_X, M_Y, F_Z_C, M_X_C, M_Y_C, F_Z_I, M_X_I, M_Y_I = range(WORK + 19 * ROW + 8, WORK + 19 * ROW + 17)
 WORKS = 20
 STAGE = WORK + WORKS * ROW  # states a method may use, between evaluations
 STAGES = 4
 LOADED = STAGE + STAGES * STATE  # one cell: rollers that carry load
 SIZE = LOADED + VECTOR
 
+# what only ``spatial`` has: rows of a roller
+_SPACE = SIZE + LANES
+# its axis along e_r, e_theta, e_z, and the rates of these; speed about the axis (rad/s); surface speed (m/s)
+TILT, SKEW, UPRIGHT, TILT_V, SKEW_V, UPRIGHT_V, OMEGA, ROLLING = (_SPACE + n * ROW for n in range(8))
+PUSH_Z, TURN_R, TURN_T, TURN_Z = (_SPACE + n * ROW for n in range(8, 12))  # force (N), moment (N m) on a roller
+SHIFT_SKEW = _SPACE + 12 * ROW  # change of the skew's rate within the lag (rad/s)
+# a roller in its pocket: distance from the middle (m), its rate (m/s), slip along the wall and the axis (m/s), in
+# the roller's middle and their growth along it (IN_*); relative turning about the cage's axis and radius (rad/s)
+GAP, GAP_V, WALL, WALL_Z, IN_GAP, IN_GAP_V, IN_WALL, IN_WALL_Z = (_SPACE + n * ROW for n in range(13, 21))
+SPINS, SWINGS = (_SPACE + n * ROW for n in range(21, 23))
+N_W, N_RAD, N_AX, H_W, H_RAD, H_AX, C_AX, C_RAD = (_SPACE + n * ROW for n in range(23, 31))  # sums over slices
+Q_F = _SPACE + 31 * ROW  # force of the flanges on a roller along the bearing's axis (N)
+_SPACE_ROWS = 32
 
-def buffer(Z: int, m_r: float) -> np.ndarray:
-    """A zeroed buffer (SIZE,) with the lane constants of Z evenly spaced rollers of mass ``m_r`` (kg).
+# rows of one side of a roller (add ``OUTER_SIDE`` or ``INNER_SIDE``); see core/slice_contact.py
+OUTER_SIDE = SIZE + _SPACE_ROWS * ROW + LANES
+RING_R, RING_T = (n * ROW for n in range(2))  # the ring's axis along e_r, e_theta
+APART_R, APART_T, APART_Z, ALONG_R, ALONG_T, ALONG_Z = (n * ROW for n in range(2, 8))
+MOVES_R, MOVES_T, MOVES_Z, TURNS_R, TURNS_T, TURNS_Z = (n * ROW for n in range(8, 14))
+ROLLS, DRIFT, DRIFTS, SWAY_R, SWAY_T, SWAY_Z = (n * ROW for n in range(14, 20))
+G_R, G_T, G_Z, H_R, H_T, H_Z, TWIST, BEND_R, BEND_T, BEND_Z = (n * ROW for n in range(20, 30))
+K_0, K_1, K_2, KS_0, KS_1, KS_Z = (n * ROW for n in range(30, 36))  # sums of friction over slip, for the lag
+K_ARM, K_R, K_T, K_Z, SHIFT, SHIFT_Z, OVER = (n * ROW for n in range(36, 43))  # ...; over a pit now?
+LOAD, APPROACH, SINK, LEAN, BENT, LOST, OWN = (n * ROW for n in range(43, 50))  # of the slice at hand
+SIDE_ROWS = 50
+INNER_SIDE = OUTER_SIDE + SIDE_ROWS * ROW
 
-    ``m_r`` = 0 (models whose rollers have no mass) leaves the rollers' inverse mass 0: their lanes stand still.
+SLICES = SIZE + (_SPACE_ROWS + 2 * SIDE_ROWS) * ROW
+LOAD_O, LOAD_I, APPROACH_O, APPROACH_I = range(4)  # rows of a slice: force (N), approach (m) at the two races
+SLICE_ROWS = 4
+
+
+@jit
+def slice_row(k, i):
+    """Where the lanes of row ``i`` of slice ``k`` begin."""
+    return SLICES + (k * SLICE_ROWS + i) * ROW + LANES
+
+
+def buffer(Z: int, m_r: float, slices: int = 0) -> np.ndarray:
+    """A zeroed buffer with the lane constants of Z evenly spaced rollers of mass ``m_r`` (kg).
+
+    slices: how many a roller is cut into, in ``spatial``; 0 in models that know of none. ``m_r`` = 0 (models whose
+    rollers have no mass) leaves the rollers' inverse mass 0: their lanes stand still.
     """
-    y = np.zeros(SIZE)
+    y = np.zeros(SLICES + slices * SLICE_ROWS * ROW if slices else SIZE)
     angle = 2.0 * np.pi * np.arange(Z) / Z
     y[COS_0 : COS_0 + Z] = np.cos(angle)
     y[SIN_0 : SIN_0 + Z] = np.sin(angle)

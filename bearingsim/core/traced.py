@@ -46,7 +46,7 @@ Felt = tuple[tuple[float, ...], Path]
 """A group without its weight (b, x_e, 0, depth), and its path."""
 
 
-def paths_over(pit: Any, R: float, places: Sequence[float]) -> tuple[Felt, ...]:
+def paths_over(pit: Any, R: float, places: Sequence[float] | np.ndarray) -> tuple[Felt, ...]:
     """What is felt of a pit at each z (m) of ``places``: found once."""
     return _paths_over(pit, repr(pit), R, tuple(float(z) for z in places))
 
@@ -78,7 +78,7 @@ def grouped(pit: Any, R: float, slices: Sequence[Cut]) -> tuple[list, list[Path]
     return [(weight, *row) for weight, row, _ in parts], [path for _, _, path in parts]
 
 
-def sliced(pit: Any, R: float, zetas: Sequence[float]) -> tuple[list, list[Path]]:
+def sliced(pit: Any, R: float, zetas: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
     """A group of weight 1 and a path for each slice of a roller whose middle is at zeta (m)."""
     found = paths_over(pit, R, zetas)
     return [(1.0, *row) for row, _ in found], [path for _, path in found]

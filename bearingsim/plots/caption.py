@@ -32,7 +32,7 @@ SAID = (  # parameters worth saying, in order, with the word that introduces the
     ("duration", "record"),
 )
 USUAL = {"excitation": "envelope", "load_across": 0.0}  # not worth saying
-DEFECT = ("shape", "length", "width", "depth", "angle")
+DEFECT = ("shape", "length", "width", "depth", "angle", "offset")
 IN_UM = ("clearance",)
 
 
@@ -62,7 +62,7 @@ def _defects(known: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -
         for part in DEFECT:
             names = {f"defect.{part}", f"defects.{number}.{part}"}
             value = _single(known, f"defects.{number}.{part}")
-            if value is not None and not names & drawn:
+            if value is not None and not names & drawn and (part, value) != ("offset", 0.0):
                 shown = units if not names & units.keys() else {f"defect.{part}": units[min(names & units.keys())]}
                 text = labels.value_text(f"defect.{part}", value, shown)
                 which = f" {number}" if count > 1 else ""

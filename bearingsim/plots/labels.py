@@ -29,10 +29,13 @@ SCALES: dict[str, tuple[tuple[str, float], ...]] = {  # readable units of a feat
     "m/s": (("m/s", 1.0), ("mm/s", 1e3), ("µm/s", 1e6)),
     "m/s^2": (("m/s²", 1.0), ("mm/s²", 1e3)),
     "N": (("N", 1.0),),
+    "N/m": (("N/mm", 1e-3), ("N/m", 1.0)),
     "s": (("s", 1.0), ("ms", 1e3)),
     "rad": (("°", 57.29577951308232),),
     "%": (("%", 1e2),),
 }
+LEANS = ("tilt", "skew", "lean", "rotation")  # angles so small that nobody says them in degrees
+SMALL_ANGLES = (("mrad", 1e3), ("µrad", 1e6), ("nrad", 1e9))
 SHARES = ("cage.slip",)  # pure numbers that people say in per cent, with what is computed of them
 COST, COST_UNIT, COST_TEXT = "seconds", "s", "CPU time of a job"
 """A column of the table that can be drawn like a feature."""
@@ -141,5 +144,5 @@ def readable(unit: str, name: str, largest: float) -> tuple[str, float]:
         unit = "%"
     if unit not in SCALES:
         return unit, 1.0
-    scales = SCALES[unit]
+    scales = SMALL_ANGLES if set(LEANS) & set(name.split(".")) else SCALES[unit]
     return next(((unit, factor) for unit, factor in scales if largest * factor >= 1.0), scales[-1])

@@ -3,12 +3,13 @@
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from bearingsim.config.ladder import FREE
 from bearingsim.config.names import Line
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["FAMILIES", "Family", "Mark", "fitting", "frequency", "is_planar", "marks", "races", "races_of_all"]
+__all__ = ["FAMILIES", "Family", "Mark", "fitting", "frequency", "marks", "may_slip", "races", "races_of_all"]
 
 
 class Family(NamedTuple):
@@ -63,9 +64,9 @@ def fitting(known: "pd.DataFrame") -> list[str]:
     return [FAMILIES[race].line for race in races_of_all(known) or ("outer",)]
 
 
-def is_planar(known: "pd.DataFrame") -> bool:
+def may_slip(known: "pd.DataFrame") -> bool:
     """Whether the cage of some of the jobs can slip."""
-    return "model" in known and bool((known["model"] == "planar").any())
+    return "model" in known and bool(known["model"].isin(FREE).any())
 
 
 def frequency(line: Line, known: Mapping[Any, Any]) -> float:

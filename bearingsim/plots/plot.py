@@ -17,13 +17,15 @@ if TYPE_CHECKING:
 
 __all__ = ["FORMATS", "KINDS", "drawn", "plot"]
 
-OF_JOBS = ("series", "spectrum", "envelope", "roller")
+PIT, LOAD = "pit", "load"
+OF_JOBS = ("series", "spectrum", "envelope", "roller", LOAD, PIT)
 KINDS = ("sweep", "phase", *OF_JOBS)
 ALL = "all"
 USELESS = {
     **dict.fromkeys(("sweep", "phase"), ("span",)),
     **dict.fromkeys(OF_JOBS, ("x", "by", "panels", "span")),
-    "series": ("x", "by", "panels"),
+    **dict.fromkeys(("series", LOAD), ("x", "by", "panels")),
+    PIT: ("x", "y", "by", "panels", "span"),
 }
 """What a kind of figure does not take."""
 MOST_NAMED = 4  # jobs in the name of a file
@@ -42,10 +44,10 @@ def plot(
     """Draw figures of a study into ``out`` (default: its ``figures`` folder); return the files.
 
     kind: `sweep` features against swept paths, `phase` the phase of the line against them; of some jobs (ids, or
-    `all`) their `series`, `spectrum`, the spectrum of the squared `envelope`, and what a `roller` meets on its way
-    round. Instead of what the study says: x, and among changes y (features; of jobs channels), by, panels (lists),
-    where (paths and values) and span (s; of a series). Raises PlotError, ResultsError; warns (PlotWarning) of a
-    figure left out.
+    `all`) their `series`, `spectrum`, the spectrum of the squared `envelope`, what a `roller` meets on its way
+    round, the `load` along a roller, and each `pit` to scale. Instead of what the study says: x, and among changes
+    y (features; of jobs channels), by, panels (lists), where (paths and values) and span (s; of a series or load).
+    Raises PlotError, ResultsError; warns (PlotWarning) of a figure left out.
     """
     import matplotlib as mpl
 
@@ -149,7 +151,7 @@ def _slug(words: Sequence[str]) -> str:
 def _of_jobs(
     results: "Results", kind: str, jobs: Sequence[str], changes: Mapping[str, Any]
 ) -> list[tuple[str, "Canvas"]]:
-    from bearingsim.plots import select, series
+    from bearingsim.plots import line_load, select, series
 
     where, y = changes.get("where") or {}, tuple(changes.get("y") or ())
     named = [] if list(jobs) == [ALL] else list(jobs)
@@ -159,9 +161,22 @@ def _of_jobs(
     chosen = named or (series.done_jobs(rows) if jobs else series.some_jobs(rows))
     if not chosen:
         raise PlotError("no job is done yet: there is nothing to draw")
+    if kind == PIT:
+        return _of_pits(results, chosen)
     options = {"span": changes["span"]} if changes.get("span") else {}
     name = _name_of_jobs(kind, y, [ALL] if jobs and not named else chosen)
-    return [(name, series.DRAW[kind](results, chosen, y, **options))]
+    draw = line_load.draw_load if kind == LOAD else series.DRAW[kind]
+    return [(name, draw(results, chosen, y, **options))]
+
+
+def _of_pits(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
+    """A figure for each of the different pits of some jobs."""
+    from bearingsim.plots import pit
+
+    return [
+        (_slug([PIT, one.jobs[0][:8], *([str(one.number)] if one.of > 1 else [])]), pit.draw_pit(results, one))
+        for one in pit.sheets(results, jobs)
+    ]
 
 
 def _check_changes(kind: str, changes: Mapping[str, Any]) -> None:

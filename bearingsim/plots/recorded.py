@@ -7,14 +7,24 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from bearingsim.config import CHANNELS, dataset_names
-from bearingsim.config.names import roller_of
+from bearingsim.config.names import LINE_LOADS, ROLLER, roller_of
 from bearingsim.plots.labels import PlotError
 from bearingsim.units import suggestion
 
 if TYPE_CHECKING:
     from bearingsim.store import Results, Series
 
-__all__ = ["Job", "Signal", "all_jobs", "channels_for", "recorded_as", "signals_of", "text_of", "unit_of"]
+__all__ = [
+    "Job",
+    "Signal",
+    "all_jobs",
+    "channels_for",
+    "is_of_slice",
+    "recorded_as",
+    "signals_of",
+    "text_of",
+    "unit_of",
+]
 
 PREFERRED = ("ring.velocity", "ring.acceleration", "ring.displacement")
 
@@ -59,14 +69,23 @@ def channels_for(jobs: dict[str, Job], asked: Sequence[str], prefix: str = "") -
     prefix: of the names that will do. Raises PlotError for what a job has not recorded.
     """
     name, first = next(iter(jobs.items()))
-    recorded = [channel for channel in first.recorded if channel.startswith(prefix)]
-    if not recorded:
+    recorded = [name for name in first.recorded if name.startswith(prefix) and not is_of_slice(name)]
+    if not recorded and not asked:
         raise PlotError(f"job {name} has recorded no {prefix or 'channel'}: add one to `record`")
     wanted = list(asked) or [next((channel for channel in PREFERRED if channel in recorded), recorded[0])]
+    along = next((channel for channel in wanted if roller_of(channel) and channel.endswith(LINE_LOADS)), None)
+    if along:
+        raise PlotError(f"`{along}` is a load along a roller, with a value in each slice: draw its `--kind load`")
     for channel in wanted:
         for job, one in jobs.items():
             _check(job, channel, one.recorded)
     return wanted
+
+
+def is_of_slice(channel: str) -> bool:
+    """Whether a channel is of one slice of a roller."""
+    roller = roller_of(channel)
+    return roller is not None and "." in roller[1]
 
 
 def _check(job: str, channel: str, recorded: Sequence[str]) -> None:
@@ -92,7 +111,7 @@ def signals_of(job: Job, channel: str) -> Iterator[Signal]:
     whole = recorded_as(channel, job.recorded) or channel
     names = dataset_names(whole)
     rows = [np.asarray(series[name], np.float64) for name in names]
-    if channel.startswith("ring.") and len(rows) == 2:
+    if channel in PREFERRED:
         angle = job.known["rig.sensor_angle"]
         yield Signal(time, cos(angle) * rows[0] + sin(angle) * rows[1])
         return
@@ -105,10 +124,16 @@ def unit_of(channel: str) -> str:
     return CHANNELS[_whole(channel)].unit
 
 
-def text_of(channel: str) -> str:
-    """A channel in words, as an axis begins: `Contact force of roller 3 on the outer race`."""
-    whole = _whole(channel)
-    text = f"{CHANNELS[whole].long_name} {channel.removeprefix(whole).removeprefix('.')}".strip()
+def text_of(channel: str, *others: str) -> str:
+    """A channel in words, as an axis begins: `Contact force of roller 3 on the outer race`.
+
+    others: the same quantity of other rollers, then `Contact force of each roller on the outer race`.
+    """
+    roller, whole = roller_of(channel), _whole(channel)
+    if others and roller:
+        text = ROLLER[roller[1]].long_name.replace("roller {}", "each roller")
+    else:
+        text = f"{CHANNELS[whole].long_name} {channel.removeprefix(whole).removeprefix('.')}".strip()
     return text[:1].upper() + text[1:]
 
 

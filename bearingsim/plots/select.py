@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim.config import FEATURES
 from bearingsim.plots.labels import COST, PlotError, described, unit_of, value_text
-from bearingsim.plots.lines import fitting, is_planar, races_of_all
+from bearingsim.plots.lines import fitting, may_slip, races_of_all
 from bearingsim.study import Figure, dimension
 from bearingsim.units import UnitError, parse, suggestion
 
@@ -126,7 +126,7 @@ def default_y(results: "Results", rows: "pd.DataFrame") -> tuple[str, ...]:
     known = results.parameters()
     lines = [f"velocity@{line}" for line in fitting(known)]
     wanted = [*lines, f"{lines[0]}-healthy"] if len(lines) == 1 else lines
-    if is_planar(known) and not races_of_all(known):
+    if may_slip(known) and not races_of_all(known):
         wanted.append("cage.slip.mean")
     return tuple(name for name in wanted if name in rows and rows[name].notna().any()) or (lines[0],)
 

@@ -4,6 +4,7 @@ Nothing under a final name is ever half-written, and nothing but the table has m
 can be killed at any moment and several runs may share a folder.
 """
 
+from bearingsim.store.cases import case_of
 from bearingsim.store.files import lock, sweep
 from bearingsim.store.folder import FolderInUse, discard, sealed_jobs
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
@@ -21,6 +22,7 @@ __all__ = [
     "ResultsError",
     "Series",
     "build_table",
+    "case_of",
     "check_unit",
     "clear_failure",
     "discard",

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection
 
-from bearingsim.config import FEATURES
+from bearingsim.config import FEATURES, ladder
 from bearingsim.study.jobs import Figure
 from bearingsim.units import suggestion
 from bearingsim.yamlfile import Node, Problem, problem
@@ -10,9 +10,9 @@ from bearingsim.yamlfile import Node, Problem, problem
 DRAWN = (*FEATURES, "seconds")
 """Columns of the results table that can stand on a y axis: features, and the CPU time of a job."""
 
-_LOADED = ("static", "ring", "rollers", "planar")
+_LOADED = tuple(model for model in ladder.LADDER if model != "impulse")
 KNOWN_TO = {
-    "cage": ("planar",),
+    "cage": ladder.FREE,
     **dict.fromkeys(("outer_force", "inner_force", "load_zone"), _LOADED),
 }
 """Which models give the features that begin so; all others are every model's."""

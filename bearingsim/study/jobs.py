@@ -5,7 +5,7 @@ import json
 from dataclasses import dataclass, field
 from typing import Any
 
-from bearingsim.config import Case
+from bearingsim.config import Case, ladder
 from bearingsim.study.used import used
 
 
@@ -94,7 +94,7 @@ def _twin(case: Case, swept: dict[str, float | str]) -> Job | None:
     """The same bearing without its defects; none for the impulse model, which has nothing to say of it."""
     if not case.defects or case.model == "impulse":
         return None
-    dropped = {"defect", "defects", "excitation"} | ({"seed"} if case.model != "planar" else set())
+    dropped = {"defect", "defects", "excitation"} | ({"seed"} if case.model not in ladder.FREE else set())
     plain = {name: Case.model_fields[name].default for name in dropped & Case.model_fields.keys()}
     healthy = case.model_copy(update=plain)
     kept = {path: value for path, value in swept.items() if path.split(".")[0] not in dropped}

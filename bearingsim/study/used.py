@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from bearingsim.config import Case
+from bearingsim.config import Case, ladder
+from bearingsim.config.conflicts import SPRUNG
 
 IDLE: dict[str, Any] = {
     "ramp": None,
@@ -14,11 +15,20 @@ IDLE: dict[str, Any] = {
     "drag": None,
     "shaft": None,
     "unbalance": None,
+    "misalignment": None,
     "bearing": {"element": "roller", "inner_groove_radius": None, "outer_groove_radius": None},
-    "rig": {"torsion_stiffness": None, "torsion_damping": None},
+    "rig": {"torsion_stiffness": None, "torsion_damping": None, **dict.fromkeys(SPRUNG)},
     "defects": {"roller": None, "offset": 0.0, "edge": None, "grown": None, "seed": None, "digest": None},
 }
 """Values that do nothing. They are left out, so that a field that is new does not rename results that exist."""
+
+IN_SPACE: dict[str, tuple[str, ...]] = {
+    "bearing": ("roller_profile", "flanges"),
+    "contact": ("slices",),
+    "cage": ("axial_clearance",),
+    "shaft": SPRUNG,
+}
+"""Values that only the spatial model looks at."""
 
 ELASTIC = ("johnson", "point")
 """The contact laws that take the material's elastic constants (and so does the width of any ball's contact)."""
@@ -34,8 +44,12 @@ def used(case: Case) -> dict[str, Any]:
         values.pop("excitation", None)
     for defect in values["defects"]:
         defect.pop("file")  # what is in it counts, not where it lies
-    if case.model != "planar" and case.excitation != "random-impulses":
+    if case.model not in ladder.FREE and case.excitation != "random-impulses":
         values.pop("seed", None)
+    if case.model != "spatial":
+        for section, names in IN_SPACE.items():
+            for name in names if section in values else ():
+                del values[section][name]
     return values
 
 

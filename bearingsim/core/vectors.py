@@ -1,0 +1,17 @@
+"""Vectors by their components, along three directions at right angles."""
+
+from bearingsim.core.jit import jit
+
+
+@jit
+def across(a_r, a_t, a_z, b_r, b_t, b_z):
+    """Vector product."""
+    return a_t * b_z - a_z * b_t, a_z * b_r - a_r * b_z, a_r * b_t - a_t * b_r
+
+
+@jit
+def turning(body, c, s):
+    """Angular velocity (rad/s) of a ``Body`` along e_r, e_theta and e_z of the angle with cosine c and sine s."""
+    o_x, o_y, o_z = across(body.a_x, body.a_y, body.a_z, body.w_x, body.w_y, body.w_z)
+    o_x, o_y = o_x + body.turns * body.a_x, o_y + body.turns * body.a_y
+    return o_x * c + o_y * s, o_y * c - o_x * s, o_z + body.turns * body.a_z

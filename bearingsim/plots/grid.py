@@ -1,0 +1,145 @@
+"""Axes of jobs: a row per job, a column per channel, rollers laid over each other."""
+
+import textwrap
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+
+from bearingsim.config.names import roller_of
+from bearingsim.plots import labels, recorded, select
+from bearingsim.plots.caption import fixed_values
+from bearingsim.plots.recorded import Job, Signal
+from bearingsim.plots.style import COLOURS, COLUMN_IN
+from bearingsim.plots.sweep import axis_label, finish, share_scales
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from bearingsim.store import Results
+
+__all__ = ["Curve", "View", "grid"]
+
+ROW_IN, LOW_ROW_IN = 1.7, 1.15
+MANY = 6  # jobs above which rows are low
+HEALTHY = "0.35"
+PARTS = {"": COLOURS[0], "x": COLOURS[2], "y": COLOURS[3]}
+LABEL_LETTERS, LETTER_IN = 26, 0.075
+SQUARES = 3.0  # a square reads well from 0.1 on
+
+Curve = tuple[np.ndarray, np.ndarray]
+
+
+class View(NamedTuple):
+    """A way to look at signals: their curve, in SI; what stands on the axes; the power of the channel's unit.
+
+    twins: whether the healthy twin is drawn too, where a column has one curve.
+    """
+
+    curve: Callable[[Job, str, Signal], Curve]
+    x_label: str
+    y_label: Callable[[str], str]
+    power: int = 1
+    twins: bool = True
+
+
+def grid(
+    results: "Results", jobs: dict[str, Job], channels: Sequence[str], view: View
+) -> tuple[Canvas, list[list["Axes"]]]:
+    """A row of axes per job, a column per quantity with one unit; titles of what was swept; the healthy twins.
+
+    A quantity of several rollers is one column.
+    """
+    swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
+    twin_of = _twins(results, jobs) if view.twins else {}
+    twins = recorded.all_jobs(results, sorted(set(twin_of.values())))
+    columns = list(_columns(channels))
+    height = LOW_ROW_IN if len(jobs) > MANY else ROW_IN
+    size = (max(2, len(columns)) * COLUMN_IN, height * len(jobs) + (0.6 if len(jobs) > 1 else 1.0))
+    canvas = Canvas(figsize=size, layout="constrained")
+    made = canvas.subplots(len(jobs), len(columns), sharex="col", squeeze=False)
+    axes = [list(row) for row in made]
+    for column, together in enumerate(columns):
+        drawn = {job: _curves(one, together, view) for job, one in jobs.items()}
+        unit, factor = _unit(together[0], view, drawn)
+        for row, (job, curves) in zip(axes, drawn.items(), strict=True):
+            known = job in twin_of and len(curves) == 1
+            _panel(row[column], curves, _curves(twins[twin_of[job]], together, view) if known else {}, factor)
+        label = axis_label(view.y_label(recorded.text_of(*together)), unit)
+        _name_axes([row[column] for row in axes], label, len(columns) == 1)
+        axes[-1][column].set_xlabel(view.x_label)
+    for row, job in zip(axes, jobs, strict=True):
+        title = labels.described(swept[job], results.plan["units"])
+        row[0].set_title(title, loc="left", fontsize=8, pad=11 if row is axes[0] else 4)
+    share_scales(axes)
+    _legend(canvas, [ax for row in axes for ax in row])
+    rows = select.case_rows(results)
+    finish(canvas, None, fixed_values(results, rows[rows["job"].isin(jobs)], set().union(*swept.values())))
+    return canvas, axes
+
+
+def _columns(channels: Sequence[str]) -> Iterator[list[str]]:
+    """The channels, those of one quantity of different rollers together."""
+    found: dict[str, list[str]] = {}
+    for channel in channels:
+        roller = roller_of(channel)
+        found.setdefault(roller[1] if roller else f"of no roller: {channel}", []).append(channel)
+    yield from found.values()
+
+
+def _curves(job: Job, channels: Sequence[str], view: View) -> dict[str, Curve]:
+    """The curve of each component, or of each roller."""
+    return {
+        signal.component if len(channels) == 1 else _whose(channel): view.curve(job, channel, signal)
+        for channel in channels
+        for signal in recorded.signals_of(job, channel)
+    }
+
+
+def _whose(channel: str) -> str:
+    return f"roller {(roller_of(channel) or (1, ''))[0]}"
+
+
+def _unit(channel: str, view: View, drawn: Mapping[str, Mapping[str, Curve]]) -> tuple[str, float]:
+    """The unit of a column and the factor from SI that suits its largest value."""
+    largest = max(float(np.nanmax(np.abs(y))) for curves in drawn.values() for _, y in curves.values())
+    alike = (SQUARES if view.power == 2 else 1.0) * largest ** (1.0 / view.power)
+    unit, factor = labels.readable(recorded.unit_of(channel), channel, alike)
+    return (labels.squared(unit) if view.power == 2 else unit), factor**view.power
+
+
+def _panel(ax: "Axes", curves: Mapping[str, Curve], healthy: Mapping[str, Curve], factor: float) -> None:
+    for number, (component, (x, y)) in enumerate(curves.items()):
+        name = component or ("with defect" if healthy else None)
+        colour = PARTS.get(component, COLOURS[number % len(COLOURS)])
+        ax.plot(x, factor * y, color=colour, lw=0.9, label=name)
+    for x, y in healthy.values():
+        ax.plot(x, factor * y, color=HEALTHY, lw=0.9, label="healthy")
+    ax.margins(x=0.0)
+
+
+def _name_axes(column: Sequence["Axes"], label: str, only: bool) -> None:
+    """The label of a column's y axes: once beside all of them if there is no other column."""
+    if only and len(column) > 1:
+        canvas = column[0].get_figure(root=True)
+        assert canvas is not None
+        letters = int(canvas.get_size_inches()[1] / LETTER_IN)
+        canvas.supylabel(textwrap.fill(label, letters), fontsize=9.0)
+        return
+    for ax in column:
+        ax.set_ylabel(textwrap.fill(label, LABEL_LETTERS), fontsize=8.0)
+
+
+def _legend(canvas: Canvas, axes: Iterable["Axes"]) -> None:
+    """One entry for each name that a curve has."""
+    entries = {name: handle for ax in axes for handle, name in zip(*ax.get_legend_handles_labels(), strict=True)}
+    if entries:
+        canvas.legend(list(entries.values()), list(entries), loc="outside upper right", ncols=len(entries))
+
+
+def _twins(results: "Results", jobs: Iterable[str]) -> dict[str, str]:
+    """The healthy twins of some jobs, as far as they are done."""
+    table = results.table().set_index("job")
+    done = set(table.index[table["status"] == "done"])
+    return {job: twin for job in jobs if (twin := str(table.loc[job, "healthy"])) in done}

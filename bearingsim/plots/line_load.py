@@ -1,0 +1,195 @@
+"""Load along a roller: over time and place while it passes a pit, and its distribution at a few instants."""
+
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+
+from bearingsim.config.names import LINE_LOADS, roller_of
+from bearingsim.plots import labels, lines, recorded, select
+from bearingsim.plots.caption import fixed_values
+from bearingsim.plots.passage import Passage, first_passage
+from bearingsim.plots.pit_shape import Reals, ends_of_slices
+from bearingsim.plots.recorded import Job
+from bearingsim.plots.style import COLOURS, LINES
+from bearingsim.plots.sweep import axis_label, finish
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from bearingsim.config import Case
+    from bearingsim.store import Results
+
+__all__ = ["Loaded", "draw_load", "instants"]
+
+ROW_IN, PICTURE_IN, PROFILE_IN = 2.5, 4.2, 2.6
+SCALE = "YlOrRd"
+UNLOADED = 1e-3  # of the largest line load: what is less is drawn as none
+WITHOUT_PIT = 8.0  # ball passes shown of a roller that passes none
+FEW = 10.0  # samples over a pit, below which the caption tells how many
+LABEL_LETTERS = 30
+LEAST_SAMPLES = 4
+ADVICE = "add `roller.outer_line_load` to `record`, with `model: spatial`"
+
+
+class Loaded(NamedTuple):
+    """What is drawn of a job: time (n,) in s, line load (slices, n) in N/m, ends of the slices (m), passage."""
+
+    channel: str
+    time: Reals
+    load: Reals
+    ends: Reals
+    passage: Passage | None
+
+
+def draw_load(results: "Results", jobs: Sequence[str], y: Sequence[str] = (), span: float | None = None) -> Canvas:
+    """Line load along a roller, a row per job and channel: a picture over time, and sections through it.
+
+    ``span``: so much time (s) around the roller's first passage over a pit. Raises PlotError for what was not
+    recorded.
+    """
+    found = recorded.all_jobs(results, jobs)
+    rows = [(job, one) for job, known in found.items() for one in _loads(job, known, y, span)]
+    canvas = Canvas(figsize=(PICTURE_IN + PROFILE_IN + 2.4, ROW_IN * len(rows) + 0.8), layout="constrained")
+    axes = canvas.subplots(len(rows), 2, squeeze=False, sharey="row", width_ratios=[PICTURE_IN, PROFILE_IN])
+    swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
+    for (job, one), (picture, profile) in zip(rows, axes, strict=True):
+        _draw_row(picture, profile, one)
+        title = labels.described(swept[job], results.plan["units"])
+        picture.set_title(title, loc="left", fontsize=8)
+    table = select.case_rows(results)
+    said = fixed_values(results, table[table["job"].isin(jobs)], set().union(*swept.values()))
+    finish(canvas, None, [*_notes(found, rows), *said])
+    return canvas
+
+
+def _notes(found: Mapping[str, Job], rows: Sequence[tuple[str, Loaded]]) -> list[str]:
+    """What must be known of the passages: few samples over a pit, or none at all."""
+    crossed = [(job, one.passage) for job, one in rows if one.passage is not None]
+    counts = [passage.samples(found[job].known["sampling"]) for job, passage in crossed]
+    few = [f"only {min(counts):.1f} samples over the pit"] if min(counts, default=FEW) < FEW else []
+    missed = any(one.passage is None and lines.races(found[job].known) for job, one in rows)
+    return [*few, *(["a roller passes no pit of a race within the record"] if missed else [])]
+
+
+# What is drawn
+
+
+def _loads(job: str, known: Job, asked: Sequence[str], span: float | None) -> Iterator[Loaded]:
+    """The line loads of a job that are asked for, or all that it has recorded."""
+    from bearingsim.store import case_of
+
+    case = case_of(known.known)
+    ends = ends_of_slices(case)
+    for channel in [_full(name) for name in asked] or _recorded(job, known):
+        load = _rows(job, known, channel, len(ends) - 1)
+        number, quantity = roller_of(channel) or (1, "")
+        passage = first_passage(known, case, number, quantity.partition("_")[0])
+        start, stop = _window(case, known, passage, span)
+        time = known.series.time
+        shown = (time >= start) & (time <= stop)
+        if np.count_nonzero(shown) < LEAST_SAMPLES:
+            raise labels.PlotError(
+                f"job {job} has {np.count_nonzero(shown)} samples in that time: raise `sampling`"
+            )
+        yield Loaded(channel, time[shown], load[:, shown], ends, passage)
+
+
+def _full(name: str) -> str:
+    """`roller.outer_line_load` is the first roller's."""
+    return name.replace("roller.", "roller.1.", 1) if name in (f"roller.{kind}" for kind in LINE_LOADS) else name
+
+
+def _recorded(job: str, known: Job) -> list[str]:
+    """The line loads that a job has recorded, without the slices' numbers."""
+    found = dict.fromkeys(name.rpartition(".")[0] for name in known.recorded if "_line_load." in name)
+    if not found:
+        raise labels.PlotError(f"job {job} has recorded no load along a roller: {ADVICE}")
+    return list(found)
+
+
+def _rows(job: str, known: Job, channel: str, count: int) -> Reals:
+    """The line load (N/m) of every slice (slices, n). Raises PlotError if some were not recorded."""
+    names = [f"{channel}.{number}" for number in range(1, count + 1)]
+    missing = sum(name not in known.series.channels for name in names)
+    if count < 1 or missing == count:
+        advice = ADVICE.replace("roller.outer_line_load", channel)
+        raise labels.PlotError(f"job {job} has recorded no `{channel}`: {advice}")
+    if missing:
+        raise labels.PlotError(
+            f"job {job} has recorded {count - missing} of {count} slices: add `{channel}`, which means all of them"
+        )
+    return np.stack([np.asarray(known.series.channels[name], np.float64) for name in names])
+
+
+def _window(case: "Case", known: Job, passage: Passage | None, span: float | None) -> tuple[float, float]:
+    """From when to when (s) is shown."""
+    if passage is None:
+        rate = case.bearing.ball_pass_frequency(case.speed)
+        return 0.0, span or min(WITHOUT_PIT / rate, float(known.known["duration"]))
+    start, stop = passage.window
+    if span is None:
+        return start, stop
+    before = (passage.time - start) / (stop - start) * span
+    return passage.time - before, passage.time - before + span
+
+
+def instants(one: Loaded) -> dict[str, int]:
+    """The samples whose distributions are drawn, by name.
+
+    Over the pit: in the middle of when the slices over it carry least. The largest: of the roller's whole load
+    from then on. Without a pit: the largest and the least load.
+    """
+    whole = _whole(one)
+    if one.passage is None:
+        return {"largest load": int(np.argmax(whole)), "least load": int(np.argmin(whole))}
+    low, high = one.passage.pit.z
+    middles = (one.ends[1:] + one.ends[:-1]) / 2.0
+    inside = _share(one)[(middles > low) & (middles < high)].sum(axis=0)
+    least = np.flatnonzero(inside <= inside.min() + UNLOADED * inside.max())
+    over = int(least[len(least) // 2])
+    largest = over + int(np.argmax(whole[over:]))
+    return {"before": 0, "over the pit": over, "largest after": largest, "after": len(one.time) - 1}
+
+
+def _share(one: Loaded) -> Reals:
+    """Force (N) of each slice."""
+    return one.load * np.diff(one.ends)[:, np.newaxis]
+
+
+def _whole(one: Loaded) -> Reals:
+    """Force (N) of the whole roller."""
+    return np.asarray(_share(one).sum(axis=0))
+
+
+# Drawing
+
+
+def _draw_row(picture: "Axes", profile: "Axes", one: Loaded) -> None:
+    unit, factor = labels.readable("N/m", one.channel, float(one.load.max()))
+    _draw_picture(picture, one, factor, axis_label(recorded.text_of(one.channel), unit))
+    for number, (name, at) in enumerate(instants(one).items()):
+        look = {"color": COLOURS[number % len(COLOURS)], "ls": LINES[number % len(LINES)], "lw": 1.4}
+        profile.stairs(factor * one.load[:, at], 1e3 * one.ends, orientation="horizontal", baseline=None,
+                       label=f"{name},\n{1e3 * one.time[at]:.3f} ms", **look)  # fmt: skip
+        picture.axvline(1e3 * one.time[at], color=look["color"], lw=1.0, ls=look["ls"])
+    profile.set_xlabel(f"Line load ({unit})")
+    profile.set_xlim(left=0.0)
+    profile.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), fontsize=7, borderaxespad=0.0)
+
+
+def _draw_picture(ax: "Axes", one: Loaded, factor: float, label: str) -> None:
+    """Line load over time and place; white where the roller is lifted; the pit's ends dotted."""
+    step = one.time[1] - one.time[0]
+    edges = 1e3 * np.append(one.time - step / 2.0, one.time[-1] + step / 2.0)
+    seen = np.ma.masked_less(factor * one.load, UNLOADED * factor * float(one.load.max()))
+    made = ax.pcolormesh(edges, 1e3 * one.ends, seen, cmap=SCALE, vmin=0.0, rasterized=True)
+    for end in one.passage.pit.z if one.passage is not None else ():
+        ax.axhline(1e3 * end, color="0.2", lw=0.8, ls=(0, (1, 2)))
+    ax.grid(visible=False)
+    ax.set_xlabel("Time (ms)")
+    ax.set_ylabel("Along the roller, z (mm)")
+    assert ax.figure is not None
+    ax.figure.colorbar(made, ax=ax, pad=0.02).set_label(textwrap.fill(label, LABEL_LETTERS), fontsize=8.0)

@@ -1,0 +1,269 @@
+"""Pits to scale: the depth map with the roller's length over it, and sections with the roller's path."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import floor, log10
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+
+from bearingsim.plots import labels, recorded, select
+from bearingsim.plots.caption import fixed_values
+from bearingsim.plots.passage import Taken, path_taken
+from bearingsim.plots.pit_shape import MARGIN, Pit, Reals, Section, cut, ends_of_slices, pits_of, told_apart
+from bearingsim.plots.style import COLOURS
+from bearingsim.plots.sweep import finish, letter
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from bearingsim.store import Results
+
+__all__ = ["Sheet", "draw_pit", "exaggeration", "sheets"]
+
+MAP_IN, SECTION_IN = 4.2, 4.4  # height of the map, width of a section
+LOWEST_IN, HIGHEST_IN = 0.7, 1.9  # of a section
+NARROWEST, WIDEST_IN = 0.3, 5.0  # width of the map: at least over its length, at most in inches
+LEFT, BAR, EDGE, ABOVE, BELOW, LINE = 0.65, 1.5, 0.2, 0.3, 0.55, 0.14  # inches between and around axes
+BEYOND = 0.04  # of the length shown, beyond roller and pit
+HEADROOM = 0.45  # above the race, of the depth shown
+SHALLOW = 0.3  # of the pit's depth: a path that stays above this is shown once more
+CLOSER = 1.6  # of the path's depth, shown then
+ROLLERS = (-0.62, -0.25, 0.0, 0.25, 0.62)  # where rollers are drawn, in widths of the pit
+SCALE = "YlGnBu"
+RACE, PATH, ROLLER, TAKEN = "0.15", COLOURS[1], "0.55", COLOURS[0]
+STEPS = (1.0, 2.0, 5.0)
+
+
+class Sheet(NamedTuple):
+    """A figure to draw: a pit, its number (from 1) among those of its case, the jobs that have it, the roller."""
+
+    pit: Pit
+    number: int
+    of: int
+    jobs: list[str]
+    roller_length: float
+    slice_ends: Reals
+
+
+def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
+    """The different pits of some finished jobs. Raises PlotError if none has any."""
+    found: dict[Any, Sheet] = {}
+    for job, known in results.parameters().loc[list(jobs)].iterrows():
+        for one in _of_job(str(job), known.to_dict()):
+            first = found.setdefault(_key(one), one)
+            if first is not one:
+                first.jobs.append(str(job))
+    if not found:
+        raise labels.PlotError("these cases have no defect: there is no pit to draw")
+    return list(found.values())
+
+
+def _of_job(job: str, known: Mapping[Any, Any]) -> Iterator[Sheet]:
+    from bearingsim.build.pits import contact_length
+    from bearingsim.store import case_of
+
+    case = case_of(known)
+    made = list(pits_of(case))
+    for number, pit in enumerate(made, 1):
+        length = contact_length(case, side=1 if pit.race == "inner" else 0)
+        yield Sheet(pit, number, len(made), [job], length, ends_of_slices(case))
+
+
+def _key(sheet: Sheet) -> tuple[Any, ...]:
+    """What tells one picture from another."""
+    pit, drawn = sheet.pit, (sheet.pit.picture, sheet.slice_ends)
+    numbers = np.round([pit.R, *pit.s, *pit.z, sheet.roller_length], 9)
+    return pit.race, *numbers, *(np.round(part, 12).tobytes() for part in drawn)
+
+
+def draw_pit(results: "Results", sheet: Sheet) -> Canvas:
+    """One pit: its map, and the section where it is deepest and in its middle, with the roller's path.
+
+    Lengths are to scale; the heights of a section are exaggerated by a round number, which its title says. A path
+    much shallower than the pit is drawn once more, closer.
+    """
+    panels, taken = list(_panels(sheet.pit)), _taken(results, sheet)
+    wide, tall = _map_inches(sheet)
+    right = LEFT + wide + BAR
+    canvas = Canvas(figsize=(right + SECTION_IN + EDGE, 1.0))
+    finish(canvas, _title(sheet), _caption(results, sheet, taken))
+    bottom = LINE * (canvas.get_supxlabel().count("\n") + 1) + BELOW
+    stack = sum(panel.inches + ABOVE + BELOW for panel in panels)
+    head = ABOVE if canvas.get_suptitle() else 0.0
+    canvas.set_size_inches(canvas.get_figwidth(), bottom + max(tall + ABOVE, stack) + head)
+    top = canvas.get_figheight() - head
+    _draw_map(_place(canvas, LEFT, top - ABOVE - tall, wide, tall), sheet, panels)
+    for number, panel in enumerate(panels, 1):
+        top -= ABOVE + panel.inches
+        ax = _place(canvas, right, top, SECTION_IN, panel.inches)
+        _draw_section(ax, panel, sheet.pit.R, number)
+        if taken is not None:
+            _draw_taken(ax, panel, taken[1])
+        top -= BELOW
+    _name_curves(ax, right, top)
+    return canvas
+
+
+def _place(canvas: Canvas, left: float, bottom: float, width: float, height: float) -> "Axes":
+    """Axes at a place given in inches: their scales are, so the layout is."""
+    wide, tall = canvas.get_size_inches()
+    return canvas.add_axes((left / wide, bottom / tall, width / wide, height / tall))
+
+
+def _name_curves(ax: "Axes", left: float, top: float) -> None:
+    """A legend at a place given in inches."""
+    canvas = ax.get_figure(root=True)
+    assert canvas is not None
+    corner = (left / canvas.get_figwidth(), top / canvas.get_figheight())
+    where: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": corner, "borderaxespad": 0.0}
+    canvas.legend(*ax.get_legend_handles_labels(), ncols=4, fontsize=7.5, **where)
+
+
+# The map
+
+
+def _shown(sheet: Sheet) -> tuple[tuple[float, float], tuple[float, float]]:
+    """From where to where (m) the map reaches, along rolling and along the roller: roller and pit."""
+    half = sheet.roller_length / 2.0
+    low, high = min(-half, sheet.pit.z[0]), max(half, sheet.pit.z[1])
+    more = BEYOND * (high - low)
+    wide = max(np.ptp(sheet.pit.places()), NARROWEST * (high - low)) / 2.0
+    middle = (sheet.pit.s[0] + sheet.pit.s[1]) / 2.0
+    return (middle - wide, middle + wide), (low - more, high + more)
+
+
+def _map_inches(sheet: Sheet) -> tuple[float, float]:
+    """Width and height of the map."""
+    s, z = _shown(sheet)
+    scale = min(MAP_IN / (z[1] - z[0]), WIDEST_IN / (s[1] - s[0]))
+    return scale * (s[1] - s[0]), scale * (z[1] - z[0])
+
+
+def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
+    """Depth over s and z, the roller's length behind it, its slices' ends and the sections across it."""
+    pit, half = sheet.pit, 500.0 * sheet.roller_length
+    depths = 1e6 * np.ma.masked_equal(pit.picture, 0.0)
+    made = ax.pcolormesh(1e3 * pit.places(), 1e3 * pit.heights, depths, cmap=SCALE, shading="nearest",
+                         vmin=min(0.0, float(depths.min())), rasterized=True, zorder=2)  # fmt: skip
+    s, z = _shown(sheet)
+    ax.set_xlim(1e3 * s[0], 1e3 * s[1])
+    ax.set_ylim(1e3 * z[0], 1e3 * z[1])
+    ax.grid(visible=False)
+    ax.axhspan(-half, half, color="0.95", zorder=0.5, lw=0.0)
+    for end in (-half, half):
+        ax.axhline(end, color="0.3", lw=0.9, zorder=3)
+    ax.annotate("roller's end", (0.03, half), (0, 1), xycoords=("axes fraction", "data"),
+                textcoords="offset points", va="bottom", fontsize=7, color="0.3", zorder=4)  # fmt: skip
+    for end in sheet.slice_ends[1:-1]:
+        ax.axhline(1e3 * end, color="0.3", lw=0.3, alpha=0.7, zorder=3)
+    highest = max(panel.section.z for panel in panels)
+    for place, name in dict.fromkeys((panel.section.z, panel.name) for panel in panels):
+        ax.axhline(1e3 * place, color=PATH, lw=0.8, ls=(0, (4, 2)), zorder=3)
+        up, va = (2, "bottom") if place == highest else (-2, "top")
+        ax.annotate(name, (0.98, 1e3 * place), (0, up), xycoords=("axes fraction", "data"), ha="right", va=va,
+                    textcoords="offset points", fontsize=8, color=PATH, zorder=4)  # fmt: skip
+    ax.set_xlabel("Along rolling, s (mm)")
+    ax.set_ylabel("Along the roller, z (mm)")
+    letter(ax, 0, 2, "to scale")
+    beside = 0.12 / _map_inches(sheet)[0]
+    bar = ax.figure.colorbar(made, cax=ax.inset_axes((1.0 + beside, 0.2, beside, 0.6)))
+    bar.set_label("Depth (µm)")
+    bar.ax.invert_yaxis()
+
+
+# Sections
+
+
+class Panel(NamedTuple):
+    """A section as it is drawn: its name on the map, the depths shown (m), times the heights are exaggerated."""
+
+    section: Section
+    name: str
+    top: float
+    floor: float
+    times: float
+    inches: float
+
+
+def _panels(pit: Pit) -> Iterator[Panel]:
+    """The sections of a pit; of the deepest also a closer one, if the path is far above its floor."""
+    for number, place in enumerate(told_apart(pit)):
+        made, name = cut(pit, place), "AB"[number]
+        deepest, path = (float(np.max(values)) for values in (made.p, made.h))
+        yield _panel(made, name, deepest or float(pit.picture.max()))
+        if number == 0 and 0.0 < path < SHALLOW * deepest:
+            yield _panel(made, name, CLOSER * path)
+
+
+def _panel(made: Section, name: str, depth: float) -> Panel:
+    top, bottom = min(float(np.min(made.p)), 0.0) - HEADROOM * depth, 1.08 * depth
+    times = exaggeration(np.ptp(made.s) / SECTION_IN, bottom - top)
+    inches = times * (bottom - top) * SECTION_IN / np.ptp(made.s)
+    return Panel(made, name, top, bottom, times, max(float(inches), LOWEST_IN))
+
+
+def exaggeration(metre_per_inch: float, height: float) -> float:
+    """The round number of times that a height (m) is drawn taller than to scale, to stay within a panel."""
+    most = HIGHEST_IN * metre_per_inch / height
+    decade = 10.0 ** floor(log10(most))
+    return max(1.0, max(step for step in STEPS if step * decade <= most * (1.0 + 1e-9)) * decade)
+
+
+def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
+    """Pit, the roller's path over it, and the roller where it stands on its way; depth downwards."""
+    made = panel.section
+    s, width = 1e3 * made.s, np.ptp(made.s)
+    ax.fill_between(s, 1e6 * made.p, 1e6 * panel.floor, color="0.88", lw=0.0, zorder=1)
+    ax.plot(s, 1e6 * made.p, color=RACE, lw=1.1, label="pit", zorder=3)
+    ax.plot(s, 1e6 * made.h, color=PATH, lw=1.5, label="path of a round roller", zorder=4)
+    inner = width / (1.0 + 2.0 * MARGIN)
+    for place, name in zip(ROLLERS, ["roller", *[None] * (len(ROLLERS) - 1)], strict=True):
+        here = float(np.mean(made.s)) + place * inner
+        low = float(np.interp(here, made.s, made.h))
+        ax.plot(s, 1e6 * (low - (made.s - here) ** 2 / (2.0 * R)), color=ROLLER, lw=0.8, label=name, zorder=2)
+        ax.plot(1e3 * here, 1e6 * low, "o", color=PATH, markersize=3, zorder=5)
+    ax.set_xlim(s[0], s[-1])
+    ax.set_ylim(1e6 * panel.floor, 1e6 * panel.top)
+    ax.set_aspect(1e-3 * panel.times)
+    ax.set_xlabel("s (mm)")
+    ax.set_ylabel("Depth (µm)")
+    times = "to scale" if panel.times == 1.0 else f"heights ×{labels.number_text(panel.times)}"
+    letter(ax, number, 2, f"section {panel.name}, {times}")
+
+
+def _draw_taken(ax: "Axes", panel: Panel, taken: Taken) -> None:
+    """The path that a roller took, where it is inside the panel."""
+    depth = taken.depth + taken.lean * panel.section.z
+    ax.plot(1e3 * taken.s, 1e6 * depth, color=TAKEN, lw=1.3, ls=(0, (4, 1.2)), label="path it took", zorder=6)
+
+
+# Words
+
+
+def _title(sheet: Sheet) -> str | None:
+    where = {"outer": "the outer race", "inner": "the inner race", "roller": "a roller"}[sheet.pit.race]
+    return f"pit {sheet.number} of {sheet.of}, on {where}" if sheet.of > 1 else None
+
+
+def _taken(results: "Results", sheet: Sheet) -> tuple[str, Taken] | None:
+    """The first job whose record shows which path a roller took, and that path."""
+    from bearingsim.store import case_of
+
+    for job in sheet.jobs:
+        [one] = recorded.all_jobs(results, [job]).values()
+        found = path_taken(one, case_of(one.known), sheet.pit)
+        if found is not None:
+            return job, found
+    return None
+
+
+def _caption(results: "Results", sheet: Sheet, taken: tuple[str, Taken] | None) -> list[str]:
+    rows = select.case_rows(results)
+    R = labels.number_text(round(1e3 * sheet.pit.R, 2))
+    said = [f"race unrolled: the roller has the radius {R} mm that it has relative to the race"]
+    if taken is not None:
+        swept = next(entry["swept"] for entry in results.plan["jobs"] if entry["job"] == taken[0])
+        case = labels.described(swept, results.plan["units"])
+        said.append(f"path taken by roller {taken[1].number} at {case or 'this case'}")
+    return [*said, *fixed_values(results, rows[rows["job"].isin(sheet.jobs)], set())]

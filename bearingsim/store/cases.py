@@ -1,0 +1,45 @@
+"""A job's case, made again from the parameters that were stored with its results."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from bearingsim.config import Case
+
+__all__ = ["case_of"]
+
+WORDS = ("record",)  # stored as words joined by spaces
+
+
+def case_of(parameters: Mapping[Any, Any]) -> "Case":
+    """The case of a job from its resolved parameters in SI, as ``Results.parameters`` has them.
+
+    What is not set (NaN or an empty text) is left out, and what was recorded: that is in the series. Raises
+    pydantic's ValidationError for parameters that make no case, as those of another version may.
+    """
+    from bearingsim.config import Case
+
+    tree: dict[str, Any] = {}
+    for path, value in parameters.items():
+        if value == value and value != "":
+            _plant(tree, str(path).split("."), _plain(value))
+    return Case.model_validate({name: _lists(item) for name, item in tree.items() if name not in WORDS})
+
+
+def _plain(value: Any) -> Any:
+    """Whole numbers as such: all numbers are stored as floats."""
+    return int(value) if isinstance(value, float) and value.is_integer() and abs(value) < 1e9 else value
+
+
+def _plant(tree: dict[str, Any], path: list[str], value: Any) -> None:
+    for name in path[:-1]:
+        tree = tree.setdefault(name, {})
+    tree[path[-1]] = value
+
+
+def _lists(item: Any) -> Any:
+    """Mappings by number, from 1, as lists."""
+    if not isinstance(item, dict):
+        return item
+    inner = {name: _lists(value) for name, value in item.items()}
+    return [inner[name] for name in sorted(inner, key=int)] if all(map(str.isdecimal, inner)) else inner
