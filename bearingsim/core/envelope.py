@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core.jit import jit
-from bearingsim.core.profile import SLIVER, Profile
+from bearingsim.core.profile import Profile
 
 FAR = 1.0  # m: so far the race goes on to either side
 LEVEL = 1e-15  # m: nearer to the race a depth is rounding
@@ -53,7 +53,7 @@ def parts_of(profile: Profile, R: float) -> np.ndarray:
     """
     found, last = [], -FAR
     for t_0, t_1, p_0, m, c in profile.pieces.tolist():
-        if t_0 > last + SLIVER:
+        if t_0 > last:
             found.append(_part(last, t_0, 0.0, 0.0, 0.0, R))
         if 1.0 + R * c > 1e-9:
             found.append(_part(t_0, t_1, p_0, m, c, R))
