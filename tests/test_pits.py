@@ -19,6 +19,7 @@ from bearingsim.core.defects import (
     W,
     depression,
     groups_of,
+    sliding,
 )
 from bearingsim.core.depth import Circular, Rectangular, Triangular
 from bearingsim.core.excitations import Envelope, Traced, felt
@@ -71,6 +72,18 @@ def test_a_bowls_weights_are_its_overlap_with_the_roller(offset):
 def test_where_the_cases_pits_are_along_the_roller():
     found = extents(case(defects=[SHORT | {"offset": "2 mm"}, SLOT | {"angle": "90 deg"}]))
     assert found == [pytest.approx((0.5e-3, 3.5e-3)), pytest.approx((-6e-3, 6e-3))]
+
+
+@pytest.mark.parametrize(("race", "side"), [("outer", -1), ("inner", 1), ("roller", -1)])
+def test_a_spall_begins_where_the_rollers_come_from(race, side):
+    """They run towards +s on the outer race and over a roller's surface, towards -s on the inner race."""
+    young = case(defect=SHORT | {"shape": "spall", "race": race, "grown": "0 %"})
+    model = build.model(young)
+    assert np.sign(sliding(model.pits, 0, model.bearing)) == -side
+    (found, *_) = met(young)
+    low, high = found.paths[-1].pieces[0, 0], found.paths[-1].end
+    assert side * low > 0.0
+    assert side * high > 0.0
 
 
 # Merged

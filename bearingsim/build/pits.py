@@ -33,6 +33,7 @@ from bearingsim.core.depth import (
     Eased,
     Elliptical,
     Merged,
+    Mirrored,
     Placed,
     Rectangular,
     Scanned,
@@ -136,6 +137,7 @@ def depth_map(d: config.Defect) -> Any:
     """A defect's depth map around its own middle."""
     if d.shape == "spall":
         pit: Any = Spall(d.length, d.width, d.depth, float(d.grown or 0.0), int(d.seed or 0))
+        pit = Mirrored(pit) if d.race == "inner" else pit  # rollers fall back behind it: they come from +s
     elif d.shape == "scan":
         return scanned(str(d.file), str(d.digest))
     else:

@@ -91,6 +91,12 @@ class Eased(NamedTuple):
     ramp: float
 
 
+class Mirrored(NamedTuple):
+    """A pit whose s runs the other way."""
+
+    pit: Any
+
+
 class Placed(NamedTuple):
     """A pit with its middle at s, z (m)."""
 
@@ -233,7 +239,23 @@ def _back_of_radius(p: np.ndarray, radius: float) -> np.ndarray:
     return np.sqrt(low * (2.0 * radius - low))
 
 
-# Several
+# Elsewhere, and several
+
+
+@extent.register(Mirrored)
+def _extent_mirrored(turned):
+    s_0, s_1, z_0, z_1 = extent(turned.pit)
+    return -s_1, -s_0, z_0, z_1
+
+
+@cuts.register(Mirrored)
+def _cuts_mirrored(turned):
+    return cuts(turned.pit)
+
+
+@section.register(Mirrored)
+def _section_mirrored(turned, z):
+    return mirrored(section(turned.pit, z))
 
 
 @extent.register(Placed)
