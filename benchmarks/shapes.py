@@ -49,7 +49,7 @@ def example() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     depth = np.array([1e6 * depth_at(section(pit, 1e-3 * place), 1e-3 * s) for place in z])
     hollow = depth > 0.0
     rough = _smoothed(draw.normal(size=depth.shape), 1) * 3.0
-    depth += np.where(hollow, np.minimum(rough, depth), -1.2 * _smoothed(hollow.astype(float), 2) * ~hollow)
+    depth += np.where(hollow, np.maximum(rough, -depth), -1.2 * _smoothed(hollow.astype(float), 2) * ~hollow)
     x, y = np.meshgrid(s, z)
     depth += 6.0 + 0.8 * x - 0.5 * y - 1e3 * x**2 / (2 * 38.5) + draw.normal(scale=0.08, size=depth.shape)
     depth[12, 70] += 140.0

@@ -17,11 +17,13 @@ load: 150 N                       # radial
 # The damage. Several defects: `defects:` with a list, reached as defects.1.width. None: a healthy bearing.
 defect:
   race: outer                     # or inner (turns with the ring), or roller, with its number: `roller: 3`
-  shape: circular                 # rectangular, triangular or circular
+  shape: circular                 # rectangular, triangular, circular, elliptical; spall; scan with its `file`
   length: 3 mm                    # along the roller
   width: 0.8 mm                   # along rolling
   depth: 0.05 mm
   angle: 0 deg                    # from the most loaded position
+  # offset: 0 mm                  # of its middle along the roller
+  # edge: none                    # or {radius: 20 um}, {ramp: 50 um}
 # excitation: envelope            # how it is felt; or half-sine-pulse, clearance-increase, soft-edge, ...
 
 # What varies: the product of the entries, the last one fastest. Values are a list, or
