@@ -23,6 +23,7 @@ from bearingsim.core.models.interface import ModelKind
 from bearingsim.core.motion import steady
 from bearingsim.core.parameters import Support
 from bearingsim.core.slices import WEIGHT, ZETA
+from bearingsim.core.spatial_rest import rest_in_space
 
 __all__ = [
     "METHODS",
@@ -148,6 +149,8 @@ def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
     y, residual = empty_buffer(model), 0.0
     if kind(case).loaded:
         residual = rest_from_scratch(statics(model), 0.0, y)
+        if isinstance(model, spatial.Spatial):
+            residual = rest_in_space(model, 0.0, y)
         y[EPS : EPS + model.bearing.Z] = free.scattered(case) if kind(case).slips else 0.0
         start_at_rest(model, 0.0, y)
     return y, residual

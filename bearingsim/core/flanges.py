@@ -178,6 +178,25 @@ def one_point(side, flanges, model, ring, sigma, t, y, n):
 
 
 @generic
+def between_flanges(flanges: Any, lean_outer: float, lean_inner: float, r: float) -> float:
+    """Where along the bearing's axis (m) a roller at ``r`` (m) stands in the middle of the flanged rings.
+
+    lean_outer, lean_inner: of the rings' axes, along the roller's e_r (1).
+    """
+
+
+@between_flanges.register(NoFlanges)
+def _between_flanges_none(flanges, lean_outer, lean_inner, r):
+    return 0.0
+
+
+@between_flanges.register(Flanges)
+def _between_flanges(flanges, lean_outer, lean_inner, r):
+    outer, inner = flanges.outer_minus + flanges.outer_plus, flanges.inner_minus + flanges.inner_plus
+    return -r * (outer * lean_outer + inner * lean_inner) / max(outer + inner, 1.0)
+
+
+@generic
 def flange_stiffness(flanges: Any, per_mass: float, per_inertia: float, R_w: float) -> float:
     """Stiffness of a flange over what of a roller it moves (1/s^2), its inverse mass and inertia being given."""
 

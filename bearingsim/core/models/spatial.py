@@ -181,8 +181,8 @@ def weigh(model, omega_cage, y, n):
 
 
 @jit
-def touch(model, t, outer, inner, omega_cage, y, n):
-    """All contacts of rollers with the rings: adds to what acts on the rollers and fills the rings' cells."""
+def touch_races(model, t, outer, inner, omega_cage, y, n):
+    """The contacts of the rollers' slices with both races: fills the sums of both sides."""
     b, table = model.bearing, model.slices.table
     face(OuterSide(), b, outer, omega_cage, y, n)
     face(InnerSide(), b, inner, omega_cage, y, n)
@@ -201,9 +201,16 @@ def touch(model, t, outer, inner, omega_cage, y, n):
     relax(model.lag, b.m_r, b.I_r, model.I_t, b.R_w, y, n)
     rub(OuterSide(), outer, y, n)
     rub(InnerSide(), inner, y, n)
-    guide_axially(model.flanges, model, outer, inner, y, n)
-    y[F_X], y[F_Y], y[F_Z], y[M_X], y[M_Y], y[M_RING] = gather(OuterSide(), b, outer, y, n)
-    y[F_X_I], y[F_Y_I], y[F_Z_I], y[M_X_I], y[M_Y_I], turn = gather(InnerSide(), b, inner, y, n)
+
+
+@jit
+def pass_on(bearing, outer, inner, y, n):
+    """Add the sums of both sides to what acts on the rollers, and fill the rings' cells.
+
+    Returns the moment (N m) about e_z on the inner ring.
+    """
+    y[F_X], y[F_Y], y[F_Z], y[M_X], y[M_Y], y[M_RING] = gather(OuterSide(), bearing, outer, y, n)
+    y[F_X_I], y[F_Y_I], y[F_Z_I], y[M_X_I], y[M_Y_I], turn = gather(InnerSide(), bearing, inner, y, n)
     return turn
 
 
@@ -252,7 +259,9 @@ def _accelerations(model, t, y):
     place(b.theta_0 + b.omega_c * time + y[POSITION + PHI_C], y, n)
     orient(spin, omega_cage, b.R_w, y, n)
     weigh(model, omega_cage, y, n)
-    turn = touch(model, t, outer, inner, omega_cage, y, n)
+    touch_races(model, t, outer, inner, omega_cage, y, n)
+    guide_axially(model.flanges, model, outer, inner, y, n)
+    turn = pass_on(b, outer, inner, y, n)
     pockets_in_space(model.cage, model, cage, omega_cage, spin, y, n)
 
     wound = lean_cage(model.cage_z, model.cage, cage, y)
