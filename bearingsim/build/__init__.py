@@ -106,7 +106,8 @@ def met(case: Case) -> Pits:
         return pits.meetings(case)
     table = space.slices(case).table
     found = pits.meetings(case, table[:, ZETA])
-    found.groups[:, :, W] *= table[:, WEIGHT]
+    if len(found.head) > 0:
+        found.groups[:, :, W] *= table[:, WEIGHT]
     return found
 
 
