@@ -79,9 +79,7 @@ def _notes(found: Mapping[str, Job], rows: Sequence[tuple[str, Loaded]]) -> list
 
 def _loads(job: str, known: Job, asked: Sequence[str], span: float | None) -> Iterator[Loaded]:
     """The line loads of a job that are asked for, or all that it has recorded."""
-    from bearingsim.store import case_of
-
-    case = case_of(known.known)
+    case = recorded.case_of(job, known.known)
     ends = ends_of_slices(case)
     for channel in [_full(name) for name in asked] or _recorded(job, known):
         load = _rows(job, known, channel, len(ends) - 1)

@@ -61,9 +61,8 @@ def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
 
 def _of_job(job: str, known: Mapping[Any, Any]) -> Iterator[Sheet]:
     from bearingsim.build.pits import contact_length
-    from bearingsim.store import case_of
 
-    case = case_of(known)
+    case = recorded.case_of(job, known)
     made = list(pits_of(case))
     for number, pit in enumerate(made, 1):
         length = contact_length(case, side=1 if pit.race == "inner" else 0)
@@ -248,11 +247,9 @@ def _title(sheet: Sheet) -> str | None:
 
 def _taken(results: "Results", sheet: Sheet) -> tuple[str, Taken] | None:
     """The first job whose record shows which path a roller took, and that path."""
-    from bearingsim.store import case_of
-
     for job in sheet.jobs:
         [one] = recorded.all_jobs(results, [job]).values()
-        found = path_taken(one, case_of(one.known), sheet.pit)
+        found = path_taken(one, recorded.case_of(job, one.known), sheet.pit)
         if found is not None:
             return job, found
     return None

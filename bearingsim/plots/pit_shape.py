@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from bearingsim.config import Case, Defect
+    from bearingsim.config import Case
 
 __all__ = ["MARGIN", "Pit", "Reals", "Section", "cut", "ends_of_slices", "pits_of", "told_apart"]
 
@@ -81,22 +81,15 @@ def told_apart(pit: Pit) -> list[float]:
 
 
 def pits_of(case: "Case") -> Iterator[Pit]:
-    """The pits of a case, in its order."""
+    """The pits of a case, in its order; those that a roller feels as one are one."""
     from bearingsim.build import pits
-    from bearingsim.core.depth import extent
+    from bearingsim.core.depth import Placed, extent
 
-    for defect in case.defects:
-        R, made = pits.reduced_radius(case, 1 if defect.race == "inner" else 0), _map(defect)
+    for found in pits.together(case):
+        race, R = found.first.race, pits.reduced_radius(case, 1 if found.first.race == "inner" else 0)
+        made = found.pit or Placed(pits.depth_map(found.first), 0.0, found.first.offset)
         low, high, left, right = extent(made)
-        yield Pit(defect.race, R, defect.angle, made, (low, high), (left, right))
-
-
-def _map(defect: "Defect") -> Any:
-    """The depth map of a defect, z from the roller's middle."""
-    from bearingsim.core import depth
-
-    shape = {"rectangular": depth.Rectangular, "triangular": depth.Triangular, "circular": depth.Circular}
-    return depth.Placed(shape[defect.shape](defect.length, defect.width, defect.depth), 0.0, defect.offset)
+        yield Pit(race, R, found.angle, made, (low, high), (left, right))
 
 
 def ends_of_slices(case: "Case") -> Reals:
