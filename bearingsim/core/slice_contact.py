@@ -17,11 +17,10 @@ Friction over slip (KAPPA) is taken with the slip as it is, and acts on the slip
 """
 
 from math import sqrt
-from typing import Any, NamedTuple
 
 from bearingsim.core.contact import normal_force
 from bearingsim.core.friction import mu
-from bearingsim.core.jit import add, generic, jit
+from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
     ALONG_R,
     ALONG_T,
@@ -40,8 +39,6 @@ from bearingsim.core.layout import (
     BENT,
     CLOSING,
     COS,
-    DELTA_I,
-    DELTA_O,
     DRIFT,
     DRIFTS,
     EPS_V,
@@ -82,8 +79,6 @@ from bearingsim.core.layout import (
     PUSH_R,
     PUSH_T,
     PUSH_Z,
-    Q_I,
-    Q_O,
     RING_R,
     RING_T,
     ROLLING,
@@ -96,16 +91,12 @@ from bearingsim.core.layout import (
     SINK,
     SKEW,
     SKEW_V,
-    SLIP_I,
-    SLIP_O,
     SLIP_T,
     SLIP_Z,
     SWAY_R,
     SWAY_T,
     SWAY_Z,
     TILT,
-    TILT_I,
-    TILT_O,
     TILT_V,
     TURN_R,
     TURN_T,
@@ -116,67 +107,13 @@ from bearingsim.core.layout import (
     TWIST,
     UPRIGHT,
     UPRIGHT_V,
-    V_I,
-    V_O,
     Q,
     V,
 )
+from bearingsim.core.sides import rows_of, sign, totals
 
 AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
 NONNEGATIVE = 0x7FFFFFFF  # tells the compiler that a place in the buffer is none from its end
-
-
-class OuterSide(NamedTuple):
-    """Where a roller touches the outer race."""
-
-
-class InnerSide(NamedTuple):
-    """Where a roller touches the inner race."""
-
-
-@generic
-def sign(side: Any) -> float:
-    """1 where the roller lies inside the race, -1 where outside."""
-
-
-@generic
-def rows_of(side: Any) -> int:
-    """Where the rows of this side of the rollers begin."""
-
-
-@generic
-def totals(side: Any) -> tuple[int, int, int, int, int]:
-    """Rows of what the planar models call force, approach, its rate, slip and tangential force."""
-
-
-@sign.register(OuterSide)
-def _sign_outer(side):
-    return 1.0
-
-
-@sign.register(InnerSide)
-def _sign_inner(side):
-    return -1.0
-
-
-@rows_of.register(OuterSide)
-def _rows_of_outer(side):
-    return OUTER_SIDE
-
-
-@rows_of.register(InnerSide)
-def _rows_of_inner(side):
-    return INNER_SIDE
-
-
-@totals.register(OuterSide)
-def _totals_outer(side):
-    return Q_O, DELTA_O, V_O, SLIP_O, TILT_O
-
-
-@totals.register(InnerSide)
-def _totals_inner(side):
-    return Q_I, DELTA_I, V_I, SLIP_I, TILT_I
 
 
 @jit

@@ -109,9 +109,8 @@ from bearingsim.core.orientation import body_at, tip, upright, winding
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.pit_contact import standing
 from bearingsim.core.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
+from bearingsim.core.sides import InnerSide, OuterSide
 from bearingsim.core.slice_contact import (
-    InnerSide,
-    OuterSide,
     add_up,
     clear,
     face,
