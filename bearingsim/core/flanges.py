@@ -48,7 +48,8 @@ from bearingsim.core.layout import (
     UPRIGHT_V,
     Q,
 )
-from bearingsim.core.slice_contact import AT_REST, InnerSide, OuterSide, rows_of, sign
+from bearingsim.core.sides import InnerSide, OuterSide, rows_of, sign
+from bearingsim.core.slice_contact import AT_REST
 from bearingsim.core.vectors import across
 
 

@@ -77,9 +77,7 @@ from bearingsim.core.slices import WEIGHT, ZETA
 
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 STEPS = 100
-SOFT = (
-    1e-3  # of a contact's stiffness: what a roller is held by besides, so that one that touches nothing finds back
-)
+SOFT = 1e-3  # of a contact's stiffness, added to a roller's: one that touches nothing finds back
 LONGEST = 2e-5  # m, and of an angle times half a roller's length
 OUTER, INNER = slice(0, 5), slice(5, 8)  # coordinates of the rings: x, y, z, lean; z, lean of the inner
 

@@ -109,7 +109,18 @@ from bearingsim.core.orientation import body_at, tip, upright, winding
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.pit_contact import standing
 from bearingsim.core.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
-from bearingsim.core.slice_contact import InnerSide, OuterSide, clear, face, gather, keep_slice, press, relax, rub
+from bearingsim.core.sides import InnerSide, OuterSide
+from bearingsim.core.slice_contact import (
+    add_up,
+    clear,
+    face,
+    gather,
+    keep_slice,
+    press,
+    relax,
+    rub,
+    stand,
+)
 from bearingsim.core.slice_pits import find_pits, leave_pits, met_at, over_pits, seen_at
 from bearingsim.core.slices import DROP, WEIGHT, ZETA, Slices
 
@@ -196,8 +207,12 @@ def touch_races(model, t, steep, outer, inner, omega_cage, y, n):
         zeta, weight, drop = table[k, ZETA], table[k, WEIGHT], table[k, DROP]
         if met > 0:
             over_pits(model, t, k, steep, outer.a_z, inner.a_z, y)
-        press(OuterSide(), model.outer, model.friction, b, outer, zeta, weight, drop, y, n)
-        press(InnerSide(), model.inner, model.friction, b, inner, zeta, weight, drop, y, n)
+        stand(OuterSide(), b, outer, zeta, drop, y, n)
+        stand(InnerSide(), b, inner, zeta, drop, y, n)
+        press(OuterSide(), model.outer, model.friction, weight, y, n)
+        press(InnerSide(), model.inner, model.friction, weight, y, n)
+        add_up(OuterSide(), b, outer, zeta, weight, drop, y, n)
+        add_up(InnerSide(), b, inner, zeta, weight, drop, y, n)
         keep_slice(slice_row(k, 0), y, n)
     if met > 0:
         leave_pits(model, y)
@@ -338,4 +353,4 @@ def _damping_per_mass(model, y, j):
     return max(y[INVERSE_MASS + j] * c, c_tilt / model.I_t, held, mounted, rubbing / (1.0 + model.lag * rubbing))
 
 
-KIND = ModelKind(Spatial, loaded=True, slips=True, memoryless=False, per_crossing=100, cost=6e-6)
+KIND = ModelKind(Spatial, loaded=True, slips=True, memoryless=False, per_crossing=100, cost=4.8e-6)
