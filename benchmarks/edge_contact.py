@@ -3,7 +3,8 @@
     python benchmarks/edge_contact.py [--csv FILE] [--png FILE] [--answers]
 
 Elastic contact of a roller over slots (finite elements; needs the extra `verify`), the reduced contact and its
-correction: about 2 CPU minutes. --answers: what the correction does to the ring's vibration, in `rollers`, instead.
+correction: about 2 CPU minutes. Instead of that, --answers: what the correction does to the ring's vibration, in
+`rollers`; --stress: pressure and von Mises stress at an edge.
 """
 
 import argparse
@@ -20,7 +21,7 @@ from bearingsim.build.rest import largest_load
 from bearingsim.config import Case
 from bearingsim.core.edge_contact import edge_contact
 from bearingsim.plots.style import COLOURS, MARKERS, RC
-from bearingsim.verify.edge import bodies, corrected, corrected_ratio, crossed, crossed_at
+from bearingsim.verify.edge import bodies, corrected, corrected_ratio, crossed, crossed_at, stressed
 from bearingsim.verify.race import Slot, slope_reach
 from bearingsim.verify.steel import Pair
 
@@ -119,9 +120,10 @@ def edge_panel(axes: plt.Axes, found: pd.DataFrame) -> None:
     sharp = one[one["method"] == "half-planes"]
     x = sharp["behind the rim (um)"] / sharp["half width (um)"]
     axes.plot(x, sharp["approach, elastic over reduced"], "k:", label="sharp, material not cut out")
-    axes.axhline(1.0, color="0.6", lw=0.8)
+    axes.axhline(SOFT_EDGE**-0.9, color="0.6", lw=0.8, ls="--")
     axes.set(xlabel="distance behind the rim s / b", ylabel="approach, elastic over reduced")
     axes.set_title("One edge, 50 um deep, 47 N (b = 17.7 um)")
+    axes.annotate("soft-edge", (-3.0, SOFT_EDGE**-0.9 + 0.01), color="0.4", fontsize=8.0)
     axes.legend(loc="lower right")
 
 
@@ -143,22 +145,20 @@ def slot_panel(axes: plt.Axes, found: pd.DataFrame) -> None:
 
 
 def chart_panel(axes: plt.Axes, found: pd.DataFrame) -> None:
-    """One edge, 3 b behind the rim, all loads: the ratio by edge radius and depth."""
-    one = found[np.isinf(found["width (um)"]) & (found["edge radius (um)"] > 0.0)]
+    """One edge, 3 b behind the rim, 47 N: the ratio by edge radius and depth."""
+    b = PAIR.half_width(REFERENCE)
+    one = found[np.isinf(found["width (um)"]) & (found["edge radius (um)"] > 0.0) & (found["load (N)"] == 47.0)]
     one = one[np.isclose(one["behind the rim (um)"], 3.0 * one["half width (um)"])]
+    radii = np.geomspace(1.5e-6, 70e-6, 60)
     for k, depth in enumerate(DEPTHS):
         some = one[np.isclose(one["depth (um)"], 1e6 * depth)]
-        points = axes.scatter(
-            some["edge radius (um)"] / some["half width (um)"],
-            some["approach, elastic over reduced"],
-            s=12.0 + 14.0 * np.log(some["load (N)"] / 4.0),
-            marker=MARKERS[k],
-            color=COLOURS[k],
-            label=f"{1e6 * depth:.0f} um",
-        )
-        points.set_alpha(0.75)
-    axes.set(xscale="log", xlabel="edge radius / b", ylabel="approach, elastic over reduced", ylim=(1.15, 1.9))
-    axes.set_title("One edge, 3 b behind the rim; larger marks: 5 to 500 N")
+        x = some["edge radius (um)"] / some["half width (um)"]
+        axes.plot(x, some["approach, elastic over reduced"], MARKERS[k], color=COLOURS[k], ms=5)
+        slots = [Slot(inf, depth, rho) for rho in radii]
+        line = [corrected_ratio(PAIR, slot, REFERENCE, REFERENCE, 3.0 * b) for slot in slots]
+        axes.plot(radii / b, line, color=COLOURS[k], label=f"{1e6 * depth:.0f} um = {depth / b:.2f} b")
+    axes.set(xscale="log", xlabel="edge radius / b", ylabel="approach, elastic over reduced")
+    axes.set_title("One edge, 3 b behind the rim, 47 N")
     axes.legend(title="depth of the pit", loc="upper right")
 
 
@@ -179,6 +179,19 @@ def force_panel(axes: plt.Axes) -> None:
     axes.set(xlabel="distance behind the rim s (um)", ylabel="force / force on the race")
     axes.set_title("At one approach (0.168 um), 0.2 mm slot, edge radius 20 um")
     axes.legend(loc="lower left")
+
+
+def stresses() -> None:
+    """Print pressure and stress at one edge, by edge radius, load and place."""
+    print("edge radius (um), load (N), s/b: largest pressure, largest von Mises stress (GPa)")
+    for rho in RADII:
+        for load in LOADS[1::2]:
+            b = PAIR.half_width(load / LENGTH)
+            places = np.array([-3.0, 0.0, 1.0, 3.0, 10.0]) * b
+            for one, mises in stressed(PAIR, Slot(inf, DEEP, rho), load / LENGTH, places):
+                print(
+                    f"{1e6 * rho:.0f}, {load:g}, {one.s / b:+.0f}: {1e-9 * one.pressure:.2f}, {1e-9 * mises:.2f}"
+                )
 
 
 # What it does to the ring
@@ -211,7 +224,8 @@ def answers() -> None:
         others |= {f"elastic, {1e6 * rho:.0f} um": features(width, "envelope", rho) for rho in RADII[1:]}
         others |= {f"elastic, 20 um, load x {f:g}": features(width, "envelope", 20e-6, f) for f in (0.3, 3.0)}
         for name, now in others.items():
-            print(f"{1e3 * width:g} mm, {name:26s}", now.round(7), (100.0 * (now / usual - 1.0)).round(1), flush=True)
+            shown = " ".join(f"{value:.4g}" for value in now)
+            print(f"{1e3 * width:g} mm, {name}: {shown};", (100.0 * (now / usual - 1.0)).round(1), flush=True)
 
 
 def main() -> None:
@@ -220,7 +234,10 @@ def main() -> None:
     parser.add_argument("--csv", default="docs/data/edge_contact.csv")
     parser.add_argument("--png", default="docs/figures/edge_contact.png")
     parser.add_argument("--answers", action="store_true")
+    parser.add_argument("--stress", action="store_true")
     given = parser.parse_args()
+    if given.stress:
+        return stresses()
     if given.answers:
         return answers()
     found = table()

@@ -1,7 +1,7 @@
 """What a roller feels of a pit whose edges are elastic: softer than the race, and smooth where two of them carry.
 
-The envelope's single point presses a smooth half-plane. On an edge the contact is narrower, and behind it the race's
-material is missing. Both add to the approach; in units of Q'/(pi E*), that of a contact on the race being Lambda,
+The envelope's single point presses a smooth half-plane. On an edge the contact is narrower, and behind it the
+race's material is missing. Both add to the approach; in units of Q'/(pi E*), that on the race being Lambda,
 
     delta - h = Q'/(pi E*) (Lambda + f)       Lambda = 2 ln(2 D/b) + 1
 
@@ -46,9 +46,9 @@ class EdgeContact(NamedTuple):
 def edge_contact(force: float, L_w: float, R_w: float, R_o: float, E_star: float, rho: float) -> EdgeContact:
     """The excitation with ``force`` (N) on a roller of length ``L_w`` (m) as its reference load.
 
-    R_w, R_o: radii (m) of roller and outer race; E_star: E/(2 (1 - nu^2)) (Pa); rho: radius (m) of the edges. The
-    inner race's D is a sixth smaller; Lambda changes by 2 % for that. Raises ValueError if there is no load, or rho
-    is not positive.
+    R_w, R_o: radii (m) of roller and outer race; E_star: E/(2 (1 - nu^2)) (Pa); rho: radius (m) of the edges.
+    The inner race's D is a sixth smaller, which changes Lambda by 2 %. Raises ValueError if there is no load, or if
+    rho is not positive.
     """
     if force <= 0.0 or rho <= 0.0:
         raise ValueError(f"a reference load of {force} N and edges of {rho} m: both must be above 0")
@@ -65,8 +65,8 @@ def half_contact(excitation, R):
 def narrowing(xi):
     """f of a sharp edge of a half-plane, xi half widths b behind the rim, and where its pressure's centre lies.
 
-    The contact is c half widths wide, c = 2/3 (sqrt(xi^2 + 3) - xi), and f = 2 ln(2/c) + xi c + 2 min(xi, 0)^2; for
-    xi <= -1 it is Hertz's and f = 0. The centre: distance from the rim, in half widths.
+    The contact is c half widths wide, c = 2/3 (sqrt(xi^2 + 3) - xi), and f = 2 ln(2/c) + xi c + 2 min(xi, 0)^2;
+    for xi <= -1 it is Hertz's and f = 0. The centre: distance from the rim, in half widths.
     """
     x = max(xi, -1.0)
     c = 2.0 / 3.0 * (sqrt(x * x + 3.0) - x)
@@ -95,7 +95,7 @@ def one_edge(x, b, wall, rho, R):
 
 @jit
 def ridge(x, beyond, b, rho, R):
-    """f of the ridge between the race and a flat wall, the roller ``x`` behind the rim, ``beyond`` (m) past its end.
+    """f of the ridge between the race and a flat wall, the roller ``x`` (m) behind the rim, ``beyond`` past its end.
 
     The roller hangs on the ridge for 0 < x, beyond < 0; from either side it is one edge, and the two are alike.
     """

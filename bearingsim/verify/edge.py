@@ -1,5 +1,6 @@
 """A roller that crosses the edge of a slot: the elastic contact beside the product's reduced one."""
 
+from collections.abc import Iterable
 from math import inf
 from typing import NamedTuple
 
@@ -7,7 +8,7 @@ import numpy as np
 
 from bearingsim.core.edge_contact import EdgeContact
 from bearingsim.core.excitations import felt, groups
-from bearingsim.verify.pitted import finite_elements, half_planes, pitted
+from bearingsim.verify.pitted import finite_elements, half_planes, on_race, pitted, race_of
 from bearingsim.verify.pressed import Body, Pressed, press, press_to
 from bearingsim.verify.race import Grading, Slot, depth_at, envelope
 from bearingsim.verify.steel import Pair
@@ -64,6 +65,17 @@ def bodies(pair: Pair, slot: Slot, grading: Grading | None = None, cut_out: bool
     """Roller and pitted race: the pit cut out of finite elements, or only a gap between half-planes."""
     made = pitted(slot, grading or Grading())
     return finite_elements(made, pair) if cut_out else half_planes(made, pair)
+
+
+def stressed(pair: Pair, slot: Slot, force: float, places: Iterable[float]) -> list[tuple[Crossing, float]]:
+    """Each contact at ``places`` (m behind the rim) with the largest von Mises stress (Pa) in the race."""
+    made = pitted(slot, Grading())
+    below = race_of(made, pair)
+    body, found = on_race(made, pair, below), []
+    for s in places:
+        solved = press(body, gap(pair, slot, body, s), force)
+        found.append((described(pair, slot, s, solved), below.largest_mises(solved.pressure)))
+    return found
 
 
 def corrected(pair: Pair, slot: Slot, reference: float, s: float) -> tuple[float, float]:

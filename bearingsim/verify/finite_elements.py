@@ -25,8 +25,8 @@ BATCH = 64  # loads that are solved at once
 def flamant(points: np.ndarray, place: float, steel: Steel, D: float) -> np.ndarray:
     """Displacement (2, n) (m per N/m) at ``points`` (2, n) under a line load downwards at (``place``, 0).
 
-    Johnson 1985, section 2.2, with the constant that makes the surface sink by ln(D/r)/(pi E*), E* = E/(2 (1 - nu^2)).
-    theta is taken from the inward normal, u_theta in its sense.
+    Johnson 1985, section 2.2, with the constant that makes the surface sink by ln(D/r)/(pi E*),
+    E* = E/(2 (1 - nu^2)). theta is taken from the inward normal, u_theta in its sense.
     """
     x, y = points[0] - place, points[1]
     r, theta = np.hypot(x, y), np.arctan2(x, -y)
@@ -43,7 +43,7 @@ class Race(NamedTuple):
     """A block of the race, factorised.
 
     basis: scikit-fem's; loads: (N, n) nodal forces of the n hats under 1 Pa; far: (held, n) motion (m) of the far
-    sides under them; down: (n,) degrees of freedom of the pressed nodes' vertical motion; solve: for the free ones.
+    sides under them; down: (n,) degrees of freedom of the pressed nodes' vertical motion; solve: for the free.
     """
 
     steel: Steel

@@ -5,7 +5,7 @@ finite elements, the pit cut out.
 """
 
 from math import inf, isinf
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from bearingsim.verify.mesh import Block, block
 from bearingsim.verify.pressed import Body
 from bearingsim.verify.race import Grading, Rim, Slot, graded, rim
 from bearingsim.verify.steel import Pair
+
+if TYPE_CHECKING:
+    from bearingsim.verify.finite_elements import Race
 
 FAR = 2e-3  # m: from the rim to the sides and bottom of the block of finite elements
 
@@ -72,9 +75,18 @@ def half_planes(made: Surface, pair: Pair) -> Body:
 
 def finite_elements(made: Surface, pair: Pair) -> Body:
     """The roller as a half-plane, the race in finite elements. Needs scikit-fem."""
+    return on_race(made, pair, race_of(made, pair))
+
+
+def race_of(made: Surface, pair: Pair) -> "Race":
+    """The race under a surface in finite elements. Needs scikit-fem."""
     from bearingsim.verify.finite_elements import race
 
+    return race(meshed(made), made.carries, made.breaks, pair.steel, pair.D)
+
+
+def on_race(made: Surface, pair: Pair, below: "Race") -> Body:
+    """The roller as a half-plane on a race that is there already."""
     t = made.points[made.carries, 0]
     roller = half_plane(t, pair.E_star, pair.D, made.breaks)
-    below = race(meshed(made), made.carries, made.breaks, pair.steel, pair.D)
     return Body(t, roller + below.compliance(), hats(t, made.breaks))

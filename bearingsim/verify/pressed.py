@@ -6,8 +6,8 @@ surfaces, C the sum of both bodies' compliances and delta the approach,
     p >= 0,     g = gap - delta + C p >= 0,     p g = 0,     spread . p = Q'
 
 ``spread`` holds the integrals of the nodes' hat functions. The nodes in contact are found by an active set: those
-that pull are let go, those that overlap are taken in, until neither is left (Kalker 1990 solves contact so; Hintermueller,
-Ito and Kunisch 2002 show that it is a Newton method).
+that pull are let go, those that overlap are taken in, until neither is left. (Kalker, Three-Dimensional Elastic Bodies
+in Rolling Contact, 1990, solves contact so; Hintermueller, Ito and Kunisch 2002 show that it is a Newton method.)
 """
 
 from collections.abc import Callable
@@ -36,7 +36,7 @@ class Body(NamedTuple):
 
 
 class Pressed(NamedTuple):
-    """A solution. force: N/m; approach: m, with the compliance's datum; stiffness: dQ'/d(delta), N/m^2; pressure: (n,) Pa."""
+    """A solution. force: N/m; approach: m, of the compliance's datum; stiffness: dQ'/d(delta), N/m^2; pressure: Pa."""
 
     force: float
     approach: float
@@ -69,7 +69,7 @@ def press_to(body: Body, gap: np.ndarray, approach: float) -> Pressed:
 
 
 def settled(body: Body, gap: np.ndarray, hold: Callable[[np.ndarray], Pressed]) -> Pressed:
-    """The solution whose nodes in contact neither pull nor let others overlap; ``hold`` solves with given nodes."""
+    """The solution whose nodes in contact neither pull nor let others overlap; ``hold`` solves with given ones."""
     active = gap <= np.partition(gap, 3)[3]
     for _ in range(ROUNDS):
         found = hold(active)
@@ -83,7 +83,7 @@ def settled(body: Body, gap: np.ndarray, hold: Callable[[np.ndarray], Pressed]) 
 
 
 def answers(body: Body, gap: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Pressure per approach (n,) (Pa/m) and against the gap (n,) (Pa), and stiffness (N/m^2), ``active`` nodes held."""
+    """Pressure per approach (n,) (Pa/m) and against the gap (n,) (Pa), and stiffness (N/m^2), with given nodes."""
     inside = body.compliance[np.ix_(active, active)]
     found = np.zeros((2, len(gap)))
     found[:, active] = np.linalg.solve(inside, np.column_stack([np.ones(len(inside)), gap[active]])).T
