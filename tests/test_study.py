@@ -48,6 +48,16 @@ def test_the_templates_lines_for_the_planar_model_are_right(write: Write) -> Non
     assert None not in (found.ramp, found.shaft, found.unbalance)
 
 
+def test_the_templates_lines_for_the_spatial_model_are_right(write: Write) -> None:
+    said = NEW_STUDY.replace("\n# model: rollers", "\nmodel: least")
+    for key in ("misalignment", "  offset", "  edge"):
+        said = said.replace(f"\n# {key}:", f"\n{key}:").replace(f"\n  # {key.strip()}:", f"\n  {key.strip()}:")
+    found = load_study(write(said)).cases()[0]
+    assert found.model == "spatial"
+    assert found.misalignment is not None
+    assert found.defects[0].edge is not None
+
+
 # Ids
 
 

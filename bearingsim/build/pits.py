@@ -81,7 +81,9 @@ def meetings(case: Case, zetas: Places | None = None) -> Pits:
     Raises ValueError for what is not felt at all, and for pits too wide to be felt by one roller at a time.
     """
     chosen, found = excitation(case), met(case, zetas)
-    return traced_pits(found) if any(one.paths for one in found) else pits(found, chosen)
+    if any(one.paths for one in found):
+        return traced_pits(found)
+    return pits(found, chosen, 1 if zetas is None else len(zetas))
 
 
 def met(case: Case, zetas: Places | None = None) -> list[Meeting]:

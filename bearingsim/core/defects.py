@@ -170,9 +170,9 @@ def slices_of(
     ]
 
 
-def pits(meetings: Sequence[Meeting], excitation: Any) -> Pits:
-    """Pack the meetings into the arrays the core reads."""
-    deepest = max([len(one.groups) for one in meetings], default=1)
+def pits(meetings: Sequence[Meeting], excitation: Any, most: int = 1) -> Pits:
+    """Pack the meetings into the arrays the core reads, with room for ``most`` groups each or more."""
+    deepest = max([most, *(len(one.groups) for one in meetings)])
     groups = np.zeros((len(meetings), deepest, GROUP))
     for row, one in zip(groups, meetings, strict=True):
         row[: len(one.groups)] = one.groups

@@ -79,4 +79,3 @@ def corrected_ratio(pair: Pair, slot: Slot, reference: float, force: float, s: f
     """What ``Crossing.ratio`` would be if ``EdgeContact`` were true, for a power law of exponent 10/9."""
     share, h = corrected(pair, slot, reference, s)
     return share**-0.9 + (h - envelope(slot, pair.R, s)) / pair.approach(force)
-

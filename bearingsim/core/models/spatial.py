@@ -181,8 +181,11 @@ def weigh(model, omega_cage, y, n):
 
 
 @jit
-def touch_races(model, t, outer, inner, omega_cage, y, n):
-    """The contacts of the rollers' slices with both races: fills the sums of both sides."""
+def touch_races(model, t, steep, outer, inner, omega_cage, y, n):
+    """The contacts of the rollers' slices with both races: fills the sums of both sides.
+
+    steep: 1.0, or 0.0 where pits are not to tilt the normal (at rest).
+    """
     b, table = model.bearing, model.slices.table
     face(OuterSide(), b, outer, omega_cage, y, n)
     face(InnerSide(), b, inner, omega_cage, y, n)
@@ -192,7 +195,7 @@ def touch_races(model, t, outer, inner, omega_cage, y, n):
     for k in range(len(table)):
         zeta, weight, drop = table[k, ZETA], table[k, WEIGHT], table[k, DROP]
         if met > 0:
-            over_pits(model, t, k, outer.a_z, inner.a_z, y)
+            over_pits(model, t, k, steep, outer.a_z, inner.a_z, y)
         press(OuterSide(), model.outer, model.friction, b, outer, zeta, weight, drop, y, n)
         press(InnerSide(), model.inner, model.friction, b, inner, zeta, weight, drop, y, n)
         keep_slice(slice_row(k, 0), y, n)
@@ -259,7 +262,7 @@ def _accelerations(model, t, y):
     place(b.theta_0 + b.omega_c * time + y[POSITION + PHI_C], y, n)
     orient(spin, omega_cage, b.R_w, y, n)
     weigh(model, omega_cage, y, n)
-    touch_races(model, t, outer, inner, omega_cage, y, n)
+    touch_races(model, t, 1.0, outer, inner, omega_cage, y, n)
     guide_axially(model.flanges, model, outer, inner, y, n)
     turn = pass_on(b, outer, inner, y, n)
     pockets_in_space(model.cage, model, cage, omega_cage, spin, y, n)
