@@ -13,6 +13,7 @@ __all__ = ["MARGIN", "Pit", "Reals", "Section", "cut", "ends_of_slices", "pits_o
 
 ACROSS, ALONG = 401, 241  # places along rolling and along the roller at which a picture looks a pit's depth up
 FINER = 4  # times as many in a section
+ALIKE = 0.98  # of the largest depth: a middle as deep is not told from the deepest section
 MARGIN = 0.3  # of the pit's width, shown on either side of it
 
 Reals = NDArray[np.float64]
@@ -72,12 +73,11 @@ def cut(pit: Pit, z: float) -> Section:
 
 def told_apart(pit: Pit) -> list[float]:
     """Places z (m) of the sections worth drawing: the deepest, and the pit's middle if that is another one."""
-    middle = pit.heights[ALONG // 2]
     deepest = pit.picture.max(axis=1)
-    here = int(np.argmax(deepest))
-    if deepest[here] <= deepest[ALONG // 2] * (1.0 + 1e-9):
-        return [float(middle)]
-    return [float(pit.heights[here]), float(middle)]
+    here, middle = int(np.argmax(deepest)), ALONG // 2
+    if deepest[middle] >= ALIKE * deepest[here]:
+        return [float(pit.heights[middle])]
+    return [float(pit.heights[k]) for k in ((here, middle) if deepest[middle] > 0.0 else (here,))]
 
 
 def pits_of(case: "Case") -> Iterator[Pit]:
