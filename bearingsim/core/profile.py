@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 FROM, TO, P, M, C = range(5)  # columns of a piece: p = P + M (t - FROM) + C (t - FROM)^2/2
-SLIVER = 1e-12  # m: ends nearer to each other are one
+SLIVER = 1e-15  # m: ends nearer to each other are one
 
 
 class Profile(NamedTuple):
