@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from bearingsim.core.defects import DEPTH, X_E, B, W
+from bearingsim.core.defects import DEPTH, X_E, B, W, groups_of
 from bearingsim.core.edge_contact import EdgeContact, edge_contact, narrowing, one_edge, two_edges
 from bearingsim.core.excitations import Envelope, felt, groups
 from bearingsim.core.jit import jit
@@ -30,7 +30,8 @@ places = st.floats(-0.7, 0.7)
 
 
 def rows_of(shape, width, depth, length=L_W, excitation=EDGES):
-    return [np.array(row) for row in groups(excitation, shape, length, width, depth, L_W, R, 6)]
+    rows = groups_of(shape, length, width, depth, L_W, R, 6)
+    return [np.array(row) for row in groups(excitation, shape, rows, R)]
 
 
 def test_a_sharp_edge_of_a_half_plane():
@@ -59,7 +60,7 @@ def test_far_behind_the_rim_it_is_hertz_on_the_edge():
 
 @pytest.mark.parametrize("width", [0.1e-3, 0.8e-3])
 def test_two_sharp_edges_are_as_stiff_as_the_race(width):
-    """In the middle, with the material behind the edges there: exactly, but for where the pressure's centre lies."""
+    """In the middle, the material behind the edges there: exact but for where the pressure's centre lies."""
     assert two_edges(width, HALF, 0.0, 1e-12, R, PAIR.D) == pytest.approx(0.0, abs=0.1)
 
 

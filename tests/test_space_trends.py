@@ -1,4 +1,4 @@
-"""What a study asks of ``spatial``: the lines of ``rollers`` where nothing tilts, and what tilt adds where it does."""
+"""What a study asks of ``spatial``: the lines of ``rollers`` where nothing tilts, and what tilt adds elsewhere."""
 
 from functools import lru_cache
 from typing import Any

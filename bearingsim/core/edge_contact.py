@@ -18,7 +18,7 @@ from math import e, exp, log, pi, sqrt
 from typing import NamedTuple
 
 from bearingsim.core.contact import ninth_root
-from bearingsim.core.defects import DEPTH, KAPPA, X_E, B, W, depression, groups_of
+from bearingsim.core.defects import DEPTH, KAPPA, X_E, B, W, depression
 from bearingsim.core.excitations import felt, groups
 from bearingsim.core.jit import jit
 
@@ -47,8 +47,8 @@ def edge_contact(force: float, L_w: float, R_w: float, R_o: float, E_star: float
     """The excitation with ``force`` (N) on a roller of length ``L_w`` (m) as its reference load.
 
     R_w, R_o: radii (m) of roller and outer race; E_star: E/(2 (1 - nu^2)) (Pa); rho: radius (m) of the edges.
-    The inner race's D is a sixth smaller, which changes Lambda by 2 %. Raises ValueError if there is no load, or if
-    rho is not positive.
+    The inner race's D is a sixth smaller, which changes Lambda by 2 %. Raises ValueError if there is no load, or
+    if rho is not positive.
     """
     if force <= 0.0 or rho <= 0.0:
         raise ValueError(f"a reference load of {force} N and edges of {rho} m: both must be above 0")
@@ -95,7 +95,7 @@ def one_edge(x, b, wall, rho, R):
 
 @jit
 def ridge(x, beyond, b, rho, R):
-    """f of the ridge between the race and a flat wall, the roller ``x`` (m) behind the rim, ``beyond`` past its end.
+    """f of the ridge of race and flat wall, the roller ``x`` (m) behind the rim, ``beyond`` (m) past its end.
 
     The roller hangs on the ridge for 0 < x, beyond < 0; from either side it is one edge, and the two are alike.
     """
@@ -139,14 +139,14 @@ def _felt_edge_contact(excitation, group, s, R):
 
 
 @groups.register(EdgeContact)
-def _groups_edge_contact(excitation, shape, length, width, depth, L_w, R, nodes):
+def _groups_edge_contact(excitation, shape, rows, R):
     found = []
-    for row in groups_of(shape, length, width, depth, L_w, R, nodes):
+    for row in rows:
         b = half_contact(excitation, R)
         if row[DEPTH] == 0.0:
             found.append(row)
         elif shape == "rectangular":
-            found.append((row[W], row[B] + max(b, BEFORE * depth), row[B], UPRIGHT, row[DEPTH]))
+            found.append((row[W], row[B] + max(b, BEFORE * row[DEPTH]), row[B], UPRIGHT, row[DEPTH]))
         else:
             found.append((row[W], row[B] + b, *row[X_E:]))
     return found

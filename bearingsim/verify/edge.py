@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim.core.defects import groups_of
 from bearingsim.core.edge_contact import EdgeContact
 from bearingsim.core.excitations import felt, groups
 from bearingsim.verify.pitted import finite_elements, half_planes, on_race, pitted, race_of
@@ -82,7 +83,9 @@ def corrected(pair: Pair, slot: Slot, reference: float, s: float) -> tuple[float
     """Share and h (m) of ``EdgeContact`` with the reference load ``reference`` (N/m)."""
     excitation = EdgeContact(reference / (np.pi * pair.E_star), pair.D, slot.rho)
     width = WIDE if slot.width == inf else slot.width
-    (row,) = groups(excitation, "rectangular", 1.0, width, slot.depth, 1.0, pair.R, 1)
+    (row,) = groups(
+        excitation, "rectangular", groups_of("rectangular", 1.0, width, slot.depth, 1.0, pair.R, 1), pair.R
+    )
     share, h, _ = felt(excitation, np.array(row), s - width / 2.0, pair.R)
     return share, h
 
