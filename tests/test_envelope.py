@@ -221,6 +221,37 @@ def test_two_pits_are_one_where_they_overlap_and_themselves_elsewhere():
     assert h == pytest.approx(sinking(path_over(section(left, 0.0), R_OUTER), s - 0.15e-3)[0], abs=1e-18)
 
 
+def test_a_burr_stays_where_another_pit_does_not_reach():
+    scan = rough_scan(2, 3e-6)
+    far = Merged((scan, Placed(Rectangular(8e-3, 4e-4, 5e-5), 4e-3, 0.0)))
+    s = np.linspace(-2e-3, 2e-3, 101)
+    assert depth_at(section(far, 0.0), s) == pytest.approx(depth_at(section(scan, 0.0), s), abs=1e-15)
+    assert depth_at(section(far, 0.0), s).min() == pytest.approx(-3e-6)
+
+
+@pytest.mark.parametrize("apart", [3.6e-4, 3.8e-4, 3.95e-4])
+def test_the_ridge_between_two_hollows_carries_the_roller(apart):
+    """Each of them is more hollow than the roller, which hangs on its rims and on the ridge."""
+    hollow = Circular(12e-3, 4e-4, 5e-5)
+    pair = section(Merged((Placed(hollow, -apart / 2, 0.0), Placed(hollow, apart / 2, 0.0))), 0.0)
+    s = np.linspace(-4e-4, 4e-4, 201)
+    ridge = 5e-5 * (1 - (apart / 4e-4) ** 2)
+    path = path_over(pair, R_OUTER)
+    assert sinking(path, s)[0] == pytest.approx(brute(pair, s, R_OUTER), abs=1e-4 * 2e-6)
+    assert sinking(path, np.zeros(1))[0] == pytest.approx(ridge, rel=1e-9)
+
+
+def test_the_edge_from_a_hollow_into_a_deeper_pit_carries_the_roller():
+    """A bowl 2 um deep that a slot cuts off, 1.5 um deep there."""
+    bowl_, slot = Circular(12e-3, 2e-4, 2e-6), Placed(Rectangular(12e-3, 8e-4, 5e-5), 4.5e-4, 0.0)
+    s = np.linspace(-2e-4, 9e-4, 301)
+    for profile in (section(Merged((bowl_, slot)), 0.0), section(Merged((slot, bowl_)), 0.0)):
+        found = sinking(path_over(profile, R_OUTER), s)[0]
+        assert found == pytest.approx(brute(profile, s, R_OUTER), abs=1e-9)
+        on_edge = sinking(path_over(profile, R_OUTER), np.array([2e-4]))[0]
+        assert on_edge == pytest.approx(1.5e-6 + (1.5e-4) ** 2 / (2 * R_OUTER), rel=1e-6)
+
+
 def test_a_merged_wide_pit_lets_a_roller_deeper_than_its_halves():
     """Two slots of 0.4 mm side by side are one of 0.8 mm: four times the sag of one."""
     halves = Merged(

@@ -111,6 +111,7 @@ def test_parameters_carry_their_si_unit() -> None:
     assert {name: units[name] for name in expected} == expected
     assert units["model"] is None
     assert units["bearing.rollers"] is None
+    assert parameter_attributes("defect.grown") == {}
 
 
 def test_nothing_stays_under_a_final_name_when_writing_fails(tmp_path: Path) -> None:

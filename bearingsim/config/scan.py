@@ -21,8 +21,8 @@ __all__ = ["Scan", "ScanError", "notes", "read_scan"]
 FEWEST = 5  # places along either axis
 MOST_MISSING, LARGEST_GAP = 0.05, 9  # share of cells; cells of one gap
 MOST_SPIKES, LARGEST_SPIKE = 0.01, 2  # share of cells; cells of one spike
-SPIKE = 8.0  # standard deviations of what is left when each cell's neighbourhood is taken off
-SPIKE_OF_RANGE = 0.05  # of the depth range: a spike stands out at least so far
+SPIKE, AROUND = 8.0, 7  # standard deviations of the roughness within so many cells along either axis
+SPIKE_OF_RANGE = 0.2  # of the depth range: a spike stands out at least so far; what does less harm is left
 UNEVEN = 0.1  # of the depth: most that three standard deviations of the surroundings may be
 DAMAGED = 0.2  # share of a side's cells off the surroundings from which the damage reaches it
 SPECK = 5  # cells: what is smaller is noise
@@ -75,12 +75,13 @@ def notes(case: "Case") -> list[str]:
 
 
 def _without_spikes(grid: Grid) -> Grid:
-    """Cells that stand alone, or in twos, far from their neighbourhood become missing."""
+    """Cells that stand alone, or in twos, far from their neighbourhood get the median of it."""
     around = _neighbours(grid.depth)
     known = np.where(np.isnan(grid.depth), 0.0, grid.depth)
-    off = grid.depth - np.nanmedian(np.concatenate([around, known[None]]), axis=0)
+    middle = np.nanmedian(np.concatenate([around, known[None]]), axis=0)
+    off = grid.depth - middle
     low, high = np.nanpercentile(grid.depth, [1.0, 99.0])
-    least = max(SPIKE * _deviation(off), SPIKE_OF_RANGE * float(high - low))
+    least = np.maximum(SPIKE * _roughness(off), SPIKE_OF_RANGE * float(high - low))
     alike = np.sum(np.abs(around - grid.depth) < least, axis=0)
     groups = _regions(np.abs(off) > least)
     small = np.bincount(groups.ravel())[groups] <= LARGEST_SPIKE
@@ -89,12 +90,18 @@ def _without_spikes(grid: Grid) -> Grid:
     if count == 0:
         return grid
     share, told = count / spikes.size, places(np.argwhere(spikes), grid)
+    lowest = f"{_um(float(np.abs(off[spikes]).min()))} and more"
     if share > MOST_SPIKES:
-        raise ScanError(
-            f"{count} spikes of over {_um(least)} ({share:.1%} of the cells; {told})", "filter it first"
-        )
-    note = f"{count} spike{'s' * (count > 1)} of over {_um(least)} taken out: {told}"
-    return grid._replace(depth=np.where(spikes, np.nan, grid.depth), notes=(*grid.notes, note))
+        raise ScanError(f"{count} spikes of {lowest} ({share:.1%} of the cells; {told})", "filter it first")
+    note = f"{count} spike{'s' * (count > 1)} of {lowest} taken out: {told}"
+    return grid._replace(depth=np.where(spikes, middle, grid.depth), notes=(*grid.notes, note))
+
+
+def _roughness(off: np.ndarray) -> np.ndarray:
+    """Standard deviation of the bulk of what stands off its neighbourhood, around each cell."""
+    from scipy.ndimage import median_filter
+
+    return np.asarray(1.4826 * median_filter(np.nan_to_num(np.abs(off)), size=AROUND))
 
 
 def _neighbours(depth: np.ndarray) -> np.ndarray:
@@ -172,6 +179,9 @@ def _levelled(grid: Grid) -> Grid:
         raise ScanError(f"no pit stands out from the noise of the surroundings ({_um(deviation)})")
     if deviation > 0.0:
         told.append(f"surroundings even to {_um(deviation)}: what is within {_um(level)} of them is the race")
+    specks = int(regions.max()) - len(np.unique(regions[kept]))
+    if specks:
+        told.append(f"{specks} speck{'s' * (specks > 1)} of less than {SPECK} cells taken for the race")
     return grid._replace(depth=np.where(kept, depth, 0.0), notes=(*grid.notes, *told))
 
 

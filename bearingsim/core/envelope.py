@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core.jit import jit
-from bearingsim.core.profile import SLIVER, Profile
+from bearingsim.core.profile import Profile
 
 FAR = 1.0  # m: so far the race goes on to either side
 LEVEL = 1e-15  # m: nearer to the race a depth is rounding
@@ -39,30 +39,21 @@ FLAT = Path(np.zeros((0, 4)), 0.0)
 """The path over the undamaged race."""
 
 
-class Part(NamedTuple):
-    """A piece that the roller can touch: from (t, p) on with slope m and curvature c, to (t, p).
+T_0, P_0, SLOPE_0, BEND, T_1, P_1, LOW, HIGH = range(8)
+"""Columns of a part, a piece that the roller can touch: from (t, p) on with a slope and a curvature, to (t, p).
 
-    While ``low`` < s < ``high`` (m) it is touched between its ends.
-    """
-
-    t_0: float
-    p_0: float
-    m: float
-    c: float
-    t_1: float
-    p_1: float
-    low: float
-    high: float
+Between LOW and HIGH (m) of s it is touched between its ends.
+"""
 
 
-def parts_of(profile: Profile, R: float) -> list[Part]:
-    """What a roller of relative radius ``R`` (m) can touch, in order, with the race around it and in gaps.
+def parts_of(profile: Profile, R: float) -> np.ndarray:
+    """What a roller of relative radius ``R`` (m) can touch (n, 8), in order, with the race around it and in gaps.
 
     Of a piece more hollow than the roller that is its two ends.
     """
     found, last = [], -FAR
     for t_0, t_1, p_0, m, c in profile.pieces.tolist():
-        if t_0 > last + SLIVER:
+        if t_0 > last:
             found.append(_part(last, t_0, 0.0, 0.0, 0.0, R))
         if 1.0 + R * c > 1e-9:
             found.append(_part(t_0, t_1, p_0, m, c, R))
@@ -70,62 +61,67 @@ def parts_of(profile: Profile, R: float) -> list[Part]:
             x = t_1 - t_0
             found += [_corner(t_0, p_0), _corner(t_1, p_0 + x * (m + x * c / 2.0))]
         last = t_1
-    return [*found, _part(last, FAR, 0.0, 0.0, 0.0, R)]
+    return np.array([*found, _part(last, FAR, 0.0, 0.0, 0.0, R)])
 
 
-def _part(t_0: float, t_1: float, p: float, m: float, c: float, R: float) -> Part:
+def _part(t_0: float, t_1: float, p: float, m: float, c: float, R: float) -> tuple[float, ...]:
     x = t_1 - t_0
-    return Part(t_0, p, m, c, t_1, _levelled(p + x * (m + x * c / 2.0)), t_0 + R * m, t_1 + R * (m + c * x))
+    return t_0, p, m, c, t_1, _levelled(p + x * (m + x * c / 2.0)), t_0 + R * m, t_1 + R * (m + c * x)
 
 
-def _corner(t: float, p: float) -> Part:
-    return Part(t, _levelled(p), 0.0, 0.0, t, _levelled(p), t, t)
+def _corner(t: float, p: float) -> tuple[float, ...]:
+    return t, _levelled(p), 0.0, 0.0, t, _levelled(p), t, t
 
 
 def _levelled(p: float) -> float:
     return p if abs(p) > LEVEL else 0.0
 
 
-def over_part(part: Part, s: float, R: float) -> tuple[float, float]:
+@jit
+def over_part(part, s, R):
     """h (m) and its slope (1) at ``s`` (m) over one part alone."""
-    if part.low < s < part.high:
-        x = (s - part.t_0 - R * part.m) / (1.0 + R * part.c)
-        away = s - part.t_0 - x
-        return part.p_0 + x * (part.m + x * part.c / 2.0) + away * away / (2.0 * R), away / R
-    t, p = (part.t_0, part.p_0) if s <= part.low else (part.t_1, part.p_1)
+    if part[LOW] < s < part[HIGH]:
+        x = (s - part[T_0] - R * part[SLOPE_0]) / (1.0 + R * part[BEND])
+        away = s - part[T_0] - x
+        return part[P_0] + x * (part[SLOPE_0] + x * part[BEND] / 2.0) + away * away / (2.0 * R), away / R
+    t, p = (part[T_0], part[P_0]) if s <= part[LOW] else (part[T_1], part[P_1])
     return p + (s - t) * (s - t) / (2.0 * R), (s - t) / R
 
 
-def bend(part: Part, s: float, R: float) -> float:
-    """h'' (1/m) at ``s`` over one part alone."""
-    return part.c / (1.0 + R * part.c) if part.low < s < part.high else 1.0 / R
+@jit
+def bend(part, s, R):
+    """h'' (1/m) just after ``s`` over one part alone."""
+    return part[BEND] / (1.0 + R * part[BEND]) if part[LOW] <= s < part[HIGH] else 1.0 / R
 
 
-def takeover(left: Part, right: Part, R: float) -> float:
-    """From which s (m) on the right one of two parts is felt; -inf always, inf never.
-
-    h over the left less h over the right never falls, and is quadratic between the ends of contact.
-    """
-    ends = sorted((left.low, left.high, right.low, right.high))
-    before = -inf
-    for end in ends:
-        D, rate = _excess(left, right, end, R)
-        if D >= 0.0:
-            return _root(left, right, before, end, R)
-        before = end
-    D, rate = _excess(left, right, before, R)
-    return before - D / rate if rate > 0.0 else inf
-
-
-def _excess(left: Part, right: Part, s: float, R: float) -> tuple[float, float]:
+@jit
+def excess(left, right, s, R):
+    """h (m) over the left of two parts less h over the right, and its slope; h never falls."""
     h_1, slope_1 = over_part(left, s, R)
     h_2, slope_2 = over_part(right, s, R)
     return h_1 - h_2, slope_1 - slope_2
 
 
-def _root(left: Part, right: Part, low: float, high: float, R: float) -> float:
+@jit
+def takeover(left, right, R):
+    """From which s (m) on the right one of two parts is felt; -inf always, inf never.
+
+    The excess never falls, and is quadratic between the ends of contact.
+    """
+    before = -inf
+    for end in np.sort(np.array([left[LOW], left[HIGH], right[LOW], right[HIGH]])):
+        D, rate = excess(left, right, end, R)
+        if D >= 0.0:
+            return root(left, right, before, end, R)
+        before = end
+    D, rate = excess(left, right, before, R)
+    return before - D / rate if rate > 0.0 else inf
+
+
+@jit
+def root(left, right, low, high, R):
     """Where the excess, negative at ``low`` and no longer at ``high``, is zero: by its parabola at ``high``."""
-    D, rate = _excess(left, right, high, R)
+    D, rate = excess(left, right, high, R)
     middle = max(0.5 * (low + high), high - FAR)
     curvature = bend(left, middle, R) - bend(right, middle, R)
     below = rate + sqrt(max(rate * rate - 2.0 * curvature * D, 0.0))
@@ -134,41 +130,43 @@ def _root(left: Part, right: Part, low: float, high: float, R: float) -> float:
     return max(high - 2.0 * D / below, low)
 
 
-def felt_parts(parts: Sequence[Part], R: float) -> list[tuple[float, Part]]:
-    """The parts that are felt, each with the s (m) from which it is."""
-    felt = [(-inf, parts[0])]
-    for part in parts[1:]:
-        start = takeover(felt[-1][1], part, R)
-        while start <= felt[-1][0] and len(felt) > 1:
-            felt.pop()
-            start = takeover(felt[-1][1], part, R)
-        if start == -inf:
-            felt = [(-inf, part)]
-        elif start < inf:
-            felt.append((start, part))
-    return felt
+@jit
+def felt_parts(parts, R):
+    """Which of the parts (n, 8) are felt, and from which s (m) on: two rows (2, n), of which a number is used."""
+    felt = np.zeros((2, len(parts)))
+    felt[1, 0] = -inf
+    last = 0
+    for n in range(1, len(parts)):
+        start = takeover(parts[int(felt[0, last])], parts[n], R)
+        while start <= felt[1, last] and last > 0:
+            last -= 1
+            start = takeover(parts[int(felt[0, last])], parts[n], R)
+        if start < inf:
+            last = last if start == -inf else last + 1
+            felt[0, last], felt[1, last] = n, start
+    return felt, last + 1
 
 
 def path_over(profile: Profile, R: float) -> Path:
     """The path h(s) of a roller of relative radius ``R`` (m) over a profile, exact."""
-    felt = felt_parts(parts_of(profile, R), R)
-    starts = [start for start, _ in felt]
+    parts = parts_of(profile, R)
+    found, count = felt_parts(parts, R)
+    felt, starts = parts[found[0, :count].astype(int)], found[1, :count].tolist()
     rows = [
         _row(part, s, R)
-        for (start, part), end in zip(felt, [*starts[1:], inf], strict=True)
-        for s in dict.fromkeys((start, part.low, part.high))
+        for part, start, end in zip(felt, starts, [*starts[1:], inf], strict=True)
+        for s in dict.fromkeys((start, part[LOW], part[HIGH]))
         if s == start or start < s < end
     ]
-    first, last = min(felt[0][1].high, *starts[1:], FAR), max(felt[-1][1].low, starts[-1])
+    first, last = min(felt[0][HIGH], *starts[1:], FAR), max(felt[-1][LOW], starts[-1])
     kept = [row for row in rows if first <= row[S] < last]
-    return Path(np.array(kept), last) if kept else FLAT
+    return Path(np.array(kept), float(last)) if kept else FLAT
 
 
-def _row(part: Part, s: float, R: float) -> tuple[float, float, float, float]:
+def _row(part: np.ndarray, s: float, R: float) -> tuple[float, float, float, float]:
     """The piece of a path that begins at ``s`` (m) on a part."""
     h, slope = over_part(part, s, R) if s > -inf else (0.0, 0.0)
-    touched = part.low <= s < part.high
-    return s, h, slope, 0.5 * (part.c / (1.0 + R * part.c) if touched else 1.0 / R)
+    return s, h, slope, 0.5 * bend(part, s, R)
 
 
 def sinking(path: Path, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

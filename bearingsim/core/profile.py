@@ -95,17 +95,15 @@ def deepest(first: Profile, second: Profile) -> Profile:
         return second if len(first.pieces) == 0 else first
     ends = _distinct(np.concatenate([first.pieces[:, :P].ravel(), second.pieces[:, :P].ravel()]))
     ends = _distinct(np.concatenate([ends, _crossings(first, second, ends)]))
-    middles, starts = (ends[1:] + ends[:-1]) / 2.0, ends[:-1]
+    middles = (ends[1:] + ends[:-1]) / 2.0
     a, b = _covering(first, middles), _covering(second, middles)
-    depth_a, depth_b = _depth(first, a, middles), _depth(second, b, middles)
-    chosen = [
-        (*_from(source, k, start), number, k)
-        for number, source, k, start in (
-            (0, first, i, start) if depth_1 >= depth_2 else (1, second, j, start)
-            for i, j, depth_1, depth_2, start in zip(a, b, depth_a, depth_b, starts, strict=True)
-        )
-    ]
-    return _joined(chosen, ends)
+    by_first = _rows(first, a, middles)[:, 0] >= _rows(second, b, middles)[:, 0]
+    source = np.where(by_first, a, np.where(b >= 0, b + len(first.pieces), -1))
+    rows = np.where(by_first[:, None], _rows(first, a, ends[:-1]), _rows(second, b, ends[:-1]))
+    begins = np.append(True, np.diff(source) != 0)
+    until = np.append(ends[:-1][begins][1:], ends[-1])
+    pieces = np.column_stack([ends[:-1][begins], until, rows[begins]])
+    return Profile(pieces[source[begins] >= 0])
 
 
 def _distinct(ends: np.ndarray) -> np.ndarray:
@@ -119,51 +117,24 @@ def _covering(profile: Profile, t: np.ndarray) -> np.ndarray:
     return np.where((k >= 0) & (t < profile.pieces[k, TO]), k, -1)
 
 
-def _depth(profile: Profile, k: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Depth of the pieces ``k`` at ``t``, -inf for the race: so that a raised rim counts where nothing else is."""
-    x = t - profile.pieces[k, FROM]
-    p = profile.pieces[k, P] + x * (profile.pieces[k, M] + x * profile.pieces[k, C] / 2.0)
-    return np.where(k >= 0, p, -np.inf)
+def _rows(profile: Profile, k: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Depth, slope and curvature (n, 3) of the pieces ``k`` at ``t``; no depth at all for the race.
 
-
-def _from(profile: Profile, k: int, start: float) -> tuple[float, float, float]:
-    """Depth, slope and curvature of a piece at ``start``."""
-    if k < 0:
-        return 0.0, 0.0, 0.0
-    _, _, p, m, c = profile.pieces[k]
-    x = start - profile.pieces[k, FROM]
-    return p + x * (m + x * c / 2.0), m + x * c, c
+    So a raised rim counts where nothing else is.
+    """
+    start, _, p, m, c = profile.pieces[k].T
+    x = t - start
+    return np.column_stack([np.where(k >= 0, p + x * (m + x * c / 2.0), -np.inf), m + x * c, c])
 
 
 def _crossings(first: Profile, second: Profile, ends: np.ndarray) -> np.ndarray:
     """Where two profiles are equally deep, between ``ends``."""
-    middles = (ends[1:] + ends[:-1]) / 2.0
+    low, middles = ends[:-1], (ends[1:] + ends[:-1]) / 2.0
     a, b = _covering(first, middles), _covering(second, middles)
-    found = []
-    for i, j, low, high in zip(a, b, ends[:-1], ends[1:], strict=True):
-        if i >= 0 and j >= 0:
-            p, m, c = np.subtract(_from(first, i, low), _from(second, j, low))
-            found += [low + x for x in _roots(p, m, c / 2.0) if 0.0 < x < high - low]
-    return np.array(found)
-
-
-def _roots(p: float, m: float, c: float) -> list[float]:
-    """Real roots of p + m x + c x^2 where it changes sign."""
-    inside = m * m - 4.0 * c * p
-    if inside <= 0.0:
-        return []
-    q = -0.5 * (m + np.copysign(np.sqrt(inside), m))
-    return [float(root) for root in ([q / c] if c != 0.0 else []) + ([p / q] if q != 0.0 else [])]
-
-
-def _joined(chosen: list, ends: np.ndarray) -> Profile:
-    """Pieces from (depth, slope, curvature, profile, piece) of each interval, those of one source in one."""
-    rows: list = []
-    last: tuple | None = None
-    for (p, m, c, *source), start, end in zip(chosen, ends[:-1], ends[1:], strict=True):
-        if source[1] >= 0 and source == last:
-            rows[-1][TO] = end
-        elif source[1] >= 0:
-            rows.append([start, end, p, m, c])
-        last = source if source[1] >= 0 else None
-    return Profile(np.array(rows).reshape(-1, 5))
+    both = (a >= 0) & (b >= 0)
+    p, m, c = (_rows(first, a[both], low[both]) - _rows(second, b[both], low[both])).T
+    with np.errstate(all="ignore"):  # no root, or none of the second degree
+        q = -0.5 * (m + np.copysign(np.sqrt(m * m - 2.0 * c * p), m))
+        roots = np.concatenate([2.0 * q / c, p / q])
+    room = np.tile(np.diff(ends)[both], 2)
+    return np.asarray((np.tile(low[both], 2) + roots)[(roots > 0.0) & (roots < room)])

@@ -1,0 +1,218 @@
+"""Depth maps: the example scan, the accuracy of paths over any pit, and what tables cost.
+
+python benchmarks/shapes.py scan studies/scans/spall.csv    write the example scan
+python benchmarks/shapes.py accuracy [--pits 200]           largest error of h, in parts of its maximum
+python benchmarks/shapes.py cost                            ns to look h up; ms to build a pit
+"""
+
+import argparse
+import time
+from math import log10
+from typing import Any
+
+import numpy as np
+
+from bearingsim.core.defects import B, Meeting, W, bowl, box, groove, outer_reduced_radius, pits
+from bearingsim.core.depth import (
+    Circular,
+    Eased,
+    Elliptical,
+    Merged,
+    Placed,
+    Rectangular,
+    Scanned,
+    Triangular,
+    section,
+)
+from bearingsim.core.envelope import path_over, sinking
+from bearingsim.core.excitations import Envelope, felt
+from bearingsim.core.jit import jit
+from bearingsim.core.profile import depth_at
+from bearingsim.core.spall import Spall
+from bearingsim.core.traced import across, grouped, traced_pits
+
+R, L_W = outer_reduced_radius(0.006, 0.0385), 0.012
+SHAPES = (Rectangular, Triangular, Circular, Elliptical)
+
+
+# The example scan: what a profilometer might give of a spall
+
+
+def example() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """s (n_s,) mm, z (n_z,) mm, depth (n_z, n_s) um: a spall of 6 mm by 2 mm, 50 um deep, on a real bench.
+
+    With the race's curvature, a tilt, a raised rim of about 1 um, roughness, noise, missing cells and a spike.
+    """
+    draw = np.random.default_rng(20260)
+    s, z = np.arange(-1.5, 1.501, 0.025), np.arange(-4.0, 4.001, 0.1)
+    pit = Spall(6e-3, 2e-3, 50e-6, 1.0, 3)
+    depth = np.array([1e6 * depth_at(section(pit, 1e-3 * place), 1e-3 * s) for place in z])
+    hollow = depth > 0.0
+    rough = _smoothed(draw.normal(size=depth.shape), 1) * 3.0
+    depth += np.where(hollow, np.minimum(rough, depth), -1.2 * _smoothed(hollow.astype(float), 2) * ~hollow)
+    x, y = np.meshgrid(s, z)
+    depth += 6.0 + 0.8 * x - 0.5 * y - 1e3 * x**2 / (2 * 38.5) + draw.normal(scale=0.08, size=depth.shape)
+    depth[12, 70] += 140.0
+    for row, column in ((30, 41), (30, 42), (51, 88), (9, 20)):
+        depth[row, column] = np.nan
+    return s, z, depth
+
+
+def _smoothed(values: np.ndarray, reach: int) -> np.ndarray:
+    """Mean over a square of 2 reach + 1 cells."""
+    padded, size = np.pad(values, reach, mode="edge"), 2 * reach + 1
+    rows, columns = values.shape
+    shifted = [padded[i : i + rows, j : j + columns] for i in range(size) for j in range(size)]
+    return np.asarray(np.mean(shifted, axis=0))
+
+
+def write_scan(path: str) -> None:
+    """The example as a grid in CSV."""
+    s, z, depth = example()
+    heads = [
+        "# A made-up spall, as a profilometer might give it: benchmarks/shapes.py",
+        "# s along rolling, z along the axis; tilted, on a race of 38.5 mm radius, with noise, gaps and a spike",
+    ]
+    first = "depth [um] | z [mm] | s [mm]," + ",".join(f"{x:.3f}" for x in s)
+    rows = [
+        f"{y:.2f}," + ",".join("" if np.isnan(p) else f"{p:.2f}" for p in row)
+        for y, row in zip(z, depth, strict=True)
+    ]
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("\n".join([*heads, first, *rows, ""]))
+
+
+# Accuracy
+
+
+def random_pit(draw: np.random.Generator) -> Any:
+    """A shape, perhaps with eased edges, perhaps merged with one or two others."""
+    parts = [_random_part(draw) for _ in range(int(draw.integers(1, 4)))]
+    if len(parts) == 1:
+        return parts[0]
+    return Merged(tuple(Placed(part, *draw.uniform(-1.5e-3, 1.5e-3, 2)) for part in parts))
+
+
+def _random_part(draw: np.random.Generator) -> Any:
+    sizes = draw.uniform(1e-3, 12e-3), 10 ** draw.uniform(-4.3, log10(4e-3)), 10 ** draw.uniform(-7, -4)
+    kind = int(draw.integers(5))
+    pit: Any = Spall(*sizes, draw.uniform(), int(draw.integers(1000))) if kind == 4 else SHAPES[kind](*sizes)
+    edge = int(draw.integers(3))
+    if edge == 0:
+        return pit
+    return (
+        Eased(pit, 10 ** draw.uniform(-5.7, -4), 0.0)
+        if edge == 1
+        else Eased(pit, 0.0, 10 ** draw.uniform(-5.3, -4))
+    )
+
+
+def rough_scan(seed: int) -> Scanned:
+    """A spall of 6 mm by 2 mm with roughness of 2 um and a rim raised by 2 um."""
+    draw = np.random.default_rng(seed)
+    s, z = np.linspace(-2e-3, 2e-3, 401), np.linspace(-4e-3, 4e-3, 41)
+    r = np.hypot(*np.meshgrid(s / 1e-3, z / 3e-3)) * (1.0 + 0.1 * draw.normal(size=(41, 1)))
+    depth = np.where(r < 1.0, 5e-5 * (1.0 - r**4) + draw.normal(0.0, 2e-6, r.shape), np.where(r < 1.1, -2e-6, 0.0))
+    return Scanned(f"rough {seed}", s, z, depth)
+
+
+def brute(profile: Any, s: np.ndarray) -> np.ndarray:
+    """h by the smallest of p + (t - s)^2/(2 R) over 40001 places and all ends of pieces."""
+    ends = profile.pieces[:, :2].ravel()
+    t = np.linspace(min(ends.min(), s[0]) - 1e-3, max(ends.max(), s[-1]) + 1e-3, 40001)
+    t = np.concatenate([t, s, ends, ends - 1e-12, ends + 1e-12])
+    p = depth_at(profile, t)
+    return np.array([np.min(p + (t - x) ** 2 / (2.0 * R)) for x in s])
+
+
+def error(pit: Any, z: float) -> float:
+    """Largest error of h over one section, in parts of its largest value; 0 where there is none."""
+    profile = section(pit, z)
+    if len(profile.pieces) == 0:
+        return 0.0
+    low, high = profile.pieces[0, 0], profile.pieces[-1, 1]
+    s = np.linspace(low - 0.2 * (high - low), high + 0.2 * (high - low), 401)
+    exact = brute(profile, s)
+    return float(np.abs(sinking(path_over(profile, R), s)[0] - exact).max() / np.abs(exact).max())
+
+
+def print_accuracy(count: int) -> None:
+    """Largest and median errors."""
+    draw = np.random.default_rng(4)
+    errors = [error(random_pit(draw), draw.uniform(-3e-3, 3e-3)) for _ in range(count)]
+    rough = [error(rough_scan(seed), z) for seed in range(5) for z in (-2e-3, -1e-3, 0.0, 1e-3, 2e-3)]
+    felt_ = [one for one in errors if one > 0.0]
+    print(f"{count} random pits: largest {max(felt_):.1e}, median {np.median(felt_):.1e}")
+    print(f"5 rough scans, 5 sections each: largest {max(rough):.1e}, median {np.median(rough):.1e}")
+
+
+# Cost
+
+
+@jit
+def evaluated(excitation, group, places, radius):
+    """Sum of h over places (n,) m."""
+    total = 0.0
+    for s in places:
+        _, h, slope = felt(excitation, group, s, radius)
+        total += h + slope
+    return total
+
+
+def nanoseconds(excitation: Any, group: np.ndarray, in_order: bool) -> float:
+    """Time of one evaluation (ns), at places across the pit."""
+    places = np.linspace(-1.0, 1.0, 100_000) * group[B]
+    if not in_order:
+        np.random.default_rng(0).shuffle(places)
+    evaluated(excitation, group, places, R)
+    times = []
+    for _ in range(7):
+        began = time.perf_counter()
+        evaluated(excitation, group, places, R)
+        times.append(time.perf_counter() - began)
+    return 1e9 * min(times) / len(places)
+
+
+def print_cost() -> None:
+    """A table: groups of a whole pit, pieces of its middle path, ms to build, ns to evaluate one group."""
+    closed = {
+        "rectangular": box(1e-3, 5e-6),
+        "triangular": groove(1e-3, 5e-6, R),
+        "circular": bowl(1e-3, 5e-6, R, 0.0),
+    }
+    print("closed form           ns in order, at random")
+    for name, row in closed.items():
+        found = pits([Meeting(0, -1, 0.0, 0.0385, R, [(1.0, *row)])], Envelope())
+        ns = [nanoseconds(found.excitation, found.groups[0, 0], in_order) for in_order in (True, False)]
+        print(f"{name:20s}  {ns[0]:5.1f}  {ns[1]:5.1f}")
+    print("table                 groups, pieces, ms to build, ns in order, at random")
+    kinds = {kind.__name__.lower(): kind(6e-3, 1e-3, 5e-6) for kind in SHAPES}
+    more = {"rounded": Eased(kinds["elliptical"], 2e-5, 0.0), "spall": Spall(6e-3, 2e-3, 5e-5, 1.0, 3)}
+    for name, pit in (kinds | more | {"rough scan": rough_scan(1)}).items():
+        began = time.perf_counter()
+        rows, paths = grouped(pit, R, across(pit, L_W, 24))
+        spent = 1e3 * (time.perf_counter() - began)
+        found = traced_pits([Meeting(0, -1, 0.0, 0.0385, R, rows, paths)])
+        k = max(range(len(rows)), key=lambda i: len(paths[i].pieces))
+        ns = [nanoseconds(found.excitation, found.groups[0, k], in_order) for in_order in (True, False)]
+        assert abs(sum(row[W] for row in rows) - 1.0) < 1e-9
+        print(f"{name:20s}  {len(rows):3d}  {len(paths[k].pieces):4d}  {spent:7.1f}  {ns[0]:5.1f}  {ns[1]:5.1f}")
+
+
+def main() -> None:
+    """Do what is asked."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=["scan", "accuracy", "cost"])
+    parser.add_argument("path", nargs="?", default="studies/scans/spall.csv")
+    parser.add_argument("--pits", type=int, default=200)
+    given = parser.parse_args()
+    if given.what == "scan":
+        write_scan(given.path)
+    elif given.what == "accuracy":
+        print_accuracy(given.pits)
+    else:
+        print_cost()
+
+
+if __name__ == "__main__":
+    main()
