@@ -104,7 +104,7 @@ def model(case: Case) -> Any:
 
 def met(case: Case) -> Pits:
     """The case's pits, cut as its model cuts rollers; slices weigh what they are of the roller."""
-    if "slices" not in kind(case).parameters._fields:  # type: ignore[attr-defined]
+    if not kind(case).sliced:
         return pits.meetings(case)
     table = space.slices(case).table
     found = pits.meetings(case, table[:, ZETA])

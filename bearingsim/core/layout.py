@@ -80,7 +80,8 @@ GAP, GAP_V, WALL, WALL_Z, IN_GAP, IN_GAP_V, IN_WALL, IN_WALL_Z = (_SPACE + n * R
 SPINS, SWINGS = (_SPACE + n * ROW for n in range(21, 23))
 N_W, N_RAD, N_AX, H_W, H_RAD, H_AX, C_AX, C_RAD = (_SPACE + n * ROW for n in range(23, 31))  # sums over slices
 Q_F = _SPACE + 31 * ROW  # force of the flanges on a roller along the bearing's axis (N)
-_SPACE_ROWS = 32
+TILT_MAX, LINE_MAX = (_SPACE + n * ROW for n in range(32, 34))  # largest |tilt| (rad) and line load (N/m)
+_SPACE_ROWS = 34
 
 # rows of one side of a roller (add ``OUTER_SIDE`` or ``INNER_SIDE``); see core/slice_contact.py
 OUTER_SIDE = SIZE + _SPACE_ROWS * ROW + LANES

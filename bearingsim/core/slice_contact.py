@@ -63,6 +63,7 @@ from bearingsim.core.layout import (
     KS_1,
     KS_Z,
     LEAN,
+    LINE_MAX,
     LOAD,
     LOAD_I,
     LOAD_O,
@@ -271,10 +272,12 @@ def add_up(side, bearing, ring, zeta, weight, drop, y, n):
 
 
 @jit
-def keep_slice(row, y, n):
-    """Keep the loads and approaches of one slice, whose rows begin at ``row``."""
+def keep_slice(row, width, y, n):
+    """Keep the loads and approaches of one slice, ``width`` (m) wide, whose rows begin at ``row``."""
     row &= NONNEGATIVE
+    per_width = 1.0 / width
     for j in range(n):
+        y[LINE_MAX + j] = max(y[LINE_MAX + j], max(y[OUTER_SIDE + LOAD + j], y[INNER_SIDE + LOAD + j]) * per_width)
         y[row + LOAD_O * ROW + j] = y[OUTER_SIDE + LOAD + j]
         y[row + LOAD_I * ROW + j] = y[INNER_SIDE + LOAD + j]
         y[row + APPROACH_O * ROW + j] = y[OUTER_SIDE + APPROACH + j]

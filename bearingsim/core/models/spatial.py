@@ -75,6 +75,7 @@ from bearingsim.core.layout import (
     SPIN_A,
     SPIN_V,
     TILT,
+    TILT_MAX,
     TILT_V,
     TURN_R,
     TURN_T,
@@ -173,6 +174,7 @@ def orient(spin, omega_cage, R_w, y, n):
         a_x, a_y, w_x, w_y = y[AXIS_X + j], y[AXIS_Y + j], y[AXIS_X_V + j], y[AXIS_Y_V + j]
         a_z = upright(a_x, a_y)
         y[TILT + j], y[SKEW + j], y[UPRIGHT + j] = a_x * c + a_y * s, a_y * c - a_x * s, a_z
+        y[TILT_MAX + j] = max(y[TILT_MAX + j], abs(y[TILT + j]))
         y[TILT_V + j], y[SKEW_V + j] = w_x * c + w_y * s, w_y * c - w_x * s
         y[UPRIGHT_V + j] = -(a_x * w_x + a_y * w_y) / a_z
         y[OMEGA + j] = spin + y[SPIN_V + j] + winding(a_x, a_y, a_z, w_x, w_y)
@@ -213,7 +215,7 @@ def touch_races(model, t, steep, outer, inner, omega_cage, y, n):
         press(InnerSide(), model.inner, model.friction, weight, y, n)
         add_up(OuterSide(), b, outer, zeta, weight, drop, y, n)
         add_up(InnerSide(), b, inner, zeta, weight, drop, y, n)
-        keep_slice(slice_row(k, 0), y, n)
+        keep_slice(slice_row(k, 0), weight * model.L_w, y, n)
     if met > 0:
         leave_pits(model, y)
     relax(model.lag, b.m_r, b.I_r, model.I_t, b.R_w, y, n)
@@ -353,4 +355,4 @@ def _damping_per_mass(model, y, j):
     return max(y[INVERSE_MASS + j] * c, c_tilt / model.I_t, held, mounted, rubbing / (1.0 + model.lag * rubbing))
 
 
-KIND = ModelKind(Spatial, loaded=True, slips=True, memoryless=False, per_crossing=100, cost=4.8e-6)
+KIND = ModelKind(Spatial, loaded=True, slips=True, sliced=True, memoryless=False, per_crossing=100, cost=4.8e-6)
