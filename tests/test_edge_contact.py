@@ -60,7 +60,7 @@ def test_far_behind_the_rim_it_is_hertz_on_the_edge():
 
 @pytest.mark.parametrize("width", [0.1e-3, 0.8e-3])
 def test_two_sharp_edges_are_as_stiff_as_the_race(width):
-    """In the middle, the material behind the edges there: exact but for where the pressure's centre lies."""
+    """In the middle, the material behind the edges there: but for where the pressure's centre lies, exactly."""
     assert two_edges(width, HALF, 0.0, 1e-12, R, PAIR.D) == pytest.approx(0.0, abs=0.1)
 
 

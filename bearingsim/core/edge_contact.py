@@ -47,8 +47,8 @@ def edge_contact(force: float, L_w: float, R_w: float, R_o: float, E_star: float
     """The excitation with ``force`` (N) on a roller of length ``L_w`` (m) as its reference load.
 
     R_w, R_o: radii (m) of roller and outer race; E_star: E/(2 (1 - nu^2)) (Pa); rho: radius (m) of the edges.
-    The inner race's D is a sixth smaller, which changes Lambda by 2 %. Raises ValueError if there is no load, or
-    if rho is not positive.
+    The inner race's D is a sixth smaller, which changes Lambda by 2 %. Raises ValueError without a load, or with
+    rho not above 0.
     """
     if force <= 0.0 or rho <= 0.0:
         raise ValueError(f"a reference load of {force} N and edges of {rho} m: both must be above 0")
@@ -95,7 +95,7 @@ def one_edge(x, b, wall, rho, R):
 
 @jit
 def ridge(x, beyond, b, rho, R):
-    """f of the ridge of race and flat wall, the roller ``x`` (m) behind the rim, ``beyond`` (m) past its end.
+    """f of the ridge between race and flat wall, the roller ``x`` (m) behind the rim, ``beyond`` (m) past its end.
 
     The roller hangs on the ridge for 0 < x, beyond < 0; from either side it is one edge, and the two are alike.
     """

@@ -1,8 +1,8 @@
 """Half-planes as boundary elements: displacement under pressure that is linear between nodes.
 
 A line load P (N/m) on one half-plane lowers its surface, at the distance r, by P/(pi E*) ln(D/r) (Flamant;
-Johnson, Contact Mechanics 1985, section 2.2), E* = E/(2 (1 - nu^2)) being that of two bodies of one material. Plane
-strain has no natural zero: D says at which distance the surface does not move. Both bodies: twice that.
+Johnson, Contact Mechanics 1985, section 2.2), E* = E/(2 (1 - nu^2)) being that of two bodies. Plane strain
+has no natural zero: D says at which distance the surface does not move. Both bodies: twice that.
 """
 
 from math import e, log, pi, sqrt

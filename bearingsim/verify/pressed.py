@@ -6,8 +6,8 @@ surfaces, C the sum of both bodies' compliances and delta the approach,
     p >= 0,     g = gap - delta + C p >= 0,     p g = 0,     spread . p = Q'
 
 ``spread`` holds the integrals of the nodes' hat functions. The nodes in contact are found by an active set: those
-that pull are let go, those that overlap are taken in, until neither is left. (Kalker, Three-Dimensional Elastic
-Bodies in Rolling Contact, 1990, solves contact so; Hintermueller, Ito and Kunisch 2002 show it to be a Newton method.)
+that pull are let go, those that overlap are taken in, until neither is left. (So does Kalker, Three-Dimensional
+Elastic Bodies in Rolling Contact, 1990; Hintermueller, Ito and Kunisch 2002 show that it is a Newton method.)
 """
 
 from collections.abc import Callable
@@ -36,7 +36,7 @@ class Body(NamedTuple):
 
 
 class Pressed(NamedTuple):
-    """A solution. force: N/m; approach: m, of the compliance's datum; stiffness: dQ'/d(delta), N/m^2; pressure, Pa"""
+    """A solution. force: N/m; approach: m, by the compliance's datum; stiffness: N/m^2; pressure: (n,) Pa."""
 
     force: float
     approach: float
