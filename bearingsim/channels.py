@@ -21,6 +21,7 @@ from bearingsim.core.layout import (
     PHI_C,
     POSITION,
     PSI,
+    Q_F,
     Q_I,
     Q_O,
     Q_P,
@@ -76,6 +77,7 @@ OF_ROLLER = {
     "tilt": TILT,
     "skew": SKEW,
     "axial": AXIAL,
+    "flange_force": Q_F,
 }
 OF_SLICE = {"outer_line_load": LOAD_O, "inner_line_load": LOAD_I}
 BASE = (*RING, LOADED, TURN_OF_CAGE, SPEED_OF_CAGE)

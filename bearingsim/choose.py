@@ -140,12 +140,9 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
 
 
 def _healthy(case: Case) -> Case:
-    """The case without what does not touch its load at rest, so that many cases share one."""
-    same = {"defects": (), "step": "auto", "record": (), "duration": 1.0, "settle": 0.0, "sampling": 1e4}
-    same |= {"excitation": "envelope", "seed": 0}
-    if not build.kind(case).loaded:  # what is struck stands on the healthy bearing, as the ring does
-        same |= {"model": "ring"}
-    return case.model_copy(update=same)
+    """The case without what does not touch its load at rest; what is struck stands as a ring does."""
+    same = build.healthy(case)
+    return same if build.kind(case).loaded else same.model_copy(update={"model": "ring"})
 
 
 @lru_cache(maxsize=256)

@@ -11,11 +11,13 @@ from bearingsim.channels import BASE, MOTION, PLACES, SPEED_OF_CAGE, TURN_OF_CAG
 from bearingsim.choose import Grid
 from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
-from bearingsim.core.layout import LOADED, Q_I_MAX, Q_MAX, Q_P_MAX
+from bearingsim.core.layout import LINE_MAX, LOADED, Q_I_MAX, Q_MAX, Q_P_MAX, TILT_MAX
 from bearingsim.core.motion import elapsed_times, speed_factor
 
 FEWEST_PASSES = 3
 """Ball passes that a record must hold for lines to be read against a free cage: interpolation takes its ends."""
+
+EXTREMES = ("outer_force.max", "inner_force.max", "cage_force.max", "tilt.max", "line_load.max")
 
 ROW_OF = {place: row for row, place in enumerate(BASE)}
 OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
@@ -160,11 +162,12 @@ def statistics(case: Case, cut: Grid, sampled: np.ndarray) -> dict[str, float]:
 
 
 def extremes(case: Case, model: Any, y: np.ndarray) -> dict[str, float]:
-    """Largest forces (N) that any roller met; nan for what the model does not know."""
+    """Largest force (N), tilt (rad), line load (N/m) that any roller met; nan for what the model does not know."""
     rows = {"outer_force.max": Q_MAX, "inner_force.max": Q_I_MAX} if build.kind(case).loaded else {}
     rows |= {"cage_force.max": Q_P_MAX} if build.kind(case).slips else {}
+    rows |= {"tilt.max": TILT_MAX, "line_load.max": LINE_MAX} if build.kind(case).sliced else {}
     found = {name: float(y[row : row + model.bearing.Z].max()) for name, row in rows.items()}
-    return dict.fromkeys(("outer_force.max", "inner_force.max", "cage_force.max"), float("nan")) | found
+    return dict.fromkeys(EXTREMES, float("nan")) | found
 
 
 def cage_and_load_zone(case: Case, model: Any, sampled: np.ndarray) -> dict[str, float]:

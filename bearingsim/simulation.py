@@ -12,7 +12,7 @@ from bearingsim import build, channels, choose
 from bearingsim.channels import BASE, TURN_OF_CAGE
 from bearingsim.config import Case, Section, dataset_names
 from bearingsim.core.advance import FINE, OUTRUN, Watch, advance, keep_largest_forces
-from bearingsim.core.layout import OVERRUN_MAX, Q_I_MAX, Q_MAX, Q_P_MAX, ROW
+from bearingsim.core.layout import LINE_MAX, MAX_ROLLERS, OVERRUN_MAX, Q_I_MAX, Q_MAX, Q_P_MAX, TILT_MAX
 from bearingsim.core.models.interface import watched
 from bearingsim.core.parameters import lanes
 from bearingsim.core.sampling import (
@@ -215,7 +215,8 @@ def _ball_passes(
     """
     method, counted = build.method(case, cut.step), _passes_of_record(case, cut)
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
-    largest = np.concatenate([np.arange(row, row + ROW) for row in (Q_MAX, Q_I_MAX, Q_P_MAX)])
+    rows = (Q_MAX, Q_I_MAX, Q_P_MAX, *((TILT_MAX, LINE_MAX) if build.kind(case).sliced else ()))
+    largest = np.concatenate([np.arange(row, row + MAX_ROLLERS) for row in rows])
     kept = y[largest]
     window = np.empty((len(places), tail + steps))
     window[:] = y[places][:, np.newaxis]

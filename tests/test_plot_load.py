@@ -50,7 +50,7 @@ def loads(case, channel):
 
 def record(case):
     series = {}
-    channels = dict.fromkeys(name.rpartition(".")[0] for name in case.record)
+    channels = dict.fromkeys(name.rpartition(".")[0] for name in case.record if "line_load" in name)
     for channel in channels:
         time, rows = loads(case, channel)
         series |= {name: row for name, row in rows.items() if name in case.record}
@@ -115,6 +115,26 @@ def test_the_instants_are_before_over_and_after_the_pit(loaded):
     assert curves["over the pit"].edges[:-1][inside].min() == pytest.approx(0.5)
     assert set(curves["before"].values) == {4.0}
     assert set(curves["largest after"].values) == {9.0}
+
+
+def test_tilt_and_skew_stand_below_over_the_same_time(loaded, monkeypatch):
+    def leaning(case):
+        made = record(case)
+        made.series |= {"roller.2.tilt": 3e-6 * (1.0 + made.time), "roller.2.skew": 0.0 * made.time}
+        return made
+
+    monkeypatch.setattr("tests.test_plots.record", leaning)
+    opened = loaded(
+        text=STUDY.replace(
+            "[roller.2.outer_line_load]", "[roller.2.outer_line_load, roller.2.tilt, roller.2.skew]"
+        )
+    )
+    picture, _, below, beside, _ = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))[1].axes
+    assert below.get_xlim() == picture.get_xlim()
+    assert below.get_ylabel() == "Tilt, skew (µrad)"
+    assert below.lines[0].get_ydata()[0] == pytest.approx(3.0, rel=1e-2)
+    assert below.lines[0].get_xdata()[0] == pytest.approx(picture.get_xlim()[0], abs=0.02)
+    assert [text.get_text() for text in beside.get_legend().get_texts()] == ["tilt", "skew"]
 
 
 def test_a_span_of_ones_own(loaded):
@@ -205,12 +225,12 @@ def test_instants_do_not_need_the_whole_pit_to_be_lifted():
     load = np.full((2, 9), 4.0)
     load[1, 3:6] = 2.0
     pit = SimpleNamespace(z=(0.0, 1.0))
-    one = Loaded("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), SimpleNamespace(pit=pit))
+    one = Loaded("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), SimpleNamespace(pit=pit), {})
     assert instants(one) == {"before": 0, "over the pit": 4, "largest after": 6, "after": 8}
 
 
 def test_the_largest_load_is_that_of_forces_not_of_line_loads():
     """A slice of a tenth of the length counts a tenth."""
     load = np.array([[1.0, 1.0, 2.0], [1.0, 9.0, 2.0]])
-    one = Loaded("c", np.arange(3.0), load, np.array([0.0, 10.0, 11.0]), None)
+    one = Loaded("c", np.arange(3.0), load, np.array([0.0, 10.0, 11.0]), None, {})
     assert instants(one) == {"largest load": 2, "least load": 0}

@@ -106,6 +106,8 @@ def test_the_path_taken_lies_over_the_sections(results, monkeypatch):
     _, canvas = drawn(opened, kind="pit", jobs=opened.jobs[:2])[0]
     taken = [line for ax in canvas.axes for line in ax.lines if line.get_label() == "path it took"]
     depths = [line.get_ydata() for line in taken]
-    assert [depth.min() for depth in depths] == pytest.approx([1.75, 1.75], rel=1e-5)  # clearance 5 um
+    assert [depth.min() for depth in depths] == pytest.approx([1.75] * 3, rel=1e-5)  # clearance 5 um
+    titles = [ax.get_title(loc="left") for ax in canvas.axes[1:4]]
+    assert titles == [f"({n}) section A, heights ×{k}" for n, k in (("b", 5), ("c", 20), ("d", 100))]
     caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     assert "path taken by roller 2 at length 3 mm, load 150 N, model rollers" in caption

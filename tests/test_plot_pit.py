@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from bearingsim import store
 from bearingsim.core.defects import bowl, box, depression, groove
 from bearingsim.core.depth import Circular, Merged, Placed
 from bearingsim.plots import PlotError, plot
@@ -59,6 +60,10 @@ def test_the_deepest_section_is_drawn_and_the_middle_if_it_is_another():
     assert told_apart(made) == pytest.approx([0.0], abs=1e-12)
     beside = Placed(Circular(1e-3, 0.5e-3, 60e-6), 0.0, 1e-3)
     assert told_apart(made._replace(map=Merged((made.map, beside)))) == pytest.approx([1e-3, 0.0], abs=1e-5)
+    as_deep = Placed(Circular(1e-3, 0.5e-3, 50.5e-6), 0.0, 1e-3)
+    assert told_apart(made._replace(map=Merged((made.map, as_deep)))) == pytest.approx([0.0], abs=1e-12)
+    alone = made._replace(map=beside)
+    assert told_apart(alone) == pytest.approx([1e-3], abs=1e-5)
 
 
 @pytest.mark.parametrize(("height", "times"), [(1e-3, 1.0), (1e-4, 5.0), (3e-5, 20.0), (3e-6, 200.0)])
@@ -174,3 +179,35 @@ def test_a_case_can_be_made_again_from_what_is_stored(tmp_path, text):
         }
         made = flat_parameters(case_of(stored | {"ramp.from": math.nan, "friction.x": ""}))
         assert {**made, "record": stored["record"]} == stored
+
+
+def test_any_shape_is_stored_and_drawn(results, tmp_path):
+    """A spall, a rounded edge, and two pits that a roller feels as one, from results on disk."""
+    grid = [(s, z, 30.0 * max(1.0 - (s / 0.9) ** 2 - (z / 1.6) ** 2, 0.0)) for z in np.linspace(-2.0, 2.0, 21)
+            for s in np.linspace(-1.2, 1.2, 25)]  # fmt: skip
+    scan = tmp_path / "scan.csv"
+    scan.write_text("s [mm],z [mm],depth [um]\n" + "".join(f"{s:.3f},{z:.3f},{p:.3f}\n" for s, z, p in grid))
+    pits = [
+        "{shape: elliptical, length: 3 mm, width: 0.8 mm, depth: 50 um, offset: 2 mm, edge: {radius: 20 um}}",
+        "{shape: rectangular, length: 3 mm, width: 0.8 mm, depth: 20 um, offset: -1 mm, angle: 0.5 deg}",
+        "{shape: spall, length: 5 mm, width: 4 mm, depth: 50 um, grown: 60 %, seed: 4, angle: 90 deg}",
+        f"{{race: inner, shape: scan, file: {scan}, angle: 30 deg}}",
+    ]
+    text = "".join(f"defects: [{', '.join(pits)}]\n" if line.startswith("defect:") else f"{line}\n" for line in
+                   STUDY.splitlines() if not line.startswith("  defect.length"))  # fmt: skip
+    opened = results(text)
+    sheets = figures(opened, kind="pit", jobs=opened.jobs[:1])
+    assert [canvas.get_suptitle() for _, canvas in sheets] == [
+        "pit 1 of 3, on the outer race",
+        "pit 2 of 3, on the outer race",
+        "pit 3 of 3, on the inner race",
+    ]
+    deepest = [canvas.axes[0].child_axes[0].get_ylim()[0] for _, canvas in sheets]
+    assert deepest[0] == pytest.approx(50.0, rel=1e-3)
+    assert deepest[2] == pytest.approx(30.0, rel=0.02)
+    caption = sheets[0][1].get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
+    for words in ("edge radius 0.02 mm", "grown 60 %, seed 4", "file scan.csv"):
+        assert words in caption
+    scan.write_text(scan.read_text().replace("30.000", "31.000"))
+    with pytest.raises(PlotError, match="cannot be made again from its results"):
+        figures(store.open_results(opened.path), kind="pit", jobs=opened.jobs[:1])

@@ -4,9 +4,17 @@ import numpy as np
 import pytest
 
 from bearingsim import build
+from bearingsim.core import cage_in_space, slice_contact
 from bearingsim.core.advance import FINE, Watch, advance, start_at_rest
-from bearingsim.core.layout import ACCELERATION, LANES, Q_I, Q_O, ROW, SIZE, STATE
+from bearingsim.core.layout import ACCELERATION, AXIAL, EPS, LANES, Q_I, Q_O, ROW, SIZE, SKEW, SPIN, STATE, TILT
 from bearingsim.core.methods.rk4 import RungeKutta4
+from bearingsim.core.models import spatial
+from bearingsim.core.mounts import Held
+from bearingsim.core.orientation import Body
+from bearingsim.core.parameters import lanes
+from bearingsim.core.sides import InnerSide, OuterSide
+from bearingsim.core.spatial_rest import rest_in_space
+from tests.lanes import compiled, keeps_lanes, needs_vectors
 from tests.planar_bodies import places
 from tests.scenes import SLOT, case
 from tests.spatial_scene import empty, even, in_space, uneven
@@ -62,3 +70,38 @@ def test_over_20_ms_it_moves_as_planar():
     strayed = np.abs(found["space"] - found["planar"]).max(axis=1)
     halved = np.abs(found["finer"] - found["planar"]).max(axis=1)
     assert (strayed <= halved + 1e-12 * np.abs(found["planar"]).max(axis=1)).all()
+
+
+def test_a_kinematic_cage_holds_all_but_the_tilt():
+    """Orbit, spin, skew and axial motion: a tilted roller's axis goes round with it, and stays in its plane."""
+    given = case(model="planar", cage={"motion": "kinematic"}, friction="none")
+    model = build.model(given)
+    y, _ = build.start(given, model)
+    space, x = same_state(model, even(6), y)
+    space = space._replace(mount_o=Held(1e-4, 0.0))
+    assert rest_in_space(space, 0.0, x) < 1e-8 * model.support.F
+    start_at_rest(space, 0.0, x)
+    assert np.abs(x[TILT : TILT + 13]).max() > 2e-5
+    out = np.empty((2, 2000))
+    assert advance(RungeKutta4(1e-6), space, Watch(8, 1.0), 0, x, np.array([TILT + 2, SKEW + 2]), out)[1] == FINE
+    assert np.abs(out[1]).max() < 1e-9 * np.abs(out[0]).max()
+    assert np.ptp(out[0]) > 1e-2 * np.abs(out[0]).max()
+    for row in (EPS, SPIN, AXIAL):
+        assert np.abs(x[row : row + 13]).max() == 0.0
+
+
+@needs_vectors
+def test_loops_over_rollers_keep_their_lanes():
+    model = in_space(build.model(case(model="planar")), even(2))
+    y, n = empty(model), lanes(model.bearing)
+    ring, b = Body(*[0.0] * 8, 1.0, *[0.0] * 4), model.bearing
+    for side in (OuterSide(), InnerSide()):
+        assert keeps_lanes(compiled(slice_contact.face.py_func), side, b, ring, 1.0, y, n)
+        assert keeps_lanes(compiled(slice_contact.stand.py_func), side, b, ring, 0.0, 0.0, y, n)
+        assert keeps_lanes(compiled(slice_contact.press.py_func), side, model.outer, model.friction, 0.5, y, n)
+        assert keeps_lanes(compiled(slice_contact.add_up.py_func), side, b, ring, 0.0, 0.5, 0.0, y, n)
+        assert keeps_lanes(compiled(slice_contact.gather.py_func), side, b, ring, y, n)
+    assert keeps_lanes(compiled(slice_contact.relax.py_func), 1e-6, 1.0, 1.0, 1.0, 1.0, y, n)
+    assert keeps_lanes(compiled(cage_in_space.wall_slice.py_func), model.cage, b, 1.0, 0.0, 0.5, 0.0, y, n)
+    assert keeps_lanes(compiled(spatial.orient.py_func), 1.0, 1.0, 1.0, y, n)
+    assert keeps_lanes(compiled(spatial.move_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)

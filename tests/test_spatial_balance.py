@@ -106,7 +106,7 @@ def planar_state_of(model, seed):
 
 
 def lead_onto_pits(model, y, outwards, own):
-    """Turn pits under rollers 4 and 8, and press these on them; that of roller 5 out, in, or away (not ``own``)."""
+    """Turn pits under rollers 4 and 8 and press these on them; that of roller 5 out, in, or away (not ``own``)."""
     for j, q in ((3, 1e-5), (7, -1e-5), (4, 1e-5 if outwards else -1e-5)):
         y[Q + j] = q
     s = now(model, y)
@@ -148,7 +148,7 @@ STATES = [(1e-5, True), (2e-3, False)]
 
 
 def driven(model, y):
-    """Balances about ``y``, their distance (s), what is missing of the torque (N m), and the drive's part of it."""
+    """Balances about ``y``, their distance (s), what is missing of the torque (N m), the drive's part of it."""
     found, h = leaving(model, y)
     missing = rate(found.spin, h) - found.torque[2]
     inner = now(model, y).inner

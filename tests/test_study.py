@@ -34,7 +34,7 @@ def test_the_commented_lines_of_the_template_hold_the_defaults(write: Write) -> 
     said = said.replace("# contact:\n#   stiffness", "contact:\n  stiffness").replace(
         "\n#   damping", "\n  damping"
     )
-    said = said.replace("\n  # offset:", "\n  offset:").replace("\n  # edge:", "\n  edge:")
+    said = said.replace("\n  # offset:", "\n  offset:")
     assert said.count("#") < NEW_STUDY.count("#")
     assert load_study(write(said)).cases() == load_study(write(NEW_STUDY)).cases()
 
@@ -47,6 +47,16 @@ def test_the_templates_lines_for_the_planar_model_are_right(write: Write) -> Non
     assert (found.model, found.friction, found.cage) == ("planar", StaticDynamic(), Cage())
     assert found.drag == Drag()
     assert None not in (found.ramp, found.shaft, found.unbalance)
+
+
+def test_the_templates_lines_for_the_spatial_model_are_right(write: Write) -> None:
+    said = NEW_STUDY.replace("\n# model: rollers", "\nmodel: least")
+    for key in ("misalignment", "  offset", "  edge"):
+        said = said.replace(f"\n# {key}:", f"\n{key}:").replace(f"\n  # {key.strip()}:", f"\n  {key.strip()}:")
+    found = load_study(write(said)).cases()[0]
+    assert found.model == "spatial"
+    assert found.misalignment is not None
+    assert found.defects[0].edge is not None
 
 
 # Ids

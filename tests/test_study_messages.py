@@ -70,7 +70,7 @@ def pointed(problem: Problem) -> str:
         ("clearance: C6", "C6", "clearance: expected a length such as `20 um`, or a class: C2, CN, C3, C4, C5; got `C6`"),
         ("clearance: cn", "cn", "clearance: expected a length such as `20 um`, or a class: C2, CN, C3, C4, C5; got `cn` (did you mean `CN`?)"),
         ("model: planer", "planer", "model: expected `least`, `impulse`, `static`, `ring`, `rollers`, `planar` or `spatial`, got `planer` (did you mean `planar`?)"),
-        ("excitation: envelop", "envelop", "excitation: expected `envelope`, `rectangular-pulse`, `half-sine-pulse`, `piecewise-pulse`, `clearance-increase`, `pressure-share`, `soft-edge`, `impulse-train` or `random-impulses`, got `envelop` (did you mean `envelope`?)"),
+        ("excitation: envelop", "envelop", "excitation: expected `envelope`, `rectangular-pulse`, `half-sine-pulse`, `piecewise-pulse`, `clearance-increase`, `pressure-share`, `soft-edge`, `elastic-edge`, `impulse-train` or `random-impulses`, got `envelop` (did you mean `envelope`?)"),
         ("excitation: impulse-train", "impulse-train", "excitation: the rollers model cannot do this: `impulse-train` is forces in time, which only `impulse` computes (the least that can is `model: impulse`)"),
         ("friction: traction", "traction", "friction: the rollers model cannot do this: `friction` acts where rollers can slip (the least that can is `model: planar`)"),
         ("friction: dry", "dry", "friction: expected `static-dynamic`, `traction` or `none`, got `dry`"),

@@ -40,8 +40,11 @@ from bearingsim.core.depth import (
     Triangular,
     extent,
 )
+from bearingsim.core.edge_contact import EdgeContact, edge_contact
 from bearingsim.core.spall import Spall
 from bearingsim.core.traced import across, burr, grouped, sharpest_cusp, sliced, span_of, traced_pits
+
+EDGE_RADIUS = 20e-6  # m: of the edges of pits that are not said to be sharper or rounder; an assumption
 
 EXCITATIONS: dict[str, Any] = {
     "envelope": felt.Envelope(),
@@ -102,7 +105,18 @@ def excitation(case: Case) -> Any:
     """What a roller of the case feels of a pit."""
     if case.excitation == "pressure-share":
         return felt.PressureShare(half_width(case))
+    if case.excitation == "elastic-edge":
+        return elastic_edge(case)
     return EXCITATIONS[case.excitation]
+
+
+def elastic_edge(case: Case) -> EdgeContact:
+    """Edges that give way under the largest load of the healthy bearing."""
+    b, edge = case.bearing, case.defects[0].edge if case.defects else None
+    E_star = b.material.young_modulus / (2.0 * (1.0 - b.material.poisson_ratio**2))
+    rho = EDGE_RADIUS if edge is None else float(edge.radius or EDGE_RADIUS)
+    L_w = contact_length(case, OUTER)
+    return edge_contact(largest_load(case), L_w, b.roller_diameter / 2.0, outer_radius(case), E_star, rho)
 
 
 def reduced_radius(case: Case, side: int) -> float:
@@ -157,14 +171,14 @@ def scanned(file: str, digest: str) -> Scanned:
 def together(case: Case) -> list[Together]:
     """The case's pits, those that one roller feels at a time merged; closed forms only if all have one."""
     clusters = _clusters(case)
-    simple = all(len(cluster) == 1 and _has_form(cluster[0]) for cluster in clusters)
+    simple = all(len(cluster) == 1 and _has_form(case, cluster[0]) for cluster in clusters)
     if simple:
         return [Together(d, d.angle, None) for (d,) in clusters]
     return [_merged(case, cluster) for cluster in clusters]
 
 
-def _has_form(d: config.Defect) -> bool:
-    return d.shape in SIMPLE and d.edge is None
+def _has_form(case: Case, d: config.Defect) -> bool:
+    return d.shape in SIMPLE and (d.edge is None or case.excitation == "elastic-edge")
 
 
 def _clusters(case: Case) -> list[list[config.Defect]]:

@@ -5,17 +5,27 @@ from typing import Any
 
 from bearingsim.build import contacts, geometry
 from bearingsim.config import Case
-from bearingsim.core.defects import pits
+from bearingsim.core.defects import W, pits
 from bearingsim.core.equilibrium import Rest, mean_rest
 from bearingsim.core.excitations import Envelope
 from bearingsim.core.layout import buffer
+from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Bearing, Support
+from bearingsim.core.slices import WEIGHT
 
 
 def statics(model: Any) -> Static:
-    """What of a model stands still: all that the equilibrium is found from, whatever else it knows."""
-    return Static(model.bearing, model.support, model.outer, model.inner, model.pits)
+    """What of a model stands still: all that the equilibrium is found from, whatever else it knows.
+
+    Of a model that cuts its rollers into slices without their tilt: the slices are groups of their weights.
+    """
+    found = model.pits
+    if isinstance(model, Spatial):
+        groups = found.groups.copy()
+        groups[:, :, W] *= model.slices.table[:, WEIGHT] if len(groups) else 1.0
+        found = found._replace(groups=groups)
+    return Static(model.bearing, model.support, model.outer, model.inner, found)
 
 
 def anchor(case: Case) -> tuple[float, float]:

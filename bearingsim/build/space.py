@@ -34,6 +34,13 @@ def drop(case: Case, z: float) -> float:
     return 0.0
 
 
+def uneven(case: Case) -> bool:
+    """Whether rollers of the healthy bearing are loaded unevenly along their length."""
+    return case.model == "spatial" and (
+        case.misalignment is not None or case.bearing.roller_profile.shape != "straight"
+    )
+
+
 def roller_length(case: Case) -> float:
     """Length (m) of a roller."""
     return float(case.bearing.roller_length or 0.0)
@@ -118,4 +125,5 @@ __all__ = [
     "roller_inertia_across",
     "roller_length",
     "slices",
+    "uneven",
 ]

@@ -27,6 +27,7 @@ Excitation = Literal[
     "clearance-increase",
     "pressure-share",
     "soft-edge",
+    "elastic-edge",
     "impulse-train",
     "random-impulses",
 ]
@@ -34,7 +35,7 @@ Excitation = Literal[
 IMPULSES: tuple[Excitation, ...] = ("impulse-train", "random-impulses")
 """Excitations that are forces in time, not shapes in space: the impulse model's."""
 
-WEAKENED: tuple[Excitation, ...] = ("pressure-share", "soft-edge")
+WEAKENED: tuple[Excitation, ...] = ("pressure-share", "soft-edge", "elastic-edge")
 """Excitations that change the contact's force at the pit, not only its place."""
 
 ROLLED: tuple[Excitation, ...] = ("envelope", *IMPULSES)

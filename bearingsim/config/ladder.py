@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from bearingsim.config.channels import plain
 from bearingsim.config.defect import IMPULSES, WEAKENED
 from bearingsim.config.free import Frictionless
+from bearingsim.config.names import LINE_LOADS
 from bearingsim.core.kinematics import cage_speed
 from bearingsim.units import show
 
@@ -169,7 +170,13 @@ _RECORDED = {
     "inner.displacement": ("shaft", "the motion of the inner ring is recorded"),
     "load_zone.rollers": ("forces", "the load zone is recorded"),
     **dict.fromkeys(
-        ("roller.tilt", "roller.skew", "roller.axial", "roller.outer_line_load", "roller.inner_line_load"),
+        (
+            "roller.tilt",
+            "roller.skew",
+            "roller.axial",
+            "roller.flange_force",
+            *(f"roller.{x}" for x in LINE_LOADS),
+        ),
         ("tilt", "how a roller leans and is loaded along its length is recorded"),
     ),
     **dict.fromkeys(

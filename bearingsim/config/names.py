@@ -71,6 +71,7 @@ ROLLER = {
     "tilt": Channel(("",), "rad", "tilt of roller {}, its +z end outwards"),
     "skew": Channel(("",), "rad", "skew of roller {}, its +z end forwards"),
     "axial": Channel(("",), "m", "axial displacement of roller {}"),
+    "flange_force": Channel(("",), "N", "force of the flanges on roller {}"),
     "outer_line_load": Channel(("",), "N/m", "line load of roller {} on the outer race"),
     "inner_line_load": Channel(("",), "N/m", "line load of roller {} on the inner race"),
 }
@@ -170,6 +171,8 @@ def _features() -> dict[str, Feature]:
         "outer_force.max": Feature("N", "largest force of a roller on the outer race"),
         "inner_force.max": Feature("N", "largest force of a roller on the inner race"),
         "cage_force.max": Feature("N", "largest force of the cage on a roller"),
+        "tilt.max": Feature("rad", "largest tilt of a roller"),
+        "line_load.max": Feature("N/m", "largest line load of a roller on a race"),
         "load_zone.extent": Feature("rad", "mean extent of the load zone"),
         "cage.slip.mean": Feature("", "mean slip of the cage"),
         "cage.slip.std": Feature("", "standard deviation of the cage's slip"),

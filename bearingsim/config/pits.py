@@ -138,9 +138,25 @@ def _form(at: Path, defect: "Defect", case: "Case") -> Iterator[Conflict]:
         what = f"{article} {defect.shape}" + (" defect" if defect.shape == "elliptical" else "")
         paths: tuple[Path, ...] = (("excitation",), (*at, "shape"))
         yield Conflict("form", paths, f"`{case.excitation}` has no form for {what}", hint)
+    elif case.excitation == "elastic-edge":
+        yield from _elastic_edge(at, defect, case)
     elif defect.edge is not None:
         paths = (("excitation",), (*at, "edge"))
         yield Conflict("form", paths, f"`{case.excitation}` knows sharp edges only", hint)
+
+
+def _elastic_edge(at: Path, defect: "Defect", case: "Case") -> Iterator[Conflict]:
+    """Elastic edges are rounded, those of all pits alike, and line contacts."""
+    paths: tuple[Path, ...] = (("excitation",), (*at, "edge"))
+    if case.bearing.element == "ball":
+        message = "`elastic-edge` is a line contact's, and balls have none"
+        yield Conflict("form", (("excitation",), ("bearing",)), message, "say `excitation: soft-edge`")
+    elif defect.edge is not None and defect.edge.radius is None:
+        message = "`elastic-edge` knows rounded edges only"
+        yield Conflict("form", paths, message, "as in `edge: {radius: 20 um}`, the default")
+    elif defect.edge != case.defects[0].edge:
+        message = "`elastic-edge` takes one radius for the edges of all defects"
+        yield Conflict("form", paths, message, "give all the same")
 
 
 def _distance(a: "Defect", b: "Defect", bearing: "Bearing") -> float:

@@ -48,7 +48,8 @@ from bearingsim.core.layout import (
     UPRIGHT_V,
     Q,
 )
-from bearingsim.core.slice_contact import AT_REST, InnerSide, OuterSide, rows_of, sign
+from bearingsim.core.sides import InnerSide, OuterSide, rows_of, sign
+from bearingsim.core.slice_contact import AT_REST
 from bearingsim.core.vectors import across
 
 
@@ -175,6 +176,25 @@ def one_point(side, flanges, model, ring, sigma, t, y, n):
         y[at + BEND_T + j] += M_t
         y[at + BEND_Z + j] += M_z
         y[Q_F + j] -= N * g_z
+
+
+@generic
+def between_flanges(flanges: Any, lean_outer: float, lean_inner: float, r: float) -> float:
+    """Where along the bearing's axis (m) a roller at ``r`` (m) stands in the middle of the flanged rings.
+
+    lean_outer, lean_inner: of the rings' axes, along the roller's e_r (1).
+    """
+
+
+@between_flanges.register(NoFlanges)
+def _between_flanges_none(flanges, lean_outer, lean_inner, r):
+    return 0.0
+
+
+@between_flanges.register(Flanges)
+def _between_flanges(flanges, lean_outer, lean_inner, r):
+    outer, inner = flanges.outer_minus + flanges.outer_plus, flanges.inner_minus + flanges.inner_plus
+    return -r * (outer * lean_outer + inner * lean_inner) / max(outer + inner, 1.0)
 
 
 @generic

@@ -80,7 +80,8 @@ GAP, GAP_V, WALL, WALL_Z, IN_GAP, IN_GAP_V, IN_WALL, IN_WALL_Z = (_SPACE + n * R
 SPINS, SWINGS = (_SPACE + n * ROW for n in range(21, 23))
 N_W, N_RAD, N_AX, H_W, H_RAD, H_AX, C_AX, C_RAD = (_SPACE + n * ROW for n in range(23, 31))  # sums over slices
 Q_F = _SPACE + 31 * ROW  # force of the flanges on a roller along the bearing's axis (N)
-_SPACE_ROWS = 32
+TILT_MAX, LINE_MAX = (_SPACE + n * ROW for n in range(32, 34))  # largest |tilt| (rad) and line load (N/m)
+_SPACE_ROWS = 34
 
 # rows of one side of a roller (add ``OUTER_SIDE`` or ``INNER_SIDE``); see core/slice_contact.py
 OUTER_SIDE = SIZE + _SPACE_ROWS * ROW + LANES
@@ -91,8 +92,11 @@ ROLLS, DRIFT, DRIFTS, SWAY_R, SWAY_T, SWAY_Z = (n * ROW for n in range(14, 20))
 G_R, G_T, G_Z, H_R, H_T, H_Z, TWIST, BEND_R, BEND_T, BEND_Z = (n * ROW for n in range(20, 30))
 K_0, K_1, K_2, KS_0, KS_1, KS_Z = (n * ROW for n in range(30, 36))  # sums of friction over slip, for the lag
 K_ARM, K_R, K_T, K_Z, SHIFT, SHIFT_Z, OVER = (n * ROW for n in range(36, 43))  # ...; over a pit now?
-LOAD, APPROACH, SINK, LEAN, BENT, LOST, OWN = (n * ROW for n in range(43, 50))  # of the slice at hand
-SIDE_ROWS = 50
+# of the slice at hand: force, approach, its rate; slips along the race and the axis, friction over slip; n, rho
+LOAD, APPROACH, CLOSING, SLIP_T, SLIP_Z, KAPPA, OUT_R, OUT_T, OUT_Z, FAR = (n * ROW for n in range(43, 53))
+# and what it feels of a pit: depth (m), tangent of the normal's tilt, 1 - its cosine, stiffness lost, own?
+SINK, LEAN, BENT, LOST, OWN = (n * ROW for n in range(53, 58))
+SIDE_ROWS = 58
 INNER_SIDE = OUTER_SIDE + SIDE_ROWS * ROW
 
 SLICES = SIZE + (_SPACE_ROWS + 2 * SIDE_ROWS) * ROW

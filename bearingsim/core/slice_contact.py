@@ -17,11 +17,10 @@ Friction over slip (KAPPA) is taken with the slip as it is, and acts on the slip
 """
 
 from math import sqrt
-from typing import Any, NamedTuple
 
 from bearingsim.core.contact import normal_force
 from bearingsim.core.friction import mu
-from bearingsim.core.jit import add, generic, jit
+from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
     ALONG_R,
     ALONG_T,
@@ -38,12 +37,12 @@ from bearingsim.core.layout import (
     BEND_T,
     BEND_Z,
     BENT,
+    CLOSING,
     COS,
-    DELTA_I,
-    DELTA_O,
     DRIFT,
     DRIFTS,
     EPS_V,
+    FAR,
     G_R,
     G_T,
     G_Z,
@@ -59,10 +58,12 @@ from bearingsim.core.layout import (
     K_R,
     K_T,
     K_Z,
+    KAPPA,
     KS_0,
     KS_1,
     KS_Z,
     LEAN,
+    LINE_MAX,
     LOAD,
     LOAD_I,
     LOAD_O,
@@ -71,13 +72,14 @@ from bearingsim.core.layout import (
     MOVES_T,
     MOVES_Z,
     OMEGA,
+    OUT_R,
+    OUT_T,
+    OUT_Z,
     OUTER_SIDE,
     OWN,
     PUSH_R,
     PUSH_T,
     PUSH_Z,
-    Q_I,
-    Q_O,
     RING_R,
     RING_T,
     ROLLING,
@@ -90,14 +92,12 @@ from bearingsim.core.layout import (
     SINK,
     SKEW,
     SKEW_V,
-    SLIP_I,
-    SLIP_O,
+    SLIP_T,
+    SLIP_Z,
     SWAY_R,
     SWAY_T,
     SWAY_Z,
     TILT,
-    TILT_I,
-    TILT_O,
     TILT_V,
     TURN_R,
     TURN_T,
@@ -108,67 +108,13 @@ from bearingsim.core.layout import (
     TWIST,
     UPRIGHT,
     UPRIGHT_V,
-    V_I,
-    V_O,
     Q,
     V,
 )
+from bearingsim.core.sides import rows_of, sign, totals
 
 AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
 NONNEGATIVE = 0x7FFFFFFF  # tells the compiler that a place in the buffer is none from its end
-
-
-class OuterSide(NamedTuple):
-    """Where a roller touches the outer race."""
-
-
-class InnerSide(NamedTuple):
-    """Where a roller touches the inner race."""
-
-
-@generic
-def sign(side: Any) -> float:
-    """1 where the roller lies inside the race, -1 where outside."""
-
-
-@generic
-def rows_of(side: Any) -> int:
-    """Where the rows of this side of the rollers begin."""
-
-
-@generic
-def totals(side: Any) -> tuple[int, int, int, int, int]:
-    """Rows of what the planar models call force, approach, its rate, slip and tangential force."""
-
-
-@sign.register(OuterSide)
-def _sign_outer(side):
-    return 1.0
-
-
-@sign.register(InnerSide)
-def _sign_inner(side):
-    return -1.0
-
-
-@rows_of.register(OuterSide)
-def _rows_of_outer(side):
-    return OUTER_SIDE
-
-
-@rows_of.register(InnerSide)
-def _rows_of_inner(side):
-    return INNER_SIDE
-
-
-@totals.register(OuterSide)
-def _totals_outer(side):
-    return Q_O, DELTA_O, V_O, SLIP_O, TILT_O
-
-
-@totals.register(InnerSide)
-def _totals_inner(side):
-    return Q_I, DELTA_I, V_I, SLIP_I, TILT_I
 
 
 @jit
@@ -217,11 +163,12 @@ def face(side, bearing, ring, omega_cage, y, n):
 
 @jit
 def clear(side, y, n):
-    """Empty the sums over slices."""
+    """Empty the sums over slices, after ``face``."""
     at = rows_of(side)
     force, approach, rate, slip, across = totals(side)
     for j in range(n):
-        y[force + j], y[approach + j], y[rate + j], y[slip + j], y[across + j] = 0.0, 0.0, 0.0, 0.0, 0.0
+        y[force + j], y[approach + j], y[slip + j], y[across + j] = 0.0, 0.0, 0.0, 0.0
+        y[rate + j] = sign(side) * y[at + MOVES_R + j]  # of the middle, nearly: for the step watch only
         y[at + G_R + j], y[at + G_T + j], y[at + G_Z + j], y[at + TWIST + j] = 0.0, 0.0, 0.0, 0.0
         y[at + H_R + j], y[at + H_T + j], y[at + H_Z + j] = 0.0, 0.0, 0.0
         y[at + BEND_R + j], y[at + BEND_T + j], y[at + BEND_Z + j] = 0.0, 0.0, 0.0
@@ -231,13 +178,12 @@ def clear(side, y, n):
 
 
 @jit
-def press(side, law, friction, bearing, ring, zeta, weight, drop, y, n):
-    """Force of one slice of every roller, its slip and friction; adds to the sums.
+def stand(side, bearing, ring, zeta, drop, y, n):
+    """Where one slice of every roller stands and how it moves: approach, its rate, slip.
 
-    zeta, drop: m; weight: part of the contact. The side's rows SINK to OWN say what the slice feels of a pit.
+    zeta, drop: m. The side's rows SINK to OWN say what the slice feels of a pit.
     """
     at, sigma, middle = rows_of(side), sign(side), 0.5 * (bearing.R_o + bearing.R_i)
-    all_force, all_approach, all_rate, all_slip, all_across = totals(side)
     lacking, radius, b_z, turning = bearing.gap + drop, bearing.R_w - drop, ring.a_z, ring.turns
     for j in range(n):
         short = y[at + APART_R + j] + zeta * y[at + ALONG_R + j]
@@ -257,21 +203,44 @@ def press(side, law, friction, bearing, ring, zeta, weight, drop, y, n):
         across = t_r * v_r + t_t * v_t + t_z * v_z
 
         lean, cosine = y[at + LEAN + j], 1.0 - y[at + BENT + j]
-        own, rolls = y[at + OWN + j], y[at + ROLLS + j]
+        own, rolls, sine = y[at + OWN + j], y[at + ROLLS + j], sigma * lean * cosine
         delta = sigma * (y[Q + j] + short + aside / (rho + X_r)) - lacking - y[at + SINK + j]
-        rate = sigma * apart - lean * (across - (turning + own * (rolls - turning)) * rho)
-        force = weight * (1.0 - y[at + LOST + j]) * normal_force(law, delta, rate)
-        arm, sine = sigma * (radius - 0.5 * delta), sigma * lean * cosine
+        arm = sigma * (radius - 0.5 * delta)
         o_r, o_t, o_z = n_r * cosine - t_r * sine, n_t * cosine - t_t * sine, n_z * cosine - t_z * sine
-        e_r, e_t, e_z = t_r * cosine + n_r * sine, t_t * cosine + n_t * sine, t_z * cosine + n_z * sine
-        slip = across * cosine + apart * sine + arm * rolls - turning * (rho * cosine + arm)
         drift = y[at + DRIFT + j] + zeta * y[at + DRIFTS + j]
         drift += arm * (o_r * y[at + SWAY_R + j] + o_t * y[at + SWAY_T + j] + o_z * y[at + SWAY_Z + j])
-        speed = sqrt(slip * slip + drift * drift + AT_REST * AT_REST)
-        kappa = mu(friction, speed, y[ROLLING + j]) * force / speed
+        y[at + OUT_R + j], y[at + OUT_T + j], y[at + OUT_Z + j], y[at + FAR + j] = n_r, n_t, n_z, rho
+        y[at + APPROACH + j], y[at + SLIP_Z + j] = delta, drift
+        y[at + CLOSING + j] = sigma * apart - lean * (across - (turning + own * (rolls - turning)) * rho)
+        y[at + SLIP_T + j] = across * cosine + apart * sine + arm * rolls - turning * (rho * cosine + arm)
 
-        push, shove = -sigma * force, lean * force
-        f, f_b = kappa * slip, kappa * drift
+
+@jit
+def press(side, law, friction, weight, y, n):
+    """Force of one slice of every roller, and its friction over slip; weight: part of the contact."""
+    at = rows_of(side)
+    for j in range(n):
+        force = weight * (1.0 - y[at + LOST + j]) * normal_force(law, y[at + APPROACH + j], y[at + CLOSING + j])
+        slip, drift = y[at + SLIP_T + j], y[at + SLIP_Z + j]
+        speed = sqrt(slip * slip + drift * drift + AT_REST * AT_REST)
+        y[at + LOAD + j] = force
+        y[at + KAPPA + j] = mu(friction, speed, y[ROLLING + j]) * force / speed
+
+
+@jit
+def add_up(side, bearing, ring, zeta, weight, drop, y, n):
+    """Add what acts on one slice of every roller to the sums."""
+    at, sigma, radius, b_z = rows_of(side), sign(side), bearing.R_w - drop, ring.a_z
+    all_force, all_approach, _, all_slip, all_across = totals(side)
+    for j in range(n):
+        n_r, n_t, n_z = y[at + OUT_R + j], y[at + OUT_T + j], y[at + OUT_Z + j]
+        b_r, b_t = y[at + RING_R + j], y[at + RING_T + j]
+        t_r, t_t, t_z = b_t * n_z - b_z * n_t, b_z * n_r - b_r * n_z, b_r * n_t - b_t * n_r
+        lean, cosine = y[at + LEAN + j], 1.0 - y[at + BENT + j]
+        sine, delta, slip = sigma * lean * cosine, y[at + APPROACH + j], y[at + SLIP_T + j]
+        e_r, e_t, e_z = t_r * cosine + n_r * sine, t_t * cosine + n_t * sine, t_z * cosine + n_z * sine
+        force, kappa, arm = y[at + LOAD + j], y[at + KAPPA + j], sigma * (radius - 0.5 * delta)
+        push, shove, f, f_b = -sigma * force, lean * force, kappa * slip, kappa * y[at + SLIP_Z + j]
         g_r = push * n_r + shove * t_r - f * e_r - f_b * b_r
         g_t = push * n_t + shove * t_t - f * e_t - f_b * b_t
         g_z = push * n_z + shove * t_z - f * e_z - f_b * b_z
@@ -281,7 +250,7 @@ def press(side, law, friction, bearing, ring, zeta, weight, drop, y, n):
         y[at + H_R + j] += zeta * g_r
         y[at + H_T + j] += zeta * g_t
         y[at + H_Z + j] += zeta * g_z
-        y[at + TWIST + j] -= arm * f + own * shove * rho
+        y[at + TWIST + j] -= arm * f + y[at + OWN + j] * shove * y[at + FAR + j]
         bend, moment = arm * f_b, zeta * kappa
         y[at + BEND_R + j] += bend * e_r
         y[at + BEND_T + j] += bend * e_t
@@ -296,20 +265,19 @@ def press(side, law, friction, bearing, ring, zeta, weight, drop, y, n):
         y[at + K_R + j] += kappa * e_r
         y[at + K_T + j] += kappa * e_t
         y[at + K_Z + j] += kappa * e_z
-        touching = weight * max(delta, 0.0)
-        y[at + LOAD + j], y[at + APPROACH + j] = force, delta
         y[all_force + j] += force
         y[all_across + j] += shove
         y[all_slip + j] += weight * slip
-        y[all_approach + j] += touching
-        y[all_rate + j] += touching * rate
+        y[all_approach + j] += weight * max(delta, 0.0)
 
 
 @jit
-def keep_slice(row, y, n):
-    """Keep the loads and approaches of one slice, whose rows begin at ``row``."""
+def keep_slice(row, width, y, n):
+    """Keep the loads and approaches of one slice, ``width`` (m) wide, whose rows begin at ``row``."""
     row &= NONNEGATIVE
+    per_width = 1.0 / width
     for j in range(n):
+        y[LINE_MAX + j] = max(y[LINE_MAX + j], max(y[OUTER_SIDE + LOAD + j], y[INNER_SIDE + LOAD + j]) * per_width)
         y[row + LOAD_O * ROW + j] = y[OUTER_SIDE + LOAD + j]
         y[row + LOAD_I * ROW + j] = y[INNER_SIDE + LOAD + j]
         y[row + APPROACH_O * ROW + j] = y[OUTER_SIDE + APPROACH + j]
@@ -387,7 +355,6 @@ def gather(side, bearing, ring, y, n):
     same points: minus the force, and minus its moment about the ring's centre.
     """
     at, middle = rows_of(side), 0.5 * (bearing.R_o + bearing.R_i)
-    rate, approach = totals(side)[2], totals(side)[1]
     f_x, f_y, f_z, m_x, m_y, m_z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(n):
         c, s, real = y[COS + j], y[SIN + j], bearing.m_r * y[INVERSE_MASS + j]
@@ -403,7 +370,6 @@ def gather(side, bearing, ring, y, n):
         y[TURN_R + j] += M_r
         y[TURN_T + j] += M_t
         y[TURN_Z + j] += M_z
-        y[rate + j] /= max(y[approach + j], 1e-300)
         d_r = middle + y[Q + j] - ring.x * c - ring.y * s
         d_t, d_z = ring.x * s - ring.y * c, y[AXIAL + j] - ring.z
         N_r, N_t = M_r + d_t * G_z - d_z * G_t, M_t + d_z * G_r - d_r * G_z

@@ -95,10 +95,11 @@ def leave_pits(model, y):
 
 
 @jit
-def over_pits(model, t, k, b_z_outer, b_z_inner, y):
+def over_pits(model, t, k, steep, b_z_outer, b_z_inner, y):
     """What slice ``k`` of the marked rollers feels: sinking, tilt of the normal, share of its stiffness.
 
-    b_z_outer, b_z_inner: third components of the rings' axes. Of two pits the deeper is felt.
+    steep: 0.0 to leave out the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of two pits the
+    deeper is felt.
     """
     pits, zeta, middle = model.pits, model.slices.table[k, ZETA], 0.5 * (model.bearing.R_o + model.bearing.R_i)
     leave_pits(model, y)
@@ -112,7 +113,7 @@ def over_pits(model, t, k, b_z_outer, b_z_inner, y):
             if abs(s) < group[B]:
                 share, h, slope = felt(pits.excitation, group, s, head[REDUCED])
                 if h > y[side + SINK + j] or y[side + SINK + j] == 0.0 == y[side + LOST + j]:
-                    lean = slope * head[RADIUS] / rho
+                    lean = steep * slope * head[RADIUS] / rho
                     y[side + SINK + j], y[side + LEAN + j], y[side + LOST + j] = h, lean, 1.0 - share
                     y[side + BENT + j] = 1.0 - 1.0 / sqrt(1.0 + lean * lean)
                     y[side + OWN + j] = 1.0 if head[ON] >= 0.0 else 0.0

@@ -1,6 +1,7 @@
 """What all cases of a figure have in common, for the line below it."""
 
 from collections.abc import Iterator, Mapping
+from pathlib import PurePath
 from typing import TYPE_CHECKING
 
 from bearingsim.plots import labels
@@ -32,7 +33,8 @@ SAID = (  # parameters worth saying, in order, with the word that introduces the
     ("duration", "record"),
 )
 USUAL = {"excitation": "envelope", "load_across": 0.0}  # not worth saying
-DEFECT = ("shape", "length", "width", "depth", "angle", "offset")
+SIZES = ("grown", "seed", "file", "length", "width", "depth", "angle", "offset", "edge.radius", "edge.ramp")
+DEFECT = ("shape", *SIZES)
 IN_UM = ("clearance",)
 
 
@@ -66,7 +68,12 @@ def _defects(known: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -
                 shown = units if not names & units.keys() else {f"defect.{part}": units[min(names & units.keys())]}
                 text = labels.value_text(f"defect.{part}", value, shown)
                 which = f" {number}" if count > 1 else ""
-                yield f"{text} defect{which}{_place(known, number)}" if part == "shape" else f"{part} {text}"
+                yield f"{text} defect{which}{_place(known, number)}" if part == "shape" else _sized(part, text)
+
+
+def _sized(part: str, text: str) -> str:
+    """`depth 0.05 mm`; a file without its folder."""
+    return f"{part.replace('.', ' ')} {PurePath(text).name if part == 'file' else text}"
 
 
 def _place(known: "pd.DataFrame", number: int) -> str:

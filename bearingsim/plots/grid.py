@@ -117,6 +117,7 @@ def _panel(ax: "Axes", curves: Mapping[str, Curve], healthy: Mapping[str, Curve]
     for x, y in healthy.values():
         ax.plot(x, factor * y, color=HEALTHY, lw=0.9, label="healthy")
     ax.margins(x=0.0)
+    ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
 
 
 def _name_axes(column: Sequence["Axes"], label: str, only: bool) -> None:

@@ -24,41 +24,53 @@ if TYPE_CHECKING:
 
 __all__ = ["Loaded", "draw_load", "instants"]
 
-ROW_IN, PICTURE_IN, PROFILE_IN = 2.5, 4.2, 2.6
+ROW_IN, LEAN_IN, PICTURE_IN, PROFILE_IN = 2.5, 1.3, 4.2, 2.6
 SCALE = "YlOrRd"
-UNLOADED = 1e-3  # of the largest line load: what is less is drawn as none
+UNLOADED = 0.02  # of the largest line load: what is less is drawn as none
 WITHOUT_PIT = 8.0  # ball passes shown of a roller that passes none
 FEW = 10.0  # samples over a pit, below which the caption tells how many
 LABEL_LETTERS = 30
 LEAST_SAMPLES = 4
+LEANS = {"tilt": COLOURS[0], "skew": COLOURS[1]}
 ADVICE = "add `roller.outer_line_load` to `record`, with `model: spatial`"
 
 
 class Loaded(NamedTuple):
-    """What is drawn of a job: time (n,) in s, line load (slices, n) in N/m, ends of the slices (m), passage."""
+    """What is drawn of a job: time (n,) in s, line load (slices, n) in N/m, ends of the slices (m), passage.
+
+    leans: tilt and skew (n,) in rad of the same roller, as far as they were recorded.
+    """
 
     channel: str
     time: Reals
     load: Reals
     ends: Reals
     passage: Passage | None
+    leans: dict[str, Reals]
 
 
 def draw_load(results: "Results", jobs: Sequence[str], y: Sequence[str] = (), span: float | None = None) -> Canvas:
     """Line load along a roller, a row per job and channel: a picture over time, and sections through it.
 
-    ``span``: so much time (s) around the roller's first passage over a pit. Raises PlotError for what was not
-    recorded.
+    Below it the roller's tilt and skew, where they were recorded. ``span``: so much time (s) around the roller's
+    first passage over a pit. Raises PlotError for what was not recorded.
     """
     found = recorded.all_jobs(results, jobs)
     rows = [(job, one) for job, known in found.items() for one in _loads(job, known, y, span)]
-    canvas = Canvas(figsize=(PICTURE_IN + PROFILE_IN + 2.4, ROW_IN * len(rows) + 0.8), layout="constrained")
-    axes = canvas.subplots(len(rows), 2, squeeze=False, sharey="row", width_ratios=[PICTURE_IN, PROFILE_IN])
+    heights = [height for _, one in rows for height in (ROW_IN, *([LEAN_IN] if one.leans else []))]
+    canvas = Canvas(figsize=(PICTURE_IN + PROFILE_IN + 2.4, sum(heights) + 0.8), layout="constrained")
+    made = canvas.subplots(
+        len(heights), 2, squeeze=False, width_ratios=[PICTURE_IN, PROFILE_IN], height_ratios=heights
+    )
+    axes = iter(made)
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
-    for (job, one), (picture, profile) in zip(rows, axes, strict=True):
+    for job, one in rows:
+        picture, profile = next(axes)
         _draw_row(picture, profile, one)
-        title = labels.described(swept[job], results.plan["units"])
-        picture.set_title(title, loc="left", fontsize=8)
+        picture.set_title(labels.described(swept[job], results.plan["units"]), loc="left", fontsize=8)
+        if one.leans:
+            below, beside = next(axes)
+            _draw_leans(below, beside, picture, one)
     table = select.case_rows(results)
     said = fixed_values(results, table[table["job"].isin(jobs)], set().union(*swept.values()))
     finish(canvas, None, [*_notes(found, rows), *said])
@@ -79,9 +91,7 @@ def _notes(found: Mapping[str, Job], rows: Sequence[tuple[str, Loaded]]) -> list
 
 def _loads(job: str, known: Job, asked: Sequence[str], span: float | None) -> Iterator[Loaded]:
     """The line loads of a job that are asked for, or all that it has recorded."""
-    from bearingsim.store import case_of
-
-    case = case_of(known.known)
+    case = recorded.case_of(job, known.known)
     ends = ends_of_slices(case)
     for channel in [_full(name) for name in asked] or _recorded(job, known):
         load = _rows(job, known, channel, len(ends) - 1)
@@ -94,7 +104,16 @@ def _loads(job: str, known: Job, asked: Sequence[str], span: float | None) -> It
             raise labels.PlotError(
                 f"job {job} has {np.count_nonzero(shown)} samples in that time: raise `sampling`"
             )
-        yield Loaded(channel, time[shown], load[:, shown], ends, passage)
+        leans = {name: values[shown] for name, values in _leans(known, number)}
+        yield Loaded(channel, time[shown], load[:, shown], ends, passage, leans)
+
+
+def _leans(known: Job, number: int) -> Iterator[tuple[str, Reals]]:
+    """Tilt and skew (rad) of a roller, if they were recorded."""
+    for name in LEANS:
+        channel = recorded.recorded_as(f"roller.{number}.{name}", known.recorded)
+        if channel:
+            yield name, np.asarray(known.series.channels[channel], np.float64)
 
 
 def _full(name: str) -> str:
@@ -147,7 +166,7 @@ def instants(one: Loaded) -> dict[str, int]:
         return {"largest load": int(np.argmax(whole)), "least load": int(np.argmin(whole))}
     low, high = one.passage.pit.z
     middles = (one.ends[1:] + one.ends[:-1]) / 2.0
-    inside = _share(one)[(middles > low) & (middles < high)].sum(axis=0)
+    inside = np.maximum(_share(one)[(middles > low) & (middles < high)].sum(axis=0), 0.0)
     least = np.flatnonzero(inside <= inside.min() + UNLOADED * inside.max())
     over = int(least[len(least) // 2])
     largest = over + int(np.argmax(whole[over:]))
@@ -175,6 +194,8 @@ def _draw_row(picture: "Axes", profile: "Axes", one: Loaded) -> None:
         profile.stairs(factor * one.load[:, at], 1e3 * one.ends, orientation="horizontal", baseline=None,
                        label=f"{name},\n{1e3 * one.time[at]:.3f} ms", **look)  # fmt: skip
         picture.axvline(1e3 * one.time[at], color=look["color"], lw=1.0, ls=look["ls"])
+    profile.set_ylim(picture.get_ylim())
+    profile.tick_params(labelleft=False)
     profile.set_xlabel(f"Line load ({unit})")
     profile.set_xlim(left=0.0)
     profile.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), fontsize=7, borderaxespad=0.0)
@@ -193,3 +214,17 @@ def _draw_picture(ax: "Axes", one: Loaded, factor: float, label: str) -> None:
     ax.set_ylabel("Along the roller, z (mm)")
     assert ax.figure is not None
     ax.figure.colorbar(made, ax=ax, pad=0.02).set_label(textwrap.fill(label, LABEL_LETTERS), fontsize=8.0)
+
+
+def _draw_leans(ax: "Axes", beside: "Axes", picture: "Axes", one: Loaded) -> None:
+    """Tilt and skew over the time of the picture above."""
+    largest = max(float(np.max(np.abs(values))) for values in one.leans.values())
+    unit, factor = labels.readable("rad", "tilt", largest)
+    for name, values in one.leans.items():
+        ax.plot(1e3 * one.time, factor * values, color=LEANS[name], lw=1.2, label=name)
+    ax.set_xlim(picture.get_xlim())
+    ax.set_xlabel("Time (ms)")
+    ax.set_ylabel(f"Tilt, skew ({unit})" if len(one.leans) > 1 else axis_label(next(iter(one.leans)), unit))
+    ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
+    beside.set_axis_off()
+    beside.legend(*ax.get_legend_handles_labels(), loc="upper left", fontsize=7, borderaxespad=0.0)

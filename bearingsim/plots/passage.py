@@ -30,6 +30,10 @@ class Taken(NamedTuple):
     depth: np.ndarray
     lean: np.ndarray
 
+    def at(self, z: float) -> np.ndarray:
+        """Depth (n,) m of the roller's lowest point in the section z (m)."""
+        return self.depth + self.lean * z
+
 
 class Passage(NamedTuple):
     """A roller over a pit: the pit, the time (s) over its middle, and the speed (m/s) along rolling."""

@@ -1,6 +1,7 @@
 """Pits to scale: the depth map with the roller's length over it, and sections with the roller's path."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from math import floor, log10
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -61,9 +62,8 @@ def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
 
 def _of_job(job: str, known: Mapping[Any, Any]) -> Iterator[Sheet]:
     from bearingsim.build.pits import contact_length
-    from bearingsim.store import case_of
 
-    case = case_of(known)
+    case = recorded.case_of(job, known)
     made = list(pits_of(case))
     for number, pit in enumerate(made, 1):
         length = contact_length(case, side=1 if pit.race == "inner" else 0)
@@ -83,7 +83,8 @@ def draw_pit(results: "Results", sheet: Sheet) -> Canvas:
     Lengths are to scale; the heights of a section are exaggerated by a round number, which its title says. A path
     much shallower than the pit is drawn once more, closer.
     """
-    panels, taken = list(_panels(sheet.pit)), _taken(results, sheet)
+    taken = _taken(results, sheet)
+    panels = list(_panels(sheet.pit, taken[1] if taken else None))
     wide, tall = _map_inches(sheet)
     right = LEFT + wide + BAR
     canvas = Canvas(figsize=(right + SECTION_IN + EDGE, 1.0))
@@ -186,14 +187,15 @@ class Panel(NamedTuple):
     inches: float
 
 
-def _panels(pit: Pit) -> Iterator[Panel]:
-    """The sections of a pit; of the deepest also a closer one, if the path is far above its floor."""
+def _panels(pit: Pit, taken: Taken | None) -> Iterator[Panel]:
+    """The sections of a pit; the deepest also closer, where paths are far above its floor or each other."""
     for number, place in enumerate(told_apart(pit)):
         made, name = cut(pit, place), "AB"[number]
         deepest, path = (float(np.max(values)) for values in (made.p, made.h))
-        yield _panel(made, name, deepest or float(pit.picture.max()))
-        if number == 0 and 0.0 < path < SHALLOW * deepest:
-            yield _panel(made, name, CLOSER * path)
+        depths = [deepest or float(pit.picture.max())]
+        closer = [path, *([float(np.max(taken.at(place)))] if taken else [])]
+        depths += [CLOSER * low for far, low in pairwise([deepest, *closer]) if 0.0 < low < SHALLOW * far]
+        yield from (_panel(made, name, depth) for depth in (depths if number == 0 else depths[:1]))
 
 
 def _panel(made: Section, name: str, depth: float) -> Panel:
@@ -234,8 +236,15 @@ def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
 
 def _draw_taken(ax: "Axes", panel: Panel, taken: Taken) -> None:
     """The path that a roller took, where it is inside the panel."""
-    depth = taken.depth + taken.lean * panel.section.z
-    ax.plot(1e3 * taken.s, 1e6 * depth, color=TAKEN, lw=1.3, ls=(0, (4, 1.2)), label="path it took", zorder=6)
+    ax.plot(
+        1e3 * taken.s,
+        1e6 * taken.at(panel.section.z),
+        color=TAKEN,
+        lw=1.3,
+        ls=(0, (4, 1.2)),
+        label="path it took",
+        zorder=6,
+    )
 
 
 # Words
@@ -248,11 +257,9 @@ def _title(sheet: Sheet) -> str | None:
 
 def _taken(results: "Results", sheet: Sheet) -> tuple[str, Taken] | None:
     """The first job whose record shows which path a roller took, and that path."""
-    from bearingsim.store import case_of
-
     for job in sheet.jobs:
         [one] = recorded.all_jobs(results, [job]).values()
-        found = path_taken(one, case_of(one.known), sheet.pit)
+        found = path_taken(one, recorded.case_of(job, one.known), sheet.pit)
         if found is not None:
             return job, found
     return None

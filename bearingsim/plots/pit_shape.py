@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from bearingsim.config import Case, Defect
+    from bearingsim.config import Case
 
 __all__ = ["MARGIN", "Pit", "Reals", "Section", "cut", "ends_of_slices", "pits_of", "told_apart"]
 
 ACROSS, ALONG = 401, 241  # places along rolling and along the roller at which a picture looks a pit's depth up
 FINER = 4  # times as many in a section
+ALIKE = 0.98  # of the largest depth: a middle as deep is not told from the deepest section
 MARGIN = 0.3  # of the pit's width, shown on either side of it
 
 Reals = NDArray[np.float64]
@@ -72,31 +73,23 @@ def cut(pit: Pit, z: float) -> Section:
 
 def told_apart(pit: Pit) -> list[float]:
     """Places z (m) of the sections worth drawing: the deepest, and the pit's middle if that is another one."""
-    middle = pit.heights[ALONG // 2]
     deepest = pit.picture.max(axis=1)
-    here = int(np.argmax(deepest))
-    if deepest[here] <= deepest[ALONG // 2] * (1.0 + 1e-9):
-        return [float(middle)]
-    return [float(pit.heights[here]), float(middle)]
+    here, middle = int(np.argmax(deepest)), ALONG // 2
+    if deepest[middle] >= ALIKE * deepest[here]:
+        return [float(pit.heights[middle])]
+    return [float(pit.heights[k]) for k in ((here, middle) if deepest[middle] > 0.0 else (here,))]
 
 
 def pits_of(case: "Case") -> Iterator[Pit]:
-    """The pits of a case, in its order."""
+    """The pits of a case, in its order; those that a roller feels as one are one."""
     from bearingsim.build import pits
-    from bearingsim.core.depth import extent
+    from bearingsim.core.depth import Placed, extent
 
-    for defect in case.defects:
-        R, made = pits.reduced_radius(case, 1 if defect.race == "inner" else 0), _map(defect)
+    for found in pits.together(case):
+        race, R = found.first.race, pits.reduced_radius(case, 1 if found.first.race == "inner" else 0)
+        made = found.pit or Placed(pits.depth_map(found.first), 0.0, found.first.offset)
         low, high, left, right = extent(made)
-        yield Pit(defect.race, R, defect.angle, made, (low, high), (left, right))
-
-
-def _map(defect: "Defect") -> Any:
-    """The depth map of a defect, z from the roller's middle."""
-    from bearingsim.core import depth
-
-    shape = {"rectangular": depth.Rectangular, "triangular": depth.Triangular, "circular": depth.Circular}
-    return depth.Placed(shape[defect.shape](defect.length, defect.width, defect.depth), 0.0, defect.offset)
+        yield Pit(race, R, found.angle, made, (low, high), (left, right))
 
 
 def ends_of_slices(case: "Case") -> Reals:

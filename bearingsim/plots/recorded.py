@@ -1,6 +1,6 @@
 """What a job has recorded, as a figure shows it: one channel, its components, its unit."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import cos, sin
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,12 +12,14 @@ from bearingsim.plots.labels import PlotError
 from bearingsim.units import suggestion
 
 if TYPE_CHECKING:
+    from bearingsim.config import Case
     from bearingsim.store import Results, Series
 
 __all__ = [
     "Job",
     "Signal",
     "all_jobs",
+    "case_of",
     "channels_for",
     "is_of_slice",
     "recorded_as",
@@ -61,6 +63,19 @@ def all_jobs(results: "Results", jobs: Sequence[str]) -> dict[str, Job]:
     ids = list(series)
     known, info = (frame.loc[ids].to_dict("index") for frame in (results.parameters(), results.info()))
     return {job: Job(known[job], info[job], series[job]) for job in jobs}
+
+
+def case_of(job: str, known: Mapping[Any, Any]) -> "Case":
+    """The case of a job from its parameters. Raises PlotError if it cannot be made again, as without its scan."""
+    from pydantic import ValidationError
+
+    from bearingsim.store import case_of as made
+
+    try:
+        return made(known)
+    except ValidationError as error:
+        reason = error.errors()[0]["msg"]
+        raise PlotError(f"the case of job {job} cannot be made again from its results: {reason}") from None
 
 
 def channels_for(jobs: dict[str, Job], asked: Sequence[str], prefix: str = "") -> list[str]:

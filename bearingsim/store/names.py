@@ -56,7 +56,7 @@ def parameter_attributes(name: str) -> dict[str, str]:
 
 
 def si_unit(dimension: Dimension) -> str:
-    """The word of a dimension's SI unit: the one that is neither scaled nor in turns; none of a share."""
+    """The word of a dimension's SI unit: the one that is neither scaled nor in turns; empty for a share."""
     return next((word for word, factor in UNITS[dimension].items() if factor.exact == 1 and not factor.pi), "")
 
 

@@ -17,13 +17,13 @@ load: 150 N                       # radial
 # The damage. Several defects: `defects:` with a list, reached as defects.1.width. None: a healthy bearing.
 defect:
   race: outer                     # or inner (turns with the ring), or roller, with its number: `roller: 3`
-  shape: circular                 # rectangular, triangular, circular, elliptical; spall; scan with its `file`
+  shape: circular                 # rectangular, triangular, circular, elliptical, spall; or scan, with its `file:`
   length: 3 mm                    # along the roller
   width: 0.8 mm                   # along rolling
   depth: 0.05 mm
   angle: 0 deg                    # from the most loaded position
-  # offset: 0 mm                  # of its middle along the roller
-  # edge: none                    # or {radius: 20 um}, {ramp: 50 um}
+  # offset: 0 mm                  # of its middle from the roller's, along the axis; off it, rollers tilt (spatial)
+  # edge: {radius: 20 um}         # or {ramp: 50 um}; sharp without it
 # excitation: envelope            # how it is felt; or half-sine-pulse, clearance-increase, soft-edge, ...
 
 # What varies: the product of the entries, the last one fastest. Values are a list, or
@@ -35,7 +35,7 @@ sweep:
 # zip: {model: [impulse, ring, rollers], excitation: [impulse-train, half-sine-pulse, envelope]}
 
 # The model
-# model: rollers                  # impulse, static, ring, rollers, planar, or least: the lowest that can do it all
+# model: rollers                  # impulse, static, ring, rollers, planar, spatial, or least: the lowest that can
 # method: verlet                  # or rk4
 # step: auto                      # or a time such as 0.5 us
 # contact:
@@ -51,6 +51,10 @@ sweep:
 # shaft: {stiffness: 1e8 N/m, mass: 1 kg}                   # rigid without it
 # unbalance: {mass_radius: 100 g mm}
 # seed: 0                                                   # of what is random
+
+# What only the spatial model can: tilt and skew
+# misalignment: {inner: 0.2 mrad, direction: 0 deg}         # none without it
+# A `rig` with axial_stiffness and tilting_stiffness lets the outer ring lean; a `shaft` with them the inner one.
 
 # The record
 duration: 1 s                     # after settling

@@ -54,8 +54,8 @@ def used(case: Case) -> dict[str, Any]:
 
 
 def _by_pressure(case: Case) -> bool:
-    """Whether pits are felt by the contact's width, which depends on the material."""
-    return bool(case.defects) and case.excitation == "pressure-share"
+    """Whether pits are felt by the elastic contact, which depends on the material."""
+    return bool(case.defects) and case.excitation in ("pressure-share", "elastic-edge")
 
 
 def _without(value: Any, idle: Any) -> Any:

@@ -1,7 +1,7 @@
 """Half-planes as boundary elements: displacement under pressure that is linear between nodes.
 
-A line load P (N/m) on one half-plane lowers its surface, at the distance r, by P/(pi E*) ln(D/r) (Flamant; Johnson,
-Contact Mechanics 1985, section 2.2), E* = E/(2 (1 - nu^2)) being that of two bodies of this material. Plane strain
+A line load P (N/m) on one half-plane lowers its surface, at the distance r, by P/(pi E*) ln(D/r) (Flamant;
+Johnson, Contact Mechanics 1985, section 2.2), E* = E/(2 (1 - nu^2)) being that of two bodies. Plane strain
 has no natural zero: D says at which distance the surface does not move. Both bodies: twice that.
 """
 
@@ -15,7 +15,7 @@ from bearingsim.verify.pressed import Body
 def johnson_datum(R_1: float, R_2: float) -> float:
     """D (m) that makes Hertz's contact give Johnson's approach, each cylinder compressed from its axis.
 
-    Twice Flamant under Hertz's pressure is Q'/(pi E*) [2 ln(2 D/b) + 1]; Johnson's two cylinders (section 5.6) give
+    Twice Flamant under Hertz's pressure is Q'/(pi E*) [2 ln(2 D/b) + 1]; Johnson's two cylinders (section 5.6):
     Q'/(pi E*) [ln(16 R_1 R_2/b^2) - 1].
     """
     return 2.0 * sqrt(R_1 * R_2) / e

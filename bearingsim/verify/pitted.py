@@ -1,7 +1,11 @@
-"""A roller over a race with a slot: the bodies, as half-planes or with the race in finite elements."""
+"""The surface of a race with a slot, and the pair of bodies that it makes with a roller.
+
+Two ways: both bodies as half-planes, the pit only a gap in the race, whose material still holds; or the race in
+finite elements, the pit cut out.
+"""
 
 from math import inf, isinf
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -9,8 +13,12 @@ from bearingsim.verify.half_space import half_plane, hats, two_half_planes
 from bearingsim.verify.mesh import Block, block
 from bearingsim.verify.pressed import Body
 from bearingsim.verify.race import Grading, Rim, Slot, graded, rim
+from bearingsim.verify.steel import Pair
 
-FAR = 2e-3  # m: half the width, and depth, of the block of finite elements
+if TYPE_CHECKING:
+    from bearingsim.verify.finite_elements import Race
+
+FAR = 2e-3  # m: from the rim to the sides and bottom of the block of finite elements
 
 
 class Surface(NamedTuple):
@@ -22,8 +30,15 @@ class Surface(NamedTuple):
     breaks: tuple[int, ...]
 
 
-def surface(slot: Slot, grading: Grading, far: float = FAR) -> Surface:
-    """The race's surface with the slot: from -``far`` to ``far`` (one edge) or ``width`` + ``far`` (two)."""
+def smooth(grading: Grading, far: float = FAR) -> Surface:
+    """A race without a pit, its nodes densest at t = 0."""
+    half = graded(far, grading)
+    t = np.append(-half[::-1], half[1:])
+    return Surface(np.column_stack([t, np.zeros(len(t))]), np.flatnonzero(np.abs(t) <= grading.reach), ())
+
+
+def pitted(slot: Slot, grading: Grading, far: float = FAR) -> Surface:
+    """A race with a slot: from -``far`` to ``far`` (one edge) or to ``width`` + ``far`` (two)."""
     left = rim(slot, grading, far)
     if isinf(slot.width):
         return one_edge(slot, left, far)
@@ -48,21 +63,30 @@ def floor_spacing(slot: Slot) -> float:
     return max(slot.depth, 0.1 * slot.rho) / 8.0
 
 
-def race_block(made: Surface, far: float = FAR) -> Block:
-    """The mesh under a surface."""
-    return block(made.points, far)
+def meshed(made: Surface) -> Block:
+    """The mesh under a surface, as deep as it is far to the left."""
+    return block(made.points, -float(made.points[0, 0]))
 
 
-def as_half_planes(made: Surface, E_star: float, D: float) -> Body:
-    """The roller and the race as half-planes: the pit is a gap, the material in it still holds."""
-    return two_half_planes(made.points[made.carries, 0], E_star, D, made.breaks)
+def half_planes(made: Surface, pair: Pair) -> Body:
+    """Roller and race as half-planes."""
+    return two_half_planes(made.points[made.carries, 0], pair.E_star, pair.D, made.breaks)
 
 
-def as_finite_elements(made: Surface, mesh: Block, steel: "Steel", D: float) -> Body:
-    """The roller as a half-plane, the race in finite elements with the pit cut out. Needs scikit-fem."""
-    from bearingsim.verify.finite_elements import compliance
+def finite_elements(made: Surface, pair: Pair) -> Body:
+    """The roller as a half-plane, the race in finite elements. Needs scikit-fem."""
+    return on_race(made, pair, race_of(made, pair))
 
+
+def race_of(made: Surface, pair: Pair) -> "Race":
+    """The race under a surface in finite elements. Needs scikit-fem."""
+    from bearingsim.verify.finite_elements import race
+
+    return race(meshed(made), made.carries, made.breaks, pair.steel, pair.D)
+
+
+def on_race(made: Surface, pair: Pair, below: "Race") -> Body:
+    """The roller as a half-plane on a race that is there already."""
     t = made.points[made.carries, 0]
-    roller = half_plane(t, steel.E_star, D, made.breaks)
-    race = compliance(mesh, made.carries, made.breaks, steel, D)
-    return Body(t, roller + race, hats(t, made.breaks))
+    roller = half_plane(t, pair.E_star, pair.D, made.breaks)
+    return Body(t, roller + below.compliance(), hats(t, made.breaks))

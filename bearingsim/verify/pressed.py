@@ -6,10 +6,11 @@ surfaces, C the sum of both bodies' compliances and delta the approach,
     p >= 0,     g = gap - delta + C p >= 0,     p g = 0,     spread . p = Q'
 
 ``spread`` holds the integrals of the nodes' hat functions. The nodes in contact are found by an active set: those
-that pull are let go, those that overlap are taken in, until neither is left (Kalker 1990 solves contact so; Hintermueller,
-Ito and Kunisch 2002 show that it is a Newton method).
+that pull are let go, those that overlap are taken in, until neither is left. (So does Kalker, Three-Dimensional
+Elastic Bodies in Rolling Contact, 1990; Hintermueller, Ito and Kunisch 2002 show that it is a Newton method.)
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -35,7 +36,7 @@ class Body(NamedTuple):
 
 
 class Pressed(NamedTuple):
-    """A solution. force: N/m; approach: m, with the compliance's datum; stiffness: dQ'/d(delta), N/m^2; pressure: (n,) Pa."""
+    """A solution. force: N/m; approach: m, by the compliance's datum; stiffness: N/m^2; pressure: (n,) Pa."""
 
     force: float
     approach: float
@@ -45,25 +46,45 @@ class Pressed(NamedTuple):
 
 def press(body: Body, gap: np.ndarray, force: float) -> Pressed:
     """The contact under ``force`` (N/m); ``gap`` (n,) in m. Raises ``NotPressed``."""
+
+    def hold(active: np.ndarray) -> Pressed:
+        per_approach, at_rest, stiffness = answers(body, gap, active)
+        delta = (force + float(body.spread @ at_rest)) / stiffness
+        return Pressed(force, delta, stiffness, delta * per_approach - at_rest)
+
+    return settled(body, gap, hold)
+
+
+def press_to(body: Body, gap: np.ndarray, approach: float) -> Pressed:
+    """The contact at ``approach`` (m); no force where that is less than the gap. Raises ``NotPressed``."""
+
+    def hold(active: np.ndarray) -> Pressed:
+        per_approach, at_rest, stiffness = answers(body, gap, active)
+        pressure = approach * per_approach - at_rest
+        return Pressed(float(body.spread @ pressure), approach, stiffness, pressure)
+
+    if approach <= gap.min():
+        return Pressed(0.0, approach, 0.0, np.zeros(len(gap)))
+    return settled(body, gap, hold)
+
+
+def settled(body: Body, gap: np.ndarray, hold: Callable[[np.ndarray], Pressed]) -> Pressed:
+    """The solution whose nodes in contact neither pull nor let others overlap; ``hold`` solves with given ones."""
     active = gap <= np.partition(gap, 3)[3]
     for _ in range(ROUNDS):
-        p, delta, stiffness = hold(body, gap, active, force)
-        overlap = delta - gap - body.compliance @ p
-        taken = ~active & (overlap > LOOSE * abs(delta))
-        let_go = active & (p < 0.0)
+        found = hold(active)
+        overlap = found.approach - gap - body.compliance @ found.pressure
+        taken = ~active & (overlap > LOOSE * abs(found.approach))
+        let_go = active & (found.pressure < 0.0)
         if not (taken.any() or let_go.any()):
-            return Pressed(force, delta, stiffness, p)
+            return found
         active = (active & ~let_go) | taken
     raise NotPressed(f"no set of nodes in contact found in {ROUNDS} rounds")
 
 
-def hold(body: Body, gap: np.ndarray, active: np.ndarray, force: float) -> tuple[np.ndarray, float, float]:
-    """Pressure (Pa), approach (m) and stiffness (N/m^2) with just the ``active`` nodes in contact, even pulling."""
+def answers(body: Body, gap: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """Pressure per approach (n,) (Pa/m) and against the gap (n,) (Pa), and stiffness (N/m^2), with given nodes."""
     inside = body.compliance[np.ix_(active, active)]
-    per_approach, at_rest = np.linalg.solve(inside, np.array([np.ones(len(inside)), gap[active]]).T).T
-    spread = body.spread[active]
-    stiffness = float(spread @ per_approach)
-    delta = (force + float(spread @ at_rest)) / stiffness
-    pressure = np.zeros(len(gap))
-    pressure[active] = delta * per_approach - at_rest
-    return pressure, delta, stiffness
+    found = np.zeros((2, len(gap)))
+    found[:, active] = np.linalg.solve(inside, np.column_stack([np.ones(len(inside)), gap[active]])).T
+    return found[0], found[1], float(body.spread @ found[0])

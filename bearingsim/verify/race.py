@@ -1,7 +1,7 @@
 """The surface of a race with a slot in it, and nodes on it that are fine where a roller may press.
 
-Lengths in m; t along rolling, y upwards, the race below y = 0. The pit opens at t = 0, where the rounding of its edge
-(radius rho) begins, and is ``width`` wide from there to where the other one ends. Walls are vertical, the floor flat.
+Lengths in m; t along rolling, y upwards, the race below y = 0. The pit opens at t = 0, where the rounding of its
+edge (radius rho) begins, and is ``width`` wide to where the other one ends. Walls are upright, the floor flat.
 """
 
 from math import acos, inf, sin, sqrt
@@ -88,7 +88,7 @@ def depth_at(slot: Slot, t: np.ndarray) -> np.ndarray:
 
 
 def envelope(slot: Slot, R: float, s: float) -> float:
-    """How far (m) a rigid roller of radius ``R`` (m), its middle at ``s`` (m) behind the rim, sinks; walls upright.
+    """How far (m) a rigid roller of radius ``R`` (m), its middle ``s`` (m) behind the rim, sinks.
 
     On the rim h = x^2/(2 (R + rho)), x the distance from the nearer rim; at most the depth.
     """

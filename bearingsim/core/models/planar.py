@@ -395,4 +395,4 @@ def _damping_per_mass(model, y, j):
     return max(y[INVERSE_MASS + j] * (outer + inner), held, rubbing / (1.0 + model.lag * rubbing))
 
 
-KIND = ModelKind(Planar, loaded=True, slips=True, memoryless=False, per_crossing=100, cost=0.52e-6)
+KIND = ModelKind(Planar, loaded=True, slips=True, sliced=False, memoryless=False, per_crossing=100, cost=0.52e-6)

@@ -161,4 +161,4 @@ def _damping_per_mass(model, y, j):
     return (total + model.support.c_b) / model.bearing.m_o
 
 
-KIND = ModelKind(Ring, loaded=True, slips=False, memoryless=False, per_crossing=50, cost=0.19e-6)
+KIND = ModelKind(Ring, loaded=True, slips=False, sliced=False, memoryless=False, per_crossing=50, cost=0.19e-6)

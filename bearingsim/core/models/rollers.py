@@ -145,4 +145,4 @@ def _damping_per_mass(model, y, j):
 
 
 # at the cusp of a narrow pit the damping force jumps, and decays within 0.2 us: hence more steps over it
-KIND = ModelKind(Rollers, loaded=True, slips=False, memoryless=False, per_crossing=100, cost=0.19e-6)
+KIND = ModelKind(Rollers, loaded=True, slips=False, sliced=False, memoryless=False, per_crossing=100, cost=0.19e-6)

@@ -75,6 +75,7 @@ from bearingsim.core.layout import (
     SPIN_A,
     SPIN_V,
     TILT,
+    TILT_MAX,
     TILT_V,
     TURN_R,
     TURN_T,
@@ -109,7 +110,18 @@ from bearingsim.core.orientation import body_at, tip, upright, winding
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.pit_contact import standing
 from bearingsim.core.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
-from bearingsim.core.slice_contact import InnerSide, OuterSide, clear, face, gather, keep_slice, press, relax, rub
+from bearingsim.core.sides import InnerSide, OuterSide
+from bearingsim.core.slice_contact import (
+    add_up,
+    clear,
+    face,
+    gather,
+    keep_slice,
+    press,
+    relax,
+    rub,
+    stand,
+)
 from bearingsim.core.slice_pits import find_pits, leave_pits, met_at, over_pits, seen_at
 from bearingsim.core.slices import DROP, WEIGHT, ZETA, Slices
 
@@ -162,6 +174,7 @@ def orient(spin, omega_cage, R_w, y, n):
         a_x, a_y, w_x, w_y = y[AXIS_X + j], y[AXIS_Y + j], y[AXIS_X_V + j], y[AXIS_Y_V + j]
         a_z = upright(a_x, a_y)
         y[TILT + j], y[SKEW + j], y[UPRIGHT + j] = a_x * c + a_y * s, a_y * c - a_x * s, a_z
+        y[TILT_MAX + j] = max(y[TILT_MAX + j], abs(y[TILT + j]))
         y[TILT_V + j], y[SKEW_V + j] = w_x * c + w_y * s, w_y * c - w_x * s
         y[UPRIGHT_V + j] = -(a_x * w_x + a_y * w_y) / a_z
         y[OMEGA + j] = spin + y[SPIN_V + j] + winding(a_x, a_y, a_z, w_x, w_y)
@@ -181,8 +194,11 @@ def weigh(model, omega_cage, y, n):
 
 
 @jit
-def touch(model, t, outer, inner, omega_cage, y, n):
-    """All contacts of rollers with the rings: adds to what acts on the rollers and fills the rings' cells."""
+def touch_races(model, t, steep, outer, inner, omega_cage, y, n):
+    """The contacts of the rollers' slices with both races: fills the sums of both sides.
+
+    steep: 1.0, or 0.0 where pits are not to tilt the normal (at rest).
+    """
     b, table = model.bearing, model.slices.table
     face(OuterSide(), b, outer, omega_cage, y, n)
     face(InnerSide(), b, inner, omega_cage, y, n)
@@ -192,18 +208,29 @@ def touch(model, t, outer, inner, omega_cage, y, n):
     for k in range(len(table)):
         zeta, weight, drop = table[k, ZETA], table[k, WEIGHT], table[k, DROP]
         if met > 0:
-            over_pits(model, t, k, outer.a_z, inner.a_z, y)
-        press(OuterSide(), model.outer, model.friction, b, outer, zeta, weight, drop, y, n)
-        press(InnerSide(), model.inner, model.friction, b, inner, zeta, weight, drop, y, n)
-        keep_slice(slice_row(k, 0), y, n)
+            over_pits(model, t, k, steep, outer.a_z, inner.a_z, y)
+        stand(OuterSide(), b, outer, zeta, drop, y, n)
+        stand(InnerSide(), b, inner, zeta, drop, y, n)
+        press(OuterSide(), model.outer, model.friction, weight, y, n)
+        press(InnerSide(), model.inner, model.friction, weight, y, n)
+        add_up(OuterSide(), b, outer, zeta, weight, drop, y, n)
+        add_up(InnerSide(), b, inner, zeta, weight, drop, y, n)
+        keep_slice(slice_row(k, 0), weight * model.L_w, y, n)
     if met > 0:
         leave_pits(model, y)
     relax(model.lag, b.m_r, b.I_r, model.I_t, b.R_w, y, n)
     rub(OuterSide(), outer, y, n)
     rub(InnerSide(), inner, y, n)
-    guide_axially(model.flanges, model, outer, inner, y, n)
-    y[F_X], y[F_Y], y[F_Z], y[M_X], y[M_Y], y[M_RING] = gather(OuterSide(), b, outer, y, n)
-    y[F_X_I], y[F_Y_I], y[F_Z_I], y[M_X_I], y[M_Y_I], turn = gather(InnerSide(), b, inner, y, n)
+
+
+@jit
+def pass_on(bearing, outer, inner, y, n):
+    """Add the sums of both sides to what acts on the rollers, and fill the rings' cells.
+
+    Returns the moment (N m) about e_z on the inner ring.
+    """
+    y[F_X], y[F_Y], y[F_Z], y[M_X], y[M_Y], y[M_RING] = gather(OuterSide(), bearing, outer, y, n)
+    y[F_X_I], y[F_Y_I], y[F_Z_I], y[M_X_I], y[M_Y_I], turn = gather(InnerSide(), bearing, inner, y, n)
     return turn
 
 
@@ -252,7 +279,9 @@ def _accelerations(model, t, y):
     place(b.theta_0 + b.omega_c * time + y[POSITION + PHI_C], y, n)
     orient(spin, omega_cage, b.R_w, y, n)
     weigh(model, omega_cage, y, n)
-    turn = touch(model, t, outer, inner, omega_cage, y, n)
+    touch_races(model, t, 1.0, outer, inner, omega_cage, y, n)
+    guide_axially(model.flanges, model, outer, inner, y, n)
+    turn = pass_on(b, outer, inner, y, n)
     pockets_in_space(model.cage, model, cage, omega_cage, spin, y, n)
 
     wound = lean_cage(model.cage_z, model.cage, cage, y)
@@ -326,4 +355,4 @@ def _damping_per_mass(model, y, j):
     return max(y[INVERSE_MASS + j] * c, c_tilt / model.I_t, held, mounted, rubbing / (1.0 + model.lag * rubbing))
 
 
-KIND = ModelKind(Spatial, loaded=True, slips=True, memoryless=False, per_crossing=100, cost=6e-6)
+KIND = ModelKind(Spatial, loaded=True, slips=True, sliced=True, memoryless=False, per_crossing=100, cost=4.8e-6)
