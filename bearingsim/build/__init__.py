@@ -13,7 +13,7 @@ from bearingsim.build import contacts, free, geometry, impulses, pits, space
 from bearingsim.build.rest import anchor, statics
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.defects import ANGLE, CUSP, ON, ON_OUTER, RADIUS, Pits, W
+from bearingsim.core.defects import ANGLE, CUSP, ON, ON_OUTER, RADIUS, Pits
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import EPS, Q_O, buffer
 from bearingsim.core.methods import equilibrium, rk4, verlet
@@ -23,7 +23,7 @@ from bearingsim.core.models import impulse, planar, ring, rollers, spatial, stat
 from bearingsim.core.models.interface import ModelKind
 from bearingsim.core.motion import steady
 from bearingsim.core.parameters import Support
-from bearingsim.core.slices import WEIGHT, ZETA
+from bearingsim.core.slices import ZETA
 from bearingsim.core.spatial_rest import mean_rest_in_space, rest_in_space
 
 __all__ = [
@@ -103,14 +103,8 @@ def model(case: Case) -> Any:
 
 
 def met(case: Case) -> Pits:
-    """The case's pits, cut as its model cuts rollers; slices weigh what they are of the roller."""
-    if not kind(case).sliced:
-        return pits.meetings(case)
-    table = space.slices(case).table
-    found = pits.meetings(case, table[:, ZETA])
-    if len(found.head) > 0:
-        found.groups[:, :, W] *= table[:, WEIGHT]
-    return found
+    """The case's pits, cut along the roller as its model cuts rollers."""
+    return pits.meetings(case, space.slices(case).table[:, ZETA] if kind(case).sliced else None)
 
 
 def support(case: Case) -> Support:
