@@ -31,6 +31,18 @@ def test_lines_of_a_cage_that_slips_by_half_are_not_folded():
     assert found["velocity@BPFO"] == pytest.approx(20.5e-6, rel=0.1)
 
 
+def test_the_angle_of_a_cage_that_has_slipped_is_told_as_it_is():
+    """What it turns from one start of the record to a later one, against its recorded speed in between."""
+    given = {"speed": "6000 rpm", "load": "5 N", "drag": {}, "rig": {"bracket_stiffness": "1e5 N/m"}}
+    given |= {"model": "planar", "duration": "40 ms", "record": ["cage.speed"]}
+    early, late = (simulate(case(settle=settle, **given)) for settle in ("20 ms", "50 ms"))
+    speed = early.series["cage.speed"]
+    turned = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(early.time))])
+    found = late.info["cage_angle_start_rad"] - early.info["cage_angle_start_rad"]
+    assert found == pytest.approx(np.interp(0.03, early.time, turned), abs=2e-4)
+    assert found < 7.0  # and not 7.7, as without slip
+
+
 def test_on_a_ramp_an_acceleration_is_the_derivative_at_each_speed():
     """An unbalance from 600 to 3000 rpm: the line at fr against the acceleration itself, under a window."""
     ramp = {"speed": "600 rpm", "ramp": {"to": "3000 rpm", "time": "0.4 s"}, "settle": "0 s", "duration": "0.4 s"}
