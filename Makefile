@@ -1,12 +1,13 @@
 # make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's figures
 # make test    all tests                               make excitations | inner_race | roller_defect | slip
-# make check   tests, lint, types, import contract     (add QUICK=1 for a reduced grid)
+# make check   tests, lint, types, import contract     make length | offset | tilt | misalignment
+#                                                      (add QUICK=1 for a reduced grid)
 PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
 BIN := $(VENV)/bin
 FIGURES := fig14 fig15 fig16
-STUDIES := $(FIGURES) excitations inner_race roller_defect slip
+STUDIES := $(FIGURES) excitations inner_race roller_defect slip length offset tilt misalignment
 REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
@@ -14,7 +15,7 @@ RESULTS = results/$@$(if $(QUICK),-quick)
 .PHONY: help install install-dev demo test check lint studies $(STUDIES) lock bench clean
 
 help:
-	@sed -n '1,3s/^# //p' Makefile
+	@sed -n '1,4s/^# //p' Makefile
 
 install: $(VENV)/installed
 install-dev: $(VENV)/installed-dev
@@ -48,6 +49,10 @@ excitations: MORE = $(BIN)/bearingsim plot $(RESULTS) --kind series --job all --
   $(BIN)/bearingsim plot $(RESULTS) --kind spectrum --job all
 inner_race roller_defect: MORE = for kind in spectrum envelope; do $(BIN)/bearingsim plot $(RESULTS) --kind $$kind \
   --where model=rollers --where clearance='10 um' || exit 1; done
+tilt: MORE = for kind in pit load; do $(BIN)/bearingsim plot $(RESULTS) --kind $$kind --job all || exit 1; done && \
+  $(BIN)/bearingsim plot $(RESULTS) --kind roller --job all --y roller.1.tilt --y roller.2.tilt \
+  --y roller.1.skew --y roller.2.skew
+misalignment: MORE = $(BIN)/bearingsim plot $(RESULTS) --kind load --job all
 
 studies: $(FIGURES)
 

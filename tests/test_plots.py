@@ -394,3 +394,11 @@ def test_a_study_that_records_nothing_has_no_series(results):
     opened = results(STUDY + "record: []\n")
     with pytest.raises(PlotError, match="has recorded no channel: add one to `record`"):
         drawn(opened, kind="series", jobs=opened.jobs[:1])
+
+
+def test_rings_askew_and_profiles_are_told_if_there_are_any(results):
+    text = STUDY.replace("[static, ring]", "[spatial]") + "misalignment: {inner: 0.2 mrad}\n"
+    sheets = drawn(results(text, overrides={"bearing.roller_profile": "logarithmic"}), x="load")
+    caption = only(sheets)[1].get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
+    assert "inner ring askew by 0.2 mrad, roller profile logarithmic" in caption
+    assert "outer ring" not in caption

@@ -20,6 +20,9 @@ SAID = (  # parameters worth saying, in order, with the word that introduces the
     ("load", "load"),
     ("load_across", "across"),
     ("clearance", "clearance"),
+    ("misalignment.inner", "inner ring askew by"),
+    ("misalignment.outer", "outer ring askew by"),
+    ("bearing.roller_profile.shape", "roller profile"),
     ("contact.stiffness", "stiffness"),
     ("contact.damping.law", "damping"),
     ("contact.damping.chi", "chi"),
@@ -32,10 +35,16 @@ SAID = (  # parameters worth saying, in order, with the word that introduces the
     ("method", "method"),
     ("duration", "record"),
 )
-USUAL = {"excitation": "envelope", "load_across": 0.0}  # not worth saying
+USUAL = {
+    "excitation": "envelope",
+    "load_across": 0.0,
+    "misalignment.inner": 0.0,
+    "misalignment.outer": 0.0,
+    "bearing.roller_profile.shape": "straight",
+}  # not worth saying
 SIZES = ("grown", "seed", "file", "length", "width", "depth", "angle", "offset", "edge.radius", "edge.ramp")
 DEFECT = ("shape", *SIZES)
-IN_UM = ("clearance",)
+SMALL = {"clearance": "um", "misalignment.inner": "mrad", "misalignment.outer": "mrad"}
 
 
 def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
@@ -45,7 +54,7 @@ def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> l
     """
     known = results.parameters()
     known = known.loc[known.index.intersection(list(rows["job"]))]
-    units = dict(results.plan["units"]) | {path: "um" for path in IN_UM if path not in results.plan["units"]}
+    units = SMALL | dict(results.plan["units"])
     said = [*_defects(known, drawn, units), *_machine(known, drawn, units)]
     return [*said, "quick grid"] if results.plan["quick"] else said
 
