@@ -23,7 +23,7 @@ def test_it_takes_load_radii_and_steel_from_the_case() -> None:
     found = build.model(case(defect=SLOT | {"edge": {"radius": "10 um"}})).pits.excitation
     assert isinstance(found, EdgeContact)
     E_star = 207e9 / (2.0 * (1.0 - 0.3**2))
-    assert found.load * 0.012 * 3.141592653589793 * E_star == pytest.approx(4.09 * 150 / 13 + 2.04, abs=0.5)  # N, with the centrifugal load
+    assert found.load * 0.012 * 3.141592653589793 * E_star == pytest.approx(4.09 * 150 / 13 + 2.04, abs=0.5)  # N
     assert found.rho == 1e-5
     assert build.model(case(defect=SLOT)).pits.excitation.rho == 2e-5
 
