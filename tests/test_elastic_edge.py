@@ -28,6 +28,11 @@ def test_it_takes_load_radii_and_steel_from_the_case() -> None:
     assert build.model(case(defect=SLOT)).pits.excitation.rho == 2e-5
 
 
+def test_edges_said_and_not_said_may_be_alike() -> None:
+    both = [SLOT, SLOT | {"angle": "20 deg", "edge": {"radius": "20 um"}}]
+    assert len(case(defects=both).defects) == 2
+
+
 def test_the_steel_is_part_of_its_id() -> None:
     soft = case(defect=SLOT).bearing.material.model_copy(update={"young_modulus": 100e9})
     softer = case(defect=SLOT, bearing=case().bearing.model_copy(update={"material": soft}))
