@@ -159,7 +159,9 @@ def test_balls_and_shared_pressure_have_no_slices() -> None:
 
 
 def test_too_many_slices_are_told_with_everything_else() -> None:
-    pits = [PIT | {"length": "0.1 mm", "angle": f"{12 * n} deg", "offset": f"{0.35 * n - 5} mm"} for n in range(30)]
+    pits = [
+        PIT | {"length": "0.1 mm", "angle": f"{12 * n} deg", "offset": f"{0.35 * n - 5} mm"} for n in range(30)
+    ]
     with pytest.raises(ValidationError) as caught:
         case(defects=pits, contact={"slices": 48}, record=["roller.1.outer_line_load.3", "roller.14.tilt"])
     found = [conflict.message for conflict in caught.value.errors()[0]["ctx"]["conflicts"]]
@@ -194,7 +196,7 @@ def test_loads_at_rest_know_that_a_ring_leans() -> None:
     )
     assert straight[0] == pytest.approx(316, rel=0.01)
     assert leaning[0] == pytest.approx(455, rel=0.01)
-    assert leaning[1] > straight[1]
+    assert leaning[2] > 1.3 * straight[2]  # damping goes with the force, stiffness with the length that carries
 
 
 def test_what_is_the_same_has_one_id() -> None:
