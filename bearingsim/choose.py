@@ -13,10 +13,11 @@ from typing import Any
 
 from bearingsim import build
 from bearingsim.config import CHANNELS, Case
+from bearingsim.config.slicing import slice_count
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import DEPTH, REDUCED, SPAN, USED, X_E, B, sliding
-from bearingsim.core.equilibrium import NoEquilibrium, find_rest, rest_from_scratch
+from bearingsim.core.equilibrium import NoEquilibrium
 from bearingsim.core.excitations import LEAPS
 from bearingsim.core.methods.interface import load_number
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
@@ -149,12 +150,12 @@ def _healthy(case: Case) -> Case:
 def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Largest outer contact force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
     model = build.relaxed(build.model(healthy), LONGEST)
-    y, still = build.empty_buffer(model), build.statics(model)
+    y = build.empty_buffer(model)
     pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     load, K, C = 0.0, 0.0, 0.0
     for n in range(SAMPLES_OF_A_PASS):
         t = (n + 0.5) / SAMPLES_OF_A_PASS * pass_time
-        (rest_from_scratch if n == 0 else find_rest)(still, t, y)
+        build.settle(model, t, y, from_scratch=n == 0)
         load = max(load, float(build.outer_forces(model, y).max()))
         K_now, C_now = start_at_rest(model, t, y)
         K, C = max(K, K_now), max(C, C_now)
@@ -328,7 +329,7 @@ def estimate(case: Case) -> Estimate:
     cut = grid(case)
     computed = 1 if repeats(case) else cut.passes
     steps = computed * cut.steps_per_pass
-    cost = build.method_kind(case).evaluations * build.kind(case).cost
+    cost = build.method_kind(case).evaluations * build.kind(case).cost * (slice_count(case) or 1)
     columns = sum(len(CHANNELS[name].components) for name in case.record)
     return Estimate(
         cpu_seconds=OVERHEAD + steps * cost,

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from bearingsim import build, choose
 from bearingsim.build import space
 from bearingsim.config import Case, dataset_names
-from bearingsim.config.slicing import slice_ends
+from bearingsim.config.slicing import slice_count, slice_ends
 from bearingsim.core.cage_in_space import CageInPlane
 from bearingsim.core.flanges import NoFlanges
 from bearingsim.core.mounts import Held, Sprung
 from bearingsim.core.slices import MAX_SLICES, WEIGHT, ZETA, edges
-from bearingsim.study.jobs import case_id
+from bearingsim.study.jobs import _twin, case_id
 
 PIT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
 SPRUNG = {"axial_stiffness": "1e7 N/m", "tilting_stiffness": "1e4 N m/rad"}
@@ -150,8 +151,59 @@ def test_a_kinematic_cage_holds_skew_and_itself() -> None:
 
 
 def test_balls_and_shared_pressure_have_no_slices() -> None:
-    assert "balls, which have no axis to tilt" in refusal(bearing="6205")[0]
+    with pytest.raises(ValidationError) as caught:
+        case(bearing="6205", record=["roller.outer_line_load"])
+    (only,) = caught.value.errors()[0]["ctx"]["conflicts"]
+    assert "balls, which have no axis to tilt" in only.message
     assert "not of its slices" in refusal(defect=PIT, excitation="pressure-share")[0]
+
+
+def test_too_many_slices_are_told_with_everything_else() -> None:
+    pits = [
+        PIT | {"length": "0.1 mm", "angle": f"{12 * n} deg", "offset": f"{0.35 * n - 5} mm"} for n in range(30)
+    ]
+    with pytest.raises(ValidationError) as caught:
+        case(defects=pits, contact={"slices": 48}, record=["roller.1.outer_line_load.3", "roller.14.tilt"])
+    found = [conflict.message for conflict in caught.value.errors()[0]["ctx"]["conflicts"]]
+    assert found == [
+        "the pits cut the roller into more than 64 slices",
+        "there is no roller 14: the bearing has 13",
+    ]
+
+
+def test_the_twin_of_a_job_with_line_loads_keeps_to_its_own_slices() -> None:
+    record = ["ring.velocity", "roller.1.outer_line_load"]
+    aside = case(defect=PIT | {"length": "2.9 mm", "offset": "1.1 mm"}, record=record)
+    twin = _twin(aside, {})
+    assert twin is not None
+    assert slice_count(aside) == 25
+    assert slice_count(twin.case) == 24
+    assert twin.case.record == ("ring.velocity",)
+
+
+def test_a_flange_force_without_flanges_stays_zero() -> None:
+    bare = case().bearing.model_dump() | {"flanges": None}
+    assert refusal(bearing=bare, record=["roller.flange_force"])[0].startswith("`roller.flange_force` stays zero")
+
+
+def test_loads_at_rest_know_that_a_ring_leans() -> None:
+    """A lean of 1 mrad at 1 kN loads the ends of rollers: 455 N where the plane has 316."""
+    leaning, straight = (
+        choose.loads_at_rest(
+            build.healthy(case(load="1 kN", misalignment={"inner": lean}, contact={"slices": 12}))
+        )
+        for lean in ("1 mrad", "0 mrad")
+    )
+    assert straight[0] == pytest.approx(316, rel=0.01)
+    assert leaning[0] == pytest.approx(455, rel=0.01)
+    assert leaning[2] > 1.3 * straight[2]  # damping goes with the force, stiffness with the length that carries
+
+
+def test_what_is_the_same_has_one_id() -> None:
+    assert case_id(case(misalignment={})) == case_id(case())
+    assert case_id(case(contact={"length_nodes": 6})) == case_id(case())
+    given = {"excitation": "elastic-edge", "defect": PIT | {"edge": {"radius": "20 um"}}}
+    assert case_id(case(**given)) == case_id(case(excitation="elastic-edge", defect=PIT))
 
 
 def test_what_only_space_knows_names_no_result_of_another_model() -> None:

@@ -11,10 +11,10 @@ import numpy as np
 
 from bearingsim.build import contacts, free, geometry, impulses, pits, space
 from bearingsim.build.rest import anchor, statics
-from bearingsim.config import Case
+from bearingsim.config import Cage, Case, Frictionless, HuntCrossley
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.defects import ANGLE, CUSP, ON, ON_OUTER, RADIUS, Pits
-from bearingsim.core.equilibrium import rest_from_scratch
+from bearingsim.core.equilibrium import find_rest, rest_from_scratch
 from bearingsim.core.layout import EPS, Q_O, buffer
 from bearingsim.core.methods import equilibrium, rk4, verlet
 from bearingsim.core.methods import impulses as exact
@@ -39,6 +39,7 @@ __all__ = [
     "model",
     "outer_forces",
     "relaxed",
+    "settle",
     "start",
     "statics",
 ]
@@ -109,7 +110,7 @@ def met(case: Case) -> Pits:
 
 def support(case: Case) -> Support:
     """Load and bracket of the case."""
-    x_0, y_0 = anchor_in_space(healthy(case)) if space.uneven(case) else anchor(case)
+    x_0, y_0 = anchor_in_space(_at_rest(case)) if space.uneven(case) else anchor(case)
     return Support(case.load, case.load_across, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
 
 
@@ -119,7 +120,15 @@ def healthy(case: Case) -> Case:
     return case.model_copy(update=same | {"excitation": "envelope", "seed": 0})
 
 
-@lru_cache(maxsize=64)
+def _at_rest(case: Case) -> Case:
+    """The healthy case without what only motion knows."""
+    still: dict[str, Any] = {"friction": Frictionless(), "cage": Cage()}
+    still["contact"] = case.contact.model_copy(update={"damping": HuntCrossley()})
+    still |= dict.fromkeys(("drag", "ramp", "unbalance"))
+    return healthy(case).model_copy(update=still | {"start_angle": 0.0, "antialias": True, "method": "verlet"})
+
+
+@lru_cache(maxsize=256)
 def anchor_in_space(case: Case) -> tuple[float, float]:
     """Mean place (m, m) over a ball pass of a ring whose rollers are loaded unevenly along their length."""
     free_ring = Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
@@ -163,12 +172,16 @@ def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
     """
     y, residual = empty_buffer(model), 0.0
     if kind(case).loaded:
-        residual = rest_from_scratch(statics(model), 0.0, y)
-        if isinstance(model, spatial.Spatial):
-            residual = rest_in_space(model, 0.0, y)
+        residual = settle(model, 0.0, y, from_scratch=True)
         y[EPS : EPS + model.bearing.Z] = free.scattered(case) if kind(case).slips else 0.0
         start_at_rest(model, 0.0, y)
     return y, residual
+
+
+def settle(model: Any, t: float, y: np.ndarray, from_scratch: bool = False) -> float:
+    """Put rings and rollers at rest at time ``t`` (s), near a rest or from scratch; the force left over (N)."""
+    left = (rest_from_scratch if from_scratch else find_rest)(statics(model), t, y)
+    return rest_in_space(model, t, y) if isinstance(model, spatial.Spatial) else float(left)
 
 
 def empty_buffer(model: Any) -> np.ndarray:

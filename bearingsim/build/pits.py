@@ -12,7 +12,7 @@ from bearingsim.build.contacts import point_contact
 from bearingsim.build.geometry import inner_radius, outer_radius
 from bearingsim.build.rest import largest_load
 from bearingsim.config import Case
-from bearingsim.config.defect import SIMPLE
+from bearingsim.config.defect import EDGE_RADIUS, SIMPLE
 from bearingsim.config.scan import read_scan
 from bearingsim.core import excitations as felt
 from bearingsim.core.defects import (
@@ -43,8 +43,6 @@ from bearingsim.core.depth import (
 from bearingsim.core.edge_contact import EdgeContact, edge_contact
 from bearingsim.core.spall import Spall
 from bearingsim.core.traced import across, burr, grouped, sharpest_cusp, sliced, span_of, traced_pits
-
-EDGE_RADIUS = 20e-6  # m: of the edges of pits that are not said to be sharper or rounder; an assumption
 
 EXCITATIONS: dict[str, Any] = {
     "envelope": felt.Envelope(),
@@ -95,12 +93,6 @@ def met(case: Case, zetas: Places | None = None) -> list[Meeting]:
     return [one for found in together(case) for one in of_pits(case, found, zetas)]
 
 
-def extents(case: Case) -> list[tuple[float, float]]:
-    """From where to where (m, from its middle) along the roller each pit of the case reaches."""
-    reach = [extent(depth_map(defect)) for defect in case.defects]
-    return [(z_0 + d.offset, z_1 + d.offset) for (_, _, z_0, z_1), d in zip(reach, case.defects, strict=True)]
-
-
 def excitation(case: Case) -> Any:
     """What a roller of the case feels of a pit."""
     if case.excitation == "pressure-share":
@@ -114,7 +106,7 @@ def elastic_edge(case: Case) -> EdgeContact:
     """Edges that give way under the largest load of the healthy bearing."""
     b, edge = case.bearing, case.defects[0].edge if case.defects else None
     E_star = b.material.young_modulus / (2.0 * (1.0 - b.material.poisson_ratio**2))
-    rho = EDGE_RADIUS if edge is None else float(edge.radius or EDGE_RADIUS)
+    rho = float((edge and edge.radius) or EDGE_RADIUS)
     L_w = contact_length(case, OUTER)
     return edge_contact(largest_load(case), L_w, b.roller_diameter / 2.0, outer_radius(case), E_star, rho)
 

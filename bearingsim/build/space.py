@@ -5,7 +5,7 @@ from typing import Any
 
 from bearingsim import config
 from bearingsim.build import free, geometry
-from bearingsim.config import Case
+from bearingsim.config import Case, ladder
 from bearingsim.config.slicing import slice_ends
 from bearingsim.core import flanges as shoulders
 from bearingsim.core import slices as cut
@@ -36,7 +36,7 @@ def drop(case: Case, z: float) -> float:
 
 def uneven(case: Case) -> bool:
     """Whether rollers of the healthy bearing are loaded unevenly along their length."""
-    return case.model == "spatial" and (
+    return case.model in ladder.SLICED and (
         case.misalignment is not None or case.bearing.roller_profile.shape != "straight"
     )
 

@@ -10,7 +10,7 @@ from bearingsim.config.channels import channel
 from bearingsim.config.clearance import Clearance
 from bearingsim.config.conflicts import conflicts
 from bearingsim.config.contact import Contact
-from bearingsim.config.defect import Defect, Excitation
+from bearingsim.config.defect import EDGE_RADIUS, Defect, Edge, Excitation
 from bearingsim.config.fields import (
     Angle,
     Delay,
@@ -108,7 +108,9 @@ class Case(Section):
         if "start_angle" not in self.model_fields_set:
             self._fill("start_angle", math.pi / self.bearing.rollers)
         self._fill("contact", self._suited_contact())
-        self._fill("defects", tuple(_numbered(defect) for defect in self.defects))
+        self._fill("defects", tuple(self._completed(_numbered(defect)) for defect in self.defects))
+        if self.misalignment is not None and self.misalignment.inner == self.misalignment.outer == 0.0:
+            self._fill("misalignment", None)
         self._fill_free_motion()
         self._fill("record", tuple(name for channel in self.record for name in by_slices(channel, self)))
         return self
@@ -122,6 +124,12 @@ class Case(Section):
         self._fill("cage", cage)
         if self.friction is None:
             self._fill("friction", free.Frictionless() if cage.motion == "kinematic" else free.StaticDynamic())
+
+    def _completed(self, defect: Defect) -> Defect:
+        """A defect with the edges that its excitation takes it to have."""
+        if self.excitation != "elastic-edge" or defect.edge is not None:
+            return defect
+        return defect.model_copy(update={"edge": Edge(radius=EDGE_RADIUS)})
 
     def _suited_contact(self) -> Contact:
         if self.contact.stiffness is not None:

@@ -10,7 +10,7 @@ from bearingsim.config.contact import OF_LINES
 from bearingsim.config.defect import IMPULSES
 from bearingsim.config.free import Frictionless
 from bearingsim.config.pits import pit_conflicts
-from bearingsim.config.slicing import slice_ends
+from bearingsim.config.slicing import slice_count
 from bearingsim.units import show
 
 if TYPE_CHECKING:
@@ -106,12 +106,11 @@ def _in_space(case: "Case") -> Iterator[Conflict]:
     for name, section in (("rig", case.rig), ("shaft", case.shaft)):
         yield from _half_sprung(name, section)
     yield from _lean(case)
-    if case.model == "spatial":
-        try:
-            slice_ends(case)
-        except ValueError as error:
-            paths: tuple[Path, ...] = (("contact", "slices"), ("defects",))
-            yield Conflict("slices", paths, f"the pits cut the roller into {error}", "take fewer `contact.slices`")
+    sliced = case.model in ladder.SLICED and case.bearing.roller_length is not None
+    if sliced and slice_count(case) is None:
+        paths: tuple[Path, ...] = (("contact", "slices"), ("defects",))
+        message = "the pits cut the roller into more than 64 slices"
+        yield Conflict("slices", paths, message, "take fewer `contact.slices`, or fewer pits")
 
 
 def _half_sprung(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]:
@@ -152,10 +151,8 @@ def _record(case: "Case") -> Iterator[Conflict]:
 
 def _slice_of(at: Path, name: str, case: "Case") -> Iterator[Conflict]:
     number = slice_number(name)
-    if number is None or case.model != "spatial":
-        return
-    count = len(slice_ends(case)) - 1
-    if number > count:
+    count = slice_count(case)
+    if number is not None and count is not None and number > count:
         message = f"there is no slice {number}: the roller is cut into {count}"
         yield Conflict(
             "slice", (at, ("contact", "slices")), message, f"`{name.rpartition('.')[0]}` records them all"
@@ -175,6 +172,8 @@ def _still(name: str, case: "Case") -> tuple[str, str] | None:
         return "the bracket holds the ring", "give `rig.axial_stiffness` and `rig.tilting_stiffness`"
     if name in ("inner.axial", "inner.lean") and (case.shaft is None or case.shaft.tilting_stiffness is None):
         return "the shaft holds the ring", "give `shaft` with `axial_stiffness` and `tilting_stiffness`"
+    if plain(name) == "roller.flange_force" and case.bearing.flanges is None:
+        return "the bearing has no flanges", "give `bearing.flanges`"
     if name == "cage.position" and (case.cage is None or case.cage.guide == "centred"):
         return "the cage is centred", "give `cage.guide`"
     return None

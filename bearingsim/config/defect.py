@@ -44,6 +44,9 @@ ROLLED: tuple[Excitation, ...] = ("envelope", *IMPULSES)
 SIMPLE: tuple[Shape, ...] = ("rectangular", "triangular", "circular")
 """Shapes for which every excitation has a form."""
 
+EDGE_RADIUS = 20e-6
+"""Radius (m) of edges that give way (`elastic-edge`) and are not said to be sharper or rounder: an assumption."""
+
 SIZES = ("length", "width", "depth")
 _OF_SHAPE = {"grown": "spall", "seed": "spall", "file": "scan", "digest": "scan"}
 

@@ -23,6 +23,8 @@ LADDER = ("impulse", "static", "ring", "rollers", "planar", "spatial")
 METHODLESS = ("impulse", "static")
 FREE = ("planar", "spatial")
 """Models whose rollers and cage move freely."""
+SLICED = ("spatial",)
+"""Models whose rollers are cut into slices, and tilt."""
 
 _STATIC = frozenset({"balance", "forces", "a second load", "shapes", "balls"})
 _RING = _STATIC | {"damping", "acceleration", "weakened contact", "shared pressure"}

@@ -80,7 +80,7 @@ ROLLER = {
 LINE_LOADS = ("outer_line_load", "inner_line_load")
 """What has a value in each slice of a roller: `roller.3.outer_line_load.7` in the seventh from -z."""
 
-_OF_ROLLER = re.compile(r"roller\.([1-9]\d?)\.([a-z_]+)(?:\.([1-9]\d?))?", re.ASCII)
+_OF_ROLLER = re.compile(r"roller\.(?:([1-9]\d?)\.)?([a-z_]+)(?:\.([1-9]\d?))?", re.ASCII)
 
 
 class _Channels(dict[str, Channel]):
@@ -90,7 +90,7 @@ class _Channels(dict[str, Channel]):
         found = _OF_ROLLER.fullmatch(name)
         if not found or found[2] not in ROLLER or (found[3] and found[2] not in LINE_LOADS):
             raise KeyError(name)
-        return _numbered(found[2], found[1], found[3])
+        return _numbered(found[2], found[1] or "1", found[3])
 
     def __contains__(self, name: object) -> bool:
         try:

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from bearingsim.config import ladder
 from bearingsim.config.channels import line_load_of
 
 if TYPE_CHECKING:
@@ -21,13 +22,19 @@ def slice_ends(case: "Case") -> Any:
     return edges(float(case.bearing.roller_length or 0.0), map(reach, case.defects), case.contact.slices)
 
 
+def slice_count(case: "Case") -> int | None:
+    """Slices of the case's roller; None if its model has none, or they are too many: then the case is refused."""
+    if case.model not in ladder.SLICED or case.bearing.roller_length is None:
+        return None
+    try:
+        return len(slice_ends(case)) - 1
+    except ValueError:
+        return None
+
+
 def by_slices(channel: str, case: "Case") -> tuple[str, ...]:
     """The channel; of a line load along the whole roller one channel for each slice, if the model has slices."""
-    whole = line_load_of(channel)
-    if whole is None or case.model != "spatial" or case.bearing.roller_length is None:
+    whole, count = line_load_of(channel), slice_count(case)
+    if whole is None or count is None:
         return (channel,)
-    try:
-        count = len(slice_ends(case)) - 1
-    except ValueError:
-        return (channel,)  # the case is refused for it
     return tuple(f"{whole}.{number}" for number in range(1, count + 1))

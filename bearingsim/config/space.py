@@ -53,7 +53,8 @@ class Flanges(Section):
 
     One flange of a ring stands on the side of +z. `clearance` is the whole axial play of a roller between two
     flanges (m), `height` that above the race (m; a fifth of the roller's diameter if not given). `stiffness` (N/m)
-    is linear, `damping` is chi (s/m) of a Hunt-Crossley contact. Clearance, height and contact are assumptions.
+    is linear and that of each of the two points in which a roller meets a flange; `damping` is chi (s/m) of their
+    Hunt-Crossley contact. Clearance, height and contact are assumptions.
     """
 
     inner: Annotated[int, whole(0, 2)] = 0

@@ -30,7 +30,8 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
     one that dies alone becomes a failure.
     """
     if workers == 1:
-        yield from map(compute, works)
+        for work in works:  # not `map`, which a StopIteration from within would end in silence
+            yield compute(work)
         return
     waiting, barren = list(works), 0
     while waiting:

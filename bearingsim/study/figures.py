@@ -13,7 +13,7 @@ DRAWN = (*FEATURES, "seconds")
 _LOADED = tuple(model for model in ladder.LADDER if model != "impulse")
 KNOWN_TO = {
     "cage": ladder.FREE,
-    **dict.fromkeys(("tilt", "line_load"), ("spatial",)),
+    **dict.fromkeys(("tilt", "line_load"), ladder.SLICED),
     **dict.fromkeys(("outer_force", "inner_force", "load_zone"), _LOADED),
 }
 """Which models give the features that begin so; all others are every model's."""

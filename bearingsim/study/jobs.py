@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bearingsim.config import Case, ladder
+from bearingsim.config.channels import slice_number
 from bearingsim.study.used import used
 
 
@@ -95,7 +96,8 @@ def _twin(case: Case, swept: dict[str, float | str]) -> Job | None:
     if not case.defects or case.model == "impulse":
         return None
     dropped = {"defect", "defects", "excitation"} | ({"seed"} if case.model not in ladder.FREE else set())
-    plain = {name: Case.model_fields[name].default for name in dropped & Case.model_fields.keys()}
+    plain: dict[str, Any] = {name: Case.model_fields[name].default for name in dropped & Case.model_fields.keys()}
+    plain["record"] = tuple(name for name in case.record if slice_number(name) is None)  # it is cut otherwise
     healthy = case.model_copy(update=plain)
     kept = {path: value for path, value in swept.items() if path.split(".")[0] not in dropped}
     return Job(case_id(healthy), healthy, kept, None, twin=True)

@@ -46,7 +46,9 @@ def used(case: Case) -> dict[str, Any]:
         defect.pop("file")  # what is in it counts, not where it lies
     if case.model not in ladder.FREE and case.excitation != "random-impulses":
         values.pop("seed", None)
-    if case.model != "spatial":
+    if case.model in ladder.SLICED:
+        del values["contact"]["length_nodes"]
+    else:
         for section, names in IN_SPACE.items():
             for name in names if section in values else ():
                 del values[section][name]

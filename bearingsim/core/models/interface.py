@@ -13,7 +13,8 @@ class ModelKind(NamedTuple):
     parameters: its ``NamedTuple``; loaded: its rollers carry load, and it starts from their static equilibrium;
     slips: rollers and cage move freely and can slip; sliced: rollers are cut into slices, and tilt; memoryless:
     each instant stands alone, so it needs no method; per_crossing: steps of an automatic run over the narrowest
-    pit; cost: CPU s of an evaluation (benchmarks/step_cost.py, one core of a 2.6 GHz server; for estimates only).
+    pit; cost: CPU s of an evaluation, of a sliced model for each slice (benchmarks/step_cost.py, one core of a
+    2.6 GHz server; for estimates only).
     """
 
     parameters: type

@@ -355,4 +355,4 @@ def _damping_per_mass(model, y, j):
     return max(y[INVERSE_MASS + j] * c, c_tilt / model.I_t, held, mounted, rubbing / (1.0 + model.lag * rubbing))
 
 
-KIND = ModelKind(Spatial, loaded=True, slips=True, sliced=True, memoryless=False, per_crossing=100, cost=4.8e-6)
+KIND = ModelKind(Spatial, loaded=True, slips=True, sliced=True, memoryless=False, per_crossing=100, cost=0.38e-6)
