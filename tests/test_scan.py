@@ -261,8 +261,8 @@ def test_a_case_takes_sizes_from_the_file(tmp_path: Path) -> None:
     found = case_with(file, angle="10 deg", offset="1 mm")
     assert found.defects[0].length == read_scan(file).sizes[0]
     assert Case.model_validate(found.model_dump()) == found
-    assert notes(found) == [f"a.csv: {note}" for note in read_scan(file).notes]
-    assert notes(found.model_copy(update={"defects": ()})) == []
+    assert notes([found, found]) == [f"a.csv: {note}" for note in read_scan(file).notes]
+    assert notes([found.model_copy(update={"defects": ()})]) == []
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ does and why.
 """
 
 import hashlib
+from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -65,10 +66,10 @@ def _read(path: Path, modified: int, size: int) -> Scan:
     return Scan(grid.s, grid.z, grid.depth, sizes, digest, grid.notes)
 
 
-def notes(case: "Case") -> list[str]:
-    """What was repaired and assumed in the scans of a case."""
-    files = dict.fromkeys(defect.file for defect in case.defects if defect.file is not None)
-    return [f"{Path(file).name}: {note}" for file in files for note in read_scan(file).notes]
+def notes(cases: Iterable["Case"]) -> list[str]:
+    """What was repaired and assumed in the scans of some cases, each thing once. Raises ScanError."""
+    files = dict.fromkeys(d.file for case in cases for d in case.defects if d.file is not None)
+    return list(dict.fromkeys(f"{Path(file).name}: {note}" for file in files for note in read_scan(file).notes))
 
 
 # Repairs
