@@ -1,5 +1,6 @@
 """Scan files: what is read, what is repaired and told, what is refused."""
 
+import hashlib
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +57,22 @@ def refusal(path: Path) -> str:
     with pytest.raises(ScanError) as caught:
         read_scan(path)
     return str(caught.value)
+
+
+@pytest.mark.parametrize("write", [gridded, hdf5])
+def test_a_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, write: Any) -> None:
+    """Its digest is of what the depths were read from, even if it changes at once."""
+    path = write(tmp_path / ("a.h5" if write is hdf5 else "a.csv"), bowl())
+    content, ascending = path.read_bytes(), scanfile._ascending
+
+    def changing(*parts: np.ndarray) -> scanfile.Grid:
+        path.write_bytes(b"changed")
+        return ascending(*parts)
+
+    monkeypatch.setattr(scanfile, "_ascending", changing)
+    found = read_scan(path)
+    assert found.digest == hashlib.sha256(content).hexdigest()[:16]
+    assert found.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=1e-5)
 
 
 def test_all_forms_of_a_file_are_the_same_scan(tmp_path: Path) -> None:

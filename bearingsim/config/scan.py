@@ -4,7 +4,6 @@ In this order: axes (``scanfile``), spikes, missing cells, level, noise, middle.
 does and why.
 """
 
-import hashlib
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
@@ -54,8 +53,7 @@ def read_scan(path: str | Path) -> Scan:
 
 @lru_cache(maxsize=32)
 def _read(path: Path, modified: int, size: int) -> Scan:
-    grid = read_file(path)
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    grid, digest = read_file(path)
     if min(grid.depth.shape) < FEWEST:
         rows, columns = grid.depth.shape
         raise ScanError(f"{columns} places along s and {rows} along z: at least {FEWEST} each are needed")
