@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from bearingsim.config import Case, scanfile
+from bearingsim.build.pits import depth_map
+from bearingsim.config import Case, scan, scanfile
 from bearingsim.config.scan import ScanError, notes, read_scan
+from bearingsim.core import traced
 from bearingsim.study import load_study
 from bearingsim.study.jobs import case_id
 from bearingsim.yamlfile import StudyError
@@ -310,6 +312,31 @@ def test_a_file_that_changes_under_a_case_is_refused(tmp_path: Path) -> None:
     gridded(file, 0.9 * bowl())
     with pytest.raises(ValidationError, match="has changed since"):
         Case.model_validate(dumped)
+
+
+def test_a_sweep_over_many_scans_reads_and_traces_each_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A pass over them all does not drive the first ones out, nor what was made of them."""
+    files = [gridded(tmp_path / f"{n}.csv", (0.5 + 0.001 * n) * bowl()[::4, ::4], s=S[::4], z=Z[::4]) for n in
+             range(100)]  # fmt: skip
+    read, trace, counts = scan.read_file, traced.path_over, {"read": 0, "traced": 0}
+
+    def reading(path: Path) -> Any:
+        counts["read"] += 1
+        return read(path)
+
+    def tracing(*parts: Any) -> Any:
+        counts["traced"] += 1
+        return trace(*parts)
+
+    monkeypatch.setattr(scan, "read_file", reading)
+    monkeypatch.setattr(traced, "path_over", tracing)
+    for _ in range(2):
+        for file in files:
+            (defect,) = case_with(file).defects
+            traced.paths_over(depth_map(defect), 0.006, (0.0,))
+    assert counts == {"read": 100, "traced": 100}
 
 
 STUDY = """\

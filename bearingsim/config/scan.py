@@ -28,6 +28,11 @@ DAMAGED = 0.2  # share of a side's cells off the surroundings from which the dam
 SPECK = 5  # cells: what is smaller is noise
 NOISE = 3.0  # standard deviations of the surroundings
 
+REMEMBERED = 256
+"""Scans that a process keeps: more than a sweep has, since a sweep goes through them again and again, and reading one
+takes long. Usual ones have 50 to 150 kB: 40 MB in all. Whatever is made of a scan shares its arrays.
+"""
+
 
 class Scan(NamedTuple):
     """A pit as measured: depth (n_z, n_s) at s (n_s,) and z (n_z,) from its middle, all m; sizes: length, width,
@@ -51,7 +56,7 @@ def read_scan(path: str | Path) -> Scan:
     return _read(file.absolute(), stat.st_mtime_ns, stat.st_size)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=REMEMBERED)
 def _read(path: Path, modified: int, size: int) -> Scan:
     grid, digest = read_file(path)
     if min(grid.depth.shape) < FEWEST:
