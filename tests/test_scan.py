@@ -15,6 +15,7 @@ from bearingsim.config.scan import ScanError, notes, read_scan
 from bearingsim.core import traced
 from bearingsim.study import load_study
 from bearingsim.study.jobs import case_id
+from bearingsim.study.schema import json_schema
 from bearingsim.yamlfile import StudyError
 
 S, Z = np.linspace(-1.5, 1.5, 61), np.linspace(-4.0, 4.0, 41)  # mm
@@ -298,6 +299,38 @@ def test_a_case_refuses_what_does_not_fit(tmp_path: Path, fields: dict[str, str]
     file = gridded(tmp_path / "a.csv", bowl(), f"depth [{unit}] | z [mm] | s [mm]")
     with pytest.raises(ValidationError, match=part.replace("(", r"\(").replace(")", r"\)")):
         case_with(file, **fields)
+
+
+@pytest.mark.parametrize(
+    ("fields", "part"),
+    [
+        ({}, "a scan's digest comes from its file"),
+        ({"length": "3 mm", "width": "1 mm", "depth": "20 um"}, "a scan's length comes from its file"),
+        ({"length": 6e-3, "width": 2e-3, "depth": 20e-6}, "a scan's depth comes from its file"),
+        ({"length": 6e-3, "width": 2e-3}, "a scan's length comes from its file"),
+    ],
+)
+def test_nobody_but_the_file_says_its_digest_and_sizes(tmp_path: Path, fields: dict[str, Any], part: str) -> None:
+    """Only what a case itself has said of the same file may stand beside it."""
+    file = gridded(tmp_path / "a.csv", bowl())
+    digest = read_scan(file).digest
+    sizes = dict(zip(("length", "width", "depth"), read_scan(file).sizes, strict=True))
+    made = case_with(file, digest=digest, **sizes)
+    assert made == case_with(file)
+    with pytest.raises(ValidationError, match=part):
+        case_with(file, digest=digest, **fields)
+
+
+def test_a_digest_in_a_study_is_refused(tmp_path: Path) -> None:
+    digest = read_scan(gridded(tmp_path / "a.csv", bowl())).digest
+    path = tmp_path / "study.yaml"
+    path.write_text(STUDY.replace("FILE", f"a.csv, digest: {digest}, length: 3 mm, width: 1 mm, depth: 20 um"))
+    with pytest.raises(StudyError, match=r"defect\.length: a scan's length comes from its file"):
+        load_study(path)
+    path.write_text(STUDY.replace("FILE", f"a.csv, digest: {digest}"))
+    with pytest.raises(StudyError, match=r"defect\.digest: a scan's digest comes from its file \(leave it out"):
+        load_study(path)
+    assert "digest" not in json_schema()["$defs"]["Defect"]["properties"]
 
 
 def test_a_job_is_named_by_what_is_in_the_file(tmp_path: Path) -> None:

@@ -29,8 +29,8 @@ SPECK = 5  # cells: what is smaller is noise
 NOISE = 3.0  # standard deviations of the surroundings
 
 REMEMBERED = 256
-"""Scans that a process keeps: more than a sweep has, since a sweep goes through them again and again, and reading one
-takes long. Usual ones have 50 to 150 kB: 40 MB in all. Whatever is made of a scan shares its arrays.
+"""Scans that a process keeps: more than a sweep has, which goes through them again and again, and reading takes
+long. Usual ones have 50 to 150 kB, 40 MB in all; whatever is made of a scan shares its arrays.
 """
 
 
