@@ -392,12 +392,25 @@ def test_a_file_is_looked_for_beside_the_study(tmp_path: Path) -> None:
     assert [swept["defect.file"] for _, swept in load_study(path).swept_cases] == ["scans/a.csv", "scans/b.csv"]
 
 
+def test_the_working_folder_goes_before_the_study_s(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for folder, share in (("here", 1.0), ("study", 0.5)):
+        (tmp_path / folder).mkdir()
+        gridded(tmp_path / folder / "a.csv", share * bowl())
+    (tmp_path / "study" / "study.yaml").write_text(STUDY.replace("FILE", "a.csv"))
+    depths = []
+    for folder in ("here", "."):
+        monkeypatch.chdir(tmp_path / folder)
+        (found,) = load_study(tmp_path / "study" / "study.yaml").cases()
+        depths.append(round(1e6 * found.defects[0].depth))
+    assert depths == [50, 25]
+
+
 @pytest.mark.parametrize(
     ("file", "message"),
     [
         (
             "none.csv",
-            "defect.file: no file `none.csv` (a path is relative to the study, or to the working folder)",
+            "defect.file: no file `none.csv` (a path is relative to the working folder, or else to the study)",
         ),
         ("bad.csv", "defect.file: the unit of `s` is missing (write `s [um]`, or mm, m, nm)"),
         (

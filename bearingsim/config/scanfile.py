@@ -55,7 +55,7 @@ class Grid(NamedTuple):
 def read_file(path: Path) -> tuple[Grid, str]:
     """The grid of a file, ascending, and the digest of what was read. Raises ScanError for what is no scan."""
     if not path.is_file():
-        raise ScanError(f"no file `{path}`", "a path is relative to the study, or to the working folder")
+        raise ScanError(f"no file `{path}`", "a path is relative to the working folder, or else to the study")
     form = FORMS.get(path.suffix.lower())
     if form is None:
         raise ScanError(f"expected a file that ends in .csv, .h5 or .hdf5, got `{path.name}`")
