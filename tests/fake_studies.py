@@ -89,9 +89,14 @@ def estimate(case: FakeCase) -> SimpleNamespace:
     return SimpleNamespace(cpu_seconds=max(case.seconds, 0.001), bytes=8 * case.duration * case.sampling)
 
 
-def notes(case: FakeCase) -> list[str]:
-    """What is to be known of a case: its deed, if it has one."""
-    return [f"the deed is {case.deed}"] if case.deed.startswith("told") else []
+def notes(cases: list[FakeCase]) -> list[str]:
+    """What is to be known of cases: their deeds that are told; one read from a file is what the file says."""
+    deeds = dict.fromkeys(case.deed for case in cases if case.deed.startswith("told"))
+    return [f"the deed is {_read(deed)}" for deed in deeds]
+
+
+def _read(deed: str) -> str:
+    return Path(deed.split()[-1]).read_text() if deed.startswith("told in") else deed
 
 
 def warm(cases: list[FakeCase]) -> None:
@@ -138,6 +143,8 @@ def simulate(case: FakeCase) -> SimpleNamespace:
         os._exit(3)
     if deed == "kill":
         os.kill(os.getpid(), signal.SIGKILL)
+    if deed == "told" and flag.startswith("in "):
+        Path(flag.removeprefix("in ")).unlink()
     if deed == "die-once" and not Path(flag).exists():
         Path(flag).touch()
         os._exit(4)

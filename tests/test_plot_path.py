@@ -56,11 +56,22 @@ def test_a_leaning_roller_is_deeper_at_one_end():
     assert found.at(3e-3) == pytest.approx(found.depth + 3e-6)
 
 
-def test_on_the_inner_race_inwards_is_deep():
-    given = case(defect=SLOT | {"race": "inner", "angle": "-110 deg"}, model="rollers", record=RECORD[:1])
+def test_on_the_inner_race_inwards_is_deep_and_rollers_come_from_ahead():
+    """The race is faster than they are: what deepens as the roller goes on deepens towards -s."""
+    record = [RECORD[0], "roller.2.tilt"]
+    given = case(defect=SLOT | {"race": "inner", "angle": "-110 deg"}, model="spatial", record=record)
     [pit] = pits_of(given)
-    found = path_taken(job_of(given, **{"roller.2.radial": -5e-6}), given, pit)
-    assert found.depth == pytest.approx(np.full(len(found.s), 5e-6))
+    ramps = {"roller.2.radial": lambda angle: -5e-6 - 2e-5 * angle, "roller.2.tilt": lambda angle: 1e-3 * angle}
+    found = path_taken(job_of(given, **ramps), given, pit)
+    start = -0.6 + 2.0 * math.pi / 13
+    faster = given.speed - OMEGA_C
+    met = math.radians(110.0) + start - given.speed * given.settle  # what the ring must still turn further
+    time = (met % (2.0 * math.pi) - found.s / 0.0265) / faster
+    angle = start + OMEGA_C * time
+    assert np.all(np.diff(found.s) > 0.0)
+    assert [found.s[0], found.s[-1]] == pytest.approx([-0.64e-3, 0.64e-3], abs=6e-5)
+    assert found.depth == pytest.approx(5e-6 + 2e-5 * angle, abs=1e-9)
+    assert found.lean == pytest.approx(-1e-3 * angle, abs=1e-7)
 
 
 @pytest.mark.parametrize(

@@ -111,6 +111,14 @@ def test_summary_tells_what_is_to_be_known_of_the_cases(tmp_path: Path) -> None:
     assert str(summary).endswith("the deed is told a\nthe deed is told b")
 
 
+def test_what_is_to_be_known_is_gathered_before_its_source_can_go(tmp_path: Path) -> None:
+    (tmp_path / "deed").write_text("a file's")
+    summary = compute(FakeStudy(deeds={0: f"told in {tmp_path / 'deed'}"}), tmp_path / "out")
+    assert not (tmp_path / "deed").exists()
+    assert summary.notes == ("the deed is a file's",)
+    assert journal_of(tmp_path / "out")[-1]["event"] == "end"
+
+
 def test_second_run_computes_nothing(tmp_path: Path) -> None:
     study = FakeStudy()
     compute(study, tmp_path)

@@ -1,5 +1,6 @@
 """Scan files: what is read, what is repaired and told, what is refused."""
 
+import hashlib
 from pathlib import Path
 from typing import Any
 
@@ -8,10 +9,13 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from bearingsim.config import Case, scanfile
+from bearingsim.build.pits import depth_map
+from bearingsim.config import Case, scan, scanfile
 from bearingsim.config.scan import ScanError, notes, read_scan
+from bearingsim.core import traced
 from bearingsim.study import load_study
 from bearingsim.study.jobs import case_id
+from bearingsim.study.schema import json_schema
 from bearingsim.yamlfile import StudyError
 
 S, Z = np.linspace(-1.5, 1.5, 61), np.linspace(-4.0, 4.0, 41)  # mm
@@ -56,6 +60,22 @@ def refusal(path: Path) -> str:
     with pytest.raises(ScanError) as caught:
         read_scan(path)
     return str(caught.value)
+
+
+@pytest.mark.parametrize("write", [gridded, hdf5])
+def test_a_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, write: Any) -> None:
+    """Its digest is of what the depths were read from, even if it changes at once."""
+    path = write(tmp_path / ("a.h5" if write is hdf5 else "a.csv"), bowl())
+    content, ascending = path.read_bytes(), scanfile._ascending
+
+    def changing(*parts: np.ndarray) -> scanfile.Grid:
+        path.write_bytes(b"changed")
+        return ascending(*parts)
+
+    monkeypatch.setattr(scanfile, "_ascending", changing)
+    found = read_scan(path)
+    assert found.digest == hashlib.sha256(content).hexdigest()[:16]
+    assert found.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=1e-5)
 
 
 def test_all_forms_of_a_file_are_the_same_scan(tmp_path: Path) -> None:
@@ -261,8 +281,8 @@ def test_a_case_takes_sizes_from_the_file(tmp_path: Path) -> None:
     found = case_with(file, angle="10 deg", offset="1 mm")
     assert found.defects[0].length == read_scan(file).sizes[0]
     assert Case.model_validate(found.model_dump()) == found
-    assert notes(found) == [f"a.csv: {note}" for note in read_scan(file).notes]
-    assert notes(found.model_copy(update={"defects": ()})) == []
+    assert notes([found, found]) == [f"a.csv: {note}" for note in read_scan(file).notes]
+    assert notes([found.model_copy(update={"defects": ()})]) == []
 
 
 @pytest.mark.parametrize(
@@ -281,6 +301,38 @@ def test_a_case_refuses_what_does_not_fit(tmp_path: Path, fields: dict[str, str]
         case_with(file, **fields)
 
 
+@pytest.mark.parametrize(
+    ("fields", "part"),
+    [
+        ({}, "a scan's digest comes from its file"),
+        ({"length": "3 mm", "width": "1 mm", "depth": "20 um"}, "a scan's length comes from its file"),
+        ({"length": 6e-3, "width": 2e-3, "depth": 20e-6}, "a scan's depth comes from its file"),
+        ({"length": 6e-3, "width": 2e-3}, "a scan's length comes from its file"),
+    ],
+)
+def test_nobody_but_the_file_says_its_digest_and_sizes(tmp_path: Path, fields: dict[str, Any], part: str) -> None:
+    """Only what a case itself has said of the same file may stand beside it."""
+    file = gridded(tmp_path / "a.csv", bowl())
+    digest = read_scan(file).digest
+    sizes = dict(zip(("length", "width", "depth"), read_scan(file).sizes, strict=True))
+    made = case_with(file, digest=digest, **sizes)
+    assert made == case_with(file)
+    with pytest.raises(ValidationError, match=part):
+        case_with(file, digest=digest, **fields)
+
+
+def test_a_digest_in_a_study_is_refused(tmp_path: Path) -> None:
+    digest = read_scan(gridded(tmp_path / "a.csv", bowl())).digest
+    path = tmp_path / "study.yaml"
+    path.write_text(STUDY.replace("FILE", f"a.csv, digest: {digest}, length: 3 mm, width: 1 mm, depth: 20 um"))
+    with pytest.raises(StudyError, match=r"defect\.length: a scan's length comes from its file"):
+        load_study(path)
+    path.write_text(STUDY.replace("FILE", f"a.csv, digest: {digest}"))
+    with pytest.raises(StudyError, match=r"defect\.digest: a scan's digest comes from its file \(leave it out"):
+        load_study(path)
+    assert "digest" not in json_schema()["$defs"]["Defect"]["properties"]
+
+
 def test_a_job_is_named_by_what_is_in_the_file(tmp_path: Path) -> None:
     one, same = gridded(tmp_path / "a.csv", bowl()), gridded(tmp_path / "b.csv", bowl())
     other = gridded(tmp_path / "c.csv", 0.9 * bowl())
@@ -293,6 +345,31 @@ def test_a_file_that_changes_under_a_case_is_refused(tmp_path: Path) -> None:
     gridded(file, 0.9 * bowl())
     with pytest.raises(ValidationError, match="has changed since"):
         Case.model_validate(dumped)
+
+
+def test_a_sweep_over_many_scans_reads_and_traces_each_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A pass over them all does not drive the first ones out, nor what was made of them."""
+    files = [gridded(tmp_path / f"{n}.csv", (0.5 + 0.001 * n) * bowl()[::4, ::4], s=S[::4], z=Z[::4]) for n in
+             range(100)]  # fmt: skip
+    read, trace, counts = scan.read_file, traced.path_over, {"read": 0, "traced": 0}
+
+    def reading(path: Path) -> Any:
+        counts["read"] += 1
+        return read(path)
+
+    def tracing(*parts: Any) -> Any:
+        counts["traced"] += 1
+        return trace(*parts)
+
+    monkeypatch.setattr(scan, "read_file", reading)
+    monkeypatch.setattr(traced, "path_over", tracing)
+    for _ in range(2):
+        for file in files:
+            (defect,) = case_with(file).defects
+            traced.paths_over(depth_map(defect), 0.006, (0.0,))
+    assert counts == {"read": 100, "traced": 100}
 
 
 STUDY = """\
@@ -315,12 +392,25 @@ def test_a_file_is_looked_for_beside_the_study(tmp_path: Path) -> None:
     assert [swept["defect.file"] for _, swept in load_study(path).swept_cases] == ["scans/a.csv", "scans/b.csv"]
 
 
+def test_the_working_folder_goes_before_the_study_s(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for folder, share in (("here", 1.0), ("study", 0.5)):
+        (tmp_path / folder).mkdir()
+        gridded(tmp_path / folder / "a.csv", share * bowl())
+    (tmp_path / "study" / "study.yaml").write_text(STUDY.replace("FILE", "a.csv"))
+    depths = []
+    for folder in ("here", "."):
+        monkeypatch.chdir(tmp_path / folder)
+        (found,) = load_study(tmp_path / "study" / "study.yaml").cases()
+        depths.append(round(1e6 * found.defects[0].depth))
+    assert depths == [50, 25]
+
+
 @pytest.mark.parametrize(
     ("file", "message"),
     [
         (
             "none.csv",
-            "defect.file: no file `none.csv` (a path is relative to the study, or to the working folder)",
+            "defect.file: no file `none.csv` (a path is relative to the working folder, or else to the study)",
         ),
         ("bad.csv", "defect.file: the unit of `s` is missing (write `s [um]`, or mm, m, nm)"),
         (

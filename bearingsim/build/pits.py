@@ -13,7 +13,7 @@ from bearingsim.build.geometry import inner_radius, outer_radius
 from bearingsim.build.rest import largest_load
 from bearingsim.config import Case
 from bearingsim.config.defect import EDGE_RADIUS, SIMPLE
-from bearingsim.config.scan import read_scan
+from bearingsim.config.scan import REMEMBERED, read_scan
 from bearingsim.core import excitations as felt
 from bearingsim.core.defects import (
     INNER,
@@ -151,7 +151,7 @@ def depth_map(d: config.Defect) -> Any:
     return pit if d.edge is None else Eased(pit, d.edge.radius or 0.0, d.edge.ramp or 0.0)
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=REMEMBERED)
 def scanned(file: str, digest: str) -> Scanned:
     """The map in a file. Raises ValueError if the file is no longer what the case was made from."""
     found = read_scan(file)

@@ -155,6 +155,7 @@ SLIPS_PER_DECADE = 50
 
 def show(plan: Plan, verbose: bool) -> None:
     """Print the plan; verbose: a line for each case, too."""
+    from bearingsim.config.scan import notes
     from bearingsim.runner.progress import duration
 
     study, out = plan.study, console()
@@ -168,7 +169,7 @@ def show(plan: Plan, verbose: bool) -> None:
     rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
     print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
-    for told in [*choices(plan), *notes(plan.study)]:
+    for told in [*choices(plan), *notes(study.cases())]:
         out.print(told, markup=False)
     if verbose:
         _show_cases(plan)
@@ -195,13 +196,6 @@ def choices(plan: Plan) -> list[str]:
         found[text] = found.get(text, 0) + 1
     count = len(plan.cases)
     return [text if n == count else f"{n} of {count} cases: {text}" for text, n in found.items()]
-
-
-def notes(study: "Study") -> list[str]:
-    """What was repaired and assumed in the scans of a study, each thing once."""
-    from bearingsim.config import scan
-
-    return list(dict.fromkeys(note for case in study.cases() for note in scan.notes(case)))
 
 
 def _written_model(study: "Study") -> str | None:
@@ -257,6 +251,8 @@ def size(count: int) -> str:
 
 def as_json(plan: Plan) -> str:
     """The plan for a script: SI, null where there is no limit."""
+    from bearingsim.config.scan import notes
+
     found = {
         "study": plan.study.name,
         "cases": len(plan.cases),
@@ -266,7 +262,7 @@ def as_json(plan: Plan) -> str:
         "workers": plan.workers,
         "bytes": plan.bytes,
         "refused": list(plan.refused),
-        "notes": notes(plan.study),
+        "notes": notes(plan.study.cases()),
         "jobs": [_job_entry(priced) for priced in plan.everything],
     }
     return json.dumps(found, indent=1)

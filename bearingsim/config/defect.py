@@ -1,5 +1,6 @@
 """A pit, and how it is let act on the rollers."""
 
+from math import isclose
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BeforeValidator, model_validator
@@ -48,6 +49,7 @@ EDGE_RADIUS = 20e-6
 """Radius (m) of edges that give way (`elastic-edge`) and are not said to be sharper or rounder: an assumption."""
 
 SIZES = ("length", "width", "depth")
+SAME_SIZE = 1e-6  # relative: machines differ in the last digits of what levelling a scan leaves
 _OF_SHAPE = {"grown": "spall", "seed": "spall", "file": "scan", "digest": "scan"}
 
 
@@ -75,7 +77,7 @@ class Defect(Section):
     towards +z (m).
 
     A `spall` has the given sizes when it is `grown` to 1; `seed` is which spall it is. A `scan` is read from
-    `file` (CSV or HDF5) and brings its sizes; `digest` is of the file's content.
+    `file` (CSV or HDF5) and brings its sizes and `digest`, of the file's content: not for users to set.
     """
 
     race: Annotated[Race, one_of(*get_args(Race))] = "outer"
@@ -133,13 +135,23 @@ def _with_scan(said: dict[str, Any]) -> dict[str, Any]:
         )
     from bearingsim.config.scan import ScanError, read_scan  # numpy is for those who scan
 
-    given = [name for name in SIZES if name in said]
-    if given and "digest" not in said:
+    given = [name for name in (*SIZES, "digest") if name in said]
+    made = len(given) == len(SIZES) + 1 and all(isinstance(said[name], int | float) for name in SIZES)
+    if given and not made:
         refuse("foreign", f"a scan's {given[0]} comes from its file", "leave it out", at=given[0])
     try:
         scan = read_scan(said["file"])
     except ScanError as error:
         refuse("scan", error.message, error.hint, at="file")
-    if said.get("digest", scan.digest) != scan.digest:
-        refuse("changed", f"`{said['file']}` has changed since", "make the case anew", at="file")
+    if made:
+        _check_unchanged(said, scan.digest, scan.sizes)
     return said | dict(zip(SIZES, scan.sizes, strict=True)) | {"digest": scan.digest}
+
+
+def _check_unchanged(said: dict[str, Any], digest: str, sizes: tuple[float, ...]) -> None:
+    """Refuse what a defect that was made before says of its file, if it is not so."""
+    if said["digest"] != digest:
+        refuse("changed", f"`{said['file']}` has changed since", "make the case anew", at="file")
+    for name, size in zip(SIZES, sizes, strict=True):
+        if not isclose(said[name], size, rel_tol=SAME_SIZE):
+            refuse("foreign", f"a scan's {name} comes from its file", "leave it out", at=name)

@@ -4,7 +4,7 @@ In this order: axes (``scanfile``), spikes, missing cells, level, noise, middle.
 does and why.
 """
 
-import hashlib
+from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -27,6 +27,11 @@ UNEVEN = 0.1  # of the depth: most that three standard deviations of the surroun
 DAMAGED = 0.2  # share of a side's cells off the surroundings from which the damage reaches it
 SPECK = 5  # cells: what is smaller is noise
 NOISE = 3.0  # standard deviations of the surroundings
+
+REMEMBERED = 256
+"""Scans that a process keeps: more than a sweep has, which goes through them again and again, and reading takes
+long. Usual ones have 50 to 150 kB, 40 MB in all; whatever is made of a scan shares its arrays.
+"""
 
 
 class Scan(NamedTuple):
@@ -51,10 +56,9 @@ def read_scan(path: str | Path) -> Scan:
     return _read(file.absolute(), stat.st_mtime_ns, stat.st_size)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=REMEMBERED)
 def _read(path: Path, modified: int, size: int) -> Scan:
-    grid = read_file(path)
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    grid, digest = read_file(path)
     if min(grid.depth.shape) < FEWEST:
         rows, columns = grid.depth.shape
         raise ScanError(f"{columns} places along s and {rows} along z: at least {FEWEST} each are needed")
@@ -65,10 +69,10 @@ def _read(path: Path, modified: int, size: int) -> Scan:
     return Scan(grid.s, grid.z, grid.depth, sizes, digest, grid.notes)
 
 
-def notes(case: "Case") -> list[str]:
-    """What was repaired and assumed in the scans of a case."""
-    files = dict.fromkeys(defect.file for defect in case.defects if defect.file is not None)
-    return [f"{Path(file).name}: {note}" for file in files for note in read_scan(file).notes]
+def notes(cases: Iterable["Case"]) -> list[str]:
+    """What was repaired and assumed in the scans of some cases, each thing once. Raises ScanError."""
+    files = dict.fromkeys(d.file for case in cases for d in case.defects if d.file is not None)
+    return list(dict.fromkeys(f"{Path(file).name}: {note}" for file in files for note in read_scan(file).notes))
 
 
 # Repairs

@@ -16,9 +16,11 @@ comments.
 """
 
 import csv
+import hashlib
+import io
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -50,25 +52,33 @@ class Grid(NamedTuple):
     notes: tuple[str, ...]
 
 
-def read_file(path: Path) -> Grid:
-    """The grid of a file, ascending. Raises ScanError for one that is not of the format."""
+def read_file(path: Path) -> tuple[Grid, str]:
+    """The grid of a file, ascending, and the digest of what was read. Raises ScanError for what is no scan."""
     if not path.is_file():
-        raise ScanError(f"no file `{path}`", "a path is relative to the study, or to the working folder")
-    if path.suffix.lower() in (".h5", ".hdf5"):
-        return _ascending(*_hdf5(path))
-    if path.suffix.lower() in (".csv", ".txt"):
-        return _csv(path)
-    raise ScanError(f"expected a file that ends in .csv, .h5 or .hdf5, got `{path.name}`")
+        raise ScanError(f"no file `{path}`", "a path is relative to the working folder, or else to the study")
+    form = FORMS.get(path.suffix.lower())
+    if form is None:
+        raise ScanError(f"expected a file that ends in .csv, .h5 or .hdf5, got `{path.name}`")
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise ScanError(f"`{path.name}` cannot be read: {error.strerror}") from None
+    return form(path.name, content), digest_of(content)
+
+
+def digest_of(content: bytes) -> str:
+    """16 hex digits that name what is in a file."""
+    return hashlib.sha256(content).hexdigest()[:16]
 
 
 # CSV
 
 
-def _csv(path: Path) -> Grid:
+def _csv(name: str, content: bytes) -> Grid:
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise ScanError(f"`{path.name}` is not a text file in UTF-8") from None
+        raise ScanError(f"`{name}` is not a text file in UTF-8") from None
     numbered = [
         (n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"
     ]
@@ -174,23 +184,23 @@ def _number(cell: str, line: int) -> float:
 # HDF5
 
 
-def _hdf5(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _hdf5(name: str, content: bytes) -> Grid:
     import h5py
 
     try:
-        with h5py.File(path, "r") as file:
+        with h5py.File(io.BytesIO(content), "r") as file:
             held = {name: file[name] for name in NAMES if isinstance(file.get(name), h5py.Dataset)}
             heads = [f"{name} [{_text(data.attrs.get('units', ''))}]" for name, data in held.items()]
             columns = _columns(heads or list(file))
             values = {name: np.array(held[name][()], dtype=float) * columns[name][1] for name in held}
     except (OSError, TypeError) as error:
-        raise ScanError(f"`{path.name}` cannot be read: {error}") from None
+        raise ScanError(f"`{name}` cannot be read: {error}") from None
     s, z, p = values["s"], values["z"], values["depth" if "depth" in values else "height"]
     if s.ndim != 1 or z.ndim != 1 or p.shape != (len(z), len(s)):
         shapes = f"s {s.shape}, z {z.shape}, depth {p.shape}"
         raise ScanError(f"expected s (n_s,), z (n_z,) and depth (n_z, n_s), got {shapes}")
     p[np.isinf(p)] = np.nan
-    return s, z, p
+    return _ascending(s, z, p)
 
 
 def _text(given: object) -> str:
@@ -218,6 +228,10 @@ def _check_axis(name: str, axis: np.ndarray) -> None:
     if not (np.all(steps > 0.0) or np.all(steps < 0.0)):
         k = int(np.flatnonzero(steps * np.sign(axis[-1] - axis[0]) <= 0.0)[0]) + 1
         raise ScanError(f"{name} does not run one way: value {k + 1} is not beyond value {k}")
+
+
+FORMS: dict[str, Callable[[str, bytes], Grid]] = {".csv": _csv, ".txt": _csv, ".h5": _hdf5, ".hdf5": _hdf5}
+"""How the content of a file is read, by the ending of its name."""
 
 
 def places(which: Iterable[tuple[int, int]], grid: Grid) -> str:

@@ -52,9 +52,11 @@ def paths_over(pit: Any, R: float, places: Sequence[float] | np.ndarray) -> tupl
     return _paths_over(pit, repr(pit), R, tuple(float(z) for z in places))
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=256)
 def _paths_over(pit: Any, named: str, R: float, places: tuple[float, ...]) -> tuple[Felt, ...]:
-    """``paths_over``, remembered; ``named`` tells shapes apart that are equal as tuples."""
+    """``paths_over``, remembered; ``named`` tells shapes apart that are equal as tuples. A rough pit in 41 slices
+    has 20 kB of paths: a sweep's pits are all kept.
+    """
     return tuple(_traced(section(pit, z), R) for z in places)
 
 

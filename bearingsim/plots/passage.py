@@ -104,5 +104,7 @@ def path_taken(job: Job, case: "Case", pit: Pit) -> Taken | None:
     s = (job.series.time - passage.time) * passage.speed
     tilt = recorded_as(f"roller.{number}.tilt", job.recorded)
     lean = series[tilt] if tilt else np.zeros(len(s))
+    if ring == "inner":  # which is faster than the rollers: they move towards -s
+        s, depth, lean = -s[::-1], depth[::-1], -lean[::-1]
     shown = (s >= pit.places()[0]) & (s <= pit.places()[-1])
-    return Taken(number, s[shown], depth[shown], (-lean if ring == "inner" else lean)[shown])
+    return Taken(number, s[shown], depth[shown], lean[shown])

@@ -41,12 +41,14 @@ def run(
     stored byte against its checksum before trusting it. progress: False shows none.
 
     Raises Interrupted (with the summary; what is done stays done), ValueError for options that contradict each
-    other, store.FolderInUse, WorkersDie, and OSError when the folder cannot be written.
+    other, store.FolderInUse, WorkersDie, ScanError when a scan's file is gone before anything is computed, and
+    OSError when the folder cannot be written.
     """
     started = time.perf_counter()
     name = f"{study.name}-quick" if study.quick else study.name
     root = Path(out if out is not None else Path("results") / name).resolve()
     every = study.jobs()
+    told = load(engine.notes)([job.case for job in every])  # now: files that it reads may go meanwhile
     workers, ours = _workers(jobs), shard_of(every, shard)
     _prepare(root, fresh, shard)
     earlier = store.planned_jobs(root)
@@ -66,7 +68,7 @@ def run(
     store.build_table(root)
     seconds = time.perf_counter() - started
     left_out = len((earlier & plan.sealed) - {job.id for job in every})
-    notes = (*_notes(left_out, plan.damaged), *_told(engine, every))
+    notes = (*_notes(left_out, plan.damaged), *told)
     summary = tally.summary(study.name, len(ours), plan.resumed, seconds, interrupted, notes)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
     if interrupted:
@@ -83,12 +85,6 @@ def _notes(left_out: int, damaged: int) -> Iterator[str]:
     if damaged:
         units = f"{damaged} damaged unit{'s' * (damaged > 1)}"
         yield f"{units} found and set aside (units/*/*.damaged): their jobs are computed again"
-
-
-def _told(engine: Engine, jobs: Sequence["Job"]) -> list[str]:
-    """What a user must know of the cases, each thing once."""
-    say = load(engine.notes)
-    return list(dict.fromkeys(note for job in jobs for note in say(job.case)))
 
 
 def _workers(asked: int | None) -> int:

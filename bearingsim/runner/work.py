@@ -30,7 +30,7 @@ POLL_S = 2.0
 @dataclass(frozen=True)
 class Engine:
     """Import paths ``module:function`` of what computes a case, estimates its cost, compiles beforehand, and says
-    what a user must know of a case.
+    what a user must know of all cases.
     """
 
     simulate: str = "bearingsim.simulation:simulate"

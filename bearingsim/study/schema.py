@@ -34,6 +34,7 @@ def json_schema() -> dict[str, Any]:
 def _case_fields(case: dict[str, Any]) -> dict[str, Any]:
     """The fields of a case; what is a section in Python may be a name in a file."""
     fields = dict(case["properties"])
+    del case["$defs"]["Defect"]["properties"]["digest"]  # not for users to set
     for name in ("bearing", "rig"):
         fields[name] = {"anyOf": [{"type": "string"}, {"$ref": f"#/$defs/{name.capitalize()}"}]}
     material = {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/Material"}]}
