@@ -19,6 +19,7 @@ from bearingsim.core.cage import drive_cage, let_go, orbit_drag, pocket_stiffnes
 from bearingsim.core.cage_in_space import axial_stiffness, cage_body, lean_cage, pockets_in_space
 from bearingsim.core.contact import damping_slope, stiffness_slope
 from bearingsim.core.defects import OUTER, RADIUS, SIDE, Pits
+from bearingsim.core.extremes import keep_largest_forces
 from bearingsim.core.flanges import flange_stiffness, guide_axially
 from bearingsim.core.friction import steepest
 from bearingsim.core.jit import jit
@@ -99,6 +100,7 @@ from bearingsim.core.models.interface import (
     accelerations,
     begin,
     damping_per_mass,
+    keep_extremes,
     stiffness_per_mass,
     watched,
     width,
@@ -116,6 +118,7 @@ from bearingsim.core.slice_contact import (
     clear,
     face,
     gather,
+    keep_line_load,
     keep_slice,
     press,
     relax,
@@ -174,7 +177,6 @@ def orient(spin, omega_cage, R_w, y, n):
         a_x, a_y, w_x, w_y = y[AXIS_X + j], y[AXIS_Y + j], y[AXIS_X_V + j], y[AXIS_Y_V + j]
         a_z = upright(a_x, a_y)
         y[TILT + j], y[SKEW + j], y[UPRIGHT + j] = a_x * c + a_y * s, a_y * c - a_x * s, a_z
-        y[TILT_MAX + j] = max(y[TILT_MAX + j], abs(y[TILT + j]))
         y[TILT_V + j], y[SKEW_V + j] = w_x * c + w_y * s, w_y * c - w_x * s
         y[UPRIGHT_V + j] = -(a_x * w_x + a_y * w_y) / a_z
         y[OMEGA + j] = spin + y[SPIN_V + j] + winding(a_x, a_y, a_z, w_x, w_y)
@@ -215,7 +217,7 @@ def touch_races(model, t, steep, outer, inner, omega_cage, y, n):
         press(InnerSide(), model.inner, model.friction, weight, y, n)
         add_up(OuterSide(), b, outer, zeta, weight, drop, y, n)
         add_up(InnerSide(), b, inner, zeta, weight, drop, y, n)
-        keep_slice(slice_row(k, 0), weight * model.L_w, y, n)
+        keep_slice(slice_row(k, 0), y, n)
     if met > 0:
         leave_pits(model, y)
     relax(model.lag, b.m_r, b.I_r, model.I_t, b.R_w, y, n)
@@ -301,6 +303,16 @@ def _accelerations(model, t, y):
 @begin.register(Spatial)
 def _begin(model, t, y):
     accelerations(model, t, y)
+
+
+@keep_extremes.register(Spatial)
+def _keep_extremes(model, y):
+    n = lanes(model.bearing)
+    keep_largest_forces(y, n)
+    for j in range(n):
+        y[TILT_MAX + j] = max(y[TILT_MAX + j], abs(y[TILT + j]))
+    for k in range(len(model.slices.table)):
+        keep_line_load(slice_row(k, 0), model.slices.table[k, WEIGHT] * model.L_w, y, n)
 
 
 @standing.register(Spatial)
