@@ -68,9 +68,9 @@ from bearingsim.core.layout import (
     slice_row,
 )
 from bearingsim.core.models.planar import place
-from bearingsim.core.models.spatial import orient, pass_on, touch_races
+from bearingsim.core.models.spatial import hold_rings, orient, pass_on, touch_races
 from bearingsim.core.motion import elapsed
-from bearingsim.core.mounts import Sprung, mount
+from bearingsim.core.mounts import Sprung
 from bearingsim.core.orientation import body_at
 from bearingsim.core.parameters import lanes
 from bearingsim.core.slices import WEIGHT, ZETA
@@ -90,8 +90,6 @@ def press_at_rest(model, t, y, n):
     """
     b, middle = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
     time, _, _ = elapsed(model.motion, t)
-    mount(model.mount_o, y, Z, LEAN_X, LEAN_Y)
-    mount(model.mount_i, y, Z_I, LEAN_X_I, LEAN_Y_I)
     outer = body_at(y, X, Z, LEAN_X, LEAN_Y, 0.0)
     inner = body_at(y, X_I, Z_I, LEAN_X_I, LEAN_Y_I, 0.0)
     place(b.theta_0 + b.omega_c * time, y, n)
@@ -124,6 +122,7 @@ class Statics:
     def __init__(self, model: Any, t: float, y: np.ndarray) -> None:
         """Scales and which of the rings' coordinates are free."""
         self.model, self.t, self.y, self.n = model, t, y, lanes(model.bearing)
+        hold_rings(model, y)
         b, self.half = model.bearing, model.L_w / 2.0
         self.load = hypot(model.support.F, model.support.F_across) + 1e-3
         rate = elapsed(model.motion, t)[1]

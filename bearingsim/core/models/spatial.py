@@ -107,7 +107,7 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.models.planar import move_outer_ring, place
 from bearingsim.core.motion import elapsed
-from bearingsim.core.mounts import mount, mount_damping, mount_stiffness, move_mounted
+from bearingsim.core.mounts import hold, mount_damping, mount_stiffness, move_mounted
 from bearingsim.core.orientation import body_at, tip, upright, winding
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.pit_contact import standing
@@ -272,8 +272,6 @@ def _accelerations(model, t, y):
     theta_i, omega_i = b.omega_i * time, b.omega_i * rate
     omega_cage = b.omega_c * rate + y[VELOCITY + PHI_C]
     spin = (b.omega_c - b.omega_b) * rate
-    mount(model.mount_o, y, Z, LEAN_X, LEAN_Y)
-    mount(model.mount_i, y, Z_I, LEAN_X_I, LEAN_Y_I)
     outer = body_at(y, X, Z, LEAN_X, LEAN_Y, y[VELOCITY + PSI])
     inner = body_at(y, X_I, Z_I, LEAN_X_I, LEAN_Y_I, omega_i)
     cage = cage_body(model.cage_z, omega_cage, y)
@@ -300,8 +298,16 @@ def _accelerations(model, t, y):
     move_inner_ring(model.shaft, model, theta_i, omega_i, b.omega_i * growth, y)
 
 
+@jit
+def hold_rings(model, y):
+    """Put the rings where they are held."""
+    hold(model.mount_o, y, Z, LEAN_X, LEAN_Y)
+    hold(model.mount_i, y, Z_I, LEAN_X_I, LEAN_Y_I)
+
+
 @begin.register(Spatial)
 def _begin(model, t, y):
+    hold_rings(model, y)
     accelerations(model, t, y)
 
 
