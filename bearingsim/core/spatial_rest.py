@@ -97,8 +97,7 @@ def press_at_rest(model, t, y, n):
         c, s = y[COS + j], y[SIN + j]
         tilt = y[TILT + j]
         y[AXIS_X + j], y[AXIS_Y + j] = tilt * c, tilt * s
-        lean_o, lean_i = outer.a_x * c + outer.a_y * s, inner.a_x * c + inner.a_y * s
-        y[AXIAL + j] = between_flanges(model.flanges, lean_o, lean_i, middle + y[Q + j])
+        y[AXIAL + j] = between_flanges(model.flanges, outer, inner, c, s, middle + y[Q + j])
         y[PUSH_R + j], y[TURN_T + j] = 0.0, 0.0
     orient(0.0, 0.0, b.R_w, y, n)
     touch_races(model, t, 0.0, outer, inner, 0.0, y, n)
