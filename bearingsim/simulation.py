@@ -11,10 +11,9 @@ import numpy as np
 from bearingsim import build, channels, choose
 from bearingsim.channels import BASE, TURN_OF_CAGE
 from bearingsim.config import Case, Section, dataset_names
-from bearingsim.core.advance import FINE, OUTRUN, Watch, advance, keep_largest_forces
+from bearingsim.core.advance import FINE, OUTRUN, Watch, advance
 from bearingsim.core.layout import LINE_MAX, MAX_ROLLERS, OVERRUN_MAX, Q_I_MAX, Q_MAX, Q_P_MAX, TILT_MAX
-from bearingsim.core.models.interface import watched
-from bearingsim.core.parameters import lanes
+from bearingsim.core.models.interface import keep_extremes, watched
 from bearingsim.core.sampling import (
     DECIMATION_REACH,
     RESAMPLE_REACH,
@@ -195,7 +194,7 @@ def _start(case: Case, model: Any) -> np.ndarray:
         raise SimulationError(
             f"no static equilibrium at the start: {residual:.3g} N left", "check load and clearance"
         )
-    keep_largest_forces(y, lanes(model.bearing))
+    keep_extremes(model, y)
     return y
 
 

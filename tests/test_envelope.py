@@ -5,6 +5,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from bearingsim.core import traced
 from bearingsim.core.defects import KAPPA, B, Meeting, W, bowl, box, depression, groove
 from bearingsim.core.depth import (
     Circular,
@@ -17,7 +18,7 @@ from bearingsim.core.depth import (
     extent,
     section,
 )
-from bearingsim.core.envelope import cusp, looked_up, packed, path_over, sinking
+from bearingsim.core.envelope import Path, cusp, looked_up, packed, path_over, sinking
 from bearingsim.core.excitations import felt
 from bearingsim.core.profile import RACE, depth_at
 from bearingsim.core.spall import Spall
@@ -344,6 +345,18 @@ def test_a_round_pits_halves_are_felt_alike():
     groups, paths = grouped(Elliptical(6e-3, 1e-3, 1e-5), R_OUTER, across(Elliptical(6e-3, 1e-3, 1e-5), 12e-3, 6))
     assert len(groups) == len(paths) == 7
     assert groups[0][:2] == pytest.approx((0.5, 0.0))
+
+
+def test_paths_that_end_apart_are_two_groups(monkeypatch):
+    """Of the same pieces, but one of them ends earlier."""
+    pieces, pit = np.array([[-5e-4, 0.0, 0.0, 1.0]]), Rectangular(6e-3, 1e-3, 1e-5)
+    slices = across(Elliptical(6e-3, 1e-3, 1e-5), 12e-3, 4)
+    ends = [4e-4 if k == 1 else 5e-4 for k in range(len(slices))]
+    felt_there = tuple(((5e-4, 5e-4, 0.0, 1e-6), Path(pieces, end)) for end in ends)
+    monkeypatch.setattr(traced, "paths_over", lambda *_: felt_there)
+    groups, paths = grouped(pit, R_OUTER, slices)
+    assert [path.end for path in paths[1:]] == [5e-4, 4e-4]
+    assert groups[2][W] == pytest.approx(slices[1][0])
 
 
 def test_a_slice_for_every_place_of_a_roller():

@@ -6,7 +6,21 @@ import pytest
 from bearingsim import build
 from bearingsim.core import cage_in_space, slice_contact
 from bearingsim.core.advance import FINE, Watch, advance, start_at_rest
-from bearingsim.core.layout import ACCELERATION, AXIAL, EPS, LANES, Q_I, Q_O, ROW, SIZE, SKEW, SPIN, STATE, TILT
+from bearingsim.core.layout import (
+    ACCELERATION,
+    AXIAL,
+    EPS,
+    LANES,
+    Q_I,
+    Q_O,
+    ROW,
+    SIZE,
+    SKEW,
+    SPIN,
+    STATE,
+    TILT,
+    slice_row,
+)
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models import spatial
 from bearingsim.core.mounts import Held
@@ -102,6 +116,7 @@ def test_loops_over_rollers_keep_their_lanes():
         assert keeps_lanes(compiled(slice_contact.add_up.py_func), side, b, ring, 0.0, 0.5, 0.0, y, n)
         assert keeps_lanes(compiled(slice_contact.gather.py_func), side, b, ring, y, n)
     assert keeps_lanes(compiled(slice_contact.relax.py_func), 1e-6, 1.0, 1.0, 1.0, 1.0, y, n)
+    assert keeps_lanes(compiled(slice_contact.keep_line_load.py_func), slice_row(1, 0), 1e-3, y, n)
     assert keeps_lanes(compiled(cage_in_space.wall_slice.py_func), model.cage, b, 1.0, 0.0, 0.5, 0.0, y, n)
     assert keeps_lanes(compiled(spatial.orient.py_func), 1.0, 1.0, 1.0, y, n)
     assert keeps_lanes(compiled(spatial.move_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)

@@ -8,29 +8,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.jit import add, jit
+from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
     ACCELERATION,
-    COS,
     LANES,
-    LOADED,
     OVERRUN,
     OVERRUN_MAX,
     POSITION,
-    Q_I,
-    Q_I_MAX,
-    Q_MAX,
-    Q_O,
-    Q_P,
-    Q_P_MAX,
-    SIN,
     VELOCITY,
     X,
     Y,
 )
 from bearingsim.core.methods.interface import load_number, step
-from bearingsim.core.models.interface import begin, damping_per_mass, stiffness_per_mass, watched
-from bearingsim.core.parameters import lanes
+from bearingsim.core.models.interface import begin, damping_per_mass, keep_extremes, stiffness_per_mass, watched
 
 RING = tuple(block + axis for block in (POSITION, VELOCITY, ACCELERATION) for axis in (X, Y))
 """Places in the buffer of what every recording begins with: the ring's displacement, velocity, acceleration."""
@@ -68,19 +58,6 @@ def record(y, places, n, out):
 
 
 @jit
-def keep_largest_forces(y, n):
-    """Running maxima of each roller's forces, and the number of rollers that carry load now."""
-    loaded = 0.0
-    for j in range(n):
-        y[Q_MAX + j] = max(y[Q_MAX + j], y[Q_O + j])
-        y[Q_I_MAX + j] = max(y[Q_I_MAX + j], y[Q_I + j])
-        y[Q_P_MAX + j] = max(y[Q_P_MAX + j], abs(y[Q_P + j]))
-        real = y[COS + j] * y[COS + j] + y[SIN + j] * y[SIN + j]  # 1, and 0 in a padded lane
-        loaded = add(loaded, real if y[Q_I + j] > 0.0 else 0.0)
-    y[LOADED] = loaded
-
-
-@jit
 def look(method, model, watch, y):
     """Outcome and body: is the state finite, and has a body outrun the step limit for longer than allowed?"""
     elapsed = watch.stride * method.h
@@ -108,10 +85,9 @@ def advance(method, model, watch, start, y, places, out):
     places: (C,) integers; out: (C, n). Returns (steps taken, outcome, body): all steps and FINE, or the step at
     which the watch stopped the run.
     """
-    used = lanes(model.bearing)
     for n in range(out.shape[1]):
         step(method, model, (start + n) * method.h, y)
-        keep_largest_forces(y, used)
+        keep_extremes(model, y)
         record(y, places, n, out)
         if (start + n) % watch.stride == 0:
             outcome, body = look(method, model, watch, y)

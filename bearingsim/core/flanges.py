@@ -48,6 +48,7 @@ from bearingsim.core.layout import (
     UPRIGHT_V,
     Q,
 )
+from bearingsim.core.orientation import Body
 from bearingsim.core.sides import InnerSide, OuterSide, rows_of, sign
 from bearingsim.core.slice_contact import AT_REST
 from bearingsim.core.vectors import across
@@ -179,22 +180,26 @@ def one_point(side, flanges, model, ring, sigma, t, y, n):
 
 
 @generic
-def between_flanges(flanges: Any, lean_outer: float, lean_inner: float, r: float) -> float:
-    """Where along the bearing's axis (m) a roller at ``r`` (m) stands in the middle of the flanged rings.
+def between_flanges(flanges: Any, outer: Body, inner: Body, c: float, s: float, r: float) -> float:
+    """Where along the bearing's axis (m) a roller at ``r`` (m), at the angle of c and s, stands among flanges.
 
-    lean_outer, lean_inner: of the rings' axes, along the roller's e_r (1).
+    The mean of the rings' middles, as they lean and stand there, each counted as often as it has flanges: with two
+    on a ring the roller has its play to either side, with a single one to that one; no flange is pressed unless
+    the rings stand further apart than the play.
     """
 
 
 @between_flanges.register(NoFlanges)
-def _between_flanges_none(flanges, lean_outer, lean_inner, r):
+def _between_flanges_none(flanges, outer, inner, c, s, r):
     return 0.0
 
 
 @between_flanges.register(Flanges)
-def _between_flanges(flanges, lean_outer, lean_inner, r):
-    outer, inner = flanges.outer_minus + flanges.outer_plus, flanges.inner_minus + flanges.inner_plus
-    return -r * (outer * lean_outer + inner * lean_inner) / max(outer + inner, 1.0)
+def _between_flanges(flanges, outer, inner, c, s, r):
+    of_outer, of_inner = flanges.outer_minus + flanges.outer_plus, flanges.inner_minus + flanges.inner_plus
+    z_outer = outer.z - r * (outer.a_x * c + outer.a_y * s)
+    z_inner = inner.z - r * (inner.a_x * c + inner.a_y * s)
+    return (of_outer * z_outer + of_inner * z_inner) / max(of_outer + of_inner, 1.0)
 
 
 @generic

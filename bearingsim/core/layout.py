@@ -91,7 +91,7 @@ MOVES_R, MOVES_T, MOVES_Z, TURNS_R, TURNS_T, TURNS_Z = (n * ROW for n in range(8
 ROLLS, DRIFT, DRIFTS, SWAY_R, SWAY_T, SWAY_Z = (n * ROW for n in range(14, 20))
 G_R, G_T, G_Z, H_R, H_T, H_Z, TWIST, BEND_R, BEND_T, BEND_Z = (n * ROW for n in range(20, 30))
 K_0, K_1, K_2, KS_0, KS_1, KS_Z = (n * ROW for n in range(30, 36))  # sums of friction over slip, for the lag
-K_ARM, K_R, K_T, K_Z, SHIFT, SHIFT_Z, OVER = (n * ROW for n in range(36, 43))  # ...; over a pit now?
+K_ARM, K_R, K_T, K_Z, SHIFT, SHIFT_Z, OVER = (n * ROW for n in range(36, 43))  # ...; over a pit?
 # of the slice at hand: force, approach, its rate; slips along the race and the axis, friction over slip; n, rho
 LOAD, APPROACH, CLOSING, SLIP_T, SLIP_Z, KAPPA, OUT_R, OUT_T, OUT_Z, FAR = (n * ROW for n in range(43, 53))
 # and what it feels of a pit: depth (m), tangent of the normal's tilt, 1 - its cosine, stiffness lost, own?

@@ -43,19 +43,22 @@ class Sprung(NamedTuple):
 
 
 @generic
-def mount(held: Any, y: Any, z: int, lean_x: int, lean_y: int) -> None:
-    """Put the ring where it is held, if it is; z, lean_x, lean_y: its shared coordinates."""
+def hold(held: Any, y: Any, z: int, lean_x: int, lean_y: int) -> None:
+    """Put the ring where it is held, if it is, once: it stays, as nothing accelerates it.
+
+    z, lean_x, lean_y: its shared coordinates.
+    """
 
 
-@mount.register(Held)
-def _mount_held(held, y, z, lean_x, lean_y):
-    y[POSITION + z], y[VELOCITY + z] = 0.0, 0.0
-    y[POSITION + lean_x], y[POSITION + lean_y] = held.lean_x, held.lean_y
-    y[VELOCITY + lean_x], y[VELOCITY + lean_y] = 0.0, 0.0
+@hold.register(Held)
+def _hold_held(held, y, z, lean_x, lean_y):
+    y[POSITION + z], y[POSITION + lean_x], y[POSITION + lean_y] = 0.0, held.lean_x, held.lean_y
+    for block in (VELOCITY, ACCELERATION):
+        y[block + z], y[block + lean_x], y[block + lean_y] = 0.0, 0.0, 0.0
 
 
-@mount.register(Sprung)
-def _mount_sprung(held, y, z, lean_x, lean_y):
+@hold.register(Sprung)
+def _hold_sprung(held, y, z, lean_x, lean_y):
     return None
 
 

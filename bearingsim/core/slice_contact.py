@@ -272,16 +272,24 @@ def add_up(side, bearing, ring, zeta, weight, drop, y, n):
 
 
 @jit
-def keep_slice(row, width, y, n):
-    """Keep the loads and approaches of one slice, ``width`` (m) wide, whose rows begin at ``row``."""
+def keep_slice(row, y, n):
+    """Keep the loads and approaches of one slice, whose rows begin at ``row``."""
     row &= NONNEGATIVE
-    per_width = 1.0 / width
     for j in range(n):
-        y[LINE_MAX + j] = max(y[LINE_MAX + j], max(y[OUTER_SIDE + LOAD + j], y[INNER_SIDE + LOAD + j]) * per_width)
         y[row + LOAD_O * ROW + j] = y[OUTER_SIDE + LOAD + j]
         y[row + LOAD_I * ROW + j] = y[INNER_SIDE + LOAD + j]
         y[row + APPROACH_O * ROW + j] = y[OUTER_SIDE + APPROACH + j]
         y[row + APPROACH_I * ROW + j] = y[INNER_SIDE + APPROACH + j]
+
+
+@jit
+def keep_line_load(row, width, y, n):
+    """Take the loads of one slice, ``width`` (m) wide, whose rows begin at ``row``, into the largest line load."""
+    row &= NONNEGATIVE
+    per_width = 1.0 / width
+    for j in range(n):
+        most = max(y[row + LOAD_O * ROW + j], y[row + LOAD_I * ROW + j])
+        y[LINE_MAX + j] = max(y[LINE_MAX + j], most * per_width)
 
 
 @jit

@@ -37,6 +37,8 @@ from bearingsim.core.layout import (
 from bearingsim.core.motion import elapsed
 from bearingsim.core.slices import ZETA
 
+WITHIN, FELT = 1.0, 2.0  # in row OVER: a pit reaches the roller; and is felt by the slice at hand
+
 
 @jit
 def seen_at(at, middle, b_z, zeta, y, j):
@@ -79,7 +81,7 @@ def find_pits(model, t, b_z_outer, b_z_inner, y):
         here, rho = seen_at(side, middle, b_z, 0.0, y, j)
         reach = head[HALF_WIDTH] + head[RADIUS] * model.L_w * abs(y[side + ALONG_T + j]) / rho
         if abs(s + head[RADIUS] * here) < reach:
-            y[side + OVER + j] = 1.0
+            y[side + OVER + j] = WITHIN
             found += 1
     return found
 
@@ -90,6 +92,7 @@ def leave_pits(model, y):
     for side in (OUTER_SIDE, INNER_SIDE):
         for j in range(model.bearing.Z):
             if y[side + OVER + j] > 0.0:
+                y[side + OVER + j] = WITHIN
                 for row in (SINK, LEAN, BENT, LOST, OWN):
                     y[side + row + j] = 0.0
 
@@ -98,8 +101,9 @@ def leave_pits(model, y):
 def over_pits(model, t, k, steep, b_z_outer, b_z_inner, y):
     """What slice ``k`` of the marked rollers feels: sinking, tilt of the normal, share of its stiffness.
 
-    steep: 0.0 to leave out the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of two pits the
-    deeper is felt.
+    steep: 0.0 to leave out the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of the pits within
+    reach the deepest is felt, as ``pit_contact.outdone`` chooses: of equals the first, a burr only where none of
+    the others reaches.
     """
     pits, zeta, middle = model.pits, model.slices.table[k, ZETA], 0.5 * (model.bearing.R_o + model.bearing.R_i)
     leave_pits(model, y)
@@ -112,7 +116,8 @@ def over_pits(model, t, k, steep, b_z_outer, b_z_inner, y):
             s += head[RADIUS] * here
             if abs(s) < group[B]:
                 share, h, slope = felt(pits.excitation, group, s, head[REDUCED])
-                if h > y[side + SINK + j] or y[side + SINK + j] == 0.0 == y[side + LOST + j]:
+                if y[side + OVER + j] == WITHIN or h > y[side + SINK + j]:
+                    y[side + OVER + j] = FELT
                     lean = steep * slope * head[RADIUS] / rho
                     y[side + SINK + j], y[side + LEAN + j], y[side + LOST + j] = h, lean, 1.0 - share
                     y[side + BENT + j] = 1.0 - 1.0 / sqrt(1.0 + lean * lean)

@@ -16,12 +16,12 @@ Both with steps cut so that they do not pass the point where the force along the
 """
 
 from math import hypot
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.core.contact import damping_slope, in_series, stiffness_slope, tangent
-from bearingsim.core.equilibrium import NoEquilibrium, Rest
+from bearingsim.core.contact import stiffness_slope, tangent
+from bearingsim.core.equilibrium import NoEquilibrium
 from bearingsim.core.flanges import between_flanges
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
@@ -33,8 +33,6 @@ from bearingsim.core.layout import (
     AXIS_Y,
     AXIS_Y_V,
     COS,
-    DELTA_I,
-    DELTA_O,
     EPS,
     F_X,
     F_Y,
@@ -51,7 +49,6 @@ from bearingsim.core.layout import (
     M_Y_I,
     POSITION,
     PUSH_R,
-    Q_I,
     Q_O,
     SIN,
     SPIN,
@@ -68,9 +65,9 @@ from bearingsim.core.layout import (
     slice_row,
 )
 from bearingsim.core.models.planar import place
-from bearingsim.core.models.spatial import orient, pass_on, touch_races
+from bearingsim.core.models.spatial import hold_rings, orient, pass_on, touch_races
 from bearingsim.core.motion import elapsed
-from bearingsim.core.mounts import Sprung, mount
+from bearingsim.core.mounts import Sprung
 from bearingsim.core.orientation import body_at
 from bearingsim.core.parameters import lanes
 from bearingsim.core.slices import WEIGHT, ZETA
@@ -90,8 +87,6 @@ def press_at_rest(model, t, y, n):
     """
     b, middle = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
     time, _, _ = elapsed(model.motion, t)
-    mount(model.mount_o, y, Z, LEAN_X, LEAN_Y)
-    mount(model.mount_i, y, Z_I, LEAN_X_I, LEAN_Y_I)
     outer = body_at(y, X, Z, LEAN_X, LEAN_Y, 0.0)
     inner = body_at(y, X_I, Z_I, LEAN_X_I, LEAN_Y_I, 0.0)
     place(b.theta_0 + b.omega_c * time, y, n)
@@ -99,8 +94,7 @@ def press_at_rest(model, t, y, n):
         c, s = y[COS + j], y[SIN + j]
         tilt = y[TILT + j]
         y[AXIS_X + j], y[AXIS_Y + j] = tilt * c, tilt * s
-        lean_o, lean_i = outer.a_x * c + outer.a_y * s, inner.a_x * c + inner.a_y * s
-        y[AXIAL + j] = between_flanges(model.flanges, lean_o, lean_i, middle + y[Q + j])
+        y[AXIAL + j] = between_flanges(model.flanges, outer, inner, c, s, middle + y[Q + j])
         y[PUSH_R + j], y[TURN_T + j] = 0.0, 0.0
     orient(0.0, 0.0, b.R_w, y, n)
     touch_races(model, t, 0.0, outer, inner, 0.0, y, n)
@@ -124,6 +118,7 @@ class Statics:
     def __init__(self, model: Any, t: float, y: np.ndarray) -> None:
         """Scales and which of the rings' coordinates are free."""
         self.model, self.t, self.y, self.n = model, t, y, lanes(model.bearing)
+        hold_rings(model, y)
         b, self.half = model.bearing, model.L_w / 2.0
         self.load = hypot(model.support.F, model.support.F_across) + 1e-3
         rate = elapsed(model.motion, t)[1]
@@ -274,31 +269,26 @@ def rest_in_space(model: Any, t: float, y: np.ndarray) -> float:
     return left
 
 
-def mean_rest_in_space(model: Any, y: np.ndarray, samples: int = 32) -> Rest:
-    """``Rest`` of a bearing in space, from ``samples`` of a ball pass; ``y``: a buffer at a rest in the plane.
+class MeanRest(NamedTuple):
+    """A bearing at rest over a ball pass: mean place of the ring (m), and the largest force on a roller (N)."""
+
+    x: float
+    y: float
+    load: float
+
+
+def mean_rest_in_space(model: Any, y: np.ndarray, samples: int = 32) -> MeanRest:
+    """``MeanRest``, from ``samples`` of a ball pass; ``y``: a buffer at a rest in the plane.
 
     Raises ``NoEquilibrium`` if one is not found to 1e-8 of the load.
     """
     b = model.bearing
     pass_time = 2.0 * np.pi / (b.Z * b.omega_c)
-    load, found, loads = hypot(model.support.F, model.support.F_across), [], []
+    load, found = hypot(model.support.F, model.support.F_across), []
     for n in range(samples):
-        t = (n + 0.5) / samples * pass_time
-        residual = rest_in_space(model, t, y)
+        residual = rest_in_space(model, (n + 0.5) / samples * pass_time, y)
         if not residual <= 1e-8 * load:
             raise NoEquilibrium(f"no static equilibrium in space: {residual:g} N left of {load:g} N")
-        at = Statics(model, t, y)
-        rollers, crossed, stiff = at.stiffness()
-        stiff = stiff - np.einsum("jaw,jav->wv", crossed, np.linalg.solve(rollers, crossed))
-        outer, inner = at.row(DELTA_O), at.row(DELTA_I)
-        damping = np.array([
-            in_series(damping_slope(model.outer, max(o, 0.0), 0.0), damping_slope(model.inner, max(i, 0.0), 0.0))
-            for o, i in zip(outer, inner, strict=True)
-        ])  # fmt: skip
-        c_x, c_y = (float((damping * at.row(way) ** 2).sum()) for way in (COS, SIN))
-        found.append((y[POSITION + X], y[POSITION + Y], stiff[0, 0], stiff[1, 1], c_x, c_y))
-        most = int(np.argmax(at.row(Q_I)))
-        loads.append((at.row(Q_O)[most], outer[most] + inner[most]))
-    x, z, k_x, k_y, c_x, c_y = (float(value) for value in np.mean(found, axis=0))
-    largest, approach = (float(value) for value in max(loads))
-    return Rest(x, z, largest, approach, k_x, k_y, c_x, c_y)
+        found.append((y[POSITION + X], y[POSITION + Y], y[Q_O : Q_O + b.Z].max()))
+    x, across, _ = (float(value) for value in np.mean(found, axis=0))
+    return MeanRest(x, across, float(max(most for _, _, most in found)))

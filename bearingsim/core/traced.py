@@ -13,7 +13,7 @@ from bearingsim.core.envelope import FLAT, Path, cusp, packed, path_over, steepe
 from bearingsim.core.excitations import Traced
 from bearingsim.core.profile import Profile, relief
 
-SAME = np.array([1e-12, 1e-18, 1e-12, 1e-6])  # m, m, 1, 1/m: paths that differ by less in their pieces are one
+SAME = np.array([1e-12, 1e-18, 1e-12, 1e-6])  # m, m, 1, 1/m: paths whose pieces and ends differ by less are one
 Cut = tuple[float, float]
 """Weight (1) and middle z (m, from the roller's) of a slice of a roller."""
 
@@ -72,7 +72,7 @@ def grouped(pit: Any, R: float, slices: Sequence[Cut]) -> tuple[list, list[Path]
     """Groups and paths of a roller over a pit; slices that feel the same are one group, the rest of it another."""
     found: dict[bytes, tuple[float, tuple, Path]] = {}
     for (weight, _), (row, path) in zip(slices, paths_over(pit, R, [z for _, z in slices]), strict=True):
-        key = (np.round(path.pieces / SAME) + 0.0).tobytes()
+        key = (np.round(np.append(path.pieces / SAME, path.end / SAME[0])) + 0.0).tobytes()
         before = found[key][0] if key in found else 0.0
         found[key] = (before + weight, row, path)
     rest = 1.0 - sum(weight for weight, _ in slices)

@@ -17,7 +17,15 @@ import numpy as np
 
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import LANES
-from bearingsim.core.models.interface import ModelKind, begin, damping_per_mass, stiffness_per_mass, watched, width
+from bearingsim.core.models.interface import (
+    ModelKind,
+    begin,
+    damping_per_mass,
+    keep_extremes,
+    stiffness_per_mass,
+    watched,
+    width,
+)
 from bearingsim.core.parameters import Bearing
 
 
@@ -75,6 +83,11 @@ def _width(model):
 
 @begin.register(Impulse)
 def _begin(model, t, y):
+    return None
+
+
+@keep_extremes.register(Impulse)
+def _keep_extremes(model, y):
     return None
 
 

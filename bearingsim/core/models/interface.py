@@ -42,6 +42,11 @@ def begin(model: Any, t: float, y: np.ndarray) -> None:
 
 
 @generic
+def keep_extremes(model: Any, y: np.ndarray) -> None:
+    """Take the state of ``y``, at which a step has ended, into the running maxima; count who carries load."""
+
+
+@generic
 def stiffness_per_mass(model: Any, y: np.ndarray, j: int) -> float:
     """Stiffness over mass (1/s^2) of watched body ``j`` as it stands now."""
 

@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 from bearingsim.core.cage import drive_cage, let_go, orbit_drag, pocket_stiffness, pockets
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import HALF_WIDTH, ON, ON_INNER, OUTER, RADIUS, SIDE, Pits, meeting
+from bearingsim.core.extremes import keep_forces
 from bearingsim.core.friction import mu, steepest
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
@@ -89,6 +90,7 @@ from bearingsim.core.models.interface import (
     accelerations,
     begin,
     damping_per_mass,
+    keep_extremes,
     stiffness_per_mass,
     watched,
     width,
@@ -372,6 +374,9 @@ def _accelerations(model, t, y):
 @begin.register(Planar)
 def _begin(model, t, y):
     accelerations(model, t, y)
+
+
+keep_extremes.register(Planar)(keep_forces)
 
 
 @stiffness_per_mass.register(Planar)

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 from bearingsim.core.contact import damping_slope, in_series, normal_force, share, stiffness_slope
 from bearingsim.core.defects import Pits, sliding
 from bearingsim.core.equilibrium import ALONG, PIT, find_pits, roller_balance
+from bearingsim.core.extremes import keep_forces
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
     COS,
@@ -42,6 +43,7 @@ from bearingsim.core.models.interface import (
     accelerations,
     begin,
     damping_per_mass,
+    keep_extremes,
     stiffness_per_mass,
     watched,
     width,
@@ -136,6 +138,9 @@ def _accelerations(model, t, y):
 @begin.register(Ring)
 def _begin(model, t, y):
     accelerations(model, t, y)
+
+
+keep_extremes.register(Ring)(keep_forces)
 
 
 @stiffness_per_mass.register(Ring)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import HALF_WIDTH, OUTER, SIDE, Pits, sliding
+from bearingsim.core.extremes import keep_forces
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
     COS,
@@ -39,6 +40,7 @@ from bearingsim.core.models.interface import (
     accelerations,
     begin,
     damping_per_mass,
+    keep_extremes,
     stiffness_per_mass,
     watched,
     width,
@@ -128,6 +130,9 @@ def _accelerations(model, t, y):
 @begin.register(Rollers)
 def _begin(model, t, y):
     accelerations(model, t, y)
+
+
+keep_extremes.register(Rollers)(keep_forces)
 
 
 @stiffness_per_mass.register(Rollers)

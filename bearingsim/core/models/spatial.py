@@ -19,6 +19,7 @@ from bearingsim.core.cage import drive_cage, let_go, orbit_drag, pocket_stiffnes
 from bearingsim.core.cage_in_space import axial_stiffness, cage_body, lean_cage, pockets_in_space
 from bearingsim.core.contact import damping_slope, stiffness_slope
 from bearingsim.core.defects import OUTER, RADIUS, SIDE, Pits
+from bearingsim.core.extremes import keep_largest_forces
 from bearingsim.core.flanges import flange_stiffness, guide_axially
 from bearingsim.core.friction import steepest
 from bearingsim.core.jit import jit
@@ -99,13 +100,14 @@ from bearingsim.core.models.interface import (
     accelerations,
     begin,
     damping_per_mass,
+    keep_extremes,
     stiffness_per_mass,
     watched,
     width,
 )
 from bearingsim.core.models.planar import move_outer_ring, place
 from bearingsim.core.motion import elapsed
-from bearingsim.core.mounts import mount, mount_damping, mount_stiffness, move_mounted
+from bearingsim.core.mounts import hold, mount_damping, mount_stiffness, move_mounted
 from bearingsim.core.orientation import body_at, tip, upright, winding
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.pit_contact import standing
@@ -116,6 +118,7 @@ from bearingsim.core.slice_contact import (
     clear,
     face,
     gather,
+    keep_line_load,
     keep_slice,
     press,
     relax,
@@ -174,7 +177,6 @@ def orient(spin, omega_cage, R_w, y, n):
         a_x, a_y, w_x, w_y = y[AXIS_X + j], y[AXIS_Y + j], y[AXIS_X_V + j], y[AXIS_Y_V + j]
         a_z = upright(a_x, a_y)
         y[TILT + j], y[SKEW + j], y[UPRIGHT + j] = a_x * c + a_y * s, a_y * c - a_x * s, a_z
-        y[TILT_MAX + j] = max(y[TILT_MAX + j], abs(y[TILT + j]))
         y[TILT_V + j], y[SKEW_V + j] = w_x * c + w_y * s, w_y * c - w_x * s
         y[UPRIGHT_V + j] = -(a_x * w_x + a_y * w_y) / a_z
         y[OMEGA + j] = spin + y[SPIN_V + j] + winding(a_x, a_y, a_z, w_x, w_y)
@@ -215,7 +217,7 @@ def touch_races(model, t, steep, outer, inner, omega_cage, y, n):
         press(InnerSide(), model.inner, model.friction, weight, y, n)
         add_up(OuterSide(), b, outer, zeta, weight, drop, y, n)
         add_up(InnerSide(), b, inner, zeta, weight, drop, y, n)
-        keep_slice(slice_row(k, 0), weight * model.L_w, y, n)
+        keep_slice(slice_row(k, 0), y, n)
     if met > 0:
         leave_pits(model, y)
     relax(model.lag, b.m_r, b.I_r, model.I_t, b.R_w, y, n)
@@ -270,8 +272,6 @@ def _accelerations(model, t, y):
     theta_i, omega_i = b.omega_i * time, b.omega_i * rate
     omega_cage = b.omega_c * rate + y[VELOCITY + PHI_C]
     spin = (b.omega_c - b.omega_b) * rate
-    mount(model.mount_o, y, Z, LEAN_X, LEAN_Y)
-    mount(model.mount_i, y, Z_I, LEAN_X_I, LEAN_Y_I)
     outer = body_at(y, X, Z, LEAN_X, LEAN_Y, y[VELOCITY + PSI])
     inner = body_at(y, X_I, Z_I, LEAN_X_I, LEAN_Y_I, omega_i)
     cage = cage_body(model.cage_z, omega_cage, y)
@@ -298,9 +298,27 @@ def _accelerations(model, t, y):
     move_inner_ring(model.shaft, model, theta_i, omega_i, b.omega_i * growth, y)
 
 
+@jit
+def hold_rings(model, y):
+    """Put the rings where they are held."""
+    hold(model.mount_o, y, Z, LEAN_X, LEAN_Y)
+    hold(model.mount_i, y, Z_I, LEAN_X_I, LEAN_Y_I)
+
+
 @begin.register(Spatial)
 def _begin(model, t, y):
+    hold_rings(model, y)
     accelerations(model, t, y)
+
+
+@keep_extremes.register(Spatial)
+def _keep_extremes(model, y):
+    n = lanes(model.bearing)
+    keep_largest_forces(y, n)
+    for j in range(n):
+        y[TILT_MAX + j] = max(y[TILT_MAX + j], abs(y[TILT + j]))
+    for k in range(len(model.slices.table)):
+        keep_line_load(slice_row(k, 0), model.slices.table[k, WEIGHT] * model.L_w, y, n)
 
 
 @standing.register(Spatial)

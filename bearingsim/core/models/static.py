@@ -7,8 +7,17 @@ of the ring as rollers sink into a pit.
 from typing import Any, NamedTuple
 
 from bearingsim.core.defects import Pits
+from bearingsim.core.extremes import keep_forces
 from bearingsim.core.layout import LANES
-from bearingsim.core.models.interface import ModelKind, begin, damping_per_mass, stiffness_per_mass, watched, width
+from bearingsim.core.models.interface import (
+    ModelKind,
+    begin,
+    damping_per_mass,
+    keep_extremes,
+    stiffness_per_mass,
+    watched,
+    width,
+)
 from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.pit_contact import standing, standing_evenly
 
@@ -34,6 +43,9 @@ def _width(model):
 @begin.register(Static)
 def _begin(model, t, y):
     return None
+
+
+keep_extremes.register(Static)(keep_forces)
 
 
 @watched.register(Static)
