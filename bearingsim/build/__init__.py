@@ -11,7 +11,7 @@ import numpy as np
 
 from bearingsim.build import contacts, free, geometry, impulses, pits, space
 from bearingsim.build.rest import anchor, statics
-from bearingsim.config import Cage, Case, Frictionless, HuntCrossley
+from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.defects import ANGLE, CUSP, ON, ON_OUTER, RADIUS, Pits
 from bearingsim.core.equilibrium import find_rest, rest_from_scratch
@@ -121,11 +121,8 @@ def healthy(case: Case) -> Case:
 
 
 def _at_rest(case: Case) -> Case:
-    """The healthy case without what only motion knows."""
-    still: dict[str, Any] = {"friction": Frictionless(), "cage": Cage()}
-    still["contact"] = case.contact.model_copy(update={"damping": HuntCrossley()})
-    still |= dict.fromkeys(("drag", "ramp", "unbalance"))
-    return healthy(case).model_copy(update=still | {"start_angle": 0.0, "antialias": True, "method": "verlet"})
+    """The healthy case without what only motion knows; what chooses compiled code is kept."""
+    return healthy(case).model_copy(update={"start_angle": 0.0, "antialias": True, "method": "verlet"})
 
 
 @lru_cache(maxsize=256)
