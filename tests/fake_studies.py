@@ -39,6 +39,8 @@ class FakeCase:
     record: tuple[str, ...] = ("ring.velocity",)
     healthy: bool = False
 
+    defects = ()  # that have a scan
+
     def model_dump(self) -> dict[str, Any]:
         defects = () if self.healthy else ({"race": "outer", "width": self.width},)
         tree = {key: value for key, value in asdict(self).items() if key not in ("width", "healthy")}

@@ -1,6 +1,7 @@
 """Pits drawn to scale: the map, the sections, the roller over them."""
 
 import math
+import shutil
 
 import numpy as np
 import pytest
@@ -208,6 +209,10 @@ def test_any_shape_is_stored_and_drawn(results, tmp_path):
     caption = sheets[0][1].get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     for words in ("edge radius 0.02 mm", "grown 60 %, seed 4", "file scan.csv"):
         assert words in caption
+    assert set(opened.parameters()["defects.4.file"]) == {"scan.csv", ""}  # the twin has none
     scan.write_text(scan.read_text().replace("30.000", "31.000"))
+    again = figures(store.open_results(opened.path), kind="pit", jobs=opened.jobs[:1])
+    assert [canvas.get_suptitle() for _, canvas in again] == [canvas.get_suptitle() for _, canvas in sheets]
+    shutil.rmtree(opened.path / "scans")
     with pytest.raises(PlotError, match="cannot be made again from its results"):
         figures(store.open_results(opened.path), kind="pit", jobs=opened.jobs[:1])

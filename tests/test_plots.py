@@ -69,6 +69,7 @@ def results(tmp_path):
         study, root = load_study(file, **options), tmp_path / "results"
         root.mkdir()
         jobs, lost = study.jobs(), lost or {}
+        store.keep_scans(root, [job.case for job in jobs])
         store.write_plan(root, study, jobs)
         done = [(job, record(job.case)) for number, job in enumerate(jobs) if number not in lost]
         store.write_units(root, done, {})

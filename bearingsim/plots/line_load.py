@@ -56,7 +56,7 @@ def draw_load(results: "Results", jobs: Sequence[str], y: Sequence[str] = (), sp
     first passage over a pit. Raises PlotError for what was not recorded.
     """
     found = recorded.all_jobs(results, jobs)
-    rows = [(job, one) for job, known in found.items() for one in _loads(job, known, y, span)]
+    rows = [(job, one) for job, known in found.items() for one in _loads(results, job, known, y, span)]
     heights = [height for _, one in rows for height in (ROW_IN, *([LEAN_IN] if one.leans else []))]
     canvas = Canvas(figsize=(PICTURE_IN + PROFILE_IN + 2.4, sum(heights) + 0.8), layout="constrained")
     made = canvas.subplots(
@@ -89,9 +89,9 @@ def _notes(found: Mapping[str, Job], rows: Sequence[tuple[str, Loaded]]) -> list
 # What is drawn
 
 
-def _loads(job: str, known: Job, asked: Sequence[str], span: float | None) -> Iterator[Loaded]:
+def _loads(results: "Results", job: str, known: Job, asked: Sequence[str], span: float | None) -> Iterator[Loaded]:
     """The line loads of a job that are asked for, or all that it has recorded."""
-    case = recorded.case_of(job, known.known)
+    case = recorded.case_of(results, job, known.known)
     ends = ends_of_slices(case)
     for channel in [_full(name) for name in asked] or _recorded(job, known):
         load = _rows(job, known, channel, len(ends) - 1)

@@ -51,7 +51,7 @@ def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
     """The different pits of some finished jobs. Raises PlotError if none has any."""
     found: dict[Any, Sheet] = {}
     for job, known in results.parameters().loc[list(jobs)].iterrows():
-        for one in _of_job(str(job), known.to_dict()):
+        for one in _of_job(results, str(job), known.to_dict()):
             first = found.setdefault(_key(one), one)
             if first is not one:
                 first.jobs.append(str(job))
@@ -60,10 +60,10 @@ def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
     return list(found.values())
 
 
-def _of_job(job: str, known: Mapping[Any, Any]) -> Iterator[Sheet]:
+def _of_job(results: "Results", job: str, known: Mapping[Any, Any]) -> Iterator[Sheet]:
     from bearingsim.build.pits import contact_length
 
-    case = recorded.case_of(job, known)
+    case = recorded.case_of(results, job, known)
     made = list(pits_of(case))
     for number, pit in enumerate(made, 1):
         length = contact_length(case, side=1 if pit.race == "inner" else 0)
@@ -259,7 +259,7 @@ def _taken(results: "Results", sheet: Sheet) -> tuple[str, Taken] | None:
     """The first job whose record shows which path a roller took, and that path."""
     for job in sheet.jobs:
         [one] = recorded.all_jobs(results, [job]).values()
-        found = path_taken(one, recorded.case_of(job, one.known), sheet.pit)
+        found = path_taken(one, recorded.case_of(results, job, one.known), sheet.pit)
         if found is not None:
             return job, found
     return None

@@ -65,14 +65,14 @@ def all_jobs(results: "Results", jobs: Sequence[str]) -> dict[str, Job]:
     return {job: Job(known[job], info[job], series[job]) for job in jobs}
 
 
-def case_of(job: str, known: Mapping[Any, Any]) -> "Case":
+def case_of(results: "Results", job: str, known: Mapping[Any, Any]) -> "Case":
     """The case of a job from its parameters. Raises PlotError if it cannot be made again, as without its scan."""
     from pydantic import ValidationError
 
     from bearingsim.store import case_of as made
 
     try:
-        return made(known)
+        return made(known, results.path)
     except ValidationError as error:
         reason = error.errors()[0]["msg"]
         raise PlotError(f"the case of job {job} cannot be made again from its results: {reason}") from None

@@ -41,8 +41,8 @@ def run(
     stored byte against its checksum before trusting it. progress: False shows none.
 
     Raises Interrupted (with the summary; what is done stays done), ValueError for options that contradict each
-    other, store.FolderInUse, WorkersDie, ScanError when a scan's file is gone before anything is computed, and
-    OSError when the folder cannot be written.
+    other, store.FolderInUse, WorkersDie, ScanError when a scan's file is gone, or another, before anything is
+    computed, and OSError when the folder cannot be written.
     """
     started = time.perf_counter()
     name = f"{study.name}-quick" if study.quick else study.name
@@ -51,6 +51,7 @@ def run(
     told = load(engine.notes)([job.case for job in every])  # now: files that it reads may go meanwhile
     workers, ours = _workers(jobs), shard_of(every, shard)
     _prepare(root, fresh, shard)
+    store.keep_scans(root, [job.case for job in every])
     earlier = store.planned_jobs(root)
     store.write_plan(root, study, every)
     plan = _plan(root, ours, retry_failed, verify)

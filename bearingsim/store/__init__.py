@@ -11,6 +11,7 @@ from bearingsim.store.journal import Failure, clear_failure, log, now, read_fail
 from bearingsim.store.names import flat_parameters
 from bearingsim.store.provenance import provenance
 from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs
+from bearingsim.store.scans import keep_scans
 from bearingsim.store.table import build_table, read_plan, write_plan
 from bearingsim.store.units import DamagedUnit, Series, check_unit, read_series, unit_name, unit_path, write_units
 
@@ -27,6 +28,7 @@ __all__ = [
     "clear_failure",
     "discard",
     "flat_parameters",
+    "keep_scans",
     "lock",
     "log",
     "now",

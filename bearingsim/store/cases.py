@@ -1,7 +1,10 @@
 """A job's case, made again from the parameters that were stored with its results."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from bearingsim.store.scans import kept_scan
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
@@ -11,11 +14,12 @@ __all__ = ["case_of"]
 WORDS = ("record",)  # stored as words joined by spaces
 
 
-def case_of(parameters: Mapping[Any, Any]) -> "Case":
+def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
     """The case of a job from its resolved parameters in SI, as ``Results.parameters`` has them.
 
-    What is not set (NaN or an empty text) is left out, and what was recorded: that is in the series. Raises
-    pydantic's ValidationError for parameters that make no case, as those of another version may.
+    What is not set (NaN or an empty text) is left out, and what was recorded: that is in the series. Scans are
+    those that the results folder ``root`` has kept, or else the files themselves. Raises pydantic's
+    ValidationError for parameters that make no case, as those of another version may.
     """
     from bearingsim.config import Case
 
@@ -23,7 +27,17 @@ def case_of(parameters: Mapping[Any, Any]) -> "Case":
     for path, value in parameters.items():
         if value == value and value != "":
             _plant(tree, str(path).split("."), _plain(value))
+    if root is not None:
+        for defect in tree.get("defects", {}).values():
+            _take_kept(root, defect)
     return Case.model_validate({name: _lists(item) for name, item in tree.items() if name not in WORDS})
+
+
+def _take_kept(root: Path, defect: dict[str, Any]) -> None:
+    """Let a defect read its scan from where it was kept, if it has one and it was."""
+    if "file" in defect and "digest" in defect:
+        kept = kept_scan(root, str(defect["digest"]), defect["file"])
+        defect["file"] = str(kept if kept.is_file() else defect["file"])
 
 
 def _plain(value: Any) -> Any:

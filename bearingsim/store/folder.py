@@ -34,7 +34,7 @@ def sealed_jobs(root: Path, checksums: bool = False) -> tuple[set[str], int]:
 
 
 def discard(root: Path) -> None:
-    """Throw away all units, failures and the table of a folder; journals, figures and other files stay.
+    """Throw away all units, failures and the table of a folder; journals, scans, figures and other files stay.
 
     Raises FolderInUse while another run is computing into it.
     """

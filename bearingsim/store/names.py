@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from bearingsim.store.scans import short_path
 from bearingsim.units import UNITS, Dimension
 
 __all__ = [
@@ -14,13 +15,14 @@ __all__ = [
 ]
 
 FREE_TEXT = ("source",)
+PATHS = ("file",)
 
 
 def flat_parameters(case: Any) -> dict[str, float | str]:
     """All of a case in one flat mapping, SI: ``bearing.roller_diameter``, ``defects.1.width``, ``model`` ...
 
     Items of lists are numbered from 1, lists of words are joined by spaces; what is not set and free text
-    that shapes no result are left out.
+    that shapes no result are left out. Paths are from the working folder, or else names only.
     """
     return dict(_flat("", case.model_dump()))
 
@@ -40,7 +42,7 @@ def _flat(path: str, value: Any) -> Iterator[tuple[str, float | str]]:
     elif isinstance(value, int | float):
         yield path, float(value)
     elif value is not None:
-        yield path, str(value)
+        yield path, short_path(value) if path.rpartition(".")[2] in PATHS else str(value)
 
 
 def parameter_attributes(name: str) -> dict[str, str]:

@@ -1,0 +1,57 @@
+"""The scans of a study, kept with its results: these can be drawn where, and after, the files are gone."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bearingsim.store.files import sealing
+
+if TYPE_CHECKING:
+    from bearingsim.config import Case
+
+__all__ = ["keep_scans", "kept_scan", "short_path"]
+
+
+def keep_scans(root: Path, cases: Iterable["Case"]) -> None:
+    """Copy the scans of some cases to ``scans/<digest>.<ext>``, unless they are there.
+
+    Raises ScanError if one is gone, or is no longer what its case was made from.
+    """
+    scans = {(d.digest, d.file) for case in cases for d in case.defects if d.file and d.digest}
+    for digest, file in sorted(scans):
+        kept = kept_scan(root, digest, file)
+        if not _holds(kept, digest):
+            content = _content(Path(file), digest)
+            with sealing(kept) as part:
+                part.write_bytes(content)
+
+
+def kept_scan(root: Path, digest: str, file: str) -> Path:
+    """Where the copy of a scan lies in a results folder."""
+    return root / "scans" / f"{digest}{Path(file).suffix.lower()}"
+
+
+def short_path(file: str) -> str:
+    """A path as it may be shown to others: from the working folder, or else without its folders."""
+    path = Path(file)
+    if not path.is_absolute():
+        return file
+    return path.relative_to(Path.cwd()).as_posix() if path.is_relative_to(Path.cwd()) else path.name
+
+
+def _holds(path: Path, digest: str) -> bool:
+    from bearingsim.config.scanfile import digest_of
+
+    return path.is_file() and digest_of(path.read_bytes()) == digest
+
+
+def _content(path: Path, digest: str) -> bytes:
+    from bearingsim.config.scanfile import ScanError, digest_of
+
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise ScanError(f"`{path}` cannot be read: {error.strerror}") from None
+    if digest_of(content) != digest:
+        raise ScanError(f"`{path}` has changed since the study was read", "run it again")
+    return content
