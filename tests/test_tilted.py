@@ -10,9 +10,10 @@ from bearingsim import build
 from bearingsim.core.advance import FINE, Watch, advance, start_at_rest
 from bearingsim.core.contact import HuntCrossley, Linear, TenNinths
 from bearingsim.core.defects import RADIUS, depression
-from bearingsim.core.flanges import Flanges, chord
+from bearingsim.core.flanges import Flanges, NoFlanges, between_flanges, chord
 from bearingsim.core.friction import Frictionless, StaticDynamic
 from bearingsim.core.layout import (
+    ACCELERATION,
     AXIAL,
     AXIAL_A,
     AXIAL_V,
@@ -21,6 +22,8 @@ from bearingsim.core.layout import (
     AXIS_Y,
     AXIS_Y_V,
     COS,
+    EPS,
+    EPS_V,
     INVERSE_MASS,
     LOAD_O,
     POSITION,
@@ -29,15 +32,20 @@ from bearingsim.core.layout import (
     Q_O,
     SIN,
     SKEW,
+    SPIN_V,
     TILT,
     TURN_T,
+    VELOCITY,
     Q,
+    V,
     X,
     Y,
     slice_row,
 )
 from bearingsim.core.methods.rk4 import RungeKutta4
+from bearingsim.core.models.interface import accelerations, damping_per_mass
 from bearingsim.core.mounts import Held
+from bearingsim.core.orientation import Body
 from bearingsim.core.slices import edges, slices
 from bearingsim.core.spatial_rest import mean_rest_in_space, rest_in_space
 from tests.scenes import SLOT, case
@@ -232,6 +240,24 @@ def test_the_mean_rest_of_a_misaligned_bearing():
     assert straight.load == pytest.approx(build.rest.largest_load(case(model="planar")), rel=1e-2)
     assert found.x != pytest.approx(straight.x, rel=1e-2)
     assert found.load > straight.load
+    assert found._fields == ("x", "y", "load")
+
+
+def test_rollers_stand_between_flanges_wherever_the_rings_are():
+    """Outer ring with two flanges, inner with one: the mean of their middles, each as often as it has flanges."""
+    r, flanges = 0.03, FLANGES._replace(inner_plus=1.0)
+    assert between_flanges(FLANGES, body_of_ring(2e-5, 1e-4), body_of_ring(7e-5, 3e-4), 1.0, 0.0, r) == (
+        pytest.approx(2e-5 - r * 1e-4)
+    )
+    middles = 2e-5 - r * 1e-4, 7e-5 - r * 3e-4
+    found = between_flanges(flanges, body_of_ring(2e-5, 1e-4), body_of_ring(7e-5, 3e-4), 1.0, 0.0, r)
+    assert found == pytest.approx((2 * middles[0] + middles[1]) / 3)
+    assert between_flanges(NoFlanges(), body_of_ring(2e-5, 0.0), body_of_ring(0.0, 0.0), 1.0, 0.0, r) == 0.0
+
+
+def body_of_ring(z, lean):
+    """A ring that stands still."""
+    return Body(0.0, 0.0, z, 0.0, 0.0, 0.0, lean, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
 
 
 # skewed
@@ -287,3 +313,47 @@ def test_a_flange_stops_a_skewed_roller():
     assert -1.3 * PLAY < far["held"][0].min() < -(PLAY - corner)
     assert far["held"][2, far["held"][0] > -0.8 * (PLAY - corner)].max() == 0.0
     assert far["held"][2].max() > 0.1
+
+
+SLIPPERY = StaticDynamic(0.1, 0.1, 50.0, 60.0)  # as good as proportional to the slip
+ROLLER = np.array([V, EPS_V, SPIN_V, AXIAL_V, AXIS_X_V, AXIS_Y_V])
+
+
+def pressed(where):
+    """A roller that no load presses on the races, but its flange or its pocket, both with friction."""
+    law = HuntCrossley(Linear(1e8), 0.0)
+    model = in_space(build.model(case(model="planar", friction="none")), even(6), flanges=FLANGES)
+    model = model._replace(
+        flanges=FLANGES._replace(law=law, friction=SLIPPERY),
+        cage=model.cage._replace(pocket=law, friction=SLIPPERY),
+        lag=1e-6,
+    )
+    y, _ = at_rest(model)
+    if where == "pocket":
+        y[EPS + 6] = (model.cage.play + 5e-5) / 0.0325
+    else:
+        y[AXIAL + 6] = PLAY + 2.5e-5
+    if where == "both flanges":
+        model = model._replace(flanges=model.flanges._replace(play=-2.5e-5))
+        y[AXIAL + 6] = 0.0
+    start_at_rest(model, 0.0, y)
+    return model, y
+
+
+@pytest.mark.parametrize("where", ["flange", "both flanges", "pocket"])
+def test_the_watch_sees_friction_on_flanges_and_pockets(where):
+    """All that damps the motion of an unloaded roller: no more than the watch is told, nor ten times less."""
+    model, y = pressed(where)
+    told = damping_per_mass(model, y, 6)
+    slopes = np.empty((6, 6))
+    for k, place in enumerate(ROLLER + 6):
+        ends = []
+        for step in (1e-4, -1e-4):
+            x = y.copy()
+            x[place] += step
+            accelerations(model, 0.0, x)
+            ends.append(x[ROLLER + 6 + ACCELERATION - VELOCITY])
+        slopes[:, k] = (ends[0] - ends[1]) / 2e-4
+    fastest = -np.linalg.eigvals(slopes).real.min()
+    assert fastest > 1e3
+    assert 0.1 * told < fastest <= 1.001 * told

@@ -53,6 +53,7 @@ from bearingsim.core.layout import (
     PUSH_T,
     PUSH_Z,
     Q_P,
+    RUB_P,
     SE,
     SKEW,
     SKEW_V,
@@ -242,6 +243,7 @@ def face_walls(bearing, body, omega_cage, y, n):
         y[SWINGS + j] = o_r * rad[0] + o_t * rad[1] + o_z * rad[2]
         y[N_W + j], y[N_RAD + j], y[N_AX + j], y[C_AX + j] = 0.0, 0.0, 0.0, 0.0
         y[H_W + j], y[H_RAD + j], y[H_AX + j], y[C_RAD + j] = 0.0, 0.0, 0.0, 0.0
+        y[RUB_P + j] = 0.0
 
 
 @jit
@@ -276,6 +278,7 @@ def wall_slice(cage, bearing, spin, zeta, weight, drop, y, n):
         y[H_AX + j] -= zeta * f_b
         y[C_AX + j] += side * radius * f
         y[C_RAD + j] -= side * radius * f_b
+        y[RUB_P + j] += kappa
 
 
 @jit

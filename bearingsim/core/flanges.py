@@ -39,6 +39,7 @@ from bearingsim.core.layout import (
     Q_F,
     RING_R,
     RING_T,
+    RUB_F,
     SIN,
     SKEW,
     SKEW_V,
@@ -89,7 +90,7 @@ def _guide_axially_none(flanges, model, outer, inner, y, n):
 @guide_axially.register(Flanges)
 def _guide_axially(flanges, model, outer, inner, y, n):
     for j in range(n):
-        y[Q_F + j] = 0.0
+        y[Q_F + j], y[RUB_F + j] = 0.0, 0.0
     if flanges.outer_minus > 0.0:
         one_flange(OuterSide(), flanges, model, outer, -1.0, y, n)
     if flanges.outer_plus > 0.0:
@@ -177,6 +178,7 @@ def one_point(side, flanges, model, ring, sigma, t, y, n):
         y[at + BEND_T + j] += M_t
         y[at + BEND_Z + j] += M_z
         y[Q_F + j] -= N * g_z
+        y[RUB_F + j] += kappa
 
 
 @generic

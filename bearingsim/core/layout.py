@@ -81,7 +81,8 @@ SPINS, SWINGS = (_SPACE + n * ROW for n in range(21, 23))
 N_W, N_RAD, N_AX, H_W, H_RAD, H_AX, C_AX, C_RAD = (_SPACE + n * ROW for n in range(23, 31))  # sums over slices
 Q_F = _SPACE + 31 * ROW  # force of the flanges on a roller along the bearing's axis (N)
 TILT_MAX, LINE_MAX = (_SPACE + n * ROW for n in range(32, 34))  # largest |tilt| (rad) and line load (N/m)
-_SPACE_ROWS = 34
+RUB_F, RUB_P = (_SPACE + n * ROW for n in range(34, 36))  # friction over slip, flanges and pocket (N s/m)
+_SPACE_ROWS = 36
 
 # rows of one side of a roller (add ``OUTER_SIDE`` or ``INNER_SIDE``); see core/slice_contact.py
 OUTER_SIDE = SIZE + _SPACE_ROWS * ROW + LANES

@@ -70,6 +70,8 @@ from bearingsim.core.layout import (
     Q_O,
     ROLLING,
     ROW,
+    RUB_F,
+    RUB_P,
     SIN,
     SKEW,
     SKEW_V,
@@ -363,14 +365,19 @@ def _stiffness_per_mass(model, y, j):
 
 @damping_per_mass.register(Spatial)
 def _damping_per_mass(model, y, j):
-    """Radial or tilting damping, or that of what holds the rings, or of friction on slip: the largest."""
-    b = model.bearing
+    """Radial or tilting damping, or that of what holds the rings, or of friction on slip: the largest.
+
+    Friction on flanges and pockets has no lag and adds to that on the races: as it is now, for it always slips.
+    """
+    b, half, per_mass = model.bearing, 0.5 * model.L_w, y[INVERSE_MASS + j]
     _, c, _, c_tilt = along_slices(model, y, j)
     pressed = max(y[Q_O + j], y[Q_I + j]) * max(2.0 * b.R_w * b.R_w / b.I_r, 2.0 * b.R_w * b.R_w / model.I_t)
     rubbing = steepest(model.friction, b.R_w * b.omega_b) * pressed
     held = max(held_damping(model.shaft), held_damping(model.bracket))
     mounted = max(mount_damping(model.mount_o), mount_damping(model.mount_i))
-    return max(y[INVERSE_MASS + j] * c, c_tilt / model.I_t, held, mounted, rubbing / (1.0 + model.lag * rubbing))
+    loose = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t  # 1/kg: slip of an end's rim per impulse
+    rubbing = rubbing / (1.0 + model.lag * rubbing) + (y[RUB_F + j] + y[RUB_P + j]) * loose
+    return max(per_mass * c, c_tilt / model.I_t, held, mounted, rubbing)
 
 
 KIND = ModelKind(Spatial, loaded=True, slips=True, sliced=True, memoryless=False, per_crossing=100, cost=0.38e-6)
