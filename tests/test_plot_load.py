@@ -12,6 +12,7 @@ from bearingsim.plots import PlotError
 from bearingsim.plots.line_load import Loaded, instants
 from bearingsim.plots.plot import drawn
 from tests.test_plots import only, results
+from tests.test_scan import bowl, gridded
 
 __all__ = ["results"]
 
@@ -157,6 +158,16 @@ def test_without_a_pit_the_largest_and_the_least_load_are_drawn(loaded):
         for text in ax.get_legend().get_texts()
     ]
     assert names == ["largest load", "least load"]
+
+
+def test_a_scan_that_is_gone_is_read_from_the_results(loaded, tmp_path):
+    """Where the pit ends along the roller is dotted: that takes the scan."""
+    text = "".join(line + "\n" for line in STUDY.splitlines() if not line.startswith("defect"))
+    scan = gridded(tmp_path / "a.csv", 0.5 * bowl())
+    opened = loaded(text=text + "defect: {shape: scan, file: a.csv, angle: 0 deg}\n")
+    scan.unlink()
+    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    assert [line.get_ydata()[0] for line in canvas.axes[0].lines[:2]] == pytest.approx([-3.0, 3.0])
 
 
 def test_a_pit_of_the_inner_race_is_met_as_it_turns(loaded):
