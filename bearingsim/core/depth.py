@@ -218,7 +218,9 @@ def _edge(profile: Profile, radius: float, ramp: float) -> Profile:
     for a radius, where a disc that rolls below the race meets it.
     """
     start = profile.pieces[0, FROM]
-    t = np.concatenate([[start], start + (profile.pieces[-1, TO] - start) * np.linspace(1e-9, 1.0, EDGE_POINTS)])
+    part = np.linspace(0.0, 1.0, EDGE_POINTS) ** 2  # close at the rim, where an edge and a steep wall meet
+    part[1] = min(part[1], 1e-9)  # behind an upright wall
+    t = start + (profile.pieces[-1, TO] - start) * part
     p = depth_at(profile, t)
     floor = float(p.max())
     back = _back_of_radius(p, radius) if radius > 0.0 else ramp * np.maximum(p, 0.0) / floor

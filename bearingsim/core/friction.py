@@ -68,6 +68,23 @@ def steepest(law: Any, u: float) -> float:
 
 
 @jit
+def taken(t):
+    """Part of a lag that is taken where slip would die out ``t`` times within it, t/(1 + t).
+
+    Friction that is slow beside the lag hardly needs it: so its error is of second order in the lag, t^2. Slip
+    still dies out no faster than within the lag: at the rate t (1 + t)/(1 + t + t^2) of it.
+    """
+    return t / (1.0 + t)
+
+
+@jit
+def lagged(rate, lag):
+    """Rate (1/s) at which slip dies out with the lag (s), ``rate`` being that without."""
+    t = lag * rate
+    return rate / (1.0 + taken(t) * t)
+
+
+@jit
 def rise(x):
     """-1 up to x = -1, 1 from x = 1, the odd cubic between: continuous with its slope, which is 1.5 at x = 0."""
     x = min(max(x, -1.0), 1.0)

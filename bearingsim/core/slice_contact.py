@@ -19,7 +19,7 @@ Friction over slip (KAPPA) is taken with the slip as it is, and acts on the slip
 from math import sqrt
 
 from bearingsim.core.contact import normal_force
-from bearingsim.core.friction import mu
+from bearingsim.core.friction import mu, taken
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
     ALONG_R,
@@ -296,13 +296,18 @@ def keep_line_load(row, width, y, n):
 def relax(lag, m_r, I_r, I_t, R_w, y, n):
     """How the slips of every roller will change within the lag (s): fills SHIFT, SHIFT_Z and SHIFT_SKEW.
 
-    Along the race: the mean slips of both contacts and the rate of skew, three equations of which the last is
-    eliminated. Along the axis: the mean slips of both contacts, which a roller's shift and tilting change.
+    Of the lag a part is ``taken``. Along the race: the mean slips of both contacts and the rate of skew, three
+    equations of which the last is eliminated. Along the axis: the mean slips of both contacts, which a roller's
+    shift and tilting change.
     """
     outer, inner = OUTER_SIDE, INNER_SIDE
-    a, b = lag * (1.0 / m_r + R_w * R_w / I_r), lag * (1.0 / m_r - R_w * R_w / I_r)
-    a_z, b_z, g = lag * (1.0 / m_r + R_w * R_w / I_t), lag * (1.0 / m_r - R_w * R_w / I_t), lag / I_t
+    along, crosswise = lag * (1.0 / m_r + R_w * R_w / I_r), lag * (1.0 / m_r - R_w * R_w / I_r)
+    along_z, crosswise_z = lag * (1.0 / m_r + R_w * R_w / I_t), lag * (1.0 / m_r - R_w * R_w / I_t)
     for j in range(n):
+        K = y[outer + K_0 + j] + y[inner + K_0 + j]
+        part, part_z = taken(along * K), taken(along_z * K)
+        a, b, g = part * along, part * crosswise, part * lag / I_t
+        a_z, b_z = part_z * along_z, part_z * crosswise_z
         N_o, N_i = y[outer + K_1 + j], y[inner + K_1 + j]
         M = y[outer + KS_1 + j] + y[inner + KS_1 + j]
         gamma = g / (1.0 + g * (y[outer + K_2 + j] + y[inner + K_2 + j]))

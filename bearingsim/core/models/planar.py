@@ -22,7 +22,7 @@ from bearingsim.core.cage import drive_cage, let_go, orbit_drag, pocket_stiffnes
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import HALF_WIDTH, ON, ON_INNER, OUTER, RADIUS, SIDE, Pits, meeting
 from bearingsim.core.extremes import keep_forces
-from bearingsim.core.friction import mu, steepest
+from bearingsim.core.friction import lagged, mu, steepest, taken
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
     ACCELERATION,
@@ -260,10 +260,12 @@ def rub(k_o, k_i, s_o, s_i, a, b):
 
     k_o, k_i: friction over slip at either contact (N s/m); s_o, s_i: slip (m/s). A force F_o changes the slips at
     the rates -(1/m + R_w^2/I) F_o and -(1/m - R_w^2/I) F_o, crosswise F_i; a, b: these factors times the lag
-    (s/kg). The new slips follow from forces k s with the new s, in closed form. So slip never dies out faster than
-    within the lag, however steep the friction's curve, and an explicit step as long as the lag is stable; without
-    lag the force is k s.
+    (s/kg), of which a part is ``taken``. The new slips follow from forces k s with the new s, in closed form. So
+    slip never dies out faster than within the lag, however steep the friction's curve, and an explicit step as
+    long as the lag is stable; without lag the force is k s.
     """
+    part = taken(a * (k_o + k_i))
+    a, b = part * a, part * b
     determinant = (1.0 + a * k_o) * (1.0 + a * k_i) - b * b * k_o * k_i
     f_o = k_o * ((1.0 + a * k_i) * s_o - b * k_i * s_i) / determinant
     f_i = k_i * ((1.0 + a * k_o) * s_i - b * k_o * s_o) / determinant
@@ -397,7 +399,7 @@ def _damping_per_mass(model, y, j):
     pressed = max(y[Q_O + j], y[Q_I + j]) * 2.0 * b.R_w * b.R_w / b.I_r
     rubbing = steepest(model.friction, b.R_w * b.omega_b) * pressed
     held = max(held_damping(model.shaft), held_damping(model.bracket))
-    return max(y[INVERSE_MASS + j] * (outer + inner), held, rubbing / (1.0 + model.lag * rubbing))
+    return max(y[INVERSE_MASS + j] * (outer + inner), held, lagged(rubbing, model.lag))
 
 
 KIND = ModelKind(Planar, loaded=True, slips=True, sliced=False, memoryless=False, per_crossing=100, cost=0.52e-6)

@@ -21,7 +21,7 @@ from bearingsim.core.contact import damping_slope, stiffness_slope
 from bearingsim.core.defects import OUTER, RADIUS, SIDE, Pits
 from bearingsim.core.extremes import keep_largest_forces
 from bearingsim.core.flanges import flange_stiffness, guide_axially
-from bearingsim.core.friction import steepest
+from bearingsim.core.friction import lagged, steepest
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
     ACCELERATION,
@@ -376,7 +376,7 @@ def _damping_per_mass(model, y, j):
     held = max(held_damping(model.shaft), held_damping(model.bracket))
     mounted = max(mount_damping(model.mount_o), mount_damping(model.mount_i))
     loose = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t  # 1/kg: slip of an end's rim per impulse
-    rubbing = rubbing / (1.0 + model.lag * rubbing) + (y[RUB_F + j] + y[RUB_P + j]) * loose
+    rubbing = lagged(rubbing, model.lag) + (y[RUB_F + j] + y[RUB_P + j]) * loose
     return max(per_mass * c, c_tilt / model.I_t, held, mounted, rubbing)
 
 
