@@ -78,7 +78,7 @@ from bearingsim.core.layout import (
 from bearingsim.core.orientation import Body, body_at, tip, winding_rate
 from bearingsim.core.slice_contact import AT_REST
 from bearingsim.core.slices import DROP, WEIGHT, ZETA
-from bearingsim.core.vectors import across, turning
+from bearingsim.core.vectors import across, both, cross, dot, mix, turning
 
 
 class CageInPlane(NamedTuple):
@@ -282,48 +282,42 @@ def wall_slice(cage, bearing, spin, zeta, weight, drop, y, n):
 
 
 @jit
+def of_pocket(cage, model, body, omega_cage, y, j):
+    """Force and moment of a pocket on its roller, stops included, and the roller's centre less the cage's."""
+    b, real = model.bearing, model.bearing.m_r * y[INVERSE_MASS + j]
+    rad, w, leans, _ = pocket_axes(body, y[PC + j], y[PS + j], y[CE + j], y[SE + j])
+    axis = leans[0], leans[1], body.a_z
+    d_r, d_t, d_z, _, _, _ = apart(b, body, omega_cage, y, j)
+    d = d_r, d_t, d_z
+    out, aside = dot(d, rad) - 0.5 * (b.R_o + b.R_i), dot(d, axis)
+    along_r = y[N_RAD + j] + real * radial_stop(cage.guide, out, y[WALL + j])
+    along_b = y[N_AX + j] + real * axial_stop(model.cage_z, aside, y[WALL_Z + j])
+    F = mix(y[N_W + j], w, along_r, rad, along_b, axis)
+    H = mix(y[H_W + j], w, y[H_RAD + j], rad, y[H_AX + j], axis)
+    tilts = cross((y[TILT + j], y[SKEW + j], y[UPRIGHT + j]), H)
+    return F, mix(1.0, tilts, y[C_AX + j], axis, y[C_RAD + j], rad), d
+
+
+@jit
 def gather_pockets(cage, model, body, omega_cage, y, n):
     """Add what pockets do to the rollers, stops included, and fill the cage's cells with the opposite."""
-    b_z, middle = body.a_z, 0.5 * (model.bearing.R_o + model.bearing.R_i)
     f_x, f_y, f_z, m_x, m_y, m_z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(n):
-        real = model.bearing.m_r * y[INVERSE_MASS + j]
-        pc, ps, ce, se = y[PC + j], y[PS + j], y[CE + j], y[SE + j]
-        c, s = pc * ce - ps * se, ps * ce + pc * se
-        rad, w, b, _ = pocket_axes(body, pc, ps, ce, se)
-        d_r, d_t, d_z, _, _, _ = apart(model.bearing, body, omega_cage, y, j)
-        out = d_r * rad[0] + d_t * rad[1] + d_z * rad[2] - middle
-        aside = d_r * b[0] + d_t * b[1] + d_z * b_z
-        along_r = y[N_RAD + j] + real * radial_stop(cage.guide, out, y[WALL + j])
-        along_b = y[N_AX + j] + real * axial_stop(model.cage_z, aside, y[WALL_Z + j])
-        over = y[N_W + j]
-        F_r, F_t = over * w[0] + along_r * rad[0] + along_b * b[0], over * w[1] + along_r * rad[1] + along_b * b[1]
-        F_z = over * w[2] + along_r * rad[2] + along_b * b_z
-        h_w, h_r, h_b = y[H_W + j], y[H_RAD + j], y[H_AX + j]
-        M_r, M_t, M_z = across(
-            y[TILT + j],
-            y[SKEW + j],
-            y[UPRIGHT + j],
-            h_w * w[0] + h_r * rad[0] + h_b * b[0],
-            h_w * w[1] + h_r * rad[1] + h_b * b[1],
-            h_w * w[2] + h_r * rad[2] + h_b * b_z,
-        )
-        t_b, t_r = y[C_AX + j], y[C_RAD + j]
-        M_r, M_t = M_r + t_b * b[0] + t_r * rad[0], M_t + t_b * b[1] + t_r * rad[1]
-        M_z += t_b * b_z + t_r * rad[2]
-        y[Q_P + j] = over
-        y[PUSH_R + j] += F_r
-        y[PUSH_T + j] += F_t
-        y[PUSH_Z + j] += F_z
-        y[TURN_R + j] += M_r
-        y[TURN_T + j] += M_t
-        y[TURN_Z + j] += M_z
-        x_r, x_t, x_z = across(d_r, d_t, d_z, F_r, F_t, F_z)
-        f_x = add(f_x, -F_r * c + F_t * s)
-        f_y = add(f_y, -F_r * s - F_t * c)
-        f_z = add(f_z, -F_z)
-        m_x = add(m_x, -(M_r + x_r) * c + (M_t + x_t) * s)
-        m_y = add(m_y, -(M_r + x_r) * s - (M_t + x_t) * c)
-        m_z = add(m_z, -(M_z + x_z))
+        F, M, d = of_pocket(cage, model, body, omega_cage, y, j)
+        y[Q_P + j] = y[N_W + j]
+        y[PUSH_R + j] += F[0]
+        y[PUSH_T + j] += F[1]
+        y[PUSH_Z + j] += F[2]
+        y[TURN_R + j] += M[0]
+        y[TURN_T + j] += M[1]
+        y[TURN_Z + j] += M[2]
+        c, s = y[PC + j] * y[CE + j] - y[PS + j] * y[SE + j], y[PS + j] * y[CE + j] + y[PC + j] * y[SE + j]
+        N = both(1.0, M, 1.0, cross(d, F))  # about the cage's centre
+        f_x = add(f_x, -F[0] * c + F[1] * s)
+        f_y = add(f_y, -F[0] * s - F[1] * c)
+        f_z = add(f_z, -F[2])
+        m_x = add(m_x, -N[0] * c + N[1] * s)
+        m_y = add(m_y, -N[0] * s - N[1] * c)
+        m_z = add(m_z, -N[2])
     y[F_X_C], y[F_Y_C], y[F_Z_C] = f_x, f_y, f_z
     y[M_X_C], y[M_Y_C], y[M_C] = m_x, m_y, m_z

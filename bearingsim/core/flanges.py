@@ -52,7 +52,7 @@ from bearingsim.core.layout import (
 from bearingsim.core.orientation import Body
 from bearingsim.core.sides import InnerSide, OuterSide, rows_of, sign
 from bearingsim.core.slice_contact import AT_REST
-from bearingsim.core.vectors import across
+from bearingsim.core.vectors import both, cross, dot, mix
 
 
 class NoFlanges(NamedTuple):
@@ -118,67 +118,92 @@ def one_flange(side, flanges, model, ring, sigma, y, n):
 @jit
 def one_point(side, flanges, model, ring, sigma, t, y, n):
     """Force, friction and moment at one point, ``t`` (m) along the race, of every roller."""
-    b, at = model.bearing, rows_of(side)
-    middle, half = 0.5 * (b.R_o + b.R_i), 0.5 * model.L_w
+    b, half = model.bearing, 0.5 * model.L_w
     face = b.R_o - 0.5 * flanges.height if sign(side) > 0.0 else b.R_i + 0.5 * flanges.height
-    b_z = ring.a_z
     for j in range(n):
-        c, s = y[COS + j], y[SIN + j]
-        b_r, b_t = y[at + RING_R + j], y[at + RING_T + j]
-        w_r, w_t, w_z = ring.w_x * c + ring.w_y * s, ring.w_y * c - ring.w_x * s, ring.w_z
-        a_r, a_t, a_z = y[TILT + j], y[SKEW + j], y[UPRIGHT + j]
-        d_r, d_t = middle + y[Q + j] - ring.x * c - ring.y * s, ring.x * s - ring.y * c
-        d_z = y[AXIAL + j] - ring.z
-        off, sway = d_r * b_r + d_t * b_t + d_z * b_z, d_r * w_r + d_t * w_t + d_z * w_z
-        X_r, X_t, X_z = middle + y[Q + j] + y[at + APART_R + j], y[at + APART_T + j], y[at + APART_Z + j]
-        rho = sqrt(X_r * X_r + X_t * X_t + X_z * X_z)
-        n_r, n_t, n_z = X_r / rho, X_t / rho, X_z / rho
-        t_r, t_t, t_z = across(b_r, b_t, b_z, n_r, n_t, n_z)
-        p, q = sigma * (half + flanges.play) - off, face - rho
-        Y_r, Y_t, Y_z = p * b_r + q * n_r + t * t_r, p * b_t + q * n_t + t * t_t, p * b_z + q * n_z + t * t_z
-        on_b, on_n = a_r * b_r + a_t * b_t + a_z * b_z, a_r * n_r + a_t * n_t + a_z * n_z
-        on_t = (t * on_n - q * (a_r * t_r + a_t * t_t + a_z * t_z)) / rho
-        g_r = sigma * (on_b * b_r + on_n * n_r + on_t * t_r)
-        g_t = sigma * (on_b * b_t + on_n * n_t + on_t * t_t)
-        g_z = sigma * (on_b * b_z + on_n * n_z + on_t * t_z)
-        delta = half - sigma * (Y_r * a_r + Y_t * a_t + Y_z * a_z)
+        view = seen_from(side, b, ring, y, j)
+        q = face - view.rho
+        Y = mix(sigma * (half + flanges.play) - view.off, view.b, q, view.n, t, view.tau)  # X - c
+        g, tips = slopes(view, sigma, q, t)
+        rate = dot(g, view.moves) - sigma * dot(Y, tips)
+        N = b.m_r * y[INVERSE_MASS + j] * normal_force(flanges.law, half - sigma * dot(Y, view.a), rate)
+        slip, rolls = slip_at(view, ring, Y, tips, y[OMEGA + j])
+        kappa = mu(flanges.friction, slip[3], b.R_w * rolls) * N / slip[3]
+        add_point(rows_of(side), sigma, N, kappa, g, Y, view.a, slip, y, j)
 
-        m_r, m_t = y[at + MOVES_R + j] + sway * b_r, y[at + MOVES_T + j] + sway * b_t
-        m_z = y[at + MOVES_Z + j] + sway * b_z  # of the centre, seen from the ring as it leans
-        tilts = a_r * w_r + a_t * w_t + a_z * w_z
-        e_r, e_t = y[TILT_V + j] - on_b * w_r + tilts * b_r, y[SKEW_V + j] - on_b * w_t + tilts * b_t
-        e_z = y[UPRIGHT_V + j] - on_b * w_z + tilts * b_z
-        rate = g_r * m_r + g_t * m_t + g_z * m_z - sigma * (Y_r * e_r + Y_t * e_t + Y_z * e_z)
-        N = b.m_r * y[INVERSE_MASS + j] * normal_force(flanges.law, delta, rate)
 
-        v_r, v_t, v_z = across(b_r, b_t, b_z, w_r, w_t, w_z)
-        omega = y[OMEGA + j] - a_r * v_r - a_t * v_t - a_z * v_z
-        o_r, o_t, o_z = across(a_r, a_t, a_z, e_r, e_t, e_z)
-        o_r, o_t = o_r + omega * a_r - ring.turns * b_r, o_t + omega * a_t - ring.turns * b_t
-        o_z += omega * a_z - ring.turns * b_z
-        x_r, x_t, x_z = across(o_r, o_t, o_z, Y_r, Y_t, Y_z)
-        ahead = ring.turns * rho
-        x_r, x_t, x_z = x_r + m_r - ahead * t_r, x_t + m_t - ahead * t_t, x_z + m_z - ahead * t_z
-        out = x_r * a_r + x_t * a_t + x_z * a_z
-        x_r, x_t, x_z = x_r - out * a_r, x_t - out * a_t, x_z - out * a_z
-        speed = sqrt(x_r * x_r + x_t * x_t + x_z * x_z + AT_REST * AT_REST)
-        kappa = mu(flanges.friction, speed, b.R_w * abs(omega)) * N / speed
-        f_r, f_t, f_z = -kappa * x_r, -kappa * x_t, -kappa * x_z
+class View(NamedTuple):
+    """A roller as a ring sees it, along e_r, e_theta, e_z.
 
-        y[at + G_R + j] += f_r - N * g_r
-        y[at + G_T + j] += f_t - N * g_t
-        y[at + G_Z + j] += f_z - N * g_z
-        h_r, h_t, h_z = (
-            f_r - N * sigma * a_r,
-            f_t - N * sigma * a_t,
-            f_z - N * sigma * a_z,
-        )  # sigma a x Y = Y x -sigma a
-        M_r, M_t, M_z = across(Y_r, Y_t, Y_z, h_r, h_t, h_z)
-        y[at + BEND_R + j] += M_r
-        y[at + BEND_T + j] += M_t
-        y[at + BEND_Z + j] += M_z
-        y[Q_F + j] -= N * g_z
-        y[RUB_F + j] += kappa
+    a, b: axes of roller and ring, a_v, b_v: their rates (1/s); n: from the ring's axis to the roller's centre, and
+    tau = b x n; rho: its distance from the axis (m); off: along the axis from the ring's centre (m); moves: its
+    velocity (m/s) as seen from the ring as it leans.
+    """
+
+    a: Any
+    a_v: Any
+    b: Any
+    b_v: Any
+    n: Any
+    tau: Any
+    rho: float
+    off: float
+    moves: Any
+
+
+@jit
+def seen_from(side, bearing, ring, y, j):
+    """``View`` of roller ``j``, from the rows that ``face`` of ``slice_contact.py`` fills."""
+    at, r, c, s = rows_of(side), 0.5 * (bearing.R_o + bearing.R_i) + y[Q + j], y[COS + j], y[SIN + j]
+    b = y[at + RING_R + j], y[at + RING_T + j], ring.a_z
+    b_v = ring.w_x * c + ring.w_y * s, ring.w_y * c - ring.w_x * s, ring.w_z
+    d = r - ring.x * c - ring.y * s, ring.x * s - ring.y * c, y[AXIAL + j] - ring.z
+    X = r + y[at + APART_R + j], y[at + APART_T + j], y[at + APART_Z + j]
+    rho, sway = sqrt(dot(X, X)), dot(d, b_v)
+    n = X[0] / rho, X[1] / rho, X[2] / rho
+    moves = both(1.0, (y[at + MOVES_R + j], y[at + MOVES_T + j], y[at + MOVES_Z + j]), sway, b)
+    a, a_v = (y[TILT + j], y[SKEW + j], y[UPRIGHT + j]), (y[TILT_V + j], y[SKEW_V + j], y[UPRIGHT_V + j])
+    return View(a, a_v, b, b_v, n, cross(b, n), rho, dot(d, b), moves)
+
+
+@jit
+def slopes(view, sigma, q, t):
+    """What the approach grows by as the roller's centre moves (1), and its axis' rate as the ring sees it (1/s).
+
+    q, t: where the point is from the roller's centre, along n and tau (m).
+    """
+    on_b, on_n = dot(view.a, view.b), dot(view.a, view.n)
+    on_tau = (t * on_n - q * dot(view.a, view.tau)) / view.rho  # the point goes round with the roller
+    g = mix(sigma * on_b, view.b, sigma * on_n, view.n, sigma * on_tau, view.tau)
+    return g, mix(1.0, view.a_v, -on_b, view.b_v, dot(view.a, view.b_v), view.b)
+
+
+@jit
+def slip_at(view, ring, Y, tips, omega):
+    """The slip across the roller's axis ``Y`` (m) from its centre, and its size (m/s); and |turning| (rad/s).
+
+    tips: rate (1/s) of the roller's axis as the ring sees it; omega: speed (rad/s) about the axis.
+    """
+    rolls = omega - dot(view.a, cross(view.b, view.b_v))
+    turns = mix(1.0, cross(view.a, tips), rolls, view.a, -ring.turns, view.b)
+    x = mix(1.0, cross(turns, Y), 1.0, view.moves, -ring.turns * view.rho, view.tau)
+    x = both(1.0, x, -dot(x, view.a), view.a)
+    return (x[0], x[1], x[2], sqrt(dot(x, x) + AT_REST * AT_REST)), abs(rolls)
+
+
+@jit
+def add_point(at, sigma, N, kappa, g, Y, a, slip, y, j):
+    """Add force and friction at ``Y`` (m) to the sums of roller ``j``: g is the approach's slope, a the axis."""
+    G = both(-kappa, slip, -N, g)
+    M = cross(Y, both(-kappa, slip, -N * sigma, a))  # sigma a x Y = Y x -sigma a
+    y[at + G_R + j] += G[0]
+    y[at + G_T + j] += G[1]
+    y[at + G_Z + j] += G[2]
+    y[at + BEND_R + j] += M[0]
+    y[at + BEND_T + j] += M[1]
+    y[at + BEND_Z + j] += M[2]
+    y[Q_F + j] -= N * g[2]
+    y[RUB_F + j] += kappa
 
 
 @generic

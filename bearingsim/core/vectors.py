@@ -10,6 +10,30 @@ def across(a_r, a_t, a_z, b_r, b_t, b_z):
 
 
 @jit
+def dot(a, b):
+    """Scalar product of (3,) and (3,)."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@jit
+def cross(a, b):
+    """Vector product of (3,) and (3,)."""
+    return across(a[0], a[1], a[2], b[0], b[1], b[2])
+
+
+@jit
+def both(p, a, q, b):
+    """p a + q b."""
+    return p * a[0] + q * b[0], p * a[1] + q * b[1], p * a[2] + q * b[2]
+
+
+@jit
+def mix(p, a, q, b, s, c):
+    """p a + q b + s c."""
+    return p * a[0] + q * b[0] + s * c[0], p * a[1] + q * b[1] + s * c[1], p * a[2] + q * b[2] + s * c[2]
+
+
+@jit
 def turning(body, c, s):
     """Angular velocity (rad/s) of a ``Body`` along e_r, e_theta and e_z of the angle with cosine c and sine s."""
     o_x, o_y, o_z = across(body.a_x, body.a_y, body.a_z, body.w_x, body.w_y, body.w_z)
