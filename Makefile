@@ -1,13 +1,13 @@
 # make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's figures
 # make test    all tests                               make excitations | inner_race | roller_defect | slip
-# make check   tests, lint, types, import contract     make length | offset | tilt | misalignment
+# make check   tests, lint, types, import contract     make length | offset | tilt | misalignment | shapes
 #                                                      (add QUICK=1 for a reduced grid)
 PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
 BIN := $(VENV)/bin
 FIGURES := fig14 fig15 fig16
-STUDIES := $(FIGURES) excitations inner_race roller_defect slip length offset tilt misalignment
+STUDIES := $(FIGURES) excitations inner_race roller_defect slip length offset tilt misalignment shapes
 REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
