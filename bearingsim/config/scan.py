@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from bearingsim.config.scanfile import Grid, ScanError, places, read_file
+from bearingsim.config.scanfile import Grid, ScanError, mm, places, read_file
 
 if TYPE_CHECKING:
     from bearingsim.config.case import Case
@@ -145,7 +145,9 @@ def _filled(grid: Grid) -> Grid:
         known = np.maximum(np.sum(np.isfinite(around), axis=0), 1)
         mean = np.where(np.isfinite(around).any(axis=0), np.nansum(around, axis=0) / known, np.nan)
         depth = np.where(np.isnan(depth), mean, depth)
-    note = f"{count} missing cell{'s' * (count > 1)} filled from their neighbours: {told}"
+    note = (
+        f"{count} missing cell{'s' * (count > 1)} filled from {'their' if count > 1 else 'its'} neighbours: {told}"
+    )
     return grid._replace(depth=depth, notes=(*grid.notes, note))
 
 
@@ -246,7 +248,7 @@ def _centred(grid: Grid) -> Grid:
     s, z = float(np.mean(along)), float(np.mean(across))
     columns = (grid.s >= along[0]) & (grid.s <= along[1])
     rows = (grid.z >= across[0]) & (grid.z <= across[1])
-    note = f"the damage's middle, s = {1e3 * s:.4g} mm, z = {1e3 * z:.4g} mm, is the defect's place"
+    note = f"the damage's middle, s = {mm(s)}, z = {mm(z)}, is the defect's place"
     notes = (*grid.notes, note) if max(abs(s), abs(z)) > 1e-9 else grid.notes
     return Grid(grid.s[columns] - s, grid.z[rows] - z, grid.depth[np.ix_(rows, columns)], notes)
 
