@@ -156,6 +156,20 @@ def test_too_many_spikes_are_refused(tmp_path: Path) -> None:
     assert "filter it first" in refusal(gridded(tmp_path / "a.csv", depth))
 
 
+@pytest.mark.parametrize(
+    ("head", "parts"),
+    [
+        ("depth [um] | z [um] | s [um]", ["only 2 um wide along s", "deeper (50 um) than it is wide (2 um)"]),
+        ("depth [nm] | z [mm] | s [mm]", ["only 0.05 um deep"]),
+        ("depth [mm] | z [mm] | s [mm]", ["deeper (5e+04 um) than it is wide (2e+03 um)"]),
+        ("depth [um] | z [mm] | s [mm]", []),
+    ],
+)
+def test_a_pit_too_small_or_steep_to_be_one_is_doubted(tmp_path: Path, head: str, parts: list[str]) -> None:
+    found = read_scan(gridded(tmp_path / "a.csv", bowl(), head)).notes
+    assert list(found) == [f"the pit is {part}: is the unit right?" for part in parts]
+
+
 def test_a_tilted_scan_is_levelled(tmp_path: Path) -> None:
     s, z = np.meshgrid(S, Z)
     file = gridded(tmp_path / "a.csv", bowl(noise=0.1) + 12.0 + 3.0 * s - 2.0 * z)
