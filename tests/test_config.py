@@ -212,7 +212,7 @@ SPALL = SLOT | {"shape": "spall"}
         (SLOT | {"seed": "3"}, "only a spall has `seed`"),
         (SLOT | {"file": "spall.csv"}, "only a scan has `file`"),
         (SPALL | {"grown": "60"}, "expected a share such as `60 %`, got `60`"),
-        (SPALL | {"grown": "120 %"}, "expected a share from 0 to 1, got `120 %`"),
+        (SPALL | {"grown": "120 %"}, "expected a share from 0 % to 100 %, got `120 %`"),
         ({"shape": "scan"}, "a scan needs `file`"),
         ({"shape": "scan", "file": "none.csv"}, "no file `none.csv`"),
         ({"shape": "elliptical", "length": "3 mm", "width": "1 mm"}, "Field required"),

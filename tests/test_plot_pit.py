@@ -152,6 +152,15 @@ def test_what_has_no_pit_is_refused(results):
         figures(opened, kind="pit", y=["velocity.rms"])
 
 
+@pytest.mark.parametrize(("status", "reason"), [("failed", "the ring left"), ("missing", "not computed yet")])
+def test_the_pit_of_a_job_that_is_not_done_is_refused(results, status, reason):
+    opened = results(lost={0: status})
+    with pytest.raises(store.ResultsError, match=f"has no series: {reason}"):
+        figures(opened, kind="pit", jobs=opened.jobs[:1])
+    with pytest.raises(store.ResultsError, match="no job nobody"):
+        figures(opened, kind="pit", jobs=["nobody"])
+
+
 def test_a_wide_pit_is_written(results):
     opened = results(STUDY.replace("width: 0.8 mm", "width: 9 mm"))
     assert plot(opened, kind="pit", jobs=opened.jobs[:1])[0].stat().st_size > 10_000

@@ -156,6 +156,20 @@ def test_too_many_spikes_are_refused(tmp_path: Path) -> None:
     assert "filter it first" in refusal(gridded(tmp_path / "a.csv", depth))
 
 
+@pytest.mark.parametrize(
+    ("head", "parts"),
+    [
+        ("depth [um] | z [um] | s [um]", ["only 2 um wide along s", "deeper (50 um) than it is wide (2 um)"]),
+        ("depth [nm] | z [mm] | s [mm]", ["only 0.05 um deep"]),
+        ("depth [mm] | z [mm] | s [mm]", ["deeper (5e+04 um) than it is wide (2e+03 um)"]),
+        ("depth [um] | z [mm] | s [mm]", []),
+    ],
+)
+def test_a_pit_too_small_or_steep_to_be_one_is_doubted(tmp_path: Path, head: str, parts: list[str]) -> None:
+    found = read_scan(gridded(tmp_path / "a.csv", bowl(), head)).notes
+    assert list(found) == [f"the pit is {part}: is the unit right?" for part in parts]
+
+
 def test_a_tilted_scan_is_levelled(tmp_path: Path) -> None:
     s, z = np.meshgrid(S, Z)
     file = gridded(tmp_path / "a.csv", bowl(noise=0.1) + 12.0 + 3.0 * s - 2.0 * z)
@@ -253,14 +267,68 @@ def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
     (tmp_path / "a.xlsx").touch()
     assert "ends in .csv, .h5 or .hdf5, got `a.xlsx`" in refusal(tmp_path / "a.xlsx")
     (tmp_path / "a.h5").write_text("no HDF5")
-    assert "cannot be read" in refusal(tmp_path / "a.h5")
+    assert "`a.h5` is not an HDF5 file, or cut off" in refusal(tmp_path / "a.h5")
     (tmp_path / "b.csv").write_bytes(b"\xff\xfe\x00")
-    assert "not a text file in UTF-8" in refusal(tmp_path / "b.csv")
+    assert "not a text file in UTF-8 (save it as UTF-8)" in refusal(tmp_path / "b.csv")
     assert "expected s (n_s,), z (n_z,) and depth (n_z, n_s), got s (61,)" in refusal(
         hdf5(tmp_path / "c.h5", bowl().T)
     )
-    assert "expected columns" in refusal(hdf5(tmp_path / "d.h5", bowl(), "deep"))
-    assert "unit" in refusal(hdf5(tmp_path / "e.h5", bowl(), unit=""))
+    assert "expected datasets `s`, `z` and either" in refusal(hdf5(tmp_path / "d.h5", bowl(), "deep"))
+    assert "(give `depth` the attribute `units`: um" in refusal(hdf5(tmp_path / "e.h5", bowl(), unit=""))
+    (tmp_path / "folder.csv").mkdir()
+    assert "folder.csv` is a folder" in refusal(tmp_path / "folder.csv")
+
+
+def test_a_broken_hdf5_file_is_refused(tmp_path: Path) -> None:
+    whole = hdf5(tmp_path / "whole.h5", bowl()).read_bytes()
+    for content in (b"", bytes(range(256)) * 9, *(whole[: len(whole) * n // 9] for n in range(1, 9))):
+        (tmp_path / "a.h5").write_bytes(content)
+        assert refusal(tmp_path / "a.h5") == "`a.h5` is not an HDF5 file, or cut off"
+    assert "there are no points" in refusal(hdf5(tmp_path / "b.h5", np.empty((len(Z), 0)), s=np.empty(0)))
+
+
+def test_text_in_an_hdf5_file_is_refused_at_the_file(tmp_path: Path) -> None:
+    with h5py.File(hdf5(tmp_path / "a.h5", bowl()), "r+") as file:
+        del file["depth"]
+        file["depth"] = np.full((len(Z), len(S)), "deep", dtype=h5py.string_dtype())
+        file["depth"].attrs["units"] = "um"
+    path = tmp_path / "study.yaml"
+    path.write_text(STUDY.replace("FILE", "a.h5"))
+    with pytest.raises(StudyError, match=r"defect\.file: `depth` holds something else than numbers"):
+        load_study(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        (
+            "s [mm];z [mm];depth [um]\n1,0;1,0;1,0\n",
+            "the separator is `;` (use a comma, and a point for decimals)",
+        ),
+        ("depth [um] | z [mm] | s [mm];-1,0;1,0\n1,0;0;0\n", "the separator is `;` (use"),
+        ("s [mm]\tz [mm]\tdepth [um]\n1\t1\t1\n", "the separator is a tab (use"),
+        (
+            's [mm],z [mm],depth [um]\n1,1,"1,5"\n',
+            "line 2: expected a number, got `1,5` (use a point for decimals)",
+        ),
+    ],
+)
+def test_the_export_of_a_european_spreadsheet_is_refused(tmp_path: Path, text: str, part: str) -> None:
+    (tmp_path / "a.csv").write_text(text)
+    assert part in refusal(tmp_path / "a.csv")
+
+
+def test_a_long_first_line_is_not_repeated(tmp_path: Path) -> None:
+    for text in ("x " * 250 + "\n1\n", ",".join(["something"] * 50) + "\n1\n", "x|" * 250 + ",1\n1,1\n"):
+        (tmp_path / "a.csv").write_text(text)
+        assert len(refusal(tmp_path / "a.csv")) < 240
+
+
+def test_one_missing_cell_and_a_place_at_zero_are_told_in_words(tmp_path: Path) -> None:
+    depth = bowl()
+    depth[20, 30] = np.nan
+    found = told(listed(tmp_path / "a.csv", depth, s=np.where(np.abs(S) < 1e-9, 5.421e-17, S)))
+    assert "1 missing cell filled from its neighbours: s = 0 mm, z = 0 mm" in found
 
 
 def test_a_file_too_large_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

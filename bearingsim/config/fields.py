@@ -47,9 +47,13 @@ class Quantity:
             return (
                 f"above {self.above:g} and at most {self.most:g}"
                 if self.above > -math.inf
-                else (f"from {self.least:g} to {self.most:g}")
+                else f"from {self._said(self.least)} to {self._said(self.most)}"
             )
         return "above zero" if self.above == 0.0 else "that is not negative"
+
+    def _said(self, bound: float) -> str:
+        """A bound, as a value of the field is written."""
+        return f"{100.0 * bound:g} %" if self.dimension == "share" else f"{bound:g}"
 
 
 class QuantityOrAuto(Quantity):

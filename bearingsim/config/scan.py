@@ -4,14 +4,14 @@ In this order: axes (``scanfile``), spikes, missing cells, level, noise, middle.
 does and why.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from bearingsim.config.scanfile import Grid, ScanError, places, read_file
+from bearingsim.config.scanfile import Grid, ScanError, mm, places, read_file
 
 if TYPE_CHECKING:
     from bearingsim.config.case import Case
@@ -27,6 +27,7 @@ UNEVEN = 0.1  # of the depth: most that three standard deviations of the surroun
 DAMAGED = 0.2  # share of a side's cells off the surroundings from which the damage reaches it
 SPECK = 5  # cells: what is smaller is noise
 NOISE = 3.0  # standard deviations of the surroundings
+NARROW, SHALLOW = 20e-6, 0.1e-6  # width and depth (m) of a pit below which its unit is doubted
 
 REMEMBERED = 256
 """Scans that a process keeps: more than a sweep has, which goes through them again and again, and reading takes
@@ -66,7 +67,17 @@ def _read(path: Path, modified: int, size: int) -> Scan:
         grid = step(grid)
     along, across = _reach(grid)
     sizes = (float(np.ptp(across)), float(np.ptp(along)), float(grid.depth.max()))
-    return Scan(grid.s, grid.z, grid.depth, sizes, digest, grid.notes)
+    return Scan(grid.s, grid.z, grid.depth, sizes, digest, (*grid.notes, *_doubts(*sizes[1:])))
+
+
+def _doubts(width: float, depth: float) -> Iterator[str]:
+    """What makes a pit so unlike one that its file's units may be wrong."""
+    if width < NARROW:
+        yield f"the pit is only {_um(width)} wide along s: is the unit right?"
+    if depth > width:
+        yield f"the pit is deeper ({_um(depth)}) than it is wide ({_um(width)}): is the unit right?"
+    if depth < SHALLOW:
+        yield f"the pit is only {_um(depth)} deep: is the unit right?"
 
 
 def notes(cases: Iterable["Case"]) -> list[str]:
@@ -145,7 +156,9 @@ def _filled(grid: Grid) -> Grid:
         known = np.maximum(np.sum(np.isfinite(around), axis=0), 1)
         mean = np.where(np.isfinite(around).any(axis=0), np.nansum(around, axis=0) / known, np.nan)
         depth = np.where(np.isnan(depth), mean, depth)
-    note = f"{count} missing cell{'s' * (count > 1)} filled from their neighbours: {told}"
+    note = (
+        f"{count} missing cell{'s' * (count > 1)} filled from {'their' if count > 1 else 'its'} neighbours: {told}"
+    )
     return grid._replace(depth=depth, notes=(*grid.notes, note))
 
 
@@ -246,7 +259,7 @@ def _centred(grid: Grid) -> Grid:
     s, z = float(np.mean(along)), float(np.mean(across))
     columns = (grid.s >= along[0]) & (grid.s <= along[1])
     rows = (grid.z >= across[0]) & (grid.z <= across[1])
-    note = f"the damage's middle, s = {1e3 * s:.4g} mm, z = {1e3 * z:.4g} mm, is the defect's place"
+    note = f"the damage's middle, s = {mm(s)}, z = {mm(z)}, is the defect's place"
     notes = (*grid.notes, note) if max(abs(s), abs(z)) > 1e-9 else grid.notes
     return Grid(grid.s[columns] - s, grid.z[rows] - z, grid.depth[np.ix_(rows, columns)], notes)
 

@@ -32,6 +32,7 @@ from bearingsim.units import UnitError, parse
 NAMES = ("s", "z", "depth", "height")
 MOST_POINTS = 4_000_000
 SCARCE = 0.5  # share of a grid's cells that must be there at all
+LONGEST_ECHO, SHORTEST_ECHO = 60, 12  # letters of a file's first line that a message repeats
 _COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*(?:\[([^\]]*)\])?\s*")
 
 
@@ -41,6 +42,22 @@ class ScanError(UserError, ValueError):
     def __init__(self, message: str, hint: str | None = None) -> None:
         self.message, self.hint = message, hint
         super().__init__(message + (f" ({hint})" if hint else ""))
+
+
+class Wording(NamedTuple):
+    """What a form of file calls its columns, an example of them, and how it says that of `{}` is in `um`."""
+
+    columns: str
+    example: str
+    unit: str
+
+
+CSV = Wording("columns", "the first line is `s [mm],z [mm],depth [um]`", "write `{} [um]`, or mm, m, nm")
+HDF5 = Wording(
+    "datasets",
+    "`s` (n_s,), `z` (n_z,) and `depth` (n_z, n_s), each with the attribute `units`",
+    "give `{}` the attribute `units`: um, or mm, m, nm",
+)
 
 
 class Grid(NamedTuple):
@@ -54,6 +71,8 @@ class Grid(NamedTuple):
 
 def read_file(path: Path) -> tuple[Grid, str]:
     """The grid of a file, ascending, and the digest of what was read. Raises ScanError for what is no scan."""
+    if path.is_dir():
+        raise ScanError(f"`{path}` is a folder", "name the file in it")
     if not path.is_file():
         raise ScanError(f"no file `{path}`", "a path is relative to the working folder, or else to the study")
     form = FORMS.get(path.suffix.lower())
@@ -78,37 +97,53 @@ def _csv(name: str, content: bytes) -> Grid:
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise ScanError(f"`{name}` is not a text file in UTF-8") from None
+        raise ScanError(f"`{name}` is not a text file in UTF-8", "save it as UTF-8") from None
     numbered = [
         (n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"
     ]
     if len(numbered) < 2:
         raise ScanError("there are no points in it")
     numbers, rows = [n for n, _ in numbered], list(csv.reader(line for _, line in numbered))
+    _check_separator(rows[0][0])
     if "|" in rows[0][0]:
         return _ascending(*_grid(rows, numbers))
     return _listed(rows, numbers)
 
 
-def _columns(heads: Sequence[str]) -> dict[str, tuple[int, float]]:
+def _check_separator(first: str) -> None:
+    """Refuse what spreadsheets write where the decimal point is a comma."""
+    for separator, name in ((";", "`;`"), ("\t", "a tab")):
+        if separator in first.strip():
+            raise ScanError(f"the separator is {name}", "use a comma, and a point for decimals")
+
+
+def _echo(text: str, most: int = LONGEST_ECHO) -> str:
+    """The beginning of what a file says."""
+    said = text.strip()
+    return f"`{said}`" if len(said) <= most else f"`{said[: most - 3]}...`"
+
+
+def _columns(heads: Sequence[str], form: Wording) -> dict[str, tuple[int, float]]:
     """Place and factor to SI of each known column."""
     found = {}
     for place, head in enumerate(heads):
         named = _COLUMN.fullmatch(head)
         if named and named[1] in NAMES:
-            found[named[1]] = (place, _factor(named[1], named[2]))
+            found[named[1]] = (place, _factor(named[1], named[2], form))
     missing = [name for name in ("s", "z") if name not in found]
     if missing or ("depth" in found) == ("height" in found):
         asked = "`s`, `z` and either `depth` or `height`"
-        said = ", ".join(f"`{head.strip()}`" for head in heads[:6])
-        raise ScanError(f"expected columns {asked}, got {said}", "the first line is `s [mm],z [mm],depth [um]`")
+        shown = heads[:6]
+        most = max(LONGEST_ECHO // max(len(shown), 1), SHORTEST_ECHO)
+        said = ", ".join(_echo(head, most) for head in shown) or "none"
+        raise ScanError(f"expected {form.columns} {asked}, got {said}", form.example)
     return found
 
 
-def _factor(name: str, unit: str | None) -> float:
+def _factor(name: str, unit: str | None, form: Wording) -> float:
     """Metres in a unit; of heights negative."""
     if not unit:
-        raise ScanError(f"the unit of `{name}` is missing", f"write `{name} [um]`, or mm, m, nm")
+        raise ScanError(f"the unit of `{name}` is missing", form.unit.format(name))
     try:
         metres = parse(f"1 {unit}", "length")
     except UnitError as error:
@@ -118,7 +153,7 @@ def _factor(name: str, unit: str | None) -> float:
 
 def _listed(rows: list[list[str]], numbers: list[int]) -> Grid:
     """A list of points as a grid."""
-    columns = _columns(rows[0])
+    columns = _columns(rows[0], CSV)
     rest = [head.strip() for n, head in enumerate(rows[0]) if n not in {place for place, _ in columns.values()}]
     table = _numbers(rows[1:], numbers[1:], len(rows[0]))
     values = {name: table[:, place] * factor for name, (place, factor) in columns.items()}
@@ -148,10 +183,10 @@ def _falls(values: np.ndarray) -> bool:
 
 def _grid(rows: list[list[str]], numbers: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     heads = rows[0][0].split("|")
-    columns = _columns(heads)
+    columns = _columns(heads, CSV)
     order = [name for name, _ in sorted(columns.items(), key=lambda item: item[1][0])]
     if len(heads) != 3 or order[0] not in ("depth", "height"):
-        raise ScanError(f"expected a first cell such as `depth [um] | z [mm] | s [mm]`, got `{rows[0][0]}`")
+        raise ScanError(f"expected a first cell such as `depth [um] | z [mm] | s [mm]`, got {_echo(rows[0][0])}")
     table = _numbers([["", *rows[0][1:]], *rows[1:]], numbers, len(rows[0]))
     down, across = table[1:, 0] * columns[order[1]][1], table[0, 1:] * columns[order[2]][1]
     p = table[1:, 1:] * columns[order[0]][1]
@@ -175,7 +210,8 @@ def _number(cell: str, line: int) -> float:
     try:
         value = float(cell) if cell.strip() else math.nan
     except ValueError:
-        raise ScanError(f"line {line}: expected a number, got `{cell.strip()}`") from None
+        hint = "use a point for decimals" if "," in cell else None
+        raise ScanError(f"line {line}: expected a number, got {_echo(cell)}", hint) from None
     if math.isinf(value):
         raise ScanError(f"line {line}: `{cell.strip()}` is no depth", "leave a missing cell empty")
     return value
@@ -191,16 +227,26 @@ def _hdf5(name: str, content: bytes) -> Grid:
         with h5py.File(io.BytesIO(content), "r") as file:
             held = {name: file[name] for name in NAMES if isinstance(file.get(name), h5py.Dataset)}
             heads = [f"{name} [{_text(data.attrs.get('units', ''))}]" for name, data in held.items()]
-            columns = _columns(heads or list(file))
-            values = {name: np.array(held[name][()], dtype=float) * columns[name][1] for name in held}
-    except (OSError, TypeError) as error:
-        raise ScanError(f"`{name}` cannot be read: {error}") from None
+            columns = _columns(heads or list(file), HDF5)
+            values = {name: _values(name, held[name][()]) * columns[name][1] for name in held}
+    except (OSError, RuntimeError):
+        raise ScanError(f"`{name}` is not an HDF5 file, or cut off") from None
     s, z, p = values["s"], values["z"], values["depth" if "depth" in values else "height"]
     if s.ndim != 1 or z.ndim != 1 or p.shape != (len(z), len(s)):
         shapes = f"s {s.shape}, z {z.shape}, depth {p.shape}"
         raise ScanError(f"expected s (n_s,), z (n_z,) and depth (n_z, n_s), got {shapes}")
     p[np.isinf(p)] = np.nan
     return _ascending(s, z, p)
+
+
+def _values(name: str, given: object) -> np.ndarray:
+    """What a dataset holds, as numbers."""
+    try:
+        return np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        raise ScanError(
+            f"`{name}` holds something else than numbers", "write it as floating-point numbers"
+        ) from None
 
 
 def _text(given: object) -> str:
@@ -223,6 +269,8 @@ def _ascending(s: np.ndarray, z: np.ndarray, depth: np.ndarray) -> Grid:
 
 def _check_axis(name: str, axis: np.ndarray) -> None:
     steps = np.diff(axis)
+    if len(axis) == 0:
+        raise ScanError("there are no points in it")
     if np.isnan(axis).any():
         raise ScanError(f"a value of {name} is missing")
     if not (np.all(steps > 0.0) or np.all(steps < 0.0)):
@@ -237,5 +285,10 @@ FORMS: dict[str, Callable[[str, bytes], Grid]] = {".csv": _csv, ".txt": _csv, ".
 def places(which: Iterable[tuple[int, int]], grid: Grid) -> str:
     """Places of cells (row, column), the first three of them."""
     listed = list(which)
-    told = [f"s = {1e3 * grid.s[j]:.4g} mm, z = {1e3 * grid.z[i]:.4g} mm" for i, j in listed[:3]]
+    told = [f"s = {mm(grid.s[j])}, z = {mm(grid.z[i])}" for i, j in listed[:3]]
     return "; ".join(told) + ("; ..." if len(listed) > 3 else "")
+
+
+def mm(metres: float) -> str:
+    """A place in mm; what rounding has left of zero is zero."""
+    return f"{round(1e3 * float(metres), 9) + 0.0:.4g} mm"

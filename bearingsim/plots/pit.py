@@ -48,9 +48,13 @@ class Sheet(NamedTuple):
 
 
 def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
-    """The different pits of some finished jobs. Raises PlotError if none has any."""
+    """The different pits of some finished jobs. Raises PlotError if none has any, ResultsError if not done."""
     found: dict[Any, Sheet] = {}
-    for job, known in results.parameters().loc[list(jobs)].iterrows():
+    done = results.parameters()
+    for name in jobs:
+        if name not in done.index:
+            results.series(name)  # which says why there is nothing of it
+    for job, known in done.loc[list(jobs)].iterrows():
         for one in _of_job(results, str(job), known.to_dict()):
             first = found.setdefault(_key(one), one)
             if first is not one:
