@@ -50,10 +50,10 @@ def loads(case, channel):
 
 
 def record(case):
-    series = {}
+    time, series = np.arange(round(case.duration * case.sampling)) / case.sampling, {}
     channels = dict.fromkeys(name.rpartition(".")[0] for name in case.record if "line_load" in name)
     for channel in channels:
-        time, rows = loads(case, channel)
+        rows = loads(case, channel)[1]
         series |= {name: row for name, row in rows.items() if name in case.record}
     features = {"velocity@BPFO": 1e-6, "velocity@BPFO.phase": 0.0}
     info = {"cage_angle_start_rad": START, "cpu_s": 1.0}
