@@ -137,6 +137,7 @@ def test_tilt_and_skew_stand_below_over_the_same_time(loaded, monkeypatch):
     assert below.lines[0].get_ydata()[0] == pytest.approx(3.0, rel=1e-2)
     assert below.lines[0].get_xdata()[0] == pytest.approx(picture.get_xlim()[0], abs=0.02)
     assert [text.get_text() for text in beside.get_legend().get_texts()] == ["tilt", "skew"]
+    assert below.get_ylim()[1] > 3.0
 
 
 def test_a_span_of_ones_own(loaded):
