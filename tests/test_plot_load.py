@@ -50,10 +50,10 @@ def loads(case, channel):
 
 
 def record(case):
-    series = {}
+    time, series = np.arange(round(case.duration * case.sampling)) / case.sampling, {}
     channels = dict.fromkeys(name.rpartition(".")[0] for name in case.record if "line_load" in name)
     for channel in channels:
-        time, rows = loads(case, channel)
+        rows = loads(case, channel)[1]
         series |= {name: row for name, row in rows.items() if name in case.record}
     features = {"velocity@BPFO": 1e-6, "velocity@BPFO.phase": 0.0}
     info = {"cage_angle_start_rad": START, "cpu_s": 1.0}
@@ -137,6 +137,7 @@ def test_tilt_and_skew_stand_below_over_the_same_time(loaded, monkeypatch):
     assert below.lines[0].get_ydata()[0] == pytest.approx(3.0, rel=1e-2)
     assert below.lines[0].get_xdata()[0] == pytest.approx(picture.get_xlim()[0], abs=0.02)
     assert [text.get_text() for text in beside.get_legend().get_texts()] == ["tilt", "skew"]
+    assert below.get_ylim()[1] > 3.0
 
 
 def test_a_span_of_ones_own(loaded):

@@ -97,6 +97,7 @@ def test_a_whole_line_load_is_sent_to_its_own_kind(leaning, kind):
         ("roller.2.tilt", 2e-3, ("mrad", 1e3)),
         ("inner.lean", 2e-6, ("µrad", 1e6)),
         ("ring.lean.x", 0.0, ("nrad", 1e9)),
+        ("tilt.max", 7e-6, ("µrad", 1e6)),
         ("load_zone.extent", 2.0, ("°", math.degrees(1.0))),
         ("velocity@BPFO.phase", 1e-3, ("°", math.degrees(1.0))),
     ],

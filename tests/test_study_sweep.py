@@ -331,3 +331,10 @@ def test_optional_sections_from_the_command_line(write: Write) -> None:
     assert case.drag.oil_fraction == 0.1
     (case,) = load_study(write(BASE + "drag: {}\n"), {"model": "planar", "drag": "none"}).cases()
     assert case.drag is None
+
+
+def test_a_value_that_leaves_its_section_idle_is_swept_as_written(write: Write) -> None:
+    text = BASE + "model: spatial\nsweep: {misalignment.inner: [0 mrad, 0.2 mrad]}\n"
+    jobs = [job for job in load_study(write(text)).jobs() if not job.twin]
+    assert [job.swept["misalignment.inner"] for job in jobs] == pytest.approx([0.0, 2e-4])
+    assert [job.case.misalignment is None for job in jobs] == [True, False]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
+from bearingsim.config import dataset_names
 from bearingsim.config.names import roller_of
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.caption import fixed_values
@@ -64,8 +65,9 @@ def grid(
         drawn = {job: _curves(one, together, view) for job, one in jobs.items()}
         unit, factor = _unit(together[0], view, drawn)
         for row, (job, curves) in zip(axes, drawn.items(), strict=True):
-            known = job in twin_of and len(curves) == 1
-            _panel(row[column], curves, _curves(twins[twin_of[job]], together, view) if known else {}, factor)
+            twin = twins.get(twin_of.get(job, ""))
+            told = twin is not None and len(curves) == 1 and _has(twin, together[0])
+            _panel(row[column], curves, _curves(twin, together, view) if twin and told else {}, factor)
         label = axis_label(view.y_label(recorded.text_of(*together)), unit)
         _name_axes([row[column] for row in axes], label, len(columns) == 1)
         axes[-1][column].set_xlabel(view.x_label)
@@ -95,6 +97,12 @@ def _curves(job: Job, channels: Sequence[str], view: View) -> dict[str, Curve]:
         for channel in channels
         for signal in recorded.signals_of(job, channel)
     }
+
+
+def _has(job: Job, channel: str) -> bool:
+    """Whether a job has recorded a channel: a healthy twin has no slices of its own."""
+    components = [name for whole in job.recorded for name in dataset_names(whole)]
+    return recorded.recorded_as(channel, [*job.recorded, *components]) is not None
 
 
 def _whose(channel: str) -> str:

@@ -222,6 +222,8 @@ def _draw_leans(ax: "Axes", beside: "Axes", picture: "Axes", one: Loaded) -> Non
     unit, factor = labels.readable("rad", "tilt", largest)
     for name, values in one.leans.items():
         ax.plot(1e3 * one.time, factor * values, color=LEANS[name], lw=1.2, label=name)
+    if factor * largest < 1.0:  # of the smallest unit: rounding
+        ax.set_ylim(-1.0, 1.0)
     ax.set_xlim(picture.get_xlim())
     ax.set_xlabel("Time (ms)")
     ax.set_ylabel(f"Tilt, skew ({unit})" if len(one.leans) > 1 else axis_label(next(iter(one.leans)), unit))

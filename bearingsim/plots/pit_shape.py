@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from bearingsim.config.ladder import SLICED
-from bearingsim.config import Case
+    from bearingsim.config import Case
 
 __all__ = ["MARGIN", "Pit", "Reals", "Section", "cut", "ends_of_slices", "pits_of", "told_apart"]
 
@@ -95,6 +94,7 @@ def pits_of(case: "Case") -> Iterator[Pit]:
 
 def ends_of_slices(case: "Case") -> Reals:
     """Where the slices of the case's rollers end (m, from the middle); empty for a model without slices."""
+    from bearingsim.config.ladder import SLICED
     from bearingsim.config.slicing import slice_ends
 
     return np.asarray(slice_ends(case) if case.model in SLICED else ())

@@ -16,6 +16,7 @@ from bearingsim.study.jobs import Study, case_id
 from bearingsim.study.paths import dimension, parse_path, put, value_at
 from bearingsim.study.sweep import Axis, is_sweep, parse_sweep, replaced, rows_of, single_axis, written_paths
 from bearingsim.units import UnitError, split
+from bearingsim.units import parse as quantity
 from bearingsim.yamlfile import (
     Mark,
     Node,
@@ -204,7 +205,9 @@ class _Plan:
         """The swept values of a case: numbers in SI, everything else as written."""
         values: Swept = {}
         for path, node in row:
-            value = value_at(case, self.places[path])
+            value, known = value_at(case, self.places[path]), dimension(path)
+            if value is None and known and not _is_word(path, node):
+                value = quantity(node.text, known)  # of a section that does nothing, as at zero misalignment
             is_number = isinstance(value, int | float) and not isinstance(value, bool)
             values[path] = float(value) if is_number and not _is_word(path, node) else node.text
         return values

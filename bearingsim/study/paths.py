@@ -60,9 +60,11 @@ def put(tree: Node, path: Path, value: Node) -> Node:
 
 
 def value_at(case: Case, path: Path) -> Any:
-    """What stands at a path of a case."""
+    """What stands at a path of a case; None in a section that was left out for doing nothing."""
     found: Any = case
     for step in path:
+        if found is None:
+            return None
         found = found[step] if isinstance(step, int) else getattr(found, step)
     return found
 
