@@ -367,7 +367,8 @@ def _stiffness_per_mass(model, y, j):
 def _damping_per_mass(model, y, j):
     """Radial or tilting damping, or that of what holds the rings, or of friction on slip: the largest.
 
-    Friction on flanges and pockets has no lag and adds to that on the races: as it is now, for it always slips.
+    Friction on flanges and pockets has no lag and acts in all these directions, so it adds to what damps the
+    roller: as it is now, for it always slips.
     """
     b, half, per_mass = model.bearing, 0.5 * model.L_w, y[INVERSE_MASS + j]
     _, c, _, c_tilt = along_slices(model, y, j)
@@ -376,8 +377,8 @@ def _damping_per_mass(model, y, j):
     held = max(held_damping(model.shaft), held_damping(model.bracket))
     mounted = max(mount_damping(model.mount_o), mount_damping(model.mount_i))
     loose = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t  # 1/kg: slip of an end's rim per impulse
-    rubbing = lagged(rubbing, model.lag) + (y[RUB_F + j] + y[RUB_P + j]) * loose
-    return max(per_mass * c, c_tilt / model.I_t, held, mounted, rubbing)
+    of_roller = max(per_mass * c, c_tilt / model.I_t, lagged(rubbing, model.lag))
+    return max(of_roller + (y[RUB_F + j] + y[RUB_P + j]) * loose, held, mounted)
 
 
 KIND = ModelKind(Spatial, loaded=True, slips=True, sliced=True, memoryless=False, per_crossing=100, cost=0.38e-6)
