@@ -21,6 +21,7 @@ from bearingsim.core.equilibrium import NoEquilibrium
 from bearingsim.core.excitations import LEAPS
 from bearingsim.core.methods.interface import load_number
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
+from bearingsim.errors import Refused
 
 SAFE = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
 FEWEST_PER_CROSSING = 8  # fewer are refused
@@ -29,17 +30,6 @@ SAMPLES_OF_A_PASS = 16  # cage angles at which the load at rest is looked at
 FINE_PER_SAMPLE, FEWEST_FINE = 4, 64
 MOST_STEPS = 10_000_000  # in a ball pass, whose recording is held in memory: 640 MB
 OVERHEAD = 0.02  # CPU s per job: build, filters, features, writing
-
-
-class Refused(ValueError):
-    """A case that must not be computed as it stands; ``advice`` says what to do instead."""
-
-    def __init__(self, reason: str, advice: str) -> None:
-        super().__init__(f"{reason}; {advice}")
-        self.reason, self.advice = reason, advice
-
-    def __reduce__(self) -> tuple:
-        return Refused, (self.reason, self.advice)
 
 
 @dataclass(frozen=True)

@@ -3,3 +3,14 @@
 
 class UserError(Exception):
     """Its text says all that a user needs: the command line shows it without a traceback."""
+
+
+class Refused(ValueError):
+    """A case that must not be computed as it stands; ``advice`` says what to do instead."""
+
+    def __init__(self, reason: str, advice: str) -> None:
+        super().__init__(f"{reason}; {advice}")
+        self.reason, self.advice = reason, advice
+
+    def __reduce__(self) -> tuple:
+        return Refused, (self.reason, self.advice)

@@ -23,6 +23,7 @@ from bearingsim.core.sampling import (
     resample,
     resampling_kernel,
 )
+from bearingsim.errors import Refused
 from bearingsim.features import Tape, features
 
 SHORTENED = (1.0, 0.5, 0.25, 0.125)
@@ -110,7 +111,7 @@ def _simulate(case: Case, part: float, began: float) -> Record:
         cut, found = choose.grid(case, part), choose.limits(case)
         cusp = build.method_kind(case).cusp
         model = build.in_step(build.relaxed(build.model(case), cut.step), cut.steps_per_pass, cusp)
-    except choose.Refused as error:
+    except Refused as error:
         raise SimulationError(error.reason, error.advice) from error
     tape = _integrate(case, model, cut, _watch(cut, found))
     sampled = _resampled(case, cut, tape) if case.antialias else tape.picked

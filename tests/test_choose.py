@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from bearingsim import build, choose
-from bearingsim.choose import Refused, grid, limits, wanted_step
+from bearingsim.choose import grid, limits, wanted_step
 from bearingsim.config import Case
 from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY
 from bearingsim.core.methods.interface import step
 from bearingsim.core.models.interface import accelerations, width
+from bearingsim.errors import Refused
 
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 NARROW = SLOT | {"width": "0.2 mm"}

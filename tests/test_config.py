@@ -107,6 +107,10 @@ def test_damping_is_chosen_by_its_law() -> None:
         ({"bearing": "nf309"}, "no bearing `nf309` (did you mean `nf308`?)"),
         ({"rig": "xyz"}, "there are: bvt5"),
         ({"defect": SLOT | {"length": "13 mm"}}, "13 mm is longer than the roller (12 mm)"),
+        (
+            {"defect": SLOT | {"edge": {"ramp": "20 mm"}}},
+            "a ramp of 20 mm is longer than the defect is wide (0.8 mm)",
+        ),
         ({"defect": SLOT | {"width": "19 mm"}}, "19 mm is wider than the roller spacing (18.6079 mm)"),
         ({"defect": SLOT | {"depth": "10 mm"}}, "10 mm deep goes through the outer ring (6.5 mm)"),
         ({"clearance": "25 mm"}, "beyond -1 % to 5 % of the roller diameter"),

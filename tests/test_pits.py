@@ -26,6 +26,8 @@ from bearingsim.core.excitations import Envelope, Traced, felt
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.pit_contact import force_over_pit, mean_sinking
 from bearingsim.core.traced import across, grouped, traced_pits
+from bearingsim.errors import Refused
+from bearingsim.simulation import SimulationError, simulate
 from tests.scenes import SLOT, at_rest, case, drive
 
 SHORT = SLOT | {"length": "3 mm"}
@@ -135,8 +137,14 @@ def test_too_much_for_one_roller_is_refused():
     """Ten slots of 1.8 mm in a chain: refused by the case; by the pits if it is only what the edges add."""
     edged = SLOT | {"width": "9.2 mm", "edge": {"radius": "0.2 mm"}}
     pair = [edged, edged | {"angle": f"{np.degrees(9.5e-3 / R_O)} deg"}]
-    with pytest.raises(ValueError, match="mm between two contacts"):
+    with pytest.raises(Refused, match="mm between two contacts; make them narrower, or the edge's radius smaller"):
         meetings(case(defects=pair))
+
+
+def test_what_a_ball_does_not_reach_is_refused_with_advice():
+    pit = {"shape": "rectangular", "length": "0.5 mm", "width": "0.8 mm", "depth": "50 um", "offset": "2 mm"}
+    with pytest.raises(SimulationError, match=r"of no depth; the contact reaches 0\.\d+ mm from the middle: take"):
+        simulate(case(bearing="6205", model="planar", defect=pit))
 
 
 # Traced
@@ -225,7 +233,7 @@ def test_a_group_for_each_slice(more):
 def test_other_excitations_in_slices():
     found = meetings(case(defect=SHORT, excitation="half-sine-pulse"), ZETAS)
     assert found.groups[0, 3, B] == 4e-4
-    with pytest.raises(ValueError, match="`pressure-share` has no form for slices"):
+    with pytest.raises(ValueError, match="`pressure-share` has no form for slices; take `excitation: envelope`"):
         meetings(case(defect=SHORT, excitation="pressure-share", model="ring"), ZETAS)
 
 

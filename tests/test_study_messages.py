@@ -2,6 +2,7 @@
 """What a bad study is told, and where."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -122,6 +123,15 @@ def test_a_mistake_is_one_message_at_its_place(
 
 
 @pytest.mark.parametrize(
+    ("value", "shown"), [(0.003, "`0.003`"), (["1 mm"], "a list"), ({"a": 1}, "a mapping"), (None, "`None`")]
+)
+def test_an_override_from_python_that_is_no_text_is_refused(write: Write, value: object, shown: str) -> None:
+    wrong: dict[str, Any] = {"defect.offset": value, "load": "1 N"}
+    (found,) = problems(write(BASE), wrong)
+    assert f"defect.offset: an override is a text as it would stand in the file, got {shown}" in found.message
+
+
+@pytest.mark.parametrize(
     ("defect", "caret", "message"),
     [
         ("shape: cirular", "cirular", "defect.shape: expected `rectangular`, `triangular`, `circular`, `elliptical`, `spall` or `scan`, got `cirular` (did you mean `circular`?)"),
@@ -138,6 +148,7 @@ def test_a_mistake_is_one_message_at_its_place(
         ("grown: 60 %", "60 %", "defect.grown: only a spall has `grown` (leave it out, or say `shape: spall`)"),
         ("shape: spall, grown: 0.6", "0.6", "defect.grown: expected a share such as `60 %`, got `0.6` (the unit is missing)"),
         ("edge: {radus: 20 um}", "radus", "defect.edge: unknown key `radus` (did you mean `radius`?)"),
+        ("edge: {ramp: 20 mm}", "20 mm", "defect.edge.ramp: a ramp of 20 mm is longer than the defect is wide (0.8 mm) (make it shorter)"),
         ("edge: {radius: 20 um, ramp: 1 um}", "{radius", "defect.edge: expected either `radius` or `ramp` (as in `edge: {radius: 20 um}`)"),
         ("lenght: 3 mm", "lenght", "defect: unknown key `lenght` (did you mean `length`?)"),
         ("angle: .nan deg", ".nan deg", "defect.angle: expected an angle such as `5 deg`, got `.nan deg` (the number must be finite)"),

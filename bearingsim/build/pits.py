@@ -43,6 +43,7 @@ from bearingsim.core.depth import (
 from bearingsim.core.edge_contact import EdgeContact, edge_contact
 from bearingsim.core.spall import Spall
 from bearingsim.core.traced import across, burr, grouped, sharpest_cusp, sliced, span_of, traced_pits
+from bearingsim.errors import Refused
 
 EXCITATIONS: dict[str, Any] = {
     "envelope": felt.Envelope(),
@@ -80,7 +81,7 @@ def meetings(case: Case, zetas: Places | None = None) -> Pits:
     """Where the rollers' contacts meet the case's pits.
 
     zetas: middles (m) of a roller's slices: then a group of weight 1 for each of them, in their order.
-    Raises ValueError for what is not felt at all, and for pits too wide to be felt by one roller at a time.
+    Raises Refused for what is not felt at all, and for pits too wide to be felt by one roller at a time.
     """
     chosen, found = excitation(case), met(case, zetas)
     if any(one.paths for one in found):
@@ -246,14 +247,24 @@ def _meeting(case: Case, found: Together, on: int, side: int, zetas: Places | No
 def _felt(case: Case, d: config.Defect, one: Meeting) -> Meeting:
     """The meeting, if it is felt, and by one roller at a time."""
     if one.half_width == 0.0:
-        raise ValueError(f"nothing is felt of the {d.shape} defect: it is beyond the contact, or of no depth")
+        reason = f"nothing is felt of the {d.shape} defect: it is beyond the contact, or of no depth"
+        reach = f"{500.0 * contact_length(case, one.side):.4g} mm"
+        raise Refused(
+            reason, f"the contact reaches {reach} from the middle: take a smaller `offset`, or a larger pit"
+        )
     spacing = 2.0 * pi * one.radius / (1 if d.race == "roller" else case.bearing.rollers)
     if 2.0 * one.half_width > spacing:
         wide = (
             f"felt over {2e3 * one.half_width:.4g} mm, more than the {1e3 * spacing:.4g} mm between two contacts"
         )
-        raise ValueError(f"the defects at {np.degrees(d.angle):.4g} deg are {wide}")
+        raise Refused(f"the defects at {np.degrees(d.angle):.4g} deg are {wide}", _narrower(d))
     return one
+
+
+def _narrower(d: config.Defect) -> str:
+    if d.edge is None:
+        return "make them narrower"
+    return f"make them narrower, or the edge's {'radius smaller' if d.edge.radius else 'ramp shorter'}"
 
 
 def cut(case: Case, d: config.Defect, side: int, zetas: Places | None) -> list:
@@ -266,7 +277,7 @@ def cut(case: Case, d: config.Defect, side: int, zetas: Places | None) -> list:
         rows = slices_of(d.shape, d.length, d.width, d.depth, R, zetas, d.offset)
     found = felt.groups(chosen, d.shape, rows, R)
     if zetas is not None and len(found) != len(zetas):
-        raise ValueError(f"`{case.excitation}` has no form for slices: take `excitation: envelope`")
+        raise Refused(f"`{case.excitation}` has no form for slices", "take `excitation: envelope`")
     return found
 
 

@@ -54,6 +54,7 @@ def pit_conflicts(case: "Case") -> Iterator[Conflict]:
         yield from _length(at, defect, case.bearing)
         yield from _offset(at, defect, case.bearing)
         yield from _width(at, defect, case.bearing)
+        yield from _ramp(at, defect)
         yield from _depth(at, defect, case.bearing)
         yield from _form(at, defect, case)
     for first, second in combinations(range(len(case.defects)), 2):
@@ -117,6 +118,13 @@ def _width(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]
         message = f"a defect of {width} is wider than the {on.spacing} ({most})"
         paths, hint = _sized(at, "width", defect)
         yield Conflict("wide", (*paths, ("bearing",)), message, hint)
+
+
+def _ramp(at: Path, defect: "Defect") -> Iterator[Conflict]:
+    ramp = defect.edge.ramp if defect.edge is not None else None
+    if ramp is not None and ramp > defect.width:
+        message = f"a ramp of {show(ramp, 'mm')} is longer than the defect is wide ({show(defect.width, 'mm')})"
+        yield Conflict("ramp", ((*at, "edge", "ramp"), (*at, "width")), message, "make it shorter")
 
 
 def _depth(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:

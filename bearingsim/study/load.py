@@ -9,6 +9,7 @@ from pathlib import Path as FilePath
 
 from bearingsim.config import Bearing, Case
 from bearingsim.config.conflicts import Path
+from bearingsim.config.fields import described
 from bearingsim.study.diagnose import STUDY_KEYS, Found, case_of
 from bearingsim.study.expand import expanded
 from bearingsim.study.figures import check_known, parse_figures
@@ -47,7 +48,7 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     if not isinstance(root.value, dict):
         raise StudyError([*flaws, problem(root.mark, "expected `key: value` lines, as `bearingsim new` writes")])
     problems = list(flaws)
-    given = dict(overrides or {})
+    given = _texts(overrides or {})
     # Both are checked, so that a mistake in `quick` is told now and not when it is first used.
     modes = (False, True) if "quick" in root.mapping else (False,)
     plans = [_Plan.of(root, FilePath(path).parent, given, reduced) for reduced in modes]
@@ -64,6 +65,22 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     reduced = quick and "quick" in root.mapping
     chosen = -1 if reduced else 0
     return Study(name, str(path), text, given, reduced, figures, plans[chosen].units(), tuple(cases[chosen]))
+
+
+def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
+    """The overrides. Raises StudyError for those from Python that are no texts."""
+    wrong = [
+        problem(
+            argument_mark(f"--set {path}={value}", len("--set ") + 1),
+            f"{path}: an override is a text as it would stand in the file, got {described(value)}",
+            'as in `{"load": "200 N"}`',
+        )
+        for path, value in overrides.items()
+        if not isinstance(value, str) or not isinstance(path, str)
+    ]
+    if wrong:
+        raise StudyError(wrong)
+    return dict(overrides)
 
 
 def load_bearing(name: str) -> Bearing:
