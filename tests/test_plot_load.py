@@ -85,6 +85,7 @@ def test_the_picture_is_of_the_passage_and_of_every_slice(loaded):
     assert {0.5, 3.5} <= set(np.round(mesh.get_coordinates()[:, 0, 1], 9))
     assert mesh.get_array().max() == pytest.approx(9.0)
     assert profile.get_xlabel() == "Line load (N/mm)"
+    assert profile.get_ylabel() == "z (mm)"
     assert profile.get_ylim() == picture.get_ylim() == (-6.0, 6.0)
     assert picture.get_ylabel() == "Along the roller, z (mm)"
     bars = [ax.get_ylabel().replace("\n", " ") for ax in canvas.axes]

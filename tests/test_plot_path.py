@@ -120,6 +120,10 @@ def test_the_path_taken_lies_over_the_sections(results, monkeypatch):
     depths = [line.get_ydata() for line in taken]
     assert [depth.min() for depth in depths] == pytest.approx([1.75] * 3, rel=1e-5)  # clearance 5 um
     titles = [ax.get_title(loc="left") for ax in canvas.axes[1:4]]
-    assert titles == [f"({n}) section A, heights ×{k}" for n, k in (("b", 5), ("c", 20), ("d", 100))]
+    assert titles == [
+        "(b) section A, heights ×5",
+        "(c) section A, closer, heights ×20",
+        "(d) section A, closer, heights ×100",
+    ]
     caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     assert "path taken by roller 2 at length 3 mm, load 150 N, model rollers" in caption

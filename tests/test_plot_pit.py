@@ -82,7 +82,7 @@ def test_a_map_is_to_scale_and_its_sections_are_as_they_say(results):
     assert tall[0] == pytest.approx(per_mm[0], rel=1e-6)
     assert full.get_title(loc="left") == "(b) section A, heights ×5"
     assert 1e3 * tall[1] / per_mm[1] == pytest.approx(5.0, rel=1e-6)
-    assert close.get_title(loc="left") == "(c) section A, heights ×20"
+    assert close.get_title(loc="left") == "(c) section A, closer, heights ×20"
     assert 1e3 * tall[2] / per_mm[2] == pytest.approx(20.0, rel=1e-6)
     assert area.get_xlabel() == "Along rolling, s (mm)"
     assert full.get_window_extent().width / canvas.dpi == pytest.approx(SECTION_IN)

@@ -195,7 +195,7 @@ def _draw_row(picture: "Axes", profile: "Axes", one: Loaded) -> None:
                        label=f"{name},\n{1e3 * one.time[at]:.3f} ms", **look)  # fmt: skip
         picture.axvline(1e3 * one.time[at], color=look["color"], lw=1.0, ls=look["ls"])
     profile.set_ylim(picture.get_ylim())
-    profile.tick_params(labelleft=False)
+    profile.set_ylabel("z (mm)")
     profile.set_xlabel(f"Line load ({unit})")
     profile.set_xlim(left=0.0)
     profile.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), fontsize=7, borderaxespad=0.0)
@@ -213,7 +213,9 @@ def _draw_picture(ax: "Axes", one: Loaded, factor: float, label: str) -> None:
     ax.set_xlabel("Time (ms)")
     ax.set_ylabel("Along the roller, z (mm)")
     assert ax.figure is not None
-    ax.figure.colorbar(made, ax=ax, pad=0.02).set_label(textwrap.fill(label, LABEL_LETTERS), fontsize=8.0)
+    bar = ax.figure.colorbar(made, ax=ax, pad=0.02)
+    bar.set_label(textwrap.fill(label, LABEL_LETTERS), fontsize=8.0)
+    bar.ax.yaxis.set_label_position("left")  # on its right there are the sections
 
 
 def _draw_leans(ax: "Axes", beside: "Axes", picture: "Axes", one: Loaded) -> None:

@@ -181,7 +181,10 @@ def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
 
 
 class Panel(NamedTuple):
-    """A section as it is drawn: its name on the map, the depths shown (m), times the heights are exaggerated."""
+    """A section as it is drawn: its name on the map, the depths shown (m), times the heights are exaggerated.
+
+    closer: whether it shows a section once more.
+    """
 
     section: Section
     name: str
@@ -189,6 +192,7 @@ class Panel(NamedTuple):
     floor: float
     times: float
     inches: float
+    closer: bool
 
 
 def _panels(pit: Pit, taken: Taken | None) -> Iterator[Panel]:
@@ -199,14 +203,15 @@ def _panels(pit: Pit, taken: Taken | None) -> Iterator[Panel]:
         depths = [deepest or float(pit.picture.max())]
         closer = [path, *([float(np.max(taken.at(place)))] if taken else [])]
         depths += [CLOSER * low for far, low in pairwise([deepest, *closer]) if 0.0 < low < SHALLOW * far]
-        yield from (_panel(made, name, depth) for depth in (depths if number == 0 else depths[:1]))
+        shown = depths if number == 0 else depths[:1]
+        yield from (_panel(made, name, depth, closer=n > 0) for n, depth in enumerate(shown))
 
 
-def _panel(made: Section, name: str, depth: float) -> Panel:
+def _panel(made: Section, name: str, depth: float, closer: bool) -> Panel:
     top, bottom = min(float(np.min(made.p)), 0.0) - HEADROOM * depth, 1.08 * depth
     times = exaggeration(np.ptp(made.s) / SECTION_IN, bottom - top)
     inches = times * (bottom - top) * SECTION_IN / np.ptp(made.s)
-    return Panel(made, name, top, bottom, times, max(float(inches), LOWEST_IN))
+    return Panel(made, name, top, bottom, times, max(float(inches), LOWEST_IN), closer)
 
 
 def exaggeration(metre_per_inch: float, height: float) -> float:
@@ -235,7 +240,7 @@ def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
     ax.set_xlabel("s (mm)")
     ax.set_ylabel("Depth (µm)")
     times = "to scale" if panel.times == 1.0 else f"heights ×{labels.number_text(panel.times)}"
-    letter(ax, number, 2, f"section {panel.name}, {times}")
+    letter(ax, number, 2, f"section {panel.name}, {'closer, ' if panel.closer else ''}{times}")
 
 
 def _draw_taken(ax: "Axes", panel: Panel, taken: Taken) -> None:
