@@ -24,7 +24,7 @@ from bearingsim.core.layout import (
 )
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
-from bearingsim.core.models.interface import accelerations, keep_extremes, width
+from bearingsim.core.models.interface import accelerations, keep_extremes
 from bearingsim.core.mounts import Held
 from bearingsim.core.slices import WEIGHT
 from bearingsim.core.spatial_rest import rest_in_space
@@ -47,7 +47,7 @@ def shaken():
 
 
 def test_every_model_keeps_its_extremes():
-    assert keep_extremes.types == width.types
+    assert {kind.parameters for kind in build.MODELS.values()} == keep_extremes.types
 
 
 def test_an_evaluation_leaves_state_and_extremes():
