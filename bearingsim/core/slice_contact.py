@@ -13,7 +13,7 @@ acting the arm away from p:
     moment on the roller = a x H + TWIST b + BEND
 
 Friction over slip (KAPPA) is taken with the slip as it is, and acts on the slip as it will be a lag later (see
-``models/planar.py``, ``rub``), of the mean slips of both contacts, of tilting and of skewing.
+``core/friction.py``, ``rub``), of the mean slips of both contacts, of tilting and of skewing.
 """
 
 from math import sqrt

@@ -22,7 +22,7 @@ from bearingsim.core.cage import drive_cage, let_go, orbit_drag, pocket_stiffnes
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import HALF_WIDTH, ON, ON_INNER, OUTER, RADIUS, SIDE, Pits, meeting
 from bearingsim.core.extremes import keep_forces
-from bearingsim.core.friction import lagged, mu, steepest, taken
+from bearingsim.core.friction import lagged, mu, rub, steepest
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
     ACCELERATION,
@@ -108,7 +108,7 @@ class Planar(NamedTuple):
 
     outer, inner: contact laws at the races; motion: ``core/motion.py``; friction: at the races
     (``core/friction.py``); cage, drag: ``core/cage.py``; shaft, bracket: ``core/shaft.py``; gravity: m/s^2 along
-    e_0, on rollers and cage (a ring's weight is part of its load); lag: of friction, s (see ``rub``).
+    e_0, on rollers and cage (a ring's weight is part of its load); lag: of friction, s (``friction.rub``).
     """
 
     bearing: Bearing
@@ -252,24 +252,6 @@ def over_pits(model, t, omega_i, spin, y):
             if own:
                 y[TORQUE + j] -= sideways * radius
     return torque
-
-
-@jit
-def rub(k_o, k_i, s_o, s_i, a, b):
-    """Friction (N) at a roller's two contacts: that of the slips as they will be a lag later.
-
-    k_o, k_i: friction over slip at either contact (N s/m); s_o, s_i: slip (m/s). A force F_o changes the slips at
-    the rates -(1/m + R_w^2/I) F_o and -(1/m - R_w^2/I) F_o, crosswise F_i; a, b: these factors times the lag
-    (s/kg), of which a part is ``taken``. The new slips follow from forces k s with the new s, in closed form. So
-    slip never dies out faster than within the lag, however steep the friction's curve, and an explicit step as
-    long as the lag is stable; without lag the force is k s.
-    """
-    part = taken(a * (k_o + k_i))
-    a, b = part * a, part * b
-    determinant = (1.0 + a * k_o) * (1.0 + a * k_i) - b * b * k_o * k_i
-    f_o = k_o * ((1.0 + a * k_i) * s_o - b * k_i * s_i) / determinant
-    f_i = k_i * ((1.0 + a * k_o) * s_i - b * k_o * s_o) / determinant
-    return f_o, f_i
 
 
 @jit
