@@ -11,9 +11,10 @@ import numpy as np
 from bearingsim import build, channels, choose
 from bearingsim.channels import BASE, TURN_OF_CAGE
 from bearingsim.config import Case, Section, dataset_names
-from bearingsim.core.advance import FINE, OUTRUN, Watch, advance
+from bearingsim.core.advance import Watch, advance
 from bearingsim.core.layout import LINE_MAX, MAX_ROLLERS, OVERRUN_MAX, Q_I_MAX, Q_MAX, Q_P_MAX, TILT_MAX
 from bearingsim.core.models.interface import keep_extremes, watched
+from bearingsim.core.outcomes import FINE, OUTRUN
 from bearingsim.core.sampling import (
     DECIMATION_REACH,
     RESAMPLE_REACH,
@@ -109,8 +110,8 @@ def _simulate(case: Case, part: float, began: float) -> Record:
     """Compute one case with ``part`` of the step that it asks for; ``began``: CPU time at the start, s."""
     try:
         cut, found = choose.grid(case, part), choose.limits(case)
-        cusp = build.method_kind(case).cusp
-        model = build.in_step(build.relaxed(build.model(case), cut.step), cut.steps_per_pass, cusp)
+        kind = build.method_kind(case)
+        model = build.in_step(build.relaxed(build.model(case), kind.lag * cut.step), cut.steps_per_pass, kind.cusp)
     except Refused as error:
         raise SimulationError(error.reason, error.advice) from error
     tape = _integrate(case, model, cut, _watch(cut, found))

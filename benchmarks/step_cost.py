@@ -19,8 +19,9 @@ import numpy as np
 
 from bearingsim import build, choose
 from bearingsim.config import Case
-from bearingsim.core.advance import FINE, RING, advance
+from bearingsim.core.advance import RING, advance
 from bearingsim.core.layout import Q_I, Q_O
+from bearingsim.core.outcomes import FINE
 from bearingsim.simulation import _watch
 
 BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}

@@ -3,7 +3,8 @@
 import numpy as np
 
 from bearingsim import build
-from bearingsim.core.advance import FINE, Watch, advance
+from bearingsim.core.advance import Watch, advance
+from bearingsim.core.outcomes import FINE
 from tests import planar_bodies as bodies
 from tests.scenes import case
 

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.core.advance import FINE, Watch, advance, start_at_rest
+from bearingsim.core.advance import Watch, advance, start_at_rest
 from bearingsim.core.cage import Centred, FreeCage, OilDrag, RollerGuided
 from bearingsim.core.contact import (
     HuntCrossley,
@@ -25,6 +25,7 @@ from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.planar import Planar
 from bearingsim.core.models.static import Static
 from bearingsim.core.motion import Steady
+from bearingsim.core.outcomes import FINE
 from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.shaft import FixedRing, RigidShaft, TorsionSpring
 from tests import reference_planar

@@ -6,10 +6,11 @@ import numpy as np
 
 from bearingsim import build
 from bearingsim.config import Case
-from bearingsim.core.advance import FINE, RING, Watch, advance
+from bearingsim.core.advance import RING, Watch, advance
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import Q_I, Q_O
 from bearingsim.core.models.interface import begin
+from bearingsim.core.outcomes import FINE
 
 ON_INNER_RACE, ON_A_ROLLER = {"race": "inner"}, {"race": "roller"}  # of a defect: what carries it
 PLACES = np.array([*RING, Q_O, Q_I])  # the ring's motion, and the first roller's forces

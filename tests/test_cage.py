@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from bearingsim import build
-from bearingsim.core.advance import FINE, Watch, advance, start_at_rest
+from bearingsim.core.advance import Watch, advance, start_at_rest
 from bearingsim.core.cage import OilDrag
 from bearingsim.core.layout import ACCELERATION, PHI_C, POSITION, VELOCITY, X_C, Y_C
 from bearingsim.core.methods.verlet import Verlet
+from bearingsim.core.outcomes import FINE
 from bearingsim.simulation import simulate
 from tests.scenes import SLOT, case
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bearingsim import build
-from bearingsim.core.advance import FINE, Watch, advance, start_at_rest
+from bearingsim.core.advance import Watch, advance, start_at_rest
 from bearingsim.core.layout import (
     ACCELERATION,
     LINE_MAX,
@@ -26,6 +26,7 @@ from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations, keep_extremes
 from bearingsim.core.mounts import Held
+from bearingsim.core.outcomes import FINE
 from bearingsim.core.slices import WEIGHT
 from bearingsim.core.spatial_rest import rest_in_space
 from tests.scenes import case

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from bearingsim import build
-from bearingsim.core.advance import FINE, NOT_FINITE, OUTRUN, Watch, advance
+from bearingsim.core.advance import Watch, advance
 from bearingsim.core.layout import POSITION, VELOCITY, Q, V
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations
+from bearingsim.core.outcomes import FINE, NOT_FINITE, OUTRUN
 from tests.scenes import PLACES, SLOT, at_rest, case, drive
 
 SMOOTH = {"clearance": "-4 um", "contact": {"damping": {"chi": "5 s/m"}}}  # preloaded: no contact opens

@@ -7,13 +7,14 @@ import pytest
 from scipy.optimize import brentq
 
 from bearingsim import build
-from bearingsim.core.advance import NOT_FINITE, Watch, advance
+from bearingsim.core.advance import Watch, advance
 from bearingsim.core.contact import normal_force
 from bearingsim.core.defects import REDUCED, USED, W, depression
 from bearingsim.core.layout import ACCELERATION, COS, POSITION, Q_I, Q_O, SIN, VELOCITY, A, Q, V, X, Y
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations
+from bearingsim.core.outcomes import NOT_FINITE
 from bearingsim.simulation import simulate
 from tests import reference
 from tests.scenes import PLACES, SLOT, at_rest, case, drive, light_rollers

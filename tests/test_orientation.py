@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from bearingsim import build
-from bearingsim.core.advance import FINE, Watch, advance, start_at_rest
+from bearingsim.core.advance import Watch, advance, start_at_rest
 from bearingsim.core.cage import Centred
 from bearingsim.core.layout import AXIAL_V, AXIS_X, AXIS_X_V, AXIS_Y, AXIS_Y_V, SPIN, SPIN_V
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
+from bearingsim.core.outcomes import FINE
 from tests.scenes import case
 from tests.spatial_bodies import leant
 from tests.spatial_scene import empty, even, in_space

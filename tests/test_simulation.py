@@ -12,10 +12,11 @@ from scipy.optimize import root
 
 from bearingsim import build, channels, choose
 from bearingsim.config import FEATURES, Case, dataset_names
-from bearingsim.core.advance import FINE, Watch, advance, record
+from bearingsim.core.advance import Watch, advance, record
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import POSITION, Q_MAX, VELOCITY, X
 from bearingsim.core.models.interface import begin
+from bearingsim.core.outcomes import FINE
 from bearingsim.features import OTHER_LINES
 from bearingsim.simulation import simulate, warm
 from tests.short_cases import FORCES, RATE, RING, SLOT, case

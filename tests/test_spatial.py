@@ -5,7 +5,7 @@ import pytest
 
 from bearingsim import build
 from bearingsim.core import cage_in_space, slice_contact
-from bearingsim.core.advance import FINE, Watch, advance, start_at_rest
+from bearingsim.core.advance import Watch, advance, start_at_rest
 from bearingsim.core.layout import (
     ACCELERATION,
     AXIAL,
@@ -25,6 +25,7 @@ from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models import spatial
 from bearingsim.core.mounts import Held
 from bearingsim.core.orientation import Body
+from bearingsim.core.outcomes import FINE
 from bearingsim.core.parameters import lanes
 from bearingsim.core.sides import InnerSide, OuterSide
 from bearingsim.core.spatial_rest import rest_in_space

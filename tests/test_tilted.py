@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from bearingsim import build
-from bearingsim.core.advance import FINE, Watch, advance, start_at_rest
+from bearingsim.core.advance import Watch, advance, start_at_rest
 from bearingsim.core.contact import HuntCrossley, Linear, TenNinths
 from bearingsim.core.defects import RADIUS, depression
 from bearingsim.core.flanges import Flanges, NoFlanges, between_flanges, chord
@@ -46,6 +46,7 @@ from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.interface import accelerations, damping_per_mass
 from bearingsim.core.mounts import Held
 from bearingsim.core.orientation import Body
+from bearingsim.core.outcomes import FINE
 from bearingsim.core.slices import edges, slices
 from bearingsim.core.spatial_rest import mean_rest_in_space, rest_in_space
 from tests.scenes import SLOT, case

@@ -157,9 +157,9 @@ def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
     return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))
 
 
-def relaxed(model: Any, h: float) -> Any:
-    """The model with friction that acts no faster than the step ``h`` (s), so that it limits no step."""
-    return model._replace(lag=h) if "lag" in model._fields else model
+def relaxed(model: Any, lag: float) -> Any:
+    """The model with friction that acts no faster than within ``lag`` (s), so that it limits no step of it."""
+    return model._replace(lag=lag) if "lag" in model._fields else model
 
 
 def start(case: Case, model: Any) -> tuple[np.ndarray, float]:

@@ -62,7 +62,7 @@ class Bearing(Section):
 
     name: Text = ""
     element: Annotated[Element, one_of(*get_args(Element))] = "roller"
-    rollers: Annotated[int, whole(3, 64)]
+    rollers: Annotated[int, whole(3, 104)]
     roller_diameter: Length
     roller_length: Length | None = None
     inner_groove_radius: Length | None = None

@@ -21,6 +21,7 @@ from bearingsim.core.layout import (
 )
 from bearingsim.core.methods.interface import load_number, step
 from bearingsim.core.models.interface import begin, damping_per_mass, keep_extremes, stiffness_per_mass, watched
+from bearingsim.core.outcomes import FINE, NOT_FINITE, OUTRUN
 
 RING = tuple(block + axis for block in (POSITION, VELOCITY, ACCELERATION) for axis in (X, Y))
 """Places in the buffer of what every recording begins with: the ring's displacement, velocity, acceleration."""
@@ -31,9 +32,6 @@ class Watch(NamedTuple):
 
     stride: int
     patience: float
-
-
-FINE, OUTRUN, NOT_FINITE = 0, 1, 2  # outcomes of a look
 
 
 @jit

@@ -22,7 +22,7 @@ from bearingsim.core.jit import jit
 
 VECTOR = 8  # doubles in the widest vector register
 LANES = 8  # where a row's lanes begin; before them the shared coordinates
-MAX_ROLLERS = 64
+MAX_ROLLERS = 104
 ROW = LANES + MAX_ROLLERS
 STATE = 6 * ROW
 
@@ -64,9 +64,25 @@ F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = range(WORK + 19 * ROW, WORK 
 F_Z, M_X, M_Y, F_Z_C, M_X_C, M_Y_C, F_Z_I, M_X_I, M_Y_I = range(WORK + 19 * ROW + 8, WORK + 19 * ROW + 17)
 WORKS = 20
 STAGE = WORK + WORKS * ROW  # states a method may use, between evaluations
-STAGES = 4
+STAGES = 56
 LOADED = STAGE + STAGES * STATE  # one cell: rollers that carry load
-SIZE = LOADED + VECTOR
+# cells of a method: the step it stands in, from and to (s), the length it will try next (s); why it cannot go on
+# (``core/outcomes.py``; 0 while it can) and the body concerned; steps taken and refused, evaluations of the model,
+# Newton iterations; crossings of pits seen
+T_START, T_END, H_NEXT, FAILED, FAILED_BODY, TAKEN, REFUSED, EVALUATED, ITERATED, CROSSED = range(
+    LOADED + 1, LOADED + 11
+)
+
+# a matrix of the arrow's shape (``core/arrow.py``): rows of the rollers' own blocks, of what the border does to a
+# roller, of what a roller does to the border; cells of the border's own block
+MOST_OWN, MOST_BORDER = 6, 17  # coordinates of a roller, and shared ones
+OWN_BLOCK, FROM_BORDER, TO_BORDER = 0, MOST_OWN * MOST_OWN * ROW, MOST_OWN * (MOST_OWN + MOST_BORDER) * ROW
+BORDER_BLOCK = MOST_OWN * (MOST_OWN + 2 * MOST_BORDER) * ROW
+ARROW_SIZE = BORDER_BLOCK + -(-MOST_BORDER * MOST_BORDER // ROW) * ROW
+BY_POSITION = LOADED + 2 * VECTOR  # d(acceleration)/d(position)
+BY_VELOCITY = BY_POSITION + ARROW_SIZE  # d(acceleration)/d(velocity)
+SYSTEM = BY_VELOCITY + ARROW_SIZE  # the matrix that a method solves with
+SIZE = SYSTEM + ARROW_SIZE
 
 # what only ``spatial`` has: rows of a roller
 _SPACE = SIZE + LANES
@@ -103,6 +119,39 @@ INNER_SIDE = OUTER_SIDE + SIDE_ROWS * ROW
 SLICES = SIZE + (_SPACE_ROWS + 2 * SIDE_ROWS) * ROW
 LOAD_O, LOAD_I, APPROACH_O, APPROACH_I = range(4)  # rows of a slice: force (N), approach (m) at the two races
 SLICE_ROWS = 4
+
+
+@jit
+def own_block(matrix, i, k):
+    """Where the lanes of d(coordinate i of a roller)/d(its coordinate k) begin, in the arrow at ``matrix``."""
+    return matrix + OWN_BLOCK + (i * MOST_OWN + k) * ROW + LANES
+
+
+@jit
+def from_border(matrix, i, k):
+    """The lanes of d(coordinate i of a roller)/d(shared coordinate k)."""
+    return matrix + FROM_BORDER + (i * MOST_BORDER + k) * ROW + LANES
+
+
+@jit
+def to_border(matrix, k, i):
+    """The lanes of d(shared coordinate k)/d(coordinate i of a roller)."""
+    return matrix + TO_BORDER + (k * MOST_OWN + i) * ROW + LANES
+
+
+@jit
+def border_block(matrix, k, m):
+    """The cell of d(shared coordinate k)/d(shared coordinate m)."""
+    return matrix + BORDER_BLOCK + k * MOST_BORDER + m
+
+
+@jit
+def shared_cell(k):
+    """Where shared coordinate ``k`` (0 to 16) stands in a block of the state: X to Y_I, then those of ``spatial``.
+
+    8, 9, 10: Z, Z_C, Z_I; 11, 12, 13: LEAN_X, LEAN_X_C, LEAN_X_I; 14, 15, 16: LEAN_Y, LEAN_Y_C, LEAN_Y_I.
+    """
+    return k if k < LANES else (3 + (k - LANES) // 3) * ROW + (k - LANES) % 3
 
 
 @jit

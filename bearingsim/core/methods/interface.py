@@ -13,7 +13,10 @@ class MethodKind(NamedTuple):
     parameters: its ``NamedTuple``; evaluations: of the model in a step; fraction: of the stability limit at
     impact, the most an automatic step takes; per_period: steps of an automatic run in a period of the contact,
     which light damping lets ring; cusp: the part of a step after which a force that jumps is still integrated
-    without a first-order error (where the method's weights after it add up to the time after it).
+    without a first-order error (where the method's weights after it add up to the time after it); order: on smooth
+    motion; lag: of friction, in steps: 1 where steep friction would limit the step, else 0 (``friction.rub``);
+    adaptive: it chooses its steps by an estimate of their error, its parameters are those of ``Tolerances``;
+    implicit: it solves with the model's derivatives; automatic: `method: auto` may choose it.
     """
 
     parameters: type
@@ -21,6 +24,44 @@ class MethodKind(NamedTuple):
     fraction: float
     per_period: int
     cusp: float
+    order: int = 2
+    lag: float = 1.0
+    adaptive: bool = False
+    implicit: bool = False
+    automatic: bool = False
+
+
+class Tolerances(NamedTuple):
+    """Parameters that every adaptive method has, in this order.
+
+    h: time between two recorded instants, s; its own steps may be longer or shorter. rtol: of velocities (1);
+    atol_q: of positions (m), angles by the arm they act at; atol_v: of velocities (m/s); longest: step, s.
+    """
+
+    h: float
+    rtol: float
+    atol_q: float
+    atol_v: float
+    longest: float
+
+
+@generic
+def prepare(method: Any, model: Any, t: float, y: np.ndarray) -> None:
+    """Make the buffer ready for the first step, from time ``t`` (s); accelerations are in place."""
+
+
+@generic
+def attempt(method: Any, model: Any, t: float, h: float, y: np.ndarray) -> float:
+    """An adaptive method's one step of ``h`` (s) from the state that ``adaptive.py`` keeps at START.
+
+    Leaves the new state, its accelerations included, in the state's blocks. Returns the estimate of its error over
+    the tolerance (1: as large as allowed; not finite, or over 1: to be repeated shorter).
+    """
+
+
+@generic
+def interpolate(method: Any, part: float, h: float, y: np.ndarray, n: int) -> None:
+    """Positions and velocities (``n`` entries) at ``part`` (0 to 1) of the step of ``h`` (s) taken last."""
 
 
 @generic

@@ -74,4 +74,4 @@ def _load_number(method, K, C):
     return method.h * 0.5 * (C + sqrt(C * C - 4.0 * K)) / REACH_REAL
 
 
-KIND = MethodKind(RungeKutta4, evaluations=4, fraction=0.25, per_period=20, cusp=5 / 6)
+KIND = MethodKind(RungeKutta4, evaluations=4, fraction=0.25, per_period=20, cusp=5 / 6, order=4)

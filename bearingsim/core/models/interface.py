@@ -59,3 +59,21 @@ def damping_per_mass(model: Any, y: np.ndarray, j: int) -> float:
 @generic
 def watched(model: Any) -> int:
     """How many bodies have their step limit watched: the rollers (by lane), or the ring alone."""
+
+
+@generic
+def freedoms(model: Any) -> tuple[int, int]:
+    """Coordinates of a roller (0 to 6), and shared ones (to 17), that the model's equations have.
+
+    Coordinate i of a roller is row i of a state; shared ones are counted as in ``layout.shared_cell``.
+    """
+
+
+@generic
+def linearise(model: Any, t: float, y: np.ndarray) -> None:
+    """Fill the arrows BY_POSITION and BY_VELOCITY: derivatives of the accelerations of the state in ``y``.
+
+    The model's coordinates, but for each roller's angle, which counts absolutely (EPS plus the cage's PHI_C): so a
+    roller feels itself and the shared coordinates only. The rows that ``accelerations`` fills are those of this
+    state.
+    """
