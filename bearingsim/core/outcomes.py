@@ -1,0 +1,11 @@
+"""How a run may end, as numbers that compiled code can hand on; words are found for them in ``simulation``."""
+
+FINE = 0
+OUTRUN = 1  # a body stayed over the method's step limit
+NOT_FINITE = 2
+TOO_DEEP = 3  # a contact is pressed deeper than anything in the case can press it
+TOO_LIVELY = 4  # more energy of motion than load and pits can give
+STEP_FLOOR = 5  # an adaptive step became too short to go on
+NEWTON_STALLED = 6  # no solution of an implicit step was found
+STALLED = 7  # too many steps between two recorded instants
+SKIPPED = 8  # crossings of a pit were not seen
