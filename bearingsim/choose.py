@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, floor, inf
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bearingsim import build
-from bearingsim.build.scales import FEWEST_PER_CROSSING, TOLERANCE
+from bearingsim.build.scales import FEWEST_PER_CROSSING
 from bearingsim.config import CHANNELS, Case
 from bearingsim.config.slicing import slice_count
 from bearingsim.core.models.interface import linearise
@@ -28,7 +28,7 @@ SHORTENED = (1.0, 0.5, 0.25, 0.125)
 """Parts of an automatic step that are tried in turn; of a tolerance their cubes, about a thousandth at last."""
 
 PER_STEP: dict[str, float] = {"dop853": 14.0, "dormand-prince": 7.5, "rodas": 40.0, "backward-euler": 40.0}
-"""CPU time of a method's step in evaluations of the model, where it is not their number (benchmarks/step_cost.py)."""
+"""CPU time of a method's step in evaluations of the model, where it is not their number: docs/methods.md."""
 SHOWN = {"rodas": 10.0, "backward-euler": 40.0}
 """Steps of its own that an implicit method takes in a crossing, where contacts do not ring."""
 SHOWN_PER_CROSSING, SHOWN_PER_PERIOD = 50, 10
@@ -72,16 +72,11 @@ class Estimate:
 
 
 class Choice(NamedTuple):
-    """A method for a case, why in words, and what all methods of the automatic set would cost: CPU s each."""
+    """A method for a case, why in words, and what each able one would cost (CPU s), the cheapest first."""
 
     method: str | None
     why: str
     prices: dict[str, float]
-
-    @property
-    def others(self) -> list[str]:
-        """The other methods of the automatic set, the cheapest first."""
-        return sorted((name for name in self.prices if name != self.method), key=self.prices.__getitem__)
 
 
 class Attempt(NamedTuple):
@@ -109,11 +104,22 @@ def using(case: Case, method: str | None) -> Case:
 def attempts(case: Case) -> Iterator[Attempt]:
     """What to try in turn until a run proves right: shorter automatic steps, then (with `auto`) other methods."""
     first = resolved(case)
-    for part in SHORTENED if case.step == "auto" and case.method is not None else (1.0,):
+    free = case.step == "auto" and case.tolerance == "auto" and case.method is not None
+    for part in SHORTENED if free else (1.0,):
         yield Attempt(first, part)
-    if case.method == "auto" and case.step == "auto":
-        for name in choice(case).others:
+    if case.method == "auto" and free:
+        for name in alternatives(first):
             yield from (Attempt(using(case, name), part) for part in SHORTENED)
+
+
+def finer(case: Case) -> float:
+    """The part of a step (or tolerance) that proves the whole: its change then shows nearly all of the error."""
+    return 0.1 if build.method_kind(case).adaptive else 0.5
+
+
+def alternatives(case: Case) -> list[str]:
+    """Other methods of the automatic set that can step the case, the cheapest first."""
+    return [name for name in choice(using(case, "auto")).prices if name != case.method]
 
 
 @lru_cache(maxsize=1024)
@@ -122,11 +128,11 @@ def choice(case: Case) -> Choice:
     if case.method != "auto":
         return Choice(case.method, "the case says so" if case.method else f"{case.model} has no method", {})
     able = [name for name in build.METHODS if build.METHODS[name].automatic and _can(case, name)]
-    prices = {name: _integration(using(case, name)) for name in able}
+    prices = dict(sorted(((name, _integration(using(case, name))) for name in able), key=lambda pair: pair[1]))
     found = step_limits(using(case, "verlet"))
     if found.damping_ratio > EXTREME and "backward-euler" in prices:
         return Choice("backward-euler", f"the damping ratio is {found.damping_ratio:.2g}", prices)
-    cheapest = min(prices, key=prices.__getitem__)
+    cheapest = next(iter(prices))
     return Choice(cheapest, _reason(cheapest, prices, found), prices)
 
 
@@ -220,8 +226,9 @@ def samples(case: Case) -> int:
 def grid(case: Case, part: float = 1.0) -> Grid:
     """Cut the case in time: the wanted step, shortened until a ball pass holds a whole number of fine samples.
 
-    part: of the wanted step, to take less (what an adaptive method records does not depend on it). On a ramp the ball pass is that of the highest speed. Raises
-    ``Refused`` like ``wanted_step``, if no sample falls into the record, or if a pass has too many steps.
+    part: of the wanted step, to take less (what an adaptive method records does not depend on it). On a ramp the
+    ball pass is that of the highest speed. Raises ``Refused`` like ``wanted_step``, if no sample falls into the
+    record, or if a pass has too many steps.
     """
     if samples(case) < 1:
         raise Refused("no sample falls into the record", "take a higher `sampling` or a longer `duration`")

@@ -98,7 +98,7 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
 
 
 PRESSED, MOVED = 10.0, 1000.0
-"""How many times over what load, speed and pits explain a contact is pressed, and a bearing moves, in no right run.
+"""How many times what load, speed and pits explain a contact is pressed, and a bearing moves, in no right run.
 
 Measured: docs/methods.md. Far out, since light damping lets a motion add up over many ball passes.
 """
@@ -124,7 +124,7 @@ def bounds(case: Case, model: Any, healthy: Limits) -> tuple[float, float]:
 
 
 def unbalance_speed(case: Case) -> float:
-    """The speed (m/s) at which an unbalance could drive the inner ring, were it held by the shaft's damping alone."""
+    """The speed (m/s) at which an unbalance could drive the inner ring, held by the shaft's damping alone."""
     if case.unbalance is None or case.shaft is None:
         return 0.0
     c = case.shaft.damping

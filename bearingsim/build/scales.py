@@ -1,4 +1,4 @@
-"""How large things are in a case: the approach and damping of its contacts, the time, depth and speed over its pits.
+"""How large things are in a case: the approach and damping of its contacts, the time and speed over its pits.
 
 The tolerances of adaptive methods are parts of these.
 """
@@ -69,9 +69,9 @@ def sag(model: Any) -> float:
 def tolerances(case: Case, model: Any, h: float, tolerance: float) -> tuple[float, ...]:
     """Parameters of an adaptive method (``Tolerances``) that shows the state every ``h`` (s).
 
-    Positions are held to ``tolerance`` times the approach at rest; velocities to as much of the speed at which that
-    approach is crossed within a quarter of the contact's period, and to a change of the damping force that is small
-    beside the load: with a dashpot of 1e6 N s/m that is what an error hangs on.
+    Positions are held to ``tolerance`` times the approach at rest; velocities to as much of the speed at which a
+    pit's edge closes, and to a change of the damping force that is small beside the load: with a dashpot of
+    1e6 N s/m that is what an error hangs on.
     """
     F = rest.largest_load(case)
     laws = (contacts.outer(case), contacts.inner(case))

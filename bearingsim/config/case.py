@@ -68,10 +68,11 @@ class Case(Section):
 
     `defect` (one mapping) may be given instead of `defects`. What depends on other values is filled in, so that a
     case says what is computed: `clearance` by class is a length; `model` is never `least`; `method` is None for
-    models without one; with `prove`, an automatic step is tried on the run's beginning before it is trusted; `start_angle` is the first roller's angle at t = 0, pi / rollers if not given; `excitation`
+    models without one; `start_angle` is the first roller's angle at t = 0, pi / rollers if not given; `excitation`
     is `impulse-train` for the impulse model if not given; `contact.stiffness` suits the bearing. `friction` and
     `cage` are None below the planar model, and never None from it on. `drag`, `ramp`, `shaft`, `unbalance` and
-    `misalignment` are None where absent. A line load in `record` is one channel for each slice of the roller.
+    `misalignment` are None where absent. A line load in `record` is one channel for each slice of the roller. With
+    `prove` an automatic step is tried on the run's beginning before it is trusted.
     """
 
     bearing: Annotated[Bearing, named("bearings")]

@@ -48,7 +48,7 @@ def _spot_nothing(model, t, y):
 
 
 def turned(model: Any, d: int, t: float, y: np.ndarray) -> float:
-    """How far (in rollers that pass) meeting ``d`` has been turned through at time ``t`` (s), from the angles in ``y``."""
+    """How far meeting ``d`` has turned at time ``t`` (s), in rollers that pass, from the angles in ``y``."""
     b, on = model.bearing, int(model.pits.head[d, ON])
     time = float(elapsed_times(model, np.array([t]))[0])
     slip = float(y[POSITION + PHI_C])
