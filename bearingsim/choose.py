@@ -1,52 +1,40 @@
-"""Which step a case needs, and what it will cost: computed before anything runs.
+"""Which method and step a case needs, and what it will cost: computed before anything runs.
 
-An explicit method is stable up to a step that stiffness and damping set. Damping often sets it, and grows with
-the load, so the limit is taken twice: at rest, and at an estimate of the roller's impact on the far edge of the
-steepest pit. All numbers are printed by ``bearingsim check``; a step near the limit at impact or over it is
-refused.
+The method is the cheapest that holds 1 %, by the limits of its step and what a step costs; the step is what was
+measured to keep that (docs/methods.md). All numbers are printed by ``bearingsim check``; a step near the method's
+limit at impact or over it is refused.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import lru_cache
-from math import ceil, floor, inf, pi, sqrt
-from typing import Any
+from math import ceil, floor, inf
+from typing import NamedTuple
 
 from bearingsim import build
+from bearingsim.build.scales import FEWEST_PER_CROSSING
 from bearingsim.config import CHANNELS, Case
 from bearingsim.config.slicing import slice_count
-from bearingsim.core.advance import start_at_rest
-from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.defects import DEPTH, REDUCED, SPAN, USED, X_E, B, sliding
-from bearingsim.core.equilibrium import NoEquilibrium
-from bearingsim.core.excitations import LEAPS
-from bearingsim.core.methods.interface import load_number
+from bearingsim.core.models.interface import linearise
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 from bearingsim.errors import Refused
+from bearingsim.limits import LONGEST, Limits, at_full_speed, step_limits
 
 SAFE = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
-FEWEST_PER_CROSSING = 8  # fewer are refused
-LONGEST = 20e-6  # s: a step nobody needs to exceed, for the models without a limit
-SAMPLES_OF_A_PASS = 16  # cage angles at which the load at rest is looked at
 FINE_PER_SAMPLE, FEWEST_FINE = 4, 64
 MOST_STEPS = 10_000_000  # in a ball pass, whose recording is held in memory: 640 MB
 OVERHEAD = 0.02  # CPU s per job: build, filters, features, writing
+SHORTENED = (1.0, 0.5, 0.25, 0.125)
+"""Parts of an automatic step that are tried in turn; of a tolerance their cubes, about a thousandth at last."""
 
-
-@dataclass(frozen=True)
-class Limits:
-    """What a case's step must respect. Times in s, forces in N, frequencies in Hz; inf where there is no limit.
-
-    The limits are the method's own, on the linearised bearing; ``impact_force`` is an estimate of the peak.
-    """
-
-    rest_load: float
-    contact_frequency: float
-    damping_ratio: float
-    at_rest: float
-    closing_speed: float
-    impact_force: float
-    at_impact: float
-    crossing: float
+PER_STEP: dict[str, float] = {"dop853": 14.0, "dormand-prince": 7.5, "rodas": 40.0, "backward-euler": 40.0}
+"""CPU time of a method's step in evaluations of the model, where it is not their number: docs/methods.md."""
+SHOWN = {"rodas": 10.0, "backward-euler": 40.0}
+"""Steps of its own that an implicit method takes in a crossing, where contacts do not ring."""
+SHOWN_PER_CROSSING, SHOWN_PER_PERIOD = 50, 10
+"""Recorded instants of an adaptive method over a pit, and in a period of contacts that ring."""
+EXTREME = 1e3
+"""Damping ratio from which on only backward Euler's steps stay in proportion."""
 
 
 @dataclass(frozen=True)
@@ -83,171 +71,107 @@ class Estimate:
     steps: int
 
 
+class Choice(NamedTuple):
+    """A method for a case, why in words, and what each able one would cost (CPU s), the cheapest first."""
+
+    method: str | None
+    why: str
+    prices: dict[str, float]
+
+
+class Attempt(NamedTuple):
+    """One way to compute a case: its method named, and the part of the automatic step (or tolerance) to take."""
+
+    case: Case
+    part: float
+
+
+def resolved(case: Case) -> Case:
+    """The case with a method instead of `auto`."""
+    return using(case, choice(case).method) if case.method == "auto" else case
+
+
 def limits(case: Case) -> Limits:
-    """Limits of the case's step (see ``Limits``). Raises ``Refused`` if nothing holds the ring."""
-    try:
-        return _limits(_at_full_speed(case))
-    except NoEquilibrium as error:
-        raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
+    """What the case's step must respect, by the method that it is given or chosen."""
+    return step_limits(resolved(case))
 
 
-def _at_full_speed(case: Case) -> Case:
-    """The case at the highest speed of its ramp, without the ramp."""
-    if case.ramp is None:
-        return case
-    return case.model_copy(update={"speed": max(case.speed, case.ramp.to), "ramp": None})
+def using(case: Case, method: str | None) -> Case:
+    """The case with a method of that name."""
+    return case.model_copy(update={"method": method})
 
 
-def _limits(case: Case) -> Limits:
-    rest_load, K, C = loads_at_rest(_healthy(case))
-    omega = sqrt(K) if K > 0.0 else inf
-    found = Limits(
-        rest_load=rest_load,
-        contact_frequency=omega / (2.0 * pi),
-        damping_ratio=C / (2.0 * omega),
-        at_rest=step_limit(case.method, K, C),
-        closing_speed=0.0,
-        impact_force=rest_load,
-        at_impact=step_limit(case.method, K, C),
-        crossing=inf,
-    )
-    return _with_pits(case, found, K, C) if build.kind(case).loaded else found
+def attempts(case: Case) -> Iterator[Attempt]:
+    """What to try in turn until a run proves right: shorter automatic steps, then (with `auto`) other methods."""
+    first = resolved(case)
+    free = case.step == "auto" and case.tolerance == "auto" and case.method is not None
+    for part in SHORTENED if free else (1.0,):
+        yield Attempt(first, part)
+    if case.method == "auto" and free:
+        for name in alternatives(first):
+            yield from (Attempt(using(case, name), part) for part in SHORTENED)
 
 
-def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
-    """The limits with what pits do to them."""
-    model = build.model(case)
-    speed = closing_speed(model)
-    hits = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
-    hits += [leap(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
-    peak, K_more, C_more = (max(values) for values in zip(*hits, strict=True))
-    return replace(
-        healthy,
-        closing_speed=speed,
-        impact_force=peak + healthy.rest_load,
-        at_impact=step_limit(case.method, K + K_more, C + C_more),
-        crossing=crossing_time(model),
-    )
+def finer(case: Case) -> float:
+    """The part of a step (or tolerance) that proves the whole: its change then shows nearly all of the error."""
+    return 0.1 if build.method_kind(case).adaptive else 0.5
 
 
-def _healthy(case: Case) -> Case:
-    """The case without what does not touch its load at rest; what is struck stands as a ring does."""
-    same = build.healthy(case)
-    return same if build.kind(case).loaded else same.model_copy(update={"model": "ring"})
-
-
-@lru_cache(maxsize=256)
-def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
-    """Largest outer contact force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
-    model = build.relaxed(build.model(healthy), LONGEST)
-    y = build.empty_buffer(model)
-    pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
-    load, K, C = 0.0, 0.0, 0.0
-    for n in range(SAMPLES_OF_A_PASS):
-        t = (n + 0.5) / SAMPLES_OF_A_PASS * pass_time
-        build.settle(model, t, y, from_scratch=n == 0)
-        load = max(load, float(build.outer_forces(model, y).max()))
-        K_now, C_now = start_at_rest(model, t, y)
-        K, C = max(K, K_now), max(C, C_now)
-    return load, float(K), float(C)
-
-
-def crossing_time(model: Any) -> float:
-    """The shortest time (s) a contact takes to cross a pit, or one of several merged; inf without pits."""
-    pits = model.pits
-    times = [pits.head[d, SPAN] / abs(sliding(pits, d, model.bearing)) for d in range(len(pits.head))]
-    return float(min(times, default=inf))
-
-
-def closing_speed(model: Any) -> float:
-    """Estimate of the speed (m/s) at which a roller meets the far edge of the steepest pit.
-
-    The envelope's slope is at most x/R with x the distance from the rim where the roller reaches wall, floor or
-    middle; the roller moves past it at the sliding speed.
-    """
-    pits = model.pits
-    speeds = [
-        min(group[B], group[X_E], sqrt(2.0 * pits.head[d, REDUCED] * group[DEPTH]))
-        / pits.head[d, REDUCED]
-        * abs(sliding(pits, d, model.bearing))
-        for d in range(len(pits.head))
-        for group in pits.groups[d, : int(pits.head[d, USED])]
-    ]
-    return float(max(speeds, default=0.0))
-
-
-def leap(model: Any, law: Any, load: float) -> tuple[float, float, float]:
-    """What ``impact`` gives, for a roller under ``load`` (N) whose race comes back at once as the pit ends.
-
-    Only for excitations with such a step. The roller has fallen by then, in free flight from what its inner
-    contact gave it (at most load times approach), but no deeper than the pit; so far it is pressed into the race.
-    """
-    b, pits = model.bearing, model.pits
-    if b.m_r == 0.0 or len(pits.head) == 0 or not isinstance(pits.excitation, LEAPS):
-        return 0.0, 0.0, 0.0
-    flight = crossing_time(model)
-    outwards = b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
-    fall = sqrt(load * approach(law, load) / b.m_r) * flight + 0.5 * outwards * flight * flight
-    deep = min(fall, float(pits.groups[:, :, DEPTH].max()))
-    K, C = stiffness_slope(law, deep, 0.0), damping_slope(law, deep, 0.0)
-    return float(normal_force(law, deep, 0.0)), float(K) / b.m_r, float(C) / b.m_r
-
-
-def approach(law: Any, load: float) -> float:
-    """The approach (m) of a contact at rest under ``load`` (N), by bisection."""
-    low, high = 0.0, 1e-3
-    while high - low > 1e-9 * high:
-        middle = 0.5 * (low + high)
-        if normal_force(law, middle, 0.0) > load:
-            high = middle
-        else:
-            low = middle
-    return high
-
-
-def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
-    """A free roller of mass ``m`` (kg) thrown at one race with ``speed`` (m/s): peak force, largest slopes over m.
-
-    Returns (N, stiffness/mass in 1/s^2, damping/mass in 1/s). Models whose rollers have no mass have no such
-    impact: zeros.
-    """
-    return _impact(m, law, repr(law), speed)
+def alternatives(case: Case) -> list[str]:
+    """Other methods of the automatic set that can step the case, the cheapest first."""
+    return [name for name in choice(using(case, "auto")).prices if name != case.method]
 
 
 @lru_cache(maxsize=1024)
-def _impact(m: float, law: Any, named: str, speed: float) -> tuple[float, float, float]:
-    """``impact``, remembered; ``named`` tells laws apart that are equal as tuples."""
-    if m == 0.0 or speed == 0.0:
-        return 0.0, 0.0, 0.0
-    h = min(1e-7, 1e-3 * pi * sqrt(m / stiffness_slope(law, 1e-7, 0.0)))
-    delta, v, peak, K, C = 0.0, speed, 0.0, 0.0, 0.0
-    while v > 0.0:
-        force = normal_force(law, delta, v)
-        peak = max(peak, force)
-        K = max(K, stiffness_slope(law, max(delta, 0.0), v))
-        C = max(C, damping_slope(law, max(delta, 0.0), v))
-        delta += h * v
-        v -= h * normal_force(law, delta, v) / m
-    return float(peak), float(K) / m, float(C) / m
+def choice(case: Case) -> Choice:
+    """The cheapest method that holds 1 % of the fault's line. Raises ``Refused`` like ``limits``."""
+    if case.method != "auto":
+        return Choice(case.method, "the case says so" if case.method else f"{case.model} has no method", {})
+    able = [name for name in build.METHODS if build.METHODS[name].automatic and _can(case, name)]
+    prices = dict(sorted(((name, _integration(using(case, name))) for name in able), key=lambda pair: pair[1]))
+    found = step_limits(using(case, "verlet"))
+    if found.damping_ratio > EXTREME and "backward-euler" in prices:
+        return Choice("backward-euler", f"the damping ratio is {found.damping_ratio:.2g}", prices)
+    cheapest = next(iter(prices))
+    return Choice(cheapest, _reason(cheapest, prices, found), prices)
 
 
-def step_limit(method: str | None, K: float, C: float) -> float:
-    """The step (s) at which a method turns unstable; K (1/s^2) and C (1/s) over a body's mass."""
-    if method is None or (K == 0.0 and C == 0.0):
-        return inf
-    low, high = 0.0, 1.0
-    while high - low > 1e-6 * high:
-        h = 0.5 * (low + high)
-        if load_number(build.METHODS[method].parameters(h), K, C) > 1.0:
-            high = h
-        else:
-            low = h
-    return low
+def _can(case: Case, name: str) -> bool:
+    """Whether a method can step the case's model: an implicit one needs its derivatives."""
+    return not build.METHODS[name].implicit or build.kind(case).parameters in linearise.types  # type: ignore[attr-defined]
+
+
+def _reason(chosen: str, prices: dict[str, float], found: Limits) -> str:
+    if chosen == "verlet":
+        return "no step that stiffness or damping allows is too short to be the cheapest"
+    saved = prices["verlet"] / prices[chosen]
+    return f"explicit steps are limited to {1e6 * found.at_impact:.2g} us: {saved:.0f} times the CPU time"
+
+
+def _integration(case: Case) -> float:
+    """CPU time (s) of all steps of a case whose method is named, at the automatic step."""
+    found = step_limits(case)
+    span, kind = case.settle + case.duration, build.method_kind(case)
+    step = automatic_step(case, found)
+    cost = build.kind(case).cost * (slice_count(case) or 1)
+    if not kind.adaptive:
+        return span / step * cost * PER_STEP.get(case.method or "", kind.evaluations)
+    return span * cost * (1.0 / step + PER_STEP[str(case.method)] / own_step(case, found))
+
+
+def own_step(case: Case, found: Limits) -> float:
+    """About how long (s) the steps of an adaptive method are: what rings and what is crossed sets them."""
+    kind = build.method_kind(case)
+    rings = 1.0 / found.contact_frequency / 10.0 if found.damping_ratio < 1.0 else inf
+    if kind.implicit:
+        return min(found.crossing / SHOWN[str(case.method)], rings, 10.0 * LONGEST)
+    return min(found.crossing / FEWEST_PER_CROSSING, rings, 10.0 * LONGEST)
 
 
 def wanted_step(case: Case) -> float:
     """The step (s) a case asks for, or is given by ``auto``. Raises ``Refused`` if it must not be taken."""
-    found = limits(case)
+    case = resolved(case)
+    found = step_limits(case)
     if case.step == "auto":
         return automatic_step(case, found)
     safe = min(SAFE * found.at_impact, found.crossing / FEWEST_PER_CROSSING)
@@ -257,12 +181,18 @@ def wanted_step(case: Case) -> float:
 
 
 def automatic_step(case: Case, found: Limits) -> float:
-    """The step (s) that was measured to keep the line of the fault within about 1 % (see docs/methods.md)."""
+    """The step (s) that was measured to keep the line of the fault within about 1 % (see docs/methods.md).
+
+    Of an adaptive method, which sees to that itself, the time between recorded instants.
+    """
     model, method = build.kind(case), build.method_kind(case)
-    resolved = min(found.crossing / model.per_crossing, LONGEST)
+    if method.adaptive:
+        rings = 1.0 / found.contact_frequency / SHOWN_PER_PERIOD if found.damping_ratio < 1.0 else inf
+        return min(found.crossing / SHOWN_PER_CROSSING, rings, LONGEST)
+    seen = min(found.crossing / model.per_crossing, LONGEST)
     if model.memoryless:
-        return resolved
-    return min(resolved, method.fraction * found.at_impact, 1.0 / found.contact_frequency / method.per_period)
+        return seen
+    return min(seen, method.fraction * found.at_impact, 1.0 / found.contact_frequency / method.per_period)
 
 
 def _refusal(step: float, found: Limits) -> str:
@@ -296,12 +226,15 @@ def samples(case: Case) -> int:
 def grid(case: Case, part: float = 1.0) -> Grid:
     """Cut the case in time: the wanted step, shortened until a ball pass holds a whole number of fine samples.
 
-    part: of the wanted step, to take less. On a ramp the ball pass is that of the highest speed. Raises
-    ``Refused`` like ``wanted_step``, if no sample falls into the record, or if a pass has too many steps.
+    part: of the wanted step, to take less (what an adaptive method records does not depend on it). On a ramp the
+    ball pass is that of the highest speed. Raises ``Refused`` like ``wanted_step``, if no sample falls into the
+    record, or if a pass has too many steps.
     """
     if samples(case) < 1:
         raise Refused("no sample falls into the record", "take a higher `sampling` or a longer `duration`")
-    rate = case.bearing.ball_pass_frequency(_at_full_speed(case).speed)
+    case = resolved(case)
+    part = 1.0 if build.method_kind(case).adaptive else part
+    rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
     fine = max(FEWEST_FINE, ceil(FINE_PER_SAMPLE * case.sampling / rate))
     decimation = max(1, ceil(1.0 / (rate * fine * part * wanted_step(case)) * (1.0 - 1e-12)))
     if fine * decimation > MOST_STEPS:
@@ -316,6 +249,7 @@ def grid(case: Case, part: float = 1.0) -> Grid:
 
 def estimate(case: Case) -> Estimate:
     """What the case will take. Raises ``Refused`` like ``wanted_step``."""
+    case = resolved(case)
     cut = grid(case)
     computed = 1 if repeats(case) else cut.passes
     steps = computed * cut.steps_per_pass

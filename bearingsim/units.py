@@ -37,6 +37,7 @@ Dimension = Literal[
     "torsional damping",
     "number",
     "share",
+    "tolerance",
 ]
 
 
@@ -84,6 +85,7 @@ UNITS: dict[Dimension, dict[str, Factor]] = {
     "torsional damping": _decimal(**{"N m s/rad": 0, "N mm s/rad": -3}),
     "number": {"": Factor(Fraction(1))},
     "share": {"%": Factor(Fraction(1, 100))},
+    "tolerance": {"": Factor(Fraction(1)), "%": Factor(Fraction(1, 100))},
 }
 
 EXPECTED: dict[Dimension, str] = {
@@ -106,6 +108,7 @@ EXPECTED: dict[Dimension, str] = {
     "torsional damping": "a torsional damping such as `0.1 N m s/rad`",
     "number": "a plain number such as `1.5`",
     "share": "a share such as `60 %`",
+    "tolerance": "a tolerance such as `0.01 %`",
 }
 
 DISPLAY: dict[Dimension, str] = {
@@ -128,6 +131,7 @@ DISPLAY: dict[Dimension, str] = {
     "torsional damping": "N m s/rad",
     "number": "",
     "share": "%",
+    "tolerance": "",
 }
 """Unit in which a quantity of each dimension is shown when nobody asked for another."""
 

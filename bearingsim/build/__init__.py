@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.build import contacts, free, geometry, impulses, pits, space
+from bearingsim.build import contacts, free, geometry, impulses, pits, scales, space
 from bearingsim.build.rest import anchor, statics
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
@@ -86,7 +86,7 @@ def kind(case: Case) -> ModelKind:
 
 
 def method_kind(case: Case) -> MethodKind:
-    """What is to be known of the case's method."""
+    """What is to be known of the case's method, which must be named."""
     return OWN_METHODS[case.model] if case.method is None else METHODS[case.method]
 
 
@@ -117,12 +117,13 @@ def support(case: Case) -> Support:
 def healthy(case: Case) -> Case:
     """The case without what does not touch its load at rest, so that many cases share one."""
     same = {"defects": (), "step": "auto", "record": (), "duration": 1.0, "settle": 0.0, "sampling": 1e4}
+    same |= {"method": "verlet", "tolerance": "auto", "prove": True}
     return case.model_copy(update=same | {"excitation": "envelope", "seed": 0})
 
 
 def _at_rest(case: Case) -> Case:
     """The healthy case without what only motion knows; what chooses compiled code is kept."""
-    return healthy(case).model_copy(update={"start_angle": 0.0, "antialias": True, "method": "verlet"})
+    return healthy(case).model_copy(update={"start_angle": 0.0, "antialias": True})
 
 
 @lru_cache(maxsize=256)
@@ -196,7 +197,10 @@ def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:
     return y[Q_O : Q_O + model.bearing.Z]
 
 
-def method(case: Case, h: float) -> Any:
-    """The core's method of the case with step ``h`` (s)."""
+def method(case: Case, h: float, part: float = 1.0) -> Any:
+    """The core's method of the case with step ``h`` (s); of an adaptive one ``part`` of its tolerance."""
     parameters: Any = method_kind(case).parameters
-    return parameters(h)
+    if not method_kind(case).adaptive:
+        return parameters(h)
+    tolerance = scales.TOLERANCE if case.tolerance == "auto" else case.tolerance
+    return parameters(*scales.tolerances(case, model(case), h, part * tolerance))

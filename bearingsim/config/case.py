@@ -23,6 +23,7 @@ from bearingsim.config.fields import (
     SignedForce,
     Step,
     Switch,
+    Tolerance,
     one_of,
     refuse,
     unless_none,
@@ -33,7 +34,20 @@ from bearingsim.config.slicing import by_slices
 from bearingsim.config.space import Misalignment
 
 Model = Literal["least", "impulse", "static", "ring", "rollers", "planar", "spatial"]
-Method = Literal["verlet", "rk4"]
+Method = Literal[
+    "auto",
+    "verlet",
+    "dop853",
+    "rodas",
+    "backward-euler",
+    "symplectic-euler",
+    "rk4",
+    "dormand-prince",
+    "nystrom",
+    "generalized-alpha",
+    "velocity-implicit-euler",
+    "stabilised",
+]
 
 LAWS: dict[tuple[str | int, ...], Laws] = {
     ("contact", "damping"): contact.DAMPING,
@@ -57,7 +71,8 @@ class Case(Section):
     models without one; `start_angle` is the first roller's angle at t = 0, pi / rollers if not given; `excitation`
     is `impulse-train` for the impulse model if not given; `contact.stiffness` suits the bearing. `friction` and
     `cage` are None below the planar model, and never None from it on. `drag`, `ramp`, `shaft`, `unbalance` and
-    `misalignment` are None where absent. A line load in `record` is one channel for each slice of the roller.
+    `misalignment` are None where absent. A line load in `record` is one channel for each slice of the roller. With
+    `prove` an automatic step is tried on the run's beginning before it is trusted.
     """
 
     bearing: Annotated[Bearing, named("bearings")]
@@ -80,6 +95,8 @@ class Case(Section):
     model: Annotated[Model, one_of(*get_args(Model))] = "rollers"
     method: Annotated[Method, one_of(*get_args(Method))] | None = None
     step: Step = "auto"
+    tolerance: Tolerance = "auto"
+    prove: Switch = True
     duration: Duration = 1.0
     settle: Delay = 0.05
     start_angle: Angle = 0.0
@@ -104,7 +121,7 @@ class Case(Section):
         if self.model == "impulse" and "excitation" not in self.model_fields_set:
             self._fill("excitation", "impulse-train")
         if self.method is None and self.model not in ladder.METHODLESS:
-            self._fill("method", "verlet")
+            self._fill("method", "auto")
         if "start_angle" not in self.model_fields_set:
             self._fill("start_angle", math.pi / self.bearing.rollers)
         self._fill("contact", self._suited_contact())

@@ -45,11 +45,18 @@ def _model(case: "Case") -> Iterator[Conflict]:
     for need in found:
         message = f"the {case.model} model cannot do this: {need.why}"
         yield Conflict(f"model {need.what}", (*need.paths, ("model",)), message, hint)
+    yield from _method(case)
+
+
+def _method(case: "Case") -> Iterator[Conflict]:
+    paths: tuple[Path, ...] = (("method",), ("model",))
     if case.model in ladder.METHODLESS and case.method is not None:
-        paths: tuple[Path, ...] = (("method",), ("model",))
-        yield Conflict(
-            "method", paths, f"the {case.model} model has no method, got `{case.method}`", "leave it out"
-        )
+        message = f"the {case.model} model has no method, got `{case.method}`"
+        yield Conflict("method", paths, message, "leave it out")
+    if case.tolerance != "auto" and case.method not in ("auto", *ladder.ADAPTIVE):
+        what = f"`{case.method}` takes steps of fixed length" if case.method else f"{case.model} has no method"
+        hint = "give a `step`, or one of the methods that choose theirs: " + ", ".join(ladder.ADAPTIVE)
+        yield Conflict("tolerance", (("tolerance",), *paths), f"{what}: a tolerance does nothing", hint)
 
 
 def _able(case: "Case") -> str:

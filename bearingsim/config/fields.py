@@ -202,4 +202,5 @@ def _text(given: Any) -> str:
 
 Switch = Annotated[bool, BeforeValidator(_switch)]
 Step = Annotated[float | Literal["auto"], QuantityOrAuto("time", above=0.0)]
+Tolerance = Annotated[float | Literal["auto"], QuantityOrAuto("tolerance", above=0.0, most=0.1)]
 Text = Annotated[str, BeforeValidator(_text)]

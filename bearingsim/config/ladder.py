@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 LADDER = ("impulse", "static", "ring", "rollers", "planar", "spatial")
 METHODLESS = ("impulse", "static")
+ADAPTIVE = ("dop853", "dormand-prince", "rodas", "backward-euler")
+"""Methods that choose their own steps by a tolerance; a case's `step` is then the time between records."""
 FREE = ("planar", "spatial")
 """Models whose rollers and cage move freely."""
 SLICED = ("spatial",)

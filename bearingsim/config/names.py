@@ -176,6 +176,9 @@ def _features() -> dict[str, Feature]:
         "load_zone.extent": Feature("rad", "mean extent of the load zone"),
         "cage.slip.mean": Feature("", "mean slip of the cage"),
         "cage.slip.std": Feature("", "standard deviation of the cage's slip"),
+        "step_error.line": Feature("", "relative change of the fault's line with half the step"),
+        "step_error.rms": Feature("", "relative change of the RMS with half the step"),
+        "chaotic": Feature("", "whether the motion is chaotic (1) or not (0)"),
     }
 
 

@@ -16,6 +16,8 @@ IDLE: dict[str, Any] = {
     "shaft": None,
     "unbalance": None,
     "misalignment": None,
+    "tolerance": "auto",
+    "prove": True,
     "bearing": {"element": "roller", "inner_groove_radius": None, "outer_groove_radius": None},
     "rig": {"torsion_stiffness": None, "torsion_damping": None, **dict.fromkeys(SPRUNG)},
     "defects": {"roller": None, "offset": 0.0, "edge": None, "grown": None, "seed": None, "digest": None},
@@ -44,6 +46,8 @@ def used(case: Case) -> dict[str, Any]:
         values.pop("excitation", None)
     for defect in values["defects"]:
         defect.pop("file")  # what is in it counts, not where it lies
+    if case.method is None or case.step != "auto":
+        values.pop("prove", None)
     if case.model not in ladder.FREE and case.excitation != "random-impulses":
         values.pop("seed", None)
     if case.model in ladder.SLICED:

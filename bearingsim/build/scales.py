@@ -1,0 +1,88 @@
+"""How large things are in a case: the approach and damping of its contacts, the time and speed over its pits.
+
+The tolerances of adaptive methods are parts of these.
+"""
+
+from math import inf, pi, sqrt
+from typing import Any
+
+from bearingsim.build import contacts, rest
+from bearingsim.config import Case
+from bearingsim.core.contact import damping_slope, normal_force
+from bearingsim.core.defects import DEPTH, REDUCED, SPAN, USED, X_E, B, sliding
+from bearingsim.core.excitations import LEAPS
+from bearingsim.core.methods.interface import Tolerances
+
+FEWEST_PER_CROSSING = 8  # steps; with fewer a method does not see a pit
+TOLERANCE = 1e-4  # of an adaptive method, if not given: docs/methods.md
+DASHPOT = 1e-3  # of the force: what an error in velocity may change at a contact's damper
+
+
+def crossing_time(model: Any) -> float:
+    """The shortest time (s) a contact takes to cross a pit, or one of several merged; inf without pits."""
+    pits = model.pits
+    times = [pits.head[d, SPAN] / abs(sliding(pits, d, model.bearing)) for d in range(len(pits.head))]
+    return float(min(times, default=inf))
+
+
+def closing_speed(model: Any) -> float:
+    """Estimate of the speed (m/s) at which a roller meets the far edge of the steepest pit.
+
+    The envelope's slope is at most x/R with x the distance from the rim where the roller reaches wall, floor or
+    middle; the roller moves past it at the sliding speed.
+    """
+    pits = model.pits
+    speeds = [
+        min(group[B], group[X_E], sqrt(2.0 * pits.head[d, REDUCED] * group[DEPTH]))
+        / pits.head[d, REDUCED]
+        * abs(sliding(pits, d, model.bearing))
+        for d in range(len(pits.head))
+        for group in pits.groups[d, : int(pits.head[d, USED])]
+    ]
+    return float(max(speeds, default=0.0))
+
+
+def approach(law: Any, load: float) -> float:
+    """The approach (m) of a contact at rest under ``load`` (N), by bisection."""
+    low, high = 0.0, 1e-3
+    while high - low > 1e-9 * high:
+        middle = 0.5 * (low + high)
+        if normal_force(law, middle, 0.0) > load:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def sag(model: Any) -> float:
+    """How deep (m) a roller sinks into a pit at most: it hangs on the rims, or reaches the depth."""
+    pits = model.pits
+    reached = [
+        float(group[DEPTH] if isinstance(pits.excitation, LEAPS) else min(group[DEPTH], hanging))
+        for d in range(len(pits.head))
+        for group in pits.groups[d, : int(pits.head[d, USED])]
+        for hanging in [group[B] * group[B] / (2.0 * pits.head[d, REDUCED])]
+    ]
+    return max(reached, default=0.0)
+
+
+def tolerances(case: Case, model: Any, h: float, tolerance: float) -> tuple[float, ...]:
+    """Parameters of an adaptive method (``Tolerances``) that shows the state every ``h`` (s).
+
+    Positions are held to ``tolerance`` times the approach at rest; velocities to as much of the speed at which a
+    pit's edge closes, and to a change of the damping force that is small beside the load: with a dashpot of
+    1e6 N s/m that is what an error hangs on.
+    """
+    F = rest.largest_load(case)
+    laws = (contacts.outer(case), contacts.inner(case))
+    delta = max(approach(law, F) for law in laws)
+    c = max(damping_slope(law, approach(law, F), 0.0) for law in laws)
+    speed = max(closing_speed(model), model.bearing.Z * model.bearing.omega_c * delta)
+    atol_v = min(tolerance * speed, DASHPOT * F / c if c > 0.0 else inf)
+    longest = min(crossing_time(model) / FEWEST_PER_CROSSING, ball_pass(model) / FEWEST_PER_CROSSING)
+    return Tolerances(h, tolerance, tolerance * delta, atol_v, longest)
+
+
+def ball_pass(model: Any) -> float:
+    """The time (s) from one roller to the next past a point of the outer race."""
+    return 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)

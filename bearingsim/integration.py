@@ -1,0 +1,216 @@
+"""A case stepped through time: from its setup to the tape that features and series are read from.
+
+Every run is watched (``core/advance.py``): what it gives up, and why, is an ``Unsound``.
+"""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import ceil, floor, hypot
+from typing import Any
+
+import numpy as np
+
+from bearingsim import build, channels, choose
+from bearingsim.channels import BASE
+from bearingsim.config import Case
+from bearingsim.core import outcomes
+from bearingsim.core.advance import Watch, advance, ready, start_at_rest
+from bearingsim.core.crossings import missed, turned
+from bearingsim.core.layout import LINE_MAX, MAX_ROLLERS, POSITION, Q_I_MAX, Q_MAX, Q_P_MAX, TILT_MAX, X
+from bearingsim.core.methods.interface import prepare
+from bearingsim.core.models.interface import keep_extremes, watched
+from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH, decimate, decimation_kernel, pick
+from bearingsim.features import Tape
+from bearingsim.limits import MOVED, PRESSED, Limits
+
+
+class SimulationError(Exception):
+    """A run that must not be trusted: why, what to do instead, and when (s into the run; None before it)."""
+
+    def __init__(self, reason: str, advice: str, time: float | None = None) -> None:
+        super().__init__(f"{reason}; {advice}")
+        self.reason, self.advice, self.time = reason, advice, time
+
+    def __reduce__(self) -> tuple:
+        return SimulationError, (self.reason, self.advice, self.time)
+
+
+class Unsound(SimulationError):
+    """The method or its step was not up to what happened: another may be."""
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A case ready to be stepped: method named, cut in time, with the core's parameters and what it must keep to.
+
+    part: of the automatic step, or of the tolerance.
+    """
+
+    case: Case
+    part: float
+    cut: choose.Grid
+    limits: Limits
+    model: Any
+    method: Any
+    watch: Watch
+
+
+def set_up(case: Case, part: float = 1.0) -> Setup:
+    """Ready a case whose method is named. Raises ``Refused``."""
+    cut, found = choose.grid(case, part), choose.limits(case)
+    kind = build.method_kind(case)
+    lag = kind.lag * cut.step
+    model = build.in_step(build.relaxed(build.model(case), lag), cut.steps_per_pass, kind.cusp)
+    return Setup(case, part, cut, found, model, build.method(case, cut.step, part), watch_of(cut, found))
+
+
+def watch_of(cut: choose.Grid, found: Limits) -> Watch:
+    """Look twice within an impact (half a period of the roller between its contacts), and as a pit is crossed."""
+    patience = 0.5 / found.contact_frequency if found.contact_frequency > 0.0 else 1.0
+    stride = int(min(patience, found.crossing / 2.0) / (2.0 * cut.step))
+    return Watch(min(32, max(1, stride)), patience, found.deepest, found.liveliest)
+
+
+def integrate(setup: Setup, nudge: float = 0.0) -> Tape:
+    """Step through all ball passes, keeping fine samples (and raw picks where the case wants them).
+
+    nudge: share of its displacement by which the ring is moved at the start.
+    """
+    case, cut = setup.case, setup.cut
+    y, places = _start(setup, nudge), channels.recorded(case)
+    M, D = cut.fine_per_pass, cut.decimation
+    taps = decimation_kernel(D)
+    lead = ceil(RESAMPLE_REACH * cut.fine_rate / case.sampling) + 1  # before t = 0 everything stood still
+    fine = np.empty((len(places), lead + cut.passes * M))
+    fine[:, :lead] = y[places][:, np.newaxis]
+    picked = np.empty((len(places), 0 if case.antialias else choose.samples(case)))
+    clock = [0.0]
+    for p, window in enumerate(_ball_passes(setup, y, places, clock)):
+        decimate(window, taps, D, fine[:, lead + p * M : lead + (p + 1) * M])
+        _pick_pass(case, cut, p, window, picked)
+    zero = lead + DECIMATION_REACH - 1
+    if build.kind(case).memoryless:  # never at rest: it repeats itself before t = 0 too
+        fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % M]
+    return Tape(places, fine, zero, picked, y, clock[0])
+
+
+def _start(setup: Setup, nudge: float) -> np.ndarray:
+    """A buffer at static equilibrium at t = 0, its accelerations filled in and its method ready."""
+    case, model = setup.case, setup.model
+    y, residual = build.start(case, model)
+    if not residual <= 1e-8 * hypot(case.load, case.load_across):
+        raise SimulationError(
+            f"no static equilibrium at the start: {residual:.3g} N left", "check load and clearance"
+        )
+    if nudge != 0.0:
+        y[POSITION + X] *= 1.0 + nudge
+        start_at_rest(model, 0.0, y)
+    keep_extremes(model, y)
+    if type(setup.method) in prepare.types:  # type: ignore[attr-defined]
+        ready(setup.method, model, 0.0, y)
+    return y
+
+
+def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[float]) -> Iterator[np.ndarray]:
+    """The recording, a ball pass at a time: (C, tail + steps) with the end of the pass before in front.
+
+    The same array every time. The largest forces are those of the record's whole passes; ``clock[0]`` gathers the
+    CPU seconds spent in the integrator.
+    """
+    case, cut, model, method, watch = setup.case, setup.cut, setup.model, setup.method, setup.watch
+    counted, before = _passes_of_record(case, cut), _turns_of_pits(setup, 0.0, y)
+    steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
+    rows = (Q_MAX, Q_I_MAX, Q_P_MAX, *((TILT_MAX, LINE_MAX) if build.kind(case).sliced else ()))
+    largest = np.concatenate([np.arange(row, row + MAX_ROLLERS) for row in rows])
+    kept = y[largest]
+    window = np.empty((len(places), tail + steps))
+    window[:] = y[places][:, np.newaxis]
+    if build.kind(case).memoryless:  # it was never at rest: what was before t = 0 is known
+        advance(method, model, watch, -tail, y, places, window[:, steps:])
+    for p in range(cut.passes):
+        window[:, :tail] = window[:, steps:].copy()
+        if p == 0 or not choose.repeats(case):
+            if p == counted.start:
+                y[largest] = 0.0
+            began = time.thread_time()
+            taken, outcome, body = advance(method, model, watch, p * steps, y, places, window[:, tail:])
+            clock[0] += time.thread_time() - began
+            if outcome != outcomes.FINE:
+                raise stopped(setup, outcome, body, (p * steps + taken) * cut.step)
+        if p == counted.stop - 1:
+            kept = y[largest].copy()
+        yield window
+    y[largest] = kept
+    unseen = missed(model, cut.passes * steps * cut.step, before, y) if before else 0
+    if unseen > 0:
+        raise stopped(setup, outcomes.SKIPPED, unseen, cut.passes * steps * cut.step)
+
+
+def _turns_of_pits(setup: Setup, t: float, y: np.ndarray) -> list[float]:
+    """How far each meeting has turned at time ``t`` (s); none of a model without any, or that repeats itself."""
+    if not build.kind(setup.case).loaded or build.kind(setup.case).memoryless:
+        return []
+    return [turned(setup.model, d, t, y) for d in range(len(setup.model.pits.head))]
+
+
+def _passes_of_record(case: Case, cut: choose.Grid) -> range:
+    """The ball passes, counted from t = 0, that lie wholly in the record; the first it touches if none does."""
+    first = ceil(case.settle * cut.rate - 1e-6)
+    return range(first, max(first + 1, floor((case.settle + case.duration) * cut.rate + 1e-6)))
+
+
+WHY = {
+    outcomes.OUTRUN: "{body} stayed over the step limit for longer than an impact",
+    outcomes.NOT_FINITE: "the ring's motion is no longer finite",
+    outcomes.TOO_DEEP: "{body} is pressed over {deepest:.3g} um into a race, {PRESSED:.0f} times what load,"
+    " closing speed and pits explain",
+    outcomes.TOO_LIVELY: "ring and rollers move with over {liveliest:.3g} J, {MOVED:.0f} times what load, closing"
+    " speed and pits explain",
+    outcomes.STEP_FLOOR: "the step that {method} wants is too short to go on",
+    outcomes.NEWTON_STALLED: "no solution of {method}'s step was found",
+    outcomes.STALLED: "{method} takes too many steps of its own between two recorded instants",
+    outcomes.SKIPPED: "{count} crossings of pits were stepped over",
+}
+"""Why a run was stopped, by its outcome."""
+
+
+def stopped(setup: Setup, outcome: int, body: int, t: float) -> Unsound:
+    """Why the watch stopped a run at ``t`` (s), and what would do; ``body``: which one, or how many crossings."""
+    told = WHY[outcome].format(
+        body=name_of(setup.model, body),
+        count=body,
+        method=setup.case.method,
+        deepest=1e6 * setup.watch.deepest,
+        liveliest=setup.watch.liveliest,
+        PRESSED=PRESSED,
+        MOVED=MOVED,
+    )
+    return Unsound(f"{told}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t)
+
+
+def advice(setup: Setup, outcome: int) -> str:
+    """Which step or method would do."""
+    others = choose.alternatives(setup.case)
+    instead = f", or `method: {others[0]}`" if others else ""
+    if not build.method_kind(setup.case).adaptive:
+        return f"take a step under {1e6 * setup.cut.step / 2:.2g} us{instead}"
+    loose = outcome in (outcomes.STEP_FLOOR, outcomes.STALLED)
+    return f"take a {'looser' if loose else 'tighter'} `tolerance` than {setup.method.rtol:.2g}{instead}"
+
+
+def name_of(model: Any, body: int) -> str:
+    """What a watched body is called."""
+    return f"roller {body + 1}" if watched(model) > 1 and body >= 0 else "the ring"
+
+
+def _pick_pass(case: Case, cut: choose.Grid, p: int, window: np.ndarray, picked: np.ndarray) -> None:
+    """Fill in the raw values whose instants lie in ball pass ``p`` (start excluded, end included)."""
+    steps, tail = cut.steps_per_pass, window.shape[1] - cut.steps_per_pass
+    ratio = 1.0 / (case.sampling * cut.step)  # steps per sample
+    start = case.settle / cut.step
+    first, end = (max(0, floor((q * steps - start) / ratio) + 1) for q in (p, p + 1))
+    first = 0 if p == 0 else min(first, picked.shape[1])
+    end = min(end, picked.shape[1])
+    if end > first:
+        pick(window, start - p * steps + tail - 1, ratio, picked, first, end)
