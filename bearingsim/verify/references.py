@@ -1,4 +1,4 @@
-"""SciPy's integrators on the compiled models: methods of other people to compare with, and to check against.
+"""SciPy's integrators on the compiled models: other people's methods, to compare with and to check against.
 
 A model's state becomes a vector x = (positions, velocities) of what can move; its slopes are the compiled
 accelerations. Nothing is told to the solver of pits or touch-down; what it takes for success is read, and a run
@@ -6,29 +6,24 @@ that ends early is no reference.
 """
 
 import time
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, LANES, POSITION, ROW, VELOCITY, shared_cell
+from bearingsim.core.layout import ACCELERATION, LANES, POSITION, Q_O, ROW, VELOCITY, shared_cell
+from bearingsim.core.methods.adaptive import LEVER, fill_levers
+from bearingsim.core.methods.interface import Tolerances
 from bearingsim.core.models.interface import accelerations, freedoms
+from bearingsim.verify.scene import TIMES
+from bearingsim.verify.traces import STALL, TOO_SLOW, Trace
 
-SCIPY = ("LSODA", "Radau", "BDF", "DOP853")
+SCIPY = {"scipy-lsoda": "LSODA", "scipy-radau": "Radau", "scipy-bdf": "BDF", "scipy-dop853": "DOP853"}
+"""SciPy's solvers by the names that they have in the map."""
 
 
 class OutOfTime(Exception):
     """A solver has used up the CPU time it was given."""
-
-
-class Solution(NamedTuple):
-    """x: (2 n, samples) at the times asked for, as far as the solver came; why it ended (empty: success)."""
-
-    x: np.ndarray
-    failure: str
-    steps: int
-    evaluations: int
-    cpu: float
 
 
 def moving(model: Any) -> np.ndarray:
@@ -85,38 +80,45 @@ class Slopes:
         return time.thread_time() - self.began
 
 
-def solve(
-    solver: str,
-    model: Any,
-    y: np.ndarray,
-    times: np.ndarray,
-    rtol: float,
-    atol: np.ndarray,
-    longest: float = np.inf,
-    limit: float = np.inf,
-) -> Solution:
-    """Run one of SciPy's solvers from the buffer's state at t = 0 through ``times`` (s, increasing).
+def solve(solver: str, model: Any, y: np.ndarray, asked: Tolerances, limit: float) -> Trace:
+    """Run one of ``SCIPY`` from the buffer's state at t = 0 through the scene, for ``limit`` CPU seconds at most.
 
-    atol: (2 n,) as ``tolerances`` gives it; longest: step, s; limit: CPU seconds.
+    asked: as the own methods have it; a solver sees positions and velocities with the same rtol. What a solver
+    calls success is read; it says nothing of pits that were stepped over.
     """
     from scipy import integrate
 
     f = Slopes(model, y, limit)
-    x_0 = packed(y, f.places)
-    failure, steps, columns = "", 0, []
+    fill_levers(model, f.y)
+    lever = f.y[LEVER + f.places]
+    atol = np.concatenate([asked.atol_q / lever, asked.atol_v / lever])
+    failure, reason, steps, due, columns = "", "", 0, 0, []
     try:
-        one = getattr(integrate, solver)(f, 0.0, x_0, times[-1], rtol=rtol, atol=atol, max_step=longest)
-        at = 0
-        while one.status == "running" and not failure:
-            failure = one.step() or ""
+        one = getattr(integrate, SCIPY[solver])(
+            f, 0.0, packed(y, f.places), TIMES[-1], rtol=asked.rtol, atol=atol, max_step=asked.longest
+        )
+        while one.status == "running":
+            reason = one.step() or ""
             steps += 1
-            due = int(np.searchsorted(times, one.t, side="right"))
-            if due > at and not failure:
-                columns.append(one.dense_output()(times[at:due]))
-                at = due
+            before, due = due, int(np.searchsorted(TIMES, one.t, side="right"))
+            if due > before and not reason:
+                columns.append(one.dense_output()(TIMES[before:due]))
+        failure = STALL if reason else ""
     except OutOfTime:
-        failure = "out of time"
+        failure, reason = TOO_SLOW, f"not done after {limit:g} s"
     except (ValueError, np.linalg.LinAlgError, FloatingPointError) as error:
-        failure = str(error)  # a Jacobian with infinities in it
-    x = np.concatenate(columns, axis=1) if columns else np.empty((len(x_0), 0))
-    return Solution(x, failure, steps, f.calls, f.cpu)
+        failure, reason = STALL, str(error)  # a Jacobian with infinities in it
+    cpu, calls = f.cpu, f.calls
+    x = np.concatenate(columns, axis=1) if columns else np.empty((2 * len(lever), 0))
+    velocity = x[len(lever) : len(lever) + 2]
+    return Trace(1, velocity, touching(f, x), failure, reason, steps, 0, calls, 0, cpu)
+
+
+def touching(f: Slopes, x: np.ndarray) -> np.ndarray:
+    """Whether each roller carries load at the outer race, (Z, samples)."""
+    found = np.empty((f.model.bearing.Z, x.shape[1]), dtype=bool)
+    unused = np.empty(len(x))
+    for n in range(x.shape[1]):
+        slopes(f.model, TIMES[n], x[:, n].copy(), f.places, f.y, unused)
+        found[:, n] = f.y[Q_O : Q_O + len(found)] > 0.0
+    return found

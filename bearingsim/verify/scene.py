@@ -60,14 +60,14 @@ def case_of(scene: Scene) -> Case:
     return Case.model_validate(base | parts | start)
 
 
-def samples() -> int:
-    """Samples of a scene, the start left out."""
-    return round(SPAN / FINE)
+SAMPLES = round(SPAN / FINE)
+TIMES = FINE * np.arange(1, SAMPLES + 1)
+"""The samples of a scene (s), the start left out."""
 
 
-def crossings(model: Any) -> np.ndarray:
-    """When (s) the roller enters and leaves each pit, (pits, 2), at kinematic speeds."""
+def crossings(model: Any) -> list[tuple[float, float]]:
+    """When (s) the roller enters and leaves each pit, at kinematic speeds."""
     if len(model.pits.head) == 0:
-        return np.empty((0, 2))
-    half = model.pits.head[0, HALF_WIDTH] / sliding(model.pits, 0, model.bearing)
-    return np.array([(t - half, t + half) for t in MIDDLES])
+        return []
+    half = float(model.pits.head[0, HALF_WIDTH]) / sliding(model.pits, 0, model.bearing)
+    return [(t - half, t + half) for t in MIDDLES]

@@ -1,0 +1,236 @@
+"""Where each method fails: short runs over step (or tolerance), stiffness, damping and sharpness of pits.
+
+A unit of work is a material, that is a model with one stiffness and damping: its scenes share a sound bearing. For
+each scene first the reference, from solutions that must agree, then every method at every step.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+from math import inf, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim import build, limits
+from bearingsim.build import scales
+from bearingsim.config import Case
+from bearingsim.core.methods.interface import MethodKind
+from bearingsim.core.models.interface import freedoms, linearise
+from bearingsim.verify import judge
+from bearingsim.verify.judge import REFUSED, Reference, Verdict, agreed, crossings_seen
+from bearingsim.verify.references import SCIPY, solve
+from bearingsim.verify.scene import FINE, PITS, SPAN, STEEL, Scene, case_of, crossings
+from bearingsim.verify.traces import TOO_SLOW, Trace, nothing, trace
+
+HEALTHY = "healthy"
+
+
+class Grid(NamedTuple):
+    """What is varied. k: N/mm^(10/9); damping: (m3, c in N s/mm^(1 + m3)); steps (s) of methods that have one,
+    tolerances of the others; limit: CPU seconds for a cell, patience: for a solution of the reference.
+    """
+
+    k: tuple[float, ...]
+    damping: tuple[tuple[float, float], ...]
+    pits: tuple[str, ...]
+    steps: tuple[float, ...]
+    tolerances: tuple[float, ...]
+    limit: float
+    patience: float
+
+
+FULL = Grid(
+    k=(STEEL, 1e7, 1e8),
+    damping=((0.0, 1e-1), (0.0, 1e1), (0.0, 1e3), (0.0, 1e6), (1.0, 1e2), (1.0, 1e4), (1.0, 1e6), (2.0, 1e6)),
+    pits=tuple(PITS),
+    steps=(20e-6, 10e-6, 5e-6, 2e-6, 1e-6, 0.5e-6, 0.2e-6, 0.1e-6, 0.05e-6, 0.02e-6),
+    tolerances=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7),
+    limit=1.0,
+    patience=15.0,
+)
+QUICK = Grid(
+    k=(STEEL, 1e8),
+    damping=((0.0, 1e-1), (0.0, 1e6), (1.0, 1e4), (1.0, 1e6)),
+    pits=(HEALTHY, "0.2 mm slot"),
+    steps=(10e-6, 5e-6, 2e-6, 1e-6, 0.2e-6),
+    tolerances=(1e-2, 1e-4, 1e-6),
+    limit=0.3,
+    patience=4.0,
+)
+QUICK_METHODS = ("verlet", "symplectic-euler", "dop853", "rodas", "backward-euler", "scipy-lsoda", "scipy-radau")
+DEFAULT_MODELS, QUICK_MODELS = ("ring", "rollers"), ("rollers",)
+
+REFERENCES = (("dop853", 1e-9), ("scipy-lsoda", 1e-9), ("rodas", 1e-8), ("scipy-radau", 1e-7), ("scipy-lsoda", 1e-6))
+"""Solutions that are tried in turn until two agree."""
+
+
+class Material(NamedTuple):
+    """A model's name; k (N/mm^(10/9)), m3 and c (N s/mm^(1 + m3)) of its contacts."""
+
+    model: str
+    k: float
+    m3: float
+    c: float
+
+
+class Bench(NamedTuple):
+    """A scene made ready: its case, the core's model, a buffer at rest, theory's K (1/s^2) and C (1/s) at rest."""
+
+    case: Case
+    model: Any
+    y: np.ndarray
+    K: float
+    C: float
+
+
+def methods_known() -> tuple[str, ...]:
+    """Names of all methods that can be mapped."""
+    return (*build.METHODS, *SCIPY)
+
+
+def models_known() -> tuple[str, ...]:
+    """Names of all models that have equations of motion."""
+    return tuple(name for name, kind in build.MODELS.items() if kind.parameters in freedoms.types)  # type: ignore[attr-defined]
+
+
+def materials(models: Sequence[str], grid: Grid) -> list[Material]:
+    """The units of work."""
+    return [Material(model, k, m3, c) for model, k, (m3, c) in product(models, grid.k, grid.damping)]
+
+
+def has_step(method: str) -> bool:
+    """Whether a method is told a step, not a tolerance."""
+    return method in build.METHODS and not build.METHODS[method].adaptive
+
+
+def cells(method: str, grid: Grid) -> tuple[float, ...]:
+    """The steps (s) or tolerances of a method, the coarsest first."""
+    return grid.steps if has_step(method) else grid.tolerances
+
+
+def count(models: Sequence[str], methods: Sequence[str], grid: Grid) -> int:
+    """Cells of a whole map."""
+    return len(materials(models, grid)) * len(grid.pits) * sum(len(cells(method, grid)) for method in methods)
+
+
+def set_up(material: Material, pit: str) -> Bench:
+    """Make a scene ready."""
+    case = case_of(Scene(material.model, pit, material.k, material.c, material.m3))
+    model = build.model(case)
+    _, K, C = limits.loads_at_rest(build.healthy(case))
+    return Bench(case, model, build.start(case, model)[0], K, C)
+
+
+def run(bench: Bench, method: str, setting: float, limit: float) -> Trace:
+    """One cell's run: ``setting`` is its step (s) or tolerance."""
+    if method in SCIPY:
+        asked = scales.tolerances(bench.case, bench.model, FINE, setting)
+        return solve(method, bench.model, bench.y, asked._replace(longest=inf), limit)
+    kind = build.METHODS[method]
+    if kind.implicit and type(bench.model) not in linearise.types:  # type: ignore[attr-defined]
+        return nothing(REFUSED, "the model has no derivatives")
+    h = setting if not kind.adaptive else FINE
+    model = build.relaxed(bench.model, kind.lag * h)
+    return trace(kind, parameters(bench, kind, setting), model, bench.y, limit)
+
+
+def parameters(bench: Bench, kind: MethodKind, setting: float) -> Any:
+    """The core's method."""
+    made: Any = kind.parameters
+    return made(*scales.tolerances(bench.case, bench.model, FINE, setting)) if kind.adaptive else made(setting)
+
+
+def reference(bench: Bench, patience: float) -> Reference | None:
+    """Solutions of a scene until two agree; see ``agreed``."""
+    found: dict[str, Trace] = {}
+    for method, tolerance in REFERENCES:
+        if method in SCIPY or method in build.METHODS:
+            found[f"{method} {tolerance:.0e}"] = tightly(bench, method, tolerance, patience)
+        best = agreed(found)
+        if best is not None and not best.chaotic:
+            return best
+    return agreed(found)
+
+
+def tightly(bench: Bench, method: str, tolerance: float, patience: float) -> Trace:
+    """A solution that may count for a reference: SciPy's solvers may not step over a pit here."""
+    if method not in SCIPY:
+        return run(bench, method, tolerance, patience)
+    asked = scales.tolerances(bench.case, bench.model, FINE, tolerance)
+    return solve(method, bench.model, bench.y, asked, patience)
+
+
+def map_of(material: Material, methods: Sequence[str], grid: Grid) -> Iterator[dict[str, Any]]:
+    """The rows of a material: every pit, method and setting."""
+    sound: Reference | None = None
+    for pit in (HEALTHY, *(pit for pit in grid.pits if pit != HEALTHY)):
+        bench = set_up(material, pit)
+        exact = reference(bench, grid.patience)
+        sound = exact if pit == HEALTHY else sound
+        if pit in grid.pits:
+            for method in methods:
+                yield from row_by_row(material, pit, bench, method, grid, exact, sound)
+
+
+def row_by_row(
+    material: Material,
+    pit: str,
+    bench: Bench,
+    method: str,
+    grid: Grid,
+    exact: Reference | None,
+    sound: Reference | None,
+) -> Iterator[dict[str, Any]]:
+    """The rows of one method in one scene. What would take too long, by what a step has cost, is not begun."""
+    windows = crossings(bench.model)
+    limit = limits.step_limit(method, bench.K, bench.C) if has_step(method) else inf
+    per_step = 0.0
+    for setting in cells(method, grid):
+        if has_step(method) and scene_steps(setting) * per_step > 2.0 * grid.limit:
+            made = nothing(TOO_SLOW, f"{scene_steps(setting) * per_step:.2g} s expected")
+        else:
+            made = run(bench, method, setting, grid.limit)
+            per_step = made.cpu / max(made.steps, 1)
+        verdict = judge.judge(made, exact, sound, windows)
+        yield {
+            "model": material.model,
+            "method": method,
+            "pit": pit,
+            "k": material.k,
+            "m3": material.m3,
+            "c": material.c,
+            "damping_ratio": bench.C / (2.0 * sqrt(bench.K)),
+            "step": setting if has_step(method) else np.nan,
+            "tolerance": np.nan if has_step(method) else setting,
+            "step_limit": limit,
+            **told(made, verdict, exact, len(windows)),
+        }
+
+
+def scene_steps(h: float) -> int:
+    """Steps of ``h`` (s) in a scene."""
+    return round(SPAN / h)
+
+
+def told(made: Trace, verdict: Verdict, exact: Reference | None, expected: int) -> dict[str, Any]:
+    """What a row says of a run and its verdict."""
+    return {
+        "class": verdict.outcome,
+        "error": verdict.error,
+        "measure": "" if exact is None else "RMS" if exact.chaotic else "L2",
+        "floor": np.nan if exact is None else exact.floor,
+        "reference": "" if exact is None else exact.names,
+        "seen": verdict.seen,
+        "expected": expected,
+        "openings": verdict.openings,
+        "openings_of_reference": verdict.openings_of_reference,
+        "steps": made.steps,
+        "refused_steps": made.refused,
+        "evaluations": made.evaluations,
+        "iterations": made.iterations,
+        "cpu_s": made.cpu,
+        "reason": made.reason,
+    }
+
+
+__all__ = ["FULL", "QUICK", "Grid", "Material", "count", "crossings_seen", "map_of", "materials"]
