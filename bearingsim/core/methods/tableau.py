@@ -125,10 +125,14 @@ def within(F_q, F_v, part, h, y, n):
 
 
 def cusp_of(tableau: Tableau) -> float:
-    """The part of a step after which a force may jump: where the weights after it add up to the time after it."""
-    nodes = np.unique(tableau.c)
-    after = [1.0 - tableau.b[tableau.c > node + 1e-12].sum() for node in nodes]
-    return max(part for part, low, high in zip(after, nodes, [*nodes[1:], 1.0], strict=True) if low <= part <= high)
+    """The last part of a step after which a force may jump: the weights after it add up to the time after it.
+
+    Where there is none within the step, it is the step's end (just before it, that rounding is on the safe side).
+    """
+    nodes = np.unique(np.append(tableau.c, 1.0))
+    parts = [float(1.0 - tableau.b[tableau.c > node + 1e-12].sum()) for node in nodes[:-1]]
+    inside = [part for part, low, high in zip(parts, nodes[:-1], nodes[1:], strict=True) if low < part < high]
+    return max(inside, default=0.99)
 
 
 def fixed_step(parameters: type, tableau: Tableau) -> None:
