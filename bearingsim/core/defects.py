@@ -43,7 +43,8 @@ class Meeting(NamedTuple):
     load line (on the inner race at t = 0), or from the roller's outermost point at t = 0; radius: of the surface
     that carries it (m); R: reduced radius of roller and race (m); groups: rows (w, b, x_e, kappa, depth); paths:
     of a traced pit, one for each group (``core/traced.py``); cusp: place (m) of the sharpest cusp; span: the
-    shortest way (m) over the pit or a part of it, 0 if from rim to rim.
+    shortest way (m) over the pit or a part of it, 0 if from rim to rim; jumps: places (m) where the force or its
+    damping part jumps (``core/events.py``).
     """
 
     side: int
@@ -55,6 +56,7 @@ class Meeting(NamedTuple):
     paths: Sequence[Any] = ()
     cusp: float = 0.0
     span: float = 0.0
+    jumps: Sequence[float] = ()
 
     @property
     def half_width(self) -> float:
@@ -62,15 +64,15 @@ class Meeting(NamedTuple):
         return float(max(row[B] for row in self.groups))
 
 
-SIDE, ON, ANGLE, RADIUS, REDUCED, HALF_WIDTH, USED, CUSP, SPAN = range(9)  # columns of a meeting's head
-HEAD = 9
+SIDE, ON, ANGLE, RADIUS, REDUCED, HALF_WIDTH, USED, CUSP, SPAN, JUMPS = range(10)  # columns of a meeting's head
+FIRST_JUMP = 10
 
 
 class Pits(NamedTuple):
     """All meetings, packed in few arrays: each one that a function is handed costs it reference counting.
 
-    head: (D, 9) as in ``Meeting``, then half_width (m), beyond which no roller feels the pit, used, its number of
-    groups, cusp (m) and span (m); groups: (D, K, 5), padded with rows of weight zero; excitation: what a roller
+    head: (D, 10 + most jumps) as in ``Meeting``, then half_width (m), beyond which no roller feels the pit, used,
+    its number of groups, cusp (m), span (m), the number of jumps and their places (m); groups: (D, K, 5), padded with rows of weight zero; excitation: what a roller
     feels of a pit (``core/excitations.py``).
     """
 
@@ -176,11 +178,12 @@ def pits(meetings: Sequence[Meeting], excitation: Any, most: int = 1) -> Pits:
     groups = np.zeros((len(meetings), deepest, GROUP))
     for row, one in zip(groups, meetings, strict=True):
         row[: len(one.groups)] = one.groups
-    head = np.zeros((len(meetings), HEAD))
+    head = np.zeros((len(meetings), FIRST_JUMP + max((len(one.jumps) for one in meetings), default=0)))
     for row, one in zip(head, meetings, strict=True):
         reach, used = one.half_width, len(one.groups)
         span = one.span or 2.0 * reach
-        row[:] = one.side, one.on, one.angle, one.radius, one.R, reach, used, one.cusp, span
+        row[:FIRST_JUMP] = one.side, one.on, one.angle, one.radius, one.R, reach, used, one.cusp, span, len(one.jumps)
+        row[FIRST_JUMP : FIRST_JUMP + len(one.jumps)] = one.jumps
     return Pits(head, groups, excitation)
 
 

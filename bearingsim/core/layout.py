@@ -72,6 +72,8 @@ LOADED = STAGE + STAGES * STATE  # one cell: rollers that carry load
 T_START, T_END, H_NEXT, FAILED, FAILED_BODY, TAKEN, REFUSED, EVALUATED, ITERATED, CROSSED = range(
     LOADED + 1, LOADED + 11
 )
+# the time it stops at next (s), the length of the step taken last (s) and its error; dense output complete?
+NEXT_STOP, H_TAKEN, LAST_ERROR, DENSE = range(LOADED + 11, LOADED + 15)
 
 # a matrix of the arrow's shape (``core/arrow.py``): rows of the rollers' own blocks, of what the border does to a
 # roller, of what a roller does to the border; cells of the border's own block

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 from bearingsim.core.contact import damping_slope, in_series, normal_force, share, stiffness_slope
 from bearingsim.core.defects import Pits, sliding
 from bearingsim.core.equilibrium import ALONG, PIT, find_pits, roller_balance
+from bearingsim.core.events import next_cusp, next_cusp_evenly
 from bearingsim.core.extremes import keep_forces
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
@@ -74,6 +75,7 @@ def _watched(model):
 
 
 standing.register(Ring)(standing_evenly)
+next_cusp.register(Ring)(next_cusp_evenly)
 
 
 @jit

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import HALF_WIDTH, OUTER, SIDE, Pits, sliding
+from bearingsim.core.events import next_cusp, next_cusp_evenly
 from bearingsim.core.extremes import keep_forces
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
@@ -85,6 +86,7 @@ def approaches(bearing, y, n):
 
 
 standing.register(Rollers)(standing_evenly)
+next_cusp.register(Rollers)(next_cusp_evenly)
 
 
 @jit
