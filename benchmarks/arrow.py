@@ -33,7 +33,7 @@ from bearingsim.core.layout import (
 )
 from bearingsim.core.models.interface import freedoms, width
 
-COUNTS = (13, 16, 24, 40, 56, 80, 104)  # rollers
+COUNTS = (13, 16, 104)
 ROUNDS, AT_LEAST = 21, 1e-3  # of measurements; s that one must last
 COLUMNS = ("own", "border", "rollers", "lanes", "combine_us", "factor_us", "solve_us", "dense_us", "speed_up")
 

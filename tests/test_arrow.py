@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from arrows import RANDOM, Sized, cells, random_arrows, sprung, turning, unused
+from tests.arrows import RANDOM, Sized, cells, random_arrows, sprung, turning, unused
 
 from bearingsim.core.arrow import combine, factor, multiply, solve
 from bearingsim.core.layout import BY_POSITION, BY_VELOCITY, STAGE, STATE

@@ -62,8 +62,9 @@ def turned_with(model):
 @jit
 def mix(to, of_velocity, of_position, alpha, beta, y, n):
     """One row of -beta A_v - alpha A_q."""
+    made, by_velocity, by_position = y[to : to + n], y[of_velocity : of_velocity + n], y[of_position : of_position + n]
     for j in range(n):
-        y[to + j] = -(beta * y[of_velocity + j] + alpha * y[of_position + j])
+        made[j] = -(beta * by_velocity[j] + alpha * by_position[j])
 
 
 @jit
@@ -95,8 +96,9 @@ def combine(model, alpha, beta, y):
 @jit
 def take_off(to, of, by, y, n):
     """One row less the product of two others."""
+    left, one, other = y[to : to + n], y[of : of + n], y[by : by + n]
     for j in range(n):
-        y[to + j] -= y[of + j] * y[by + j]
+        left[j] -= one[j] * other[j]
 
 
 @jit
