@@ -50,6 +50,10 @@ def prepare(method: Any, model: Any, t: float, y: np.ndarray) -> None:
     """Make the buffer ready for the first step, from time ``t`` (s); accelerations are in place."""
 
 
+def as_it_is(method, model, t, y):
+    """``prepare`` of a method to which the state is all there is."""
+
+
 @generic
 def attempt(method: Any, model: Any, t: float, h: float, y: np.ndarray) -> float:
     """An adaptive method's one step of ``h`` (s) from the state that ``adaptive.py`` keeps at START.

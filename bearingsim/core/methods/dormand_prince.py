@@ -1,0 +1,73 @@
+"""Dormand and Prince's method of order 5 with an estimate of order 4 and dense output of order 4.
+
+Source: Dormand and Prince 1980; the numbers and the continuous extension from Hairer, Norsett and Wanner, Solving
+ODEs I, 2nd ed. 1993, table II.5.2 and sec. II.6. Six evaluations a step: the last stage is the next step's first.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.core.methods.adaptive import SLOPES, START_A, drive, error_norm
+from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
+from bearingsim.core.methods.tableau import continuous_extension, estimate, find_slopes, runge_kutta, within
+from bearingsim.core.models.interface import width
+
+ORDER, STAGES = 5, 7
+
+a = np.zeros((STAGES, STAGES))
+a[1, :1] = 1 / 5
+a[2, :2] = 3 / 40, 9 / 40
+a[3, :3] = 44 / 45, -56 / 15, 32 / 9
+a[4, :4] = 19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729
+a[5, :5] = 9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656
+a[6, :6] = 35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84
+TABLE = runge_kutta(a, a[6])
+c, _, A, b, _ = TABLE
+EMBEDDED = np.array([5179 / 57600, 0.0, 7571 / 16695, 393 / 640, -92097 / 339200, 187 / 2100, 1 / 40])
+E_V = b - EMBEDDED
+E_Q = E_V @ a
+MIDDLE = np.array(
+    [
+        -12715105075 / 11282082432,
+        0.0,
+        87487479700 / 32700410799,
+        -10690763975 / 1880347072,
+        701980252875 / 199316789632,
+        -1453857185 / 822651844,
+        69997945 / 29380423,
+    ]
+)
+EXTENSION_V = continuous_extension(b, STAGES - 1, MIDDLE[None, :])
+EXTENSION_Q = EXTENSION_V @ a
+
+
+class DormandPrince(NamedTuple):
+    """As ``Tolerances``."""
+
+    h: float
+    rtol: float
+    atol_q: float
+    atol_v: float
+    longest: float
+
+
+@attempt.register(DormandPrince)
+def _attempt(method, model, t, h, y):
+    n = width(model)
+    for k in range(n):
+        y[SLOPES + k] = y[START_A + k]
+    find_slopes(c, A, a, 1, STAGES, model, t, h, y, n)  # the last stage is the new state
+    return error_norm(method, *estimate(E_Q, E_V, STAGES, h, y, n), y, n)
+
+
+@interpolate.register(DormandPrince)
+def _interpolate(method, part, h, y, n):
+    within(EXTENSION_Q, EXTENSION_V, part, h, y, n)
+
+
+drive(DormandPrince, float(ORDER))
+
+KIND = MethodKind(
+    DormandPrince, evaluations=6, fraction=1.0, per_period=1, cusp=0.5, order=5, lag=0.0, adaptive=True
+)

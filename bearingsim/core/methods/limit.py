@@ -1,0 +1,93 @@
+"""How long a step an explicit method may take on q'' = -K q - C q': from what one step makes of any (q, v).
+
+The limit depends on the damping ratio zeta = C/(2 omega), omega^2 = K, alone once it is divided by that of symplectic
+Euler, h_c = (2/omega)(sqrt(1 + zeta^2) - zeta) = 4/(C + sqrt(C^2 + 4 K)), whose product with the larger of stiffness
+and damping never vanishes. The ratio is tabulated from no damping to no stiffness (``place``).
+"""
+
+from math import acos, pi, sqrt
+from typing import Any
+
+import numpy as np
+
+from bearingsim.core.jit import jit
+
+NODES = 129
+SCANNED, FARTHEST = 1000, 52.0  # steps tried for each node, and the longest of them over h_c
+ROUNDING = 1e-9  # growth below it is none
+
+
+@jit
+def critical_step(K, C):
+    """h_c (s) of symplectic Euler; K in 1/s^2, C in 1/s, not both 0."""
+    return 4.0 / (C + sqrt(C * C + 4.0 * K))
+
+
+@jit
+def place(K, C):
+    """Where an oscillator stands in the table, 0 to 1: by the angle of its root to 1/2, then by its faster root.
+
+    So the limit of a method whose stability is a function of the root alone has no kink where oscillation ends.
+    """
+    if C * C < 4.0 * K:
+        return 0.5 - acos(0.5 * C / sqrt(K)) / pi
+    return 1.0 - K / (C * C) if C > 1e6 * sqrt(K) else 1.0 - sqrt(K) / (C + sqrt(C * C - 4.0 * K))
+
+
+@jit
+def looked_up(limits, h, K, C):
+    """Step ``h`` (s) over a method's limit; ``limits``: from ``limit_over_h_c``."""
+    if K <= 0.0 and C <= 0.0:
+        return 0.0
+    at = (NODES - 1) * place(max(K, 0.0), max(C, 0.0))
+    k = min(int(at), NODES - 2)
+    ratio = limits[k] + (at - k) * (limits[k + 1] - limits[k])
+    return h / (ratio * critical_step(max(K, 0.0), max(C, 0.0)))
+
+
+def oscillators() -> tuple[np.ndarray, np.ndarray]:
+    """K and C of the oscillators of the table, each with h_c = 1: (NODES,)."""
+    at = np.linspace(0.0, 1.0, NODES)
+    slower = np.minimum(2.0 * (1.0 - at), 1.0)  # omega over the faster root
+    zeta = np.where(at < 0.5, np.sin(pi * at), 0.5 * (slower + 1.0 / np.maximum(slower, 1e-9)))
+    C = 4.0 / (1.0 + np.sqrt(1.0 + 1.0 / np.maximum(zeta, 1e-9) ** 2))
+    return np.where(zeta > 0.0, (C / np.maximum(2.0 * zeta, 1e-9)) ** 2, 4.0), C
+
+
+def amplification(tableau: Any, K: np.ndarray, C: np.ndarray) -> np.ndarray:
+    """What a step of 1 s makes of q and of v: (2, 2, ...), by the table itself; K, C: (...)."""
+    made = np.empty((2, 2, *K.shape))
+    for column, (q, v) in enumerate(((1.0, 0.0), (0.0, 1.0))):
+        f = np.zeros((len(tableau.c), K.size))
+        for i, c in enumerate(tableau.c):
+            q_i, v_i = q + c * v + tableau.A[i] @ f, v + tableau.a[i] @ f
+            f[i] = -K.ravel() * q_i - C.ravel() * v_i
+        made[0, column] = (q + v + tableau.B @ f).reshape(K.shape)
+        made[1, column] = (v + tableau.b @ f).reshape(K.shape)
+    return made
+
+
+def growth(M: np.ndarray) -> np.ndarray:
+    """Spectral radius of each 2 x 2 matrix (2, 2, ...)."""
+    half, det = 0.5 * (M[0, 0] + M[1, 1]), M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0]
+    below = half * half - det
+    return np.where(below < 0.0, np.sqrt(np.abs(det)), np.abs(half) + np.sqrt(np.maximum(below, 0.0)))
+
+
+def limit_over_h_c(tableau: Any) -> np.ndarray:
+    """(NODES,) the step from which on motion grows, over h_c, at each oscillator of the table."""
+    K, C = oscillators()
+
+    def grows(h: np.ndarray) -> np.ndarray:
+        h, shape = np.broadcast_arrays(h, K[:, None])[0], (-1, 1)
+        return growth(amplification(tableau, h * h * K.reshape(shape), h * C.reshape(shape))) > 1.0 + ROUNDING
+
+    tried = FARTHEST * np.arange(1, SCANNED + 1) / SCANNED
+    over = grows(tried)
+    high = tried[np.where(over.any(axis=1), over.argmax(axis=1), SCANNED - 1)]
+    low = high - tried[0]
+    for _ in range(30):
+        middle = 0.5 * (low + high)
+        above = grows(middle[:, None])[:, 0]
+        low, high = np.where(above, low, middle), np.where(above, middle, high)
+    return low

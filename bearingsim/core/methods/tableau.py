@@ -1,0 +1,156 @@
+"""Explicit methods as a table and one step.
+
+Of q'' = f(t, q, v), with f_j the accelerations found at the stages,
+
+    q_i = q + c_i h v + h^2 sum_j A_ij f_j,   v_i = v + h sum_j a_ij f_j,   f_i = f(t + c_i h, q_i, v_i)
+
+and the new state likewise with B and b (Nystrom 1925; Hairer, Norsett and Wanner, Solving ODEs I, sec. II.14). A
+Runge-Kutta method is the one with A = a a and B = b a: the same numbers but for rounding, without its slopes of q.
+A step ends with the accelerations at its end, with which the next begins.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.core.jit import jit
+from bearingsim.core.layout import ACCELERATION, EVALUATED, POSITION, STAGE, STATE, VELOCITY
+from bearingsim.core.methods.adaptive import SLOPES, START_Q, START_V
+from bearingsim.core.methods.interface import as_it_is, load_number, prepare, step
+from bearingsim.core.methods.limit import limit_over_h_c, looked_up
+from bearingsim.core.models.interface import accelerations, width
+
+ERROR_Q, ERROR_V = STAGE + 53 * STATE, STAGE + 54 * STATE  # f_j of stage j lies in block j of SLOPES
+
+
+class Tableau(NamedTuple):
+    """c: (s,); a, A: (s, s), strictly lower; b, B: (s,). All without unit."""
+
+    c: np.ndarray
+    a: np.ndarray
+    A: np.ndarray
+    b: np.ndarray
+    B: np.ndarray
+
+
+def runge_kutta(a: np.ndarray, b: np.ndarray) -> Tableau:
+    """The table of a Runge-Kutta method."""
+    return Tableau(a.sum(axis=1), a, a @ a, b, b @ a)
+
+
+@jit
+def add_slopes(weights_q, weights_v, count, h, q, v, y, n):
+    """Add h^2 sum_j weights_q[j] f_j to the block at ``q``, and h sum_j weights_v[j] f_j to that at ``v``.
+
+    By fours: a lane's sum then is read and written a quarter as often.
+    """
+    fours = count // 4 * 4
+    for j in range(0, fours, 4):
+        Q_0, Q_1, Q_2, Q_3 = (
+            h * h * weights_q[j],
+            h * h * weights_q[j + 1],
+            h * h * weights_q[j + 2],
+            h * h * weights_q[j + 3],
+        )
+        V_0, V_1, V_2, V_3 = h * weights_v[j], h * weights_v[j + 1], h * weights_v[j + 2], h * weights_v[j + 3]
+        at = SLOPES + j * STATE
+        for k in range(n):
+            f_0, f_1, f_2, f_3 = y[at + k], y[at + STATE + k], y[at + 2 * STATE + k], y[at + 3 * STATE + k]
+            y[q + k] += (Q_0 * f_0 + Q_1 * f_1) + (Q_2 * f_2 + Q_3 * f_3)
+            y[v + k] += (V_0 * f_0 + V_1 * f_1) + (V_2 * f_2 + V_3 * f_3)
+    for j in range(fours, count):
+        Q_0, V_0, at = h * h * weights_q[j], h * weights_v[j], SLOPES + j * STATE
+        for k in range(n):
+            y[q + k] += Q_0 * y[at + k]
+            y[v + k] += V_0 * y[at + k]
+
+
+@jit
+def reach(c, weights_q, weights_v, count, h, y, n):
+    """The state's block: from START over ``c`` of the step by the slopes found so far."""
+    for k in range(n):
+        y[POSITION + k] = y[START_Q + k] + c * h * y[START_V + k]
+        y[VELOCITY + k] = y[START_V + k]
+    add_slopes(weights_q, weights_v, count, h, POSITION, VELOCITY, y, n)
+
+
+@jit
+def keep_slopes(block, y, n):
+    """The accelerations into the block of a stage."""
+    for k in range(n):
+        y[block + k] = y[ACCELERATION + k]
+
+
+@jit
+def find_slopes(c, A, a, first, last, model, t, h, y, n):
+    """Stages ``first`` to ``last`` (excluded) of the step of ``h`` (s) from ``t`` (s)."""
+    for i in range(first, last):
+        reach(c[i], A[i], a[i], i, h, y, n)
+        accelerations(model, t + c[i] * h, y)
+        keep_slopes(SLOPES + i * STATE, y, n)
+    y[EVALUATED] += last - first
+
+
+@jit
+def estimate(weights_q, weights_v, count, h, y, n):
+    """Errors of positions and velocities by their weights; returns the blocks in which they lie."""
+    for k in range(n):
+        y[ERROR_Q + k] = 0.0
+        y[ERROR_V + k] = 0.0
+    add_slopes(weights_q, weights_v, count, h, ERROR_Q, ERROR_V, y, n)
+    return ERROR_Q, ERROR_V
+
+
+def continuous_extension(b: np.ndarray, last: int, higher: np.ndarray) -> np.ndarray:
+    """Rows F of v(x) = v + h x (F_0 + (1 - x) (F_1 + x (F_2 + (1 - x) (F_3 + ...)))) f, x from 0 to 1: (3 + m, s).
+
+    The first three are Hermite's; ``last``: the stage at the end of the step; higher: (m, s), the method's own.
+    Source: Hairer, Norsett and Wanner, Solving ODEs I, sec. II.6.
+    """
+    at_start, at_end = np.eye(len(b))[0], np.eye(len(b))[last]
+    return np.array([b, at_start - b, 2.0 * b - at_start - at_end, *higher])
+
+
+@jit
+def within(F_q, F_v, part, h, y, n):
+    """The state's block at ``part`` (0 to 1) of the step of ``h`` (s) from START, by a continuous extension."""
+    rows, stages = F_v.shape
+    weights_q, weights_v = np.zeros(stages), np.zeros(stages)
+    for i in range(rows - 1, -1, -1):
+        factor = part if i % 2 == 0 else 1.0 - part
+        for j in range(stages):
+            weights_q[j] = (weights_q[j] + F_q[i, j]) * factor
+            weights_v[j] = (weights_v[j] + F_v[i, j]) * factor
+    reach(part, weights_q, weights_v, stages, h, y, n)
+
+
+def cusp_of(tableau: Tableau) -> float:
+    """The last part of a step after which a force may jump: the weights after it add up to the time after it.
+
+    Where there is none within the step, it is the step's end (just before it, that rounding is on the safe side).
+    """
+    nodes = np.unique(np.append(tableau.c, 1.0))
+    parts = [float(1.0 - tableau.b[tableau.c > node + 1e-12].sum()) for node in nodes[:-1]]
+    inside = [part for part, low, high in zip(parts, nodes[:-1], nodes[1:], strict=True) if low < part < high]
+    return max(inside, default=0.99)
+
+
+def fixed_step(parameters: type, tableau: Tableau) -> None:
+    """Make a method of a table: parameters: its ``NamedTuple`` (h,)."""
+    c, a, A, b, B = tableau
+    stages, limits = len(c), limit_over_h_c(tableau)
+
+    def take(method, model, t, y):
+        h, n = method.h, width(model)
+        for k in range(n):
+            y[START_Q + k] = y[POSITION + k]
+            y[START_V + k] = y[VELOCITY + k]
+        keep_slopes(SLOPES, y, n)
+        find_slopes(c, A, a, 1, stages, model, t, h, y, n)
+        reach(1.0, B, b, stages, h, y, n)
+        accelerations(model, t + h, y)
+        y[EVALUATED] += 1.0
+
+    step.register(parameters)(take)
+    prepare.register(parameters)(as_it_is)
+    load_number.register(parameters)(lambda method, K, C: looked_up(limits, method.h, K, C))
