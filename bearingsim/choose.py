@@ -24,6 +24,7 @@ SAFE = 0.9  # of the limit at impact, more is refused: it is a lone roller's, an
 FINE_PER_SAMPLE, FEWEST_FINE = 4, 64
 MOST_STEPS = 10_000_000  # in a ball pass, whose recording is held in memory: 640 MB
 OVERHEAD = 0.02  # CPU s per job: build, filters, features, writing
+MOST_CPU = 12 * 3600.0  # s: a job of more is refused, unless it gives its own step
 SHORTENED = (1.0, 0.5, 0.25, 0.125)
 """Parts of an automatic step that are tried in turn; of a tolerance their cubes, about a thousandth at last."""
 
@@ -124,19 +125,22 @@ def alternatives(case: Case) -> list[str]:
 
 @lru_cache(maxsize=1024)
 def choice(case: Case) -> Choice:
-    """The cheapest method that holds 1 % of the fault's line. Raises ``Refused`` like ``limits``."""
+    """The cheapest method that holds 1 % of the fault's line. Raises ``Refused`` like ``limits``.
+
+    DOP853 costs what Verlet does where contacts are soft and little damped, and is kept for what Verlet fails at.
+    """
     if case.method != "auto":
         return Choice(case.method, "the case says so" if case.method else f"{case.model} has no method", {})
-    able = [name for name in build.METHODS if build.METHODS[name].automatic and _can(case, name)]
+    able = [name for name in build.METHODS if build.METHODS[name].automatic and can(case, name)]
     prices = dict(sorted(((name, _integration(using(case, name))) for name in able), key=lambda pair: pair[1]))
     found = step_limits(using(case, "verlet"))
     if found.damping_ratio > EXTREME and "backward-euler" in prices:
         return Choice("backward-euler", f"the damping ratio is {found.damping_ratio:.2g}", prices)
-    cheapest = next(iter(prices))
+    cheapest = next(name for name in prices if name == "verlet" or build.METHODS[name].implicit)
     return Choice(cheapest, _reason(cheapest, prices, found), prices)
 
 
-def _can(case: Case, name: str) -> bool:
+def can(case: Case, name: str) -> bool:
     """Whether a method can step the case's model: an implicit one needs its derivatives."""
     return not build.METHODS[name].implicit or build.kind(case).parameters in linearise.types  # type: ignore[attr-defined]
 
@@ -150,13 +154,15 @@ def _reason(chosen: str, prices: dict[str, float], found: Limits) -> str:
 
 def _integration(case: Case) -> float:
     """CPU time (s) of all steps of a case whose method is named, at the automatic step."""
-    found = step_limits(case)
-    span, kind = case.settle + case.duration, build.method_kind(case)
-    step = automatic_step(case, found)
-    cost = build.kind(case).cost * (slice_count(case) or 1)
+    return (case.settle + case.duration) * per_second(case, automatic_step(case, step_limits(case)))
+
+
+def per_second(case: Case, step: float) -> float:
+    """CPU time (s) of the steps of a simulated second."""
+    kind, cost = build.method_kind(case), build.kind(case).cost * (slice_count(case) or 1)
     if not kind.adaptive:
-        return span / step * cost * PER_STEP.get(case.method or "", kind.evaluations)
-    return span * cost * (1.0 / step + PER_STEP[str(case.method)] / own_step(case, found))
+        return cost / step * PER_STEP.get(case.method or "", kind.evaluations)
+    return cost * (1.0 / step + PER_STEP[str(case.method)] / own_step(case, step_limits(case)))
 
 
 def own_step(case: Case, found: Limits) -> float:
@@ -242,6 +248,12 @@ def grid(case: Case, part: float = 1.0) -> Grid:
             f"a ball pass would take {fine * decimation:.2g} steps (at most {MOST_STEPS:.0e} are held in memory)",
             "lower `contact.damping`, which sets the step of an explicit method, or take a higher speed",
         )
+    price = (case.settle + case.duration) * per_second(case, 1.0 / (rate * fine * decimation))
+    if price > MOST_CPU and case.step == "auto":
+        raise Refused(
+            f"{case.method} would take about {price / 3600.0:.2g} h of CPU time (at most {MOST_CPU / 3600.0:.2g} h)",
+            "take a shorter `duration`, lower `contact.damping`, or give a `step` of your own",
+        )
     beyond = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + 2) / (rate * fine)
     passes = ceil((case.settle + case.duration + beyond) * rate)
     return Grid(rate, 1.0 / (rate * fine * decimation), fine, decimation, passes)
@@ -253,10 +265,10 @@ def estimate(case: Case) -> Estimate:
     cut = grid(case)
     computed = 1 if repeats(case) else cut.passes
     steps = computed * cut.steps_per_pass
-    cost = build.method_kind(case).evaluations * build.kind(case).cost * (slice_count(case) or 1)
+    seconds = computed / cut.rate * per_second(case, cut.step)
     columns = sum(len(CHANNELS[name].components) for name in case.record)
     return Estimate(
-        cpu_seconds=OVERHEAD + steps * cost,
+        cpu_seconds=OVERHEAD + seconds,
         bytes=4 * columns * samples(case),
         steps=steps,
     )

@@ -138,6 +138,8 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
             clock[0] += time.thread_time() - began
             if outcome != outcomes.FINE:
                 raise stopped(setup, outcome, body, (p * steps + taken) * cut.step)
+            if clock[0] > choose.MOST_CPU and case.step == "auto":
+                raise stopped(setup, outcomes.TOO_SLOW, outcomes.NOBODY, (p * steps + taken) * cut.step)
         if p == counted.stop - 1:
             kept = y[largest].copy()
         yield window
@@ -171,6 +173,7 @@ WHY = {
     outcomes.NEWTON_STALLED: "no solution of {method}'s step was found",
     outcomes.STALLED: "{method} takes too many steps of its own between two recorded instants",
     outcomes.SKIPPED: "{count} crossings of pits were stepped over",
+    outcomes.TOO_SLOW: "{method} has taken {hours:.2g} h of CPU time",
 }
 """Why a run was stopped, by its outcome."""
 
@@ -183,6 +186,7 @@ def stopped(setup: Setup, outcome: int, body: int, t: float) -> Unsound:
         method=setup.case.method,
         deepest=1e6 * setup.watch.deepest,
         liveliest=setup.watch.liveliest,
+        hours=choose.MOST_CPU / 3600.0,
         PRESSED=PRESSED,
         MOVED=MOVED,
     )

@@ -24,8 +24,9 @@ FEWEST, SHORTEST = 4, 5e-3  # ball passes, and s, that count
 SHARE = 1 / 16  # of a run that a pilot takes: with its half step three sixteenths of the run's CPU time
 TURNING = 1 / 8  # where it must see a pit turn through the load zone
 LOUD = 0.1  # a line under this part of the RMS is measured by it
-APART = 0.05  # of the RMS: two pilots whose velocities differ by less at their end are not chaotic
-NUDGE, GROWN = 1e-10, 1e3  # at the start; by how much it grows from the first pass that counts to the last
+APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
+NUDGE = 1e-10  # of the ring's displacement at the start; a motion that repeats itself soon forgets it
+GROWN, PARTED = 3.0, 1e-4  # from the first pass that counts to the last; of the RMS
 
 
 @dataclass(frozen=True)
@@ -67,8 +68,8 @@ def prove(case: Case, part: float) -> Proof:
     one, other = velocities(coarse, passes), velocities(fine, passes)
     scale = float(np.std(other)) or 1.0
     lines = [amplitude(coarse, name, passes, one, other) for name in fault_lines(case)]
-    apart = by_pass(one - other, passes)[-1] / scale
-    chaotic = bool(apart > APART) and grows(coarse, passes, one)
+    apart = by_pass(one - other, passes).max() / scale
+    chaotic = bool(apart > APART) and parts(by_pass(one - velocities(coarse, passes, NUDGE), passes) / scale)
     return Proof(
         line=float(max(abs(a - b) / max(abs(b), LOUD * scale) for a, b in lines)),
         rms=float(abs(np.std(one) / scale - 1.0)),
@@ -126,7 +127,6 @@ def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:
     return np.sqrt(np.mean(whole**2, axis=1))
 
 
-def grows(setup: Setup, passes: int, one: np.ndarray) -> bool:
-    """Whether the motion leads elsewhere from a start a little beside."""
-    beside = by_pass(one - velocities(setup, passes, NUDGE), passes)
-    return bool(beside[-1] > GROWN * max(beside[0], NUDGE**2))
+def parts(beside: np.ndarray) -> bool:
+    """Whether what a nudge changes, by ball pass and over the RMS, grows instead of being forgotten."""
+    return bool(beside[-1] > PARTED or (beside[-1] > 10.0 * NUDGE and beside[-1] > GROWN * beside[0]))

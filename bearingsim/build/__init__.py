@@ -16,7 +16,20 @@ from bearingsim.core.advance import start_at_rest
 from bearingsim.core.defects import ANGLE, CUSP, ON, ON_OUTER, RADIUS, Pits
 from bearingsim.core.equilibrium import find_rest, rest_from_scratch
 from bearingsim.core.layout import EPS, Q_O, buffer
-from bearingsim.core.methods import equilibrium, rk4, verlet
+from bearingsim.core.methods import (
+    backward_euler,
+    dop853,
+    dormand_prince,
+    equilibrium,
+    generalised_alpha,
+    nystrom,
+    rk4,
+    rodas,
+    stabilised,
+    symplectic_euler,
+    velocity_implicit,
+    verlet,
+)
 from bearingsim.core.methods import impulses as exact
 from bearingsim.core.methods.interface import MethodKind
 from bearingsim.core.models import impulse, planar, ring, rollers, spatial, static
@@ -52,7 +65,19 @@ MODELS: dict[str, ModelKind] = {
     "planar": planar.KIND,
     "spatial": spatial.KIND,
 }
-METHODS: dict[str, MethodKind] = {"verlet": verlet.KIND, "rk4": rk4.KIND}
+METHODS: dict[str, MethodKind] = {
+    "verlet": verlet.KIND,
+    "dop853": dop853.KIND,
+    "rodas": rodas.KIND,
+    "backward-euler": backward_euler.KIND,
+    "symplectic-euler": symplectic_euler.KIND,
+    "rk4": rk4.KIND,
+    "dormand-prince": dormand_prince.KIND,
+    "nystrom": nystrom.KIND,
+    "generalized-alpha": generalised_alpha.KIND,
+    "velocity-implicit-euler": velocity_implicit.KIND,
+    "stabilised": stabilised.KIND,
+}
 OWN_METHODS: dict[str, MethodKind] = {"impulse": exact.KIND, "static": equilibrium.KIND}
 """Of models that are no differential equations: the only way to step them."""
 

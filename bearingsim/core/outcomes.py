@@ -9,5 +9,6 @@ STEP_FLOOR = 5  # an adaptive step became too short to go on
 NEWTON_STALLED = 6  # no solution of an implicit step was found
 STALLED = 7  # too many steps between two recorded instants
 SKIPPED = 8  # crossings of a pit were not seen
+TOO_SLOW = 9  # more CPU time than a job may take
 
 NOBODY = -1  # no body in particular

@@ -1,0 +1,124 @@
+"""Generalised-alpha, second order, unconditionally stable on linear motion, with chosen damping of what is too fast.
+
+    (1 - a_m) a1 + a_m a = f at the weighted mean (1 - a_f) of the step's end and a_f of its start
+    v1 = v + h ((1 - gamma) a + gamma a1),   q1 = q + h v + h^2 ((1/2 - beta) a + beta a1)
+    gamma = 1/2 - a_m + a_f,   beta = (1 - a_m + a_f)^2/4
+
+Source: Chung and Hulbert, J. Appl. Mech. 60 (1993): a_m = (2 rho - 1)/(rho + 1), a_f = rho/(rho + 1), rho the factor
+per step of infinitely fast motion. Hilber, Hughes and Taylor 1977: a_m = 0, a_f = (1 - rho)/(1 + rho). Both damp
+motion in part only: at a dashpot that sets in, what the last step held is carried on with the factor -rho.
+
+A comparison, as multibody codes have it: its a, kept beside the state, is not f of the state, which is recorded.
+"""
+
+from typing import NamedTuple
+
+from bearingsim.core.jit import generic, jit
+from bearingsim.core.layout import ACCELERATION, EVALUATED, FAILED, POSITION, STATE, VELOCITY
+from bearingsim.core.methods.adaptive import SLOPES, START_A, START_Q, START_V, bring_back, fill_levers, keep
+from bearingsim.core.methods.interface import MethodKind, Tolerances, load_number, prepare, step
+from bearingsim.core.methods.newton import BASE_Q, BASE_V, OFFSET, SOUGHT, Equation, find
+from bearingsim.core.models.interface import accelerations, width
+from bearingsim.core.outcomes import NEWTON_STALLED
+
+RHO = 0.8  # per step, of infinitely fast motion
+KEPT = SLOPES + 9 * STATE  # a of the method
+
+
+class GeneralisedAlpha(NamedTuple):
+    """h: step, s."""
+
+    h: float
+
+
+class HilberHughesTaylor(NamedTuple):
+    """h: step, s."""
+
+    h: float
+
+
+@generic
+def means(method):
+    """a_m and a_f: the parts that the start of a step has in its balance."""
+
+
+@means.register(GeneralisedAlpha)
+def _means_generalised_alpha(method):
+    return (2.0 * RHO - 1.0) / (RHO + 1.0), RHO / (RHO + 1.0)
+
+
+@means.register(HilberHughesTaylor)
+def _means_hilber_hughes_taylor(method):
+    return 0.0, (1.0 - RHO) / (1.0 + RHO)
+
+
+@jit
+def exactly(h):
+    """To what Newton's method is driven: 1e-10 of the velocities, or rounding of the smallest ones."""
+    return Tolerances(h, 1e-10, 1e-15, 1e-12, h)
+
+
+@jit
+def equation(method, t, y, n):
+    """The step's equation for a1, its guess the last a."""
+    h = method.h
+    a_m, a_f = means(method)
+    gamma, beta = 0.5 - a_m + a_f, 0.25 * (1.0 - a_m + a_f) ** 2
+    here, weight = 1.0 - a_f, 1.0 / (1.0 - a_m)
+    for j in range(n):
+        a = y[KEPT + j]
+        y[BASE_V + j] = y[START_V + j] + here * h * (1.0 - gamma) * a
+        y[BASE_Q + j] = y[START_Q + j] + here * h * (y[START_V + j] + h * (0.5 - beta) * a)
+        y[OFFSET + j] = -a_m * weight * a
+        y[SOUGHT + j] = a
+    return Equation(t + here * h, here * h * h * beta, here * h * gamma, weight)
+
+
+@jit
+def finish(method, y, n):
+    """The state at the step's end."""
+    h = method.h
+    a_m, a_f = means(method)
+    gamma, beta = 0.5 - a_m + a_f, 0.25 * (1.0 - a_m + a_f) ** 2
+    for j in range(n):
+        a, a_1, v = y[KEPT + j], y[SOUGHT + j], y[START_V + j]
+        y[VELOCITY + j] = v + h * ((1.0 - gamma) * a + gamma * a_1)
+        y[POSITION + j] = y[START_Q + j] + h * (v + h * ((0.5 - beta) * a + beta * a_1))
+        y[KEPT + j] = a_1
+
+
+def _prepare(method, model, t, y):
+    fill_levers(model, y)
+    for j in range(width(model)):
+        y[KEPT + j] = y[ACCELERATION + j]
+
+
+def _step(method, model, t, y):
+    if y[FAILED] != 0.0:
+        return
+    n = width(model)
+    keep(y, START_Q, n)
+    if not find(exactly(method.h), model, equation(method, t, y, n), y, n):
+        y[FAILED] = NEWTON_STALLED
+        bring_back(y, START_Q, n)
+        return
+    finish(method, y, n)
+    accelerations(model, t + method.h, y)
+    y[EVALUATED] += 1.0
+
+
+for _method in (GeneralisedAlpha, HilberHughesTaylor):
+    prepare.register(_method)(_prepare)
+    step.register(_method)(_step)
+    load_number.register(_method)(lambda method, K, C: 0.0)
+
+KIND = MethodKind(
+    GeneralisedAlpha,
+    evaluations=4,
+    fraction=1.0,
+    per_period=20,
+    cusp=1 / 2,
+    order=2,
+    lag=0.0,
+    implicit=True,
+)

@@ -1,0 +1,172 @@
+"""Rodas4P, a Rosenbrock method of fourth order: L-stable, stiffly accurate, six stages, and no equation to iterate on.
+
+With y = (q, v), F = (v, f), its derivative J and that by time F_t,
+
+    (1/(h gamma) - J) u_i = F(t + c_i h, y + sum_k a_ik u_k) + sum_k (e_ik/h) u_k + d_i h F_t,   i = 1..6
+    y1 = y + sum_k a_6k u_k + u_6,   error u_6
+
+of which each stage is one solve with the arrow: with u_i = (p, r) and the right-hand side (g_q, g_v),
+
+    (I - h gamma A_v - (h gamma)^2 A_q) r = h gamma g_v + (h gamma)^2 A_q g_q,   p = h gamma (r + g_q).
+
+Source: Steinebach, Order-reduction of ROW-methods for DAEs and method of lines applications, Preprint 1741, TH
+Darmstadt 1995; form and dense output: Hairer and Wanner, Solving ODEs II, sec. IV.7. Its order does not fall on
+stiff forced motion, where that of Rodas4 falls to one in the velocity (docs/methods.md).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.core.arrow import combine, factor, multiply, solve
+from bearingsim.core.jit import jit
+from bearingsim.core.layout import ACCELERATION, BY_POSITION, EVALUATED, POSITION, STATE, VELOCITY
+from bearingsim.core.methods.adaptive import END_Q, END_V, SLOPES, START_A, START_Q, START_V, drive, error_norm
+from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
+from bearingsim.core.models.interface import accelerations, linearise, width
+
+STAGES = 6
+GAMMA = 0.25
+# a and e: rows of the stages, below the diagonal; c and d: of the time
+A = np.array(
+    [
+        [0.0, 0.0, 0.0, 0.0, 0.0],
+        [3.0, 0.0, 0.0, 0.0, 0.0],
+        [1.831036793486759, 0.4955183967433795, 0.0, 0.0, 0.0],
+        [2.304376582692669, -0.05249275245743001, -1.176798761832782, 0.0, 0.0],
+        [-7.170454962423024, -4.741636671481785, -16.31002631330971, -1.062004044111401, 0.0],
+        [-7.170454962423024, -4.741636671481785, -16.31002631330971, -1.062004044111401, 1.0],
+    ]
+)
+E = np.array(
+    [
+        [0.0, 0.0, 0.0, 0.0, 0.0],
+        [-12.0, 0.0, 0.0, 0.0, 0.0],
+        [-8.791795173947035, -2.207865586973518, 0.0, 0.0, 0.0],
+        [10.81793056857153, 6.780270611428266, 19.5348594464241, 0.0, 0.0],
+        [34.19095006749676, 15.49671153725963, 54.7476087596413, 14.16005392148534, 0.0],
+        [34.62605830930532, 15.30084976114473, 56.99955578662667, 18.40807009793095, -5.714285714285717],
+    ]
+)
+C = np.array([0.0, 0.75, 0.21, 0.63, 1.0, 1.0])
+D = np.array([0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0])
+DENSE = np.array(
+    [
+        [25.09876703708589, 11.62013104361867, 28.49148307714626, -5.664021568594133, 0.0, 0.0],
+        [1.638054557396973, -0.7373619806678748, 8.47791821923899, 15.9925314877952, -1.882352941176471, 0.0],
+    ]
+)
+AHEAD = 1e-5  # of the step: over which the forces' growth with time is measured
+
+DRIFT, RIGHT_Q, RIGHT_V = (SLOPES + n * STATE for n in range(3))  # df/dt; right-hand sides of the stage at hand
+FIRST = SLOPES + 3 * STATE  # p and r of each stage
+
+
+class Rodas(NamedTuple):
+    """See ``Tolerances``."""
+
+    h: float
+    rtol: float
+    atol_q: float
+    atol_v: float
+    longest: float
+
+
+@jit
+def look_ahead(model, t, h, y, n):
+    """How forces grow with time and state at the start; both seen an instant later, which saves an evaluation."""
+    for j in range(n):
+        y[POSITION + j] = y[START_Q + j]
+        y[VELOCITY + j] = y[START_V + j]
+    later = t + AHEAD * h
+    accelerations(model, later, y)
+    linearise(model, later, y)
+    for j in range(n):
+        y[DRIFT + j] = (y[ACCELERATION + j] - y[START_A + j]) / (later - t)
+
+
+@jit
+def begin_stage(i, h, y, n):
+    """The state of stage ``i``, and of its right-hand sides all but the forces there."""
+    for j in range(n):
+        y[POSITION + j] = y[START_Q + j]
+        y[VELOCITY + j] = y[START_V + j]
+        y[RIGHT_Q + j] = 0.0
+        y[RIGHT_V + j] = D[i] * h * y[DRIFT + j]
+    for k in range(i):
+        a, e = A[i, k], E[i, k] / h
+        first = FIRST + 2 * k * STATE
+        p, r = y[first : first + n], y[first + STATE : first + STATE + n]
+        for j in range(n):
+            y[POSITION + j] += a * p[j]
+            y[VELOCITY + j] += a * r[j]
+            y[RIGHT_Q + j] += e * p[j]
+            y[RIGHT_V + j] += e * r[j]
+
+
+@jit
+def end_stage(model, i, h, y, n):
+    """p and r of stage ``i`` from its right-hand sides, to which the state's slopes are added."""
+    within = GAMMA * h
+    p, r = FIRST + 2 * i * STATE, FIRST + (2 * i + 1) * STATE
+    for j in range(n):
+        y[RIGHT_Q + j] += y[VELOCITY + j]
+        y[RIGHT_V + j] += y[ACCELERATION + j]
+    multiply(model, BY_POSITION, RIGHT_Q, r, y)
+    for j in range(n):
+        y[r + j] = within * (y[RIGHT_V + j] + within * y[r + j])
+    solve(model, r, y)
+    for j in range(n):
+        y[p + j] = within * (y[r + j] + y[RIGHT_Q + j])
+
+
+@attempt.register(Rodas)
+def _attempt(method, model, t, h, y):
+    n = width(model)
+    look_ahead(model, t, h, y, n)
+    combine(model, (GAMMA * h) ** 2, GAMMA * h, y)
+    factor(model, y)
+    for j in range(n):
+        y[ACCELERATION + j] = y[START_A + j]
+    for i in range(STAGES):
+        begin_stage(i, h, y, n)
+        if i > 0:
+            accelerations(model, t + C[i] * h, y)
+        end_stage(model, i, h, y, n)
+    last = FIRST + 2 * (STAGES - 1) * STATE
+    for j in range(n):
+        y[POSITION + j] += y[last + j]
+        y[VELOCITY + j] += y[last + STATE + j]
+    accelerations(model, t + h, y)
+    y[EVALUATED] += STAGES + 1.0
+    return error_norm(method, last, last + STATE, y, n)
+
+
+@interpolate.register(Rodas)
+def _interpolate(method, part, h, y, n):
+    """Third order: (1 - s) y + s (y1 + (1 - s) sum_k (DENSE_0k + s DENSE_1k) u_k)."""
+    for j in range(n):
+        y[POSITION + j] = (1.0 - part) * y[START_Q + j] + part * y[END_Q + j]
+        y[VELOCITY + j] = (1.0 - part) * y[START_V + j] + part * y[END_V + j]
+    for k in range(STAGES):
+        weight = part * (1.0 - part) * (DENSE[0, k] + part * DENSE[1, k])
+        first = FIRST + 2 * k * STATE
+        for j in range(n):
+            y[POSITION + j] += weight * y[first + j]
+            y[VELOCITY + j] += weight * y[first + STATE + j]
+
+
+drive(Rodas, order=4.0)
+
+KIND = MethodKind(
+    Rodas,
+    evaluations=STAGES + 1,
+    fraction=1.0,
+    per_period=1,
+    cusp=1 / 2,
+    order=4,
+    lag=0.0,
+    adaptive=True,
+    implicit=True,
+    automatic=True,
+)

@@ -1,0 +1,46 @@
+"""Semi-implicit (symplectic) Euler, first order, one evaluation a step: the simplest method in use.
+
+    v1 = v + h f(t, q, v),   q1 = q + h v1
+
+The force sees the old velocity. On q'' = -K q - C q' the root -1 is reached where h^2 K/4 + h C/2 = 1, that is at
+h_c = (2/omega)(sqrt(1 + zeta^2) - zeta), omega^2 = K, zeta = C/(2 omega): with heavy damping twice velocity
+Verlet's limit. Source: Hairer, Lubich and Wanner, Geometric Numerical Integration, sec. I.1.2; the limit: docs/methods.md.
+"""
+
+from typing import NamedTuple
+
+from bearingsim.core.jit import jit
+from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY
+from bearingsim.core.methods.interface import MethodKind, as_it_is, load_number, prepare, step
+from bearingsim.core.models.interface import accelerations, width
+
+
+class SymplecticEuler(NamedTuple):
+    """h: step, s."""
+
+    h: float
+
+
+@jit
+def kick_and_drift(h, y, n):
+    """Velocities by the accelerations found last, then positions by the new velocities."""
+    for j in range(n):
+        y[VELOCITY + j] += h * y[ACCELERATION + j]
+        y[POSITION + j] += h * y[VELOCITY + j]
+
+
+prepare.register(SymplecticEuler)(as_it_is)
+
+
+@step.register(SymplecticEuler)
+def _step(method, model, t, y):
+    kick_and_drift(method.h, y, width(model))
+    accelerations(model, t + method.h, y)
+
+
+@load_number.register(SymplecticEuler)
+def _load_number(method, K, C):
+    return method.h * (0.25 * method.h * K + 0.5 * C)
+
+
+KIND = MethodKind(SymplecticEuler, evaluations=1, fraction=0.1, per_period=200, cusp=0.99, order=1)

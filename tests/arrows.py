@@ -1,0 +1,115 @@
+"""Arrows of any size for the tests: a model that is nothing but its size, and the same matrix, dense."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.core.layout import (
+    BY_POSITION,
+    BY_VELOCITY,
+    LANES,
+    PHI_C,
+    ROW,
+    STATE,
+    VECTOR,
+    border_block,
+    buffer,
+    from_border,
+    own_block,
+    shared_cell,
+    to_border,
+)
+from bearingsim.core.models.interface import freedoms, width
+
+
+class Sized(NamedTuple):
+    """A model of ``Z`` rollers with ``own`` coordinates each and ``shared`` of the border, known at run time."""
+
+    own: int
+    shared: int
+    Z: int
+
+
+@width.register(Sized)
+def _width(model):
+    lanes = (model.Z + VECTOR - 1) // VECTOR * VECTOR
+    return LANES if model.own == 0 else (model.own - 1) * ROW + LANES + lanes
+
+
+@freedoms.register(Sized)
+def _freedoms(model):
+    return model.own, model.shared
+
+
+def cells(model: Sized, block: int = 0) -> np.ndarray:
+    """Where the coordinates stand in a state block, in the order of the dense matrix: rollers, then border."""
+    rollers = [block + i * ROW + LANES + j for j in range(model.Z) for i in range(model.own)]
+    return np.array(rollers + [block + shared_cell(k) for k in range(model.shared)])
+
+
+def places(model: Sized, matrix: int) -> np.ndarray:
+    """Where the entries of the dense matrix stand in the arrow at ``matrix``; -1 where the arrow has none."""
+    own, shared, Z = model
+    N = own * Z
+    where = np.full((N + shared, N + shared), -1)
+    for j in range(Z):
+        at = slice(own * j, own * (j + 1))
+        where[at, at] = [[own_block(matrix, i, k) + j for k in range(own)] for i in range(own)]
+        if own:
+            where[at, N:] = [[from_border(matrix, i, k) + j for k in range(shared)] for i in range(own)]
+            where[N:, at] = [[to_border(matrix, k, i) + j for i in range(own)] for k in range(shared)]
+    where[N:, N:] = [[border_block(matrix, k, m) for m in range(shared)] for k in range(shared)]
+    return where
+
+
+def fill(model: Sized, matrix: int, scatter: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Put random entries in the arrow at ``matrix``; the same, dense. scatter: () or (n, n), their size."""
+    where = places(model, matrix)
+    size = np.broadcast_to(scatter, where.shape)
+    dense = np.where(where >= 0, size * RANDOM.standard_normal(where.shape), 0.0)
+    y[where[where >= 0]] = dense[where >= 0]
+    return dense
+
+
+RANDOM = np.random.default_rng(5)
+
+
+def turning(model: Sized) -> np.ndarray:
+    """T of x_absolute = T x: each roller's angle is counted from where the cage has turned to."""
+    T = np.eye(model.own * model.Z + model.shared)
+    if model.own > 1 and model.shared > PHI_C:
+        T[1 : model.own * model.Z : model.own, model.own * model.Z + PHI_C] = 1.0
+    return T
+
+
+def random_arrows(model: Sized, scatter: float | np.ndarray = 0.2) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A buffer with random derivatives, and these dense, in the coordinates of the state."""
+    y = buffer(model.Z, 1.0)
+    T = turning(model)
+    by_position = np.linalg.solve(T, fill(model, BY_POSITION, scatter, y) @ T)
+    by_velocity = np.linalg.solve(T, fill(model, BY_VELOCITY, scatter, y) @ T)
+    return y, by_position, by_velocity
+
+
+def sprung(model: Sized, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A buffer with -M^-1 sum_j k_j n_j n_j^T in BY_POSITION, springs (Z, s) from each roller to the border; dense.
+
+    In absolute angles. The units of coordinates, and with them M, differ by up to 1e6.
+    """
+    own, shared, Z = model
+    y, size = buffer(Z, 1.0), own * Z + shared
+    units = 10.0 ** RANDOM.uniform(-3, 3, size)
+    dense = np.zeros((size, size))
+    for j, stiffness in enumerate(k):
+        at = np.r_[own * j : own * (j + 1), own * Z : size]
+        for one in stiffness:
+            n = RANDOM.standard_normal(len(at)) * units[at]
+            dense[np.ix_(at, at)] -= one * np.outer(n, n) / units[at, np.newaxis] ** 2
+    where = places(model, BY_POSITION)
+    y[where[where >= 0]] = dense[where >= 0]
+    return y, dense
+
+
+def unused(model: Sized, block: int) -> np.ndarray:
+    """Cells of a state block that belong to no coordinate."""
+    return np.setdiff1d(np.arange(block, block + STATE), cells(model, block))
