@@ -1,9 +1,9 @@
 """Is a step short enough? Tried on the run's own beginning before the run is trusted.
 
-A pilot of some ball passes is stepped twice from the same start: as the run will be, and with half the step (a
-tenth of the tolerance). What the line of the fault and the RMS change by is the error that the run is said to have.
-Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells why: if
-it parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
+A pilot of some ball passes is stepped twice from the same start: as the run will be, and with half the step (and
+a tenth of the tolerance). What the line of the fault and the RMS change by is the error that the run is said to
+have. Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells
+why: if it parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from math import ceil, nan, pi
 
 import numpy as np
 
-from bearingsim import choose, features, signals
+from bearingsim import features, signals
 from bearingsim.config import Case
 from bearingsim.config.names import LINES
 from bearingsim.integration import Setup, integrate, set_up
@@ -64,7 +64,7 @@ def wanted(case: Case) -> bool:
 def prove(case: Case, part: float) -> Proof:
     """Try a case, its method named, at ``part`` of the automatic step. Raises like ``integrate``."""
     short, passes = pilot(case)
-    coarse, fine = set_up(short, part), set_up(short, part * choose.finer(case))
+    coarse, fine = set_up(short, part), set_up(short, 0.5 * part)
     one, other = velocities(coarse, passes), velocities(fine, passes)
     scale = float(np.std(other)) or 1.0
     lines = [amplitude(coarse, name, passes, one, other) for name in fault_lines(case)]

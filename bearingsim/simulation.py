@@ -118,7 +118,7 @@ def _proven(setup: Setup) -> Proof:
     found = proof.prove(setup.case, setup.part)
     if found.holds:
         return found
-    finer = "a tenth of the tolerance" if build.method_kind(setup.case).adaptive else "half the step"
+    finer = "half the step" + " and a tenth of the tolerance" * build.method_kind(setup.case).adaptive
     what = "RMS" if found.chaotic else "line of the fault" if found.line > found.rms else "RMS"
     chaotic = ", and the motion is chaotic" if found.chaotic else ""
     changes = f"{finer} changes the {what} by {100.0 * found.error:.2g} %{chaotic}"
