@@ -49,6 +49,7 @@ def estimate(model, h, y, n):
     """(I - h J)^-1 h/2 (v1 - v, a1 - a) into ERROR_Q and ERROR_V; S is that of the step's end."""
     for j in range(n):
         y[ERROR_Q + j] = 0.5 * h * (y[VELOCITY + j] - y[START_V + j])
+        y[ERROR_V + j] = 0.0
     multiply(model, BY_POSITION, ERROR_Q, ERROR_V, y)
     for j in range(n):
         y[ERROR_V + j] = 0.5 * h * (y[ACCELERATION + j] - y[START_A + j]) + h * y[ERROR_V + j]

@@ -21,7 +21,17 @@ import numpy as np
 from bearingsim.core.arrow import combine, factor, multiply, solve
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, BY_POSITION, EVALUATED, POSITION, STATE, VELOCITY
-from bearingsim.core.methods.adaptive import END_Q, END_V, SLOPES, START_A, START_Q, START_V, drive, error_norm
+from bearingsim.core.methods.adaptive import (
+    END_Q,
+    END_V,
+    ROUNDINGS,
+    SLOPES,
+    START_A,
+    START_Q,
+    START_V,
+    drive,
+    error_norm,
+)
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
 from bearingsim.core.models.interface import accelerations, linearise, width
 
@@ -78,7 +88,7 @@ def look_ahead(model, t, h, y, n):
     for j in range(n):
         y[POSITION + j] = y[START_Q + j]
         y[VELOCITY + j] = y[START_V + j]
-    later = t + AHEAD * h
+    later = t + max(AHEAD * h, ROUNDINGS * abs(t))
     accelerations(model, later, y)
     linearise(model, later, y)
     for j in range(n):
@@ -112,6 +122,7 @@ def end_stage(model, i, h, y, n):
     for j in range(n):
         y[RIGHT_Q + j] += y[VELOCITY + j]
         y[RIGHT_V + j] += y[ACCELERATION + j]
+        y[r + j] = 0.0  # where there is no coordinate, too: a state that was not finite leaves its traces
     multiply(model, BY_POSITION, RIGHT_Q, r, y)
     for j in range(n):
         y[r + j] = within * (y[RIGHT_V + j] + within * y[r + j])
