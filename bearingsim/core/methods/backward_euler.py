@@ -16,7 +16,7 @@ from typing import NamedTuple
 from bearingsim.core.arrow import multiply, solve
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, BY_POSITION, POSITION, STATE, VELOCITY
-from bearingsim.core.methods.adaptive import END_Q, END_V, SLOPES, START_A, START_Q, START_V, drive, error_norm
+from bearingsim.core.methods.adaptive import END_Q, END_V, SLOPES, START_A, START_Q, START_V, drive, error_norm, past_jumps
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
 from bearingsim.core.methods.newton import BASE_Q, BASE_V, OFFSET, SOUGHT, Equation, find
 from bearingsim.core.models.interface import width
@@ -67,7 +67,7 @@ def _attempt(method, model, t, h, y):
     for j in range(n):
         y[ACCELERATION + j] = y[SOUGHT + j]
     estimate(model, h, y, n)
-    return error_norm(method, ERROR_Q, ERROR_V, y, n)
+    return past_jumps(error_norm(method, ERROR_Q, ERROR_V, y, n), h)
 
 
 @interpolate.register(BackwardEuler)

@@ -31,6 +31,7 @@ from bearingsim.core.methods.adaptive import (
     START_V,
     drive,
     error_norm,
+    past_jumps,
 )
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
 from bearingsim.core.models.interface import accelerations, linearise, width
@@ -150,7 +151,7 @@ def _attempt(method, model, t, h, y):
         y[VELOCITY + j] += y[last + STATE + j]
     accelerations(model, t + h, y)
     y[EVALUATED] += STAGES + 1.0
-    return error_norm(method, last, last + STATE, y, n)
+    return past_jumps(error_norm(method, last, last + STATE, y, n), h)
 
 
 @interpolate.register(Rodas)
