@@ -182,7 +182,18 @@ def pits(meetings: Sequence[Meeting], excitation: Any, most: int = 1) -> Pits:
     for row, one in zip(head, meetings, strict=True):
         reach, used = one.half_width, len(one.groups)
         span = one.span or 2.0 * reach
-        row[:FIRST_JUMP] = one.side, one.on, one.angle, one.radius, one.R, reach, used, one.cusp, span, len(one.jumps)
+        row[:FIRST_JUMP] = (
+            one.side,
+            one.on,
+            one.angle,
+            one.radius,
+            one.R,
+            reach,
+            used,
+            one.cusp,
+            span,
+            len(one.jumps),
+        )
         row[FIRST_JUMP : FIRST_JUMP + len(one.jumps)] = one.jumps
     return Pits(head, groups, excitation)
 

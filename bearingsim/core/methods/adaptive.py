@@ -129,7 +129,25 @@ def fill_levers(model, y):
     b = model.bearing
     own, shared = freedoms(model)
     middle = 0.5 * (b.R_o + b.R_i)
-    of_shared = (1.0, 1.0, b.R_o, middle, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, b.R_o, middle, b.R_i, b.R_o, middle, b.R_i)
+    of_shared = (
+        1.0,
+        1.0,
+        b.R_o,
+        middle,
+        1.0,
+        1.0,
+        1.0,
+        1.0,
+        1.0,
+        1.0,
+        1.0,
+        b.R_o,
+        middle,
+        b.R_i,
+        b.R_o,
+        middle,
+        b.R_i,
+    )
     of_roller = (1.0, middle, b.R_w, 1.0, b.R_w, b.R_w)
     for j in range(STATE):
         y[LEVER + j] = 0.0

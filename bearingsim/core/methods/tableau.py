@@ -42,24 +42,25 @@ def runge_kutta(a: np.ndarray, b: np.ndarray) -> Tableau:
 def add_slopes(weights_q, weights_v, count, h, q, v, y, n):
     """Add h^2 sum_j weights_q[j] f_j to the block at ``q``, and h sum_j weights_v[j] f_j to that at ``v``.
 
-    By fours: a lane's sum then is read and written a quarter as often.
+    By fours: a lane's sum is then read and written a quarter as often.
     """
-    fours = count // 4 * 4
-    for j in range(0, fours, 4):
+    fours, h_2 = count // 4, h * h
+    for m in range(fours):
+        j, at = 4 * m, SLOPES + 4 * m * STATE
         Q_0, Q_1, Q_2, Q_3 = (
-            h * h * weights_q[j],
-            h * h * weights_q[j + 1],
-            h * h * weights_q[j + 2],
-            h * h * weights_q[j + 3],
+            h_2 * weights_q[j],
+            h_2 * weights_q[j + 1],
+            h_2 * weights_q[j + 2],
+            h_2 * weights_q[j + 3],
         )
         V_0, V_1, V_2, V_3 = h * weights_v[j], h * weights_v[j + 1], h * weights_v[j + 2], h * weights_v[j + 3]
-        at = SLOPES + j * STATE
         for k in range(n):
             f_0, f_1, f_2, f_3 = y[at + k], y[at + STATE + k], y[at + 2 * STATE + k], y[at + 3 * STATE + k]
             y[q + k] += (Q_0 * f_0 + Q_1 * f_1) + (Q_2 * f_2 + Q_3 * f_3)
             y[v + k] += (V_0 * f_0 + V_1 * f_1) + (V_2 * f_2 + V_3 * f_3)
-    for j in range(fours, count):
-        Q_0, V_0, at = h * h * weights_q[j], h * weights_v[j], SLOPES + j * STATE
+    for m in range(count - 4 * fours):
+        j = 4 * fours + m
+        Q_0, V_0, at = h_2 * weights_q[j], h * weights_v[j], SLOPES + j * STATE
         for k in range(n):
             y[q + k] += Q_0 * y[at + k]
             y[v + k] += V_0 * y[at + k]
@@ -68,8 +69,9 @@ def add_slopes(weights_q, weights_v, count, h, q, v, y, n):
 @jit
 def reach(c, weights_q, weights_v, count, h, y, n):
     """The state's block: from START over ``c`` of the step by the slopes found so far."""
+    ahead = c * h
     for k in range(n):
-        y[POSITION + k] = y[START_Q + k] + c * h * y[START_V + k]
+        y[POSITION + k] = y[START_Q + k] + ahead * y[START_V + k]
         y[VELOCITY + k] = y[START_V + k]
     add_slopes(weights_q, weights_v, count, h, POSITION, VELOCITY, y, n)
 
