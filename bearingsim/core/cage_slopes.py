@@ -1,4 +1,4 @@
-"""How the forces on and of the cage change as it and what surrounds it move: exact, for the laws of ``cage.py``."""
+"""How forces between the cage and what surrounds it change as they move: exact, for the laws of ``cage.py``."""
 
 from math import hypot
 from typing import Any

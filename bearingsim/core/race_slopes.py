@@ -6,8 +6,8 @@ sigma = 1 at the outer race, -1 at the inner, and n' = n tilted by the pit, the 
 
     dQ = Q_d d(delta) + Q_v dv + Q_s ds + Q_z d(s'),   df = mu dQ + Q (mu_v d(slip) + mu_u du)
 
-while n and tau turn as the roller moves across. What moves is in the rows P (place) and W (velocity), as the ring's
-centre sees it along e_r and e_theta; what follows is added to the rows CHANGE.
+while n and tau turn as the roller moves across. What moves is in the rows P (place) and W (velocity), along e_r and
+e_theta as the ring's centre sees it; what follows is added to the rows CHANGE.
 """
 
 from math import sqrt
@@ -52,8 +52,8 @@ from bearingsim.core.sides import InnerSide, OuterSide, sign, totals
 from bearingsim.core.slopes import slopes
 
 # rows of a contact: rate of rho (m/s); how the force (LOAD) and, in a pit, the sideways force (ASIDE) and the mean
-# approach grow with approach (D), its rate (V), place (S) and ds/dt (Z); radii (m) of what carries the pit: of any,
-# of the ring, of the roller
+# approach grow with approach (D), its rate (V), place (S) and ds/dt (Z); radii (m) of the surface that carries the
+# pit: of any, of the ring, of the roller
 APART, LOAD_D, LOAD_V, LOAD_S, ASIDE_D, ASIDE_V, ASIDE_S, ASIDE_Z, MEAN_D, MEAN_S, PIT, PIT_RING, PIT_ROLLER = (
     n * ROW for n in range(13)
 )
@@ -105,16 +105,13 @@ def pit_slopes(side, law, pits, d, s, speed, delta, v, y, j):
         share_s, slope_s = bend(pits.excitation, group, s, head[REDUCED])
         here, rate, closed = delta - h, v - slope * speed, 1.0 if delta > h else 0.0
         K, C = slopes(law, here, rate)
-        force, K, C = (
-            share_s * group[W] * normal_force(law, here, rate),
-            share * group[W] * K,
-            share * group[W] * C,
-        )
-        by_s = force - K * slope - C * slope_s * speed
+        weight, force = share * group[W], normal_force(law, here, rate)
+        K, C = weight * K, weight * C
+        by_s = share_s * group[W] * force - K * slope - C * slope_s * speed
         load_d, load_v, load_s = load_d + K, load_v + C, load_s + by_s
         aside_d, aside_v, aside_z = aside_d + K * slope, aside_v + C * slope, aside_z - C * slope * slope
-        aside_s += by_s * slope + share * group[W] * normal_force(law, here, rate) * slope_s
-        mean_d += share * group[W] * closed
+        aside_s += by_s * slope + weight * force * slope_s
+        mean_d += weight * closed
         mean_s += group[W] * closed * (share_s * here - share * slope)
     y[at + LOAD_D + j], y[at + LOAD_V + j], y[at + LOAD_S + j] = load_d, load_v, load_s
     y[at + ASIDE_D + j], y[at + ASIDE_V + j], y[at + ASIDE_S + j] = aside_d, aside_v, aside_s

@@ -65,15 +65,16 @@ from bearingsim.core.sides import InnerSide, OuterSide
 
 RADIAL, ORBIT, SPIN = range(3)  # a roller's coordinates
 SHARED = 8
+CAGE, INNER = 3, 6  # where the cage's shared coordinates begin, and the inner ring's
 
 
 @jit
-def still(y, n):
-    """Nothing moves, nothing changes."""
+def still(low, high, y, n):
+    """Nothing moves, nothing changes, in the shared coordinates ``low`` to before ``high`` neither."""
     for j in range(n):
         y[P_R + j], y[P_T + j], y[W_R + j], y[W_T + j] = 0.0, 0.0, 0.0, 0.0
         y[CHANGE_R + j], y[CHANGE_T + j], y[CHANGE_M + j] = 0.0, 0.0, 0.0
-    for k in range(SHARED):
+    for k in range(low, high):
         for j in range(n):
             y[CHANGE_SHARED + k * ROW + j] = 0.0
 
@@ -109,8 +110,8 @@ def keep_own(matrix, i, m_r, y, n):
 
 
 @jit
-def keep_shared(matrix, m, m_r, y, n):
-    """Write it into the column of the shared coordinate ``m``, there summed over the rollers."""
+def keep_shared(matrix, m, low, high, m_r, y, n):
+    """Write it into the column of the shared coordinate ``m``, which ``low`` to before ``high`` feel: a body's own."""
     for j in range(n):
         y[from_border(matrix, RADIAL, m) + j] = y[PER_R + j] * y[CHANGE_R + j]
     for j in range(n):
@@ -118,6 +119,8 @@ def keep_shared(matrix, m, m_r, y, n):
     for j in range(n):
         y[from_border(matrix, SPIN, m) + j] = y[PER_M + j] * y[CHANGE_M + j]
     for k in range(SHARED):
+        y[border_block(matrix, k, m)] = 0.0
+    for k in range(low, high):
         total = 0.0
         for j in range(n):
             total = add(total, y[INVERSE_MASS + j] * y[CHANGE_SHARED + k * ROW + j])
@@ -125,101 +128,77 @@ def keep_shared(matrix, m, m_r, y, n):
 
 
 @jit
-def answer(model, omega_cage, omega_i, spin, roll, roll_v, orbit_v, y, n):
-    """What follows for all contacts of rollers that move."""
-    race_change(OuterSide(), spin, y[VELOCITY + PSI], roll, roll_v, orbit_v, 0.0, 0.0, y, n)
-    race_change(InnerSide(), spin, omega_i, roll, roll_v, orbit_v, 0.0, 0.0, y, n)
-    pocket_change(model.cage, model.bearing.R_w, omega_cage, roll_v, 0.0, 0.0, y, n)
+def move_rollers(i, place, speed, middle, omega_cage, y, n):
+    """Every roller's coordinate ``i`` changes by ``place`` (m, rad), its rate by ``speed`` (m/s, rad/s); i as above.
+
+    A velocity r' e_r + r theta' e_theta changes with r and, as its directions turn, with theta too.
+    """
+    out = 1.0 if i == RADIAL else 0.0
+    orbit = 1.0 if i == ORBIT else 0.0
+    for j in range(n):
+        r, v, theta_v = middle + y[Q + j], y[V + j], omega_cage + y[EPS_V + j]
+        y[P_R + j], y[P_T + j] = place * out, place * orbit * r
+        y[W_R + j] = speed * out - place * orbit * r * theta_v
+        y[W_T + j] = speed * orbit * r + place * (out * theta_v + orbit * v)
+
+
+@jit
+def move_body(axis, place, speed, y, n):
+    """A body moves along e_0 (axis 0) or e_90 (1) by ``place`` (m), ``speed`` (m/s): as it sees it, rollers do."""
+    for j in range(n):
+        c, s = y[COS + j], y[SIN + j]
+        r, t = (-s, -c) if axis else (-c, s)
+        y[P_R + j], y[P_T + j], y[W_R + j], y[W_T + j] = place * r, place * t, speed * r, speed * t
 
 
 @jit
 def by_rollers(model, omega_cage, omega_i, spin, y, n):
-    """The columns of the rollers' own coordinates."""
-    m_r, middle = model.bearing.m_r, 0.5 * (model.bearing.R_o + model.bearing.R_i)
-    still(y, n)
-    for j in range(n):
-        y[P_R + j], y[W_T + j] = 1.0, omega_cage + y[EPS_V + j]
-    answer(model, omega_cage, omega_i, spin, 0.0, 0.0, 0.0, y, n)
-    keep_own(BY_POSITION, RADIAL, m_r, y, n)
-    still(y, n)
-    for j in range(n):
-        y[W_R + j] = 1.0
-    answer(model, omega_cage, omega_i, spin, 0.0, 0.0, 0.0, y, n)
-    keep_own(BY_VELOCITY, RADIAL, m_r, y, n)
-    still(y, n)
-    for j in range(n):
-        r = middle + y[Q + j]
-        y[P_T + j], y[W_R + j], y[W_T + j] = r, -r * (omega_cage + y[EPS_V + j]), y[V + j]
-    answer(model, omega_cage, omega_i, spin, 0.0, 0.0, 0.0, y, n)
-    keep_own(BY_POSITION, ORBIT, m_r, y, n)
-    still(y, n)
-    for j in range(n):
-        y[W_T + j] = middle + y[Q + j]
-    answer(model, omega_cage, omega_i, spin, 0.0, 0.0, 1.0, y, n)
-    keep_own(BY_VELOCITY, ORBIT, m_r, y, n)
-    still(y, n)
-    if len(model.pits.head) > 0:  # one of a roller turns with it
-        answer(model, omega_cage, omega_i, spin, 1.0, 0.0, 0.0, y, n)
-    keep_own(BY_POSITION, SPIN, m_r, y, n)
-    still(y, n)
-    answer(model, omega_cage, omega_i, spin, 0.0, 1.0, 0.0, y, n)
-    keep_own(BY_VELOCITY, SPIN, m_r, y, n)
+    """The columns of the rollers' own coordinates and velocities."""
+    b, ring_v = model.bearing, y[VELOCITY + PSI]
+    middle = 0.5 * (b.R_o + b.R_i)
+    for i in range(3):
+        for matrix, place, speed in ((BY_POSITION, 1.0, 0.0), (BY_VELOCITY, 0.0, 1.0)):
+            roll, roll_v = (place, speed) if i == SPIN else (0.0, 0.0)
+            orbit_v = speed if i == ORBIT else 0.0
+            still(0, SHARED, y, n)
+            move_rollers(i, place, speed, middle, omega_cage, y, n)
+            race_change(OuterSide(), spin, ring_v, roll, roll_v, orbit_v, 0.0, 0.0, y, n)
+            race_change(InnerSide(), spin, omega_i, roll, roll_v, orbit_v, 0.0, 0.0, y, n)
+            pocket_change(model.cage, b.R_w, omega_cage, roll_v, 0.0, 0.0, y, n)
+            keep_own(matrix, i, b.m_r, y, n)
 
 
 @jit
-def move_away(place_r, place_t, axis, y, n):
-    """Lay in rows how rollers move as a body sees them that moves by one unit along e_0 (axis 0) or e_90 (1)."""
-    for j in range(n):
-        c, s = y[COS + j], y[SIN + j]
-        y[place_r + j], y[place_t + j] = (-s, -c) if axis else (-c, s)
-
-
-@jit
-def by_ring(side, omega_ring, spin, m_r, first, y, n):
-    """The columns of where a ring's centre is and how it moves; ``first``: its shared coordinate."""
+def by_ring(side, omega_ring, spin, m_r, low, high, y, n):
+    """The columns of a ring's centre; ``low`` to before ``high``: its shared coordinates."""
     for axis in range(2):
-        still(y, n)
-        move_away(P_R, P_T, axis, y, n)
-        race_change(side, spin, omega_ring, 0.0, 0.0, 0.0, 0.0, 0.0, y, n)
-        keep_shared(BY_POSITION, first + axis, m_r, y, n)
-        still(y, n)
-        move_away(W_R, W_T, axis, y, n)
-        race_change(side, spin, omega_ring, 0.0, 0.0, 0.0, 0.0, 0.0, y, n)
-        keep_shared(BY_VELOCITY, first + axis, m_r, y, n)
+        for matrix, place, speed in ((BY_POSITION, 1.0, 0.0), (BY_VELOCITY, 0.0, 1.0)):
+            still(low, high, y, n)
+            move_body(axis, place, speed, y, n)
+            race_change(side, spin, omega_ring, 0.0, 0.0, 0.0, 0.0, 0.0, y, n)
+            keep_shared(matrix, low + axis, low, high, m_r, y, n)
 
 
 @jit
-def by_outer_s_turn(model, spin, y, n):
-    """The columns of the outer ring's angle (a pit turns with it) and of its speed."""
-    m_r, turning = model.bearing.m_r, y[VELOCITY + PSI]
-    still(y, n)
-    if len(model.pits.head) > 0:
-        race_change(OuterSide(), spin, turning, 0.0, 0.0, 0.0, 1.0, 0.0, y, n)
-    keep_shared(BY_POSITION, PSI, m_r, y, n)
-    still(y, n)
-    race_change(OuterSide(), spin, turning, 0.0, 0.0, 0.0, 0.0, 1.0, y, n)
-    keep_shared(BY_VELOCITY, PSI, m_r, y, n)
+def by_turn(model, spin, y, n):
+    """The columns of the outer ring's angle, with which its pits turn, and of its speed."""
+    for matrix, place, speed in ((BY_POSITION, 1.0, 0.0), (BY_VELOCITY, 0.0, 1.0)):
+        still(X, CAGE, y, n)
+        race_change(OuterSide(), spin, y[VELOCITY + PSI], 0.0, 0.0, 0.0, place, speed, y, n)
+        keep_shared(matrix, PSI, X, CAGE, model.bearing.m_r, y, n)
 
 
 @jit
 def by_cage(model, omega_cage, y, n):
-    """The columns of the cage's angle, centre and motion."""
-    cage, R_w, m_r = model.cage, model.bearing.R_w, model.bearing.m_r
-    still(y, n)
-    pocket_change(cage, R_w, omega_cage, 0.0, 1.0, 0.0, y, n)
-    keep_shared(BY_POSITION, PHI_C, m_r, y, n)
-    still(y, n)
-    pocket_change(cage, R_w, omega_cage, 0.0, 0.0, 1.0, y, n)
-    keep_shared(BY_VELOCITY, PHI_C, m_r, y, n)
-    for axis in range(2):
-        still(y, n)
-        move_away(P_R, P_T, axis, y, n)
-        pocket_change(cage, R_w, omega_cage, 0.0, 0.0, 0.0, y, n)
-        keep_shared(BY_POSITION, X_C + axis, m_r, y, n)
-        still(y, n)
-        move_away(W_R, W_T, axis, y, n)
-        pocket_change(cage, R_w, omega_cage, 0.0, 0.0, 0.0, y, n)
-        keep_shared(BY_VELOCITY, X_C + axis, m_r, y, n)
+    """The columns of the cage's angle and centre, in the order of its shared coordinates."""
+    for k in range(CAGE, INNER):
+        for matrix, place, speed in ((BY_POSITION, 1.0, 0.0), (BY_VELOCITY, 0.0, 1.0)):
+            turn, turn_v = (place, speed) if k == PHI_C else (0.0, 0.0)
+            still(CAGE, INNER, y, n)
+            if k != PHI_C:
+                move_body(k - X_C, place, speed, y, n)
+            pocket_change(model.cage, model.bearing.R_w, omega_cage, 0.0, turn, turn_v, y, n)
+            keep_shared(matrix, k, CAGE, INNER, model.bearing.m_r, y, n)
 
 
 @jit
@@ -276,10 +255,10 @@ def differentiate(model, t, y):
     pocket_slopes(model.cage, model, omega_cage, spin, y, n)
 
     by_rollers(model, omega_cage, omega_i, spin, y, n)
-    by_ring(OuterSide(), y[VELOCITY + PSI], spin, b.m_r, X, y, n)
-    by_outer_s_turn(model, spin, y, n)
+    by_ring(OuterSide(), y[VELOCITY + PSI], spin, b.m_r, X, CAGE, y, n)
+    by_turn(model, spin, y, n)
     by_cage(model, omega_cage, y, n)
-    by_ring(InnerSide(), omega_i, spin, b.m_r, X_I, y, n)
+    by_ring(InnerSide(), omega_i, spin, b.m_r, INNER, SHARED, y, n)
     by_own_motion(model, omega_cage, y, n)
     guide_change(model.cage, omega_cage, omega_i, y)
     by_springs(model, y)
