@@ -57,7 +57,7 @@ FLOOR = 1e-15  # s: steps below it, or below some roundings of the time, are non
 ROUNDINGS = 8 * 2.0**-52
 SUDDEN = 1e-13  # s: where in so short a step a force jumps is of no account to methods that damp what it leaves
 HOP = 1e-12  # s: so far on either side of a jump a step ends, or begins
-MOST_TRIES = 10_000  # steps between two recorded instants
+MOST_TRIES = 100_000  # steps between two recorded instants
 ON_TIME = 1e-9  # part of the time between recorded instants: so near to one, a step's end is it
 
 
