@@ -108,12 +108,13 @@ from bearingsim.core.models.interface import (
     watched,
     width,
 )
-from bearingsim.core.models.planar import move_outer_ring, place
+from bearingsim.core.models.planar import move_outer_ring
 from bearingsim.core.motion import elapsed
 from bearingsim.core.mounts import hold, mount_damping, mount_stiffness, move_mounted
 from bearingsim.core.orientation import body_at, tip, upright, winding
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.pit_contact import standing
+from bearingsim.core.plane import place
 from bearingsim.core.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
 from bearingsim.core.sides import InnerSide, OuterSide
 from bearingsim.core.slice_contact import (
