@@ -116,7 +116,7 @@ def test_reason_time_body_and_advice(outcome: int) -> None:
     given = case(model="rollers", defect=SLOT, prove=False, method="dop853" if adaptive else "verlet")
     given = given.model_copy(update={"tolerance": 1e-3} if adaptive else {"step": 5e-7})
     with (
-        mock.patch.object(INTEGRATION, "advance", lambda *arguments: (4000, outcome, 2)),
+        mock.patch.object(INTEGRATION, "advance", return_value=(4000, outcome, 2)),
         pytest.raises(SimulationError) as caught,
     ):
         simulate(given)
