@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from bearingsim import choose
+from bearingsim.choose import SHORTENED
 from bearingsim.core.advance import Watch, advance
 from bearingsim.core.layout import POSITION
-from bearingsim.choose import SHORTENED
 from bearingsim.simulation import SimulationError, simulate
 from tests.short_cases import RATE, SLOT, case
 
