@@ -143,7 +143,7 @@ def choice(case: Case) -> Choice:
 
 def can(case: Case, name: str) -> bool:
     """Whether a method can step the case's model: an implicit one needs its derivatives."""
-    return not build.METHODS[name].implicit or build.kind(case).parameters in linearise.types  # type: ignore[attr-defined]
+    return not build.METHODS[name].implicit or build.kind(case).parameters in linearise.types
 
 
 def _reason(chosen: str, prices: dict[str, float], found: Limits) -> str:

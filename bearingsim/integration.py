@@ -107,7 +107,7 @@ def _start(setup: Setup, nudge: float) -> np.ndarray:
         y[POSITION + X] *= 1.0 + nudge
         start_at_rest(model, 0.0, y)
     keep_extremes(model, y)
-    if type(setup.method) in prepare.types:  # type: ignore[attr-defined]
+    if type(setup.method) in prepare.types:
         ready(setup.method, model, 0.0, y)
     return y
 
