@@ -44,7 +44,7 @@ class Unsound(SimulationError):
 class Setup:
     """A case ready to be stepped: method named, cut in time, with the core's parameters and what it must keep to.
 
-    part: of the automatic step, or of the tolerance.
+    part: of the automatic step.
     """
 
     case: Case
@@ -107,7 +107,7 @@ def _start(setup: Setup, nudge: float) -> np.ndarray:
         y[POSITION + X] *= 1.0 + nudge
         start_at_rest(model, 0.0, y)
     keep_extremes(model, y)
-    if type(setup.method) in prepare.types:  # type: ignore[attr-defined]
+    if type(setup.method) in prepare.types:
         ready(setup.method, model, 0.0, y)
     return y
 

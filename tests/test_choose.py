@@ -1,6 +1,7 @@
 """Steps, and what they cost, before anything runs."""
 
 import pickle
+from itertools import pairwise
 from math import inf, pi, sqrt
 from typing import Any, NamedTuple
 
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 from bearingsim import build, choose
+from bearingsim import limits as limiting
 from bearingsim.choose import grid, limits, wanted_step
 from bearingsim.config import Case
 from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY
@@ -68,29 +70,31 @@ def measured_limit(name: str, K: float, C: float) -> float:
 
 
 @pytest.mark.parametrize("zeta", [0.01, 0.1, 0.3, 0.54, 0.7, 0.99, 1.01, 3.0, 10.0])
-@pytest.mark.parametrize(("method", "least"), [("verlet", 0.98), ("rk4", 0.85)])
+@pytest.mark.parametrize(("method", "least"), [("verlet", 0.98), ("rk4", 0.98)])
 def test_step_limit_is_where_the_method_diverges(method: str, least: float, zeta: float) -> None:
     omega = 2.0 * pi * 20e3
     K, C = omega**2, 2.0 * zeta * omega
     true = measured_limit(method, K, C)
-    assert least * true <= choose.step_limit(method, K, C) <= 1.0002 * true
+    assert least * true <= limiting.step_limit(method, K, C) <= 1.0002 * true
 
 
 def test_nothing_to_hold_or_damp_has_no_limit() -> None:
-    assert choose.step_limit("verlet", 0.0, 0.0) == inf
-    assert choose.step_limit(None, 1e9, 1e4) == inf
+    assert limiting.step_limit("verlet", 0.0, 0.0) == inf
+    assert limiting.step_limit(None, 1e9, 1e4) == inf
 
 
 @pytest.mark.parametrize("model", ["ring", "rollers"])
-@pytest.mark.parametrize("method", ["verlet", "rk4"])
+@pytest.mark.parametrize(("method", "rise"), [("verlet", 1.0), ("rk4", 1.07)])
 @pytest.mark.parametrize("defects", SLOTS)
-def test_limits_fall_with_the_load(model: str, method: str, defects: tuple) -> None:
+def test_limits_fall_with_the_load(model: str, method: str, rise: float, defects: tuple) -> None:
+    """Those of RK4 but for a twentieth: damping of more than half the critical widens its stability a little."""
     found = [
         limits(case(model=model, method=method, defects=defects, load=load)) for load in (50, 150, 300, 1000, 5000)
     ]
     for name in ("at_rest", "at_impact"):
         series = [getattr(one, name) for one in found]
-        assert series == sorted(series, reverse=True)
+        assert all(after < rise * before for before, after in pairwise(series))
+        assert series[-1] < 0.7 * series[0]
         assert len(set(series)) == len(series)
     assert all(one.at_impact <= one.at_rest for one in found)
     assert [one.rest_load for one in found] == sorted(one.rest_load for one in found)
@@ -142,7 +146,7 @@ def test_impact_without_damping_turns_all_energy_into_the_contact() -> None:
     model = build.model(case(contact={"damping": {"chi": "0 s/m"}}))
     speed, m, k = 0.05, model.bearing.m_r, model.outer.stiffness.k
     deepest = (19.0 / 9.0 * 0.5 * m * speed**2 / k) ** (9.0 / 19.0)
-    peak, K, C = choose.impact(m, model.outer, speed)
+    peak, K, C = limiting.impact(m, model.outer, speed)
     assert peak == pytest.approx(k * deepest ** (10.0 / 9.0), rel=2e-3)
     assert m * K == pytest.approx(10.0 / 9.0 * k * deepest ** (1.0 / 9.0), rel=2e-3)
     assert C == 0.0
@@ -150,10 +154,10 @@ def test_impact_without_damping_turns_all_energy_into_the_contact() -> None:
 
 def test_a_faster_impact_is_harder() -> None:
     model = build.model(case())
-    found = [choose.impact(model.bearing.m_r, model.outer, speed) for speed in (0.01, 0.03, 0.1, 0.3)]
+    found = [limiting.impact(model.bearing.m_r, model.outer, speed) for speed in (0.01, 0.03, 0.1, 0.3)]
     assert (np.diff(found, axis=0) > 0.0).all()
-    assert choose.impact(model.bearing.m_r, model.outer, 0.0) == (0.0, 0.0, 0.0)
-    assert choose.impact(0.0, model.outer, 0.1) == (0.0, 0.0, 0.0)
+    assert limiting.impact(model.bearing.m_r, model.outer, 0.0) == (0.0, 0.0, 0.0)
+    assert limiting.impact(0.0, model.outer, 0.1) == (0.0, 0.0, 0.0)
 
 
 def test_laws_with_the_same_numbers_are_not_taken_for_each_other() -> None:
@@ -161,7 +165,7 @@ def test_laws_with_the_same_numbers_are_not_taken_for_each_other() -> None:
         case(contact={"damping": {"law": "hunt-crossley", "chi": 1e-4}}),
         case(contact={"damping": {"law": "kraemer", "beta": 1e-4}}),
     )
-    soft, hard = (choose.impact(0.01, build.contacts.outer(one), 0.05) for one in laws)
+    soft, hard = (limiting.impact(0.01, build.contacts.outer(one), 0.05) for one in laws)
     assert hard[2] > 10.0 * soft[2]
 
 
@@ -263,5 +267,5 @@ def test_a_contact_too_damped_for_explicit_steps_is_refused_before_memory_is_ask
     """1e6 N s/mm as printed by the paper, with indentation exponent 0: steps of some picoseconds."""
     printed = {"law": "general", "coefficient": "1e6", "indentation_exponent": "0"}
     with pytest.raises(Refused, match=r"a ball pass would take .* steps") as caught:
-        grid(case(model="rollers", defect=SLOT, contact={"damping": printed}))
+        grid(case(model="rollers", method="verlet", defect=SLOT, contact={"damping": printed}))
     assert "contact.damping" in caught.value.advice

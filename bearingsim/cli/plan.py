@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from bearingsim.cli.screen import console, print_table, significant
 
 if TYPE_CHECKING:
-    from bearingsim.choose import Estimate, Limits
+    from bearingsim.choose import Estimate
+    from bearingsim.limits import Limits
     from bearingsim.config import Case
     from bearingsim.study import Job, Study
 

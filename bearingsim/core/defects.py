@@ -222,6 +222,15 @@ def depression(group, s, R):
 
 
 @jit
+def depression_bend(group, s, R):
+    """How the slope of ``depression`` grows along ``s`` (1/m): 1/R on a rim, -kappa on a wall, none on a floor."""
+    x = max(group[B] - abs(s), 0.0)
+    if x == 0.0 or depression(group, s, R)[0] >= group[DEPTH]:
+        return 0.0
+    return 1.0 / R if x <= group[X_E] else -group[KAPPA]
+
+
+@jit
 def meeting(pits, d, theta_c, theta_i, roll, Z):
     """Which roller is nearest to meeting ``d``, and its distance s (m) along rolling from the pit's middle.
 

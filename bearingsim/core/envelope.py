@@ -224,16 +224,31 @@ def _table(path: Path) -> np.ndarray:
 
 
 @jit
-def looked_up(table, at, s):
-    """h (m) and its slope (1), on a cusp the left one, at ``s`` (m) over the path whose table begins at ``at``."""
-    if s < table[at + FIRST] or s >= table[at + LAST]:
-        return 0.0, 0.0
+def row_at(table, at, s):
+    """Where the row of the piece at ``s`` (m) begins, of the path whose table begins at ``at``."""
     bin_of_s = int((s - table[at + FIRST]) * table[at + BINS_PER_METRE])
     row = at + int(table[at + ROWS])
     row += ROW_OF_TABLE * int(table[at + HEAD_OF_TABLE + min(bin_of_s, int(table[at + ROWS]) - HEAD_OF_TABLE - 1)])
     while s > table[row + ROW_OF_TABLE]:  # the last row is followed by infinity
         row += ROW_OF_TABLE
+    return row
+
+
+@jit
+def looked_up(table, at, s):
+    """h (m) and its slope (1), on a cusp the left one, at ``s`` (m) over the path whose table begins at ``at``."""
+    if s < table[at + FIRST] or s >= table[at + LAST]:
+        return 0.0, 0.0
+    row = row_at(table, at, s)
     x = s - table[row + S]
     return table[row + H] + x * (table[row + SLOPE] + x * table[row + HALF_BEND]), (
         table[row + SLOPE] + 2.0 * x * table[row + HALF_BEND]
     )
+
+
+@jit
+def bent(table, at, s):
+    """How that slope grows along ``s`` (1/m)."""
+    if s < table[at + FIRST] or s >= table[at + LAST]:
+        return 0.0
+    return 2.0 * table[row_at(table, at, s) + HALF_BEND]

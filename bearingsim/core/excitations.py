@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.core.defects import DEPTH, KAPPA, NEVER, X_E, B, W, depression
-from bearingsim.core.envelope import looked_up
+from bearingsim.core.defects import DEPTH, KAPPA, NEVER, X_E, B, W, depression, depression_bend
+from bearingsim.core.envelope import bent, looked_up
 from bearingsim.core.jit import generic, jit
 
 KEPT, LOST = -1.0, 1.0  # in column KAPPA of ``PressureShare``: which part of the pressure a group is
@@ -33,6 +33,11 @@ def felt(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float,
 
     group: (5,) row of ``groups``; R: radius (m) of the roller relative to the race.
     """
+
+
+@generic
+def bend(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float]:
+    """Slopes, along ``s``, of what ``felt`` gives: of the share (1/m) and of dh/ds (1/m). A jump has none."""
 
 
 @generic
@@ -51,6 +56,11 @@ class Envelope(NamedTuple):
 def _felt_envelope(excitation, group, s, R):
     h, slope = depression(group, s, R)
     return 1.0, h, slope
+
+
+@bend.register(Envelope)
+def _bend_envelope(excitation, group, s, R):
+    return 0.0, depression_bend(group, s, R)
 
 
 @groups.register(Envelope)
@@ -75,6 +85,11 @@ def _felt_traced(excitation, group, s, R):
     return 1.0, h, slope
 
 
+@bend.register(Traced)
+def _bend_traced(excitation, group, s, R):
+    return 0.0, (bent(excitation.table, int(group[KAPPA]), s) if abs(s) < group[B] else 0.0)
+
+
 def pulses(rows: list, R: float) -> list:
     """The envelope's rows with the sag of each, its h in the middle (m), in place of its depth."""
     return [(row[W], row[B], NEVER, 0.0, float(depression(np.array(row), 0.0, R)[0])) for row in rows]
@@ -92,6 +107,11 @@ class RectangularPulse(NamedTuple):
 @felt.register(RectangularPulse)
 def _felt_rectangular(excitation, group, s, R):
     return 1.0, (group[DEPTH] if abs(s) < group[B] else 0.0), 0.0
+
+
+@bend.register(RectangularPulse)
+def _bend_rectangular(excitation, group, s, R):
+    return 0.0, 0.0
 
 
 @groups.register(RectangularPulse)
@@ -114,6 +134,14 @@ def _felt_half_sine(excitation, group, s, R):
         return 1.0, 0.0, 0.0
     phase = 0.5 * pi * s / group[B]
     return 1.0, group[DEPTH] * cos(phase), -0.5 * pi * group[DEPTH] / group[B] * sin(phase)
+
+
+@bend.register(HalfSinePulse)
+def _bend_half_sine(excitation, group, s, R):
+    if abs(s) >= group[B]:
+        return 0.0, 0.0
+    per_metre = 0.5 * pi / group[B]
+    return 0.0, -per_metre * per_metre * group[DEPTH] * cos(per_metre * s)
 
 
 @groups.register(HalfSinePulse)
@@ -144,6 +172,15 @@ def _felt_piecewise(excitation, group, s, R):
     return 1.0, group[DEPTH] * sin(phase), (-slope if s > 0.0 else slope)
 
 
+@bend.register(PiecewisePulse)
+def _bend_piecewise(excitation, group, s, R):
+    x = group[B] - abs(s)
+    if x <= 0.0 or x >= group[X_E]:
+        return 0.0, 0.0
+    per_metre = 0.5 * pi / group[X_E]
+    return 0.0, -per_metre * per_metre * group[DEPTH] * sin(per_metre * x)
+
+
 @groups.register(PiecewisePulse)
 def _groups_piecewise(excitation, shape, rows, R):
     floors = [sqrt(2.0 * R * row[DEPTH]) if shape == "rectangular" else NEVER for row in rows]
@@ -164,6 +201,11 @@ class ClearanceIncrease(NamedTuple):
 @felt.register(ClearanceIncrease)
 def _felt_clearance(excitation, group, s, R):
     return 1.0, (group[DEPTH] if abs(s) < group[B] else 0.0), 0.0
+
+
+@bend.register(ClearanceIncrease)
+def _bend_clearance(excitation, group, s, R):
+    return 0.0, 0.0
 
 
 @groups.register(ClearanceIncrease)
@@ -212,6 +254,20 @@ def _felt_pressure_share(excitation, group, s, R):
     return 1.0 - max(rho, 0.0), 0.0, 0.0
 
 
+@jit
+def pressure_at(x):
+    """Slope of ``pressure_before``."""
+    return 2.0 / pi * sqrt(max(1.0 - x * x, 0.0))
+
+
+@bend.register(PressureShare)
+def _bend_pressure_share(excitation, group, s, R):
+    half_width, b = group[B] - excitation.b, excitation.b
+    ahead, behind = (half_width - s) / b, (-half_width - s) / b
+    rho_slope = (pressure_at(behind) - pressure_at(ahead)) / b
+    return (rho_slope if group[KAPPA] == LOST else -rho_slope), 0.0
+
+
 @groups.register(PressureShare)
 def _groups_pressure_share(excitation, shape, rows, R):
     found = []
@@ -243,6 +299,11 @@ def _felt_soft_edge(excitation, group, s, R):
     x = group[B] - abs(s)
     on_rim = 0.0 < x <= group[X_E] and h < group[DEPTH]
     return (excitation.kept if on_rim else 1.0), h, slope
+
+
+@bend.register(SoftEdge)
+def _bend_soft_edge(excitation, group, s, R):
+    return 0.0, depression_bend(group, s, R)
 
 
 @groups.register(SoftEdge)

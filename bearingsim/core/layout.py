@@ -63,7 +63,9 @@ APART_O, APART_I = (WORK + n * ROW for n in range(17, 19))  # rates of RHO_O, RH
 F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = range(WORK + 19 * ROW, WORK + 19 * ROW + 8)
 F_Z, M_X, M_Y, F_Z_C, M_X_C, M_Y_C, F_Z_I, M_X_I, M_Y_I = range(WORK + 19 * ROW + 8, WORK + 19 * ROW + 17)
 WORKS = 20
-STAGE = WORK + WORKS * ROW  # states a method may use, between evaluations
+LINEAR = WORK + WORKS * ROW  # rows that ``linearise`` may use, within one call
+LINEARS = 80
+STAGE = LINEAR + LINEARS * ROW  # states a method may use, between evaluations
 STAGES = 56
 LOADED = STAGE + STAGES * STATE  # one cell: rollers that carry load
 # cells of a method: the step it stands in, from and to (s), the length it will try next (s); why it cannot go on
@@ -76,6 +78,15 @@ T_START, T_END, H_NEXT, FAILED, FAILED_BODY, TAKEN, REFUSED, EVALUATED, ITERATED
 NEXT_STOP, H_TAKEN, LAST_ERROR, DENSE = range(LOADED + 11, LOADED + 15)
 # of each of the first pits' meetings: 1 + the number of the roller that stands in it, 0: none; rollers seen in it
 MET, CROSSINGS = LOADED + 2 * VECTOR, LOADED + 2 * VECTOR + ROW
+BURDEN = LOADED + 2 * VECTOR + 2 * ROW  # part of the method's step limit that each watched body takes up
+
+# where rollers move freely: how the place (m) and velocity (m/s) of each, as a body sees it, change along e_r and
+# e_theta; what follows, of force along e_r, e_theta (N) and torque (N m) on it, and on the shared coordinates X to
+# Y_I; what these accelerate a roller by, and (cells) the bodies of the shared coordinates (1/kg, 1/(kg m^2))
+P_R, P_T, W_R, W_T, CHANGE_R, CHANGE_T, CHANGE_M, CHANGE_SHARED = (LINEAR + LANES + n * ROW for n in range(8))
+PER_R, PER_T, PER_M, MOBILITY, BY_OUTER, BY_INNER, BY_POCKET = (  # the last three: where rows of contacts begin
+    LINEAR + LANES + n * ROW for n in (15, 16, 17, 18, 19, 43, 67)
+)
 
 # a matrix of the arrow's shape (``core/arrow.py``): rows of the rollers' own blocks, of what the border does to a
 # roller, of what a roller does to the border; cells of the border's own block
@@ -83,7 +94,7 @@ MOST_OWN, MOST_BORDER = 6, 17  # coordinates of a roller, and shared ones
 OWN_BLOCK, FROM_BORDER, TO_BORDER = 0, MOST_OWN * MOST_OWN * ROW, MOST_OWN * (MOST_OWN + MOST_BORDER) * ROW
 BORDER_BLOCK = MOST_OWN * (MOST_OWN + 2 * MOST_BORDER) * ROW
 ARROW_SIZE = BORDER_BLOCK + -(-MOST_BORDER * MOST_BORDER // ROW) * ROW
-BY_POSITION = LOADED + 2 * VECTOR + 2 * ROW  # d(acceleration)/d(position)
+BY_POSITION = LOADED + 2 * VECTOR + 3 * ROW  # d(acceleration)/d(position)
 BY_VELOCITY = BY_POSITION + ARROW_SIZE  # d(acceleration)/d(velocity)
 SYSTEM = BY_VELOCITY + ARROW_SIZE  # the matrix that a method solves with
 SIZE = SYSTEM + ARROW_SIZE

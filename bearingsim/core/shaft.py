@@ -80,6 +80,31 @@ def _rotate_ring_spring(bracket, y):
 
 
 @generic
+def mobility(part: Any) -> float:
+    """What a force (N) or torque (N m) accelerates the ring by: 1/kg, 1/(kg m^2); 0 where it is held."""
+
+
+@mobility.register(RigidShaft)
+def _mobility_rigid(part):
+    return 0.0
+
+
+@mobility.register(ElasticShaft)
+def _mobility_shaft(part):
+    return 1.0 / part.m
+
+
+@mobility.register(FixedRing)
+def _mobility_fixed(part):
+    return 0.0
+
+
+@mobility.register(TorsionSpring)
+def _mobility_torsion(part):
+    return 1.0 / part.inertia
+
+
+@generic
 def held_stiffness(part: Any) -> float:
     """Stiffness over mass (1/s^2) of the shaft's or the bracket's own spring."""
 

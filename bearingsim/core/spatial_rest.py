@@ -64,12 +64,12 @@ from bearingsim.core.layout import (
     Z,
     slice_row,
 )
-from bearingsim.core.models.planar import place
 from bearingsim.core.models.spatial import hold_rings, orient, pass_on, touch_races
 from bearingsim.core.motion import elapsed
 from bearingsim.core.mounts import Sprung
 from bearingsim.core.orientation import body_at
 from bearingsim.core.parameters import lanes
+from bearingsim.core.plane import place
 from bearingsim.core.slices import WEIGHT, ZETA
 
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised

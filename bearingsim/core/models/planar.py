@@ -15,12 +15,13 @@ so no digits are lost.
 Left out: tilt, skew and axial motion of rollers, the bending of rings and cage, oil films as springs.
 """
 
-from math import atan2, cos, sin, sqrt
+from math import atan2, sqrt
 from typing import Any, NamedTuple
 
 from bearingsim.core.cage import drive_cage, let_go, orbit_drag, pocket_stiffness, pockets
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import HALF_WIDTH, ON, ON_INNER, OUTER, RADIUS, SIDE, Pits, meeting
+from bearingsim.core.events import next_cusp, next_cusp_freely
 from bearingsim.core.extremes import keep_forces
 from bearingsim.core.friction import lagged, mu, rub, steepest
 from bearingsim.core.jit import add, jit
@@ -28,9 +29,7 @@ from bearingsim.core.layout import (
     ACCELERATION,
     APART_I,
     APART_O,
-    CE,
     COS,
-    COS_0,
     DELTA_I,
     DELTA_O,
     EPS,
@@ -49,10 +48,8 @@ from bearingsim.core.layout import (
     M_T,
     N_R,
     N_T,
-    PC,
     PHI_C,
     POSITION,
-    PS,
     PSI,
     PUSH_R,
     PUSH_T,
@@ -61,9 +58,7 @@ from bearingsim.core.layout import (
     RHO_I,
     RHO_O,
     ROW,
-    SE,
     SIN,
-    SIN_0,
     SLIP_I,
     SLIP_O,
     SPIN,
@@ -77,8 +72,6 @@ from bearingsim.core.layout import (
     V_I,
     V_O,
     VELOCITY,
-    X_I,
-    Y_I,
     A,
     Q,
     V,
@@ -90,14 +83,18 @@ from bearingsim.core.models.interface import (
     accelerations,
     begin,
     damping_per_mass,
+    freedoms,
     keep_extremes,
+    linearise,
     stiffness_per_mass,
     watched,
     width,
 )
+from bearingsim.core.models.planar_derivatives import differentiate
 from bearingsim.core.motion import elapsed
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.pit_contact import force_over_pit, outdone, standing
+from bearingsim.core.plane import approach_inner, approach_outer, place
 from bearingsim.core.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
 
 AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
@@ -136,71 +133,7 @@ def _watched(model):
     return model.bearing.Z
 
 
-@jit
-def place(theta_c, y, n):
-    """Directions of pockets and rollers, the first pocket standing at ``theta_c`` (rad).
-
-    |EPS| stays under a hundredth, where the series are exact to rounding.
-    """
-    C, S = cos(theta_c), sin(theta_c)
-    for j in range(n):
-        pc = C * y[COS_0 + j] - S * y[SIN_0 + j]
-        ps = S * y[COS_0 + j] + C * y[SIN_0 + j]
-        e = y[EPS + j]
-        e2 = e * e
-        ce = 1.0 - e2 * (0.5 - e2 * (1.0 / 24.0 - e2 / 720.0))
-        se = e * (1.0 - e2 * (1.0 / 6.0 - e2 * (1.0 / 120.0 - e2 / 5040.0)))
-        y[PC + j], y[PS + j], y[CE + j], y[SE + j] = pc, ps, ce, se
-        y[COS + j] = pc * ce - ps * se
-        y[SIN + j] = ps * ce + pc * se
-
-
-@jit
-def from_centre(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
-    """A roller as a ring sees it whose centre stands at u (m) and moves at ``v_x``, ``v_y`` (m/s).
-
-    c, s: of the roller's angle; r, v: its radius (m) and radial speed (m/s); theta_v: its orbit (rad/s). Returns
-    its distance rho from the centre (m), the direction n to it along e_r and e_theta, r - rho (m) without
-    cancellation, and its velocity relative to the centre along e_r and e_theta (m/s).
-    """
-    u_r, u_t = u_x * c + u_y * s, u_y * c - u_x * s
-    x = r - u_r
-    rho = sqrt(x * x + u_t * u_t)
-    short = u_r - u_t * u_t / (rho + x)
-    return rho, x / rho, -u_t / rho, short, v - (v_x * c + v_y * s), r * theta_v - (v_y * c - v_x * s)
-
-
-@jit
-def approach_outer(bearing, omega_cage, y, n):
-    """Approach, its rate, normal and sideways speed of every outer contact over an undamaged race."""
-    gap, middle = bearing.gap, 0.5 * (bearing.R_o + bearing.R_i)
-    u_x, u_y, v_x, v_y = y[POSITION + X], y[POSITION + Y], y[VELOCITY + X], y[VELOCITY + Y]
-    for j in range(n):
-        rho, n_r, n_t, short, d_r, d_t = from_centre(
-            y[COS + j], y[SIN + j], middle + y[Q + j], y[V + j], omega_cage + y[EPS_V + j], u_x, u_y, v_x, v_y
-        )
-        y[RHO_O + j], y[N_R + j], y[N_T + j] = rho, n_r, n_t
-        y[DELTA_O + j] = y[Q + j] - gap - short
-        y[V_O + j] = n_r * d_r + n_t * d_t
-        y[T_O + j] = n_r * d_t - n_t * d_r
-        y[TILT_O + j] = 0.0
-        y[TORQUE + j] = 0.0
-
-
-@jit
-def approach_inner(bearing, omega_cage, y, n):
-    """The same of every inner contact; its normal points from the inner ring's centre to the roller."""
-    gap, middle = bearing.gap, 0.5 * (bearing.R_o + bearing.R_i)
-    u_x, u_y, v_x, v_y = y[POSITION + X_I], y[POSITION + Y_I], y[VELOCITY + X_I], y[VELOCITY + Y_I]
-    for j in range(n):
-        rho, n_r, n_t, short, d_r, d_t = from_centre(
-            y[COS + j], y[SIN + j], middle + y[Q + j], y[V + j], omega_cage + y[EPS_V + j], u_x, u_y, v_x, v_y
-        )
-        y[RHO_I + j], y[M_R + j], y[M_T + j] = rho, n_r, n_t
-        y[DELTA_I + j] = short - gap - y[Q + j]
-        y[V_I + j] = -n_r * d_r - n_t * d_t
-        y[T_I + j] = n_r * d_t - n_t * d_r
-        y[TILT_I + j] = 0.0
+next_cusp.register(Planar)(next_cusp_freely)
 
 
 @standing.register(Planar)
@@ -382,6 +315,16 @@ def _damping_per_mass(model, y, j):
     rubbing = steepest(model.friction, b.R_w * b.omega_b) * pressed
     held = max(held_damping(model.shaft), held_damping(model.bracket))
     return max(y[INVERSE_MASS + j] * (outer + inner), held, lagged(rubbing, model.lag))
+
+
+@freedoms.register(Planar)
+def _freedoms(model):
+    return 3, 8
+
+
+@linearise.register(Planar)
+def _linearise(model, t, y):
+    differentiate(model, t, y)
 
 
 KIND = ModelKind(Planar, loaded=True, slips=True, sliced=False, memoryless=False, per_crossing=100, cost=0.52e-6)

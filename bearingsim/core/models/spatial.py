@@ -19,6 +19,7 @@ from bearingsim.core.cage import drive_cage, let_go, orbit_drag, pocket_stiffnes
 from bearingsim.core.cage_in_space import axial_stiffness, cage_body, lean_cage, pockets_in_space
 from bearingsim.core.contact import damping_slope, stiffness_slope
 from bearingsim.core.defects import OUTER, RADIUS, SIDE, Pits
+from bearingsim.core.events import next_cusp, next_cusp_freely
 from bearingsim.core.extremes import keep_largest_forces
 from bearingsim.core.flanges import flange_stiffness, guide_axially
 from bearingsim.core.friction import lagged, steepest
@@ -107,12 +108,13 @@ from bearingsim.core.models.interface import (
     watched,
     width,
 )
-from bearingsim.core.models.planar import move_outer_ring, place
+from bearingsim.core.models.planar import move_outer_ring
 from bearingsim.core.motion import elapsed
 from bearingsim.core.mounts import hold, mount_damping, mount_stiffness, move_mounted
 from bearingsim.core.orientation import body_at, tip, upright, winding
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.pit_contact import standing
+from bearingsim.core.plane import place
 from bearingsim.core.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
 from bearingsim.core.sides import InnerSide, OuterSide
 from bearingsim.core.slice_contact import (
@@ -321,6 +323,9 @@ def _keep_extremes(model, y):
         y[TILT_MAX + j] = max(y[TILT_MAX + j], abs(y[TILT + j]))
     for k in range(len(model.slices.table)):
         keep_line_load(slice_row(k, 0), model.slices.table[k, WEIGHT] * model.L_w, y, n)
+
+
+next_cusp.register(Spatial)(next_cusp_freely)
 
 
 @standing.register(Spatial)
