@@ -67,6 +67,11 @@ def steepest(law: Any, u: float) -> float:
     """Largest d(mu)/dv (s/m) at the rolling speed ``u`` (m/s): what limits an explicit step."""
 
 
+@generic
+def mu_slope(law: Any, v: float, u: float) -> tuple[float, float]:
+    """Exact d(mu)/dv and d(mu)/du (s/m) at the slip speed ``v`` and the rolling speed ``u`` > 0 (m/s)."""
+
+
 @jit
 def taken(t):
     """Part of a lag that is taken where slip would die out ``t`` times within it, t/(1 + t).
@@ -110,6 +115,13 @@ def rise(x):
 
 
 @jit
+def rise_slope(x):
+    """Slope of ``rise``."""
+    x = min(max(x, -1.0), 1.0)
+    return 1.5 - 1.5 * x * x
+
+
+@jit
 def exp_minus(x):
     """e^-x for 0 <= x <= 40 without a call, relative error below 2e-14.
 
@@ -136,6 +148,11 @@ def _steepest_frictionless(law, u):
     return 0.0
 
 
+@mu_slope.register(Frictionless)
+def _mu_slope_frictionless(law, v, u):
+    return 0.0, 0.0
+
+
 @mu.register(StaticDynamic)
 def _mu_static_dynamic(law, v, u):
     beyond = (abs(v) - law.v_s) * (1.0 / (law.v_d - law.v_s))
@@ -146,6 +163,13 @@ def _mu_static_dynamic(law, v, u):
 @steepest.register(StaticDynamic)
 def _steepest_static_dynamic(law, u):
     return 1.5 * law.mu_s / law.v_s
+
+
+@mu_slope.register(StaticDynamic)
+def _mu_slope_static_dynamic(law, v, u):
+    per_fall, per_rise = 1.0 / (law.v_d - law.v_s), 1.0 / law.v_s
+    fall = (law.mu_s - law.mu_d) * per_fall * rise_slope(2.0 * (abs(v) - law.v_s) * per_fall - 1.0)
+    return law.mu_s * per_rise * rise_slope(v * per_rise) - fall, 0.0
 
 
 @mu.register(Traction)
@@ -161,3 +185,16 @@ def _mu_traction(law, v, u):
 def _steepest_traction(law, u):
     slope = law.b - law.c * law.a + 1.5 * (law.a + law.d) / JUMP_WITHIN
     return slope / max(u, SLOWEST_ROLLING)
+
+
+@mu_slope.register(Traction)
+def _mu_slope_traction(law, v, u):
+    rolling = max(u, SLOWEST_ROLLING)
+    s = abs(v) / rolling
+    flowing = min(s, DECAYED / law.c)
+    slope = (law.b - law.c * (law.a + law.b * flowing)) * exp_minus(law.c * flowing)
+    slope = slope if s < DECAYED / law.c else 0.0
+    slope += (law.a + law.d) * (1.0 / JUMP_WITHIN) * rise_slope(s * (1.0 / JUMP_WITHIN))
+    by_slip = slope / rolling
+    by_rolling = by_slip * v / rolling
+    return by_slip, (-by_rolling if u > SLOWEST_ROLLING else 0.0)

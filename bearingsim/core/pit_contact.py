@@ -4,11 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.core.contact import elastic, normal_force, tangent
+from bearingsim.core.contact import HuntCrossley, elastic, normal_force, tangent
 from bearingsim.core.defects import HALF_WIDTH, REDUCED, SIDE, USED, W, meeting
 from bearingsim.core.excitations import felt
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.parameters import turns
+from bearingsim.core.slopes import slopes
 
 
 @jit
@@ -63,6 +64,45 @@ def sinking_rate(stiffness, pits, d, s, speed, delta):
         force += part
         moment += part * slope * speed
     return moment / force if force > 0.0 else 0.0
+
+
+@jit
+def slopes_over_pit(contact, pits, d, s, speed, delta, v):
+    """How the force of ``force_over_pit`` grows with the approach (N/m) and with its rate (N s/m)."""
+    K, C = 0.0, 0.0
+    for k in range(int(pits.head[d, USED])):
+        group = pits.groups[d, k]
+        share, h, slope = felt(pits.excitation, group, s, pits.head[d, REDUCED])
+        by_approach, by_rate = slopes(contact, delta - h, v - slope * speed)
+        K += share * group[W] * by_approach
+        C += share * group[W] * by_rate
+    return K, C
+
+
+@jit
+def stiffness_over_pit(stiffness, pits, d, s, delta):
+    """Slope (N/m) of the elastic force of what is in contact; ``d`` = -1: no pit."""
+    undamped = HuntCrossley(stiffness, 0.0)
+    if d < 0:
+        return slopes(undamped, delta, 0.0)[0]
+    return slopes_over_pit(undamped, pits, d, s, 0.0, delta, 0.0)[0]
+
+
+@jit
+def sinking_slope(stiffness, pits, d, s, speed, delta):
+    """How ``sinking_rate`` grows with the approach (1/s)."""
+    force, moment, stiff, stiff_moment = 0.0, 0.0, 0.0, 0.0
+    for k in range(int(pits.head[d, USED])):
+        group = pits.groups[d, k]
+        share, h, slope = felt(pits.excitation, group, s, pits.head[d, REDUCED])
+        weight, here = share * group[W], max(delta - h, 0.0)
+        part = weight * elastic(stiffness, here)
+        growth = weight * tangent(stiffness, here) if here > 0.0 else 0.0
+        force += part
+        moment += part * slope * speed
+        stiff += growth
+        stiff_moment += growth * slope * speed
+    return (stiff_moment - stiff * moment / force) / force if force > 0.0 else 0.0
 
 
 @jit

@@ -3,7 +3,21 @@
 from math import cos, sin
 
 from bearingsim.core.jit import add, jit
-from bearingsim.core.layout import ACCELERATION, COS, COS_0, POSITION, Q_O, SIN, SIN_0, VELOCITY, X, Y
+from bearingsim.core.layout import (
+    ACCELERATION,
+    BY_POSITION,
+    BY_VELOCITY,
+    COS,
+    COS_0,
+    POSITION,
+    Q_O,
+    SIN,
+    SIN_0,
+    VELOCITY,
+    X,
+    Y,
+    border_block,
+)
 
 
 @jit
@@ -27,3 +41,28 @@ def accelerate_ring(model, y, n):
     f_y += -support.F_across - support.k_b * (y[POSITION + Y] - support.y_0) - support.c_b * y[VELOCITY + Y]
     y[ACCELERATION + X] = f_x / m_o
     y[ACCELERATION + Y] = f_y / m_o
+
+
+@jit
+def linearise_ring(model, K, C, y, n):
+    """Derivatives of the ring's acceleration by its own position and velocity; fills the border's blocks.
+
+    K, C: rows of how Q_o grows with the outer contact's approach and its rate as the ring sees them, that is with
+    delta = -u.e_r and v = -(u' - omega_c x u).e_r and a roller that stays where it is (N/m, N s/m).
+    """
+    support, per_mass, omega_c = model.support, 1.0 / model.bearing.m_o, model.bearing.omega_c
+    k_xx, k_xy, k_yx, k_yy, c_xx, c_xy, c_yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(n):
+        c, s = y[COS + j], y[SIN + j]
+        by_x, by_y = y[K + j] * c - y[C + j] * omega_c * s, y[K + j] * s + y[C + j] * omega_c * c
+        k_xx, k_xy = add(k_xx, c * by_x), add(k_xy, c * by_y)
+        k_yx, k_yy = add(k_yx, s * by_x), add(k_yy, s * by_y)
+        c_xx, c_xy, c_yy = add(c_xx, y[C + j] * c * c), add(c_xy, y[C + j] * c * s), add(c_yy, y[C + j] * s * s)
+    y[border_block(BY_POSITION, X, X)] = -per_mass * (k_xx + support.k_b)
+    y[border_block(BY_POSITION, X, Y)] = -per_mass * k_xy
+    y[border_block(BY_POSITION, Y, X)] = -per_mass * k_yx
+    y[border_block(BY_POSITION, Y, Y)] = -per_mass * (k_yy + support.k_b)
+    y[border_block(BY_VELOCITY, X, X)] = -per_mass * (c_xx + support.c_b)
+    y[border_block(BY_VELOCITY, X, Y)] = -per_mass * c_xy
+    y[border_block(BY_VELOCITY, Y, X)] = -per_mass * c_xy
+    y[border_block(BY_VELOCITY, Y, Y)] = -per_mass * (c_yy + support.c_b)

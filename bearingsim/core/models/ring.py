@@ -17,7 +17,7 @@ the rollers' inertia and centrifugal load.
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.contact import damping_slope, in_series, normal_force, share, stiffness_slope
+from bearingsim.core.contact import damping_slope, in_series, normal_force, share, stiffness_slope, tangent
 from bearingsim.core.defects import Pits, sliding
 from bearingsim.core.equilibrium import ALONG, PIT, find_pits, roller_balance
 from bearingsim.core.events import next_cusp, next_cusp_evenly
@@ -36,6 +36,7 @@ from bearingsim.core.layout import (
     V_I,
     V_O,
     VELOCITY,
+    WORK,
     X,
     Y,
 )
@@ -44,14 +45,27 @@ from bearingsim.core.models.interface import (
     accelerations,
     begin,
     damping_per_mass,
+    freedoms,
     keep_extremes,
+    linearise,
     stiffness_per_mass,
     watched,
     width,
 )
-from bearingsim.core.models.outer_ring import accelerate_ring, turn
+from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, turn
 from bearingsim.core.parameters import Bearing, Support, lanes, turns
-from bearingsim.core.pit_contact import force_over_pit, sinking_rate, standing, standing_evenly
+from bearingsim.core.pit_contact import (
+    force_over_pit,
+    sinking_rate,
+    sinking_slope,
+    slopes_over_pit,
+    standing,
+    standing_evenly,
+    stiffness_over_pit,
+)
+from bearingsim.core.slopes import slopes
+
+K_RING, C_RING = WORK + 5 * ROW, WORK + 6 * ROW  # how a roller's force grows with its series' approach: N/m, N s/m
 
 
 class Ring(NamedTuple):
@@ -166,6 +180,64 @@ def _damping_per_mass(model, y, j):
         inner = damping_slope(model.inner, max(y[DELTA_I + i], 0.0), y[V_I + i])
         total = add(total, real * in_series(outer, inner))
     return (total + model.support.c_b) / model.bearing.m_o
+
+
+@freedoms.register(Ring)
+def _freedoms(model):
+    return 0, 2
+
+
+@jit
+def slopes_in_series(model, y, n):
+    """How the force of every roller over undamaged races grows: each contact takes its part of the approach.
+
+    The elastic balance E_o(delta_o) = E_i(delta_i) gives the outer the part E_i'/(E_o' + E_i'); of the rate it has
+    half.
+    """
+    for j in range(n):
+        K, C = slopes(model.outer, y[DELTA_O + j], y[V_O + j])
+        k_o = tangent(model.outer.stiffness, max(y[DELTA_O + j], 0.0))
+        k_i = tangent(model.inner.stiffness, max(y[DELTA_I + j], 0.0))
+        y[K_RING + j] = K * k_i / max(k_o + k_i, 1e-300)
+        y[C_RING + j] = 0.5 * C
+
+
+@jit
+def slopes_over_pit_in_series(model, y, j):
+    """The same of a roller of which a contact stands over a pit (``over_pit``)."""
+    pits, bearing = model.pits, model.bearing
+    u_r = -(y[DELTA_O + j] + y[DELTA_I + j] + 2.0 * bearing.gap)
+    q = roller_balance(model, y, j, u_r)
+    outer, inner, half = q - u_r - bearing.gap, -bearing.gap - q, y[V_O + j]
+    d, s = int(y[PIT + j]), y[ALONG + j]
+    e, along = int(y[PIT + ROW + j]), y[ALONG + ROW + j]
+    k_o = stiffness_over_pit(model.outer.stiffness, pits, d, s, outer)
+    k_i = stiffness_over_pit(model.inner.stiffness, pits, e, along, inner)
+    part = k_i / max(k_o + k_i, 1e-300)
+    if d < 0:
+        speed = 0.5 * sliding(pits, e, bearing)
+        K, C = slopes_over_pit(model.inner, pits, e, along, speed, inner, half)
+        return (1.0 - part) * K, 0.5 * C
+    falling = 0.0  # how the closing rate falls as the inner contact closes up
+    if e >= 0:
+        speed, stiffness = sliding(pits, e, bearing), model.inner.stiffness
+        half -= 0.5 * sinking_rate(stiffness, pits, e, along, speed, inner)
+        falling = 0.5 * sinking_slope(stiffness, pits, e, along, speed, inner)
+    K, C = slopes_over_pit(model.outer, pits, d, s, 0.5 * sliding(pits, d, bearing), outer, half)
+    return part * K - (1.0 - part) * falling * C, 0.5 * C
+
+
+@linearise.register(Ring)
+def _linearise(model, t, y):
+    n = lanes(model.bearing)
+    series(model, y, n)
+    slopes_in_series(model, y, n)
+    if len(model.pits.head) > 0:
+        find_pits(model, t, y)
+        for j in range(model.bearing.Z):
+            if y[PIT + j] >= 0.0 or y[PIT + ROW + j] >= 0.0:
+                y[K_RING + j], y[C_RING + j] = slopes_over_pit_in_series(model, y, j)
+    linearise_ring(model, K_RING, C_RING, y, n)
 
 
 KIND = ModelKind(Ring, loaded=True, slips=False, sliced=False, memoryless=False, per_crossing=50, cost=0.19e-6)

@@ -18,6 +18,8 @@ from bearingsim.core.events import next_cusp, next_cusp_evenly
 from bearingsim.core.extremes import keep_forces
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
+    BY_POSITION,
+    BY_VELOCITY,
     COS,
     DELTA_I,
     DELTA_O,
@@ -26,29 +28,39 @@ from bearingsim.core.layout import (
     POSITION,
     Q_I,
     Q_O,
+    ROW,
     SIN,
     V_I,
     V_O,
     VELOCITY,
+    WORK,
     A,
     Q,
     V,
     X,
     Y,
+    from_border,
+    own_block,
+    to_border,
 )
 from bearingsim.core.models.interface import (
     ModelKind,
     accelerations,
     begin,
     damping_per_mass,
+    freedoms,
     keep_extremes,
+    linearise,
     stiffness_per_mass,
     watched,
     width,
 )
-from bearingsim.core.models.outer_ring import accelerate_ring, turn
+from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, turn
 from bearingsim.core.parameters import Bearing, Support, lanes, turns
-from bearingsim.core.pit_contact import force_over_pit, outdone, standing, standing_evenly
+from bearingsim.core.pit_contact import force_over_pit, outdone, slopes_over_pit, standing, standing_evenly
+from bearingsim.core.slopes import slopes
+
+K_O, C_O, K_I, C_I = (WORK + n * ROW for n in range(4))  # how a contact's force grows: N/m, N s/m
 
 
 class Rollers(NamedTuple):
@@ -149,6 +161,54 @@ def _damping_per_mass(model, y, j):
     outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
     inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     return y[INVERSE_MASS + j] * (outer + inner)
+
+
+@freedoms.register(Rollers)
+def _freedoms(model):
+    return 1, 2
+
+
+@jit
+def slopes_over_pits(model, t, y):
+    """Correct the slopes of each contact that stands over a pit; where it stands depends on time alone."""
+    pits, bearing = model.pits, model.bearing
+    for d in range(len(pits.head)):
+        j, s = standing(model, d, t, y)
+        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(model, d, j, s, t, y):
+            speed = sliding(pits, d, bearing)
+            if pits.head[d, SIDE] == OUTER:
+                delta, v = y[DELTA_O + j], y[V_O + j]
+                y[K_O + j], y[C_O + j] = slopes_over_pit(model.outer, pits, d, s, speed, delta, v)
+            else:
+                delta, v = y[DELTA_I + j], y[V_I + j]
+                y[K_I + j], y[C_I + j] = slopes_over_pit(model.inner, pits, d, s, speed, delta, v)
+
+
+@linearise.register(Rollers)
+def _linearise(model, t, y):
+    bearing = model.bearing
+    n = lanes(bearing)
+    approaches(bearing, y, n)
+    for j in range(n):
+        y[K_O + j], y[C_O + j] = slopes(model.outer, y[DELTA_O + j], y[V_O + j])
+        y[K_I + j], y[C_I + j] = slopes(model.inner, y[DELTA_I + j], y[V_I + j])
+    slopes_over_pits(model, t, y)
+
+    omega_c, omega_2, per_ring = bearing.omega_c, bearing.omega_c * bearing.omega_c, 1.0 / bearing.m_o
+    for j in range(n):
+        c, s, per_mass = y[COS + j], y[SIN + j], y[INVERSE_MASS + j]
+        K, C = y[K_O + j], y[C_O + j]
+        y[own_block(BY_POSITION, 0, 0) + j] = per_mass * (bearing.m_r * omega_2 - K - y[K_I + j])
+        y[own_block(BY_VELOCITY, 0, 0) + j] = per_mass * (-C - y[C_I + j])
+        y[from_border(BY_POSITION, 0, X) + j] = per_mass * (K * c - C * omega_c * s)
+        y[from_border(BY_POSITION, 0, Y) + j] = per_mass * (K * s + C * omega_c * c)
+        y[from_border(BY_VELOCITY, 0, X) + j] = per_mass * C * c
+        y[from_border(BY_VELOCITY, 0, Y) + j] = per_mass * C * s
+        y[to_border(BY_POSITION, X, 0) + j] = per_ring * K * c
+        y[to_border(BY_POSITION, Y, 0) + j] = per_ring * K * s
+        y[to_border(BY_VELOCITY, X, 0) + j] = per_ring * C * c
+        y[to_border(BY_VELOCITY, Y, 0) + j] = per_ring * C * s
+    linearise_ring(model, K_O, C_O, y, n)
 
 
 # at the cusp of a narrow pit the damping force jumps, and decays within 0.2 us: hence more steps over it
