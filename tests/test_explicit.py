@@ -244,7 +244,7 @@ def test_measured_limit_on_the_loaded_bearing(method, held):
 def test_verlet_keeps_the_energy_of_a_contact():
     """38 000 periods of a contact of power 10/9 in 52 steps each, pressed: under 1e-4 (seen: 4e-8).
 
-    One that bounces meets its floor at another place in a step each time: the energy then wanders, by some percent.
+    One that bounces meets its floor at another place in a step each time: its energy wanders by a percent.
     """
     for v, allowed in ((0.3, 1e-4), (3.0, 0.03)):  # of the speed at which it leaves the floor
         K, n, g = 1e4, 10.0 / 9.0, 100.0

@@ -79,7 +79,7 @@ def nothing_more(method, model, y):
 
 
 def drive(parameters: type, order: float, more: Callable = nothing_more) -> None:
-    """Make a method that has ``attempt`` and ``interpolate`` adaptive; parameters: with the fields of ``Tolerances``.
+    """Make a method adaptive that has ``attempt`` and ``interpolate``; parameters: fields as of ``Tolerances``.
 
     order: power of the step that its estimate goes with; more: its ``complete``.
     """
