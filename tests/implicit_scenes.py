@@ -38,7 +38,7 @@ class Scene(NamedTuple):
     """q'' = p'' - K (q - p) - C (q' - p') + mu (1 - q^2) q' - g + floor(-q, -q') with p = P sin(1 + w t), per kg.
 
     With K, C and P the forced motion of Prothero and Robinson, in second order: it stays on q = p. With mu and
-    K = 1 van der Pol's oscillator.
+    K = 1 van der Pol's oscillator. fault: part by which its derivatives are wrong.
     """
 
     floor: Any = AIR
@@ -48,6 +48,7 @@ class Scene(NamedTuple):
     w: float = 1.0
     mu: float = 0.0
     g: float = 0.0
+    fault: float = 0.0
     bearing: Bearing = UNIT
 
 
@@ -70,8 +71,9 @@ def _accelerations(model, t, y):
 def _linearise(model, t, y):
     q, v = y[Q], y[V]
     K, C = slopes(model.floor, -q, -v)
-    y[own_block(BY_POSITION, 0, 0)] = -model.K - 2.0 * model.mu * q * v - K
-    y[own_block(BY_VELOCITY, 0, 0)] = -model.C + model.mu * (1.0 - q * q) - C
+    right = 1.0 + model.fault
+    y[own_block(BY_POSITION, 0, 0)] = right * (-model.K - 2.0 * model.mu * q * v - K)
+    y[own_block(BY_VELOCITY, 0, 0)] = right * (-model.C + model.mu * (1.0 - q * q) - C)
 
 
 @jit

@@ -67,6 +67,11 @@ def estimate_order(method: Any) -> float:
 
 
 @generic
+def dead_end(method: Any) -> int:
+    """Why a run ends whose steps fall below the floor (``core/outcomes.py``)."""
+
+
+@generic
 def complete(method: Any, model: Any, y: Any) -> None:
     """Evaluate what the dense output of the step just taken needs beyond it; once a step, and only if asked for.
 
@@ -78,16 +83,17 @@ def nothing_more(method, model, y):
     """``complete`` of a method whose dense output needs no evaluation."""
 
 
-def drive(parameters: type, order: float, more: Callable = nothing_more) -> None:
+def drive(parameters: type, order: float, more: Callable = nothing_more, end: int = STEP_FLOOR) -> None:
     """Make a method adaptive that has ``attempt`` and ``interpolate``; parameters: fields as of ``Tolerances``.
 
-    order: power of the step that its estimate goes with; more: its ``complete``.
+    order: power of the step that its estimate goes with; more: its ``complete``; end: its ``dead_end``.
     """
     prepare.register(parameters)(_prepare)
     step.register(parameters)(_step)
     load_number.register(parameters)(lambda method, K, C: 0.0)  # held by its error, not by a limit
     estimate_order.register(parameters)(lambda method: order)
     complete.register(parameters)(more)
+    dead_end.register(parameters)(lambda method: end)
 
 
 # The state, in blocks
@@ -275,7 +281,7 @@ def stride(method, model, y, n):
         h *= shrunk(method, error)
         wanted = 0.0
         if h < floor:
-            y[FAILED] = STEP_FLOOR
+            y[FAILED] = dead_end(method)
             return tries
         error = attempt(method, model, t, h, y)
         tries += 1

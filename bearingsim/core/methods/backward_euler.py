@@ -20,6 +20,7 @@ from bearingsim.core.methods.adaptive import END_Q, END_V, SLOPES, START_A, STAR
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
 from bearingsim.core.methods.newton import BASE_Q, BASE_V, OFFSET, SOUGHT, Equation, find
 from bearingsim.core.models.interface import width
+from bearingsim.core.outcomes import NEWTON_STALLED
 
 ERROR_Q, ERROR_V = (SLOPES + n * STATE for n in range(9, 11))
 
@@ -77,7 +78,7 @@ def _interpolate(method, part, h, y, n):
         y[VELOCITY + j] = y[START_V + j] + part * (y[END_V + j] - y[START_V + j])
 
 
-drive(BackwardEuler, order=2.0)
+drive(BackwardEuler, order=2.0, end=NEWTON_STALLED)
 
 KIND = MethodKind(
     BackwardEuler,
