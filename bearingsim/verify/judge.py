@@ -13,6 +13,7 @@ REFUSED, UNJUDGED = "refused", "no reference"
 CLASSES = (OK, INACCURATE, CHATTER, BLOW_UP, SKIPPED, STALL, REFUSED, TOO_SLOW, UNJUDGED)
 
 WANTED = 0.01  # relative error of what is ok
+BLURRED = 0.05  # a floor above it judges nobody who is within it
 ALIKE = 1e-3  # two solutions that differ by less than this (relative L2) follow one path; else motion is chaotic
 SEEN = 0.5  # of what a crossing does to the ring: less, and the pit was stepped over
 AFTER = 60e-6  # s after a crossing in which the ring still answers it
@@ -95,9 +96,16 @@ def crossings_seen(
 
 
 def judge(
-    trace: Trace, reference: Reference | None, healthy: Reference | None, windows: list[tuple[float, float]]
+    trace: Trace,
+    reference: Reference | None,
+    healthy: Reference | None,
+    windows: list[tuple[float, float]],
+    strides: bool,
 ) -> Verdict:
-    """The class of a run, and the numbers it rests on. A run that failed keeps its failure as its class."""
+    """The class of a run, and the numbers it rests on. A run that failed keeps its failure as its class.
+
+    strides: its steps may be longer than a crossing, which it has then stepped over if it does not answer it.
+    """
     missing = Verdict(trace.failure or UNJUDGED, np.nan, 0, openings(trace.touching), 0)
     if reference is None or trace.failure:
         return missing
@@ -107,8 +115,8 @@ def judge(
     opened, of_reference = openings(trace.touching), openings(touching)
     seen = crossings_seen(trace, reference, healthy, windows) if healthy is not None else len(windows)
     if error <= max(WANTED, reference.floor):
-        outcome = OK
-    elif seen < len(windows):
+        outcome = OK if reference.floor <= BLURRED else UNJUDGED
+    elif strides and seen < len(windows):
         outcome = SKIPPED
     elif opened > MORE_OFTEN * of_reference + OFTEN:
         outcome = CHATTER
