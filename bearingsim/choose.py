@@ -26,13 +26,18 @@ MOST_STEPS = 10_000_000  # in a ball pass, whose recording is held in memory: 64
 OVERHEAD = 0.02  # CPU s per job: build, filters, features, writing
 MOST_CPU = 12 * 3600.0  # s: a job of more is refused, unless it gives its own step
 SHORTENED = (1.0, 0.5, 0.25, 0.125)
-"""Parts of an automatic step that are tried in turn; of a tolerance their cubes, about a thousandth at last."""
+"""Parts of an automatic step that are tried in turn; with half of it goes a tenth of the tolerance."""
 
-PER_STEP: dict[str, float] = {"dop853": 14.0, "dormand-prince": 7.5, "rodas": 40.0, "backward-euler": 40.0}
-"""CPU time of a method's step in evaluations of the model, where it is not their number: docs/methods.md."""
-SHOWN = {"rodas": 10.0, "backward-euler": 40.0}
-"""Steps of its own that an implicit method takes in a crossing, where contacts do not ring."""
-SHOWN_PER_CROSSING, SHOWN_PER_PERIOD = 50, 10
+PER_STEP = {"verlet": 1.2, "dop853": 21.0, "rodas": 16.0, "backward-euler": 12.0}
+"""CPU time of a step of its own in evaluations of the model, all that goes with it included: docs/methods.md."""
+PER_RECORD = 2.5  # and of an instant that an adaptive method records
+OWN_STEPS = {"dop853": 25.0, "rodas": 25.0, "backward-euler": 600.0}
+"""Steps of its own that an adaptive method takes over a pit, at its usual tolerance."""
+OWN_PER_PERIOD = 25.0  # and in a period of contacts that ring
+REACH = 3.0  # step of an explicit adaptive method over Verlet's limit
+RINGS = 0.3  # damping ratio under which they do
+FAVOUR = 3.0  # what an implicit method must save: Verlet's price is certain, its own an estimate
+SHOWN_PER_CROSSING, SHOWN_PER_PERIOD = 100, 10
 """Recorded instants of an adaptive method over a pit, and in a period of contacts that ring."""
 EXTREME = 1e3
 """Damping ratio from which on only backward Euler's steps stay in proportion."""
@@ -113,11 +118,6 @@ def attempts(case: Case) -> Iterator[Attempt]:
             yield from (Attempt(using(case, name), part) for part in SHORTENED)
 
 
-def finer(case: Case) -> float:
-    """The part of a step (or tolerance) that proves the whole: its change then shows nearly all of the error."""
-    return 0.1 if build.method_kind(case).adaptive else 0.5
-
-
 def alternatives(case: Case) -> list[str]:
     """Other methods of the automatic set that can step the case, the cheapest first."""
     return [name for name in choice(using(case, "auto")).prices if name != case.method]
@@ -136,8 +136,9 @@ def choice(case: Case) -> Choice:
     found = step_limits(using(case, "verlet"))
     if found.damping_ratio > EXTREME and "backward-euler" in prices:
         return Choice("backward-euler", f"the damping ratio is {found.damping_ratio:.2g}", prices)
-    cheapest = next(name for name in prices if name == "verlet" or build.METHODS[name].implicit)
-    return Choice(cheapest, _reason(cheapest, prices, found), prices)
+    implicit = [name for name in prices if build.METHODS[name].implicit]
+    chosen = implicit[0] if implicit and FAVOUR * prices[implicit[0]] < prices["verlet"] else "verlet"
+    return Choice(chosen, _reason(chosen, prices, found), prices)
 
 
 def can(case: Case, name: str) -> bool:
@@ -147,9 +148,9 @@ def can(case: Case, name: str) -> bool:
 
 def _reason(chosen: str, prices: dict[str, float], found: Limits) -> str:
     if chosen == "verlet":
-        return "no step that stiffness or damping allows is too short to be the cheapest"
+        return "its step is not so short that an implicit method were cheaper"
     saved = prices["verlet"] / prices[chosen]
-    return f"explicit steps are limited to {1e6 * found.at_impact:.2g} us: {saved:.0f} times the CPU time"
+    return f"explicit steps are limited to {1e6 * found.at_impact:.2g} us: about {saved:.0f} times the CPU time"
 
 
 def _integration(case: Case) -> float:
@@ -161,17 +162,18 @@ def per_second(case: Case, step: float) -> float:
     """CPU time (s) of the steps of a simulated second."""
     kind, cost = build.method_kind(case), build.kind(case).cost * (slice_count(case) or 1)
     if not kind.adaptive:
-        return cost / step * PER_STEP.get(case.method or "", kind.evaluations)
-    return cost * (1.0 / step + PER_STEP[str(case.method)] / own_step(case, step_limits(case)))
+        return cost / step * PER_STEP.get(str(case.method), kind.evaluations)
+    own = own_step(case, step_limits(using(case, "verlet")))
+    return cost * (PER_RECORD / step + PER_STEP.get(str(case.method), 1.7 * kind.evaluations) / own)
 
 
 def own_step(case: Case, found: Limits) -> float:
     """About how long (s) the steps of an adaptive method are: what rings and what is crossed sets them."""
-    kind = build.method_kind(case)
-    rings = 1.0 / found.contact_frequency / 10.0 if found.damping_ratio < 1.0 else inf
-    if kind.implicit:
-        return min(found.crossing / SHOWN[str(case.method)], rings, 10.0 * LONGEST)
-    return min(found.crossing / FEWEST_PER_CROSSING, rings, 10.0 * LONGEST)
+    name = str(case.method)
+    smooth = min(found.crossing / OWN_STEPS.get(name, 25.0), LONGEST * 25.0 / OWN_STEPS.get(name, 25.0))
+    rings = 1.0 / found.contact_frequency / OWN_PER_PERIOD if found.damping_ratio < RINGS else inf
+    limit = inf if build.method_kind(case).implicit else REACH * found.at_impact
+    return min(smooth, rings, limit)
 
 
 def wanted_step(case: Case) -> float:
@@ -232,14 +234,13 @@ def samples(case: Case) -> int:
 def grid(case: Case, part: float = 1.0) -> Grid:
     """Cut the case in time: the wanted step, shortened until a ball pass holds a whole number of fine samples.
 
-    part: of the wanted step, to take less (what an adaptive method records does not depend on it). On a ramp the
-    ball pass is that of the highest speed. Raises ``Refused`` like ``wanted_step``, if no sample falls into the
-    record, or if a pass has too many steps.
+    part: of the wanted step, to take less. On a ramp the ball pass is that of the highest speed. Raises
+    ``Refused`` like ``wanted_step``, if no sample falls into the record, if a pass has too many steps, or if all
+    take too long.
     """
     if samples(case) < 1:
         raise Refused("no sample falls into the record", "take a higher `sampling` or a longer `duration`")
     case = resolved(case)
-    part = 1.0 if build.method_kind(case).adaptive else part
     rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
     fine = max(FEWEST_FINE, ceil(FINE_PER_SAMPLE * case.sampling / rate))
     decimation = max(1, ceil(1.0 / (rate * fine * part * wanted_step(case)) * (1.0 - 1e-12)))
@@ -251,7 +252,7 @@ def grid(case: Case, part: float = 1.0) -> Grid:
     price = (case.settle + case.duration) * per_second(case, 1.0 / (rate * fine * decimation))
     if price > MOST_CPU and case.step == "auto":
         raise Refused(
-            f"{case.method} would take about {price / 3600.0:.2g} h of CPU time (at most {MOST_CPU / 3600.0:.2g} h)",
+            f"{case.method} would take about {price / 3600.0:.2g} h of CPU time, over {MOST_CPU / 3600.0:.2g} h",
             "take a shorter `duration`, lower `contact.damping`, or give a `step` of your own",
         )
     beyond = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + 2) / (rate * fine)

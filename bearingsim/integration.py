@@ -44,7 +44,7 @@ class Unsound(SimulationError):
 class Setup:
     """A case ready to be stepped: method named, cut in time, with the core's parameters and what it must keep to.
 
-    part: of the automatic step, or of the tolerance.
+    part: of the automatic step.
     """
 
     case: Case

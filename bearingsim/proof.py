@@ -1,19 +1,21 @@
 """Is a step short enough? Tried on the run's own beginning before the run is trusted.
 
-A pilot of some ball passes is stepped twice from the same start: as the run will be, and with half the step (a
-tenth of the tolerance). What the line of the fault and the RMS change by is the error that the run is said to have.
-Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells why: if
-it parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
+A pilot of some ball passes is stepped twice from the same start: as the run will be, and with half the step (and
+a tenth of the tolerance). What the line of the fault and the RMS change by is the error that the run is said to
+have. Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells
+why: if it parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
 """
 
 from dataclasses import dataclass
-from math import ceil, nan, pi
+from math import ceil, inf, nan, pi, sqrt
 
 import numpy as np
 
-from bearingsim import choose, features, signals
+from bearingsim import features
+from bearingsim.choose import Grid
 from bearingsim.config import Case
 from bearingsim.config.names import LINES
+from bearingsim.features import Tape
 from bearingsim.integration import Setup, integrate, set_up
 
 HELD = 0.01
@@ -26,6 +28,8 @@ TURNING = 1 / 8  # where it must see a pit turn through the load zone
 LOUD = 0.1  # a line under this part of the RMS is measured by it
 APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
 NUDGE = 1e-10  # of the ring's displacement at the start; a motion that repeats itself soon forgets it
+CERTAIN = 0.003  # standard error of a chaotic record's RMS: two such records then agree to 1 % (2.4 deviations)
+FEWEST_STRETCHES, MOST_STRETCHES = 5, 20
 GROWN, PARTED = 3.0, 1e-4  # from the first pass that counts to the last; of the RMS
 
 
@@ -64,7 +68,7 @@ def wanted(case: Case) -> bool:
 def prove(case: Case, part: float) -> Proof:
     """Try a case, its method named, at ``part`` of the automatic step. Raises like ``integrate``."""
     short, passes = pilot(case)
-    coarse, fine = set_up(short, part), set_up(short, part * choose.finer(case))
+    coarse, fine = set_up(short, part), set_up(short, 0.5 * part)
     one, other = velocities(coarse, passes), velocities(fine, passes)
     scale = float(np.std(other)) or 1.0
     lines = [amplitude(coarse, name, passes, one, other) for name in fault_lines(case)]
@@ -114,17 +118,35 @@ def velocities(setup: Setup, passes: int, nudge: float = 0.0) -> np.ndarray:
 
 
 def amplitude(setup: Setup, name: str, passes: int, *series: np.ndarray) -> tuple[complex, ...]:
-    """The complex amplitudes of a line in several series, the cage turning at its kinematic speed."""
+    """The complex amplitudes of a line in several series (Hann), the cage turning at its kinematic speed."""
     start = features.first_sample(setup.case, setup.cut)
     turning = features.turns(setup.model, setup.cut, start, np.zeros(len(series[0])))
     angle = turning.along(LINES[name], setup.case.bearing.rollers)
-    return tuple(complex(signals.line_at(one, angle)) for one in series)
+    window = np.hanning(len(angle))
+    turn = 2.0 * window * np.exp(-1j * angle) / window.sum()
+    return tuple(complex(turn @ (one - window @ one / window.sum())) for one in series)
 
 
 def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:
     """RMS of a difference in each ball pass."""
     whole = difference[: (len(difference) - 1) // passes * passes].reshape(passes, -1)
     return np.sqrt(np.mean(whole**2, axis=1))
+
+
+def uncertain(case: Case, cut: Grid, tape: Tape) -> float:
+    """The relative standard error of a record's RMS where the motion is chaotic; inf if it is too short to tell.
+
+    From the scatter of the power between stretches of the record, each of whole turns of the pit.
+    """
+    start, length = tape.zero + features.first_sample(case, cut), int(case.duration * cut.fine_rate)
+    velocity = features.along_sensor(case, tape.fine[:, start : start + length], "velocity")
+    turn = max([TURN_OF[defect.race](case) for defect in case.defects] + [1.0 / cut.rate])
+    stretches = min(MOST_STRETCHES, int(case.duration / turn))
+    if stretches < FEWEST_STRETCHES:
+        return inf
+    size = int(int(case.duration / turn) // stretches * turn * cut.fine_rate)
+    power = np.mean((velocity[: stretches * size] - velocity.mean()).reshape(stretches, size) ** 2, axis=1)
+    return float(0.5 * power.std(ddof=1) / power.mean() / sqrt(stretches))
 
 
 def parts(beside: np.ndarray) -> bool:

@@ -101,6 +101,7 @@ def _simulate(attempt: choose.Attempt, began: float) -> Record:
     setup = set_up(case, part)
     proven = _proven(setup)
     tape = integrate(setup)
+    _long_enough(setup, proven, tape)
     sampled = _resampled(case, setup.cut, tape) if case.antialias else tape.picked
     instants = np.arange(choose.samples(case)) / case.sampling
     return Record(
@@ -118,7 +119,7 @@ def _proven(setup: Setup) -> Proof:
     found = proof.prove(setup.case, setup.part)
     if found.holds:
         return found
-    finer = "a tenth of the tolerance" if build.method_kind(setup.case).adaptive else "half the step"
+    finer = "half the step" + " and a tenth of the tolerance" * build.method_kind(setup.case).adaptive
     what = "RMS" if found.chaotic else "line of the fault" if found.line > found.rms else "RMS"
     chaotic = ", and the motion is chaotic" if found.chaotic else ""
     changes = f"{finer} changes the {what} by {100.0 * found.error:.2g} %{chaotic}"
@@ -126,6 +127,17 @@ def _proven(setup: Setup) -> Proof:
         f"{setup.case.method} does not hold {proof.HELD:.0%}: {changes}",
         "take a longer `duration`" if found.chaotic else "give a `step` of your own, or say `prove: false`",
     )
+
+
+def _long_enough(setup: Setup, proven: Proof, tape: Tape) -> None:
+    """Refuse the record of a chaotic motion that is too short for its RMS to be worth 1 %."""
+    error = proof.uncertain(setup.case, setup.cut, tape) if proven.chaotic else 0.0
+    if error > proof.CERTAIN:
+        longer = setup.case.duration * min((error / proof.CERTAIN) ** 2, 100.0)
+        raise SimulationError(
+            f"the motion is chaotic, and the RMS of {setup.case.duration:.3g} s of it uncertain by {error:.1%}",
+            f"take a `duration` of {longer:.2g} s, or say `prove: false`",
+        )
 
 
 def _told(proven: Proof) -> dict[str, float]:

@@ -22,7 +22,7 @@ from bearingsim.config import Case
 from bearingsim.core.advance import RING, advance
 from bearingsim.core.layout import Q_I, Q_O
 from bearingsim.core.outcomes import FINE
-from bearingsim.simulation import _watch
+from bearingsim.integration import watch_of
 
 BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
@@ -41,7 +41,7 @@ def variant(labels: dict[str, Any], case: Case, model: Any) -> dict[str, Any]:
     model = build.relaxed(model, cut.step)
     y, _ = build.start(case, model)
     row = labels | {"auto_step_us": round(1e6 * cut.step, 3)}
-    watch, method = _watch(cut, choose.limits(case)), build.method(case, cut.step)
+    watch, method = watch_of(cut, choose.limits(case)), build.method(case, cut.step)
     return {"row": row, "method": method, "model": model, "watch": watch, "y": y, "at": 0}
 
 

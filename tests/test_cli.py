@@ -181,7 +181,7 @@ def test_a_case_without_equilibrium_is_refused(here, monkeypatch):
     def nothing_holds(case):
         raise NoEquilibrium(f"no equilibrium at {case.load} N")
 
-    monkeypatch.setattr("bearingsim.choose.loads_at_rest", nothing_holds)
+    monkeypatch.setattr("bearingsim.limits.loads_at_rest", nothing_holds)
     _, told = type_("check", "small.yaml", code=2)
     first = "8 jobs refused, the first at load 150 N, model static"
     assert (

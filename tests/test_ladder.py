@@ -72,7 +72,7 @@ def test_the_least_model_and_why(fields: dict[str, Any], model: str, why: str) -
     found = case(**fields | FREE)
     assert found.model == model
     assert any(why in reason for reason in reasons(found))
-    assert found.method == (None if model in ("impulse", "static") else "verlet")
+    assert found.method == (None if model in ("impulse", "static") else "auto")
 
 
 @pytest.mark.parametrize(("fields", "model", "why"), LEAST)

@@ -21,7 +21,8 @@ from bearingsim.features import OTHER_LINES
 from bearingsim.simulation import simulate, warm
 from tests.short_cases import FORCES, RATE, RING, SLOT, case
 
-MODULE = importlib.import_module("bearingsim.simulation")
+SIMULATION = importlib.import_module("bearingsim.simulation")
+INTEGRATION = importlib.import_module("bearingsim.integration")
 
 
 def line(features: dict[str, float], name: str) -> complex:
@@ -42,8 +43,8 @@ def driven(given: Case, signal: Callable[[np.ndarray], np.ndarray]) -> Any:
         out[places.tolist().index(VELOCITY + X)] = signal((start + 1 + np.arange(out.shape[1])) * method.h)
         return out.shape[1], FINE, -1
 
-    with mock.patch.object(MODULE, "advance", known):
-        return simulate(given)
+    with mock.patch.object(INTEGRATION, "advance", known):
+        return simulate(given.model_copy(update={"prove": False}))
 
 
 SAMPLINGS = [200e3, 10240.0, 1024.0, 12345.678]
@@ -124,6 +125,7 @@ def test_the_time_axis(duration: float, sampling: float, count: int) -> None:
 
 def by_hand(given: Case, passes: int) -> tuple[np.ndarray, float]:
     """Recording (8, steps + 1) of every step from the start at rest (the rows of ROW), and the step (s)."""
+    given = choose.resolved(given)
     cut, model = choose.grid(given), build.model(given)
     y = build.empty_buffer(model)
     rest_from_scratch(model, 0.0, y)
@@ -326,7 +328,7 @@ def test_forces_count_from_the_first_ball_pass_of_the_record(settle: str, counts
             y[Q_MAX + 3] = 1e6
         return found
 
-    with mock.patch.object(MODULE, "advance", knocked):
+    with mock.patch.object(INTEGRATION, "advance", knocked):
         largest = simulate(case(settle=settle)).features["outer_force.max"]
     assert largest == 1e6 if counts else 40.0 < largest < 60.0
 
@@ -343,7 +345,10 @@ def test_info_says_how_it_was_computed() -> None:
 
 
 def test_warming_computes_each_kind_of_case_once() -> None:
-    with mock.patch.object(MODULE, "_WARM", set()), mock.patch.object(MODULE, "simulate", wraps=simulate) as spied:
+    with (
+        mock.patch.object(SIMULATION, "_WARM", set()),
+        mock.patch.object(SIMULATION, "simulate", wraps=simulate) as spied,
+    ):
         cases = [
             case(defects=[SLOT, SLOT | {"angle": 1}]),
             case(sampling=100.0),

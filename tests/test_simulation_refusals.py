@@ -11,10 +11,11 @@ import pytest
 from bearingsim import choose
 from bearingsim.core.advance import Watch, advance
 from bearingsim.core.layout import POSITION
-from bearingsim.simulation import SHORTENED, SimulationError, simulate
+from bearingsim.choose import SHORTENED
+from bearingsim.simulation import SimulationError, simulate
 from tests.short_cases import RATE, SLOT, case
 
-MODULE = importlib.import_module("bearingsim.simulation")
+MODULE = importlib.import_module("bearingsim.integration")
 
 
 def test_a_step_over_the_limit_is_refused_with_advice() -> None:
@@ -42,7 +43,7 @@ def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple,
 @pytest.mark.parametrize("factor", [2.0, 4.0])
 def test_an_automatic_step_that_proves_too_long_is_halved_until_it_is_not(factor: float) -> None:
     """The estimate of the impacts forced to be wrong: the run begins again, and its line is 9.30 um/s as ever."""
-    given = case(model="rollers", defect=SLOT, sampling=1000.0)
+    given = case(model="rollers", method="verlet", defect=SLOT, sampling=1000.0)
     forced = factor * choose.limits(given).at_impact
     with mock.patch.object(choose, "wanted_step", return_value=forced):
         found = simulate(given)
@@ -51,7 +52,7 @@ def test_an_automatic_step_that_proves_too_long_is_halved_until_it_is_not(factor
 
 
 def test_an_automatic_step_is_not_halved_for_ever() -> None:
-    given = case(model="rollers", defect=SLOT, sampling=100.0)
+    given = case(model="rollers", method="verlet", defect=SLOT, sampling=100.0)
     forced = 30.0 * choose.limits(given).at_impact
     with mock.patch.object(choose, "wanted_step", return_value=forced), pytest.raises(SimulationError) as caught:
         simulate(given)

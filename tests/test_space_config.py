@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from bearingsim import build, choose
+from bearingsim import build, limits
 from bearingsim.build import space
 from bearingsim.config import Case, dataset_names
 from bearingsim.config.slicing import slice_count, slice_ends
@@ -189,7 +189,7 @@ def test_a_flange_force_without_flanges_stays_zero() -> None:
 def test_loads_at_rest_know_that_a_ring_leans() -> None:
     """A lean of 1 mrad at 1 kN loads the ends of rollers: 455 N where the plane has 316."""
     leaning, straight = (
-        choose.loads_at_rest(
+        limits.loads_at_rest(
             build.healthy(case(load="1 kN", misalignment={"inner": lean}, contact={"slices": 12}))
         )
         for lean in ("1 mrad", "0 mrad")

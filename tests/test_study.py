@@ -102,7 +102,7 @@ def _decimal(value: Fraction) -> str:
         ({"record": ["ring.velocity", "ring.displacement"]}, {"record": ["ring.displacement", "ring.velocity"]}),
         ({"clearance": 0.0}, {"clearance": -0.0}),
         ({"load": 150.0}, {"load": 150.0 * (1 + 1e-15)}),
-        ({}, {"method": "verlet"}),
+        ({}, {"method": "auto"}),
         ({}, {"contact": {"stiffness": "palmgren"}}),
         ({}, {"excitation": "soft-edge"}),  # nothing to excite
         ({}, {"seed": 3}),  # nothing random

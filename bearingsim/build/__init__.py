@@ -4,7 +4,7 @@ Imports numba (through the core), so import it only where something is computed.
 """
 
 from functools import lru_cache
-from math import ceil, pi
+from math import ceil, log2, pi
 from typing import Any
 
 import numpy as np
@@ -223,9 +223,12 @@ def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:
 
 
 def method(case: Case, h: float, part: float = 1.0) -> Any:
-    """The core's method of the case with step ``h`` (s); of an adaptive one ``part`` of its tolerance."""
+    """The core's method of the case with step ``h`` (s), which is ``part`` of what it would be.
+
+    With half of it an adaptive method takes a tenth of its tolerance.
+    """
     parameters: Any = method_kind(case).parameters
     if not method_kind(case).adaptive:
         return parameters(h)
-    tolerance = scales.TOLERANCE if case.tolerance == "auto" else case.tolerance
-    return parameters(*scales.tolerances(case, model(case), h, part * tolerance))
+    tolerance = scales.TOLERANCE[str(case.method)] if case.tolerance == "auto" else case.tolerance
+    return parameters(*scales.tolerances(case, model(case), h, part ** log2(10.0) * tolerance))

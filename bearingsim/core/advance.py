@@ -12,6 +12,7 @@ from bearingsim.core.crossings import spot
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
     ACCELERATION,
+    BURDEN,
     COS,
     FAILED,
     FAILED_BODY,
@@ -105,10 +106,12 @@ def radial_energy(bearing, y, n):
 @jit
 def outrun(method, model, watch, y):
     """The body that has been over the method's step limit for longer than allowed, or NOBODY."""
-    elapsed, found = watch.stride * method.h, NOBODY
-    for j in range(watched(model)):
-        load = load_number(method, stiffness_per_mass(model, y, j), damping_per_mass(model, y, j))
-        over = 0.0 if load <= 1.0 else y[OVERRUN + j] + elapsed
+    elapsed, bodies = watch.stride * method.h, watched(model)
+    for j in range(bodies):
+        y[BURDEN + j] = load_number(method, stiffness_per_mass(model, y, j), damping_per_mass(model, y, j))
+    found = NOBODY
+    for j in range(bodies):
+        over = 0.0 if y[BURDEN + j] <= 1.0 else y[OVERRUN + j] + elapsed
         y[OVERRUN + j] = over
         y[OVERRUN_MAX + j] = max(y[OVERRUN_MAX + j], over)
         if over > watch.patience and found == NOBODY:

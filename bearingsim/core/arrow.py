@@ -18,7 +18,6 @@ Matrices hold a roller's angle absolutely, theta = EPS + PHI_C; blocks of the st
 ``multiply`` take blocks of the state and give such. In padded lanes D = 1, U = L = 0: they change nothing.
 """
 
-import numpy as np
 
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (

@@ -76,6 +76,7 @@ T_START, T_END, H_NEXT, FAILED, FAILED_BODY, TAKEN, REFUSED, EVALUATED, ITERATED
 NEXT_STOP, H_TAKEN, LAST_ERROR, DENSE = range(LOADED + 11, LOADED + 15)
 # of each of the first pits' meetings: 1 + the number of the roller that stands in it, 0: none; rollers seen in it
 MET, CROSSINGS = LOADED + 2 * VECTOR, LOADED + 2 * VECTOR + ROW
+BURDEN = LOADED + 2 * VECTOR + 2 * ROW  # part of the method's step limit that each watched body takes up
 
 # a matrix of the arrow's shape (``core/arrow.py``): rows of the rollers' own blocks, of what the border does to a
 # roller, of what a roller does to the border; cells of the border's own block
@@ -83,7 +84,7 @@ MOST_OWN, MOST_BORDER = 6, 17  # coordinates of a roller, and shared ones
 OWN_BLOCK, FROM_BORDER, TO_BORDER = 0, MOST_OWN * MOST_OWN * ROW, MOST_OWN * (MOST_OWN + MOST_BORDER) * ROW
 BORDER_BLOCK = MOST_OWN * (MOST_OWN + 2 * MOST_BORDER) * ROW
 ARROW_SIZE = BORDER_BLOCK + -(-MOST_BORDER * MOST_BORDER // ROW) * ROW
-BY_POSITION = LOADED + 2 * VECTOR + 2 * ROW  # d(acceleration)/d(position)
+BY_POSITION = LOADED + 2 * VECTOR + 3 * ROW  # d(acceleration)/d(position)
 BY_VELOCITY = BY_POSITION + ARROW_SIZE  # d(acceleration)/d(velocity)
 SYSTEM = BY_VELOCITY + ARROW_SIZE  # the matrix that a method solves with
 SIZE = SYSTEM + ARROW_SIZE

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.layout import ACCELERATION, EVALUATED, FAILED, POSITION, STATE, VELOCITY
-from bearingsim.core.methods.adaptive import SLOPES, START_A, START_Q, START_V, bring_back, fill_levers, keep
+from bearingsim.core.methods.adaptive import SLOPES, START_Q, START_V, bring_back, fill_levers, keep
 from bearingsim.core.methods.interface import MethodKind, Tolerances, load_number, prepare, step
 from bearingsim.core.methods.newton import BASE_Q, BASE_V, OFFSET, SOUGHT, Equation, find
 from bearingsim.core.models.interface import accelerations, width

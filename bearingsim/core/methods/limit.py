@@ -31,7 +31,7 @@ def place(K, C):
     """
     if C * C < 4.0 * K:
         return 0.5 - acos(0.5 * C / sqrt(K)) / pi
-    return 1.0 - K / (C * C) if C > 1e6 * sqrt(K) else 1.0 - sqrt(K) / (C + sqrt(C * C - 4.0 * K))
+    return 1.0 - K / (C * C) if 1e6 * sqrt(K) < C else 1.0 - sqrt(K) / (C + sqrt(C * C - 4.0 * K))
 
 
 @jit

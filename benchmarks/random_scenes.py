@@ -1,0 +1,157 @@
+"""What the default choice of method and step makes of random scenes: converged, or refused with a reason?
+
+    python benchmarks/random_scenes.py [--scenes 300] [--seed 5] [--jobs 2] [--csv FILE]
+
+Scenes are drawn over wide ranges (``draw``): load, clearance, speed, stiffness, damping, pits, models. Each is run as a
+user would run it, but for 0.15 s only, and a job may take a minute. Then it is run again with the method that was
+chosen, half the step and a tenth of the tolerance, and the fault's line and the RMS are compared. Outcomes:
+
+converged   the line changes by less than 1 % (a line under a tenth of the RMS: by less than 0.1 % of the RMS),
+            and the RMS too; where the run said that the motion is chaotic, the RMS alone
+refused     before the run or under way, with a reason
+else        the third outcome: there must be none
+"""
+
+import argparse
+import csv
+import sys
+import time
+from collections import Counter
+from math import pi
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+
+from bearingsim import choose
+from bearingsim.config import Case
+from bearingsim.proof import LOUD, fault_lines
+from bearingsim.simulation import Record, SimulationError, simulate
+
+HELD = 0.01
+MINUTE = 60.0  # s of CPU time for a job
+STEEL = 8.06e4 * 12.0 ** (8.0 / 9.0)  # N/mm^(10/9): Palmgren's line contact of the NF308's rollers
+FIRM = 2e5  # N/mm: about its slope at rest
+LAWS = ("chi", "kraemer", "general", "linear")
+COLUMNS = (
+    "scene model load_N clearance_um speed_rpm law stiffness damping m3 race shape width_mm depth_um"
+    " outcome method step_us part chaotic line rms said_line said_rms cpu_s reason"
+).split()
+
+
+def draw(number: int, seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
+    """One scene: what describes it, and the fields of its case."""
+    rng = np.random.default_rng([seed, number])
+
+    def log(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    model = str(rng.choice(["rollers", "ring", "planar"], p=[0.75, 0.15, 0.1]))
+    law = str(rng.choice(LAWS, p=[0.45, 0.2, 0.25, 0.1])) if model == "rollers" else "chi"
+    told: dict[str, Any] = {"scene": number, "model": model, "law": law}
+    told |= {"load_N": log(5.0, 3000.0), "clearance_um": float(rng.uniform(-10.0, 60.0))}
+    told |= {"speed_rpm": log(60.0, 12000.0), "stiffness": log(0.1, 100.0)}
+    damping: dict[str, Any]
+    if law in ("chi", "linear"):
+        told["damping"] = log(0.3, 200.0)
+        damping = {"law": "hunt-crossley", "chi": told["damping"]}
+    elif law == "kraemer":
+        told["damping"] = log(1e-6, 3e-5)
+        damping = {"law": "kraemer", "beta": told["damping"]}
+    else:
+        told |= {"damping": log(0.1, 1e6), "m3": int(rng.integers(0, 3))}
+        damping = {"law": "general", "coefficient": told["damping"], "indentation_exponent": float(told["m3"])}
+    exponent, k = (1.0, FIRM) if law == "linear" else (10.0 / 9.0, STEEL)
+    stiffness = {"law": "constant", "coefficient": k * told["stiffness"], "exponent": exponent}
+    race = str(rng.choice(["none", "outer", "inner", "roller"], p=[0.1, 0.5, 0.2, 0.2]))
+    told |= {"race": race, "shape": str(rng.choice(["rectangular", "triangular", "circular"], p=[0.6, 0.2, 0.2]))}
+    told |= {"width_mm": log(0.1, 4.0), "depth_um": log(0.1, 1000.0)}
+    pit = {"race": race, "shape": told["shape"], "length": 12e-3}
+    pit |= {"width": 1e-3 * told["width_mm"], "depth": 1e-6 * told["depth_um"]}
+    fields = {
+        "bearing": "nf308",
+        "model": model,
+        "load": told["load_N"],
+        "clearance": 1e-6 * told["clearance_um"],
+        "speed": told["speed_rpm"] * pi / 30.0,
+        "contact": {"stiffness": stiffness, "damping": damping},
+        "defects": [] if race == "none" else [pit],
+    }
+    return told, fields
+
+
+def case_of(fields: dict[str, Any]) -> Case:
+    """A scene of 0.15 s, or three ball passes."""
+    case = Case.model_validate(fields | {"duration": 1.0})
+    long_enough = max(0.15, 3.2 / case.bearing.ball_pass_frequency(case.speed))
+    return case.model_copy(update={"duration": long_enough})
+
+
+def finer(case: Case, found: Record) -> Case:
+    """The case with the method that was chosen, half its step and a tenth of its tolerance."""
+    info = found.info
+    update: dict[str, Any] = {"method": info["method"], "step": 0.5 * float(info["step_s"])}
+    if np.isfinite(float(info["tolerance"])):
+        update["tolerance"] = 0.1 * float(info["tolerance"])
+    return case.model_copy(update=update)
+
+
+def changes(case: Case, found: Record, other: Record) -> tuple[float, float]:
+    """Relative change of the fault's line (the worst of several) and of the RMS."""
+    rms = other.features["velocity.rms"] or 1.0
+    pairs = [
+        (found.features[f"velocity@{name}"], other.features[f"velocity@{name}"]) for name in fault_lines(case)
+    ]
+    known = [abs(a - b) / max(b, LOUD * rms) for a, b in pairs if np.isfinite(a) and np.isfinite(b)]
+    return max(known, default=0.0), abs(found.features["velocity.rms"] / rms - 1.0)
+
+
+def judge(number: int, seed: int) -> dict[str, Any]:
+    """A row of the table."""
+    choose.MOST_CPU = MINUTE
+    told, fields = draw(number, seed)
+    case = case_of(fields)
+    began = time.process_time()
+    try:
+        found = simulate(case)
+    except SimulationError as error:
+        return told | {"outcome": "refused", "reason": str(error), "cpu_s": time.process_time() - began}
+    info, features = found.info, found.features
+    told |= {"method": info["method"], "step_us": 1e6 * float(info["step_s"]), "part": info["step_part"]}
+    told |= {"chaotic": int(features["chaotic"]), "cpu_s": time.process_time() - began}
+    told |= {"said_line": features["step_error.line"], "said_rms": features["step_error.rms"]}
+    try:
+        line, rms = changes(case, found, simulate(finer(case, found)))
+    except SimulationError as error:
+        return told | {"outcome": "finer run failed", "reason": str(error)}
+    held = rms < HELD if told["chaotic"] else max(line, rms) < HELD
+    return told | {"line": line, "rms": rms, "outcome": "converged" if held else "changed"}
+
+
+def main() -> None:
+    """Run all scenes; print counts and every third outcome; write the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scenes", type=int, default=300)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=5)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--csv")
+    options = parser.parse_args()
+    numbers = range(options.first, options.first + options.scenes)
+    rows = []
+    for row in Parallel(options.jobs, return_as="generator")(delayed(judge)(n, options.seed) for n in numbers):
+        rows.append({key: f"{value:.4g}" if isinstance(value, float) else value for key, value in row.items()})
+        if row["outcome"] not in ("converged", "refused"):
+            print(", ".join(f"{key} {value}" for key, value in rows[-1].items()), flush=True)
+    counts = Counter(row["outcome"] for row in rows)
+    print(", ".join(f"{count} {outcome}" for outcome, count in sorted(counts.items())))
+    if options.csv:
+        with open(options.csv, "w", newline="") as target:
+            table = csv.DictWriter(target, COLUMNS, lineterminator="\n")
+            table.writeheader()
+            table.writerows(rows)
+    sys.exit(set(counts) > {"converged", "refused"})
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,131 @@
+"""The proof of a step on the run's own beginning, and what follows if it does not hold."""
+
+import importlib
+import math
+from typing import Any
+from unittest import mock
+
+import numpy as np
+import pytest
+
+from bearingsim import build, choose, proof
+from bearingsim.choose import SHORTENED
+from bearingsim.proof import Proof
+from bearingsim.simulation import SimulationError, simulate
+from tests.short_cases import RATE, SLOT, case
+
+SIMULATION = importlib.import_module("bearingsim.simulation")
+LIGHT = {"contact": {"damping": {"chi": "1 s/m"}}}
+
+
+def rollers(**fields: Any) -> Any:
+    return case(model="rollers", defect=SLOT, **fields)
+
+
+def test_a_good_step_is_proven_and_said() -> None:
+    found = simulate(rollers()).features
+    assert 0.0 < found["step_error.line"] < 1e-3
+    assert 0.0 < found["step_error.rms"] < 1e-3
+    assert found["chaotic"] == 0.0
+
+
+@pytest.mark.parametrize("method", ["verlet", "dop853", "rodas"])
+def test_the_record_is_bit_for_bit_that_of_a_run_without_proof(method: str) -> None:
+    given = rollers(method=method)
+    proven, plain = simulate(given), simulate(given.model_copy(update={"prove": False}))
+    for name, series in proven.series.items():
+        assert np.array_equal(series, plain.series[name])
+    told = ("step_error.line", "step_error.rms", "chaotic")
+    for name in plain.features.keys() - set(told):
+        assert plain.features[name] == pytest.approx(proven.features[name], rel=0.0, nan_ok=True)
+    assert all(math.isnan(plain.features[name]) for name in told)
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [{"step": "0.4 us"}, {"prove": False}, {"model": "static"}, {"method": "rodas", "tolerance": "0.1 %"}],
+)
+def test_what_is_given_is_not_proven(fields: dict[str, Any]) -> None:
+    assert not proof.wanted(choose.resolved(case(defect=SLOT, **fields)))
+
+
+def test_chaos_is_told_from_a_motion_that_repeats_itself() -> None:
+    for fields, chaotic in ((LIGHT, True), ({}, False), ({"clearance": "25 um"}, False)):
+        found = proof.prove(choose.resolved(rollers(prove=True, **fields)), 1.0)
+        assert found.chaotic == chaotic
+
+
+def test_where_the_motion_is_chaotic_only_the_rms_counts() -> None:
+    assert Proof(line=0.5, rms=0.003, chaotic=True, passes=4).holds
+    assert not Proof(line=0.5, rms=0.003, chaotic=False, passes=4).holds
+    assert not Proof(line=0.0, rms=0.02, chaotic=True, passes=4).holds
+    assert not proof.UNPROVEN.holds
+
+
+def test_a_step_that_is_too_long_is_halved_until_it_is_proven() -> None:
+    """Eight steps to a crossing at 12 000 rpm are stable, and 5 % wrong: nothing but the proof notices."""
+    given = case(model="rollers", method="verlet", speed="12000 rpm", defect=SLOT | {"width": "0.15 mm"})
+    long = choose.limits(given).crossing / 8.5
+    first = proof_of(given, long, 1.0)
+    assert first.error > proof.HELD
+    with mock.patch.object(choose, "wanted_step", return_value=long):
+        found = simulate(given)
+    assert found.info["step_part"] in SHORTENED[1:]
+    assert max(found.features["step_error.line"], found.features["step_error.rms"]) <= proof.HELD
+
+
+def proof_of(given: Any, step: float, part: float) -> Proof:
+    with mock.patch.object(choose, "wanted_step", return_value=step):
+        return proof.prove(given, part)
+
+
+def test_a_step_that_is_never_proven_fails_the_job_with_a_reason() -> None:
+    hopeless = Proof(line=0.2, rms=0.05, chaotic=False, passes=4)
+    with (
+        mock.patch.object(proof, "prove", return_value=hopeless) as tried,
+        pytest.raises(SimulationError) as caught,
+    ):
+        simulate(case(method="verlet"))
+    assert tried.call_count == len(SHORTENED)
+    assert "verlet does not hold 1%: half the step changes the line of the fault by 20 %" in caught.value.reason
+    assert "prove: false" in caught.value.advice
+
+
+def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
+    hopeless = Proof(line=0.2, rms=0.05, chaotic=False, passes=4)
+    fine = Proof(line=0.001, rms=0.001, chaotic=False, passes=4)
+    with mock.patch.object(proof, "prove", side_effect=[*[hopeless] * len(SHORTENED), fine]):
+        found = simulate(case(defect=SLOT))
+    assert found.info["method"] != "verlet"
+    assert found.info["step_part"] == 1.0
+
+
+def test_the_line_of_a_healthy_bearing_is_measured_by_its_rms() -> None:
+    """A line that is next to nothing must not fail a run, however much of it changes."""
+    found = proof.prove(choose.resolved(case(model="rollers")), 1.0)
+    assert found.line < 1e-3
+
+
+def test_a_pilot_is_short_but_sees_pits_turn_through_the_load_zone() -> None:
+    long = {"duration": "4 s", "settle": "0.1 s"}
+    whole = 4.1 * RATE
+    for race, turn in (("outer", 0.0), ("inner", RATE / 30.0), ("roller", 13.0)):
+        short, passes = proof.pilot(choose.resolved(case(defect=SLOT | {"race": race}, **long)))
+        assert passes >= max(proof.FEWEST, turn)
+        assert 3.0 * (passes + proof.FORGOTTEN) < 0.25 * whole
+        assert short.duration * RATE == pytest.approx(passes + 0.5)
+
+
+def test_the_pilot_of_a_short_record_is_the_record() -> None:
+    short, passes = proof.pilot(choose.resolved(case(duration="8 ms", settle="0 s")))
+    assert passes == 1
+    assert short.settle + short.duration <= 3.0 / RATE
+    assert simulate(case(duration="8 ms", settle="0 s")).features["step_error.rms"] < 0.01
+
+
+def test_adaptive_methods_are_proven_by_a_tenth_of_the_tolerance() -> None:
+    given = rollers(method="rodas")
+    h = choose.grid(given).step
+    whole, half = (build.method(given, h, part) for part in (1.0, 0.5))
+    assert half.rtol == pytest.approx(0.1 * whole.rtol)
+    assert half.atol_q == pytest.approx(0.1 * whole.atol_q)
