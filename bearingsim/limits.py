@@ -90,7 +90,7 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
         healthy,
         closing_speed=speed,
         impact_force=peak + healthy.rest_load,
-        at_impact=step_limit(case.method, K + K_more, C + C_more),
+        at_impact=min(healthy.at_rest, step_limit(case.method, K + K_more, C + C_more)),
         crossing=crossing_time(model),
         deepest=deepest,
         liveliest=liveliest,

@@ -1,6 +1,7 @@
 """Steps, and what they cost, before anything runs."""
 
 import pickle
+from itertools import pairwise
 from math import inf, pi, sqrt
 from typing import Any, NamedTuple
 
@@ -69,7 +70,7 @@ def measured_limit(name: str, K: float, C: float) -> float:
 
 
 @pytest.mark.parametrize("zeta", [0.01, 0.1, 0.3, 0.54, 0.7, 0.99, 1.01, 3.0, 10.0])
-@pytest.mark.parametrize(("method", "least"), [("verlet", 0.98), ("rk4", 0.85)])
+@pytest.mark.parametrize(("method", "least"), [("verlet", 0.98), ("rk4", 0.98)])
 def test_step_limit_is_where_the_method_diverges(method: str, least: float, zeta: float) -> None:
     omega = 2.0 * pi * 20e3
     K, C = omega**2, 2.0 * zeta * omega
@@ -83,15 +84,17 @@ def test_nothing_to_hold_or_damp_has_no_limit() -> None:
 
 
 @pytest.mark.parametrize("model", ["ring", "rollers"])
-@pytest.mark.parametrize("method", ["verlet", "rk4"])
+@pytest.mark.parametrize(("method", "rise"), [("verlet", 1.0), ("rk4", 1.07)])
 @pytest.mark.parametrize("defects", SLOTS)
-def test_limits_fall_with_the_load(model: str, method: str, defects: tuple) -> None:
+def test_limits_fall_with_the_load(model: str, method: str, rise: float, defects: tuple) -> None:
+    """Those of RK4 but for a twentieth: damping of more than half the critical widens its stability a little."""
     found = [
         limits(case(model=model, method=method, defects=defects, load=load)) for load in (50, 150, 300, 1000, 5000)
     ]
     for name in ("at_rest", "at_impact"):
         series = [getattr(one, name) for one in found]
-        assert series == sorted(series, reverse=True)
+        assert all(after < rise * before for before, after in pairwise(series))
+        assert series[-1] < 0.7 * series[0]
         assert len(set(series)) == len(series)
     assert all(one.at_impact <= one.at_rest for one in found)
     assert [one.rest_load for one in found] == sorted(one.rest_load for one in found)

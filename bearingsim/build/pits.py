@@ -41,6 +41,7 @@ from bearingsim.core.depth import (
     extent,
 )
 from bearingsim.core.edge_contact import EdgeContact, edge_contact
+from bearingsim.core.events import jumps_of
 from bearingsim.core.spall import Spall
 from bearingsim.core.traced import across, burr, grouped, sharpest_cusp, sliced, span_of, traced_pits
 from bearingsim.errors import Refused
@@ -238,10 +239,11 @@ def _meeting(case: Case, found: Together, on: int, side: int, zetas: Places | No
     radius, R = carrier_radius(case, found.first), reduced_radius(case, side)
     if found.pit is None:
         rows = cut(case, found.first, side, zetas)
-        return _felt(case, found.first, Meeting(side, on, found.angle, radius, R, rows))
+        jumps = jumps_of(excitation(case), rows, (), R)
+        return _felt(case, found.first, Meeting(side, on, found.angle, radius, R, rows, jumps=jumps))
     rows, paths = traced(case, found.pit, side, zetas)
-    cusp, span = sharpest_cusp(rows, paths), span_of(found.pit, R)
-    return _felt(case, found.first, Meeting(side, on, found.angle, radius, R, rows, paths, cusp, span))
+    cusp, span, jumps = sharpest_cusp(rows, paths), span_of(found.pit, R), jumps_of(None, rows, paths, R)
+    return _felt(case, found.first, Meeting(side, on, found.angle, radius, R, rows, paths, cusp, span, jumps))
 
 
 def _felt(case: Case, d: config.Defect, one: Meeting) -> Meeting:

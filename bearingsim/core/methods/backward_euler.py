@@ -16,7 +16,7 @@ from typing import NamedTuple
 from bearingsim.core.arrow import multiply, solve
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, BY_POSITION, POSITION, STATE, VELOCITY
-from bearingsim.core.methods.adaptive import END_Q, END_V, SLOPES, START_A, START_Q, START_V, drive, error_norm
+from bearingsim.core.methods.adaptive import END_Q, END_V, SLOPES, START_A, START_Q, START_V, drive, error_norm, past_jumps
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
 from bearingsim.core.methods.newton import BASE_Q, BASE_V, OFFSET, SOUGHT, Equation, find
 from bearingsim.core.models.interface import width
@@ -49,6 +49,7 @@ def estimate(model, h, y, n):
     """(I - h J)^-1 h/2 (v1 - v, a1 - a) into ERROR_Q and ERROR_V; S is that of the step's end."""
     for j in range(n):
         y[ERROR_Q + j] = 0.5 * h * (y[VELOCITY + j] - y[START_V + j])
+        y[ERROR_V + j] = 0.0
     multiply(model, BY_POSITION, ERROR_Q, ERROR_V, y)
     for j in range(n):
         y[ERROR_V + j] = 0.5 * h * (y[ACCELERATION + j] - y[START_A + j]) + h * y[ERROR_V + j]
@@ -66,7 +67,7 @@ def _attempt(method, model, t, h, y):
     for j in range(n):
         y[ACCELERATION + j] = y[SOUGHT + j]
     estimate(model, h, y, n)
-    return error_norm(method, ERROR_Q, ERROR_V, y, n)
+    return past_jumps(error_norm(method, ERROR_Q, ERROR_V, y, n), h)
 
 
 @interpolate.register(BackwardEuler)

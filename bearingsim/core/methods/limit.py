@@ -2,7 +2,8 @@
 
 The limit depends on the damping ratio zeta = C/(2 omega), omega^2 = K, alone once it is divided by that of symplectic
 Euler, h_c = (2/omega)(sqrt(1 + zeta^2) - zeta) = 4/(C + sqrt(C^2 + 4 K)), whose product with the larger of stiffness
-and damping never vanishes. The ratio is tabulated from no damping to no stiffness (``place``).
+and damping never vanishes. The ratio is tabulated from no damping
+to no stiffness (``place``).
 """
 
 from math import acos, pi, sqrt
@@ -15,6 +16,7 @@ from bearingsim.core.jit import jit
 NODES = 129
 SCANNED, FARTHEST = 1000, 52.0  # steps tried for each node, and the longest of them over h_c
 ROUNDING = 1e-9  # growth below it is none
+CAUTIOUS = 0.999  # of the limit: so much the straight lines between nodes may be over it
 
 
 @jit
@@ -90,4 +92,4 @@ def limit_over_h_c(tableau: Any) -> np.ndarray:
         middle = 0.5 * (low + high)
         above = grows(middle[:, None])[:, 0]
         low, high = np.where(above, low, middle), np.where(above, middle, high)
-    return low
+    return CAUTIOUS * low

@@ -21,7 +21,18 @@ import numpy as np
 from bearingsim.core.arrow import combine, factor, multiply, solve
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, BY_POSITION, EVALUATED, POSITION, STATE, VELOCITY
-from bearingsim.core.methods.adaptive import END_Q, END_V, SLOPES, START_A, START_Q, START_V, drive, error_norm
+from bearingsim.core.methods.adaptive import (
+    END_Q,
+    END_V,
+    ROUNDINGS,
+    SLOPES,
+    START_A,
+    START_Q,
+    START_V,
+    drive,
+    error_norm,
+    past_jumps,
+)
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
 from bearingsim.core.models.interface import accelerations, linearise, width
 
@@ -78,7 +89,7 @@ def look_ahead(model, t, h, y, n):
     for j in range(n):
         y[POSITION + j] = y[START_Q + j]
         y[VELOCITY + j] = y[START_V + j]
-    later = t + AHEAD * h
+    later = t + max(AHEAD * h, ROUNDINGS * abs(t))
     accelerations(model, later, y)
     linearise(model, later, y)
     for j in range(n):
@@ -112,6 +123,7 @@ def end_stage(model, i, h, y, n):
     for j in range(n):
         y[RIGHT_Q + j] += y[VELOCITY + j]
         y[RIGHT_V + j] += y[ACCELERATION + j]
+        y[r + j] = 0.0  # where there is no coordinate, too: a state that was not finite leaves its traces
     multiply(model, BY_POSITION, RIGHT_Q, r, y)
     for j in range(n):
         y[r + j] = within * (y[RIGHT_V + j] + within * y[r + j])
@@ -139,7 +151,7 @@ def _attempt(method, model, t, h, y):
         y[VELOCITY + j] += y[last + STATE + j]
     accelerations(model, t + h, y)
     y[EVALUATED] += STAGES + 1.0
-    return error_norm(method, last, last + STATE, y, n)
+    return past_jumps(error_norm(method, last, last + STATE, y, n), h)
 
 
 @interpolate.register(Rodas)

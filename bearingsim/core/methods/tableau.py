@@ -47,7 +47,12 @@ def add_slopes(weights_q, weights_v, count, h, q, v, y, n):
     fours, h_2 = count // 4, h * h
     for m in range(fours):
         j, at = 4 * m, SLOPES + 4 * m * STATE
-        Q_0, Q_1, Q_2, Q_3 = h_2 * weights_q[j], h_2 * weights_q[j + 1], h_2 * weights_q[j + 2], h_2 * weights_q[j + 3]
+        Q_0, Q_1, Q_2, Q_3 = (
+            h_2 * weights_q[j],
+            h_2 * weights_q[j + 1],
+            h_2 * weights_q[j + 2],
+            h_2 * weights_q[j + 3],
+        )
         V_0, V_1, V_2, V_3 = h * weights_v[j], h * weights_v[j + 1], h * weights_v[j + 2], h * weights_v[j + 3]
         for k in range(n):
             f_0, f_1, f_2, f_3 = y[at + k], y[at + STATE + k], y[at + 2 * STATE + k], y[at + 3 * STATE + k]

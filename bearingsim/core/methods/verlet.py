@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, POSITION, STAGE, VELOCITY
-from bearingsim.core.methods.interface import MethodKind, load_number, step
+from bearingsim.core.methods.interface import MethodKind, as_it_is, load_number, prepare, step
 from bearingsim.core.models.interface import accelerations, width
 
 
@@ -36,6 +36,9 @@ def kick(h, y, n):
     """The second half of the kick, with the new accelerations."""
     for j in range(n):
         y[VELOCITY + j] = y[STAGE + j] + 0.5 * h * y[ACCELERATION + j]
+
+
+prepare.register(Verlet)(as_it_is)
 
 
 @step.register(Verlet)

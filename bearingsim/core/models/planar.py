@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 from bearingsim.core.cage import drive_cage, let_go, orbit_drag, pocket_stiffness, pockets
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import HALF_WIDTH, ON, ON_INNER, OUTER, RADIUS, SIDE, Pits, meeting
+from bearingsim.core.events import next_cusp, next_cusp_freely
 from bearingsim.core.extremes import keep_forces
 from bearingsim.core.friction import lagged, mu, rub, steepest
 from bearingsim.core.jit import add, jit
@@ -201,6 +202,9 @@ def approach_inner(bearing, omega_cage, y, n):
         y[V_I + j] = -n_r * d_r - n_t * d_t
         y[T_I + j] = n_r * d_t - n_t * d_r
         y[TILT_I + j] = 0.0
+
+
+next_cusp.register(Planar)(next_cusp_freely)
 
 
 @standing.register(Planar)

@@ -19,6 +19,7 @@ from bearingsim.core.cage import drive_cage, let_go, orbit_drag, pocket_stiffnes
 from bearingsim.core.cage_in_space import axial_stiffness, cage_body, lean_cage, pockets_in_space
 from bearingsim.core.contact import damping_slope, stiffness_slope
 from bearingsim.core.defects import OUTER, RADIUS, SIDE, Pits
+from bearingsim.core.events import next_cusp, next_cusp_freely
 from bearingsim.core.extremes import keep_largest_forces
 from bearingsim.core.flanges import flange_stiffness, guide_axially
 from bearingsim.core.friction import lagged, steepest
@@ -321,6 +322,9 @@ def _keep_extremes(model, y):
         y[TILT_MAX + j] = max(y[TILT_MAX + j], abs(y[TILT + j]))
     for k in range(len(model.slices.table)):
         keep_line_load(slice_row(k, 0), model.slices.table[k, WEIGHT] * model.L_w, y, n)
+
+
+next_cusp.register(Spatial)(next_cusp_freely)
 
 
 @standing.register(Spatial)
