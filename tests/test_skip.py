@@ -1,4 +1,4 @@
-"""No method of the automatic set steps over a pit, wherever in a step it comes; a tighter tolerance is no worse."""
+"""No method of the automatic set steps over a pit, wherever in a step it comes; tighter is no worse."""
 
 from itertools import pairwise
 
@@ -20,7 +20,9 @@ def bench(pit, late=0.0):
     """The scene of the map with the default contact, the roller ``late`` s later."""
     case = crossing("rollers", pit, {}, late)
     model = build.model(case)
-    return stability.Bench(case, model, build.start(case, model)[0], *limits.loads_at_rest(build.healthy(case))[1:])
+    return stability.Bench(
+        case, model, build.start(case, model)[0], *limits.loads_at_rest(build.healthy(case))[1:]
+    )
 
 
 def reference(scene):
@@ -31,9 +33,9 @@ def reference(scene):
 
 
 def setting(scene, name):
-    """The step or tolerance that a run with `auto` takes; a step is one that the samples hold a whole number of."""
+    """The step or tolerance of a run with `auto`; of steps, whole numbers make up a sample."""
     if build.METHODS[name].adaptive:
-        return scales.TOLERANCE
+        return scales.TOLERANCE[name]
     named = choose.using(scene.case, name)
     return FINE / np.ceil(FINE / choose.automatic_step(named, limits.step_limits(named)))
 
@@ -42,7 +44,7 @@ def length(scene, name):
     """About how long (s) the method's steps are before the first pit: the longest it can be caught with."""
     if not build.METHODS[name].adaptive:
         return setting(scene, name)
-    return scales.tolerances(scene.case, scene.model, FINE, scales.TOLERANCE).longest
+    return stability.asked(scene, scales.TOLERANCE[name]).longest
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +54,7 @@ def sound():
 
 def test_the_reference_is_what_others_find_too():
     scene = bench("0.2 mm slot")
-    asked = scales.tolerances(scene.case, scene.model, FINE, 1e-8)
+    asked = stability.asked(scene, 1e-8)
     other = references.solve("scipy-lsoda", scene.model, scene.y, asked, np.inf)
     assert not other.failure
     assert judge.l2(other.velocity, reference(scene).velocity) < 1e-5
@@ -83,7 +85,7 @@ def test_a_tighter_tolerance_never_doubles_the_error(name):
     """Above the floor, which is what two tight and independent solutions differ by."""
     scene = bench("0.2 mm slot")
     exact = reference(scene)
-    asked = scales.tolerances(scene.case, scene.model, FINE, 1e-8)
+    asked = stability.asked(scene, 1e-8)
     floor = judge.l2(references.solve("scipy-lsoda", scene.model, scene.y, asked, np.inf).velocity, exact.velocity)
     made = [stability.run(scene, name, 10.0**-n, np.inf) for n in range(2, 7)]
     errors = [judge.l2(one.velocity, exact.velocity) for one in made]

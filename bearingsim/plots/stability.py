@@ -3,6 +3,7 @@
 A cell is a run; its colour and mark are its class. Drawn from the rows of ``stability.csv``, none left out.
 """
 
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-__all__ = ["draw", "draw_all"]
+__all__ = ["draw", "draw_all", "figure"]
 
 COLUMN_IN, ROW_IN, HEAD_IN, FOOT_IN = 2.45, 0.98, 1.0, 0.95
 
@@ -79,12 +80,12 @@ def draw(table: "pd.DataFrame", model: str, pit: str, path: Path) -> list[Path]:
         if len(rows):
             file = path.with_name(f"{path.name}-{ending}.png")
             with matplotlib.rc_context(RC | {"axes.grid": False, "font.size": 8.0}):
-                _figure(rows, axis, f"{model}, {pit}").savefig(file)
+                figure(rows, axis, f"{model}, {pit}").savefig(file)
             made.append(file)
     return made
 
 
-def _figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
+def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
     methods, stiffness = list(dict.fromkeys(rows["method"])), sorted(rows["k"].unique())
     damping = sorted({(m3, c) for m3, c in zip(rows["m3"], rows["c"], strict=True)})
     settings = sorted(rows[axis].unique(), reverse=axis == "tolerance")
@@ -104,10 +105,16 @@ def _figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
             if i == len(methods) - 1:
                 ax.set_xlabel("damping, N s/mm$^{1+m_3}$", fontsize=8)
     against = "step (µs)" if axis == "step" else "relative tolerance"
-    canvas.suptitle(f"{title}: what becomes of a short run, by {against} and damping", x=0.01, ha="left", fontsize=10)
+    canvas.suptitle(
+        f"{title}: what becomes of a short run, by {against} and damping", x=0.01, ha="left", fontsize=10
+    )
     entries = _legend(rows, axis == "step")
     canvas.legend(
-        [entry.handles for entry in entries], [entry.label for entry in entries], loc="outside lower left", ncols=4 if len(stiffness) > 2 else 3, handlelength=1.6
+        [entry.handles for entry in entries],
+        [entry.label for entry in entries],
+        loc="outside lower left",
+        ncols=4 if len(stiffness) > 2 else 3,
+        handlelength=1.6,
     )
     return canvas
 
@@ -116,9 +123,7 @@ def _panel(ax: "Axes", cells: "pd.DataFrame", axis: str, damping: list, settings
     column, row = {d: n for n, d in enumerate(damping)}, {s: n for n, s in enumerate(settings)}
     for cell in cells.to_dict("records"):
         x, y, look = column[cell["m3"], cell["c"]], row[cell[axis]], LOOKS[cell["class"]]
-        ax.add_patch(
-            Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=look.colour, edgecolor="white", lw=0.4)
-        )
+        ax.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=look.colour, edgecolor="white", lw=0.4))
         if look.mark:
             ax.plot(x, y, marker=look.mark, color=look.ink, ms=2.6, mew=0.6, ls="none")
         if cell["measure"] == "RMS":
@@ -132,7 +137,7 @@ def _panel(ax: "Axes", cells: "pd.DataFrame", axis: str, damping: list, settings
     labels = [f"{1e6 * settings[n]:g}" if axis == "step" else _power(settings[n]) for n in shown]
     ax.set_yticks(shown, labels, fontsize=6.5)
     ax.tick_params(length=1.5, pad=1.5)
-    for n, (before, after) in enumerate(zip(damping[:-1], damping[1:], strict=True)):
+    for n, (before, after) in enumerate(pairwise(damping)):
         if before[0] != after[0]:
             ax.axvline(n + 0.5, color="black", lw=0.8)
 

@@ -21,7 +21,7 @@ MORE_OFTEN, OFTEN = 2.0, 10  # contacts that open so many times as often, and so
 
 
 class Reference(NamedTuple):
-    """The ring's velocity (2, n) m/s and contacts (Z, n) at every ``FINE``; names of the two solutions it rests on.
+    """Velocity of the ring (2, n), m/s, and contacts (Z, n) at every ``FINE``; names of the solutions it rests on.
 
     floor: relative difference of the two, in L2 or (chaotic) in RMS: no cell is judged finer.
     """
@@ -67,9 +67,7 @@ def agreed(found: dict[str, Trace]) -> Reference | None:
     chaotic = least > ALIKE
     worst = max(rms(whole[a].velocity, whole[b].velocity) for _, a, b in pairs)
     names = " + ".join(whole) if chaotic else f"{first} + {second}"
-    return Reference(
-        whole[first].velocity, whole[first].touching, names, chaotic, worst if chaotic else least
-    )
+    return Reference(whole[first].velocity, whole[first].touching, names, chaotic, worst if chaotic else least)
 
 
 def openings(touching: np.ndarray) -> int:

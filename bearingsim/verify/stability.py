@@ -14,7 +14,7 @@ import numpy as np
 from bearingsim import build, limits
 from bearingsim.build import scales
 from bearingsim.config import Case
-from bearingsim.core.methods.interface import MethodKind
+from bearingsim.core.methods.interface import MethodKind, Tolerances
 from bearingsim.core.models.interface import freedoms, linearise
 from bearingsim.verify import judge
 from bearingsim.verify.judge import REFUSED, Reference, Verdict, agreed
@@ -60,7 +60,13 @@ QUICK = Grid(
 QUICK_METHODS = ("verlet", "symplectic-euler", "dop853", "rodas", "backward-euler", "scipy-lsoda", "scipy-radau")
 USUAL, QUICK_MODELS = ("ring", "rollers"), ("rollers",)
 
-REFERENCES = (("dop853", 1e-9), ("scipy-lsoda", 1e-9), ("rodas", 1e-8), ("scipy-radau", 1e-7), ("scipy-lsoda", 1e-6))
+REFERENCES = (
+    ("dop853", 1e-9),
+    ("scipy-lsoda", 1e-9),
+    ("rodas", 1e-8),
+    ("scipy-radau", 1e-7),
+    ("scipy-lsoda", 1e-6),
+)
 """Solutions that are tried in turn until two agree."""
 
 
@@ -90,7 +96,7 @@ def methods_known() -> tuple[str, ...]:
 
 def models_known() -> tuple[str, ...]:
     """Names of all models that have equations of motion."""
-    return tuple(name for name, kind in build.MODELS.items() if kind.parameters in freedoms.types)  # type: ignore[attr-defined]
+    return tuple(name for name, kind in build.MODELS.items() if kind.parameters in freedoms.types)
 
 
 def materials(models: Sequence[str], grid: Grid) -> list[Material]:
@@ -124,10 +130,9 @@ def set_up(material: Material, pit: str) -> Bench:
 def run(bench: Bench, method: str, setting: float, limit: float) -> Trace:
     """One cell's run: ``setting`` is its step (s) or tolerance."""
     if method in SCIPY:
-        asked = scales.tolerances(bench.case, bench.model, FINE, setting)
-        return solve(method, bench.model, bench.y, asked._replace(longest=inf), limit)
+        return solve(method, bench.model, bench.y, asked(bench, setting)._replace(longest=inf), limit)
     kind = build.METHODS[method]
-    if kind.implicit and type(bench.model) not in linearise.types:  # type: ignore[attr-defined]
+    if kind.implicit and type(bench.model) not in linearise.types:
         return nothing(REFUSED, "the model has no derivatives")
     h = setting if not kind.adaptive else FINE
     model = build.relaxed(bench.model, kind.lag * h)
@@ -137,7 +142,12 @@ def run(bench: Bench, method: str, setting: float, limit: float) -> Trace:
 def parameters(bench: Bench, kind: MethodKind, setting: float) -> Any:
     """The core's method."""
     made: Any = kind.parameters
-    return made(*scales.tolerances(bench.case, bench.model, FINE, setting)) if kind.adaptive else made(setting)
+    return made(*asked(bench, setting)) if kind.adaptive else made(setting)
+
+
+def asked(bench: Bench, tolerance: float) -> Tolerances:
+    """The tolerances of a scene, by its relative one."""
+    return Tolerances(*scales.tolerances(bench.case, bench.model, FINE, tolerance))
 
 
 def reference(bench: Bench, patience: float) -> Reference | None:
@@ -156,8 +166,7 @@ def tightly(bench: Bench, method: str, tolerance: float, patience: float) -> Tra
     """A solution that may count for a reference: SciPy's solvers may not step over a pit here."""
     if method not in SCIPY:
         return run(bench, method, tolerance, patience)
-    asked = scales.tolerances(bench.case, bench.model, FINE, tolerance)
-    return solve(method, bench.model, bench.y, asked, patience)
+    return solve(method, bench.model, bench.y, asked(bench, tolerance), patience)
 
 
 def warm(model: str, methods: Sequence[str], grid: Grid) -> Iterator[str]:
@@ -243,4 +252,3 @@ def told(made: Trace, verdict: Verdict, exact: Reference | None, expected: int) 
         "cpu_s": made.cpu,
         "reason": made.reason,
     }
-
