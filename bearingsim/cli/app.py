@@ -258,6 +258,26 @@ def freq(
         frequencies.show(bearing, speed, found)
 
 
+@app.command()
+def stability(
+    model: Annotated[
+        list[str] | None, typer.Option(metavar="MODEL", help="default: ring and rollers; repeatable")
+    ] = None,
+    method: Annotated[
+        list[str] | None, typer.Option(metavar="METHOD", help="default: all, SciPy's too; repeatable")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="a small grid of some methods, in some minutes")] = False,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="folder (default: results/stability, or -quick)")
+    ] = None,
+    jobs: Jobs = 1,
+) -> None:
+    """Map where each method fails: step x stiffness x damping x pit. Writes a CSV, draws maps."""
+    from bearingsim.cli import stability as mapping
+
+    mapping.show(model, method, quick, out, jobs or 1)
+
+
 def _verbose(ctx: typer.Context) -> bool:
     return bool(ctx.find_root().params["verbose"])
 

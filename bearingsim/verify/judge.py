@@ -13,6 +13,7 @@ REFUSED, UNJUDGED = "refused", "no reference"
 CLASSES = (OK, INACCURATE, CHATTER, BLOW_UP, SKIPPED, STALL, REFUSED, TOO_SLOW, UNJUDGED)
 
 WANTED = 0.01  # relative error of what is ok
+BLURRED = 0.05  # a floor above it judges nobody who is within it
 ALIKE = 1e-3  # two solutions that differ by less than this (relative L2) follow one path; else motion is chaotic
 SEEN = 0.5  # of what a crossing does to the ring: less, and the pit was stepped over
 AFTER = 60e-6  # s after a crossing in which the ring still answers it
@@ -20,7 +21,7 @@ MORE_OFTEN, OFTEN = 2.0, 10  # contacts that open so many times as often, and so
 
 
 class Reference(NamedTuple):
-    """The ring's velocity (2, n) m/s and contacts (Z, n) at every ``FINE``; names of the two solutions it rests on.
+    """Velocity of the ring (2, n), m/s, and contacts (Z, n) at every ``FINE``; names of the solutions it rests on.
 
     floor: relative difference of the two, in L2 or (chaotic) in RMS: no cell is judged finer.
     """
@@ -66,9 +67,7 @@ def agreed(found: dict[str, Trace]) -> Reference | None:
     chaotic = least > ALIKE
     worst = max(rms(whole[a].velocity, whole[b].velocity) for _, a, b in pairs)
     names = " + ".join(whole) if chaotic else f"{first} + {second}"
-    return Reference(
-        whole[first].velocity, whole[first].touching, names, chaotic, worst if chaotic else least
-    )
+    return Reference(whole[first].velocity, whole[first].touching, names, chaotic, worst if chaotic else least)
 
 
 def openings(touching: np.ndarray) -> int:
@@ -95,9 +94,16 @@ def crossings_seen(
 
 
 def judge(
-    trace: Trace, reference: Reference | None, healthy: Reference | None, windows: list[tuple[float, float]]
+    trace: Trace,
+    reference: Reference | None,
+    healthy: Reference | None,
+    windows: list[tuple[float, float]],
+    strides: bool,
 ) -> Verdict:
-    """The class of a run, and the numbers it rests on. A run that failed keeps its failure as its class."""
+    """The class of a run, and the numbers it rests on. A run that failed keeps its failure as its class.
+
+    strides: its steps may be longer than a crossing, which it has then stepped over if it does not answer it.
+    """
     missing = Verdict(trace.failure or UNJUDGED, np.nan, 0, openings(trace.touching), 0)
     if reference is None or trace.failure:
         return missing
@@ -107,8 +113,8 @@ def judge(
     opened, of_reference = openings(trace.touching), openings(touching)
     seen = crossings_seen(trace, reference, healthy, windows) if healthy is not None else len(windows)
     if error <= max(WANTED, reference.floor):
-        outcome = OK
-    elif seen < len(windows):
+        outcome = OK if reference.floor <= BLURRED else UNJUDGED
+    elif strides and seen < len(windows):
         outcome = SKIPPED
     elif opened > MORE_OFTEN * of_reference + OFTEN:
         outcome = CHATTER

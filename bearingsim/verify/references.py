@@ -39,7 +39,7 @@ def packed(y: np.ndarray, places: np.ndarray) -> np.ndarray:
 
 
 @jit
-def unpack(x, places, y):
+def unpack(x: np.ndarray, places: np.ndarray, y: np.ndarray) -> None:
     """Put the vector ``x`` into the buffer's state."""
     n = len(places)
     for i in range(n):
@@ -48,7 +48,7 @@ def unpack(x, places, y):
 
 
 @jit
-def slopes(model, t, x, places, y, out):
+def slopes(model: Any, t: float, x: np.ndarray, places: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
     """dx/dt (2 n,) into ``out``."""
     n = len(places)
     unpack(x, places, y)

@@ -1,9 +1,9 @@
 """Scenes of the stability map: a loaded roller crosses three pits, with any stiffness and any damping.
 
-The NF308 at 1800 rpm under 150 N, for 2.2 ms from rest. The pits lie 0.6 ms apart on the outer race, about the load
-line, so that one roller crosses all of them near its largest load; the first 0.5 ms are calm, and a method that
-chooses its steps has made them long by then. One law for all, k delta^(10/9) + c v delta^m3, so that each model is
-compiled once for each method.
+The NF308 at 1800 rpm under 150 N, for 2.2 ms from rest. The pits lie 0.6 ms apart on the outer race, about the
+load line, so that one roller crosses all of them near its largest load; the first 0.5 ms are calm, and a method
+that chooses its steps has made them long by then. One law for all, k delta^(10/9) + c v delta^m3, so that each
+model is compiled once for each method.
 """
 
 from math import degrees
@@ -48,16 +48,19 @@ def case_of(scene: Scene) -> Case:
     """The case of a scene, but for its method and step."""
     law = {"law": "general", "coefficient": scene.c, "indentation_exponent": scene.m3}
     stiffness = {"law": "constant", "coefficient": scene.k, "exponent": EXPONENT}
-    base: dict[str, Any] = {"bearing": "nf308", "speed": "1800 rpm", "load": LOAD, "model": scene.model}
-    healthy = Case.model_validate(base | {"contact": {"stiffness": stiffness, "damping": law}})
-    omega_c = build.geometry.bearing(healthy).omega_c
-    given = dict(PITS[scene.pit])
+    return crossing(scene.model, scene.pit, {"stiffness": stiffness, "damping": law})
+
+
+def crossing(model: str, pit: str, contact: dict[str, Any], late: float = 0.0) -> Case:
+    """The case of a loaded roller that crosses three pits, ``late`` s later than at ``MIDDLES``."""
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": LOAD, "model": model, "contact": contact}
+    omega_c = build.geometry.bearing(Case.model_validate(base)).omega_c
+    given = dict(PITS[pit])
     excitation = given.pop("excitation", "envelope")
     middle = MIDDLES[len(MIDDLES) // 2]
     pits = [SLOT | given | {"angle": f"{degrees(omega_c * (t - middle))} deg"} for t in MIDDLES if given]
-    start = {"start_angle": f"{degrees(-omega_c * middle)} deg"}
-    parts = {"contact": healthy.contact.model_dump(), "defects": pits, "excitation": excitation}
-    return Case.model_validate(base | parts | start)
+    start = f"{degrees(-omega_c * (middle + late))} deg"
+    return Case.model_validate(base | {"defects": pits, "excitation": excitation, "start_angle": start})
 
 
 SAMPLES = round(SPAN / FINE)

@@ -1,0 +1,192 @@
+"""The map of where each method fails: a row of panels for each method, a column for each stiffness.
+
+A cell is a run; its colour and mark are its class. Drawn from the rows of ``stability.csv``, none left out.
+"""
+
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+
+from bearingsim.plots.style import RC
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+__all__ = ["draw", "draw_all", "figure"]
+
+COLUMN_IN, ROW_IN, HEAD_IN, FOOT_IN = 2.45, 0.98, 1.0, 0.95
+
+
+class Look(NamedTuple):
+    """Colour of a class, and the mark that tells it in grey print."""
+
+    colour: str
+    mark: str = ""
+    ink: str = "black"
+
+
+LOOKS: dict[str, Look] = {
+    "ok": Look("#0072B2"),
+    "inaccurate": Look("#9BD0F0"),
+    "chatter": Look("#E69F00", "$\\sim$"),
+    "blow-up": Look("#D55E00", "x", "white"),
+    "skipped": Look("#CC79A7", "o", "white"),
+    "stalled": Look("#222222", "s", "white"),
+    "refused": Look("#999999", "_"),
+    "too slow": Look("#DDDDDD", "."),
+    "no reference": Look("#FFFFFF", "$?$"),
+}
+MEANING = {
+    "ok": "ok (within 1 %)",
+    "stalled": "stalled, gave up",
+    "too slow": "too slow",
+    "skipped": "skipped a pit",
+}
+
+
+class Entry(NamedTuple):
+    """Of the legend: artists drawn over each other, and their label."""
+
+    handles: tuple[Any, ...]
+    label: str
+
+
+def draw_all(path: Path) -> list[Path]:
+    """Draw every model and pit of a CSV file, beside it; the files."""
+    import pandas as pd
+
+    table = pd.read_csv(path)
+    found = table[["model", "pit"]].drop_duplicates().itertuples(index=False)
+    return [file for model, pit in found for file in draw(table, model, pit, path.parent / _name(model, pit))]
+
+
+def _name(model: str, pit: str) -> str:
+    return f"stability-{model}-{pit.replace(' ', '-')}"
+
+
+def draw(table: "pd.DataFrame", model: str, pit: str, path: Path) -> list[Path]:
+    """Draw the map of one model and pit: methods that have a step, then those with a tolerance; the files."""
+    chosen = table[(table["model"] == model) & (table["pit"] == pit)]
+    made = []
+    for axis, ending in (("step", "steps"), ("tolerance", "tolerances")):
+        rows = chosen[chosen[axis].notna()]
+        if len(rows):
+            file = path.with_name(f"{path.name}-{ending}.png")
+            with matplotlib.rc_context(RC | {"axes.grid": False, "font.size": 8.0}):
+                figure(rows, axis, f"{model}, {pit}").savefig(file)
+            made.append(file)
+    return made
+
+
+def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
+    methods, stiffness = list(dict.fromkeys(rows["method"])), sorted(rows["k"].unique())
+    damping = sorted({(m3, c) for m3, c in zip(rows["m3"], rows["c"], strict=True)})
+    settings = sorted(rows[axis].unique(), reverse=axis == "tolerance")
+    size = COLUMN_IN * len(stiffness) + 1.3, ROW_IN * len(methods) + HEAD_IN + FOOT_IN
+    canvas = Canvas(figsize=size, layout="constrained")
+    panels = canvas.subplots(len(methods), len(stiffness), sharex=True, sharey=True, squeeze=False)
+    for i, method in enumerate(methods):
+        for j, k in enumerate(stiffness):
+            ax = panels[i][j]
+            cells = rows[(rows["method"] == method) & (rows["k"] == k)]
+            _panel(ax, cells, axis, damping, settings)
+            if j == 0:
+                ax.set_ylabel(method, rotation=0, ha="right", va="center", labelpad=8, fontsize=8.5)
+            if i == 0:
+                ax.set_title(_stiffness(k), fontsize=8.5, pad=16)
+                _laws(ax, damping)
+            if i == len(methods) - 1:
+                ax.set_xlabel("damping, N s/mm$^{1+m_3}$", fontsize=8)
+    against = "step (µs)" if axis == "step" else "relative tolerance"
+    canvas.suptitle(
+        f"{title}: what becomes of a short run, by {against} and damping", x=0.01, ha="left", fontsize=10
+    )
+    entries = _legend(rows, axis == "step")
+    canvas.legend(
+        [entry.handles for entry in entries],
+        [entry.label for entry in entries],
+        loc="outside lower left",
+        ncols=4 if len(stiffness) > 2 else 3,
+        handlelength=1.6,
+    )
+    return canvas
+
+
+def _panel(ax: "Axes", cells: "pd.DataFrame", axis: str, damping: list, settings: list[float]) -> None:
+    column, row = {d: n for n, d in enumerate(damping)}, {s: n for n, s in enumerate(settings)}
+    for cell in cells.to_dict("records"):
+        x, y, look = column[cell["m3"], cell["c"]], row[cell[axis]], LOOKS[cell["class"]]
+        ax.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=look.colour, edgecolor="white", lw=0.4))
+        if look.mark:
+            ax.plot(x, y, marker=look.mark, color=look.ink, ms=2.6, mew=0.6, ls="none")
+        if cell["measure"] == "RMS":
+            ax.plot([x + 0.28, x + 0.46], [y - 0.42, y - 0.42], color="white", lw=1.0)
+    if axis == "step":
+        _limit(ax, cells, column, settings)
+    ax.set_xlim(-0.5, len(damping) - 0.5)
+    ax.set_ylim(-0.5, len(settings) - 0.5)
+    ax.set_xticks(range(len(damping)), [_power(c) for _, c in damping], fontsize=6.5)
+    shown = [n for n in range(len(settings)) if len(settings) < 7 or n % 3 == 0]
+    labels = [f"{1e6 * settings[n]:g}" if axis == "step" else _power(settings[n]) for n in shown]
+    ax.set_yticks(shown, labels, fontsize=6.5)
+    ax.tick_params(length=1.5, pad=1.5)
+    for n, (before, after) in enumerate(pairwise(damping)):
+        if before[0] != after[0]:
+            ax.axvline(n + 0.5, color="black", lw=0.8)
+
+
+def _limit(ax: "Axes", cells: "pd.DataFrame", column: dict, settings: list[float]) -> None:
+    """The theoretical limit over each damping: a bar between the last step below it and the first above."""
+    logs = np.log(settings)
+    for (m3, c), group in cells.groupby(["m3", "c"]):
+        limit, x = float(group["step_limit"].iloc[0]), column[m3, c]
+        if np.isfinite(limit):
+            y = np.interp(np.log(limit), logs, np.arange(len(logs)), left=-0.42, right=len(logs) - 0.58)
+            for colour, width in (("white", 3.0), ("black", 1.5)):
+                ax.plot([x - 0.46, x + 0.46], [y, y], color=colour, lw=width, solid_capstyle="butt", zorder=5)
+
+
+def _laws(ax: "Axes", damping: list[tuple[float, float]]) -> None:
+    """The exponent m3 over the columns that have it."""
+    for m3 in sorted({m3 for m3, _ in damping}):
+        at = [n for n, one in enumerate(damping) if one[0] == m3]
+        ax.annotate(
+            f"$m_3$ = {m3:g}", (np.mean(at), 1.0), (0, 2), xycoords=("data", "axes fraction"),
+            textcoords="offset points", ha="center", va="bottom", fontsize=7,
+        )  # fmt: skip
+
+
+def _stiffness(k: float) -> str:
+    words = {1e8: "printed", 733850.0: "steel"}
+    name = next((word for value, word in words.items() if abs(k / value - 1.0) < 1e-3), "")
+    return f"{name + ': ' if name else ''}k = {_power(k)} N/mm$^{{10/9}}$"
+
+
+def _power(value: float) -> str:
+    exponent = int(np.floor(np.log10(value) + 1e-9))
+    mantissa = value / 10.0**exponent
+    return f"$10^{{{exponent}}}$" if abs(mantissa - 1.0) < 1e-6 else f"${mantissa:.1f}\\cdot10^{{{exponent}}}$"
+
+
+def _legend(rows: "pd.DataFrame", limit: bool) -> list[Any]:
+    """An entry for each class that occurs, for the limit, and for what is judged by its RMS."""
+    entries: list[Any] = []
+    for name, look in LOOKS.items():
+        if (rows["class"] == name).any():
+            patch = Line2D([], [], marker="s", ms=9, ls="none", mfc=look.colour, mec="0.7")
+            mark = Line2D([], [], marker=look.mark or "None", ms=4, ls="none", color=look.ink, mew=0.8)
+            entries.append(Entry((patch, mark), MEANING.get(name, name)))
+    if limit:
+        line = Line2D([], [], color="black", lw=1.5)
+        entries.append(Entry((line,), "limit by theory, at rest"))
+    if (rows["measure"] == "RMS").any():
+        back = Line2D([], [], marker="s", ms=9, ls="none", mfc="0.6", mec="0.7")
+        entries.append(Entry((back, Line2D([], [], color="white", lw=1.2)), "white bar: chaotic, judged by RMS"))
+    return entries

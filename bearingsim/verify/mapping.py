@@ -1,0 +1,91 @@
+"""A whole stability map: units of work spread over processes, rows written as they come."""
+
+import csv
+import sys
+import time
+from collections.abc import Generator, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from bearingsim.runner.progress import duration
+from bearingsim.verify.stability import Grid, Material, count, map_of, materials, warm
+
+NAME = "stability.csv"
+LINE_EVERY_S = 5.0
+
+
+def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: Path, jobs: int) -> Path:
+    """Compute the map into ``folder``, which is made; the CSV, one row per cell. Told on stderr how far it is.
+
+    A run that is interrupted leaves the rows it has.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / NAME
+    _compile(models, methods, grid)
+    total, began, last, done = count(models, methods, grid), time.monotonic(), 0.0, 0
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table: csv.DictWriter | None = None
+        try:
+            for row in _rows(materials(models, grid), methods, grid, jobs):
+                if table is None:
+                    table = csv.DictWriter(file, list(row))
+                    table.writeheader()
+                table.writerow({name: _text(value) for name, value in row.items()})
+                done += 1
+                if time.monotonic() - last > LINE_EVERY_S:
+                    file.flush()
+                    last = time.monotonic()
+                    _tell(done, total, last - began)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(f"interrupted: {path} has {done} of {total} cells") from None
+    return path
+
+
+def _compile(models: Sequence[str], methods: Sequence[str], grid: Grid) -> None:
+    """Compile here once, so that no worker does and no cell is slow for it."""
+    for model in models:
+        for method in warm(model, methods, grid):
+            print(f"getting ready: {model}, {method}", file=sys.stderr, flush=True)
+
+
+def _rows(
+    units: Sequence[Material], methods: Sequence[str], grid: Grid, jobs: int
+) -> Generator[dict[str, Any], None, None]:
+    if jobs == 1:
+        for unit in units:
+            yield from map_of(unit, methods, grid)
+        return
+    from joblib import Parallel, delayed, parallel_config
+
+    with parallel_config("loky", inner_max_num_threads=1):
+        pool = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
+    for rows in pool(delayed(_whole)(unit, methods, grid) for unit in units):
+        yield from rows
+
+
+def _whole(unit: Material, methods: Sequence[str], grid: Grid) -> list[dict[str, Any]]:
+    return list(map_of(unit, methods, grid))
+
+
+def _text(value: Any) -> Any:
+    """Numbers with six digits, no more than they have."""
+    if isinstance(value, float):
+        return "" if value != value else f"{value:.6g}"
+    return value
+
+
+def _tell(done: int, total: int, elapsed: float) -> None:
+    left = duration(elapsed * (total - done) / done)
+    print(f"{done}/{total} cells, about {left} left", file=sys.stderr, flush=True)
+
+
+def summary(path: Path) -> Iterator[tuple[str, ...]]:
+    """Rows of a table: model, method, and how many cells are of each class."""
+    import pandas as pd
+
+    from bearingsim.verify.judge import CLASSES
+
+    table = pd.read_csv(path)
+    for (model, method), group in table.groupby(["model", "method"], sort=False):
+        counts = group["class"].value_counts()
+        yield (str(model), str(method), *(str(int(counts.get(name, 0))) for name in CLASSES))
