@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -133,10 +134,12 @@ def _long_enough(setup: Setup, proven: Proof, tape: Tape) -> None:
     """Refuse the record of a chaotic motion that is too short for its RMS to be worth 1 %."""
     error = proof.uncertain(setup.case, setup.cut, tape) if proven.chaotic else 0.0
     if error > proof.CERTAIN:
-        longer = setup.case.duration * min((error / proof.CERTAIN) ** 2, 100.0)
+        known = isfinite(error)
+        worth = f"uncertain by {error:.1%}" if known else "of unknown worth"
+        longer = f" of {setup.case.duration * (error / proof.CERTAIN) ** 2:.2g} s" if known else ""
         raise SimulationError(
-            f"the motion is chaotic, and the RMS of {setup.case.duration:.3g} s of it uncertain by {error:.1%}",
-            f"take a `duration` of {longer:.2g} s, or say `prove: false`",
+            f"the motion is chaotic, and the RMS of {setup.case.duration:.3g} s of it {worth}",
+            f"take a longer `duration`{longer}, or say `prove: false`",
         )
 
 
