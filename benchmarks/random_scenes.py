@@ -3,8 +3,8 @@
     python benchmarks/random_scenes.py [--scenes 300] [--seed 5] [--jobs 2] [--csv FILE]
 
 Scenes are drawn over wide ranges (``draw``): load, clearance, speed, stiffness, damping, pits, models. Each is run
-as a user would run it, but for 0.15 s only, and a job may take half a minute. Then it is run again with the method that
-was chosen, half the step and a tenth of the tolerance, and the fault's line and the RMS are compared. Outcomes:
+as a user would run it, but for 0.15 s only, and a job may take half a minute. Then it is run again with the method
+that was chosen, half the step and a tenth of the tolerance; the fault's line and the RMS are compared. Outcomes:
 
 converged   the line changes by less than 1 % (a line under a tenth of the RMS: by less than 0.1 % of the RMS),
             and the RMS too; where the run said that the motion is chaotic, the RMS alone

@@ -216,9 +216,7 @@ def methods(plan: Plan) -> list[str]:
 
     proven = [proof.wanted(one.job.case) for one in plan.everything]
     if any(proven):
-        told.append(
-            "each step is proven on its run's beginning, and shortened where half of it changes the line by 1 %"
-        )
+        told.append("each step is proven on its run's beginning: half of it may change line and RMS by 1 %")
     return told
 
 
