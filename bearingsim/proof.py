@@ -147,11 +147,11 @@ def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:
 
 
 def leads_elsewhere(beside: np.ndarray, apart: np.ndarray, adaptive: bool) -> bool:
-    """Whether a motion is chaotic, by what a nudge changes (by ball pass, over the RMS), and half the step (``apart``).
+    """Whether a motion is chaotic, by what a nudge (``beside``) and half the step (``apart``) change by ball pass.
 
-    A motion that repeats itself forgets a nudge. An adaptive method answers it with other steps, which changes what
-    it finds by its tolerance; that shrinks with the tolerance: where the finer run still parts from its nudged twin
-    as it does from the coarse run, the motion itself does it.
+    Both over the RMS. A motion that repeats itself forgets a nudge. An adaptive method answers it with other steps,
+    which changes what it finds by its tolerance; that shrinks with the tolerance: where the finer run still parts
+    from its nudged twin as it does from the coarse run, the motion itself does it.
     """
     if adaptive:
         return bool(beside[-1] > PARTED and beside[-1] > NO_LESS * apart[-1])
