@@ -150,9 +150,9 @@ def leads_elsewhere(beside: np.ndarray, apart: np.ndarray, adaptive: bool) -> bo
     """Whether a motion is chaotic, by what a nudge (``beside``) and half the step (``apart``) change by ball pass.
 
     Both over the RMS. A motion that repeats itself forgets a nudge. An adaptive method answers it with other steps,
-    which changes what it finds by its tolerance; that shrinks with the tolerance: where the finer run still parts
+    which changes what it finds by its tolerance. That shrinks with the tolerance: where the finer run parts
     from its nudged twin as it does from the coarse run, the motion itself does it.
     """
     if adaptive:
         return bool(beside[-1] > PARTED and beside[-1] > NO_LESS * apart[-1])
-    return bool(beside[-1] > PARTED or (beside[-1] > 1e3 * NUDGE and beside[-1] > GROWN * beside[0]))
+    return bool(beside[-1] > PARTED or (beside[-1] > 10.0 * NUDGE and beside[-1] > GROWN * beside[0]))

@@ -14,6 +14,7 @@ else        the third outcome: there must be none
 
 import argparse
 import csv
+import os
 import sys
 import time
 from collections import Counter
@@ -144,21 +145,21 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=5)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--csv")
-    parser.add_argument("--verbose", action="store_true")
     options = parser.parse_args()
     numbers = range(options.first, options.first + options.scenes)
-    rows = []
-    for row in Parallel(options.jobs, return_as="generator")(delayed(judge)(n, options.seed) for n in numbers):
-        rows.append({key: f"{value:.4g}" if isinstance(value, float) else value for key, value in row.items()})
-        if options.verbose or row["outcome"] not in ("converged", "refused"):
-            print(", ".join(f"{key} {value}" for key, value in rows[-1].items()), flush=True)
-    counts = Counter(row["outcome"] for row in rows)
+    counts: Counter[str] = Counter()
+    with open(options.csv or os.devnull, "w", newline="") as target:
+        table = csv.DictWriter(target, SCENE + PIT + FOUND, lineterminator="\n")
+        table.writeheader()
+        pool = Parallel(options.jobs, return_as="generator_unordered")
+        for row in pool(delayed(judge)(n, options.seed) for n in numbers):
+            counts[row["outcome"]] += 1
+            told = {key: f"{value:.4g}" if isinstance(value, float) else value for key, value in row.items()}
+            table.writerow(told)
+            target.flush()
+            if row["outcome"] not in ("converged", "refused"):
+                print(", ".join(f"{key} {value}" for key, value in told.items()), flush=True)
     print(", ".join(f"{count} {outcome}" for outcome, count in sorted(counts.items())))
-    if options.csv:
-        with open(options.csv, "w", newline="") as target:
-            table = csv.DictWriter(target, SCENE + PIT + FOUND, lineterminator="\n")
-            table.writeheader()
-            table.writerows(rows)
     sys.exit(bool(set(counts) - {"converged", "refused"}))
 
 
