@@ -149,7 +149,7 @@ def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:
 def leads_elsewhere(beside: np.ndarray, apart: np.ndarray, adaptive: bool) -> bool:
     """Whether a motion is chaotic, by what a nudge (``beside``) and half the step (``apart``) change by ball pass.
 
-    Both over the RMS. A motion that repeats itself forgets a nudge. An adaptive method answers it with other steps,
+    Both over the RMS. A motion that repeats itself forgets a nudge. An adaptive method answers it by other steps,
     which changes what it finds by its tolerance. That shrinks with the tolerance: where the finer run parts
     from its nudged twin as it does from the coarse run, the motion itself does it.
     """
