@@ -6,20 +6,18 @@ have. Where the two part as they go on, a third pilot, whose ring starts 1e-10 o
 why: if it parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
 """
 
-from dataclasses import dataclass
-from math import ceil, inf, nan, pi, sqrt
+from dataclasses import dataclass, replace
+from math import ceil, nan, pi, sqrt
 
 import numpy as np
 
-from bearingsim import features
-from bearingsim.choose import Grid
+from bearingsim import build, features
 from bearingsim.config import Case
 from bearingsim.config.names import LINES
-from bearingsim.features import Tape
 from bearingsim.integration import Setup, integrate, set_up
 
 HELD = 0.01
-"""The most that half the step may change the line, or the RMS where the motion is chaotic."""
+"""The most that half the step may change line and RMS; where the motion is chaotic, the RMS alone."""
 
 FORGOTTEN = 1  # ball passes at the start of a pilot that do not count
 FEWEST, SHORTEST = 4, 5e-3  # ball passes, and s, that count
@@ -28,23 +26,25 @@ TURNING = 1 / 8  # where it must see a pit turn through the load zone
 LOUD = 0.1  # a line under this part of the RMS is measured by it
 APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
 NUDGE = 1e-10  # of the ring's displacement at the start; a motion that repeats itself soon forgets it
-CERTAIN = 0.003  # standard error of a chaotic record's RMS: two such records then agree to 1 % (2.4 deviations)
-FEWEST_STRETCHES, MOST_STRETCHES = 5, 20
+SURE = 2.5  # standard deviations
 GROWN, PARTED = 3.0, 1e-4  # from the first pass that counts to the last; of the RMS
+NO_LESS = 0.3  # of what a tenth of the tolerance changes
 
 
 @dataclass(frozen=True)
 class Proof:
-    """What half the step (or a tenth of the tolerance) changes.
+    """What half the step (and a tenth of the tolerance) changes.
 
     line, rms: relative change of the fault's line (of the worst, if there are several) and of the RMS; chaotic:
-    whether a start 1e-10 beside leads elsewhere; passes: ball passes that were compared.
+    whether a start 1e-10 beside leads elsewhere; noise: standard deviation of the RMS's relative change over the
+    pilot that chaos alone brings about; scatter: the same over the whole record.
     """
 
     line: float
     rms: float
-    chaotic: bool
-    passes: int
+    chaotic: bool = False
+    noise: float = 0.0
+    scatter: float = 0.0
 
     @property
     def error(self) -> float:
@@ -53,11 +53,16 @@ class Proof:
 
     @property
     def holds(self) -> bool:
-        """Whether the step can be trusted."""
-        return bool(self.error <= HELD)
+        """Whether the step can be trusted: what it changes is small, or no more than chaos does anyway."""
+        return bool(self.error <= max(HELD, SURE * self.noise))
+
+    @property
+    def long_enough(self) -> bool:
+        """Whether the record holds so much of a chaotic motion that its RMS is worth 1 %."""
+        return bool(SURE * self.scatter <= HELD)
 
 
-UNPROVEN = Proof(nan, nan, False, 0)
+UNPROVEN = Proof(nan, nan)
 
 
 def wanted(case: Case) -> bool:
@@ -72,14 +77,22 @@ def prove(case: Case, part: float) -> Proof:
     one, other = velocities(coarse, passes), velocities(fine, passes)
     scale = float(np.std(other)) or 1.0
     lines = [amplitude(coarse, name, passes, one, other) for name in fault_lines(case)]
-    apart = by_pass(one - other, passes).max() / scale
-    chaotic = bool(apart > APART) and parts(by_pass(one - velocities(coarse, passes, NUDGE), passes) / scale)
-    return Proof(
+    found = Proof(
         line=float(max(abs(a - b) / max(abs(b), LOUD * scale) for a, b in lines)),
         rms=float(abs(np.std(one) / scale - 1.0)),
-        chaotic=chaotic,
-        passes=passes,
     )
+    apart = by_pass(one - other, passes) / scale
+    if not apart.max() > APART:
+        return found
+    twin, nudged = (fine, other) if build.method_kind(case).adaptive else (coarse, one)
+    beside = velocities(twin, passes, NUDGE)
+    if not leads_elsewhere(by_pass(nudged - beside, passes) / scale, apart, build.method_kind(case).adaptive):
+        return found
+    powers = [by_pass(series, passes) ** 2 / scale**2 for series in (one, other, beside)]
+    between = np.concatenate([powers[0] - powers[1], powers[1] - powers[2], powers[2] - powers[0]])
+    noise = 0.5 * float(np.sqrt(np.mean(between**2)))
+    whole = max(1.0, case.duration * coarse.cut.rate)
+    return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=noise / sqrt(whole))
 
 
 def pilot(case: Case) -> tuple[Case, int]:
@@ -133,22 +146,13 @@ def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:
     return np.sqrt(np.mean(whole**2, axis=1))
 
 
-def uncertain(case: Case, cut: Grid, tape: Tape) -> float:
-    """The relative standard error of a record's RMS where the motion is chaotic; inf if it is too short to tell.
+def leads_elsewhere(beside: np.ndarray, apart: np.ndarray, adaptive: bool) -> bool:
+    """Whether a motion is chaotic, by what a nudge (``beside``) and half the step (``apart``) change by ball pass.
 
-    From the scatter of the power between stretches of the record, each of whole turns of the pit.
+    Both over the RMS. A motion that repeats itself forgets a nudge. An adaptive method answers it by other steps,
+    which changes what it finds by its tolerance. That shrinks with the tolerance: where the finer run parts
+    from its nudged twin as it does from the coarse run, the motion itself does it.
     """
-    start, length = tape.zero + features.first_sample(case, cut), int(case.duration * cut.fine_rate)
-    velocity = features.along_sensor(case, tape.fine[:, start : start + length], "velocity")
-    turn = max([TURN_OF[defect.race](case) for defect in case.defects] + [1.0 / cut.rate])
-    stretches = min(MOST_STRETCHES, int(case.duration / turn))
-    if stretches < FEWEST_STRETCHES:
-        return inf
-    size = int(int(case.duration / turn) // stretches * turn * cut.fine_rate)
-    power = np.mean((velocity[: stretches * size] - velocity.mean()).reshape(stretches, size) ** 2, axis=1)
-    return float(0.5 * power.std(ddof=1) / power.mean() / sqrt(stretches))
-
-
-def parts(beside: np.ndarray) -> bool:
-    """Whether what a nudge changes, by ball pass and over the RMS, grows instead of being forgotten."""
+    if adaptive:
+        return bool(beside[-1] > PARTED and beside[-1] > NO_LESS * apart[-1])
     return bool(beside[-1] > PARTED or (beside[-1] > 10.0 * NUDGE and beside[-1] > GROWN * beside[0]))

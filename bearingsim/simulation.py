@@ -101,7 +101,6 @@ def _simulate(attempt: choose.Attempt, began: float) -> Record:
     setup = set_up(case, part)
     proven = _proven(setup)
     tape = integrate(setup)
-    _long_enough(setup, proven, tape)
     sampled = _resampled(case, setup.cut, tape) if case.antialias else tape.picked
     instants = np.arange(choose.samples(case)) / case.sampling
     return Record(
@@ -118,6 +117,7 @@ def _proven(setup: Setup) -> Proof:
         return proof.UNPROVEN
     found = proof.prove(setup.case, setup.part)
     if found.holds:
+        _long_enough(setup, found)
         return found
     finer = "half the step" + " and a tenth of the tolerance" * build.method_kind(setup.case).adaptive
     what = "RMS" if found.chaotic else "line of the fault" if found.line > found.rms else "RMS"
@@ -129,20 +129,21 @@ def _proven(setup: Setup) -> Proof:
     )
 
 
-def _long_enough(setup: Setup, proven: Proof, tape: Tape) -> None:
+def _long_enough(setup: Setup, proven: Proof) -> None:
     """Refuse the record of a chaotic motion that is too short for its RMS to be worth 1 %."""
-    error = proof.uncertain(setup.case, setup.cut, tape) if proven.chaotic else 0.0
-    if error > proof.CERTAIN:
-        longer = setup.case.duration * min((error / proof.CERTAIN) ** 2, 100.0)
-        raise SimulationError(
-            f"the motion is chaotic, and the RMS of {setup.case.duration:.3g} s of it uncertain by {error:.1%}",
-            f"take a `duration` of {longer:.2g} s, or say `prove: false`",
-        )
+    if proven.long_enough:
+        return
+    longer = setup.case.duration * (proof.SURE * proven.scatter / proof.HELD) ** 2
+    raise SimulationError(
+        f"the motion is chaotic, and the RMS of {setup.case.duration:.2g} s of it uncertain by"
+        f" {proof.SURE * proven.scatter:.1%}",
+        f"take a `duration` of {longer:.2g} s, or say `prove: false`",
+    )
 
 
 def _told(proven: Proof) -> dict[str, float]:
     """A proof as features."""
-    chaotic = float(proven.chaotic) if proven.passes else float("nan")
+    chaotic = float("nan") if proven is proof.UNPROVEN else float(proven.chaotic)
     return {"step_error.line": proven.line, "step_error.rms": proven.rms, "chaotic": chaotic}
 
 

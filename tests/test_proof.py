@@ -56,10 +56,19 @@ def test_chaos_is_told_from_a_motion_that_repeats_itself() -> None:
 
 
 def test_where_the_motion_is_chaotic_only_the_rms_counts() -> None:
-    assert Proof(line=0.5, rms=0.003, chaotic=True, passes=4).holds
-    assert not Proof(line=0.5, rms=0.003, chaotic=False, passes=4).holds
-    assert not Proof(line=0.0, rms=0.02, chaotic=True, passes=4).holds
+    assert Proof(line=0.5, rms=0.003, chaotic=True).holds
+    assert not Proof(line=0.5, rms=0.003, chaotic=False).holds
+    assert not Proof(line=0.0, rms=0.02, chaotic=True).holds
+    assert Proof(line=0.0, rms=0.02, chaotic=True, noise=0.01).holds  # no more than chaos does
     assert not proof.UNPROVEN.holds
+
+
+def test_a_chaotic_record_that_is_too_short_for_its_rms_is_refused() -> None:
+    found = Proof(line=0.5, rms=0.003, chaotic=True, noise=0.02, scatter=0.008)
+    with mock.patch.object(proof, "prove", return_value=found), pytest.raises(SimulationError) as caught:
+        simulate(case())
+    assert "the motion is chaotic, and the RMS of 0.08 s of it uncertain by 2.0%" in caught.value.reason
+    assert "take a `duration` of 0.32 s" in caught.value.advice
 
 
 def test_a_step_that_is_too_long_is_halved_until_it_is_proven() -> None:
@@ -80,7 +89,7 @@ def proof_of(given: Any, step: float, part: float) -> Proof:
 
 
 def test_a_step_that_is_never_proven_fails_the_job_with_a_reason() -> None:
-    hopeless = Proof(line=0.2, rms=0.05, chaotic=False, passes=4)
+    hopeless = Proof(line=0.2, rms=0.05, chaotic=False)
     with (
         mock.patch.object(proof, "prove", return_value=hopeless) as tried,
         pytest.raises(SimulationError) as caught,
@@ -92,8 +101,8 @@ def test_a_step_that_is_never_proven_fails_the_job_with_a_reason() -> None:
 
 
 def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
-    hopeless = Proof(line=0.2, rms=0.05, chaotic=False, passes=4)
-    fine = Proof(line=0.001, rms=0.001, chaotic=False, passes=4)
+    hopeless = Proof(line=0.2, rms=0.05, chaotic=False)
+    fine = Proof(line=0.001, rms=0.001, chaotic=False)
     with mock.patch.object(proof, "prove", side_effect=[*[hopeless] * len(SHORTENED), fine]):
         found = simulate(case(defect=SLOT))
     assert found.info["method"] != "verlet"

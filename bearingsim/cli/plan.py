@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from bearingsim.cli.screen import console, print_table, significant
 
 if TYPE_CHECKING:
-    from bearingsim.choose import Estimate
-    from bearingsim.limits import Limits
+    from bearingsim.choose import Choice, Estimate
     from bearingsim.config import Case
+    from bearingsim.limits import Limits
     from bearingsim.study import Job, Study
 
 __all__ = ["Plan", "as_json", "plan_of", "show"]
@@ -19,13 +19,14 @@ __all__ = ["Plan", "as_json", "plan_of", "show"]
 
 @dataclass(frozen=True)
 class Priced:
-    """A job with the step chosen for it (s), the limits of that step (s), and its price.
+    """A job with the method and the step (s) chosen for it, the limits of that step (s), and its price.
 
     rubbing: the most that friction can do to the most loaded roller at rest (N), and the time (s) in which it
     brings that roller to roll; nan and inf without friction.
     """
 
     job: "Job"
+    choice: "Choice"
     step: float
     limits: "Limits"
     estimate: "Estimate"
@@ -86,8 +87,10 @@ def plan_of(study: "Study", workers: int | None) -> Plan:
 def _priced(job: "Job") -> Priced:
     from bearingsim import choose
 
-    cut, limits = choose.grid(job.case), choose.limits(job.case)
-    return Priced(job, cut.step, limits, choose.estimate(job.case), rubbing(job.case, limits.rest_load))
+    case = job.case
+    cut, limits = choose.grid(case), choose.limits(case)
+    price, rubs = choose.estimate(case), rubbing(case, limits.rest_load)
+    return Priced(job, choose.choice(case), cut.step, limits, price, rubs)
 
 
 def rubbing(case: "Case", force: float) -> tuple[float, float]:
@@ -170,7 +173,7 @@ def show(plan: Plan, verbose: bool) -> None:
     rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
     print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
-    for told in [*choices(plan), *notes(study.cases())]:
+    for told in [*choices(plan), *methods(plan), *notes(study.cases())]:
         out.print(told, markup=False)
     if verbose:
         _show_cases(plan)
@@ -199,6 +202,24 @@ def choices(plan: Plan) -> list[str]:
     return [text if n == count else f"{n} of {count} cases: {text}" for text, n in found.items()]
 
 
+def methods(plan: Plan) -> list[str]:
+    """Which methods `method: auto` has chosen, and why: a text for each; and how their steps are proven."""
+    automatic = [one for one in plan.everything if one.job.case.method == "auto"]
+    found: dict[str, list[str]] = {}
+    for one in automatic:
+        found.setdefault(str(one.choice.method), []).append(one.choice.why)
+    told = [
+        f"`{name}`{f' in {len(why)} of {len(automatic)} jobs' if len(found) > 1 else ''}: {why[0]}"
+        for name, why in found.items()
+    ]
+    from bearingsim import proof
+
+    proven = [proof.wanted(one.job.case) for one in plan.everything]
+    if any(proven):
+        told.append("each step is proven on its run's beginning: half of it may change line and RMS by 1 %")
+    return told
+
+
 def _written_model(study: "Study") -> str | None:
     """The model as the study says it where it does not sweep it; the cases know only which one it came to."""
     from bearingsim.yamlfile import parse
@@ -218,7 +239,7 @@ def _counts(plan: Plan) -> str:
 def _groups(priced: Sequence[Priced]) -> dict[str, list[Priced]]:
     groups: dict[str, list[Priced]] = {}
     for one in priced:
-        groups.setdefault(" ".join(filter(None, [one.job.case.model, one.job.case.method])), []).append(one)
+        groups.setdefault(" ".join(filter(None, [one.job.case.model, one.choice.method])), []).append(one)
     return groups
 
 
@@ -280,7 +301,9 @@ def _job_entry(priced: Priced) -> dict[str, Any]:
         "healthy": job.healthy,
         "swept": job.swept,
         "model": job.case.model,
-        "method": job.case.method,
+        "method": priced.choice.method,
+        "method_asked": job.case.method,
+        "method_why": priced.choice.why,
         "least_model": ladder.least(job.case),
         "reasons": ladder.reasons(job.case),
         "step": priced.step,
