@@ -40,7 +40,7 @@ MOST_ITERATIONS = 15
 CLOSE = 1e-2  # of the tolerance: a Newton step so short is the last one, and is taken
 LEAPT, ROOT = -0.5, 0.1  # of g: a kink was leapt; near enough to the root
 HALVINGS = 60  # until a bracket is as narrow as rounding allows
-ROUNDED = 1e-12  # of a position: what rounding leaves it uncertain by, and some more
+ROUNDED = 1e-12  # of a position, and of what x moves: what rounding leaves uncertain, and some more
 BALANCED = 0.1  # of the tolerance: what may be left at a jump
 
 
@@ -60,9 +60,10 @@ def product(tolerance, equation, one, other, y, n):
     total = 0.0
     for j in range(n):
         lever = y[LEVER + j]
-        far, fast = lever * abs(y[POSITION + j]), lever * max(abs(y[START_V + j]), abs(y[VELOCITY + j]))
-        of_q = lever * alpha / (tolerance.atol_q + ROUNDED * far)
-        of_v = lever * beta / (tolerance.atol_v + tolerance.rtol * fast)
+        far, fast = abs(y[POSITION + j]), max(abs(y[START_V + j]), abs(y[VELOCITY + j]))
+        pushed = abs(y[SOUGHT + j])
+        of_q = lever * alpha / (tolerance.atol_q + ROUNDED * lever * (far + alpha * pushed))
+        of_v = lever * beta / (tolerance.atol_v + lever * (tolerance.rtol * fast + ROUNDED * beta * pushed))
         total = add(total, y[one + j] * y[other + j] * (of_q * of_q + of_v * of_v))
     return total
 
