@@ -179,7 +179,8 @@ def draw(table: list[dict[str, Any]], path: Path) -> None:
         Z = [row["rollers"] for row in some]
         [line] = axes.loglog(Z, [row["factor_us"] + row["solve_us"] for row in some], "o-", ms=3)
         axes.loglog(Z, [row["dense_us"] for row in some], "--", color=line.get_color(), lw=1)
-        axes.annotate(f" {model}: Z^{exponent(table, own):.2f}", (Z[-1], some[-1]["factor_us"] + some[-1]["solve_us"]))
+        last = some[-1]["factor_us"] + some[-1]["solve_us"]
+        axes.annotate(f" {model}: Z^{exponent(table, own):.2f}", (Z[-1], last))
     axes.set(xlabel="rollers Z", ylabel="factor and solve (µs)", title="Arrow (solid) and dense LU (dashed)")
     axes.set_xlim(12, 300)
     axes.set_xticks([13, 26, 52, 104], ["13", "26", "52", "104"])

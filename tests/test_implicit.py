@@ -1,4 +1,4 @@
-"""Implicit methods on one coordinate: order, damping of what is stiff, touch-down, and what they say when they fail."""
+"""Implicit methods on one coordinate: order, damping of what is stiff, touch-down, what they say when they fail."""
 
 from itertools import pairwise
 from math import exp, inf, pi
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bearingsim.core.contact import General, PowerLaw
-from bearingsim.core.layout import FAILED_BODY, NEXT_STOP
+from bearingsim.core.layout import FAILED_BODY
 from bearingsim.core.methods import rodas
 from bearingsim.core.methods.backward_euler import BackwardEuler
 from bearingsim.core.methods.generalised_alpha import RHO, GeneralisedAlpha, HilberHughesTaylor
@@ -52,7 +52,7 @@ def standard_form():
 
 
 def test_the_table_meets_the_conditions_of_order_four():
-    """Hairer and Wanner, Solving ODEs II, sec. IV.7, table 7.1; and the times of its stages are sums of its rows."""
+    """Hairer and Wanner, Solving ODEs II, sec. IV.7, table 7.1; and the stages' times are sums of rows."""
     alpha, gammas, b = standard_form()
     beta, one = alpha + gammas, np.ones(6)
     c, d, e = alpha @ one, gammas @ one, (alpha + gammas) @ one
@@ -112,7 +112,7 @@ def test_order_on_van_der_pol(method, order):
 
 @pytest.mark.parametrize("fault", [1e-4, 1e-3])
 def test_derivatives_that_are_a_little_wrong_cost_accuracy_not_boundedness(fault):
-    """What they leave out, as a part: the error grows by about as much of the step's work, and the motion stays."""
+    """The error grows by about the part that they leave out, and the motion stays."""
     exact = errors(STIFF, Rodas, (20, 40))[:, 1]
     wrong = errors(STIFF._replace(fault=fault), Rodas, (20, 40))[:, 1]
     assert (wrong < exact + 3.0 * fault).all()
@@ -142,7 +142,9 @@ REFERENCE = 1.706167732170483, -0.8928097010247975
 """At 2, for mu = 1000: Mazzia and Magherini, Test Set for Initial Value Problem Solvers."""
 
 
-@pytest.mark.parametrize(("method", "rtol", "error"), [(Rodas, 1e-4, 1e-3), (Rodas, 1e-7, 1e-5), (BackwardEuler, 1e-4, 5e-2)])
+@pytest.mark.parametrize(
+    ("method", "rtol", "error"), [(Rodas, 1e-4, 1e-3), (Rodas, 1e-7, 1e-5), (BackwardEuler, 1e-4, 5e-2)]
+)
 def test_stiff_van_der_pol(method, rtol, error):
     w = run(van_der_pol(1e3), method(2.0 / 50, rtol, rtol, rtol, 0.1), 2.0, 2.0, 0.0)
     assert w.failed == FINE

@@ -1,4 +1,4 @@
-"""Implicit methods on the bearing: next to Verlet at a small step, and with dashpots that no explicit method bears."""
+"""Implicit methods on the bearing: next to Verlet at a small step, and with dashpots no explicit method bears."""
 
 import numpy as np
 import pytest

@@ -5,12 +5,11 @@
 x: accelerations sought; the exact derivatives on the side that an iterate stands on. Source: Qi and Sun, A
 nonsmooth version of Newton's method, Math. Programming 58 (1993).
 
-The line search looks at g(s) = -<step, S^-1 r(x + s step)>/<step, step>, which falls from 1 to 0 where r is linear.
-Full steps are taken unless g shows that a kink was leapt (g < -1/2): a contact that closes. Then the root of g is
+The line search looks at g(s) = -<step, S^-1 r(x + s step)>/<step, step>: from 1 to 0 where r is linear. Full steps are taken unless g shows that a kink was leapt (g < -1/2): a contact that closes. Then the root of g is
 bracketed and halved; it is where the force of a steep contact sets in.
 
 Where the force jumps, as a dashpot's does at touch-down, r can leap over zero: then no x solves the equation, the
-bracket shrinks to nothing, and x is the instant of touch-down itself, where any part of the jump balances it (Filippov's
+bracket shrinks to nothing, and x is touch-down itself, where any part of the jump may balance it (Filippov's
 solution). It is taken if some part balances r in every other direction too; else the step is too long for what
 happens in it.
 """
@@ -116,7 +115,9 @@ def remaining(tolerance, model, equation, part, y, n):
     """g at ``part`` of the Newton step."""
     go(model, equation, part, y, n)
     divide(model, RESIDUAL, NATURAL, y, n)
-    return -product(tolerance, equation, NEWTON, NATURAL, y, n) / product(tolerance, equation, NEWTON, NEWTON, y, n)
+    return -product(tolerance, equation, NEWTON, NATURAL, y, n) / product(
+        tolerance, equation, NEWTON, NEWTON, y, n
+    )
 
 
 @jit
@@ -188,8 +189,8 @@ def blame(model, y):
 def find(tolerance, model, equation, y, n):
     """Solve from the guess in SOUGHT; whether that was done.
 
-    tolerance: a ``Tolerances``. BASE_Q, BASE_V, OFFSET and START are in place. Leaves the state, its accelerations,
-    and S factored; accelerations are x and the contacts those of the last iterate: within CLOSE of the tolerance.
+    tolerance: a ``Tolerances``. BASE_Q, BASE_V, OFFSET and START are in place. Leaves x in SOUGHT, positions and
+    velocities that belong to it, S factored; contacts are those of the last iterate, within CLOSE.
     """
     evaluate(model, equation, y, n)
     for _ in range(MOST_ITERATIONS):
