@@ -1,4 +1,4 @@
-"""Implicit methods on one coordinate: order, damping of what is stiff, touch-down, what they say when they fail."""
+"""Implicit methods on one coordinate: order, damping of what is stiff, touch-down, how they fail."""
 
 from itertools import pairwise
 from math import exp, inf, pi

@@ -5,8 +5,8 @@
     gamma = 1/2 - a_m + a_f,   beta = (1 - a_m + a_f)^2/4
 
 Source: Chung and Hulbert, J. Appl. Mech. 60 (1993): a_m = (2 rho - 1)/(rho + 1), a_f = rho/(rho + 1), rho the
-factor per step of infinitely fast motion. Hilber, Hughes and Taylor 1977: a_m = 0, a_f = (1 - rho)/(1 + rho). Both damp
-motion in part only: at a dashpot that sets in, what the last step held is carried on with the factor -rho.
+factor per step of infinitely fast motion. Hilber, Hughes and Taylor 1977: a_m = 0, a_f = (1 - rho)/(1 + rho). Both
+damp such motion in part only: of what a dashpot holds in one step, -rho is carried on to the next.
 
 A comparison, as multibody codes have it: its a, kept beside the state, is not f of the state, which is recorded.
 """
