@@ -72,8 +72,8 @@ class Pits(NamedTuple):
     """All meetings, packed in few arrays: each one that a function is handed costs it reference counting.
 
     head: (D, 10 + most jumps) as in ``Meeting``, then half_width (m), beyond which no roller feels the pit, used,
-    its number of groups, cusp (m), span (m), the number of jumps and their places (m); groups: (D, K, 5), padded with rows of weight zero; excitation: what a roller
-    feels of a pit (``core/excitations.py``).
+    its number of groups, cusp (m), span (m), the number of jumps and their places (m); groups: (D, K, 5), padded
+    with rows of weight zero; excitation: what a roller feels of a pit (``core/excitations.py``).
     """
 
     head: np.ndarray

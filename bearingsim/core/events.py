@@ -1,8 +1,8 @@
 """When the force on a roller jumps next: at the cusp of an envelope, or where a pulse begins or ends.
 
-At a cusp the slope of a roller's path falls, so its closing rate and with it the damping force jump; under a pulse
-the approach itself jumps. A step that looks across loses its order there, so adaptive methods stop on these places.
-The places lie in the head of each meeting (``core/defects.py``), found when it is built (``jumps_of``).
+At a cusp the slope of a roller's path falls, so its closing rate and with it the damping force jump; under a
+pulse the approach itself jumps. A step that looks across loses its order there, so adaptive methods stop on these
+places. They lie in the head of each meeting (``core/defects.py``), found when it is built (``jumps_of``).
 """
 
 from collections.abc import Sequence
@@ -39,10 +39,9 @@ def jumps_of(excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence
         for place, jump in jumps:
             at = round(place, 9) + 0.0
             found[at] = found.get(at, np.zeros(3)) + row[W] * jump
-    places, jumps = np.array([*found]), np.array([*found.values()]).reshape(-1, 3)
-    sharpness = (jumps / np.maximum(jumps.max(axis=0, initial=0.0), 1e-30)).max(
-        axis=1
-    )  # each kind beside its like
+    places, sizes = np.array([*found]), np.array([*found.values()]).reshape(-1, 3)
+    largest = np.maximum(sizes.max(axis=0, initial=0.0), 1e-30)  # each kind beside its like
+    sharpness = (sizes / largest).max(axis=1)
     sharpest = np.argsort(-sharpness, kind="stable")[:MOST_JUMPS]
     return sorted(float(places[i]) for i in sharpest if sharpness[i] > SHARP)
 
@@ -52,7 +51,7 @@ def jumps_of_group(excitation: Any, group: np.ndarray, R: float) -> list[tuple[f
     places = {0.0, float(group[B]), float(group[B] - group[X_E]), floor_from(excitation, group, R)}
     found = []
     for place in {sign * place for place in places if 0.0 <= place <= group[B] for sign in (-1.0, 1.0)}:
-        before, after = (np.array(felt(excitation, group, place + side, R)) for side in (-SIDEWAYS, SIDEWAYS))
+        before, after = (np.array(felt(excitation, group, place + d, R)) for d in (-SIDEWAYS, SIDEWAYS))
         jump = np.abs(after - before)
         smooth = 10.0 * SIDEWAYS * np.array([1.0 / group[B], 1.0, 1.0 / R]) if group[B] > 0.0 else np.full(3, inf)
         if (jump > smooth).any():
@@ -100,7 +99,7 @@ def next_cusp(model: Any, t: float, y: np.ndarray) -> float:
 
 @jit
 def way_to_jump(pits, d, s, forwards):
-    """Way (m) from ``s`` (m) to the next jump of meeting ``d`` ahead, s growing if ``forwards``; inf if none is."""
+    """Way (m) from ``s`` to the next jump of meeting ``d``, s growing if ``forwards``; inf if none is ahead."""
     least = inf
     for k in range(int(pits.head[d, JUMPS])):
         way = pits.head[d, FIRST_JUMP + k] - s
@@ -131,10 +130,10 @@ def next_cusp_evenly(model, t, y):
 
 
 def next_cusp_freely(model, t, y):
-    """``next_cusp`` of rollers that stand anywhere: of the one nearest to each meeting, from where and how it moves.
+    """``next_cusp`` of rollers that stand anywhere: of the one nearest to each meeting, from how it moves.
 
-    Left out of its speed: that the rings move across, a thousandth of it. So the time falls short by a hundredth of
-    the way, until that is ``NEAR``. Of a skewed roller its middle counts.
+    Left out of its speed: that the rings move across, a thousandth of it. So the time falls short by a hundredth
+    of the way, until that is ``NEAR``. Of a skewed roller its middle counts.
     """
     pits, b = model.pits, model.bearing
     _, rate, _ = elapsed(model.motion, t)

@@ -84,7 +84,7 @@ def nothing_more(method, model, y):
 
 
 def drive(parameters: type, order: float, more: Callable = nothing_more, end: int = STEP_FLOOR) -> None:
-    """Make a method adaptive that has ``attempt`` and ``interpolate``; parameters: with fields of ``Tolerances``.
+    """Make a method adaptive that has ``attempt`` and ``interpolate``; parameters: fields as of ``Tolerances``.
 
     order: power of the step that its estimate goes with; more: its ``complete``; end: its ``dead_end``.
     """

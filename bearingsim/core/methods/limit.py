@@ -1,9 +1,10 @@
 """How long a step an explicit method may take on q'' = -K q - C q': from what one step makes of any (q, v).
 
-The limit depends on the damping ratio zeta = C/(2 omega), omega^2 = K, alone once it is divided by that of symplectic
-Euler, h_c = (2/omega)(sqrt(1 + zeta^2) - zeta) = 4/(C + sqrt(C^2 + 4 K)), whose product with the larger of stiffness
-and damping never vanishes. The ratio is tabulated from no damping
-to no stiffness (``place``).
+The limit is tabulated over that of symplectic Euler,
+
+    h_c = (2/omega)(sqrt(1 + zeta^2) - zeta) = 4/(C + sqrt(C^2 + 4 K)),   omega^2 = K,   zeta = C/(2 omega)
+
+The ratio depends on the damping ratio alone, from no damping to no stiffness (``place``).
 """
 
 from math import acos, pi, sqrt
@@ -33,7 +34,7 @@ def place(K, C):
     """
     if C * C < 4.0 * K:
         return 0.5 - acos(0.5 * C / sqrt(K)) / pi
-    return 1.0 - K / (C * C) if C > 1e6 * sqrt(K) else 1.0 - sqrt(K) / (C + sqrt(C * C - 4.0 * K))
+    return 1.0 - K / (C * C) if 1e6 * sqrt(K) < C else 1.0 - sqrt(K) / (C + sqrt(C * C - 4.0 * K))
 
 
 @jit

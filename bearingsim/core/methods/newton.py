@@ -6,8 +6,8 @@ x: accelerations sought; the exact derivatives on the side that an iterate stand
 nonsmooth version of Newton's method, Math. Programming 58 (1993).
 
 The line search looks at g(s) = -<step, S^-1 r(x + s step)>/<step, step>: from 1 to 0 where r is linear. Full steps
-are taken unless g shows that a kink was leapt (g < -1/2): a contact that closes. Then the root of g is bracketed and
-halved; it is where the force of a steep contact sets in.
+are taken unless g shows that a kink was leapt (g < -1/2): a contact that closes. Then the root of g is bracketed
+and halved; it is where the force of a steep contact sets in.
 
 Where the force jumps, as a dashpot's does at touch-down, r can leap over zero: then no x solves the equation, the
 bracket shrinks to nothing, and x is touch-down itself, where any part of the jump may balance it (Filippov's

@@ -4,7 +4,7 @@
 
 The force sees the old velocity. On q'' = -K q - C q' the root -1 is reached where h^2 K/4 + h C/2 = 1, that is at
 h_c = (2/omega)(sqrt(1 + zeta^2) - zeta), omega^2 = K, zeta = C/(2 omega): with heavy damping twice velocity
-Verlet's limit. Source: Hairer, Lubich and Wanner, Geometric Numerical Integration, sec. I.1.2; the limit: docs/methods.md.
+Verlet's limit. Source: Hairer, Lubich and Wanner, Geometric Numerical Integration, sec. I.1.2.
 """
 
 from typing import NamedTuple
