@@ -92,9 +92,9 @@ def random_arrows(model: Sized, scatter: float | np.ndarray = 0.2) -> tuple[np.n
 
 
 def sprung(model: Sized, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A buffer with -M^-1 sum_j k_j n_j n_j^T in BY_POSITION, springs (Z, s) from each roller to the border; dense.
+    """A buffer with -M^-1 sum_j k_j n_j n_j^T in BY_POSITION, springs (Z, s) from each roller to the border.
 
-    In absolute angles. The units of coordinates, and with them M, differ by up to 1e6.
+    And this, dense. In absolute angles. The units of coordinates, and with them M, differ by up to 1e6.
     """
     own, shared, Z = model
     y, size = buffer(Z, 1.0), own * Z + shared

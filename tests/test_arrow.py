@@ -4,10 +4,10 @@ from itertools import product
 
 import numpy as np
 import pytest
-from tests.arrows import RANDOM, Sized, cells, random_arrows, sprung, turning, unused
 
 from bearingsim.core.arrow import combine, factor, multiply, solve
 from bearingsim.core.layout import BY_POSITION, BY_VELOCITY, STAGE, STATE
+from tests.arrows import RANDOM, Sized, cells, random_arrows, sprung, turning, unused
 
 SIZES = [
     Sized(own, shared, Z)

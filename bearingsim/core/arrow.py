@@ -5,19 +5,18 @@
     |           ...   ... |  | ... | = | ... |      C x_B = b_B - sum_j L_j D_j^-1 b_j
     | L_1  L_2  ...    B  |  | x_B |   | b_B |      x_j = D_j^-1 b_j - W_j x_B
 
-so that factors and solution cost as much for each roller, however many there are. Rollers lie in lanes: what is done
-to D_j is done to all rollers at once, operation by operation. Source: Golub and Van Loan, Matrix Computations,
-sections 3.2 (LU), 4.5 (block systems); the shape is also called bordered block diagonal.
+so that factors and solution cost as much for each roller, however many there are. Rollers lie in lanes: what is
+done to D_j is done to all rollers at once, operation by operation. Source: Golub and Van Loan, Matrix
+Computations, sections 3.2 (LU), 4.5 (block systems); the shape is also called bordered block diagonal.
 
-The D_j are factored without exchanging rows. They are I - beta A_v - alpha A_q of one body, near to symmetric and
-positive definite once its rows are weighted by its masses, which is where that is safe; and, unlike the choice of a
-pivot by size, it does not care that some rows are metres and some radians. The border's rows are exchanged, by size
-over the largest in its row.
+The D_j are factored without exchanging rows. They are I - beta A_v - alpha A_q of one body, near to symmetric
+and positive definite once its rows are weighted by its masses, which is where that is safe; and, unlike the choice
+of a pivot by size, it does not care that some rows are metres and some radians. The border's rows are exchanged,
+by size over the largest in its row.
 
 Matrices hold a roller's angle absolutely, theta = EPS + PHI_C; blocks of the state hold EPS. ``solve`` and
 ``multiply`` take blocks of the state and give such. In padded lanes D = 1, U = L = 0: they change nothing.
 """
-
 
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
@@ -61,7 +60,8 @@ def turned_with(model):
 @jit
 def mix(to, of_velocity, of_position, alpha, beta, y, n):
     """One row of -beta A_v - alpha A_q."""
-    made, by_velocity, by_position = y[to : to + n], y[of_velocity : of_velocity + n], y[of_position : of_position + n]
+    made = y[to : to + n]
+    by_velocity, by_position = y[of_velocity : of_velocity + n], y[of_position : of_position + n]
     for j in range(n):
         made[j] = -(beta * by_velocity[j] + alpha * by_position[j])
 
@@ -181,7 +181,7 @@ def swap(one, other, y, n):
 
 @jit
 def to_absolute(model, block, sign, y):
-    """Angles of a state block from their pockets' to absolute ones (``sign`` 1), and back (-1); not padded lanes."""
+    """Angles of a state block from their pockets' to absolute ones (``sign`` 1) or back (-1); no padded lanes."""
     turned = sign * y[block + PHI_C]
     for j in range(rollers_wide(model)):
         y[block + ROW + LANES + j] += turned if y[INVERSE_MASS + j] > 0.0 else 0.0

@@ -80,13 +80,14 @@ NEXT_STOP, H_TAKEN, LAST_ERROR, DENSE = range(LOADED + 11, LOADED + 15)
 MET, CROSSINGS = LOADED + 2 * VECTOR, LOADED + 2 * VECTOR + ROW
 BURDEN = LOADED + 2 * VECTOR + 2 * ROW  # part of the method's step limit that each watched body takes up
 
-# where rollers move freely: how the place (m) and velocity (m/s) of each, as a body sees it, change along e_r and
-# e_theta; what follows, of force along e_r, e_theta (N) and torque (N m) on it, and on the shared coordinates X to
-# Y_I; what these accelerate a roller by, and (cells) the bodies of the shared coordinates (1/kg, 1/(kg m^2))
-P_R, P_T, W_R, W_T, CHANGE_R, CHANGE_T, CHANGE_M, CHANGE_SHARED = (LINEAR + LANES + n * ROW for n in range(8))
-PER_R, PER_T, PER_M, MOBILITY, BY_OUTER, BY_INNER, BY_POCKET = (  # the last three: where rows of contacts begin
-    LINEAR + LANES + n * ROW for n in (15, 16, 17, 18, 19, 43, 67)
+# what forces and torques accelerate a roller by, and (cells) the bodies of the shared coordinates X to Y_I (1/kg,
+# 1/(kg m^2)); how the place (m) and velocity (m/s) of each roller, as a body sees it, change along e_r and e_theta;
+# what follows, of force along e_r, e_theta (N) and torque (N m) on it, and on these shared coordinates
+PER_R, PER_T, PER_M, MOBILITY, P_R, P_T, W_R, W_T, CHANGE_R, CHANGE_T, CHANGE_M, CHANGE_SHARED = (
+    LINEAR + LANES + n * ROW for n in range(12)
 )
+BY_OUTER, BY_INNER, BY_POCKET = (LINEAR + LANES + n * ROW for n in (19, 43, 67))  # rows of contacts
+WRENCHES = LINEAR + 4 * ROW  # in ``spatial``: matrices of each roller (``core/wrench.py``)
 
 # a matrix of the arrow's shape (``core/arrow.py``): rows of the rollers' own blocks, of what the border does to a
 # roller, of what a roller does to the border; cells of the border's own block

@@ -90,6 +90,36 @@ def _move_mounted_sprung(held, ring, f_z, m_x, m_y, m_z, y, z, lean_x, lean_y):
 
 
 @generic
+def mount_mobility(held: Any) -> tuple[float, float, float]:
+    """What a force accelerates the ring by along the axis (1/kg), a moment its axis (1/(kg m^2)); its I_a (kg m^2)."""
+
+
+@generic
+def mount_springs(held: Any) -> tuple[float, float, float, float]:
+    """Springs and dampers over what they hold: along the axis (1/s^2, 1/s), against leaning (1/s^2, 1/s)."""
+
+
+@mount_mobility.register(Held)
+def _mount_mobility_held(held):
+    return 0.0, 0.0, 0.0
+
+
+@mount_springs.register(Held)
+def _mount_springs_held(held):
+    return 0.0, 0.0, 0.0, 0.0
+
+
+@mount_mobility.register(Sprung)
+def _mount_mobility_sprung(held):
+    return 1.0 / held.m, 1.0 / held.I_t, held.I_a
+
+
+@mount_springs.register(Sprung)
+def _mount_springs_sprung(held):
+    return held.k_z / held.m, held.c_z / held.m, held.k_lean / held.I_t, held.c_lean / held.I_t
+
+
+@generic
 def mount_stiffness(held: Any) -> float:
     """The larger stiffness over inertia (1/s^2) of the mount's springs."""
 

@@ -1,10 +1,12 @@
-"""Backward Euler, first order, L-stable, by Newton's method (``newton.py``); its steps follow an estimate of its error.
+"""Backward Euler, first order, L-stable, by Newton's method (``newton.py``); steps by an estimate of the error.
 
     v1 = v + h a1,   q1 = q + h v1,   a1 = f(t + h, q1, v1)
 
-The error of a step is h/2 (v1 - v, a1 - a) to leading order. It is passed through (I - h J)^-1, J the derivative of
-(v, f), as the method itself passes on what it is given: what is too fast to follow decays within the step, and its
-jumps are no errors. Source: Shampine and Baca, Math. Comp. 43 (1984); Hairer and Wanner, Solving ODEs II, sec. IV.8.
+The error of a step is h/2 (v1 - v, a1 - a) to leading order. It is passed through (I - h J)^-1, J the derivative
+of (v, f), as the method itself passes on what it is given: what is too fast to follow decays within the step, and
+its jumps are no errors. Source: Shampine and Baca, Math. Comp. 43 (1984); Hairer and Wanner, Solving ODEs II,
+sec. IV.8. So velocities need no tolerance as fine as that of a dashpot's force (load/c): 1e-3 of those that matter
+will do.
 
 It holds where others fail, with dashpots of 1e9 N s/m, and damps whatever it does not follow. Recorded instants
 lie on the straight line between two ends, whose error is that of the step.
@@ -16,7 +18,17 @@ from typing import NamedTuple
 from bearingsim.core.arrow import multiply, solve
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, BY_POSITION, POSITION, STATE, VELOCITY
-from bearingsim.core.methods.adaptive import END_Q, END_V, SLOPES, START_A, START_Q, START_V, drive, error_norm, past_jumps
+from bearingsim.core.methods.adaptive import (
+    END_Q,
+    END_V,
+    SLOPES,
+    START_A,
+    START_Q,
+    START_V,
+    drive,
+    error_norm,
+    past_jumps,
+)
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
 from bearingsim.core.methods.newton import BASE_Q, BASE_V, OFFSET, SOUGHT, Equation, find
 from bearingsim.core.models.interface import width

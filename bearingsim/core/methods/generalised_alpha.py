@@ -1,12 +1,12 @@
-"""Generalised-alpha, second order, unconditionally stable on linear motion, with chosen damping of what is too fast.
+"""Generalised-alpha, second order, stable at any step on linear motion, with chosen damping of what is too fast.
 
     (1 - a_m) a1 + a_m a = f at the weighted mean (1 - a_f) of the step's end and a_f of its start
     v1 = v + h ((1 - gamma) a + gamma a1),   q1 = q + h v + h^2 ((1/2 - beta) a + beta a1)
     gamma = 1/2 - a_m + a_f,   beta = (1 - a_m + a_f)^2/4
 
-Source: Chung and Hulbert, J. Appl. Mech. 60 (1993): a_m = (2 rho - 1)/(rho + 1), a_f = rho/(rho + 1), rho the factor
-per step of infinitely fast motion. Hilber, Hughes and Taylor 1977: a_m = 0, a_f = (1 - rho)/(1 + rho). Both damp
-motion in part only: at a dashpot that sets in, what the last step held is carried on with the factor -rho.
+Source: Chung and Hulbert, J. Appl. Mech. 60 (1993): a_m = (2 rho - 1)/(rho + 1), a_f = rho/(rho + 1), rho the
+factor per step of infinitely fast motion. Hilber, Hughes and Taylor 1977: a_m = 0, a_f = (1 - rho)/(1 + rho). Both
+damp such motion in part only: of what a dashpot holds in one step, -rho is carried on to the next.
 
 A comparison, as multibody codes have it: its a, kept beside the state, is not f of the state, which is recorded.
 """

@@ -5,12 +5,12 @@
 x: accelerations sought; the exact derivatives on the side that an iterate stands on. Source: Qi and Sun, A
 nonsmooth version of Newton's method, Math. Programming 58 (1993).
 
-The line search looks at g(s) = -<step, S^-1 r(x + s step)>/<step, step>, which falls from 1 to 0 where r is linear.
-Full steps are taken unless g shows that a kink was leapt (g < -1/2): a contact that closes. Then the root of g is
-bracketed and halved; it is where the force of a steep contact sets in.
+The line search looks at g(s) = -<step, S^-1 r(x + s step)>/<step, step>: from 1 to 0 where r is linear. Full steps
+are taken unless g shows that a kink was leapt (g < -1/2): a contact that closes. Then the root of g is bracketed
+and halved; it is where the force of a steep contact sets in.
 
 Where the force jumps, as a dashpot's does at touch-down, r can leap over zero: then no x solves the equation, the
-bracket shrinks to nothing, and x is the instant of touch-down itself, where any part of the jump balances it (Filippov's
+bracket shrinks to nothing, and x is touch-down itself, where any part of the jump may balance it (Filippov's
 solution). It is taken if some part balances r in every other direction too; else the step is too long for what
 happens in it.
 """
@@ -40,7 +40,7 @@ MOST_ITERATIONS = 15
 CLOSE = 1e-2  # of the tolerance: a Newton step so short is the last one, and is taken
 LEAPT, ROOT = -0.5, 0.1  # of g: a kink was leapt; near enough to the root
 HALVINGS = 60  # until a bracket is as narrow as rounding allows
-ROUNDED = 1e-12  # of a position: what rounding leaves it uncertain by, and some more
+ROUNDED = 1e-12  # of a position, and of what x moves: what rounding leaves uncertain, and some more
 BALANCED = 0.1  # of the tolerance: what may be left at a jump
 
 
@@ -60,9 +60,10 @@ def product(tolerance, equation, one, other, y, n):
     total = 0.0
     for j in range(n):
         lever = y[LEVER + j]
-        far, fast = lever * abs(y[POSITION + j]), lever * max(abs(y[START_V + j]), abs(y[VELOCITY + j]))
-        of_q = lever * alpha / (tolerance.atol_q + ROUNDED * far)
-        of_v = lever * beta / (tolerance.atol_v + tolerance.rtol * fast)
+        far, fast = abs(y[POSITION + j]), max(abs(y[START_V + j]), abs(y[VELOCITY + j]))
+        pushed = abs(y[SOUGHT + j])
+        of_q = lever * alpha / (tolerance.atol_q + ROUNDED * lever * (far + alpha * pushed))
+        of_v = lever * beta / (tolerance.atol_v + lever * (tolerance.rtol * fast + ROUNDED * beta * pushed))
         total = add(total, y[one + j] * y[other + j] * (of_q * of_q + of_v * of_v))
     return total
 
@@ -115,7 +116,9 @@ def remaining(tolerance, model, equation, part, y, n):
     """g at ``part`` of the Newton step."""
     go(model, equation, part, y, n)
     divide(model, RESIDUAL, NATURAL, y, n)
-    return -product(tolerance, equation, NEWTON, NATURAL, y, n) / product(tolerance, equation, NEWTON, NEWTON, y, n)
+    return -product(tolerance, equation, NEWTON, NATURAL, y, n) / product(
+        tolerance, equation, NEWTON, NEWTON, y, n
+    )
 
 
 @jit
@@ -187,8 +190,8 @@ def blame(model, y):
 def find(tolerance, model, equation, y, n):
     """Solve from the guess in SOUGHT; whether that was done.
 
-    tolerance: a ``Tolerances``. BASE_Q, BASE_V, OFFSET and START are in place. Leaves the state, its accelerations,
-    and S factored; accelerations are x and the contacts those of the last iterate: within CLOSE of the tolerance.
+    tolerance: a ``Tolerances``. BASE_Q, BASE_V, OFFSET and START are in place. Leaves x in SOUGHT, positions and
+    velocities that belong to it, S factored; contacts are those of the last iterate, within CLOSE.
     """
     evaluate(model, equation, y, n)
     for _ in range(MOST_ITERATIONS):

@@ -1,4 +1,4 @@
-"""Rodas4P, a Rosenbrock method of fourth order: L-stable, stiffly accurate, six stages, and no equation to iterate on.
+"""Rodas4P, a Rosenbrock method of fourth order: L-stable, stiffly accurate, six stages, nothing to iterate on.
 
 With y = (q, v), F = (v, f), its derivative J and that by time F_t,
 
@@ -67,7 +67,7 @@ DENSE = np.array(
         [1.638054557396973, -0.7373619806678748, 8.47791821923899, 15.9925314877952, -1.882352941176471, 0.0],
     ]
 )
-AHEAD = 1e-6  # of the step: over which the growth of forces with time is measured; more costs stiff motion its order
+AHEAD = 1e-6  # of the step: over which forces' growth with time is measured; more costs stiff motion its order
 
 DRIFT, RIGHT_Q, RIGHT_V = (SLOPES + n * STATE for n in range(3))  # df/dt; right-hand sides of the stage at hand
 FIRST = SLOPES + 3 * STATE  # p and r of each stage

@@ -3,8 +3,8 @@
     (I - h A_v)(v1 - v) = h f(t, q, v),   q1 = q + h v1
 
 A comparison: real-time engines take it for its one evaluation. Heavy damping no longer limits the step, stiffness
-does: q'' = -K q - C q' grows from h^2 K = 4 + 2 h C on. With heavy dashpots its forces are wrong all the same, since
-f is taken where the dashpot was.
+does: q'' = -K q - C q' grows from h^2 K = 4 + 2 h C on. With heavy dashpots its forces are wrong all the same,
+since f is taken where the dashpot was.
 """
 
 from typing import NamedTuple

@@ -103,12 +103,15 @@ from bearingsim.core.models.interface import (
     accelerations,
     begin,
     damping_per_mass,
+    freedoms,
     keep_extremes,
+    linearise,
     stiffness_per_mass,
     watched,
     width,
 )
 from bearingsim.core.models.planar import move_outer_ring
+from bearingsim.core.models.spatial_derivatives import differentiate_in_space
 from bearingsim.core.motion import elapsed
 from bearingsim.core.mounts import hold, mount_damping, mount_stiffness, move_mounted
 from bearingsim.core.orientation import body_at, tip, upright, winding
@@ -384,6 +387,16 @@ def _damping_per_mass(model, y, j):
     loose = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t  # 1/kg: slip of an end's rim per impulse
     of_roller = max(per_mass * c, c_tilt / model.I_t, lagged(rubbing, model.lag))
     return max(of_roller + (y[RUB_F + j] + y[RUB_P + j]) * loose, held, mounted)
+
+
+@freedoms.register(Spatial)
+def _freedoms(model):
+    return 6, 17
+
+
+@linearise.register(Spatial)
+def _linearise(model, t, y):
+    differentiate_in_space(model, t, y)
 
 
 KIND = ModelKind(Spatial, loaded=True, slips=True, sliced=True, memoryless=False, per_crossing=100, cost=0.38e-6)

@@ -1,0 +1,366 @@
+"""The derivatives of ``spatial``'s accelerations: of its stiff part, to 1e-3 and better (tests say how well).
+
+What rollers feel of a body - the rings, the cage - follows from their place and velocity relative to it: a twist
+that each coordinate of roller or body makes, and matrices that answer it with a wrench (``core/wrench.py``). Wrenches
+become accelerations by Newton's and Euler's equations. Left out: how directions turn under the forces that stand
+(forces over radii), the centripetal terms of an axis that nods, and what ``core/space_slopes.py`` names.
+"""
+
+from typing import Any, NamedTuple
+
+from bearingsim.core.cage import let_go
+from bearingsim.core.cage_in_space import cage_body
+from bearingsim.core.cage_slopes import guide_change
+from bearingsim.core.jit import jit
+from bearingsim.core.layout import (
+    BY_POSITION,
+    BY_VELOCITY,
+    COS,
+    EPS_V,
+    INVERSE_MASS,
+    LEAN_X,
+    LEAN_X_I,
+    LEAN_Y,
+    LEAN_Y_I,
+    MOBILITY,
+    OMEGA,
+    PHI_C,
+    PSI,
+    SIN,
+    SKEW_V,
+    TILT_V,
+    UPRIGHT_V,
+    VELOCITY,
+    X_C,
+    X_I,
+    Z_I,
+    Q,
+    V,
+    X,
+    Z,
+    border_block,
+    from_border,
+    own_block,
+    to_border,
+)
+from bearingsim.core.models.planar_derivatives import by_own_motion, by_springs, mobilities
+from bearingsim.core.motion import elapsed
+from bearingsim.core.mounts import mount_mobility, mount_springs
+from bearingsim.core.orientation import Body, body_at
+from bearingsim.core.parameters import lanes
+from bearingsim.core.shaft import mobility
+from bearingsim.core.sides import InnerSide, OuterSide
+from bearingsim.core.space_slopes import (
+    axis_of,
+    cage_mobility_in_space,
+    seen_by,
+    touch_flanges,
+    touch_pockets,
+    touch_race,
+)
+from bearingsim.core.vectors import both, cross, dot, turning
+from bearingsim.core.wrench import BY_SPEED, TOUCHES, answer, clear_wrenches, of_roller, times
+
+OWN, SHARED = 6, 17
+RADIAL, ORBIT, SPIN, AXIAL, LEAN = range(5)  # a roller's coordinates; the axis has two
+MIDDLE, TIP, TURN = 0, 3, 5  # a body's: its centre, its axis, its angle
+OF_OUTER = (X, X + 1, 8, 11, 14, PSI)  # the bodies' shared coordinates
+OF_CAGE = (X_C, X_C + 1, 9, 12, 15, PHI_C)
+OF_INNER = (X_I, X_I + 1, 10, 13, 16, -1)
+NONE = (0.0, 0.0, 0.0)
+
+
+class Mobile(NamedTuple):
+    """A body, and what forces and moments accelerate it by.
+
+    free: coordinates in ``of``, their shared numbers; force, axial: 1/kg across the bearing's axis and along it;
+    tip, turn: 1/(kg m^2) of the axis and about it; wound: how much of the axis' winding its angle lacks; I_a: kg m^2.
+    """
+
+    body: Body
+    free: int
+    of: Any
+    force: float
+    axial: float
+    tip: float
+    turn: float
+    wound: float
+    I_a: float
+
+
+@jit
+def clear(y, n):
+    """Empty both arrows."""
+    for matrix in (BY_POSITION, BY_VELOCITY):
+        for i in range(OWN):
+            for k in range(OWN):
+                for j in range(n):
+                    y[own_block(matrix, i, k) + j] = 0.0
+            for k in range(SHARED):
+                for j in range(n):
+                    y[from_border(matrix, i, k) + j] = 0.0
+                for j in range(n):
+                    y[to_border(matrix, k, i) + j] = 0.0
+        for k in range(SHARED):
+            for m in range(SHARED):
+                y[border_block(matrix, k, m)] = 0.0
+
+
+# Twists: what a unit of a coordinate does, along e_r, e_theta and e_z of the roller
+
+
+@jit
+def lean_by(a, r, t):
+    """Change of an axis whose components along e_r and e_theta change by ``r``, ``t``, and the turn it makes."""
+    da = r, t, -(a[0] * r + a[1] * t) / a[2]
+    return da, both(1.0, cross(a, da), (r * a[1] - a[0] * t) / (1.0 + a[2]), a)
+
+
+@jit
+def roller_place(i, middle, omega_cage, y, j):
+    """Displacement and turn of roller ``j`` by its coordinate ``i``; changes of its velocity and angular velocity."""
+    a, c, s, r, theta_v = axis_of(y, j), y[COS + j], y[SIN + j], middle + y[Q + j], omega_cage + y[EPS_V + j]
+    if i == RADIAL:
+        return (1.0, 0.0, 0.0), NONE, (0.0, theta_v, 0.0), NONE
+    if i == ORBIT:
+        return (0.0, r, 0.0), NONE, (-r * theta_v, y[V + j], 0.0), NONE
+    if i == SPIN:
+        return NONE, a, NONE, NONE
+    if i == AXIAL:
+        return (0.0, 0.0, 1.0), NONE, NONE, NONE
+    da, turn = lean_by(a, s, c) if i > LEAN else lean_by(a, c, -s)
+    nods = cross(da, (y[TILT_V + j], y[SKEW_V + j], y[UPRIGHT_V + j]))
+    return NONE, turn, NONE, both(1.0, nods, y[OMEGA + j], da)
+
+
+@jit
+def roller_speed(i, middle, y, j):
+    """Velocity and angular velocity of roller ``j`` by the rate of its coordinate ``i``."""
+    a, c, s = axis_of(y, j), y[COS + j], y[SIN + j]
+    if i == RADIAL:
+        return (1.0, 0.0, 0.0), NONE
+    if i == ORBIT:
+        return (0.0, middle + y[Q + j], 0.0), NONE
+    if i == SPIN:
+        return NONE, a
+    if i == AXIAL:
+        return (0.0, 0.0, 1.0), NONE
+    return NONE, (lean_by(a, s, c) if i > LEAN else lean_by(a, c, -s))[1]
+
+
+@jit
+def along(k, c, s):
+    """Direction of a body's coordinate ``k`` of its centre, or of its axis (less TIP)."""
+    if k == 0:
+        return c, -s, 0.0
+    if k == 1:
+        return s, c, 0.0
+    return 0.0, 0.0, 1.0
+
+
+@jit
+def body_place(k, body, d, v, omega, c, s):
+    """Twist of a roller relative to a body by the body's coordinate ``k``, and change of its relative velocity.
+
+    d, v, omega: place, velocity and angular velocity of the roller as the body sees it.
+    """
+    turns = turning(body, c, s)
+    if k < TIP:
+        u = along(k, c, s)
+        return (-u[0], -u[1], -u[2]), NONE, cross(turns, u), NONE
+    b = body.a_x * c + body.a_y * s, body.a_y * c - body.a_x * s, body.a_z
+    b_v = body.w_x * c + body.w_y * s, body.w_y * c - body.w_x * s, body.w_z
+    turn, faster = b, NONE
+    if k < TURN:
+        to = along(k - TIP, c, s)
+        db, turn = lean_by(b, to[0], to[1])
+        faster = both(1.0, cross(db, b_v), body.turns, db)
+    moves = both(-1.0, cross(faster, d), -1.0, cross(turn, v))
+    return cross(d, turn), (-turn[0], -turn[1], -turn[2]), moves, both(-1.0, faster, -1.0, cross(turn, omega))
+
+
+@jit
+def body_speed(k, body, d, c, s):
+    """Velocity and angular velocity of a roller relative to a body by the rate of the body's coordinate ``k``."""
+    if k < TIP:
+        u = along(k, c, s)
+        return (-u[0], -u[1], -u[2]), NONE
+    b = body.a_x * c + body.a_y * s, body.a_y * c - body.a_x * s, body.a_z
+    turn = b
+    if k < TURN:
+        to = along(k - TIP, c, s)
+        turn = lean_by(b, to[0], to[1])[1]
+    return cross(d, turn), (-turn[0], -turn[1], -turn[2])
+
+
+@jit
+def six(a, b):
+    """Two vectors as one of six."""
+    return a[0], a[1], a[2], b[0], b[1], b[2]
+
+
+# Wrenches: what they accelerate
+
+
+@jit
+def accelerate_roller(model, w, y, j):
+    """Accelerations of the coordinates of roller ``j`` under a wrench."""
+    a, c, s, M = axis_of(y, j), y[COS + j], y[SIN + j], (w[3], w[4], w[5])
+    held, per_mass = let_go(model.cage, 1.0), y[INVERSE_MASS + j]
+    r = 0.5 * (model.bearing.R_o + model.bearing.R_i) + y[Q + j]
+    l = cross(M, a)
+    l_r, l_t = l[0] / model.I_t, held * l[1] / model.I_t
+    wound = (l_r * a[1] - a[0] * l_t) / (1.0 + a[2])
+    spin = dot(M, a) / model.bearing.I_r - wound
+    per_t = held * per_mass
+    return w[0] * per_mass, w[1] * per_t / r, held * spin, w[2] * per_t, l_r * c - l_t * s, l_r * s + l_t * c
+
+
+@jit
+def accelerate_body(mobile, F, M):
+    """Accelerations of a body's coordinates under a force and a moment along e_0, e_90, e_z."""
+    b = mobile.body.a_x, mobile.body.a_y, mobile.body.a_z
+    l = cross(M, b)
+    l_x, l_y = mobile.tip * l[0], mobile.tip * l[1]
+    wound = (l_x * b[1] - b[0] * l_y) / (1.0 + b[2])
+    turn = mobile.turn * dot(M, b) - mobile.wound * wound
+    return mobile.force * F[0], mobile.force * F[1], mobile.axial * F[2], l_x, l_y, turn
+
+
+@jit
+def react(mobile, w, d, c, s):
+    """What the opposite of a wrench on a roller at ``d`` from the body's centre accelerates the body by."""
+    F = w[0], w[1], w[2]
+    M = both(1.0, (w[3], w[4], w[5]), 1.0, cross(d, F))
+    force = -F[0] * c + F[1] * s, -F[0] * s - F[1] * c, -F[2]
+    return accelerate_body(mobile, force, (-M[0] * c + M[1] * s, -M[0] * s - M[1] * c, -M[2]))
+
+
+@jit
+def keep_own(matrix, i, model, mobile, w, d, y, j):
+    """Add a wrench to the column of coordinate ``i`` of roller ``j``."""
+    on_roller, on_body = accelerate_roller(model, w, y, j), react(mobile, w, d, y[COS + j], y[SIN + j])
+    for k in range(OWN):
+        y[own_block(matrix, k, i) + j] += on_roller[k]
+    for k in range(mobile.free):
+        y[to_border(matrix, mobile.of[k], i) + j] = on_body[k]
+
+
+@jit
+def keep_shared(matrix, m, model, mobile, w, d, y, j):
+    """Add it to the column of the body's coordinate ``m``."""
+    on_roller, on_body = accelerate_roller(model, w, y, j), react(mobile, w, d, y[COS + j], y[SIN + j])
+    for k in range(OWN):
+        y[from_border(matrix, k, mobile.of[m]) + j] = on_roller[k]
+    for k in range(mobile.free):
+        y[border_block(matrix, mobile.of[k], mobile.of[m])] += on_body[k]
+
+
+@jit
+def between(model, mobile, omega_cage, y):
+    """The columns of what acts between the rollers and a body, from the matrices of ``core/wrench.py``."""
+    b, body = model.bearing, mobile.body
+    middle = 0.5 * (b.R_o + b.R_i)
+    for j in range(b.Z):
+        at, c, s = of_roller(j), y[COS + j], y[SIN + j]
+        if y[at + TOUCHES] > 0.0:
+            d, v, omega = seen_by(body, b, omega_cage, y, j)
+            turns = turning(body, c, s)
+            for i in range(OWN):
+                P, phi, dv, faster = roller_place(i, middle, omega_cage, y, j)
+                w = answer(j, six(P, phi), six(both(1.0, dv, -1.0, cross(turns, P)), faster), y)
+                keep_own(BY_POSITION, i, model, mobile, w, d, y, j)
+                W, S = roller_speed(i, middle, y, j)
+                keep_own(BY_VELOCITY, i, model, mobile, times(at + BY_SPEED, six(W, S), y), d, y, j)
+            for m in range(mobile.free):
+                P, phi, dv, faster = body_place(m, body, d, v, omega, c, s)
+                keep_shared(BY_POSITION, m, model, mobile, answer(j, six(P, phi), six(dv, faster), y), d, y, j)
+                W, S = body_speed(m, body, d, c, s)
+                keep_shared(BY_VELOCITY, m, model, mobile, times(at + BY_SPEED, six(W, S), y), d, y, j)
+
+
+@jit
+def spinning_rollers(model, y):
+    """What their spin does as the rollers' axes nod: M = -I_a omega a'."""
+    for j in range(model.bearing.Z):
+        a, c, s, I_r = axis_of(y, j), y[COS + j], y[SIN + j], model.bearing.I_r
+        nods = -I_r * y[TILT_V + j], -I_r * y[SKEW_V + j], -I_r * y[UPRIGHT_V + j]
+        for i in (SPIN, LEAN, LEAN + 1):
+            M = nods
+            if i > SPIN:
+                da, _ = lean_by(a, s, c) if i > LEAN else lean_by(a, c, -s)
+                spin = -I_r * y[OMEGA + j]
+                M = spin * da[0], spin * da[1], spin * da[2]
+            on_roller = accelerate_roller(model, six(NONE, M), y, j)
+            for k in range(OWN):
+                y[own_block(BY_VELOCITY, k, i) + j] += on_roller[k]
+
+
+@jit
+def spinning_body(mobile, y):
+    """The same of a body."""
+    body, I_a = mobile.body, mobile.I_a
+    b = body.a_x, body.a_y, body.a_z
+    for m in range(TIP, mobile.free):
+        M = -I_a * body.w_x, -I_a * body.w_y, -I_a * body.w_z
+        if m < TURN:
+            db, _ = lean_by(b, 1.0, 0.0) if m == TIP else lean_by(b, 0.0, 1.0)
+            M = -I_a * body.turns * db[0], -I_a * body.turns * db[1], -I_a * body.turns * db[2]
+        on_body = accelerate_body(mobile, NONE, M)
+        for k in range(mobile.free):
+            y[border_block(BY_VELOCITY, mobile.of[k], mobile.of[m])] += on_body[k]
+
+
+@jit
+def mounted(held, of, y):
+    """Springs and dampers of a ring along the axis and against leaning."""
+    k_z, c_z, k_lean, c_lean = mount_springs(held)
+    for k, K, C in ((2, k_z, c_z), (3, k_lean, c_lean), (4, k_lean, c_lean)):
+        y[border_block(BY_POSITION, of[k], of[k])] -= K
+        y[border_block(BY_VELOCITY, of[k], of[k])] -= C
+
+
+@jit
+def differentiate_in_space(model, t, y):
+    """``linearise`` of ``spatial``, from the rows that ``accelerations`` filled."""
+    b = model.bearing
+    n = lanes(b)
+    _, rate, _ = elapsed(model.motion, t)
+    omega_i, spin = b.omega_i * rate, (b.omega_c - b.omega_b) * rate
+    omega_cage = b.omega_c * rate + y[VELOCITY + PHI_C]
+    outer = body_at(y, X, Z, LEAN_X, LEAN_Y, y[VELOCITY + PSI])
+    inner = body_at(y, X_I, Z_I, LEAN_X_I, LEAN_Y_I, omega_i)
+    cage = cage_body(model.cage_z, omega_cage, y)
+    mobilities(model, y, n)
+    clear(y, n)
+
+    axial, tip, I_a = mount_mobility(model.mount_o)
+    turn = mobility(model.bracket)
+    mobile = Mobile(outer, 6, OF_OUTER, y[MOBILITY + X], axial, tip, turn, turn * I_a, I_a)
+    clear_wrenches(b.Z, y)
+    touch_race(OuterSide(), model.outer, model, t, outer, outer.a_z, inner.a_z, omega_cage, y, n)
+    touch_flanges(model.flanges, OuterSide(), model, outer, y)
+    between(model, mobile, omega_cage, y)
+    spinning_body(mobile, y)
+
+    axial, tip, I_a = mount_mobility(model.mount_i)
+    mobile = Mobile(inner, 5, OF_INNER, y[MOBILITY + X_I], axial, tip, 0.0, 0.0, I_a)
+    clear_wrenches(b.Z, y)
+    touch_race(InnerSide(), model.inner, model, t, inner, outer.a_z, inner.a_z, omega_cage, y, n)
+    touch_flanges(model.flanges, InnerSide(), model, inner, y)
+    between(model, mobile, omega_cage, y)
+    spinning_body(mobile, y)
+
+    axial, tip, I_a = cage_mobility_in_space(model.cage_z, model.cage)
+    mobile = Mobile(cage, 6, OF_CAGE, y[MOBILITY + X_C], axial, tip, y[MOBILITY + PHI_C], 1.0, I_a)
+    clear_wrenches(b.Z, y)
+    touch_pockets(model.cage, model, cage, omega_cage, spin, y)
+    between(model, mobile, omega_cage, y)
+    spinning_body(mobile, y)
+
+    spinning_rollers(model, y)
+    by_own_motion(model, omega_cage, y, n)
+    guide_change(model.cage, omega_cage, omega_i, y)
+    by_springs(model, y)
+    mounted(model.mount_o, OF_OUTER, y)
+    mounted(model.mount_i, OF_INNER, y)

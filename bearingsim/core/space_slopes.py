@@ -1,0 +1,282 @@
+"""The contacts of ``spatial`` as matrices of wrenches over twists (``core/wrench.py``): races, flanges, pockets.
+
+Left out: that a pit's edge bends (d2h/ds2) and what its excitation shares, that the rolling speed changes, and in
+flanges and pockets how rates change with place alone.
+"""
+
+from math import sqrt
+from typing import Any
+
+from bearingsim.core.cage import FreeCage, KinematicCage
+from bearingsim.core.cage_in_space import CageInPlane, CageInSpace, apart, pocket_axes
+from bearingsim.core.cage_slopes import radial_stop_slopes
+from bearingsim.core.contact import normal_force
+from bearingsim.core.flanges import Flanges, NoFlanges, chord, seen_from, slip_at
+from bearingsim.core.flanges import slopes as approach_slopes
+from bearingsim.core.friction import mu, mu_slope
+from bearingsim.core.jit import generic, jit
+from bearingsim.core.layout import (
+    APPROACH,
+    BENT,
+    CE,
+    CLOSING,
+    FAR,
+    GAP,
+    GAP_V,
+    IN_GAP,
+    IN_GAP_V,
+    IN_WALL,
+    IN_WALL_Z,
+    LEAN,
+    LOAD,
+    LOST,
+    OMEGA,
+    OUT_R,
+    OUT_T,
+    OUT_Z,
+    OWN,
+    PC,
+    PS,
+    RING_R,
+    RING_T,
+    ROLLING,
+    SE,
+    SKEW,
+    SKEW_V,
+    SLIP_T,
+    SLIP_Z,
+    SPINS,
+    SWINGS,
+    TILT,
+    TILT_V,
+    UPRIGHT,
+    UPRIGHT_V,
+    WALL,
+    WALL_Z,
+)
+from bearingsim.core.sides import rows_of, sign
+from bearingsim.core.slice_contact import AT_REST, press, stand
+from bearingsim.core.slice_pits import find_pits, leave_pits, over_pits
+from bearingsim.core.slices import DROP, WEIGHT, ZETA
+from bearingsim.core.slopes import slopes
+from bearingsim.core.vectors import both, cross, dot, mix, turning
+from bearingsim.core.wrench import add_contact, plus, wrench
+
+STILL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@jit
+def rubbing(friction, slip, drift, u):
+    """mu, its slope by the speed of slip (s/m), mu over that speed (s/m), and the slip's direction."""
+    speed = sqrt(slip * slip + drift * drift + AT_REST * AT_REST)
+    value = mu(friction, speed, u)
+    return value, mu_slope(friction, speed, u)[0], value / speed, slip / speed, drift / speed
+
+
+@jit
+def axis_of(y, j):
+    """A roller's axis along e_r, e_theta, e_z."""
+    return y[TILT + j], y[SKEW + j], y[UPRIGHT + j]
+
+
+@jit
+def seen_by(body, bearing, omega_cage, y, j):
+    """A roller as a body sees it that moves and turns: place (m), velocity (m/s), angular velocity (rad/s)."""
+    c, s = y[PC + j] * y[CE + j] - y[PS + j] * y[SE + j], y[PS + j] * y[CE + j] + y[PC + j] * y[SE + j]
+    d_r, d_t, d_z, v_r, v_t, v_z = apart(bearing, body, omega_cage, y, j)
+    a = axis_of(y, j)
+    own = both(1.0, cross(a, (y[TILT_V + j], y[SKEW_V + j], y[UPRIGHT_V + j])), y[OMEGA + j], a)
+    return (d_r, d_t, d_z), (v_r, v_t, v_z), both(1.0, own, -1.0, turning(body, c, s))
+
+
+@jit
+def swung(d, omega, X):
+    """How the rate along ``d`` of a point at ``X`` from the centre changes as the roller turns (six-vector)."""
+    m = cross(X, cross(d, omega))
+    return 0.0, 0.0, 0.0, m[0], m[1], m[2]
+
+
+@jit
+def touch_race(side, law, model, t, ring, b_z_outer, b_z_inner, omega_cage, y, n):
+    """Add all slices' contacts with a race to the matrices, from the rows that ``face`` filled.
+
+    b_z_outer, b_z_inner: third components of the rings' axes.
+    """
+    b, table = model.bearing, model.slices.table
+    met = find_pits(model, t, b_z_outer, b_z_inner, y) if len(model.pits.head) > 0 else 0
+    for k in range(len(table)):
+        if met > 0:
+            over_pits(model, t, k, 1.0, b_z_outer, b_z_inner, y)
+        stand(side, b, ring, table[k, ZETA], table[k, DROP], y, n)
+        press(side, law, model.friction, table[k, WEIGHT], y, n)
+        for j in range(b.Z):
+            if y[rows_of(side) + LOAD + j] > 0.0:
+                touch_slice(side, law, model, ring, omega_cage, table[k], y, j)
+    if met > 0:
+        leave_pits(model, y)
+
+
+@jit
+def touch_slice(side, law, model, ring, omega_cage, row, y, j):
+    """Add the contact of one slice (``row`` of the table) of roller ``j``, as ``stand`` and ``press`` left it."""
+    at, sigma, zeta, a = rows_of(side), sign(side), row[ZETA], axis_of(y, j)
+    b = y[at + RING_R + j], y[at + RING_T + j], ring.a_z
+    n, rho, lean = (y[at + OUT_R + j], y[at + OUT_T + j], y[at + OUT_Z + j]), y[at + FAR + j], y[at + LEAN + j]
+    tau, cosine, delta = cross(b, n), 1.0 - y[at + BENT + j], y[at + APPROACH + j]
+    sine, arm = sigma * lean * cosine, sigma * (model.bearing.R_w - row[DROP] - 0.5 * delta)
+    e, out, g = both(cosine, tau, sine, n), both(cosine, n, -sine, tau), both(sigma, n, -lean, tau)
+    X = zeta * a[0], zeta * a[1], zeta * a[2]
+    touch = both(1.0, X, arm, out)
+    own = y[at + OWN + j] * lean * rho  # a roller's own pit goes round with it
+    w_n = plus(1.0, wrench(g, X), own, (0.0, 0.0, 0.0, b[0], b[1], b[2]))
+    w_e, w_b, along = wrench(e, touch), wrench(b, touch), plus(1.0 / rho, wrench(tau, X), 0.0, w_n)
+
+    _, v, omega = seen_by(ring, model.bearing, omega_cage, y, j)
+    v_p, v_touch = both(1.0, v, 1.0, cross(omega, X)), both(1.0, v, 1.0, cross(omega, touch))
+    round_out, round_e, shrinks = cross(omega, out), cross(omega, e), -0.5 * sigma
+    k_n = plus(1.0, swung(g, omega, X), sigma * dot(tau, v_p) + lean * dot(n, v_p), along)
+    k_e = plus(1.0, swung(e, omega, X), -dot(out, v_touch), along)
+    k_b = plus(1.0, swung(b, omega, X), arm * dot(b, round_e), along)
+    k_e, k_b = plus(1.0, k_e, shrinks * dot(e, round_out), w_n), plus(1.0, k_b, shrinks * dot(b, round_out), w_n)
+
+    K, C = slopes(law, delta, y[at + CLOSING + j])
+    kept, load = row[WEIGHT] * (1.0 - y[at + LOST + j]), y[at + LOAD + j]
+    m, by_slip, per_slip, p, q = rubbing(model.friction, y[at + SLIP_T + j], y[at + SLIP_Z + j], y[ROLLING + j])
+    w_1, w_2, k_1, k_2 = plus(p, w_e, q, w_b), plus(-q, w_e, p, w_b), plus(p, k_e, q, k_b), plus(-q, k_e, p, k_b)
+    add_contact(j, w_n, w_1, w_2, kept * K, kept * C, m, load * by_slip, load * per_slip, k_n, k_1, k_2, y)
+
+
+# Flanges
+
+
+@generic
+def touch_flanges(flanges: Any, side: Any, model: Any, ring: Any, y: Any) -> None:
+    """Add the contacts of the rollers' ends with a ring's flanges."""
+
+
+@touch_flanges.register(NoFlanges)
+def _touch_flanges_none(flanges, side, model, ring, y):
+    return None
+
+
+@touch_flanges.register(Flanges)
+def _touch_flanges(flanges, side, model, ring, y):
+    outer, t = sign(side) > 0.0, chord(model.bearing.R_w, flanges.height)
+    minus = flanges.outer_minus if outer else flanges.inner_minus
+    plus_ = flanges.outer_plus if outer else flanges.inner_plus
+    for j in range(model.bearing.Z):
+        if minus > 0.0:
+            touch_end(side, flanges, model, ring, -1.0, t, y, j)
+            touch_end(side, flanges, model, ring, -1.0, -t, y, j)
+        if plus_ > 0.0:
+            touch_end(side, flanges, model, ring, 1.0, t, y, j)
+            touch_end(side, flanges, model, ring, 1.0, -t, y, j)
+
+
+@jit
+def touch_end(side, flanges, model, ring, sigma, t, y, j):
+    """One point of roller ``j`` on the side ``sigma``, ``t`` (m) along the race (``flanges.one_point``)."""
+    b, half = model.bearing, 0.5 * model.L_w
+    face = b.R_o - 0.5 * flanges.height if sign(side) > 0.0 else b.R_i + 0.5 * flanges.height
+    view = seen_from(side, b, ring, y, j)
+    q = face - view.rho
+    Y = mix(sigma * (half + flanges.play) - view.off, view.b, q, view.n, t, view.tau)
+    g, tips = approach_slopes(view, sigma, q, t)
+    depth, rate = half - sigma * dot(Y, view.a), dot(g, view.moves) - sigma * dot(Y, tips)
+    N = normal_force(flanges.law, depth, rate)
+    if N > 0.0:
+        slip, rolls = slip_at(view, ring, Y, tips, y[OMEGA + j])
+        m, by_slip, per_slip, _, _ = rubbing(flanges.friction, slip[3], 0.0, b.R_w * rolls)
+        p_1 = slip[0] / slip[3], slip[1] / slip[3], slip[2] / slip[3]
+        turn = cross(Y, (sigma * view.a[0], sigma * view.a[1], sigma * view.a[2]))
+        w_n = g[0], g[1], g[2], turn[0], turn[1], turn[2]
+        w_1, w_2 = wrench(p_1, Y), wrench(cross(view.a, p_1), Y)
+        K, C = slopes(flanges.law, depth, rate)
+        add_contact(j, w_n, w_1, w_2, K, C, m, N * by_slip, N * per_slip, STILL, STILL, STILL, y)
+
+
+# Pockets
+
+
+@generic
+def axial_stop_slopes(cage_z: Any, out: float, speed: float) -> tuple[float, float]:
+    """How ``axial_stop`` grows with the way out (N/m) and its rate (N s/m)."""
+
+
+@axial_stop_slopes.register(CageInPlane)
+def _axial_stop_slopes_plane(cage_z, out, speed):
+    return 0.0, 0.0
+
+
+@axial_stop_slopes.register(CageInSpace)
+def _axial_stop_slopes_space(cage_z, out, speed):
+    K, C = slopes(cage_z.law, abs(out) - cage_z.play_z, speed if out > 0.0 else -speed)
+    return -K, -C
+
+
+@generic
+def cage_mobility_in_space(cage_z: Any, cage: Any) -> tuple[float, float, float]:
+    """What a force accelerates the cage by along the axis (1/kg), a moment its axis (1/(kg m^2)); its I_a."""
+
+
+@cage_mobility_in_space.register(CageInPlane)
+def _cage_mobility_plane(cage_z, cage):
+    return 0.0, 0.0, 0.0
+
+
+@cage_mobility_in_space.register(CageInSpace)
+def _cage_mobility_space(cage_z, cage):
+    return 1.0 / cage.m, 1.0 / cage_z.I_t, cage.inertia
+
+
+@generic
+def touch_pockets(cage: Any, model: Any, body: Any, omega_cage: float, spin: float, y: Any) -> None:
+    """Add the contacts of the rollers with their pockets, from the rows that ``face_walls`` filled."""
+
+
+@touch_pockets.register(KinematicCage)
+def _touch_pockets_kinematic(cage, model, body, omega_cage, spin, y):
+    return None
+
+
+@touch_pockets.register(FreeCage)
+def _touch_pockets_free(cage, model, body, omega_cage, spin, y):
+    b, table = model.bearing, model.slices.table
+    for j in range(b.Z):
+        rad, w, leans, _ = pocket_axes(body, y[PC + j], y[PS + j], y[CE + j], y[SE + j])
+        axis = leans[0], leans[1], body.a_z
+        if abs(y[GAP + j]) + 0.5 * model.L_w * abs(y[IN_GAP + j]) > cage.play:
+            for k in range(len(table)):
+                touch_wall(cage, b.R_w, b.R_w * abs(spin), table[k], rad, w, axis, y, j)
+        d_r, d_t, d_z, _, _, _ = apart(b, body, omega_cage, y, j)
+        d = d_r, d_t, d_z
+        out = dot(d, rad) - 0.5 * (b.R_o + b.R_i)
+        K, C = radial_stop_slopes(cage.guide, out, y[WALL + j])
+        K_z, C_z = axial_stop_slopes(model.cage_z, dot(d, axis), y[WALL_Z + j])
+        if K != 0.0 or C != 0.0:
+            w_n = wrench(rad, (0.0, 0.0, 0.0))
+            add_contact(j, w_n, STILL, STILL, -K, -C, 0.0, 0.0, 0.0, STILL, STILL, STILL, y)
+        if K_z != 0.0 or C_z != 0.0:
+            w_n = wrench(axis, (0.0, 0.0, 0.0))
+            add_contact(j, w_n, STILL, STILL, -K_z, -C_z, 0.0, 0.0, 0.0, STILL, STILL, STILL, y)
+
+
+@jit
+def touch_wall(cage, R_w, u, row, rad, w, axis, y, j):
+    """One slice (``row`` of the table) of roller ``j`` on its pocket's wall (``cage_in_space.wall_slice``)."""
+    zeta, radius, a = row[ZETA], R_w - row[DROP], axis_of(y, j)
+    e = y[GAP + j] + zeta * y[IN_GAP + j]
+    side = 1.0 if e > 0.0 else -1.0
+    depth, rate = abs(e) - cage.play, side * (y[GAP_V + j] + zeta * y[IN_GAP_V + j])
+    N = row[WEIGHT] * normal_force(cage.pocket, depth, rate)
+    if N > 0.0:
+        slip = y[WALL + j] + zeta * y[IN_WALL + j] - side * radius * y[SPINS + j]
+        drift = y[WALL_Z + j] + zeta * y[IN_WALL_Z + j] + side * radius * y[SWINGS + j]
+        m, by_slip, per_slip, p, q = rubbing(cage.friction, slip, drift, u)
+        X = zeta * a[0], zeta * a[1], zeta * a[2]
+        touch = both(1.0, X, side * radius, w)
+        w_n = wrench((side * w[0], side * w[1], side * w[2]), X)
+        w_1, w_2 = wrench(both(p, rad, q, axis), touch), wrench(both(-q, rad, p, axis), touch)
+        K, C = slopes(cage.pocket, depth, rate)
+        K, C = row[WEIGHT] * K, row[WEIGHT] * C
+        add_contact(j, w_n, w_1, w_2, K, C, m, N * by_slip, N * per_slip, STILL, STILL, STILL, y)
