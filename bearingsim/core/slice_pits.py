@@ -8,7 +8,7 @@ about the roller's axis: it is off by products of tilts, 1e-6 of the angle at 1 
 from math import atan2, sqrt
 
 from bearingsim.core.defects import HALF_WIDTH, ON, OUTER, RADIUS, REDUCED, SIDE, B, meeting
-from bearingsim.core.excitations import felt
+from bearingsim.core.excitations import bend, felt
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
     ALONG_R,
@@ -122,3 +122,21 @@ def over_pits(model, t, k, steep, b_z_outer, b_z_inner, y):
                     y[side + SINK + j], y[side + LEAN + j], y[side + LOST + j] = h, lean, 1.0 - share
                     y[side + BENT + j] = 1.0 - 1.0 / sqrt(1.0 + lean * lean)
                     y[side + OWN + j] = 1.0 if head[ON] >= 0.0 else 0.0
+
+
+@jit
+def bend_at(model, t, k, outer, b_z, y, j):
+    """How the slope of what slice ``k`` of roller ``j`` feels of a pit grows along s (1/m); radius of the pit (m).
+
+    outer: the side; b_z: third component of the ring's axis. The pit is that which ``over_pits`` has chosen.
+    """
+    pits, zeta, middle = model.pits, model.slices.table[k, ZETA], 0.5 * (model.bearing.R_o + model.bearing.R_i)
+    at = OUTER_SIDE if outer else INNER_SIDE
+    for d in range(len(pits.head)):
+        head, group = pits.head[d], pits.groups[d, k]
+        nearest, s = met_at(model, d, t, y)
+        if (head[SIDE] == OUTER) == outer and nearest == j:
+            s += head[RADIUS] * seen_at(at, middle, b_z, zeta, y, j)[0]
+            if abs(s) < group[B] and felt(pits.excitation, group, s, head[REDUCED])[1] == y[at + SINK + j]:
+                return bend(pits.excitation, group, s, head[REDUCED])[1], head[RADIUS]
+    return 0.0, 0.0

@@ -7,8 +7,8 @@ flanges and pockets how rates change with place alone.
 from math import sqrt
 from typing import Any
 
-from bearingsim.core.cage import FreeCage, KinematicCage
-from bearingsim.core.cage_in_space import CageInPlane, CageInSpace, apart, pocket_axes
+from bearingsim.core.cage import FreeCage, KinematicCage, radial_stop
+from bearingsim.core.cage_in_space import CageInPlane, CageInSpace, apart, axial_stop, pocket_axes
 from bearingsim.core.cage_slopes import radial_stop_slopes
 from bearingsim.core.contact import normal_force
 from bearingsim.core.flanges import Flanges, NoFlanges, chord, seen_from, slip_at
@@ -34,6 +34,7 @@ from bearingsim.core.layout import (
     OUT_R,
     OUT_T,
     OUT_Z,
+    OVER,
     OWN,
     PC,
     PS,
@@ -56,13 +57,13 @@ from bearingsim.core.layout import (
 )
 from bearingsim.core.sides import rows_of, sign
 from bearingsim.core.slice_contact import AT_REST, press, stand
-from bearingsim.core.slice_pits import find_pits, leave_pits, over_pits
+from bearingsim.core.slice_pits import FELT, bend_at, find_pits, leave_pits, over_pits
 from bearingsim.core.slices import DROP, WEIGHT, ZETA
 from bearingsim.core.slopes import slopes
 from bearingsim.core.vectors import both, cross, dot, mix, turning
-from bearingsim.core.wrench import add_contact, plus, wrench
+from bearingsim.core.wrench import add_contact, add_force, of_roller, plus, six, take, wrench
 
-STILL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NONE, STILL = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @jit
@@ -111,33 +112,46 @@ def touch_race(side, law, model, t, ring, b_z_outer, b_z_inner, omega_cage, y, n
         press(side, law, model.friction, table[k, WEIGHT], y, n)
         for j in range(b.Z):
             if y[rows_of(side) + LOAD + j] > 0.0:
-                touch_slice(side, law, model, ring, omega_cage, table[k], y, j)
+                touch_slice(side, law, model, t, ring, omega_cage, k, y, j)
     if met > 0:
         leave_pits(model, y)
 
 
 @jit
-def touch_slice(side, law, model, ring, omega_cage, row, y, j):
-    """Add the contact of one slice (``row`` of the table) of roller ``j``, as ``stand`` and ``press`` left it."""
-    at, sigma, zeta, a = rows_of(side), sign(side), row[ZETA], axis_of(y, j)
+def touch_slice(side, law, model, t, ring, omega_cage, k, y, j):
+    """Add the contact of slice ``k`` of roller ``j``, as ``stand`` and ``press`` left it."""
+    at, sigma, row, a = rows_of(side), sign(side), model.slices.table[k], axis_of(y, j)
     b = y[at + RING_R + j], y[at + RING_T + j], ring.a_z
     n, rho, lean = (y[at + OUT_R + j], y[at + OUT_T + j], y[at + OUT_Z + j]), y[at + FAR + j], y[at + LEAN + j]
     tau, cosine, delta = cross(b, n), 1.0 - y[at + BENT + j], y[at + APPROACH + j]
     sine, arm = sigma * lean * cosine, sigma * (model.bearing.R_w - row[DROP] - 0.5 * delta)
     e, out, g = both(cosine, tau, sine, n), both(cosine, n, -sine, tau), both(sigma, n, -lean, tau)
-    X = zeta * a[0], zeta * a[1], zeta * a[2]
-    touch = both(1.0, X, arm, out)
-    own = y[at + OWN + j] * lean * rho  # a roller's own pit goes round with it
-    w_n = plus(1.0, wrench(g, X), own, (0.0, 0.0, 0.0, b[0], b[1], b[2]))
-    w_e, w_b, along = wrench(e, touch), wrench(b, touch), plus(1.0 / rho, wrench(tau, X), 0.0, w_n)
+    X = row[ZETA] * a[0], row[ZETA] * a[1], row[ZETA] * a[2]
+    touch, own = both(1.0, X, arm, out), y[at + OWN + j] * rho  # a roller's own pit goes round with it
+    aside, about = wrench(tau, X), six(NONE, b)
+    w_n, w_e, w_b = plus(1.0, wrench(g, X), own * lean, about), wrench(e, touch), wrench(b, touch)
 
     _, v, omega = seen_by(ring, model.bearing, omega_cage, y, j)
     v_p, v_touch = both(1.0, v, 1.0, cross(omega, X)), both(1.0, v, 1.0, cross(omega, touch))
-    round_out, round_e, shrinks = cross(omega, out), cross(omega, e), -0.5 * sigma
-    k_n = plus(1.0, swung(g, omega, X), sigma * dot(tau, v_p) + lean * dot(n, v_p), along)
-    k_e = plus(1.0, swung(e, omega, X), -dot(out, v_touch), along)
-    k_b = plus(1.0, swung(b, omega, X), arm * dot(b, round_e), along)
-    k_e, k_b = plus(1.0, k_e, shrinks * dot(e, round_out), w_n), plus(1.0, k_b, shrinks * dot(b, round_out), w_n)
+    across, turned = dot(tau, v_p), plus(1.0 / rho, aside, 0.0, aside)  # of n, by place; of the normal, next
+    tilted, bends = STILL, STILL
+    k_n = plus(1.0, swung(g, omega, X), sigma * across + lean * dot(n, v_p), turned)
+    if y[at + OVER + j] == FELT:
+        bent, radius = bend_at(model, t, k, sigma > 0.0, ring.a_z, y, j)
+        passes = plus(radius / rho, aside, -radius / rho * own, about)  # s, by place
+        bends = plus(bent, passes, 0.0, passes)
+        tilted = plus(radius / rho, bends, -lean / rho, wrench(n, X))
+        k_n = plus(1.0, k_n, -radius * (across / rho - y[at + OWN + j] * dot(omega, b)), bends)
+        k_n = plus(1.0, k_n, lean * across / rho, wrench(n, X))
+        add_pit(j, y[at + LOAD + j], aside, tilted, radius * own / rho, about, bends, y)
+    leant = plus(1.0, turned, -sigma * cosine * cosine, tilted)
+    k_e = plus(1.0, swung(e, omega, X), -dot(out, v_touch), leant)
+    k_b = plus(1.0, swung(b, omega, X), arm * dot(b, cross(omega, e)), leant)
+    shrinks = plus(-0.5 * sigma, w_n, 0.0, w_n)  # the arm, by place
+    k_e, k_b = (
+        plus(1.0, k_e, dot(e, cross(omega, out)), shrinks),
+        plus(1.0, k_b, dot(b, cross(omega, out)), shrinks),
+    )
 
     K, C = slopes(law, delta, y[at + CLOSING + j])
     kept, load = row[WEIGHT] * (1.0 - y[at + LOST + j]), y[at + LOAD + j]
@@ -145,36 +159,51 @@ def touch_slice(side, law, model, ring, omega_cage, row, y, j):
     w_1, w_2, k_1, k_2 = plus(p, w_e, q, w_b), plus(-q, w_e, p, w_b), plus(p, k_e, q, k_b), plus(-q, k_e, p, k_b)
     add_contact(j, w_n, w_1, w_2, kept * K, kept * C, m, load * by_slip, load * per_slip, k_n, k_1, k_2, y)
 
+    f, f_b = m * load * p, m * load * q
+    normal, friction = (-load * g[0], -load * g[1], -load * g[2]), both(-f, e, -f_b, b)
+    loads = plus(load, wrench(both(sigma, tau, lean, n), X), 0.0, w_n)
+    rubs = plus(-f, wrench(out, touch), arm * f_b, six(NONE, cross(e, b)))  # the touching point goes round too
+    take(of_roller(j), loads, turned, rubs, leant, six(NONE, cross(friction, out)), shrinks, y)
+    M = both(1.0, cross(X, normal), 1.0, cross(touch, friction))
+    add_force(j, both(1.0, normal, 1.0, friction), X, both(1.0, M, -own * lean * load, b), y)
+
+
+@jit
+def add_pit(j, load, aside, tilted, carried, about, bends, y):
+    """How the force (N) on a pit's edge turns as the edge bends; carried: radius of a roller's own pit, else 0 (m)."""
+    of_own = plus(carried * load, about, 0.0, about)
+    take(of_roller(j), plus(-load, aside, 0.0, aside), tilted, of_own, bends, STILL, STILL, y)
+
 
 # Flanges
 
 
 @generic
-def touch_flanges(flanges: Any, side: Any, model: Any, ring: Any, y: Any) -> None:
+def touch_flanges(flanges: Any, side: Any, model: Any, ring: Any, omega_cage: float, y: Any) -> None:
     """Add the contacts of the rollers' ends with a ring's flanges."""
 
 
 @touch_flanges.register(NoFlanges)
-def _touch_flanges_none(flanges, side, model, ring, y):
+def _touch_flanges_none(flanges, side, model, ring, omega_cage, y):
     return None
 
 
 @touch_flanges.register(Flanges)
-def _touch_flanges(flanges, side, model, ring, y):
+def _touch_flanges(flanges, side, model, ring, omega_cage, y):
     outer, t = sign(side) > 0.0, chord(model.bearing.R_w, flanges.height)
     minus = flanges.outer_minus if outer else flanges.inner_minus
     plus_ = flanges.outer_plus if outer else flanges.inner_plus
     for j in range(model.bearing.Z):
         if minus > 0.0:
-            touch_end(side, flanges, model, ring, -1.0, t, y, j)
-            touch_end(side, flanges, model, ring, -1.0, -t, y, j)
+            touch_end(side, flanges, model, ring, omega_cage, -1.0, t, y, j)
+            touch_end(side, flanges, model, ring, omega_cage, -1.0, -t, y, j)
         if plus_ > 0.0:
-            touch_end(side, flanges, model, ring, 1.0, t, y, j)
-            touch_end(side, flanges, model, ring, 1.0, -t, y, j)
+            touch_end(side, flanges, model, ring, omega_cage, 1.0, t, y, j)
+            touch_end(side, flanges, model, ring, omega_cage, 1.0, -t, y, j)
 
 
 @jit
-def touch_end(side, flanges, model, ring, sigma, t, y, j):
+def touch_end(side, flanges, model, ring, omega_cage, sigma, t, y, j):
     """One point of roller ``j`` on the side ``sigma``, ``t`` (m) along the race (``flanges.one_point``)."""
     b, half = model.bearing, 0.5 * model.L_w
     face = b.R_o - 0.5 * flanges.height if sign(side) > 0.0 else b.R_i + 0.5 * flanges.height
@@ -192,7 +221,13 @@ def touch_end(side, flanges, model, ring, sigma, t, y, j):
         w_n = g[0], g[1], g[2], turn[0], turn[1], turn[2]
         w_1, w_2 = wrench(p_1, Y), wrench(cross(view.a, p_1), Y)
         K, C = slopes(flanges.law, depth, rate)
-        add_contact(j, w_n, w_1, w_2, K, C, m, N * by_slip, N * per_slip, STILL, STILL, STILL, y)
+        _, _, omega = seen_by(ring, b, omega_cage, y, j)
+        whirls = cross(view.a, cross(Y, omega))
+        k_n = six(NONE, (-sigma * whirls[0], -sigma * whirls[1], -sigma * whirls[2]))
+        add_contact(j, w_n, w_1, w_2, K, C, m, N * by_slip, N * per_slip, k_n, STILL, STILL, y)
+        F = both(-N, g, -m * N, p_1)
+        M = cross(Y, both(-m * N, p_1, -N * sigma, view.a))
+        add_force(j, F, NONE, M, y)
 
 
 # Pockets
@@ -243,26 +278,29 @@ def _touch_pockets_kinematic(cage, model, body, omega_cage, spin, y):
 def _touch_pockets_free(cage, model, body, omega_cage, spin, y):
     b, table = model.bearing, model.slices.table
     for j in range(b.Z):
+        d, _, omega = seen_by(body, b, omega_cage, y, j)
         rad, w, leans, _ = pocket_axes(body, y[PC + j], y[PS + j], y[CE + j], y[SE + j])
         axis = leans[0], leans[1], body.a_z
         if abs(y[GAP + j]) + 0.5 * model.L_w * abs(y[IN_GAP + j]) > cage.play:
             for k in range(len(table)):
-                touch_wall(cage, b.R_w, b.R_w * abs(spin), table[k], rad, w, axis, y, j)
-        d_r, d_t, d_z, _, _, _ = apart(b, body, omega_cage, y, j)
-        d = d_r, d_t, d_z
-        out = dot(d, rad) - 0.5 * (b.R_o + b.R_i)
+                touch_wall(cage, b.R_w, b.R_w * abs(spin), table[k], rad, w, axis, omega, y, j)
+        out, aside = dot(d, rad) - 0.5 * (b.R_o + b.R_i), dot(d, axis)
         K, C = radial_stop_slopes(cage.guide, out, y[WALL + j])
-        K_z, C_z = axial_stop_slopes(model.cage_z, dot(d, axis), y[WALL_Z + j])
-        if K != 0.0 or C != 0.0:
-            w_n = wrench(rad, (0.0, 0.0, 0.0))
-            add_contact(j, w_n, STILL, STILL, -K, -C, 0.0, 0.0, 0.0, STILL, STILL, STILL, y)
-        if K_z != 0.0 or C_z != 0.0:
-            w_n = wrench(axis, (0.0, 0.0, 0.0))
-            add_contact(j, w_n, STILL, STILL, -K_z, -C_z, 0.0, 0.0, 0.0, STILL, STILL, STILL, y)
+        stop(j, rad, -K, -C, radial_stop(cage.guide, out, y[WALL + j]), y)
+        K, C = axial_stop_slopes(model.cage_z, aside, y[WALL_Z + j])
+        stop(j, axis, -K, -C, axial_stop(model.cage_z, aside, y[WALL_Z + j]), y)
 
 
 @jit
-def touch_wall(cage, R_w, u, row, rad, w, axis, y, j):
+def stop(j, way, K, C, force, y):
+    """A stop of a pocket, along ``way`` (3,) at the roller's centre; force: that way (N)."""
+    if force != 0.0:
+        add_contact(j, six(way, NONE), STILL, STILL, K, C, 0.0, 0.0, 0.0, STILL, STILL, STILL, y)
+        add_force(j, (force * way[0], force * way[1], force * way[2]), NONE, NONE, y)
+
+
+@jit
+def touch_wall(cage, R_w, u, row, rad, w, axis, omega, y, j):
     """One slice (``row`` of the table) of roller ``j`` on its pocket's wall (``cage_in_space.wall_slice``)."""
     zeta, radius, a = row[ZETA], R_w - row[DROP], axis_of(y, j)
     e = y[GAP + j] + zeta * y[IN_GAP + j]
@@ -275,8 +313,27 @@ def touch_wall(cage, R_w, u, row, rad, w, axis, y, j):
         m, by_slip, per_slip, p, q = rubbing(cage.friction, slip, drift, u)
         X = zeta * a[0], zeta * a[1], zeta * a[2]
         touch = both(1.0, X, side * radius, w)
-        w_n = wrench((side * w[0], side * w[1], side * w[2]), X)
-        w_1, w_2 = wrench(both(p, rad, q, axis), touch), wrench(both(-q, rad, p, axis), touch)
+        wall, p_1, p_2 = (side * w[0], side * w[1], side * w[2]), both(p, rad, q, axis), both(-q, rad, p, axis)
+        k_n, k_1, k_2 = swung(wall, omega, X), swung(p_1, omega, X), swung(p_2, omega, X)
         K, C = slopes(cage.pocket, depth, rate)
-        K, C = row[WEIGHT] * K, row[WEIGHT] * C
-        add_contact(j, w_n, w_1, w_2, K, C, m, N * by_slip, N * per_slip, STILL, STILL, STILL, y)
+        add_contact(
+            j,
+            wrench(wall, X),
+            wrench(p_1, touch),
+            wrench(p_2, touch),
+            row[WEIGHT] * K,
+            row[WEIGHT] * C,
+            m,
+            N * by_slip,
+            N * per_slip,
+            k_n,
+            k_1,
+            k_2,
+            y,
+        )
+        normal, friction = (
+            (-N * wall[0], -N * wall[1], -N * wall[2]),
+            (-m * N * p_1[0], -m * N * p_1[1], -m * N * p_1[2]),
+        )
+        M = both(1.0, cross(X, normal), 1.0, cross(touch, friction))
+        add_force(j, both(1.0, normal, 1.0, friction), X, M, y)

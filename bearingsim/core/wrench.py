@@ -1,24 +1,25 @@
 """Wrenches and twists: how a force on a roller changes as it moves in space relative to a body.
 
-A twist is a displacement or velocity of the roller's centre and a turn (P, phi); a wrench a force and its moment
-about that centre; both (6,) along e_r, e_theta, e_z. A force of the direction d that acts the arm X from the centre
-is the wrench w = (d, X x d), and its point moves along d by w.(P, phi): so a contact of the approach's wrench w_n,
-with friction N mu along w_1, changes by
+A twist is a displacement or velocity of the roller's centre and a turn, (P, phi); a wrench is a force and its moment
+about that centre; both (6,), along e_r, e_theta, e_z. A force of the direction d that acts the arm X from the centre
+is the wrench w = (d, X x d), and its point moves along d by w.(P, phi). So a contact with the approach's wrench w_n
+and with friction N mu along w_1 changes, per unit of place and of velocity, by
 
-    -(w_n + mu w_1) (K w_n + C k_n) - N mu' w_1 k_1 - N mu/speed w_2 k_2      per unit of place
-    -(w_n + mu w_1)  C w_n          - N mu' w_1 w_1 - N mu/speed w_2 w_2      per unit of velocity
+    -(w_n + mu w_1) (K w_n + C k_n)^T - N mu' w_1 k_1^T - N mu/speed w_2 k_2^T
+    -(w_n + mu w_1)  C w_n^T          - N mu' w_1 w_1^T - N mu/speed w_2 w_2^T
 
-w_2 being across the slip; k_n, k_1, k_2: what the rates along the w change by with the place alone. Left out is how
-the w themselves change: N over a radius beside K, some 1e-4 of it.
+w_2 being across the slip; k_n, k_1, k_2: how the rates along the w change with the place alone. Besides, the forces
+that stand turn with what they act on: N over a radius, some 1e-4 of K.
 
-Each roller has room for a matrix of either kind, (6, 6) by rows, and a cell that says whether it touches.
+Each roller has room for a matrix of either kind, (6, 6) by rows, for the wrench itself, and a cell that says whether
+it touches.
 """
 
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import WRENCHES
-from bearingsim.core.vectors import cross
+from bearingsim.core.vectors import cross, dot
 
-BY_SPEED, TOUCHES, ROOM = 36, 72, 73
+BY_SPEED, WRENCH, TOUCHES, ROOM = 36, 72, 78, 79
 
 
 @jit
@@ -35,10 +36,15 @@ def clear_wrenches(Z, y):
 
 
 @jit
+def six(a, b):
+    """Two vectors as one of six."""
+    return a[0], a[1], a[2], b[0], b[1], b[2]
+
+
+@jit
 def wrench(d, arm):
     """Of a unit of force along ``d`` (3,) at ``arm`` (3,) from the centre."""
-    m = cross(arm, d)
-    return d[0], d[1], d[2], m[0], m[1], m[2]
+    return six(d, cross(arm, d))
 
 
 @jit
@@ -55,25 +61,43 @@ def plus(p, a, q, b):
 
 
 @jit
-def take(at, w, by, y):
-    """Subtract the matrix w by^T from the one at ``at``."""
+def take(at, a, by_a, b, by_b, c, by_c, y):
+    """Subtract a by_a^T + b by_b^T + c by_c^T from the matrix at ``at``."""
     for i in range(6):
         for k in range(6):
-            y[at + 6 * i + k] -= w[i] * by[k]
+            y[at + 6 * i + k] -= a[i] * by_a[k] + b[i] * by_b[k] + c[i] * by_c[k]
 
 
 @jit
 def add_contact(j, w_n, w_1, w_2, K, C, rubs, along, across, k_n, k_1, k_2, y):
     """Add a contact of roller ``j``; rubs: mu, along: N mu' (N s/m), across: N mu/speed (N s/m)."""
     at = of_roller(j)
-    push = plus(1.0, w_n, rubs, w_1)
-    take(at, push, plus(K, w_n, C, k_n), y)
-    take(at, w_1, plus(along, k_1, 0.0, k_1), y)
-    take(at, w_2, plus(across, k_2, 0.0, k_2), y)
-    take(at + BY_SPEED, push, plus(C, w_n, 0.0, w_n), y)
-    take(at + BY_SPEED, w_1, plus(along, w_1, 0.0, w_1), y)
-    take(at + BY_SPEED, w_2, plus(across, w_2, 0.0, w_2), y)
+    push, of_1, of_2 = plus(1.0, w_n, rubs, w_1), plus(along, w_1, 0.0, w_1), plus(across, w_2, 0.0, w_2)
+    take(at, push, plus(K, w_n, C, k_n), of_1, k_1, of_2, k_2, y)
+    take(at + BY_SPEED, push, plus(C, w_n, 0.0, w_n), of_1, w_1, of_2, w_2, y)
     y[at + TOUCHES] = 1.0
+
+
+@jit
+def add_force(j, F, X, M, y):
+    """Add a force of roller ``j`` that stands: ``F`` (3,) at ``X`` (3,), an arm that turns with the roller.
+
+    M: moment (3,) about the centre, that of other arms included. X turned by phi, the moment grows by (phi x X) x F.
+    """
+    at = of_roller(j)
+    for i in range(3):
+        y[at + WRENCH + i] += F[i]
+        y[at + WRENCH + 3 + i] += M[i]
+        for k in range(3):
+            y[at + 6 * (3 + i) + 3 + k] += X[i] * F[k]
+        y[at + 7 * (3 + i)] -= dot(X, F)
+
+
+@jit
+def standing_wrench(j, y):
+    """Force and moment (3,) each of what stands on roller ``j``."""
+    at = of_roller(j) + WRENCH
+    return (y[at], y[at + 1], y[at + 2]), (y[at + 3], y[at + 4], y[at + 5])
 
 
 @jit

@@ -13,6 +13,8 @@ from bearingsim.core.cage_in_space import cage_body
 from bearingsim.core.cage_slopes import guide_change
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
+    AXIS_X_A,
+    AXIS_Y_A,
     BY_POSITION,
     BY_VELOCITY,
     COS,
@@ -29,6 +31,9 @@ from bearingsim.core.layout import (
     SIN,
     SKEW_V,
     TILT_V,
+    TURN_R,
+    TURN_T,
+    TURN_Z,
     UPRIGHT_V,
     VELOCITY,
     X_C,
@@ -59,7 +64,17 @@ from bearingsim.core.space_slopes import (
     touch_race,
 )
 from bearingsim.core.vectors import both, cross, dot, turning
-from bearingsim.core.wrench import BY_SPEED, TOUCHES, answer, clear_wrenches, of_roller, times
+from bearingsim.core.wrench import (
+    BY_SPEED,
+    TOUCHES,
+    answer,
+    clear_wrenches,
+    of_roller,
+    plus,
+    six,
+    standing_wrench,
+    times,
+)
 
 OWN, SHARED = 6, 17
 RADIAL, ORBIT, SPIN, AXIAL, LEAN = range(5)  # a roller's coordinates; the axis has two
@@ -193,12 +208,6 @@ def body_speed(k, body, d, c, s):
     return cross(d, turn), (-turn[0], -turn[1], -turn[2])
 
 
-@jit
-def six(a, b):
-    """Two vectors as one of six."""
-    return a[0], a[1], a[2], b[0], b[1], b[2]
-
-
 # Wrenches: what they accelerate
 
 
@@ -208,8 +217,8 @@ def accelerate_roller(model, w, y, j):
     a, c, s, M = axis_of(y, j), y[COS + j], y[SIN + j], (w[3], w[4], w[5])
     held, per_mass = let_go(model.cage, 1.0), y[INVERSE_MASS + j]
     r = 0.5 * (model.bearing.R_o + model.bearing.R_i) + y[Q + j]
-    l = cross(M, a)
-    l_r, l_t = l[0] / model.I_t, held * l[1] / model.I_t
+    n = cross(M, a)
+    l_r, l_t = n[0] / model.I_t, held * n[1] / model.I_t
     wound = (l_r * a[1] - a[0] * l_t) / (1.0 + a[2])
     spin = dot(M, a) / model.bearing.I_r - wound
     per_t = held * per_mass
@@ -220,26 +229,29 @@ def accelerate_roller(model, w, y, j):
 def accelerate_body(mobile, F, M):
     """Accelerations of a body's coordinates under a force and a moment along e_0, e_90, e_z."""
     b = mobile.body.a_x, mobile.body.a_y, mobile.body.a_z
-    l = cross(M, b)
-    l_x, l_y = mobile.tip * l[0], mobile.tip * l[1]
+    n = cross(M, b)
+    l_x, l_y = mobile.tip * n[0], mobile.tip * n[1]
     wound = (l_x * b[1] - b[0] * l_y) / (1.0 + b[2])
     turn = mobile.turn * dot(M, b) - mobile.wound * wound
     return mobile.force * F[0], mobile.force * F[1], mobile.axial * F[2], l_x, l_y, turn
 
 
 @jit
-def react(mobile, w, d, c, s):
-    """What the opposite of a wrench on a roller at ``d`` from the body's centre accelerates the body by."""
+def react(mobile, w, d, M, c, s):
+    """What the opposite of a wrench on a roller at ``d`` from the body's centre accelerates the body by.
+
+    M: moment besides, about the body's centre, on the roller.
+    """
     F = w[0], w[1], w[2]
-    M = both(1.0, (w[3], w[4], w[5]), 1.0, cross(d, F))
+    M = both(1.0, M, 1.0, both(1.0, (w[3], w[4], w[5]), 1.0, cross(d, F)))
     force = -F[0] * c + F[1] * s, -F[0] * s - F[1] * c, -F[2]
     return accelerate_body(mobile, force, (-M[0] * c + M[1] * s, -M[0] * s - M[1] * c, -M[2]))
 
 
 @jit
-def keep_own(matrix, i, model, mobile, w, d, y, j):
-    """Add a wrench to the column of coordinate ``i`` of roller ``j``."""
-    on_roller, on_body = accelerate_roller(model, w, y, j), react(mobile, w, d, y[COS + j], y[SIN + j])
+def keep_own(matrix, i, model, mobile, w, d, M, y, j):
+    """Add a wrench, and a moment on the body, to the column of coordinate ``i`` of roller ``j``."""
+    on_roller, on_body = accelerate_roller(model, w, y, j), react(mobile, w, d, M, y[COS + j], y[SIN + j])
     for k in range(OWN):
         y[own_block(matrix, k, i) + j] += on_roller[k]
     for k in range(mobile.free):
@@ -247,9 +259,9 @@ def keep_own(matrix, i, model, mobile, w, d, y, j):
 
 
 @jit
-def keep_shared(matrix, m, model, mobile, w, d, y, j):
+def keep_shared(matrix, m, model, mobile, w, d, M, y, j):
     """Add it to the column of the body's coordinate ``m``."""
-    on_roller, on_body = accelerate_roller(model, w, y, j), react(mobile, w, d, y[COS + j], y[SIN + j])
+    on_roller, on_body = accelerate_roller(model, w, y, j), react(mobile, w, d, M, y[COS + j], y[SIN + j])
     for k in range(OWN):
         y[from_border(matrix, k, mobile.of[m]) + j] = on_roller[k]
     for k in range(mobile.free):
@@ -259,24 +271,58 @@ def keep_shared(matrix, m, model, mobile, w, d, y, j):
 @jit
 def between(model, mobile, omega_cage, y):
     """The columns of what acts between the rollers and a body, from the matrices of ``core/wrench.py``."""
-    b, body = model.bearing, mobile.body
-    middle = 0.5 * (b.R_o + b.R_i)
-    for j in range(b.Z):
-        at, c, s = of_roller(j), y[COS + j], y[SIN + j]
-        if y[at + TOUCHES] > 0.0:
-            d, v, omega = seen_by(body, b, omega_cage, y, j)
-            turns = turning(body, c, s)
-            for i in range(OWN):
-                P, phi, dv, faster = roller_place(i, middle, omega_cage, y, j)
-                w = answer(j, six(P, phi), six(both(1.0, dv, -1.0, cross(turns, P)), faster), y)
-                keep_own(BY_POSITION, i, model, mobile, w, d, y, j)
-                W, S = roller_speed(i, middle, y, j)
-                keep_own(BY_VELOCITY, i, model, mobile, times(at + BY_SPEED, six(W, S), y), d, y, j)
-            for m in range(mobile.free):
-                P, phi, dv, faster = body_place(m, body, d, v, omega, c, s)
-                keep_shared(BY_POSITION, m, model, mobile, answer(j, six(P, phi), six(dv, faster), y), d, y, j)
-                W, S = body_speed(m, body, d, c, s)
-                keep_shared(BY_VELOCITY, m, model, mobile, times(at + BY_SPEED, six(W, S), y), d, y, j)
+    for j in range(model.bearing.Z):
+        if y[of_roller(j) + TOUCHES] > 0.0:
+            by_roller(model, mobile, omega_cage, y, j)
+            by_body(model, mobile, omega_cage, y, j)
+
+
+@jit
+def by_roller(model, mobile, omega_cage, y, j):
+    """The columns of the coordinates of roller ``j``."""
+    b, at = model.bearing, of_roller(j)
+    middle, F = 0.5 * (b.R_o + b.R_i), standing_wrench(j, y)[0]
+    d, _, _ = seen_by(mobile.body, b, omega_cage, y, j)
+    turns = turning(mobile.body, y[COS + j], y[SIN + j])
+    for i in range(OWN):
+        P, phi, dv, faster = roller_place(i, middle, omega_cage, y, j)
+        w = answer(j, six(P, phi), six(both(1.0, dv, -1.0, cross(turns, P)), faster), y)
+        keep_own(BY_POSITION, i, model, mobile, w, d, cross(P, F), y, j)
+        W, S = roller_speed(i, middle, y, j)
+        keep_own(BY_VELOCITY, i, model, mobile, times(at + BY_SPEED, six(W, S), y), d, NONE, y, j)
+
+
+@jit
+def by_body(model, mobile, omega_cage, y, j):
+    """The columns of the body's coordinates, of what it does to roller ``j``: forces that stand turn with it."""
+    at, c, s, (F, M) = of_roller(j), y[COS + j], y[SIN + j], standing_wrench(j, y)
+    d, v, omega = seen_by(mobile.body, model.bearing, omega_cage, y, j)
+    for m in range(mobile.free):
+        P, phi, dv, faster = body_place(m, mobile.body, d, v, omega, c, s)
+        w = plus(1.0, answer(j, six(P, phi), six(dv, faster), y), -1.0, six(cross(phi, F), cross(phi, M)))
+        away = cross(P, F) if m < TIP else NONE  # it leaves the force's line
+        keep_shared(BY_POSITION, m, model, mobile, w, d, away, y, j)
+        W, S = body_speed(m, mobile.body, d, c, s)
+        keep_shared(BY_VELOCITY, m, model, mobile, times(at + BY_SPEED, six(W, S), y), d, NONE, y, j)
+
+
+@jit
+def nodding_rollers(model, y):
+    """What the moments that stand do as a roller's axis leans out of them."""
+    for j in range(model.bearing.Z):
+        a, c, s, I_r = axis_of(y, j), y[COS + j], y[SIN + j], model.bearing.I_r
+        spin, M = I_r * y[OMEGA + j], (y[TURN_R + j], y[TURN_T + j], y[TURN_Z + j])
+        gyro = both(1.0, M, -spin, (y[TILT_V + j], y[SKEW_V + j], y[UPRIGHT_V + j]))
+        real, held = model.bearing.m_r * y[INVERSE_MASS + j], let_go(model.cage, 1.0)
+        l_r, l_t = y[AXIS_X_A + j] * c + y[AXIS_Y_A + j] * s, y[AXIS_Y_A + j] * c - y[AXIS_X_A + j] * s
+        for i in (LEAN, LEAN + 1):
+            da, _ = lean_by(a, s, c) if i > LEAN else lean_by(a, c, -s)
+            n = cross(gyro, da)
+            n_r, n_t = real * n[0] / model.I_t, real * held * n[1] / model.I_t
+            wound = (n_r * a[1] - a[0] * n_t + l_r * da[1] - da[0] * l_t) / (1.0 + a[2])
+            y[own_block(BY_POSITION, SPIN, i) + j] += held * (real * dot(M, da) / I_r - wound)
+            y[own_block(BY_POSITION, LEAN, i) + j] += n_r * c - n_t * s
+            y[own_block(BY_POSITION, LEAN + 1, i) + j] += n_r * s + n_t * c
 
 
 @jit
@@ -339,7 +385,7 @@ def differentiate_in_space(model, t, y):
     mobile = Mobile(outer, 6, OF_OUTER, y[MOBILITY + X], axial, tip, turn, turn * I_a, I_a)
     clear_wrenches(b.Z, y)
     touch_race(OuterSide(), model.outer, model, t, outer, outer.a_z, inner.a_z, omega_cage, y, n)
-    touch_flanges(model.flanges, OuterSide(), model, outer, y)
+    touch_flanges(model.flanges, OuterSide(), model, outer, omega_cage, y)
     between(model, mobile, omega_cage, y)
     spinning_body(mobile, y)
 
@@ -347,7 +393,7 @@ def differentiate_in_space(model, t, y):
     mobile = Mobile(inner, 5, OF_INNER, y[MOBILITY + X_I], axial, tip, 0.0, 0.0, I_a)
     clear_wrenches(b.Z, y)
     touch_race(InnerSide(), model.inner, model, t, inner, outer.a_z, inner.a_z, omega_cage, y, n)
-    touch_flanges(model.flanges, InnerSide(), model, inner, y)
+    touch_flanges(model.flanges, InnerSide(), model, inner, omega_cage, y)
     between(model, mobile, omega_cage, y)
     spinning_body(mobile, y)
 
@@ -359,6 +405,7 @@ def differentiate_in_space(model, t, y):
     spinning_body(mobile, y)
 
     spinning_rollers(model, y)
+    nodding_rollers(model, y)
     by_own_motion(model, omega_cage, y, n)
     guide_change(model.cage, omega_cage, omega_i, y)
     by_springs(model, y)
