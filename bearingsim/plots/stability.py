@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["draw", "draw_all", "figure"]
 
+PLAIN = RC | {"axes.grid": False, "font.size": 8.0}
 COLUMN_IN, ROW_IN, HEAD_IN, FOOT_IN = 2.45, 0.98, 1.0, 0.95
 
 
@@ -79,7 +80,7 @@ def draw(table: "pd.DataFrame", model: str, pit: str, path: Path) -> list[Path]:
         rows = chosen[chosen[axis].notna()]
         if len(rows):
             file = path.with_name(f"{path.name}-{ending}.png")
-            with matplotlib.rc_context(RC | {"axes.grid": False, "font.size": 8.0}):
+            with matplotlib.rc_context(PLAIN):  # type: ignore[arg-type]
                 figure(rows, axis, f"{model}, {pit}").savefig(file)
             made.append(file)
     return made
