@@ -1,18 +1,18 @@
 # make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's figures
 # make test    all tests                               make excitations | inner_race | roller_defect | slip
 # make check   tests, lint, types, import contract     make length | offset | tilt | misalignment | shapes
-#                                                      (add QUICK=1 for a reduced grid)
+# make stability   where each method fails             make paper_literal   (add QUICK=1 for a reduced grid)
 PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
 BIN := $(VENV)/bin
 FIGURES := fig14 fig15 fig16
-STUDIES := $(FIGURES) excitations inner_race roller_defect slip length offset tilt misalignment shapes
+STUDIES := $(FIGURES) excitations inner_race roller_defect slip length offset tilt misalignment shapes paper_literal
 REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test check lint studies $(STUDIES) lock bench clean
+.PHONY: help install install-dev demo test check lint studies $(STUDIES) stability lock bench clean
 
 help:
 	@sed -n '1,4s/^# //p' Makefile
@@ -53,6 +53,9 @@ tilt: MORE = for kind in pit load; do $(BIN)/bearingsim plot $(RESULTS) --kind $
   $(BIN)/bearingsim plot $(RESULTS) --kind roller --job all --y roller.1.tilt --y roller.2.tilt \
   --y roller.1.skew --y roller.2.skew
 misalignment: MORE = $(BIN)/bearingsim plot $(RESULTS) --kind load --job all
+
+stability: install
+	$(BIN)/bearingsim stability $(REDUCED) --jobs $(JOBS)
 
 studies: $(FIGURES)
 

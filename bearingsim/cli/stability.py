@@ -20,16 +20,23 @@ def chosen(option: str, asked: Sequence[str] | None, known: Sequence[str], usual
 
 
 def show(
-    models: Sequence[str] | None, methods: Sequence[str] | None, quick: bool, folder: Path | None, jobs: int
+    models: Sequence[str] | None,
+    methods: Sequence[str] | None,
+    pits: Sequence[str] | None,
+    quick: bool,
+    folder: Path | None,
+    jobs: int,
 ) -> None:
     """Compute the map, draw it, and print what was found and where it lies."""
     from bearingsim.cli.screen import print_table
     from bearingsim.plots import stability as maps
     from bearingsim.verify import judge, mapping, stability
+    from bearingsim.verify.scene import PITS
 
     grid = stability.QUICK if quick else stability.FULL
     usual = stability.QUICK_METHODS if quick else stability.methods_known()
     known = stability.methods_known()
+    grid = grid._replace(pits=tuple(chosen("--pit", pits, tuple(PITS), grid.pits)))
     of = chosen("--model", models, stability.models_known(), stability.QUICK_MODELS if quick else stability.USUAL)
     by = chosen("--method", methods, known, [name for name in usual if name in known])
     target = folder or Path("results") / ("stability-quick" if quick else "stability")

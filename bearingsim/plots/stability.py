@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 __all__ = ["draw", "draw_all", "figure"]
 
+PLAIN = RC | {"axes.grid": False, "font.size": 8.0}
+LEAST_IN = 5.6  # holds the title and the legend
 COLUMN_IN, ROW_IN, HEAD_IN, FOOT_IN = 2.45, 0.98, 1.0, 0.95
 
 
@@ -41,6 +43,7 @@ LOOKS: dict[str, Look] = {
     "stalled": Look("#222222", "s", "white"),
     "refused": Look("#999999", "_"),
     "too slow": Look("#DDDDDD", "."),
+    "within chaos": Look("#7FCDBB", "+"),
     "no reference": Look("#FFFFFF", "$?$"),
 }
 MEANING = {
@@ -48,6 +51,7 @@ MEANING = {
     "stalled": "stalled, gave up",
     "too slow": "too slow",
     "skipped": "skipped a pit",
+    "within chaos": "within chaos (no one path)",
 }
 
 
@@ -79,7 +83,7 @@ def draw(table: "pd.DataFrame", model: str, pit: str, path: Path) -> list[Path]:
         rows = chosen[chosen[axis].notna()]
         if len(rows):
             file = path.with_name(f"{path.name}-{ending}.png")
-            with matplotlib.rc_context(RC | {"axes.grid": False, "font.size": 8.0}):
+            with matplotlib.rc_context(PLAIN):  # type: ignore[arg-type]
                 figure(rows, axis, f"{model}, {pit}").savefig(file)
             made.append(file)
     return made
@@ -88,11 +92,11 @@ def draw(table: "pd.DataFrame", model: str, pit: str, path: Path) -> list[Path]:
 def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
     methods, stiffness = list(dict.fromkeys(rows["method"])), sorted(rows["k"].unique())
     damping = sorted({(m3, c) for m3, c in zip(rows["m3"], rows["c"], strict=True)})
-    settings = sorted(rows[axis].unique(), reverse=axis == "tolerance")
-    size = COLUMN_IN * len(stiffness) + 1.3, ROW_IN * len(methods) + HEAD_IN + FOOT_IN
+    size = max(COLUMN_IN * len(stiffness) + 1.3, LEAST_IN), ROW_IN * len(methods) + HEAD_IN + FOOT_IN
     canvas = Canvas(figsize=size, layout="constrained")
-    panels = canvas.subplots(len(methods), len(stiffness), sharex=True, sharey=True, squeeze=False)
+    panels = canvas.subplots(len(methods), len(stiffness), sharex=True, sharey="row", squeeze=False)
     for i, method in enumerate(methods):
+        settings = sorted(rows.loc[rows["method"] == method, axis].unique(), reverse=axis == "tolerance")
         for j, k in enumerate(stiffness):
             ax = panels[i][j]
             cells = rows[(rows["method"] == method) & (rows["k"] == k)]
@@ -105,9 +109,7 @@ def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
             if i == len(methods) - 1:
                 ax.set_xlabel("damping, N s/mm$^{1+m_3}$", fontsize=8)
     against = "step (µs)" if axis == "step" else "relative tolerance"
-    canvas.suptitle(
-        f"{title}: what becomes of a short run, by {against} and damping", x=0.01, ha="left", fontsize=10
-    )
+    canvas.suptitle(f"{title}: outcome by {against} and damping", x=0.01, ha="left", fontsize=10)
     entries = _legend(rows, axis == "step")
     canvas.legend(
         [entry.handles for entry in entries],

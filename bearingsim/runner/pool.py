@@ -13,7 +13,7 @@ from bearingsim.errors import UserError
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
 
-__all__ = ["WorkersDie", "outcomes"]
+__all__ = ["WorkersDie", "deaf_to_interrupts", "outcomes"]
 
 BARREN_RESTARTS = 3
 
@@ -65,7 +65,7 @@ def _in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
         pool = Parallel(
             n_jobs=max(2, min(workers, len(works))), return_as="generator_unordered", batch_size=1, max_nbytes=None
         )
-    with _deaf_to_interrupts():
+    with deaf_to_interrupts():
         results = pool(delayed(compute)(work) for work in works)
     try:
         yield from results
@@ -76,7 +76,7 @@ def _in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
 
 
 @contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
+def deaf_to_interrupts() -> Iterator[None]:
     """Ignore Ctrl-C while workers start: they inherit it, and leave interrupting to this process from birth."""
     if threading.current_thread() is not threading.main_thread():
         yield

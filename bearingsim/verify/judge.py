@@ -9,11 +9,11 @@ from bearingsim.verify.scene import FINE
 from bearingsim.verify.traces import BLOW_UP, STALL, TOO_SLOW, Trace
 
 OK, INACCURATE, CHATTER, SKIPPED = "ok", "inaccurate", "chatter", "skipped"
-REFUSED, UNJUDGED = "refused", "no reference"
-CLASSES = (OK, INACCURATE, CHATTER, BLOW_UP, SKIPPED, STALL, REFUSED, TOO_SLOW, UNJUDGED)
+REFUSED, CHAOS, UNJUDGED = "refused", "within chaos", "no reference"
+CLASSES = (OK, INACCURATE, CHATTER, BLOW_UP, SKIPPED, STALL, REFUSED, TOO_SLOW, CHAOS, UNJUDGED)
 
 WANTED = 0.01  # relative error of what is ok
-BLURRED = 0.05  # a floor above it judges nobody who is within it
+BLURRED = 0.05  # a floor above it says of a run within it only that chaos explains it
 ALIKE = 1e-3  # two solutions that differ by less than this (relative L2) follow one path; else motion is chaotic
 SEEN = 0.5  # of what a crossing does to the ring: less, and the pit was stepped over
 AFTER = 60e-6  # s after a crossing in which the ring still answers it
@@ -113,7 +113,7 @@ def judge(
     opened, of_reference = openings(trace.touching), openings(touching)
     seen = crossings_seen(trace, reference, healthy, windows) if healthy is not None else len(windows)
     if error <= max(WANTED, reference.floor):
-        outcome = OK if reference.floor <= BLURRED else UNJUDGED
+        outcome = OK if reference.floor <= BLURRED else CHAOS
     elif strides and seen < len(windows):
         outcome = SKIPPED
     elif opened > MORE_OFTEN * of_reference + OFTEN:

@@ -1,13 +1,16 @@
 """A whole stability map: units of work spread over processes, rows written as they come."""
 
 import csv
+import os
 import sys
 import time
 from collections.abc import Generator, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from bearingsim.runner.pool import deaf_to_interrupts
 from bearingsim.runner.progress import duration
+from bearingsim.runner.work import die_with_parent
 from bearingsim.verify.stability import Grid, Material, count, map_of, materials, warm
 
 NAME = "stability.csv"
@@ -57,9 +60,11 @@ def _rows(
         return
     from joblib import Parallel, delayed, parallel_config
 
-    with parallel_config("loky", inner_max_num_threads=1):
+    with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=(os.getpid(),)):
         pool = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
-    for rows in pool(delayed(_whole)(unit, methods, grid) for unit in units):
+    with deaf_to_interrupts():
+        results = pool(delayed(_whole)(unit, methods, grid) for unit in units)
+    for rows in results:
         yield from rows
 
 

@@ -6,6 +6,7 @@ that ends early is no reference.
 """
 
 import time
+import warnings
 from typing import Any
 
 import numpy as np
@@ -86,32 +87,42 @@ def solve(solver: str, model: Any, y: np.ndarray, asked: Tolerances, limit: floa
     asked: as the own methods have it; a solver sees positions and velocities with the same rtol. What a solver
     calls success is read; it says nothing of pits that were stepped over.
     """
-    from scipy import integrate
-
     f = Slopes(model, y, limit)
     fill_levers(model, f.y)
     lever = f.y[LEVER + f.places]
     atol = np.concatenate([asked.atol_q / lever, asked.atol_v / lever])
-    failure, reason, steps, due, columns = "", "", 0, 0, []
-    try:
-        one = getattr(integrate, SCIPY[solver])(
-            f, 0.0, packed(y, f.places), TIMES[-1], rtol=asked.rtol, atol=atol, max_step=asked.longest
-        )
-        while one.status == "running":
-            reason = one.step() or ""
-            steps += 1
-            before, due = due, int(np.searchsorted(TIMES, one.t, side="right"))
-            if due > before and not reason:
-                columns.append(one.dense_output()(TIMES[before:due]))
-        failure = STALL if reason else ""
-    except OutOfTime:
-        failure, reason = TOO_SLOW, f"not done after {limit:g} s"
-    except (ValueError, np.linalg.LinAlgError, FloatingPointError) as error:
-        failure, reason = STALL, str(error)  # a Jacobian with infinities in it
+    columns: list[np.ndarray] = []
+    with np.errstate(all="ignore"), warnings.catch_warnings():  # a row says what became of a run
+        warnings.simplefilter("ignore")
+        failure, reason, steps = _march(SCIPY[solver], f, packed(y, f.places), atol, asked, columns)
     cpu, calls = f.cpu, f.calls
     x = np.concatenate(columns, axis=1) if columns else np.empty((2 * len(lever), 0))
     velocity = x[len(lever) : len(lever) + 2]
     return Trace(1, velocity, touching(f, x), failure, reason, steps, 0, calls, 0, cpu)
+
+
+def _march(
+    name: str, f: Slopes, x_0: np.ndarray, atol: np.ndarray, asked: Tolerances, columns: list[np.ndarray]
+) -> tuple[str, str, int]:
+    """Step to the end, appending the states (2 n, samples) to ``columns``; failure, reason, steps."""
+    from scipy import integrate
+
+    steps, due = 0, 0
+    try:
+        one = getattr(integrate, name)(f, 0.0, x_0, TIMES[-1], rtol=asked.rtol, atol=atol, max_step=asked.longest)
+        while one.status == "running":
+            reason = one.step()
+            steps += 1
+            if reason:
+                return STALL, str(reason), steps
+            before, due = due, int(np.searchsorted(TIMES, one.t, side="right"))
+            if due > before:
+                columns.append(one.dense_output()(TIMES[before:due]))
+    except OutOfTime:
+        return TOO_SLOW, f"not done after {f.limit:g} s", steps
+    except (ValueError, np.linalg.LinAlgError, FloatingPointError) as error:
+        return STALL, str(error), steps  # a Jacobian with infinities in it
+    return "", "", steps
 
 
 def touching(f: Slopes, x: np.ndarray) -> np.ndarray:
