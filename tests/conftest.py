@@ -6,8 +6,14 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from tests.commands import STUDY, type_
-from tests.study_text import Write
+ROOT = Path(__file__).parents[1]
+os.environ["BEARINGSIM_CACHE"] = os.environ.get("BEARINGSIM_CACHE") or str(Path.home() / ".cache/bearingsim-tests")
+os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+# tests compile the core for types of their own; who reads that cache must be able to import them: so it is kept
+# apart from the user's, and the processes that tests start find the tests
+
+from tests.commands import STUDY, type_  # noqa: E402
+from tests.study_text import Write  # noqa: E402
 
 # no deadline: the first example may compile; in CI always the same examples, elsewhere new ones every time
 settings.register_profile("bearingsim", deadline=None, derandomize=bool(os.environ.get("CI")))
