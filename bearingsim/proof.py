@@ -7,7 +7,7 @@ why: if it parts from the first as fast, the motion is chaotic, no step can hold
 """
 
 from dataclasses import dataclass, replace
-from math import ceil, nan, pi, sqrt
+from math import ceil, inf, nan, pi, sqrt
 
 import numpy as np
 
@@ -37,7 +37,8 @@ class Proof:
 
     line, rms: relative change of the fault's line (of the worst, if there are several) and of the RMS; chaotic:
     whether a start 1e-10 beside leads elsewhere; noise: standard deviation of the RMS's relative change over the
-    pilot that chaos alone brings about; scatter: the same over the whole record.
+    pilot that chaos alone brings about; scatter: the same over the whole record, inf if the pilot was too short to
+    see the pit turn once.
     """
 
     line: float
@@ -91,20 +92,26 @@ def prove(case: Case, part: float) -> Proof:
     powers = [by_pass(series, passes) ** 2 / scale**2 for series in (one, other, beside)]
     between = np.concatenate([powers[0] - powers[1], powers[1] - powers[2], powers[2] - powers[0]])
     noise = 0.5 * float(np.sqrt(np.mean(between**2)))
+    seen = passes >= turn_of_pits(case) * coarse.cut.rate
     whole = max(1.0, case.duration * coarse.cut.rate)
-    return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=noise / sqrt(whole))
+    return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=noise / sqrt(whole) if seen else inf)
 
 
 def pilot(case: Case) -> tuple[Case, int]:
     """The beginning of a case, and how many of its ball passes are compared."""
     rate = case.bearing.ball_pass_frequency(case.speed)
     whole = (case.settle + case.duration) * rate
-    turn = max((TURN_OF[defect.race](case) * rate for defect in case.defects), default=0.0)
+    turn = turn_of_pits(case) * rate
     counted = ceil(max(FEWEST, SHORTEST * rate, SHARE * whole, min(turn, TURNING * whole)))
     counted = max(1, min(counted, int(whole) - FORGOTTEN))
     settle = min(FORGOTTEN / rate, max(0.0, whole - counted) / rate)
     short = {"settle": settle, "duration": (counted + 0.5) / rate, "record": (), "antialias": True}
     return case.model_copy(update=short), counted
+
+
+def turn_of_pits(case: Case) -> float:
+    """The time (s) in which the slowest pit turns through the load zone once; 0 if none turns."""
+    return max((float(TURN_OF[defect.race](case)) for defect in case.defects), default=0.0)
 
 
 TURN_OF = {

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -133,10 +134,12 @@ def _long_enough(setup: Setup, proven: Proof) -> None:
     """Refuse the record of a chaotic motion that is too short for its RMS to be worth 1 %."""
     if proven.long_enough:
         return
-    longer = setup.case.duration * (proof.SURE * proven.scatter / proof.HELD) ** 2
+    longer, worth = proof.turn_of_pits(setup.case) / proof.TURNING, "of unknown worth"
+    if isfinite(proven.scatter):
+        longer = setup.case.duration * (proof.SURE * proven.scatter / proof.HELD) ** 2
+        worth = f"uncertain by {proof.SURE * proven.scatter:.1%}"
     raise SimulationError(
-        f"the motion is chaotic, and the RMS of {setup.case.duration:.2g} s of it uncertain by"
-        f" {proof.SURE * proven.scatter:.1%}",
+        f"the motion is chaotic, and the RMS of {setup.case.duration:.2g} s of it {worth}",
         f"take a `duration` of {longer:.2g} s, or say `prove: false`",
     )
 
