@@ -17,223 +17,39 @@ import csv
 import sys
 import time
 from collections.abc import Iterator
-from math import inf, sqrt
-from typing import Any, NamedTuple
+from math import inf
+from typing import Any
 
 import numpy as np
+from touch_down_models import (
+    FIXED,
+    KNOWN,
+    LOCATED,
+    MASS,
+    NAMES,
+    OMEGA,
+    PUSH,
+    SPEED,
+    STEEL,
+    Contact,
+    LocatedContact,
+    go,
+    start,
+)
 
 from bearingsim import build
 from bearingsim.config import Case
-from bearingsim.core.defects import Pits
-from bearingsim.core.events import next_cusp
-from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
-    ACCELERATION,
-    COS,
-    DELTA_I,
-    DELTA_O,
     EVALUATED,
     FAILED,
     H_NEXT,
-    LANES,
-    SIN,
     TAKEN,
-    V_I,
-    V_O,
-    VELOCITY,
-    A,
     Q,
     V,
-    X,
-    Y,
     buffer,
 )
-from bearingsim.core.methods.adaptive import HOP
 from bearingsim.core.methods.dop853 import Dop853
-from bearingsim.core.methods.dormand_prince import DormandPrince
-from bearingsim.core.methods.interface import prepare, step
-from bearingsim.core.methods.nystrom import Nystrom
-from bearingsim.core.methods.rk4 import RungeKutta4
-from bearingsim.core.methods.verlet import Verlet
-from bearingsim.core.models.interface import accelerations, freedoms, keep_extremes, width
 from bearingsim.core.models.rollers import Rollers
-from bearingsim.core.parameters import Bearing, Support
-from bearingsim.core.pit_contact import standing
-
-NAMES = {
-    "verlet": Verlet,
-    "rk4": RungeKutta4,
-    "nystrom": Nystrom,
-    "dormand-prince": DormandPrince,
-    "dop853": Dop853,
-}
-FIXED, ADAPTIVE = ("verlet", "rk4", "nystrom"), ("dormand-prince", "dop853")
-MASS, STEEL, PUSH, SPEED = 0.010654, 1.57e9, 2.0, 10e-3
-OMEGA = 1.5e5  # 1/s: about that of the contact in motion; what a place counts beside a speed
-CLOSE = 1e-9  # s: from so near a contact comes straight to its touch-down
-
-
-@jit
-def until_zero(x, v, a):
-    """The first time (s) ahead at which x + v t + a t^2/2 is zero, and leaves it; inf if never."""
-    inside = v * v - 2.0 * a * x
-    if inside < 0.0:
-        return inf
-    root = sqrt(inside)
-    least = inf
-    for sign in (-1.0, 1.0):
-        below = -v + sign * root  # 2 x/(-v +- root): no cancellation, no division by a
-        if below != 0.0:
-            t = 2.0 * x / below
-            least = t if 1e-14 < t < least else least
-    return least
-
-
-@jit
-def closing_in(t, wait):
-    """Time (s) to stop at on the way to an event predicted ``wait`` (s) ahead of ``t``."""
-    return t + (wait if wait < CLOSE else 0.98 * wait)
-
-
-# 1. One contact
-
-
-ONE = Bearing(1, 1.0, 3.0, 1.0, 0.0, MASS, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0)
-
-
-class Contact(NamedTuple):
-    """q'' = (-push + k <-q>^m)/mass: a roller over a floor."""
-
-    push: float
-    k: float
-    m: float
-    bearing: Bearing = ONE
-
-
-class LocatedContact(NamedTuple):
-    """The same, its touch-down known."""
-
-    push: float
-    k: float
-    m: float
-    bearing: Bearing = ONE
-
-
-def _contact(model, t, y):
-    y[A] = (-model.push + model.k * max(-y[Q], 0.0) ** model.m) / MASS
-
-
-for _type in (Contact, LocatedContact):
-    width.register(_type)(lambda model: LANES + 8)
-    freedoms.register(_type)(lambda model: (1, 0))
-    keep_extremes.register(_type)(lambda model, y: None)
-    accelerations.register(_type)(_contact)
-next_cusp.register(Contact)(lambda model, t, y: inf)
-next_cusp.register(LocatedContact)(lambda model, t, y: t + until_zero(y[Q], y[V], y[A]) if y[Q] > 0.0 else inf)
-
-
-# 2. The bearing
-
-
-class LocatedRollers(NamedTuple):
-    """``Rollers`` whose contacts are known to open and close."""
-
-    bearing: Bearing
-    support: Support
-    outer: Any
-    inner: Any
-    pits: Pits
-
-
-class BlindRollers(NamedTuple):
-    """``Rollers`` of which nothing is known ahead, not even when they pass a cusp."""
-
-    bearing: Bearing
-    support: Support
-    outer: Any
-    inner: Any
-    pits: Pits
-
-
-KNOWN: dict[str, Any] = {"nothing": BlindRollers, "cusps": Rollers, "contacts": LocatedRollers}
-
-
-@jit
-def plain(model):
-    """The model as the package has it."""
-    return Rollers(model.bearing, model.support, model.outer, model.inner, model.pits)
-
-
-for _type in (LocatedRollers, BlindRollers):
-    width.register(_type)(lambda model: width(plain(model)))
-    freedoms.register(_type)(lambda model: freedoms(plain(model)))
-    keep_extremes.register(_type)(lambda model, y: keep_extremes(plain(model), y))
-    accelerations.register(_type)(lambda model, t, y: accelerations(plain(model), t, y))
-    standing.register(_type)(lambda model, d, t, y: standing(plain(model), d, t, y))
-next_cusp.register(BlindRollers)(lambda model, t, y: inf)
-
-
-@next_cusp.register(LocatedRollers)
-def _next_cusp(model, t, y):
-    soonest = inf
-    for j in range(model.bearing.Z):
-        ring = y[ACCELERATION + X] * y[COS + j] + y[ACCELERATION + Y] * y[SIN + j]
-        soonest = min(soonest, until_zero(y[DELTA_O + j], y[V_O + j], y[A + j] - ring))
-        soonest = min(soonest, until_zero(y[DELTA_I + j], y[V_I + j], -y[A + j]))
-    return min(closing_in(t, soonest), next_cusp(plain(model), t, y))
-
-
-# Steps
-
-
-def stepper(parameters: Any) -> Any:
-    """A fixed-step method that ends its steps on what ``next_cusp`` knows of."""
-
-    @jit
-    def located(method, model, t, y):
-        end = t + method.h
-        while end - t > HOP:
-            wait = next_cusp(model, t, y) - t
-            if wait <= HOP:
-                for k in range(width(model)):
-                    y[VELOCITY + k] += 2.0 * HOP * y[ACCELERATION + k]
-                    y[k] += 2.0 * HOP * y[VELOCITY + k]
-                t += 2.0 * HOP
-                accelerations(model, t, y)
-            else:
-                part = min(end - t, wait)
-                step(parameters(part), model, t, y)
-                y[TAKEN] += 1.0
-                t += part
-
-    @jit
-    def go(method, model, first, y, stride, out):
-        for n in range(len(out)):
-            for k in range(stride):
-                located(method, model, (first + n * stride + k) * method.h, y)
-            out[n, 0], out[n, 1] = y[VELOCITY + X], y[VELOCITY + Y]
-
-    return go
-
-
-@jit
-def start(method, model, t, y):
-    """Ready for the first step."""
-    accelerations(model, t, y)
-    prepare(method, model, t, y)
-
-
-@jit
-def go(method, model, first, y, stride, out):
-    """Steps; the ring's velocity after every ``stride`` of them into out (n, 2)."""
-    for n in range(len(out)):
-        for k in range(stride):
-            step(method, model, (first + n * stride + k) * method.h, y)
-        out[n, 0], out[n, 1] = y[VELOCITY + X], y[VELOCITY + Y]
-
-
-LOCATED = {name: stepper(NAMES[name]) for name in FIXED}
-
 
 # 1. Order
 
