@@ -127,6 +127,7 @@ def small(monkeypatch, tmp_path):
     """A map of six cells, with references that need no compiled method."""
     monkeypatch.setattr(stability, "QUICK", SMALL)
     monkeypatch.setattr(stability, "REFERENCES", (("scipy-lsoda", 1e-9), ("scipy-dop853", 1e-9)))
+    monkeypatch.setattr(stability, "COARSE", ("scipy-bdf", 1e-6))
     monkeypatch.chdir(tmp_path)
     return ("stability", "--quick", "--model", "ring", "--method", "verlet", "--method", "scipy-lsoda")
 

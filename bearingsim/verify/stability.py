@@ -64,14 +64,10 @@ QUICK = Grid(
 QUICK_METHODS = ("verlet", "symplectic-euler", "dop853", "rodas", "backward-euler", "scipy-lsoda", "scipy-radau")
 USUAL, QUICK_MODELS = ("ring", "rollers"), ("rollers",)
 
-REFERENCES = (
-    ("dop853", 1e-9),
-    ("scipy-lsoda", 1e-9),
-    ("rodas", 1e-8),
-    ("scipy-lsoda", 1e-6),
-    ("backward-euler", 1e-2),
-)
+REFERENCES = (("dop853", 1e-9), ("scipy-lsoda", 1e-9), ("rodas", 1e-8), ("scipy-lsoda", 1e-6))
 """Solutions that are tried in turn until two agree."""
+COARSE = ("backward-euler", 1e-2)
+"""And one that holds where others fail, for want of a second."""
 
 
 class Material(NamedTuple):
@@ -159,12 +155,12 @@ def asked(bench: Bench, tolerance: float) -> Tolerances:
 def reference(bench: Bench, patience: float) -> Reference | None:
     """Solutions of a scene until two agree; see ``agreed``."""
     found: dict[str, Trace] = {}
-    for method, tolerance in REFERENCES:
-        if method in SCIPY or method in build.METHODS:
-            found[f"{method} {tolerance:.0e}"] = tightly(bench, method, tolerance, patience)
+    for method, tolerance in (*REFERENCES, COARSE):
         best = agreed(found)
-        if best is not None and not best.chaotic:
+        if best is not None and (not best.chaotic or (method, tolerance) == COARSE):
             return best
+        if method in methods_known():
+            found[f"{method} {tolerance:.0e}"] = tightly(bench, method, tolerance, patience)
     return agreed(found)
 
 
@@ -179,7 +175,7 @@ def warm(model: str, methods: Sequence[str], grid: Grid) -> Iterator[str]:
     """Compile (or load) what the cells of a model need; yields the name of each method before its turn."""
     material = Material(model, grid.k[0], *grid.damping[0])
     kinds = {PITS[pit].get("excitation", "envelope"): pit for pit in grid.pits}
-    for method in dict.fromkeys((*methods, *(name for name, _ in REFERENCES))):
+    for method in dict.fromkeys((*methods, *(name for name, _ in (*REFERENCES, COARSE)))):
         if method in methods_known():
             yield method
             for pit in kinds.values():
