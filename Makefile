@@ -57,7 +57,7 @@ misalignment: MORE = $(BIN)/bearingsim plot $(RESULTS) --kind load --job all
 studies: $(FIGURES)
 
 test: install-dev
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile
 
 lint: install-dev
 	$(BIN)/ruff check .

@@ -358,7 +358,7 @@ def test_a_balls_pit_may_be_longer_than_its_contact() -> None:
     ("change", "part"),
     [
         ({"rollers": 17}, "17 rollers do not fit: at most 16"),
-        ({"rollers": 2}, "from 3 to 64"),
+        ({"rollers": 2}, "from 3 to 104"),
         ({"outside_diameter": 0.0769}, "outside the outer ring"),
         ({"bore": 0.0531}, "inside the bore"),
         ({"roller_length": None}, "a roller bearing needs `roller_length`"),
