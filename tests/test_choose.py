@@ -291,7 +291,7 @@ def test_a_tolerance_is_kept_by_the_method_that_is_chosen() -> None:
 
 @pytest.mark.parametrize("model", ["static", "impulse"])
 def test_a_model_without_a_method_has_no_other(model: str) -> None:
-    assert choose.alternatives(case(model=model, defect=SLOT if model == "impulse" else ())) == []
+    assert choose.alternatives(case(model=model, defect=SLOT)) == []
 
 
 def test_what_repeats_itself_is_priced_as_one_pass_and_refused_by_its_model() -> None:
