@@ -12,13 +12,14 @@ from math import ceil, floor, inf
 from typing import NamedTuple
 
 from bearingsim import build
-from bearingsim.build.scales import FEWEST_PER_CROSSING
+from bearingsim.build.scales import FEWEST_PER_CROSSING, at_full_speed
 from bearingsim.config import CHANNELS, Case
 from bearingsim.config.slicing import slice_count
 from bearingsim.core.models.interface import linearise
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 from bearingsim.errors import Refused
-from bearingsim.limits import LONGEST, Limits, at_full_speed, step_limits
+from bearingsim.limits import LONGEST, Limits, step_limits
+from bearingsim.pilot import share
 
 SAFE = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
 FINE_PER_SAMPLE, FEWEST_FINE = 4, 64
@@ -30,9 +31,11 @@ SHORTENED = (1.0, 0.5, 0.25, 0.125)
 
 PER_STEP = {"verlet": 1.2, "dop853": 21.0, "rodas": 16.0, "backward-euler": 12.0}
 """CPU time of a step of its own in evaluations of the model, all that goes with it included: docs/methods.md."""
+USUAL_PER_STEP = 1.7  # of an adaptive method that is not listed, to each of its evaluations
 PER_RECORD = 2.5  # and of an instant that an adaptive method records
-OWN_STEPS = {"dop853": 25.0, "rodas": 25.0, "backward-euler": 600.0}
-"""Steps of its own that an adaptive method takes over a pit, at its usual tolerance."""
+USUAL_OWN_STEPS = 25.0
+OWN_STEPS = {"backward-euler": 600.0}
+"""Steps of its own over a pit of an adaptive method that needs other than the usual, at its usual tolerance."""
 OWN_PER_PERIOD = 25.0  # and in a period of contacts that ring
 REACH = 3.0  # step of an explicit adaptive method over Verlet's limit
 RINGS = 0.3  # damping ratio under which they do
@@ -70,11 +73,15 @@ class Grid:
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a job will take: CPU seconds on one core, bytes on disk before compression, steps."""
+    """What a job will take: CPU seconds on one core, bytes on disk before compression, steps of the run itself.
+
+    proof_seconds: of ``cpu_seconds``, to prove its step.
+    """
 
     cpu_seconds: float
     bytes: int
     steps: int
+    proof_seconds: float = 0.0
 
 
 class Choice(NamedTuple):
@@ -110,16 +117,17 @@ def using(case: Case, method: str | None) -> Case:
 def attempts(case: Case) -> Iterator[Attempt]:
     """What to try in turn until a run proves right: shorter automatic steps, then (with `auto`) other methods."""
     first = resolved(case)
-    free = case.step == "auto" and case.tolerance == "auto" and case.method is not None
-    for part in SHORTENED if free else (1.0,):
+    for part in SHORTENED if case.automatic else (1.0,):
         yield Attempt(first, part)
-    if case.method == "auto" and free:
+    if case.method == "auto" and case.automatic:
         for name in alternatives(first):
             yield from (Attempt(using(case, name), part) for part in SHORTENED)
 
 
 def alternatives(case: Case) -> list[str]:
-    """Other methods of the automatic set that can step the case, the cheapest first."""
+    """Other methods of the automatic set that can step the case, the cheapest first; none if it has no method."""
+    if case.method is None:
+        return []
     return [name for name in choice(using(case, "auto")).prices if name != case.method]
 
 
@@ -132,10 +140,14 @@ def choice(case: Case) -> Choice:
     if case.method != "auto":
         return Choice(case.method, "the case says so" if case.method else f"{case.model} has no method", {})
     able = [name for name in build.METHODS if build.METHODS[name].automatic and can(case, name)]
+    if case.tolerance != "auto":  # only those that keep one
+        able = [name for name in able if build.METHODS[name].adaptive]
     prices = dict(sorted(((name, _integration(using(case, name))) for name in able), key=lambda pair: pair[1]))
     found = step_limits(using(case, "verlet"))
     if found.damping_ratio > EXTREME and "backward-euler" in prices:
         return Choice("backward-euler", f"the damping ratio is {found.damping_ratio:.2g}", prices)
+    if "verlet" not in prices:
+        return Choice(next(iter(prices)), "the cheapest of those that keep a tolerance", prices)
     implicit = [name for name in prices if build.METHODS[name].implicit]
     chosen = implicit[0] if implicit and FAVOUR * prices[implicit[0]] < prices["verlet"] else "verlet"
     return Choice(chosen, _reason(chosen, prices, found), prices)
@@ -164,13 +176,13 @@ def per_second(case: Case, step: float) -> float:
     if not kind.adaptive:
         return cost / step * PER_STEP.get(str(case.method), kind.evaluations)
     own = own_step(case, step_limits(using(case, "verlet")))
-    return cost * (PER_RECORD / step + PER_STEP.get(str(case.method), 1.7 * kind.evaluations) / own)
+    return cost * (PER_RECORD / step + PER_STEP.get(str(case.method), USUAL_PER_STEP * kind.evaluations) / own)
 
 
 def own_step(case: Case, found: Limits) -> float:
     """About how long (s) the steps of an adaptive method are: what rings and what is crossed sets them."""
-    name = str(case.method)
-    smooth = min(found.crossing / OWN_STEPS.get(name, 25.0), LONGEST * 25.0 / OWN_STEPS.get(name, 25.0))
+    steps = OWN_STEPS.get(str(case.method), USUAL_OWN_STEPS)
+    smooth = min(found.crossing, LONGEST * USUAL_OWN_STEPS) / steps
     rings = 1.0 / found.contact_frequency / OWN_PER_PERIOD if found.damping_ratio < RINGS else inf
     limit = inf if build.method_kind(case).implicit else REACH * found.at_impact
     return min(smooth, rings, limit)
@@ -249,10 +261,12 @@ def grid(case: Case, part: float = 1.0) -> Grid:
             f"a ball pass would take {fine * decimation:.2g} steps (at most {MOST_STEPS:.0e} are held in memory)",
             "lower `contact.damping`, which sets the step of an explicit method, or take a higher speed",
         )
-    price = (case.settle + case.duration) * per_second(case, 1.0 / (rate * fine * decimation))
+    computed = 1.0 / rate if repeats(case) else case.settle + case.duration
+    price = computed * per_second(case, 1.0 / (rate * fine * decimation))
     if price > MOST_CPU and case.step == "auto":
+        what, hours = case.method or f"`{case.model}`", price / 3600.0
         raise Refused(
-            f"{case.method} would take about {price / 3600.0:.2g} h of CPU time, over {MOST_CPU / 3600.0:.2g} h",
+            f"{what} would take about {hours:.2g} h of CPU time, over {MOST_CPU / 3600.0:.2g} h",
             "take a shorter `duration`, lower `contact.damping`, or give a `step` of your own",
         )
     beyond = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + 2) / (rate * fine)
@@ -267,9 +281,11 @@ def estimate(case: Case) -> Estimate:
     computed = 1 if repeats(case) else cut.passes
     steps = computed * cut.steps_per_pass
     seconds = computed / cut.rate * per_second(case, cut.step)
+    proof = share(case) * seconds if case.proven else 0.0
     columns = sum(len(CHANNELS[name].components) for name in case.record)
     return Estimate(
-        cpu_seconds=OVERHEAD + seconds,
+        cpu_seconds=OVERHEAD + seconds + proof,
         bytes=4 * columns * samples(case),
         steps=steps,
+        proof_seconds=proof,
     )

@@ -40,6 +40,10 @@ class Unsound(SimulationError):
     """The method or its step was not up to what happened: another may be."""
 
 
+class TooChaotic(SimulationError):
+    """The record of a chaotic motion is too short for its RMS to be worth 1 %."""
+
+
 @dataclass(frozen=True)
 class Setup:
     """A case ready to be stepped: method named, cut in time, with the core's parameters and what it must keep to.
@@ -61,7 +65,9 @@ def set_up(case: Case, part: float = 1.0) -> Setup:
     cut, found = choose.grid(case, part), choose.limits(case)
     kind = build.method_kind(case)
     lag = kind.lag * cut.step
-    model = build.in_step(build.relaxed(build.model(case), lag), cut.steps_per_pass, kind.cusp)
+    model = build.relaxed(build.model(case), lag)
+    if not kind.adaptive:
+        model = build.in_step(model, cut.steps_per_pass, kind.cusp)
     return Setup(case, part, cut, found, model, build.method(case, cut.step, part), watch_of(cut, found))
 
 
@@ -170,7 +176,7 @@ WHY = {
     outcomes.TOO_LIVELY: "ring and rollers move with over {liveliest:.3g} J, {MOVED:.0f} times what load, closing"
     " speed and pits explain",
     outcomes.STEP_FLOOR: "the step that {method} wants is too short to go on",
-    outcomes.NEWTON_STALLED: "no solution of {method}'s step was found",
+    outcomes.NEWTON_STALLED: "no solution of {method}'s step was found for {body}",
     outcomes.STALLED: "{method} takes too many steps of its own between two recorded instants",
     outcomes.SKIPPED: "{count} crossings of pits were stepped over",
     outcomes.TOO_SLOW: "{method} has taken {hours:.2g} h of CPU time",
@@ -197,6 +203,8 @@ def advice(setup: Setup, outcome: int) -> str:
     """Which step or method would do."""
     others = choose.alternatives(setup.case)
     instead = f", or `method: {others[0]}`" if others else ""
+    if outcome == outcomes.TOO_SLOW:
+        return f"take a shorter `duration`, or give a `step` of your own{instead}"
     if not build.method_kind(setup.case).adaptive:
         return f"take a step under {1e6 * setup.cut.step / 2:.2g} us{instead}"
     loose = outcome in (outcomes.STEP_FLOOR, outcomes.STALLED)

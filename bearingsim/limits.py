@@ -11,7 +11,7 @@ from math import hypot, inf, pi, sqrt
 from typing import Any
 
 from bearingsim import build
-from bearingsim.build.scales import approach, closing_speed, crossing_time, sag
+from bearingsim.build.scales import approach, at_full_speed, closing_speed, crossing_time, sag
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
@@ -51,13 +51,6 @@ def step_limits(case: Case) -> Limits:
         return _limits(at_full_speed(case))
     except NoEquilibrium as error:
         raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
-
-
-def at_full_speed(case: Case) -> Case:
-    """The case at the highest speed of its ramp, without the ramp."""
-    if case.ramp is None:
-        return case
-    return case.model_copy(update={"speed": max(case.speed, case.ramp.to), "ramp": None})
 
 
 def _limits(case: Case) -> Limits:

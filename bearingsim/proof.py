@@ -7,7 +7,7 @@ why: if it parts from the first as fast, the motion is chaotic, no step can hold
 """
 
 from dataclasses import dataclass, replace
-from math import ceil, inf, nan, pi, sqrt
+from math import inf, nan, sqrt
 
 import numpy as np
 
@@ -15,15 +15,12 @@ from bearingsim import build, features
 from bearingsim.config import Case
 from bearingsim.config.names import LINES
 from bearingsim.integration import Setup, integrate, set_up
+from bearingsim.pilot import pilot, turn_of_pits
 
 HELD = 0.01
 """The most that half the step may change line and RMS; where the motion is chaotic, the RMS alone."""
 
-FORGOTTEN = 1  # ball passes at the start of a pilot that do not count
-FEWEST, SHORTEST = 4, 5e-3  # ball passes, and s, that count
-SHARE = 1 / 16  # of a run that a pilot takes: with its half step three sixteenths of the run's CPU time
-TURNING = 1 / 8  # where it must see a pit turn through the load zone
-LOUD = 0.1  # a line under this part of the RMS is measured by it
+LOUD = 1e-3  # a line under this part of the RMS (60 dB below it) is none, and is measured by it
 APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
 NUDGE = 1e-10  # of the ring's displacement at the start; a motion that repeats itself soon forgets it
 SURE = 2.5  # standard deviations
@@ -66,23 +63,20 @@ class Proof:
 UNPROVEN = Proof(nan, nan)
 
 
-def wanted(case: Case) -> bool:
-    """Whether a case's step is to be proven: it is automatic, there is one, and the case does not forbid it."""
-    return case.prove and case.method is not None and case.step == "auto" and case.tolerance == "auto"
-
-
 def prove(case: Case, part: float) -> Proof:
     """Try a case, its method named, at ``part`` of the automatic step. Raises like ``integrate``."""
     short, passes = pilot(case)
     coarse, fine = set_up(short, part), set_up(short, 0.5 * part)
     one, other = velocities(coarse, passes), velocities(fine, passes)
     scale = float(np.std(other)) or 1.0
-    lines = [amplitude(coarse, name, passes, one, other) for name in fault_lines(case)]
+    lines = [
+        (amplitude(coarse, name, passes, one), amplitude(fine, name, passes, other)) for name in fault_lines(case)
+    ]
     found = Proof(
         line=float(max(abs(a - b) / max(abs(b), LOUD * scale) for a, b in lines)),
         rms=float(abs(np.std(one) / scale - 1.0)),
     )
-    apart = by_pass(one - other, passes) / scale
+    apart = by_pass(one - later(other, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
     if not apart.max() > APART:
         return found
     twin, nudged = (fine, other) if build.method_kind(case).adaptive else (coarse, one)
@@ -96,30 +90,6 @@ def prove(case: Case, part: float) -> Proof:
     whole = max(1.0, case.duration * coarse.cut.rate)
     return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=noise / sqrt(whole) if seen else inf)
 
-
-def pilot(case: Case) -> tuple[Case, int]:
-    """The beginning of a case, and how many of its ball passes are compared."""
-    rate = case.bearing.ball_pass_frequency(case.speed)
-    whole = (case.settle + case.duration) * rate
-    turn = turn_of_pits(case) * rate
-    counted = ceil(max(FEWEST, SHORTEST * rate, SHARE * whole, min(turn, TURNING * whole)))
-    counted = max(1, min(counted, int(whole) - FORGOTTEN))
-    settle = min(FORGOTTEN / rate, max(0.0, whole - counted) / rate)
-    short = {"settle": settle, "duration": (counted + 0.5) / rate, "record": (), "antialias": True}
-    return case.model_copy(update=short), counted
-
-
-def turn_of_pits(case: Case) -> float:
-    """The time (s) in which the slowest pit turns through the load zone once; 0 if none turns."""
-    return max((float(TURN_OF[defect.race](case)) for defect in case.defects), default=0.0)
-
-
-TURN_OF = {
-    "outer": lambda case: 0.0,
-    "inner": lambda case: 2.0 * pi / case.speed,
-    "roller": lambda case: case.bearing.rollers / case.bearing.ball_pass_frequency(case.speed),
-}
-"""The time (s) in which a pit of each race turns through the load zone once."""
 
 FAULT_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2BSF"}
 
@@ -137,14 +107,24 @@ def velocities(setup: Setup, passes: int, nudge: float = 0.0) -> np.ndarray:
     return features.along_sensor(setup.case, rows, "velocity")
 
 
-def amplitude(setup: Setup, name: str, passes: int, *series: np.ndarray) -> tuple[complex, ...]:
-    """The complex amplitudes of a line in several series (Hann), the cage turning at its kinematic speed."""
+def ahead(setup: Setup, other: Setup) -> float:
+    """By how long (s) the rollers of one setup are ahead of another's: each begins in step with its first pit."""
+    return float((setup.model.bearing.theta_0 - other.model.bearing.theta_0) / other.model.bearing.omega_c)
+
+
+def later(series: np.ndarray, part: float) -> np.ndarray:
+    """A series by a ``part`` of a sample later on, which is much less than one: to first order."""
+    return series + part * np.gradient(series)
+
+
+def amplitude(setup: Setup, name: str, passes: int, series: np.ndarray) -> complex:
+    """The complex amplitude of a line in a series (Hann), the cage turning at its kinematic speed."""
     start = features.first_sample(setup.case, setup.cut)
-    turning = features.turns(setup.model, setup.cut, start, np.zeros(len(series[0])))
+    turning = features.turns(setup.model, setup.cut, start, np.zeros(len(series)))
     angle = turning.along(LINES[name], setup.case.bearing.rollers)
     window = np.hanning(len(angle))
     turn = 2.0 * window * np.exp(-1j * angle) / window.sum()
-    return tuple(complex(turn @ (one - window @ one / window.sum())) for one in series)
+    return complex(turn @ (series - window @ series / window.sum()))
 
 
 def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, nan
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,8 @@ from bearingsim.core.layout import CROSSED, ITERATED, OVERRUN_MAX, REFUSED, TAKE
 from bearingsim.core.sampling import resample, resampling_kernel
 from bearingsim.errors import Refused
 from bearingsim.features import Tape, features
-from bearingsim.integration import Setup, SimulationError, Unsound, integrate, set_up
+from bearingsim.integration import Setup, SimulationError, TooChaotic, Unsound, integrate, set_up
+from bearingsim.pilot import TURNING, turn_of_pits
 from bearingsim.proof import Proof
 
 __all__ = ["Record", "SimulationError", "simulate", "warm"]
@@ -70,16 +71,15 @@ def simulate(case: Case) -> Record:
     all along. Should it fail, shorter ones are tried, and then (with `method: auto`) other methods.
     """
     began = time.process_time()
-    failed: dict[str, list[SimulationError]] = {}
+    failed: dict[str, SimulationError] = {}
     for attempt in _attempts(case):
         try:
             return _simulate(attempt, began)
         except Unsound as error:
-            failed.setdefault(str(attempt.case.method), []).append(error)
-        except Refused as error:
-            refused = SimulationError(error.reason, error.advice)
-            failed.setdefault(str(attempt.case.method), []).append(refused)
-    raise _all_failed([errors[-1] for errors in failed.values()])
+            failed[str(attempt.case.method)] = error
+        except Refused as error:  # shorter steps may be too many: what was wrong with longer ones tells more
+            failed.setdefault(str(attempt.case.method), SimulationError(error.reason, error.advice))
+    raise _all_failed(list(failed.values()))
 
 
 def _attempts(case: Case) -> list[choose.Attempt]:
@@ -114,11 +114,12 @@ def _simulate(attempt: choose.Attempt, began: float) -> Record:
 
 def _proven(setup: Setup) -> Proof:
     """The proof of a setup's step, where one is wanted. Raises ``Unsound`` if it does not hold."""
-    if not proof.wanted(setup.case):
+    if not setup.case.proven:
         return proof.UNPROVEN
     found = proof.prove(setup.case, setup.part)
     if found.holds:
-        _long_enough(setup, found)
+        if setup.case.prove == "strict":
+            _long_enough(setup, found)
         return found
     finer = "half the step" + " and a tenth of the tolerance" * build.method_kind(setup.case).adaptive
     what = "RMS" if found.chaotic else "line of the fault" if found.line > found.rms else "RMS"
@@ -134,20 +135,24 @@ def _long_enough(setup: Setup, proven: Proof) -> None:
     """Refuse the record of a chaotic motion that is too short for its RMS to be worth 1 %."""
     if proven.long_enough:
         return
-    longer, worth = proof.turn_of_pits(setup.case) / proof.TURNING, "of unknown worth"
+    longer, worth = turn_of_pits(setup.case) / TURNING, "of unknown worth"
     if isfinite(proven.scatter):
         longer = setup.case.duration * (proof.SURE * proven.scatter / proof.HELD) ** 2
         worth = f"uncertain by {proof.SURE * proven.scatter:.1%}"
-    raise SimulationError(
+    raise TooChaotic(
         f"the motion is chaotic, and the RMS of {setup.case.duration:.2g} s of it {worth}",
-        f"take a `duration` of {longer:.2g} s, or say `prove: false`",
+        f"take a `duration` of {longer:.2g} s, or say `prove: true`",
     )
 
 
 def _told(proven: Proof) -> dict[str, float]:
     """A proof as features."""
-    chaotic = float("nan") if proven is proof.UNPROVEN else float(proven.chaotic)
-    return {"step_error.line": proven.line, "step_error.rms": proven.rms, "chaotic": chaotic}
+    return {
+        "step_error.line": proven.line,
+        "step_error.rms": proven.rms,
+        "chaotic": nan if proven is proof.UNPROVEN else float(proven.chaotic),
+        "rms_scatter": nan if proven is proof.UNPROVEN else proof.SURE * proven.scatter,
+    }
 
 
 def _info(setup: Setup, tape: Tape, sampled: np.ndarray) -> dict[str, float | int | str]:
@@ -184,7 +189,7 @@ _WARM: set[tuple] = set()  # kinds of case that this process has compiled or loa
 def warm(cases: Iterable[Case]) -> None:
     """Compile what the cases need (or load it from the cache) by computing one ball pass of each new kind."""
     for case in cases:
-        kind = _words(case)
+        kind = _words(choose.resolved(case))
         if kind not in _WARM:
             short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
             simulate(case.model_copy(update={"duration": short, "settle": 0.0, "step": "auto", "prove": False}))

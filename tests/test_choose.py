@@ -4,16 +4,18 @@ import pickle
 from itertools import pairwise
 from math import inf, pi, sqrt
 from typing import Any, NamedTuple
+from unittest import mock
 
 import numpy as np
 import pytest
 
 from bearingsim import build, choose
 from bearingsim import limits as limiting
+from bearingsim.build import scales
 from bearingsim.choose import grid, limits, wanted_step
-from bearingsim.config import Case
+from bearingsim.config import Case, ladder
 from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY
-from bearingsim.core.methods.interface import step
+from bearingsim.core.methods.interface import Tolerances, step
 from bearingsim.core.models.interface import accelerations, width
 from bearingsim.errors import Refused
 
@@ -269,3 +271,50 @@ def test_a_contact_too_damped_for_explicit_steps_is_refused_before_memory_is_ask
     with pytest.raises(Refused, match=r"a ball pass would take .* steps") as caught:
         grid(case(model="rollers", method="verlet", defect=SLOT, contact={"damping": printed}))
     assert "contact.damping" in caught.value.advice
+
+
+def test_the_methods_that_keep_a_tolerance_are_the_same_everywhere() -> None:
+    adaptive = {name for name, kind in build.METHODS.items() if kind.adaptive}
+    assert adaptive == set(ladder.ADAPTIVE) == set(scales.TOLERANCE)
+    assert all(kind.parameters._fields == Tolerances._fields for kind in map(build.METHODS.get, adaptive))
+
+
+def test_a_tolerance_is_kept_by_the_method_that_is_chosen() -> None:
+    """Verlet, which is cheapest here, would do nothing with it."""
+    given = case(defect=SLOT, duration="0.1 s")
+    assert choose.choice(given).method == "verlet"
+    found = choose.choice(given.model_copy(update={"tolerance": 1e-3}))
+    assert build.METHODS[str(found.method)].adaptive
+    assert set(found.prices) <= set(ladder.ADAPTIVE)
+    assert "tolerance" in found.why
+
+
+@pytest.mark.parametrize("model", ["static", "impulse"])
+def test_a_model_without_a_method_has_no_other(model: str) -> None:
+    assert choose.alternatives(case(model=model, defect=SLOT)) == []
+
+
+def test_what_repeats_itself_is_priced_as_one_pass_and_refused_by_its_model() -> None:
+    given = case(model="static", defect=SLOT, duration="1 s")
+    watched = given.model_copy(update={"record": ("roller.outer_force",)})
+    least = mock.patch.object(choose, "MOST_CPU", 0.1 * choose.estimate(given).cpu_seconds)
+    with least, pytest.raises(Refused, match="`static` would take about"):
+        grid(watched)
+    one_pass = choose.estimate(given).cpu_seconds - choose.OVERHEAD
+    with mock.patch.object(choose, "MOST_CPU", 2.0 * one_pass):
+        grid(given)
+
+
+def test_the_price_of_a_job_holds_its_proof() -> None:
+    proven, plain = (choose.estimate(case(defect=SLOT, duration="2 s", prove=prove)) for prove in (True, False))
+    assert plain.proof_seconds == 0.0
+    assert proven.proof_seconds == pytest.approx(3 / 16 * plain.cpu_seconds, rel=0.1)
+    assert proven.cpu_seconds == pytest.approx(plain.cpu_seconds + proven.proof_seconds)
+
+
+def test_adaptive_steps_are_bounded_by_the_highest_speed_of_a_ramp() -> None:
+    fields = {"model": "planar", "defect": SLOT, "method": "rodas"}
+    ramp = case(**fields, ramp={"to": "3600 rpm", "time": "1 s"})
+    slow, fast = case(**fields), case(**fields, speed="3600 rpm")
+    longest = [build.method(given, 1e-6).longest for given in (slow, ramp, fast)]
+    assert longest[1] == longest[2] == pytest.approx(0.5 * longest[0])

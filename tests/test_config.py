@@ -99,6 +99,7 @@ def test_damping_is_chosen_by_its_law() -> None:
         ({"step": "fast"}, "expected a time"),
         ({"step": "0 us"}, "above zero"),
         ({"antialias": "no"}, "expected `true` or `false`, got `no`"),
+        ({"prove": "strictly"}, "expected `true`, `strict` or `false`, got `strictly`"),
         ({"record": ["ring.speed"]}, "expected `ring.displacement`"),
         ({"record": "ring.velocity"}, "tuple"),
         ({"model": "static", "method": "rk4"}, "the static model has no method, got `rk4`"),
@@ -423,7 +424,7 @@ def test_names_of_channels_and_features() -> None:
 def test_every_word_offered_is_built() -> None:
     assert {*get_args(Model)} - {"least"} == set(build.MODELS)
     assert set(LADDER) == set(build.MODELS)
-    assert {*get_args(Method)} == set(build.METHODS)
+    assert {*get_args(Method)} - {"auto"} == set(build.METHODS)
     assert set(METHODLESS) == set(build.OWN_METHODS)
 
 

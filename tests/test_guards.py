@@ -20,6 +20,7 @@ from tests.scenes import PLACES, SLOT, at_rest
 from tests.short_cases import RATE, case
 
 INTEGRATION = importlib.import_module("bearingsim.integration")
+SIMULATION = importlib.import_module("bearingsim.simulation")
 VERLET = {"model": "ring", "method": "verlet", "step": "1 us", "defect": SLOT}
 
 
@@ -102,10 +103,11 @@ SAID = {
     outcomes.NOT_FINITE: ("no longer finite", "take a step under"),
     outcomes.TOO_DEEP: ("roller 3 is pressed over", "take a step under"),
     outcomes.TOO_LIVELY: ("10+ times what load, closing speed and pits explain", "take a step under"),
+    outcomes.TOO_SLOW: ("verlet has taken 12 h of CPU time", "take a shorter `duration`"),
 }
 SAID_OF_ADAPTIVE = {
     outcomes.STEP_FLOOR: ("the step that dop853 wants is too short", "take a looser `tolerance`"),
-    outcomes.NEWTON_STALLED: ("no solution of dop853's step", "take a tighter `tolerance`"),
+    outcomes.NEWTON_STALLED: ("no solution of dop853's step was found for roller 3", "take a tighter `tolerance`"),
     outcomes.STALLED: ("dop853 takes too many steps of its own", "take a looser `tolerance`"),
 }
 
@@ -163,3 +165,26 @@ def test_a_job_that_would_take_too_long_is_refused_before_it_runs() -> None:
             choose.grid(given)
         assert "shorter `duration`" in caught.value.advice
         choose.grid(given.model_copy(update={"step": 5e-7}))  # what the study gives is taken
+
+
+def test_what_was_wrong_is_said_before_what_shorter_steps_would_cost() -> None:
+    """Of each method the last run that went wrong; a refusal only of one that never ran."""
+    wrong = SIMULATION.Unsound("verlet is wrong", "do this", 0.25)
+    dear = Refused("too many steps", "do that")
+    given = case(method="verlet")
+    ends = mock.patch.object(SIMULATION, "_simulate", side_effect=[wrong, dear, dear, dear])
+    with ends, pytest.raises(SimulationError) as caught:
+        simulate(given)
+    assert (caught.value.reason, caught.value.advice, caught.value.time) == ("verlet is wrong", "do this", 0.25)
+    with mock.patch.object(SIMULATION, "_simulate", side_effect=dear), pytest.raises(SimulationError) as caught:
+        simulate(given)
+    assert (caught.value.reason, caught.value.advice, caught.value.time) == ("too many steps", "do that", None)
+
+
+def test_only_steps_of_fixed_length_are_put_in_step_with_a_pit() -> None:
+    fixed, adaptive = (
+        set_up(choose.resolved(case(defect=SLOT, method=name))).model for name in ("verlet", "dop853")
+    )
+    own = case().start_angle
+    assert fixed.bearing.theta_0 != pytest.approx(own, rel=1e-12)
+    assert adaptive.bearing.theta_0 == own

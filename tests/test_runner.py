@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import os
 import random
 import signal
@@ -21,7 +22,7 @@ from fake_studies import ENGINE, FakeStudy, record_of
 from bearingsim import store
 from bearingsim.runner import Interrupted, RunSummary, progress, run
 from bearingsim.runner.packing import Cost, pack, shard_of, unit_seconds
-from bearingsim.runner.summary import grouped
+from bearingsim.runner.summary import chaos, grouped
 
 TESTS = Path(__file__).parent
 
@@ -46,6 +47,28 @@ def assert_tidy(out: Path) -> None:
 
 
 # What a run gives
+
+
+@pytest.mark.parametrize(
+    ("scatter", "told"),
+    [
+        ([], []),
+        ([0.0, math.nan], []),  # not chaotic; not proven
+        ([0.085], ["1 job is chaotic: a line is one draw of many; its RMS is known to 8.5 % (`"]),
+        (
+            [0.02, 0.085, 0.0],
+            ["2 jobs are chaotic: a line is one draw of many; their RMS is known to 8.5 % at worst (`"],
+        ),
+        ([math.inf], ["1 job is chaotic: a line is one draw of many; what its RMS is worth was not seen (`"]),
+        ([0.02, math.inf], ["known to 2 % at worst, but that of 1 was not seen for long enough to tell"]),
+    ],
+)
+def test_chaotic_jobs_are_told_of(scatter: list[float], told: list[str]) -> None:
+    frame = pd.DataFrame({"features/rms_scatter": scatter, "features/chaotic": [float(x > 0.0) for x in scatter]})
+    found = list(chaos(frame))
+    assert len(found) == len(told)
+    assert all(part in whole for part, whole in zip(told, found, strict=True))
+    assert not list(chaos(pd.DataFrame({"status": ["failed"]})))
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

@@ -112,6 +112,9 @@ def _decimal(value: Fraction) -> str:
         (PLANAR, PLANAR | {"friction": "static-dynamic", "cage": {"motion": "free"}}),
         (PLANAR, PLANAR | {"cage": {"radial_pocket_clearance": "0.2 mm"}}),
         ({}, {"start_angle": math.pi / 13}),
+        ({"step": "1 us"}, {"step": "1 us", "prove": False}),  # nothing to prove
+        ({"tolerance": 1e-5}, {"tolerance": 1e-5, "prove": False}),
+        ({"model": "static"}, {"model": "static", "prove": "strict"}),
         ({}, {"contact": {"damping": {"law": "hunt-crossley", "chi": "0.05 s/mm"}}}),
     ],
 )
@@ -133,6 +136,9 @@ def test_equal_physics_equal_id(first: dict[str, Any], second: dict[str, Any]) -
         {"model": "ring"},
         {"method": "rk4"},
         {"step": "1 us"},
+        {"tolerance": 1e-5},
+        {"prove": False},  # a step that does not hold is not halved
+        {"prove": "strict"},  # which may refuse what is done else
         {"duration": "2 s"},
         {"settle": "0 s"},
         {"start_angle": "0 deg"},
@@ -197,14 +203,18 @@ def test_elastic_constants_shape_the_id_where_they_are_used() -> None:
 
 
 def test_a_field_that_is_new_renames_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ids as the first version of the model gave them, before these fields were."""
+    """Ids as the first version of the model gave them, before these fields were, its method being Verlet's."""
     monkeypatch.setattr("bearingsim.core.MODEL_VERSION", 1)
     pit = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-3}
-    assert case_id(one()) == "974269e6f84a60ad"
+    assert case_id(one(method="verlet")) == "974269e6f84a60ad"
     assert case_id(one(model="static")) == "2510496c4be94656"
-    assert case_id(one(defect=pit)) == "4a0348f94d255097"
-    assert case_id(one(model="ring", defects=[pit, pit | {"angle": 1.0}])) == "7f2b9e8f07decf70"
-    assert case_id(one(contact={"stiffness": "iso16281", "damping": "kraemer"})) == "00aa2375f74ec272"
+    assert case_id(one(method="verlet", defect=pit)) == "4a0348f94d255097"
+    several = {"method": "verlet", "model": "ring", "defects": [pit, pit | {"angle": 1.0}]}
+    assert case_id(one(**several)) == "7f2b9e8f07decf70"
+    assert (
+        case_id(one(method="verlet", contact={"stiffness": "iso16281", "damping": "kraemer"}))
+        == "00aa2375f74ec272"
+    )
 
 
 def test_names_do_not_shape_the_id_but_the_models_version_does(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -231,4 +231,6 @@ def method(case: Case, h: float, part: float = 1.0) -> Any:
     if not method_kind(case).adaptive:
         return parameters(h)
     tolerance = scales.TOLERANCE[str(case.method)] if case.tolerance == "auto" else case.tolerance
-    return parameters(*scales.tolerances(case, model(case), h, part ** log2(10.0) * tolerance))
+    first = model(case)
+    fastest = first if case.ramp is None else model(scales.at_full_speed(case))
+    return parameters(*scales.tolerances(case, first, fastest, h, part ** log2(10.0) * tolerance))

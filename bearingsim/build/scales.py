@@ -19,6 +19,13 @@ TOLERANCE = {"dop853": 1e-4, "dormand-prince": 1e-4, "rodas": 1e-4, "backward-eu
 DASHPOT = 1e-3  # of the force: what an error in velocity may change at a contact's damper
 
 
+def at_full_speed(case: Case) -> Case:
+    """The case at the highest speed of its ramp, without the ramp."""
+    if case.ramp is None:
+        return case
+    return case.model_copy(update={"speed": max(case.speed, case.ramp.to), "ramp": None})
+
+
 def crossing_time(model: Any) -> float:
     """The shortest time (s) a contact takes to cross a pit, or one of several merged; inf without pits."""
     pits = model.pits
@@ -67,12 +74,13 @@ def sag(model: Any) -> float:
     return max(reached, default=0.0)
 
 
-def tolerances(case: Case, model: Any, h: float, tolerance: float) -> tuple[float, ...]:
+def tolerances(case: Case, model: Any, fastest: Any, h: float, tolerance: float) -> tuple[float, ...]:
     """Parameters of an adaptive method (``Tolerances``) that shows the state every ``h`` (s).
 
     Positions are held to ``tolerance`` times the approach at rest; velocities to as much of the speed at which a
     pit's edge closes, and to a change of the damping force that is small beside the load: with a dashpot of
-    1e6 N s/m that is what an error hangs on.
+    1e6 N s/m that is what an error hangs on. ``fastest``: the model at the highest speed of a ramp, which bounds
+    the steps.
     """
     F = rest.largest_load(case)
     laws = (contacts.outer(case), contacts.inner(case))
@@ -80,7 +88,7 @@ def tolerances(case: Case, model: Any, h: float, tolerance: float) -> tuple[floa
     c = max(damping_slope(law, approach(law, F), 0.0) for law in laws)
     speed = max(closing_speed(model), model.bearing.Z * model.bearing.omega_c * delta)
     atol_v = min(tolerance * speed, DASHPOT * F / c if c > 0.0 else inf)
-    longest = min(crossing_time(model) / FEWEST_PER_CROSSING, ball_pass(model) / FEWEST_PER_CROSSING)
+    longest = min(crossing_time(fastest), ball_pass(fastest)) / FEWEST_PER_CROSSING
     return Tolerances(h, tolerance, tolerance * delta, atol_v, longest)
 
 

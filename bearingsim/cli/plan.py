@@ -147,8 +147,9 @@ LINES: tuple[Line, ...] = (
     ("largest force at rest (N)", lambda p: p.limits.rest_load),
     ("closing speed (mm/s)", lambda p: 1e3 * p.limits.closing_speed),
     ("impact force, about (N)", lambda p: p.limits.impact_force),
-    ("CPU time of a job (s)", lambda p: p.estimate.cpu_seconds),
 )
+COST: Line = ("CPU time of a job (s)", lambda p: p.estimate.cpu_seconds)
+PROOF: Line = ("of it to prove its step (s)", lambda p: p.estimate.proof_seconds)
 FRICTION: tuple[Line, ...] = (
     ("friction at rest, at most (N)", lambda p: p.rubbing[0]),
     ("slip at rest settles in (us)", lambda p: 1e6 * p.rubbing[1]),
@@ -183,9 +184,10 @@ def show(plan: Plan, verbose: bool) -> None:
 
 
 def _lines(plan: Plan) -> tuple[Line, ...]:
-    """The lines of the plan's table: those of friction only where there is some."""
+    """The lines of the plan's table: those of friction and of the proof only where there is some."""
     rubs = any(math.isfinite(one.rubbing[1]) for one in plan.everything)
-    return (*LINES[:-1], *FRICTION, LINES[-1]) if rubs else LINES
+    proves = any(one.job.case.proven for one in plan.everything)
+    return (*LINES, *(FRICTION if rubs else ()), COST, *((PROOF,) if proves else ()))
 
 
 def choices(plan: Plan) -> list[str]:
@@ -212,9 +214,7 @@ def methods(plan: Plan) -> list[str]:
         f"`{name}`{f' in {len(why)} of {len(automatic)} jobs' if len(found) > 1 else ''}: {why[0]}"
         for name, why in found.items()
     ]
-    from bearingsim import proof
-
-    proven = [proof.wanted(one.job.case) for one in plan.everything]
+    proven = [one.job.case.proven for one in plan.everything]
     if any(proven):
         told.append("each step is proven on its run's beginning: half of it may change line and RMS by 1 %")
     return told

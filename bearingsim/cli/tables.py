@@ -90,9 +90,10 @@ def _check(chosen: Sequence[str], known: Sequence[str]) -> None:
 
 
 def _plain(row: Mapping[Any, Any]) -> dict[str, Any]:
-    """A row for JSON: null for what is not there."""
+    """A row for JSON: null for what is not there, or is without bound."""
     return {
-        str(key): None if isinstance(value, float) and math.isnan(value) else value for key, value in row.items()
+        str(key): None if isinstance(value, float) and not math.isfinite(value) else value
+        for key, value in row.items()
     }
 
 

@@ -18,6 +18,7 @@ from bearingsim.config.fields import (
     Force,
     Frequency,
     Laws,
+    Proving,
     Rotation,
     Section,
     SignedForce,
@@ -72,7 +73,8 @@ class Case(Section):
     is `impulse-train` for the impulse model if not given; `contact.stiffness` suits the bearing. `friction` and
     `cage` are None below the planar model, and never None from it on. `drag`, `ramp`, `shaft`, `unbalance` and
     `misalignment` are None where absent. A line load in `record` is one channel for each slice of the roller. With
-    `prove` an automatic step is tried on the run's beginning before it is trusted.
+    `prove` an automatic step is tried on the run's beginning before it is trusted; `strict` also refuses a chaotic
+    record that is too short for its RMS.
     """
 
     bearing: Annotated[Bearing, named("bearings")]
@@ -96,7 +98,7 @@ class Case(Section):
     method: Annotated[Method, one_of(*get_args(Method))] | None = None
     step: Step = "auto"
     tolerance: Tolerance = "auto"
-    prove: Switch = True
+    prove: Proving = True
     duration: Duration = 1.0
     settle: Delay = 0.05
     start_angle: Angle = 0.0
@@ -104,6 +106,16 @@ class Case(Section):
     sampling: Frequency = 10240.0
     antialias: Switch = True
     record: tuple[Annotated[str, BeforeValidator(channel)], ...] = ("ring.velocity",)
+
+    @property
+    def proven(self) -> bool:
+        """Whether the step is to be proven: there is one, it is automatic, and the case does not forbid it."""
+        return bool(self.prove) and self.automatic
+
+    @property
+    def automatic(self) -> bool:
+        """Whether there is a step, and both it and the tolerance are left to be chosen."""
+        return self.method is not None and self.step == "auto" and self.tolerance == "auto"
 
     @model_validator(mode="before")
     @classmethod

@@ -153,6 +153,14 @@ def _switch(given: Any) -> bool:
     return bool(given == "true")
 
 
+def _proving(given: Any) -> bool | str:
+    if isinstance(given, bool) or given in ("true", "false"):
+        return _switch(given)
+    if given != "strict":
+        raise_unknown_word(given, ("true", "strict", "false"))
+    return "strict"
+
+
 def unless_none(given: Any) -> Any:
     """Nothing for the word `none`: before an optional section, so that a sweep can switch it off."""
     return None if given == "none" else given
@@ -201,6 +209,7 @@ def _text(given: Any) -> str:
 
 
 Switch = Annotated[bool, BeforeValidator(_switch)]
+Proving = Annotated[bool | Literal["strict"], BeforeValidator(_proving)]
 Step = Annotated[float | Literal["auto"], QuantityOrAuto("time", above=0.0)]
 Tolerance = Annotated[float | Literal["auto"], QuantityOrAuto("tolerance", above=0.0, most=0.1)]
 Text = Annotated[str, BeforeValidator(_text)]

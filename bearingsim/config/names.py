@@ -179,6 +179,7 @@ def _features() -> dict[str, Feature]:
         "step_error.line": Feature("", "relative change of the fault's line with half the step"),
         "step_error.rms": Feature("", "relative change of the RMS with half the step"),
         "chaotic": Feature("", "whether the motion is chaotic (1) or not (0)"),
+        "rms_scatter": Feature("", "by how much chaos alone lets the RMS of such a record change"),
     }
 
 

@@ -12,7 +12,7 @@ from bearingsim import store
 from bearingsim.runner.packing import Cost, pack, shard_of
 from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import progress as shown_progress
-from bearingsim.runner.summary import Interrupted, RunSummary, grouped
+from bearingsim.runner.summary import Interrupted, RunSummary, chaos, grouped
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
 
 if TYPE_CHECKING:
@@ -66,10 +66,10 @@ def run(
     except KeyboardInterrupt:
         interrupted = True
     store.sweep(root)
-    store.build_table(root)
+    frame = store.build_table(root)
     seconds = time.perf_counter() - started
     left_out = len((earlier & plan.sealed) - {job.id for job in every})
-    notes = (*_notes(left_out, plan.damaged), *told)
+    notes = (*_notes(left_out, plan.damaged), *told, *chaos(frame))
     summary = tally.summary(study.name, len(ours), plan.resumed, seconds, interrupted, notes)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
     if interrupted:

@@ -1,14 +1,19 @@
 """What a run comes to: counts, time, and failures grouped by reason."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
+from math import inf
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from bearingsim.store import Failure
 
-__all__ = ["FailureGroup", "Interrupted", "RunSummary", "grouped", "kind_of"]
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["FailureGroup", "Interrupted", "RunSummary", "chaos", "grouped", "kind_of"]
 
 
 @dataclass(frozen=True)
@@ -31,6 +36,23 @@ def grouped(failures: Iterable[Failure]) -> tuple[FailureGroup, ...]:
     groups = [list(group) for _, group in groupby(ordered, key=lambda failure: kind_of(failure.reason))]
     found = [FailureGroup(g[0].reason, g[0].advice, tuple(failure.job for failure in g)) for g in groups]
     return tuple(sorted(found, key=lambda group: -len(group.jobs)))
+
+
+def chaos(frame: "pd.DataFrame") -> Iterator[str]:
+    """What is to be known of the jobs whose motion is chaotic; ``frame``: of ``store.build_table``."""
+    if "features/rms_scatter" not in frame:
+        return
+    scatter = frame["features/rms_scatter"][frame["features/chaotic"] == 1.0]
+    if len(scatter) == 0:
+        return
+    known, several = scatter[scatter < inf], len(scatter) > 1
+    jobs, whose = (f"{len(scatter)} jobs are", "their") if several else ("1 job is", "its")
+    worth = f"what {whose} RMS is worth was not seen"
+    if len(known):
+        worth = f"{whose} RMS is known to {100.0 * known.max():.2g} %{' at worst' * several}"
+    if 0 < len(known) < len(scatter):
+        worth += f", but that of {len(scatter) - len(known)} was not seen for long enough to tell"
+    yield f"{jobs} chaotic: a line is one draw of many; {worth} (`chaotic`, `rms_scatter`)"
 
 
 def kind_of(reason: str) -> str:

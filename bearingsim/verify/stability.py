@@ -149,7 +149,7 @@ def parameters(bench: Bench, kind: MethodKind, setting: float) -> Any:
 
 def asked(bench: Bench, tolerance: float) -> Tolerances:
     """The tolerances of a scene, by its relative one."""
-    return Tolerances(*scales.tolerances(bench.case, bench.model, FINE, tolerance))
+    return Tolerances(*scales.tolerances(bench.case, bench.model, bench.model, FINE, tolerance))
 
 
 def reference(bench: Bench, patience: float) -> Reference | None:

@@ -1,0 +1,52 @@
+"""The beginning of a case on which its step is proven, and how much of it is compared (``proof``)."""
+
+from math import ceil, pi
+
+from bearingsim.build.scales import at_full_speed
+from bearingsim.config import Case
+
+FORGOTTEN = 1  # ball passes at the start of a pilot that do not count
+FEWEST, SHORTEST = 4, 5e-3  # ball passes, and s, that count
+SHARE = 1 / 16  # of a run that a pilot takes: with its half step three sixteenths of the run's CPU time
+TURNING = 1 / 8  # where it must see a pit turn through the load zone
+ROUNDING = 1e-9  # of a ball pass
+
+
+def pilot(case: Case) -> tuple[Case, int]:
+    """The beginning of a case, and how many of its ball passes are compared.
+
+    On a ramp they are those of the highest speed, as the run is cut; what counts holds the fewest at the lowest.
+    """
+    rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
+    slowest = case.bearing.ball_pass_frequency(lowest_speed(case))
+    whole = case.settle + case.duration
+    wanted = max(FEWEST / slowest, SHORTEST, SHARE * whole, min(turn_of_pits(case), TURNING * whole))
+    forgotten = FORGOTTEN * rate / slowest
+    counted = max(1, min(ceil(wanted * rate - ROUNDING), int(whole * rate - forgotten)))
+    settle = min(forgotten, max(0.0, whole * rate - counted)) / rate
+    short = {"settle": settle, "duration": (counted + 0.5) / rate, "record": (), "antialias": True}
+    return case.model_copy(update=short), counted
+
+
+def share(case: Case) -> float:
+    """CPU time of a proof over that of its run: the pilot as the run is, and with half the step."""
+    short, _ = pilot(case)
+    return 3.0 * (short.settle + short.duration) / (case.settle + case.duration)
+
+
+def lowest_speed(case: Case) -> float:
+    """The lowest speed (rad/s) of the inner ring."""
+    return case.speed if case.ramp is None else min(case.speed, case.ramp.to)
+
+
+def turn_of_pits(case: Case) -> float:
+    """The time (s) in which the slowest pit turns through the load zone once; 0 if none turns."""
+    return max((float(TURN_OF[defect.race](case)) for defect in case.defects), default=0.0)
+
+
+TURN_OF = {
+    "outer": lambda case: 0.0,
+    "inner": lambda case: 2.0 * pi / lowest_speed(case),
+    "roller": lambda case: case.bearing.rollers / case.bearing.ball_pass_frequency(lowest_speed(case)),
+}
+"""The time (s) in which a pit of each race turns through the load zone once."""
