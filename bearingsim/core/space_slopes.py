@@ -206,14 +206,11 @@ def _touch_flanges_none(flanges, side, model, ring, omega_cage, y):
 def _touch_flanges(flanges, side, model, ring, omega_cage, y):
     outer, t = sign(side) > 0.0, chord(model.bearing.R_w, flanges.height)
     minus = flanges.outer_minus if outer else flanges.inner_minus
-    plus_ = flanges.outer_plus if outer else flanges.inner_plus
-    for j in range(model.bearing.Z):
-        if minus > 0.0:
-            touch_end(side, flanges, model, ring, omega_cage, -1.0, t, y, j)
-            touch_end(side, flanges, model, ring, omega_cage, -1.0, -t, y, j)
-        if plus_ > 0.0:
-            touch_end(side, flanges, model, ring, omega_cage, 1.0, t, y, j)
-            touch_end(side, flanges, model, ring, omega_cage, 1.0, -t, y, j)
+    beyond = flanges.outer_plus if outer else flanges.inner_plus
+    for sigma, there in ((-1.0, minus), (1.0, beyond)):
+        for j in range(model.bearing.Z if there > 0.0 else 0):
+            for way in (-t, t):
+                touch_end(side, flanges, model, ring, omega_cage, sigma, way, y, j)
 
 
 @jit
