@@ -6,7 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from bearingsim.core import traced
-from bearingsim.core.defects import KAPPA, B, Meeting, W, bowl, box, depression, groove
+from bearingsim.core.defects import KAPPA, B, Meeting, W, bowl, box, depression, depression_bend, groove
 from bearingsim.core.depth import (
     Circular,
     Eased,
@@ -18,7 +18,7 @@ from bearingsim.core.depth import (
     extent,
     section,
 )
-from bearingsim.core.envelope import Path, cusp, looked_up, packed, path_over, sinking
+from bearingsim.core.envelope import Path, bent, cusp, looked_up, packed, path_over, sinking
 from bearingsim.core.excitations import felt
 from bearingsim.core.profile import RACE, depth_at
 from bearingsim.core.spall import Spall
@@ -177,6 +177,16 @@ def test_tables_are_the_closed_forms(shape, width, depth, R):
         assert h == pytest.approx(expected[0], abs=1e-12 * largest + 1e-18)
         if abs(s) > 1e-9 * width and abs(expected[0] - depth) > 1e-9 * depth:
             assert slope == pytest.approx(expected[1], abs=1e-9 * width / R)
+
+
+@given(shape=st.sampled_from(sorted(CLOSED, key=str)), width=widths, depth=depths, R=radii)
+def test_bends_of_tables_are_those_of_the_closed_forms(shape, width, depth, R):
+    row = np.array([1.0, *CLOSED[shape](width, depth, R)])
+    table, (at,) = packed([path_over(section(shape(1.0, width, depth), 0.0), R)])
+    for s in np.linspace(-0.6, 0.6, 24) * width:  # the middle, a cusp, is not among them
+        around = [depression_bend(row, s + h, R) for h in (-1e-6 * width, 1e-6 * width)]
+        if around[0] == around[1]:
+            assert bent(table, at, s) == pytest.approx(depression_bend(row, s, R), rel=1e-6, abs=1e-6 / R)
 
 
 @settings(max_examples=50, deadline=None)

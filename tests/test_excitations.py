@@ -18,6 +18,7 @@ from bearingsim.core.excitations import (
     PressureShare,
     RectangularPulse,
     SoftEdge,
+    bend,
     felt,
     groups,
     hertz_half_width,
@@ -260,3 +261,17 @@ def compiled(excitation, group, s, R):
 def test_an_unknown_shape_is_refused():
     with pytest.raises(ValueError, match="no such shape"):
         groups_of("round", L_W, WIDE, DEEP, L_W, R, 6)
+
+
+@given(excitation=excitations, shape=shapes, width=widths, depth=depths, place=places)
+def test_bend_is_the_slope_of_what_is_felt(excitation, shape, width, depth, place):
+    """Away from where a course is put together; what leaps has no slope there."""
+    s, h = place * width, 1e-6 * width
+    for row in rows_of(excitation, shape, width, depth):
+        near = np.array([felt(excitation, row, s + n * h, R) for n in range(-2, 3)])
+        before, after = near[2] - near[0], near[4] - near[2]
+        assume(abs(after - before)[[0, 2]] == pytest.approx(0.0, abs=1e-3 * h / R))
+        share_slope, bent = bend(excitation, row, s, R)
+        found = (near[3] - near[1]) / (2 * h)
+        assert bent == pytest.approx(found[2], rel=1e-3, abs=1e-5 / R)
+        assert share_slope == pytest.approx(found[0], rel=1e-3, abs=1e-4 / width)

@@ -37,7 +37,9 @@ from bearingsim.core.layout import (
 )
 from bearingsim.core.models.interface import freedoms, width
 
-PIVOTS = SYSTEM + BORDER_BLOCK + MOST_BORDER * MOST_BORDER  # cells behind the border's block: rows exchanged
+PIVOTS = (
+    SYSTEM + BORDER_BLOCK + MOST_BORDER * MOST_BORDER
+)  # behind the border's block: rows exchanged, their sizes
 
 
 @jit

@@ -175,7 +175,7 @@ def _felt_piecewise(excitation, group, s, R):
 @bend.register(PiecewisePulse)
 def _bend_piecewise(excitation, group, s, R):
     x = group[B] - abs(s)
-    if x <= 0.0 or x >= group[X_E]:
+    if x <= 0.0 or x > group[X_E]:
         return 0.0, 0.0
     per_metre = 0.5 * pi / group[X_E]
     return 0.0, -per_metre * per_metre * group[DEPTH] * sin(per_metre * x)

@@ -64,7 +64,7 @@ F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = range(WORK + 19 * ROW, WORK 
 F_Z, M_X, M_Y, F_Z_C, M_X_C, M_Y_C, F_Z_I, M_X_I, M_Y_I = range(WORK + 19 * ROW + 8, WORK + 19 * ROW + 17)
 WORKS = 20
 LINEAR = WORK + WORKS * ROW  # rows that ``linearise`` may use, within one call
-LINEARS = 84
+LINEARS = 86
 STAGE = LINEAR + LINEARS * ROW  # states a method may use, between evaluations
 STAGES = 56
 LOADED = STAGE + STAGES * STATE  # one cell: rollers that carry load
@@ -81,7 +81,7 @@ MET, CROSSINGS = LOADED + 2 * VECTOR, LOADED + 2 * VECTOR + ROW
 BURDEN = LOADED + 2 * VECTOR + 2 * ROW  # part of the method's step limit that each watched body takes up
 
 # what forces and torques accelerate a roller by, and (cells) the bodies of the shared coordinates X to Y_I (1/kg,
-# 1/(kg m^2)); how the place (m) and velocity (m/s) of each roller, as a body sees it, change along e_r and e_theta;
+# 1/(kg m^2)); how the place (m) and velocity (m/s) of each roller, as a body sees it, change along e_r, e_theta;
 # what follows, of force along e_r, e_theta (N) and torque (N m) on it, and on these shared coordinates
 PER_R, PER_T, PER_M, MOBILITY, P_R, P_T, W_R, W_T, CHANGE_R, CHANGE_T, CHANGE_M, CHANGE_SHARED = (
     LINEAR + LANES + n * ROW for n in range(12)
@@ -94,7 +94,7 @@ WRENCHES = LINEAR + 4 * ROW  # in ``spatial``: matrices of each roller (``core/w
 MOST_OWN, MOST_BORDER = 6, 17  # coordinates of a roller, and shared ones
 OWN_BLOCK, FROM_BORDER, TO_BORDER = 0, MOST_OWN * MOST_OWN * ROW, MOST_OWN * (MOST_OWN + MOST_BORDER) * ROW
 BORDER_BLOCK = MOST_OWN * (MOST_OWN + 2 * MOST_BORDER) * ROW
-ARROW_SIZE = BORDER_BLOCK + -(-MOST_BORDER * MOST_BORDER // ROW) * ROW
+ARROW_SIZE = BORDER_BLOCK + -(-MOST_BORDER * (MOST_BORDER + 2) // ROW) * ROW
 BY_POSITION = LOADED + 2 * VECTOR + 3 * ROW  # d(acceleration)/d(position)
 BY_VELOCITY = BY_POSITION + ARROW_SIZE  # d(acceleration)/d(velocity)
 SYSTEM = BY_VELOCITY + ARROW_SIZE  # the matrix that a method solves with

@@ -91,7 +91,7 @@ def _move_mounted_sprung(held, ring, f_z, m_x, m_y, m_z, y, z, lean_x, lean_y):
 
 @generic
 def mount_mobility(held: Any) -> tuple[float, float, float]:
-    """What a force accelerates the ring by along the axis (1/kg), a moment its axis (1/(kg m^2)); its I_a (kg m^2)."""
+    """What a force accelerates the ring by along the axis (1/kg), a moment its axis (1/(kg m^2)); its I_a."""
 
 
 @generic

@@ -6,8 +6,8 @@ sigma = 1 at the outer race, -1 at the inner, and n' = n tilted by the pit, the 
 
     dQ = Q_d d(delta) + Q_v dv + Q_s ds + Q_z d(s'),   df = mu dQ + Q (mu_v d(slip) + mu_u du)
 
-while n and tau turn as the roller moves across. What moves is in the rows P (place) and W (velocity), along e_r and
-e_theta as the ring's centre sees it; what follows is added to the rows CHANGE.
+while n and tau turn as the roller moves across. What moves is in the rows P (place) and W (velocity), along e_r
+and e_theta as the ring's centre sees it; what follows is added to the rows CHANGE.
 """
 
 from math import sqrt

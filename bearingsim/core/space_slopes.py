@@ -1,7 +1,7 @@
 """The contacts of ``spatial`` as matrices of wrenches over twists (``core/wrench.py``): races, flanges, pockets.
 
-Left out: that a pit's edge bends (d2h/ds2) and what its excitation shares, that the rolling speed changes, and in
-flanges and pockets how rates change with place alone.
+Left out: that what an excitation shares changes along a pit, and in flanges products of rates and of how far axes
+lean.
 """
 
 from math import sqrt
@@ -61,17 +61,28 @@ from bearingsim.core.slice_pits import FELT, bend_at, find_pits, leave_pits, ove
 from bearingsim.core.slices import DROP, WEIGHT, ZETA
 from bearingsim.core.slopes import slopes
 from bearingsim.core.vectors import both, cross, dot, mix, turning
-from bearingsim.core.wrench import add_contact, add_force, of_roller, plus, six, take, wrench
+from bearingsim.core.wrench import (
+    add_contact,
+    add_force,
+    add_rolling,
+    of_roller,
+    plus,
+    six,
+    take,
+    turn_arm,
+    wrench,
+)
 
 NONE, STILL = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @jit
 def rubbing(friction, slip, drift, u):
-    """mu, its slope by the speed of slip (s/m), mu over that speed (s/m), and the slip's direction."""
+    """mu, its slopes by slip and rolling (s/m), mu over the slip's speed (s/m), and the slip's direction."""
     speed = sqrt(slip * slip + drift * drift + AT_REST * AT_REST)
     value = mu(friction, speed, u)
-    return value, mu_slope(friction, speed, u)[0], value / speed, slip / speed, drift / speed
+    by_slip, by_rolling = mu_slope(friction, speed, u)
+    return value, by_slip, by_rolling, value / speed, slip / speed, drift / speed
 
 
 @jit
@@ -148,16 +159,17 @@ def touch_slice(side, law, model, t, ring, omega_cage, k, y, j):
     k_e = plus(1.0, swung(e, omega, X), -dot(out, v_touch), leant)
     k_b = plus(1.0, swung(b, omega, X), arm * dot(b, cross(omega, e)), leant)
     shrinks = plus(-0.5 * sigma, w_n, 0.0, w_n)  # the arm, by place
-    k_e, k_b = (
-        plus(1.0, k_e, dot(e, cross(omega, out)), shrinks),
-        plus(1.0, k_b, dot(b, cross(omega, out)), shrinks),
-    )
+    round_out = cross(omega, out)
+    k_e, k_b = plus(1.0, k_e, dot(e, round_out), shrinks), plus(1.0, k_b, dot(b, round_out), shrinks)
 
     K, C = slopes(law, delta, y[at + CLOSING + j])
     kept, load = row[WEIGHT] * (1.0 - y[at + LOST + j]), y[at + LOAD + j]
-    m, by_slip, per_slip, p, q = rubbing(model.friction, y[at + SLIP_T + j], y[at + SLIP_Z + j], y[ROLLING + j])
+    m, by_slip, by_rolling, per_slip, p, q = rubbing(
+        model.friction, y[at + SLIP_T + j], y[at + SLIP_Z + j], y[ROLLING + j]
+    )
     w_1, w_2, k_1, k_2 = plus(p, w_e, q, w_b), plus(-q, w_e, p, w_b), plus(p, k_e, q, k_b), plus(-q, k_e, p, k_b)
     add_contact(j, w_n, w_1, w_2, kept * K, kept * C, m, load * by_slip, load * per_slip, k_n, k_1, k_2, y)
+    add_rolling(j, w_1, load * by_rolling, y)
 
     f, f_b = m * load * p, m * load * q
     normal, friction = (-load * g[0], -load * g[1], -load * g[2]), both(-f, e, -f_b, b)
@@ -165,12 +177,14 @@ def touch_slice(side, law, model, t, ring, omega_cage, k, y, j):
     rubs = plus(-f, wrench(out, touch), arm * f_b, six(NONE, cross(e, b)))  # the touching point goes round too
     take(of_roller(j), loads, turned, rubs, leant, six(NONE, cross(friction, out)), shrinks, y)
     M = both(1.0, cross(X, normal), 1.0, cross(touch, friction))
-    add_force(j, both(1.0, normal, 1.0, friction), X, both(1.0, M, -own * lean * load, b), y)
+    F = both(1.0, normal, 1.0, friction)
+    add_force(j, F, both(1.0, M, -own * lean * load, b), y)
+    turn_arm(j, X, F, y)
 
 
 @jit
 def add_pit(j, load, aside, tilted, carried, about, bends, y):
-    """How the force (N) on a pit's edge turns as the edge bends; carried: radius of a roller's own pit, else 0 (m)."""
+    """How the force (N) on a pit's edge turns as the edge bends; carried: radius (m) of an own pit, or 0."""
     of_own = plus(carried * load, about, 0.0, about)
     take(of_roller(j), plus(-load, aside, 0.0, aside), tilted, of_own, bends, STILL, STILL, y)
 
@@ -192,14 +206,11 @@ def _touch_flanges_none(flanges, side, model, ring, omega_cage, y):
 def _touch_flanges(flanges, side, model, ring, omega_cage, y):
     outer, t = sign(side) > 0.0, chord(model.bearing.R_w, flanges.height)
     minus = flanges.outer_minus if outer else flanges.inner_minus
-    plus_ = flanges.outer_plus if outer else flanges.inner_plus
-    for j in range(model.bearing.Z):
-        if minus > 0.0:
-            touch_end(side, flanges, model, ring, omega_cage, -1.0, t, y, j)
-            touch_end(side, flanges, model, ring, omega_cage, -1.0, -t, y, j)
-        if plus_ > 0.0:
-            touch_end(side, flanges, model, ring, omega_cage, 1.0, t, y, j)
-            touch_end(side, flanges, model, ring, omega_cage, 1.0, -t, y, j)
+    beyond = flanges.outer_plus if outer else flanges.inner_plus
+    for sigma, there in ((-1.0, minus), (1.0, beyond)):
+        for j in range(model.bearing.Z if there > 0.0 else 0):
+            for way in (-t, t):
+                touch_end(side, flanges, model, ring, omega_cage, sigma, way, y, j)
 
 
 @jit
@@ -215,19 +226,44 @@ def touch_end(side, flanges, model, ring, omega_cage, sigma, t, y, j):
     N = normal_force(flanges.law, depth, rate)
     if N > 0.0:
         slip, rolls = slip_at(view, ring, Y, tips, y[OMEGA + j])
-        m, by_slip, per_slip, _, _ = rubbing(flanges.friction, slip[3], 0.0, b.R_w * rolls)
+        m, by_slip, _, per_slip, _, _ = rubbing(flanges.friction, slip[3], 0.0, b.R_w * rolls)
         p_1 = slip[0] / slip[3], slip[1] / slip[3], slip[2] / slip[3]
-        turn = cross(Y, (sigma * view.a[0], sigma * view.a[1], sigma * view.a[2]))
-        w_n = g[0], g[1], g[2], turn[0], turn[1], turn[2]
-        w_1, w_2 = wrench(p_1, Y), wrench(cross(view.a, p_1), Y)
-        K, C = slopes(flanges.law, depth, rate)
-        _, _, omega = seen_by(ring, b, omega_cage, y, j)
-        whirls = cross(view.a, cross(Y, omega))
-        k_n = six(NONE, (-sigma * whirls[0], -sigma * whirls[1], -sigma * whirls[2]))
-        add_contact(j, w_n, w_1, w_2, K, C, m, N * by_slip, N * per_slip, k_n, STILL, STILL, y)
+        p_2, (K, C) = cross(view.a, p_1), slopes(flanges.law, depth, rate)
+        w_n = six(g, cross(Y, (sigma * view.a[0], sigma * view.a[1], sigma * view.a[2])))
+        _, v, omega = seen_by(ring, b, omega_cage, y, j)
+        swings = both(q / view.rho, view.tau, -t / view.rho, view.n)  # the point as the roller goes round
+        nods = mix(dot(v, view.b), view.b, dot(v, view.n), view.n, -dot(v, view.tau), swings)
+        nods = cross(view.a, both(sigma, nods, -sigma, cross(Y, omega)))
+        k_1, k_2 = slides(view, Y, p_1, v, omega, swings), slides(view, Y, p_2, v, omega, swings)
+        w_1, w_2 = wrench(p_1, Y), wrench(p_2, Y)
+        add_contact(j, w_n, w_1, w_2, K, C, m, N * by_slip, N * per_slip, six(NONE, nods), k_1, k_2, y)
+        turn_end(j, view, sigma * N, m * N, Y, p_1, swings, y)
         F = both(-N, g, -m * N, p_1)
-        M = cross(Y, both(-m * N, p_1, -N * sigma, view.a))
-        add_force(j, F, NONE, M, y)
+        add_force(j, F, cross(Y, both(-m * N, p_1, -N * sigma, view.a)), y)
+
+
+@jit
+def slides(view, Y, p, v, omega, swings):
+    """How the slip along ``p`` changes with the place alone: the point moves, the end's plane tips."""
+    whirl, past = cross(p, omega), -dot(both(1.0, v, 1.0, cross(omega, Y)), view.a)
+    moves = mix(-dot(view.b, whirl), view.b, -dot(view.n, whirl), view.n, dot(swings, whirl), view.tau)
+    tips = cross(view.a, p)
+    return six(moves, (past * tips[0], past * tips[1], past * tips[2]))
+
+
+@jit
+def turn_end(j, view, load, rub, Y, p_1, swings, y):
+    """How the forces at a flange turn: load, rub: along the roller's axis and the slip (N)."""
+    at, b, n, a = of_roller(j), view.b, view.n, view.a
+    tau, G = view.tau, both(-load, a, -rub, p_1)
+    by_b, by_n, by_tau = six(NONE, cross(a, b)), six(NONE, cross(a, n)), six(NONE, cross(swings, a))
+    f_b, f_n, f_tau = both(load, b, 0.0, b), both(load, n, 0.0, n), both(load, tau, 0.0, tau)
+    take(at, six(f_b, NONE), by_b, six(f_n, NONE), by_n, six(f_tau, NONE), by_tau, y)
+    m_b, m_n, m_tau = six(NONE, cross(b, G)), six(NONE, cross(n, G)), six(NONE, cross(G, swings))
+    take(at, m_b, six(b, NONE), m_n, six(n, NONE), m_tau, six(tau, NONE), y)
+    plane, turned = wrench(a, Y), six(NONE, cross(a, p_1))
+    take(at, plus(-rub, plane, 0.0, plane), turned, STILL, STILL, STILL, STILL, y)
+    turn_arm(j, (load * a[0], load * a[1], load * a[2]), Y, y)  # the load is along the axis
 
 
 # Pockets
@@ -296,7 +332,7 @@ def stop(j, way, K, C, force, y):
     """A stop of a pocket, along ``way`` (3,) at the roller's centre; force: that way (N)."""
     if force != 0.0:
         add_contact(j, six(way, NONE), STILL, STILL, K, C, 0.0, 0.0, 0.0, STILL, STILL, STILL, y)
-        add_force(j, (force * way[0], force * way[1], force * way[2]), NONE, NONE, y)
+        add_force(j, (force * way[0], force * way[1], force * way[2]), NONE, y)
 
 
 @jit
@@ -310,7 +346,7 @@ def touch_wall(cage, R_w, u, row, rad, w, axis, omega, y, j):
     if N > 0.0:
         slip = y[WALL + j] + zeta * y[IN_WALL + j] - side * radius * y[SPINS + j]
         drift = y[WALL_Z + j] + zeta * y[IN_WALL_Z + j] + side * radius * y[SWINGS + j]
-        m, by_slip, per_slip, p, q = rubbing(cage.friction, slip, drift, u)
+        m, by_slip, _, per_slip, p, q = rubbing(cage.friction, slip, drift, u)
         X = zeta * a[0], zeta * a[1], zeta * a[2]
         touch = both(1.0, X, side * radius, w)
         wall, p_1, p_2 = (side * w[0], side * w[1], side * w[2]), both(p, rad, q, axis), both(-q, rad, p, axis)
@@ -331,9 +367,7 @@ def touch_wall(cage, R_w, u, row, rad, w, axis, omega, y, j):
             k_2,
             y,
         )
-        normal, friction = (
-            (-N * wall[0], -N * wall[1], -N * wall[2]),
-            (-m * N * p_1[0], -m * N * p_1[1], -m * N * p_1[2]),
-        )
-        M = both(1.0, cross(X, normal), 1.0, cross(touch, friction))
-        add_force(j, both(1.0, normal, 1.0, friction), X, M, y)
+        normal, friction = both(-N, wall, 0.0, wall), both(-m * N, p_1, 0.0, p_1)
+        F = both(1.0, normal, 1.0, friction)
+        add_force(j, F, both(1.0, cross(X, normal), 1.0, cross(touch, friction)), y)
+        turn_arm(j, X, F, y)

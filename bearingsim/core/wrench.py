@@ -1,25 +1,25 @@
 """Wrenches and twists: how a force on a roller changes as it moves in space relative to a body.
 
-A twist is a displacement or velocity of the roller's centre and a turn, (P, phi); a wrench is a force and its moment
-about that centre; both (6,), along e_r, e_theta, e_z. A force of the direction d that acts the arm X from the centre
-is the wrench w = (d, X x d), and its point moves along d by w.(P, phi). So a contact with the approach's wrench w_n
-and with friction N mu along w_1 changes, per unit of place and of velocity, by
+A twist is a displacement or velocity of the roller's centre and a turn, (P, phi); a wrench a force and its moment
+about that centre; both (6,), along e_r, e_theta, e_z. A force along d that acts the arm X from the centre is the
+wrench w = (d, X x d), and its point moves along d by w.(P, phi). So a contact with the approach's wrench w_n, and
+with friction N mu along w_1, changes per unit of place and of velocity by
 
     -(w_n + mu w_1) (K w_n + C k_n)^T - N mu' w_1 k_1^T - N mu/speed w_2 k_2^T
     -(w_n + mu w_1)  C w_n^T          - N mu' w_1 w_1^T - N mu/speed w_2 w_2^T
 
-w_2 being across the slip; k_n, k_1, k_2: how the rates along the w change with the place alone. Besides, the forces
+w_2 being across the slip; k_n, k_1, k_2: how the rates along the w change with the place alone. Besides, forces
 that stand turn with what they act on: N over a radius, some 1e-4 of K.
 
-Each roller has room for a matrix of either kind, (6, 6) by rows, for the wrench itself, and a cell that says whether
-it touches.
+Each roller has room for a matrix of either kind, (6, 6) by rows, for the wrench itself, for how it changes with
+the rolling speed, and for a cell that says whether it touches.
 """
 
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import WRENCHES
 from bearingsim.core.vectors import cross, dot
 
-BY_SPEED, WRENCH, TOUCHES, ROOM = 36, 72, 78, 79
+BY_SPEED, WRENCH, BY_ROLLING, TOUCHES, ROOM = 36, 72, 78, 84, 85
 
 
 @jit
@@ -79,18 +79,37 @@ def add_contact(j, w_n, w_1, w_2, K, C, rubs, along, across, k_n, k_1, k_2, y):
 
 
 @jit
-def add_force(j, F, X, M, y):
-    """Add a force of roller ``j`` that stands: ``F`` (3,) at ``X`` (3,), an arm that turns with the roller.
-
-    M: moment (3,) about the centre, that of other arms included. X turned by phi, the moment grows by (phi x X) x F.
-    """
-    at = of_roller(j)
+def add_force(j, F, M, y):
+    """Add a force (3,) that stands, and its moment (3,) about the centre, to the wrench on roller ``j``."""
+    at = of_roller(j) + WRENCH
     for i in range(3):
-        y[at + WRENCH + i] += F[i]
-        y[at + WRENCH + 3 + i] += M[i]
+        y[at + i] += F[i]
+        y[at + 3 + i] += M[i]
+
+
+@jit
+def add_rolling(j, w, N_mu_u, y):
+    """Friction along ``w`` grows with the rolling speed: N d(mu)/du (N s/m)."""
+    at = of_roller(j) + BY_ROLLING
+    for i in range(6):
+        y[at + i] -= N_mu_u * w[i]
+
+
+@jit
+def rolling_wrench(j, y):
+    """How the wrench on roller ``j`` changes with the rolling speed."""
+    at = of_roller(j) + BY_ROLLING
+    return y[at], y[at + 1], y[at + 2], y[at + 3], y[at + 4], y[at + 5]
+
+
+@jit
+def turn_arm(j, X, F, y):
+    """The arm ``X`` (3,) of a force ``F`` (3,) turns with roller ``j``: its moment grows by (phi x X) x F."""
+    at = of_roller(j) + 6 * 3 + 3
+    for i in range(3):
         for k in range(3):
-            y[at + 6 * (3 + i) + 3 + k] += X[i] * F[k]
-        y[at + 7 * (3 + i)] -= dot(X, F)
+            y[at + 6 * i + k] += X[i] * F[k]
+        y[at + 7 * i] -= dot(X, F)
 
 
 @jit

@@ -25,7 +25,8 @@ def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: P
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / NAME
     _compile(models, methods, grid)
-    total, began, last, done = count(models, methods, grid), time.monotonic(), 0.0, 0
+    total, done, began = count(models, methods, grid), 0, time.monotonic()
+    last = began
     with path.open("w", newline="", encoding="utf-8") as file:
         table: csv.DictWriter | None = None
         try:

@@ -12,7 +12,8 @@ control (Gustafsson 1991; Hairer and Wanner, Solving ODEs II, sec. IV.2), which 
 quiet where stability limits it. First step: Hairer, Norsett and Wanner, Solving ODEs I, sec. II.4.
 
 At a jump (``core/events.py``) a step ends just before it, and the next begins just after it: no method looks
-across. What lies between is less than rounding leaves of the time, and taken by the trapezoidal rule.
+across. What lies between is less than rounding leaves of the time; explicit methods take it by the trapezoidal
+rule.
 """
 
 from collections.abc import Callable
@@ -72,6 +73,15 @@ def dead_end(method: Any) -> int:
 
 
 @generic
+def beyond(method: Any) -> float:
+    """Weight, 0 to 1, of the forces just behind a jump when it is hopped over.
+
+    An implicit method takes those before it alone: a dashpot may be so stiff that even HOP is too long a step for
+    the velocity that a jump leaves, and the next step settles it.
+    """
+
+
+@generic
 def complete(method: Any, model: Any, y: Any) -> None:
     """Evaluate what the dense output of the step just taken needs beyond it; once a step, and only if asked for.
 
@@ -83,10 +93,13 @@ def nothing_more(method, model, y):
     """``complete`` of a method whose dense output needs no evaluation."""
 
 
-def drive(parameters: type, order: float, more: Callable = nothing_more, end: int = STEP_FLOOR) -> None:
+def drive(
+    parameters: type, order: float, more: Callable = nothing_more, end: int = STEP_FLOOR, across: float = 1.0
+) -> None:
     """Make a method adaptive that has ``attempt`` and ``interpolate``; parameters: fields as of ``Tolerances``.
 
-    order: power of the step that its estimate goes with; more: its ``complete``; end: its ``dead_end``.
+    order: power of the step that its estimate goes with; more: its ``complete``; end: its ``dead_end``; across:
+    its ``beyond``.
     """
     prepare.register(parameters)(_prepare)
     step.register(parameters)(_step)
@@ -94,6 +107,7 @@ def drive(parameters: type, order: float, more: Callable = nothing_more, end: in
     estimate_order.register(parameters)(lambda method: order)
     complete.register(parameters)(more)
     dead_end.register(parameters)(lambda method: end)
+    beyond.register(parameters)(lambda method: across)
 
 
 # The state, in blocks
@@ -252,15 +266,16 @@ def fitted(h, left):
 
 
 @jit
-def hop(model, y, n):
+def hop(method, model, y, n):
     """From just before a jump to just after it; the step taken last keeps its length."""
-    t = y[T_END] + 2.0 * HOP
+    t, weight = y[T_END] + 2.0 * HOP, beyond(method)
     for j in range(n):
         y[POSITION + j] = y[END_Q + j] + 2.0 * HOP * y[END_V + j]
         y[VELOCITY + j] = y[END_V + j] + 2.0 * HOP * y[END_A + j]
     accelerations(model, t, y)
     for j in range(n):
-        y[VELOCITY + j] = y[END_V + j] + HOP * (y[END_A + j] + y[ACCELERATION + j])
+        mean = y[END_A + j] + 0.5 * weight * (y[ACCELERATION + j] - y[END_A + j])
+        y[VELOCITY + j] = y[END_V + j] + 2.0 * HOP * mean
     accelerations(model, t, y)
     y[EVALUATED] += 2.0
     y[T_END] = t
@@ -300,7 +315,7 @@ def go_on(method, model, y):
     n = width(model)
     tries = 1
     if y[NEXT_STOP] - y[T_END] <= HOP:
-        hop(model, y, n)
+        hop(method, model, y, n)
     else:
         tries = stride(method, model, y, n)
         if y[FAILED] != FINE:
@@ -345,7 +360,7 @@ def _step(method, model, t, y):
     tries = 0
     while y[FAILED] == FINE and y[T_END] < until - ON_TIME * method.h:
         tries += go_on(method, model, y)
-        if tries > MOST_TRIES:
+        if tries > MOST_TRIES and y[FAILED] == FINE:
             y[FAILED] = STALLED
     if y[FAILED] == FINE:
         show(method, model, until, y)

@@ -90,7 +90,7 @@ def _interpolate(method, part, h, y, n):
         y[VELOCITY + j] = y[START_V + j] + part * (y[END_V + j] - y[START_V + j])
 
 
-drive(BackwardEuler, order=2.0, end=NEWTON_STALLED)
+drive(BackwardEuler, order=2.0, end=NEWTON_STALLED, across=0.0)
 
 KIND = MethodKind(
     BackwardEuler,

@@ -15,7 +15,8 @@ import numpy as np
 from bearingsim.core.jit import jit
 
 NODES = 129
-SCANNED, FARTHEST = 1000, 52.0  # steps tried for each node, and the longest of them over h_c
+APART = 0.1  # of h_c: steps tried for each node
+FARTHEST = 0.8  # over h_c, times the square of the number of stages: no method reaches further
 ROUNDING = 1e-9  # growth below it is none
 CAUTIOUS = 0.999  # of the limit: so much the straight lines between nodes may be over it
 
@@ -85,9 +86,9 @@ def limit_over_h_c(tableau: Any) -> np.ndarray:
         h, shape = np.broadcast_arrays(h, K[:, None])[0], (-1, 1)
         return growth(amplification(tableau, h * h * K.reshape(shape), h * C.reshape(shape))) > 1.0 + ROUNDING
 
-    tried = FARTHEST * np.arange(1, SCANNED + 1) / SCANNED
+    tried = APART * np.arange(1, round(FARTHEST * len(tableau.c) ** 2 / APART) + 1)
     over = grows(tried)
-    high = tried[np.where(over.any(axis=1), over.argmax(axis=1), SCANNED - 1)]
+    high = tried[np.where(over.any(axis=1), over.argmax(axis=1), -1)]
     low = high - tried[0]
     for _ in range(30):
         middle = 0.5 * (low + high)

@@ -168,7 +168,7 @@ def _interpolate(method, part, h, y, n):
             y[VELOCITY + j] += weight * y[first + STATE + j]
 
 
-drive(Rodas, order=4.0)
+drive(Rodas, order=4.0, across=0.0)
 
 KIND = MethodKind(
     Rodas,

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from bearingsim.core.arrow import combine, factor, solve
 from bearingsim.core.layout import ACCELERATION, EVALUATED, POSITION, VELOCITY
 from bearingsim.core.methods.adaptive import SLOPES
-from bearingsim.core.methods.interface import MethodKind, load_number, prepare, step
+from bearingsim.core.methods.interface import MethodKind, as_it_is, load_number, prepare, step
 from bearingsim.core.models.interface import accelerations, linearise, width
 
 CHANGE = SLOPES  # of the velocities
@@ -24,9 +24,7 @@ class VelocityImplicitEuler(NamedTuple):
     h: float
 
 
-@prepare.register(VelocityImplicitEuler)
-def _prepare(method, model, t, y):
-    pass
+prepare.register(VelocityImplicitEuler)(as_it_is)
 
 
 @step.register(VelocityImplicitEuler)

@@ -111,7 +111,7 @@ def keep_own(matrix, i, m_r, y, n):
 
 @jit
 def keep_shared(matrix, m, low, high, m_r, y, n):
-    """Write it into the column of the shared coordinate ``m``, which ``low`` to before ``high`` feel: a body's own."""
+    """Write it into the column of the shared coordinate ``m``, which ``low`` to before ``high`` feel."""
     for j in range(n):
         y[from_border(matrix, RADIAL, m) + j] = y[PER_R + j] * y[CHANGE_R + j]
     for j in range(n):
@@ -129,7 +129,7 @@ def keep_shared(matrix, m, low, high, m_r, y, n):
 
 @jit
 def move_rollers(i, place, speed, middle, omega_cage, y, n):
-    """Every roller's coordinate ``i`` changes by ``place`` (m, rad), its rate by ``speed`` (m/s, rad/s); i as above.
+    """Every roller's coordinate ``i`` changes by ``place`` (m, rad), its rate by ``speed`` (m/s, rad/s).
 
     A velocity r' e_r + r theta' e_theta changes with r and, as its directions turn, with theta too.
     """

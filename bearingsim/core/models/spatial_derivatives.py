@@ -1,9 +1,10 @@
-"""The derivatives of ``spatial``'s accelerations: of its stiff part, to 1e-3 and better (tests say how well).
+"""The derivatives of ``spatial``'s accelerations: by velocity exact, by position to 1e-3 and better.
 
 What rollers feel of a body - the rings, the cage - follows from their place and velocity relative to it: a twist
-that each coordinate of roller or body makes, and matrices that answer it with a wrench (``core/wrench.py``). Wrenches
-become accelerations by Newton's and Euler's equations. Left out: how directions turn under the forces that stand
-(forces over radii), the centripetal terms of an axis that nods, and what ``core/space_slopes.py`` names.
+that each coordinate of roller or body makes (``core/twists.py``), and matrices that answer it with a wrench
+(``core/wrench.py``). Wrenches become accelerations by Newton's and Euler's equations. Left out: how moments that
+stand turn a ring's axis as it leans, the centripetal terms of an axis that nods, and what ``core/space_slopes.py``
+names. Friction counts without lag.
 """
 
 from typing import Any, NamedTuple
@@ -40,7 +41,6 @@ from bearingsim.core.layout import (
     X_I,
     Z_I,
     Q,
-    V,
     X,
     Z,
     border_block,
@@ -56,12 +56,24 @@ from bearingsim.core.parameters import lanes
 from bearingsim.core.shaft import mobility
 from bearingsim.core.sides import InnerSide, OuterSide
 from bearingsim.core.space_slopes import (
+    NONE,
     axis_of,
     cage_mobility_in_space,
     seen_by,
     touch_flanges,
     touch_pockets,
     touch_race,
+)
+from bearingsim.core.twists import (
+    LEAN,
+    SPIN,
+    TIP,
+    TURN,
+    body_place,
+    body_speed,
+    lean_by,
+    roller_place,
+    roller_speed,
 )
 from bearingsim.core.vectors import both, cross, dot, turning
 from bearingsim.core.wrench import (
@@ -71,25 +83,24 @@ from bearingsim.core.wrench import (
     clear_wrenches,
     of_roller,
     plus,
+    rolling_wrench,
     six,
     standing_wrench,
     times,
 )
 
 OWN, SHARED = 6, 17
-RADIAL, ORBIT, SPIN, AXIAL, LEAN = range(5)  # a roller's coordinates; the axis has two
-MIDDLE, TIP, TURN = 0, 3, 5  # a body's: its centre, its axis, its angle
 OF_OUTER = (X, X + 1, 8, 11, 14, PSI)  # the bodies' shared coordinates
 OF_CAGE = (X_C, X_C + 1, 9, 12, 15, PHI_C)
 OF_INNER = (X_I, X_I + 1, 10, 13, 16, -1)
-NONE = (0.0, 0.0, 0.0)
 
 
 class Mobile(NamedTuple):
     """A body, and what forces and moments accelerate it by.
 
-    free: coordinates in ``of``, their shared numbers; force, axial: 1/kg across the bearing's axis and along it;
-    tip, turn: 1/(kg m^2) of the axis and about it; wound: how much of the axis' winding its angle lacks; I_a: kg m^2.
+    free: how many coordinates, ``of``: their shared numbers; force, axial: 1/kg across the bearing's axis and
+    along it; tip, turn: 1/(kg m^2) of the axis and about it; wound: how much of the axis' winding its angle lacks;
+    I_a: kg m^2.
     """
 
     body: Body
@@ -119,93 +130,6 @@ def clear(y, n):
         for k in range(SHARED):
             for m in range(SHARED):
                 y[border_block(matrix, k, m)] = 0.0
-
-
-# Twists: what a unit of a coordinate does, along e_r, e_theta and e_z of the roller
-
-
-@jit
-def lean_by(a, r, t):
-    """Change of an axis whose components along e_r and e_theta change by ``r``, ``t``, and the turn it makes."""
-    da = r, t, -(a[0] * r + a[1] * t) / a[2]
-    return da, both(1.0, cross(a, da), (r * a[1] - a[0] * t) / (1.0 + a[2]), a)
-
-
-@jit
-def roller_place(i, middle, omega_cage, y, j):
-    """Displacement and turn of roller ``j`` by its coordinate ``i``; changes of its velocity and angular velocity."""
-    a, c, s, r, theta_v = axis_of(y, j), y[COS + j], y[SIN + j], middle + y[Q + j], omega_cage + y[EPS_V + j]
-    if i == RADIAL:
-        return (1.0, 0.0, 0.0), NONE, (0.0, theta_v, 0.0), NONE
-    if i == ORBIT:
-        return (0.0, r, 0.0), NONE, (-r * theta_v, y[V + j], 0.0), NONE
-    if i == SPIN:
-        return NONE, a, NONE, NONE
-    if i == AXIAL:
-        return (0.0, 0.0, 1.0), NONE, NONE, NONE
-    da, turn = lean_by(a, s, c) if i > LEAN else lean_by(a, c, -s)
-    nods = cross(da, (y[TILT_V + j], y[SKEW_V + j], y[UPRIGHT_V + j]))
-    return NONE, turn, NONE, both(1.0, nods, y[OMEGA + j], da)
-
-
-@jit
-def roller_speed(i, middle, y, j):
-    """Velocity and angular velocity of roller ``j`` by the rate of its coordinate ``i``."""
-    a, c, s = axis_of(y, j), y[COS + j], y[SIN + j]
-    if i == RADIAL:
-        return (1.0, 0.0, 0.0), NONE
-    if i == ORBIT:
-        return (0.0, middle + y[Q + j], 0.0), NONE
-    if i == SPIN:
-        return NONE, a
-    if i == AXIAL:
-        return (0.0, 0.0, 1.0), NONE
-    return NONE, (lean_by(a, s, c) if i > LEAN else lean_by(a, c, -s))[1]
-
-
-@jit
-def along(k, c, s):
-    """Direction of a body's coordinate ``k`` of its centre, or of its axis (less TIP)."""
-    if k == 0:
-        return c, -s, 0.0
-    if k == 1:
-        return s, c, 0.0
-    return 0.0, 0.0, 1.0
-
-
-@jit
-def body_place(k, body, d, v, omega, c, s):
-    """Twist of a roller relative to a body by the body's coordinate ``k``, and change of its relative velocity.
-
-    d, v, omega: place, velocity and angular velocity of the roller as the body sees it.
-    """
-    turns = turning(body, c, s)
-    if k < TIP:
-        u = along(k, c, s)
-        return (-u[0], -u[1], -u[2]), NONE, cross(turns, u), NONE
-    b = body.a_x * c + body.a_y * s, body.a_y * c - body.a_x * s, body.a_z
-    b_v = body.w_x * c + body.w_y * s, body.w_y * c - body.w_x * s, body.w_z
-    turn, faster = b, NONE
-    if k < TURN:
-        to = along(k - TIP, c, s)
-        db, turn = lean_by(b, to[0], to[1])
-        faster = both(1.0, cross(db, b_v), body.turns, db)
-    moves = both(-1.0, cross(faster, d), -1.0, cross(turn, v))
-    return cross(d, turn), (-turn[0], -turn[1], -turn[2]), moves, both(-1.0, faster, -1.0, cross(turn, omega))
-
-
-@jit
-def body_speed(k, body, d, c, s):
-    """Velocity and angular velocity of a roller relative to a body by the rate of the body's coordinate ``k``."""
-    if k < TIP:
-        u = along(k, c, s)
-        return (-u[0], -u[1], -u[2]), NONE
-    b = body.a_x * c + body.a_y * s, body.a_y * c - body.a_x * s, body.a_z
-    turn = b
-    if k < TURN:
-        to = along(k - TIP, c, s)
-        turn = lean_by(b, to[0], to[1])[1]
-    return cross(d, turn), (-turn[0], -turn[1], -turn[2])
 
 
 # Wrenches: what they accelerate
@@ -284,12 +208,15 @@ def by_roller(model, mobile, omega_cage, y, j):
     middle, F = 0.5 * (b.R_o + b.R_i), standing_wrench(j, y)[0]
     d, _, _ = seen_by(mobile.body, b, omega_cage, y, j)
     turns = turning(mobile.body, y[COS + j], y[SIN + j])
+    faster = b.R_w if omega_cage + y[EPS_V + j] > y[OMEGA + j] else -b.R_w
+    rolls = (0.0, faster, -faster, 0.0, 0.0, 0.0)  # the rolling speed, with the orbit's and with the spin
     for i in range(OWN):
         P, phi, dv, faster = roller_place(i, middle, omega_cage, y, j)
         w = answer(j, six(P, phi), six(both(1.0, dv, -1.0, cross(turns, P)), faster), y)
         keep_own(BY_POSITION, i, model, mobile, w, d, cross(P, F), y, j)
         W, S = roller_speed(i, middle, y, j)
-        keep_own(BY_VELOCITY, i, model, mobile, times(at + BY_SPEED, six(W, S), y), d, NONE, y, j)
+        w = plus(1.0, times(at + BY_SPEED, six(W, S), y), rolls[i], rolling_wrench(j, y))
+        keep_own(BY_VELOCITY, i, model, mobile, w, d, NONE, y, j)
 
 
 @jit

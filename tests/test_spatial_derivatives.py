@@ -1,0 +1,43 @@
+"""``linearise`` of ``spatial`` against differences of its accelerations, at states in which everything acts."""
+
+import numpy as np
+import pytest
+
+from tests.differences import derivatives, differences
+from tests.spatial_scene import L_W
+from tests.test_spatial_balance import STATES, WAYS, WHERE, shaken
+
+LENGTHS = [0, 1, 4, 5, 6, 7, 8, 9, 10]
+
+
+def steps(Z):
+    """Steps of the differences: positions, and velocities (N,) each."""
+    length = [k in LENGTHS for k in range(17)] + [True] * Z + [False] * 2 * Z + [True] * Z + [False] * 2 * Z
+    return np.where(length, 3e-11, 1e-9), np.where(length, 1e-7, 1e-6)
+
+
+def arms(b):
+    """Metres per unit of each coordinate (N,): where what it turns is touched."""
+    r = 0.5 * (b.R_o + b.R_i)
+    shared = [1.0, 1.0, b.R_o, r, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, *[b.R_o, r, b.R_i] * 2]
+    return np.array(shared + [s for s in (1.0, r, b.R_w, 1.0, L_W / 2, L_W / 2) for _ in range(b.Z)])
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(("lean", "own"), STATES)
+@pytest.mark.parametrize("seed", range(3))
+def test_derivatives_are_those_of_the_accelerations(way, lean, own, seed):
+    """Pits, flanges, pockets, rings on springs, traction; all lengths in metres at the arms of the turns.
+
+    By velocity to 1e-6 of the whole; by position to 5e-5, or 5e-4 where axes lean by 2 mrad (at forces a hundred
+    times those of a load: what is left out are forces over radii), and every row that is not small to 1 %.
+    """
+    model, y = shaken(way, seed, lean, own)
+    model = model._replace(lag=0.0)
+    arm = arms(model.bearing)
+    found, expected = derivatives(model, WHERE, y), differences(model, WHERE, y, steps(model.bearing.Z))
+    for one, other, bound in zip(found, expected, (5e-5 if lean < 1e-3 else 5e-4, 1e-6), strict=True):
+        errors, full = ((matrix * arm[:, None] / arm) for matrix in (one - other, other))
+        assert np.linalg.norm(errors) <= bound * np.linalg.norm(full)
+        rows = np.linalg.norm(full, axis=1)
+        assert np.all(np.linalg.norm(errors, axis=1) <= 1e-2 * rows + 1e-6 * rows.max())
