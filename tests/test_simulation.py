@@ -355,6 +355,7 @@ def test_warming_computes_each_kind_of_case_once() -> None:
             case(model="static"),
             case(antialias=False),
             case(),
+            case(method="verlet"),  # which `auto` comes to
         ]
         warm(cases)
         warm(cases)
