@@ -42,8 +42,6 @@ RINGS = 0.3  # damping ratio under which they do
 FAVOUR = 3.0  # what an implicit method must save: Verlet's price is certain, its own an estimate
 SHOWN_PER_CROSSING, SHOWN_PER_PERIOD = 100, 10
 """Recorded instants of an adaptive method over a pit, and in a period of contacts that ring."""
-EXTREME = 1e3
-"""Damping ratio from which on only backward Euler's steps stay in proportion."""
 
 
 @dataclass(frozen=True)
@@ -144,8 +142,6 @@ def choice(case: Case) -> Choice:
         able = [name for name in able if build.METHODS[name].adaptive]
     prices = dict(sorted(((name, _integration(using(case, name))) for name in able), key=lambda pair: pair[1]))
     found = step_limits(using(case, "verlet"))
-    if found.damping_ratio > EXTREME and "backward-euler" in prices:
-        return Choice("backward-euler", f"the damping ratio is {found.damping_ratio:.2g}", prices)
     if "verlet" not in prices:
         return Choice(next(iter(prices)), "the cheapest of those that keep a tolerance", prices)
     implicit = [name for name in prices if build.METHODS[name].implicit]

@@ -15,15 +15,14 @@ ROUNDING = 1e-9  # of a ball pass
 def pilot(case: Case) -> tuple[Case, int]:
     """The beginning of a case, and how many of its ball passes are compared.
 
-    On a ramp they are those of the highest speed, as the run is cut; what counts holds the fewest at the lowest.
+    Of a case with a ramp, one at its highest speed all along: there its step is hardest to hold.
     """
-    rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
-    slowest = case.bearing.ball_pass_frequency(lowest_speed(case))
+    case = at_full_speed(case)
+    rate = case.bearing.ball_pass_frequency(case.speed)
     whole = case.settle + case.duration
-    wanted = max(FEWEST / slowest, SHORTEST, SHARE * whole, min(turn_of_pits(case), TURNING * whole))
-    forgotten = FORGOTTEN * rate / slowest
-    counted = max(1, min(ceil(wanted * rate - ROUNDING), int(whole * rate - forgotten)))
-    settle = min(forgotten, max(0.0, whole * rate - counted)) / rate
+    wanted = max(FEWEST / rate, SHORTEST, SHARE * whole, min(turn_of_pits(case), TURNING * whole))
+    counted = max(1, min(ceil(wanted * rate - ROUNDING), int(whole * rate - FORGOTTEN)))
+    settle = min(float(FORGOTTEN), max(0.0, whole * rate - counted)) / rate
     short = {"settle": settle, "duration": (counted + 0.5) / rate, "record": (), "antialias": True}
     return case.model_copy(update=short), counted
 
@@ -34,11 +33,6 @@ def share(case: Case) -> float:
     return 3.0 * (short.settle + short.duration) / (case.settle + case.duration)
 
 
-def lowest_speed(case: Case) -> float:
-    """The lowest speed (rad/s) of the inner ring."""
-    return case.speed if case.ramp is None else min(case.speed, case.ramp.to)
-
-
 def turn_of_pits(case: Case) -> float:
     """The time (s) in which the slowest pit turns through the load zone once; 0 if none turns."""
     return max((float(TURN_OF[defect.race](case)) for defect in case.defects), default=0.0)
@@ -46,7 +40,7 @@ def turn_of_pits(case: Case) -> float:
 
 TURN_OF = {
     "outer": lambda case: 0.0,
-    "inner": lambda case: 2.0 * pi / lowest_speed(case),
-    "roller": lambda case: case.bearing.rollers / case.bearing.ball_pass_frequency(lowest_speed(case)),
+    "inner": lambda case: 2.0 * pi / at_full_speed(case).speed,
+    "roller": lambda case: case.bearing.rollers / case.bearing.ball_pass_frequency(at_full_speed(case).speed),
 }
 """The time (s) in which a pit of each race turns through the load zone once."""

@@ -2,7 +2,8 @@
 
 A pilot of some ball passes is stepped twice from the same start: as the run will be, and with half the step (and
 a tenth of the tolerance). What the line of the fault and the RMS change by is the error that the run is said to
-have. Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells
+have. Half the step is a little less than half: where in a step a pit's cusp falls sets the sign of an error of
+first order, and by whole numbers of steps it would fall in the same place again, unseen. Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells
 why: if it parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
 """
 
@@ -18,7 +19,9 @@ from bearingsim.integration import Setup, integrate, set_up
 from bearingsim.pilot import pilot, turn_of_pits
 
 HELD = 0.01
-"""The most that half the step may change line and RMS; where the motion is chaotic, the RMS alone."""
+"""What a run holds of its line and its RMS; where the motion is chaotic, of the RMS alone."""
+CHANGED = 0.5 * HELD
+"""The most that half the step may change them: an error of first order is twice that."""
 
 LOUD = 1e-3  # a line under this part of the RMS (60 dB below it) is none, and is measured by it
 APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
@@ -52,7 +55,7 @@ class Proof:
     @property
     def holds(self) -> bool:
         """Whether the step can be trusted: what it changes is small, or no more than chaos does anyway."""
-        return bool(self.error <= max(HELD, SURE * self.noise))
+        return bool(self.error <= max(CHANGED, SURE * self.noise))
 
     @property
     def long_enough(self) -> bool:
@@ -66,7 +69,8 @@ UNPROVEN = Proof(nan, nan)
 def prove(case: Case, part: float) -> Proof:
     """Try a case, its method named, at ``part`` of the automatic step. Raises like ``integrate``."""
     short, passes = pilot(case)
-    coarse, fine = set_up(short, part), set_up(short, 0.5 * part)
+    coarse = set_up(short, part)
+    fine = set_up(finer(short), part * coarse.cut.decimation / (2 * coarse.cut.decimation + 1))
     one, other = velocities(coarse, passes), velocities(fine, passes)
     scale = float(np.std(other)) or 1.0
     lines = [
@@ -89,6 +93,11 @@ def prove(case: Case, part: float) -> Proof:
     seen = passes >= turn_of_pits(case) * coarse.cut.rate
     whole = max(1.0, case.duration * coarse.cut.rate)
     return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=noise / sqrt(whole) if seen else inf)
+
+
+def finer(case: Case) -> Case:
+    """The case with a tenth of its tolerance, if it gives one (one that is automatic goes with the step)."""
+    return case if case.tolerance == "auto" else case.model_copy(update={"tolerance": 0.1 * case.tolerance})
 
 
 FAULT_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2BSF"}

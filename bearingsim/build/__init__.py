@@ -225,12 +225,13 @@ def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:
 def method(case: Case, h: float, part: float = 1.0) -> Any:
     """The core's method of the case with step ``h`` (s), which is ``part`` of what it would be.
 
-    With half of it an adaptive method takes a tenth of its tolerance.
+    With half of it an adaptive method takes a tenth of its own tolerance; one that the case gives stays.
     """
     parameters: Any = method_kind(case).parameters
     if not method_kind(case).adaptive:
         return parameters(h)
-    tolerance = scales.TOLERANCE[str(case.method)] if case.tolerance == "auto" else case.tolerance
+    own = part ** log2(10.0) * scales.TOLERANCE[str(case.method)]
+    tolerance = own if case.tolerance == "auto" else case.tolerance
     first = model(case)
     fastest = first if case.ramp is None else model(scales.at_full_speed(case))
-    return parameters(*scales.tolerances(case, first, fastest, h, part ** log2(10.0) * tolerance))
+    return parameters(*scales.tolerances(case, first, fastest, h, tolerance))

@@ -114,8 +114,8 @@ class Case(Section):
 
     @property
     def automatic(self) -> bool:
-        """Whether there is a step, and both it and the tolerance are left to be chosen."""
-        return self.method is not None and self.step == "auto" and self.tolerance == "auto"
+        """Whether there is a step, and it is left to be chosen."""
+        return self.method is not None and self.step == "auto"
 
     @model_validator(mode="before")
     @classmethod
