@@ -115,11 +115,12 @@ def using(case: Case, method: str | None) -> Case:
 def attempts(case: Case) -> Iterator[Attempt]:
     """What to try in turn until a run proves right: shorter automatic steps, then (with `auto`) other methods."""
     first = resolved(case)
-    for part in SHORTENED if case.automatic else (1.0,):
+    parts = SHORTENED if case.automatic and case.tolerance == "auto" else (1.0,)
+    for part in parts:
         yield Attempt(first, part)
     if case.method == "auto" and case.automatic:
         for name in alternatives(first):
-            yield from (Attempt(using(case, name), part) for part in SHORTENED)
+            yield from (Attempt(using(case, name), part) for part in parts)
 
 
 def alternatives(case: Case) -> list[str]:

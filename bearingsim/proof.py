@@ -3,8 +3,9 @@
 A pilot of some ball passes is stepped twice from the same start: as the run will be, and with half the step (and
 a tenth of the tolerance). What the line of the fault and the RMS change by is the error that the run is said to
 have. Half the step is a little less than half: where in a step a pit's cusp falls sets the sign of an error of
-first order, and by whole numbers of steps it would fall in the same place again, unseen. Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells
-why: if it parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
+first order, and by whole numbers of steps it would fall in the same place again, unseen. Where the two part as
+they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells why: if it parts from the
+first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
 """
 
 from dataclasses import dataclass, replace

@@ -216,7 +216,7 @@ def methods(plan: Plan) -> list[str]:
     ]
     proven = [one.job.case.proven for one in plan.everything]
     if any(proven):
-        told.append("each step is proven on its run's beginning: half of it may change line and RMS by 1 %")
+        told.append("each step is proven on its run's beginning: half of it may change line and RMS by 0.5 %")
     return told
 
 
