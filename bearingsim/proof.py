@@ -2,10 +2,11 @@
 
 A pilot of some ball passes is stepped twice from the same start: as the run will be, and with half the step (and
 a tenth of the tolerance). What the line of the fault and the RMS change by is the error that the run is said to
-have. Half the step is a little less than half: where in a step a pit's cusp falls sets the sign of an error of
-first order, and by whole numbers of steps it would fall in the same place again, unseen. Where the two part as
-they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells why: if it parts from the
-first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
+have. Half the step is 1/sqrt(5) of it: where in a step a pit's cusp falls sets size and sign of an error of first
+order, and with half of it exactly a second pit's would fall in the same place again, and its error be unseen.
+
+Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells why: if it
+parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
 """
 
 from dataclasses import dataclass, replace
@@ -71,7 +72,7 @@ def prove(case: Case, part: float) -> Proof:
     """Try a case, its method named, at ``part`` of the automatic step. Raises like ``integrate``."""
     short, passes = pilot(case)
     coarse = set_up(short, part)
-    fine = set_up(finer(short), part * coarse.cut.decimation / (2 * coarse.cut.decimation + 1))
+    fine = set_up(finer(short), part * shorter(coarse.cut.decimation))
     one, other = velocities(coarse, passes), velocities(fine, passes)
     scale = float(np.std(other)) or 1.0
     lines = [
@@ -94,6 +95,11 @@ def prove(case: Case, part: float) -> Proof:
     seen = passes >= turn_of_pits(case) * coarse.cut.rate
     whole = max(1.0, case.duration * coarse.cut.rate)
     return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=noise / sqrt(whole) if seen else inf)
+
+
+def shorter(decimation: int) -> float:
+    """About 1/sqrt(5), the part of a step to take where a fine sample holds ``decimation`` steps."""
+    return decimation / max(2 * decimation + 1, round(sqrt(5.0) * decimation))
 
 
 def finer(case: Case) -> Case:
