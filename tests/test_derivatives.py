@@ -7,9 +7,10 @@ import pytest
 
 from bearingsim import build
 from bearingsim.core.contact import General, HuntCrossley, Kraemer, TenNinths, ThreeHalves
-from bearingsim.core.defects import HALF_WIDTH
-from bearingsim.core.layout import POSITION, VELOCITY
+from bearingsim.core.defects import ANGLE, HALF_WIDTH, RADIUS
+from bearingsim.core.layout import POSITION, VELOCITY, X
 from bearingsim.core.models.interface import freedoms
+from bearingsim.core.parameters import turns
 from bearingsim.core.pit_contact import standing
 from tests.differences import cells, derivatives, differences
 from tests.scenes import case
@@ -78,4 +79,20 @@ def test_derivatives_are_those_of_the_accelerations(name, law, defects):
     for _ in range(40):
         t = over_a_pit(model, rng) if defects else float(rng.uniform(0.0, 0.1))
         errors.append(worst(model, t, thrown(model, rng)))
+    assert np.quantile(errors, 0.9) < 1e-6
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("name", ["ring", "rollers"])
+def test_over_two_pits_at_once(name, law):
+    """Roller 1 stands over a pit of each race: in series, each changes how fast the other contact closes."""
+    model, t = model_of(name, law, BOWL, BOWL | {"race": "inner"}), 0.01
+    rng, head = np.random.default_rng(3), model.pits.head
+    theta_c, theta_i, _ = turns(model.bearing, t)
+    errors = []
+    for _ in range(20):
+        head[:, ANGLE] = theta_c + rng.uniform(-1.0, 1.0, 2) * 8e-4 / head[:, RADIUS] - [0.0, theta_i]
+        y = thrown(model, rng)
+        y[POSITION + X] = -2.0 * model.bearing.gap - 2e-5
+        errors.append(worst(model, t, y))
     assert np.quantile(errors, 0.9) < 1e-6
