@@ -5,8 +5,8 @@ a tenth of the tolerance). What the line of the fault and the RMS change by is t
 have. Half the step is 1/sqrt(5) of it: where in a step a pit's cusp falls sets size and sign of an error of first
 order, and with half of it exactly a second pit's would fall in the same place again, and its error be unseen.
 
-Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells why: if it
-parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
+Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells why: if
+it parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
 """
 
 from dataclasses import dataclass, replace
