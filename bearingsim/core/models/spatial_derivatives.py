@@ -270,6 +270,18 @@ def spinning_rollers(model, y):
 
 
 @jit
+def carry_rollers(model, omega_cage, y):
+    """A cage that keeps a roller from skewing carries its axis round: a'' has 2 a_r' theta' along e_theta."""
+    kept = 1.0 - let_go(model.cage, 1.0)
+    for j in range(model.bearing.Z):
+        c, s = y[COS + j], y[SIN + j]
+        turn = 2.0 * kept * (omega_cage + y[EPS_V + j])
+        for i, part in ((LEAN, c), (LEAN + 1, s)):
+            y[own_block(BY_VELOCITY, LEAN, i) + j] -= turn * part * s
+            y[own_block(BY_VELOCITY, LEAN + 1, i) + j] += turn * part * c
+
+
+@jit
 def spinning_body(mobile, y):
     """The same of a body."""
     body, I_a = mobile.body, mobile.I_a
@@ -333,6 +345,7 @@ def differentiate_in_space(model, t, y):
 
     spinning_rollers(model, y)
     nodding_rollers(model, y)
+    carry_rollers(model, omega_cage, y)
     by_own_motion(model, omega_cage, y, n)
     guide_change(model.cage, omega_cage, omega_i, y)
     by_springs(model, y)
