@@ -48,7 +48,7 @@ def shaken():
 
 
 def test_every_model_keeps_its_extremes():
-    assert {kind.parameters for kind in build.MODELS.values()} == keep_extremes.types
+    assert {kind.parameters for kind in build.MODELS.values()} <= keep_extremes.types
 
 
 def test_an_evaluation_leaves_state_and_extremes():
