@@ -8,7 +8,7 @@ from bearingsim.config import Case
 FORGOTTEN = 1  # ball passes at the start of a pilot that do not count
 FEWEST, SHORTEST = 4, 5e-3  # ball passes, and s, that count
 SHARE = 1 / 16  # of a run that a pilot takes: with its half step three sixteenths of the run's CPU time
-TURNING = 1 / 8  # where it must see a pit turn through the load zone
+TURNS = 2.0  # of a pit through the load zone: a record that holds them has a pilot that sees one
 ROUNDING = 1e-9  # of a ball pass
 
 
@@ -20,7 +20,7 @@ def pilot(case: Case) -> tuple[Case, int]:
     case = at_full_speed(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
     whole = case.settle + case.duration
-    wanted = max(FEWEST / rate, SHORTEST, SHARE * whole, min(turn_of_pits(case), TURNING * whole))
+    wanted = max(FEWEST / rate, SHORTEST, SHARE * whole, turn_of_pits(case))
     counted = max(1, min(ceil(wanted * rate - ROUNDING), int(whole * rate - FORGOTTEN)))
     settle = min(float(FORGOTTEN), max(0.0, whole * rate - counted)) / rate
     short = {"settle": settle, "duration": (counted + 0.5) / rate, "record": (), "antialias": True}

@@ -16,7 +16,7 @@ from bearingsim.core.sampling import resample, resampling_kernel
 from bearingsim.errors import Refused
 from bearingsim.features import Tape, features
 from bearingsim.integration import Setup, SimulationError, TooChaotic, Unsound, integrate, set_up
-from bearingsim.pilot import TURNING, turn_of_pits
+from bearingsim.pilot import TURNS, turn_of_pits
 from bearingsim.proof import Proof
 
 __all__ = ["Record", "SimulationError", "simulate", "warm"]
@@ -135,7 +135,7 @@ def _long_enough(setup: Setup, proven: Proof) -> None:
     """Refuse the record of a chaotic motion that is too short for its RMS to be worth 1 %."""
     if proven.long_enough:
         return
-    longer, worth = turn_of_pits(setup.case) / TURNING, "of unknown worth"
+    longer, worth = TURNS * turn_of_pits(setup.case), "of unknown worth"
     if isfinite(proven.scatter):
         longer = setup.case.duration * (proof.SURE * proven.scatter / proof.HELD) ** 2
         worth = f"uncertain by {proof.SURE * proven.scatter:.1%}"
