@@ -6,7 +6,7 @@ import pytest
 from bearingsim import build
 from bearingsim.core.contact import General
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import EVALUATED, FAILED, Q_O, REFUSED, TAKEN, VELOCITY, X, Y
+from bearingsim.core.layout import EVALUATED, FAILED, Q_O, VELOCITY, X, Y
 from bearingsim.core.methods.backward_euler import BackwardEuler
 from bearingsim.core.methods.interface import prepare, step
 from bearingsim.core.methods.rodas import Rodas
@@ -70,7 +70,6 @@ def reference(slot):
 )
 def test_next_to_verlet_on_a_slot(slot, reference, method, rtol, error, evaluations):
     path, y = follow(slot, tolerances(method, rtol))
-    print(method.__name__, rtol, apart(path, reference), [int(y[cell]) for cell in (TAKEN, REFUSED, EVALUATED)])
     assert y[FAILED] == FINE
     assert apart(path, reference) < error
     assert y[EVALUATED] < evaluations
@@ -91,7 +90,6 @@ def test_two_methods_agree_on_dashpots_that_jump(slot, c):
     assert y[FAILED] == FINE
     for rtol, error in ((1e-2, 0.01), (1e-3, 0.004)):
         path, y = follow(model, tolerances(BackwardEuler, rtol, c))
-        print(c, rtol, apart(path, stiff), [int(y[cell]) for cell in (TAKEN, REFUSED, EVALUATED)])
         assert y[FAILED] == FINE
         assert apart(path, stiff) < error
         assert np.abs(path[:, :2]).max() < 0.1

@@ -56,7 +56,6 @@ def test_verlet_keeps_the_energy_of_undamped_contacts():
         energies.append(energy(model, y))
         drive(model, Verlet(2e-7), 10_000, y)
     kinetic = 0.5 * model.bearing.m_o * 1e-6
-    print(np.ptp(energies) / kinetic)
     assert np.ptp(energies) < 1e-4 * kinetic
 
 
