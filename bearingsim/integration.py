@@ -6,7 +6,7 @@ Every run is watched (``core/advance.py``): what it gives up, and why, is an ``U
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import ceil, floor, hypot
+from math import ceil, floor, hypot, nan
 from typing import Any
 
 import numpy as np
@@ -41,7 +41,11 @@ class Unsound(SimulationError):
 
 
 class TooChaotic(SimulationError):
-    """The record of a chaotic motion is too short for its RMS to be worth 1 %."""
+    """The record of a chaotic motion is too short for its RMS to be worth 1 %; ``duration`` s would do."""
+
+    def __init__(self, reason: str, advice: str, duration: float = nan) -> None:
+        super().__init__(reason, advice)
+        self.duration = duration
 
 
 @dataclass(frozen=True)

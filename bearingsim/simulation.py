@@ -124,10 +124,11 @@ def _proven(setup: Setup) -> Proof:
     finer = "half the step" + " and a tenth of the tolerance" * build.method_kind(setup.case).adaptive
     what = "RMS" if found.chaotic else "line of the fault" if found.line > found.rms else "RMS"
     chaotic = ", and the motion is chaotic" if found.chaotic else ""
+    other = "give a" if setup.case.step == "auto" else "take a shorter"
     changes = f"{finer} changes the {what} by {100.0 * found.error:.2g} %{chaotic}"
     raise Unsound(
         f"{setup.case.method} does not hold {proof.HELD:.0%}: {changes}",
-        "take a longer `duration`" if found.chaotic else "give a `step` of your own, or say `prove: false`",
+        "take a longer `duration`" if found.chaotic else f"{other} `step` of your own, or say `prove: false`",
     )
 
 
@@ -142,6 +143,7 @@ def _long_enough(setup: Setup, proven: Proof) -> None:
     raise TooChaotic(
         f"the motion is chaotic, and the RMS of {setup.case.duration:.2g} s of it {worth}",
         f"take a `duration` of {longer:.2g} s, or say `prove: true`",
+        longer,
     )
 
 

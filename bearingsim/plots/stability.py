@@ -91,6 +91,7 @@ def draw(table: "pd.DataFrame", model: str, pit: str, path: Path) -> list[Path]:
 
 def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
     methods, stiffness = list(dict.fromkeys(rows["method"])), sorted(rows["k"].unique())
+    named = dict(zip(rows["k"], rows["stiffness"].fillna(""), strict=True))
     damping = sorted({(m3, c) for m3, c in zip(rows["m3"], rows["c"], strict=True)})
     size = max(COLUMN_IN * len(stiffness) + 1.3, LEAST_IN), ROW_IN * len(methods) + HEAD_IN + FOOT_IN
     canvas = Canvas(figsize=size, layout="constrained")
@@ -104,7 +105,7 @@ def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
             if j == 0:
                 ax.set_ylabel(method, rotation=0, ha="right", va="center", labelpad=8, fontsize=8.5)
             if i == 0:
-                ax.set_title(_stiffness(k), fontsize=8.5, pad=16)
+                ax.set_title(_stiffness(named[k], k), fontsize=8.5, pad=16)
                 _laws(ax, damping)
             if i == len(methods) - 1:
                 ax.set_xlabel("damping, N s/mm$^{1+m_3}$", fontsize=8)
@@ -165,9 +166,7 @@ def _laws(ax: "Axes", damping: list[tuple[float, float]]) -> None:
         )  # fmt: skip
 
 
-def _stiffness(k: float) -> str:
-    words = {1e8: "printed", 733850.0: "steel"}
-    name = next((word for value, word in words.items() if abs(k / value - 1.0) < 1e-3), "")
+def _stiffness(name: str, k: float) -> str:
     return f"{name + ': ' if name else ''}k = {_power(k)} N/mm$^{{10/9}}$"
 
 

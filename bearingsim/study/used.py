@@ -46,7 +46,7 @@ def used(case: Case) -> dict[str, Any]:
         values.pop("excitation", None)
     for defect in values["defects"]:
         defect.pop("file")  # what is in it counts, not where it lies
-    if not case.automatic:
+    if case.method is None:
         values.pop("prove", None)
     if case.model not in ladder.FREE and case.excitation != "random-impulses":
         values.pop("seed", None)

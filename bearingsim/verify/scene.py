@@ -23,6 +23,9 @@ LOAD = 150.0  # N
 
 STEEL = PALMGREN_N_MM * 12.0 ** (8.0 / 9.0)
 """Palmgren's coefficient of a roller of 12 mm, N/mm^(10/9)."""
+PRINTED = 1e8  # N/mm^(10/9): the number that the paper prints
+NAMED = {STEEL: "steel", PRINTED: "printed"}
+"""Stiffnesses that have a name."""
 
 SLOT = {"race": "outer", "shape": "rectangular", "length": "12 mm", "depth": "0.05 mm"}
 PITS: dict[str, dict[str, Any]] = {

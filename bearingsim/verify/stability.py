@@ -19,7 +19,7 @@ from bearingsim.core.models.interface import freedoms, linearise
 from bearingsim.verify import judge
 from bearingsim.verify.judge import REFUSED, Reference, Verdict, agreed
 from bearingsim.verify.references import SCIPY, solve
-from bearingsim.verify.scene import FINE, PITS, SPAN, STEEL, Scene, case_of, crossings
+from bearingsim.verify.scene import FINE, NAMED, PITS, PRINTED, SPAN, STEEL, Scene, case_of, crossings
 from bearingsim.verify.traces import TOO_SLOW, Trace, nothing, trace
 
 HEALTHY = "healthy"
@@ -42,7 +42,7 @@ class Grid(NamedTuple):
 
 
 FULL = Grid(
-    k=(STEEL, 1e7, 1e8),
+    k=(STEEL, 1e7, PRINTED),
     damping=((0.0, 1e-1), (0.0, 1e1), (0.0, 1e3), (0.0, 1e6), (1.0, 1e2), (1.0, 1e4), (1.0, 1e6), (2.0, 1e6)),
     pits=tuple(PITS),
     steps=(20e-6, 10e-6, 5e-6, 2e-6, 1e-6, 0.5e-6, 0.2e-6, 0.1e-6, 0.05e-6, 0.02e-6),
@@ -52,7 +52,7 @@ FULL = Grid(
     patience=6.0,
 )
 QUICK = Grid(
-    k=(STEEL, 1e8),
+    k=(STEEL, PRINTED),
     damping=((0.0, 1e-1), (0.0, 1e6), (1.0, 1e4), (1.0, 1e6)),
     pits=(HEALTHY, "0.2 mm slot"),
     steps=(10e-6, 5e-6, 2e-6, 1e-6, 0.2e-6),
@@ -220,6 +220,7 @@ def row_by_row(
             "model": material.model,
             "method": method,
             "pit": pit,
+            "stiffness": NAMED.get(material.k, ""),
             "k": material.k,
             "m3": material.m3,
             "c": material.c,
