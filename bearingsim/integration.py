@@ -40,6 +40,10 @@ class Unsound(SimulationError):
     """The method or its step was not up to what happened: another may be."""
 
 
+class TooSlow(Unsound):
+    """The method would take too much CPU time: a shorter step of it would take more."""
+
+
 class TooChaotic(SimulationError):
     """The record of a chaotic motion is too short for its RMS to be worth 1 %; ``duration`` s would do."""
 
@@ -52,7 +56,7 @@ class TooChaotic(SimulationError):
 class Setup:
     """A case ready to be stepped: method named, cut in time, with the core's parameters and what it must keep to.
 
-    part: of the automatic step.
+    part: of the automatic step; most_cpu: seconds of CPU time that its steps may take, if they are automatic.
     """
 
     case: Case
@@ -62,17 +66,27 @@ class Setup:
     model: Any
     method: Any
     watch: Watch
+    most_cpu: float
 
 
-def set_up(case: Case, part: float = 1.0) -> Setup:
-    """Ready a case whose method is named. Raises ``Refused``."""
+def set_up(case: Case, part: float = 1.0, most_cpu: float | None = None) -> Setup:
+    """Ready a case whose method is named; it may take ``choose.MOST_CPU``. Raises ``Refused``."""
     cut, found = choose.grid(case, part), choose.limits(case)
     kind = build.method_kind(case)
     lag = kind.lag * cut.step
     model = build.relaxed(build.model(case), lag)
     if not kind.adaptive:
         model = build.in_step(model, cut.steps_per_pass, kind.cusp)
-    return Setup(case, part, cut, found, model, build.method(case, cut.step, part), watch_of(cut, found))
+    return Setup(
+        case,
+        part,
+        cut,
+        found,
+        model,
+        build.method(case, cut.step, part),
+        watch_of(cut, found),
+        most_cpu or choose.MOST_CPU,
+    )
 
 
 def watch_of(cut: choose.Grid, found: Limits) -> Watch:
@@ -136,6 +150,7 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
     kept = y[largest]
     window = np.empty((len(places), tail + steps))
     window[:] = y[places][:, np.newaxis]
+    compiling = 0.0  # what the first pass takes, which may be compiled for
     if build.kind(case).memoryless:  # it was never at rest: what was before t = 0 is known
         advance(method, model, watch, -tail, y, places, window[:, steps:])
     for p in range(cut.passes):
@@ -148,7 +163,8 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
             clock[0] += time.thread_time() - began
             if outcome != outcomes.FINE:
                 raise stopped(setup, outcome, body, (p * steps + taken) * cut.step)
-            if clock[0] > choose.MOST_CPU and case.step == "auto":
+            compiling = clock[0] if p == 0 else compiling
+            if clock[0] - compiling > setup.most_cpu and case.step == "auto":
                 raise stopped(setup, outcomes.TOO_SLOW, outcomes.NOBODY, (p * steps + taken) * cut.step)
         if p == counted.stop - 1:
             kept = y[largest].copy()
@@ -196,11 +212,12 @@ def stopped(setup: Setup, outcome: int, body: int, t: float) -> Unsound:
         method=setup.case.method,
         deepest=1e6 * setup.watch.deepest,
         liveliest=setup.watch.liveliest,
-        hours=choose.MOST_CPU / 3600.0,
+        hours=setup.most_cpu / 3600.0,
         PRESSED=PRESSED,
         MOVED=MOVED,
     )
-    return Unsound(f"{told}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t)
+    kind = TooSlow if outcome == outcomes.TOO_SLOW else Unsound
+    return kind(f"{told}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t)
 
 
 def advice(setup: Setup, outcome: int) -> str:

@@ -14,7 +14,7 @@ from math import inf, nan, sqrt
 
 import numpy as np
 
-from bearingsim import build, features
+from bearingsim import build, choose, features
 from bearingsim.config import Case
 from bearingsim.config.names import LINES
 from bearingsim.integration import Setup, integrate, set_up
@@ -31,6 +31,7 @@ NUDGE = 1e-10  # of the ring's displacement at the start; a motion that repeats 
 SURE = 2.5  # standard deviations
 GROWN, PARTED = 3.0, 1e-4  # from the first pass that counts to the last; of the RMS
 NO_LESS = 0.3  # of what a tenth of the tolerance changes
+MORE = 4.0  # times the CPU time that half the step and a tenth of the tolerance may take
 
 
 @dataclass(frozen=True)
@@ -71,8 +72,9 @@ UNPROVEN = Proof(nan, nan)
 def prove(case: Case, part: float) -> Proof:
     """Try a case, its method named, at ``part`` of the automatic step. Raises like ``integrate``."""
     short, passes = pilot(case)
-    coarse = set_up(short, part)
-    fine = set_up(finer(short), part * shorter(coarse.cut.decimation))
+    allowed = choose.MOST_CPU * length(short) / length(case)
+    coarse = set_up(short, part, allowed)
+    fine = set_up(finer(short), part * shorter(coarse.cut.decimation), MORE * allowed)
     one, other = velocities(coarse, passes), velocities(fine, passes)
     scale = float(np.std(other)) or 1.0
     lines = [
@@ -95,6 +97,11 @@ def prove(case: Case, part: float) -> Proof:
     seen = passes >= turn_of_pits(case) * coarse.cut.rate
     whole = max(1.0, case.duration * coarse.cut.rate)
     return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=noise / sqrt(whole) if seen else inf)
+
+
+def length(case: Case) -> float:
+    """What is computed of a case, s."""
+    return case.settle + case.duration
 
 
 def shorter(decimation: int) -> float:

@@ -15,7 +15,7 @@ from bearingsim.core.layout import CROSSED, ITERATED, OVERRUN_MAX, REFUSED, TAKE
 from bearingsim.core.sampling import resample, resampling_kernel
 from bearingsim.errors import Refused
 from bearingsim.features import Tape, features
-from bearingsim.integration import Setup, SimulationError, TooChaotic, Unsound, integrate, set_up
+from bearingsim.integration import Setup, SimulationError, TooChaotic, TooSlow, Unsound, integrate, set_up
 from bearingsim.pilot import TURNS, turn_of_pits
 from bearingsim.proof import Proof
 
@@ -72,11 +72,15 @@ def simulate(case: Case) -> Record:
     """
     began = time.process_time()
     failed: dict[str, SimulationError] = {}
+    dear: set[str | None] = set()
     for attempt in _attempts(case):
+        if attempt.case.method in dear:
+            continue
         try:
             return _simulate(attempt, began)
         except Unsound as error:
             failed[str(attempt.case.method)] = error
+            dear |= {attempt.case.method} if isinstance(error, TooSlow) else set()
         except Refused as error:  # shorter steps may be too many: what was wrong with longer ones tells more
             failed.setdefault(str(attempt.case.method), SimulationError(error.reason, error.advice))
     raise _all_failed(list(failed.values()))

@@ -178,10 +178,10 @@ def computed(case: Case) -> tuple[Case, Record]:
         try:
             return case, simulate(case)
         except TooChaotic as error:
-            longer = case.model_copy(update={"duration": MARGIN * error.duration})
-            if choose.estimate(longer).cpu_seconds > LONGEST_CHAOS:
+            longer = MARGIN * error.duration
+            if longer / case.duration * choose.estimate(case).cpu_seconds > LONGEST_CHAOS:
                 raise
-            case = longer
+            case = case.model_copy(update={"duration": longer})
     return case, simulate(case)
 
 

@@ -7,7 +7,7 @@ from unittest import mock
 import numpy as np
 import pytest
 
-from bearingsim import choose, limits
+from bearingsim import choose, limits, proof
 from bearingsim.core import outcomes
 from bearingsim.core.advance import Watch, advance
 from bearingsim.core.crossings import missed, turned
@@ -21,7 +21,7 @@ from tests.short_cases import RATE, case
 
 INTEGRATION = importlib.import_module("bearingsim.integration")
 SIMULATION = importlib.import_module("bearingsim.simulation")
-VERLET = {"model": "ring", "method": "verlet", "step": "1 us", "defect": SLOT}
+VERLET = {"model": "ring", "method": "verlet", "step": "1 us", "prove": False, "defect": SLOT}
 
 
 def ended(watch: Watch, y: np.ndarray | None = None, steps: int = 100) -> tuple[int, int, int]:
@@ -165,6 +165,23 @@ def test_a_job_that_would_take_too_long_is_refused_before_it_runs() -> None:
             choose.grid(given)
         assert "shorter `duration`" in caught.value.advice
         choose.grid(given.model_copy(update={"step": 5e-7}))  # what the study gives is taken
+
+
+def test_a_method_that_is_too_slow_is_not_tried_with_shorter_steps() -> None:
+    slow = SIMULATION.TooSlow("too slow", "do this", 0.25)
+    with mock.patch.object(SIMULATION, "_simulate", side_effect=slow) as tried, pytest.raises(SimulationError):
+        simulate(case())
+    methods = [call.args[0].case.method for call in tried.call_args_list]
+    assert len(methods) == len(set(methods)) > 1
+
+
+def test_a_pilot_may_take_its_part_of_what_a_run_may() -> None:
+    given = choose.resolved(case(method="dop853", defect=SLOT, duration="1 s"))
+    little = mock.patch.object(choose, "MOST_CPU", 0.01)
+    unforeseen = mock.patch.object(choose, "per_second", return_value=0.0)
+    with little, unforeseen, pytest.raises(SIMULATION.TooSlow) as caught:
+        proof.prove(given, 1.0)
+    assert caught.value.time < 0.02
 
 
 def test_what_was_wrong_is_said_before_what_shorter_steps_would_cost() -> None:
