@@ -10,7 +10,7 @@ from bearingsim.core.contact import General, PowerLaw
 from bearingsim.core.layout import FAILED_BODY
 from bearingsim.core.methods import rodas
 from bearingsim.core.methods.backward_euler import BackwardEuler
-from bearingsim.core.methods.generalised_alpha import RHO, GeneralisedAlpha, HilberHughesTaylor
+from bearingsim.core.methods.generalised_alpha import RHO, GeneralisedAlpha
 from bearingsim.core.methods.rodas import Rodas
 from bearingsim.core.methods.velocity_implicit import VelocityImplicitEuler
 from bearingsim.core.outcomes import FINE, NEWTON_STALLED, STEP_FLOOR
@@ -90,8 +90,6 @@ def test_infinitely_fast_motion_is_gone_after_a_step():
         (BackwardEuler, DASHPOT, 1.0),
         (GeneralisedAlpha, SOFT, 2.0),
         (GeneralisedAlpha, DASHPOT, 2.0),
-        (HilberHughesTaylor, SOFT, 2.0),
-        (HilberHughesTaylor, DASHPOT, 2.0),
         (VelocityImplicitEuler, SOFT, 1.0),
         (VelocityImplicitEuler, DASHPOT, 1.0),
     ],
@@ -258,10 +256,9 @@ def test_recorded_instants_lie_within_steps(method):
 # failure
 
 
-@pytest.mark.parametrize("method", [GeneralisedAlpha, HilberHughesTaylor])
-def test_a_newton_method_that_stalls_says_so(method):
+def test_a_newton_method_that_stalls_says_so():
     """Derivatives of the wrong sign: each iterate is further off than the last."""
-    w = run(Scene(K=1e8, fault=-3.0), method(0.1), 1.0, 1.0, 0.0)
+    w = run(Scene(K=1e8, fault=-3.0), GeneralisedAlpha(0.1), 1.0, 1.0, 0.0)
     assert w.failed == NEWTON_STALLED
     assert w.y[FAILED_BODY] == 0
 

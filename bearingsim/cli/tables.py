@@ -21,6 +21,7 @@ __all__ = ["show_failures", "show_jobs", "usual_features"]
 
 Column = tuple[str, list[str]]  # head and cells
 STATISTICS = ("velocity.rms", "outer_force.max")
+PROOF = ("step_error.line", "step_error.rms", "chaotic")
 
 
 def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json: bool) -> None:
@@ -47,14 +48,15 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
 
 
 def usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
-    """The line that shows the defects, the cage's slip if it can slip, what the defects have made, statistics."""
+    """The fault's line, the cage's slip if it can slip, what the defects have made, statistics, what is proven."""
     from bearingsim.plots import lines
 
     known = results.parameters()
     shown = [f"velocity@{line}" for line in lines.fitting(known)]
     slip = ["cage.slip.mean"] if lines.may_slip(known) else []
-    wanted = (*shown, *slip, *(f"{line}-healthy" for line in shown), *STATISTICS)
-    return [name for name in wanted if name in table and table[name].notna().any()]
+    wanted = (*shown, *slip, *(f"{line}-healthy" for line in shown), *STATISTICS, *PROOF)
+    told = [name for name in wanted if name in table and table[name].notna().any()]
+    return [name for name in told if name != "chaotic" or (table[name] > 0.0).any()]
 
 
 def _fitting(found: list[Column], features: Sequence[bool]) -> list[Column]:

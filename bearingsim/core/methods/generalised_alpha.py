@@ -5,15 +5,15 @@
     gamma = 1/2 - a_m + a_f,   beta = (1 - a_m + a_f)^2/4
 
 Source: Chung and Hulbert, J. Appl. Mech. 60 (1993): a_m = (2 rho - 1)/(rho + 1), a_f = rho/(rho + 1), rho the
-factor per step of infinitely fast motion. Hilber, Hughes and Taylor 1977: a_m = 0, a_f = (1 - rho)/(1 + rho). Both
-damp such motion in part only: of what a dashpot holds in one step, -rho is carried on to the next.
+factor per step of infinitely fast motion. Such motion is damped in part only: of what a dashpot holds in one step,
+-rho is carried on to the next.
 
 A comparison, as multibody codes have it: its a, kept beside the state, is not f of the state, which is recorded.
 """
 
 from typing import NamedTuple
 
-from bearingsim.core.jit import generic, jit
+from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, EVALUATED, FAILED, POSITION, STATE, VELOCITY
 from bearingsim.core.methods.adaptive import SLOPES, START_Q, START_V, bring_back, fill_levers, keep
 from bearingsim.core.methods.interface import MethodKind, Tolerances, load_number, prepare, step
@@ -22,6 +22,9 @@ from bearingsim.core.models.interface import accelerations, width
 from bearingsim.core.outcomes import NEWTON_STALLED
 
 RHO = 0.8  # per step, of infinitely fast motion
+A_M, A_F = (2.0 * RHO - 1.0) / (RHO + 1.0), RHO / (RHO + 1.0)
+"""The parts that the start of a step has in its balance."""
+GAMMA, BETA = 0.5 - A_M + A_F, 0.25 * (1.0 - A_M + A_F) ** 2
 KEPT = SLOPES + 9 * STATE  # a of the method
 
 
@@ -29,27 +32,6 @@ class GeneralisedAlpha(NamedTuple):
     """h: step, s."""
 
     h: float
-
-
-class HilberHughesTaylor(NamedTuple):
-    """h: step, s."""
-
-    h: float
-
-
-@generic
-def means(method):
-    """a_m and a_f: the parts that the start of a step has in its balance."""
-
-
-@means.register(GeneralisedAlpha)
-def _means_generalised_alpha(method):
-    return (2.0 * RHO - 1.0) / (RHO + 1.0), RHO / (RHO + 1.0)
-
-
-@means.register(HilberHughesTaylor)
-def _means_hilber_hughes_taylor(method):
-    return 0.0, (1.0 - RHO) / (1.0 + RHO)
 
 
 @jit
@@ -62,28 +44,24 @@ def exactly(h):
 def equation(method, t, y, n):
     """The step's equation for a1, its guess the last a."""
     h = method.h
-    a_m, a_f = means(method)
-    gamma, beta = 0.5 - a_m + a_f, 0.25 * (1.0 - a_m + a_f) ** 2
-    here, weight = 1.0 - a_f, 1.0 / (1.0 - a_m)
+    here, weight = 1.0 - A_F, 1.0 / (1.0 - A_M)
     for j in range(n):
         a = y[KEPT + j]
-        y[BASE_V + j] = y[START_V + j] + here * h * (1.0 - gamma) * a
-        y[BASE_Q + j] = y[START_Q + j] + here * h * (y[START_V + j] + h * (0.5 - beta) * a)
-        y[OFFSET + j] = -a_m * weight * a
+        y[BASE_V + j] = y[START_V + j] + here * h * (1.0 - GAMMA) * a
+        y[BASE_Q + j] = y[START_Q + j] + here * h * (y[START_V + j] + h * (0.5 - BETA) * a)
+        y[OFFSET + j] = -A_M * weight * a
         y[SOUGHT + j] = a
-    return Equation(t + here * h, here * h * h * beta, here * h * gamma, weight)
+    return Equation(t + here * h, here * h * h * BETA, here * h * GAMMA, weight)
 
 
 @jit
 def finish(method, y, n):
     """The state at the step's end."""
     h = method.h
-    a_m, a_f = means(method)
-    gamma, beta = 0.5 - a_m + a_f, 0.25 * (1.0 - a_m + a_f) ** 2
     for j in range(n):
         a, a_1, v = y[KEPT + j], y[SOUGHT + j], y[START_V + j]
-        y[VELOCITY + j] = v + h * ((1.0 - gamma) * a + gamma * a_1)
-        y[POSITION + j] = y[START_Q + j] + h * (v + h * ((0.5 - beta) * a + beta * a_1))
+        y[VELOCITY + j] = v + h * ((1.0 - GAMMA) * a + GAMMA * a_1)
+        y[POSITION + j] = y[START_Q + j] + h * (v + h * ((0.5 - BETA) * a + BETA * a_1))
         y[KEPT + j] = a_1
 
 
@@ -107,10 +85,9 @@ def _step(method, model, t, y):
     y[EVALUATED] += 1.0
 
 
-for _method in (GeneralisedAlpha, HilberHughesTaylor):
-    prepare.register(_method)(_prepare)
-    step.register(_method)(_step)
-    load_number.register(_method)(lambda method, K, C: 0.0)
+prepare.register(GeneralisedAlpha)(_prepare)
+step.register(GeneralisedAlpha)(_step)
+load_number.register(GeneralisedAlpha)(lambda method, K, C: 0.0)
 
 KIND = MethodKind(
     GeneralisedAlpha,

@@ -1,0 +1,92 @@
+"""Is studies/paper_literal.yaml converged? Each exponent m3 with its method, refined twice by ten, or by two.
+
+    python benchmarks/paper_literal.py [--load 150] [--load 300] [--m3 0] [--seconds 100] [--jobs 2] [--csv FILE]
+
+m3 = 0 and 1: the study's cases with tolerances of 1e-3, 1e-4, 1e-5. m3 = 2, which hardly loses energy and is
+chaotic: steps of 0.16, 0.08, 0.04 us over ``--seconds`` of the same motion, since only averages over many ball
+passes are numbers of the bearing. The standard error of the RMS is that of its square over 16 parts of the record.
+"""
+
+import argparse
+import csv
+import os
+from math import sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+
+from bearingsim.config import Case
+from bearingsim.simulation import simulate
+from bearingsim.study import load_study
+
+STUDY = Path(__file__).parents[1] / "studies" / "paper_literal.yaml"
+TOLERANCES, STEPS = (1e-3, 1e-4, 1e-5), (0.16e-6, 0.08e-6, 0.04e-6)
+UNDAMPED = 2.0  # the m3 that is refined by steps
+PARTS = 16
+
+
+def refined(case: Case, seconds: float) -> list[tuple[str, Case]]:
+    """The case with each setting, and the setting's name."""
+    fast = case.model_copy(update={"prove": False})
+    if case.contact.damping.indentation_exponent == UNDAMPED:  # type: ignore[union-attr]
+        steps = [(f"{1e6 * step:g} us", {"step": step, "duration": seconds}) for step in STEPS]
+        return [(name, fast.model_copy(update=update)) for name, update in steps]
+    return [(f"{tolerance:.0e}", fast.model_copy(update={"tolerance": tolerance})) for tolerance in TOLERANCES]
+
+
+def standard_error(velocity: np.ndarray) -> float:
+    """Of the RMS of a record, relative: by the scatter of its square between ``PARTS`` parts."""
+    squares = np.array([np.mean(part**2) for part in np.array_split(velocity, PARTS)])
+    return float(0.5 * np.std(squares, ddof=1) / np.mean(squares) / sqrt(PARTS))
+
+
+def row(setting: str, case: Case) -> dict[str, Any]:
+    """What one run gives."""
+    record = simulate(case)
+    found = record.features
+    return {
+        "load_N": f"{case.load:g}",
+        "m3": case.contact.damping.indentation_exponent,  # type: ignore[union-attr]
+        "method": case.method,
+        "setting": setting,
+        "duration_s": f"{case.duration:g}",
+        "bpfo_um_s": f"{1e6 * found['velocity@BPFO']:.6g}",
+        "bpfo_standard_error": f"{found['velocity@BPFO-scatter'] / found['velocity@BPFO']:.2g}",
+        "rms_um_s": f"{1e6 * found['velocity.rms']:.6g}",
+        "rms_standard_error": f"{standard_error(record.velocity[:, 0]):.2g}",
+        "largest_force_N": f"{found['outer_force.max']:.4g}",
+        "cpu_s": f"{record.info['cpu_s']:.3g}",
+    }
+
+
+def main() -> None:
+    """Print the rows as they come, in any order; write the table in order."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--load", type=float, action="append")
+    parser.add_argument("--m3", type=float, action="append")
+    parser.add_argument("--seconds", type=float, default=100.0)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--csv", default=os.devnull)
+    options = parser.parse_args()
+    cases = load_study(STUDY).cases()
+    wanted = [
+        case
+        for case in cases
+        if case.load in (options.load or [case.load])
+        and case.contact.damping.indentation_exponent in (options.m3 or [0.0, 1.0, 2.0])  # type: ignore[union-attr]
+    ]
+    runs = [run for case in wanted for run in refined(case, options.seconds)]
+    rows = []
+    for found in Parallel(options.jobs, return_as="generator_unordered")(delayed(row)(*run) for run in runs):
+        print(", ".join(f"{key} {value}" for key, value in found.items()), flush=True)
+        rows.append(found)
+    with open(options.csv, "w", newline="") as file:
+        table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        table.writeheader()
+        table.writerows(sorted(rows, key=lambda one: (one["load_N"], one["m3"])))
+
+
+if __name__ == "__main__":
+    main()
