@@ -8,7 +8,9 @@ from bearingsim.config import Case
 FORGOTTEN = 1  # ball passes at the start of a pilot that do not count
 FEWEST, SHORTEST = 4, 5e-3  # ball passes, and s, that count
 SHARE = 1 / 16  # of a run that a pilot takes: with its half step three sixteenths of the run's CPU time
-TURNS = 2.0  # of a pit through the load zone: a record that holds them has a pilot that sees one
+TURNS = 2.0  # of a pit through the load zone: one passage is not like the next
+ROOM = 1.5  # times what a pilot is to see: a run of that length lets it
+TWICE = 2.0  # as much as a pilot has seen, if that told too little
 ROUNDING = 1e-9  # of a ball pass
 
 
@@ -20,11 +22,25 @@ def pilot(case: Case) -> tuple[Case, int]:
     case = at_full_speed(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
     whole = case.settle + case.duration
-    wanted = max(FEWEST / rate, SHORTEST, SHARE * whole, turn_of_pits(case))
+    wanted = max(FEWEST / rate, SHORTEST, SHARE * whole, turns_of_pits(case))
     counted = max(1, min(ceil(wanted * rate - ROUNDING), int(whole * rate - FORGOTTEN)))
     settle = min(float(FORGOTTEN), max(0.0, whole * rate - counted)) / rate
     short = {"settle": settle, "duration": (counted + 0.5) / rate, "record": (), "antialias": True}
     return case.model_copy(update=short), counted
+
+
+def sees_turns(case: Case, passes: int) -> bool:
+    """Whether every pit turns through the load zone ``TURNS`` times within ``passes`` ball passes."""
+    rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
+    return passes >= turns_of_pits(case) * rate - ROUNDING
+
+
+def longer(case: Case) -> float:
+    """The duration (s) of a run whose pilot sees the pits turn; twice as much as this one's, if that does."""
+    short, passes = pilot(case)
+    if not sees_turns(case, passes):
+        return ROOM * turns_of_pits(case)
+    return TWICE * (short.settle + short.duration) / SHARE
 
 
 def share(case: Case) -> float:
@@ -33,9 +49,9 @@ def share(case: Case) -> float:
     return 3.0 * (short.settle + short.duration) / (case.settle + case.duration)
 
 
-def turn_of_pits(case: Case) -> float:
-    """The time (s) in which the slowest pit turns through the load zone once; 0 if none turns."""
-    return max((float(TURN_OF[defect.race](case)) for defect in case.defects), default=0.0)
+def turns_of_pits(case: Case) -> float:
+    """The time (s) in which the slowest pit turns through the load zone ``TURNS`` times; 0 if none turns."""
+    return TURNS * max((float(TURN_OF[defect.race](case)) for defect in case.defects), default=0.0)
 
 
 TURN_OF = {

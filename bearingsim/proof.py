@@ -9,16 +9,20 @@ Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its 
 it parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, nan, sqrt
+from math import ceil, inf, nan, sqrt
+from typing import NamedTuple
 
 import numpy as np
+from scipy.special import stdtrit
 
 from bearingsim import build, choose, features
 from bearingsim.config import Case
 from bearingsim.config.names import LINES
+from bearingsim.core.sampling import RESAMPLE_REACH, TABLE, resampling_kernel
 from bearingsim.integration import Setup, integrate, set_up
-from bearingsim.pilot import pilot, turn_of_pits
+from bearingsim.pilot import pilot, sees_turns
 
 HELD = 0.01
 """What a run holds of its line and its RMS; where the motion is chaotic, of the RMS alone."""
@@ -28,9 +32,10 @@ CHANGED = 0.5 * HELD
 LOUD = 1e-3  # a line under this part of the RMS (60 dB below it) is none, and is measured by it
 APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
 NUDGE = 1e-10  # of the ring's displacement at the start; a motion that repeats itself soon forgets it
-SURE = 2.5  # standard deviations
+SURE = 2.5  # standard deviations, where many passes tell them
+CERTAIN = 0.9938  # the probability that lies below them
 GROWN, PARTED = 3.0, 1e-4  # from the first pass that counts to the last; of the RMS
-NO_LESS = 0.3  # of what a tenth of the tolerance changes
+NO_LESS = 0.3  # of what half the step, or a tenth of the tolerance, changes
 MORE = 4.0  # times the CPU time that half the step and a tenth of the tolerance may take
 
 
@@ -40,8 +45,8 @@ class Proof:
 
     line, rms: relative change of the fault's line (of the worst, if there are several) and of the RMS; chaotic:
     whether a start 1e-10 beside leads elsewhere; noise: standard deviation of the RMS's relative change over the
-    pilot that chaos alone brings about; scatter: the same over the whole record, inf if the pilot was too short to
-    see the pit turn once.
+    pilot that chaos alone brings about; scatter: what that surely stays under over the whole record, inf if the
+    pilot was too short to tell.
     """
 
     line: float
@@ -63,7 +68,7 @@ class Proof:
     @property
     def long_enough(self) -> bool:
         """Whether the record holds so much of a chaotic motion that its RMS is worth 1 %."""
-        return bool(SURE * self.scatter <= HELD)
+        return bool(self.scatter <= HELD)
 
 
 UNPROVEN = Proof(nan, nan)
@@ -75,28 +80,45 @@ def prove(case: Case, part: float) -> Proof:
     allowed = choose.MOST_CPU * length(short) / length(case)
     coarse = set_up(short, part, allowed)
     fine = set_up(finer(short), part * shorter(coarse.cut.decimation), MORE * allowed)
-    one, other = velocities(coarse, passes), velocities(fine, passes)
-    scale = float(np.std(other)) or 1.0
+    one, other = (velocities(setup, passes, recorded=case.antialias) for setup in (coarse, fine))
+    scale = float(np.std(other.fine)) or 1.0
     lines = [
-        (amplitude(coarse, name, passes, one), amplitude(fine, name, passes, other)) for name in fault_lines(case)
+        (amplitude(coarse, name, passes, one.fine), amplitude(fine, name, passes, other.fine))
+        for name in fault_lines(case)
     ]
     found = Proof(
         line=float(max(abs(a - b) / max(abs(b), LOUD * scale) for a, b in lines)),
-        rms=float(abs(np.std(one) / scale - 1.0)),
+        rms=float(max(abs(np.std(a) / (np.std(b) or 1.0) - 1.0) for a, b in zip(one, other, strict=True))),
     )
-    apart = by_pass(one - later(other, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
+    apart = by_pass(one.fine - later(other.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
     if not apart.max() > APART:
         return found
-    twin, nudged = (fine, other) if build.method_kind(case).adaptive else (coarse, one)
-    beside = velocities(twin, passes, NUDGE)
-    if not leads_elsewhere(by_pass(nudged - beside, passes) / scale, apart, build.method_kind(case).adaptive):
+    adaptive = build.method_kind(case).adaptive
+    twin, nudged = (fine, other) if adaptive else (coarse, one)
+    third = velocities(twin, passes, recorded=case.antialias, nudge=NUDGE)
+    beside = by_pass(nudged.fine - third.fine, passes) / scale
+    if not leads_elsewhere(beside, apart, adaptive):
         return found
-    powers = [by_pass(series, passes) ** 2 / scale**2 for series in (one, other, beside)]
-    between = np.concatenate([powers[0] - powers[1], powers[1] - powers[2], powers[2] - powers[0]])
-    noise = 0.5 * float(np.sqrt(np.mean(between**2)))
-    seen = passes >= turn_of_pits(case) * coarse.cut.rate
+    # the twins of a pilot have not parted at its start: the wider band, where they part first, tells more
+    noise, sure = max((scatter(series, passes) for series in zip(one, other, third, strict=True)), key=np.prod)
+    told = sees_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
     whole = max(1.0, case.duration * coarse.cut.rate)
-    return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=noise / sqrt(whole) if seen else inf)
+    return replace(
+        found, chaotic=True, noise=noise / sqrt(passes), scatter=sure * noise / sqrt(whole) if told else inf
+    )
+
+
+def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:
+    """What chaos does to the RMS of one ball pass: from three recordings of the same passes that have parted.
+
+    Standard deviation of its relative change, and how many of them it surely stays under: by Student's t, with two
+    degrees of freedom for each pass that tells, since a few strong ones may make up all the rest.
+    """
+    powers = np.array([by_pass(one, passes) ** 2 for one in series])
+    powers /= np.mean(powers) or 1.0
+    between = np.sum((powers - np.roll(powers, 1, axis=0)) ** 2, axis=0)
+    telling = np.sum(between) ** 2 / (np.sum(between**2) or 1.0)
+    return 0.5 * sqrt(np.mean(between) / len(series)), float(stdtrit(2.0 * max(1.0, telling), CERTAIN))
 
 
 def length(case: Case) -> float:
@@ -122,12 +144,25 @@ def fault_lines(case: Case) -> list[str]:
     return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
 
 
-def velocities(setup: Setup, passes: int, nudge: float = 0.0) -> np.ndarray:
-    """Velocity (m/s) along the sensor at the fine samples of a pilot's ball passes that count."""
-    tape = integrate(setup, nudge)
-    start = tape.zero + features.first_sample(setup.case, setup.cut)
-    rows = tape.fine[:, start : start + passes * setup.cut.fine_per_pass + 1]
-    return features.along_sensor(setup.case, rows, "velocity")
+class Heard(NamedTuple):
+    """Velocity (m/s) along the sensor at fine samples, and what the record's low-pass leaves of it."""
+
+    fine: np.ndarray
+    recorded: np.ndarray
+
+
+def velocities(setup: Setup, passes: int, recorded: bool, nudge: float = 0.0) -> Heard:
+    """A pilot's velocity over the ball passes that count; recorded: whether the record is low-passed."""
+    tape, cut = integrate(setup, nudge), setup.cut
+    ratio = cut.fine_rate / setup.case.sampling
+    start, reach = tape.zero + features.first_sample(setup.case, cut), ceil(RESAMPLE_REACH * ratio)
+    rows = tape.fine[:, start - reach : start + passes * cut.fine_per_pass + 1 + reach]
+    wide = features.along_sensor(setup.case, rows, "velocity")
+    fine, kernel = wide[reach:-reach], resampling_kernel()
+    taps = np.interp(
+        np.abs(np.arange(-reach, reach + 1)) * TABLE / ratio, np.arange(len(kernel)), kernel, right=0.0
+    )
+    return Heard(fine, np.convolve(wide, taps / taps.sum(), "valid") if recorded else fine)
 
 
 def ahead(setup: Setup, other: Setup) -> float:

@@ -16,7 +16,7 @@ from bearingsim.core.sampling import resample, resampling_kernel
 from bearingsim.errors import Refused
 from bearingsim.features import Tape, features
 from bearingsim.integration import Setup, SimulationError, TooChaotic, TooSlow, Unsound, integrate, set_up
-from bearingsim.pilot import TURNS, turn_of_pits
+from bearingsim.pilot import longer
 from bearingsim.proof import Proof
 
 __all__ = ["Record", "SimulationError", "simulate", "warm"]
@@ -140,14 +140,14 @@ def _long_enough(setup: Setup, proven: Proof) -> None:
     """Refuse the record of a chaotic motion that is too short for its RMS to be worth 1 %."""
     if proven.long_enough:
         return
-    longer, worth = TURNS * turn_of_pits(setup.case), "of unknown worth"
+    needed, worth = longer(setup.case), "of unknown worth"
     if isfinite(proven.scatter):
-        longer = setup.case.duration * (proof.SURE * proven.scatter / proof.HELD) ** 2
-        worth = f"uncertain by {proof.SURE * proven.scatter:.1%}"
+        needed = setup.case.duration * (proven.scatter / proof.HELD) ** 2
+        worth = f"uncertain by {proven.scatter:.1%}"
     raise TooChaotic(
         f"the motion is chaotic, and the RMS of {setup.case.duration:.2g} s of it {worth}",
-        f"take a `duration` of {longer:.2g} s, or say `prove: true`",
-        longer,
+        f"take a `duration` of {needed:.2g} s, or say `prove: true`",
+        needed,
     )
 
 
@@ -157,7 +157,7 @@ def _told(proven: Proof) -> dict[str, float]:
         "step_error.line": proven.line,
         "step_error.rms": proven.rms,
         "chaotic": nan if proven is proof.UNPROVEN else float(proven.chaotic),
-        "rms_scatter": nan if proven is proof.UNPROVEN else proof.SURE * proven.scatter,
+        "rms_scatter": nan if proven is proof.UNPROVEN else proven.scatter,
     }
 
 
