@@ -166,6 +166,8 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
             compiling = clock[0] if p == 0 else compiling
             if clock[0] - compiling > setup.most_cpu and case.step == "auto":
                 raise stopped(setup, outcomes.TOO_SLOW, outcomes.NOBODY, (p * steps + taken) * cut.step)
+        if build.method_kind(case).adaptive:
+            differentiate(window, tail, cut.step)
         if p == counted.stop - 1:
             kept = y[largest].copy()
         yield window
@@ -173,6 +175,25 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
     unseen = missed(model, cut.passes * steps * cut.step, before, y) if before else 0
     if unseen > 0:
         raise stopped(setup, outcomes.SKIPPED, unseen, cut.passes * steps * cut.step)
+
+
+RING_AT, RING_MOVES, RING_IS_PUSHED = slice(0, 2), slice(2, 4), slice(4, 6)  # rows of BASE
+
+
+def differentiate(window: np.ndarray, first: int, h: float) -> None:
+    """Write the ring's velocity and acceleration from column ``first`` - 2 on as differences of its places.
+
+    An adaptive method takes steps of its own between recorded instants: of a velocity that jumps there, samples
+    have a wrong mean; differences of places (of fourth order) add up to the way gone. The last two columns, whose
+    next are not known yet, are written anew by the next pass.
+    """
+    place = window[RING_AT, first - 4 :]
+    two_before, before, here, after, two_after = (place[:, k : k - 4 or None] for k in range(5))
+    velocity, push = window[RING_MOVES], window[RING_IS_PUSHED]
+    velocity[:, first - 2 : -2] = (8.0 * (after - before) - (two_after - two_before)) / (12.0 * h)
+    push[:, first - 2 : -2] = (16.0 * (after + before) - 30.0 * here - (two_after + two_before)) / (12.0 * h**2)
+    velocity[:, -2:] = np.diff(place[:, -3:]) / h
+    push[:, -2:] = push[:, -3:-2]
 
 
 def _turns_of_pits(setup: Setup, t: float, y: np.ndarray) -> list[float]:

@@ -3,8 +3,8 @@
     python benchmarks/random_scenes.py [--scenes 300] [--seed 5] [--jobs 2] [--csv FILE]
 
 Scenes are drawn over wide ranges (``draw``): load, clearance, speed, stiffness, damping, pits, models. Each is run
-with ``prove: strict``, for so long that the fault's line can be read (0.15 s at least), and a job may take half a
-minute. One that is refused as chaotic and too short is run for the duration it was told, if that is affordable.
+with ``prove: strict``, for so long that the fault's line can be read (0.15 s at least), and a job may take 20 s of
+CPU time. One that is refused as chaotic and too short is run for the duration it was told, if that is affordable.
 Then it is run again with the method that was chosen, half the step and a tenth of the tolerance; the fault's line
 and the RMS are compared. Outcomes:
 
@@ -42,7 +42,7 @@ from bearingsim.simulation import Record, SimulationError, simulate
 HELD = 0.01
 RESOLVED = 2.1  # spacings of lines, times the duration: what tells them apart, and some slip
 TWO = {"converged", "refused"}
-LONGEST_JOB = 30.0  # s of CPU time, by the estimate before it runs
+LONGEST_JOB = 20.0  # s of CPU time, by the estimate before it runs
 LONGEST_CHAOS = 10.0  # the same, of a record that is made longer for its RMS
 MARGIN = 1.5  # times the duration that a chaotic record was told: 2.5 standard deviations become 3.1
 LONGER = 3  # times that it is tried
