@@ -249,22 +249,27 @@ def grid(case: Case, part: float = 1.0) -> Grid:
     """
     if samples(case) < 1:
         raise Refused("no sample falls into the record", "take a higher `sampling` or a longer `duration`")
-    case = resolved(case)
+    named, case = case.method != "auto", resolved(case)
+    other = ", or say `method: auto`" if named else ""
     rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
     fine = max(FEWEST_FINE, ceil(FINE_PER_SAMPLE * case.sampling / rate))
     decimation = max(1, ceil(1.0 / (rate * fine * part * wanted_step(case)) * (1.0 - 1e-12)))
     if fine * decimation > MOST_STEPS:
         raise Refused(
             f"a ball pass would take {fine * decimation:.2g} steps (at most {MOST_STEPS:.0e} are held in memory)",
-            "lower `contact.damping`, which sets the step of an explicit method, or take a higher speed",
+            f"lower `contact.damping`, which sets an explicit method's step{other or ', or take a higher speed'}"
+            if case.step == "auto"
+            else "take a longer `step`, or say `step: auto`",
         )
     computed = 1.0 / rate if repeats(case) else case.settle + case.duration
     price = computed * per_second(case, 1.0 / (rate * fine * decimation))
-    if price > MOST_CPU and case.step == "auto":
+    adaptive = build.method_kind(case).adaptive
+    if price > MOST_CPU and (case.step == "auto" or adaptive):
         what, hours = case.method or f"`{case.model}`", price / 3600.0
         raise Refused(
             f"{what} would take about {hours:.2g} h of CPU time, over {MOST_CPU / 3600.0:.2g} h",
-            "take a shorter `duration`, lower `contact.damping`, or give a `step` of your own",
+            "take a shorter `duration`, lower `contact.damping`"
+            + (other or "" if adaptive else ", or give a `step` of your own"),
         )
     beyond = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + 2) / (rate * fine)
     passes = ceil((case.settle + case.duration + beyond) * rate)

@@ -37,7 +37,11 @@ class SimulationError(Exception):
 
 
 class Unsound(SimulationError):
-    """The method or its step was not up to what happened: another may be."""
+    """The method or its step was not up to what happened: another (``instead``, in words) may be."""
+
+    def __init__(self, reason: str, advice: str, time: float | None = None, instead: str = "") -> None:
+        super().__init__(reason, advice + instead, time)
+        self.of_this_method = advice
 
 
 class TooSlow(Unsound):
@@ -238,19 +242,20 @@ def stopped(setup: Setup, outcome: int, body: int, t: float) -> Unsound:
         MOVED=MOVED,
     )
     kind = TooSlow if outcome == outcomes.TOO_SLOW else Unsound
-    return kind(f"{told}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t)
+    others = choose.alternatives(setup.case)
+    instead = f", or `method: {others[0]}`" if others else ""
+    return kind(f"{told}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t, instead)
 
 
 def advice(setup: Setup, outcome: int) -> str:
-    """Which step or method would do."""
-    others = choose.alternatives(setup.case)
-    instead = f", or `method: {others[0]}`" if others else ""
+    """Which step or tolerance would do."""
+    adaptive = build.method_kind(setup.case).adaptive
     if outcome == outcomes.TOO_SLOW:
-        return f"take a shorter `duration`, or give a `step` of your own{instead}"
-    if not build.method_kind(setup.case).adaptive:
-        return f"take a step under {1e6 * setup.cut.step / 2:.2g} us{instead}"
+        return "take a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
+    if not adaptive:
+        return f"take a step under {1e6 * setup.cut.step / 2:.2g} us"
     loose = outcome in (outcomes.STEP_FLOOR, outcomes.STALLED)
-    return f"take a {'looser' if loose else 'tighter'} `tolerance` than {setup.method.rtol:.2g}{instead}"
+    return f"take a {'looser' if loose else 'tighter'} `tolerance` than {setup.method.rtol:.2g}"
 
 
 def name_of(model: Any, body: int) -> str:

@@ -82,12 +82,13 @@ def prove(case: Case, part: float) -> Proof:
     fine = set_up(finer(short), part * shorter(coarse.cut.decimation), MORE * allowed)
     one, other = (velocities(setup, passes, recorded=case.antialias) for setup in (coarse, fine))
     scale = float(np.std(other.fine)) or 1.0
+    quiet = LOUD * float(np.std(other.recorded)) or 1.0
     lines = [
         (amplitude(coarse, name, passes, one.fine), amplitude(fine, name, passes, other.fine))
         for name in fault_lines(case)
     ]
     found = Proof(
-        line=float(max(abs(a - b) / max(abs(b), LOUD * scale) for a, b in lines)),
+        line=float(max(abs(a - b) / max(abs(b), quiet) for a, b in lines)),
         rms=float(max(abs(np.std(a) / (np.std(b) or 1.0) - 1.0) for a, b in zip(one, other, strict=True))),
     )
     apart = by_pass(one.fine - later(other.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale

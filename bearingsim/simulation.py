@@ -97,7 +97,8 @@ def _all_failed(errors: list[SimulationError]) -> SimulationError:
     """One error for all methods that were tried: the reason of each, the advice and the time of the first."""
     reasons = list(dict.fromkeys(error.reason for error in errors))
     first = errors[0]
-    return SimulationError("; ".join(reasons), first.advice, first.time)
+    advice = first.of_this_method if isinstance(first, Unsound) and len(errors) > 1 else first.advice
+    return SimulationError("; ".join(reasons), advice, first.time)
 
 
 def _simulate(attempt: choose.Attempt, began: float) -> Record:
@@ -128,12 +129,18 @@ def _proven(setup: Setup) -> Proof:
     finer = "half the step" + " and a tenth of the tolerance" * build.method_kind(setup.case).adaptive
     what = "RMS" if found.chaotic else "line of the fault" if found.line > found.rms else "RMS"
     chaotic = ", and the motion is chaotic" if found.chaotic else ""
-    other = "give a" if setup.case.step == "auto" else "take a shorter"
     changes = f"{finer} changes the {what} by {100.0 * found.error:.2g} %{chaotic}"
     raise Unsound(
         f"{setup.case.method} does not hold {proof.HELD:.0%}: {changes}",
-        "take a longer `duration`" if found.chaotic else f"{other} `step` of your own, or say `prove: false`",
+        "take a longer `duration`" if found.chaotic else f"{_more_exactly(setup)}, or say `prove: false`",
     )
+
+
+def _more_exactly(setup: Setup) -> str:
+    """What a case can ask for that does not hold its line."""
+    if build.method_kind(setup.case).adaptive:
+        return f"take a tighter `tolerance` than {setup.method.rtol:.2g}"
+    return "give a `step` of your own" if setup.case.step == "auto" else "take a shorter `step`"
 
 
 def _long_enough(setup: Setup, proven: Proof) -> None:

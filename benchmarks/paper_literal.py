@@ -2,9 +2,10 @@
 
     python benchmarks/paper_literal.py [--load 150] [--load 300] [--m3 0] [--seconds 100] [--jobs 2] [--csv FILE]
 
-m3 = 0 and 1: the study's cases with tolerances of 1e-3, 1e-4, 1e-5, and recorded twice as often each time. m3 = 2, which hardly loses energy and is
-chaotic: steps of 0.16, 0.08, 0.04 us over ``--seconds`` of the same motion, since only averages over many ball
-passes are numbers of the bearing. The standard error of the RMS is that of its square over 16 parts of the record.
+m3 = 0 and 1: the study's cases with tolerances of 1e-3, 1e-4, 1e-5, and recorded twice as often each time. m3 = 2,
+which hardly loses energy and is chaotic: steps of 0.16, 0.08, 0.04 us over ``--seconds`` of the same motion, since
+only averages over many ball passes are numbers of the bearing. The standard error of the RMS is that of its square
+over 16 parts of the record.
 """
 
 import argparse

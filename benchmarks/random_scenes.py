@@ -166,6 +166,7 @@ def judge(number: int, seed: int) -> dict[str, Any]:
     told |= {"chaotic": int(features["chaotic"]), "cpu_s": time.process_time() - began}
     told |= {"said_line": features["step_error.line"], "said_rms": features["step_error.rms"]}
     try:
+        choose.MOST_CPU = inf
         line, rms = changes(case, found, simulate(finer(case, found)))
     except SimulationError as error:
         return told | {"outcome": "finer run failed", "reason": str(error)}
