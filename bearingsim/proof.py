@@ -36,6 +36,7 @@ SURE = 2.5  # standard deviations, where many passes tell them
 CERTAIN = 0.9938  # the probability that lies below them
 GROWN, PARTED = 3.0, 1e-4  # from the first pass that counts to the last; of the RMS
 NO_LESS = 0.3  # of what half the step, or a tenth of the tolerance, changes
+FEWEST_BLOCKS = 16  # of some passes each, to tell how their RMS scatters
 MORE = 4.0  # times the CPU time that half the step and a tenth of the tolerance may take
 
 
@@ -84,11 +85,11 @@ def prove(case: Case, part: float) -> Proof:
     scale = float(np.std(other.fine)) or 1.0
     quiet = LOUD * float(np.std(other.recorded)) or 1.0
     lines = [
-        (amplitude(coarse, name, passes, one.fine), amplitude(fine, name, passes, other.fine))
+        (amplitudes(coarse, name, passes, one.fine), amplitudes(fine, name, passes, other.fine))
         for name in fault_lines(case)
     ]
     found = Proof(
-        line=float(max(abs(a - b) / max(abs(b), quiet) for a, b in lines)),
+        line=float(max(change(a, b) / max(abs(b.sum()), quiet) for a, b in lines)),
         rms=float(max(abs(np.std(a) / (np.std(b) or 1.0) - 1.0) for a, b in zip(one, other, strict=True))),
     )
     apart = by_pass(one.fine - later(other.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
@@ -113,13 +114,21 @@ def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:
     """What chaos does to the RMS of one ball pass: from three recordings of the same passes that have parted.
 
     Standard deviation of its relative change, and how many of them it surely stays under: by Student's t, with two
-    degrees of freedom for each pass that tells, since a few strong ones may make up all the rest.
+    degrees of freedom for each pass that tells, since a few strong ones may make up all the rest. Of single passes
+    or blocks of them, whichever says more: what is loud may stay loud for a while.
     """
-    powers = np.array([by_pass(one, passes) ** 2 for one in series])
+    sizes = [2**k for k in range(passes.bit_length()) if k == 0 or passes >= FEWEST_BLOCKS * 2**k]
+    return max(_scatter(series, passes // size, size) for size in sizes)
+
+
+def _scatter(series: Sequence[np.ndarray], blocks: int, size: int) -> tuple[float, float]:
+    """``scatter`` from ``blocks`` of ``size`` passes each."""
+    powers = np.array([by_pass(one, blocks) ** 2 for one in series])
     powers /= np.mean(powers) or 1.0
     between = np.sum((powers - np.roll(powers, 1, axis=0)) ** 2, axis=0)
     telling = np.sum(between) ** 2 / (np.sum(between**2) or 1.0)
-    return 0.5 * sqrt(np.mean(between) / len(series)), float(stdtrit(2.0 * max(1.0, telling), CERTAIN))
+    noise = 0.5 * sqrt(size * np.mean(between) / len(series))
+    return noise, float(stdtrit(2.0 * max(1.0, telling), CERTAIN))
 
 
 def length(case: Case) -> float:
@@ -176,14 +185,25 @@ def later(series: np.ndarray, part: float) -> np.ndarray:
     return series + part * np.gradient(series)
 
 
-def amplitude(setup: Setup, name: str, passes: int, series: np.ndarray) -> complex:
-    """The complex amplitude of a line in a series (Hann), the cage turning at its kinematic speed."""
+def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
+    """What each ball pass adds to a line's complex amplitude in a series (Hann), its cage at kinematic speed."""
     start = features.first_sample(setup.case, setup.cut)
     turning = features.turns(setup.model, setup.cut, start, np.zeros(len(series)))
     angle = turning.along(LINES[name], setup.case.bearing.rollers)
     window = np.hanning(len(angle))
     turn = 2.0 * window * np.exp(-1j * angle) / window.sum()
-    return complex(turn @ (series - window @ series / window.sum()))
+    each = turn * (series - window @ series / window.sum())
+    return np.add.reduceat(each, np.arange(0, len(each) - 1, (len(each) - 1) // passes)[:passes])
+
+
+def change(one: np.ndarray, other: np.ndarray) -> float:
+    """How much two lines differ, given what each pass adds.
+
+    Errors that differ in sign from pass to pass may cancel in a few of them by luck: not less than their root of
+    the sum of squares, which is what is left of them on average.
+    """
+    difference = one - other
+    return float(max(abs(difference.sum()), np.linalg.norm(difference)))
 
 
 def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:

@@ -130,6 +130,20 @@ def test_what_chaos_does_to_the_rms_is_less_sure_where_one_pass_tells_it() -> No
     )
 
 
+def test_what_stays_loud_for_a_while_scatters_more_than_its_passes_do() -> None:
+    rng = np.random.default_rng(7)
+    tone = np.sin(np.linspace(0.0, 6.0, 10))
+    passes = 1024
+    alone, lasting = (
+        [
+            np.append(np.outer(np.repeat(loud, each), tone).ravel(), 0.0)
+            for loud in 1.0 + 0.2 * rng.random((3, passes // each))
+        ]
+        for each in (1, 16)
+    )
+    assert proof.scatter(lasting, passes)[0] > 2.5 * proof.scatter(alone, passes)[0]
+
+
 def test_the_rms_that_is_proven_is_that_of_the_record() -> None:
     """What the record's low-pass takes away may hold most of the velocity, and need not be held."""
     given = choose.resolved(rollers(sampling="1000 Hz", duration="0.3 s"))
