@@ -108,7 +108,7 @@ class RunSummary:
         line = f"{self.study}: {', '.join(parts)} of {self.planned} jobs in {self.seconds:.1f} s"
         if self.cpu_s > 0:
             start = f"{self.start_cpu_s:.1f} s of start-up"
-            line += f", after {start} {self.integrator_share:.0%} of the workers' CPU time in the integrator"
+            line += f"; {self.integrator_share:.0%} of the workers' CPU time after {start} in the integrator"
         return "\n".join([line, *map(str, self.failures), *self.notes])
 
 
