@@ -97,7 +97,14 @@ def table():
     """A row of each class, for a method with a step and one with a tolerance."""
     rows = []
     for number, name in enumerate(CLASSES):
-        cell = {"model": "rollers", "pit": "0.2 mm slot", "k": 1e8, "m3": float(number % 3), "c": 10.0**number}
+        cell = {
+            "model": "rollers",
+            "pit": "0.2 mm slot",
+            "stiffness": "printed",
+            "k": 1e8,
+            "m3": float(number % 3),
+            "c": 10.0**number,
+        }
         told = {"class": name, "measure": "RMS" if number == 1 else "L2", "step_limit": 2e-6}
         rows.append(cell | told | {"method": "verlet", "step": 1e-6, "tolerance": np.nan})
         rows.append(cell | told | {"method": "rodas", "step": np.nan, "tolerance": 1e-4, "step_limit": np.inf})
