@@ -269,7 +269,7 @@ def grid(case: Case, part: float = 1.0) -> Grid:
         raise Refused(
             f"{what} would take about {hours:.2g} h of CPU time, over {MOST_CPU / 3600.0:.2g} h",
             "take a shorter `duration`, lower `contact.damping`"
-            + (other or "" if adaptive else ", or give a `step` of your own"),
+            + (other if adaptive else ", or give a `step` of your own"),
         )
     beyond = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + 2) / (rate * fine)
     passes = ceil((case.settle + case.duration + beyond) * rate)

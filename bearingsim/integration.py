@@ -187,6 +187,8 @@ RING_AT, RING_MOVES, RING_IS_PUSHED = slice(0, 2), slice(2, 4), slice(4, 6)  # r
 def differentiate(window: np.ndarray, first: int, h: float) -> None:
     """Write the ring's velocity and acceleration from column ``first`` - 2 on as differences of its places.
 
+    window: (C, n) in SI, its first rows those of ``BASE``, ``h`` s from column to column; ``first``: at least 4.
+
     An adaptive method takes steps of its own between recorded instants: of a velocity that jumps there, samples
     have a wrong mean; differences of places (of fourth order) add up to the way gone. The last two columns, whose
     next are not known yet, are written anew by the next pass.

@@ -144,6 +144,20 @@ def test_what_stays_loud_for_a_while_scatters_more_than_its_passes_do() -> None:
     assert proof.scatter(lasting, passes)[0] > 2.5 * proof.scatter(alone, passes)[0]
 
 
+def test_errors_that_cancel_by_luck_are_not_taken_for_small() -> None:
+    calm, errors = np.ones(4, dtype=complex), np.array([0.1, -0.1, 0.1, -0.1])
+    assert proof.change(calm + errors, calm) == pytest.approx(0.2)
+    assert proof.change(calm + np.abs(errors), calm) == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize("louder", ["fine", "recorded"])
+def test_the_rms_of_the_record_and_of_the_wide_band_must_both_hold(louder: str) -> None:
+    heard = proof.Heard(*np.random.default_rng(1).normal(size=(2, 4 * choose.grid(rollers()).fine_per_pass + 1)))
+    other = heard._replace(**{louder: 1.02 * getattr(heard, louder)})
+    with mock.patch.object(proof, "velocities", side_effect=[other, heard, heard]):
+        assert proof.prove(choose.resolved(rollers()), 1.0).rms == pytest.approx(0.02)
+
+
 def test_the_rms_that_is_proven_is_that_of_the_record() -> None:
     """What the record's low-pass takes away may hold most of the velocity, and need not be held."""
     given = choose.resolved(rollers(sampling="1000 Hz", duration="0.3 s"))
