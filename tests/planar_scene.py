@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bearingsim.build.rest import statics, still
 from bearingsim.core.advance import Watch, advance, start_at_rest
 from bearingsim.core.cage import Centred, FreeCage, OilDrag, RollerGuided
 from bearingsim.core.contact import (
@@ -23,7 +24,6 @@ from bearingsim.core.friction import Frictionless, StaticDynamic, mu, steepest
 from bearingsim.core.layout import EPS, PHI_C, POSITION, Q_I, Q_O, VELOCITY, X, Y, buffer
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.planar import Planar
-from bearingsim.core.models.static import Static
 from bearingsim.core.motion import Steady
 from bearingsim.core.outcomes import FINE
 from bearingsim.core.parameters import Bearing, Support
@@ -121,8 +121,8 @@ def planar(scene: reference_planar.Scene) -> Planar:
     )
     law = (HuntCrossley if scene.clamp else Unclamped)(TenNinths(scene.elastic.k), scene.damping.chi)
     load = complex(scene.load)
-    still = Static(bearing, Support(load.real, load.imag, 0.0, 0.0, 0.0, 0.0), law, law, pits([], Envelope()))
-    rest = mean_rest(still, buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference
+    healthy = still(bearing, Support(load.real, load.imag, 0.0, 0.0, 0.0, 0.0), law, law, pits([], Envelope()))
+    rest = mean_rest(healthy, law, law, buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference
     wall = HuntCrossley(Linear(max(scene.pocket_stiffness, 1.0)), scene.pocket_chi)
     free = FreeCage(
         m=scene.cage_mass,
@@ -152,8 +152,7 @@ def simulate(scene: reference_planar.Scene, duration: float, step: float) -> tup
     """Times (n + 1,) s and the rows PLACES (7, n + 1), from the static start by RK4, friction without lag."""
     model = planar(scene)
     y = buffer(scene.Z, scene.m_r)
-    still = Static(model.bearing, model.support, model.outer, model.inner, model.pits)
-    assert rest_from_scratch(still, 0.0, y) <= 1e-8 * abs(scene.load)
+    assert rest_from_scratch(statics(model), 0.0, y) <= 1e-8 * abs(scene.load)
     if len(scene.eps):
         y[EPS : EPS + scene.Z] = scene.eps
     start_at_rest(model, 0.0, y)

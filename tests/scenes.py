@@ -34,7 +34,7 @@ def light_rollers(factor: float) -> dict[str, Any]:
 def at_rest(model: Any, t: float = 0.0) -> np.ndarray:
     """A buffer with the model at static equilibrium."""
     y = build.empty_buffer(model)
-    assert rest_from_scratch(model, t, y) <= 1e-8 * model.support.F
+    assert rest_from_scratch(build.statics(model), t, y) <= 1e-8 * model.support.F
     begin(model, t, y)
     return y
 

@@ -17,6 +17,7 @@ from bearingsim.core.contact import (
     PowerLaw,
     TenNinths,
     ThreeHalves,
+    Undamped,
     constant,
     damping_slope,
     elastic,
@@ -39,6 +40,7 @@ LINE = johnson(207e9, 0.3, 0.012, 0.0325)  # NF308: 12 mm roller, R_i + R_w = R_
 STIFFNESSES = [STEEL, ThreeHalves(2.7e10), Linear(3e8), PowerLaw(5e9, 1.2), LINE]
 LAWS = [
     HuntCrossley(STEEL, 50.0),
+    Undamped(STEEL),
     Kraemer(STEEL, 1e-5),
     General(STEEL, 1e15, 1.0, 2.0),
     General(STEEL, 1e14, 1.5, 2.0),

@@ -125,7 +125,8 @@ def model(case: Case) -> Any:
         return impulses.model(case, support(case))
     parameters: Any = kind(case).parameters
     made = [name for name in parameters._fields if name not in parameters._field_defaults]
-    return parameters(**{name: PARTS[name](case) for name in made})
+    found = parameters(**{name: PARTS[name](case) for name in made})
+    return statics(found) if parameters is static.Static else found
 
 
 def met(case: Case) -> Pits:

@@ -5,7 +5,8 @@ from typing import Any
 
 from bearingsim.build import contacts, geometry
 from bearingsim.config import Case
-from bearingsim.core.defects import W, pits
+from bearingsim.core.contact import Undamped
+from bearingsim.core.defects import Pits, W, pits
 from bearingsim.core.equilibrium import Rest, mean_rest
 from bearingsim.core.excitations import Envelope
 from bearingsim.core.layout import buffer
@@ -25,7 +26,12 @@ def statics(model: Any) -> Static:
         groups = found.groups.copy()
         groups[:, :, W] *= model.slices.table[:, WEIGHT] if len(groups) else 1.0
         found = found._replace(groups=groups)
-    return Static(model.bearing, model.support, model.outer, model.inner, found)
+    return still(model.bearing, model.support, model.outer, model.inner, found)
+
+
+def still(bearing: Bearing, support: Support, outer: Any, inner: Any, found: Pits) -> Static:
+    """A bearing that stands still: of its contact laws only the stiffness."""
+    return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), found)
 
 
 def anchor(case: Case) -> tuple[float, float]:
@@ -49,4 +55,5 @@ def healthy_rest(case: Case) -> Rest:
 def _rest(of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_across: float) -> Rest:
     """``healthy_rest``, remembered; ``named`` tells laws apart that are equal as tuples."""
     free = Support(F, F_across, 0.0, 0.0, 0.0, 0.0)
-    return mean_rest(Static(of_case, free, outer, inner, pits([], Envelope())), buffer(of_case.Z, of_case.m_r))
+    model = still(of_case, free, outer, inner, pits([], Envelope()))
+    return mean_rest(model, outer, inner, buffer(of_case.Z, of_case.m_r))

@@ -294,6 +294,12 @@ for _law in (TenNinths, ThreeHalves, Linear, PowerLaw):
 # Damping
 
 
+class Undamped(NamedTuple):
+    """No damping, Q = Q_e: the law of what stands still, which so is compiled once for all damping laws."""
+
+    stiffness: Any
+
+
 class HuntCrossley(NamedTuple):
     """Damping proportional to the elastic force: Q = Q_e (1 + chi v). chi in s/m.
 
@@ -344,6 +350,21 @@ def stiffness_slope(contact: Any, delta: float, v: float) -> float:
 def in_series(outer: float, inner: float) -> float:
     """Stiffness or damping of two contacts in series; 0 where one of them is 0."""
     return outer * inner / max(outer + inner, 1e-300)
+
+
+@normal_force.register(Undamped)
+def _force_undamped(contact, delta, v):
+    return elastic(contact.stiffness, max(delta, 0.0))
+
+
+@damping_slope.register(Undamped)
+def _damping_undamped(contact, delta, v):
+    return 0.0
+
+
+@stiffness_slope.register(Undamped)
+def _stiffness_undamped(contact, delta, v):
+    return tangent(contact.stiffness, delta)
 
 
 @normal_force.register(HuntCrossley)

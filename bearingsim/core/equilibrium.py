@@ -276,21 +276,20 @@ class Rest(NamedTuple):
     C_y: float
 
 
-@jit
-def ring_damping(model, y):
-    """Damping (N s/m) that the rollers offer the ring along e_0 and e_90: a roller's two contacts in series."""
+def ring_damping(Z, outer, inner, y):
+    """Damping (N s/m) that ``Z`` rollers offer the ring along e_0 and e_90: a roller's two contacts in series."""
     c_xx, c_yy = 0.0, 0.0
-    for j in range(model.bearing.Z):
-        outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), 0.0)
-        inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), 0.0)
-        both = in_series(outer, inner)
+    for j in range(Z):
+        of_outer = damping_slope(outer, max(y[DELTA_O + j], 0.0), 0.0)
+        of_inner = damping_slope(inner, max(y[DELTA_I + j], 0.0), 0.0)
+        both = in_series(of_outer, of_inner)
         c_xx += both * y[COS + j] * y[COS + j]
         c_yy += both * y[SIN + j] * y[SIN + j]
     return c_xx, c_yy
 
 
-def mean_rest(model, y, samples=32):
-    """``Rest`` of a bearing, from ``samples`` of a ball pass.
+def mean_rest(model, outer, inner, y, samples=32):
+    """``Rest`` of a bearing with the contact laws ``outer`` and ``inner``, from ``samples`` of a ball pass.
 
     Raises ``NoEquilibrium`` if one is not found to 1e-8 of the load.
     """
@@ -304,7 +303,7 @@ def mean_rest(model, y, samples=32):
         if not residual <= 1e-8 * load:
             raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {load:g} N")
         k_xx, _, k_yy = ring_stiffness(model, y)
-        found.append((y[POSITION + X], y[POSITION + Y], k_xx, k_yy, *ring_damping(model, y)))
+        found.append((y[POSITION + X], y[POSITION + Y], k_xx, k_yy, *ring_damping(Z, outer, inner, y)))
         most = int(np.argmax(y[Q_I : Q_I + Z]))
         loads.append((y[Q_O + most], y[DELTA_O + most] + y[DELTA_I + most]))
     x, z, k_x, k_y, c_x, c_y = (float(value) for value in np.mean(found, axis=0))
