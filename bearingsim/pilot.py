@@ -4,8 +4,10 @@ from math import ceil, pi
 
 from bearingsim.build.scales import at_full_speed
 from bearingsim.config import Case
+from bearingsim.limits import step_limits
 
 FORGOTTEN = 1  # ball passes at the start of a pilot that do not count
+RINGS = 0.2  # damping ratio of a loaded roller under which what a run starts with is long remembered
 FEWEST, SHORTEST = 4, 5e-3  # ball passes, and s, that count
 SHARE = 1 / 16  # of a run that a pilot takes: with its half step three sixteenths of the run's CPU time
 TURNS = 2.0  # of a pit through the load zone: one passage is not like the next
@@ -17,14 +19,18 @@ ROUNDING = 1e-9  # of a ball pass
 def pilot(case: Case) -> tuple[Case, int]:
     """The beginning of a case, and how many of its ball passes are compared.
 
-    Of a case with a ramp, one at its highest speed all along: there its step is hardest to hold.
+    Of a case with a ramp, one at its highest speed all along: there its step is hardest to hold. One that is
+    lightly damped goes through all of the run's settling: from rest it needs that long to become what it will be.
     """
     case = at_full_speed(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
     whole = case.settle + case.duration
+    forgotten = FORGOTTEN / rate
+    if case.settle > forgotten and step_limits(case).damping_ratio < RINGS:
+        forgotten = case.settle
     wanted = max(FEWEST / rate, SHORTEST, SHARE * whole, turns_of_pits(case))
-    counted = max(1, min(ceil(wanted * rate - ROUNDING), int(whole * rate - FORGOTTEN)))
-    settle = min(float(FORGOTTEN), max(0.0, whole * rate - counted)) / rate
+    counted = max(1, min(ceil(wanted * rate - ROUNDING), int((whole - forgotten) * rate)))
+    settle = min(forgotten, max(0.0, whole - counted / rate))
     short = {"settle": settle, "duration": (counted + 0.5) / rate, "record": (), "antialias": True}
     return case.model_copy(update=short), counted
 

@@ -229,6 +229,13 @@ def test_the_pilot_of_a_short_record_is_the_record() -> None:
     assert simulate(case(duration="8 ms", settle="0 s")).features["step_error.rms"] < 0.01
 
 
+def test_the_pilot_of_a_lightly_damped_bearing_settles_as_the_run_does() -> None:
+    """From rest, two random scenes seemed to repeat themselves: what came after settling was chaos."""
+    assert pilot.pilot(choose.resolved(rollers(**LIGHT)))[0].settle == pytest.approx(30e-3)
+    assert pilot.pilot(choose.resolved(rollers()))[0].settle == pytest.approx(1.0 / RATE, rel=1e-3)
+    assert pilot.pilot(choose.resolved(rollers(settle="0 s", **LIGHT)))[0].settle == pytest.approx(1.0 / RATE, rel=1e-3)
+
+
 def test_adaptive_methods_are_proven_by_a_tenth_of_the_tolerance() -> None:
     given = rollers(method="rodas")
     h = choose.grid(given).step
