@@ -11,7 +11,7 @@ from math import hypot, inf, pi, sqrt
 from typing import Any
 
 from bearingsim import build
-from bearingsim.build.scales import approach, at_full_speed, closing_speed, crossing_time, sag
+from bearingsim.build.scales import approach, at_full_speed, closing_speed, crossing_time, retardation, sag
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
@@ -59,7 +59,7 @@ def _limits(case: Case) -> Limits:
     found = Limits(
         rest_load=rest_load,
         contact_frequency=omega / (2.0 * pi),
-        damping_ratio=C / (2.0 * omega),
+        damping_ratio=omega * retardation(case, rest_load) / 2.0 if K > 0.0 else 0.0,
         at_rest=step_limit(case.method, K, C),
         closing_speed=0.0,
         impact_force=rest_load,

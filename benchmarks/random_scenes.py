@@ -47,6 +47,7 @@ LONGEST_CHAOS = 10.0  # the same, of a record that is made longer for its RMS
 MARGIN = 1.5  # times the duration that a chaotic record was told: 2.5 standard deviations become 3.1
 LONGER = 3  # times that it is tried
 SHORTEST = 0.15  # s
+PASSES = 4.0  # at the kinematic speed of the cage
 STEEL = 8.06e4 * 12.0 ** (8.0 / 9.0)  # N/mm^(10/9): Palmgren's line contact of the NF308's rollers
 LAWS = ("chi", "kraemer", "general")
 SCENE = ["scene", "model", "load_N", "clearance_um", "speed_rpm", "law", "stiffness", "damping", "m3"]
@@ -109,11 +110,11 @@ def draw(number: int, seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def case_of(fields: dict[str, Any]) -> Case:
-    """A scene in which three balls pass, and the fault's line can be told from all others."""
+    """A scene in which three balls pass, though the cage slip, and the fault's line can be told from others."""
     case = Case.model_validate(fields | {"duration": 1.0, "prove": "strict"})
     rate = case.bearing.ball_pass_frequency(case.speed)
     apart = min((spacing(case, name) for name in fault_lines(case) if name != "BPFO"), default=inf)
-    return case.model_copy(update={"duration": max(SHORTEST, 3.2 / rate, RESOLVED / apart)})
+    return case.model_copy(update={"duration": max(SHORTEST, PASSES / rate, RESOLVED / apart)})
 
 
 def spacing(case: Case, name: str) -> float:

@@ -229,11 +229,31 @@ def test_the_pilot_of_a_short_record_is_the_record() -> None:
     assert simulate(case(duration="8 ms", settle="0 s")).features["step_error.rms"] < 0.01
 
 
+def piloted(**fields: Any) -> tuple[float, int]:
+    """What a pilot of `rollers` lets settle (s), and how many ball passes of it are compared."""
+    short, passes = pilot.pilot(choose.resolved(rollers(duration="0.4 s", **fields)))
+    return short.settle, passes
+
+
 def test_the_pilot_of_a_lightly_damped_bearing_settles_as_the_run_does() -> None:
     """From rest, two random scenes seemed to repeat themselves: what came after settling was chaos."""
-    assert pilot.pilot(choose.resolved(rollers(**LIGHT)))[0].settle == pytest.approx(30e-3)
-    assert pilot.pilot(choose.resolved(rollers()))[0].settle == pytest.approx(1.0 / RATE, rel=1e-3)
-    assert pilot.pilot(choose.resolved(rollers(settle="0 s", **LIGHT)))[0].settle == pytest.approx(1.0 / RATE, rel=1e-3)
+    one = pytest.approx(1.0 / RATE, rel=1e-3)
+    assert piloted(**LIGHT) == (pytest.approx(30e-3), 5)
+    assert piloted() == (one, 5)
+    assert piloted(settle="0 s", **LIGHT) == (one, 4)
+
+
+def test_where_strictness_is_asked_for_a_light_pilot_is_the_whole_run() -> None:
+    """Twins of a random scene parted after two thirds of its record."""
+    assert piloted(prove="strict", **LIGHT)[1] == int(0.4 * RATE)
+    assert piloted(prove="strict")[1] == 5
+
+
+def test_friction_is_no_damping_of_what_bounces() -> None:
+    """In `planar` the cage's friction limits the step; a roller between the races rings on all the same."""
+    found = [choose.limits(case(model=name, defect=SLOT, **LIGHT)).damping_ratio for name in ("rollers", "planar")]
+    assert found[1] == pytest.approx(found[0], rel=0.05)
+    assert found[0] < 0.05
 
 
 def test_adaptive_methods_are_proven_by_a_tenth_of_the_tolerance() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from bearingsim.build import contacts, rest
 from bearingsim.config import Case
-from bearingsim.core.contact import damping_slope, normal_force
+from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import DEPTH, REDUCED, SPAN, USED, X_E, B, sliding
 from bearingsim.core.excitations import LEAPS
 from bearingsim.core.methods.interface import Tolerances
@@ -60,6 +60,20 @@ def approach(law: Any, load: float) -> float:
         else:
             low = middle
     return high
+
+
+def retardation(case: Case, load: float) -> float:
+    """Damping over stiffness (s) of a roller's contacts under ``load`` (N): all that quiets it between the races.
+
+    Friction on races, pockets and flanges is none of it, though it counts in what limits a step.
+    """
+    laws = (contacts.outer(case), contacts.inner(case))
+    deep = [approach(law, load) for law in laws]
+    C, K = (
+        sum(slope(law, at, 0.0) for law, at in zip(laws, deep, strict=True))
+        for slope in (damping_slope, stiffness_slope)
+    )
+    return float(C / K)
 
 
 def sag(model: Any) -> float:
