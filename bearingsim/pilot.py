@@ -16,8 +16,8 @@ TWICE = 2.0  # as much as a pilot has seen, if that told too little
 ROUNDING = 1e-9  # of a ball pass
 
 
-def pilot(case: Case) -> tuple[Case, int]:
-    """The beginning of a case, and how many of its ball passes are compared.
+def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
+    """The beginning of a case, and how many of its ball passes are compared; ``times`` as many as usual.
 
     Of a case with a ramp, one at its highest speed all along: there its step is hardest to hold. One that is
     lightly damped goes through all of the run's settling: from rest it needs that long to become what it will be.
@@ -27,7 +27,7 @@ def pilot(case: Case) -> tuple[Case, int]:
     rate = case.bearing.ball_pass_frequency(case.speed)
     whole = case.settle + case.duration
     forgotten = max(FORGOTTEN / rate, case.settle if remembers(case) else 0.0)
-    wanted = max(FEWEST / rate, SHORTEST, part(case) * whole, turns_of_pits(case))
+    wanted = times * max(FEWEST / rate, SHORTEST, part(case) * whole, turns_of_pits(case))
     counted = max(1, min(ceil(wanted * rate - ROUNDING), int((whole - forgotten) * rate)))
     settle = min(forgotten, max(0.0, whole - counted / rate))
     short = {"settle": settle, "duration": (counted + 0.5) / rate, "record": (), "antialias": True}

@@ -37,6 +37,7 @@ CERTAIN = 0.9938  # the probability that lies below them
 GROWN, PARTED = 3.0, 1e-4  # from the first pass that counts to the last; of the RMS
 NO_LESS = 0.3  # of what half the step, or a tenth of the tolerance, changes
 FEWEST_BLOCKS = 16  # of some passes each, to tell how their RMS scatters
+DOUBTED = 4.0  # times as long is a second pilot, if the first one's twins part without chaos
 MORE = 4.0  # times the CPU time that half the step and a tenth of the tolerance may take
 
 
@@ -75,38 +76,58 @@ class Proof:
 UNPROVEN = Proof(nan, nan)
 
 
+class Heard(NamedTuple):
+    """Velocity (m/s) along the sensor at fine samples, and what the record's low-pass leaves of it."""
+
+    fine: np.ndarray
+    recorded: np.ndarray
+
+
 def prove(case: Case, part: float) -> Proof:
     """Try a case, its method named, at ``part`` of the automatic step. Raises like ``integrate``."""
-    short, passes = pilot(case)
+    beginning = pilot(case)
+    found, doubtful = tried(case, part, *beginning)
+    longer = pilot(case, DOUBTED)
+    if doubtful and longer != beginning:
+        found, _ = tried(case, part, *longer)
+    return found
+
+
+def tried(case: Case, part: float, short: Case, passes: int) -> tuple[Proof, bool]:
+    """The proof by one pilot, and whether it is doubtful: its twins part, and nothing says that this is chaos."""
     allowed = choose.MOST_CPU * length(short) / length(case)
     coarse = set_up(short, part, allowed)
     fine = set_up(finer(short), part * shorter(coarse.cut.decimation), MORE * allowed)
     one, other = (velocities(setup, passes, recorded=case.antialias) for setup in (coarse, fine))
+    found = changes(coarse, fine, passes, one, other)
     scale = float(np.std(other.fine)) or 1.0
-    quiet = LOUD * float(np.std(other.recorded)) or 1.0
-    lines = [
-        (amplitudes(coarse, name, passes, one.fine), amplitudes(fine, name, passes, other.fine))
-        for name in fault_lines(case)
-    ]
-    found = Proof(
-        line=float(max(change(a, b) / max(abs(b.sum()), quiet) for a, b in lines)),
-        rms=float(max(abs(np.std(a) / (np.std(b) or 1.0) - 1.0) for a, b in zip(one, other, strict=True))),
-    )
     apart = by_pass(one.fine - later(other.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
     if not apart.max() > APART:
-        return found
+        return found, False
     adaptive = build.method_kind(case).adaptive
     twin, nudged = (fine, other) if adaptive else (coarse, one)
     third = velocities(twin, passes, recorded=case.antialias, nudge=NUDGE)
     beside = by_pass(nudged.fine - third.fine, passes) / scale
     if not leads_elsewhere(beside, apart, adaptive):
-        return found
+        return found, True
     # the twins of a pilot have not parted at its start: the wider band, where they part first, tells more
     noise, sure = max((scatter(series, passes) for series in zip(one, other, third, strict=True)), key=np.prod)
     told = sees_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
     whole = max(1.0, case.duration * coarse.cut.rate)
-    return replace(
-        found, chaotic=True, noise=noise / sqrt(passes), scatter=sure * noise / sqrt(whole) if told else inf
+    worth = sure * noise / sqrt(whole) if told else inf
+    return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False
+
+
+def changes(coarse: Setup, fine: Setup, passes: int, one: Heard, other: Heard) -> Proof:
+    """What half the step changes: of the fault's lines the worst, of the wide band and the record the worse."""
+    quiet = LOUD * float(np.std(other.recorded)) or 1.0
+    lines = [
+        (amplitudes(coarse, name, passes, one.fine), amplitudes(fine, name, passes, other.fine))
+        for name in fault_lines(coarse.case)
+    ]
+    return Proof(
+        line=float(max(change(a, b) / max(abs(b.sum()), quiet) for a, b in lines)),
+        rms=float(max(abs(np.std(a) / (np.std(b) or 1.0) - 1.0) for a, b in zip(one, other, strict=True))),
     )
 
 
@@ -152,13 +173,6 @@ FAULT_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2BSF"}
 def fault_lines(case: Case) -> list[str]:
     """The lines of the case's pits; BPFO, at which a healthy bearing vibrates too, without any."""
     return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
-
-
-class Heard(NamedTuple):
-    """Velocity (m/s) along the sensor at fine samples, and what the record's low-pass leaves of it."""
-
-    fine: np.ndarray
-    recorded: np.ndarray
 
 
 def velocities(setup: Setup, passes: int, recorded: bool, nudge: float = 0.0) -> Heard:
