@@ -1,4 +1,4 @@
-"""The beginning of a case on which its step is proven, and how much of it is compared (``proof``)."""
+"""The part of a case on which its step is proven: its beginning, or with `prove: strict` all (``proof``)."""
 
 from math import ceil, pi
 
@@ -20,13 +20,14 @@ def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
     """The beginning of a case, and how many of its ball passes are compared; ``times`` as many as usual.
 
     Of a case with a ramp, one at its highest speed all along: there its step is hardest to hold. One that is
-    lightly damped goes through all of the run's settling: from rest it needs that long to become what it will be.
-    Where strictness is asked for, it is then the whole run: a planar one was seen to part after 0.2 s.
+    lightly damped, or to be proven strictly, goes through all of the run's settling: from rest it may need that
+    long to become what it will be.
     """
     case = at_full_speed(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
     whole = case.settle + case.duration
-    forgotten = max(FORGOTTEN / rate, case.settle if remembers(case) else 0.0)
+    settles = case.prove == "strict" or remembers(case)
+    forgotten = max(FORGOTTEN / rate, case.settle if settles else 0.0)
     wanted = times * max(FEWEST / rate, SHORTEST, part(case) * whole, turns_of_pits(case))
     counted = max(1, min(ceil(wanted * rate - ROUNDING), int((whole - forgotten) * rate)))
     settle = min(forgotten, max(0.0, whole - counted / rate))
@@ -40,8 +41,8 @@ def remembers(case: Case) -> bool:
 
 
 def part(case: Case) -> float:
-    """The part of a run, settling included, that a pilot is to compare."""
-    return 1.0 if case.prove == "strict" and remembers(case) else SHARE
+    """The part of a run that a pilot is to compare: all of it where strictness is asked for."""
+    return 1.0 if case.prove == "strict" else SHARE
 
 
 def sees_turns(case: Case, passes: int) -> bool:

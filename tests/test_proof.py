@@ -243,10 +243,10 @@ def test_the_pilot_of_a_lightly_damped_bearing_settles_as_the_run_does() -> None
     assert piloted(settle="0 s", **LIGHT) == (one, 4)
 
 
-def test_where_strictness_is_asked_for_a_light_pilot_is_the_whole_run() -> None:
-    """Twins of a random scene parted after two thirds of its record."""
-    assert piloted(prove="strict", **LIGHT)[1] == int(0.4 * RATE)
-    assert piloted(prove="strict")[1] == 5
+def test_where_strictness_is_asked_for_the_whole_run_is_proven() -> None:
+    """Twins of random scenes parted after two thirds of their records."""
+    for damping in (LIGHT, {}):
+        assert piloted(prove="strict", **damping) == (pytest.approx(30e-3), int(0.4 * RATE))
 
 
 def test_twins_that_part_without_chaos_are_followed_for_longer() -> None:
