@@ -73,8 +73,8 @@ class Case(Section):
     is `impulse-train` for the impulse model if not given; `contact.stiffness` suits the bearing. `friction` and
     `cage` are None below the planar model, and never None from it on. `drag`, `ramp`, `shaft`, `unbalance` and
     `misalignment` are None where absent. A line load in `record` is one channel for each slice of the roller. With
-    `prove` the step, automatic or given, is tried on the run's beginning before it is trusted; `strict` also
-    refuses a chaotic record that is too short for its RMS.
+    `prove` the step, automatic or given, is tried on the run's beginning before it is trusted; `strict` tries all
+    of the run, and refuses a chaotic record that is too short for its RMS.
     """
 
     bearing: Annotated[Bearing, named("bearings")]
