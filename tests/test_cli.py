@@ -232,6 +232,7 @@ def test_failed_jobs_are_stored_and_told(here):
     ("words", "message"),
     [
         (["--set", "load"], "expected PATH=VALUE"),
+        (["--set", "method="], "expected PATH=VALUE"),
         (["--set", "lode=150 N"], "did you mean `load`?"),
         (["--shard", "3/2"], "expected K/N"),
         (["--shard", "1/2", "--fresh"], "other shards"),

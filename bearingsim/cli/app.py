@@ -296,8 +296,8 @@ def _loaded(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
 
 
 def _assignment(text: str, option: str = "--set") -> tuple[str, str]:
-    path, equals, value = text.partition("=")
-    if not equals or not path:
+    path, _, value = text.partition("=")
+    if not path.strip() or not value.strip():
         raise typer.BadParameter(f"expected PATH=VALUE such as `load=200 N`, got `{text}`", param_hint=option)
     return path.strip(), value.strip()
 
