@@ -74,8 +74,8 @@ class Setup:
 
 
 def set_up(case: Case, part: float = 1.0, most_cpu: float | None = None) -> Setup:
-    """Ready a case whose method is named; it may take ``choose.MOST_CPU``. Raises ``Refused``."""
-    cut, found = choose.grid(case, part), choose.limits(case)
+    """Ready a case whose method is named; it may take ``most_cpu`` (s). Raises ``Refused``."""
+    cut, found = choose.grid(case, part, most_cpu or 0.0), choose.limits(case)
     kind = build.method_kind(case)
     lag = kind.lag * cut.step
     model = build.relaxed(build.model(case), lag)

@@ -11,7 +11,7 @@ from math import hypot, inf, pi, sqrt
 from typing import Any
 
 from bearingsim import build
-from bearingsim.build.scales import approach, at_full_speed, closing_speed, crossing_time, retardation, sag
+from bearingsim.build.scales import approach, at_full_speed, closing_speed, crossing_time, damping_ratio, sag
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
@@ -30,6 +30,7 @@ class Limits:
     """What a case's step must respect. Times in s, forces in N, frequencies in Hz; inf where there is no limit.
 
     The limits are the method's own, on the linearised bearing; ``impact_force`` is an estimate of the peak.
+    damping_ratio is that of a roller (in `ring`, of the ring) on its contacts, without friction.
     deepest (m), liveliest (J): approach of a contact and radial energy of motion that no right run exceeds.
     """
 
@@ -59,7 +60,7 @@ def _limits(case: Case) -> Limits:
     found = Limits(
         rest_load=rest_load,
         contact_frequency=omega / (2.0 * pi),
-        damping_ratio=omega * retardation(case, rest_load) / 2.0 if K > 0.0 else 0.0,
+        damping_ratio=damping_ratio(case, rest_load) if build.kind(case).slips else C / (2.0 * omega),
         at_rest=step_limit(case.method, K, C),
         closing_speed=0.0,
         impact_force=rest_load,

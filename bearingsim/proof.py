@@ -1,4 +1,4 @@
-"""Is a step short enough? Tried on the run's own beginning before the run is trusted.
+"""Is a step short enough? Tried on the run's own beginning, or on all of it, before the run is trusted.
 
 A pilot of some ball passes is stepped twice from the same start: as the run will be, and with half the step (and
 a tenth of the tolerance). What the line of the fault and the RMS change by is the error that the run is said to
@@ -6,7 +6,8 @@ have. Half the step is 1/sqrt(5) of it: where in a step a pit's cusp falls sets 
 order, and with half of it exactly a second pit's would fall in the same place again, and its error be unseen.
 
 Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells why: if
-it parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts.
+it parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts. If it
+does not, that is doubtful: all is tried again on a longer beginning, if there is one.
 """
 
 from collections.abc import Sequence
@@ -87,9 +88,9 @@ def prove(case: Case, part: float) -> Proof:
     """Try a case, its method named, at ``part`` of the automatic step. Raises like ``integrate``."""
     beginning = pilot(case)
     found, doubtful = tried(case, part, *beginning)
-    longer = pilot(case, DOUBTED)
-    if doubtful and longer != beginning:
-        found, _ = tried(case, part, *longer)
+    more = pilot(case, DOUBTED)
+    if doubtful and more != beginning:
+        found, _ = tried(case, part, *more)
     return found
 
 
@@ -234,5 +235,5 @@ def leads_elsewhere(beside: np.ndarray, apart: np.ndarray, adaptive: bool) -> bo
     from its nudged twin as it does from the coarse run, the motion itself does it.
     """
     if adaptive:
-        return bool(beside[-1] > PARTED and beside[-1] > NO_LESS * apart[-1])
-    return bool(beside[-1] > PARTED or (beside[-1] > 10.0 * NUDGE and beside[-1] > GROWN * beside[0]))
+        return bool(beside.max() > PARTED and beside.max() > NO_LESS * apart.max())
+    return bool(beside.max() > PARTED or (beside[-1] > 10.0 * NUDGE and beside[-1] > GROWN * beside[0]))

@@ -67,7 +67,7 @@ class Record:
 def simulate(case: Case) -> Record:
     """Compute one case. Raises ``SimulationError`` for a run refused before or stopped under way.
 
-    An automatic step rests on an estimate of what is to come, so it is proven on the run's beginning, and watched
+    An automatic step rests on an estimate of what is to come, so it is proven (``proof``), and the run is watched
     all along. Should it fail, shorter ones are tried, and then (with `method: auto`) other methods.
     """
     began = time.process_time()

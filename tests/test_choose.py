@@ -317,7 +317,7 @@ def test_what_repeats_itself_is_priced_as_one_pass_and_refused_by_its_model() ->
 def test_the_price_of_a_job_holds_its_proof() -> None:
     proven, plain = (choose.estimate(case(defect=SLOT, duration="2 s", prove=prove)) for prove in (True, False))
     assert plain.proof_seconds == 0.0
-    assert proven.proof_seconds == pytest.approx(3 / 16 * plain.cpu_seconds, rel=0.1)
+    assert proven.proof_seconds == pytest.approx((1 + sqrt(5)) / 16 * plain.cpu_seconds, rel=0.1)
     assert proven.cpu_seconds == pytest.approx(plain.cpu_seconds + proven.proof_seconds)
 
 

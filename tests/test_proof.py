@@ -247,6 +247,15 @@ def test_where_strictness_is_asked_for_the_whole_run_is_proven() -> None:
     """Twins of random scenes parted after two thirds of their records."""
     for damping in (LIGHT, {}):
         assert piloted(prove="strict", **damping) == (pytest.approx(30e-3), int(0.4 * RATE))
+    assert pilot.pilot(choose.resolved(rollers(prove="strict", duration="1 s", settle="50 ms")))[1] == 159
+
+
+def test_a_proof_may_take_longer_than_a_run_may() -> None:
+    """The finer pilot of a strict proof takes more than twice the CPU time of its run."""
+    given = choose.resolved(rollers(prove="strict"))
+    price = (given.settle + given.duration) * choose.per_second(given, choose.grid(given).step)
+    with mock.patch.object(choose, "MOST_CPU", 1.3 * price):
+        assert proof.prove(given, 1.0).holds
 
 
 def test_twins_that_part_without_chaos_are_followed_for_longer() -> None:
@@ -273,10 +282,15 @@ def test_twins_that_part_without_chaos_are_followed_for_longer() -> None:
 
 
 def test_friction_is_no_damping_of_what_bounces() -> None:
-    """In `planar` the cage's friction limits the step; a roller between the races rings on all the same."""
-    found = [choose.limits(case(model=name, defect=SLOT, **LIGHT)).damping_ratio for name in ("rollers", "planar")]
-    assert found[1] == pytest.approx(found[0], rel=0.05)
-    assert found[0] < 0.05
+    """In `planar` the cage limits the step; a roller between the races rings on all the same, however fast."""
+    stiff = {"cage": {"pocket_stiffness": "1e10 N/m"}}
+    for fields in ({}, {"speed": "12000 rpm", "load": "20 N"}):
+        plain, planar, pocket = (
+            choose.limits(case(model=model, defect=SLOT, **LIGHT, **fields, **cage)).damping_ratio
+            for model, cage in (("rollers", {}), ("planar", {}), ("planar", stiff))
+        )
+        assert planar == pocket == pytest.approx(plain, rel=1e-3)
+        assert plain < 0.05
 
 
 def test_adaptive_methods_are_proven_by_a_tenth_of_the_tolerance() -> None:

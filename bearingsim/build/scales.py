@@ -6,7 +6,7 @@ The tolerances of adaptive methods are parts of these.
 from math import inf, pi, sqrt
 from typing import Any
 
-from bearingsim.build import contacts, rest
+from bearingsim.build import contacts, geometry, rest
 from bearingsim.config import Case
 from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import DEPTH, REDUCED, SPAN, USED, X_E, B, sliding
@@ -62,18 +62,19 @@ def approach(law: Any, load: float) -> float:
     return high
 
 
-def retardation(case: Case, load: float) -> float:
-    """Damping over stiffness (s) of a roller's contacts under ``load`` (N): all that quiets it between the races.
+def damping_ratio(case: Case, load: float) -> float:
+    """That of a roller between its races, pressed to the outer one by ``load`` (N).
 
     Friction on races, pockets and flanges is none of it, though it counts in what limits a step.
     """
-    laws = (contacts.outer(case), contacts.inner(case))
-    deep = [approach(law, load) for law in laws]
+    b, laws = geometry.bearing(case), (contacts.outer(case), contacts.inner(case))
+    inwards = max(0.0, load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i))
+    deep = [approach(law, force) for law, force in zip(laws, (load, inwards), strict=True)]
     C, K = (
         sum(slope(law, at, 0.0) for law, at in zip(laws, deep, strict=True))
         for slope in (damping_slope, stiffness_slope)
     )
-    return float(C / K)
+    return float(C / (2.0 * sqrt(K * b.m_r)))
 
 
 def sag(model: Any) -> float:

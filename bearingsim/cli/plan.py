@@ -216,7 +216,9 @@ def methods(plan: Plan) -> list[str]:
     ]
     proven = [one.job.case.proven for one in plan.everything]
     if any(proven):
-        told.append("each step is proven on its run's beginning: half of it may change line and RMS by 0.5 %")
+        whole = all(one.job.case.prove == "strict" for one in plan.everything if one.job.case.proven)
+        where = "all of its run" if whole else "its run's beginning"
+        told.append(f"each step is proven on {where}: half of it may change line and RMS by 0.5 %")
     return told
 
 

@@ -21,7 +21,6 @@ from bearingsim.core.layout import ACCELERATION, BY_POSITION, POSITION, STATE, V
 from bearingsim.core.methods.adaptive import (
     END_Q,
     END_V,
-    SLOPES,
     START_A,
     START_Q,
     START_V,
@@ -30,11 +29,11 @@ from bearingsim.core.methods.adaptive import (
     past_jumps,
 )
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
-from bearingsim.core.methods.newton import BASE_Q, BASE_V, OFFSET, SOUGHT, Equation, find
+from bearingsim.core.methods.newton import BASE_Q, BASE_V, FREE, OFFSET, SOUGHT, Equation, find
 from bearingsim.core.models.interface import width
 from bearingsim.core.outcomes import NEWTON_STALLED
 
-ERROR_Q, ERROR_V = (SLOPES + n * STATE for n in range(9, 11))
+ERROR_Q, ERROR_V = FREE, FREE + STATE
 
 
 class BackwardEuler(NamedTuple):

@@ -14,10 +14,10 @@ A comparison, as multibody codes have it: its a, kept beside the state, is not f
 from typing import NamedTuple
 
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, EVALUATED, FAILED, POSITION, STATE, VELOCITY
-from bearingsim.core.methods.adaptive import SLOPES, START_Q, START_V, bring_back, fill_levers, keep
+from bearingsim.core.layout import ACCELERATION, EVALUATED, FAILED, POSITION, VELOCITY
+from bearingsim.core.methods.adaptive import START_Q, START_V, bring_back, fill_levers, keep
 from bearingsim.core.methods.interface import MethodKind, Tolerances, load_number, prepare, step
-from bearingsim.core.methods.newton import BASE_Q, BASE_V, OFFSET, SOUGHT, Equation, find
+from bearingsim.core.methods.newton import BASE_Q, BASE_V, FREE, OFFSET, SOUGHT, Equation, find
 from bearingsim.core.models.interface import accelerations, width
 from bearingsim.core.outcomes import NEWTON_STALLED
 
@@ -25,7 +25,7 @@ RHO = 0.8  # per step, of infinitely fast motion
 A_M, A_F = (2.0 * RHO - 1.0) / (RHO + 1.0), RHO / (RHO + 1.0)
 """The parts that the start of a step has in its balance."""
 GAMMA, BETA = 0.5 - A_M + A_F, 0.25 * (1.0 - A_M + A_F) ** 2
-KEPT = SLOPES + 9 * STATE  # a of the method
+KEPT = FREE  # a of the method
 
 
 class GeneralisedAlpha(NamedTuple):

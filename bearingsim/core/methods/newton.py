@@ -7,7 +7,7 @@ nonsmooth version of Newton's method, Math. Programming 58 (1993).
 
 Full steps. Where a contact closes the force has a kink, where a dashpot meets it a jump, over which an iterate may
 leap to and fro; then no solution is found and the step was too long for what happens in it. (A line search, and at
-a jump that part of it which balances the rest, changed the number of steps by under 0.2 %: docs/methods.md.)
+a jump that part of it which balances the rest, brought nothing: docs/methods.md.)
 """
 
 from math import isfinite, sqrt
@@ -29,7 +29,8 @@ from bearingsim.core.layout import (
 from bearingsim.core.methods.adaptive import LEVER, SLOPES, START_V
 from bearingsim.core.models.interface import accelerations, freedoms, linearise
 
-BASE_Q, BASE_V, OFFSET, SOUGHT, NEWTON, RESIDUAL = (SLOPES + n * STATE for n in range(6))
+BASE_Q, BASE_V, OFFSET, SOUGHT, NEWTON, RESIDUAL, FREE = (SLOPES + n * STATE for n in range(7))
+# from FREE on a method may keep its own
 
 MOST_ITERATIONS = 15
 CLOSE = 1e-2  # of the tolerance: a Newton step so short is the last one, and is taken
