@@ -19,9 +19,9 @@ ROUNDING = 1e-9  # of a ball pass
 def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
     """The beginning of a case, its method named, and how many ball passes are compared.
 
-    times: as many of them as usual. Of a case with a ramp, one at its highest speed all along: there its step is hardest to hold. One that is
-    lightly damped, or to be proven strictly, goes through all of the run's settling: from rest it may need that
-    long to become what it will be.
+    times: as many of them as usual. Of a case with a ramp, one at its highest speed all along: there its step is
+    hardest to hold. One that is lightly damped, or to be proven strictly, goes through all of the run's settling:
+    from rest it may need that long to become what it will be.
     """
     case = at_full_speed(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
