@@ -317,7 +317,7 @@ def wait_for(condition: Any, timeout: float = 20.0) -> None:
 
 def test_ctrl_c_ends_a_pool_cleanly(tmp_path: Path) -> None:
     with other_process(tmp_path, jobs=2, count=600, seconds=0.1) as process:  # more than a busy machine gets done
-        wait_for(lambda: any(tmp_path.glob("units/??/*.h5")))
+        wait_for(lambda: any('"unit"' in path.read_text() for path in tmp_path.glob("journal-*.jsonl")))
         os.killpg(process.pid, signal.SIGINT)
         output, _ = process.communicate(timeout=20)
     assert process.returncode == 130
