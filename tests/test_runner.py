@@ -294,7 +294,9 @@ def test_interrupted_run_keeps_what_is_done(tmp_path: Path) -> None:
 @contextlib.contextmanager
 def other_process(out: Path, jobs: int, count: int, seconds: float) -> Iterator[subprocess.Popen[str]]:
     """A run in a process group of its own."""
-    code = "import sys; import fake_studies; fake_studies.main(*sys.argv[1:])"
+    # who is started in the background by a shell is deaf to Ctrl-C, and would hand that on
+    hear = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    code = f"{hear}; import sys; import fake_studies; fake_studies.main(*sys.argv[1:])"
     arguments = [sys.executable, "-c", code, str(out), str(jobs), str(count), str(seconds)]
     environment = {**os.environ, "PYTHONPATH": str(TESTS)}
     process = subprocess.Popen(
