@@ -266,10 +266,11 @@ def grid(case: Case, part: float = 1.0, most_cpu: float = 0.0) -> Grid:
     computed = 1.0 / rate if repeats(case) else case.settle + case.duration
     price = computed * per_second(case, 1.0 / (rate * fine * decimation))
     adaptive = build.method_kind(case).adaptive
-    if price > max(most_cpu, MOST_CPU) and (case.step == "auto" or adaptive):
+    most = max(most_cpu, MOST_CPU)
+    if price > most and (case.step == "auto" or adaptive):
         what, hours = case.method or f"`{case.model}`", price / 3600.0
         raise Refused(
-            f"{what} would take about {hours:.2g} h of CPU time, over {MOST_CPU / 3600.0:.2g} h",
+            f"{what} would take about {hours:.2g} h of CPU time, over {most / 3600.0:.2g} h",
             "take a shorter `duration`, lower `contact.damping`"
             + (other if adaptive else ", or give a `step` of your own"),
         )

@@ -9,7 +9,7 @@ from bearingsim.limits import step_limits
 FORGOTTEN = 1  # ball passes at the start of a pilot that do not count
 LIGHT = 0.2  # damping ratio of a loaded roller under which what a run starts with is long remembered
 FEWEST, SHORTEST = 4, 5e-3  # ball passes, and s, that count
-SHARE = 1 / 16  # of a run that a pilot takes: with its half step three sixteenths of the run's CPU time
+SHARE = 1 / 16  # of a run that a pilot takes: with its half step a fifth of the run's CPU time
 TURNS = 2.0  # of a pit through the load zone: one passage is not like the next
 ROOM = 1.5  # times what a pilot is to see: a run of that length lets it
 TWICE = 2.0  # as much as a pilot has seen, if that told too little
