@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.core.contact import General, PowerLaw, normal_force
+from bearingsim.core.contact import general, normal_force
 from bearingsim.core.events import next_cusp
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
@@ -27,10 +27,11 @@ from bearingsim.core.methods.interface import prepare, step
 from bearingsim.core.models.interface import accelerations, freedoms, keep_extremes, linearise, width
 from bearingsim.core.parameters import Bearing
 from bearingsim.core.slopes import slopes
+from bearingsim.core.stiffness import PowerLaw
 
 UNIT = Bearing(1, 1.0, 3.0, 1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0)
 """One roller of 1 kg."""
-AIR = General(PowerLaw(0.0, 1.0), 0.0, 1.0, 0.0)
+AIR = general(PowerLaw(0.0, 1.0), 0.0, 1.0, 0.0)
 """A floor that is not felt."""
 
 

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim.core.cage import FreeCage, OilDrag, RingGuided, RollerGuided
-from bearingsim.core.contact import exponent
 from bearingsim.core.defects import ANGLE, DEPTH, HALF_WIDTH, ON, RADIUS, REDUCED, SIDE, USED, B, W
 from bearingsim.core.friction import StaticDynamic, Traction
 from bearingsim.core.layout import LANES, PHI_C, POSITION, PSI, ROW, VELOCITY, X_C, X_I, Y_C, Y_I, X, Y
 from bearingsim.core.motion import elapsed
 from bearingsim.core.shaft import ElasticShaft, TorsionSpring
+from bearingsim.core.stiffness import exponent
 
 
 def places(Z: int) -> np.ndarray:

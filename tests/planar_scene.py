@@ -7,16 +7,7 @@ import numpy as np
 from bearingsim.build.rest import statics, still
 from bearingsim.core.advance import Watch, advance, start_at_rest
 from bearingsim.core.cage import Centred, FreeCage, OilDrag, RollerGuided
-from bearingsim.core.contact import (
-    HuntCrossley,
-    Linear,
-    TenNinths,
-    damping_slope,
-    elastic,
-    normal_force,
-    stiffness_slope,
-    tangent,
-)
+from bearingsim.core.contact import HuntCrossley, damping_slope, normal_force, stiffness_slope
 from bearingsim.core.defects import INNER, ON_INNER, ON_OUTER, OUTER, Meeting, groups_of, pits
 from bearingsim.core.equilibrium import mean_rest, rest_from_scratch
 from bearingsim.core.excitations import Envelope
@@ -28,6 +19,7 @@ from bearingsim.core.motion import Steady
 from bearingsim.core.outcomes import FINE
 from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.shaft import FixedRing, RigidShaft, TorsionSpring
+from bearingsim.core.stiffness import Linear, TenNinths, elastic, tangent
 from tests import reference_planar
 
 FAR = 0.01  # m: a pocket that no roller touches

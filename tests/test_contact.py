@@ -13,25 +13,32 @@ from bearingsim.core.contact import (
     General,
     HuntCrossley,
     Kraemer,
+    Power,
+    Power0,
+    Power1,
+    Power2,
+    Undamped,
+    damping_slope,
+    general,
+    normal_force,
+    stiffness_slope,
+)
+from bearingsim.core.johnson import COEFFICIENTS, TABLE, cell
+from bearingsim.core.stiffness import (
     Linear,
     PowerLaw,
     TenNinths,
     ThreeHalves,
-    Undamped,
     constant,
-    damping_slope,
     elastic,
     iso16281,
     johnson,
     ninth_root,
-    normal_force,
     palmgren,
     share,
     share_by_newton,
-    stiffness_slope,
     tangent,
 )
-from bearingsim.core.johnson import COEFFICIENTS, TABLE, cell
 from tests.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
 from tests.scenes import case
 
@@ -42,9 +49,11 @@ LAWS = [
     HuntCrossley(STEEL, 50.0),
     Undamped(STEEL),
     Kraemer(STEEL, 1e-5),
-    General(STEEL, 1e15, 1.0, 2.0),
-    General(STEEL, 1e14, 1.5, 2.0),
+    general(STEEL, 1e15, 1.0, 2.0),
+    general(STEEL, 1e14, 1.5, 2.0),
+    General(STEEL, 1e15, Power(1.0), Power(2.0)),
 ]
+WHOLE = [(1.0, 0.0, Power1, Power0), (1.0, 1.0, Power1, Power1), (2.0, 2.0, Power2, Power2)]
 approaches = st.floats(1e-9, 1e-5)
 rates = st.floats(-0.3, 0.3)
 
@@ -112,7 +121,7 @@ def force_and_slope(law, y, width):
 
 
 @compiled
-def hunt_crossley(law, y, width):
+def force_of_lanes(law, y, width):
     for j in range(width):
         y[2 * ROW + j] = normal_force(law, y[j], y[ROW + j])
 
@@ -122,7 +131,7 @@ def hunt_crossley(law, y, width):
 def test_all_but_the_general_power_keep_the_vector_lanes(law):
     vectors = not isinstance(law, PowerLaw)
     assert keeps_lanes(force_and_slope, law, rows(1e-7, 0.0, 0.0), ROW) == vectors
-    assert keeps_lanes(hunt_crossley, HuntCrossley(law, 50.0), rows(1e-7, 0.1, 0.0), ROW) == vectors
+    assert keeps_lanes(force_of_lanes, HuntCrossley(law, 50.0), rows(1e-7, 0.1, 0.0), ROW) == vectors
 
 
 # Given exponents
@@ -305,7 +314,26 @@ def test_no_contact_pulls_and_none_acts_at_a_distance(law, delta, v):
 
 
 def test_a_dashpot_without_indentation_exponent_does_not_act_on_a_roller_that_is_not_there():
-    assert normal_force(General(STEEL, 1e6, 1.0, 0.0), -1e-9, 0.1) == 0.0
+    assert normal_force(general(STEEL, 1e6, 1.0, 0.0), -1e-9, 0.1) == 0.0
+
+
+@pytest.mark.parametrize(("m2", "m3", "rate", "depth"), WHOLE)
+def test_whole_exponents_are_types_and_equal_any_exponent(m2, m3, rate, depth):
+    law, slow = general(STEEL, 1e9, m2, m3), General(STEEL, 1e9, Power(m2), Power(m3))
+    assert isinstance(law.m2, rate)
+    assert isinstance(law.m3, depth)
+    assert isinstance(general(STEEL, 1e9, 1.0, 1.5).m3, Power)
+    for value in (normal_force, damping_slope, stiffness_slope):
+        for v in (-0.1, 0.0, 2e-3, 0.3):
+            for delta in (1e-9, 3e-6):
+                assert value(law, delta, v) == pytest.approx(value(slow, delta, v), rel=1e-13, abs=0.0)
+
+
+@needs_vectors
+@pytest.mark.parametrize(("m2", "m3", "rate", "depth"), [*WHOLE, (1.0, 1.5, Power1, Power)])
+def test_general_damping_keeps_the_vector_lanes_with_whole_exponents(m2, m3, rate, depth):
+    law, vectors = general(STEEL, 1e9, m2, m3), depth is not Power
+    assert keeps_lanes(force_of_lanes, law, rows(1e-7, 0.1, 0.0), ROW) == vectors
 
 
 def test_not_a_number_is_not_hidden():

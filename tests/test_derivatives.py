@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from bearingsim import build
-from bearingsim.core.contact import General, HuntCrossley, Kraemer, TenNinths, ThreeHalves
+from bearingsim.core.contact import HuntCrossley, Kraemer, general
 from bearingsim.core.defects import ANGLE, HALF_WIDTH, RADIUS
 from bearingsim.core.layout import POSITION, VELOCITY, X
 from bearingsim.core.models.interface import freedoms
 from bearingsim.core.parameters import turns
 from bearingsim.core.pit_contact import standing
+from bearingsim.core.stiffness import TenNinths, ThreeHalves
 from tests.differences import cells, derivatives, differences
 from tests.scenes import case
 
@@ -20,7 +21,7 @@ BOWL = PIT | {"shape": "circular", "width": "3 mm", "depth": "0.02 mm"}
 LAWS = {
     "hunt-crossley": lambda k: HuntCrossley(TenNinths(k), 20.0),
     "kraemer": lambda k: Kraemer(ThreeHalves(20.0 * k), 2e-6),
-    "general": lambda k: General(TenNinths(k), 1e9, 1.0, 1.0),
+    "general": lambda k: general(TenNinths(k), 1e9, 1.0, 1.0),
 }
 
 

@@ -10,10 +10,10 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from bearingsim import build
-from bearingsim.core.contact import elastic, iso16281
 from bearingsim.core.defects import REDUCED
 from bearingsim.core.equilibrium import rest_from_scratch
 from bearingsim.core.layout import POSITION, Q_I, Q_O, X, Y, buffer
+from bearingsim.core.stiffness import elastic, iso16281
 from tests.scenes import SLOT, at_rest, case
 
 # Sjovall's radial integral for line contact, exponent 1.1, by load zone parameter (Harris, table 7.4)

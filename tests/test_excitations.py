@@ -8,7 +8,6 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from bearingsim.core.contact import elastic, palmgren
 from bearingsim.core.defects import DEPTH, GROUP, X_E, B, W, groups_of, outer_reduced_radius
 from bearingsim.core.excitations import (
     ClearanceIncrease,
@@ -24,6 +23,7 @@ from bearingsim.core.excitations import (
     hertz_half_width,
 )
 from bearingsim.core.jit import jit
+from bearingsim.core.stiffness import elastic, palmgren
 
 R_W, R_O, L_W = 0.006, 0.0385, 0.012
 R = outer_reduced_radius(R_W, R_O)

@@ -5,8 +5,8 @@ from math import inf, pi
 import numpy as np
 import pytest
 
-from bearingsim.core.contact import elastic, johnson, palmgren
 from bearingsim.core.hertz import line_pressure
+from bearingsim.core.stiffness import elastic, johnson, palmgren
 from bearingsim.verify.edge import bodies, crossed, crossed_at
 from bearingsim.verify.half_space import half_plane, hats, two_half_planes
 from bearingsim.verify.pressed import press, press_to

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bearingsim import build
-from bearingsim.core.contact import General
+from bearingsim.core.contact import General, Power
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import EVALUATED, FAILED, Q_O, VELOCITY, X, Y
 from bearingsim.core.methods.backward_euler import BackwardEuler
@@ -77,7 +77,7 @@ def test_next_to_verlet_on_a_slot(slot, reference, method, rtol, error, evaluati
 
 
 def dashpots(model, c, m3):
-    law = General(model.outer.stiffness, c, 1.0, m3)
+    law = General(model.outer.stiffness, c, Power(1.0), Power(m3))  # one type, compiled once
     return model._replace(outer=law, inner=law)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from bearingsim.core import advance as driver
-from bearingsim.core import contact, jit
+from bearingsim.core import contact, jit, stiffness
 
 VARIATIONS = """
 import bearingsim.core.sampling, importlib, pkgutil, bearingsim.core as core
@@ -195,9 +195,9 @@ def force(law: Any, delta: float, v: float) -> float:
 @pytest.mark.parametrize(
     "law",
     [
-        contact.HuntCrossley(contact.TenNinths(1e9), 50.0),
-        contact.Kraemer(contact.TenNinths(1e9), 1e-5),
-        contact.General(contact.TenNinths(1e9), 1e6, 1.5, 0.7),
+        contact.HuntCrossley(stiffness.TenNinths(1e9), 50.0),
+        contact.Kraemer(stiffness.TenNinths(1e9), 1e-5),
+        contact.general(stiffness.TenNinths(1e9), 1e6, 1.5, 0.7),
     ],
     ids=lambda law: type(law).__name__,
 )

@@ -7,7 +7,7 @@ import pytest
 
 from bearingsim import build
 from bearingsim.build.pits import meetings, met
-from bearingsim.core.contact import HuntCrossley, palmgren
+from bearingsim.core.contact import HuntCrossley
 from bearingsim.core.defects import (
     ANGLE,
     CUSP,
@@ -25,6 +25,7 @@ from bearingsim.core.depth import Circular, Rectangular, Triangular
 from bearingsim.core.excitations import Envelope, Traced, felt
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.pit_contact import force_over_pit, mean_sinking
+from bearingsim.core.stiffness import palmgren
 from bearingsim.core.traced import across, grouped, traced_pits
 from bearingsim.errors import Refused
 from bearingsim.simulation import SimulationError, simulate

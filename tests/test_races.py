@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from bearingsim import build, choose
-from bearingsim.core.contact import iso16281, normal_force
+from bearingsim.core.contact import normal_force
 from bearingsim.core.defects import (
     ANGLE,
     INNER,
@@ -31,6 +31,7 @@ from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.interface import accelerations
 from bearingsim.core.parameters import turns
 from bearingsim.core.pit_contact import outdone
+from bearingsim.core.stiffness import iso16281
 from bearingsim.simulation import simulate
 from tests import reference
 from tests.scenes import SLOT, at_rest, case, drive, light_rollers

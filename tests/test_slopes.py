@@ -5,22 +5,11 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from bearingsim.core.contact import (
-    General,
-    HuntCrossley,
-    Kraemer,
-    Linear,
-    PowerLaw,
-    TenNinths,
-    ThreeHalves,
-    elastic,
-    johnson,
-    normal_force,
-    tangent,
-)
+from bearingsim.core.contact import HuntCrossley, Kraemer, general, normal_force
 from bearingsim.core.friction import KRAGELSKII, Frictionless, StaticDynamic, Traction, mu, mu_slope
 from bearingsim.core.johnson import cell
 from bearingsim.core.slopes import curvature, slopes
+from bearingsim.core.stiffness import Linear, PowerLaw, TenNinths, ThreeHalves, elastic, johnson, tangent
 from tests.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
 
 STEEL = TenNinths(1.58e9)
@@ -29,10 +18,10 @@ STIFFNESSES = [STEEL, ThreeHalves(2.7e10), Linear(3e8), PowerLaw(5e9, 1.2), LINE
 DAMPINGS = [
     lambda law: HuntCrossley(law, 50.0),
     lambda law: Kraemer(law, 1e-5),
-    lambda law: General(law, 1e6, 1.0, 0.0),
-    lambda law: General(law, 1e9, 1.0, 1.0),
-    lambda law: General(law, 1e14, 1.5, 2.0),
-    lambda law: General(law, 1e9, 0.7, 0.9),
+    lambda law: general(law, 1e6, 1.0, 0.0),
+    lambda law: general(law, 1e9, 1.0, 1.0),
+    lambda law: general(law, 1e14, 1.5, 2.0),
+    lambda law: general(law, 1e9, 0.7, 0.9),
 ]
 CONTACTS = [damping(law) for law in (STEEL, Linear(3e8), LINE) for damping in DAMPINGS]
 LAWS = [Frictionless(), StaticDynamic(0.3, 0.15, 0.02, 0.1), KRAGELSKII, Traction(-0.02, 15.0, 200.0, 0.08)]

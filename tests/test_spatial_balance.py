@@ -11,7 +11,7 @@ import pytest
 from bearingsim import build
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.cage_in_space import CageInSpace
-from bearingsim.core.contact import HuntCrossley, Linear
+from bearingsim.core.contact import HuntCrossley
 from bearingsim.core.defects import ANGLE, RADIUS
 from bearingsim.core.flanges import Flanges
 from bearingsim.core.friction import StaticDynamic
@@ -38,6 +38,7 @@ from bearingsim.core.layout import (
 )
 from bearingsim.core.mounts import Sprung
 from bearingsim.core.slices import edges, slices
+from bearingsim.core.stiffness import Linear
 from tests import spatial_bodies as bodies
 from tests.scenes import SLOT, case
 from tests.spatial_scene import L_W, empty, in_space

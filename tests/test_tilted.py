@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 
 from bearingsim import build
 from bearingsim.core.advance import Watch, advance, start_at_rest
-from bearingsim.core.contact import HuntCrossley, Linear, TenNinths
+from bearingsim.core.contact import HuntCrossley
 from bearingsim.core.defects import RADIUS, depression
 from bearingsim.core.flanges import Flanges, NoFlanges, between_flanges, chord
 from bearingsim.core.friction import Frictionless, StaticDynamic
@@ -49,6 +49,7 @@ from bearingsim.core.orientation import Body
 from bearingsim.core.outcomes import FINE
 from bearingsim.core.slices import edges, slices
 from bearingsim.core.spatial_rest import mean_rest_in_space, rest_in_space
+from bearingsim.core.stiffness import Linear, TenNinths
 from tests.scenes import SLOT, case
 from tests.spatial_scene import L_W, empty, even, flat, in_space
 from tests.test_planar_balance import orders

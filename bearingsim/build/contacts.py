@@ -5,7 +5,8 @@ from typing import Any
 from bearingsim import config
 from bearingsim.build.geometry import inner_radius, outer_radius
 from bearingsim.config import Case
-from bearingsim.core import contact as laws
+from bearingsim.core import contact as damping
+from bearingsim.core import stiffness as elastic
 from bearingsim.core.hertz import PointContact, ball_on_race
 
 
@@ -23,11 +24,11 @@ def damped(case: Case, stiffness: Any) -> Any:
     """The case's damping around a stiffness."""
     match case.contact.damping:
         case config.HuntCrossley(chi=chi):
-            return laws.HuntCrossley(stiffness, chi)
+            return damping.HuntCrossley(stiffness, chi)
         case config.Kraemer(beta=beta):
-            return laws.Kraemer(stiffness, beta)
+            return damping.Kraemer(stiffness, beta)
         case config.General(coefficient=c, velocity_exponent=m2, indentation_exponent=m3):
-            return laws.General(stiffness, c * 1e3 ** (m2 + m3), m2, m3)  # mm to m
+            return damping.general(stiffness, c * 1e3 ** (m2 + m3), m2, m3)  # mm to m
     raise ValueError(f"no such damping: {case.contact.damping}")
 
 
@@ -37,17 +38,17 @@ def stiffness(case: Case, on_outer: bool) -> Any:
     L_w = float(b.roller_length or 0.0)  # a ball has none, and no law that asks for it
     match law:
         case config.Constant(coefficient=k, exponent=m):
-            return laws.constant(k * 1e3**m, m)  # mm to m
+            return elastic.constant(k * 1e3**m, m)  # mm to m
         case "palmgren":
-            return laws.palmgren(L_w)
+            return elastic.palmgren(L_w)
         case "iso16281":
-            return laws.iso16281(L_w)
+            return elastic.iso16281(L_w)
         case "johnson":
             R_w = b.roller_diameter / 2.0
             dR = outer_radius(case) - R_w if on_outer else inner_radius(case) + R_w
-            return laws.johnson(b.material.young_modulus, b.material.poisson_ratio, L_w, dR)
+            return elastic.johnson(b.material.young_modulus, b.material.poisson_ratio, L_w, dR)
         case "point":
-            return laws.ThreeHalves(point_contact(case, on_outer).k)
+            return elastic.ThreeHalves(point_contact(case, on_outer).k)
     raise ValueError(f"no such stiffness: {law}")
 
 

@@ -11,8 +11,9 @@ from bearingsim.config import Case
 from bearingsim.core import cage as cages
 from bearingsim.core import friction as frictions
 from bearingsim.core import shaft as shafts
-from bearingsim.core.contact import HuntCrossley, Linear
+from bearingsim.core.contact import HuntCrossley
 from bearingsim.core.motion import Ramp, Steady
+from bearingsim.core.stiffness import Linear
 
 STANDARD_GRAVITY = 9.80665  # m/s^2
 CAGE_THICKNESS = 0.35  # of the roller's diameter, radially: an assumption

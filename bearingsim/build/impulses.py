@@ -8,12 +8,12 @@ import numpy as np
 from bearingsim.build import contacts, geometry, pits
 from bearingsim.build.rest import healthy_rest
 from bearingsim.config import Case
-from bearingsim.core.contact import EXPONENT, exponent
 from bearingsim.core.defects import Meeting
 from bearingsim.core.impulse_train import LoadZone, random_train, train
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.parameters import Support
 from bearingsim.core.sampling import RESAMPLE_REACH
+from bearingsim.core.stiffness import EXPONENT, exponent
 
 LEAD = 4  # ball passes by which a run may go on after its record and what filters reach, and some steps more
 

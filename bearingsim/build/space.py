@@ -11,8 +11,9 @@ from bearingsim.core import flanges as shoulders
 from bearingsim.core import slices as cut
 from bearingsim.core.cage import KinematicCage
 from bearingsim.core.cage_in_space import CageInPlane, CageInSpace
-from bearingsim.core.contact import HuntCrossley, Linear
+from bearingsim.core.contact import HuntCrossley
 from bearingsim.core.mounts import Held, Sprung
+from bearingsim.core.stiffness import Linear
 
 FLANGE_HEIGHT = 0.2  # of the roller's diameter: an assumption
 

@@ -10,7 +10,7 @@ The walls are flat and radial, so N acts along e_theta; the roller's surface rub
 from math import hypot
 from typing import Any, NamedTuple
 
-from bearingsim.core.contact import normal_force, tangent
+from bearingsim.core.contact import normal_force
 from bearingsim.core.friction import mu
 from bearingsim.core.jit import add, generic
 from bearingsim.core.layout import (
@@ -46,6 +46,7 @@ from bearingsim.core.layout import (
     X,
     Y,
 )
+from bearingsim.core.stiffness import tangent
 
 
 class KinematicCage(NamedTuple):

@@ -13,7 +13,7 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from bearingsim.core.cage import FreeCage, KinematicCage, radial_stop
-from bearingsim.core.contact import normal_force, tangent
+from bearingsim.core.contact import normal_force
 from bearingsim.core.friction import mu
 from bearingsim.core.jit import add, generic, jit
 from bearingsim.core.layout import (
@@ -78,6 +78,7 @@ from bearingsim.core.layout import (
 from bearingsim.core.orientation import Body, body_at, tip, winding_rate
 from bearingsim.core.slice_contact import AT_REST
 from bearingsim.core.slices import DROP, WEIGHT, ZETA
+from bearingsim.core.stiffness import tangent
 from bearingsim.core.vectors import across, both, cross, dot, mix, turning
 
 

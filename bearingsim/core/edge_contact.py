@@ -17,10 +17,10 @@ it with finite elements.
 from math import e, exp, log, pi, sqrt
 from typing import NamedTuple
 
-from bearingsim.core.contact import ninth_root
 from bearingsim.core.defects import DEPTH, KAPPA, X_E, B, W, depression
 from bearingsim.core.excitations import felt, groups
 from bearingsim.core.jit import jit
+from bearingsim.core.stiffness import ninth_root
 
 REMOVED, AWAY = 0.42, 0.7  # fitted to finite elements: weight of the wall's height, and of the edge's radius
 BEFORE = 2.0  # wall heights before the rim from where the missing material is felt

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.contact import damping_slope, in_series, share, tangent
+from bearingsim.core.contact import damping_slope, in_series
 from bearingsim.core.defects import HALF_WIDTH, SIDE
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
@@ -37,6 +37,7 @@ from bearingsim.core.layout import (
 )
 from bearingsim.core.parameters import turns
 from bearingsim.core.pit_contact import elastic_over_pit, outdone, standing
+from bearingsim.core.stiffness import share, tangent
 
 K_SERIES = WORK  # work row: stiffness of the two contacts of a roller in series, N/m
 PIT, ALONG = WORK + ROW, WORK + 3 * ROW  # work rows, two each (outer, inner): the meeting that a roller's contact

@@ -16,7 +16,7 @@ gradient; so energy and momentum are kept whatever the angles. Friction acts at 
 from math import sqrt
 from typing import Any, NamedTuple
 
-from bearingsim.core.contact import normal_force, tangent
+from bearingsim.core.contact import normal_force
 from bearingsim.core.friction import mu
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.layout import (
@@ -52,6 +52,7 @@ from bearingsim.core.layout import (
 from bearingsim.core.orientation import Body
 from bearingsim.core.sides import InnerSide, OuterSide, rows_of, sign
 from bearingsim.core.slice_contact import AT_REST
+from bearingsim.core.stiffness import tangent
 from bearingsim.core.vectors import both, cross, dot, mix
 
 

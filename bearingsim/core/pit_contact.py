@@ -4,12 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.core.contact import HuntCrossley, elastic, normal_force, tangent
+from bearingsim.core.contact import HuntCrossley, normal_force
 from bearingsim.core.defects import HALF_WIDTH, REDUCED, SIDE, USED, W, meeting
 from bearingsim.core.excitations import felt
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.parameters import turns
 from bearingsim.core.slopes import slopes
+from bearingsim.core.stiffness import elastic, tangent
 
 
 @jit

@@ -10,20 +10,10 @@ dashpot that holds a contact back does so more the deeper it is. (``stiffness_sl
 
 from typing import Any
 
-from bearingsim.core.contact import (
-    General,
-    HuntCrossley,
-    Johnson,
-    Kraemer,
-    Linear,
-    PowerLaw,
-    TenNinths,
-    ThreeHalves,
-    elastic,
-    tangent,
-)
+from bearingsim.core.contact import General, HuntCrossley, Kraemer, raised, raised_slope
 from bearingsim.core.jit import generic
 from bearingsim.core.johnson import reduced_curvature
+from bearingsim.core.stiffness import Johnson, Linear, PowerLaw, TenNinths, ThreeHalves, elastic, tangent
 
 SHALLOWEST = 1e-12  # m: approach below which a slope that is infinite at touch-down is taken there
 SLOWEST = 1e-12  # m/s: the same of a damping force that is infinitely steep at rest
@@ -88,11 +78,11 @@ def _slopes_kraemer(contact, delta, v):
 def _slopes_general(contact, delta, v):
     """At 0, |v|^(m2-1) and delta^(m3-1) are infinite if the exponent is below 1: SLOWEST, SHALLOWEST stand in."""
     d, speed = max(delta, 0.0), abs(v)
-    deep = d**contact.m3
-    drag = contact.c * speed**contact.m2
+    deep = raised(contact.m3, d)
+    drag = contact.c * raised(contact.m2, speed)
     drag = drag if v > 0.0 else -drag
     pressing = 1.0 if delta > 0.0 else 0.0
     pressing = pressing if elastic(contact.stiffness, d) + drag * deep > 0.0 else 0.0
-    K = tangent(contact.stiffness, d) + contact.m3 * drag * max(d, SHALLOWEST) ** (contact.m3 - 1.0)
-    C = contact.m2 * contact.c * max(speed, SLOWEST) ** (contact.m2 - 1.0) * deep
+    K = tangent(contact.stiffness, d) + drag * raised_slope(contact.m3, max(d, SHALLOWEST))
+    C = contact.c * raised_slope(contact.m2, max(speed, SLOWEST)) * deep
     return pressing * K, pressing * C

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.core.contact import stiffness_slope, tangent
+from bearingsim.core.contact import stiffness_slope
 from bearingsim.core.equilibrium import NoEquilibrium
 from bearingsim.core.flanges import between_flanges
 from bearingsim.core.jit import jit
@@ -71,6 +71,7 @@ from bearingsim.core.orientation import body_at
 from bearingsim.core.parameters import lanes
 from bearingsim.core.plane import place
 from bearingsim.core.slices import WEIGHT, ZETA
+from bearingsim.core.stiffness import tangent
 
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 STEPS = 100

@@ -13,8 +13,8 @@ import numpy as np
 
 from bearingsim import build
 from bearingsim.config import Case
-from bearingsim.core.contact import EXPONENT, PALMGREN_N_MM
 from bearingsim.core.defects import HALF_WIDTH, sliding
+from bearingsim.core.stiffness import EXPONENT, PALMGREN_N_MM
 
 SPAN = 2.2e-3  # s
 FINE = 1e-6  # s between the samples that are compared

@@ -17,7 +17,7 @@ the rollers' inertia and centrifugal load.
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.contact import damping_slope, in_series, normal_force, share, stiffness_slope, tangent
+from bearingsim.core.contact import damping_slope, in_series, normal_force, stiffness_slope
 from bearingsim.core.defects import Pits, sliding
 from bearingsim.core.equilibrium import ALONG, PIT, find_pits, roller_balance
 from bearingsim.core.events import next_cusp, next_cusp_evenly
@@ -64,6 +64,7 @@ from bearingsim.core.pit_contact import (
     stiffness_over_pit,
 )
 from bearingsim.core.slopes import slopes
+from bearingsim.core.stiffness import share, tangent
 
 K_RING, C_RING = WORK + 5 * ROW, WORK + 6 * ROW  # how a roller's force grows with its series' approach: N/m, N s/m
 
