@@ -146,7 +146,7 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
     The same array every time. The largest forces are those of the record's whole passes; ``clock[0]`` gathers the
     CPU seconds spent in the integrator.
     """
-    case, cut, model, method, watch = setup.case, setup.cut, setup.model, setup.method, setup.watch
+    case, cut, model = setup.case, setup.cut, setup.model
     counted, before = _passes_of_record(case, cut), _turns_of_pits(setup, 0.0, y)
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
     rows = (Q_MAX, Q_I_MAX, Q_P_MAX, *((TILT_MAX, LINE_MAX) if build.kind(case).sliced else ()))
@@ -154,22 +154,15 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
     kept = y[largest]
     window = np.empty((len(places), tail + steps))
     window[:] = y[places][:, np.newaxis]
-    compiling = 0.0  # what the first pass takes, which may be compiled for
-    if build.kind(case).memoryless:  # it was never at rest: what was before t = 0 is known
-        advance(method, model, watch, -tail, y, places, window[:, steps:])
+    # a model without memory was never at rest: what was before t = 0 is known; others only compile here
+    known = tail if build.kind(case).memoryless else 0
+    advance(setup.method, model, setup.watch, -known, y, places, window[:, steps + tail - known :])
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
         if p == 0 or not choose.repeats(case):
             if p == counted.start:
                 y[largest] = 0.0
-            began = time.thread_time()
-            taken, outcome, body = advance(method, model, watch, p * steps, y, places, window[:, tail:])
-            clock[0] += time.thread_time() - began
-            if outcome != outcomes.FINE:
-                raise stopped(setup, outcome, body, (p * steps + taken) * cut.step)
-            compiling = clock[0] if p == 0 else compiling
-            if clock[0] - compiling > setup.most_cpu and case.step == "auto":
-                raise stopped(setup, outcomes.TOO_SLOW, outcomes.NOBODY, (p * steps + taken) * cut.step)
+            _take(setup, p * steps, y, places, window[:, tail:], clock)
         if build.method_kind(case).adaptive:
             differentiate(window, tail, cut.step)
         if p == counted.stop - 1:
@@ -179,6 +172,25 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
     unseen = missed(model, cut.passes * steps * cut.step, before, y) if before else 0
     if unseen > 0:
         raise stopped(setup, outcomes.SKIPPED, unseen, cut.passes * steps * cut.step)
+
+
+UNSEEN = 4000  # steps, or recorded instants of an adaptive method, between two looks at the clock
+
+
+def _take(
+    setup: Setup, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray, clock: list[float]
+) -> None:
+    """Take and record all steps of ``out`` from number ``start``, a while at a time; raises if it must stop."""
+    for n in range(0, out.shape[1], UNSEEN):
+        began = time.thread_time()
+        taken, outcome, body = advance(
+            setup.method, setup.model, setup.watch, start + n, y, places, out[:, n : n + UNSEEN]
+        )
+        clock[0] += time.thread_time() - began
+        if outcome == outcomes.FINE and clock[0] > setup.most_cpu and setup.case.step == "auto":
+            outcome = outcomes.TOO_SLOW
+        if outcome != outcomes.FINE:
+            raise stopped(setup, outcome, body, (start + n + taken) * setup.cut.step)
 
 
 RING_AT, RING_MOVES, RING_IS_PUSHED = slice(0, 2), slice(2, 4), slice(4, 6)  # rows of BASE

@@ -1,6 +1,7 @@
 """Each guard, reached on purpose: what it says, of what, when, and what it advises."""
 
 import importlib
+from dataclasses import replace
 from typing import Any
 from unittest import mock
 
@@ -182,6 +183,22 @@ def test_a_pilot_may_take_its_part_of_what_a_run_may() -> None:
     with little, unforeseen, pytest.raises(SIMULATION.TooSlow) as caught:
         proof.prove(given, 1.0)
     assert caught.value.time < 0.02
+
+
+def test_the_clock_is_looked_at_within_a_ball_pass() -> None:
+    setup = set_up(choose.resolved(case(**{**VERLET, "step": "auto", "duration": "20 ms"})))
+    few = mock.patch.object(INTEGRATION, "UNSEEN", 16)
+    with few, pytest.raises(SIMULATION.TooSlow) as caught:
+        INTEGRATION.integrate(replace(setup, most_cpu=1e-9))
+    assert caught.value.time == pytest.approx(16 * setup.cut.step)
+
+
+@pytest.mark.parametrize("model", ["ring", "static"])
+def test_looks_at_the_clock_change_nothing(model: str) -> None:
+    setup = set_up(choose.resolved(case(model=model, defect=SLOT, duration="20 ms")))
+    seldom = INTEGRATION.integrate(setup).fine
+    with mock.patch.object(INTEGRATION, "UNSEEN", 7):
+        assert np.array_equal(INTEGRATION.integrate(setup).fine, seldom)
 
 
 def test_what_was_wrong_is_said_before_what_shorter_steps_would_cost() -> None:
