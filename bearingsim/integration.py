@@ -97,7 +97,7 @@ def watch_of(cut: choose.Grid, found: Limits) -> Watch:
     """Look twice within an impact (half a period of the roller between its contacts), and as a pit is crossed."""
     patience = 0.5 / found.contact_frequency if found.contact_frequency > 0.0 else 1.0
     stride = int(min(patience, found.crossing / 2.0) / (2.0 * cut.step))
-    return Watch(min(32, max(1, stride)), patience, found.deepest, found.liveliest)
+    return Watch(min(32, max(1, stride)), patience, found.deepest, found.liveliest, MOST_WORK)
 
 
 def integrate(setup: Setup, nudge: float = 0.0) -> Tape:
@@ -175,22 +175,25 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
 
 
 UNSEEN = 4000  # steps, or recorded instants of an adaptive method, between two looks at the clock
+MOST_WORK = 1e5  # evaluations of the model for them, by an adaptive method, after which it is looked at earlier
 
 
 def _take(
     setup: Setup, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray, clock: list[float]
 ) -> None:
     """Take and record all steps of ``out`` from number ``start``, a while at a time; raises if it must stop."""
-    for n in range(0, out.shape[1], UNSEEN):
+    n = 0
+    while n < out.shape[1]:
         began = time.thread_time()
         taken, outcome, body = advance(
             setup.method, setup.model, setup.watch, start + n, y, places, out[:, n : n + UNSEEN]
         )
+        n += taken
         clock[0] += time.thread_time() - began
         if outcome == outcomes.FINE and clock[0] > setup.most_cpu and setup.case.step == "auto":
             outcome = outcomes.TOO_SLOW
         if outcome != outcomes.FINE:
-            raise stopped(setup, outcome, body, (start + n + taken) * setup.cut.step)
+            raise stopped(setup, outcome, body, (start + n) * setup.cut.step)
 
 
 RING_AT, RING_MOVES, RING_IS_PUSHED = slice(0, 2), slice(2, 4), slice(4, 6)  # rows of BASE

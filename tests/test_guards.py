@@ -12,7 +12,7 @@ from bearingsim import choose, limits, proof
 from bearingsim.core import outcomes
 from bearingsim.core.advance import Watch, advance
 from bearingsim.core.crossings import missed, turned
-from bearingsim.core.layout import CROSSED, CROSSINGS, FAILED, FAILED_BODY, Q, V
+from bearingsim.core.layout import CROSSED, CROSSINGS, EVALUATED, FAILED, FAILED_BODY, Q, V
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.errors import Refused
 from bearingsim.integration import set_up
@@ -191,6 +191,18 @@ def test_the_clock_is_looked_at_within_a_ball_pass() -> None:
     with few, pytest.raises(SIMULATION.TooSlow) as caught:
         INTEGRATION.integrate(replace(setup, most_cpu=1e-9))
     assert caught.value.time == pytest.approx(16 * setup.cut.step)
+
+
+def test_the_clock_is_looked_at_where_steps_are_much_work() -> None:
+    """An adaptive method may take thousands of steps of its own between two recorded instants."""
+    setup = set_up(choose.resolved(case(model="ring", method="dop853", defect=SLOT, duration="20 ms")))
+    y, places = at_rest(setup.model), PLACES
+    INTEGRATION.ready(setup.method, setup.model, 0.0, y)
+    hurried = setup.watch._replace(most_work=1000.0)
+    taken, outcome, _ = advance(setup.method, setup.model, hurried, 0, y, places, np.empty((len(PLACES), 10_000)))
+    assert outcome == outcomes.FINE
+    assert taken < 1000
+    assert 1000 < y[EVALUATED] < 1200
 
 
 @pytest.mark.parametrize("model", ["ring", "static"])

@@ -14,6 +14,7 @@ from bearingsim.core.layout import (
     ACCELERATION,
     BURDEN,
     COS,
+    EVALUATED,
     FAILED,
     FAILED_BODY,
     LANES,
@@ -42,13 +43,15 @@ class Watch(NamedTuple):
     """What a run must keep to.
 
     stride: steps between looks; patience: seconds a body may be over the method's step limit; deepest: approach of
-    a contact (m) and liveliest: energy of radial motion (J) that nothing in the case can bring about.
+    a contact (m) and liveliest: energy of radial motion (J) that nothing in the case can bring about; most_work:
+    evaluations of the model, by a method that takes steps of its own, after which its caller is to look.
     """
 
     stride: int
     patience: float
     deepest: float = np.inf
     liveliest: float = np.inf
+    most_work: float = np.inf
 
 
 @jit
@@ -146,8 +149,9 @@ def advance(method, model, watch, start, y, places, out):
     """Take ``out.shape[1]`` steps from step number ``start``, recording ``places`` of the buffer after each.
 
     places: (C,) integers; out: (C, n). Returns (steps taken, outcome, body): all steps and FINE, or the step at
-    which the method gave up or the watch stopped the run.
+    which the method gave up or the watch stopped the run; fewer steps and FINE where they were much work.
     """
+    before = y[EVALUATED]
     for n in range(out.shape[1]):
         step(method, model, (start + n) * method.h, y)
         keep_extremes(model, y)
@@ -158,4 +162,6 @@ def advance(method, model, watch, start, y, places, out):
             outcome, body = look(method, model, watch, (start + n + 1) * method.h, y)
             if outcome != FINE:
                 return n + 1, outcome, body
+        if y[EVALUATED] - before > watch.most_work:
+            return n + 1, FINE, NOBODY
     return out.shape[1], FINE, NOBODY
