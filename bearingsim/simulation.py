@@ -202,7 +202,8 @@ _WARM: set[tuple] = set()  # kinds of case that this process has compiled or loa
 def warm(cases: Iterable[Case]) -> None:
     """Compile what the cases need (or load it from the cache) by computing one ball pass of each new kind."""
     for case in cases:
-        kind = _words(choose.resolved(case))
+        laws = build.contacts.outer(case), build.contacts.inner(case)
+        kind = _words(choose.resolved(case)), _types(laws)
         if kind not in _WARM:
             short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
             simulate(case.model_copy(update={"duration": short, "settle": 0.0, "step": "auto", "prove": False}))
@@ -216,6 +217,11 @@ def _words(value: Any) -> Any:
     if isinstance(value, tuple):
         return bool(value)
     return value if isinstance(value, str | bool | None) else type(value)
+
+
+def _types(value: Any) -> Any:
+    """The types that a law is made of: some exponents have their own."""
+    return (type(value), *map(_types, value)) if isinstance(value, tuple) else type(value)
 
 
 def _resampled(case: Case, cut: choose.Grid, tape: Tape) -> np.ndarray:

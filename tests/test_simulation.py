@@ -365,6 +365,18 @@ def test_warming_computes_each_kind_of_case_once() -> None:
     assert all(given.duration <= 0.01 for given in warmed)
 
 
+def test_exponents_with_code_of_their_own_are_kinds_of_their_own() -> None:
+    def general(m3: float, m1: float) -> Case:
+        stiffness = {"law": "constant", "coefficient": 7e5, "exponent": m1}
+        damping = {"law": "general", "coefficient": 1e3, "indentation_exponent": m3}
+        return case(contact={"stiffness": stiffness, "damping": damping})
+
+    cases = [general(m3, m1) for m1 in (1.0, 1.5) for m3 in (0.0, 1.0, 2.0, 0.5, 0.7)]
+    with mock.patch.object(SIMULATION, "_WARM", set()), mock.patch.object(SIMULATION, "simulate") as spied:
+        warm(cases)
+    assert spied.call_count == 8  # any other exponent is a number
+
+
 # The jump of the damping force at a narrow pit's cusp
 
 

@@ -173,13 +173,13 @@ def tightly(bench: Bench, method: str, tolerance: float, patience: float) -> Tra
 
 def warm(model: str, methods: Sequence[str], grid: Grid) -> Iterator[str]:
     """Compile (or load) what the cells of a model need; yields the name of each method before its turn."""
-    material = Material(model, grid.k[0], *grid.damping[0])
+    exponents = dict(grid.damping)  # each has its own compiled code
     kinds = {PITS[pit].get("excitation", "envelope"): pit for pit in grid.pits}
     for method in dict.fromkeys((*methods, *(name for name, _ in (*REFERENCES, COARSE)))):
         if method in methods_known():
             yield method
-            for pit in kinds.values():
-                run(set_up(material, pit), method, cells(method, grid)[0], 0.0)
+            for (m3, c), pit in product(exponents.items(), kinds.values()):
+                run(set_up(Material(model, grid.k[0], m3, c), pit), method, cells(method, grid)[0], 0.0)
 
 
 def map_of(material: Material, methods: Sequence[str], grid: Grid) -> Iterator[dict[str, Any]]:
