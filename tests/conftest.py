@@ -20,6 +20,16 @@ settings.register_profile("bearingsim", deadline=None, derandomize=bool(os.envir
 settings.load_profile("bearingsim")
 
 
+LONGEST = ("spatial_derivatives", "free_lines", "adaptive", "spatial", "implicit_bearing", "planar_derivatives")
+LONGEST += ("spatial_balance", "space_trends", "tilted", "exudyn", "slip", "finite_elements")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The files that compile or compute most come first, so that no process is left alone with one of them."""
+    order = {f"test_{name}": place for place, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: order.get(item.path.stem, len(order)))
+
+
 @pytest.fixture
 def write(tmp_path: Path) -> Write:
     """Writes a study file, and gives its path."""
