@@ -148,16 +148,15 @@ def test_a_small_map_has_a_row_for_each_cell(small):
     assert list(fine["class"]) == ["ok", "ok"]
     assert (rows["floor"] < 1e-4).all()
     assert "stability-ring-0.2-mm-slot-steps.png" in said
-    assert "getting ready: ring, verlet" in told
+    assert "getting ready, 1 of 4: ring, " in told
 
 
 def test_a_map_that_is_interrupted_keeps_its_rows(small, monkeypatch):
-    def some(units, methods, grid, jobs):
-        yield {"model": "ring", "class": "ok"}
-        yield {"model": "ring", "class": "blow-up"}
+    def some(function, units, jobs):
+        yield [{"model": "ring", "class": "ok"}, {"model": "ring", "class": "blow-up"}]
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(mapping, "_rows", some)
+    monkeypatch.setattr(mapping, "_spread", some)
     monkeypatch.setattr(mapping, "_compile", lambda *given: None)
     _, told = type_(*small, code=130)
     assert "has 2 of 8 cells" in told

@@ -4,14 +4,15 @@ import csv
 import os
 import sys
 import time
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from bearingsim.runner.pool import deaf_to_interrupts
 from bearingsim.runner.progress import duration
 from bearingsim.runner.work import die_with_parent
-from bearingsim.verify.stability import Grid, Material, count, map_of, materials, warm
+from bearingsim.verify.stability import Grid, Material, count, judges, map_of, materials, warm
 
 NAME = "stability.csv"
 LINE_EVERY_S = 5.0
@@ -24,13 +25,14 @@ def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: P
     """
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / NAME
-    _compile(models, methods, grid)
+    _compile(models, methods, grid, jobs)
+    units = [(unit, methods, grid) for unit in materials(models, grid)]
     total, done, began = count(models, methods, grid), 0, time.monotonic()
     last = began
     with path.open("w", newline="", encoding="utf-8") as file:
         table: csv.DictWriter | None = None
         try:
-            for row in _rows(materials(models, grid), methods, grid, jobs):
+            for row in chain.from_iterable(_spread(_whole, units, jobs)):
                 if table is None:
                     table = csv.DictWriter(file, list(row))
                     table.writeheader()
@@ -45,32 +47,34 @@ def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: P
     return path
 
 
-def _compile(models: Sequence[str], methods: Sequence[str], grid: Grid) -> None:
-    """Compile here once, so that no worker does and no cell is slow for it."""
-    for model in models:
-        for method in warm(model, methods, grid):
-            print(f"getting ready: {model}, {method}", file=sys.stderr, flush=True)
+def _compile(models: Sequence[str], methods: Sequence[str], grid: Grid, jobs: int) -> None:
+    """Compile before any cell is run, so that none is slow for it."""
+    units = [(model, method, grid) for model in models for method in (*methods, *judges(methods))]
+    for done, (model, method) in enumerate(_spread(_warmed, units, jobs), 1):
+        print(f"getting ready, {done} of {len(units)}: {model}, {method}", file=sys.stderr, flush=True)
 
 
-def _rows(
-    units: Sequence[Material], methods: Sequence[str], grid: Grid, jobs: int
-) -> Generator[dict[str, Any], None, None]:
+def _warmed(model: str, method: str, grid: Grid) -> tuple[str, str]:
+    warm(model, method, grid)
+    return model, method
+
+
+def _whole(unit: Material, methods: Sequence[str], grid: Grid) -> list[dict[str, Any]]:
+    return list(map_of(unit, methods, grid))
+
+
+def _spread(function: Callable, units: Sequence[tuple], jobs: int) -> Generator[Any, None, None]:
+    """What a function makes of each unit, in any order, computed by ``jobs`` processes."""
     if jobs == 1:
-        for unit in units:
-            yield from map_of(unit, methods, grid)
+        yield from (function(*unit) for unit in units)
         return
     from joblib import Parallel, delayed, parallel_config
 
     with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=(os.getpid(),)):
         pool = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
     with deaf_to_interrupts():
-        results = pool(delayed(_whole)(unit, methods, grid) for unit in units)
-    for rows in results:
-        yield from rows
-
-
-def _whole(unit: Material, methods: Sequence[str], grid: Grid) -> list[dict[str, Any]]:
-    return list(map_of(unit, methods, grid))
+        results = pool(delayed(function)(*unit) for unit in units)
+    yield from results
 
 
 def _text(value: Any) -> Any:

@@ -64,6 +64,8 @@ class Slopes:
 
     def __init__(self, model: Any, y: np.ndarray, limit: float) -> None:
         self.model, self.y, self.places = model, y.copy(), moving(model)
+        x = np.zeros(2 * len(self.places))
+        slopes(model, 0.0, x, self.places, self.y.copy(), np.empty_like(x))  # compiled, or loaded
         self.began, self.limit, self.calls = time.thread_time(), limit, 0
 
     def __call__(self, t: float, x: np.ndarray) -> np.ndarray:

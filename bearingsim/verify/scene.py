@@ -2,8 +2,7 @@
 
 The NF308 at 1800 rpm under 150 N, for 2.2 ms from rest. The pits lie 0.6 ms apart on the outer race, about the
 load line, so that one roller crosses all of them near its largest load; the first 0.5 ms are calm, and a method
-that chooses its steps has made them long by then. One law for all, k delta^(10/9) + c v delta^m3, so that each
-model is compiled once for each method.
+that chooses its steps has made them long by then. One law for all, k delta^(10/9) + c v delta^m3.
 """
 
 from math import degrees

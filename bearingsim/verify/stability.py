@@ -171,15 +171,18 @@ def tightly(bench: Bench, method: str, tolerance: float, patience: float) -> Tra
     return solve(method, bench.model, bench.y, asked(bench, tolerance), patience)
 
 
-def warm(model: str, methods: Sequence[str], grid: Grid) -> Iterator[str]:
-    """Compile (or load) what the cells of a model need; yields the name of each method before its turn."""
+def judges(methods: Sequence[str]) -> tuple[str, ...]:
+    """The methods of the reference that are not among those mapped."""
+    names = dict.fromkeys(name for name, _ in (*REFERENCES, COARSE))
+    return tuple(name for name in names if name not in methods and name in methods_known())
+
+
+def warm(model: str, method: str, grid: Grid) -> None:
+    """Compile (or load) what the cells of a model and a method need."""
     exponents = dict(grid.damping)  # each has its own compiled code
     kinds = {PITS[pit].get("excitation", "envelope"): pit for pit in grid.pits}
-    for method in dict.fromkeys((*methods, *(name for name, _ in (*REFERENCES, COARSE)))):
-        if method in methods_known():
-            yield method
-            for (m3, c), pit in product(exponents.items(), kinds.values()):
-                run(set_up(Material(model, grid.k[0], m3, c), pit), method, cells(method, grid)[0], 0.0)
+    for (m3, c), pit in product(exponents.items(), kinds.values()):
+        run(set_up(Material(model, grid.k[0], m3, c), pit), method, cells(method, grid)[0], 0.0)
 
 
 def map_of(material: Material, methods: Sequence[str], grid: Grid) -> Iterator[dict[str, Any]]:

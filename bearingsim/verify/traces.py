@@ -14,6 +14,7 @@ from bearingsim.core.outcomes import NEWTON_STALLED, NOT_FINITE, STALLED, STEP_F
 from bearingsim.verify.scene import FINE, SPAN
 
 FARTHEST, FASTEST = 1e-3, 50.0  # m, m/s: a ring beyond has been blown away
+MOST_WORK = 1e4  # evaluations by an adaptive method between two looks at the clock
 MOST_AT_ONCE = 20_000  # steps between looks at the clock
 
 BLOW_UP, STALL, TOO_SLOW = "blow-up", "stalled", "too slow"
@@ -56,11 +57,13 @@ def trace(kind: MethodKind, method: Any, model: Any, y: np.ndarray, limit: float
     places = np.array([VELOCITY + X, VELOCITY + Y, POSITION + X, POSITION + Y, *range(Q_O, Q_O + Z)])
     steps, per, every = round(SPAN / method.h), max(1, round(FINE / method.h)), max(1, round(method.h / FINE))
     at_once = per * (20 if kind.adaptive or kind.implicit else ceil(MOST_AT_ONCE / per))
-    watch = Watch(stride=16, patience=np.inf)  # what outruns its limit is to be seen
+    # what outruns its limit is to be seen
+    watch = Watch(stride=16, patience=np.inf, most_work=MOST_WORK if kind.adaptive else np.inf)
     kept: list[np.ndarray] = []
     failure, reason, taken = "", "", 0
-    began = time.thread_time()
     ready(method, model, 0.0, y)
+    advance(method, model, watch, 0, y, places, np.empty((len(places), 0)))  # compiled, or loaded
+    began = time.thread_time()
     while taken < steps and not failure:
         out = np.empty((len(places), min(at_once, steps - taken)))
         got, outcome, _ = advance(method, model, watch, taken, y, places, out)
