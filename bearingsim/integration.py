@@ -154,9 +154,9 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
     kept = y[largest]
     window = np.empty((len(places), tail + steps))
     window[:] = y[places][:, np.newaxis]
-    # a model without memory was never at rest: what was before t = 0 is known; others only compile here
-    known = tail if build.kind(case).memoryless else 0
-    advance(setup.method, model, setup.watch, -known, y, places, window[:, steps + tail - known :])
+    _load(setup, y, places)
+    if build.kind(case).memoryless:  # it was never at rest: what was before t = 0 is known
+        advance(setup.method, model, setup.watch, -tail, y, places, window[:, steps:])
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
         if p == 0 or not choose.repeats(case):
@@ -174,8 +174,14 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
         raise stopped(setup, outcomes.SKIPPED, unseen, cut.passes * steps * cut.step)
 
 
+def _load(setup: Setup, y: np.ndarray, places: np.ndarray) -> None:
+    """Compile or load what takes steps, before the clock runs: a step that is thrown away."""
+    part = np.empty((len(places), 2))[:, :1]  # laid out as parts of a recording: another layout is other code
+    advance(setup.method, setup.model, setup.watch, 0, y.copy(), places, part)
+
+
 UNSEEN = 4000  # steps, or recorded instants of an adaptive method, between two looks at the clock
-MOST_WORK = 1e5  # evaluations of the model for them, by an adaptive method, after which it is looked at earlier
+MOST_WORK = 1e5  # evaluations of the model after which it is looked at earlier, once an instant is recorded
 
 
 def _take(

@@ -24,6 +24,7 @@ from bearingsim.core.contact import (
     stiffness_slope,
 )
 from bearingsim.core.johnson import COEFFICIENTS, TABLE, cell
+from bearingsim.core.slopes import slopes
 from bearingsim.core.stiffness import (
     Linear,
     PowerLaw,
@@ -53,7 +54,12 @@ LAWS = [
     general(STEEL, 1e14, 1.5, 2.0),
     General(STEEL, 1e15, Power(1.0), Power(2.0)),
 ]
-WHOLE = [(1.0, 0.0, Power1, Power0), (1.0, 1.0, Power1, Power1), (2.0, 2.0, Power2, Power2)]
+WHOLE = [
+    (1.0, 0.0, Power1, Power0),
+    (1.0, 1.0, Power1, Power1),
+    (2.0, 2.0, Power2, Power2),
+    (0.0, 0.1 + 3 * 0.3, Power0, Power1),  # a sweep's arithmetic: not quite 1
+]
 approaches = st.floats(1e-9, 1e-5)
 rates = st.floats(-0.3, 0.3)
 
@@ -323,9 +329,9 @@ def test_whole_exponents_are_types_and_equal_any_exponent(m2, m3, rate, depth):
     assert isinstance(law.m2, rate)
     assert isinstance(law.m3, depth)
     assert isinstance(general(STEEL, 1e9, 1.0, 1.5).m3, Power)
-    for value in (normal_force, damping_slope, stiffness_slope):
+    for value in (normal_force, damping_slope, stiffness_slope, slopes):
         for v in (-0.1, 0.0, 2e-3, 0.3):
-            for delta in (1e-9, 3e-6):
+            for delta in (0.0, 1e-13, 1e-9, 3e-6):
                 assert value(law, delta, v) == pytest.approx(value(slow, delta, v), rel=1e-13, abs=0.0)
 
 

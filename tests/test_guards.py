@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 from unittest import mock
 
+import numba
 import numpy as np
 import pytest
 
@@ -205,12 +206,43 @@ def test_the_clock_is_looked_at_where_steps_are_much_work() -> None:
     assert 1000 < y[EVALUATED] < 1200
 
 
-@pytest.mark.parametrize("model", ["ring", "static"])
-def test_looks_at_the_clock_change_nothing(model: str) -> None:
-    setup = set_up(choose.resolved(case(model=model, defect=SLOT, duration="20 ms")))
-    seldom = INTEGRATION.integrate(setup).fine
-    with mock.patch.object(INTEGRATION, "UNSEEN", 7):
-        assert np.array_equal(INTEGRATION.integrate(setup).fine, seldom)
+@pytest.mark.parametrize(
+    "way", [{"method": "verlet"}, {"method": "dop853"}, {"method": "rodas"}, {"model": "static"}]
+)
+def test_looks_at_the_clock_change_nothing(way: dict[str, str]) -> None:
+    given = choose.resolved(case(defect=SLOT, duration="20 ms", **way))
+    seldom = INTEGRATION.integrate(set_up(given))
+    with mock.patch.object(INTEGRATION, "UNSEEN", 7), mock.patch.object(INTEGRATION, "MOST_WORK", 50.0):
+        often = INTEGRATION.integrate(set_up(given))
+    assert np.array_equal(often.fine, seldom.fine)
+    assert np.array_equal(often.y, seldom.y, equal_nan=True)
+
+
+def test_a_run_asks_to_be_looked_at_where_steps_are_much_work() -> None:
+    given = choose.resolved(case(model="ring", method="dop853", defect=SLOT, duration="20 ms"))
+    setup = set_up(given)
+    assert setup.watch.most_work == INTEGRATION.MOST_WORK
+    with (
+        mock.patch.object(INTEGRATION, "MOST_WORK", 1000.0),
+        mock.patch.object(INTEGRATION, "advance", wraps=advance) as spied,
+    ):
+        INTEGRATION.integrate(set_up(given))
+    columns = sum(call.args[6].shape[1] for call in spied.call_args_list)
+    assert columns > setup.cut.passes * setup.cut.steps_per_pass + 1000  # many came back early
+
+
+def test_what_takes_steps_is_compiled_before_the_clock_runs() -> None:
+    setup = set_up(choose.resolved(case(**VERLET)))
+    layouts = []
+
+    def noted(*given: Any) -> Any:
+        layouts.append(numba.typeof(given[6]))
+        return advance(*given)
+
+    with mock.patch.object(INTEGRATION, "advance", noted):
+        INTEGRATION.integrate(setup)
+    assert len(layouts) > 1
+    assert len(set(layouts)) == 1
 
 
 def test_what_was_wrong_is_said_before_what_shorter_steps_would_cost() -> None:

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest import mock
 
 import numba
 import numpy as np
@@ -127,6 +128,19 @@ def test_a_cache_that_cannot_be_written_is_not_used(tmp_path: Path, monkeypatch:
 def test_compiled_code_goes_into_that_folder_and_nowhere_else() -> None:
     assert Path(driver.advance._cache.cache_path).is_relative_to(jit._CACHE)
     assert str(jit.numba_config.CACHE_DIR) == os.environ.get("NUMBA_CACHE_DIR", "")
+
+
+def test_compiled_code_is_saved_by_one_process_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    held = mock.MagicMock()
+    monkeypatch.setattr(jit, "_SAVING", held)
+    halved = jit.jit(halve)
+    halved._cache._save_overload = lambda *given: held.saved(held.__enter__.call_count, held.__exit__.call_count)
+    assert halved(3.0) == 1.5
+    held.saved.assert_called_once_with(1, 0)
+
+
+def halve(x: float) -> float:
+    return 0.5 * x
 
 
 # One name, one implementation per type

@@ -21,6 +21,7 @@ DAMPINGS = [
     lambda law: general(law, 1e6, 1.0, 0.0),
     lambda law: general(law, 1e9, 1.0, 1.0),
     lambda law: general(law, 1e14, 1.5, 2.0),
+    lambda law: general(law, 1e12, 2.0, 1.0),
     lambda law: general(law, 1e9, 0.7, 0.9),
 ]
 CONTACTS = [damping(law) for law in (STEEL, Linear(3e8), LINE) for damping in DAMPINGS]

@@ -1,7 +1,9 @@
 """`bearingsim stability`: how a run is judged, the rows and the map, and what a wrong command is told."""
 
+import os
 import subprocess
 import sys
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -148,7 +150,21 @@ def test_a_small_map_has_a_row_for_each_cell(small):
     assert list(fine["class"]) == ["ok", "ok"]
     assert (rows["floor"] < 1e-4).all()
     assert "stability-ring-0.2-mm-slot-steps.png" in said
-    assert "getting ready, 1 of 4: ring, " in told
+    assert "ready, 1 of 4: ring, " in told
+
+
+def test_each_exponent_and_kind_of_pit_is_made_ready(monkeypatch):
+    ready = []
+    monkeypatch.setattr(stability, "run", lambda bench, method, setting, limit: ready.append(bench.case))
+    stability.warm("ring", "verlet", stability.FULL)
+    kinds = {(one.contact.damping.indentation_exponent, one.excitation) for one in ready}
+    assert kinds == set(product((0.0, 1.0, 2.0), ("envelope", "rectangular-pulse")))
+    assert len(ready) == len(kinds)
+
+
+def test_units_are_spread_over_processes():
+    found = mapping._spread(os.path.join, [("a", "b"), ("c", "d")], jobs=2)
+    assert sorted(found) == ["a/b", "c/d"]
 
 
 def test_a_map_that_is_interrupted_keeps_its_rows(small, monkeypatch):

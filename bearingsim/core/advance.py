@@ -44,7 +44,7 @@ class Watch(NamedTuple):
 
     stride: steps between looks; patience: seconds a body may be over the method's step limit; deepest: approach of
     a contact (m) and liveliest: energy of radial motion (J) that nothing in the case can bring about; most_work:
-    evaluations of the model, by a method that takes steps of its own, after which its caller is to look.
+    evaluations of the model, by a method that counts them, after which its caller is to look.
     """
 
     stride: int
@@ -149,7 +149,7 @@ def advance(method, model, watch, start, y, places, out):
     """Take ``out.shape[1]`` steps from step number ``start``, recording ``places`` of the buffer after each.
 
     places: (C,) integers; out: (C, n). Returns (steps taken, outcome, body): all steps and FINE, or the step at
-    which the method gave up or the watch stopped the run; fewer steps and FINE where they were much work.
+    which the method gave up or the watch stopped the run; fewer steps and FINE once they were much work.
     """
     before = y[EVALUATED]
     for n in range(out.shape[1]):

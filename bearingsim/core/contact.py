@@ -7,6 +7,7 @@ the elastic law (``stiffness.py``) it goes with, so one value names the whole co
 ``HuntCrossley(TenNinths(k), chi)``.
 """
 
+from math import isclose
 from typing import Any, NamedTuple
 
 from bearingsim.core.jit import generic, jit
@@ -62,13 +63,18 @@ class Power(NamedTuple):
 class General(NamedTuple):
     """Damping of the multibody codes: Q = Q_e + c sgn(v) |v|^m2 delta^m3. c in N (s/m)^m2 / m^m3.
 
-    m2, m3: exponents, each a ``Power0``, ``Power1``, ``Power2`` or ``Power``; see ``general``.
+    m2, m3: exponents, each a ``Power0``, ``Power1``, ``Power2`` or ``Power``; see ``general``. The first three are
+    empty tuples, so equal to one another: laws are told apart by their types, not by ``==``.
     """
 
     stiffness: Any
     c: float
     m2: Any
     m3: Any
+
+
+WHOLE = ((0.0, Power0), (1.0, Power1), (2.0, Power2))
+"""The exponents that have a type of their own."""
 
 
 def general(stiffness: Any, c: float, m2: float, m3: float) -> General:
@@ -78,8 +84,8 @@ def general(stiffness: Any, c: float, m2: float, m3: float) -> General:
 
 def power(m: float) -> Power0 | Power1 | Power2 | Power:
     """The fastest exponent that is ``m``."""
-    known: dict[float, Power0 | Power1 | Power2] = {0.0: Power0(), 1.0: Power1(), 2.0: Power2()}
-    return known[m] if m in known else Power(float(m))
+    known = [kind for whole, kind in WHOLE if isclose(m, whole, rel_tol=1e-12, abs_tol=1e-12)]
+    return known[0]() if known else Power(float(m))
 
 
 @generic

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from filelock import FileLock
 from numba.core import config
 from numba.extending import overload
 
@@ -63,6 +64,7 @@ def private_temporary_folder() -> Path:
 
 
 _CACHE = str(cache_folder())
+_SAVING = FileLock(Path(_CACHE) / "saving.lock")
 
 
 def jit(function: Callable) -> Any:
@@ -70,9 +72,25 @@ def jit(function: Callable) -> Any:
     before = numba_config.CACHE_DIR
     numba_config.CACHE_DIR = _CACHE  # read while the decorator runs, so other users of numba keep their own
     try:
-        return numba.njit(cache=True, **OPTIONS)(function)
+        return saved_in_turn(numba.njit(cache=True, **OPTIONS)(function))
     finally:
         numba_config.CACHE_DIR = before
+
+
+def saved_in_turn(dispatcher: Any) -> Any:
+    """A compiled function whose code is saved by one process at a time.
+
+    numba reads an index, picks a file name and writes both: two processes at once could give one name to the code
+    of two signatures, and later load one for the other.
+    """
+    save = dispatcher._cache.save_overload
+
+    def save_in_turn(signature: Any, code: Any) -> None:
+        with suppress(OSError, NotImplementedError), _SAVING:  # a folder that knows no locks keeps nothing
+            save(signature, code)
+
+    dispatcher._cache.save_overload = save_in_turn
+    return dispatcher
 
 
 def generic(declaration: Callable) -> Any:

@@ -5,15 +5,16 @@ import re
 import signal
 import threading
 import warnings
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from typing import Any
 
 from bearingsim.errors import UserError
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
 
-__all__ = ["WorkersDie", "deaf_to_interrupts", "outcomes"]
+__all__ = ["WorkersDie", "deaf_to_interrupts", "outcomes", "spread"]
 
 BARREN_RESTARTS = 3
 
@@ -59,14 +60,17 @@ def _ids(work: Work) -> set[str]:
 
 def _in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
     """Outcomes in the order of completion. Raises BrokenProcessPool when a worker dies; all are dead then."""
+    yield from spread(compute, [(work,) for work in works], max(2, min(workers, len(works))))
+
+
+def spread(function: Callable, arguments: Sequence[tuple], workers: int) -> Generator[Any, None, None]:
+    """What a function makes of each tuple of arguments, as it is done, computed by other processes."""
     from joblib import Parallel, delayed, parallel_config
 
     with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=(os.getpid(),)):
-        pool = Parallel(
-            n_jobs=max(2, min(workers, len(works))), return_as="generator_unordered", batch_size=1, max_nbytes=None
-        )
+        pool = Parallel(n_jobs=workers, return_as="generator_unordered", batch_size=1, max_nbytes=None)
     with deaf_to_interrupts():
-        results = pool(delayed(compute)(work) for work in works)
+        results = pool(delayed(function)(*given) for given in arguments)
     try:
         yield from results
     finally:

@@ -1,7 +1,6 @@
 """A whole stability map: units of work spread over processes, rows written as they come."""
 
 import csv
-import os
 import sys
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
@@ -9,9 +8,8 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from bearingsim.runner.pool import deaf_to_interrupts
+from bearingsim.runner.pool import spread
 from bearingsim.runner.progress import duration
-from bearingsim.runner.work import die_with_parent
 from bearingsim.verify.stability import Grid, Material, count, judges, map_of, materials, warm
 
 NAME = "stability.csv"
@@ -50,8 +48,9 @@ def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: P
 def _compile(models: Sequence[str], methods: Sequence[str], grid: Grid, jobs: int) -> None:
     """Compile before any cell is run, so that none is slow for it."""
     units = [(model, method, grid) for model in models for method in (*methods, *judges(methods))]
+    print(f"getting ready: {len(units)} pairs of model and method", file=sys.stderr, flush=True)
     for done, (model, method) in enumerate(_spread(_warmed, units, jobs), 1):
-        print(f"getting ready, {done} of {len(units)}: {model}, {method}", file=sys.stderr, flush=True)
+        print(f"ready, {done} of {len(units)}: {model}, {method}", file=sys.stderr, flush=True)
 
 
 def _warmed(model: str, method: str, grid: Grid) -> tuple[str, str]:
@@ -68,13 +67,7 @@ def _spread(function: Callable, units: Sequence[tuple], jobs: int) -> Generator[
     if jobs == 1:
         yield from (function(*unit) for unit in units)
         return
-    from joblib import Parallel, delayed, parallel_config
-
-    with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=(os.getpid(),)):
-        pool = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
-    with deaf_to_interrupts():
-        results = pool(delayed(function)(*unit) for unit in units)
-    yield from results
+    yield from spread(function, units, jobs)
 
 
 def _text(value: Any) -> Any:

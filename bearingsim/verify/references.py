@@ -10,6 +10,7 @@ import warnings
 from typing import Any
 
 import numpy as np
+from scipy import integrate
 
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, LANES, POSITION, Q_O, ROW, VELOCITY, shared_cell
@@ -64,6 +65,7 @@ class Slopes:
 
     def __init__(self, model: Any, y: np.ndarray, limit: float) -> None:
         self.model, self.y, self.places = model, y.copy(), moving(model)
+        fill_levers(model, self.y)
         x = np.zeros(2 * len(self.places))
         slopes(model, 0.0, x, self.places, self.y.copy(), np.empty_like(x))  # compiled, or loaded
         self.began, self.limit, self.calls = time.thread_time(), limit, 0
@@ -90,7 +92,6 @@ def solve(solver: str, model: Any, y: np.ndarray, asked: Tolerances, limit: floa
     calls success is read; it says nothing of pits that were stepped over.
     """
     f = Slopes(model, y, limit)
-    fill_levers(model, f.y)
     lever = f.y[LEVER + f.places]
     atol = np.concatenate([asked.atol_q / lever, asked.atol_v / lever])
     columns: list[np.ndarray] = []
@@ -107,8 +108,6 @@ def _march(
     name: str, f: Slopes, x_0: np.ndarray, atol: np.ndarray, asked: Tolerances, columns: list[np.ndarray]
 ) -> tuple[str, str, int]:
     """Step to the end, appending the states (2 n, samples) to ``columns``; failure, reason, steps."""
-    from scipy import integrate
-
     steps, due = 0, 0
     try:
         one = getattr(integrate, name)(f, 0.0, x_0, TIMES[-1], rtol=asked.rtol, atol=atol, max_step=asked.longest)
