@@ -1,10 +1,11 @@
 """What one integrator step costs, for each model and method, healthy and over a slot.
 
-    python benchmarks/step_cost.py [--csv FILE] [--steps N] [--rounds N]
+    python benchmarks/step_cost.py [--csv FILE] [--steps N] [--rounds N] [--only WORD]
 
 NF308, 1800 rpm, 150 N. Every variant is compiled and warmed first; then all take turns, each running the same N
 steps a round under the watch that `simulate` sets, and the fastest round of each counts: what disturbs a machine
-comes and goes, and hits all alike. A second block gives `rollers` other numbers of rollers: the price of padding.
+comes and goes, and hits all alike. A second block gives `rollers` other numbers of rollers, the price of padding;
+a third other laws of damping. ``--only``: variants whose scene begins with that word.
 Columns: ns per step; the step `auto` chooses (us); CPU s per simulated second that follows from the two.
 """
 
@@ -13,6 +14,7 @@ import csv
 import sys
 import time
 from collections.abc import Iterator
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -32,6 +34,9 @@ SCENES |= {f"0.8 mm slot, {race}": {"defect": SLOT | {"race": race}} for race in
 STEPPED = tuple((model, method) for model in ("ring", "rollers", "planar") for method in ("verlet", "rk4"))
 PAIRS = (("static", None), *STEPPED)
 ROLLERS = (8, 13, 16, 24, 32)
+GENERAL = {"law": "general", "coefficient": 100.0}
+LAWS = {"chi": {"law": "hunt-crossley", "chi": 50.0}, "kraemer": {"law": "kraemer", "beta": 1e-5}}
+LAWS |= {f"m3 = {m3:g}": GENERAL | {"indentation_exponent": m3} for m3 in (0.0, 1.0, 1.5, 2.0)}
 SLOWER = {"static": 50}  # a balance costs about as much as so many steps
 
 
@@ -56,11 +61,19 @@ def models_and_methods() -> Iterator[dict[str, Any]]:
 
 def numbers_of_rollers() -> Iterator[dict[str, Any]]:
     """`rollers` with other numbers of rollers: only the arithmetic matters here, they would not all fit."""
-    case = Case.model_validate(BASE | {"clearance": "-1 um"})
+    case = Case.model_validate(BASE | {"clearance": "-1 um", "method": "verlet"})
     for Z in ROLLERS:
         model = build.model(case)
         model = model._replace(bearing=model.bearing._replace(Z=Z))
         yield variant({"scene": "lanes", "model": "rollers", "method": "verlet", "rollers": Z}, case, model)
+
+
+def laws_of_damping() -> Iterator[dict[str, Any]]:
+    """`rollers` with each law: what leaves the vector lanes."""
+    for name, law in LAWS.items():
+        case = Case.model_validate(BASE | {"model": "rollers", "method": "verlet", "contact": {"damping": law}})
+        labels = {"scene": f"law {name}", "model": "rollers", "method": "verlet", "rollers": case.bearing.rollers}
+        yield variant(labels, case, build.model(case))
 
 
 def run(one: dict[str, Any], steps: int) -> float:
@@ -83,8 +96,10 @@ def main() -> None:
     parser.add_argument("--csv")
     parser.add_argument("--steps", type=int, default=20_000)
     parser.add_argument("--rounds", type=int, default=15)
+    parser.add_argument("--only", default="")
     options = parser.parse_args()
-    variants = [*models_and_methods(), *numbers_of_rollers()]
+    every = chain(models_and_methods(), numbers_of_rollers(), laws_of_damping())
+    variants = [one for one in every if one["row"]["scene"].startswith(options.only)]
     for one in variants:
         run(one, options.steps)
     times = [[run(one, options.steps) for one in variants] for _ in range(options.rounds)]
