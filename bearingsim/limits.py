@@ -164,6 +164,10 @@ def leap(model: Any, law: Any, load: float) -> tuple[float, float, float]:
     return float(normal_force(law, deep, 0.0)), float(K) / b.m_r, float(C) / b.m_r
 
 
+TOUCHED = 1e-15  # m: approach at which an impact begins; a dashpot that jumps acts there
+RESOLVED = 0.2  # of the time in which damping alone would stop a roller: a step of its impact
+
+
 def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
     """A free roller of mass ``m`` (kg) thrown at one race with ``speed`` (m/s): peak force, largest slopes over m.
 
@@ -178,13 +182,14 @@ def _impact(m: float, law: Any, named: str, speed: float) -> tuple[float, float,
     """``impact``, remembered; ``named`` tells laws apart that are equal as tuples."""
     if m == 0.0 or speed == 0.0:
         return 0.0, 0.0, 0.0
-    h = min(1e-7, 1e-3 * pi * sqrt(m / stiffness_slope(law, 1e-7, 0.0)))
-    delta, v, peak, K, C = 0.0, speed, 0.0, 0.0, 0.0
+    longest = min(1e-7, 1e-3 * pi * sqrt(m / stiffness_slope(law, 1e-7, 0.0)))
+    delta, v, peak, K, C = TOUCHED, speed, 0.0, 0.0, 0.0
     while v > 0.0:
-        force = normal_force(law, delta, v)
-        peak = max(peak, force)
-        K = max(K, stiffness_slope(law, max(delta, 0.0), v))
-        C = max(C, damping_slope(law, max(delta, 0.0), v))
+        peak = max(peak, normal_force(law, delta, v))
+        K = max(K, stiffness_slope(law, delta, v))
+        damping = damping_slope(law, delta, v)
+        C = max(C, damping)
+        h = min(longest, RESOLVED * m / damping) if damping > 0.0 else longest
         delta += h * v
         v -= h * normal_force(law, delta, v) / m
     return float(peak), float(K) / m, float(C) / m

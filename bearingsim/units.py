@@ -36,6 +36,7 @@ Dimension = Literal[
     "torsional stiffness",
     "torsional damping",
     "number",
+    "coefficient in N, mm and s",
     "share",
     "tolerance",
 ]
@@ -84,6 +85,7 @@ UNITS: dict[Dimension, dict[str, Factor]] = {
     "torsional stiffness": _decimal(**{"N m/rad": 0, "N mm/rad": -3}),
     "torsional damping": _decimal(**{"N m s/rad": 0, "N mm s/rad": -3}),
     "number": {"": Factor(Fraction(1))},
+    "coefficient in N, mm and s": {"": Factor(Fraction(1))},
     "share": {"%": Factor(Fraction(1, 100))},
     "tolerance": {"": Factor(Fraction(1)), "%": Factor(Fraction(1, 100))},
 }
@@ -107,6 +109,7 @@ EXPECTED: dict[Dimension, str] = {
     "torsional stiffness": "a torsional stiffness such as `1e4 N m/rad`",
     "torsional damping": "a torsional damping such as `0.1 N m s/rad`",
     "number": "a plain number such as `1.5`",
+    "coefficient in N, mm and s": "a plain number, in N, mm and s, such as `1e4`",
     "share": "a share such as `60 %`",
     "tolerance": "a tolerance such as `0.01 %`",
 }
@@ -130,6 +133,7 @@ DISPLAY: dict[Dimension, str] = {
     "torsional stiffness": "N m/rad",
     "torsional damping": "N m s/rad",
     "number": "",
+    "coefficient in N, mm and s": "",
     "share": "%",
     "tolerance": "",
 }

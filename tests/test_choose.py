@@ -154,6 +154,14 @@ def test_impact_without_damping_turns_all_energy_into_the_contact() -> None:
     assert C == 0.0
 
 
+def test_a_dashpot_that_jumps_stops_a_roller_by_its_own_force() -> None:
+    damping = {"law": "general", "coefficient": 1e6, "indentation_exponent": 0.0}
+    model = build.model(case(contact={"damping": damping}))
+    peak, _, C = limiting.impact(model.bearing.m_r, model.outer, 0.05)
+    assert peak == pytest.approx(1e9 * 0.05, rel=1e-6)
+    assert C * model.bearing.m_r == pytest.approx(1e9)
+
+
 def test_a_faster_impact_is_harder() -> None:
     model = build.model(case())
     found = [limiting.impact(model.bearing.m_r, model.outer, speed) for speed in (0.01, 0.03, 0.1, 0.3)]

@@ -2,13 +2,14 @@
 
 import math
 from types import SimpleNamespace
+from unittest import mock
 
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
 from bearingsim import store
-from bearingsim.plots import PlotError, PlotWarning, labels, plot, select, style
+from bearingsim.plots import PlotError, PlotWarning, labels, plot, select, style, sweep
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import Signal
 from bearingsim.plots.series import amplitude_spectrum
@@ -161,6 +162,27 @@ def test_lost_jobs_are_marked_where_they_would_stand(results):
     assert [list(line.get_xdata()) for line in failed] == [[3.0]]
     assert [list(line.get_xdata()) for line in missing] == [[9.0]]
     assert text_of(canvas)[-2:] == ["failed", "not computed"]
+
+
+def test_what_moves_chaotically_is_ringed_and_the_legend_says_so(results):
+    made = results()
+    assert "chaotic: one draw of many" not in text_of(only(drawn(made))[1])
+    table = made.table()
+    table["chaotic"] = 0.0
+    table.loc[(table["defect.length"] == 6e-3) & (table["load"] == 300.0), "chaotic"] = 1.0
+    with mock.patch.object(type(made), "table", return_value=table):
+        _, canvas = only(drawn(made))
+    rings = [line for ax in canvas.axes for line in ax.lines if line.get_markersize() == sweep.RING["ms"]]
+    assert len(rings) == 4  # two features, two models
+    assert {tuple(ring.get_xdata()) for ring in rings} == {(6.0,)}
+    assert text_of(canvas)[-1] == "chaotic: one draw of many"
+
+
+def test_the_caption_tells_what_a_law_was_given(results):
+    law = "contact: {damping: {law: general, coefficient: 1e4, indentation_exponent: 1.5}}\n"
+    _, canvas = only(drawn(results(STUDY + law + FIGURES)))
+    caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
+    assert "damping general, coefficient 10000, m2 1, m3 1.5" in caption
 
 
 def test_without_figures_each_swept_number_is_an_x(results):

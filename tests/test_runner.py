@@ -102,7 +102,7 @@ def test_workers_are_single_threaded_processes(tmp_path: Path) -> None:
 def test_summary_tells_the_integrator_share(tmp_path: Path) -> None:
     summary = compute(FakeStudy(seconds=0.3, deeds=dict.fromkeys(range(3), "spin")), tmp_path)
     assert 0.5 < summary.integrator_share < 1.0
-    assert "of the workers' CPU time after" in str(summary)
+    assert "of the workers' CPU time, " in str(summary)
 
 
 def test_progress_lines_tell_counts_and_time_left(
@@ -115,6 +115,17 @@ def test_progress_lines_tell_counts_and_time_left(
     assert len(lines) == 2  # units
     assert "left" in lines[0]
     assert lines[-1] == "4/4 jobs, 1 failed, about 0 s left"
+
+
+@pytest.mark.parametrize(("shown", "said"), [(None, True), (False, False)])
+def test_a_long_start_is_explained(
+    shown: bool | None, said: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(progress, "PATIENCE_S", 0.05)
+    with progress.getting_ready(shown):
+        assert "compiling" not in capsys.readouterr().err
+        time.sleep(0.3)
+    assert ("compiling what these jobs need" in capsys.readouterr().err) == said
 
 
 def test_bar_counts_jobs_and_failures(capsys: pytest.CaptureFixture[str]) -> None:

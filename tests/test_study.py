@@ -27,7 +27,7 @@ def test_the_template_is_a_good_study(write: Write) -> None:
 
 
 def test_the_commented_lines_of_the_template_hold_the_defaults(write: Write) -> None:
-    said = NEW_STUDY.replace("\n# zip", "\n#   zip")
+    said = NEW_STUDY
     keys = ("rig", "clearance", "excitation", "model", "method", "step", "settle", "sampling", "gravity", "seed")
     for key in keys:
         said = said.replace(f"\n# {key}:", f"\n{key}:")
@@ -37,6 +37,14 @@ def test_the_commented_lines_of_the_template_hold_the_defaults(write: Write) -> 
     said = said.replace("\n  # offset:", "\n  offset:")
     assert said.count("#") < NEW_STUDY.count("#")
     assert load_study(write(said)).cases() == load_study(write(NEW_STUDY)).cases()
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_what_the_template_zips_is_right(write: Write, which: int) -> None:
+    head, *ends = NEW_STUDY.split("\n  # zip:")
+    said = [head, *("\n  # zip:" + end for end in ends)]
+    said[1 + which] = said[1 + which].replace("\n  # zip:", "\n  zip:")
+    assert len(load_study(write("".join(said))).cases()) == 12 * (2, 3)[which]
 
 
 def test_the_templates_lines_for_the_planar_model_are_right(write: Write) -> None:

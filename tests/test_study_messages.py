@@ -81,6 +81,8 @@ def pointed(problem: Problem) -> str:
         ("drag: some", "some", "drag: expected a mapping of keys"),
         ("drag: {oil_fraction: 10 %}\nmodel: planar", "10 %", "drag.oil_fraction: expected a plain number such as `1.5`, got `10 %` (no unit here)"),
         ("drag: {oil_fraction: 10}\nmodel: planar", "10}", "drag.oil_fraction: expected a plain number from 0 to 1, got `10`"),
+        ("contact: {damping: {law: general, coefficient: 1e4 N s/m, indentation_exponent: 0}}", "1e4", "contact.damping.coefficient: expected a plain number, in N, mm and s, such as `1e4`, got `1e4 N s/m` (no unit here)"),
+        ("method: dop853\ntolerance: 1e-18", "1e-18", None),
         ("cage: {pocket: 0.1 mm}\nmodel: planar", "pocket", "cage: unknown key `pocket` (did you mean `pocket_damping`?)"),
         ("cage: {friction: {static: x}}\nmodel: planar", "x}", "cage.friction.static: expected a plain number such as `1.5`, got `x`"),
         ("cage: {motion: kinematic}\nfriction: traction\nmodel: planar", "traction", "friction: a kinematic cage goes only with `friction: none`: rollers held at their places by it cannot give way, and friction then damps too much (RMS 11-15 % low) (say `friction: none`, or `motion: free`)"),

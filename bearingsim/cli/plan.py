@@ -137,8 +137,9 @@ def _grouped(refusals: Iterable[tuple["Job", str]], study: "Study") -> Iterable[
 
 
 Line = tuple[str, Callable[[Priced], float]]
+CHOSEN: Line = ("step chosen (us)", lambda p: math.inf if takes_own_steps(p) else 1e6 * p.step)
+RECORDED: Line = ("own steps, recorded every (us)", lambda p: 1e6 * p.step if takes_own_steps(p) else math.inf)
 LINES: tuple[Line, ...] = (
-    ("step chosen (us)", lambda p: 1e6 * p.step),
     ("step limit at rest (us)", lambda p: 1e6 * p.limits.at_rest),
     ("step limit at impact (us)", lambda p: 1e6 * p.limits.at_impact),
     ("crossing of the pit (us)", lambda p: 1e6 * p.limits.crossing),
@@ -183,11 +184,20 @@ def show(plan: Plan, verbose: bool) -> None:
     out.print(f"about {time} worker{'s' * (plan.workers > 1)}, at most {size(plan.bytes)} of series", markup=False)
 
 
+def takes_own_steps(priced: Priced) -> bool:
+    """Whether the job's method chooses its steps itself."""
+    from bearingsim.config.ladder import ADAPTIVE
+
+    return priced.choice.method in ADAPTIVE
+
+
 def _lines(plan: Plan) -> tuple[Line, ...]:
-    """The lines of the plan's table: those of friction and of the proof only where there is some."""
+    """The lines of the table: those of friction, of the proof, of either kind of step where there is some."""
     rubs = any(math.isfinite(one.rubbing[1]) for one in plan.everything)
     proves = any(one.job.case.proven for one in plan.everything)
-    return (*LINES, *(FRICTION if rubs else ()), COST, *((PROOF,) if proves else ()))
+    own = [takes_own_steps(one) for one in plan.everything]
+    steps = (*((CHOSEN,) if not all(own) else ()), *((RECORDED,) if any(own) else ()))
+    return (*steps, *LINES, *(FRICTION if rubs else ()), COST, *((PROOF,) if proves else ()))
 
 
 def choices(plan: Plan) -> list[str]:

@@ -5,10 +5,12 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import BeforeValidator, Discriminator, Tag
 
 from bearingsim.config.fields import (
+    Coefficient,
     Delay,
     InverseVelocity,
     Laws,
     Number,
+    PositiveCoefficient,
     PositiveNumber,
     Section,
     raise_unknown_word,
@@ -40,7 +42,7 @@ class General(Section):
     """c |v|^m2 delta^m3 with the coefficient in N, mm and s, as multibody tools print it."""
 
     law: Literal["general"] = "general"
-    coefficient: Number
+    coefficient: Coefficient
     velocity_exponent: Number = 1.0
     indentation_exponent: Number
 
@@ -49,7 +51,7 @@ class Constant(Section):
     """k delta^m of one contact, the coefficient in N and mm (N/mm^m), as multibody tools print it."""
 
     law: Literal["constant"] = "constant"
-    coefficient: PositiveNumber
+    coefficient: PositiveCoefficient
     exponent: PositiveNumber
 
 

@@ -19,6 +19,7 @@ from bearingsim.plots.sweep import (
     legend_entries,
     legend_width,
     letter,
+    mark_chaotic,
     ticks_between,
 )
 from bearingsim.study import Figure
@@ -91,6 +92,7 @@ def _panel(
         found = list(curve.rows[name] * factor)
         look: Look = curve.look._replace(line="")
         ax.plot(found, places, **look.keywords())
+        mark_chaotic(ax, found, places, curve.rows)
         if len(curves) == 1:
             _numbers(ax, found, places, is_log)
         _mark_lost(ax, places, list(curve.rows["status"]))

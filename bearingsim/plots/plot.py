@@ -105,7 +105,7 @@ def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple
 
     units = results.plan["units"]
     figure, part = select.completed(wanted, rows, units)
-    caption = fixed_values(results, part, {figure.x, *figure.by, *figure.panels})
+    caption = fixed_values(results, part, {figure.x, *select.varied(part, [*figure.by, *figure.panels])})
     draw = categories.draw if categories.are_many(figure, part, units) else sweep.draw
     return draw(figure, part, units, caption), figure
 

@@ -29,6 +29,7 @@ __all__ = [
     "legend_entries",
     "legend_width",
     "letter",
+    "mark_chaotic",
     "share_scales",
     "ticks_between",
 ]
@@ -38,6 +39,7 @@ HEADROOM = 1.05  # an axis from zero ends so much above the largest value
 LABEL_LETTERS = 34  # of an axis label, in a line
 CHARACTER_IN = 0.066  # width of a letter of the legend
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
+RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
 EVEN = 3.0  # ratio of the ends of a log axis up to which its ticks are as even as a plain one's
 TICKS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)))
 """Digits at which a log axis has ticks, by the ratio of the ends up to which they find room."""
@@ -141,7 +143,8 @@ def legend_entries(figure: Figure, styles: Mapping[tuple[str, str], Look], rows:
     if len(seconds) > 1:
         entries += [_entry(second, styles[firsts[0], second]._replace(colour="0.25")) for second in seconds]
     lost = [mark for status, mark in STATUS_MARKS.items() if (rows["status"] == status).any()]
-    return entries + [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in lost]
+    entries += [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in lost]
+    return entries + [Line2D([], [], **RING, label="chaotic: one draw of many")] * bool(is_chaotic(rows).any())
 
 
 def _entry(text: str, look: Look) -> Line2D:
@@ -158,8 +161,9 @@ def _panel(
     unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))
     ax.set_ylabel(textwrap.fill(axis_label(labels.feature_text(name), unit), LABEL_LETTERS))
     for curve in curves:
-        x = positions(figure.x, curve.rows, rows, units)
-        ax.plot(*_broken(x, list(curve.rows[name] * factor), name), **curve.look.keywords())
+        x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)
+        ax.plot(*_broken(x, y, name), **curve.look.keywords())
+        mark_chaotic(ax, x, y, curve.rows)
         mark_lost(ax, x, curve.rows["status"])
     _x_axis(ax, figure, rows, units)
     _y_axis(ax, name, figure)
@@ -182,6 +186,19 @@ def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[flo
             points.append((math.nan, math.nan))
         points.append(here)
     return [a for a, _ in points], [b for _, b in points]
+
+
+def is_chaotic(rows: "pd.DataFrame") -> "pd.Series[bool]":
+    """Which jobs were seen to move chaotically."""
+    found = rows["chaotic"] if "chaotic" in rows else rows["status"].map(lambda _: math.nan)
+    return found == 1.0
+
+
+def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], rows: "pd.DataFrame") -> None:
+    """A ring around each point whose motion was chaotic."""
+    points = [(a, b) for a, b, is_so in zip(x, y, is_chaotic(rows), strict=True) if is_so and math.isfinite(a * b)]
+    if points:
+        ax.plot(*zip(*points, strict=True), **RING)
 
 
 def mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None:

@@ -1,13 +1,15 @@
 """Progress of a run: a bar with the time left on a terminal, a plain line now and then elsewhere."""
 
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 
-__all__ = ["Report", "duration", "progress"]
+__all__ = ["Report", "duration", "getting_ready", "progress"]
 
 LINE_EVERY_S = 10.0
+PATIENCE_S = 2.0  # without a word
 SPEED_OVER_S = 3600.0  # units of work may come minutes apart
 
 Report = Callable[[int, int, float], None]
@@ -19,6 +21,20 @@ def progress(shown: bool | None, jobs: int, seconds: float) -> AbstractContextMa
     if shown is False or jobs == 0:
         return nullcontext(lambda done, failed, cost: None)
     return _bar(jobs, seconds) if sys.stderr.isatty() else _lines(jobs, seconds)
+
+
+@contextmanager
+def getting_ready(shown: bool | None) -> Iterator[None]:
+    """Say what takes so long, if it does, before the first job runs; ``shown`` False says nothing."""
+    told = "compiling what these jobs need: once for each kind of model, method and contact law"
+    timer = threading.Timer(PATIENCE_S, lambda: print(told, file=sys.stderr, flush=True))
+    timer.daemon = True
+    if shown is not False:
+        timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from bearingsim import store
 from bearingsim.runner.packing import Cost, pack, shard_of
 from bearingsim.runner.pool import outcomes
+from bearingsim.runner.progress import getting_ready
 from bearingsim.runner.progress import progress as shown_progress
 from bearingsim.runner.summary import Interrupted, RunSummary, chaos, grouped
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
@@ -60,8 +61,9 @@ def run(
     interrupted = False
     try:
         if plan.todo:
-            works = _works(root, study, plan.todo, workers, engine)
-            _warm(root, engine, plan.todo)
+            with getting_ready(progress):
+                works = _works(root, study, plan.todo, workers, engine)
+                _warm(root, engine, plan.todo)
             _compute(works, workers, tally, progress)
     except KeyboardInterrupt:
         interrupted = True

@@ -107,8 +107,8 @@ class RunSummary:
         parts = [f"{self.done} done", *(f"{count} {what}" for what, count in counts.items() if count)]
         line = f"{self.study}: {', '.join(parts)} of {self.planned} jobs in {self.seconds:.1f} s"
         if self.cpu_s > 0:
-            start = f"{self.start_cpu_s:.1f} s of start-up"
-            line += f"; {self.integrator_share:.0%} of the workers' CPU time after {start} in the integrator"
+            apart = f"{self.start_cpu_s:.1f} s of start-up apart"
+            line += f"; {self.integrator_share:.0%} of the workers' CPU time, {apart}, went into the runs' steps"
         return "\n".join([line, *map(str, self.failures), *self.notes])
 
 

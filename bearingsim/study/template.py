@@ -31,8 +31,8 @@ defect:
 sweep:
   defect.length: [3 mm, 6 mm, 9 mm, 12 mm]
   load: {linspace: [150 N, 300 N, 3]}
-# zip: {defect.width: [0.2 mm, 0.4 mm], defect.depth: [0.02 mm, 0.05 mm]}     # moves several together
-# zip: {model: [impulse, ring, rollers], excitation: [impulse-train, half-sine-pulse, envelope]}
+  # zip: {defect.width: [0.2 mm, 0.4 mm], defect.depth: [0.02 mm, 0.05 mm]}   # moves several together
+  # zip: {model: [impulse, ring, rollers], excitation: [impulse-train, half-sine-pulse, envelope]}
 
 # The model
 # model: rollers                  # impulse, static, ring, rollers, planar, spatial, or least: the lowest that can
