@@ -83,6 +83,8 @@ def saved_in_turn(dispatcher: Any) -> Any:
     numba reads an index, picks a file name and writes both: two processes at once could give one name to the code
     of two signatures, and later load one for the other.
     """
+    if not hasattr(dispatcher, "_cache"):  # plain Python, which NUMBA_DISABLE_JIT asks for
+        return dispatcher
     save = dispatcher._cache.save_overload
 
     def save_in_turn(signature: Any, code: Any) -> None:
