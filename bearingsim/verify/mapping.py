@@ -30,7 +30,7 @@ def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: P
     with path.open("w", newline="", encoding="utf-8") as file:
         table: csv.DictWriter | None = None
         try:
-            for row in chain.from_iterable(_spread(_whole, units, jobs)):
+            for row in chain.from_iterable(_spread(map_of if jobs == 1 else _whole, units, jobs)):
                 if table is None:
                     table = csv.DictWriter(file, list(row))
                     table.writeheader()
@@ -59,6 +59,7 @@ def _warmed(model: str, method: str, grid: Grid) -> tuple[str, str]:
 
 
 def _whole(unit: Material, methods: Sequence[str], grid: Grid) -> list[dict[str, Any]]:
+    """``map_of`` at once: from another process rows cannot come one by one."""
     return list(map_of(unit, methods, grid))
 
 
