@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.core.contact import general, normal_force
+from bearingsim.core.contact import General, Power, normal_force
 from bearingsim.core.events import next_cusp
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
@@ -31,7 +31,14 @@ from bearingsim.core.stiffness import PowerLaw
 
 UNIT = Bearing(1, 1.0, 3.0, 1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0)
 """One roller of 1 kg."""
-AIR = general(PowerLaw(0.0, 1.0), 0.0, 1.0, 0.0)
+
+
+def dashpot(stiffness: PowerLaw, c: float, m3: float) -> General:
+    """A contact with a dashpot, of one type for every m3: compiled once."""
+    return General(stiffness, c, Power(1.0), Power(m3))
+
+
+AIR = dashpot(PowerLaw(0.0, 1.0), 0.0, 0.0)
 """A floor that is not felt."""
 
 

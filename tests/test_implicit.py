@@ -6,7 +6,6 @@ from math import exp, inf, pi
 import numpy as np
 import pytest
 
-from bearingsim.core.contact import general
 from bearingsim.core.layout import FAILED_BODY
 from bearingsim.core.methods import rodas
 from bearingsim.core.methods.backward_euler import BackwardEuler
@@ -15,7 +14,7 @@ from bearingsim.core.methods.rodas import Rodas
 from bearingsim.core.methods.velocity_implicit import VelocityImplicitEuler
 from bearingsim.core.outcomes import FINE, NEWTON_STALLED, STEP_FLOOR
 from bearingsim.core.stiffness import PowerLaw
-from tests.implicit_scenes import Scene, on_path, run
+from tests.implicit_scenes import Scene, dashpot, on_path, run
 
 SOFT = Scene(K=1.0, C=1.0, P=1.0)
 STIFF = Scene(K=1e6, C=200.0, P=1.0)  # h omega from 50 to 200
@@ -167,7 +166,7 @@ def bounce(method, rtol):
     """Error of the place, over the way, as far after a bounce off a spring as the drop was before it."""
     rest = pi / K_FLOOR**0.5 + 2.0 * DROP / SPEED
     tolerances = method(rest, rtol, rtol * SPEED / K_FLOOR**0.5, rtol * SPEED, rest)
-    w = run(Scene(floor=general(PowerLaw(K_FLOOR, 1.0), 0.0, 1.0, 0.0)), tolerances, rest, DROP, -SPEED)
+    w = run(Scene(floor=dashpot(PowerLaw(K_FLOOR, 1.0), 0.0, 0.0)), tolerances, rest, DROP, -SPEED)
     assert w.failed == FINE
     return abs(w.path[-1, 0] / DROP - 1.0) + abs(w.path[-1, 1] / SPEED - 1.0)
 
@@ -192,7 +191,7 @@ def test_a_dashpot_that_sets_in_with_a_jump(method, c):
     Overdamped, so after the jump delta = (g/k)(1 - exp(-k t/c)), plus v m/c that the jump takes (1 kg).
     """
     k, g, span, fall = 1e9, 300.0, 1e-3, 1e-4
-    floor = general(PowerLaw(k, 1.0), c, 1.0, 0.0)
+    floor = dashpot(PowerLaw(k, 1.0), c, 0.0)
     tolerances = method(span / 5, 1e-3, 1e-12, min(1e-5, 1e-3 * g / c), span)
     w = run(Scene(floor=floor, g=g), tolerances, span, SPEED * fall + 0.5 * g * fall**2, -SPEED)
     assert w.failed == FINE
@@ -207,7 +206,7 @@ def test_a_dashpot_that_sets_in_with_a_jump(method, c):
 @pytest.mark.parametrize("method", [GeneralisedAlpha, VelocityImplicitEuler])
 def test_fixed_steps_go_on_over_a_jump(method, c, m3):
     """Newton's method finds its way, or the linear solve goes on, where the dashpot's force sets in."""
-    floor = general(PowerLaw(1e9, 10.0 / 9.0), c, 1.0, m3)
+    floor = dashpot(PowerLaw(1e9, 10.0 / 9.0), c, m3)
     w = run(Scene(floor=floor, g=300.0), method(1e-7), 2e-4, DROP, -SPEED)
     assert w.failed == FINE
     assert np.isfinite(w.path).all()
@@ -272,7 +271,7 @@ def test_what_is_not_finite_ends_the_run(method, outcome):
 
 def test_backward_euler_takes_shorter_steps_where_newton_stalls():
     """Derivatives of the wrong sign do no harm to a step well under the motion's own time."""
-    floor = general(PowerLaw(K_FLOOR, 1.0), 0.0, 1.0, 0.0)
+    floor = dashpot(PowerLaw(K_FLOOR, 1.0), 0.0, 0.0)
     w = run(Scene(floor=floor, fault=-3.0), BackwardEuler(1e-4, 1e-2, 1e-9, 1e-4, 1e-4), 4e-4, DROP, -SPEED)
     assert w.failed == FINE
     assert w.refused > 0
