@@ -3,6 +3,8 @@
 from math import inf, sqrt
 from typing import Any, NamedTuple
 
+import own_cache  # noqa: F401  (before the core is imported)
+
 from bearingsim.core.defects import Pits
 from bearingsim.core.events import next_cusp
 from bearingsim.core.jit import jit

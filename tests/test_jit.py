@@ -139,6 +139,15 @@ def test_compiled_code_is_saved_by_one_process_at_a_time(monkeypatch: pytest.Mon
     held.saved.assert_called_once_with(1, 0)
 
 
+def test_what_others_have_saved_and_took_away_is_compiled_anew() -> None:
+    def gone(*given: Any) -> None:
+        raise ModuleNotFoundError("No module named 'elsewhere'")
+
+    dispatcher = jit.numba.njit(cache=True)(halve)
+    dispatcher._cache._load_overload = dispatcher._cache._save_overload = gone
+    assert jit.kept_safely(dispatcher)(3.0) == 1.5
+
+
 def halve(x: float) -> float:
     return 0.5 * x
 

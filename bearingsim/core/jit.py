@@ -64,6 +64,7 @@ def private_temporary_folder() -> Path:
 
 
 _CACHE = str(cache_folder())
+UNREADABLE = (ImportError, AttributeError)  # a type of another module, which is not here or has changed
 _SAVING = FileLock(Path(_CACHE) / "saving.lock")
 
 
@@ -72,26 +73,32 @@ def jit(function: Callable) -> Any:
     before = numba_config.CACHE_DIR
     numba_config.CACHE_DIR = _CACHE  # read while the decorator runs, so other users of numba keep their own
     try:
-        return saved_in_turn(numba.njit(cache=True, **OPTIONS)(function))
+        return kept_safely(numba.njit(cache=True, **OPTIONS)(function))
     finally:
         numba_config.CACHE_DIR = before
 
 
-def saved_in_turn(dispatcher: Any) -> Any:
-    """A compiled function whose code is saved by one process at a time.
+def kept_safely(dispatcher: Any) -> Any:
+    """A compiled function whose code is saved by one process at a time, and compiled anew if it cannot be read.
 
     numba reads an index, picks a file name and writes both: two processes at once could give one name to the code
-    of two signatures, and later load one for the other.
+    of two signatures, and later load one for the other. And whoever reads that index must be able to import every
+    type that the function was ever compiled for: somebody else's models may be gone.
     """
     if not hasattr(dispatcher, "_cache"):  # plain Python, which NUMBA_DISABLE_JIT asks for
         return dispatcher
-    save = dispatcher._cache.save_overload
+    cache = dispatcher._cache
+    save, load = cache.save_overload, cache.load_overload
 
     def save_in_turn(signature: Any, code: Any) -> None:
-        with suppress(OSError, NotImplementedError), _SAVING:  # a folder that knows no locks keeps nothing
+        with suppress(OSError, NotImplementedError, *UNREADABLE), _SAVING:  # without locks nothing is kept
             save(signature, code)
 
-    dispatcher._cache.save_overload = save_in_turn
+    def load_if_readable(signature: Any, context: Any) -> Any:
+        with suppress(*UNREADABLE):
+            return load(signature, context)
+
+    cache.save_overload, cache.load_overload = save_in_turn, load_if_readable
     return dispatcher
 
 
