@@ -170,7 +170,8 @@ def test_check_shows_every_mistake_at_once(here):
 
 
 def test_a_step_over_the_limit_is_refused_once(here):
-    _, told = type_("check", "small.yaml", "--set", "model=rollers", "--set", "step=20 us", code=2)
+    said, told = type_("check", "small.yaml", "--set", "model=rollers", "--set", "step=20 us", code=2)
+    assert said == "small: 4 jobs (2 cases, 2 healthy twins), 4 refused; sweeps load, model\n"
     [line] = told.splitlines()
     assert line.startswith("small.yaml: 4 jobs refused, the first at load 150 N")
     assert "of the method's limit" in line

@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgb
 
 from bearingsim import store
 from bearingsim.plots import PlotError, PlotWarning, labels, plot, select, style, sweep
-from bearingsim.plots.plot import drawn
+from bearingsim.plots.plot import KINDS, drawn
 from bearingsim.plots.recorded import Signal
 from bearingsim.plots.series import amplitude_spectrum
 from bearingsim.study import load_study
@@ -162,6 +162,16 @@ def test_lost_jobs_are_marked_where_they_would_stand(results):
     assert [list(line.get_xdata()) for line in failed] == [[3.0]]
     assert [list(line.get_xdata()) for line in missing] == [[9.0]]
     assert text_of(canvas)[-2:] == ["failed", "not computed"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    ("status", "reason"), [("failed", ": 16 failed, the first for this: the ring left"), ("missing", "$")]
+)
+def test_where_no_job_is_done_the_reason_is_told(results, kind, status, reason):
+    opened = results(STUDY, lost=dict.fromkeys(range(16), status))  # 12 cases, 4 healthy twins
+    with pytest.raises(PlotError, match=f"no job is done yet, there is nothing to draw{reason}"):
+        drawn(opened, kind=kind)
 
 
 def test_what_moves_chaotically_is_ringed_and_the_legend_says_so(results):

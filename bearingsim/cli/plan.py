@@ -35,13 +35,18 @@ class Priced:
 
 @dataclass(frozen=True)
 class Plan:
-    """A study's cases and their healthy twins, priced; ``refused``: why some cannot be run, one text a kind."""
+    """A study's cases and their healthy twins, priced; ``refusals``: those that cannot be run, and why."""
 
     study: "Study"
     cases: tuple[Priced, ...]
     twins: tuple[Priced, ...]
-    refused: tuple[str, ...]
+    refusals: tuple[tuple["Job", str], ...]
     workers: int
+
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """Why some cannot be run, one text a kind."""
+        return tuple(_grouped(self.refusals, self.study))
 
     @property
     def everything(self) -> tuple[Priced, ...]:
@@ -79,7 +84,7 @@ def plan_of(study: "Study", workers: int | None) -> Plan:
         study=study,
         cases=tuple(one for one in priced if not one.job.twin),
         twins=tuple(one for one in priced if one.job.twin),
-        refused=tuple(_grouped(refusals, study)),
+        refusals=tuple(refusals),
         workers=workers or cpu_count(),
     )
 
@@ -167,7 +172,7 @@ def show(plan: Plan, verbose: bool) -> None:
     study, out = plan.study, console()
     swept = ", ".join(study.units) or "nothing"
     out.print(f"{study.name}: {_counts(plan)}; sweeps {swept}", markup=False)
-    if plan.refused or not plan.everything:
+    if plan.refusals or not plan.everything:
         return
     groups = _groups(plan.cases or plan.twins)
     out.print()
@@ -243,9 +248,12 @@ def _written_model(study: "Study") -> str | None:
 
 
 def _counts(plan: Plan) -> str:
-    cases, twins = len(plan.cases), len(plan.twins)
+    refused = len(plan.refusals)
+    refused_twins = sum(job.twin for job, _ in plan.refusals)
+    cases, twins = len(plan.cases) + refused - refused_twins, len(plan.twins) + refused_twins
     jobs = f"{cases + twins} job{'s' * (cases + twins != 1)}"
-    return f"{jobs} ({cases} case{'s' * (cases != 1)}, {twins} healthy twin{'s' * (twins != 1)})"
+    told = f", {refused} refused" if refused else ""
+    return f"{jobs} ({cases} case{'s' * (cases != 1)}, {twins} healthy twin{'s' * (twins != 1)}){told}"
 
 
 def _groups(priced: Sequence[Priced]) -> dict[str, list[Priced]]:

@@ -65,9 +65,19 @@ def drawn(
 ) -> list[tuple[str, "Canvas"]]:
     """The figures of ``plot`` with their names, not written anywhere."""
     _check_changes(kind, {"x": x, **changes})
+    _check_done(results)
     if kind in OF_JOBS:
         return _of_jobs(results, kind, jobs, changes)
     return _of_table(results, kind, x, changes)
+
+
+def _check_done(results: "Results") -> None:
+    """Raises PlotError where no job is done, with the reason of those that failed."""
+    if (results.table()["status"] == "done").any():
+        return
+    failures = list(results.failures().values())
+    failed = f": {len(failures)} failed, the first for this: {failures[0].reason}" if failures else ""
+    raise PlotError(f"no job is done yet, there is nothing to draw{failed}")
 
 
 def _written(canvas: "Canvas", path: Path) -> Path:

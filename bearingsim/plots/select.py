@@ -144,8 +144,6 @@ def with_defect_phases(results: "Results", rows: "pd.DataFrame") -> "pd.DataFram
 
     table = results.table().set_index("job")
     lines = [str(name).removesuffix(".phase") for name in table if str(name).endswith(".phase")]
-    if not lines:
-        raise PlotError("no job is done yet: there is no phase to draw")
     found = {}
     for line in lines:
         amplitude = table[line] * np.exp(1j * table[f"{line}.phase"])
