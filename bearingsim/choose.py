@@ -12,6 +12,7 @@ from math import ceil, floor, inf
 from typing import NamedTuple
 
 from bearingsim import build
+from bearingsim.build.contacts import powers
 from bearingsim.build.scales import FEWEST_PER_CROSSING, at_full_speed
 from bearingsim.config import CHANNELS, Case
 from bearingsim.config.slicing import slice_count
@@ -33,6 +34,7 @@ PER_STEP = {"verlet": 1.2, "dop853": 21.0, "rodas": 16.0, "backward-euler": 12.0
 """CPU time of a step of its own in evaluations of the model, all that goes with it included: docs/methods.md."""
 USUAL_PER_STEP = 1.7  # of an adaptive method that is not listed, to each of its evaluations
 PER_RECORD = 2.5  # and of an instant that an adaptive method records
+PER_POWER = 0.22e-6  # CPU s, in each evaluation of a model, of a law's power that is the library's
 USUAL_OWN_STEPS = 25.0
 OWN_STEPS = {"backward-euler": 600.0}
 """Steps of its own over a pit of an adaptive method that needs other than the usual, at its usual tolerance."""
@@ -170,7 +172,8 @@ def _integration(case: Case) -> float:
 
 def per_second(case: Case, step: float) -> float:
     """CPU time (s) of the steps of a simulated second."""
-    kind, cost = build.method_kind(case), build.kind(case).cost * (slice_count(case) or 1)
+    kind = build.method_kind(case)
+    cost = (build.kind(case).cost + PER_POWER * powers(case)) * (slice_count(case) or 1)
     if not kind.adaptive:
         return cost / step * PER_STEP.get(str(case.method), kind.evaluations)
     own = own_step(case, step_limits(using(case, "verlet")))

@@ -5,7 +5,7 @@
 NF308, 1800 rpm, 150 N. Every variant is compiled and warmed first; then all take turns, each running the same N
 steps a round under the watch that `simulate` sets, and the fastest round of each counts: what disturbs a machine
 comes and goes, and hits all alike. A second block gives `rollers` other numbers of rollers, the price of padding;
-a third other laws of damping. ``--only``: variants whose scene begins with that word.
+a third other laws of contact. ``--only``: variants whose scene begins with that word.
 Columns: ns per step; the step `auto` chooses (us); CPU s per simulated second that follows from the two.
 """
 
@@ -14,7 +14,7 @@ import csv
 import sys
 import time
 from collections.abc import Iterator
-from itertools import chain
+from itertools import chain, product
 from typing import Any
 
 import numpy as np
@@ -35,8 +35,11 @@ STEPPED = tuple((model, method) for model in ("ring", "rollers", "planar") for m
 PAIRS = (("static", None), *STEPPED)
 ROLLERS = (8, 13, 16, 24, 32)
 GENERAL = {"law": "general", "coefficient": 100.0}
-LAWS = {"chi": {"law": "hunt-crossley", "chi": 50.0}, "kraemer": {"law": "kraemer", "beta": 1e-5}}
-LAWS |= {f"m3 = {m3:g}": GENERAL | {"indentation_exponent": m3} for m3 in (0.0, 1.0, 1.5, 2.0)}
+LAWS: dict[str, dict] = {"chi": {"damping": {"law": "hunt-crossley", "chi": 50.0}}}
+LAWS |= {"kraemer": {"damping": {"law": "kraemer", "beta": 1e-5}}}
+LAWS |= {f"m3 = {m3:g}": {"damping": GENERAL | {"indentation_exponent": m3}} for m3 in (0.0, 1.0, 1.5, 2.0)}
+LAWS |= {"m1 = 1.2": {"stiffness": {"law": "constant", "coefficient": 1e6, "exponent": 1.2}}}
+LAWS |= {"m1 = 1.2, m3 = 1.5": LAWS["m1 = 1.2"] | LAWS["m3 = 1.5"]}
 SLOWER = {"static": 50}  # a balance costs about as much as so many steps
 
 
@@ -68,11 +71,11 @@ def numbers_of_rollers() -> Iterator[dict[str, Any]]:
         yield variant({"scene": "lanes", "model": "rollers", "method": "verlet", "rollers": Z}, case, model)
 
 
-def laws_of_damping() -> Iterator[dict[str, Any]]:
-    """`rollers` with each law: what leaves the vector lanes."""
-    for name, law in LAWS.items():
-        case = Case.model_validate(BASE | {"model": "rollers", "method": "verlet", "contact": {"damping": law}})
-        labels = {"scene": f"law {name}", "model": "rollers", "method": "verlet", "rollers": case.bearing.rollers}
+def laws_of_contact() -> Iterator[dict[str, Any]]:
+    """`rollers` and `planar` with each law: what leaves the vector lanes."""
+    for (name, law), model in product(LAWS.items(), ("rollers", "planar")):
+        case = Case.model_validate(BASE | {"model": model, "method": "verlet", "contact": law})
+        labels = {"scene": f"law {name}", "model": model, "method": "verlet", "rollers": case.bearing.rollers}
         yield variant(labels, case, build.model(case))
 
 
@@ -98,7 +101,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--only", default="")
     options = parser.parse_args()
-    every = chain(models_and_methods(), numbers_of_rollers(), laws_of_damping())
+    every = chain(models_and_methods(), numbers_of_rollers(), laws_of_contact())
     variants = [one for one in every if one["row"]["scene"].startswith(options.only)]
     for one in variants:
         run(one, options.steps)

@@ -22,6 +22,7 @@ settings.load_profile("bearingsim")
 
 LONGEST = ("spatial_derivatives", "free_lines", "adaptive", "spatial", "implicit_bearing", "planar_derivatives")
 LONGEST += ("spatial_balance", "space_trends", "tilted", "exudyn", "slip", "finite_elements")
+assert all((Path(__file__).parent / f"test_{name}.py").exists() for name in LONGEST)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

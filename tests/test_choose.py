@@ -311,6 +311,17 @@ def test_dashpots_that_jump_as_contacts_open_shorten_own_steps(coefficient, take
     assert found == pytest.approx(taken, rel=0.5)
 
 
+@pytest.mark.parametrize(
+    ("m1", "m3", "ns"), [(1.0, 1.0, 230), (1.0, 1.5, 570), (1.2, 1.0, 450), (1.2, 1.5, 755)]
+)
+def test_powers_of_the_library_are_priced(m1: float, m3: float, ns: float) -> None:
+    """A Verlet step of `rollers`, timed by benchmarks/step_cost.py; without a price of powers up to 3.3 times off."""
+    stiffness = {"law": "constant", "coefficient": 1e6, "exponent": m1}
+    damping = {"law": "general", "coefficient": 100.0, "indentation_exponent": m3}
+    given = case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
+    assert choose.per_second(given, 1e-6) == pytest.approx(1e-3 * ns, rel=0.2)
+
+
 def test_what_repeats_itself_is_priced_as_one_pass_and_refused_by_its_model() -> None:
     given = case(model="static", defect=SLOT, duration="1 s")
     watched = given.model_copy(update={"record": ("roller.outer_force",)})

@@ -20,6 +20,11 @@ def inner(case: Case) -> Any:
     return damped(case, stiffness(case, on_outer=False))
 
 
+def powers(case: Case) -> int:
+    """How many powers of the law are the library's, which leaves the vector lanes."""
+    return sum(isinstance(part, elastic.PowerLaw | damping.Power) for part in outer(case))
+
+
 def damped(case: Case, stiffness: Any) -> Any:
     """The case's damping around a stiffness."""
     match case.contact.damping:
