@@ -56,11 +56,10 @@ def step_limits(case: Case) -> Limits:
 
 def _limits(case: Case) -> Limits:
     rest_load, K, C = loads_at_rest(_healthy(case))
-    omega = sqrt(K) if K > 0.0 else inf
     found = Limits(
         rest_load=rest_load,
-        contact_frequency=omega / (2.0 * pi),
-        damping_ratio=damping_ratio(case, rest_load) if build.kind(case).slips else C / (2.0 * omega),
+        contact_frequency=sqrt(K) / (2.0 * pi) if K > 0.0 else inf,
+        damping_ratio=damping_ratio_at_rest(case),
         at_rest=step_limit(case.method, K, C),
         closing_speed=0.0,
         impact_force=rest_load,
@@ -70,6 +69,14 @@ def _limits(case: Case) -> Limits:
         liveliest=inf,
     )
     return _with_pits(case, found, K, C) if build.kind(case).loaded else found
+
+
+def damping_ratio_at_rest(case: Case) -> float:
+    """The largest damping ratio of a body on its contacts under the load at rest, without friction."""
+    rest_load, K, C = loads_at_rest(_healthy(case))
+    if build.kind(case).slips:
+        return damping_ratio(case, rest_load)
+    return C / (2.0 * sqrt(K)) if K > 0.0 else 0.0
 
 
 def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:

@@ -6,7 +6,7 @@ each scene first the reference, from solutions that must agree, then every metho
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from math import inf, sqrt
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -227,7 +227,7 @@ def row_by_row(
             "k": material.k,
             "m3": material.m3,
             "c": material.c,
-            "damping_ratio": bench.C / (2.0 * sqrt(bench.K)),
+            "damping_ratio": limits.damping_ratio_at_rest(bench.case),
             "step": setting if has_step(method) else np.nan,
             "tolerance": np.nan if has_step(method) else setting,
             "step_limit": limit,
