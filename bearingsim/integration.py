@@ -13,7 +13,7 @@ import numpy as np
 
 from bearingsim import build, channels, choose
 from bearingsim.channels import BASE
-from bearingsim.config import Case
+from bearingsim.config import Case, ladder
 from bearingsim.core import outcomes
 from bearingsim.core.advance import Watch, advance, ready, start_at_rest
 from bearingsim.core.crossings import missed, turned
@@ -275,6 +275,9 @@ def advice(setup: Setup, outcome: int) -> str:
     adaptive = build.method_kind(setup.case).adaptive
     if outcome == outcomes.TOO_SLOW:
         return "take a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
+    stuck = outcome in (outcomes.STEP_FLOOR, outcomes.NEWTON_STALLED, outcomes.STALLED)
+    if stuck and ladder.jumps(setup.case) and setup.case.model == "ring":
+        return f"say `model: rollers`: {ladder.MASSLESS}"
     if not adaptive:
         return f"take a step under {1e6 * setup.cut.step / 2:.2g} us"
     loose = outcome in (outcomes.STEP_FLOOR, outcomes.STALLED)

@@ -1,10 +1,10 @@
 """The roller's envelope over a pit, against its definition."""
 
-from math import pi
+from math import nan, pi
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from bearingsim import build
@@ -112,6 +112,17 @@ def test_a_bowls_mean_depth_converges_with_the_nodes():
         return sum(group[0] * depression(np.array(group), 0.0, R)[0] for group in groups)
 
     assert mean(6) == pytest.approx(mean(60), rel=2e-3)
+
+
+@given(theta_c=st.floats(), angle=st.floats(-4.0, 4.0), Z=st.integers(3, 64))
+@example(theta_c=1e18, angle=0.0, Z=13)
+@example(theta_c=-1.7e17, angle=0.0, Z=13)
+@example(theta_c=nan, angle=0.0, Z=13)
+def test_a_roller_is_found_even_where_motion_has_blown_up(theta_c, angle, Z):
+    """A step or two may follow before the watch looks, and the number indexes memory."""
+    pits = build.pits.meetings(case(defect=SLOT))
+    pits.head[0, ANGLE] = angle
+    assert 0 <= meeting(pits, 0, theta_c, 0.0, 0.0, Z)[0] < Z
 
 
 @given(theta_c=st.floats(-20.0, 20.0), angle=st.floats(-4.0, 4.0), Z=st.integers(3, 64))

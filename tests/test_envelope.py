@@ -1,5 +1,7 @@
 """The roller's path over any pit, against its definition; tables against closed forms."""
 
+from math import inf, nan
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -162,6 +164,14 @@ def test_the_path_has_no_steps_and_its_kinks_are_cusps(pit, part, R):
     largest, steep = np.abs(h).max(), np.abs(slope).max() + np.abs(slopes).max()
     assert ends == pytest.approx(np.append(h[1:], 0.0), abs=1e-9 * largest + 2e-15)
     assert np.all(np.append(slope[1:], 0.0) <= slopes + 1e-6 * steep)
+
+
+@pytest.mark.parametrize("s", [nan, inf, -inf, 1e300])
+def test_what_is_nowhere_is_over_no_pit(s):
+    """Of a motion that has blown up: an index from NaN would be anywhere in memory."""
+    table, (at,) = packed([path_over(section(Elliptical(1.0, 1e-3, 1e-5), 0.0), 5e-3)])
+    assert looked_up(table, at, s) == (0.0, 0.0)
+    assert bent(table, at, s) == 0.0
 
 
 @settings(max_examples=200)

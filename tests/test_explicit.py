@@ -1,6 +1,6 @@
 """Explicit methods: their tables, their order, and the longest step of each on an oscillator and on a bearing."""
 
-from math import sqrt
+from math import inf, nan, sqrt
 
 import numpy as np
 import pytest
@@ -258,3 +258,10 @@ def test_verlet_keeps_the_energy_of_a_contact():
         means = (energy.reshape(-1, 52 * 380).mean(axis=1) - at_rest) / (energy[0] - at_rest)
         assert (out[:, 0].max() > 0.0) == (v > 1.0)
         assert np.ptp(means) < allowed
+
+
+@pytest.mark.parametrize("method", FIXED)
+@pytest.mark.parametrize(("K", "C"), [(inf, inf), (nan, nan), (nan, 1.0), (1.0, nan), (inf, 1.0), (1.0, inf)])
+def test_what_has_blown_up_is_over_every_limit(method, K, C):
+    """Of a table's entries none is looked up by what is no number: it would be anywhere in memory."""
+    assert not load_number(method(1e-6), K, C) <= 1.0

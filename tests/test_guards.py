@@ -132,6 +132,21 @@ def test_reason_time_body_and_advice(outcome: int) -> None:
     assert "or `method: " in caught.value.advice
 
 
+@pytest.mark.parametrize("outcome", [outcomes.STEP_FLOOR, outcomes.NEWTON_STALLED, outcomes.STALLED])
+@pytest.mark.parametrize(
+    ("model", "m3", "advised"), [("ring", 0, True), ("ring", 1, False), ("rollers", 0, False)]
+)
+def test_who_is_stuck_on_rollers_without_mass_is_told_of_some_with(outcome, model, m3, advised) -> None:
+    damping = {"law": "general", "coefficient": 1e3, "indentation_exponent": m3}
+    given = case(model=model, defect=SLOT, prove=False, method="rodas", contact={"damping": damping})
+    with (
+        mock.patch.object(INTEGRATION, "advance", return_value=(4000, outcome, 0)),
+        pytest.raises(SimulationError) as caught,
+    ):
+        simulate(given)
+    assert ("say `model: rollers`" in caught.value.advice) == advised
+
+
 def test_bounds_hold_what_a_hard_case_reaches_and_no_more() -> None:
     """60 um of clearance and a pit of 2 mm at little damping: under a tenth of either bound."""
     hard = case(

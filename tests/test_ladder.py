@@ -25,6 +25,7 @@ def refusals(**fields: Any) -> list[tuple[str, str | None]]:
     return [(conflict.message, conflict.hint) for conflict in error["ctx"]["conflicts"]]
 
 
+JUMPING = {"law": "general", "coefficient": 1e3, "indentation_exponent": 0.0}
 IMPULSES = {"defect": PIT, "excitation": "impulse-train"}
 
 LEAST: list[tuple[dict[str, Any], str, str]] = [
@@ -41,6 +42,12 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
     ({"friction": "none", "drag": "none"}, "static", "a healthy bearing"),
     ({"record": ["ring.acceleration"]}, "ring", "the ring's acceleration depends on its mass"),
     ({"contact": {"damping": {"chi": "5 s/m"}}}, "ring", "`contact.damping` acts on motion"),
+    ({"contact": {"damping": JUMPING}}, "rollers", "needs the mass of a roller"),
+    (
+        {"contact": {"damping": JUMPING | {"indentation_exponent": 1.0}}},
+        "ring",
+        "`contact.damping` acts on motion",
+    ),
     ({"defect": PIT, "excitation": "pressure-share"}, "ring", "`pressure-share` changes the force at the pit"),
     ({"defect": PIT, "excitation": "soft-edge"}, "ring", "`soft-edge` changes the force at the pit"),
     ({"defect": PIT, "record": ["roller.outer_force"]}, "rollers", "depend on its mass"),

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim.config.channels import plain
+from bearingsim.config.contact import General
 from bearingsim.config.defect import IMPULSES, WEAKENED
 from bearingsim.config.free import Frictionless
 from bearingsim.config.names import LINE_LOADS
@@ -45,6 +46,9 @@ ABILITIES: dict[str, frozenset[str]] = {
 
 STRIBECK = 4.08  # largest load of a roller over the mean: no clearance, line contact (balls: 4.37)
 NOTABLE = 0.1  # share of the largest load at rest from which the rollers' centrifugal force counts
+
+MASSLESS = "damping that acts in full as a contact closes needs the mass of a roller"
+"""Without, a ring that is thrown up closes contacts all round, ever smaller and faster (docs/stability.md)."""
 
 Path = tuple[str | int, ...]
 
@@ -205,6 +209,8 @@ def _of_masses(case: "Case") -> Iterator[Need]:
     if case.defects and case.excitation not in IMPULSES and sharp:
         why = "how a roller strikes the far edge of a pit, and its force there, depend on its mass"
         yield Need("inertia of rollers", why, (("record",),), firm=False)
+    if jumps(case):
+        yield Need("inertia of rollers", MASSLESS, (("contact", "damping"),), firm=False)
     force = _centrifugal_force(case)
     load = STRIBECK * math.hypot(case.load, case.load_across) / case.bearing.rollers
     if force > NOTABLE * load:
@@ -213,6 +219,12 @@ def _of_masses(case: "Case") -> Iterator[Need]:
             f" at rest ({show(load, 'N')})"
         )
         yield Need("inertia of rollers", why, (("speed",), ("load",)), firm=False)
+
+
+def jumps(case: "Case") -> bool:
+    """Whether contacts are damped in full as soon as they close: their force jumps then."""
+    damping = case.contact.damping
+    return isinstance(damping, General) and damping.indentation_exponent == 0.0
 
 
 def _centrifugal_force(case: "Case") -> float:

@@ -235,7 +235,8 @@ def meeting(pits, d, theta_c, theta_i, roll, Z):
     """Which roller is nearest to meeting ``d``, and its distance s (m) along rolling from the pit's middle.
 
     theta_c: angle of roller 0 (rad); the Z rollers are evenly spaced. theta_i: angle of the inner ring. roll: how
-    far a roller has turned backwards relative to the line through its centre and the bearing's.
+    far a roller has turned backwards relative to the line through its centre and the bearing's. Where motion has
+    blown up, and angles are not finite or too large to tell rollers apart, it is roller 0: no index is ever wild.
     """
     head = pits.head[d]
     on = head[ON]
@@ -245,7 +246,8 @@ def meeting(pits, d, theta_c, theta_i, roll, Z):
     place = head[ANGLE] + (theta_i if on == ON_INNER else 0.0)
     turn = (theta_c - place) * Z / (2.0 * pi)
     nearest = np.floor(turn + 0.5)
-    j = int(-nearest - Z * np.floor(-nearest / Z))
+    number = -nearest - Z * np.floor(-nearest / Z)
+    j = int(number) if 0.0 <= number < Z else 0
     return j, (turn - nearest) * (2.0 * pi / Z) * head[RADIUS]
 
 

@@ -237,7 +237,7 @@ def row_at(table, at, s):
 @jit
 def looked_up(table, at, s):
     """h (m) and its slope (1), on a cusp the left one, at ``s`` (m) over the path whose table begins at ``at``."""
-    if s < table[at + FIRST] or s >= table[at + LAST]:
+    if not table[at + FIRST] <= s < table[at + LAST]:  # in these words for NaN, too
         return 0.0, 0.0
     row = row_at(table, at, s)
     x = s - table[row + S]
@@ -249,6 +249,6 @@ def looked_up(table, at, s):
 @jit
 def bent(table, at, s):
     """How that slope grows along ``s`` (1/m)."""
-    if s < table[at + FIRST] or s >= table[at + LAST]:
+    if not table[at + FIRST] <= s < table[at + LAST]:
         return 0.0
     return 2.0 * table[row_at(table, at, s) + HALF_BEND]

@@ -40,10 +40,12 @@ def place(K, C):
 
 @jit
 def looked_up(limits, h, K, C):
-    """Step ``h`` (s) over a method's limit; ``limits``: from ``limit_over_h_c``."""
+    """Step ``h`` (s) over a method's limit, infinite if K or C is; ``limits``: from ``limit_over_h_c``."""
     if K <= 0.0 and C <= 0.0:
         return 0.0
     at = (NODES - 1) * place(max(K, 0.0), max(C, 0.0))
+    if not at >= 0.0:
+        return np.inf
     k = min(int(at), NODES - 2)
     ratio = limits[k] + (at - k) * (limits[k + 1] - limits[k])
     return h / (ratio * critical_step(max(K, 0.0), max(C, 0.0)))
