@@ -169,9 +169,12 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
             kept = y[largest].copy()
         yield window
     y[largest] = kept
-    unseen = missed(model, cut.passes * steps * cut.step, before, y) if before else 0
+    end = cut.passes * steps * cut.step
+    if not np.isfinite(_turns_of_pits(setup, end, y)).all():  # since the watch has looked last
+        raise stopped(setup, outcomes.NOT_FINITE, outcomes.NOBODY, end)
+    unseen = missed(model, end, before, y) if before else 0
     if unseen > 0:
-        raise stopped(setup, outcomes.SKIPPED, unseen, cut.passes * steps * cut.step)
+        raise stopped(setup, outcomes.SKIPPED, unseen, end)
 
 
 def _load(setup: Setup, y: np.ndarray, places: np.ndarray) -> None:
@@ -266,17 +269,22 @@ def stopped(setup: Setup, outcome: int, body: int, t: float) -> Unsound:
     )
     kind = TooSlow if outcome == outcomes.TOO_SLOW else Unsound
     others = choose.alternatives(setup.case)
-    instead = f", or `method: {others[0]}`" if others else ""
+    instead = f", or `method: {others[0]}`" if others and not lacks_mass(setup, outcome) else ""
     return kind(f"{told}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t, instead)
 
 
+def lacks_mass(setup: Setup, outcome: int) -> bool:
+    """Whether a method has stuck where only rollers with mass would let it go on."""
+    stuck = outcome in (outcomes.STEP_FLOOR, outcomes.NEWTON_STALLED, outcomes.STALLED)
+    return stuck and setup.case.model == "ring" and ladder.jumps(setup.case)
+
+
 def advice(setup: Setup, outcome: int) -> str:
-    """Which step or tolerance would do."""
+    """Which step, tolerance or model would do."""
     adaptive = build.method_kind(setup.case).adaptive
     if outcome == outcomes.TOO_SLOW:
         return "take a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
-    stuck = outcome in (outcomes.STEP_FLOOR, outcomes.NEWTON_STALLED, outcomes.STALLED)
-    if stuck and ladder.jumps(setup.case) and setup.case.model == "ring":
+    if lacks_mass(setup, outcome):
         return f"say `model: rollers`: {ladder.MASSLESS}"
     if not adaptive:
         return f"take a step under {1e6 * setup.cut.step / 2:.2g} us"

@@ -178,6 +178,15 @@ def test_a_step_over_the_limit_is_refused_once(here):
     assert "say `step: auto`" in line
 
 
+def test_refused_jobs_are_counted_for_a_script(here):
+    """The step is too long for `ring` over a pit; its healthy twins and `static` take it."""
+    words = ["--set", "step=20 us", "--json"]
+    found = json.loads(type_("check", "small.yaml", *words, code=2)[0])
+    assert (found["cases"], found["twins"], found["refused_jobs"]) == (4, 4, 2)
+    assert len(found["jobs"]) == 6
+    assert len(found["refused"]) == 1
+
+
 def test_a_case_without_equilibrium_is_refused(here, monkeypatch):
     def nothing_holds(case):
         raise NoEquilibrium(f"no equilibrium at {case.load} N")

@@ -50,6 +50,8 @@ LAWS = [
     HuntCrossley(STEEL, 50.0),
     Undamped(STEEL),
     Kraemer(STEEL, 1e-5),
+    Kraemer(Linear(1e9), 1e-5),
+    Kraemer(LINE, 1e-5),
     general(STEEL, 1e15, 1.0, 2.0),
     general(STEEL, 1e14, 1.5, 2.0),
     General(STEEL, 1e15, Power(1.0), Power(2.0)),

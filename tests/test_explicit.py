@@ -264,4 +264,5 @@ def test_verlet_keeps_the_energy_of_a_contact():
 @pytest.mark.parametrize(("K", "C"), [(inf, inf), (nan, nan), (nan, 1.0), (1.0, nan), (inf, 1.0), (1.0, inf)])
 def test_what_has_blown_up_is_over_every_limit(method, K, C):
     """Of a table's entries none is looked up by what is no number: it would be anywhere in memory."""
-    assert not load_number(method(1e-6), K, C) <= 1.0
+    found = load_number(method(1e-6), K, C)
+    assert found == inf if method in (RungeKutta4, Nystrom, Stabilised) else not found <= 1.0

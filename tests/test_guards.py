@@ -97,6 +97,16 @@ def test_crossings_stepped_over_fail_the_run() -> None:
     assert caught.value.time == pytest.approx(0.11, abs=0.02)
 
 
+def test_what_blows_up_in_the_last_steps_fails_the_run() -> None:
+    """The watch looks every some steps; what it has not seen must not end in an error of Python's."""
+    ended = np.array([np.nan])
+    with (
+        mock.patch.object(INTEGRATION, "_turns_of_pits", side_effect=[np.zeros(1), ended]),
+        pytest.raises(SimulationError, match="no longer finite"),
+    ):
+        simulate(case(**VERLET))
+
+
 # What is said
 
 
@@ -144,7 +154,9 @@ def test_who_is_stuck_on_rollers_without_mass_is_told_of_some_with(outcome, mode
         pytest.raises(SimulationError) as caught,
     ):
         simulate(given)
-    assert ("say `model: rollers`" in caught.value.advice) == advised
+    with_mass = "say `model: rollers`: damping that acts in full as a contact closes needs the mass of a roller"
+    assert (caught.value.advice == with_mass) == advised
+    assert ("or `method: " in caught.value.advice) != advised
 
 
 def test_bounds_hold_what_a_hard_case_reaches_and_no_more() -> None:

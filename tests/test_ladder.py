@@ -25,6 +25,7 @@ def refusals(**fields: Any) -> list[tuple[str, str | None]]:
     return [(conflict.message, conflict.hint) for conflict in error["ctx"]["conflicts"]]
 
 
+LINEAR = {"stiffness": {"law": "constant", "coefficient": 1e6, "exponent": 1.0}}
 JUMPING = {"law": "general", "coefficient": 1e3, "indentation_exponent": 0.0}
 IMPULSES = {"defect": PIT, "excitation": "impulse-train"}
 
@@ -42,7 +43,11 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
     ({"friction": "none", "drag": "none"}, "static", "a healthy bearing"),
     ({"record": ["ring.acceleration"]}, "ring", "the ring's acceleration depends on its mass"),
     ({"contact": {"damping": {"chi": "5 s/m"}}}, "ring", "`contact.damping` acts on motion"),
-    ({"contact": {"damping": JUMPING}}, "rollers", "needs the mass of a roller"),
+    ({"contact": {"damping": JUMPING}}, "ring", "`contact.damping` acts on motion"),
+    ({"defect": PIT, "contact": {"damping": JUMPING}}, "rollers", "needs the mass of a roller"),
+    ({"defect": PIT, "contact": {"damping": "kraemer"} | LINEAR}, "rollers", "needs the mass of a roller"),
+    ({"defect": PIT, "contact": {"damping": "kraemer"}}, "ring", "`contact.damping` acts on motion"),
+    ({"defect": PIT, "contact": {"damping": JUMPING | {"coefficient": 0.0}}}, "ring", "`contact.damping` acts"),
     (
         {"contact": {"damping": JUMPING | {"indentation_exponent": 1.0}}},
         "ring",

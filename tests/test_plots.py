@@ -166,11 +166,11 @@ def test_lost_jobs_are_marked_where_they_would_stand(results):
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
-    ("status", "reason"), [("failed", ": 16 failed, the first for this: the ring left"), ("missing", "$")]
+    ("status", "reason"), [("failed", ": 16 failed, one for this: the ring left"), ("missing", "$")]
 )
 def test_where_no_job_is_done_the_reason_is_told(results, kind, status, reason):
     opened = results(STUDY, lost=dict.fromkeys(range(16), status))  # 12 cases, 4 healthy twins
-    with pytest.raises(PlotError, match=f"no job is done yet, there is nothing to draw{reason}"):
+    with pytest.raises(PlotError, match=f"no job is done, there is nothing to draw{reason}"):
         drawn(opened, kind=kind)
 
 

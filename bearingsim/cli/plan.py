@@ -49,6 +49,12 @@ class Plan:
         return tuple(_grouped(self.refusals, self.study))
 
     @property
+    def counted(self) -> tuple[int, int]:
+        """How many cases and twins the study has, refused ones too."""
+        twins = sum(job.twin for job, _ in self.refusals)
+        return len(self.cases) + len(self.refusals) - twins, len(self.twins) + twins
+
+    @property
     def everything(self) -> tuple[Priced, ...]:
         """Cases and twins."""
         return self.cases + self.twins
@@ -249,8 +255,7 @@ def _written_model(study: "Study") -> str | None:
 
 def _counts(plan: Plan) -> str:
     refused = len(plan.refusals)
-    refused_twins = sum(job.twin for job, _ in plan.refusals)
-    cases, twins = len(plan.cases) + refused - refused_twins, len(plan.twins) + refused_twins
+    cases, twins = plan.counted
     jobs = f"{cases + twins} job{'s' * (cases + twins != 1)}"
     told = f", {refused} refused" if refused else ""
     return f"{jobs} ({cases} case{'s' * (cases != 1)}, {twins} healthy twin{'s' * (twins != 1)}){told}"
@@ -295,14 +300,16 @@ def as_json(plan: Plan) -> str:
     """The plan for a script: SI, null where there is no limit."""
     from bearingsim.config.scan import notes
 
+    cases, twins = plan.counted
     found = {
         "study": plan.study.name,
-        "cases": len(plan.cases),
-        "twins": len(plan.twins),
+        "cases": cases,
+        "twins": twins,
         "cpu_seconds": plan.cpu_seconds,
         "wall_seconds": plan.wall_seconds,
         "workers": plan.workers,
         "bytes": plan.bytes,
+        "refused_jobs": len(plan.refusals),
         "refused": list(plan.refused),
         "notes": notes(plan.study.cases()),
         "jobs": [_job_entry(priced) for priced in plan.everything],

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim.config.channels import plain
-from bearingsim.config.contact import General
+from bearingsim.config.contact import Constant, General, Kraemer
 from bearingsim.config.defect import IMPULSES, WEAKENED
 from bearingsim.config.free import Frictionless
 from bearingsim.config.names import LINE_LOADS
@@ -209,7 +209,7 @@ def _of_masses(case: "Case") -> Iterator[Need]:
     if case.defects and case.excitation not in IMPULSES and sharp:
         why = "how a roller strikes the far edge of a pit, and its force there, depend on its mass"
         yield Need("inertia of rollers", why, (("record",),), firm=False)
-    if jumps(case):
+    if case.defects and case.excitation not in IMPULSES and jumps(case):
         yield Need("inertia of rollers", MASSLESS, (("contact", "damping"),), firm=False)
     force = _centrifugal_force(case)
     load = STRIBECK * math.hypot(case.load, case.load_across) / case.bearing.rollers
@@ -223,8 +223,13 @@ def _of_masses(case: "Case") -> Iterator[Need]:
 
 def jumps(case: "Case") -> bool:
     """Whether contacts are damped in full as soon as they close: their force jumps then."""
-    damping = case.contact.damping
-    return isinstance(damping, General) and damping.indentation_exponent == 0.0
+    match case.contact.damping:
+        case General(coefficient=c, indentation_exponent=m3):
+            return c > 0.0 and math.isclose(m3, 0.0, abs_tol=1e-12)
+        case Kraemer(beta=beta):
+            stiffness = case.contact.stiffness
+            return beta > 0.0 and isinstance(stiffness, Constant) and math.isclose(stiffness.exponent, 1.0)
+    return False
 
 
 def _centrifugal_force(case: "Case") -> float:

@@ -192,7 +192,8 @@ def _stiffness_hunt_crossley(contact, delta, v):
 @normal_force.register(Kraemer)
 def _force_kraemer(contact, delta, v):
     d = max(delta, 0.0)
-    return max(elastic(contact.stiffness, d) + contact.beta * tangent(contact.stiffness, d) * v, 0.0)
+    force = max(elastic(contact.stiffness, d) + contact.beta * tangent(contact.stiffness, d) * v, 0.0)
+    return force if delta > 0.0 else 0.0  # with a stiffness at touch-down (m1 = 1) damping would act across a gap
 
 
 @damping_slope.register(Kraemer)

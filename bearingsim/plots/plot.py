@@ -65,7 +65,8 @@ def drawn(
 ) -> list[tuple[str, "Canvas"]]:
     """The figures of ``plot`` with their names, not written anywhere."""
     _check_changes(kind, {"x": x, **changes})
-    _check_done(results)
+    if not jobs or list(jobs) == [ALL]:  # a job that is named says itself what became of it
+        _check_done(results)
     if kind in OF_JOBS:
         return _of_jobs(results, kind, jobs, changes)
     return _of_table(results, kind, x, changes)
@@ -76,8 +77,8 @@ def _check_done(results: "Results") -> None:
     if (results.table()["status"] == "done").any():
         return
     failures = list(results.failures().values())
-    failed = f": {len(failures)} failed, the first for this: {failures[0].reason}" if failures else ""
-    raise PlotError(f"no job is done yet, there is nothing to draw{failed}")
+    failed = f": {len(failures)} failed, one for this: {failures[0].reason}" if failures else ""
+    raise PlotError(f"no job is done, there is nothing to draw{failed}")
 
 
 def _written(canvas: "Canvas", path: Path) -> Path:
@@ -170,7 +171,7 @@ def _of_jobs(
     rows = select.matching(select.case_rows(results), where, results.plan["units"])
     chosen = named or (series.done_jobs(rows) if jobs else series.some_jobs(rows))
     if not chosen:
-        raise PlotError("no job is done yet: there is nothing to draw")
+        raise PlotError("none of these jobs is done: there is nothing to draw")
     if kind == PIT:
         return _of_pits(results, chosen)
     options = {"span": changes["span"]} if changes.get("span") else {}
