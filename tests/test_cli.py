@@ -178,6 +178,14 @@ def test_a_step_over_the_limit_is_refused_once(here):
     assert "say `step: auto`" in line
 
 
+@pytest.mark.parametrize(("coefficient", "warned"), [(1e2, False), (1e6, True)])
+def test_contacts_that_creep_longer_than_the_run_settles_are_told(here, coefficient, warned):
+    """C/K of steel at 150 N: 0.3 ms with 1e2 N s/mm, 3 s with 1e6."""
+    law = f"contact.damping={{law: general, coefficient: {coefficient}, indentation_exponent: 0}}"
+    said, _ = type_("check", "small.yaml", "--set", "model=rollers", "--set", law)
+    assert ("contacts creep to rest" in said) == warned
+
+
 def test_refused_jobs_are_counted_for_a_script(here):
     """The step is too long for `ring` over a pit; its healthy twins and `static` take it."""
     words = ["--set", "step=20 us", "--json"]

@@ -168,6 +168,7 @@ FRICTION: tuple[Line, ...] = (
 )
 """Said where there is friction. It lags by a step, so it limits none; a step under the time resolves it."""
 SLIPS_PER_DECADE = 50
+SETTLED = 4.0  # such times after which what was at the start is forgotten, but for 2 %
 
 
 def show(plan: Plan, verbose: bool) -> None:
@@ -186,7 +187,7 @@ def show(plan: Plan, verbose: bool) -> None:
     rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
     print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
-    for told in [*choices(plan), *methods(plan), *notes(study.cases())]:
+    for told in [*choices(plan), *methods(plan), *creeping(plan), *notes(study.cases())]:
         out.print(told, markup=False)
     if verbose:
         _show_cases(plan)
@@ -241,6 +242,25 @@ def methods(plan: Plan) -> list[str]:
         where = "all of its run" if whole else "its run's beginning"
         told.append(f"each step is proven on {where}: half of it may change line and RMS by 0.5 %")
     return told
+
+
+def creeping(plan: Plan) -> list[str]:
+    """Where dashpots are so stiff that contacts come to rest more slowly than the run settles: a text, or none."""
+    slow = [one for one in plan.everything if SETTLED * creep(one.limits) > one.job.case.settle]
+    if not slow:
+        return []
+    count, all_ = len(slow), len(plan.everything)
+    jobs = "" if count == all_ else f"{count} of {all_} jobs: "
+    times = span(1e3 * creep(one.limits) for one in slow)
+    return [
+        f"{jobs}damping is so heavy that contacts creep to rest, in about {times} ms; with a `settle` under"
+        f" {SETTLED:g} times that a record, of a healthy twin above all, shows the start of its run"
+    ]
+
+
+def creep(limits: "Limits") -> float:
+    """The time (s) in which a contact with a heavy dashpot comes to rest, C/K; 0 where it is not heavy."""
+    return limits.damping_ratio / (math.pi * limits.contact_frequency) if limits.damping_ratio > 1.0 else 0.0
 
 
 def _written_model(study: "Study") -> str | None:
