@@ -249,8 +249,8 @@ def creeping(plan: Plan) -> list[str]:
     slow = [one for one in plan.everything if SETTLED * creep(one.limits) > one.job.case.settle]
     if not slow:
         return []
-    count, all_ = len(slow), len(plan.everything)
-    jobs = "" if count == all_ else f"{count} of {all_} jobs: "
+    every = len(plan.everything)
+    jobs = "" if len(slow) == every else f"{len(slow)} of {every} jobs: "
     times = span(1e3 * creep(one.limits) for one in slow)
     return [
         f"{jobs}damping is so heavy that contacts creep to rest, in about {times} ms; with a `settle` under"
