@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearingsim.config import Case
-    from bearingsim.simulation import simulate
+    from bearingsim.simulation.simulate import simulate
     from bearingsim.store import Results, open_results
     from bearingsim.study import Study, load_study
 

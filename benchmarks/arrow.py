@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.core.arrow import combine, factor, solve
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
     BY_POSITION,
@@ -31,6 +30,7 @@ from bearingsim.core.layout import (
     own_block,
     to_border,
 )
+from bearingsim.core.methods.arrow import combine, factor, solve
 from bearingsim.core.models.interface import freedoms, width
 
 COUNTS = (13, 16, 24, 40, 56, 80, 104)  # rollers

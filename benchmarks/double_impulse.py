@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim import build
+from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.signals import spacing
-from bearingsim.simulation import Record, simulate
+from bearingsim.simulation.simulate import Record, simulate
 
 OUTER_6205 = 0.02349  # m, radius of the outer race
 ARCS = (5.0, 8.0)  # degrees of the outer race, as on the bearings that were measured
@@ -75,13 +75,13 @@ def scene(bearing: str, rpm: float, width: float, depth: float, passes: float = 
 
 def reach(case: Case) -> float:
     """sqrt(2 R_eff d) (m): before a rim, the element touches it from the floor."""
-    b = build.model(case).bearing
+    b = assemble.model(case).bearing
     return sqrt(2.0 * b.R_w * b.R_o / (b.R_o - b.R_w) * case.defects[0].depth)
 
 
 def crossings(case: Case, record: Record) -> Iterator[Crossing]:
     """Every whole crossing in the record, by its contact forces; the cage at its kinematic speed."""
-    b, width, x = build.model(case).bearing, case.defects[0].width, reach(case)
+    b, width, x = assemble.model(case).bearing, case.defects[0].width, reach(case)
     for j in range(b.Z):
         turned = record.info["cage_angle_start_rad"] + b.omega_c * record.time + 2.0 * pi * j / b.Z
         along = b.R_o * ((turned - case.defects[0].angle + pi) % (2.0 * pi) - pi) + width / 2.0
@@ -102,7 +102,7 @@ def crossed(along: np.ndarray, force: np.ndarray, edge: float) -> Crossing:
 
 def read(case: Case) -> Reading:
     """Simulate a case and read its crossings."""
-    b = build.model(case).bearing
+    b = assemble.model(case).bearing
     entry, strike = np.mean(list(crossings(case, simulate(case))), axis=0)
     speed = b.R_o * b.omega_c
     return Reading(entry, strike, (strike - entry) / speed, case.defects[0].width / speed)

@@ -16,14 +16,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 
-from bearingsim import build, simulate
-from bearingsim.build.rest import largest_load
+from bearingsim import assemble, simulate
+from bearingsim.assemble.rest import largest_load
 from bearingsim.config import Case
-from bearingsim.core.edge_contact import edge_contact
+from bearingsim.core.pits.edge_contact import edge_contact
 from bearingsim.plots.style import COLOURS, MARKERS, RC
-from bearingsim.verify.edge import bodies, corrected, corrected_ratio, crossed, crossed_at, stressed
-from bearingsim.verify.race import Slot, slope_reach
-from bearingsim.verify.steel import Pair
+from benchmarks.edges.edge import bodies, corrected, corrected_ratio, crossed, crossed_at, stressed
+from benchmarks.edges.race import Slot, slope_reach
+from benchmarks.edges.steel import Pair
 
 PAIR, LENGTH, DEEP = Pair(), 0.012, 50e-6
 REFERENCE = 47.0 / LENGTH  # N/m: the largest healthy load at 150 N
@@ -211,7 +211,7 @@ def features(width: float, excitation: str, rho: float = 0.0, factor: float = 1.
         return np.array([simulate(given).features[name] for name in ANSWERS])
     load = factor * largest_load(given)
     elastic = edge_contact(load, LENGTH, PAIR.R_w, PAIR.R_o, PAIR.E_star, rho)
-    with mock.patch.object(build.pits, "excitation", return_value=elastic):
+    with mock.patch.object(assemble.pits, "excitation", return_value=elastic):
         return np.array([simulate(given).features[name] for name in ANSWERS])
 
 

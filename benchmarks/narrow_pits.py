@@ -12,9 +12,9 @@ from unittest import mock
 
 import numpy as np
 
-from bearingsim import choose
 from bearingsim.config import Case
-from bearingsim.simulation import simulate
+from bearingsim.simulation import choose
+from bearingsim.simulation.simulate import simulate
 
 FEATURES = ("velocity@BPFO", "velocity.rms", "outer_force.max")
 

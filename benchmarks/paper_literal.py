@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 from joblib import Parallel, delayed
 
-from bearingsim import choose
 from bearingsim.config import Case
-from bearingsim.limits import step_limits
-from bearingsim.simulation import simulate
+from bearingsim.simulation import choose
+from bearingsim.simulation.limits import step_limits
+from bearingsim.simulation.simulate import simulate
 from bearingsim.study import load_study
 
 STUDY = Path(__file__).parents[1] / "studies" / "paper_literal.yaml"

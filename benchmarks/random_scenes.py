@@ -26,18 +26,18 @@ from typing import Any
 import numpy as np
 from joblib import Parallel, delayed
 
-from bearingsim import choose
 from bearingsim.config import Case
 from bearingsim.config.names import LINES
-from bearingsim.core.kinematics import (
+from bearingsim.core.geometry.kinematics import (
     ball_pass_frequency_inner,
     ball_pass_frequency_outer,
     ball_spin_frequency,
     fundamental_train_frequency,
 )
-from bearingsim.integration import TooChaotic
-from bearingsim.proof import LOUD, fault_lines
-from bearingsim.simulation import Record, SimulationError, simulate
+from bearingsim.simulation import choose
+from bearingsim.simulation.integration import TooChaotic
+from bearingsim.simulation.proof import LOUD, fault_lines
+from bearingsim.simulation.simulate import Record, SimulationError, simulate
 
 HELD = 0.01
 RESOLVED = 2.1  # spacings of lines, times the duration: what tells them apart, and some slip

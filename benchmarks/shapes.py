@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.core.defects import B, Meeting, W, bowl, box, groove, outer_reduced_radius, pits
-from bearingsim.core.depth import (
+from bearingsim.core.jit import jit
+from bearingsim.core.pits.depth import (
     Circular,
     Eased,
     Elliptical,
@@ -24,12 +24,12 @@ from bearingsim.core.depth import (
     Triangular,
     section,
 )
-from bearingsim.core.envelope import path_over, sinking
-from bearingsim.core.excitations import Envelope, felt
-from bearingsim.core.jit import jit
-from bearingsim.core.profile import depth_at
-from bearingsim.core.spall import Spall
-from bearingsim.core.traced import across, grouped, traced_pits
+from bearingsim.core.pits.envelope import path_over, sinking
+from bearingsim.core.pits.excitations import Envelope, felt
+from bearingsim.core.pits.pairs import B, Meeting, W, bowl, box, groove, outer_reduced_radius, pits
+from bearingsim.core.pits.profile import depth_at
+from bearingsim.core.pits.spall import Spall
+from bearingsim.core.pits.traced import across, grouped, traced_pits
 
 R, L_W = outer_reduced_radius(0.006, 0.0385), 0.012
 SHAPES = (Rectangular, Triangular, Circular, Elliptical)

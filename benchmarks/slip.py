@@ -16,12 +16,12 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 
-from bearingsim import build, load_study, open_results, simulate
+from bearingsim import assemble, load_study, open_results, simulate
 from bearingsim.config import Case
-from bearingsim.core.cage import land_drag, orbit_drag
-from bearingsim.core.equilibrium import find_rest, rest_from_scratch
-from bearingsim.core.friction import mu
+from bearingsim.core.laws.friction import mu
 from bearingsim.core.layout import Q_I, Q_O
+from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch
+from bearingsim.core.parts.cage import land_drag, orbit_drag
 from bearingsim.plots.style import COLOURS, MARKERS, RC
 
 GROSS = 0.05  # slip of the cage from which it is called gross
@@ -46,7 +46,7 @@ class Loads(NamedTuple):
 def loads(model: Any, slip: float) -> Loads:
     """What each roller carries where, at the cage's speed with ``slip``."""
     b = model.bearing._replace(omega_c=model.bearing.omega_c * (1.0 - slip))
-    still, y, entries = build.statics(model._replace(bearing=b)), build.empty_buffer(model), []
+    still, y, entries = assemble.statics(model._replace(bearing=b)), assemble.empty_buffer(model), []
     for n in range(CAGE_ANGLES):
         turned = (n + 0.5) / CAGE_ANGLES * 2.0 * pi / b.Z
         (rest_from_scratch if n == 0 else find_rest)(still, turned / b.omega_c, y)
@@ -84,7 +84,7 @@ def coefficient(model: Any, slip: float, ratio: float) -> float:
 
 def balance(case: Case) -> float:
     """Slip of the cage at which friction first holds the drag; 1 if it never does."""
-    model = build.model(case)
+    model = assemble.model(case)
     found = loads(model, 0.0)
     for slip in CREEPING:
         if friction_torque(model, found, slip) >= drag_torque(model, slip):

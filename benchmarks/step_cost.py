@@ -19,12 +19,13 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim import build, choose
+from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.core.advance import RING, advance
 from bearingsim.core.layout import Q_I, Q_O
 from bearingsim.core.outcomes import FINE
-from bearingsim.integration import watch_of
+from bearingsim.simulation import choose
+from bearingsim.simulation.integration import watch_of
 
 BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
@@ -46,10 +47,10 @@ SLOWER = {"static": 50}  # a balance costs about as much as so many steps
 def variant(labels: dict[str, Any], case: Case, model: Any) -> dict[str, Any]:
     """A variant ready to be timed: labels for the table, method, model, state at rest."""
     cut = choose.grid(case)
-    model = build.relaxed(model, cut.step)
-    y, _ = build.start(case, model)
+    model = assemble.relaxed(model, cut.step)
+    y, _ = assemble.start(case, model)
     row = labels | {"auto_step_us": round(1e6 * cut.step, 3)}
-    watch, method = watch_of(cut, choose.limits(case)), build.method(case, cut.step)
+    watch, method = watch_of(cut, choose.limits(case)), assemble.method(case, cut.step)
     return {"row": row, "method": method, "model": model, "watch": watch, "y": y, "at": 0}
 
 
@@ -59,14 +60,14 @@ def models_and_methods() -> Iterator[dict[str, Any]]:
         for model, method in PAIRS:
             case = Case.model_validate(BASE | defect | {"model": model} | ({"method": method} if method else {}))
             labels = {"scene": scene, "model": model, "method": method or "", "rollers": case.bearing.rollers}
-            yield variant(labels, case, build.model(case))
+            yield variant(labels, case, assemble.model(case))
 
 
 def numbers_of_rollers() -> Iterator[dict[str, Any]]:
     """`rollers` with other numbers of rollers: only the arithmetic matters here, they would not all fit."""
     case = Case.model_validate(BASE | {"clearance": "-1 um", "method": "verlet"})
     for Z in ROLLERS:
-        model = build.model(case)
+        model = assemble.model(case)
         model = model._replace(bearing=model.bearing._replace(Z=Z))
         yield variant({"scene": "lanes", "model": "rollers", "method": "verlet", "rollers": Z}, case, model)
 
@@ -76,7 +77,7 @@ def laws_of_contact() -> Iterator[dict[str, Any]]:
     for (name, law), model in product(LAWS.items(), ("rollers", "planar")):
         case = Case.model_validate(BASE | {"model": model, "method": "verlet", "contact": law})
         labels = {"scene": f"law {name}", "model": model, "method": "verlet", "rollers": case.bearing.rollers}
-        yield variant(labels, case, build.model(case))
+        yield variant(labels, case, assemble.model(case))
 
 
 def run(one: dict[str, Any], steps: int) -> float:

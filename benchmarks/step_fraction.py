@@ -13,9 +13,9 @@ import csv
 import sys
 from unittest import mock
 
-from bearingsim import choose
 from bearingsim.config import Case
-from bearingsim.simulation import SimulationError, simulate
+from bearingsim.simulation import choose
+from bearingsim.simulation.simulate import SimulationError, simulate
 
 FRACTIONS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
 FEATURES = ("velocity@BPFO", "velocity.rms", "outer_force.max")

@@ -37,7 +37,7 @@ from touch_down_models import (
     start,
 )
 
-from bearingsim import build
+from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.core.layout import (
     EVALUATED,
@@ -127,13 +127,13 @@ DURATION, EVERY = 10e-3, 5e-6  # s
 
 def ring_velocity(name: str, known: str, setting: float, case: Case) -> tuple[np.ndarray, float, float]:
     """The ring's velocity (n, 2) every 5 us; CPU seconds, the best of three; evaluations of the model."""
-    model = KNOWN[known](*build.model(case))
+    model = KNOWN[known](*assemble.model(case))
     kind: Any = NAMES[name]
     stride = max(1, round(EVERY / setting)) if name in FIXED else 1
     method = kind(EVERY / stride) if name in FIXED else kind(EVERY, setting, 1e-5 * setting, 1e-2 * setting, 2e-5)
     drive = LOCATED[name] if known == "contacts" and name in FIXED else go
     best, evaluations, out = inf, 0.0, np.empty((round(DURATION / EVERY), 2))
-    rest, _ = build.start(case, Rollers(*model))
+    rest, _ = assemble.start(case, Rollers(*model))
     for _ in range(3):
         y = rest.copy()
         start(method, model, 0.0, y)

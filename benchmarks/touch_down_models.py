@@ -5,8 +5,6 @@ from typing import Any, NamedTuple
 
 import own_cache  # noqa: F401  (before the core is imported)
 
-from bearingsim.core.defects import Pits
-from bearingsim.core.events import next_cusp
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
     ACCELERATION,
@@ -35,7 +33,9 @@ from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations, freedoms, keep_extremes, width
 from bearingsim.core.models.rollers import Rollers
 from bearingsim.core.parameters import Bearing, Support
-from bearingsim.core.pit_contact import standing
+from bearingsim.core.pits.jumps import next_cusp
+from bearingsim.core.pits.on_roller import standing
+from bearingsim.core.pits.pairs import Pits
 
 NAMES = {
     "verlet": Verlet,

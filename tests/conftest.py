@@ -12,8 +12,8 @@ os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), *filter(None, [os.environ
 # tests compile the core for types of their own; who reads that cache must be able to import them: so it is kept
 # apart from the user's, and the processes that tests start find the tests
 
-from tests.commands import STUDY, type_  # noqa: E402
-from tests.study_text import Write  # noqa: E402
+from tests.scenes.commands import STUDY, type_  # noqa: E402
+from tests.scenes.study_text import Write  # noqa: E402
 
 # no deadline: the first example may compile; in CI always the same examples, elsewhere new ones every time
 settings.register_profile("bearingsim", deadline=None, derandomize=bool(os.environ.get("CI")))
@@ -22,7 +22,7 @@ settings.load_profile("bearingsim")
 
 LONGEST = ("spatial_derivatives", "free_lines", "adaptive", "spatial", "implicit_bearing", "planar_derivatives")
 LONGEST += ("spatial_balance", "space_trends", "tilted", "exudyn", "slip", "finite_elements")
-assert all((Path(__file__).parent / f"test_{name}.py").exists() for name in LONGEST)
+assert {f"test_{name}" for name in LONGEST} <= {path.stem for path in Path(__file__).parent.rglob("test_*.py")}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

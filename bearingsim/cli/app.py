@@ -303,7 +303,7 @@ def _assignment(text: str, option: str = "--set") -> tuple[str, str]:
 
 
 def _time(option: str, text: str) -> float:
-    from bearingsim.units import UnitError, parse
+    from bearingsim.text.units import UnitError, parse
 
     try:
         seconds = parse(text, "time")

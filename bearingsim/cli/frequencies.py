@@ -21,9 +21,9 @@ def of_bearing(name: str, speed: str) -> dict[str, Any]:
     from math import pi
 
     from bearingsim.config.names import HARMONICS
-    from bearingsim.core import kinematics
+    from bearingsim.core.geometry import kinematics
     from bearingsim.study import load_bearing
-    from bearingsim.units import UnitError, parse
+    from bearingsim.text.units import UnitError, parse
 
     bearing, omega = load_bearing(name), parse(speed, "rotation")
     if omega <= 0.0:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from bearingsim.cli.screen import console, print_table, significant
 
 if TYPE_CHECKING:
-    from bearingsim.choose import Choice, Estimate
     from bearingsim.config import Case
-    from bearingsim.limits import Limits
+    from bearingsim.simulation.choose import Choice, Estimate
+    from bearingsim.simulation.limits import Limits
     from bearingsim.study import Job, Study
 
 __all__ = ["Plan", "as_json", "plan_of", "show"]
@@ -96,7 +96,7 @@ def plan_of(study: "Study", workers: int | None) -> Plan:
 
 
 def _priced(job: "Job") -> Priced:
-    from bearingsim import choose
+    from bearingsim.simulation import choose
 
     case = job.case
     cut, limits = choose.grid(case), choose.limits(case)
@@ -110,12 +110,12 @@ def rubbing(case: "Case", force: float) -> tuple[float, float]:
     Slip s of a roller between two races under the force Q each dies out like exp(-2 mu' Q R_w^2/I_r t), mu' the
     steepest slope of the friction's curve.
     """
-    from bearingsim import build
-    from bearingsim.core.friction import steepest
+    from bearingsim import assemble
+    from bearingsim.core.laws.friction import steepest
 
     if case.friction is None:
         return math.nan, math.inf
-    model = build.model(case)
+    model = assemble.model(case)
     b, u = model.bearing, model.bearing.R_w * model.bearing.omega_b
     slope = float(steepest(model.friction, u))
     settled = b.I_r / (2.0 * slope * force * b.R_w**2) if slope > 0.0 else math.inf
@@ -124,7 +124,7 @@ def rubbing(case: "Case", force: float) -> tuple[float, float]:
 
 def most_friction(law: Any, u: float) -> float:
     """The largest friction coefficient of a law at the rolling speed ``u`` (m/s), within 1 %."""
-    from bearingsim.core.friction import mu
+    from bearingsim.core.laws.friction import mu
 
     return max(float(mu(law, u * 10.0 ** (n / SLIPS_PER_DECADE), u)) for n in range(-4 * SLIPS_PER_DECADE, 1))
 
@@ -173,7 +173,7 @@ SETTLED = 4.0  # such times after which what was at the start is forgotten, but 
 
 def show(plan: Plan, verbose: bool) -> None:
     """Print the plan; verbose: a line for each case, too."""
-    from bearingsim.config.scan import notes
+    from bearingsim.config.scan.repair import notes
     from bearingsim.runner.progress import duration
 
     study, out = plan.study, console()
@@ -198,7 +198,7 @@ def show(plan: Plan, verbose: bool) -> None:
 
 def takes_own_steps(priced: Priced) -> bool:
     """Whether the job's method chooses its steps itself."""
-    from bearingsim.config.ladder import ADAPTIVE
+    from bearingsim.config.rules.hierarchy import ADAPTIVE
 
     return priced.choice.method in ADAPTIVE
 
@@ -214,12 +214,12 @@ def _lines(plan: Plan) -> tuple[Line, ...]:
 
 def choices(plan: Plan) -> list[str]:
     """What `model: least` has chosen, and why no lower model will do: a text for each choice."""
-    from bearingsim.config import ladder
+    from bearingsim.config.rules import hierarchy
 
     asked = _written_model(plan.study)
     found: dict[str, int] = {}
     for case in (one.job.case for one in plan.cases if one.job.swept.get("model", asked) == "least"):
-        why = "; ".join(ladder.reasons(case)) or "nothing asks for more"
+        why = "; ".join(hierarchy.reasons(case)) or "nothing asks for more"
         text = f"`{case.model}` is the least model: {why}"
         found[text] = found.get(text, 0) + 1
     count = len(plan.cases)
@@ -265,7 +265,7 @@ def creep(limits: "Limits") -> float:
 
 def _written_model(study: "Study") -> str | None:
     """The model as the study says it where it does not sweep it; the cases know only which one it came to."""
-    from bearingsim.yamlfile import parse
+    from bearingsim.text.yamlfile import parse
 
     root = parse(study.text, study.path).root.mapping
     quick = root["quick"].mapping if study.quick else {}
@@ -318,7 +318,7 @@ def size(count: int) -> str:
 
 def as_json(plan: Plan) -> str:
     """The plan for a script: SI, null where there is no limit."""
-    from bearingsim.config.scan import notes
+    from bearingsim.config.scan.repair import notes
 
     cases, twins = plan.counted
     found = {
@@ -338,7 +338,7 @@ def as_json(plan: Plan) -> str:
 
 
 def _job_entry(priced: Priced) -> dict[str, Any]:
-    from bearingsim.config import ladder
+    from bearingsim.config.rules import hierarchy
 
     job = priced.job
     named = asdict(priced.limits) | dict(zip(("friction", "slip_settles"), priced.rubbing, strict=True))
@@ -351,8 +351,8 @@ def _job_entry(priced: Priced) -> dict[str, Any]:
         "method": priced.choice.method,
         "method_asked": job.case.method,
         "method_why": priced.choice.why,
-        "least_model": ladder.least(job.case),
-        "reasons": ladder.reasons(job.case),
+        "least_model": hierarchy.least(job.case),
+        "reasons": hierarchy.reasons(job.case),
         "step": priced.step,
         "limits": limits,
         "estimate": asdict(priced.estimate),

@@ -30,14 +30,14 @@ def show(
     """Compute the map, draw it, and print what was found and where it lies."""
     from bearingsim.cli.screen import print_table
     from bearingsim.plots import stability as maps
-    from bearingsim.verify import judge, mapping, stability
-    from bearingsim.verify.scene import PITS
+    from bearingsim.stability import judge, mapping, matrix
+    from bearingsim.stability.scene import PITS
 
-    grid = stability.QUICK if quick else stability.FULL
-    usual = stability.QUICK_METHODS if quick else stability.methods_known()
-    known = stability.methods_known()
+    grid = matrix.QUICK if quick else matrix.FULL
+    usual = matrix.QUICK_METHODS if quick else matrix.methods_known()
+    known = matrix.methods_known()
     grid = grid._replace(pits=tuple(chosen("--pit", pits, tuple(PITS), grid.pits)))
-    of = chosen("--model", models, stability.models_known(), stability.QUICK_MODELS if quick else stability.USUAL)
+    of = chosen("--model", models, matrix.models_known(), matrix.QUICK_MODELS if quick else matrix.USUAL)
     by = chosen("--method", methods, known, [name for name in usual if name in known])
     target = folder or Path("results") / ("stability-quick" if quick else "stability")
     path = mapping.compute(of, by, grid, target, jobs)

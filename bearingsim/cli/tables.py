@@ -83,7 +83,7 @@ def _stacked(head: str) -> str:
 
 
 def _check(chosen: Sequence[str], known: Sequence[str]) -> None:
-    from bearingsim.units import suggestion
+    from bearingsim.text.units import suggestion
 
     for name in chosen:
         if name not in known:

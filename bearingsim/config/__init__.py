@@ -5,10 +5,12 @@ All sections are frozen and refuse unknown keys. pydantic's ValidationError is r
 """
 
 from bearingsim.config.case import Case
-from bearingsim.config.contact import Constant, Contact, Damping, General, HuntCrossley, Kraemer
-from bearingsim.config.defect import ROLLED, Defect, Edge
 from bearingsim.config.fields import Section
-from bearingsim.config.free import (
+from bearingsim.config.library import library_names
+from bearingsim.config.names import CHANNELS, FEATURES, Channel, Feature, dataset_names
+from bearingsim.config.sections.contact import Constant, Contact, Damping, General, HuntCrossley, Kraemer
+from bearingsim.config.sections.defect import ROLLED, Defect, Edge
+from bearingsim.config.sections.free import (
     Cage,
     CageFriction,
     Drag,
@@ -20,9 +22,7 @@ from bearingsim.config.free import (
     Traction,
     Unbalance,
 )
-from bearingsim.config.library import library_names
-from bearingsim.config.machine import Bearing, Material, Rig
-from bearingsim.config.names import CHANNELS, FEATURES, Channel, Feature, dataset_names
+from bearingsim.config.sections.machine import Bearing, Material, Rig
 
 __all__ = [
     "CHANNELS",

@@ -5,12 +5,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from bearingsim.config import contact, free, ladder
 from bearingsim.config.channels import channel
-from bearingsim.config.clearance import Clearance
-from bearingsim.config.conflicts import conflicts
-from bearingsim.config.contact import Contact
-from bearingsim.config.defect import EDGE_RADIUS, Defect, Edge, Excitation
 from bearingsim.config.fields import (
     Angle,
     Delay,
@@ -30,9 +25,15 @@ from bearingsim.config.fields import (
     unless_none,
     whole,
 )
-from bearingsim.config.machine import Bearing, Rig, default_rig, named
-from bearingsim.config.slicing import by_slices
-from bearingsim.config.space import Misalignment
+from bearingsim.config.rules import hierarchy
+from bearingsim.config.rules.conflicts import conflicts
+from bearingsim.config.rules.slicing import by_slices
+from bearingsim.config.sections import contact, free
+from bearingsim.config.sections.clearance import Clearance
+from bearingsim.config.sections.contact import Contact
+from bearingsim.config.sections.defect import EDGE_RADIUS, Defect, Edge, Excitation
+from bearingsim.config.sections.machine import Bearing, Rig, default_rig, named
+from bearingsim.config.sections.space import Misalignment
 
 Model = Literal["least", "impulse", "static", "ring", "rollers", "planar", "spatial"]
 Method = Literal[
@@ -129,10 +130,10 @@ class Case(Section):
     @model_validator(mode="after")
     def _resolved(self) -> "Case":
         if self.model == "least":
-            self._fill("model", ladder.least(self) or ladder.LADDER[-1])
+            self._fill("model", hierarchy.least(self) or hierarchy.LADDER[-1])
         if self.model == "impulse" and "excitation" not in self.model_fields_set:
             self._fill("excitation", "impulse-train")
-        if self.method is None and self.model not in ladder.METHODLESS:
+        if self.method is None and self.model not in hierarchy.METHODLESS:
             self._fill("method", "auto")
         if "start_angle" not in self.model_fields_set:
             self._fill("start_angle", math.pi / self.bearing.rollers)
@@ -145,7 +146,7 @@ class Case(Section):
         return self
 
     def _fill_free_motion(self) -> None:
-        if self.model not in ladder.FREE:
+        if self.model not in hierarchy.FREE:
             if isinstance(self.friction, free.Frictionless):
                 self._fill("friction", None)
             return

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NoReturn
 from pydantic import BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from bearingsim.units import EXPECTED, UNITS, Dimension, UnitError, parse, suggestion
+from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse, suggestion
 
 
 class Section(BaseModel):

@@ -4,8 +4,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
-from bearingsim import yamlfile
-from bearingsim.units import suggestion
+from bearingsim.text import yamlfile
+from bearingsim.text.units import suggestion
 
 Kind = Literal["bearings", "rigs", "materials"]
 

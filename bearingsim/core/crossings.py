@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.core.defects import HALF_WIDTH, ON, ON_INNER
+from bearingsim.core.geometry.motion import elapsed_times
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.layout import CROSSED, CROSSINGS, MET, PHI_C, POSITION, ROW, SPIN
 from bearingsim.core.models.impulse import Impulse
@@ -17,8 +17,8 @@ from bearingsim.core.models.ring import Ring
 from bearingsim.core.models.rollers import Rollers
 from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.static import Static
-from bearingsim.core.motion import elapsed_times
-from bearingsim.core.pit_contact import standing
+from bearingsim.core.pits.on_roller import standing
+from bearingsim.core.pits.pairs import HALF_WIDTH, ON, ON_INNER
 
 
 @generic

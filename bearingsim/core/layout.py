@@ -51,7 +51,7 @@ TILT_O, TILT_I = (_FIRST + n * ROW for n in range(14, 16))  # tangential force o
 Q_MAX, OVERRUN, OVERRUN_MAX = (_FIRST + n * ROW for n in range(16, 19))  # largest Q_O; seconds over the step limit
 Q_I_MAX, Q_P_MAX = (_FIRST + n * ROW for n in range(19, 21))  # largest Q_I and |Q_P|
 WORK = _FIRST + 21 * ROW  # rows a model may use within an evaluation
-# (the equilibrium uses some of these rows before a motion begins: ``core/equilibrium.py``)
+# (the equilibrium uses some of these rows before a motion begins: ``models/equilibrium.py``)
 PC, PS, CE, SE = (WORK + n * ROW for n in range(4))  # direction of a roller's pocket; cos and sin of EPS
 # outer contact: normal along e_r, e_theta; distance from the ring's centre (m); speed across the normal (m/s)
 N_R, N_T, RHO_O, T_O = (WORK + n * ROW for n in range(4, 8))
@@ -87,10 +87,10 @@ PER_R, PER_T, PER_M, MOBILITY, P_R, P_T, W_R, W_T, CHANGE_R, CHANGE_T, CHANGE_M,
     LINEAR + LANES + n * ROW for n in range(12)
 )
 BY_OUTER, BY_INNER, BY_POCKET = (LINEAR + LANES + n * ROW for n in (19, 43, 67))  # rows of contacts
-WRENCHES = LINEAR + 4 * ROW  # in ``spatial``: matrices of each roller (``core/wrench.py``)
+WRENCHES = LINEAR + 4 * ROW  # in ``spatial``: matrices of each roller (``parts/wrench.py``)
 
-# a matrix of the arrow's shape (``core/arrow.py``): rows of the rollers' own blocks, of what the border does to a
-# roller, of what a roller does to the border; cells of the border's own block
+# a matrix of the arrow's shape (``methods/arrow.py``): rows of the rollers' own blocks, of what the border does to
+# a roller, of what a roller does to the border; cells of the border's own block
 MOST_OWN, MOST_BORDER = 6, 17  # coordinates of a roller, and shared ones
 OWN_BLOCK, FROM_BORDER, TO_BORDER = 0, MOST_OWN * MOST_OWN * ROW, MOST_OWN * (MOST_OWN + MOST_BORDER) * ROW
 BORDER_BLOCK = MOST_OWN * (MOST_OWN + 2 * MOST_BORDER) * ROW
@@ -116,7 +116,7 @@ TILT_MAX, LINE_MAX = (_SPACE + n * ROW for n in range(32, 34))  # largest |tilt|
 RUB_F, RUB_P = (_SPACE + n * ROW for n in range(34, 36))  # friction over slip, flanges and pocket (N s/m)
 _SPACE_ROWS = 36
 
-# rows of one side of a roller (add ``OUTER_SIDE`` or ``INNER_SIDE``); see core/slice_contact.py
+# rows of one side of a roller (add ``OUTER_SIDE`` or ``INNER_SIDE``); see core/parts/races_in_space.py
 OUTER_SIDE = SIZE + _SPACE_ROWS * ROW + LANES
 RING_R, RING_T = (n * ROW for n in range(2))  # the ring's axis along e_r, e_theta
 APART_R, APART_T, APART_Z, ALONG_R, ALONG_T, ALONG_Z = (n * ROW for n in range(2, 8))

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from functools import cache
 
 from bearingsim.errors import UserError
-from bearingsim.units import DISPLAY, UNITS, Dimension, display
+from bearingsim.text.units import DISPLAY, UNITS, Dimension, display
 
 __all__ = [
     "COST",

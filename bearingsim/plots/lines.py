@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bearingsim.config.ladder import FREE
 from bearingsim.config.names import Line
+from bearingsim.config.rules.hierarchy import FREE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -73,7 +73,7 @@ def frequency(line: Line, known: Mapping[Any, Any]) -> float:
     """Where a line stands (Hz) if the cage does not slip; ``known``: a job's parameters."""
     from math import pi
 
-    from bearingsim.core.kinematics import ball_spin_frequency, fundamental_train_frequency
+    from bearingsim.core.geometry.kinematics import ball_spin_frequency, fundamental_train_frequency
 
     omega, D_w, d_m = (known[name] for name in ("speed", "bearing.roller_diameter", "bearing.pitch_diameter"))
     Z, shaft = int(known["bearing.rollers"]), omega / (2.0 * pi)

@@ -65,7 +65,7 @@ def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
 
 
 def _of_job(results: "Results", job: str, known: Mapping[Any, Any]) -> Iterator[Sheet]:
-    from bearingsim.build.pits import contact_length
+    from bearingsim.assemble.pits import contact_length
 
     case = recorded.case_of(results, job, known)
     made = list(pits_of(case))

@@ -23,7 +23,7 @@ class Pit(NamedTuple):
     """One pit. Lengths in m; s along rolling from its middle, z along the roller from the roller's middle.
 
     race: what carries it; R: radius of the roller relative to the race it is met on (of a roller's pit the outer
-    one); angle: rad, as in the case; map: its depth (``core/depth.py``); s, z: from where to where it reaches.
+    one); angle: rad, as in the case; map: its depth (``pits/depth.py``); s, z: from where to where it reaches.
     """
 
     race: str
@@ -46,8 +46,8 @@ class Pit(NamedTuple):
     @property
     def picture(self) -> Reals:
         """p (m) at ``heights`` and ``places()``."""
-        from bearingsim.core.depth import section
-        from bearingsim.core.profile import depth_at
+        from bearingsim.core.pits.depth import section
+        from bearingsim.core.pits.profile import depth_at
 
         return np.stack([depth_at(section(self.map, float(z)), self.places()) for z in self.heights])
 
@@ -63,9 +63,9 @@ class Section(NamedTuple):
 
 def cut(pit: Pit, z: float) -> Section:
     """The pit at z (m) along the roller."""
-    from bearingsim.core.depth import section
-    from bearingsim.core.envelope import path_over, sinking
-    from bearingsim.core.profile import depth_at
+    from bearingsim.core.pits.depth import section
+    from bearingsim.core.pits.envelope import path_over, sinking
+    from bearingsim.core.pits.profile import depth_at
 
     s, profile = pit.places(FINER * (ACROSS - 1) + 1), section(pit.map, z)
     return Section(z, s, depth_at(profile, s), sinking(path_over(profile, pit.R), s)[0])
@@ -82,8 +82,8 @@ def told_apart(pit: Pit) -> list[float]:
 
 def pits_of(case: "Case") -> Iterator[Pit]:
     """The pits of a case, in its order; those that a roller feels as one are one."""
-    from bearingsim.build import pits
-    from bearingsim.core.depth import Placed, extent
+    from bearingsim.assemble import pits
+    from bearingsim.core.pits.depth import Placed, extent
 
     for found in pits.together(case):
         race, R = found.first.race, pits.reduced_radius(case, 1 if found.first.race == "inner" else 0)
@@ -94,7 +94,7 @@ def pits_of(case: "Case") -> Iterator[Pit]:
 
 def ends_of_slices(case: "Case") -> Reals:
     """Where the slices of the case's rollers end (m, from the middle); empty for a model without slices."""
-    from bearingsim.config.ladder import SLICED
-    from bearingsim.config.slicing import slice_ends
+    from bearingsim.config.rules.hierarchy import SLICED
+    from bearingsim.config.rules.slicing import slice_ends
 
     return np.asarray(slice_ends(case) if case.model in SLICED else ())

@@ -9,7 +9,7 @@ import numpy as np
 from bearingsim.config import CHANNELS, dataset_names
 from bearingsim.config.names import LINE_LOADS, ROLLER, roller_of
 from bearingsim.plots.labels import PlotError
-from bearingsim.units import suggestion
+from bearingsim.text.units import suggestion
 
 if TYPE_CHECKING:
     from bearingsim.config import Case

@@ -9,7 +9,7 @@ from bearingsim.config import FEATURES
 from bearingsim.plots.labels import COST, PlotError, described, unit_of, value_text
 from bearingsim.plots.lines import fitting, may_slip, races_of_all
 from bearingsim.study import Figure, dimension
-from bearingsim.units import UnitError, parse, suggestion
+from bearingsim.text.units import UnitError, parse, suggestion
 
 if TYPE_CHECKING:
     import pandas as pd

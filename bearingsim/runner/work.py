@@ -18,7 +18,7 @@ from bearingsim.store import Failure, start_marker, unit_name, write_units
 from bearingsim.store.units import Value
 
 if TYPE_CHECKING:
-    from bearingsim.simulation import Record
+    from bearingsim.simulation.simulate import Record
     from bearingsim.study import Job
 
 __all__ = ["BEARINGSIM", "Engine", "Outcome", "Work", "compute", "die_with_parent", "load"]
@@ -34,9 +34,9 @@ class Engine:
     """
 
     simulate: str = "bearingsim.simulation:simulate"
-    estimate: str = "bearingsim.choose:estimate"
+    estimate: str = "bearingsim.simulation.choose:estimate"
     warm: str = "bearingsim.simulation:warm"
-    notes: str = "bearingsim.config.scan:notes"
+    notes: str = "bearingsim.config.scan.repair:notes"
 
 
 BEARINGSIM = Engine()

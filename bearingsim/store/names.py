@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from bearingsim.store.scans import short_path
-from bearingsim.units import UNITS, Dimension
+from bearingsim.text.units import UNITS, Dimension
 
 __all__ = [
     "channel_attributes",

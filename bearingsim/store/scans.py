@@ -40,13 +40,13 @@ def short_path(file: str) -> str:
 
 
 def _holds(path: Path, digest: str) -> bool:
-    from bearingsim.config.scanfile import digest_of
+    from bearingsim.config.scan.file import digest_of
 
     return path.is_file() and digest_of(path.read_bytes()) == digest
 
 
 def _content(path: Path, digest: str) -> bytes:
-    from bearingsim.config.scanfile import ScanError, digest_of
+    from bearingsim.config.scan.file import ScanError, digest_of
 
     try:
         content = path.read_bytes()

@@ -23,7 +23,7 @@ from bearingsim.store.files import sealing
 from bearingsim.store.names import channel_attributes, feature_attributes, flat_parameters, parameter_attributes
 
 if TYPE_CHECKING:
-    from bearingsim.simulation import Record
+    from bearingsim.simulation.simulate import Record
     from bearingsim.study import Job
 
 __all__ = [

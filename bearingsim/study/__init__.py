@@ -5,7 +5,7 @@ from bearingsim.study.load import load_bearing, load_study
 from bearingsim.study.paths import dimension
 from bearingsim.study.schema import json_schema
 from bearingsim.study.template import NEW_STUDY
-from bearingsim.yamlfile import Problem, StudyError
+from bearingsim.text.yamlfile import Problem, StudyError
 
 __all__ = [
     "NEW_STUDY",

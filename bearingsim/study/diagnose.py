@@ -8,11 +8,11 @@ from pydantic_core import ErrorDetails
 
 from bearingsim.config import Case
 from bearingsim.config.case import LAWS
-from bearingsim.config.conflicts import Conflict, Path
-from bearingsim.config.contact import WORD
+from bearingsim.config.rules.conflicts import Conflict, Path
+from bearingsim.config.sections.contact import WORD
 from bearingsim.study.paths import known_paths, label
-from bearingsim.units import EXPECTED, suggestion
-from bearingsim.yamlfile import Mark, Node, Problem, plain, problem
+from bearingsim.text.units import EXPECTED, suggestion
+from bearingsim.text.yamlfile import Mark, Node, Problem, plain, problem
 
 STUDY_KEYS = ("study", "figures", "sweep", "quick")
 

@@ -7,7 +7,7 @@ from pathlib import Path as FilePath
 from bearingsim.config.case import LAWS
 from bearingsim.config.library import Kind, find, read
 from bearingsim.study.paths import put
-from bearingsim.yamlfile import Mark, Node, Problem, StudyError, problem
+from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem
 
 
 def expanded(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:

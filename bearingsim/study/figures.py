@@ -2,18 +2,19 @@
 
 from collections.abc import Collection
 
-from bearingsim.config import FEATURES, ladder
+from bearingsim.config import FEATURES
+from bearingsim.config.rules import hierarchy
 from bearingsim.study.jobs import Figure
-from bearingsim.units import suggestion
-from bearingsim.yamlfile import Node, Problem, problem
+from bearingsim.text.units import suggestion
+from bearingsim.text.yamlfile import Node, Problem, problem
 
 DRAWN = (*FEATURES, "seconds")
 """Columns of the results table that can stand on a y axis: features, and the CPU time of a job."""
 
-_LOADED = tuple(model for model in ladder.LADDER if model != "impulse")
+_LOADED = tuple(model for model in hierarchy.LADDER if model != "impulse")
 KNOWN_TO = {
-    "cage": ladder.FREE,
-    **dict.fromkeys(("tilt", "line_load"), ladder.SLICED),
+    "cage": hierarchy.FREE,
+    **dict.fromkeys(("tilt", "line_load"), hierarchy.SLICED),
     **dict.fromkeys(("outer_force", "inner_force", "load_zone"), _LOADED),
 }
 """Which models give the features that begin so; all others are every model's."""

@@ -8,17 +8,17 @@ from functools import reduce
 from pathlib import Path as FilePath
 
 from bearingsim.config import Bearing, Case
-from bearingsim.config.conflicts import Path
 from bearingsim.config.fields import described
+from bearingsim.config.rules.conflicts import Path
 from bearingsim.study.diagnose import STUDY_KEYS, Found, case_of
 from bearingsim.study.expand import expanded
 from bearingsim.study.figures import check_known, parse_figures
 from bearingsim.study.jobs import Study, case_id
 from bearingsim.study.paths import dimension, parse_path, put, value_at
 from bearingsim.study.sweep import Axis, is_sweep, parse_sweep, replaced, rows_of, single_axis, written_paths
-from bearingsim.units import UnitError, split
-from bearingsim.units import parse as quantity
-from bearingsim.yamlfile import (
+from bearingsim.text.units import UnitError, split
+from bearingsim.text.units import parse as quantity
+from bearingsim.text.yamlfile import (
     Mark,
     Node,
     Problem,

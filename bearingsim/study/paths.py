@@ -6,10 +6,10 @@ from functools import cache
 from typing import Any, get_args
 
 from bearingsim.config import Case
-from bearingsim.config.conflicts import Path
 from bearingsim.config.fields import Quantity, Section
-from bearingsim.units import Dimension, suggestion
-from bearingsim.yamlfile import Node
+from bearingsim.config.rules.conflicts import Path
+from bearingsim.text.units import Dimension, suggestion
+from bearingsim.text.yamlfile import Node
 
 
 @cache

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import product
 
-from bearingsim.units import UnitError, common_dimension, display, parse, split, suggestion
-from bearingsim.yamlfile import Node, Problem, problem
+from bearingsim.text.units import UnitError, common_dimension, display, parse, split, suggestion
+from bearingsim.text.yamlfile import Node, Problem, problem
 
 MOST_VALUES = 100_000
 

@@ -2,8 +2,9 @@
 
 from typing import Any
 
-from bearingsim.config import Case, ladder
-from bearingsim.config.conflicts import SPRUNG
+from bearingsim.config import Case
+from bearingsim.config.rules import hierarchy
+from bearingsim.config.rules.conflicts import SPRUNG
 
 IDLE: dict[str, Any] = {
     "ramp": None,
@@ -48,9 +49,9 @@ def used(case: Case) -> dict[str, Any]:
         defect.pop("file")  # what is in it counts, not where it lies
     if case.method is None:
         values.pop("prove", None)
-    if case.model not in ladder.FREE and case.excitation != "random-impulses":
+    if case.model not in hierarchy.FREE and case.excitation != "random-impulses":
         values.pop("seed", None)
-    if case.model in ladder.SLICED:
+    if case.model in hierarchy.SLICED:
         del values["contact"]["length_nodes"]
     else:
         for section, names in IN_SPACE.items():

@@ -11,7 +11,7 @@ a sum and not a mean: one roller that hits is not averaged away by twelve that d
 control (Gustafsson 1991; Hairer and Wanner, Solving ODEs II, sec. IV.2), which also keeps an explicit method
 quiet where stability limits it. First step: Hairer, Norsett and Wanner, Solving ODEs I, sec. II.4.
 
-At a jump (``core/events.py``) a step ends just before it, and the next begins just after it: no method looks
+At a jump (``pits/jumps.py``) a step ends just before it, and the next begins just after it: no method looks
 across. What lies between is less than rounding leaves of the time; explicit methods take it by the trapezoidal
 rule.
 """
@@ -20,7 +20,6 @@ from collections.abc import Callable
 from math import inf, isfinite, sqrt
 from typing import Any
 
-from bearingsim.core.events import next_cusp
 from bearingsim.core.jit import add, generic, jit
 from bearingsim.core.layout import (
     ACCELERATION,
@@ -46,6 +45,7 @@ from bearingsim.core.layout import (
 from bearingsim.core.methods.interface import attempt, interpolate, load_number, prepare, step
 from bearingsim.core.models.interface import accelerations, freedoms, keep_extremes, width
 from bearingsim.core.outcomes import FINE, STALLED, STEP_FLOOR
+from bearingsim.core.pits.jumps import next_cusp
 
 START_Q, START_V, START_A = (STAGE + n * STATE for n in range(3))  # the state a step begins from
 END_Q, END_V, END_A = (STAGE + n * STATE for n in range(3, 6))  # and the one it has come to

@@ -15,7 +15,6 @@ lie on the straight line between two ends, whose error is that of the step.
 from math import inf
 from typing import NamedTuple
 
-from bearingsim.core.arrow import multiply, solve
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, BY_POSITION, POSITION, STATE, VELOCITY
 from bearingsim.core.methods.adaptive import (
@@ -28,6 +27,7 @@ from bearingsim.core.methods.adaptive import (
     error_norm,
     past_jumps,
 )
+from bearingsim.core.methods.arrow import multiply, solve
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
 from bearingsim.core.methods.newton import BASE_Q, BASE_V, FREE, OFFSET, SOUGHT, Equation, find
 from bearingsim.core.models.interface import width

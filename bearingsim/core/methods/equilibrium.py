@@ -7,9 +7,9 @@ out right.
 
 from typing import NamedTuple
 
-from bearingsim.core.equilibrium import find_rest
 from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY, X, Y
 from bearingsim.core.methods.interface import MethodKind, load_number, step
+from bearingsim.core.models.equilibrium import find_rest
 
 
 class Equilibrium(NamedTuple):

@@ -1,4 +1,4 @@
-"""The equation of an implicit step, solved by a semismooth Newton method with the arrow (``core/arrow.py``):
+"""The equation of an implicit step, solved by a semismooth Newton method with the arrow (``methods/arrow.py``):
 
     x = B + w f(t, q + alpha x, v + beta x),   S = I - w (beta A_v + alpha A_q),   S step = -(x - B - w f)
 
@@ -13,7 +13,6 @@ a jump that part of it which balances the rest, brought nothing: docs/methods.md
 from math import isfinite, sqrt
 from typing import NamedTuple
 
-from bearingsim.core.arrow import combine, factor, rollers_wide, solve
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
     ACCELERATION,
@@ -27,6 +26,7 @@ from bearingsim.core.layout import (
     VELOCITY,
 )
 from bearingsim.core.methods.adaptive import LEVER, SLOPES, START_V
+from bearingsim.core.methods.arrow import combine, factor, rollers_wide, solve
 from bearingsim.core.models.interface import accelerations, freedoms, linearise
 
 BASE_Q, BASE_V, OFFSET, SOUGHT, NEWTON, RESIDUAL, FREE = (SLOPES + n * STATE for n in range(7))

@@ -18,7 +18,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.arrow import combine, factor, multiply, solve
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, BY_POSITION, EVALUATED, POSITION, STATE, VELOCITY
 from bearingsim.core.methods.adaptive import (
@@ -33,6 +32,7 @@ from bearingsim.core.methods.adaptive import (
     error_norm,
     past_jumps,
 )
+from bearingsim.core.methods.arrow import combine, factor, multiply, solve
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
 from bearingsim.core.models.interface import accelerations, linearise, width
 

@@ -9,9 +9,9 @@ since f is taken where the dashpot was.
 
 from typing import NamedTuple
 
-from bearingsim.core.arrow import combine, factor, solve
 from bearingsim.core.layout import ACCELERATION, EVALUATED, POSITION, VELOCITY
 from bearingsim.core.methods.adaptive import SLOPES
+from bearingsim.core.methods.arrow import combine, factor, solve
 from bearingsim.core.methods.interface import MethodKind, as_it_is, load_number, prepare, step
 from bearingsim.core.models.interface import accelerations, linearise, width
 

@@ -5,7 +5,7 @@
 x and y are displacements from the place where the healthy bearing rests. After McFadden and Smith (J. Sound Vib.
 96, 1984, 69-82, one point defect; 98, 1985, 263-273, several): a train of impulses, as strong as the load where
 each acts, through the transfer function of what it strikes. Theirs leads to a resonance of the machine; here it is
-that of the rigid ring on its rollers. Times and strengths: ``core/impulse_train.py``.
+that of the rigid ring on its rollers. Times and strengths: ``pits/impulse_train.py``.
 
 Left out: the rollers (no contact forces), that stiffness varies as they pass, that it falls while one of them
 carries nothing, and the coupling of the two directions, which vanishes on average over a ball pass.

@@ -18,13 +18,11 @@ Left out: tilt, skew and axial motion of rollers, the bending of rings and cage,
 from math import atan2, sqrt
 from typing import Any, NamedTuple
 
-from bearingsim.core.cage import drive_cage, let_go, orbit_drag, pocket_stiffness, pockets
-from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.defects import HALF_WIDTH, ON, ON_INNER, OUTER, RADIUS, SIDE, Pits, meeting
-from bearingsim.core.events import next_cusp, next_cusp_freely
-from bearingsim.core.extremes import keep_forces
-from bearingsim.core.friction import lagged, mu, rub, steepest
+from bearingsim.core.geometry.motion import elapsed
+from bearingsim.core.geometry.plane import approach_inner, approach_outer, place
 from bearingsim.core.jit import add, jit
+from bearingsim.core.laws.damping import damping_slope, normal_force, stiffness_slope
+from bearingsim.core.laws.friction import lagged, mu, rub, steepest
 from bearingsim.core.layout import (
     ACCELERATION,
     APART_I,
@@ -78,6 +76,7 @@ from bearingsim.core.layout import (
     X,
     Y,
 )
+from bearingsim.core.models.extremes import keep_forces
 from bearingsim.core.models.interface import (
     ModelKind,
     accelerations,
@@ -91,11 +90,12 @@ from bearingsim.core.models.interface import (
     width,
 )
 from bearingsim.core.models.planar_derivatives import differentiate
-from bearingsim.core.motion import elapsed
 from bearingsim.core.parameters import Bearing, Support, lanes
-from bearingsim.core.pit_contact import force_over_pit, outdone, standing
-from bearingsim.core.plane import approach_inner, approach_outer, place
-from bearingsim.core.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
+from bearingsim.core.parts.cage import drive_cage, let_go, orbit_drag, pocket_stiffness, pockets
+from bearingsim.core.parts.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
+from bearingsim.core.pits.jumps import next_cusp, next_cusp_freely
+from bearingsim.core.pits.on_roller import force_over_pit, outdone, standing
+from bearingsim.core.pits.pairs import HALF_WIDTH, ON, ON_INNER, OUTER, RADIUS, SIDE, Pits, meeting
 
 AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
 
@@ -103,8 +103,8 @@ AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve'
 class Planar(NamedTuple):
     """Parameters of the model.
 
-    outer, inner: contact laws at the races; motion: ``core/motion.py``; friction: at the races
-    (``core/friction.py``); cage, drag: ``core/cage.py``; shaft, bracket: ``core/shaft.py``; gravity: m/s^2 along
+    outer, inner: contact laws at the races; motion: ``geometry/motion.py``; friction: at the races
+    (``laws/friction.py``); cage, drag: ``parts/cage.py``; shaft, bracket: ``parts/shaft.py``; gravity: m/s^2 along
     e_0, on rollers and cage (a ring's weight is part of its load); lag: of friction, s (``friction.rub``).
     """
 

@@ -2,22 +2,15 @@
 
 A column is what follows from one unit of one coordinate, of all rollers at once (each feels itself and the shared
 coordinates only) or of one that is shared. How the rollers' places and velocities change, as the body they touch
-sees it, is laid in the rows P and W; the contacts answer (``core/race_slopes.py``, ``core/cage_slopes.py``); the
+sees it, is laid in the rows P and W; the contacts answer (``parts/races.py``, ``parts/cage_slopes.py``); the
 answers are the column. Forces keep their direction in space while e_r and e_theta turn with the roller: that, and
 what its own motion does, is added at the end, with the springs of the shared coordinates.
 
 Friction counts without lag (``friction.rub``): implicit methods have none.
 """
 
-from bearingsim.core.cage import let_go, orbit_drag
-from bearingsim.core.cage_slopes import (
-    cage_mobility,
-    guide_change,
-    land_drag_slope,
-    orbit_drag_slope,
-    pocket_change,
-    pocket_slopes,
-)
+from bearingsim.core.geometry.motion import elapsed
+from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
     BY_POSITION,
@@ -57,11 +50,18 @@ from bearingsim.core.layout import (
     own_block,
     to_border,
 )
-from bearingsim.core.motion import elapsed
 from bearingsim.core.parameters import lanes
-from bearingsim.core.race_slopes import contact_slopes, race_change, rubbing_slopes, slopes_over_pits
-from bearingsim.core.shaft import held_damping, held_stiffness, mobility
-from bearingsim.core.sides import InnerSide, OuterSide
+from bearingsim.core.parts.cage import let_go, orbit_drag
+from bearingsim.core.parts.cage_slopes import (
+    cage_mobility,
+    guide_change,
+    land_drag_slope,
+    orbit_drag_slope,
+    pocket_change,
+    pocket_slopes,
+)
+from bearingsim.core.parts.races import contact_slopes, race_change, rubbing_slopes, slopes_over_pits
+from bearingsim.core.parts.shaft import held_damping, held_stiffness, mobility
 
 RADIAL, ORBIT, SPIN = range(3)  # a roller's coordinates
 SHARED = 8

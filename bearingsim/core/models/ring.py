@@ -17,12 +17,10 @@ the rollers' inertia and centrifugal load.
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.contact import damping_slope, in_series, normal_force, stiffness_slope
-from bearingsim.core.defects import Pits, sliding
-from bearingsim.core.equilibrium import ALONG, PIT, find_pits, roller_balance
-from bearingsim.core.events import next_cusp, next_cusp_evenly
-from bearingsim.core.extremes import keep_forces
 from bearingsim.core.jit import add, jit
+from bearingsim.core.laws.damping import damping_slope, in_series, normal_force, stiffness_slope
+from bearingsim.core.laws.slopes import slopes
+from bearingsim.core.laws.stiffness import share, tangent
 from bearingsim.core.layout import (
     COS,
     DELTA_I,
@@ -40,6 +38,8 @@ from bearingsim.core.layout import (
     X,
     Y,
 )
+from bearingsim.core.models.equilibrium import ALONG, PIT, find_pits, roller_balance
+from bearingsim.core.models.extremes import keep_forces
 from bearingsim.core.models.interface import (
     ModelKind,
     accelerations,
@@ -54,7 +54,8 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, turn
 from bearingsim.core.parameters import Bearing, Support, lanes, turns
-from bearingsim.core.pit_contact import (
+from bearingsim.core.pits.jumps import next_cusp, next_cusp_evenly
+from bearingsim.core.pits.on_roller import (
     force_over_pit,
     sinking_rate,
     sinking_slope,
@@ -63,8 +64,7 @@ from bearingsim.core.pit_contact import (
     standing_evenly,
     stiffness_over_pit,
 )
-from bearingsim.core.slopes import slopes
-from bearingsim.core.stiffness import share, tangent
+from bearingsim.core.pits.pairs import Pits, sliding
 
 K_RING, C_RING = WORK + 5 * ROW, WORK + 6 * ROW  # how a roller's force grows with its series' approach: N/m, N s/m
 

@@ -12,11 +12,9 @@ out: friction, tangential motion, tilt, the bending of the rings.
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.contact import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.defects import HALF_WIDTH, OUTER, SIDE, Pits, sliding
-from bearingsim.core.events import next_cusp, next_cusp_evenly
-from bearingsim.core.extremes import keep_forces
 from bearingsim.core.jit import jit
+from bearingsim.core.laws.damping import damping_slope, normal_force, stiffness_slope
+from bearingsim.core.laws.slopes import slopes
 from bearingsim.core.layout import (
     BY_POSITION,
     BY_VELOCITY,
@@ -43,6 +41,7 @@ from bearingsim.core.layout import (
     own_block,
     to_border,
 )
+from bearingsim.core.models.extremes import keep_forces
 from bearingsim.core.models.interface import (
     ModelKind,
     accelerations,
@@ -57,14 +56,15 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, turn
 from bearingsim.core.parameters import Bearing, Support, lanes, turns
-from bearingsim.core.pit_contact import force_over_pit, outdone, slopes_over_pit, standing, standing_evenly
-from bearingsim.core.slopes import slopes
+from bearingsim.core.pits.jumps import next_cusp, next_cusp_evenly
+from bearingsim.core.pits.on_roller import force_over_pit, outdone, slopes_over_pit, standing, standing_evenly
+from bearingsim.core.pits.pairs import HALF_WIDTH, OUTER, SIDE, Pits, sliding
 
 K_O, C_O, K_I, C_I = (WORK + n * ROW for n in range(4))  # how a contact's force grows: N/m, N s/m
 
 
 class Rollers(NamedTuple):
-    """Parameters of the model; ``outer`` and ``inner`` are the contact laws (``contact.py``) at the two races."""
+    """Parameters of the model; ``outer``, ``inner``: the contact laws (``laws/damping.py``) at the two races."""
 
     bearing: Bearing
     support: Support

@@ -1,8 +1,9 @@
 """``spatial``: every body with its six coordinates; sliced rollers that tilt, skew and move along the axis.
 
-As ``planar``, and besides: along the bearing's axis and about two more, each roller; the rings and the cage where
-they are free to. A roller's contact with a race is the sum over its slices (``core/slice_contact.py``), its axis
-moves as that of a symmetric top (``core/orientation.py``). In components along e_r, e_theta, e_z of its own angle,
+As ``planar``. Besides, each roller moves along the bearing's axis and turns about two more; so do the rings and
+the cage where they are free to. A roller's contact with a race is the sum over its slices
+(``parts/races_in_space.py``). Its axis moves as that of a symmetric top (``geometry/orientation.py``). In
+components along e_r, e_theta, e_z of its own angle,
 
     q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  z'' = F_z/m
     omega' = M.a/I_a,  a'' = [(M - I_a omega a') x a]/I_t - |a'|^2 a
@@ -15,15 +16,14 @@ Left out: the bending of rollers, rings and cage; that a tilted slice is an elli
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.cage import drive_cage, let_go, orbit_drag, pocket_stiffness
-from bearingsim.core.cage_in_space import axial_stiffness, cage_body, lean_cage, pockets_in_space
-from bearingsim.core.contact import damping_slope, stiffness_slope
-from bearingsim.core.defects import OUTER, RADIUS, SIDE, Pits
-from bearingsim.core.events import next_cusp, next_cusp_freely
-from bearingsim.core.extremes import keep_largest_forces
-from bearingsim.core.flanges import flange_stiffness, guide_axially
-from bearingsim.core.friction import lagged, steepest
+from bearingsim.core.geometry.motion import elapsed
+from bearingsim.core.geometry.orientation import body_at, tip, upright, winding
+from bearingsim.core.geometry.plane import place
+from bearingsim.core.geometry.sides import InnerSide, OuterSide
+from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA, Slices
 from bearingsim.core.jit import jit
+from bearingsim.core.laws.damping import damping_slope, stiffness_slope
+from bearingsim.core.laws.friction import lagged, steepest
 from bearingsim.core.layout import (
     ACCELERATION,
     APPROACH_I,
@@ -98,6 +98,7 @@ from bearingsim.core.layout import (
     Z,
     slice_row,
 )
+from bearingsim.core.models.extremes import keep_largest_forces
 from bearingsim.core.models.interface import (
     ModelKind,
     accelerations,
@@ -112,15 +113,12 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.models.planar import move_outer_ring
 from bearingsim.core.models.spatial_derivatives import differentiate_in_space
-from bearingsim.core.motion import elapsed
-from bearingsim.core.mounts import hold, mount_damping, mount_stiffness, move_mounted
-from bearingsim.core.orientation import body_at, tip, upright, winding
 from bearingsim.core.parameters import Bearing, Support, lanes
-from bearingsim.core.pit_contact import standing
-from bearingsim.core.plane import place
-from bearingsim.core.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
-from bearingsim.core.sides import InnerSide, OuterSide
-from bearingsim.core.slice_contact import (
+from bearingsim.core.parts.cage import drive_cage, let_go, orbit_drag, pocket_stiffness
+from bearingsim.core.parts.cage_in_space import axial_stiffness, cage_body, lean_cage, pockets_in_space
+from bearingsim.core.parts.flanges import flange_stiffness, guide_axially
+from bearingsim.core.parts.mounts import hold, mount_damping, mount_stiffness, move_mounted
+from bearingsim.core.parts.races_in_space import (
     add_up,
     clear,
     face,
@@ -132,16 +130,19 @@ from bearingsim.core.slice_contact import (
     rub,
     stand,
 )
-from bearingsim.core.slice_pits import find_pits, leave_pits, met_at, over_pits, seen_at
-from bearingsim.core.slices import DROP, WEIGHT, ZETA, Slices
+from bearingsim.core.parts.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
+from bearingsim.core.pits.jumps import next_cusp, next_cusp_freely
+from bearingsim.core.pits.on_roller import standing
+from bearingsim.core.pits.on_slices import find_pits, leave_pits, met_at, over_pits, seen_at
+from bearingsim.core.pits.pairs import OUTER, RADIUS, SIDE, Pits
 
 
 class Spatial(NamedTuple):
     """Parameters of the model: those of ``Planar``, then
 
-    slices: how a roller is cut (``core/slices.py``); L_w: its length (m); I_t: its moment of inertia about a
-    diameter (kg m^2); mount_o, mount_i: of the rings (``core/mounts.py``); flanges: ``core/flanges.py``; cage_z:
-    ``core/cage_in_space.py``; lag: of friction, s.
+    slices: how a roller is cut (``geometry/slices.py``); L_w: its length (m); I_t: its moment of inertia about a
+    diameter (kg m^2); mount_o, mount_i: of the rings (``parts/mounts.py``); flanges: ``parts/flanges.py``; cage_z:
+    ``parts/cage_in_space.py``; lag: of friction, s.
     """
 
     bearing: Bearing

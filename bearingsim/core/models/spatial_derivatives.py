@@ -1,17 +1,18 @@
 """The derivatives of ``spatial``'s accelerations: by velocity exact, by position to 1e-3 and better.
 
 What rollers feel of a body - the rings, the cage - follows from their place and velocity relative to it: a twist
-that each coordinate of roller or body makes (``core/twists.py``), and matrices that answer it with a wrench
-(``core/wrench.py``). Wrenches become accelerations by Newton's and Euler's equations. Left out: how moments that
-stand turn a ring's axis as it leans, the centripetal terms of an axis that nods, and what ``core/space_slopes.py``
-names. Friction counts without lag.
+that each coordinate of roller or body makes (``parts/twists.py``), and matrices that answer it with a wrench
+(``parts/wrench.py``). Wrenches become accelerations by Newton's and Euler's equations. Left out: how moments that
+stand turn a ring's axis as it leans, the centripetal terms of an axis that nods, and the terms that
+``parts/space_slopes.py`` names. Friction counts without lag.
 """
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.cage import let_go
-from bearingsim.core.cage_in_space import cage_body
-from bearingsim.core.cage_slopes import guide_change
+from bearingsim.core.geometry.motion import elapsed
+from bearingsim.core.geometry.orientation import Body, body_at
+from bearingsim.core.geometry.sides import InnerSide, OuterSide
+from bearingsim.core.geometry.vectors import both, cross, dot, turning
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
     AXIS_X_A,
@@ -49,13 +50,13 @@ from bearingsim.core.layout import (
     to_border,
 )
 from bearingsim.core.models.planar_derivatives import by_own_motion, by_springs, mobilities
-from bearingsim.core.motion import elapsed
-from bearingsim.core.mounts import mount_mobility, mount_springs
-from bearingsim.core.orientation import Body, body_at
 from bearingsim.core.parameters import lanes
-from bearingsim.core.shaft import mobility
-from bearingsim.core.sides import InnerSide, OuterSide
-from bearingsim.core.space_slopes import (
+from bearingsim.core.parts.cage import let_go
+from bearingsim.core.parts.cage_in_space import cage_body
+from bearingsim.core.parts.cage_slopes import guide_change
+from bearingsim.core.parts.mounts import mount_mobility, mount_springs
+from bearingsim.core.parts.shaft import mobility
+from bearingsim.core.parts.space_slopes import (
     NONE,
     axis_of,
     cage_mobility_in_space,
@@ -64,7 +65,7 @@ from bearingsim.core.space_slopes import (
     touch_pockets,
     touch_race,
 )
-from bearingsim.core.twists import (
+from bearingsim.core.parts.twists import (
     LEAN,
     SPIN,
     TIP,
@@ -75,8 +76,7 @@ from bearingsim.core.twists import (
     roller_place,
     roller_speed,
 )
-from bearingsim.core.vectors import both, cross, dot, turning
-from bearingsim.core.wrench import (
+from bearingsim.core.parts.wrench import (
     BY_SPEED,
     TOUCHES,
     answer,
@@ -194,7 +194,7 @@ def keep_shared(matrix, m, model, mobile, w, d, M, y, j):
 
 @jit
 def between(model, mobile, omega_cage, y):
-    """The columns of what acts between the rollers and a body, from the matrices of ``core/wrench.py``."""
+    """The columns of what acts between the rollers and a body, from the matrices of ``parts/wrench.py``."""
     for j in range(model.bearing.Z):
         if y[of_roller(j) + TOUCHES] > 0.0:
             by_roller(model, mobile, omega_cage, y, j)

@@ -6,9 +6,8 @@ of the ring as rollers sink into a pit.
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.defects import Pits
-from bearingsim.core.extremes import keep_forces
 from bearingsim.core.layout import LANES
+from bearingsim.core.models.extremes import keep_forces
 from bearingsim.core.models.interface import (
     ModelKind,
     begin,
@@ -19,7 +18,8 @@ from bearingsim.core.models.interface import (
     width,
 )
 from bearingsim.core.parameters import Bearing, Support
-from bearingsim.core.pit_contact import standing, standing_evenly
+from bearingsim.core.pits.on_roller import standing, standing_evenly
+from bearingsim.core.pits.pairs import Pits
 
 
 class Static(NamedTuple):

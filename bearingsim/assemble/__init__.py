@@ -1,0 +1,238 @@
+"""From a case to the core's parameters: the one place where configuration meets physics.
+
+Imports numba (through the core), so import it only where something is computed.
+"""
+
+from functools import lru_cache
+from math import ceil, log2, pi
+from typing import Any
+
+import numpy as np
+
+from bearingsim.assemble import contacts, free, geometry, impulses, pits, scales, space
+from bearingsim.assemble.rest import anchor, statics
+from bearingsim.config import Case
+from bearingsim.core.advance import start_at_rest
+from bearingsim.core.geometry.motion import steady
+from bearingsim.core.geometry.slices import ZETA
+from bearingsim.core.layout import EPS, Q_O, buffer
+from bearingsim.core.methods import (
+    backward_euler,
+    dop853,
+    dormand_prince,
+    equilibrium,
+    generalised_alpha,
+    nystrom,
+    rk4,
+    rodas,
+    stabilised,
+    symplectic_euler,
+    velocity_implicit,
+    verlet,
+)
+from bearingsim.core.methods import impulses as exact
+from bearingsim.core.methods.interface import MethodKind
+from bearingsim.core.models import impulse, planar, ring, rollers, spatial, static
+from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch
+from bearingsim.core.models.interface import ModelKind
+from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_space
+from bearingsim.core.parameters import Support
+from bearingsim.core.pits.pairs import ANGLE, CUSP, ON, ON_OUTER, RADIUS, Pits
+
+__all__ = [
+    "METHODS",
+    "MODELS",
+    "OWN_METHODS",
+    "empty_buffer",
+    "healthy",
+    "in_step",
+    "kind",
+    "method",
+    "method_kind",
+    "model",
+    "outer_forces",
+    "relaxed",
+    "settle",
+    "start",
+    "statics",
+]
+
+MODELS: dict[str, ModelKind] = {
+    "impulse": impulse.KIND,
+    "static": static.KIND,
+    "ring": ring.KIND,
+    "rollers": rollers.KIND,
+    "planar": planar.KIND,
+    "spatial": spatial.KIND,
+}
+METHODS: dict[str, MethodKind] = {
+    "verlet": verlet.KIND,
+    "dop853": dop853.KIND,
+    "rodas": rodas.KIND,
+    "backward-euler": backward_euler.KIND,
+    "symplectic-euler": symplectic_euler.KIND,
+    "rk4": rk4.KIND,
+    "dormand-prince": dormand_prince.KIND,
+    "nystrom": nystrom.KIND,
+    "generalized-alpha": generalised_alpha.KIND,
+    "velocity-implicit-euler": velocity_implicit.KIND,
+    "stabilised": stabilised.KIND,
+}
+OWN_METHODS: dict[str, MethodKind] = {"impulse": exact.KIND, "static": equilibrium.KIND}
+"""Of models that are no differential equations: the only way to step them."""
+
+PARTS: dict[str, Any] = {
+    "bearing": geometry.bearing,
+    "support": lambda case: support(case),
+    "outer": contacts.outer,
+    "inner": contacts.inner,
+    "pits": lambda case: met(case),
+    "motion": free.motion,
+    "friction": free.friction,
+    "cage": free.cage,
+    "drag": free.drag,
+    "shaft": free.shaft,
+    "bracket": free.bracket,
+    "gravity": free.gravity,
+    "slices": space.slices,
+    "L_w": space.roller_length,
+    "I_t": space.roller_inertia_across,
+    "mount_o": space.outer_mount,
+    "mount_i": space.inner_mount,
+    "flanges": space.flanges,
+    "cage_z": space.cage_in_space,
+}
+"""How each field of a model's parameters is made."""
+
+
+def kind(case: Case) -> ModelKind:
+    """What is to be known of the case's model."""
+    return MODELS[case.model]
+
+
+def method_kind(case: Case) -> MethodKind:
+    """What is to be known of the case's method, which must be named."""
+    return OWN_METHODS[case.model] if case.method is None else METHODS[case.method]
+
+
+def model(case: Case) -> Any:
+    """The core's model of the case, its bracket anchored where the healthy bearing rests on average.
+
+    So the load is what the bearing carries: a bracket anchored anywhere else would take a share of it.
+    Raises ``NoEquilibrium`` if the healthy bearing finds no equilibrium.
+    """
+    if not kind(case).loaded:
+        return impulses.model(case, support(case))
+    parameters: Any = kind(case).parameters
+    made = [name for name in parameters._fields if name not in parameters._field_defaults]
+    found = parameters(**{name: PARTS[name](case) for name in made})
+    return statics(found) if parameters is static.Static else found
+
+
+def met(case: Case) -> Pits:
+    """The case's pits, cut along the roller as its model cuts rollers."""
+    return pits.meetings(case, space.slices(case).table[:, ZETA] if kind(case).sliced else None)
+
+
+def support(case: Case) -> Support:
+    """Load and bracket of the case."""
+    x_0, y_0 = anchor_in_space(_at_rest(case)) if space.uneven(case) else anchor(case)
+    return Support(case.load, case.load_across, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
+
+
+def healthy(case: Case) -> Case:
+    """The case without what does not touch its load at rest, so that many cases share one."""
+    same = {"defects": (), "step": "auto", "record": (), "duration": 1.0, "settle": 0.0, "sampling": 1e4}
+    same |= {"method": "verlet", "tolerance": "auto", "prove": True}
+    return case.model_copy(update=same | {"excitation": "envelope", "seed": 0})
+
+
+def _at_rest(case: Case) -> Case:
+    """The healthy case without what only motion knows; what chooses compiled code is kept."""
+    return healthy(case).model_copy(update={"start_angle": 0.0, "antialias": True})
+
+
+@lru_cache(maxsize=256)
+def anchor_in_space(case: Case) -> tuple[float, float]:
+    """Mean place (m, m) over a ball pass of a ring whose rollers are loaded unevenly along their length."""
+    free_ring = Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
+    parts = {name: made(case) for name, made in PARTS.items() if name != "support"}
+    bearing = spatial.Spatial(support=free_ring, **parts)
+    y = empty_buffer(bearing)
+    rest_from_scratch(statics(bearing), 0.0, y)
+    rest = mean_rest_in_space(bearing, y)
+    return rest.x, rest.y
+
+
+def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
+    """The model with the cusp of its first pit ``cusp`` of a step after a step's start.
+
+    At the cusp the damping force jumps; where in a step it does so decides whether the error is of first or of
+    second order (docs/methods.md). The rollers start less than a step further on. Of several pits only the first
+    is in step, and only on the outer race at a steady speed: elsewhere cusps fall anywhere in a step, and the
+    error averages out.
+    """
+    if isinstance(model, impulse.Impulse) or not steady(model):
+        return model
+    found = model.pits
+    if len(found.head) == 0 or found.head[0, ON] != ON_OUTER:
+        return model
+    b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
+    place = found.head[0, ANGLE] + found.head[0, CUSP] / found.head[0, RADIUS]
+    steps = (b.theta_0 - place) / pass_angle * steps_per_pass  # whole when the cusp is met
+    ahead = ceil(steps + cusp) - cusp - steps
+    return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))
+
+
+def relaxed(model: Any, lag: float) -> Any:
+    """The model with friction that acts no faster than within ``lag`` (s), so that it limits no step of it."""
+    return model._replace(lag=lag) if "lag" in model._fields else model
+
+
+def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
+    """A buffer at t = 0 at static equilibrium, accelerations filled in; and the force left over (N).
+
+    With a free cage and a seed, the rollers begin anywhere in their pockets.
+    """
+    y, residual = empty_buffer(model), 0.0
+    if kind(case).loaded:
+        residual = settle(model, 0.0, y, from_scratch=True)
+        y[EPS : EPS + model.bearing.Z] = free.scattered(case) if kind(case).slips else 0.0
+        start_at_rest(model, 0.0, y)
+    return y, residual
+
+
+def settle(model: Any, t: float, y: np.ndarray, from_scratch: bool = False) -> float:
+    """Put rings and rollers at rest at time ``t`` (s), near a rest or from scratch; the force left over (N)."""
+    left = (rest_from_scratch if from_scratch else find_rest)(statics(model), t, y)
+    return rest_in_space(model, t, y) if isinstance(model, spatial.Spatial) else float(left)
+
+
+def empty_buffer(model: Any) -> np.ndarray:
+    """A zeroed state buffer for the model."""
+    return buffer(model.bearing.Z, model.bearing.m_r, slices_of(model))
+
+
+def slices_of(model: Any) -> int:
+    """How many slices a roller of the model is cut into; 0 of a model that cuts none."""
+    return len(model.slices.table) if "slices" in model._fields else 0
+
+
+def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:
+    """Outer contact force (N) of each roller, (Z,), as the buffer has it."""
+    return y[Q_O : Q_O + model.bearing.Z]
+
+
+def method(case: Case, h: float, part: float = 1.0) -> Any:
+    """The core's method of the case with step ``h`` (s), which is ``part`` of what it would be.
+
+    With half of it an adaptive method takes a tenth of its own tolerance; one that the case gives stays.
+    """
+    parameters: Any = method_kind(case).parameters
+    if not method_kind(case).adaptive:
+        return parameters(h)
+    own = part ** log2(10.0) * scales.TOLERANCE[str(case.method)]
+    tolerance = own if case.tolerance == "auto" else case.tolerance
+    first = model(case)
+    fastest = first if case.ramp is None else model(scales.at_full_speed(case))
+    return parameters(*scales.tolerances(case, first, fastest, h, tolerance))

@@ -1,0 +1,130 @@
+"""What moves freely in ``planar``: motion, friction, cage, drag, shaft. What a case leaves open is assumed."""
+
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from bearingsim import config
+from bearingsim.assemble import geometry
+from bearingsim.config import Case
+from bearingsim.core.geometry.motion import Ramp, Steady
+from bearingsim.core.laws import friction as frictions
+from bearingsim.core.laws.damping import HuntCrossley
+from bearingsim.core.laws.stiffness import Linear
+from bearingsim.core.parts import cage as cages
+from bearingsim.core.parts import shaft as shafts
+
+STANDARD_GRAVITY = 9.80665  # m/s^2
+CAGE_THICKNESS = 0.35  # of the roller's diameter, radially: an assumption
+CAGE_WIDTH = 0.7  # of the bearing's: an assumption
+CAGE_SOLID = 0.5  # of the cage's ring; the rest is pockets: an assumption
+LAND = 0.35  # of the roller's diameter: how far from the pitch circle the cage runs on a ring: an assumption
+
+
+def motion(case: Case) -> Any:
+    """How the inner ring turns; a ramp to the same speed is none."""
+    if case.ramp is None or case.ramp.to == case.speed:
+        return Steady()
+    return Ramp(float(case.ramp.to / case.speed), float(case.ramp.time))
+
+
+def friction(case: Case) -> Any:
+    """Friction between rollers and races."""
+    match case.friction:
+        case config.StaticDynamic(static=mu_s, dynamic=mu_d, static_speed=v_s, dynamic_speed=v_d):
+            return frictions.StaticDynamic(mu_s, mu_d, v_s, v_d)
+        case config.Traction(a=a, b=b, c=c, d=d):
+            return frictions.Traction(a, b, c, d)
+    return frictions.Frictionless()
+
+
+def cage_mass(case: Case) -> float:
+    """Mass (kg) of the cage: as given, else of a pierced ring of the bearing's material on the pitch circle."""
+    b, given = case.bearing, case.cage.mass if case.cage else None
+    if given is not None:
+        return given
+    section = CAGE_THICKNESS * b.roller_diameter * CAGE_WIDTH * b.width
+    return b.material.density * CAGE_SOLID * section * pi * b.pitch_diameter
+
+
+def land_radius(case: Case, on_outer: bool) -> float:
+    """Radius (m) of the land of a ring that the cage runs on."""
+    b = case.bearing
+    return b.pitch_diameter / 2.0 + (LAND if on_outer else -LAND) * b.roller_diameter
+
+
+def cage(case: Case) -> Any:
+    """The cage, with its pockets and its guide."""
+    c = case.cage or config.Cage()
+    if c.motion == "kinematic":
+        return cages.KinematicCage()
+    m, law = cage_mass(case), HuntCrossley(Linear(c.pocket_stiffness), c.pocket_damping)
+    rubbing = frictions.StaticDynamic(
+        c.friction.static, c.friction.dynamic, c.friction.static_speed, c.friction.dynamic_speed
+    )
+    return cages.FreeCage(
+        m=float(m),
+        inertia=float(m * (case.bearing.pitch_diameter / 2.0) ** 2),
+        play=c.pocket_clearance / 2.0,
+        pocket=law,
+        friction=rubbing,
+        guide=guide(case, c, law, rubbing),
+    )
+
+
+def guide(case: Case, c: config.Cage, law: Any, rubbing: Any) -> Any:
+    """What centres the cage."""
+    if c.guide == "centred":
+        return cages.Centred()
+    if c.guide == "rollers":
+        return cages.RollerGuided(float(c.radial_pocket_clearance or c.pocket_clearance) / 2.0, law)
+    on_outer = c.guide == "outer-ring"
+    return cages.RingGuided(
+        c.guide_clearance / 2.0, land_radius(case, on_outer), 1.0 if on_outer else 0.0, law, rubbing
+    )
+
+
+def drag(case: Case) -> Any:
+    """What the oil does to rollers and cage."""
+    d, b = case.drag, case.bearing
+    if d is None:
+        return cages.NoDrag()
+    facing = b.roller_diameter * (b.roller_length or pi / 4.0 * b.roller_diameter)
+    land_width = d.land_width if d.land_width is not None else b.width - (b.roller_length or b.roller_diameter)
+    R, on_outer = land_radius(case, d.land == "outer"), d.land == "outer"
+    return cages.OilDrag(
+        roller=0.5 * d.oil_fraction * d.oil_density * d.drag_coefficient * facing,
+        land=2.0 * pi * d.oil_viscosity * R**3 * land_width / d.land_gap,
+        outer=1.0 if on_outer else 0.0,
+    )
+
+
+def shaft(case: Case) -> Any:
+    """What holds the inner ring."""
+    s, u = case.shaft, case.unbalance
+    if s is None:
+        return shafts.RigidShaft()
+    return shafts.ElasticShaft(s.mass, s.stiffness, s.damping, u.mass_radius if u else 0.0, u.angle if u else 0.0)
+
+
+def bracket(case: Case) -> Any:
+    """What keeps the outer ring from rotating."""
+    rig = case.rig
+    if rig.torsion_stiffness is None:
+        return shafts.FixedRing()
+    return shafts.TorsionSpring(geometry.ring_inertia(case), rig.torsion_stiffness, rig.torsion_damping or 0.0)
+
+
+def gravity(case: Case) -> float:
+    """Gravity (m/s^2) along the load line, towards the most loaded position."""
+    return STANDARD_GRAVITY if case.gravity else 0.0
+
+
+def scattered(case: Case) -> Any:
+    """Angles (Z,) in rad of the rollers from the middles of their pockets at the start; random with a seed."""
+    found = cage(case)
+    if case.seed == 0 or not isinstance(found, cages.FreeCage):
+        return 0.0
+    reach = found.play / (case.bearing.pitch_diameter / 2.0)
+    return np.random.default_rng(case.seed).uniform(-reach, reach, case.bearing.rollers)

@@ -1,0 +1,58 @@
+"""Masses, radii and kinematic speeds."""
+
+from math import pi
+
+from bearingsim.config import Case
+from bearingsim.core.geometry.kinematics import ball_spin_frequency, cage_speed
+from bearingsim.core.parameters import Bearing
+
+MASSLESS = ("impulse", "static", "ring")
+"""Models whose rollers have no inertia."""
+
+
+def outer_radius(case: Case) -> float:
+    """Radius (m) of the outer race, half of the clearance on its side."""
+    return (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0 + case.clearance / 4.0
+
+
+def inner_radius(case: Case) -> float:
+    """Radius (m) of the inner race, half of the clearance on its side."""
+    return (case.bearing.pitch_diameter - case.bearing.roller_diameter) / 2.0 - case.clearance / 4.0
+
+
+def ring_mass(case: Case) -> float:
+    """Mass (kg) of the outer ring: as given by the rig, else a plain tube from the race to the outside."""
+    if case.rig.ring_mass is not None:
+        return case.rig.ring_mass
+    ring = case.bearing
+    return ring.material.density * pi * ((ring.outside_diameter / 2.0) ** 2 - outer_radius(case) ** 2) * ring.width
+
+
+def roller_inertia(case: Case) -> float:
+    """Moment of inertia (kg m^2) of a rolling element about its axis: of a cylinder, or of a sphere."""
+    share = 1.0 / 2.0 if case.bearing.element == "roller" else 2.0 / 5.0
+    return share * case.bearing.element_mass * (case.bearing.roller_diameter / 2.0) ** 2
+
+
+def ring_inertia(case: Case) -> float:
+    """Moment of inertia (kg m^2) of the outer ring about its axis, as of a tube of its mass."""
+    return ring_mass(case) * ((case.bearing.outside_diameter / 2.0) ** 2 + outer_radius(case) ** 2) / 2.0
+
+
+def bearing(case: Case) -> Bearing:
+    """Geometry, masses and motion of the case's bearing."""
+    b = case.bearing
+    return Bearing(
+        Z=b.rollers,
+        R_w=b.roller_diameter / 2.0,
+        R_o=outer_radius(case),
+        R_i=inner_radius(case),
+        gap=case.clearance / 4.0,
+        m_r=0.0 if case.model in MASSLESS else b.element_mass,
+        I_r=0.0 if case.model in MASSLESS else roller_inertia(case),
+        m_o=float(ring_mass(case)),
+        omega_i=case.speed,
+        omega_c=cage_speed(case.speed, b.roller_diameter, b.pitch_diameter),
+        omega_b=2.0 * pi * ball_spin_frequency(case.speed, b.roller_diameter, b.pitch_diameter),
+        theta_0=case.start_angle,
+    )

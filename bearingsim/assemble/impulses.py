@@ -1,0 +1,66 @@
+"""The parameters of ``impulse``: what is struck, and when, and how hard."""
+
+from math import atan2
+from typing import Any
+
+import numpy as np
+
+from bearingsim.assemble import contacts, geometry, pits
+from bearingsim.assemble.rest import healthy_rest
+from bearingsim.config import Case
+from bearingsim.core.laws.stiffness import EXPONENT, exponent
+from bearingsim.core.models.impulse import Impulse
+from bearingsim.core.parameters import Support
+from bearingsim.core.pits.impulse_train import LoadZone, random_train, train
+from bearingsim.core.pits.pairs import Meeting
+from bearingsim.core.sampling import RESAMPLE_REACH
+
+LEAD = 4  # ball passes by which a run may go on after its record and what filters reach, and some steps more
+
+
+def model(case: Case, support: Support) -> Impulse:
+    """The ring as two oscillators, on the healthy bearing's mean stiffness and damping at rest."""
+    rest, b = healthy_rest(case), geometry.bearing(case)
+    filters = RESAMPLE_REACH / case.sampling
+    end = case.settle + case.duration + filters + LEAD / case.bearing.ball_pass_frequency(case.speed)
+    found = pits.met(case)
+    zone = load_zone(case, rest.K_x + support.k_b, rest.K_y + support.k_b)
+    blows = _train(case, zone, found, end)
+    return Impulse(
+        bearing=b,
+        m=b.m_o,
+        K_x=zone.K_x,
+        K_y=zone.K_y,
+        C_x=rest.C_x + support.c_b,
+        C_y=rest.C_y + support.c_b,
+        times=blows.times,
+        J_x=blows.J_x,
+        J_y=blows.J_y,
+    )
+
+
+def _train(case: Case, zone: LoadZone, found: list[Meeting], end: float) -> Any:
+    b = geometry.bearing(case)
+    if case.excitation == "random-impulses":
+        return random_train(b, zone, found, 0.0, end, np.random.default_rng(case.seed))
+    return train(b, zone, found, 0.0, end)
+
+
+def load_zone(case: Case, K_x: float, K_y: float) -> LoadZone:
+    """How the healthy bearing at rest shares its load; ``K_x``, ``K_y``: of the ring, with bracket (N/m)."""
+    rest = healthy_rest(case)
+    shift = rest.approach + case.clearance / 2.0
+    return LoadZone(
+        q_0=rest.load,
+        delta_0=rest.approach,
+        epsilon=0.5 * (1.0 - case.clearance / (2.0 * shift)),
+        n=_exponent(contacts.outer(case).stiffness),
+        axis=atan2(case.load_across, case.load),
+        K_x=K_x,
+        K_y=K_y,
+    )
+
+
+def _exponent(law: Any) -> float:
+    """The exponent of a law; of one that is no power of the approach, a line contact's."""
+    return float(exponent(law)) if type(law) in exponent.types else EXPONENT

@@ -1,0 +1,291 @@
+"""Where rollers meet the case's pits, and what they feel of them."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from math import pi, remainder, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim import config
+from bearingsim.assemble.contacts import point_contact
+from bearingsim.assemble.geometry import inner_radius, outer_radius
+from bearingsim.assemble.rest import largest_load
+from bearingsim.config import Case
+from bearingsim.config.scan.repair import REMEMBERED, read_scan
+from bearingsim.config.sections.defect import EDGE_RADIUS, SIMPLE
+from bearingsim.core.pits import excitations as felt
+from bearingsim.core.pits.depth import (
+    Circular,
+    Eased,
+    Elliptical,
+    Merged,
+    Mirrored,
+    Placed,
+    Rectangular,
+    Scanned,
+    Triangular,
+    extent,
+)
+from bearingsim.core.pits.edge_contact import EdgeContact, edge_contact
+from bearingsim.core.pits.jumps import jumps_of
+from bearingsim.core.pits.pairs import (
+    INNER,
+    ON_INNER,
+    ON_OUTER,
+    OUTER,
+    Meeting,
+    Pits,
+    groups_of,
+    inner_reduced_radius,
+    outer_reduced_radius,
+    pits,
+    slices_of,
+)
+from bearingsim.core.pits.spall import Spall
+from bearingsim.core.pits.traced import across, burr, grouped, sharpest_cusp, sliced, span_of, traced_pits
+from bearingsim.errors import Refused
+
+EXCITATIONS: dict[str, Any] = {
+    "envelope": felt.Envelope(),
+    "rectangular-pulse": felt.RectangularPulse(),
+    "half-sine-pulse": felt.HalfSinePulse(),
+    "piecewise-pulse": felt.PiecewisePulse(),
+    "clearance-increase": felt.ClearanceIncrease(),
+    "soft-edge": felt.SoftEdge(),
+    "impulse-train": felt.Envelope(),
+    "random-impulses": felt.Envelope(),
+}
+SHAPES: dict[str, Any] = {
+    "rectangular": Rectangular,
+    "triangular": Triangular,
+    "circular": Circular,
+    "elliptical": Elliptical,
+}
+
+
+Places = Sequence[float] | np.ndarray
+"""Middles of slices along a roller, m."""
+
+
+class Together(NamedTuple):
+    """Pits of one element that a roller feels as one: the ``first`` of them, and all of them as one map, its s
+    measured from ``angle`` (rad); ``pit`` is None where one pit alone has a closed form.
+    """
+
+    first: config.Defect
+    angle: float
+    pit: Any
+
+
+def meetings(case: Case, zetas: Places | None = None) -> Pits:
+    """Where the rollers' contacts meet the case's pits.
+
+    zetas: middles (m) of a roller's slices: then a group of weight 1 for each of them, in their order.
+    Raises Refused for what is not felt at all, and for pits too wide to be felt by one roller at a time.
+    """
+    chosen, found = excitation(case), met(case, zetas)
+    if any(one.paths for one in found):
+        return traced_pits(found)
+    return pits(found, chosen, 1 if zetas is None else len(zetas))
+
+
+def met(case: Case, zetas: Places | None = None) -> list[Meeting]:
+    """Every pit as each contact meets it: all by closed form, or all traced."""
+    return [one for found in together(case) for one in of_pits(case, found, zetas)]
+
+
+def excitation(case: Case) -> Any:
+    """What a roller of the case feels of a pit."""
+    if case.excitation == "pressure-share":
+        return felt.PressureShare(half_width(case))
+    if case.excitation == "elastic-edge":
+        return elastic_edge(case)
+    return EXCITATIONS[case.excitation]
+
+
+def elastic_edge(case: Case) -> EdgeContact:
+    """Edges that give way under the largest load of the healthy bearing."""
+    b, edge = case.bearing, case.defects[0].edge if case.defects else None
+    E_star = b.material.young_modulus / (2.0 * (1.0 - b.material.poisson_ratio**2))
+    rho = float((edge and edge.radius) or EDGE_RADIUS)
+    L_w = contact_length(case, OUTER)
+    return edge_contact(largest_load(case), L_w, b.roller_diameter / 2.0, outer_radius(case), E_star, rho)
+
+
+def reduced_radius(case: Case, side: int) -> float:
+    """Radius (m) of a roller relative to the race on one side of it."""
+    R_w = case.bearing.roller_diameter / 2.0
+    if side == OUTER:
+        return outer_reduced_radius(R_w, outer_radius(case))
+    return inner_reduced_radius(R_w, inner_radius(case))
+
+
+def half_width(case: Case) -> float:
+    """Half width (m) of the outer contact along rolling, under the largest load of the healthy bearing."""
+    load = largest_load(case)
+    if case.bearing.element == "ball":
+        return point_contact(case, on_outer=True).semi_axes(load)[1]
+    steel = case.bearing.material
+    length, R = float(case.bearing.roller_length or 0.0), reduced_radius(case, OUTER)
+    return felt.hertz_half_width(load, length, R, steel.young_modulus, steel.poisson_ratio)
+
+
+def contact_length(case: Case, side: int) -> float:
+    """Length (m) of the contact along the axis: the roller's; of a ball its ellipse's at the largest load."""
+    if case.bearing.roller_length is not None:
+        return case.bearing.roller_length
+    return 2.0 * point_contact(case, side == OUTER).semi_axes(largest_load(case))[0]
+
+
+# Depth maps
+
+
+def depth_map(d: config.Defect) -> Any:
+    """A defect's depth map around its own middle."""
+    if d.shape == "spall":
+        pit: Any = Spall(d.length, d.width, d.depth, float(d.grown or 0.0), int(d.seed or 0))
+        pit = Mirrored(pit) if d.race == "inner" else pit  # rollers fall back behind it: they come from +s
+    elif d.shape == "scan":
+        return scanned(str(d.file), str(d.digest))
+    else:
+        pit = SHAPES[d.shape](d.length, d.width, d.depth)
+    return pit if d.edge is None else Eased(pit, d.edge.radius or 0.0, d.edge.ramp or 0.0)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def scanned(file: str, digest: str) -> Scanned:
+    """The map in a file. Raises ValueError if the file is no longer what the case was made from."""
+    found = read_scan(file)
+    if found.digest != digest:
+        raise ValueError(f"{file} has changed since the study was read")
+    return Scanned(digest, found.s, found.z, found.depth)
+
+
+def together(case: Case) -> list[Together]:
+    """The case's pits, those that one roller feels at a time merged; closed forms only if all have one."""
+    clusters = _clusters(case)
+    simple = all(len(cluster) == 1 and _has_form(case, cluster[0]) for cluster in clusters)
+    if simple:
+        return [Together(d, d.angle, None) for (d,) in clusters]
+    return [_merged(case, cluster) for cluster in clusters]
+
+
+def _has_form(case: Case, d: config.Defect) -> bool:
+    return d.shape in SIMPLE and (d.edge is None or case.excitation == "elastic-edge")
+
+
+def _clusters(case: Case) -> list[list[config.Defect]]:
+    """Defects in groups that overlap along rolling, burrs and what they lift a roller included."""
+    clusters: list[list[config.Defect]] = []
+    for d in case.defects:
+        near = [cluster for cluster in clusters if any(_reach_each_other(case, d, other) for other in cluster)]
+        clusters = [cluster for cluster in clusters if cluster not in near]
+        clusters.append([*(other for cluster in near for other in cluster), d])
+    return clusters
+
+
+def _reach_each_other(case: Case, a: config.Defect, b: config.Defect) -> bool:
+    if a.element != b.element or case.excitation not in config.ROLLED:
+        return False
+    apart = remainder(b.angle - a.angle, 2.0 * pi) * carrier_radius(case, a)
+    low_a, high_a, low_b, high_b = *_felt_from(case, a), *_felt_from(case, b)
+    return low_a < apart + high_b and apart + low_b < high_a
+
+
+def _felt_from(case: Case, d: config.Defect) -> tuple[float, float]:
+    """From where to where (m) along rolling a pit is felt at most, from its middle."""
+    pit = depth_map(d)
+    low, high, _, _ = extent(pit)
+    lifted = sqrt(2.0 * reduced_radius(case, OUTER) * burr(pit))
+    return low - lifted, high + lifted
+
+
+def carrier_radius(case: Case, d: config.Defect) -> float:
+    """Radius (m) of the surface that carries a pit."""
+    radii = {"outer": outer_radius, "inner": inner_radius}
+    return radii[d.race](case) if d.race in radii else case.bearing.roller_diameter / 2.0
+
+
+def _merged(case: Case, cluster: Sequence[config.Defect]) -> Together:
+    """Pits as one map, whose s begins in the middle of them all."""
+    first, radius = cluster[0], carrier_radius(case, cluster[0])
+    places = [remainder(d.angle - first.angle, 2.0 * pi) * radius for d in cluster]
+    maps = [Placed(depth_map(d), s, d.offset) for d, s in zip(cluster, places, strict=True)]
+    if len(maps) == 1:
+        return Together(first, first.angle, maps[0])
+    low, high, _, _ = extent(Merged(tuple(maps)))
+    middle = (low + high) / 2.0
+    return Together(
+        first, first.angle + middle / radius, Merged(tuple(one._replace(s=one.s - middle) for one in maps))
+    )
+
+
+# Meetings
+
+
+def of_pits(case: Case, found: Together, zetas: Places | None) -> list[Meeting]:
+    """Pits that are felt as one, as each contact meets them."""
+    d = found.first
+    on, sides = {
+        "outer": (ON_OUTER, (OUTER,)),
+        "inner": (ON_INNER, (INNER,)),
+        "roller": ((d.roller or 1) - 1, (OUTER, INNER)),
+    }[d.race]
+    return [_meeting(case, found, on, side, zetas) for side in sides]
+
+
+def _meeting(case: Case, found: Together, on: int, side: int, zetas: Places | None) -> Meeting:
+    radius, R = carrier_radius(case, found.first), reduced_radius(case, side)
+    if found.pit is None:
+        rows = cut(case, found.first, side, zetas)
+        jumps = jumps_of(excitation(case), rows, (), R)
+        return _felt(case, found.first, Meeting(side, on, found.angle, radius, R, rows, jumps=jumps))
+    rows, paths = traced(case, found.pit, side, zetas)
+    cusp, span, jumps = sharpest_cusp(rows, paths), span_of(found.pit, R), jumps_of(None, rows, paths, R)
+    return _felt(case, found.first, Meeting(side, on, found.angle, radius, R, rows, paths, cusp, span, jumps))
+
+
+def _felt(case: Case, d: config.Defect, one: Meeting) -> Meeting:
+    """The meeting, if it is felt, and by one roller at a time."""
+    if one.half_width == 0.0:
+        reason = f"nothing is felt of the {d.shape} defect: it is beyond the contact, or of no depth"
+        reach = f"{500.0 * contact_length(case, one.side):.4g} mm"
+        raise Refused(
+            reason, f"the contact reaches {reach} from the middle: take a smaller `offset`, or a larger pit"
+        )
+    spacing = 2.0 * pi * one.radius / (1 if d.race == "roller" else case.bearing.rollers)
+    if 2.0 * one.half_width > spacing:
+        wide = (
+            f"felt over {2e3 * one.half_width:.4g} mm, more than the {1e3 * spacing:.4g} mm between two contacts"
+        )
+        raise Refused(f"the defects at {np.degrees(d.angle):.4g} deg are {wide}", _narrower(d))
+    return one
+
+
+def _narrower(d: config.Defect) -> str:
+    if d.edge is None:
+        return "make them narrower"
+    return f"make them narrower, or the edge's {'radius smaller' if d.edge.radius else 'ramp shorter'}"
+
+
+def cut(case: Case, d: config.Defect, side: int, zetas: Places | None) -> list:
+    """The groups along the contact that a pit with a closed form is cut into, or those of given slices."""
+    L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
+    chosen = excitation(case)
+    if zetas is None:
+        rows = groups_of(d.shape, d.length, d.width, d.depth, L_w, R, nodes, d.offset)
+    else:
+        rows = slices_of(d.shape, d.length, d.width, d.depth, R, zetas, d.offset)
+    found = felt.groups(chosen, d.shape, rows, R)
+    if zetas is not None and len(found) != len(zetas):
+        raise Refused(f"`{case.excitation}` has no form for slices", "take `excitation: envelope`")
+    return found
+
+
+def traced(case: Case, pit: Any, side: int, zetas: Places | None) -> tuple[list, list]:
+    """Groups and paths of a traced pit along the contact, or at given slices."""
+    L_w, R = contact_length(case, side), reduced_radius(case, side)
+    if zetas is not None:
+        return sliced(pit, R, zetas)
+    return grouped(pit, R, across(pit, L_w, case.contact.length_nodes))

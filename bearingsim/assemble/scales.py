@@ -1,0 +1,112 @@
+"""How large things are in a case: the approach and damping of its contacts, the time and speed over its pits.
+
+The tolerances of adaptive methods are parts of these.
+"""
+
+from math import inf, pi, sqrt
+from typing import Any
+
+from bearingsim.assemble import contacts, geometry, rest
+from bearingsim.config import Case
+from bearingsim.core.laws.damping import damping_slope, normal_force, stiffness_slope
+from bearingsim.core.methods.interface import Tolerances
+from bearingsim.core.pits.excitations import LEAPS
+from bearingsim.core.pits.pairs import DEPTH, REDUCED, SPAN, USED, X_E, B, sliding
+
+FEWEST_PER_CROSSING = 8  # steps; with fewer a method does not see a pit
+TOLERANCE = {"dop853": 1e-4, "dormand-prince": 1e-4, "rodas": 1e-4, "backward-euler": 1e-5}
+"""Of each adaptive method, if not given: docs/methods.md."""
+DASHPOT = 1e-3  # of the force: what an error in velocity may change at a contact's damper
+
+
+def at_full_speed(case: Case) -> Case:
+    """The case at the highest speed of its ramp, without the ramp."""
+    if case.ramp is None:
+        return case
+    return case.model_copy(update={"speed": max(case.speed, case.ramp.to), "ramp": None})
+
+
+def crossing_time(model: Any) -> float:
+    """The shortest time (s) a contact takes to cross a pit, or one of several merged; inf without pits."""
+    pits = model.pits
+    times = [pits.head[d, SPAN] / abs(sliding(pits, d, model.bearing)) for d in range(len(pits.head))]
+    return float(min(times, default=inf))
+
+
+def closing_speed(model: Any) -> float:
+    """Estimate of the speed (m/s) at which a roller meets the far edge of the steepest pit.
+
+    The envelope's slope is at most x/R with x the distance from the rim where the roller reaches wall, floor or
+    middle; the roller moves past it at the sliding speed.
+    """
+    pits = model.pits
+    speeds = [
+        min(group[B], group[X_E], sqrt(2.0 * pits.head[d, REDUCED] * group[DEPTH]))
+        / pits.head[d, REDUCED]
+        * abs(sliding(pits, d, model.bearing))
+        for d in range(len(pits.head))
+        for group in pits.groups[d, : int(pits.head[d, USED])]
+    ]
+    return float(max(speeds, default=0.0))
+
+
+def approach(law: Any, load: float) -> float:
+    """The approach (m) of a contact at rest under ``load`` (N), by bisection."""
+    low, high = 0.0, 1e-3
+    while high - low > 1e-9 * high:
+        middle = 0.5 * (low + high)
+        if normal_force(law, middle, 0.0) > load:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def damping_ratio(case: Case, load: float) -> float:
+    """That of a roller between its races, pressed to the outer one by ``load`` (N).
+
+    Friction on races, pockets and flanges is none of it, though it counts in what limits a step.
+    """
+    b, laws = geometry.bearing(case), (contacts.outer(case), contacts.inner(case))
+    inwards = max(0.0, load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i))
+    deep = [approach(law, force) for law, force in zip(laws, (load, inwards), strict=True)]
+    C, K = (
+        sum(slope(law, at, 0.0) for law, at in zip(laws, deep, strict=True))
+        for slope in (damping_slope, stiffness_slope)
+    )
+    return float(C / (2.0 * sqrt(K * b.m_r)))
+
+
+def sag(model: Any) -> float:
+    """How deep (m) a roller sinks into a pit at most: it hangs on the rims, or reaches the depth."""
+    pits = model.pits
+    reached = [
+        float(group[DEPTH] if isinstance(pits.excitation, LEAPS) else min(group[DEPTH], hanging))
+        for d in range(len(pits.head))
+        for group in pits.groups[d, : int(pits.head[d, USED])]
+        for hanging in [group[B] * group[B] / (2.0 * pits.head[d, REDUCED])]
+    ]
+    return max(reached, default=0.0)
+
+
+def tolerances(case: Case, model: Any, fastest: Any, h: float, tolerance: float) -> tuple[float, ...]:
+    """Parameters of an adaptive method (``Tolerances``) that shows the state every ``h`` (s).
+
+    Positions are held to ``tolerance`` times the approach at rest; velocities to as much of the speed at which a
+    pit's edge closes, and to a change of the damping force that is small beside the load: with a dashpot of
+    1e6 N s/m that is what an error hangs on. ``fastest``: the model at the highest speed of a ramp, which bounds
+    the steps.
+    """
+    F = rest.largest_load(case)
+    laws = (contacts.outer(case), contacts.inner(case))
+    delta = max(approach(law, F) for law in laws)
+    c = max(damping_slope(law, approach(law, F), 0.0) for law in laws)
+    speed = max(closing_speed(model), model.bearing.Z * model.bearing.omega_c * delta)
+    atol_v = min(tolerance * speed, DASHPOT * F / c if c > 0.0 else inf)
+    longest = min(crossing_time(fastest), ball_pass(fastest)) / FEWEST_PER_CROSSING
+    return Tolerances(h, tolerance, tolerance * delta, atol_v, longest)
+
+
+def ball_pass(model: Any) -> float:
+    """The time (s) from one roller to the next past a point of the outer race."""
+    return 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)

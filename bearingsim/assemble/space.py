@@ -1,0 +1,131 @@
+"""What ``spatial`` adds: slices with the roller's profile, flanges, and how rings and cage are held."""
+
+from math import cos, sin
+from typing import Any
+
+from bearingsim import config
+from bearingsim.assemble import free, geometry
+from bearingsim.config import Case
+from bearingsim.config.rules import hierarchy
+from bearingsim.config.rules.slicing import slice_ends
+from bearingsim.core.geometry import slices as cut
+from bearingsim.core.laws.damping import HuntCrossley
+from bearingsim.core.laws.stiffness import Linear
+from bearingsim.core.parts import flanges as shoulders
+from bearingsim.core.parts.cage import KinematicCage
+from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
+from bearingsim.core.parts.mounts import Held, Sprung
+
+FLANGE_HEIGHT = 0.2  # of the roller's diameter: an assumption
+
+
+def slices(case: Case) -> cut.Slices:
+    """The roller cut into slices, with its profile."""
+    return cut.slices(slice_ends(case), lambda z: drop(case, z))
+
+
+def drop(case: Case, z: float) -> float:
+    """How much smaller the roller's radius is at ``z`` (m) from its middle, m."""
+    b = case.bearing
+    L_w, profile = roller_length(case), b.roller_profile
+    match profile.shape:
+        case "crowned":
+            return cut.crowned(z, L_w, profile.straight_length or 0.0, profile.drop or 0.0)
+        case "logarithmic":
+            return cut.logarithmic(z, L_w, b.roller_diameter)
+    return 0.0
+
+
+def uneven(case: Case) -> bool:
+    """Whether rollers of the healthy bearing are loaded unevenly along their length."""
+    return case.model in hierarchy.SLICED and (
+        case.misalignment is not None or case.bearing.roller_profile.shape != "straight"
+    )
+
+
+def roller_length(case: Case) -> float:
+    """Length (m) of a roller."""
+    return float(case.bearing.roller_length or 0.0)
+
+
+def roller_inertia_across(case: Case) -> float:
+    """Moment of inertia (kg m^2) of a roller about a diameter: of a plain cylinder."""
+    b = case.bearing
+    return b.element_mass * (3.0 * (b.roller_diameter / 2.0) ** 2 + roller_length(case) ** 2) / 12.0
+
+
+def inertia_across(case: Case, m: float, about_axis: float) -> float:
+    """Moment of inertia (kg m^2) about a diameter of a ring of mass ``m`` (kg) as wide as the bearing."""
+    return about_axis / 2.0 + m * case.bearing.width**2 / 12.0
+
+
+def outer_mount(case: Case) -> Any:
+    """How the bracket holds the outer ring against moving along its axis and leaning."""
+    return mount(case, case.rig, "outer", geometry.ring_mass(case), geometry.ring_inertia(case))
+
+
+def inner_mount(case: Case) -> Any:
+    """How the shaft holds the inner ring, which has the mass of the shaft and the dimensions of a ring."""
+    m = case.shaft.mass if case.shaft else 0.0
+    about_axis = m * ((case.bearing.bore / 2.0) ** 2 + geometry.inner_radius(case) ** 2) / 2.0
+    return mount(case, case.shaft, "inner", m, about_axis)
+
+
+def mount(case: Case, by: config.Rig | config.Shaft | None, ring: str, m: float, about_axis: float) -> Any:
+    """What holds a ring of mass ``m`` (kg) and inertia ``about_axis`` (kg m^2), as askew as the case says."""
+    askew = case.misalignment
+    lean = sin(getattr(askew, ring)) if askew else 0.0
+    towards = askew.direction if askew else 0.0
+    lean_x, lean_y = float(lean * cos(towards)), float(lean * sin(towards))
+    if by is None or by.axial_stiffness is None or by.tilting_stiffness is None:
+        return Held(lean_x, lean_y)
+    return Sprung(
+        m=float(m),
+        I_a=float(about_axis),
+        I_t=float(inertia_across(case, m, about_axis)),
+        k_z=by.axial_stiffness,
+        c_z=by.axial_damping or 0.0,
+        k_lean=by.tilting_stiffness,
+        c_lean=by.tilting_damping or 0.0,
+        lean_x=lean_x,
+        lean_y=lean_y,
+    )
+
+
+def flanges(case: Case) -> Any:
+    """The shoulders of both rings; one alone stands on the side of +z."""
+    f, b = case.bearing.flanges, case.bearing
+    if f is None or f.inner + f.outer == 0:
+        return shoulders.NoFlanges()
+    return shoulders.Flanges(
+        inner_minus=1.0 if f.inner > 1 else 0.0,
+        inner_plus=1.0 if f.inner > 0 else 0.0,
+        outer_minus=1.0 if f.outer > 1 else 0.0,
+        outer_plus=1.0 if f.outer > 0 else 0.0,
+        play=f.clearance / 2.0,
+        height=f.height or FLANGE_HEIGHT * b.roller_diameter,
+        law=HuntCrossley(Linear(f.stiffness), f.damping),
+        friction=free.friction(case),
+    )
+
+
+def cage_in_space(case: Case) -> Any:
+    """How the cage moves along its axis and leans: pushed by the rollers at the ends of their pockets."""
+    found, c = free.cage(case), case.cage or config.Cage()
+    if isinstance(found, KinematicCage):
+        return CageInPlane()
+    m, width = found.m, free.CAGE_WIDTH * case.bearing.width
+    about_diameter = found.inertia / 2.0 + m * width**2 / 12.0
+    return CageInSpace(float(about_diameter), c.axial_clearance / 2.0, found.pocket)
+
+
+__all__ = [
+    "cage_in_space",
+    "flanges",
+    "inner_mount",
+    "outer_mount",
+    "roller_inertia_across",
+    "roller_length",
+    "slices",
+    "uneven",
+]

@@ -1,0 +1,201 @@
+"""Values of a case that are right alone but not together."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from bearingsim.config.channels import plain, roller_number, slice_number
+from bearingsim.config.rules import hierarchy
+from bearingsim.config.rules.conflict import Conflict, Path
+from bearingsim.config.rules.pits import pit_conflicts
+from bearingsim.config.rules.slicing import slice_count
+from bearingsim.config.sections.contact import OF_LINES
+from bearingsim.config.sections.defect import IMPULSES
+from bearingsim.config.sections.free import Frictionless
+from bearingsim.text.units import show
+
+if TYPE_CHECKING:
+    from bearingsim.config.case import Case
+    from bearingsim.config.sections.free import Shaft
+    from bearingsim.config.sections.machine import Rig
+
+MOST_LEAN = 0.02  # rad: beyond it a bearing is not mounted askew but broken
+SPRUNG = ("axial_stiffness", "axial_damping", "tilting_stiffness", "tilting_damping")
+HELD_BY_CAGE = ("cage.slip", "cage.axial", "cage.lean", "roller.cage_force", "roller.skew", "roller.axial")
+
+__all__ = ["Conflict", "Path", "conflicts"]
+
+
+def conflicts(case: "Case") -> Iterator[Conflict]:
+    """Everything in a case that does not fit together."""
+    yield from pit_conflicts(case)
+    yield from _model(case)
+    yield from _contact(case)
+    yield from _free_motion(case)
+    yield from _in_space(case)
+    yield from _record(case)
+    yield from _sizes(case)
+
+
+# Model
+
+
+def _model(case: "Case") -> Iterator[Conflict]:
+    found = hierarchy.lacking(case)
+    hint = _able(case)
+    for need in found:
+        message = f"the {case.model} model cannot do this: {need.why}"
+        yield Conflict(f"model {need.what}", (*need.paths, ("model",)), message, hint)
+    yield from _method(case)
+
+
+def _method(case: "Case") -> Iterator[Conflict]:
+    paths: tuple[Path, ...] = (("method",), ("model",))
+    if case.model in hierarchy.METHODLESS and case.method is not None:
+        message = f"the {case.model} model has no method, got `{case.method}`"
+        yield Conflict("method", paths, message, "leave it out")
+    if case.tolerance != "auto" and case.method not in ("auto", *hierarchy.ADAPTIVE):
+        what = f"`{case.method}` takes steps of fixed length" if case.method else f"{case.model} has no method"
+        hint = "give a `step`, or one of the methods that choose theirs: " + ", ".join(hierarchy.ADAPTIVE)
+        yield Conflict("tolerance", (("tolerance",), *paths), f"{what}: a tolerance does nothing", hint)
+
+
+def _able(case: "Case") -> str:
+    least = hierarchy.least(case)
+    return f"the least that can is `model: {least}`" if least else "no model can do all that is asked for"
+
+
+# Contact
+
+
+def _contact(case: "Case") -> Iterator[Conflict]:
+    law, element = case.contact.stiffness, case.bearing.element
+    if (element == "ball" and law in OF_LINES) or (element == "roller" and law == "point"):
+        paths: tuple[Path, ...] = (("contact", "stiffness"), ("bearing",))
+        shape, hint = ("a roller's", "say `point`") if element == "ball" else ("a ball's", "say `palmgren`")
+        yield Conflict("contact", paths, f"the law `{law}` is {shape} contact, not a {element}'s", hint)
+
+
+# Free motion
+
+
+def _free_motion(case: "Case") -> Iterator[Conflict]:
+    if case.unbalance is not None and case.shaft is None:
+        message = "an unbalance moves nothing while the inner ring is rigid"
+        yield Conflict("shaft", (("unbalance",),), message, "give `shaft: {stiffness: 1e8 N/m, mass: 1 kg}`")
+    if case.rig.torsion_damping is not None and case.rig.torsion_stiffness is None:
+        paths: tuple[Path, ...] = (("rig", "torsion_damping"), ("rig",))
+        yield Conflict("torsion", paths, "the ring does not rotate without `torsion_stiffness`", "give both")
+    if case.cage is not None and case.cage.motion == "kinematic":
+        yield from _kinematic_cage(case)
+
+
+def _kinematic_cage(case: "Case") -> Iterator[Conflict]:
+    assert case.cage is not None
+    motion: Path = ("cage", "motion")
+    if case.friction is not None and not isinstance(case.friction, Frictionless):
+        message = (
+            "a kinematic cage goes only with `friction: none`: rollers held at their places by it cannot give way,"
+            " and friction then damps too much (RMS 11-15 % low)"
+        )
+        yield Conflict("kinematic", (("friction",), motion), message, "say `friction: none`, or `motion: free`")
+    if case.drag is not None:
+        message = "drag brakes nothing while the cage is kinematic"
+        yield Conflict("kinematic drag", (("drag",), motion), message, "say `drag: none`, or `motion: free`")
+    if case.cage.guide != "centred":
+        message = f"a kinematic cage stays centred, got `guide: {case.cage.guide}`"
+        yield Conflict("kinematic guide", (("cage", "guide"), motion), message, "leave it out, or `motion: free`")
+
+
+# In space
+
+
+def _in_space(case: "Case") -> Iterator[Conflict]:
+    for name, section in (("rig", case.rig), ("shaft", case.shaft)):
+        yield from _half_sprung(name, section)
+    yield from _lean(case)
+    sliced = case.model in hierarchy.SLICED and case.bearing.roller_length is not None
+    if sliced and slice_count(case) is None:
+        paths: tuple[Path, ...] = (("contact", "slices"), ("defects",))
+        message = "the pits cut the roller into more than 64 slices"
+        yield Conflict("slices", paths, message, "take fewer `contact.slices`, or fewer pits")
+
+
+def _half_sprung(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]:
+    if section is None:
+        return
+    given = [key for key in SPRUNG if getattr(section, key) is not None]
+    springs = ("axial_stiffness", "tilting_stiffness")
+    missing = [key for key in springs if key not in given]
+    if given and missing:
+        paths: tuple[Path, ...] = ((name, given[0]), (name,))
+        words = " and ".join(f"`{key}`" for key in missing)
+        yield Conflict("sprung", paths, f"a ring that leans needs {words} too", "give both stiffnesses")
+
+
+def _lean(case: "Case") -> Iterator[Conflict]:
+    for ring in ("inner", "outer") if case.misalignment else ():
+        lean = getattr(case.misalignment, ring)
+        if abs(lean) > MOST_LEAN:
+            message = f"a lean of {show(lean, 'deg')} is beyond {show(MOST_LEAN, 'deg')}"
+            yield Conflict("lean", (("misalignment", ring),), message, "is the unit right? Try mrad")
+
+
+# Record, sizes, times
+
+
+def _record(case: "Case") -> Iterator[Conflict]:
+    for index, name in enumerate(case.record):
+        at: Path = ("record", index)
+        number = roller_number(name)
+        if number is not None and number > case.bearing.rollers:
+            message = f"there is no roller {number}: the bearing has {case.bearing.rollers}"
+            yield Conflict("channel", (at, ("bearing", "rollers")), message, "they count from 1")
+        yield from _slice_of(at, name, case)
+        still = _still(name, case) if case.model in hierarchy.FREE else None
+        if still:
+            yield Conflict("still", (at,), f"`{name}` stays zero: {still[0]}", still[1])
+
+
+def _slice_of(at: Path, name: str, case: "Case") -> Iterator[Conflict]:
+    number = slice_number(name)
+    count = slice_count(case)
+    if number is not None and count is not None and number > count:
+        message = f"there is no slice {number}: the roller is cut into {count}"
+        yield Conflict(
+            "slice", (at, ("contact", "slices")), message, f"`{name.rpartition('.')[0]}` records them all"
+        )
+
+
+def _still(name: str, case: "Case") -> tuple[str, str] | None:
+    """Why a channel of rollers and cage that move freely would be a row of zeros, and what would move it."""
+    if name == "ring.rotation" and case.rig.torsion_stiffness is None:
+        return "the bracket lets no ring rotate", "give `rig.torsion_stiffness`"
+    if name == "inner.displacement" and case.shaft is None:
+        return "the inner ring is rigid", "give `shaft`"
+    kinematic = case.cage is not None and case.cage.motion == "kinematic"
+    if kinematic and plain(name) in HELD_BY_CAGE:
+        return "the cage is kinematic", "say `motion: free`"
+    if name in ("ring.axial", "ring.lean") and case.rig.tilting_stiffness is None:
+        return "the bracket holds the ring", "give `rig.axial_stiffness` and `rig.tilting_stiffness`"
+    if name in ("inner.axial", "inner.lean") and (case.shaft is None or case.shaft.tilting_stiffness is None):
+        return "the shaft holds the ring", "give `shaft` with `axial_stiffness` and `tilting_stiffness`"
+    if plain(name) == "roller.flange_force" and case.bearing.flanges is None:
+        return "the bearing has no flanges", "give `bearing.flanges`"
+    if name == "cage.position" and (case.cage is None or case.cage.guide == "centred"):
+        return "the cage is centred", "give `cage.guide`"
+    return None
+
+
+def _sizes(case: "Case") -> Iterator[Conflict]:
+    if not -0.01 <= case.clearance / case.bearing.roller_diameter <= 0.05:
+        shown = show(case.clearance, "um")
+        message = f"a clearance of {shown} is beyond -1 % to 5 % of the roller diameter"
+        yield Conflict("clearance", (("clearance",), ("bearing",)), message, "is the unit right?")
+    ball_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
+    if case.duration < ball_pass:
+        shown, needed = show(case.duration, "ms"), show(ball_pass, "ms")
+        timing: tuple[Path, ...] = (("duration",), ("speed",), ("bearing",))
+        yield Conflict("duration", timing, f"{shown} is shorter than one ball pass ({needed})")
+    if case.excitation in IMPULSES and case.model == "impulse" and not case.defects:
+        paths: tuple[Path, ...] = (("model",), ("excitation",))
+        yield Conflict("silent", paths, "without a defect there are no impulses", "give a `defect`")

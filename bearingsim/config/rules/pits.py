@@ -1,0 +1,217 @@
+"""Pits that do not fit on the element that carries them, beside each other, or the excitation."""
+
+import math
+from collections.abc import Iterator
+from itertools import combinations
+from typing import TYPE_CHECKING, NamedTuple
+
+from bearingsim.config.rules.conflict import Conflict, Path
+from bearingsim.config.sections.defect import ROLLED, SIMPLE
+from bearingsim.text.units import show
+
+if TYPE_CHECKING:
+    from bearingsim.config.case import Case
+    from bearingsim.config.sections.defect import Defect
+    from bearingsim.config.sections.machine import Bearing
+
+
+class Surface(NamedTuple):
+    """What carries pits: its radius; how wide they may be and what limits that; how deep, where they come out, and
+    the bearing's length that says so (all m).
+    """
+
+    radius: float
+    widest: float
+    spacing: str
+    wall: float
+    through: str
+    key: str
+
+
+def surface(bearing: "Bearing", race: str) -> Surface:
+    """The raceway or roller of a bearing without clearance."""
+    pitch, roller = bearing.pitch_diameter, bearing.roller_diameter
+    if race == "outer":
+        radius = (pitch + roller) / 2.0
+        wall = (bearing.outside_diameter - pitch - roller) / 2.0
+        return Surface(
+            radius, bearing.roller_spacing, "roller spacing", wall, "through the outer ring", "outside_diameter"
+        )
+    if race == "inner":
+        radius, spacing = (pitch - roller) / 2.0, "roller spacing on the inner race"
+        wall = (pitch - roller - bearing.bore) / 2.0
+        return Surface(radius, bearing.inner_spacing, spacing, wall, "through the inner ring", "bore")
+    return Surface(
+        roller / 2.0, roller, "roller's diameter", roller / 2.0, "past the roller's middle", "roller_diameter"
+    )
+
+
+def pit_conflicts(case: "Case") -> Iterator[Conflict]:
+    """Everything about a case's pits that does not fit together."""
+    for number, defect in enumerate(case.defects):
+        at = ("defects", number)
+        yield from _roller_of(at, defect, case.bearing)
+        yield from _length(at, defect, case.bearing)
+        yield from _offset(at, defect, case.bearing)
+        yield from _width(at, defect, case.bearing)
+        yield from _ramp(at, defect)
+        yield from _depth(at, defect, case.bearing)
+        yield from _form(at, defect, case)
+    for first, second in combinations(range(len(case.defects)), 2):
+        yield from _overlap(first, second, case)
+    yield from _too_wide_together(case)
+
+
+def _roller_of(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+    paths: tuple[Path, ...] = ((*at, "roller"), (*at, "race"))
+    if defect.roller is not None and defect.race != "roller":
+        message = f"a defect of the {defect.race} race is on no roller"
+        yield Conflict("roller", paths, message, "say `race: roller`, or leave it out")
+    elif defect.roller is not None and defect.roller > bearing.rollers:
+        message = f"there is no roller {defect.roller}: the bearing has {bearing.rollers}"
+        yield Conflict("roller", (paths[0], ("bearing", "rollers")), message, "they count from 1")
+
+
+def _track(defect: "Defect", bearing: "Bearing") -> tuple[float, str, str]:
+    """How far along the axis an element can have pits (m), what it is, and the length that says so."""
+    if bearing.roller_length is not None:
+        return bearing.roller_length, "roller", "roller_length"
+    if defect.race == "roller":
+        return bearing.roller_diameter, "ball", "roller_diameter"
+    return bearing.width, "bearing", "width"
+
+
+def _sized(at: Path, name: str, defect: "Defect") -> tuple[tuple[Path, ...], str | None]:
+    """Where a size is said, and what may be wrong with that of a scan."""
+    if defect.shape == "scan":
+        return ((*at, name), (*at, "file")), "is the scan's unit right?"
+    return ((*at, name),), None
+
+
+def _length(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+    longest, name, key = _track(defect, bearing)
+    if defect.length > longest:
+        length, most = show(defect.length, "mm"), show(longest, "mm")
+        paths, hint = _sized(at, "length", defect)
+        message = f"a defect of {length} is longer than the {name} ({most})"
+        yield Conflict("long", (*paths, ("bearing", key)), message, hint)
+
+
+def _offset(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+    track, name, key = _track(defect, bearing)
+    paths: tuple[Path, ...] = ((*at, "offset"), (*at, "length"), ("bearing", key))
+    offset, end = show(defect.offset, "mm"), show(track / 2.0, "mm")
+    if defect.length > track:
+        return
+    if abs(defect.offset) - defect.length / 2.0 >= track / 2.0 - 1e-9:
+        message = f"a defect {offset} off the middle is beyond the {name}'s end ({end}): nothing of it is felt"
+        yield Conflict("offset", paths, message)
+    elif defect.race == "roller" and abs(defect.offset) + defect.length / 2.0 > track / 2.0 + 1e-9:
+        message = f"a defect of {show(defect.length, 'mm')}, {offset} off the middle, hangs over the {name}'s end"
+        yield Conflict("offset", paths, message, f"the end is {end} from the middle")
+
+
+def _width(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+    on = surface(bearing, defect.race)
+    if defect.width > on.widest:
+        width, most = show(defect.width, "mm"), show(on.widest, "mm")
+        message = f"a defect of {width} is wider than the {on.spacing} ({most})"
+        paths, hint = _sized(at, "width", defect)
+        yield Conflict("wide", (*paths, ("bearing",)), message, hint)
+
+
+def _ramp(at: Path, defect: "Defect") -> Iterator[Conflict]:
+    ramp = defect.edge.ramp if defect.edge is not None else None
+    if ramp is not None and ramp > defect.width:
+        message = f"a ramp of {show(ramp, 'mm')} is longer than the defect is wide ({show(defect.width, 'mm')})"
+        yield Conflict("ramp", ((*at, "edge", "ramp"), (*at, "width")), message, "make it shorter")
+
+
+def _depth(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+    on = surface(bearing, defect.race)
+    if defect.depth >= on.wall:
+        depth, thick = show(defect.depth, "mm"), show(on.wall, "mm")
+        paths, hint = _sized(at, "depth", defect)
+        message = f"a defect {depth} deep goes {on.through} ({thick})"
+        yield Conflict("deep", (*paths, ("bearing", on.key)), message, hint)
+
+
+def _form(at: Path, defect: "Defect", case: "Case") -> Iterator[Conflict]:
+    """Excitations other than the envelope have forms for simple shapes only."""
+    if case.excitation in ROLLED:
+        return
+    hint = "say `excitation: envelope`, or take a rectangular, triangular or circular defect with sharp edges"
+    if defect.shape not in SIMPLE:
+        article = "an" if defect.shape[0] in "aeiou" else "a"
+        what = f"{article} {defect.shape}" + (" defect" if defect.shape == "elliptical" else "")
+        paths: tuple[Path, ...] = (("excitation",), (*at, "shape"))
+        yield Conflict("form", paths, f"`{case.excitation}` has no form for {what}", hint)
+    elif case.excitation == "elastic-edge":
+        yield from _elastic_edge(at, defect, case)
+    elif defect.edge is not None:
+        paths = (("excitation",), (*at, "edge"))
+        yield Conflict("form", paths, f"`{case.excitation}` knows sharp edges only", hint)
+
+
+def _elastic_edge(at: Path, defect: "Defect", case: "Case") -> Iterator[Conflict]:
+    """Elastic edges are rounded, those of all pits alike, and line contacts."""
+    paths: tuple[Path, ...] = (("excitation",), (*at, "edge"))
+    if case.bearing.element == "ball":
+        message = "`elastic-edge` is a line contact's, and balls have none"
+        yield Conflict("form", (("excitation",), ("bearing",)), message, "say `excitation: soft-edge`")
+    elif defect.edge is not None and defect.edge.radius is None:
+        message = "`elastic-edge` knows rounded edges only"
+        yield Conflict("form", paths, message, "as in `edge: {radius: 20 um}`, the default")
+    elif defect.edge != case.defects[0].edge:
+        message = "`elastic-edge` takes one radius for the edges of all defects"
+        yield Conflict("form", paths, message, "give all the same")
+
+
+def _distance(a: "Defect", b: "Defect", bearing: "Bearing") -> float:
+    """How far (m) two pits of an element are apart along rolling, middle to middle."""
+    return abs(math.remainder(a.angle - b.angle, 2.0 * math.pi)) * surface(bearing, a.race).radius
+
+
+def _overlap(first: int, second: int, case: "Case") -> Iterator[Conflict]:
+    """Pits that overlap are felt as one, by who follows the path of a roller."""
+    a, b = case.defects[first], case.defects[second]
+    if a.element != b.element or case.excitation in ROLLED:
+        return
+    distance = _distance(a, b, case.bearing)
+    if distance < (a.width + b.width) / 2.0:
+        paths = tuple(("defects", i, key) for i in (second, first) for key in ("angle", "width"))
+        message = f"overlaps defect {first + 1}: their centres are {show(distance, 'mm')} apart"
+        hint = f"move one: only `excitation: envelope` merges pits, `{case.excitation}` does not"
+        yield Conflict("overlap", paths, message, hint)
+
+
+def _too_wide_together(case: "Case") -> Iterator[Conflict]:
+    """Pits that overlap, each one the next, may together be too wide."""
+    if case.excitation not in ROLLED:
+        return
+    for number, defect in enumerate(case.defects):
+        on = surface(case.bearing, defect.race)
+        width = chain_width(number, case)
+        if width > on.widest >= defect.width:
+            whole, most = show(width, "mm"), show(on.widest, "mm")
+            message = f"the defects that overlap here are {whole} wide, wider than the {on.spacing} ({most})"
+            yield Conflict("overlap", (("defects", number, "angle"), ("defects", number)), message, "move one")
+            return
+
+
+def chain_width(number: int, case: "Case") -> float:
+    """Width (m) of a defect and all that overlap it, directly or over others."""
+    chain, left = {number}, set(range(len(case.defects))) - {number}
+    while touching := {i for i in left if any(_touch(case, i, j) for j in chain)}:
+        chain |= touching
+        left -= touching
+    first = case.defects[number]
+    radius = surface(case.bearing, first.race).radius
+    middles = {i: math.remainder(case.defects[i].angle - first.angle, 2.0 * math.pi) * radius for i in chain}
+    low = min(middles[i] - case.defects[i].width / 2.0 for i in chain)
+    return max(middles[i] + case.defects[i].width / 2.0 for i in chain) - low
+
+
+def _touch(case: "Case", first: int, second: int) -> bool:
+    a, b = case.defects[first], case.defects[second]
+    return a.element == b.element and _distance(a, b, case.bearing) < (a.width + b.width) / 2.0

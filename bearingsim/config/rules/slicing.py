@@ -1,0 +1,40 @@
+"""How the roller of a case is cut into slices, and what is recorded of each."""
+
+from typing import TYPE_CHECKING, Any
+
+from bearingsim.config.channels import line_load_of
+from bearingsim.config.rules import hierarchy
+
+if TYPE_CHECKING:
+    from bearingsim.config.case import Case
+    from bearingsim.config.sections.defect import Defect
+
+
+def reach(defect: "Defect") -> tuple[float, float]:
+    """From where to where a defect reaches along the roller, m from its middle."""
+    return defect.offset - defect.length / 2.0, defect.offset + defect.length / 2.0
+
+
+def slice_ends(case: "Case") -> Any:
+    """Ends (n + 1,) of the slices of the case's roller, m from its middle. ValueError if they are too many."""
+    from bearingsim.core.geometry.slices import edges  # numpy, which only who computes needs
+
+    return edges(float(case.bearing.roller_length or 0.0), map(reach, case.defects), case.contact.slices)
+
+
+def slice_count(case: "Case") -> int | None:
+    """Slices of the case's roller; None if its model has none, or they are too many: then the case is refused."""
+    if case.model not in hierarchy.SLICED or case.bearing.roller_length is None:
+        return None
+    try:
+        return len(slice_ends(case)) - 1
+    except ValueError:
+        return None
+
+
+def by_slices(channel: str, case: "Case") -> tuple[str, ...]:
+    """The channel; of a line load along the whole roller one channel for each slice, if the model has slices."""
+    whole, count = line_load_of(channel), slice_count(case)
+    if whole is None or count is None:
+        return (channel,)
+    return tuple(f"{whole}.{number}" for number in range(1, count + 1))

@@ -1,0 +1,1 @@
+"""Measured depth maps: read from a file, checked, repaired."""

@@ -1,0 +1,294 @@
+"""Files of measured depth maps: what is in them, as it is there, in SI.
+
+CSV as a list, one point a line, its columns named with their units:
+
+    s [mm],z [mm],depth [um]
+    -1.0,-3.0,0.1
+
+or as a grid, whose first cell says what is in it, down and across:
+
+    depth [um] | z [mm] | s [mm],-1.0,-0.9
+    -3.0,0.1,0.2
+
+HDF5 with datasets `s` (n_s,), `z` (n_z,) and `depth` (n_z, n_s), each with the attribute `units`. s is along
+rolling, z along the axis; `height` (upwards) may stand for `depth` (downwards). Lines that begin with # are
+comments.
+"""
+
+import csv
+import hashlib
+import io
+import math
+import re
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.errors import UserError
+from bearingsim.text.units import UnitError, parse
+
+NAMES = ("s", "z", "depth", "height")
+MOST_POINTS = 4_000_000
+SCARCE = 0.5  # share of a grid's cells that must be there at all
+LONGEST_ECHO, SHORTEST_ECHO = 60, 12  # letters of a file's first line that a message repeats
+_COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*(?:\[([^\]]*)\])?\s*")
+
+
+class ScanError(UserError, ValueError):
+    """What is wrong with a scan, and what would mend it."""
+
+    def __init__(self, message: str, hint: str | None = None) -> None:
+        self.message, self.hint = message, hint
+        super().__init__(message + (f" ({hint})" if hint else ""))
+
+
+class Wording(NamedTuple):
+    """What a form of file calls its columns, an example of them, and how it says that of `{}` is in `um`."""
+
+    columns: str
+    example: str
+    unit: str
+
+
+CSV = Wording("columns", "the first line is `s [mm],z [mm],depth [um]`", "write `{} [um]`, or mm, m, nm")
+HDF5 = Wording(
+    "datasets",
+    "`s` (n_s,), `z` (n_z,) and `depth` (n_z, n_s), each with the attribute `units`",
+    "give `{}` the attribute `units`: um, or mm, m, nm",
+)
+
+
+class Grid(NamedTuple):
+    """Places s (n_s,) and z (n_z,), depth (n_z, n_s), m, NaN where there is none; notes: what was mended."""
+
+    s: np.ndarray
+    z: np.ndarray
+    depth: np.ndarray
+    notes: tuple[str, ...]
+
+
+def read_file(path: Path) -> tuple[Grid, str]:
+    """The grid of a file, ascending, and the digest of what was read. Raises ScanError for what is no scan."""
+    if path.is_dir():
+        raise ScanError(f"`{path}` is a folder", "name the file in it")
+    if not path.is_file():
+        raise ScanError(f"no file `{path}`", "a path is relative to the working folder, or else to the study")
+    form = FORMS.get(path.suffix.lower())
+    if form is None:
+        raise ScanError(f"expected a file that ends in .csv, .h5 or .hdf5, got `{path.name}`")
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise ScanError(f"`{path.name}` cannot be read: {error.strerror}") from None
+    return form(path.name, content), digest_of(content)
+
+
+def digest_of(content: bytes) -> str:
+    """16 hex digits that name what is in a file."""
+    return hashlib.sha256(content).hexdigest()[:16]
+
+
+# CSV
+
+
+def _csv(name: str, content: bytes) -> Grid:
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise ScanError(f"`{name}` is not a text file in UTF-8", "save it as UTF-8") from None
+    numbered = [
+        (n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"
+    ]
+    if len(numbered) < 2:
+        raise ScanError("there are no points in it")
+    numbers, rows = [n for n, _ in numbered], list(csv.reader(line for _, line in numbered))
+    _check_separator(rows[0][0])
+    if "|" in rows[0][0]:
+        return _ascending(*_grid(rows, numbers))
+    return _listed(rows, numbers)
+
+
+def _check_separator(first: str) -> None:
+    """Refuse what spreadsheets write where the decimal point is a comma."""
+    for separator, name in ((";", "`;`"), ("\t", "a tab")):
+        if separator in first.strip():
+            raise ScanError(f"the separator is {name}", "use a comma, and a point for decimals")
+
+
+def _echo(text: str, most: int = LONGEST_ECHO) -> str:
+    """The beginning of what a file says."""
+    said = text.strip()
+    return f"`{said}`" if len(said) <= most else f"`{said[: most - 3]}...`"
+
+
+def _columns(heads: Sequence[str], form: Wording) -> dict[str, tuple[int, float]]:
+    """Place and factor to SI of each known column."""
+    found = {}
+    for place, head in enumerate(heads):
+        named = _COLUMN.fullmatch(head)
+        if named and named[1] in NAMES:
+            found[named[1]] = (place, _factor(named[1], named[2], form))
+    missing = [name for name in ("s", "z") if name not in found]
+    if missing or ("depth" in found) == ("height" in found):
+        asked = "`s`, `z` and either `depth` or `height`"
+        shown = heads[:6]
+        most = max(LONGEST_ECHO // max(len(shown), 1), SHORTEST_ECHO)
+        said = ", ".join(_echo(head, most) for head in shown) or "none"
+        raise ScanError(f"expected {form.columns} {asked}, got {said}", form.example)
+    return found
+
+
+def _factor(name: str, unit: str | None, form: Wording) -> float:
+    """Metres in a unit; of heights negative."""
+    if not unit:
+        raise ScanError(f"the unit of `{name}` is missing", form.unit.format(name))
+    try:
+        metres = parse(f"1 {unit}", "length")
+    except UnitError as error:
+        raise ScanError(f"`{name} [{unit}]` has no unit of length", error.hint) from None
+    return -metres if name == "height" else metres
+
+
+def _listed(rows: list[list[str]], numbers: list[int]) -> Grid:
+    """A list of points as a grid."""
+    columns = _columns(rows[0], CSV)
+    rest = [head.strip() for n, head in enumerate(rows[0]) if n not in {place for place, _ in columns.values()}]
+    table = _numbers(rows[1:], numbers[1:], len(rows[0]))
+    values = {name: table[:, place] * factor for name, (place, factor) in columns.items()}
+    p = values.get("depth", values.get("height"))
+    s, column = np.unique(values["s"], return_inverse=True)
+    z, row = np.unique(values["z"], return_inverse=True)
+    if np.isnan(s).any() or np.isnan(z).any():
+        raise ScanError("a point has no place", "`s` and `z` must be in every line")
+    if len(table) < SCARCE * len(s) * len(z):
+        found = f"{len(table)} points at {len(s)} values of s and {len(z)} of z"
+        raise ScanError(f"the points form no grid: {found}", "interpolate them onto one")
+    if len(np.unique(row * len(s) + column)) < len(table):
+        raise ScanError("two points have the same place")
+    depth = np.full((len(z), len(s)), np.nan)
+    depth[row, column] = p
+    notes = [f"{name} runs downwards: put in order" for name in ("s", "z") if _falls(values[name])]
+    if rest:
+        notes.append(f"columns not used: {', '.join(rest)}")
+    return Grid(s, z, depth, tuple(notes))
+
+
+def _falls(values: np.ndarray) -> bool:
+    """Whether places are listed from the last to the first."""
+    steps = np.diff(values)
+    return bool(np.count_nonzero(steps < 0.0) > np.count_nonzero(steps > 0.0)) if values[0] > values[-1] else False
+
+
+def _grid(rows: list[list[str]], numbers: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    heads = rows[0][0].split("|")
+    columns = _columns(heads, CSV)
+    order = [name for name, _ in sorted(columns.items(), key=lambda item: item[1][0])]
+    if len(heads) != 3 or order[0] not in ("depth", "height"):
+        raise ScanError(f"expected a first cell such as `depth [um] | z [mm] | s [mm]`, got {_echo(rows[0][0])}")
+    table = _numbers([["", *rows[0][1:]], *rows[1:]], numbers, len(rows[0]))
+    down, across = table[1:, 0] * columns[order[1]][1], table[0, 1:] * columns[order[2]][1]
+    p = table[1:, 1:] * columns[order[0]][1]
+    return (across, down, p) if order[2] == "s" else (down, across, p.T)
+
+
+def _numbers(rows: list[list[str]], numbers: list[int], width: int) -> np.ndarray:
+    """Cells (n, width) as numbers, NaN where there is none."""
+    if len(rows) * width > MOST_POINTS:
+        raise ScanError(f"{len(rows) * width} cells; at most {MOST_POINTS}", "thin it out")
+    out = np.full((len(rows), width), np.nan)
+    for into, row, number in zip(out, rows, numbers, strict=True):
+        if len(row) != width:
+            hint = "cells end with a comma, numbers have a decimal point"
+            raise ScanError(f"line {number}: {len(row)} cells, the first line has {width}", hint)
+        into[:] = [_number(cell, number) for cell in row]
+    return out
+
+
+def _number(cell: str, line: int) -> float:
+    try:
+        value = float(cell) if cell.strip() else math.nan
+    except ValueError:
+        hint = "use a point for decimals" if "," in cell else None
+        raise ScanError(f"line {line}: expected a number, got {_echo(cell)}", hint) from None
+    if math.isinf(value):
+        raise ScanError(f"line {line}: `{cell.strip()}` is no depth", "leave a missing cell empty")
+    return value
+
+
+# HDF5
+
+
+def _hdf5(name: str, content: bytes) -> Grid:
+    import h5py
+
+    try:
+        with h5py.File(io.BytesIO(content), "r") as file:
+            held = {name: file[name] for name in NAMES if isinstance(file.get(name), h5py.Dataset)}
+            heads = [f"{name} [{_text(data.attrs.get('units', ''))}]" for name, data in held.items()]
+            columns = _columns(heads or list(file), HDF5)
+            values = {name: _values(name, held[name][()]) * columns[name][1] for name in held}
+    except (OSError, RuntimeError):
+        raise ScanError(f"`{name}` is not an HDF5 file, or cut off") from None
+    s, z, p = values["s"], values["z"], values["depth" if "depth" in values else "height"]
+    if s.ndim != 1 or z.ndim != 1 or p.shape != (len(z), len(s)):
+        shapes = f"s {s.shape}, z {z.shape}, depth {p.shape}"
+        raise ScanError(f"expected s (n_s,), z (n_z,) and depth (n_z, n_s), got {shapes}")
+    p[np.isinf(p)] = np.nan
+    return _ascending(s, z, p)
+
+
+def _values(name: str, given: object) -> np.ndarray:
+    """What a dataset holds, as numbers."""
+    try:
+        return np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        raise ScanError(
+            f"`{name}` holds something else than numbers", "write it as floating-point numbers"
+        ) from None
+
+
+def _text(given: object) -> str:
+    return given.decode() if isinstance(given, bytes) else str(given)
+
+
+def _ascending(s: np.ndarray, z: np.ndarray, depth: np.ndarray) -> Grid:
+    """The grid with axes that run downwards turned round."""
+    notes: list[str] = []
+    for name, axis in (("s", s), ("z", z)):
+        _check_axis(name, axis)
+        if axis[0] > axis[-1]:
+            notes.append(f"{name} runs downwards: turned round")
+    if s[0] > s[-1]:
+        s, depth = s[::-1], depth[:, ::-1]
+    if z[0] > z[-1]:
+        z, depth = z[::-1], depth[::-1]
+    return Grid(s, z, depth, tuple(notes))
+
+
+def _check_axis(name: str, axis: np.ndarray) -> None:
+    steps = np.diff(axis)
+    if len(axis) == 0:
+        raise ScanError("there are no points in it")
+    if np.isnan(axis).any():
+        raise ScanError(f"a value of {name} is missing")
+    if not (np.all(steps > 0.0) or np.all(steps < 0.0)):
+        k = int(np.flatnonzero(steps * np.sign(axis[-1] - axis[0]) <= 0.0)[0]) + 1
+        raise ScanError(f"{name} does not run one way: value {k + 1} is not beyond value {k}")
+
+
+FORMS: dict[str, Callable[[str, bytes], Grid]] = {".csv": _csv, ".txt": _csv, ".h5": _hdf5, ".hdf5": _hdf5}
+"""How the content of a file is read, by the ending of its name."""
+
+
+def places(which: Iterable[tuple[int, int]], grid: Grid) -> str:
+    """Places of cells (row, column), the first three of them."""
+    listed = list(which)
+    told = [f"s = {mm(grid.s[j])}, z = {mm(grid.z[i])}" for i, j in listed[:3]]
+    return "; ".join(told) + ("; ..." if len(listed) > 3 else "")
+
+
+def mm(metres: float) -> str:
+    """A place in mm; what rounding has left of zero is zero."""
+    return f"{round(1e3 * float(metres), 9) + 0.0:.4g} mm"

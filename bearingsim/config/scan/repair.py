@@ -1,0 +1,279 @@
+"""A measured depth map made fit for use: every repair is told, what cannot be repaired is refused.
+
+In this order: axes (``scanfile``), spikes, missing cells, level, noise, middle. docs/defects.md says what each
+does and why.
+"""
+
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from bearingsim.config.scan.file import Grid, ScanError, mm, places, read_file
+
+if TYPE_CHECKING:
+    from bearingsim.config.case import Case
+
+__all__ = ["Scan", "ScanError", "notes", "read_scan"]
+
+FEWEST = 5  # places along either axis
+MOST_MISSING, LARGEST_GAP = 0.05, 9  # share of cells; cells of one gap
+MOST_SPIKES, LARGEST_SPIKE = 0.01, 2  # share of cells; cells of one spike
+SPIKE, AROUND = 8.0, 7  # standard deviations of the roughness within so many cells along either axis
+SPIKE_OF_RANGE = 0.2  # of the depth range: a spike stands out at least so far; what does less harm is left
+UNEVEN = 0.1  # of the depth: most that three standard deviations of the surroundings may be
+DAMAGED = 0.2  # share of a side's cells off the surroundings from which the damage reaches it
+SPECK = 5  # cells: what is smaller is noise
+NOISE = 3.0  # standard deviations of the surroundings
+NARROW, SHALLOW = 20e-6, 0.1e-6  # width and depth (m) of a pit below which its unit is doubted
+
+REMEMBERED = 256
+"""Scans that a process keeps: more than a sweep has, which goes through them again and again, and reading takes
+long. Usual ones have 50 to 150 kB, 40 MB in all; whatever is made of a scan shares its arrays.
+"""
+
+
+class Scan(NamedTuple):
+    """A pit as measured: depth (n_z, n_s) at s (n_s,) and z (n_z,) from its middle, all m; sizes: length, width,
+    depth (m); digest: of the file's content; notes: what was repaired and assumed.
+    """
+
+    s: np.ndarray
+    z: np.ndarray
+    depth: np.ndarray
+    sizes: tuple[float, float, float]
+    digest: str
+    notes: tuple[str, ...]
+
+
+def read_scan(path: str | Path) -> Scan:
+    """The scan in a file. Raises ScanError if it is not of the format, or not fit for use."""
+    file = Path(path)
+    if not file.is_file():
+        return _read(file, 0, 0)  # which refuses it
+    stat = file.stat()
+    return _read(file.absolute(), stat.st_mtime_ns, stat.st_size)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _read(path: Path, modified: int, size: int) -> Scan:
+    grid, digest = read_file(path)
+    if min(grid.depth.shape) < FEWEST:
+        rows, columns = grid.depth.shape
+        raise ScanError(f"{columns} places along s and {rows} along z: at least {FEWEST} each are needed")
+    for step in (_without_spikes, _filled, _levelled, _centred):
+        grid = step(grid)
+    along, across = _reach(grid)
+    sizes = (float(np.ptp(across)), float(np.ptp(along)), float(grid.depth.max()))
+    return Scan(grid.s, grid.z, grid.depth, sizes, digest, (*grid.notes, *_doubts(*sizes[1:])))
+
+
+def _doubts(width: float, depth: float) -> Iterator[str]:
+    """What makes a pit so unlike one that its file's units may be wrong."""
+    if width < NARROW:
+        yield f"the pit is only {_um(width)} wide along s: is the unit right?"
+    if depth > width:
+        yield f"the pit is deeper ({_um(depth)}) than it is wide ({_um(width)}): is the unit right?"
+    if depth < SHALLOW:
+        yield f"the pit is only {_um(depth)} deep: is the unit right?"
+
+
+def notes(cases: Iterable["Case"]) -> list[str]:
+    """What was repaired and assumed in the scans of some cases, each thing once. Raises ScanError."""
+    files = dict.fromkeys(d.file for case in cases for d in case.defects if d.file is not None)
+    return list(dict.fromkeys(f"{Path(file).name}: {note}" for file in files for note in read_scan(file).notes))
+
+
+# Repairs
+
+
+def _without_spikes(grid: Grid) -> Grid:
+    """Cells that stand alone, or in twos, far from their neighbourhood get the median of it."""
+    around = _neighbours(grid.depth)
+    known = np.where(np.isnan(grid.depth), 0.0, grid.depth)
+    middle = np.nanmedian(np.concatenate([around, known[None]]), axis=0)
+    off = grid.depth - middle
+    low, high = np.nanpercentile(grid.depth, [1.0, 99.0])
+    least = np.maximum(SPIKE * _roughness(off), SPIKE_OF_RANGE * float(high - low))
+    alike = np.sum(np.abs(around - grid.depth) < least, axis=0)
+    groups = _regions(np.abs(off) > least)
+    small = np.bincount(groups.ravel())[groups] <= LARGEST_SPIKE
+    spikes = (groups > 0) & small & (alike < LARGEST_SPIKE)
+    count = int(np.count_nonzero(spikes))
+    if count == 0:
+        return grid
+    share, told = count / spikes.size, places(np.argwhere(spikes), grid)
+    lowest = f"{_um(float(np.abs(off[spikes]).min()))} and more"
+    if share > MOST_SPIKES:
+        raise ScanError(f"{count} spikes of {lowest} ({share:.1%} of the cells; {told})", "filter it first")
+    note = f"{count} spike{'s' * (count > 1)} of {lowest} taken out: {told}"
+    return grid._replace(depth=np.where(spikes, middle, grid.depth), notes=(*grid.notes, note))
+
+
+def _roughness(off: np.ndarray) -> np.ndarray:
+    """Standard deviation of the bulk of what stands off its neighbourhood, around each cell."""
+    from scipy.ndimage import median_filter
+
+    return np.asarray(1.4826 * median_filter(np.nan_to_num(np.abs(off)), size=AROUND))
+
+
+def _neighbours(depth: np.ndarray) -> np.ndarray:
+    """The eight neighbours of each cell (8, n_z, n_s); NaN outside."""
+    padded = np.pad(depth, 1, constant_values=np.nan)
+    rows, columns = depth.shape
+    places_around = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
+    return np.stack([padded[i : i + rows, j : j + columns] for i, j in places_around])
+
+
+def _deviation(values: np.ndarray) -> float:
+    """Standard deviation of the bulk of values: 1.4826 times the median of the absolute deviations."""
+    known = values[np.isfinite(values)]
+    return float(1.4826 * np.median(np.abs(known - np.median(known))))
+
+
+def _filled(grid: Grid) -> Grid:
+    """Missing cells from the mean of their neighbours; gaps are closed from their rims."""
+    missing = np.isnan(grid.depth)
+    count = int(np.count_nonzero(missing))
+    if count == 0:
+        return grid
+    told = places(np.argwhere(missing), grid)
+    if count > MOST_MISSING * missing.size:
+        raise ScanError(f"{count} cells are missing ({count / missing.size:.1%}; {told})", "measure it again")
+    gaps = _regions(missing)
+    largest = int(np.bincount(gaps.ravel())[1:].max())
+    if largest > LARGEST_GAP:
+        k = int(np.argmax(np.bincount(gaps.ravel())[1:])) + 1
+        where = places(np.argwhere(gaps == k)[:1], grid)
+        raise ScanError(
+            f"{largest} missing cells lie together (from {where})", f"at most {LARGEST_GAP} are filled"
+        )
+    depth = grid.depth
+    while np.isnan(depth).any():
+        around = _neighbours(depth)
+        known = np.maximum(np.sum(np.isfinite(around), axis=0), 1)
+        mean = np.where(np.isfinite(around).any(axis=0), np.nansum(around, axis=0) / known, np.nan)
+        depth = np.where(np.isnan(depth), mean, depth)
+    note = (
+        f"{count} missing cell{'s' * (count > 1)} filled from {'their' if count > 1 else 'its'} neighbours: {told}"
+    )
+    return grid._replace(depth=depth, notes=(*grid.notes, note))
+
+
+def _regions(there: np.ndarray) -> np.ndarray:
+    """Numbers from 1 for cells that hang together, over corners too; 0 elsewhere."""
+    from scipy.ndimage import label
+
+    return np.asarray(label(there, structure=np.ones((3, 3)))[0])
+
+
+def _levelled(grid: Grid) -> Grid:
+    """Depth from the surroundings: the plane, or the cylinder, through the grid's border. The race itself is 0."""
+    border = np.zeros(grid.depth.shape, dtype=bool)
+    border[[0, -1], :] = border[:, [0, -1]] = True
+    surface, deviation, told = _surroundings(grid, border)
+    depth = grid.depth - surface
+    pit, burr = float(depth.max()), -float(depth.min())
+    if max(pit, burr) <= max(NOISE * deviation, 1e-12):
+        raise ScanError(f"no pit stands out from the noise of the surroundings ({_um(deviation)})")
+    if burr > pit:
+        message = f"it stands {_um(burr)} out of the race and goes {_um(max(pit, 0.0))} into it"
+        raise ScanError(message, "is it a `height`? name it so")
+    if NOISE * deviation > UNEVEN * pit:
+        message = (
+            f"there is no even border: the outermost cells deviate by {_um(deviation)} (one standard deviation)"
+        )
+        raise ScanError(message, "take in undamaged race all around, or take its form off first")
+    level = max(NOISE * deviation, 1e-9 * pit)
+    rough = np.abs(depth) > level
+    told += _reached(grid, rough)
+    regions = _regions(rough)
+    size = np.bincount(regions.ravel())
+    kept = rough & (size[regions] >= SPECK)
+    if not kept.any():
+        raise ScanError(f"no pit stands out from the noise of the surroundings ({_um(deviation)})")
+    if deviation > 0.0:
+        told.append(f"surroundings even to {_um(deviation)}: what is within {_um(level)} of them is the race")
+    specks = int(regions.max()) - len(np.unique(regions[kept]))
+    if specks:
+        told.append(f"{specks} speck{'s' * (specks > 1)} of less than {SPECK} cells taken for the race")
+    return grid._replace(depth=np.where(kept, depth, 0.0), notes=(*grid.notes, *told))
+
+
+def _surroundings(grid: Grid, border: np.ndarray) -> tuple[np.ndarray, float, list[str]]:
+    """The surface that most of the border lies on, its cells' deviation from it, and what that takes off."""
+    s, z = np.meshgrid(grid.s - grid.s.mean(), grid.z - grid.z.mean())
+    plane, bent = np.stack([np.ones_like(s), s, z]), np.stack([np.ones_like(s), s, z, s * s])
+    flat, deviation = _fitted(plane, grid.depth, border)
+    curved, closer = _fitted(bent, grid.depth, border)
+    scale = np.array([1.0, np.ptp(grid.s), np.ptp(grid.z)])
+    told, depth = [], float(np.ptp(grid.depth))
+    if 2.0 * closer < deviation and deviation > 1e-3 * depth:
+        told.append(f"curved by a radius of {1e3 / abs(2.0 * curved[3]):.4g} mm along s: taken off")
+        flat, plane, deviation = curved, bent, closer
+    shift, *tilt = flat[:3] * scale
+    if max(abs(shift), *map(abs, tilt)) > max(deviation, 1e-3 * depth):
+        told.append(
+            f"levelled: offset {_um(shift)}, tilt {_um(tilt[0])} along s and {_um(tilt[1])} along z taken off"
+        )
+    return np.tensordot(flat, plane, 1), deviation, told
+
+
+def _fitted(terms: np.ndarray, depth: np.ndarray, border: np.ndarray) -> tuple[np.ndarray, float]:
+    """Coefficients of ``terms`` (k, n_z, n_s) by least squares on the border's bulk, and its deviation (m)."""
+    A, p = terms[:, border].T, depth[border]
+    scale = np.abs(A).max(axis=0)
+    kept = np.abs(p - np.median(p)) <= max(NOISE * _deviation(p), 1e-15)
+    found = np.zeros(len(terms))
+    for _ in range(20):
+        found = np.linalg.lstsq(A[kept] / scale, p[kept], rcond=None)[0] / scale
+        off = p - A @ found
+        kept = np.abs(off) <= max(NOISE * _deviation(off), 1e-15)
+    return found, _deviation(p - A @ found)
+
+
+def _reached(grid: Grid, rough: np.ndarray) -> list[str]:
+    """Whether damage reaches the scan's sides: across them it is taken to end there, along them refused."""
+    sides = {"s": rough[:, [0, -1]], "z": rough[[0, -1], :].T}
+    share = {axis: cells.mean(axis=0).max() for axis, cells in sides.items()}
+    if share["s"] > DAMAGED:
+        message = f"there is no undamaged border: {share['s']:.0%} of a side along z lie off the surroundings"
+        raise ScanError(message, "take in undamaged race before and behind the pit")
+    if share["z"] > DAMAGED or (share["z"] > 0.0 and _is_one_pit(rough)):
+        return ["the damage reaches the scan's end along z: taken to end there"]
+    return []
+
+
+def _is_one_pit(rough: np.ndarray) -> bool:
+    """Whether the largest damage touches the first or last row."""
+    regions = _regions(rough)
+    largest = int(np.argmax(np.bincount(regions.ravel())[1:])) + 1
+    return bool(np.any(regions[[0, -1]] == largest))
+
+
+def _centred(grid: Grid) -> Grid:
+    """The grid around its damage, whose middle is the defect's place."""
+    along, across = _reach(grid)
+    s, z = float(np.mean(along)), float(np.mean(across))
+    columns = (grid.s >= along[0]) & (grid.s <= along[1])
+    rows = (grid.z >= across[0]) & (grid.z <= across[1])
+    note = f"the damage's middle, s = {mm(s)}, z = {mm(z)}, is the defect's place"
+    notes = (*grid.notes, note) if max(abs(s), abs(z)) > 1e-9 else grid.notes
+    return Grid(grid.s[columns] - s, grid.z[rows] - z, grid.depth[np.ix_(rows, columns)], notes)
+
+
+def _reach(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+    """From where to where (m) the damage reaches along s and along z: to the first undamaged cells."""
+    damaged = grid.depth != 0.0
+    return _span(grid.s, damaged.any(axis=0)), _span(grid.z, damaged.any(axis=1))
+
+
+def _span(axis: np.ndarray, there: np.ndarray) -> np.ndarray:
+    k = np.flatnonzero(there)
+    return axis[[max(k[0] - 1, 0), min(k[-1] + 1, len(axis) - 1)]]
+
+
+def _um(metres: float) -> str:
+    return f"{1e6 * metres:.3g} um"

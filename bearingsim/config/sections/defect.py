@@ -1,0 +1,157 @@
+"""A pit, and how it is let act on the rollers."""
+
+from math import isclose
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BeforeValidator, model_validator
+
+from bearingsim.config.fields import (
+    Angle,
+    Length,
+    Percentage,
+    Section,
+    SignedLength,
+    Text,
+    one_of,
+    refuse,
+    unless_none,
+    whole,
+)
+
+Shape = Literal["rectangular", "triangular", "circular", "elliptical", "spall", "scan"]
+Race = Literal["outer", "inner", "roller"]
+Excitation = Literal[
+    "envelope",
+    "rectangular-pulse",
+    "half-sine-pulse",
+    "piecewise-pulse",
+    "clearance-increase",
+    "pressure-share",
+    "soft-edge",
+    "elastic-edge",
+    "impulse-train",
+    "random-impulses",
+]
+
+IMPULSES: tuple[Excitation, ...] = ("impulse-train", "random-impulses")
+"""Excitations that are forces in time, not shapes in space: the impulse model's."""
+
+WEAKENED: tuple[Excitation, ...] = ("pressure-share", "soft-edge", "elastic-edge")
+"""Excitations that change the contact's force at the pit, not only its place."""
+
+ROLLED: tuple[Excitation, ...] = ("envelope", *IMPULSES)
+"""Excitations that know the path of a roller over any pit; the others have forms for a few shapes only."""
+
+SIMPLE: tuple[Shape, ...] = ("rectangular", "triangular", "circular")
+"""Shapes for which every excitation has a form."""
+
+EDGE_RADIUS = 20e-6
+"""Radius (m) of edges that give way (`elastic-edge`) and are not said to be sharper or rounder: an assumption."""
+
+SIZES = ("length", "width", "depth")
+SAME_SIZE = 1e-6  # relative: machines differ in the last digits of what levelling a scan leaves
+_OF_SHAPE = {"grown": "spall", "seed": "spall", "file": "scan", "digest": "scan"}
+
+
+class Edge(Section):
+    """What has been done to a pit's edges along rolling: rounded with `radius`, or walls made no steeper than over
+    the length `ramp` (m). One of the two.
+    """
+
+    radius: Length | None = None
+    ramp: Length | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> "Edge":
+        if (self.radius is None) == (self.ramp is None):
+            refuse("edge", "expected either `radius` or `ramp`", "as in `edge: {radius: 20 um}`")
+        return self
+
+
+class Defect(Section):
+    """A pit: lengths in m (`length` along the axis, `width` along rolling), angle in rad.
+
+    `race` is the element that carries it; `roller` counts from 1 and is 1 if not given. The angle is taken from
+    the load line (outer race; inner race at t = 0, turning with the ring) or, on a roller, from the outward
+    radial direction at t = 0. `offset` is how far the pit's middle lies off the roller's,
+    towards +z (m).
+
+    A `spall` has the given sizes when it is `grown` to 1; `seed` is which spall it is. A `scan` is read from
+    `file` (CSV or HDF5) and brings its sizes and `digest`, of the file's content: not for users to set.
+    """
+
+    race: Annotated[Race, one_of(*get_args(Race))] = "outer"
+    roller: Annotated[int, whole(1, 64)] | None = None
+    shape: Annotated[Shape, one_of(*get_args(Shape))]
+    length: Length
+    width: Length
+    depth: Length
+    angle: Angle = 0.0
+    offset: SignedLength = 0.0
+    edge: Annotated[Edge | None, BeforeValidator(unless_none)] = None
+    grown: Percentage | None = None
+    seed: Annotated[int, whole(0, 999_999_999)] | None = None
+    file: Text | None = None
+    digest: Text | None = None
+
+    @property
+    def element(self) -> tuple[str, int]:
+        """The element that carries it: the race, and the number of the roller (0: a race)."""
+        return self.race, (self.roller or 1) if self.race == "roller" else 0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _measured(cls, data: Any) -> Any:
+        """A scan with the sizes that its file has. Words `none` are left out: a sweep's way to say nothing."""
+        if not isinstance(data, dict):
+            return data
+        said = {
+            key: value for key, value in data.items() if key not in _MAY_BE_NONE or value not in ("none", None)
+        }
+        return _with_scan(said) if said.get("shape") == "scan" else said
+
+    @model_validator(mode="after")
+    def _of_its_shape(self) -> "Defect":
+        for name, shape in _OF_SHAPE.items():
+            if getattr(self, name) is not None and self.shape != shape:
+                refuse(
+                    "foreign", f"only a {shape} has `{name}`", f"leave it out, or say `shape: {shape}`", at=name
+                )
+        if self.shape == "scan" and self.edge is not None:
+            refuse("foreign", "a scan has the edges it was measured with", "leave it out", at="edge")
+        if self.shape == "spall":
+            object.__setattr__(self, "grown", 1.0 if self.grown is None else self.grown)
+            object.__setattr__(self, "seed", self.seed or 0)
+        return self
+
+
+_MAY_BE_NONE = (*SIZES, *_OF_SHAPE, "edge")
+
+
+def _with_scan(said: dict[str, Any]) -> dict[str, Any]:
+    if not isinstance(said.get("file"), str):
+        refuse(
+            "missing", "a scan needs `file`", "as in `file: scans/spall.csv`", at="file" if "file" in said else ""
+        )
+    from bearingsim.config.scan.repair import ScanError, read_scan  # numpy is for those who scan
+
+    given = [name for name in (*SIZES, "digest") if name in said]
+    made = len(given) == len(SIZES) + 1 and all(isinstance(said[name], int | float) for name in SIZES)
+    if given and not made:
+        refuse("foreign", f"a scan's {given[0]} comes from its file", "leave it out", at=given[0])
+    try:
+        scan = read_scan(said["file"])
+    except ScanError as error:
+        refuse("scan", error.message, error.hint, at="file")
+    if made:
+        _check_unchanged(said, scan.digest, scan.sizes)
+    return said | dict(zip(SIZES, scan.sizes, strict=True)) | {"digest": scan.digest}
+
+
+def _check_unchanged(said: dict[str, Any], digest: str, sizes: tuple[float, ...]) -> None:
+    """Refuse what a defect that was made before says of its file, if it is not so."""
+    if said["digest"] != digest:
+        refuse("changed", f"`{said['file']}` has changed since", "make the case anew", at="file")
+    for name, size in zip(SIZES, sizes, strict=True):
+        if not isclose(said[name], size, rel_tol=SAME_SIZE):
+            refuse("foreign", f"a scan's {name} comes from its file", "leave it out", at=name)

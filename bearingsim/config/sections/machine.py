@@ -1,0 +1,155 @@
+"""What the user has on the bench: materials, bearings, rigs."""
+
+import math
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from bearingsim.config.fields import (
+    Angle,
+    Damping,
+    Density,
+    Length,
+    Mass,
+    PoissonRatio,
+    Pressure,
+    Section,
+    Stiffness,
+    Text,
+    TorsionalDamping,
+    TorsionalStiffness,
+    one_of,
+    refuse,
+    whole,
+)
+from bearingsim.config.library import Kind, described
+from bearingsim.config.sections.space import Flanges, Profile, RollerProfile
+from bearingsim.core.geometry.kinematics import ball_pass_frequency_outer
+from bearingsim.text.units import show
+
+Element = Literal["roller", "ball"]
+
+_GROOVES = ("inner_groove_radius", "outer_groove_radius")
+_OF_ELEMENT = {"roller_length": "roller"} | dict.fromkeys(_GROOVES, "ball")
+
+
+def named(kind: Kind) -> BeforeValidator:
+    """Validator that lets a section be given by name or path."""
+    return BeforeValidator(lambda given: described(kind, given))
+
+
+class Material(Section):
+    """What rollers and rings are made of. The elastic constants are for the laws `johnson` and `point`."""
+
+    name: Text = ""
+    density: Density
+    young_modulus: Pressure = 207e9
+    poisson_ratio: PoissonRatio = 0.3
+    source: Text = ""
+
+
+def _steel() -> Any:
+    return Material.model_validate(described("materials", "steel"))
+
+
+class Bearing(Section):
+    """A radial bearing: nominal dimensions in m, without clearance.
+
+    `rollers` and `roller_diameter` are number and diameter of the rolling elements, balls too. Cylindrical rollers
+    have a `roller_length`; balls have grooves instead, whose radii (m) lie in the plane of the bearing's axis.
+    Profile and flanges are those of rollers, for the spatial model.
+    """
+
+    name: Text = ""
+    element: Annotated[Element, one_of(*get_args(Element))] = "roller"
+    rollers: Annotated[int, whole(3, 104)]
+    roller_diameter: Length
+    roller_length: Length | None = None
+    inner_groove_radius: Length | None = None
+    outer_groove_radius: Length | None = None
+    pitch_diameter: Length
+    bore: Length
+    outside_diameter: Length
+    width: Length
+    roller_profile: RollerProfile = Profile()
+    flanges: Flanges | None = None
+    material: Annotated[Material, named("materials")] = Field(default_factory=_steel)
+    source: Text = ""
+
+    @property
+    def roller_spacing(self) -> float:
+        """Distance along the outer race between neighbouring rollers, m."""
+        return math.pi * (self.pitch_diameter + self.roller_diameter) / self.rollers
+
+    @property
+    def inner_spacing(self) -> float:
+        """Distance along the inner race between neighbouring rollers, m."""
+        return math.pi * (self.pitch_diameter - self.roller_diameter) / self.rollers
+
+    @property
+    def element_mass(self) -> float:
+        """Mass of one rolling element, kg: a plain cylinder or a sphere."""
+        cross_section = math.pi / 4.0 * self.roller_diameter**2
+        length = 2.0 / 3.0 * self.roller_diameter if self.roller_length is None else self.roller_length
+        return self.material.density * cross_section * length
+
+    def ball_pass_frequency(self, speed: float) -> float:
+        """Rollers passing a point of the outer race per second (BPFO), Hz; `speed` in rad/s."""
+        return ball_pass_frequency_outer(speed, self.roller_diameter, self.pitch_diameter, self.rollers)
+
+    @model_validator(mode="after")
+    def _has_its_elements(self) -> "Bearing":
+        for name, element in _OF_ELEMENT.items():
+            if getattr(self, name) is not None and element != self.element:
+                refuse("foreign", f"a {self.element} bearing has none", "leave it out", at=name)
+            if getattr(self, name) is None and element == self.element:
+                refuse("missing", f"a {self.element} bearing needs `{name}`, a length such as `12 mm`", at=name)
+            if name in _GROOVES and element == self.element:
+                self._check_groove(name)
+        return self
+
+    def _check_groove(self, name: str) -> None:
+        ball = self.roller_diameter / 2.0
+        if not ball < getattr(self, name) <= 2.0 * ball:
+            given, least, most = (show(value, "mm") for value in (getattr(self, name), ball, 2.0 * ball))
+            refuse("groove", f"a groove of {given} does not fit the ball (over {least}, at most {most})", at=name)
+
+    @model_validator(mode="after")
+    def _fits(self) -> "Bearing":
+        pitch, roller = self.pitch_diameter, self.roller_diameter
+        if roller >= pitch * math.sin(math.pi / self.rollers):
+            most = int(math.pi / math.asin(min(roller / pitch, 1.0)))
+            refuse("crowded", f"{self.rollers} rollers do not fit: at most {most}", at="rollers")
+        if pitch + roller >= self.outside_diameter:
+            race = show(pitch + roller, "mm")
+            refuse("outside", f"the outer race ({race}) is outside the outer ring", at="outside_diameter")
+        if pitch - roller <= self.bore:
+            race = show(pitch - roller, "mm")
+            refuse("bore", f"the inner race ({race}) is inside the bore", at="bore")
+        return self
+
+
+class Rig(Section):
+    """The bracket that holds the outer ring, and the sensor on it.
+
+    Without `torsion_stiffness` (N m/rad) the ring does not rotate; without `axial_stiffness` (N/m) and
+    `tilting_stiffness` (N m/rad) it neither moves along its axis nor leans.
+    """
+
+    name: Text = ""
+    bracket_stiffness: Stiffness = 1e7
+    bracket_damping: Damping = 200.0
+    torsion_stiffness: TorsionalStiffness | None = None
+    torsion_damping: TorsionalDamping | None = None
+    axial_stiffness: Stiffness | None = None
+    axial_damping: Damping | None = None
+    tilting_stiffness: TorsionalStiffness | None = None
+    tilting_damping: TorsionalDamping | None = None
+    sensor_angle: Angle = 0.0
+    ring_mass: Mass | None = None
+    source: Text = ""
+
+
+def default_rig() -> Rig:
+    """The rig taken when none is named."""
+    return Rig.model_validate(described("rigs", "bvt5"))

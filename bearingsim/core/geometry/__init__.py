@@ -1,0 +1,1 @@
+"""Where bodies stand and how they move."""

@@ -1,0 +1,1 @@
+"""Scalar laws of contact and friction."""

@@ -1,0 +1,312 @@
+"""The exact static equilibrium: where the ring rests at a given cage angle.
+
+For a ring position u each roller finds its own balance Q_o = Q_i + m_r omega_c^2 r (one unknown, bracketed);
+the ring's position is then found by Newton with a line search on the net force
+
+    f(u) = -F e_0 - F_across e_90 - k_b (u - u_0) + sum_j Q_o,j(u) e_r(theta_j)
+
+which is minus the gradient of a convex energy, so the method cannot wander off. A roller that carries nothing
+rests on the outer race. ``static`` takes one such equilibrium per step; every model with contacts starts from it.
+"""
+
+from math import cos, hypot, pi, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.core.jit import jit
+from bearingsim.core.laws.damping import damping_slope, in_series
+from bearingsim.core.laws.stiffness import share, tangent
+from bearingsim.core.layout import (
+    COS,
+    COS_0,
+    DELTA_I,
+    DELTA_O,
+    POSITION,
+    Q_I,
+    Q_O,
+    ROW,
+    SIN,
+    SIN_0,
+    STATE,
+    VELOCITY,
+    WORK,
+    Q,
+    X,
+    Y,
+)
+from bearingsim.core.parameters import turns
+from bearingsim.core.pits.on_roller import elastic_over_pit, outdone, standing
+from bearingsim.core.pits.pairs import HALF_WIDTH, SIDE
+
+K_SERIES = WORK  # work row: stiffness of the two contacts of a roller in series, N/m
+PIT, ALONG = WORK + ROW, WORK + 3 * ROW  # work rows, two each (outer, inner): the meeting that a roller's contact
+# stands in (-1: none), and its distance from the pit's middle, m
+RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
+MAX_STEPS = 200
+LONGEST_STEP = 1e-5  # m
+
+
+class NoEquilibrium(ArithmeticError):
+    """The rollers cannot hold the load."""
+
+
+@jit
+def outer_force(model, y, j, delta):
+    """Force (N), slope (N/m) and mean approach (m) of roller ``j``'s outer contact, ``delta`` (m) in the race."""
+    return elastic_over_pit(model.outer.stiffness, model.pits, int(y[PIT + j]), y[ALONG + j], delta)
+
+
+@jit
+def inner_force(model, y, j, delta):
+    """The same for its inner contact."""
+    d, s = int(y[PIT + ROW + j]), y[ALONG + ROW + j]
+    return elastic_over_pit(model.inner.stiffness, model.pits, d, s, delta)
+
+
+@jit
+def excess_force(model, y, j, touch, q):
+    """Net inward force (N) on a roller at ``q`` (m) and its slope; ``touch`` is where it meets the outer race."""
+    bearing = model.bearing
+    outer, k_o, _ = outer_force(model, y, j, q - touch)
+    inner, k_i, _ = inner_force(model, y, j, -bearing.gap - q)
+    r = 0.5 * (bearing.R_o + bearing.R_i) + q
+    return outer - inner - bearing.m_r * bearing.omega_c * bearing.omega_c * r, k_o + k_i
+
+
+@jit
+def roller_balance(model, y, j, u_r):
+    """Position q (m) of a roller when the outer race stands ``u_r`` further out at its angle.
+
+    Newton inside a bracket: from touching the outer race with no force to pressing on it with all there is. The
+    rows PIT and ALONG say where it stands over a pit.
+    """
+    gap = model.bearing.gap
+    touch = u_r + gap
+    if model.bearing.m_r == 0.0:
+        if touch >= -gap:
+            return touch
+        if y[PIT + j] < 0.0 and y[PIT + ROW + j] < 0.0:
+            return -gap - share(model.outer.stiffness, model.inner.stiffness, -gap - touch)
+    low, high = touch, max(touch, -gap) + 1e-6
+    while excess_force(model, y, j, touch, high)[0] < 0.0:
+        high += high - low
+    q = 0.5 * (low + high)
+    for _ in range(MAX_STEPS):
+        excess, slope = excess_force(model, y, j, touch, q)
+        if excess > 0.0:
+            high = q
+        else:
+            low = q
+        target = q - excess / slope
+        if not low <= target <= high:
+            target = 0.5 * (low + high)
+        if abs(target - q) <= 1e-12 * (high - touch):  # below it lies rounding
+            return target
+        q = target
+    return q
+
+
+@jit
+def find_pits(model, t, y):
+    """Fill the rows PIT and ALONG: the meeting each contact stands in, and its distance (m) from the middle."""
+    pits = model.pits
+    for j in range(model.bearing.Z):
+        y[PIT + j] = -1.0
+        y[PIT + ROW + j] = -1.0
+    for d in range(len(pits.head)):
+        j, s = standing(model, d, t, y)
+        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(model, d, j, s, t, y):
+            row = ROW * int(pits.head[d, SIDE])
+            y[PIT + row + j], y[ALONG + row + j] = d, s
+
+
+@jit
+def balance_rollers(model, t, y):
+    """Balance every roller for the ring position in ``y``; fills its angle, approach, force and K_SERIES rows."""
+    bearing = model.bearing
+    find_pits(model, t, y)
+    theta_c, _, _ = turns(bearing, t)
+    C, S = cos(theta_c), sin(theta_c)
+    for j in range(bearing.Z):
+        c = C * y[COS_0 + j] - S * y[SIN_0 + j]
+        s = S * y[COS_0 + j] + C * y[SIN_0 + j]
+        u_r = y[POSITION + X] * c + y[POSITION + Y] * s
+        q = roller_balance(model, y, j, u_r)
+        y[COS + j], y[SIN + j], y[Q + j] = c, s, q
+        y[Q_O + j], k_o, y[DELTA_O + j] = outer_force(model, y, j, q - u_r - bearing.gap)
+        y[Q_I + j], k_i, y[DELTA_I + j] = inner_force(model, y, j, -bearing.gap - q)
+        carries = y[Q_O + j] > 0.0 and y[Q_I + j] > 0.0
+        y[K_SERIES + j] = k_o * k_i / (k_o + k_i) if carries else 0.0
+
+
+@jit
+def net_force(model, y):
+    """Net force (N) on the ring, from the rows that ``balance_rollers`` filled."""
+    support = model.support
+    f_x = -support.F - support.k_b * (y[POSITION + X] - support.x_0)
+    f_y = -support.F_across - support.k_b * (y[POSITION + Y] - support.y_0)
+    for j in range(model.bearing.Z):
+        f_x += y[Q_O + j] * y[COS + j]
+        f_y += y[Q_O + j] * y[SIN + j]
+    return f_x, f_y
+
+
+@jit
+def ring_stiffness(model, y):
+    """Stiffness of the ring's support (N/m): entries xx, xy, yy of the symmetric matrix -df/du."""
+    k_b = model.support.k_b
+    # a ring hanging on one roller has no stiffness across it: a trace of it keeps the step finite
+    trace = 1e-8 * tangent(model.outer.stiffness, 1e-7)
+    k_xx, k_xy, k_yy = k_b + trace, 0.0, k_b + trace
+    for j in range(model.bearing.Z):
+        c, s, k = y[COS + j], y[SIN + j], y[K_SERIES + j]
+        k_xx += k * c * c
+        k_xy += k * c * s
+        k_yy += k * s * s
+    return k_xx, k_xy, k_yy
+
+
+@jit
+def solve_2x2(k_xx, k_xy, k_yy, f_x, f_y):
+    """Solution of the symmetric 2 x 2 system."""
+    determinant = k_xx * k_yy - k_xy * k_xy
+    return (k_yy * f_x - k_xy * f_y) / determinant, (k_xx * f_y - k_xy * f_x) / determinant
+
+
+@jit
+def push_at(model, t, y, x, z, d_x, d_y, part):
+    """Net force (N) with the ring moved by ``part`` of (d_x, d_y) from (x, z), and its push that way (N m)."""
+    y[POSITION + X], y[POSITION + Y] = x + part * d_x, z + part * d_y
+    balance_rollers(model, t, y)
+    f_x, f_y = net_force(model, y)
+    return f_x, f_y, f_x * d_x + f_y * d_y
+
+
+@jit
+def search_along(model, t, y, d_x, d_y, push):
+    """Go along (d_x, d_y) (m) until the force no longer pushes that way; the full length if it never stops.
+
+    ``push`` is the force along the way at its start. Returns the net force (N) at the end.
+    """
+    x, z = y[POSITION + X], y[POSITION + Y]
+    f_x, f_y, end = push_at(model, t, y, x, z, d_x, d_y, 1.0)
+    if abs(end) <= 0.5 * push or end > 0.0:
+        return f_x, f_y
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        part = 0.5 * (low + high)
+        f_x, f_y, here = push_at(model, t, y, x, z, d_x, d_y, part)
+        if abs(here) <= 0.5 * push:
+            break
+        if here > 0.0:
+            low = part
+        else:
+            high = part
+    return f_x, f_y
+
+
+@jit
+def find_rest(model, t, y):
+    """Put ring and rollers at rest at time ``t`` (s), starting from the ring position in ``y``.
+
+    Newton on the net force with a line search on the energy's slope. Returns the residual force (N);
+    velocities are left alone.
+    """
+    goal = RESIDUAL * (hypot(model.support.F, model.support.F_across) + 1e-3)
+    balance_rollers(model, t, y)
+    f_x, f_y = net_force(model, y)
+    for _ in range(MAX_STEPS):
+        if hypot(f_x, f_y) <= goal:
+            break
+        k_xx, k_xy, k_yy = ring_stiffness(model, y)
+        d_x, d_y = solve_2x2(k_xx, k_xy, k_yy, f_x, f_y)
+        shorter = min(1.0, LONGEST_STEP / hypot(d_x, d_y))
+        d_x, d_y = shorter * d_x, shorter * d_y
+        f_x, f_y = search_along(model, t, y, d_x, d_y, f_x * d_x + f_y * d_y)
+    return hypot(f_x, f_y)
+
+
+@jit
+def force_along(model, t, y, x):
+    """Net force (N) along the load line with the ring at ``x`` (m) on it: falls as x grows."""
+    y[POSITION + X], y[POSITION + Y] = x, 0.0
+    balance_rollers(model, t, y)
+    return net_force(model, y)[0]
+
+
+@jit
+def first_guess(model, t, y):
+    """Put the ring on the load line where the force along it vanishes, by bisection to a nanometre."""
+    reach = 1e-7 + 2.0 * abs(model.bearing.gap)
+    while force_along(model, t, y, -reach) < 0.0:
+        reach *= 2.0
+    low, high = -reach, reach
+    while high - low > 1e-9:
+        middle = 0.5 * (low + high)
+        if force_along(model, t, y, middle) > 0.0:
+            low = middle
+        else:
+            high = middle
+    force_along(model, t, y, low)  # the side on which rollers carry
+
+
+@jit
+def rest_from_scratch(model, t, y):
+    """``find_rest`` with nothing known beforehand; all velocities zero. Returns the residual force (N)."""
+    y[POSITION : POSITION + STATE] = 0.0
+    y[VELOCITY : VELOCITY + STATE] = 0.0
+    first_guess(model, t, y)
+    return find_rest(model, t, y)
+
+
+class Rest(NamedTuple):
+    """A bearing at rest, averaged over a ball pass.
+
+    x, y: place of the ring (m); load: largest force on a roller (N), and approach, that of its two contacts
+    together (m), at any time; K_x, K_y, C_x, C_y: stiffness (N/m) and damping (N s/m) that rollers offer the ring.
+    """
+
+    x: float
+    y: float
+    load: float
+    approach: float
+    K_x: float
+    K_y: float
+    C_x: float
+    C_y: float
+
+
+def ring_damping(Z, outer, inner, y):
+    """Damping (N s/m) that ``Z`` rollers offer the ring along e_0 and e_90: a roller's two contacts in series."""
+    c_xx, c_yy = 0.0, 0.0
+    for j in range(Z):
+        of_outer = damping_slope(outer, max(y[DELTA_O + j], 0.0), 0.0)
+        of_inner = damping_slope(inner, max(y[DELTA_I + j], 0.0), 0.0)
+        both = in_series(of_outer, of_inner)
+        c_xx += both * y[COS + j] * y[COS + j]
+        c_yy += both * y[SIN + j] * y[SIN + j]
+    return c_xx, c_yy
+
+
+def mean_rest(model, outer, inner, y, samples=32):
+    """``Rest`` of a bearing with the contact laws ``outer`` and ``inner``, from ``samples`` of a ball pass.
+
+    Raises ``NoEquilibrium`` if one is not found to 1e-8 of the load.
+    """
+    Z = model.bearing.Z
+    pass_time = 2.0 * pi / (Z * model.bearing.omega_c)
+    found, loads = [], []
+    for n in range(samples):
+        find = rest_from_scratch if n == 0 else find_rest
+        residual = find(model, (n + 0.5) / samples * pass_time, y)
+        load = hypot(model.support.F, model.support.F_across)
+        if not residual <= 1e-8 * load:
+            raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {load:g} N")
+        k_xx, _, k_yy = ring_stiffness(model, y)
+        found.append((y[POSITION + X], y[POSITION + Y], k_xx, k_yy, *ring_damping(Z, outer, inner, y)))
+        most = int(np.argmax(y[Q_I : Q_I + Z]))
+        loads.append((y[Q_O + most], y[DELTA_O + most] + y[DELTA_I + most]))
+    x, z, k_x, k_y, c_x, c_y = (float(value) for value in np.mean(found, axis=0))
+    load, approach = (float(value) for value in max(loads))
+    return Rest(x, z, load, approach, k_x, k_y, c_x, c_y)

@@ -1,0 +1,295 @@
+"""The static equilibrium of a bearing in space: sliced rollers that tilt, rings that may lean and move axially.
+
+Unknown are q_j and tilt_j of every roller, the outer ring's x and y, and of a ring on springs its place along the
+axis and its lean. There is no friction, and nothing is damped; geometry and contacts are those of the motion
+(``models/spatial.py``), evaluated at rest, so that what a leaning ring or a profile does is in it as it is there.
+Rollers do not skew, stay in the middle of their pockets and between the flanges, and a pit's edge pushes nothing
+sideways (as in ``models/equilibrium.py``).
+
+The residuals are minus the gradient of an energy that is convex but for the tilt of normals (1e-6 of it). For
+rings that stand still each roller's pair of equations is solved by itself, all rollers at once; the rings follow
+by Newton's method on what the rollers then push, with the stiffness that is left when the rollers give way:
+
+    K = K_rr - sum_j K_rj K_jj^-1 K_jr
+
+Both with steps cut so that they do not pass the point where the force along them vanishes.
+"""
+
+from math import hypot
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim.core.geometry.motion import elapsed
+from bearingsim.core.geometry.orientation import body_at
+from bearingsim.core.geometry.plane import place
+from bearingsim.core.geometry.slices import WEIGHT, ZETA
+from bearingsim.core.jit import jit
+from bearingsim.core.laws.damping import stiffness_slope
+from bearingsim.core.laws.stiffness import tangent
+from bearingsim.core.layout import (
+    APPROACH_I,
+    APPROACH_O,
+    AXIAL,
+    AXIS_X,
+    AXIS_X_V,
+    AXIS_Y,
+    AXIS_Y_V,
+    COS,
+    EPS,
+    F_X,
+    F_Y,
+    F_Z,
+    F_Z_I,
+    LEAN_X,
+    LEAN_X_I,
+    LEAN_Y,
+    LEAN_Y_I,
+    M_RING,
+    M_X,
+    M_X_I,
+    M_Y,
+    M_Y_I,
+    POSITION,
+    PUSH_R,
+    Q_O,
+    SIN,
+    SPIN,
+    STATE,
+    TILT,
+    TURN_T,
+    VELOCITY,
+    X_I,
+    Z_I,
+    Q,
+    X,
+    Y,
+    Z,
+    slice_row,
+)
+from bearingsim.core.models.equilibrium import NoEquilibrium
+from bearingsim.core.models.spatial import hold_rings, orient, pass_on, touch_races
+from bearingsim.core.parameters import lanes
+from bearingsim.core.parts.flanges import between_flanges
+from bearingsim.core.parts.mounts import Sprung
+
+RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
+STEPS = 100
+SOFT = 1e-3  # of a contact's stiffness, added to a roller's: one that touches nothing finds back
+LONGEST = 2e-5  # m, and of an angle times half a roller's length
+OUTER, INNER = slice(0, 5), slice(5, 8)  # coordinates of the rings: x, y, z, lean; z, lean of the inner
+
+
+@jit
+def press_at_rest(model, t, y, n):
+    """All contacts with everything standing still at time ``t`` (s): what presses on rollers and rings.
+
+    Returns the moment (N m) about e_z on the inner ring.
+    """
+    b, middle = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
+    time, _, _ = elapsed(model.motion, t)
+    outer = body_at(y, X, Z, LEAN_X, LEAN_Y, 0.0)
+    inner = body_at(y, X_I, Z_I, LEAN_X_I, LEAN_Y_I, 0.0)
+    place(b.theta_0 + b.omega_c * time, y, n)
+    for j in range(n):
+        c, s = y[COS + j], y[SIN + j]
+        tilt = y[TILT + j]
+        y[AXIS_X + j], y[AXIS_Y + j] = tilt * c, tilt * s
+        y[AXIAL + j] = between_flanges(model.flanges, outer, inner, c, s, middle + y[Q + j])
+        y[PUSH_R + j], y[TURN_T + j] = 0.0, 0.0
+    orient(0.0, 0.0, b.R_w, y, n)
+    touch_races(model, t, 0.0, outer, inner, 0.0, y, n)
+    return pass_on(b, outer, inner, y, n)
+
+
+@jit
+def stiffnesses(model, y, k_o, k_i):
+    """Fill ``k_o`` and ``k_i`` (slices, Z) with the stiffness (N/m) of every slice's contact."""
+    for k in range(len(model.slices.table)):
+        weight = model.slices.table[k, WEIGHT]
+        for j in range(model.bearing.Z):
+            o, i = y[slice_row(k, APPROACH_O) + j], y[slice_row(k, APPROACH_I) + j]
+            k_o[k, j] = weight * stiffness_slope(model.outer, o, 0.0) if o > 0.0 else 0.0
+            k_i[k, j] = weight * stiffness_slope(model.inner, i, 0.0) if i > 0.0 else 0.0
+
+
+class Statics:
+    """A bearing whose rest is looked for: residuals and stiffness at what the buffer ``y`` holds."""
+
+    def __init__(self, model: Any, t: float, y: np.ndarray) -> None:
+        """Scales and which of the rings' coordinates are free."""
+        self.model, self.t, self.y, self.n = model, t, y, lanes(model.bearing)
+        hold_rings(model, y)
+        b, self.half = model.bearing, model.L_w / 2.0
+        self.load = hypot(model.support.F, model.support.F_across) + 1e-3
+        rate = elapsed(model.motion, t)[1]
+        orbit, spin = b.omega_c * rate, (b.omega_c - b.omega_b) * rate
+        self.flung = b.m_r * orbit**2
+        self.gyro = orbit * (b.I_r * spin - model.I_t * orbit)
+        self.soft = SOFT * tangent(model.outer.stiffness, 1e-7)
+        sprung = [isinstance(model.mount_o, Sprung)] * 3 + [isinstance(model.mount_i, Sprung)] * 3
+        self.free = np.array([True, True, *sprung])
+        self.cells = POSITION + np.array([X, Y, Z, LEAN_X, LEAN_Y, Z_I, LEAN_X_I, LEAN_Y_I])
+        self.unit = np.array([1.0, 1.0, 1.0, self.half, self.half, 1.0, self.half, self.half])  # N per residual
+
+    def row(self, place: int) -> np.ndarray:
+        """What the rollers have in a row (Z,), as a view."""
+        return self.y[place : place + self.model.bearing.Z]
+
+    def press(self) -> tuple[np.ndarray, np.ndarray]:
+        """Residuals of the rollers (Z, 2), N and N m, and of the rings (8,): forces, and N m against lean."""
+        turn = press_at_rest(self.model, self.t, self.y, self.n)
+        b, y = self.model.bearing, self.y
+        out = self.row(PUSH_R) + self.flung * ((b.R_o + b.R_i) / 2.0 + self.row(Q))
+        tilting = self.row(TURN_T) - self.gyro * self.row(TILT)
+        support = self.model.support
+        ring = np.array([
+            y[F_X] - support.F - support.k_b * (y[POSITION + X] - support.x_0),
+            y[F_Y] - support.F_across - support.k_b * (y[POSITION + Y] - support.y_0),
+            *self.mounted(self.model.mount_o, y[F_Z], y[[M_X, M_Y, M_RING]], self.cells[2:5]),
+            *self.mounted(self.model.mount_i, y[F_Z_I], np.array([y[M_X_I], y[M_Y_I], turn]), self.cells[5:8]),
+        ])  # fmt: skip
+        return np.stack([out, tilting], axis=1), np.where(self.free, ring, 0.0)
+
+    def mounted(self, held: Any, f_z: float, moment: np.ndarray, cells: np.ndarray) -> tuple[float, float, float]:
+        """Residuals along the axis (N) and of the two leans (N m) of a ring in its mount."""
+        if not isinstance(held, Sprung):
+            return 0.0, 0.0, 0.0
+        z, b_x, b_y = self.y[cells]
+        b_z = np.sqrt(1.0 - b_x**2 - b_y**2)
+        turns = np.cross(moment, [b_x, b_y, b_z])
+        return (
+            f_z - held.k_z * z,
+            turns[0] - held.k_lean * (b_x - held.lean_x),
+            turns[1] - held.k_lean * (b_y - held.lean_y),
+        )
+
+    def stiffness(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Stiffness of the rollers (Z, 2, 2), between rollers and rings (Z, 2, 8), and of the rings (8, 8)."""
+        model, b = self.model, self.model.bearing
+        zeta = model.slices.table[:, ZETA, np.newaxis]
+        k_o, k_i = np.zeros((2, len(zeta), b.Z))
+        stiffnesses(model, self.y, k_o, k_i)
+        both = k_o + k_i + self.soft / len(zeta)
+        rollers = np.moveaxis(np.array([[both, zeta * both], [zeta * both, zeta**2 * both]]).sum(axis=2), -1, 0)
+        rollers[:, 0, 0] -= self.flung
+        rollers[:, 1, 1] += self.gyro
+        c, s, nothing = self.row(COS), self.row(SIN), np.zeros((len(zeta), b.Z))
+        crossed, rings = np.zeros((b.Z, 2, 8)), np.zeros((8, 8))
+        for k, part, on in ((k_o, OUTER, (c, s)), (k_i, INNER, ())):
+            ways = np.array([*(way + nothing for way in on), nothing, zeta * c, zeta * s])
+            crossed[:, :, part] = -np.einsum("kj,akj,wkj->jaw", k, np.array([1.0 + nothing, zeta + nothing]), ways)
+            rings[part, part] = np.einsum("kj,vkj,wkj->vw", k, ways, ways)
+        rings[np.diag_indices(8)] += self.springs()
+        return rollers, crossed, rings
+
+    def springs(self) -> np.ndarray:
+        """What holds the rings besides the rollers (8,): N/m, N m/rad."""
+        k_b = self.model.support.k_b + 1e-8 * tangent(self.model.outer.stiffness, 1e-7)
+        held = [
+            k for m in (self.model.mount_o, self.model.mount_i)
+            for k in ((m.k_z, m.k_lean, m.k_lean) if isinstance(m, Sprung) else (1.0, 1.0, 1.0))
+        ]  # fmt: skip
+        return np.array([k_b, k_b, *held])
+
+    def move_rollers(self, steps: np.ndarray) -> None:
+        """Move every roller by its row of ``steps`` (Z, 2), m and rad."""
+        self.row(Q)[:] += steps[:, 0]
+        self.row(TILT)[:] += steps[:, 1]
+
+    def settle(self) -> np.ndarray:
+        """Balance every roller where the rings stand; returns the residuals of the rings (8,)."""
+        left, rings = self.press()
+        for _ in range(STEPS):
+            if self.size(left) <= 0.1 * RESIDUAL * self.load:
+                break
+            steps = np.linalg.solve(self.stiffness()[0], left[:, :, np.newaxis])[:, :, 0]
+            longest = np.abs(steps * [1.0, self.half]).max(axis=1)
+            steps *= np.minimum(1.0, LONGEST / np.maximum(longest, 1e-300))[:, np.newaxis]
+            push, before = (left * steps).sum(axis=1), left
+            self.move_rollers(steps)
+            left, rings = self.press()
+            for _ in range(40):
+                past = (left * steps).sum(axis=1) < -0.5 * push
+                if not past.any() or self.size(left) <= 0.1 * RESIDUAL * self.load:
+                    break
+                steps = np.where(past[:, np.newaxis], 0.5 * steps, steps)
+                push = np.where(past, 0.5 * push, push)
+                self.move_rollers(np.where(past[:, np.newaxis], -steps, 0.0))
+                left, rings = self.press()
+            if self.size(left) >= self.size(before) and self.size(left) <= RESIDUAL * self.load:
+                break  # rounding
+        return rings
+
+    def size(self, left: np.ndarray) -> float:
+        """Largest residual (N) of the rollers."""
+        return float(np.abs(left / [1.0, self.half]).max())
+
+    def balance(self) -> float:
+        """Find the rest; returns the largest residual (N), moments counted by half of a roller's length."""
+        rings = self.settle()
+        for _ in range(STEPS):
+            if np.abs(rings / self.unit).max() <= RESIDUAL * self.load:
+                break
+            step = self.towards(rings)
+            push, start = rings @ step, self.y[self.cells].copy()
+            state, part = (self.row(Q).copy(), self.row(TILT).copy()), 1.0
+            for _ in range(40):
+                self.y[self.cells] = start + part * step
+                rings = self.settle()
+                if rings @ step >= -0.5 * push:
+                    break
+                part *= 0.5
+                self.row(Q)[:], self.row(TILT)[:] = state
+        left, rings = self.press()
+        return max(self.size(left), float(np.abs(rings / self.unit).max()))
+
+    def towards(self, rings: np.ndarray) -> np.ndarray:
+        """Newton's step (8,) of the rings, the rollers giving way."""
+        rollers, crossed, stiff = self.stiffness()
+        stiff = stiff - np.einsum("jaw,jav->wv", crossed, np.linalg.solve(rollers, crossed))
+        step, free = np.zeros(8), self.free
+        step[free] = np.linalg.solve(stiff[np.ix_(free, free)], rings[free])
+        return step * min(1.0, LONGEST / max(np.abs(step * self.unit).max(), 1e-300))
+
+
+def rest_in_space(model: Any, t: float, y: np.ndarray) -> float:
+    """Put rings and rollers at rest at time ``t`` (s), from where a rest in the plane left them.
+
+    Returns the largest residual (N). Velocities are zero but for the rollers' axes, which go round with them.
+    """
+    b = model.bearing
+    for row in (EPS, SPIN):
+        y[row : row + b.Z] = 0.0
+    y[VELOCITY : VELOCITY + STATE] = 0.0
+    y[TILT : TILT + b.Z] = 0.0
+    left = Statics(model, t, y).balance()
+    orbit = b.omega_c * elapsed(model.motion, t)[1]
+    y[AXIS_X_V : AXIS_X_V + b.Z] = -orbit * y[AXIS_Y : AXIS_Y + b.Z]
+    y[AXIS_Y_V : AXIS_Y_V + b.Z] = orbit * y[AXIS_X : AXIS_X + b.Z]
+    return left
+
+
+class MeanRest(NamedTuple):
+    """A bearing at rest over a ball pass: mean place of the ring (m), and the largest force on a roller (N)."""
+
+    x: float
+    y: float
+    load: float
+
+
+def mean_rest_in_space(model: Any, y: np.ndarray, samples: int = 32) -> MeanRest:
+    """``MeanRest``, from ``samples`` of a ball pass; ``y``: a buffer at a rest in the plane.
+
+    Raises ``NoEquilibrium`` if one is not found to 1e-8 of the load.
+    """
+    b = model.bearing
+    pass_time = 2.0 * np.pi / (b.Z * b.omega_c)
+    load, found = hypot(model.support.F, model.support.F_across), []
+    for n in range(samples):
+        residual = rest_in_space(model, (n + 0.5) / samples * pass_time, y)
+        if not residual <= 1e-8 * load:
+            raise NoEquilibrium(f"no static equilibrium in space: {residual:g} N left of {load:g} N")
+        found.append((y[POSITION + X], y[POSITION + Y], y[Q_O : Q_O + b.Z].max()))
+    x, across, _ = (float(value) for value in np.mean(found, axis=0))
+    return MeanRest(x, across, float(max(most for _, _, most in found)))

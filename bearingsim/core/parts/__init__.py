@@ -1,0 +1,1 @@
+"""What touches and holds the rollers: races, cage, flanges, shaft, mounts."""

@@ -1,0 +1,318 @@
+"""The cage and what surrounds it: how it moves, what guides it, what drags on it and on the rollers.
+
+A roller in its pocket, seen from the cage's centre c_c along the pocket's own directions e_r, e_theta:
+
+    e = (c_j - c_c).e_theta,   rho = (c_j - c_c).e_r,   N = pocket(|e| - c_p/2, d|e|/dt)
+
+The walls are flat and radial, so N acts along e_theta; the roller's surface rubs along e_r.
+"""
+
+from math import hypot
+from typing import Any, NamedTuple
+
+from bearingsim.core.jit import add, generic
+from bearingsim.core.laws.damping import normal_force
+from bearingsim.core.laws.friction import mu
+from bearingsim.core.laws.stiffness import tangent
+from bearingsim.core.layout import (
+    ACCELERATION,
+    CE,
+    EPS_V,
+    F_X,
+    F_X_C,
+    F_X_I,
+    F_Y,
+    F_Y_C,
+    F_Y_I,
+    INVERSE_MASS,
+    M_C,
+    M_RING,
+    PC,
+    POSITION,
+    PS,
+    PSI,
+    PUSH_R,
+    PUSH_T,
+    Q_P,
+    SE,
+    SPIN_V,
+    TORQUE,
+    VELOCITY,
+    X_C,
+    X_I,
+    Y_C,
+    Y_I,
+    Q,
+    V,
+    X,
+    Y,
+)
+
+
+class KinematicCage(NamedTuple):
+    """Turns at its kinematic speed about the bearing's centre, every roller in the middle of its pocket."""
+
+
+class FreeCage(NamedTuple):
+    """Turns and moves as the rollers in its pockets and its guide push it.
+
+    m: kg; inertia: kg m^2 about its axis; play: half of the pocket's clearance (m); pocket: the contact law of a
+    pocket's wall; friction: between roller and wall; guide: what centres it.
+    """
+
+    m: float
+    inertia: float
+    play: float
+    pocket: Any
+    friction: Any
+    guide: Any
+
+
+class Centred(NamedTuple):
+    """Its centre stays at the bearing's."""
+
+
+class RollerGuided(NamedTuple):
+    """Held by the rollers: a pocket stops its roller radially after ``play`` (m); law: of the contact."""
+
+    play: float
+    law: Any
+
+
+class RingGuided(NamedTuple):
+    """Runs on a land of a ring with the radial ``play`` (m).
+
+    land: its radius (m); outer: 1.0 on the outer ring, 0.0 on the inner; law, friction: between cage and land.
+    """
+
+    play: float
+    land: float
+    outer: float
+    law: Any
+    friction: Any
+
+
+class NoDrag(NamedTuple):
+    """Nothing resists."""
+
+
+class OilDrag(NamedTuple):
+    """Oil resists a roller's orbit, and the cage where it faces a ring.
+
+    roller: 1/2 rho C_d L D, N s^2/m^2; land: N m s/rad; outer: 1.0 if the ring is the outer, at rest, else 0.0.
+    """
+
+    roller: float
+    land: float
+    outer: float
+
+
+@generic
+def orbit_drag(drag: Any, speed: float) -> float:
+    """Force (N) on a roller along its orbit at ``speed`` (m/s)."""
+
+
+@generic
+def land_drag(drag: Any, omega_cage: float, omega_i: float) -> float:
+    """Torque (N m) on the cage at its speed and the inner ring's (rad/s)."""
+
+
+@orbit_drag.register(NoDrag)
+def _orbit_drag_none(drag, speed):
+    return 0.0
+
+
+@land_drag.register(NoDrag)
+def _land_drag_none(drag, omega_cage, omega_i):
+    return 0.0
+
+
+@orbit_drag.register(OilDrag)
+def _orbit_drag_oil(drag, speed):
+    return -drag.roller * speed * abs(speed)
+
+
+@land_drag.register(OilDrag)
+def _land_drag_oil(drag, omega_cage, omega_i):
+    return -drag.land * (omega_cage - (1.0 - drag.outer) * omega_i)
+
+
+@generic
+def radial_stop(guide: Any, out: float, speed: float) -> float:
+    """Force (N) of a pocket on its roller along e_r, ``out`` (m) and ``speed`` (m/s) outwards from the middle."""
+
+
+@radial_stop.register(Centred)
+def _radial_stop_centred(guide, out, speed):
+    return 0.0
+
+
+@radial_stop.register(RingGuided)
+def _radial_stop_ring(guide, out, speed):
+    return 0.0
+
+
+@radial_stop.register(RollerGuided)
+def _radial_stop_rollers(guide, out, speed):
+    force = normal_force(guide.law, abs(out) - guide.play, speed if out > 0.0 else -speed)
+    return -force if out > 0.0 else force
+
+
+@generic
+def centre(guide: Any, m: float, y: Any) -> tuple[float, float]:
+    """Acceleration (m/s^2) of the cage's centre under the forces gathered in the cells F_X_C, F_Y_C."""
+
+
+@centre.register(Centred)
+def _centre_fixed(guide, m, y):
+    return 0.0, 0.0
+
+
+@centre.register(RollerGuided)
+def _centre_by_rollers(guide, m, y):
+    return y[F_X_C] / m, y[F_Y_C] / m
+
+
+@centre.register(RingGuided)
+def _centre_by_ring(guide, m, y):
+    return y[F_X_C] / m, y[F_Y_C] / m
+
+
+@generic
+def run_on_land(guide: Any, omega_cage: float, omega_i: float, y: Any) -> None:
+    """Add the force between cage and guiding land to the cells of the cage and of the ring."""
+
+
+@run_on_land.register(Centred)
+def _run_on_land_centred(guide, omega_cage, omega_i, y):
+    return None
+
+
+@run_on_land.register(RollerGuided)
+def _run_on_land_rollers(guide, omega_cage, omega_i, y):
+    return None
+
+
+@run_on_land.register(RingGuided)
+def _run_on_land_ring(guide, omega_cage, omega_i, y):
+    """Cage and ring touch where the cage is off the ring's centre by the play; the point moves with the offset."""
+    o, i = guide.outer, 1.0 - guide.outer
+    x = y[POSITION + X_C] - o * y[POSITION + X] - i * y[POSITION + X_I]
+    z = y[POSITION + Y_C] - o * y[POSITION + Y] - i * y[POSITION + Y_I]
+    v_x = y[VELOCITY + X_C] - o * y[VELOCITY + X] - i * y[VELOCITY + X_I]
+    v_z = y[VELOCITY + Y_C] - o * y[VELOCITY + Y] - i * y[VELOCITY + Y_I]
+    off = max(hypot(x, z), 1e-30)
+    c, s = x / off, z / off
+    N = normal_force(guide.law, off - guide.play, v_x * c + v_z * s)
+    omega_ring = i * omega_i + o * y[VELOCITY + PSI]
+    # an outer land is touched where the cage leans to, an inner one on the far side: arms from the two centres
+    on_cage = (o - i) * guide.land
+    on_ring = on_cage + off
+    slip = -v_x * s + v_z * c + on_cage * omega_cage - on_ring * omega_ring
+    f = mu(guide.friction, slip, guide.land * abs(omega_cage)) * N
+    f_x, f_z = -N * c + f * s, -N * s - f * c
+    y[F_X_C] += f_x
+    y[F_Y_C] += f_z
+    y[M_C] -= on_cage * f
+    y[F_X] -= o * f_x
+    y[F_Y] -= o * f_z
+    y[M_RING] += o * on_ring * f
+    y[F_X_I] -= i * f_x
+    y[F_Y_I] -= i * f_z
+
+
+@generic
+def pockets(cage: Any, model: Any, omega_cage: float, spin: float, y: Any, n: int) -> None:
+    """Add the pockets' forces to the rollers' rows PUSH_R, PUSH_T, TORQUE and to the cage's cells; fills Q_P.
+
+    omega_cage, spin: the cage's speed and a roller's nominal spin (rad/s).
+    """
+
+
+@pockets.register(KinematicCage)
+def _pockets_kinematic(cage, model, omega_cage, spin, y, n):
+    return None
+
+
+@pockets.register(FreeCage)
+def _pockets_free(cage, model, omega_cage, spin, y, n):
+    b = model.bearing
+    middle, R_w = 0.5 * (b.R_o + b.R_i), b.R_w
+    x, z, v_x, v_z = y[POSITION + X_C], y[POSITION + Y_C], y[VELOCITY + X_C], y[VELOCITY + Y_C]
+    f_x, f_y, torque = 0.0, 0.0, 0.0
+    for j in range(n):
+        real = b.m_r * y[INVERSE_MASS + j]  # 1, and 0 in a padded lane
+        pc, ps, ce, se = y[PC + j], y[PS + j], y[CE + j], y[SE + j]
+        r, v = middle + y[Q + j], y[V + j]
+        w = r * (omega_cage + y[EPS_V + j])
+        e = r * se + x * ps - z * pc
+        rho = r * ce - x * pc - z * ps
+        v_r = v * ce - w * se - v_x * pc - v_z * ps  # of the roller less the cage's centre, in the pocket's frame
+        v_t = v * se + w * ce + v_x * ps - v_z * pc
+        side = 1.0 if e > 0.0 else -1.0
+        N = normal_force(cage.pocket, abs(e) - cage.play, side * (v_t - omega_cage * rho))
+        slip = v_r - side * R_w * (spin + y[SPIN_V + j]) + omega_cage * (e + side * R_w)
+        f = mu(cage.friction, slip, R_w * abs(spin)) * N
+        stop = radial_stop(cage.guide, rho - middle, v_r + omega_cage * e)
+        push_r, push_t = real * (stop - f), -real * side * N  # on the roller, in the pocket's frame
+        y[Q_P + j] = push_t
+        y[PUSH_R + j] += push_r * ce + push_t * se
+        y[PUSH_T + j] += push_t * ce - push_r * se
+        y[TORQUE + j] += real * side * R_w * f
+        f_x = add(f_x, -push_r * pc + push_t * ps)
+        f_y = add(f_y, -push_r * ps - push_t * pc)
+        torque = add(torque, e * push_r - rho * push_t - real * side * R_w * f)
+    y[F_X_C] = f_x
+    y[F_Y_C] = f_y
+    y[M_C] = torque
+
+
+@generic
+def drive_cage(cage: Any, model: Any, omega_cage: float, omega_i: float, alpha: float, y: Any) -> float:
+    """Angular acceleration (rad/s^2) of the cage; its centre's acceleration is written into the state.
+
+    alpha: the kinematic acceleration (rad/s^2). Adds to the cells of the rings what the cage's guide does to them.
+    """
+
+
+@drive_cage.register(KinematicCage)
+def _drive_cage_kinematic(cage, model, omega_cage, omega_i, alpha, y):
+    return alpha
+
+
+@drive_cage.register(FreeCage)
+def _drive_cage_free(cage, model, omega_cage, omega_i, alpha, y):
+    y[F_X_C] += cage.m * model.gravity
+    run_on_land(cage.guide, omega_cage, omega_i, y)
+    y[ACCELERATION + X_C], y[ACCELERATION + Y_C] = centre(cage.guide, cage.m, y)
+    return (y[M_C] + land_drag(model.drag, omega_cage, omega_i)) / cage.inertia
+
+
+@generic
+def pocket_stiffness(cage: Any, per_mass: float) -> float:
+    """Stiffness of a pocket's wall over the mass (1/s^2) of what it parts, a roller's inverse mass being given."""
+
+
+@pocket_stiffness.register(KinematicCage)
+def _pocket_stiffness_kinematic(cage, per_mass):
+    return 0.0
+
+
+@pocket_stiffness.register(FreeCage)
+def _pocket_stiffness_free(cage, per_mass):
+    return tangent(cage.pocket.stiffness, cage.play) * (per_mass + 2.0 / cage.m)
+
+
+@generic
+def let_go(cage: Any, theta_a: float) -> float:
+    """A roller's angular acceleration (rad/s^2) under its forces, or none where the cage holds it."""
+
+
+@let_go.register(KinematicCage)
+def _let_go_kinematic(cage, theta_a):
+    return 0.0
+
+
+@let_go.register(FreeCage)
+def _let_go_free(cage, theta_a):
+    return theta_a

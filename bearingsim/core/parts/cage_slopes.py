@@ -1,0 +1,319 @@
+"""How forces between the cage and what surrounds it change as they move: exact, for ``parts/cage.py``."""
+
+from math import hypot
+from typing import Any
+
+from bearingsim.core.jit import generic, jit
+from bearingsim.core.laws.damping import normal_force
+from bearingsim.core.laws.friction import mu, mu_slope
+from bearingsim.core.laws.slopes import slopes
+from bearingsim.core.layout import (
+    BY_POCKET,
+    BY_POSITION,
+    BY_VELOCITY,
+    CE,
+    CHANGE_M,
+    CHANGE_R,
+    CHANGE_SHARED,
+    CHANGE_T,
+    EPS_V,
+    INVERSE_MASS,
+    MOBILITY,
+    P_R,
+    P_T,
+    PC,
+    PHI_C,
+    POSITION,
+    PS,
+    PSI,
+    ROW,
+    SE,
+    SPIN_V,
+    VELOCITY,
+    W_R,
+    W_T,
+    X_C,
+    X_I,
+    Y_C,
+    Y_I,
+    Q,
+    V,
+    X,
+    Y,
+    border_block,
+)
+from bearingsim.core.parts.cage import (
+    Centred,
+    FreeCage,
+    KinematicCage,
+    NoDrag,
+    OilDrag,
+    RingGuided,
+    RollerGuided,
+    radial_stop,
+)
+
+# rows of a roller in its pocket: place and velocity from the cage's centre along the pocket's directions (m, m/s);
+# wall on which it lies; how the wall's force and the stop's grow with approach and rate; mu, force times its slope
+# (N s/m); friction, force on the roller along the pocket's directions (N)
+FROM_R, FROM_T, FROM_V_R, FROM_V_T, WALLED, WALL_D, WALL_V, STOP_D, STOP_V, MU, MU_V, ON_R, ON_T = (
+    BY_POCKET + n * ROW for n in range(13)
+)
+
+
+@generic
+def orbit_drag_slope(drag: Any, speed: float) -> float:
+    """How ``orbit_drag`` grows with the speed (N s/m)."""
+
+
+@generic
+def land_drag_slope(drag: Any) -> float:
+    """How ``land_drag`` grows with the cage's speed (N m s)."""
+
+
+@orbit_drag_slope.register(NoDrag)
+def _orbit_drag_slope_none(drag, speed):
+    return 0.0
+
+
+@land_drag_slope.register(NoDrag)
+def _land_drag_slope_none(drag):
+    return 0.0
+
+
+@orbit_drag_slope.register(OilDrag)
+def _orbit_drag_slope_oil(drag, speed):
+    return -2.0 * drag.roller * abs(speed)
+
+
+@land_drag_slope.register(OilDrag)
+def _land_drag_slope_oil(drag):
+    return -drag.land
+
+
+@generic
+def radial_stop_slopes(guide: Any, out: float, speed: float) -> tuple[float, float]:
+    """How ``radial_stop`` grows with the way out (N/m) and its rate (N s/m)."""
+
+
+@radial_stop_slopes.register(Centred)
+def _radial_stop_slopes_centred(guide, out, speed):
+    return 0.0, 0.0
+
+
+@radial_stop_slopes.register(RingGuided)
+def _radial_stop_slopes_ring(guide, out, speed):
+    return 0.0, 0.0
+
+
+@radial_stop_slopes.register(RollerGuided)
+def _radial_stop_slopes_rollers(guide, out, speed):
+    K, C = slopes(guide.law, abs(out) - guide.play, speed if out > 0.0 else -speed)
+    return -K, -C
+
+
+@generic
+def cage_mobility(cage: Any) -> tuple[float, float]:
+    """What a torque (N m) accelerates the cage by (1/(kg m^2)), and a force (N) its centre (1/kg)."""
+
+
+@generic
+def centre_mobility(guide: Any, m: float) -> float:
+    """What a force (N) accelerates the centre of a cage of mass ``m`` (kg) by (1/kg)."""
+
+
+@centre_mobility.register(Centred)
+def _centre_mobility_fixed(guide, m):
+    return 0.0
+
+
+@centre_mobility.register(RollerGuided)
+def _centre_mobility_rollers(guide, m):
+    return 1.0 / m
+
+
+@centre_mobility.register(RingGuided)
+def _centre_mobility_ring(guide, m):
+    return 1.0 / m
+
+
+@cage_mobility.register(KinematicCage)
+def _cage_mobility_kinematic(cage):
+    return 0.0, 0.0
+
+
+@cage_mobility.register(FreeCage)
+def _cage_mobility_free(cage):
+    return 1.0 / cage.inertia, centre_mobility(cage.guide, cage.m)
+
+
+# Pockets
+
+
+@generic
+def pocket_slopes(cage: Any, model: Any, omega_cage: float, spin: float, y: Any, n: int) -> None:
+    """Slopes of every roller's contact with its pocket: fills the rows above."""
+
+
+@pocket_slopes.register(KinematicCage)
+def _pocket_slopes_kinematic(cage, model, omega_cage, spin, y, n):
+    return None
+
+
+@pocket_slopes.register(FreeCage)
+def _pocket_slopes_free(cage, model, omega_cage, spin, y, n):
+    b = model.bearing
+    middle, R_w = 0.5 * (b.R_o + b.R_i), b.R_w
+    x, z, v_x, v_z = y[POSITION + X_C], y[POSITION + Y_C], y[VELOCITY + X_C], y[VELOCITY + Y_C]
+    for j in range(n):
+        real = b.m_r * y[INVERSE_MASS + j]
+        pc, ps, ce, se = y[PC + j], y[PS + j], y[CE + j], y[SE + j]
+        r, v = middle + y[Q + j], y[V + j]
+        w = r * (omega_cage + y[EPS_V + j])
+        e, rho = r * se + x * ps - z * pc, r * ce - x * pc - z * ps
+        v_r, v_t = v * ce - w * se - v_x * pc - v_z * ps, v * se + w * ce + v_x * ps - v_z * pc
+        side = 1.0 if e > 0.0 else -1.0
+        depth, rate = abs(e) - cage.play, side * (v_t - omega_cage * rho)
+        N, (K, C) = normal_force(cage.pocket, depth, rate), slopes(cage.pocket, depth, rate)
+        slip = v_r - side * R_w * (spin + y[SPIN_V + j]) + omega_cage * (e + side * R_w)
+        by_slip, _ = mu_slope(cage.friction, slip, R_w * abs(spin))
+        rubbing, out, rising = mu(cage.friction, slip, R_w * abs(spin)), rho - middle, v_r + omega_cage * e
+        stop_d, stop_v = radial_stop_slopes(cage.guide, out, rising)
+        y[FROM_R + j], y[FROM_T + j], y[FROM_V_R + j], y[FROM_V_T + j], y[WALLED + j] = rho, e, v_r, v_t, side
+        y[WALL_D + j], y[WALL_V + j], y[MU + j], y[MU_V + j] = real * K, real * C, rubbing, real * N * by_slip
+        y[STOP_D + j], y[STOP_V + j] = real * stop_d, real * stop_v
+        y[ON_R + j] = real * (radial_stop(cage.guide, out, rising) - rubbing * N)
+        y[ON_T + j] = -real * side * N
+
+
+@generic
+def pocket_change(
+    cage: Any, R_w: float, omega_cage: float, roll_v: float, turn: float, turn_v: float, y, n
+) -> None:
+    """Add to the rows CHANGE what the pockets do as the rows P and W say, and as rollers and cage turn.
+
+    roll_v: change of the rollers' turning (rad/s); turn, turn_v: of the cage's angle (rad) and speed (rad/s).
+    """
+
+
+@pocket_change.register(KinematicCage)
+def _pocket_change_kinematic(cage, R_w, omega_cage, roll_v, turn, turn_v, y, n):
+    return None
+
+
+@pocket_change.register(FreeCage)
+def _pocket_change_free(cage, R_w, omega_cage, roll_v, turn, turn_v, y, n):
+    for j in range(n):
+        pc, ps, ce, se, side = y[PC + j], y[PS + j], y[CE + j], y[SE + j], y[WALLED + j]
+        rho, e, on_r, on_t = y[FROM_R + j], y[FROM_T + j], y[ON_R + j], y[ON_T + j]
+        p_r, p_t = ce * y[P_R + j] - se * y[P_T + j] + e * turn, se * y[P_R + j] + ce * y[P_T + j] - rho * turn
+        w_r = ce * y[W_R + j] - se * y[W_T + j] + y[FROM_V_T + j] * turn
+        w_t = se * y[W_R + j] + ce * y[W_T + j] - y[FROM_V_R + j] * turn
+        closing = side * (w_t - omega_cage * p_r - rho * turn_v)
+        N = y[WALL_D + j] * (side * p_t) + y[WALL_V + j] * closing
+        slip = w_r + omega_cage * p_t + (e + side * R_w) * turn_v - side * R_w * roll_v
+        f = y[MU + j] * N + y[MU_V + j] * slip
+        stop = y[STOP_D + j] * p_r + y[STOP_V + j] * (w_r + omega_cage * p_t + e * turn_v)
+        f_r, f_t = stop - f, -side * N
+        y[CHANGE_M + j] += side * R_w * f
+        torque = e * f_r + p_t * on_r - rho * f_t - p_r * on_t - side * R_w * f
+        y[CHANGE_SHARED + PHI_C * ROW + j] += torque
+        f_r, f_t = f_r - on_t * turn, f_t + on_r * turn  # the pocket's directions turn too
+        y[CHANGE_R + j] += ce * f_r + se * f_t
+        y[CHANGE_T + j] += ce * f_t - se * f_r
+        y[CHANGE_SHARED + X_C * ROW + j] += ps * f_t - pc * f_r
+        y[CHANGE_SHARED + Y_C * ROW + j] -= ps * f_r + pc * f_t
+
+
+# Guides
+
+
+@jit
+def add_to_border(matrix, k, m, value, y):
+    """Add what a force (N) or torque (N m) on shared coordinate k does to its column m."""
+    y[border_block(matrix, k, m)] += y[MOBILITY + k] * value
+
+
+@generic
+def guide_change(cage: Any, omega_cage: float, omega_i: float, y: Any) -> None:
+    """Add to both arrows' border what the guide does between cage and ring, and land drag's slope."""
+
+
+@generic
+def land_change(guide: Any, omega_cage: float, omega_i: float, y: Any) -> None:
+    """Add to both arrows' border how the forces between cage and land change (``run_on_land``)."""
+
+
+@land_change.register(Centred)
+def _land_change_centred(guide, omega_cage, omega_i, y):
+    return None
+
+
+@land_change.register(RollerGuided)
+def _land_change_rollers(guide, omega_cage, omega_i, y):
+    return None
+
+
+@jit
+def land_column(guide, omega_cage, omega_ring, matrix, m, p, w, cage_v, ring_v, y):
+    """One column of ``land_change``: what moves by p (m) and w (m/s) relative to the ring, cage_v, ring_v (rad/s).
+
+    p, w: pairs along e_0 and e_90.
+    """
+    o, i = guide.outer, 1.0 - guide.outer
+    x = y[POSITION + X_C] - o * y[POSITION + X] - i * y[POSITION + X_I]
+    z = y[POSITION + Y_C] - o * y[POSITION + Y] - i * y[POSITION + Y_I]
+    v_x = y[VELOCITY + X_C] - o * y[VELOCITY + X] - i * y[VELOCITY + X_I]
+    v_z = y[VELOCITY + Y_C] - o * y[VELOCITY + Y] - i * y[VELOCITY + Y_I]
+    off = max(hypot(x, z), 1e-30)
+    c, s = x / off, z / off
+    rate, across = v_x * c + v_z * s, v_z * c - v_x * s
+    on_cage = (o - i) * guide.land
+    on_ring = on_cage + off
+    slip, rolling = across + on_cage * omega_cage - on_ring * omega_ring, guide.land * abs(omega_cage)
+    N, (K, C) = normal_force(guide.law, off - guide.play, rate), slopes(guide.law, off - guide.play, rate)
+    rubbing, (by_slip, by_rolling) = mu(guide.friction, slip, rolling), mu_slope(guide.friction, slip, rolling)
+    f = rubbing * N
+
+    out, turned = p[0] * c + p[1] * s, (p[1] * c - p[0] * s) / off
+    N_1 = K * out + C * (w[0] * c + w[1] * s + across * turned)
+    slip_1 = w[1] * c - w[0] * s - rate * turned + on_cage * cage_v - on_ring * ring_v - out * omega_ring
+    rolling_1 = guide.land * (cage_v if omega_cage > 0.0 else -cage_v)
+    f_1 = rubbing * N_1 + N * (by_slip * slip_1 + by_rolling * rolling_1)
+    along, aside = -N_1 + f * turned, -f_1 - N * turned
+    f_x, f_z = along * c - aside * s, along * s + aside * c
+    add_to_border(matrix, X_C, m, f_x, y)
+    add_to_border(matrix, Y_C, m, f_z, y)
+    add_to_border(matrix, PHI_C, m, -on_cage * f_1, y)
+    add_to_border(matrix, X, m, -o * f_x, y)
+    add_to_border(matrix, Y, m, -o * f_z, y)
+    add_to_border(matrix, PSI, m, o * (on_ring * f_1 + out * f), y)
+    add_to_border(matrix, X_I, m, -i * f_x, y)
+    add_to_border(matrix, Y_I, m, -i * f_z, y)
+
+
+@land_change.register(RingGuided)
+def _land_change_ring(guide, omega_cage, omega_i, y):
+    o, i = guide.outer, 1.0 - guide.outer
+    x = y[POSITION + X_C] - o * y[POSITION + X] - i * y[POSITION + X_I]
+    z = y[POSITION + Y_C] - o * y[POSITION + Y] - i * y[POSITION + Y_I]
+    if hypot(x, z) <= guide.play:
+        return
+    omega_ring, none = i * omega_i + o * y[VELOCITY + PSI], (0.0, 0.0)
+    for m, part in ((X_C, 1.0), (X, -o), (X_I, -i)):
+        for axis in range(2):
+            way = (part * (1.0 - axis), part * axis)
+            land_column(guide, omega_cage, omega_ring, BY_POSITION, m + axis, way, none, 0.0, 0.0, y)
+            land_column(guide, omega_cage, omega_ring, BY_VELOCITY, m + axis, none, way, 0.0, 0.0, y)
+    land_column(guide, omega_cage, omega_ring, BY_VELOCITY, PHI_C, none, none, 1.0, 0.0, y)
+    land_column(guide, omega_cage, omega_ring, BY_VELOCITY, PSI, none, none, 0.0, o, y)
+
+
+@guide_change.register(KinematicCage)
+def _guide_change_kinematic(cage, omega_cage, omega_i, y):
+    return None
+
+
+@guide_change.register(FreeCage)
+def _guide_change_free(cage, omega_cage, omega_i, y):
+    land_change(cage.guide, omega_cage, omega_i, y)

@@ -1,0 +1,245 @@
+"""Flanges: the shoulders of a ring that keep rollers from running out along the axis.
+
+The flat end of a roller, at c + sigma (L_w/2) a, meets the flange's face, at sigma (L_w/2 + play) along the ring's
+axis b, at two points of the chord in which the end's circle stands above the race by half of the flange's height:
+
+    X = u + sigma (L_w/2 + play) b + rho_f n +- t tau      approach = L_w/2 - sigma (X - c).a
+
+n points from the ring's axis to the roller's centre, tau = b x n, rho_f is the radius at half of the height. The
+chord's half is T = sqrt(R_w^2 - (R_w - height/2)^2), and t = T/sqrt(3): two points there (Gauss's) carry what a
+uniform line of springs along the chord would, in force and in moment, of an end that meets the flange skewed.
+
+The approach depends on how the two bodies stand to each other and on nothing else, and force and moment are its
+gradient; so energy and momentum are kept whatever the angles. Friction acts at X, across the roller's axis.
+"""
+
+from math import sqrt
+from typing import Any, NamedTuple
+
+from bearingsim.core.geometry.orientation import Body
+from bearingsim.core.geometry.sides import InnerSide, OuterSide, rows_of, sign
+from bearingsim.core.geometry.vectors import both, cross, dot, mix
+from bearingsim.core.jit import generic, jit
+from bearingsim.core.laws.damping import normal_force
+from bearingsim.core.laws.friction import mu
+from bearingsim.core.laws.stiffness import tangent
+from bearingsim.core.layout import (
+    APART_R,
+    APART_T,
+    APART_Z,
+    AXIAL,
+    BEND_R,
+    BEND_T,
+    BEND_Z,
+    COS,
+    G_R,
+    G_T,
+    G_Z,
+    INVERSE_MASS,
+    MOVES_R,
+    MOVES_T,
+    MOVES_Z,
+    OMEGA,
+    Q_F,
+    RING_R,
+    RING_T,
+    RUB_F,
+    SIN,
+    SKEW,
+    SKEW_V,
+    TILT,
+    TILT_V,
+    UPRIGHT,
+    UPRIGHT_V,
+    Q,
+)
+from bearingsim.core.parts.races_in_space import AT_REST
+
+
+class NoFlanges(NamedTuple):
+    """Nothing holds a roller along the axis but friction."""
+
+
+class Flanges(NamedTuple):
+    """Shoulders of the two rings; a roller's flat end meets one at two points, apart along the race.
+
+    inner_minus, inner_plus, outer_minus, outer_plus: 1.0 where there is one, else 0.0 (minus: on the side of -z);
+    play: from a centred roller's end to the flange (m); height: of the flange above its race (m), half of which is
+    where it is met; law: of the contact of one point; friction: between roller end and flange.
+    """
+
+    inner_minus: float
+    inner_plus: float
+    outer_minus: float
+    outer_plus: float
+    play: float
+    height: float
+    law: Any
+    friction: Any
+
+
+@generic
+def guide_axially(flanges: Any, model: Any, outer: Any, inner: Any, y: Any, n: int) -> None:
+    """Add what flanges do to the sums of both sides of every roller; outer, inner: the rings."""
+
+
+@guide_axially.register(NoFlanges)
+def _guide_axially_none(flanges, model, outer, inner, y, n):
+    return None
+
+
+@guide_axially.register(Flanges)
+def _guide_axially(flanges, model, outer, inner, y, n):
+    for j in range(n):
+        y[Q_F + j], y[RUB_F + j] = 0.0, 0.0
+    if flanges.outer_minus > 0.0:
+        one_flange(OuterSide(), flanges, model, outer, -1.0, y, n)
+    if flanges.outer_plus > 0.0:
+        one_flange(OuterSide(), flanges, model, outer, 1.0, y, n)
+    if flanges.inner_minus > 0.0:
+        one_flange(InnerSide(), flanges, model, inner, -1.0, y, n)
+    if flanges.inner_plus > 0.0:
+        one_flange(InnerSide(), flanges, model, inner, 1.0, y, n)
+
+
+@jit
+def chord(R_w, height):
+    """How far (m) the two points lie to either side of the middle."""
+    return sqrt(R_w * R_w - (R_w - 0.5 * height) ** 2) / sqrt(3.0)
+
+
+@jit
+def one_flange(side, flanges, model, ring, sigma, y, n):
+    """Both points of one flange, on the side ``sigma`` (1 or -1) of the middle."""
+    t = chord(model.bearing.R_w, flanges.height)
+    one_point(side, flanges, model, ring, sigma, t, y, n)
+    one_point(side, flanges, model, ring, sigma, -t, y, n)
+
+
+@jit
+def one_point(side, flanges, model, ring, sigma, t, y, n):
+    """Force, friction and moment at one point, ``t`` (m) along the race, of every roller."""
+    b, half = model.bearing, 0.5 * model.L_w
+    face = b.R_o - 0.5 * flanges.height if sign(side) > 0.0 else b.R_i + 0.5 * flanges.height
+    for j in range(n):
+        view = seen_from(side, b, ring, y, j)
+        q = face - view.rho
+        Y = mix(sigma * (half + flanges.play) - view.off, view.b, q, view.n, t, view.tau)  # X - c
+        g, tips = slopes(view, sigma, q, t)
+        rate = dot(g, view.moves) - sigma * dot(Y, tips)
+        N = b.m_r * y[INVERSE_MASS + j] * normal_force(flanges.law, half - sigma * dot(Y, view.a), rate)
+        slip, rolls = slip_at(view, ring, Y, tips, y[OMEGA + j])
+        kappa = mu(flanges.friction, slip[3], b.R_w * rolls) * N / slip[3]
+        add_point(rows_of(side), sigma, N, kappa, g, Y, view.a, slip, y, j)
+
+
+class View(NamedTuple):
+    """A roller as a ring sees it, along e_r, e_theta, e_z.
+
+    a, b: axes of roller and ring, a_v, b_v: their rates (1/s); n: from the ring's axis to the roller's centre, and
+    tau = b x n; rho: its distance from the axis (m); off: along the axis from the ring's centre (m); moves: its
+    velocity (m/s) as seen from the ring as it leans.
+    """
+
+    a: Any
+    a_v: Any
+    b: Any
+    b_v: Any
+    n: Any
+    tau: Any
+    rho: float
+    off: float
+    moves: Any
+
+
+@jit
+def seen_from(side, bearing, ring, y, j):
+    """``View`` of roller ``j``, from the rows that ``face`` of ``parts/races_in_space.py`` fills."""
+    at, r, c, s = rows_of(side), 0.5 * (bearing.R_o + bearing.R_i) + y[Q + j], y[COS + j], y[SIN + j]
+    b = y[at + RING_R + j], y[at + RING_T + j], ring.a_z
+    b_v = ring.w_x * c + ring.w_y * s, ring.w_y * c - ring.w_x * s, ring.w_z
+    d = r - ring.x * c - ring.y * s, ring.x * s - ring.y * c, y[AXIAL + j] - ring.z
+    X = r + y[at + APART_R + j], y[at + APART_T + j], y[at + APART_Z + j]
+    rho, sway = sqrt(dot(X, X)), dot(d, b_v)
+    n = X[0] / rho, X[1] / rho, X[2] / rho
+    moves = both(1.0, (y[at + MOVES_R + j], y[at + MOVES_T + j], y[at + MOVES_Z + j]), sway, b)
+    a, a_v = (y[TILT + j], y[SKEW + j], y[UPRIGHT + j]), (y[TILT_V + j], y[SKEW_V + j], y[UPRIGHT_V + j])
+    return View(a, a_v, b, b_v, n, cross(b, n), rho, dot(d, b), moves)
+
+
+@jit
+def slopes(view, sigma, q, t):
+    """What the approach grows by as the roller's centre moves (1), and its axis' rate as the ring sees it (1/s).
+
+    q, t: where the point is from the roller's centre, along n and tau (m).
+    """
+    on_b, on_n = dot(view.a, view.b), dot(view.a, view.n)
+    on_tau = (t * on_n - q * dot(view.a, view.tau)) / view.rho  # the point goes round with the roller
+    g = mix(sigma * on_b, view.b, sigma * on_n, view.n, sigma * on_tau, view.tau)
+    return g, mix(1.0, view.a_v, -on_b, view.b_v, dot(view.a, view.b_v), view.b)
+
+
+@jit
+def slip_at(view, ring, Y, tips, omega):
+    """The slip across the roller's axis ``Y`` (m) from its centre, and its size (m/s); and |turning| (rad/s).
+
+    tips: rate (1/s) of the roller's axis as the ring sees it; omega: speed (rad/s) about the axis.
+    """
+    rolls = omega - dot(view.a, cross(view.b, view.b_v))
+    turns = mix(1.0, cross(view.a, tips), rolls, view.a, -ring.turns, view.b)
+    x = mix(1.0, cross(turns, Y), 1.0, view.moves, -ring.turns * view.rho, view.tau)
+    x = both(1.0, x, -dot(x, view.a), view.a)
+    return (x[0], x[1], x[2], sqrt(dot(x, x) + AT_REST * AT_REST)), abs(rolls)
+
+
+@jit
+def add_point(at, sigma, N, kappa, g, Y, a, slip, y, j):
+    """Add force and friction at ``Y`` (m) to the sums of roller ``j``: g is the approach's slope, a the axis."""
+    G = both(-kappa, slip, -N, g)
+    M = cross(Y, both(-kappa, slip, -N * sigma, a))  # sigma a x Y = Y x -sigma a
+    y[at + G_R + j] += G[0]
+    y[at + G_T + j] += G[1]
+    y[at + G_Z + j] += G[2]
+    y[at + BEND_R + j] += M[0]
+    y[at + BEND_T + j] += M[1]
+    y[at + BEND_Z + j] += M[2]
+    y[Q_F + j] -= N * g[2]
+    y[RUB_F + j] += kappa
+
+
+@generic
+def between_flanges(flanges: Any, outer: Body, inner: Body, c: float, s: float, r: float) -> float:
+    """Where along the bearing's axis (m) a roller at ``r`` (m), at the angle of c and s, stands among flanges.
+
+    The mean of the rings' middles, as they lean and stand there, each counted as often as it has flanges: with two
+    on a ring the roller has its play to either side, with a single one to that one; no flange is pressed unless
+    the rings stand further apart than the play.
+    """
+
+
+@between_flanges.register(NoFlanges)
+def _between_flanges_none(flanges, outer, inner, c, s, r):
+    return 0.0
+
+
+@between_flanges.register(Flanges)
+def _between_flanges(flanges, outer, inner, c, s, r):
+    of_outer, of_inner = flanges.outer_minus + flanges.outer_plus, flanges.inner_minus + flanges.inner_plus
+    z_outer = outer.z - r * (outer.a_x * c + outer.a_y * s)
+    z_inner = inner.z - r * (inner.a_x * c + inner.a_y * s)
+    return (of_outer * z_outer + of_inner * z_inner) / max(of_outer + of_inner, 1.0)
+
+
+@generic
+def flange_stiffness(flanges: Any, per_mass: float, per_inertia: float, R_w: float) -> float:
+    """Stiffness of a flange over what of a roller it moves (1/s^2), its inverse mass and inertia being given."""
+
+
+@flange_stiffness.register(NoFlanges)
+def _flange_stiffness_none(flanges, per_mass, per_inertia, R_w):
+    return 0.0
+
+
+@flange_stiffness.register(Flanges)
+def _flange_stiffness(flanges, per_mass, per_inertia, R_w):
+    return 2.0 * tangent(flanges.law.stiffness, flanges.play) * (per_mass + R_w * R_w * per_inertia)

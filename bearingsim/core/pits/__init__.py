@@ -1,0 +1,1 @@
+"""Pits: their shape, the path of a roller over them, and where its force jumps."""

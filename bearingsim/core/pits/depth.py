@@ -1,0 +1,329 @@
+"""Pits as depth maps p(s, z), m, positive downwards: s along rolling, z along the axis, from the pit's middle.
+
+A map is a type; ``section`` gives its profile at one z, exactly or drawn by parabolas, ``extent`` where it
+reaches, ``cuts`` where along z its section changes in kind. Plain Python, run once per pit.
+"""
+
+from dataclasses import dataclass, field
+from functools import reduce
+from itertools import pairwise
+from math import inf, pi, sqrt, tan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim.core.jit import generic
+from bearingsim.core.pits.profile import (
+    FROM,
+    RACE,
+    TO,
+    Profile,
+    curve,
+    deepest,
+    depth_at,
+    mirrored,
+    polygon,
+    quadratic,
+    shifted,
+)
+
+ARC_POINTS = 17  # of a rounded edge; more of them where it is flat, since no roller gets down where it is steep
+ELLIPSE_POINTS = 65
+EVEN, SMOOTH, ROUGH = range(3)
+EDGE_POINTS = 401  # among which the place is sought where an edge meets the wall
+
+
+@generic
+def section(of_map: Any, z: float) -> Profile:
+    """The profile at ``z`` (m) from the pit's middle; ``RACE`` where the pit does not reach."""
+
+
+@generic
+def extent(of_map: Any) -> tuple[float, float, float, float]:
+    """From where to where (m) the pit reaches along rolling, then along the axis. Burrs belong to it."""
+
+
+@generic
+def cuts(of_map: Any) -> list[tuple[float, float, int]]:
+    """Stretches (m, m) along z and how the section changes within them: EVEN, SMOOTH or ROUGH."""
+
+
+class Rectangular(NamedTuple):
+    """A box. length: along the axis; width: along rolling; depth: m."""
+
+    length: float
+    width: float
+    depth: float
+
+
+class Triangular(NamedTuple):
+    """A V groove along the axis; fields as in ``Rectangular``."""
+
+    length: float
+    width: float
+    depth: float
+
+
+class Circular(NamedTuple):
+    """A bowl with an elliptic footprint and parabolic sections, p = d [1 - (2 s/w)^2 - (2 z/l)^2]."""
+
+    length: float
+    width: float
+    depth: float
+
+
+class Elliptical(NamedTuple):
+    """Half an ellipsoid, p = d sqrt(1 - (2 s/w)^2 - (2 z/l)^2): steeper walls and a flatter floor than a bowl."""
+
+    length: float
+    width: float
+    depth: float
+
+
+class Eased(NamedTuple):
+    """A pit whose edges along rolling are rounded with ``radius`` (m), or walls no steeper than over ``ramp`` (m).
+
+    One of the two is zero. What stands over the rim is taken off the race, so the opening is wider than the pit.
+    """
+
+    pit: Any
+    radius: float
+    ramp: float
+
+
+class Mirrored(NamedTuple):
+    """A pit whose s runs the other way."""
+
+    pit: Any
+
+
+class Placed(NamedTuple):
+    """A pit with its middle at s, z (m)."""
+
+    pit: Any
+    s: float
+    z: float
+
+
+class Merged(NamedTuple):
+    """Several pits as one: at each place the deepest of those that reach there."""
+
+    pits: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Scanned:
+    """A measured grid: depth (n_z, n_s) in m at ``s`` (n_s,) and ``z`` (n_z,) in m, linear in between.
+
+    digest: of the file it came from: what tells scans apart.
+    """
+
+    digest: str
+    s: np.ndarray = field(compare=False, repr=False)
+    z: np.ndarray = field(compare=False, repr=False)
+    depth: np.ndarray = field(compare=False, repr=False)
+
+
+# Shapes with a formula
+
+
+def _box_extent(pit):
+    return -pit.width / 2.0, pit.width / 2.0, -pit.length / 2.0, pit.length / 2.0
+
+
+for _shape in (Rectangular, Triangular, Circular, Elliptical):
+    extent.register(_shape)(_box_extent)
+
+
+@cuts.register(Rectangular)
+@cuts.register(Triangular)
+def _cuts_even(pit):
+    return [(-pit.length / 2.0, pit.length / 2.0, EVEN)]
+
+
+@cuts.register(Circular)
+@cuts.register(Elliptical)
+def _cuts_round(pit):
+    return [(-pit.length / 2.0, 0.0, SMOOTH), (0.0, pit.length / 2.0, SMOOTH)]
+
+
+@section.register(Rectangular)
+def _section_rectangular(pit, z):
+    if abs(z) >= pit.length / 2.0:
+        return RACE
+    return quadratic(-pit.width / 2.0, pit.width / 2.0, pit.depth)
+
+
+@section.register(Triangular)
+def _section_triangular(pit, z):
+    if abs(z) >= pit.length / 2.0:
+        return RACE
+    b = pit.width / 2.0
+    return polygon(np.array([-b, 0.0, b]), np.array([0.0, pit.depth, 0.0]))
+
+
+@section.register(Circular)
+def _section_circular(pit, z):
+    zeta = 2.0 * z / pit.length
+    if abs(zeta) >= 1.0:
+        return RACE
+    b, bend = pit.width / 2.0 * sqrt(1.0 - zeta * zeta), 8.0 * pit.depth / pit.width**2
+    return quadratic(-b, b, 0.0, bend * b, -bend)
+
+
+@section.register(Elliptical)
+def _section_elliptical(pit, z):
+    zeta = 2.0 * z / pit.length
+    if abs(zeta) >= 1.0:
+        return RACE
+    rest = sqrt(1.0 - zeta * zeta)
+    theta = np.linspace(-pi / 2.0, pi / 2.0, ELLIPSE_POINTS)
+    t, p = pit.width / 2.0 * rest * np.sin(theta), pit.depth * rest * np.cos(theta)
+    p[[0, -1]] = 0.0
+    slope = np.full(len(t), inf)
+    slope[1:-1] = -2.0 * pit.depth / pit.width * np.tan(theta[1:-1])
+    return curve(t, p, slope)
+
+
+# Edges
+
+
+@extent.register(Eased)
+def _extent_eased(eased):
+    s_0, s_1, z_0, z_1 = extent(eased.pit)
+    out = eased.radius + eased.ramp
+    return s_0 - out, s_1 + out, z_0, z_1
+
+
+@cuts.register(Eased)
+def _cuts_eased(eased):
+    return cuts(eased.pit)
+
+
+@section.register(Eased)
+def _section_eased(eased, z):
+    sharp = section(eased.pit, z)
+    if len(sharp.pieces) == 0:
+        return sharp
+    for profile in (sharp, mirrored(sharp)):
+        edge = _edge(profile, eased.radius, eased.ramp)
+        sharp = deepest(sharp, edge if profile is sharp else mirrored(edge))
+    return sharp
+
+
+def _edge(profile: Profile, radius: float, ramp: float) -> Profile:
+    """What is taken off before and at the first rim of a profile.
+
+    An edge reaches back(p) (m) before the wall where that is p deep. It begins where it just touches the wall:
+    for a radius, where a disc that rolls below the race meets it.
+    """
+    start = profile.pieces[0, FROM]
+    part = np.linspace(0.0, 1.0, EDGE_POINTS) ** 2  # close at the rim, where an edge and a steep wall meet
+    part[1] = min(part[1], 1e-9)  # behind an upright wall
+    t = start + (profile.pieces[-1, TO] - start) * part
+    p = depth_at(profile, t)
+    floor = float(p.max())
+    back = _back_of_radius(p, radius) if radius > 0.0 else ramp * np.maximum(p, 0.0) / floor
+    k = int(np.argmin(t - back))
+    begin, reach = t[k] - back[k], back[k]
+    if reach <= 0.0:
+        return RACE
+    if radius == 0.0:
+        return quadratic(begin, begin + reach, 0.0, floor / ramp)
+    steepest = np.arcsin(min(reach / radius, 1.0))
+    theta = steepest * np.linspace(0.0, 1.0, ARC_POINTS) ** 2
+    slope = np.append(np.tan(theta[:-1]), tan(steepest) if steepest < 1.5 else inf)
+    return curve(begin + radius * np.sin(theta), radius * (1.0 - np.cos(theta)), slope)
+
+
+def _back_of_radius(p: np.ndarray, radius: float) -> np.ndarray:
+    low = np.clip(p, 0.0, radius)
+    return np.sqrt(low * (2.0 * radius - low))
+
+
+# Elsewhere, and several
+
+
+@extent.register(Mirrored)
+def _extent_mirrored(turned):
+    s_0, s_1, z_0, z_1 = extent(turned.pit)
+    return -s_1, -s_0, z_0, z_1
+
+
+@cuts.register(Mirrored)
+def _cuts_mirrored(turned):
+    return cuts(turned.pit)
+
+
+@section.register(Mirrored)
+def _section_mirrored(turned, z):
+    return mirrored(section(turned.pit, z))
+
+
+@extent.register(Placed)
+def _extent_placed(placed):
+    s_0, s_1, z_0, z_1 = extent(placed.pit)
+    return s_0 + placed.s, s_1 + placed.s, z_0 + placed.z, z_1 + placed.z
+
+
+@cuts.register(Placed)
+def _cuts_placed(placed):
+    return [(a + placed.z, b + placed.z, kind) for a, b, kind in cuts(placed.pit)]
+
+
+@section.register(Placed)
+def _section_placed(placed, z):
+    return shifted(section(placed.pit, z - placed.z), placed.s)
+
+
+@extent.register(Merged)
+def _extent_merged(merged):
+    s_0, s_1, z_0, z_1 = np.array([extent(pit) for pit in merged.pits]).T
+    return float(s_0.min()), float(s_1.max()), float(z_0.min()), float(z_1.max())
+
+
+@cuts.register(Merged)
+def _cuts_merged(merged):
+    parts = [cut for pit in merged.pits for cut in cuts(pit)]
+    ends = sorted({end for a, b, _ in parts for end in (a, b)})
+    found = []
+    for a, b in pairwise(ends):
+        over = [kind for low, high, kind in parts if low < (a + b) / 2.0 < high]
+        if over:
+            found.append((a, b, max(over)))
+    return found
+
+
+@section.register(Merged)
+def _section_merged(merged, z):
+    return reduce(deepest, (section(pit, z) for pit in merged.pits))
+
+
+# Scans
+
+
+@extent.register(Scanned)
+def _extent_scanned(scan):
+    along, across = np.any(scan.depth != 0.0, axis=0), np.any(scan.depth != 0.0, axis=1)
+    return *_span(scan.s, along), *_span(scan.z, across)
+
+
+def _span(places: np.ndarray, there: np.ndarray) -> tuple[float, float]:
+    """From the last place before to the first after those that are there."""
+    k = np.flatnonzero(there)
+    return float(places[max(k[0] - 1, 0)]), float(places[min(k[-1] + 1, len(places) - 1)])
+
+
+@cuts.register(Scanned)
+def _cuts_scanned(scan):
+    _, _, z_0, z_1 = extent(scan)
+    return [(z_0, z_1, ROUGH)]
+
+
+@section.register(Scanned)
+def _section_scanned(scan, z):
+    if not scan.z[0] <= z <= scan.z[-1]:
+        return RACE
+    k = min(max(int(np.searchsorted(scan.z, z, side="right")) - 1, 0), len(scan.z) - 2)
+    part = (z - scan.z[k]) / (scan.z[k + 1] - scan.z[k])
+    return polygon(scan.s, (1.0 - part) * scan.depth[k] + part * scan.depth[k + 1])

@@ -1,0 +1,152 @@
+"""What a roller feels of a pit whose edges are elastic: softer than the race, and smooth where two of them carry.
+
+The envelope's single point presses a smooth half-plane. On an edge the contact is narrower, and behind it the
+race's material is missing. Both add to the approach; in units of Q'/(pi E*), that on the race being Lambda,
+
+    delta - h = Q'/(pi E*) (Lambda + f)       Lambda = 2 ln(2 D/b) + 1
+
+with f (``one_edge``) a function of the distance x behind the rim. Where the roller may stand on something else as
+well, the other edge or the floor, the least approach counts. An elastic force k (delta - h)^(10/9) then keeps
+
+    share = (1 + f/Lambda)^(-10/9)
+
+of itself. f depends on the load through b; it is taken at one reference load. docs/edges.md derives f and compares
+it with finite elements.
+"""
+
+from math import e, exp, log, pi, sqrt
+from typing import NamedTuple
+
+from bearingsim.core.jit import jit
+from bearingsim.core.laws.stiffness import ninth_root
+from bearingsim.core.pits.excitations import felt, groups
+from bearingsim.core.pits.pairs import DEPTH, KAPPA, X_E, B, W, depression
+
+REMOVED, AWAY = 0.42, 0.7  # fitted to finite elements: weight of the wall's height, and of the edge's radius
+BEFORE = 2.0  # wall heights before the rim from where the missing material is felt
+UPRIGHT = -1.0  # in column KAPPA: the walls stand upright, and are never met
+
+
+class EdgeContact(NamedTuple):
+    """The envelope, with the elastic edges of the pit.
+
+    load: Q'/(pi E*) (m) at the reference load, E* = E/(2 (1 - nu^2)) of two bodies; D: m, how far from the contact
+    the bodies do not move, 2 sqrt(R_w R_o)/e for a roller in its race; rho: m, radius of the pit's edges, > 0 (a
+    sharp edge has no largest pressure).
+
+    Left out: yielding, friction, the tilt of the contact's normal, the pit's ends along the roller, and that f
+    changes with the load. The force keeps more than all of itself where two rounded edges carry far apart.
+    """
+
+    load: float
+    D: float
+    rho: float
+
+
+def edge_contact(force: float, L_w: float, R_w: float, R_o: float, E_star: float, rho: float) -> EdgeContact:
+    """The excitation with ``force`` (N) on a roller of length ``L_w`` (m) as its reference load.
+
+    R_w, R_o: radii (m) of roller and outer race; E_star: E/(2 (1 - nu^2)) (Pa); rho: radius (m) of the edges.
+    The inner race's D is a sixth smaller, which changes Lambda by 2 %. Raises ValueError without a load, or with
+    rho not above 0.
+    """
+    if force <= 0.0 or rho <= 0.0:
+        raise ValueError(f"a reference load of {force} N and edges of {rho} m: both must be above 0")
+    return EdgeContact(force / (L_w * pi * E_star), 2.0 * sqrt(R_w * R_o) / e, rho)
+
+
+@jit
+def half_contact(excitation, R):
+    """Half width b (m) of the contact on the race under the reference load: b^2 = 4 R Q'/(pi E*)."""
+    return 2.0 * sqrt(excitation.load * R)
+
+
+@jit
+def narrowing(xi):
+    """f of a sharp edge of a half-plane, xi half widths b behind the rim, and where its pressure's centre lies.
+
+    The contact is c half widths wide, c = 2/3 (sqrt(xi^2 + 3) - xi), and f = 2 ln(2/c) + xi c + 2 min(xi, 0)^2;
+    for xi <= -1 it is Hertz's and f = 0. The centre: distance from the rim, in half widths.
+    """
+    x = max(xi, -1.0)
+    c = 2.0 / 3.0 * (sqrt(x * x + 3.0) - x)
+    before = min(x, 0.0)
+    return 2.0 * log(2.0 / c) + x * c + 2.0 * before * before, c * (c + x) / (3.0 * c + 4.0 * x) + x - xi
+
+
+@jit
+def softening(from_rim, wall, rho):
+    """f of the material missing behind a wall (m), the pressure's centre ``from_rim`` (m) before its rim."""
+    part = REMOVED * wall / (from_rim + AWAY * rho)
+    return log(1.0 + part * part)
+
+
+@jit
+def one_edge(x, b, wall, rho, R):
+    """f of one edge of radius ``rho`` (m), the roller's middle ``x`` (m) behind the rim; ``wall``: its height (m).
+
+    Far behind the rim the contact is Hertz's on the edge itself, ln(R/rho) softer than on the race.
+    """
+    sharp, centre = narrowing(x / b)
+    blunt = min(rho / R, 1.0)
+    f = -log((1.0 - blunt) * exp(-sharp) + blunt)
+    return f + max(softening(centre * b, wall, rho) - softening(max(BEFORE * wall, b), wall, rho), 0.0)
+
+
+@jit
+def ridge(x, beyond, b, rho, R):
+    """f of the ridge between race and flat wall, the roller ``x`` (m) behind the rim, ``beyond`` (m) past its end.
+
+    The roller hangs on the ridge for 0 < x, beyond < 0; from either side it is one edge, and the two are alike.
+    """
+    before, after = exp(-one_edge(x, b, 0.0, rho, R)), exp(-one_edge(-beyond, b, 0.0, rho, R))
+    return -log(1.0 - (1.0 - before) * (1.0 - after))
+
+
+@jit
+def two_edges(width, b, wall, rho, R, D):
+    """f in the middle of a slot of ``width`` (m), half of the load on either edge."""
+    less = sqrt(0.5) * b
+    _, centre = narrowing(0.5 * width / less)
+    alone = 2.0 * log(2.0 * D / less) + 1.0 + one_edge(0.5 * width, less, wall, rho, R)
+    return 0.5 * alone + log(D / (width + 2.0 * centre * less)) - (2.0 * log(2.0 * D / b) + 1.0)
+
+
+@jit
+def kept(f, b, D):
+    """Part of a force k delta^(10/9) that is left where the approach has ``f`` more."""
+    part = 1.0 / max(1.0 + f / (2.0 * log(2.0 * D / b) + 1.0), 0.1)
+    return part * ninth_root(part)
+
+
+@felt.register(EdgeContact)
+def _felt_edge_contact(excitation, group, s, R):
+    b, D, rho = half_contact(excitation, R), excitation.D, excitation.rho
+    if group[DEPTH] == 0.0 or abs(s) >= group[B]:
+        return 1.0, 0.0, 0.0
+    wall = group[DEPTH] if group[KAPPA] == UPRIGHT else 0.0
+    reach = max(b, BEFORE * wall)
+    half = group[B] - reach
+    h, slope = depression(group, abs(s) + reach, R + rho)
+    _, in_the_middle = depression(group, reach, R + rho)  # its slope: one edge's
+    x = half - abs(s)
+    f = one_edge(x, b, wall, rho, R) if wall > 0.0 else ridge(x, x - group[X_E], b, rho, R)
+    f = min(f, (group[DEPTH] - h) / excitation.load)
+    if in_the_middle < 0.0:
+        least = two_edges(2.0 * min(half, group[X_E]), b, wall, rho, R, D)
+        f = min(f, least - in_the_middle * abs(s) / excitation.load)
+    return kept(f, b, D), h, (slope if s > 0.0 else -slope)
+
+
+@groups.register(EdgeContact)
+def _groups_edge_contact(excitation, shape, rows, R):
+    found = []
+    for row in rows:
+        b = half_contact(excitation, R)
+        if row[DEPTH] == 0.0:
+            found.append(row)
+        elif shape == "rectangular":
+            found.append((row[W], row[B] + max(b, BEFORE * row[DEPTH]), row[B], UPRIGHT, row[DEPTH]))
+        else:
+            found.append((row[W], row[B] + b, *row[X_E:]))
+    return found

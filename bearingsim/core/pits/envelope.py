@@ -1,0 +1,254 @@
+"""The path of a round roller over any profile, exactly, and the tables it is looked up from.
+
+The roller's centre feels h(s) = min over t of p(t) + (t - s)^2/(2 R). With f(t) = R p(t) + t^2/2 that is
+(s^2/2 - f*(s))/R, f* being the convex conjugate of f: what the roller touches is the lower convex hull of f, and
+the place t it touches never moves back while s grows. Hence of any two pieces of a profile the left one is felt
+first, then the right one for good, and one pass over the pieces with a stack finds all that are felt (as in the
+distance transform of Felzenszwalb and Huttenlocher, Theory of Computing 8, 2012, for single points). A piece that
+is quadratic in t is felt as a parabola in s: h'' = 1/R at a corner, c/(1 + R c) on a piece of curvature c.
+
+Where one piece takes over from another that it does not touch, h has a cusp: its slope falls.
+"""
+
+from collections.abc import Sequence
+from math import inf, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.core.jit import jit
+from bearingsim.core.pits.profile import Profile
+
+FAR = 1.0  # m: so far the race goes on to either side
+LEVEL = 1e-15  # m: nearer to the race a depth is rounding
+BINS_PER_PIECE, MOST_BINS = 2, 4096
+
+
+class Path(NamedTuple):
+    """h in pieces: h = H + SLOPE x + HALF_BEND x^2 with x = s - S, up to ``end`` (m); 0 outside.
+
+    pieces: (n, 4): S (m), H (m), SLOPE (1), HALF_BEND (1/m).
+    """
+
+    pieces: np.ndarray
+    end: float
+
+
+S, H, SLOPE, HALF_BEND = range(4)
+FLAT = Path(np.zeros((0, 4)), 0.0)
+"""The path over the undamaged race."""
+
+
+T_0, P_0, SLOPE_0, BEND, T_1, P_1, LOW, HIGH = range(8)
+"""Columns of a part, a piece that the roller can touch: from (t, p) on with a slope and a curvature, to (t, p).
+
+Between LOW and HIGH (m) of s it is touched between its ends.
+"""
+
+
+def parts_of(profile: Profile, R: float) -> np.ndarray:
+    """What a roller of relative radius ``R`` (m) can touch (n, 8), in order, with the race around it and in gaps.
+
+    Of a piece more hollow than the roller that is its two ends.
+    """
+    found, last = [], -FAR
+    for t_0, t_1, p_0, m, c in profile.pieces.tolist():
+        if t_0 > last:
+            found.append(_part(last, t_0, 0.0, 0.0, 0.0, R))
+        if 1.0 + R * c > 1e-9:
+            found.append(_part(t_0, t_1, p_0, m, c, R))
+        else:
+            x = t_1 - t_0
+            found += [_corner(t_0, p_0), _corner(t_1, p_0 + x * (m + x * c / 2.0))]
+        last = t_1
+    return np.array([*found, _part(last, FAR, 0.0, 0.0, 0.0, R)])
+
+
+def _part(t_0: float, t_1: float, p: float, m: float, c: float, R: float) -> tuple[float, ...]:
+    x = t_1 - t_0
+    return t_0, p, m, c, t_1, _levelled(p + x * (m + x * c / 2.0)), t_0 + R * m, t_1 + R * (m + c * x)
+
+
+def _corner(t: float, p: float) -> tuple[float, ...]:
+    return t, _levelled(p), 0.0, 0.0, t, _levelled(p), t, t
+
+
+def _levelled(p: float) -> float:
+    return p if abs(p) > LEVEL else 0.0
+
+
+@jit
+def over_part(part, s, R):
+    """h (m) and its slope (1) at ``s`` (m) over one part alone."""
+    if part[LOW] < s < part[HIGH]:
+        x = (s - part[T_0] - R * part[SLOPE_0]) / (1.0 + R * part[BEND])
+        away = s - part[T_0] - x
+        return part[P_0] + x * (part[SLOPE_0] + x * part[BEND] / 2.0) + away * away / (2.0 * R), away / R
+    t, p = (part[T_0], part[P_0]) if s <= part[LOW] else (part[T_1], part[P_1])
+    return p + (s - t) * (s - t) / (2.0 * R), (s - t) / R
+
+
+@jit
+def bend(part, s, R):
+    """h'' (1/m) just after ``s`` over one part alone."""
+    return part[BEND] / (1.0 + R * part[BEND]) if part[LOW] <= s < part[HIGH] else 1.0 / R
+
+
+@jit
+def excess(left, right, s, R):
+    """h (m) over the left of two parts less h over the right, and its slope; h never falls."""
+    h_1, slope_1 = over_part(left, s, R)
+    h_2, slope_2 = over_part(right, s, R)
+    return h_1 - h_2, slope_1 - slope_2
+
+
+@jit
+def takeover(left, right, R):
+    """From which s (m) on the right one of two parts is felt; -inf always, inf never.
+
+    The excess never falls, and is quadratic between the ends of contact.
+    """
+    before = -inf
+    for end in np.sort(np.array([left[LOW], left[HIGH], right[LOW], right[HIGH]])):
+        D, rate = excess(left, right, end, R)
+        if D >= 0.0:
+            return root(left, right, before, end, R)
+        before = end
+    D, rate = excess(left, right, before, R)
+    return before - D / rate if rate > 0.0 else inf
+
+
+@jit
+def root(left, right, low, high, R):
+    """Where the excess, negative at ``low`` and no longer at ``high``, is zero: by its parabola at ``high``."""
+    D, rate = excess(left, right, high, R)
+    middle = max(0.5 * (low + high), high - FAR)
+    curvature = bend(left, middle, R) - bend(right, middle, R)
+    below = rate + sqrt(max(rate * rate - 2.0 * curvature * D, 0.0))
+    if D == 0.0 or below == 0.0:
+        return high if low > -inf or rate > 0.0 else -inf
+    return max(high - 2.0 * D / below, low)
+
+
+@jit
+def felt_parts(parts, R):
+    """Which of the parts (n, 8) are felt, and from which s (m) on: two rows (2, n), of which a number is used."""
+    felt = np.zeros((2, len(parts)))
+    felt[1, 0] = -inf
+    last = 0
+    for n in range(1, len(parts)):
+        start = takeover(parts[int(felt[0, last])], parts[n], R)
+        while start <= felt[1, last] and last > 0:
+            last -= 1
+            start = takeover(parts[int(felt[0, last])], parts[n], R)
+        if start < inf:
+            last = last if start == -inf else last + 1
+            felt[0, last], felt[1, last] = n, start
+    return felt, last + 1
+
+
+def path_over(profile: Profile, R: float) -> Path:
+    """The path h(s) of a roller of relative radius ``R`` (m) over a profile, exact."""
+    parts = parts_of(profile, R)
+    found, count = felt_parts(parts, R)
+    felt, starts = parts[found[0, :count].astype(int)], found[1, :count].tolist()
+    rows = [
+        _row(part, s, R)
+        for part, start, end in zip(felt, starts, [*starts[1:], inf], strict=True)
+        for s in dict.fromkeys((start, part[LOW], part[HIGH]))
+        if s == start or start < s < end
+    ]
+    first, last = min(felt[0][HIGH], *starts[1:], FAR), max(felt[-1][LOW], starts[-1])
+    kept = [row for row in rows if first <= row[S] < last]
+    return Path(np.array(kept), float(last)) if kept else FLAT
+
+
+def _row(part: np.ndarray, s: float, R: float) -> tuple[float, float, float, float]:
+    """The piece of a path that begins at ``s`` (m) on a part."""
+    h, slope = over_part(part, s, R) if s > -inf else (0.0, 0.0)
+    return s, h, slope, 0.5 * bend(part, s, R)
+
+
+def sinking(path: Path, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """h (n,) m and its slope (n,) at ``s`` (n,) m: the slow way, for all at once."""
+    if len(path.pieces) == 0:
+        return np.zeros(len(s)), np.zeros(len(s))
+    k = np.maximum(np.searchsorted(path.pieces[:, S], s) - 1, 0)
+    start, h, slope, half = path.pieces[k].T
+    x, inside = s - start, (s >= path.pieces[0, S]) & (s < path.end)
+    return np.where(inside, h + x * (slope + x * half), 0.0), np.where(inside, slope + 2.0 * x * half, 0.0)
+
+
+def ends_of(path: Path) -> np.ndarray:
+    """h and slope (n, 2) where each piece ends."""
+    start, h, slope, half = path.pieces.T
+    x = np.append(start[1:], path.end) - start
+    return np.stack([h + x * (slope + x * half), slope + 2.0 * x * half], axis=1)
+
+
+def steepest(path: Path) -> float:
+    """The steepest slope (1) of a path, up or down."""
+    return float(max(np.abs(path.pieces[:, SLOPE]).max(), np.abs(ends_of(path)[:, 1]).max()))
+
+
+def cusp(path: Path) -> tuple[float, float]:
+    """Place (m) of the sharpest cusp of a path, and by how much its slope falls there (1)."""
+    after = np.append(path.pieces[1:, SLOPE], 0.0)
+    falls = ends_of(path)[:, 1] - after
+    k = int(np.argmax(falls))
+    return float(np.append(path.pieces[1:, S], path.end)[k]), float(max(falls[k], 0.0))
+
+
+# Tables: paths one after the other in one array, each found from its place in it
+
+
+FIRST, LAST, BINS_PER_METRE, ROWS = range(4)  # of a table's head; then the bins, then its rows
+HEAD_OF_TABLE, ROW_OF_TABLE = 4, 4
+
+
+def packed(paths: Sequence[Path]) -> tuple[np.ndarray, list[int]]:
+    """All paths in one array (n,), and the place in it where each begins."""
+    tables = [_table(path) for path in paths]
+    places = np.cumsum([0, *(len(table) for table in tables)])
+    return np.concatenate([np.zeros(0), *tables]), [int(place) for place in places[:-1]]
+
+
+def _table(path: Path) -> np.ndarray:
+    """Head, bins and rows of a path. A bin holds the number of the piece at its beginning."""
+    starts = path.pieces[:, S]
+    first, span = starts[0], path.end - starts[0]
+    bins = int(min(max(BINS_PER_PIECE * len(starts), 8), MOST_BINS))
+    pieces = np.searchsorted(starts, first + np.arange(bins) / bins * span) - 1.0
+    head = [first, path.end, bins / span, HEAD_OF_TABLE + bins]
+    return np.concatenate([head, np.maximum(pieces, 0.0), path.pieces.ravel(), [inf]])
+
+
+@jit
+def row_at(table, at, s):
+    """Where the row of the piece at ``s`` (m) begins, of the path whose table begins at ``at``."""
+    bin_of_s = int((s - table[at + FIRST]) * table[at + BINS_PER_METRE])
+    row = at + int(table[at + ROWS])
+    row += ROW_OF_TABLE * int(table[at + HEAD_OF_TABLE + min(bin_of_s, int(table[at + ROWS]) - HEAD_OF_TABLE - 1)])
+    while s > table[row + ROW_OF_TABLE]:  # the last row is followed by infinity
+        row += ROW_OF_TABLE
+    return row
+
+
+@jit
+def looked_up(table, at, s):
+    """h (m) and its slope (1), on a cusp the left one, at ``s`` (m) over the path whose table begins at ``at``."""
+    if not table[at + FIRST] <= s < table[at + LAST]:  # in these words for NaN, too
+        return 0.0, 0.0
+    row = row_at(table, at, s)
+    x = s - table[row + S]
+    return table[row + H] + x * (table[row + SLOPE] + x * table[row + HALF_BEND]), (
+        table[row + SLOPE] + 2.0 * x * table[row + HALF_BEND]
+    )
+
+
+@jit
+def bent(table, at, s):
+    """How that slope grows along ``s`` (1/m)."""
+    if not table[at + FIRST] <= s < table[at + LAST]:
+        return 0.0
+    return 2.0 * table[row_at(table, at, s) + HALF_BEND]

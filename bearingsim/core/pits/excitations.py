@@ -1,0 +1,315 @@
+"""What a roller feels of a pit: the models of the literature side by side.
+
+A pit is cut along the roller into groups (``pits/pairs.py``). At the distance s (m) along rolling from the pit's
+middle a group of weight w carries
+
+    w share elastic(delta - h(s))      (delta: approach of the contact to the undamaged race)
+
+and its approach grows more slowly by h'(s) ds/dt. An excitation is a type: it says what share and h are (``felt``)
+and what the columns of its groups mean (``groups``), except for W, the weight, and B, the half width (m) beyond
+which nothing is felt. The slope is nowhere more than min(B, X_E, sqrt(2 R DEPTH))/R: estimates of impact speed use
+that.
+
+Several of the published forms take the race as flat and let a ball sink by R_w - sqrt(R_w^2 - w^2/4). Here all use
+the radius R relative to the race, as the envelope does: for an NF308's outer race that is 15 % less, and the forms
+then differ in nothing but their course. docs/excitations.md compares them.
+"""
+
+from math import asin, cos, pi, sin, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim.core.jit import generic, jit
+from bearingsim.core.pits.envelope import bent, looked_up
+from bearingsim.core.pits.pairs import DEPTH, KAPPA, NEVER, X_E, B, W, depression, depression_bend
+
+KEPT, LOST = -1.0, 1.0  # in column KAPPA of ``PressureShare``: which part of the pressure a group is
+
+
+@generic
+def felt(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float, float]:
+    """What one group feels at ``s`` (m) from the pit's middle: its share (1), sinking h (m) and slope dh/ds (1).
+
+    group: (5,) row of ``groups``; R: radius (m) of the roller relative to the race.
+    """
+
+
+@generic
+def bend(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float]:
+    """Slopes, along ``s``, of what ``felt`` gives: of the share (1/m) and of dh/ds (1/m). A jump has none."""
+
+
+@generic
+def groups(excitation: Any, shape: str, rows: list, R: float) -> list:
+    """Rows of a pit as ``felt`` reads them, from the ``rows`` of its envelope. Plain Python."""
+
+
+class Envelope(NamedTuple):
+    """The path of a round, rigid roller over the pit's profile: ``pits/pairs.py``. The default.
+
+    Left out: that an edge is softer than the race, and the tilt of the contact's normal.
+    """
+
+
+@felt.register(Envelope)
+def _felt_envelope(excitation, group, s, R):
+    h, slope = depression(group, s, R)
+    return 1.0, h, slope
+
+
+@bend.register(Envelope)
+def _bend_envelope(excitation, group, s, R):
+    return 0.0, depression_bend(group, s, R)
+
+
+@groups.register(Envelope)
+def _groups_envelope(excitation, shape, rows, R):
+    return rows
+
+
+class Traced(NamedTuple):
+    """The same path where it has no closed form: looked up in a table, built once for a pit (``pits/traced.py``).
+
+    Column KAPPA of a group says where in ``table`` its path begins. Left out: what ``Envelope`` leaves out.
+    """
+
+    table: np.ndarray
+
+
+@felt.register(Traced)
+def _felt_traced(excitation, group, s, R):
+    if abs(s) >= group[B]:
+        return 1.0, 0.0, 0.0
+    h, slope = looked_up(excitation.table, int(group[KAPPA]), s)
+    return 1.0, h, slope
+
+
+@bend.register(Traced)
+def _bend_traced(excitation, group, s, R):
+    return 0.0, (bent(excitation.table, int(group[KAPPA]), s) if abs(s) < group[B] else 0.0)
+
+
+def pulses(rows: list, R: float) -> list:
+    """The envelope's rows with the sag of each, its h in the middle (m), in place of its depth."""
+    return [(row[W], row[B], NEVER, 0.0, float(depression(np.array(row), 0.0, R)[0])) for row in rows]
+
+
+class RectangularPulse(NamedTuple):
+    """The sag all at once: h = H inside the pit, 0 outside, H = min(depth, w^2/(8 R)) for a box.
+
+    After the pulses of the ball models of the 2000s (among them Patel, Tandon and Pandey 2010, Sawalhi and Randall
+    2008). Left out: the way in and out. A step has no rate, so h' = 0: the roller meets the far edge as a sudden
+    approach of up to H, which does work on it that no real edge does.
+    """
+
+
+@felt.register(RectangularPulse)
+def _felt_rectangular(excitation, group, s, R):
+    return 1.0, (group[DEPTH] if abs(s) < group[B] else 0.0), 0.0
+
+
+@bend.register(RectangularPulse)
+def _bend_rectangular(excitation, group, s, R):
+    return 0.0, 0.0
+
+
+@groups.register(RectangularPulse)
+def _groups_rectangular(excitation, shape, rows, R):
+    return pulses(rows, R)
+
+
+class HalfSinePulse(NamedTuple):
+    """h = H sin(pi (s/w + 1/2)) inside the pit, H the sag as for ``RectangularPulse``.
+
+    After the half-sine displacement excitation of the ball models (among them Liu, Shao and Lim 2012, for a ball
+    larger than the defect). Smooth where the envelope of a narrow pit has its cusp, with 6/pi times its area; the
+    slope jumps at the rims. Left out: the geometry of roller and rim, which gives parabolas.
+    """
+
+
+@felt.register(HalfSinePulse)
+def _felt_half_sine(excitation, group, s, R):
+    if abs(s) >= group[B]:
+        return 1.0, 0.0, 0.0
+    phase = 0.5 * pi * s / group[B]
+    return 1.0, group[DEPTH] * cos(phase), -0.5 * pi * group[DEPTH] / group[B] * sin(phase)
+
+
+@bend.register(HalfSinePulse)
+def _bend_half_sine(excitation, group, s, R):
+    if abs(s) >= group[B]:
+        return 0.0, 0.0
+    per_metre = 0.5 * pi / group[B]
+    return 0.0, -per_metre * per_metre * group[DEPTH] * cos(per_metre * s)
+
+
+@groups.register(HalfSinePulse)
+def _groups_half_sine(excitation, shape, rows, R):
+    return pulses(rows, R)
+
+
+class PiecewisePulse(NamedTuple):
+    """A quarter sine down from each rim, a plateau between: h = H sin(pi x/(2 x_r)) for x < x_r, else H.
+
+    x: distance from the nearer rim; x_r = min(w/2, sqrt(2 R d)), where a roller that hangs on the rim of a box
+    reaches the floor. So the ratio of roller to pit decides, as it does after Liu, Shao and Lim 2012: too narrow a
+    pit for the roller to reach the floor gives one half sine, a wide one a plateau of the full depth. Their ball
+    can hang on the pit's sides too (their ratio of length to width); a roller cannot, and a pit shorter than it
+    leaves the rest of its length on the race. A V or a bowl has no floor to stand on: a half sine.
+    """
+
+
+@felt.register(PiecewisePulse)
+def _felt_piecewise(excitation, group, s, R):
+    x = group[B] - abs(s)
+    if x <= 0.0:
+        return 1.0, 0.0, 0.0
+    if x >= group[X_E]:
+        return 1.0, group[DEPTH], 0.0
+    phase = 0.5 * pi * x / group[X_E]
+    slope = 0.5 * pi * group[DEPTH] / group[X_E] * cos(phase)
+    return 1.0, group[DEPTH] * sin(phase), (-slope if s > 0.0 else slope)
+
+
+@bend.register(PiecewisePulse)
+def _bend_piecewise(excitation, group, s, R):
+    x = group[B] - abs(s)
+    if x <= 0.0 or x > group[X_E]:
+        return 0.0, 0.0
+    per_metre = 0.5 * pi / group[X_E]
+    return 0.0, -per_metre * per_metre * group[DEPTH] * sin(per_metre * x)
+
+
+@groups.register(PiecewisePulse)
+def _groups_piecewise(excitation, shape, rows, R):
+    floors = [sqrt(2.0 * R * row[DEPTH]) if shape == "rectangular" else NEVER for row in rows]
+    return [
+        (w, b, min(b, floor), 0.0, sag) for (w, b, _, _, sag), floor in zip(pulses(rows, R), floors, strict=True)
+    ]
+
+
+class ClearanceIncrease(NamedTuple):
+    """Over the pit the clearance is larger by the pit's depth: h = depth inside, 0 outside, whatever the width.
+
+    After Arslan and Akturk 2008, and Patel, Tandon and Pandey 2010, who take the defect's depth off the contact's
+    deformation. Left out: the size of the roller, which keeps it from the floor of a narrow pit. No rate, as for
+    ``RectangularPulse``. The depth of a V is taken over its whole width, that of a bowl in each group.
+    """
+
+
+@felt.register(ClearanceIncrease)
+def _felt_clearance(excitation, group, s, R):
+    return 1.0, (group[DEPTH] if abs(s) < group[B] else 0.0), 0.0
+
+
+@bend.register(ClearanceIncrease)
+def _bend_clearance(excitation, group, s, R):
+    return 0.0, 0.0
+
+
+@groups.register(ClearanceIncrease)
+def _groups_clearance(excitation, shape, rows, R):
+    return [(row[W], row[B], NEVER, 0.0, row[DEPTH]) for row in rows]
+
+
+class PressureShare(NamedTuple):
+    """The part of the contact's pressure that would lie over the pit is lost until the approach exceeds its depth.
+
+    After Ashtekar, Sadeghi and Stacke 2008, whose force over a dent follows from its size within the contact. With
+    the semi-elliptic pressure of half width b (m) centred at s, the part over the pit is
+
+        rho = P((w/2 - s)/b) - P((-w/2 - s)/b),    P(x) = 1/2 + (arcsin x + x sqrt(1 - x^2))/pi,   |x| <= 1
+
+    and the contact is two groups: the share 1 - rho at h = 0, the share rho at h = depth. b is constant, that of
+    the largest healthy load (``hertz_half_width``). Left out: the pressure that moves to the dent's rims, and that
+    b grows with the load. For dents narrower than the contact, 2 b: over a wider pit (and most are: b is some
+    18 um at 47 N) the roller falls as a point would, onto the floor.
+    """
+
+    b: float
+
+
+def hertz_half_width(force: float, L_w: float, R: float, E: float, nu: float) -> float:
+    """Half width b (m) of a line contact of length ``L_w`` (m) under ``force`` (N), both bodies of E (Pa), nu.
+
+    Hertz: b^2 = 4 F R/(pi L E*), 1/E* = 2 (1 - nu^2)/E (Johnson, Contact Mechanics 1985, eq. 4.43).
+    """
+    return sqrt(8.0 * force * R * (1.0 - nu * nu) / (pi * L_w * E))
+
+
+@jit
+def pressure_before(x):
+    """Part of a semi-elliptic pressure over (-1, 1) that lies before ``x``."""
+    x = min(max(x, -1.0), 1.0)
+    return 0.5 + (asin(x) + x * sqrt(1.0 - x * x)) / pi
+
+
+@felt.register(PressureShare)
+def _felt_pressure_share(excitation, group, s, R):
+    half_width, b = group[B] - excitation.b, excitation.b
+    rho = pressure_before((half_width - s) / b) - pressure_before((-half_width - s) / b)
+    if group[KAPPA] == LOST:
+        return rho, group[DEPTH], 0.0
+    return 1.0 - max(rho, 0.0), 0.0, 0.0
+
+
+@jit
+def pressure_at(x):
+    """Slope of ``pressure_before``."""
+    return 2.0 / pi * sqrt(max(1.0 - x * x, 0.0))
+
+
+@bend.register(PressureShare)
+def _bend_pressure_share(excitation, group, s, R):
+    half_width, b = group[B] - excitation.b, excitation.b
+    ahead, behind = (half_width - s) / b, (-half_width - s) / b
+    rho_slope = (pressure_at(behind) - pressure_at(ahead)) / b
+    return (rho_slope if group[KAPPA] == LOST else -rho_slope), 0.0
+
+
+@groups.register(PressureShare)
+def _groups_pressure_share(excitation, shape, rows, R):
+    found = []
+    for row in rows:
+        if row[DEPTH] == 0.0:
+            found.append((row[W], 0.0, NEVER, KEPT, 0.0))
+        else:
+            reach = row[B] + excitation.b
+            found += [(row[W], reach, NEVER, KEPT, 0.0), (row[W], reach, NEVER, LOST, row[DEPTH])]
+    return found
+
+
+class SoftEdge(NamedTuple):
+    """The envelope, with only ``kept`` (1) of the contact's stiffness while the roller hangs on a rim.
+
+    After Niu, Cao, He and Li 2014 and 2015, whose ball of finite size is held less stiffly in the defect, with
+    slip and traction (those are the model's business: ``planar``). 0.65 is the middle of 0.6 to 0.7, what a
+    half-space solution gives for one sharp edge alone. Full stiffness returns on the floor and on a wall. Left
+    out: the passage from race to edge within half a contact's width, so the force jumps at the rim; and in the
+    middle of a narrow pit, where two edges carry, the stiffness is that of one.
+    """
+
+    kept: float = 0.65
+
+
+@felt.register(SoftEdge)
+def _felt_soft_edge(excitation, group, s, R):
+    h, slope = depression(group, s, R)
+    x = group[B] - abs(s)
+    on_rim = 0.0 < x <= group[X_E] and h < group[DEPTH]
+    return (excitation.kept if on_rim else 1.0), h, slope
+
+
+@bend.register(SoftEdge)
+def _bend_soft_edge(excitation, group, s, R):
+    return 0.0, depression_bend(group, s, R)
+
+
+@groups.register(SoftEdge)
+def _groups_soft_edge(excitation, shape, rows, R):
+    return rows
+
+
+LEAPS = (RectangularPulse, ClearanceIncrease, PressureShare)
+"""Excitations under which a pit ends in a step, or nearly: a roller with mass is then deep in the race at once."""

@@ -1,0 +1,198 @@
+"""When rollers meet pits, and how hard the ring is struck: the impulses of the model ``impulse``. Plain numpy.
+
+McFadden and Smith (J. Sound Vib. 96, 1984, 69-82) let a point defect give an impulse at each meeting, as strong
+as the load there, q(phi), and superpose the trains of several defects (98, 1985, 263-273). They leave the scale of
+the impulses free. Here it is what a roller sheds: over the pit the race loses the roller's force, and the ring is
+pushed against e_r, at s from the pit's middle by the force P q(phi),
+
+    (1 - kappa) P = 1 - sum_g w_g max(1 - h_g(s)/delta + kappa P/n, 0)^n,      J = q(phi)/v integral of P ds
+
+h_g: envelope of the pit's group g; delta(phi): approach of both contacts of the roller together; v: speed at which
+the contact runs over the pit; kappa = k (cos^2 phi/K_x + sin^2 phi/K_y): the roller's part, k = n q/delta, in the
+ring's stiffness. The terms in kappa take that part back while the roller carries nothing (with K_x = K_y = inf
+they vanish). Wholly unloaded P = 1/(1 - kappa), 1.45 for an NF308 without clearance. A pit as long as the roller,
+much wider than sqrt(2 R delta) and deeper than delta, gives J = P q w/v, P q for the time of crossing; one that is
+shorter, narrower or shallower gives less. The crossing is taken as an instant, its middle: good for frequencies
+far below v/w.
+
+Left out: inertia during the crossing, the blow with which the roller comes back (its impulse is nearly nothing but
+the load again, since the roller is light), and slip.
+"""
+
+from collections.abc import Sequence
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.core.parameters import Bearing
+from bearingsim.core.pits.envelope import sinking
+from bearingsim.core.pits.pairs import INNER, ON_INNER, Meeting, W, depression
+
+PLACES = 200  # at which the load shed is summed, over half a pit
+NEWTON = 8  # steps; the function is convex and they start above its root
+MOST = 0.5  # of kappa: a ring that mainly hangs on one roller would fall, not spring
+
+
+class LoadZone(NamedTuple):
+    """How the load is shared: q(phi) = q_0 [1 - (1 - cos phi)/(2 epsilon)]^n, nothing where the bracket is < 0.
+
+    q_0: largest load of a roller (N); delta_0: approach of its two contacts together (m); epsilon: load zone
+    parameter, 1/2 without clearance, less with it, more with preload; n: exponent of the contact, 10/9 for a line,
+    3/2 for a point; axis: angle of the most loaded position from the load line (rad); K_x, K_y: the ring's
+    stiffness on rollers and bracket (N/m), inf to leave out that it is less while one carries nothing. Source:
+    Stribeck; McFadden and Smith 1984.
+    """
+
+    q_0: float
+    delta_0: float
+    epsilon: float
+    n: float
+    axis: float = 0.0
+    K_x: float = inf
+    K_y: float = inf
+
+
+class Train(NamedTuple):
+    """Impulses on the ring: times (n,) s, ascending; J_x, J_y (n,) N s, along and across the load line."""
+
+    times: np.ndarray
+    J_x: np.ndarray
+    J_y: np.ndarray
+
+
+def approach(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
+    """Approach (m) of both contacts together of a roller at ``phi`` (rad), 0 outside the load zone."""
+    return zone.delta_0 * np.maximum(1.0 - (1.0 - np.cos(phi - zone.axis)) / (2.0 * zone.epsilon), 0.0)
+
+
+def load(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
+    """Load (N) of a roller at ``phi`` (rad from the load line)."""
+    return zone.q_0 * (approach(zone, phi) / zone.delta_0) ** zone.n
+
+
+def passes(bearing: Bearing, meeting: Meeting, start: float, end: float) -> tuple[np.ndarray, np.ndarray]:
+    """Instants (n,) in (start, end], s, at which a roller stands over the pit's middle, and its angles (n,) rad.
+
+    A pit of the outer race is met Z times a turn of the cage, always at its own angle; one of the inner race Z
+    times a turn of the ring relative to the cage, wherever the ring has carried it; one of a roller once for each
+    race and turn of the roller, wherever the cage has carried that.
+    """
+    pass_angle = 2.0 * np.pi / bearing.Z
+    if meeting.on >= 0:
+        half_turn = np.pi if meeting.side == INNER else 0.0
+        times = instants(meeting.angle + half_turn, 2.0 * np.pi, bearing.omega_b, start, end)
+        return times, bearing.theta_0 + bearing.omega_c * times + meeting.on * pass_angle
+    if meeting.on == ON_INNER:
+        relative = bearing.omega_i - bearing.omega_c
+        times = instants(bearing.theta_0 - meeting.angle, pass_angle, relative, start, end)
+        return times, meeting.angle + bearing.omega_i * times
+    times = instants(meeting.angle - bearing.theta_0, pass_angle, bearing.omega_c, start, end)
+    return times, np.full(len(times), meeting.angle)
+
+
+def instants(first: float, between: float, speed: float, start: float, end: float) -> np.ndarray:
+    """Instants (n,) in (start, end], s, at which ``speed`` t is ``first`` plus a whole number of ``between``."""
+    low, high = (np.floor((speed * t - first) / between) for t in (start, end))
+    return (first + between * np.arange(low + 1, high + 1)) / speed
+
+
+def crossing_speed(bearing: Bearing, meeting: Meeting) -> float:
+    """Speed (m/s) at which a contact runs over the pit."""
+    if meeting.on >= 0:
+        return meeting.radius * bearing.omega_b
+    if meeting.on == ON_INNER:
+        return meeting.radius * (bearing.omega_i - bearing.omega_c)
+    return meeting.radius * bearing.omega_c
+
+
+def part_of_stiffness(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
+    """kappa (n,): a loaded roller's part in the ring's stiffness at ``phi`` (n,) rad, at most ``MOST``."""
+    stiffness = zone.n * load(zone, phi) / approach(zone, phi)
+    return np.minimum(stiffness * (np.cos(phi) ** 2 / zone.K_x + np.sin(phi) ** 2 / zone.K_y), MOST)
+
+
+def shed_width(meeting: Meeting, delta: np.ndarray, kappa: np.ndarray, n: float) -> np.ndarray:
+    """Integral of P over the pit (n,), m: how far rollers with approach ``delta`` > 0 (n,) m go unloaded."""
+    s = ((np.arange(2 * PLACES) + 0.5) / PLACES - 1.0) * meeting.half_width
+    h = sinkings(meeting, s)
+    delta, kappa = delta[:, None], kappa[:, None]
+    P = np.repeat(1.0 / (1.0 - kappa), 2 * PLACES, axis=1)
+    for _ in range(NEWTON):
+        excess, slope = (1.0 - kappa) * P - 1.0, 1.0 - kappa
+        for row, sunk in zip(meeting.groups, h, strict=True):
+            left = np.maximum(1.0 - sunk / delta + kappa * P / n, 0.0)
+            force = row[W] * left ** (n - 1.0)
+            excess, slope = excess + force * left, slope + force * kappa
+        P = P - excess / slope
+    return 2.0 * meeting.half_width * P.mean(axis=1)
+
+
+def sinkings(meeting: Meeting, s: np.ndarray) -> list[np.ndarray]:
+    """How far (n,) m each group lets a roller sink at ``s`` (n,) m."""
+    if meeting.paths:
+        return [sinking(path, s)[0] for path in meeting.paths]
+    return [np.array([depression(np.array(row), x, meeting.R)[0] for x in s]) for row in meeting.groups]
+
+
+def strengths(bearing: Bearing, zone: LoadZone, meeting: Meeting, phi: np.ndarray) -> np.ndarray:
+    """Impulse J (n,) N s that a roller at ``phi`` (n,) rad sheds over the pit; 0 outside the load zone."""
+    places, which = np.unique(phi, return_inverse=True)
+    J, loaded = np.zeros(len(places)), approach(zone, places) > 0.0
+    there = places[loaded]
+    width = shed_width(meeting, approach(zone, there), part_of_stiffness(zone, there), zone.n)
+    J[loaded] = load(zone, there) * width / crossing_speed(bearing, meeting)
+    return J[which]
+
+
+def train(bearing: Bearing, zone: LoadZone, meetings: Sequence[Meeting], start: float, end: float) -> Train:
+    """One impulse at each meeting of a roller with a pit in (start, end], s: all pits superposed."""
+    parts = [struck(bearing, zone, meeting, start, end) for meeting in meetings]
+    return joined(parts)
+
+
+def struck(
+    bearing: Bearing, zone: LoadZone, meeting: Meeting, start: float, end: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Instants (n,) s, angles (n,) rad and strengths (n,) N s of one pit's impulses."""
+    times, phi = passes(bearing, meeting, start, end)
+    return times, phi, strengths(bearing, zone, meeting, phi)
+
+
+def random_train(
+    bearing: Bearing,
+    zone: LoadZone,
+    meetings: Sequence[Meeting],
+    start: float,
+    end: float,
+    generator: np.random.Generator,
+    spacing: float = 50e-6,
+) -> Train:
+    """``train`` with each impulse broken up among the asperities of a rough pit.
+
+    After Behzad, Bastami and Mba (J. Vib. Acoust. 133, 2011, 031011), who see the cause of a damaged bearing's
+    vibration in random impacts of asperities. Over a pit of width w the impulse J becomes N = w/``spacing`` ones
+    (rounded, at least 1), anywhere in the crossing with equal probability, with exponentially distributed
+    strengths of mean J/N: their sum has the mean J and the standard deviation J/sqrt(N). Left out: what follows
+    from the heights and stiffness of asperities (``spacing``, in m, stands for all of it), and asperities of
+    healthy surfaces.
+
+    The same generator state gives the same train, and a longer train begins with the shorter one.
+    """
+    parts = []
+    for meeting, draw in zip(meetings, generator.spawn(len(meetings)), strict=True):
+        times, phi, J = struck(bearing, zone, meeting, start, end)
+        width = 2.0 * meeting.half_width
+        N = max(1, round(width / spacing))
+        u = draw.random((len(times), N, 2))
+        late = (u[:, :, 0] - 0.5) * width / crossing_speed(bearing, meeting)
+        strength = J[:, None] / N * -np.log1p(-u[:, :, 1])
+        parts.append(((times[:, None] + late).ravel(), np.repeat(phi, N), strength.ravel()))
+    return joined(parts)
+
+
+def joined(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Train:
+    """All (times, angles, strengths) as one train: each pushes the ring against e_r of its angle."""
+    times, phi, J = (np.concatenate([np.zeros(0), *(part[n] for part in parts)]) for n in range(3))
+    order = np.argsort(times, kind="stable")
+    return Train(times[order], (-J * np.cos(phi))[order], (-J * np.sin(phi))[order])

@@ -1,0 +1,101 @@
+"""A spall that grows by a rule: bowl by bowl, along rolling and sideways.
+
+Material breaks out where rolling elements land: at the rim that they reach last, the trailing one. So each new
+bowl has its middle on that rim, where of ``TRIES`` places drawn evenly from the spall's present extent across the
+rim is nearest (a roller, being straight, lands there first). Its half sizes and depth are drawn evenly from
+``SIZES`` and ``DEPTHS``, the first bowl's half sizes being 1. A spall thus grows along rolling and fans out.
+``BOWLS`` of them make the whole, which is then stretched to its length, width and depth; a spall that is grown by
+less is the same without its later bowls, the last one shrunk. The numbers are choices, not measurements:
+docs/defects.md.
+"""
+
+from functools import lru_cache, reduce
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.core.pits.depth import ROUGH, cuts, extent, section
+from bearingsim.core.pits.profile import RACE, Profile, deepest, quadratic
+
+BOWLS = 32
+SIZES, DEPTHS = (0.6, 1.2), (0.5, 1.0)
+TRIES = 2
+FIRST_DEPTH = 0.7
+
+Bowl = tuple[float, float, float, float, float]
+"""Middle along and across, half size along and across, depth."""
+
+
+class Spall(NamedTuple):
+    """length, width, depth: m, of the full-grown spall; grown: how far it is (0 to 1); seed: which spall."""
+
+    length: float
+    width: float
+    depth: float
+    grown: float
+    seed: int
+
+
+@lru_cache(maxsize=64)
+def grown_to_the_end(seed: int) -> tuple[Bowl, ...]:
+    """The bowls of a spall in the order of their breaking, in a box from -1/2 to 1/2 along and across, 1 deep."""
+    draw = np.random.default_rng(seed)
+    bowls: list[Bowl] = [(0.0, 0.0, 1.0, 1.0, FIRST_DEPTH)]
+    for _ in range(BOWLS - 1):
+        low, high = min(v - b for _, v, _, b, _ in bowls), max(v + b for _, v, _, b, _ in bowls)
+        rims = [(trailing_rim(bowls, across), across) for across in draw.uniform(low, high, TRIES).tolist()]
+        a, b, d = draw.uniform(*SIZES), draw.uniform(*SIZES), draw.uniform(*DEPTHS)
+        bowls.append((*min(rims), a, b, d))
+    return _in_a_box(bowls)
+
+
+def trailing_rim(bowls: list[Bowl], across: float) -> float:
+    """How far along a spall reaches at one place across."""
+    return max(u + a * sqrt(1.0 - ((across - v) / b) ** 2) for u, v, a, b, _ in bowls if abs(across - v) <= b)
+
+
+def _in_a_box(bowls: list[Bowl]) -> tuple[Bowl, ...]:
+    u, v, a, b, d = np.array(bowls).T
+    low_u, low_v = np.min(u - a), np.min(v - b)
+    along, across, deep = np.max(u + a) - low_u, np.max(v + b) - low_v, np.max(d)
+    box = np.stack(
+        [(u - low_u) / along - 0.5, (v - low_v) / across - 0.5, a / along, b / across, d / deep], axis=1
+    )
+    return tuple(map(tuple, box.tolist()))
+
+
+def bowls_of(spall: Spall) -> list[Bowl]:
+    """The bowls that are there, in m: the last one of a size in between."""
+    whole = grown_to_the_end(spall.seed)
+    count = spall.grown * (len(whole) - 1)
+    found = []
+    for n, (u, v, a, b, d) in enumerate(whole):
+        part = min(count - n + 1.0, 1.0)
+        if part > 0.0:
+            size, along, across = part, spall.width, spall.length
+            found.append((u * along, v * across, size * a * along, size * b * across, size * d * spall.depth))
+    return found
+
+
+@section.register(Spall)
+def _section(spall: Spall, z: float) -> Profile:
+    profiles = [RACE]
+    for u, v, a, b, d in bowls_of(spall):
+        rest = 1.0 - ((z - v) / b) ** 2
+        if rest > 0.0:
+            half, bend = a * sqrt(rest), 2.0 * d / (a * a)
+            profiles.append(quadratic(u - half, u + half, 0.0, bend * half, -bend))
+    return reduce(deepest, profiles)
+
+
+@extent.register(Spall)
+def _extent(spall: Spall) -> tuple[float, float, float, float]:
+    u, v, a, b, _ = np.array(bowls_of(spall)).T
+    return float(np.min(u - a)), float(np.max(u + a)), float(np.min(v - b)), float(np.max(v + b))
+
+
+@cuts.register(Spall)
+def _cuts(spall: Spall) -> list[tuple[float, float, int]]:
+    _, _, low, high = extent(spall)
+    return [(low, high, ROUGH)]

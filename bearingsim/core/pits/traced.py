@@ -1,0 +1,124 @@
+"""From a depth map to what the core reads: where a pit is cut along the roller, its paths, and their table."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from bearingsim.core.pits.depth import EVEN, SMOOTH, Merged, Placed, Scanned, cuts, extent, section
+from bearingsim.core.pits.envelope import FLAT, Path, cusp, packed, path_over, steepest
+from bearingsim.core.pits.excitations import Traced
+from bearingsim.core.pits.pairs import KAPPA, UNTOUCHED, Meeting, Pits, pits
+from bearingsim.core.pits.profile import Profile, relief
+
+SAME = np.array([1e-12, 1e-18, 1e-12, 1e-6])  # m, m, 1, 1/m: paths whose pieces and ends differ by less are one
+Cut = tuple[float, float]
+"""Weight (1) and middle z (m, from the roller's) of a slice of a roller."""
+
+
+def across(pit: Any, L_w: float, nodes: int) -> list[Cut]:
+    """Slices of a roller of length ``L_w`` (m) over a pit, their weights adding up to its share of the roller.
+
+    Where the section is the same all along there is one; where it changes smoothly ``nodes`` of Gauss on the
+    longest stretch, in proportion on others; where it is rough as many of even length.
+    """
+    felt = [(max(a, -L_w / 2.0), min(b, L_w / 2.0), kind) for a, b, kind in cuts(pit)]
+    felt = [(a, b, kind) for a, b, kind in felt if b > a]
+    longest = max((b - a for a, b, _ in felt), default=0.0)
+    return [
+        ((b - a) / L_w * float(weight) / 2.0, (a + b) / 2.0 + (b - a) / 2.0 * float(x))
+        for a, b, kind in felt
+        for x, weight in zip(*_rule(kind, ceil(nodes * (b - a) / longest - 1e-9)), strict=True)
+    ]
+
+
+def _rule(kind: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Places in (-1, 1) and weights (sum 2)."""
+    if kind == EVEN:
+        return np.zeros(1), np.full(1, 2.0)
+    if kind == SMOOTH:
+        return np.polynomial.legendre.leggauss(nodes)
+    return (2.0 * np.arange(nodes) + 1.0) / nodes - 1.0, np.full(nodes, 2.0 / nodes)
+
+
+Felt = tuple[tuple[float, ...], Path]
+"""A group without its weight (b, x_e, 0, depth), and its path."""
+
+
+def paths_over(pit: Any, R: float, places: Sequence[float] | np.ndarray) -> tuple[Felt, ...]:
+    """What is felt of a pit at each z (m) of ``places``: found once."""
+    return _paths_over(pit, repr(pit), R, tuple(float(z) for z in places))
+
+
+@lru_cache(maxsize=256)
+def _paths_over(pit: Any, named: str, R: float, places: tuple[float, ...]) -> tuple[Felt, ...]:
+    """``paths_over``, remembered; ``named`` tells shapes apart that are equal as tuples. A rough pit in 41 slices
+    has 20 kB of paths: a sweep's pits are all kept.
+    """
+    return tuple(_traced(section(pit, z), R) for z in places)
+
+
+def _traced(profile: Profile, R: float) -> Felt:
+    path = path_over(profile, R)
+    if len(path.pieces) == 0:
+        return UNTOUCHED, path
+    reach = R * steepest(path)
+    return (max(-path.pieces[0, 0], path.end, reach), reach, 0.0, relief(profile)), path
+
+
+def grouped(pit: Any, R: float, slices: Sequence[Cut]) -> tuple[list, list[Path]]:
+    """Groups and paths of a roller over a pit; slices that feel the same are one group, the rest of it another."""
+    found: dict[bytes, tuple[float, tuple, Path]] = {}
+    for (weight, _), (row, path) in zip(slices, paths_over(pit, R, [z for _, z in slices]), strict=True):
+        key = (np.round(np.append(path.pieces / SAME, path.end / SAME[0])) + 0.0).tobytes()
+        before = found[key][0] if key in found else 0.0
+        found[key] = (before + weight, row, path)
+    rest = 1.0 - sum(weight for weight, _ in slices)
+    untouched = [(rest, UNTOUCHED, FLAT)] if rest > 1e-12 else []
+    parts = [*untouched, *found.values()]
+    return [(weight, *row) for weight, row, _ in parts], [path for _, _, path in parts]
+
+
+def sliced(pit: Any, R: float, zetas: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
+    """A group of weight 1 and a path for each slice of a roller whose middle is at zeta (m)."""
+    found = paths_over(pit, R, zetas)
+    return [(1.0, *row) for row, _ in found], [path for _, path in found]
+
+
+def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) -> float:
+    """Place (m) of the cusp that the most of a roller feels the most of; 0 if there is none."""
+    cusps = [(cusp(path), row[0]) for row, path in zip(groups, paths, strict=True) if len(path.pieces)]
+    place, fall = 0.0, 0.0
+    for (where, falls), weight in cusps:
+        if falls * weight > fall:
+            place, fall = where, falls * weight
+    return place
+
+
+def span_of(pit: Any, R: float) -> float:
+    """The shortest way (m) over a pit, or one of several merged, along its middle; ``R``: of the roller (m)."""
+    if isinstance(pit, Merged):
+        return min(span_of(part, R) for part in pit.pits)
+    low, high, z_0, z_1 = extent(pit)
+    path = path_over(section(pit, (z_0 + z_1) / 2.0), R)
+    return path.end - float(path.pieces[0, 0]) if len(path.pieces) else high - low
+
+
+def burr(pit: Any) -> float:
+    """How far (m) a pit's highest place stands out of the race; only a scan's can."""
+    if isinstance(pit, Placed):
+        return burr(pit.pit)
+    return max(0.0, -float(pit.depth.min())) if isinstance(pit, Scanned) else 0.0
+
+
+def traced_pits(meetings: Sequence[Meeting]) -> Pits:
+    """The meetings packed, and their paths in one table."""
+    paths = [path for one in meetings for path in one.paths if len(path.pieces)]
+    table, places = packed(paths)
+    found, left = pits(meetings, Traced(table)), iter(places)
+    for groups, one in zip(found.groups, meetings, strict=True):
+        for row, path in zip(groups, one.paths, strict=False):
+            row[KAPPA] = next(left) if len(path.pieces) else 0.0
+    return found

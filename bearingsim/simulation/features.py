@@ -1,0 +1,183 @@
+"""Numbers read from a run: lines at characteristic frequencies, statistics, what rollers and cage did."""
+
+from dataclasses import dataclass
+from math import ceil, cos, floor, pi, sin
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim import assemble, signals
+from bearingsim.config import Case, dataset_names
+from bearingsim.config.names import HARMONICS, LINES, Line, line_name
+from bearingsim.core.geometry.motion import elapsed_times, speed_factor
+from bearingsim.core.layout import LINE_MAX, LOADED, Q_I_MAX, Q_MAX, Q_P_MAX, TILT_MAX
+from bearingsim.simulation.channels import BASE, MOTION, PLACES, SPEED_OF_CAGE, TURN_OF_CAGE
+from bearingsim.simulation.choose import Grid
+
+FEWEST_PASSES = 3
+"""Ball passes that a record must hold for lines to be read against a free cage: interpolation takes its ends."""
+
+EXTREMES = ("outer_force.max", "inner_force.max", "cage_force.max", "tilt.max", "line_load.max")
+
+ROW_OF = {place: row for row, place in enumerate(BASE)}
+OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
+
+
+@dataclass(frozen=True)
+class Tape:
+    """What the integrator leaves behind, before it is sampled.
+
+    places: (C,) of the buffer, recorded; fine: (C, n) fine samples of them, number 0 (t = 0) in column ``zero``;
+    picked: (C, m) raw values at the record's instants, empty with the low-pass on; y: the buffer at the end.
+    """
+
+    places: np.ndarray
+    fine: np.ndarray
+    zero: int
+    picked: np.ndarray
+    y: np.ndarray
+    integrator_cpu_s: float
+
+
+class Turns(NamedTuple):
+    """Angles (n,) in rad at fine samples: of the first roller, the inner ring, and a roller's roll in the cage."""
+
+    cage: np.ndarray
+    inner: np.ndarray
+    roll: np.ndarray
+
+    def along(self, line: Line, Z: int) -> np.ndarray:
+        """The angle whose cosine a line follows."""
+        return (
+            line.outer * Z * self.cage
+            + line.inner * Z * (self.inner - self.cage)
+            + line.spin * self.roll
+            + line.cage * self.cage
+            + line.shaft * self.inner
+        )
+
+
+def features(case: Case, model: Any, cut: Grid, tape: Tape, sampled: np.ndarray) -> dict[str, float]:
+    """Every feature of a run; ``sampled``: (C, n) the record."""
+    return {
+        **ball_pass_lines(case, model, cut, tape),
+        **other_lines(case, model, cut, tape),
+        **statistics(case, cut, sampled),
+        **extremes(case, model, tape.y),
+        **cage_and_load_zone(case, model, sampled),
+    }
+
+
+def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
+    """A quantity of the ring in the direction the sensor looks."""
+    x, y = (rows[ROW_OF[PLACES[name]]] for name in dataset_names(f"ring.{quantity}"))
+    return cos(case.rig.sensor_angle) * x + sin(case.rig.sensor_angle) * y
+
+
+def whole_passes(case: Case, cut: Grid) -> int:
+    """Ball passes that lie wholly in the record."""
+    return floor(case.duration * cut.rate + 1e-6)
+
+
+def first_sample(case: Case, cut: Grid) -> int:
+    """The number of the record's first fine sample, counted from t = 0."""
+    return ceil(case.settle * cut.fine_rate - 1e-6)
+
+
+def turns(model: Any, cut: Grid, start: int, slip: np.ndarray) -> Turns:
+    """Angles at fine samples from number ``start`` on; ``slip``: (n,) the cage's turn beyond its kinematic one."""
+    b = model.bearing
+    t = elapsed_times(model, (start + np.arange(len(slip))) / cut.fine_rate)
+    return Turns(b.theta_0 + b.omega_c * t + slip, b.omega_i * t, b.omega_b * t + b.omega_b / b.omega_c * slip)
+
+
+def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
+    """Amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
+    M, start, Z = cut.fine_per_pass, first_sample(case, cut), case.bearing.rollers
+    length = whole_passes(case, cut) * M + 1
+    whole = tape.fine[: len(BASE), start + tape.zero : start + tape.zero + length]
+    angle = Z * model.bearing.theta_0
+    slip = whole[ROW_OF[TURN_OF_CAGE]]
+    rate: Any = cut.rate
+    if assemble.kind(case).slips:  # its passes take what time they take
+        ball_pass = Z * turns(model, cut, start, slip).cage - angle
+        if ball_pass[-1] - ball_pass[0] < 2.0 * pi * FEWEST_PASSES or np.any(np.diff(ball_pass) <= 0.0):
+            return dict.fromkeys(_ball_pass_names(), float("nan"))
+        M *= ceil(2.0 * pi / (M * np.diff(ball_pass).min()))  # the longest pass keeps all its samples
+        time, (whole, first) = np.arange(length) / cut.fine_rate, signals.at_equal_angles(whole, ball_pass, M)
+        passes = first + np.arange((whole.shape[1] - 1) // M + 1)
+        rate, start = 1.0 / np.diff(np.interp(2.0 * pi * passes, ball_pass, time)), 0
+    velocity = along_sensor(case, whole, "velocity")
+    by_pass = {
+        quantity: signals.lines_by_pass(along_sensor(case, whole, quantity)[:-1], M, HARMONICS, start, angle)
+        for quantity in ("displacement", "velocity")
+    }
+    by_pass["acceleration"] = signals.derivative_lines(
+        by_pass["velocity"], velocity[::M], rate, HARMONICS, angle + 2.0 * pi * (start % M) / M
+    )
+    found = {}
+    beside = assemble.kind(case).slips or any(defect.race != "outer" for defect in case.defects)
+    for quantity, lines in by_pass.items():
+        for harmonic, values in zip(HARMONICS, lines, strict=True):
+            name = f"{quantity}@{line_name(harmonic)}"
+            found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values, beside)
+    return found
+
+
+def _ball_pass_names() -> list[str]:
+    lines = [f"{quantity}@{line_name(harmonic)}" for quantity in MOTION for harmonic in HARMONICS]
+    return [f"{line}{ending}" for line in lines for ending in ("", ".phase", "-scatter")]
+
+
+def other_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
+    """Amplitude and phase of lines whose periods do not divide the record; nan where it is too short to tell."""
+    start = first_sample(case, cut)
+    length = max(2, floor(case.duration * cut.fine_rate + 1e-6))
+    fine = tape.fine[: len(BASE), start + tape.zero : start + tape.zero + length]
+    turning = turns(model, cut, start, fine[ROW_OF[TURN_OF_CAGE]])
+    angles = {name: turning.along(line, case.bearing.rollers) for name, line in LINES.items()}
+    frequencies = [(angle[-1] - angle[0]) / (2.0 * pi * (length - 1)) * cut.fine_rate for angle in angles.values()]
+    told = dict(zip(LINES, signals.resolvable(np.array(frequencies), case.duration), strict=True))
+    found: dict[str, float] = {}
+    for name in OTHER_LINES:
+        for quantity in ("displacement", "velocity"):
+            A = complex(signals.line_at(along_sensor(case, fine, quantity), angles[name]) if told[name] else "nan")
+            found[f"{quantity}@{name}"], found[f"{quantity}@{name}.phase"] = float(abs(A)), float(np.angle(A))
+        # by parts from the velocity, which has fewer impacts to fold into the line than an acceleration
+        speed = np.gradient(angles[name]) * cut.fine_rate
+        A = 1j * complex(signals.line_at(speed * along_sensor(case, fine, "velocity"), angles[name]))
+        A = A if told[name] else complex("nan")
+        found[f"acceleration@{name}"], found[f"acceleration@{name}.phase"] = float(abs(A)), float(np.angle(A))
+    return found
+
+
+def statistics(case: Case, cut: Grid, sampled: np.ndarray) -> dict[str, float]:
+    """RMS, peak, crest factor and kurtosis of the record's whole ball passes, along the sensor."""
+    whole = sampled[:, : round(whole_passes(case, cut) / cut.rate * case.sampling)]
+    return {
+        f"{quantity}.{name}": value
+        for quantity in MOTION
+        for name, value in signals.statistics(along_sensor(case, whole, quantity)).items()
+    }
+
+
+def extremes(case: Case, model: Any, y: np.ndarray) -> dict[str, float]:
+    """Largest force (N), tilt (rad), line load (N/m) that any roller met; nan for what the model does not know."""
+    rows = {"outer_force.max": Q_MAX, "inner_force.max": Q_I_MAX} if assemble.kind(case).loaded else {}
+    rows |= {"cage_force.max": Q_P_MAX} if assemble.kind(case).slips else {}
+    rows |= {"tilt.max": TILT_MAX, "line_load.max": LINE_MAX} if assemble.kind(case).sliced else {}
+    found = {name: float(y[row : row + model.bearing.Z].max()) for name, row in rows.items()}
+    return dict.fromkeys(EXTREMES, float("nan")) | found
+
+
+def cage_and_load_zone(case: Case, model: Any, sampled: np.ndarray) -> dict[str, float]:
+    """Mean extent of the load zone (rad), and the cage's slip; nan for what the model does not know."""
+    time = case.settle + np.arange(sampled.shape[1]) / case.sampling
+    slip = -sampled[ROW_OF[SPEED_OF_CAGE]] / (model.bearing.omega_c * speed_factor(model, time))
+    extent = float(sampled[ROW_OF[LOADED]].mean()) * 2.0 * pi / model.bearing.Z
+    kind = assemble.kind(case)
+    return {
+        "load_zone.extent": extent if kind.loaded else float("nan"),
+        "cage.slip.mean": float(slip.mean()) if kind.slips else float("nan"),
+        "cage.slip.std": float(slip.std()) if kind.slips else float("nan"),
+    }

@@ -1,0 +1,311 @@
+"""A case stepped through time: from its setup to the tape that features and series are read from.
+
+Every run is watched (``core/advance.py``): what it gives up, and why, is an ``Unsound``.
+"""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import ceil, floor, hypot, nan
+from typing import Any
+
+import numpy as np
+
+from bearingsim import assemble
+from bearingsim.config import Case
+from bearingsim.config.rules import hierarchy
+from bearingsim.core import outcomes
+from bearingsim.core.advance import Watch, advance, ready, start_at_rest
+from bearingsim.core.crossings import missed, turned
+from bearingsim.core.layout import LINE_MAX, MAX_ROLLERS, POSITION, Q_I_MAX, Q_MAX, Q_P_MAX, TILT_MAX, X
+from bearingsim.core.methods.interface import prepare
+from bearingsim.core.models.interface import keep_extremes, watched
+from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH, decimate, decimation_kernel, pick
+from bearingsim.simulation import channels, choose
+from bearingsim.simulation.channels import BASE
+from bearingsim.simulation.features import Tape
+from bearingsim.simulation.limits import MOVED, PRESSED, Limits
+
+
+class SimulationError(Exception):
+    """A run that must not be trusted: why, what to do instead, and when (s into the run; None before it)."""
+
+    def __init__(self, reason: str, advice: str, time: float | None = None) -> None:
+        super().__init__(f"{reason}; {advice}")
+        self.reason, self.advice, self.time = reason, advice, time
+
+    def __reduce__(self) -> tuple:
+        return SimulationError, (self.reason, self.advice, self.time)
+
+
+class Unsound(SimulationError):
+    """The method or its step was not up to what happened: another (``instead``, in words) may be."""
+
+    def __init__(self, reason: str, advice: str, time: float | None = None, instead: str = "") -> None:
+        super().__init__(reason, advice + instead, time)
+        self.of_this_method = advice
+
+
+class TooSlow(Unsound):
+    """The method would take too much CPU time: a shorter step of it would take more."""
+
+
+class TooChaotic(SimulationError):
+    """The record of a chaotic motion is too short for its RMS to be worth 1 %; ``duration`` s would do."""
+
+    def __init__(self, reason: str, advice: str, duration: float = nan) -> None:
+        super().__init__(reason, advice)
+        self.duration = duration
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A case ready to be stepped: method named, cut in time, with the core's parameters and what it must keep to.
+
+    part: of the automatic step; most_cpu: seconds of CPU time that its steps may take, if they are automatic.
+    """
+
+    case: Case
+    part: float
+    cut: choose.Grid
+    limits: Limits
+    model: Any
+    method: Any
+    watch: Watch
+    most_cpu: float
+
+
+def set_up(case: Case, part: float = 1.0, most_cpu: float | None = None) -> Setup:
+    """Ready a case whose method is named; it may take ``most_cpu`` (s). Raises ``Refused``."""
+    cut, found = choose.grid(case, part, most_cpu or 0.0), choose.limits(case)
+    kind = assemble.method_kind(case)
+    lag = kind.lag * cut.step
+    model = assemble.relaxed(assemble.model(case), lag)
+    if not kind.adaptive:
+        model = assemble.in_step(model, cut.steps_per_pass, kind.cusp)
+    return Setup(
+        case,
+        part,
+        cut,
+        found,
+        model,
+        assemble.method(case, cut.step, part),
+        watch_of(cut, found),
+        most_cpu or choose.MOST_CPU,
+    )
+
+
+def watch_of(cut: choose.Grid, found: Limits) -> Watch:
+    """Look twice within an impact (half a period of the roller between its contacts), and as a pit is crossed."""
+    patience = 0.5 / found.contact_frequency if found.contact_frequency > 0.0 else 1.0
+    stride = int(min(patience, found.crossing / 2.0) / (2.0 * cut.step))
+    return Watch(min(32, max(1, stride)), patience, found.deepest, found.liveliest, MOST_WORK)
+
+
+def integrate(setup: Setup, nudge: float = 0.0) -> Tape:
+    """Step through all ball passes, keeping fine samples (and raw picks where the case wants them).
+
+    nudge: share of its displacement by which the ring is moved at the start.
+    """
+    case, cut = setup.case, setup.cut
+    y, places = _start(setup, nudge), channels.recorded(case)
+    M, D = cut.fine_per_pass, cut.decimation
+    taps = decimation_kernel(D)
+    lead = ceil(RESAMPLE_REACH * cut.fine_rate / case.sampling) + 1  # before t = 0 everything stood still
+    fine = np.empty((len(places), lead + cut.passes * M))
+    fine[:, :lead] = y[places][:, np.newaxis]
+    picked = np.empty((len(places), 0 if case.antialias else choose.samples(case)))
+    clock = [0.0]
+    for p, window in enumerate(_ball_passes(setup, y, places, clock)):
+        decimate(window, taps, D, fine[:, lead + p * M : lead + (p + 1) * M])
+        _pick_pass(case, cut, p, window, picked)
+    zero = lead + DECIMATION_REACH - 1
+    if assemble.kind(case).memoryless:  # never at rest: it repeats itself before t = 0 too
+        fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % M]
+    return Tape(places, fine, zero, picked, y, clock[0])
+
+
+def _start(setup: Setup, nudge: float) -> np.ndarray:
+    """A buffer at static equilibrium at t = 0, its accelerations filled in and its method ready."""
+    case, model = setup.case, setup.model
+    y, residual = assemble.start(case, model)
+    if not residual <= 1e-8 * hypot(case.load, case.load_across):
+        raise SimulationError(
+            f"no static equilibrium at the start: {residual:.3g} N left", "check load and clearance"
+        )
+    if nudge != 0.0:
+        y[POSITION + X] *= 1.0 + nudge
+        start_at_rest(model, 0.0, y)
+    keep_extremes(model, y)
+    if type(setup.method) in prepare.types:
+        ready(setup.method, model, 0.0, y)
+    return y
+
+
+def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[float]) -> Iterator[np.ndarray]:
+    """The recording, a ball pass at a time: (C, tail + steps) with the end of the pass before in front.
+
+    The same array every time. The largest forces are those of the record's whole passes; ``clock[0]`` gathers the
+    CPU seconds spent in the integrator.
+    """
+    case, cut, model = setup.case, setup.cut, setup.model
+    counted, before = _passes_of_record(case, cut), _turns_of_pits(setup, 0.0, y)
+    steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
+    rows = (Q_MAX, Q_I_MAX, Q_P_MAX, *((TILT_MAX, LINE_MAX) if assemble.kind(case).sliced else ()))
+    largest = np.concatenate([np.arange(row, row + MAX_ROLLERS) for row in rows])
+    kept = y[largest]
+    window = np.empty((len(places), tail + steps))
+    window[:] = y[places][:, np.newaxis]
+    _load(setup, y, places)
+    if assemble.kind(case).memoryless:  # it was never at rest: what was before t = 0 is known
+        advance(setup.method, model, setup.watch, -tail, y, places, window[:, steps:])
+    for p in range(cut.passes):
+        window[:, :tail] = window[:, steps:].copy()
+        if p == 0 or not choose.repeats(case):
+            if p == counted.start:
+                y[largest] = 0.0
+            _take(setup, p * steps, y, places, window[:, tail:], clock)
+        if assemble.method_kind(case).adaptive:
+            differentiate(window, tail, cut.step)
+        if p == counted.stop - 1:
+            kept = y[largest].copy()
+        yield window
+    y[largest] = kept
+    end = cut.passes * steps * cut.step
+    if not np.isfinite(_turns_of_pits(setup, end, y)).all():  # since the watch has looked last
+        raise stopped(setup, outcomes.NOT_FINITE, outcomes.NOBODY, end)
+    unseen = missed(model, end, before, y) if before else 0
+    if unseen > 0:
+        raise stopped(setup, outcomes.SKIPPED, unseen, end)
+
+
+def _load(setup: Setup, y: np.ndarray, places: np.ndarray) -> None:
+    """Compile or load what takes steps, before the clock runs: a step that is thrown away."""
+    part = np.empty((len(places), 2))[:, :1]  # laid out as parts of a recording: another layout is other code
+    advance(setup.method, setup.model, setup.watch, 0, y.copy(), places, part)
+
+
+UNSEEN = 4000  # steps, or recorded instants of an adaptive method, between two looks at the clock
+MOST_WORK = 1e5  # evaluations of the model after which it is looked at earlier, once an instant is recorded
+
+
+def _take(
+    setup: Setup, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray, clock: list[float]
+) -> None:
+    """Take and record all steps of ``out`` from number ``start``, a while at a time; raises if it must stop."""
+    n = 0
+    while n < out.shape[1]:
+        began = time.thread_time()
+        taken, outcome, body = advance(
+            setup.method, setup.model, setup.watch, start + n, y, places, out[:, n : n + UNSEEN]
+        )
+        n += taken
+        clock[0] += time.thread_time() - began
+        if outcome == outcomes.FINE and clock[0] > setup.most_cpu and setup.case.step == "auto":
+            outcome = outcomes.TOO_SLOW
+        if outcome != outcomes.FINE:
+            raise stopped(setup, outcome, body, (start + n) * setup.cut.step)
+
+
+RING_AT, RING_MOVES, RING_IS_PUSHED = slice(0, 2), slice(2, 4), slice(4, 6)  # rows of BASE
+
+
+def differentiate(window: np.ndarray, first: int, h: float) -> None:
+    """Write the ring's velocity and acceleration from column ``first`` - 2 on as differences of its places.
+
+    window: (C, n) in SI, its first rows those of ``BASE``, ``h`` s from column to column; ``first``: at least 4.
+
+    An adaptive method takes steps of its own between recorded instants: of a velocity that jumps there, samples
+    have a wrong mean; differences of places (of fourth order) add up to the way gone. The last two columns, whose
+    next are not known yet, are written anew by the next pass.
+    """
+    place = window[RING_AT, first - 4 :]
+    two_before, before, here, after, two_after = (place[:, k : k - 4 or None] for k in range(5))
+    velocity, push = window[RING_MOVES], window[RING_IS_PUSHED]
+    velocity[:, first - 2 : -2] = (8.0 * (after - before) - (two_after - two_before)) / (12.0 * h)
+    push[:, first - 2 : -2] = (16.0 * (after + before) - 30.0 * here - (two_after + two_before)) / (12.0 * h**2)
+    velocity[:, -2:] = np.diff(place[:, -3:]) / h
+    push[:, -2:] = push[:, -3:-2]
+
+
+def _turns_of_pits(setup: Setup, t: float, y: np.ndarray) -> list[float]:
+    """How far each meeting has turned at time ``t`` (s); none of a model without any, or that repeats itself."""
+    if not assemble.kind(setup.case).loaded or assemble.kind(setup.case).memoryless:
+        return []
+    return [turned(setup.model, d, t, y) for d in range(len(setup.model.pits.head))]
+
+
+def _passes_of_record(case: Case, cut: choose.Grid) -> range:
+    """The ball passes, counted from t = 0, that lie wholly in the record; the first it touches if none does."""
+    first = ceil(case.settle * cut.rate - 1e-6)
+    return range(first, max(first + 1, floor((case.settle + case.duration) * cut.rate + 1e-6)))
+
+
+WHY = {
+    outcomes.OUTRUN: "{body} stayed over the step limit for longer than an impact",
+    outcomes.NOT_FINITE: "the ring's motion is no longer finite",
+    outcomes.TOO_DEEP: "{body} is pressed over {deepest:.3g} um into a race, {PRESSED:.0f} times what load,"
+    " closing speed and pits explain",
+    outcomes.TOO_LIVELY: "ring and rollers move with over {liveliest:.3g} J, {MOVED:.0f} times what load, closing"
+    " speed and pits explain",
+    outcomes.STEP_FLOOR: "the step that {method} wants is too short to go on",
+    outcomes.NEWTON_STALLED: "no solution of {method}'s step was found for {body}",
+    outcomes.STALLED: "{method} takes too many steps of its own between two recorded instants",
+    outcomes.SKIPPED: "{count} crossings of pits were stepped over",
+    outcomes.TOO_SLOW: "{method} has taken {hours:.2g} h of CPU time",
+}
+"""Why a run was stopped, by its outcome."""
+
+
+def stopped(setup: Setup, outcome: int, body: int, t: float) -> Unsound:
+    """Why the watch stopped a run at ``t`` (s), and what would do; ``body``: which one, or how many crossings."""
+    told = WHY[outcome].format(
+        body=name_of(setup.model, body),
+        count=body,
+        method=setup.case.method,
+        deepest=1e6 * setup.watch.deepest,
+        liveliest=setup.watch.liveliest,
+        hours=setup.most_cpu / 3600.0,
+        PRESSED=PRESSED,
+        MOVED=MOVED,
+    )
+    kind = TooSlow if outcome == outcomes.TOO_SLOW else Unsound
+    others = choose.alternatives(setup.case)
+    instead = f", or `method: {others[0]}`" if others and not lacks_mass(setup, outcome) else ""
+    return kind(f"{told}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t, instead)
+
+
+def lacks_mass(setup: Setup, outcome: int) -> bool:
+    """Whether a method has stuck where only rollers with mass would let it go on."""
+    stuck = outcome in (outcomes.STEP_FLOOR, outcomes.NEWTON_STALLED, outcomes.STALLED)
+    return stuck and setup.case.model == "ring" and hierarchy.jumps(setup.case)
+
+
+def advice(setup: Setup, outcome: int) -> str:
+    """Which step, tolerance or model would do."""
+    adaptive = assemble.method_kind(setup.case).adaptive
+    if outcome == outcomes.TOO_SLOW:
+        return "take a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
+    if lacks_mass(setup, outcome):
+        return f"say `model: rollers`: {hierarchy.MASSLESS}"
+    if not adaptive:
+        return f"take a step under {1e6 * setup.cut.step / 2:.2g} us"
+    loose = outcome in (outcomes.STEP_FLOOR, outcomes.STALLED)
+    return f"take a {'looser' if loose else 'tighter'} `tolerance` than {setup.method.rtol:.2g}"
+
+
+def name_of(model: Any, body: int) -> str:
+    """What a watched body is called."""
+    return f"roller {body + 1}" if watched(model) > 1 and body >= 0 else "the ring"
+
+
+def _pick_pass(case: Case, cut: choose.Grid, p: int, window: np.ndarray, picked: np.ndarray) -> None:
+    """Fill in the raw values whose instants lie in ball pass ``p`` (start excluded, end included)."""
+    steps, tail = cut.steps_per_pass, window.shape[1] - cut.steps_per_pass
+    ratio = 1.0 / (case.sampling * cut.step)  # steps per sample
+    start = case.settle / cut.step
+    first, end = (max(0, floor((q * steps - start) / ratio) + 1) for q in (p, p + 1))
+    first = 0 if p == 0 else min(first, picked.shape[1])
+    end = min(end, picked.shape[1])
+    if end > first:
+        pick(window, start - p * steps + tail - 1, ratio, picked, first, end)

@@ -1,0 +1,218 @@
+"""What a case's step must respect: how stiff and damped its contacts are, at rest and at impact, and its pits.
+
+An explicit method is stable up to a step that stiffness and damping set. Damping often sets it, and grows with
+the load, so the limit is taken twice: at rest, and at an estimate of the roller's impact on the far edge of the
+steepest pit. What loads, speeds and pits can do at most bounds what a run may be believed.
+"""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import hypot, inf, pi, sqrt
+from typing import Any
+
+from bearingsim import assemble
+from bearingsim.assemble.scales import approach, at_full_speed, closing_speed, crossing_time, damping_ratio, sag
+from bearingsim.config import Case
+from bearingsim.core.advance import start_at_rest
+from bearingsim.core.laws.damping import damping_slope, normal_force, stiffness_slope
+from bearingsim.core.methods.interface import load_number
+from bearingsim.core.models.equilibrium import NoEquilibrium
+from bearingsim.core.pits.excitations import LEAPS
+from bearingsim.core.pits.pairs import DEPTH
+from bearingsim.errors import Refused
+
+LONGEST = 20e-6  # s: a step nobody needs to exceed, for the models without a limit
+SAMPLES_OF_A_PASS = 16  # cage angles at which the load at rest is looked at
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a case's step must respect. Times in s, forces in N, frequencies in Hz; inf where there is no limit.
+
+    The limits are the method's own, on the linearised bearing; ``impact_force`` is an estimate of the peak.
+    damping_ratio is that of a roller (in `ring`, of the ring) on its contacts, without friction.
+    deepest (m), liveliest (J): approach of a contact and radial energy of motion that no right run exceeds.
+    """
+
+    rest_load: float
+    contact_frequency: float
+    damping_ratio: float
+    at_rest: float
+    closing_speed: float
+    impact_force: float
+    at_impact: float
+    crossing: float
+    deepest: float
+    liveliest: float
+
+
+def step_limits(case: Case) -> Limits:
+    """Limits of the case's step, its method being named. Raises ``Refused`` if nothing holds the ring."""
+    try:
+        return _limits(at_full_speed(case))
+    except NoEquilibrium as error:
+        raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
+
+
+def _limits(case: Case) -> Limits:
+    rest_load, K, C = loads_at_rest(_healthy(case))
+    found = Limits(
+        rest_load=rest_load,
+        contact_frequency=sqrt(K) / (2.0 * pi) if K > 0.0 else inf,
+        damping_ratio=damping_ratio_at_rest(case),
+        at_rest=step_limit(case.method, K, C),
+        closing_speed=0.0,
+        impact_force=rest_load,
+        at_impact=step_limit(case.method, K, C),
+        crossing=inf,
+        deepest=inf,
+        liveliest=inf,
+    )
+    return _with_pits(case, found, K, C) if assemble.kind(case).loaded else found
+
+
+def damping_ratio_at_rest(case: Case) -> float:
+    """The largest damping ratio of a body on its contacts under the load at rest, without friction."""
+    rest_load, K, C = loads_at_rest(_healthy(case))
+    if assemble.kind(case).slips:
+        return damping_ratio(case, rest_load)
+    return C / (2.0 * sqrt(K)) if K > 0.0 else 0.0
+
+
+def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
+    """The limits with what pits do to them."""
+    model = assemble.model(case)
+    speed = closing_speed(model)
+    hits = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
+    hits += [leap(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
+    peak, K_more, C_more = (max(values) for values in zip(*hits, strict=True))
+    deepest, liveliest = bounds(case, model, healthy)
+    return replace(
+        healthy,
+        closing_speed=speed,
+        impact_force=peak + healthy.rest_load,
+        at_impact=min(healthy.at_rest, step_limit(case.method, K + K_more, C + C_more)),
+        crossing=crossing_time(model),
+        deepest=deepest,
+        liveliest=liveliest,
+    )
+
+
+PRESSED, MOVED = 10.0, 1000.0
+"""How many times what load, speed and pits explain a contact is pressed, and a bearing moves, in no right run.
+
+Measured: docs/methods.md. Far out, since light damping lets a motion add up over many ball passes.
+"""
+
+
+def bounds(case: Case, model: Any, healthy: Limits) -> tuple[float, float]:
+    """Approach (m) of a contact and energy (J) of radial motion that load, closing speed and pits cannot exceed.
+
+    What is pressed: the whole load on one roller, the fall through clearance and pit, and the way on which the
+    closing speed is spent in a contact of the frequency at rest. What moves: the load (and the centrifugal one of
+    the rollers) over that fall, all that is stored at rest, every body at the closing speed; and what an unbalance
+    sets in motion against the shaft's damping.
+    """
+    b, v = model.bearing, closing_speed(model)
+    load = hypot(case.load, case.load_across) + healthy.rest_load
+    pressed = max(approach(law, load) for law in (model.outer, model.inner))
+    fall = pressed + max(case.clearance, 0.0) + sag(model)
+    thrown = b.Z * b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
+    swing = unbalance_speed(case)
+    energy = (b.Z * load + thrown) * fall + 0.5 * (b.m_o + b.Z * b.m_r) * (v * v + swing * swing)
+    spent = v / (2.0 * pi * healthy.contact_frequency)
+    return PRESSED * (fall + spent + swing / case.speed), MOVED * energy
+
+
+def unbalance_speed(case: Case) -> float:
+    """The speed (m/s) at which an unbalance could drive the inner ring, held by the shaft's damping alone."""
+    if case.unbalance is None or case.shaft is None:
+        return 0.0
+    c = case.shaft.damping
+    return case.unbalance.mass_radius * case.speed**2 / c if c > 0.0 else inf
+
+
+def _healthy(case: Case) -> Case:
+    """The case without what does not touch its load at rest; what is struck stands as a ring does."""
+    same = assemble.healthy(case)
+    return same if assemble.kind(case).loaded else same.model_copy(update={"model": "ring"})
+
+
+@lru_cache(maxsize=256)
+def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
+    """Largest outer contact force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
+    model = assemble.relaxed(assemble.model(healthy), LONGEST)
+    y = assemble.empty_buffer(model)
+    pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
+    load, K, C = 0.0, 0.0, 0.0
+    for n in range(SAMPLES_OF_A_PASS):
+        t = (n + 0.5) / SAMPLES_OF_A_PASS * pass_time
+        assemble.settle(model, t, y, from_scratch=n == 0)
+        load = max(load, float(assemble.outer_forces(model, y).max()))
+        K_now, C_now = start_at_rest(model, t, y)
+        K, C = max(K, K_now), max(C, C_now)
+    return load, float(K), float(C)
+
+
+def leap(model: Any, law: Any, load: float) -> tuple[float, float, float]:
+    """What ``impact`` gives, for a roller under ``load`` (N) whose race comes back at once as the pit ends.
+
+    Only for excitations with such a step. The roller has fallen by then, in free flight from what its inner
+    contact gave it (at most load times approach), but no deeper than the pit; so far it is pressed into the race.
+    """
+    b, pits = model.bearing, model.pits
+    if b.m_r == 0.0 or len(pits.head) == 0 or not isinstance(pits.excitation, LEAPS):
+        return 0.0, 0.0, 0.0
+    flight = crossing_time(model)
+    outwards = b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
+    fall = sqrt(load * approach(law, load) / b.m_r) * flight + 0.5 * outwards * flight * flight
+    deep = min(fall, float(pits.groups[:, :, DEPTH].max()))
+    K, C = stiffness_slope(law, deep, 0.0), damping_slope(law, deep, 0.0)
+    return float(normal_force(law, deep, 0.0)), float(K) / b.m_r, float(C) / b.m_r
+
+
+TOUCHED = 1e-15  # m: approach at which an impact begins; a dashpot that jumps acts there
+RESOLVED = 0.2  # of the time in which damping alone would stop a roller: a step of its impact
+
+
+def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
+    """A free roller of mass ``m`` (kg) thrown at one race with ``speed`` (m/s): peak force, largest slopes over m.
+
+    Returns (N, stiffness/mass in 1/s^2, damping/mass in 1/s). Models whose rollers have no mass have no such
+    impact: zeros.
+    """
+    return _impact(m, law, repr(law), speed)
+
+
+@lru_cache(maxsize=1024)
+def _impact(m: float, law: Any, named: str, speed: float) -> tuple[float, float, float]:
+    """``impact``, remembered; ``named`` tells laws apart that are equal as tuples."""
+    if m == 0.0 or speed == 0.0:
+        return 0.0, 0.0, 0.0
+    longest = min(1e-7, 1e-3 * pi * sqrt(m / stiffness_slope(law, 1e-7, 0.0)))
+    delta, v, peak, K, C = TOUCHED, speed, 0.0, 0.0, 0.0
+    while v > 0.0:
+        peak = max(peak, normal_force(law, delta, v))
+        K = max(K, stiffness_slope(law, delta, v))
+        damping = damping_slope(law, delta, v)
+        C = max(C, damping)
+        h = min(longest, RESOLVED * m / damping) if damping > 0.0 else longest
+        delta += h * v
+        v -= h * normal_force(law, delta, v) / m
+    return float(peak), float(K) / m, float(C) / m
+
+
+def step_limit(method: str | None, K: float, C: float) -> float:
+    """The step (s) at which a method turns unstable; K (1/s^2) and C (1/s) over a body's mass."""
+    if method is None or assemble.METHODS[method].adaptive or (K == 0.0 and C == 0.0):
+        return inf
+    if load_number(assemble.METHODS[method].parameters(1.0), K, C) <= 1.0:
+        return inf
+    low, high = 0.0, 1.0
+    while high - low > 1e-6 * high:
+        h = 0.5 * (low + high)
+        if load_number(assemble.METHODS[method].parameters(h), K, C) > 1.0:
+            high = h
+        else:
+            low = h
+    return low

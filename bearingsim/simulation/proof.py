@@ -1,0 +1,240 @@
+"""Is a step short enough? Tried on the run's own beginning, or on all of it, before the run is trusted.
+
+A pilot of some ball passes is stepped twice from the same start: as the run will be, and with half the step (and
+a tenth of the tolerance). What the line of the fault and the RMS change by is the error that the run is said to
+have. Half the step is 1/sqrt(5) of it: where in a step a pit's cusp falls sets size and sign of an error of first
+order, and with half of it exactly a second pit's would fall in the same place again, and its error be unseen.
+
+Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells why: if
+it parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts. If it
+does not, that is doubtful: all is tried again on a longer beginning, if there is one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import ceil, inf, nan, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import stdtrit
+
+from bearingsim import assemble
+from bearingsim.config import Case
+from bearingsim.config.names import LINES
+from bearingsim.core.sampling import RESAMPLE_REACH, TABLE, resampling_kernel
+from bearingsim.simulation import choose, features
+from bearingsim.simulation.integration import Setup, integrate, set_up
+from bearingsim.simulation.pilot import pilot, sees_turns
+
+HELD = 0.01
+"""What a run holds of its line and its RMS; where the motion is chaotic, of the RMS alone."""
+CHANGED = 0.5 * HELD
+"""The most that half the step may change them: an error of first order is twice that."""
+
+LOUD = 1e-3  # a line under this part of the RMS (60 dB below it) is none, and is measured by it
+APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
+NUDGE = 1e-10  # of the ring's displacement at the start; a motion that repeats itself soon forgets it
+SURE = 2.5  # standard deviations, where many passes tell them
+CERTAIN = 0.9938  # the probability that lies below them
+GROWN, PARTED = 3.0, 1e-4  # from the first pass that counts to the last; in any, of the RMS
+NO_LESS = 0.3  # of what half the step, or a tenth of the tolerance, changes
+FEWEST_BLOCKS = 16  # of some passes each, to tell how their RMS scatters
+DOUBTED = 4.0  # times as long is a second pilot, if the first one's twins part without chaos
+MORE = 4.0  # times the CPU time that half the step and a tenth of the tolerance may take
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What half the step (and a tenth of the tolerance) changes.
+
+    line, rms: relative change of the fault's line (of the worst, if there are several) and of the RMS; chaotic:
+    whether a start 1e-10 beside leads elsewhere; noise: standard deviation of the RMS's relative change over the
+    pilot that chaos alone brings about; scatter: what that surely stays under over the whole record, inf if the
+    pilot was too short to tell.
+    """
+
+    line: float
+    rms: float
+    chaotic: bool = False
+    noise: float = 0.0
+    scatter: float = 0.0
+
+    @property
+    def error(self) -> float:
+        """The change that counts."""
+        return self.rms if self.chaotic else max(self.line, self.rms)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the step can be trusted: what it changes is small, or no more than chaos does anyway."""
+        return bool(self.error <= max(CHANGED, SURE * self.noise))
+
+    @property
+    def long_enough(self) -> bool:
+        """Whether the record holds so much of a chaotic motion that its RMS is worth 1 %."""
+        return bool(self.scatter <= HELD)
+
+
+UNPROVEN = Proof(nan, nan)
+
+
+class Heard(NamedTuple):
+    """Velocity (m/s) along the sensor at fine samples, and what the record's low-pass leaves of it."""
+
+    fine: np.ndarray
+    recorded: np.ndarray
+
+
+def prove(case: Case, part: float) -> Proof:
+    """Try a case, its method named, at ``part`` of the automatic step. Raises like ``integrate``."""
+    beginning = pilot(case)
+    found, doubtful = tried(case, part, *beginning)
+    more = pilot(case, DOUBTED)
+    if doubtful and more != beginning:
+        found, _ = tried(case, part, *more)
+    return found
+
+
+def tried(case: Case, part: float, short: Case, passes: int) -> tuple[Proof, bool]:
+    """The proof by one pilot, and whether it is doubtful: its twins part, and nothing says that this is chaos."""
+    allowed = choose.MOST_CPU * length(short) / length(case)
+    coarse = set_up(short, part, allowed)
+    fine = set_up(finer(short), part * shorter(coarse.cut.decimation), MORE * allowed)
+    one, other = (velocities(setup, passes, recorded=case.antialias) for setup in (coarse, fine))
+    found = changes(coarse, fine, passes, one, other)
+    scale = float(np.std(other.fine)) or 1.0
+    apart = by_pass(one.fine - later(other.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
+    if not apart.max() > APART:
+        return found, False
+    adaptive = assemble.method_kind(case).adaptive
+    twin, nudged = (fine, other) if adaptive else (coarse, one)
+    third = velocities(twin, passes, recorded=case.antialias, nudge=NUDGE)
+    beside = by_pass(nudged.fine - third.fine, passes) / scale
+    if not leads_elsewhere(beside, apart, adaptive):
+        return found, True
+    # the twins of a pilot have not parted at its start: the wider band, where they part first, tells more
+    noise, sure = max((scatter(series, passes) for series in zip(one, other, third, strict=True)), key=np.prod)
+    told = sees_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
+    whole = max(1.0, case.duration * coarse.cut.rate)
+    worth = sure * noise / sqrt(whole) if told else inf
+    return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False
+
+
+def changes(coarse: Setup, fine: Setup, passes: int, one: Heard, other: Heard) -> Proof:
+    """What half the step changes: of the fault's lines the worst, of the wide band and the record the worse."""
+    quiet = LOUD * float(np.std(other.recorded)) or 1.0
+    lines = [
+        (amplitudes(coarse, name, passes, one.fine), amplitudes(fine, name, passes, other.fine))
+        for name in fault_lines(coarse.case)
+    ]
+    return Proof(
+        line=float(max(change(a, b) / max(abs(b.sum()), quiet) for a, b in lines)),
+        rms=float(max(abs(np.std(a) / (np.std(b) or 1.0) - 1.0) for a, b in zip(one, other, strict=True))),
+    )
+
+
+def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:
+    """What chaos does to the RMS of one ball pass: from three recordings of the same passes that have parted.
+
+    Standard deviation of its relative change, and how many of them it surely stays under: by Student's t, with two
+    degrees of freedom for each pass that tells, since a few strong ones may make up all the rest. Of single passes
+    or blocks of them, whichever says more: what is loud may stay loud for a while.
+    """
+    sizes = [2**k for k in range(passes.bit_length()) if k == 0 or passes >= FEWEST_BLOCKS * 2**k]
+    return max(_scatter(series, passes // size, size) for size in sizes)
+
+
+def _scatter(series: Sequence[np.ndarray], blocks: int, size: int) -> tuple[float, float]:
+    """``scatter`` from ``blocks`` of ``size`` passes each."""
+    powers = np.array([by_pass(one, blocks) ** 2 for one in series])
+    powers /= np.mean(powers) or 1.0
+    between = np.sum((powers - np.roll(powers, 1, axis=0)) ** 2, axis=0)
+    telling = np.sum(between) ** 2 / (np.sum(between**2) or 1.0)
+    noise = 0.5 * sqrt(size * np.mean(between) / len(series))
+    return noise, float(stdtrit(2.0 * max(1.0, telling), CERTAIN))
+
+
+def length(case: Case) -> float:
+    """What is computed of a case, s."""
+    return case.settle + case.duration
+
+
+def shorter(decimation: int) -> float:
+    """About 1/sqrt(5), the part of a step to take where a fine sample holds ``decimation`` steps."""
+    return decimation / max(2 * decimation + 1, round(sqrt(5.0) * decimation))
+
+
+def finer(case: Case) -> Case:
+    """The case with a tenth of its tolerance, if it gives one (one that is automatic goes with the step)."""
+    return case if case.tolerance == "auto" else case.model_copy(update={"tolerance": 0.1 * case.tolerance})
+
+
+FAULT_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2BSF"}
+
+
+def fault_lines(case: Case) -> list[str]:
+    """The lines of the case's pits; BPFO, at which a healthy bearing vibrates too, without any."""
+    return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
+
+
+def velocities(setup: Setup, passes: int, recorded: bool, nudge: float = 0.0) -> Heard:
+    """A pilot's velocity over the ball passes that count; recorded: whether the record is low-passed."""
+    tape, cut = integrate(setup, nudge), setup.cut
+    ratio = cut.fine_rate / setup.case.sampling
+    start, reach = tape.zero + features.first_sample(setup.case, cut), ceil(RESAMPLE_REACH * ratio)
+    rows = tape.fine[:, start - reach : start + passes * cut.fine_per_pass + 1 + reach]
+    wide = features.along_sensor(setup.case, rows, "velocity")
+    fine, kernel = wide[reach:-reach], resampling_kernel()
+    taps = np.interp(
+        np.abs(np.arange(-reach, reach + 1)) * TABLE / ratio, np.arange(len(kernel)), kernel, right=0.0
+    )
+    return Heard(fine, np.convolve(wide, taps / taps.sum(), "valid") if recorded else fine)
+
+
+def ahead(setup: Setup, other: Setup) -> float:
+    """By how long (s) the rollers of one setup are ahead of another's: each begins in step with its first pit."""
+    return float((setup.model.bearing.theta_0 - other.model.bearing.theta_0) / other.model.bearing.omega_c)
+
+
+def later(series: np.ndarray, part: float) -> np.ndarray:
+    """A series by a ``part`` of a sample later on, which is much less than one: to first order."""
+    return series + part * np.gradient(series)
+
+
+def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
+    """What each ball pass adds to a line's complex amplitude in a series (Hann), its cage at kinematic speed."""
+    start = features.first_sample(setup.case, setup.cut)
+    turning = features.turns(setup.model, setup.cut, start, np.zeros(len(series)))
+    angle = turning.along(LINES[name], setup.case.bearing.rollers)
+    window = np.hanning(len(angle))
+    turn = 2.0 * window * np.exp(-1j * angle) / window.sum()
+    each = turn * (series - window @ series / window.sum())
+    return np.add.reduceat(each, np.arange(0, len(each) - 1, (len(each) - 1) // passes)[:passes])
+
+
+def change(one: np.ndarray, other: np.ndarray) -> float:
+    """How much two lines differ, given what each pass adds.
+
+    Errors that differ in sign from pass to pass may cancel in a few of them by luck: not less than their root of
+    the sum of squares, which is what is left of them on average.
+    """
+    difference = one - other
+    return float(max(abs(difference.sum()), np.linalg.norm(difference)))
+
+
+def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:
+    """RMS of a difference in each ball pass."""
+    whole = difference[: (len(difference) - 1) // passes * passes].reshape(passes, -1)
+    return np.sqrt(np.mean(whole**2, axis=1))
+
+
+def leads_elsewhere(beside: np.ndarray, apart: np.ndarray, adaptive: bool) -> bool:
+    """Whether a motion is chaotic, by what a nudge (``beside``) and half the step (``apart``) change by ball pass.
+
+    Both over the RMS. A motion that repeats itself forgets a nudge. An adaptive method answers it by other steps,
+    which changes what it finds by its tolerance. That shrinks with the tolerance: where the finer run parts
+    from its nudged twin as it does from the coarse run, the motion itself does it.
+    """
+    if adaptive:
+        return bool(beside.max() > PARTED and beside.max() > NO_LESS * apart.max())
+    return bool(beside.max() > PARTED or (beside[-1] > 10.0 * NUDGE and beside[-1] > GROWN * beside[0]))

@@ -1,0 +1,241 @@
+"""One case, computed: the integrator's steps become series and features."""
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import isfinite, nan
+from typing import Any
+
+import numpy as np
+
+from bearingsim import assemble
+from bearingsim.config import Case, Section, dataset_names
+from bearingsim.core.layout import CROSSED, ITERATED, OVERRUN_MAX, REFUSED, TAKEN
+from bearingsim.core.sampling import resample, resampling_kernel
+from bearingsim.errors import Refused
+from bearingsim.simulation import channels, choose, proof
+from bearingsim.simulation.channels import BASE, TURN_OF_CAGE
+from bearingsim.simulation.features import Tape, features
+from bearingsim.simulation.integration import (
+    Setup,
+    SimulationError,
+    TooChaotic,
+    TooSlow,
+    Unsound,
+    integrate,
+    set_up,
+)
+from bearingsim.simulation.pilot import longer
+from bearingsim.simulation.proof import Proof
+
+__all__ = ["Record", "SimulationError", "simulate", "warm"]
+
+
+@dataclass(frozen=True)
+class Record:
+    """What a simulation gives, in SI.
+
+    time: (n,) s from the start of the record (after settling); series: (n,) arrays by dataset name
+    (``ring.velocity.x``); features: numbers by name (``velocity@BPFO``); info: how it was computed (step, steps,
+    CPU seconds, limits, cage angle at the start of the record).
+    """
+
+    time: np.ndarray
+    series: dict[str, np.ndarray]
+    features: dict[str, float]
+    info: dict[str, float | int | str]
+
+    @property
+    def displacement(self) -> np.ndarray:
+        """Displacement of the ring (n, 2), m: along and across the load line."""
+        return self._pair("ring.displacement")
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """Velocity of the ring (n, 2), m/s: along and across the load line."""
+        return self._pair("ring.velocity")
+
+    @property
+    def acceleration(self) -> np.ndarray:
+        """Acceleration of the ring (n, 2), m/s^2: along and across the load line."""
+        return self._pair("ring.acceleration")
+
+    @property
+    def error(self) -> dict[str, float]:
+        """Standard error of each line's amplitude, from its scatter between ball passes."""
+        ending = "-scatter"
+        return {k.removesuffix(ending): v for k, v in self.features.items() if k.endswith(ending)}
+
+    def _pair(self, channel: str) -> np.ndarray:
+        names = dataset_names(channel)
+        if names[0] not in self.series:
+            raise KeyError(f"{channel} was not recorded: add it to `record`")
+        return np.stack([self.series[name] for name in names], axis=1)
+
+
+def simulate(case: Case) -> Record:
+    """Compute one case. Raises ``SimulationError`` for a run refused before or stopped under way.
+
+    An automatic step rests on an estimate of what is to come, so it is proven (``proof``), and the run is watched
+    all along. Should it fail, shorter ones are tried, and then (with `method: auto`) other methods.
+    """
+    began = time.process_time()
+    failed: dict[str, SimulationError] = {}
+    dear: set[str | None] = set()
+    for attempt in _attempts(case):
+        if attempt.case.method in dear:
+            continue
+        try:
+            return _simulate(attempt, began)
+        except Unsound as error:
+            failed[str(attempt.case.method)] = error
+            dear |= {attempt.case.method} if isinstance(error, TooSlow) else set()
+        except Refused as error:  # shorter steps may be too many: what was wrong with longer ones tells more
+            failed.setdefault(str(attempt.case.method), SimulationError(error.reason, error.advice))
+    raise _all_failed(list(failed.values()))
+
+
+def _attempts(case: Case) -> list[choose.Attempt]:
+    try:
+        return list(choose.attempts(case))
+    except Refused as error:
+        raise SimulationError(error.reason, error.advice) from error
+
+
+def _all_failed(errors: list[SimulationError]) -> SimulationError:
+    """One error for all methods that were tried: the reason of each, the advice and the time of the first."""
+    reasons = list(dict.fromkeys(error.reason for error in errors))
+    first = errors[0]
+    advice = first.of_this_method if isinstance(first, Unsound) and len(errors) > 1 else first.advice
+    return SimulationError("; ".join(reasons), advice, first.time)
+
+
+def _simulate(attempt: choose.Attempt, began: float) -> Record:
+    """Compute one case in one way; ``began``: CPU time at the start, s."""
+    case, part = attempt
+    setup = set_up(case, part)
+    proven = _proven(setup)
+    tape = integrate(setup)
+    sampled = _resampled(case, setup.cut, tape) if case.antialias else tape.picked
+    instants = np.arange(choose.samples(case)) / case.sampling
+    return Record(
+        time=instants,
+        series=channels.series(case, setup.model, sampled, tape.places, case.settle + instants),
+        features=features(case, setup.model, setup.cut, tape, sampled) | _told(proven),
+        info=_info(setup, tape, sampled) | {"cpu_s": time.process_time() - began},
+    )
+
+
+def _proven(setup: Setup) -> Proof:
+    """The proof of a setup's step, where one is wanted. Raises ``Unsound`` if it does not hold."""
+    if not setup.case.proven:
+        return proof.UNPROVEN
+    found = proof.prove(setup.case, setup.part)
+    if found.holds:
+        if setup.case.prove == "strict":
+            _long_enough(setup, found)
+        return found
+    finer = "half the step" + " and a tenth of the tolerance" * assemble.method_kind(setup.case).adaptive
+    what = "RMS" if found.chaotic else "line of the fault" if found.line > found.rms else "RMS"
+    chaotic = ", and the motion is chaotic" if found.chaotic else ""
+    changes = f"{finer} changes the {what} by {100.0 * found.error:.2g} %{chaotic}"
+    raise Unsound(
+        f"{setup.case.method} does not hold {proof.HELD:.0%}: {changes}",
+        "take a longer `duration`" if found.chaotic else f"{_more_exactly(setup)}, or say `prove: false`",
+    )
+
+
+def _more_exactly(setup: Setup) -> str:
+    """What a case can ask for that does not hold its line."""
+    if assemble.method_kind(setup.case).adaptive:
+        return f"take a tighter `tolerance` than {setup.method.rtol:.2g}"
+    return "give a `step` of your own" if setup.case.step == "auto" else "take a shorter `step`"
+
+
+def _long_enough(setup: Setup, proven: Proof) -> None:
+    """Refuse the record of a chaotic motion that is too short for its RMS to be worth 1 %."""
+    if proven.long_enough:
+        return
+    needed, worth = longer(setup.case), "of unknown worth"
+    if isfinite(proven.scatter):
+        needed = setup.case.duration * (proven.scatter / proof.HELD) ** 2
+        worth = f"uncertain by {proven.scatter:.1%}"
+    raise TooChaotic(
+        f"the motion is chaotic, and the RMS of {setup.case.duration:.2g} s of it {worth}",
+        f"take a `duration` of {needed:.2g} s, or say `prove: true`",
+        needed,
+    )
+
+
+def _told(proven: Proof) -> dict[str, float]:
+    """A proof as features."""
+    return {
+        "step_error.line": proven.line,
+        "step_error.rms": proven.rms,
+        "chaotic": nan if proven is proof.UNPROVEN else float(proven.chaotic),
+        "rms_scatter": nan if proven is proof.UNPROVEN else proven.scatter,
+    }
+
+
+def _info(setup: Setup, tape: Tape, sampled: np.ndarray) -> dict[str, float | int | str]:
+    """How a run was computed."""
+    case, cut, y = setup.case, setup.cut, tape.y
+    adaptive = assemble.method_kind(case).adaptive
+    return {
+        "method": case.method or "",
+        "step_s": cut.step,
+        "step_part": setup.part,
+        "steps": cut.passes * cut.steps_per_pass,
+        "tolerance": float(setup.method.rtol) if adaptive else float("nan"),
+        "own_steps": int(y[TAKEN]) if adaptive else cut.passes * cut.steps_per_pass,
+        "own_steps_refused": int(y[REFUSED]),
+        "newton_iterations": int(y[ITERATED]),
+        "step_limit_at_rest_s": setup.limits.at_rest,
+        "step_limit_at_impact_s": setup.limits.at_impact,
+        "longest_overrun_s": float(y[OVERRUN_MAX : OVERRUN_MAX + setup.model.bearing.Z].max()),
+        "crossings": int(y[CROSSED]),
+        "cage_angle_start_rad": _cage_angle(case, setup.model, sampled),
+        "integrator_cpu_s": tape.integrator_cpu_s,
+    }
+
+
+def _cage_angle(case: Case, model: Any, sampled: np.ndarray) -> float:
+    """Where the first roller's pocket is as the record starts, rad; what the cage has slipped is taken off."""
+    slipped = float(sampled[BASE.index(TURN_OF_CAGE), 0])
+    return float(model.bearing.theta_0 + model.bearing.omega_c * case.settle + slipped)
+
+
+_WARM: set[tuple] = set()  # kinds of case that this process has compiled or loaded
+
+
+def warm(cases: Iterable[Case]) -> None:
+    """Compile what the cases need (or load it from the cache) by computing one ball pass of each new kind."""
+    for case in cases:
+        laws = assemble.contacts.outer(case), assemble.contacts.inner(case)
+        kind = _words(choose.resolved(case)), _types(laws)
+        if kind not in _WARM:
+            short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
+            simulate(case.model_copy(update={"duration": short, "settle": 0.0, "step": "auto", "prove": False}))
+            _WARM.add(kind)
+
+
+def _words(value: Any) -> Any:
+    """All words of a section, and for its numbers their types: cases alike in that run the same compiled code."""
+    if isinstance(value, Section):
+        return tuple(_words(getattr(value, name)) for name in type(value).model_fields)
+    if isinstance(value, tuple):
+        return bool(value)
+    return value if isinstance(value, str | bool | None) else type(value)
+
+
+def _types(value: Any) -> Any:
+    """The types that a law is made of: some exponents have their own."""
+    return (type(value), *map(_types, value)) if isinstance(value, tuple) else type(value)
+
+
+def _resampled(case: Case, cut: choose.Grid, tape: Tape) -> np.ndarray:
+    """The record's samples (rows kept, n), low-passed from the fine ones."""
+    out = np.empty((len(tape.fine), choose.samples(case)))
+    ratio = cut.fine_rate / case.sampling
+    resample(tape.fine, case.settle * cut.fine_rate + tape.zero, ratio, resampling_kernel(), out)
+    return out

@@ -1,0 +1,1 @@
+"""Where each method fails: a matrix of materials and steps, each run judged."""

@@ -1,0 +1,123 @@
+"""What became of a cell of the stability map: its ring's velocity against a reference made of two solutions."""
+
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.stability.scene import FINE
+from bearingsim.stability.traces import BLOW_UP, STALL, TOO_SLOW, Trace
+
+OK, INACCURATE, CHATTER, SKIPPED = "ok", "inaccurate", "chatter", "skipped"
+REFUSED, CHAOS, UNJUDGED = "refused", "within chaos", "no reference"
+CLASSES = (OK, INACCURATE, CHATTER, BLOW_UP, SKIPPED, STALL, REFUSED, TOO_SLOW, CHAOS, UNJUDGED)
+
+WANTED = 0.01  # relative error of what is ok
+BLURRED = 0.05  # a floor above it says of a run within it only that chaos explains it
+ALIKE = 1e-3  # two solutions that differ by less than this (relative L2) follow one path; else motion is chaotic
+SEEN = 0.5  # of what a crossing does to the ring: less, and the pit was stepped over
+AFTER = 60e-6  # s after a crossing in which the ring still answers it
+MORE_OFTEN, OFTEN = 2.0, 10  # contacts that open so many times as often, and so many times more, chatter
+
+
+class Reference(NamedTuple):
+    """Velocity of the ring (2, n), m/s, and contacts (Z, n) at every ``FINE``; names of the solutions it rests on.
+
+    floor: relative difference of the two, in L2 or (chaotic) in RMS: no cell is judged finer.
+    """
+
+    velocity: np.ndarray
+    touching: np.ndarray
+    names: str
+    chaotic: bool
+    floor: float
+
+
+class Verdict(NamedTuple):
+    """error (relative) in the reference's measure; crossings seen of those to see; openings of contacts."""
+
+    outcome: str
+    error: float
+    seen: int
+    openings: int
+    openings_of_reference: int
+
+
+def l2(a: np.ndarray, b: np.ndarray) -> float:
+    """Relative difference of two series, sample by sample."""
+    return float(np.linalg.norm(a - b) / np.linalg.norm(b))
+
+
+def rms(a: np.ndarray, b: np.ndarray) -> float:
+    """Relative difference of the two series' RMS."""
+    return abs(float(np.linalg.norm(a) / np.linalg.norm(b)) - 1.0)
+
+
+def agreed(found: dict[str, Trace]) -> Reference | None:
+    """The reference that the solutions of a scene make: the two that agree best; None if there are not two.
+
+    Solutions that all part from each other, however tight, are of a chaotic motion: its RMS is compared, and the
+    floor is the largest difference between any two.
+    """
+    whole = {name: one for name, one in found.items() if not one.failure}
+    pairs = [(l2(whole[a].velocity, whole[b].velocity), a, b) for a, b in combinations(whole, 2)]
+    if not pairs:
+        return None
+    least, first, second = min(pairs)
+    chaotic = least > ALIKE
+    worst = max(rms(whole[a].velocity, whole[b].velocity) for _, a, b in pairs)
+    names = " + ".join(whole) if chaotic else f"{first} + {second}"
+    return Reference(whole[first].velocity, whole[first].touching, names, chaotic, worst if chaotic else least)
+
+
+def openings(touching: np.ndarray) -> int:
+    """How often a contact opens."""
+    return int((touching[:, :-1] & ~touching[:, 1:]).sum())
+
+
+def crossings_seen(
+    trace: Trace, reference: Reference, healthy: Reference, windows: list[tuple[float, float]]
+) -> int:
+    """Crossings after which the ring moves otherwise than over a sound race, at least ``SEEN`` of what it should.
+
+    By the ring's answer, not by where the rollers stand: a solver that steps over a pit stands in it, too, where
+    its result is interpolated.
+    """
+    count = 0
+    for start, end in windows:
+        first, last = round(start / FINE) // trace.every, round((end + AFTER) / FINE) // trace.every
+        at = trace.every * np.arange(first + 1, min(last, trace.velocity.shape[1])) - 1
+        sound = healthy.velocity[:, at]
+        answer = trace.velocity[:, (at + 1) // trace.every - 1] - sound
+        count += bool(np.linalg.norm(answer) >= SEEN * np.linalg.norm(reference.velocity[:, at] - sound) > 0.0)
+    return count
+
+
+def judge(
+    trace: Trace,
+    reference: Reference | None,
+    healthy: Reference | None,
+    windows: list[tuple[float, float]],
+    strides: bool,
+) -> Verdict:
+    """The class of a run, and the numbers it rests on. A run that failed keeps its failure as its class.
+
+    strides: its steps may be longer than a crossing, which it has then stepped over if it does not answer it.
+    """
+    missing = Verdict(trace.failure or UNJUDGED, np.nan, 0, openings(trace.touching), 0)
+    if reference is None or trace.failure:
+        return missing
+    every = trace.every
+    exact, touching = reference.velocity[:, every - 1 :: every], reference.touching[:, every - 1 :: every]
+    error = (rms if reference.chaotic else l2)(trace.velocity, exact)
+    opened, of_reference = openings(trace.touching), openings(touching)
+    seen = crossings_seen(trace, reference, healthy, windows) if healthy is not None else len(windows)
+    if error <= max(WANTED, reference.floor):
+        outcome = OK if reference.floor <= BLURRED else CHAOS
+    elif strides and seen < len(windows):
+        outcome = SKIPPED
+    elif opened > MORE_OFTEN * of_reference + OFTEN:
+        outcome = CHATTER
+    else:
+        outcome = INACCURATE
+    return Verdict(outcome, error, seen, opened, of_reference)

@@ -1,0 +1,95 @@
+"""A whole stability map: units of work spread over processes, rows written as they come."""
+
+import csv
+import sys
+import time
+from collections.abc import Callable, Generator, Iterator, Sequence
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from bearingsim.runner.pool import spread
+from bearingsim.runner.progress import duration
+from bearingsim.stability.matrix import Grid, Material, count, judges, map_of, materials, warm
+
+NAME = "stability.csv"
+LINE_EVERY_S = 5.0
+
+
+def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: Path, jobs: int) -> Path:
+    """Compute the map into ``folder``, which is made; the CSV, one row per cell. Told on stderr how far it is.
+
+    A run that is interrupted leaves the rows it has.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / NAME
+    _compile(models, methods, grid, jobs)
+    units = [(unit, methods, grid) for unit in materials(models, grid)]
+    total, done, began = count(models, methods, grid), 0, time.monotonic()
+    last = began
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table: csv.DictWriter | None = None
+        try:
+            for row in chain.from_iterable(_spread(map_of if jobs == 1 else _whole, units, jobs)):
+                if table is None:
+                    table = csv.DictWriter(file, list(row))
+                    table.writeheader()
+                table.writerow({name: _text(value) for name, value in row.items()})
+                done += 1
+                if time.monotonic() - last > LINE_EVERY_S:
+                    file.flush()
+                    last = time.monotonic()
+                    _tell(done, total, last - began)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(f"interrupted: {path} has {done} of {total} cells") from None
+    return path
+
+
+def _compile(models: Sequence[str], methods: Sequence[str], grid: Grid, jobs: int) -> None:
+    """Compile before any cell is run, so that none is slow for it."""
+    units = [(model, method, grid) for model in models for method in (*methods, *judges(methods))]
+    print(f"getting ready: {len(units)} pairs of model and method", file=sys.stderr, flush=True)
+    for done, (model, method) in enumerate(_spread(_warmed, units, jobs), 1):
+        print(f"ready, {done} of {len(units)}: {model}, {method}", file=sys.stderr, flush=True)
+
+
+def _warmed(model: str, method: str, grid: Grid) -> tuple[str, str]:
+    warm(model, method, grid)
+    return model, method
+
+
+def _whole(unit: Material, methods: Sequence[str], grid: Grid) -> list[dict[str, Any]]:
+    """``map_of`` at once: from another process rows cannot come one by one."""
+    return list(map_of(unit, methods, grid))
+
+
+def _spread(function: Callable, units: Sequence[tuple], jobs: int) -> Generator[Any, None, None]:
+    """What a function makes of each unit, in any order, computed by ``jobs`` processes."""
+    if jobs == 1:
+        yield from (function(*unit) for unit in units)
+        return
+    yield from spread(function, units, jobs)
+
+
+def _text(value: Any) -> Any:
+    """Numbers with six digits, no more than they have."""
+    if isinstance(value, float):
+        return "" if value != value else f"{value:.6g}"
+    return value
+
+
+def _tell(done: int, total: int, elapsed: float) -> None:
+    left = duration(elapsed * (total - done) / done)
+    print(f"{done}/{total} cells, about {left} left", file=sys.stderr, flush=True)
+
+
+def summary(path: Path) -> Iterator[tuple[str, ...]]:
+    """Rows of a table: model, method, and how many cells are of each class."""
+    import pandas as pd
+
+    from bearingsim.stability.judge import CLASSES
+
+    table = pd.read_csv(path)
+    for (model, method), group in table.groupby(["model", "method"], sort=False):
+        counts = group["class"].value_counts()
+        yield (str(model), str(method), *(str(int(counts.get(name, 0))) for name in CLASSES))

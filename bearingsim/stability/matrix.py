@@ -1,0 +1,269 @@
+"""Where each method fails: short runs over step (or tolerance), stiffness, damping and sharpness of pits.
+
+A unit of work is a material, that is a model with one stiffness and damping: its scenes share a sound bearing. For
+each scene first the reference, from solutions that must agree, then every method at every step.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+from math import inf
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim import assemble
+from bearingsim.assemble import scales
+from bearingsim.config import Case
+from bearingsim.core.methods.interface import MethodKind, Tolerances
+from bearingsim.core.models.interface import freedoms, linearise
+from bearingsim.simulation import limits
+from bearingsim.stability import judge
+from bearingsim.stability.judge import REFUSED, Reference, Verdict, agreed
+from bearingsim.stability.references import SCIPY, solve
+from bearingsim.stability.scene import FINE, NAMED, PITS, PRINTED, SPAN, STEEL, Scene, case_of, crossings
+from bearingsim.stability.traces import TOO_SLOW, Trace, nothing, trace
+
+HEALTHY = "healthy"
+
+
+class Grid(NamedTuple):
+    """What is varied. k: N/mm^(10/9); damping: (m3, c in N s/mm^(1 + m3)); steps (s) of methods that have one,
+    tolerances of the others, and of SciPy's; limit: CPU seconds for a cell, patience: for a solution of the
+    reference.
+    """
+
+    k: tuple[float, ...]
+    damping: tuple[tuple[float, float], ...]
+    pits: tuple[str, ...]
+    steps: tuple[float, ...]
+    tolerances: tuple[float, ...]
+    scipys: tuple[float, ...]
+    limit: float
+    patience: float
+
+
+FULL = Grid(
+    k=(STEEL, 1e7, PRINTED),
+    damping=((0.0, 1e-1), (0.0, 1e1), (0.0, 1e3), (0.0, 1e6), (1.0, 1e2), (1.0, 1e4), (1.0, 1e6), (2.0, 1e6)),
+    pits=tuple(PITS),
+    steps=(20e-6, 10e-6, 5e-6, 2e-6, 1e-6, 0.5e-6, 0.2e-6, 0.1e-6, 0.05e-6, 0.02e-6),
+    tolerances=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7),
+    scipys=(1e-2, 1e-4, 1e-6),
+    limit=0.5,
+    patience=6.0,
+)
+QUICK = Grid(
+    k=(STEEL, PRINTED),
+    damping=((0.0, 1e-1), (0.0, 1e6), (1.0, 1e4), (1.0, 1e6)),
+    pits=(HEALTHY, "0.2 mm slot"),
+    steps=(10e-6, 5e-6, 2e-6, 1e-6, 0.2e-6),
+    tolerances=(1e-2, 1e-4, 1e-6),
+    scipys=(1e-2, 1e-4),
+    limit=0.2,
+    patience=2.0,
+)
+QUICK_METHODS = ("verlet", "symplectic-euler", "dop853", "rodas", "backward-euler", "scipy-lsoda", "scipy-radau")
+USUAL, QUICK_MODELS = ("ring", "rollers"), ("rollers",)
+
+REFERENCES = (("dop853", 1e-9), ("scipy-lsoda", 1e-9), ("rodas", 1e-8), ("scipy-lsoda", 1e-6))
+"""Solutions that are tried in turn until two agree."""
+COARSE = ("backward-euler", 1e-2)
+"""And one that holds where others fail, for want of a second."""
+
+
+class Material(NamedTuple):
+    """A model's name; k (N/mm^(10/9)), m3 and c (N s/mm^(1 + m3)) of its contacts."""
+
+    model: str
+    k: float
+    m3: float
+    c: float
+
+
+class Bench(NamedTuple):
+    """A scene made ready: its case, the core's model, a buffer at rest, theory's K (1/s^2) and C (1/s) at rest."""
+
+    case: Case
+    model: Any
+    y: np.ndarray
+    K: float
+    C: float
+
+
+def methods_known() -> tuple[str, ...]:
+    """Names of all methods that can be mapped."""
+    return (*assemble.METHODS, *SCIPY)
+
+
+def models_known() -> tuple[str, ...]:
+    """Names of all models that have equations of motion."""
+    return tuple(name for name, kind in assemble.MODELS.items() if kind.parameters in freedoms.types)
+
+
+def materials(models: Sequence[str], grid: Grid) -> list[Material]:
+    """The units of work."""
+    return [Material(model, k, m3, c) for model, k, (m3, c) in product(models, grid.k, grid.damping)]
+
+
+def has_step(method: str) -> bool:
+    """Whether a method is told a step, not a tolerance."""
+    return method in assemble.METHODS and not assemble.METHODS[method].adaptive
+
+
+def cells(method: str, grid: Grid) -> tuple[float, ...]:
+    """The steps (s) or tolerances of a method, the coarsest first."""
+    if method in SCIPY:
+        return grid.scipys
+    return grid.steps if has_step(method) else grid.tolerances
+
+
+def count(models: Sequence[str], methods: Sequence[str], grid: Grid) -> int:
+    """Cells of a whole map."""
+    return len(materials(models, grid)) * len(grid.pits) * sum(len(cells(method, grid)) for method in methods)
+
+
+def set_up(material: Material, pit: str) -> Bench:
+    """Make a scene ready."""
+    case = case_of(Scene(material.model, pit, material.k, material.c, material.m3))
+    model = assemble.model(case)
+    _, K, C = limits.loads_at_rest(assemble.healthy(case))
+    return Bench(case, model, assemble.start(case, model)[0], K, C)
+
+
+def run(bench: Bench, method: str, setting: float, limit: float) -> Trace:
+    """One cell's run: ``setting`` is its step (s) or tolerance."""
+    if method in SCIPY:
+        return solve(method, bench.model, bench.y, asked(bench, setting)._replace(longest=inf), limit)
+    kind = assemble.METHODS[method]
+    if kind.implicit and type(bench.model) not in linearise.types:
+        return nothing(REFUSED, "the model has no derivatives")
+    h = setting if not kind.adaptive else FINE
+    model = assemble.relaxed(bench.model, kind.lag * h)
+    return trace(kind, parameters(bench, kind, setting), model, bench.y, limit)
+
+
+def parameters(bench: Bench, kind: MethodKind, setting: float) -> Any:
+    """The core's method."""
+    made: Any = kind.parameters
+    return made(*asked(bench, setting)) if kind.adaptive else made(setting)
+
+
+def asked(bench: Bench, tolerance: float) -> Tolerances:
+    """The tolerances of a scene, by its relative one."""
+    return Tolerances(*scales.tolerances(bench.case, bench.model, bench.model, FINE, tolerance))
+
+
+def reference(bench: Bench, patience: float) -> Reference | None:
+    """Solutions of a scene until two agree; see ``agreed``."""
+    found: dict[str, Trace] = {}
+    for method, tolerance in (*REFERENCES, COARSE):
+        best = agreed(found)
+        if best is not None and (not best.chaotic or (method, tolerance) == COARSE):
+            return best
+        if method in methods_known():
+            found[f"{method} {tolerance:.0e}"] = tightly(bench, method, tolerance, patience)
+    return agreed(found)
+
+
+def tightly(bench: Bench, method: str, tolerance: float, patience: float) -> Trace:
+    """A solution that may count for a reference: SciPy's solvers may not step over a pit here."""
+    if method not in SCIPY:
+        return run(bench, method, tolerance, patience)
+    return solve(method, bench.model, bench.y, asked(bench, tolerance), patience)
+
+
+def judges(methods: Sequence[str]) -> tuple[str, ...]:
+    """The methods of the reference that are not among those mapped."""
+    names = dict.fromkeys(name for name, _ in (*REFERENCES, COARSE))
+    return tuple(name for name in names if name not in methods and name in methods_known())
+
+
+def warm(model: str, method: str, grid: Grid) -> None:
+    """Compile (or load) what the cells of a model and a method need."""
+    exponents = dict(grid.damping)  # each has its own compiled code
+    kinds = {PITS[pit].get("excitation", "envelope"): pit for pit in grid.pits}
+    for (m3, c), pit in product(exponents.items(), kinds.values()):
+        run(set_up(Material(model, grid.k[0], m3, c), pit), method, cells(method, grid)[0], 0.0)
+
+
+def map_of(material: Material, methods: Sequence[str], grid: Grid) -> Iterator[dict[str, Any]]:
+    """The rows of a material: every pit, method and setting."""
+    sound: Reference | None = None
+    for pit in (HEALTHY, *(pit for pit in grid.pits if pit != HEALTHY)):
+        bench = set_up(material, pit)
+        exact = reference(bench, grid.patience)
+        sound = exact if pit == HEALTHY else sound
+        if pit in grid.pits:
+            for method in methods:
+                yield from row_by_row(material, pit, bench, method, grid, exact, sound)
+
+
+def row_by_row(
+    material: Material,
+    pit: str,
+    bench: Bench,
+    method: str,
+    grid: Grid,
+    exact: Reference | None,
+    sound: Reference | None,
+) -> Iterator[dict[str, Any]]:
+    """The rows of one method in one scene. What would take too long, by what a step has cost, is not begun."""
+    windows = crossings(bench.model)
+    limit = limits.step_limit(method, bench.K, bench.C) if has_step(method) else inf
+    per_step = 0.0
+    for setting in cells(method, grid):
+        if has_step(method) and scene_steps(setting) * per_step > 2.0 * grid.limit:
+            made = nothing(TOO_SLOW, f"{scene_steps(setting) * per_step:.2g} s expected")
+        else:
+            made = run(bench, method, setting, grid.limit)
+            per_step = made.cpu / max(made.steps, 1)
+        shortest = min((end - start for start, end in windows), default=inf)
+        strides = longest_step(bench, method, setting) > shortest / 2.0
+        verdict = judge.judge(made, exact, sound, windows, strides)
+        yield {
+            "model": material.model,
+            "method": method,
+            "pit": pit,
+            "stiffness": NAMED.get(material.k, ""),
+            "k": material.k,
+            "m3": material.m3,
+            "c": material.c,
+            "damping_ratio": limits.damping_ratio_at_rest(bench.case),
+            "step": setting if has_step(method) else np.nan,
+            "tolerance": np.nan if has_step(method) else setting,
+            "step_limit": limit,
+            **told(made, verdict, exact, len(windows)),
+        }
+
+
+def longest_step(bench: Bench, method: str, setting: float) -> float:
+    """The longest step (s) that a run may take; SciPy's solvers may take any."""
+    if method in SCIPY:
+        return inf
+    return setting if has_step(method) else asked(bench, setting).longest
+
+
+def scene_steps(h: float) -> int:
+    """Steps of ``h`` (s) in a scene."""
+    return round(SPAN / h)
+
+
+def told(made: Trace, verdict: Verdict, exact: Reference | None, expected: int) -> dict[str, Any]:
+    """What a row says of a run and its verdict."""
+    return {
+        "class": verdict.outcome,
+        "error": verdict.error,
+        "measure": "" if exact is None else "RMS" if exact.chaotic else "L2",
+        "floor": np.nan if exact is None else exact.floor,
+        "reference": "" if exact is None else exact.names,
+        "seen": verdict.seen,
+        "expected": expected,
+        "openings": verdict.openings,
+        "openings_of_reference": verdict.openings_of_reference,
+        "steps": made.steps,
+        "refused_steps": made.refused,
+        "evaluations": made.evaluations,
+        "iterations": made.iterations,
+        "cpu_s": made.cpu,
+        "reason": made.reason,
+    }

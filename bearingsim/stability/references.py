@@ -1,0 +1,136 @@
+"""SciPy's integrators on the compiled models: other people's methods, to compare with and to check against.
+
+A model's state becomes a vector x = (positions, velocities) of what can move; its slopes are the compiled
+accelerations. Nothing is told to the solver of pits or touch-down; what it takes for success is read, and a run
+that ends early is no reference.
+"""
+
+import time
+import warnings
+from typing import Any
+
+import numpy as np
+from scipy import integrate
+
+from bearingsim.core.jit import jit
+from bearingsim.core.layout import ACCELERATION, LANES, POSITION, Q_O, ROW, VELOCITY, shared_cell
+from bearingsim.core.methods.adaptive import LEVER, fill_levers
+from bearingsim.core.methods.interface import Tolerances
+from bearingsim.core.models.interface import accelerations, freedoms
+from bearingsim.stability.scene import TIMES
+from bearingsim.stability.traces import STALL, TOO_SLOW, Trace
+
+SCIPY = {"scipy-lsoda": "LSODA", "scipy-radau": "Radau", "scipy-bdf": "BDF", "scipy-dop853": "DOP853"}
+"""SciPy's solvers by the names that they have in the map."""
+
+
+class OutOfTime(Exception):
+    """A solver has used up the CPU time it was given."""
+
+
+def moving(model: Any) -> np.ndarray:
+    """Offsets (n,) within a block of the state of what the model's equations move."""
+    own, shared = freedoms(model)
+    rollers = [i * ROW + LANES + j for i in range(own) for j in range(model.bearing.Z)]
+    return np.array([shared_cell(k) for k in range(shared)] + rollers)
+
+
+def packed(y: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """The vector (2 n,) of a buffer's state."""
+    return np.concatenate([y[POSITION + places], y[VELOCITY + places]])
+
+
+@jit
+def unpack(x: np.ndarray, places: np.ndarray, y: np.ndarray) -> None:
+    """Put the vector ``x`` into the buffer's state."""
+    n = len(places)
+    for i in range(n):
+        y[POSITION + places[i]] = x[i]
+        y[VELOCITY + places[i]] = x[n + i]
+
+
+@jit
+def slopes(model: Any, t: float, x: np.ndarray, places: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
+    """dx/dt (2 n,) into ``out``."""
+    n = len(places)
+    unpack(x, places, y)
+    accelerations(model, t, y)
+    for i in range(n):
+        out[i] = x[n + i]
+        out[n + i] = y[ACCELERATION + places[i]]
+
+
+class Slopes:
+    """dx/dt as SciPy calls it; raises ``OutOfTime`` once ``limit`` (s of CPU) has gone."""
+
+    def __init__(self, model: Any, y: np.ndarray, limit: float) -> None:
+        self.model, self.y, self.places = model, y.copy(), moving(model)
+        fill_levers(model, self.y)
+        x = np.zeros(2 * len(self.places))
+        slopes(model, 0.0, x, self.places, self.y.copy(), np.empty_like(x))  # compiled, or loaded
+        self.began, self.limit, self.calls = time.thread_time(), limit, 0
+
+    def __call__(self, t: float, x: np.ndarray) -> np.ndarray:
+        """dx/dt (2 n,)."""
+        self.calls += 1
+        if self.calls % 64 == 0 and self.cpu > self.limit:
+            raise OutOfTime
+        out = np.empty_like(x)
+        slopes(self.model, t, x, self.places, self.y, out)
+        return out
+
+    @property
+    def cpu(self) -> float:
+        """CPU seconds since the beginning."""
+        return time.thread_time() - self.began
+
+
+def solve(solver: str, model: Any, y: np.ndarray, asked: Tolerances, limit: float) -> Trace:
+    """Run one of ``SCIPY`` from the buffer's state at t = 0 through the scene, for ``limit`` CPU seconds at most.
+
+    asked: as the own methods have it; a solver sees positions and velocities with the same rtol. What a solver
+    calls success is read; it says nothing of pits that were stepped over.
+    """
+    f = Slopes(model, y, limit)
+    lever = f.y[LEVER + f.places]
+    atol = np.concatenate([asked.atol_q / lever, asked.atol_v / lever])
+    columns: list[np.ndarray] = []
+    with np.errstate(all="ignore"), warnings.catch_warnings():  # a row says what became of a run
+        warnings.simplefilter("ignore")
+        failure, reason, steps = _march(SCIPY[solver], f, packed(y, f.places), atol, asked, columns)
+    cpu, calls = f.cpu, f.calls
+    x = np.concatenate(columns, axis=1) if columns else np.empty((2 * len(lever), 0))
+    velocity = x[len(lever) : len(lever) + 2]
+    return Trace(1, velocity, touching(f, x), failure, reason, steps, 0, calls, 0, cpu)
+
+
+def _march(
+    name: str, f: Slopes, x_0: np.ndarray, atol: np.ndarray, asked: Tolerances, columns: list[np.ndarray]
+) -> tuple[str, str, int]:
+    """Step to the end, appending the states (2 n, samples) to ``columns``; failure, reason, steps."""
+    steps, due = 0, 0
+    try:
+        one = getattr(integrate, name)(f, 0.0, x_0, TIMES[-1], rtol=asked.rtol, atol=atol, max_step=asked.longest)
+        while one.status == "running":
+            reason = one.step()
+            steps += 1
+            if reason:
+                return STALL, str(reason), steps
+            before, due = due, int(np.searchsorted(TIMES, one.t, side="right"))
+            if due > before:
+                columns.append(one.dense_output()(TIMES[before:due]))
+    except OutOfTime:
+        return TOO_SLOW, f"not done after {f.limit:g} s", steps
+    except (ValueError, np.linalg.LinAlgError, FloatingPointError) as error:
+        return STALL, str(error), steps  # a Jacobian with infinities in it
+    return "", "", steps
+
+
+def touching(f: Slopes, x: np.ndarray) -> np.ndarray:
+    """Whether each roller carries load at the outer race, (Z, samples)."""
+    found = np.empty((f.model.bearing.Z, x.shape[1]), dtype=bool)
+    unused = np.empty(len(x))
+    for n in range(x.shape[1]):
+        slopes(f.model, TIMES[n], x[:, n].copy(), f.places, f.y, unused)
+        found[:, n] = f.y[Q_O : Q_O + len(found)] > 0.0
+    return found

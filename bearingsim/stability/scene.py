@@ -1,0 +1,78 @@
+"""Scenes of the stability map: a loaded roller crosses three pits, with any stiffness and any damping.
+
+The NF308 at 1800 rpm under 150 N, for 2.2 ms from rest. The pits lie 0.6 ms apart on the outer race, about the
+load line, so that one roller crosses all of them near its largest load; the first 0.5 ms are calm, and a method
+that chooses its steps has made them long by then. One law for all, k delta^(10/9) + c v delta^m3.
+"""
+
+from math import degrees
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim import assemble
+from bearingsim.config import Case
+from bearingsim.core.laws.stiffness import EXPONENT, PALMGREN_N_MM
+from bearingsim.core.pits.pairs import HALF_WIDTH, sliding
+
+SPAN = 2.2e-3  # s
+FINE = 1e-6  # s between the samples that are compared
+MIDDLES = (0.5e-3, 1.1e-3, 1.7e-3)  # s: when the roller stands in the middle of each pit
+LOAD = 150.0  # N
+
+STEEL = PALMGREN_N_MM * 12.0 ** (8.0 / 9.0)
+"""Palmgren's coefficient of a roller of 12 mm, N/mm^(10/9)."""
+PRINTED = 1e8  # N/mm^(10/9): the number that the paper prints
+NAMED = {STEEL: "steel", PRINTED: "printed"}
+"""Stiffnesses that have a name."""
+
+SLOT = {"race": "outer", "shape": "rectangular", "length": "12 mm", "depth": "0.05 mm"}
+PITS: dict[str, dict[str, Any]] = {
+    "healthy": {},
+    "0.2 mm slot": {"width": "0.2 mm"},
+    "0.8 mm slot": {"width": "0.8 mm"},
+    "0.2 mm pulse": {"width": "0.2 mm", "excitation": "rectangular-pulse"},
+}
+"""Pits by their name: from none to one whose ends are steps."""
+
+
+class Scene(NamedTuple):
+    """model: its name; pit: in ``PITS``; k (N/mm^(10/9)) and c (N s/mm^(1 + m3)) as multibody tools print them."""
+
+    model: str
+    pit: str
+    k: float
+    c: float
+    m3: float
+
+
+def case_of(scene: Scene) -> Case:
+    """The case of a scene, but for its method and step."""
+    law = {"law": "general", "coefficient": scene.c, "indentation_exponent": scene.m3}
+    stiffness = {"law": "constant", "coefficient": scene.k, "exponent": EXPONENT}
+    return crossing(scene.model, scene.pit, {"stiffness": stiffness, "damping": law})
+
+
+def crossing(model: str, pit: str, contact: dict[str, Any], late: float = 0.0) -> Case:
+    """The case of a loaded roller that crosses three pits, ``late`` s later than at ``MIDDLES``."""
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": LOAD, "model": model, "contact": contact}
+    omega_c = assemble.geometry.bearing(Case.model_validate(base)).omega_c
+    given = dict(PITS[pit])
+    excitation = given.pop("excitation", "envelope")
+    middle = MIDDLES[len(MIDDLES) // 2]
+    pits = [SLOT | given | {"angle": f"{degrees(omega_c * (t - middle))} deg"} for t in MIDDLES if given]
+    start = f"{degrees(-omega_c * (middle + late))} deg"
+    return Case.model_validate(base | {"defects": pits, "excitation": excitation, "start_angle": start})
+
+
+SAMPLES = round(SPAN / FINE)
+TIMES = FINE * np.arange(1, SAMPLES + 1)
+"""The samples of a scene (s), the start left out."""
+
+
+def crossings(model: Any) -> list[tuple[float, float]]:
+    """When (s) the roller enters and leaves each pit, at kinematic speeds."""
+    if len(model.pits.head) == 0:
+        return []
+    half = float(model.pits.head[0, HALF_WIDTH]) / sliding(model.pits, 0, model.bearing)
+    return [(t - half, t + half) for t in MIDDLES]

@@ -1,0 +1,189 @@
+"""Whether two states of the code compute the same, to the last bit: what a change of structure must keep.
+
+    python benchmarks/same_numbers.py --write before.json       # in the checkout before the change
+    python benchmarks/same_numbers.py --against before.json     # in the one after it, on the same machine
+
+Compared are the features of every scene below, the schema of study files, and of every study in ``studies/`` each
+job's id, model, method and step. A scene is short: it tells whether something has changed, not what is right.
+Exit code 1 and a list if anything differs. Needs nothing of bearingsim but its public names and `check --json`.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+OVAL = SLOT | {"shape": "circular", "length": "6 mm", "angle": "10 deg"}
+GROOVE = SLOT | {"shape": "triangular", "depth": "5 um", "angle": "-20 deg"}
+ASIDE = SLOT | {"length": "3 mm", "offset": "3 mm"}
+GENERAL = {"law": "general", "coefficient": 1.0, "velocity_exponent": 1}
+BALL = {"bearing": "6205", "defect": {"shape": "circular", "length": "1 mm", "width": "1 mm", "depth": "20 um"}}
+SLIPPING = {
+    "speed": "3000 rpm",
+    "friction": "traction",
+    "drag": {"oil_fraction": 0.1, "oil_viscosity": "0.05 Pa s"},
+}
+INNER_AND_ROLLER = [SLOT | {"race": "inner"}, OVAL | {"race": "roller", "roller": 3}]
+RECORDED = ["ring.velocity", "roller.1.outer_force", "roller.1.inner_force", "load_zone.rollers"]
+
+
+def general(exponent: float, coefficient: float) -> dict[str, Any]:
+    """A contact with damping of the multibody codes: coefficient in N (s/mm)/mm^m3."""
+    return {"damping": GENERAL | {"indentation_exponent": exponent, "coefficient": coefficient}}
+
+
+SCENES: dict[str, dict[str, Any]] = {
+    "static": {"model": "static", "defect": GROOVE, "clearance": "-2 um"},
+    "impulse": {"model": "impulse", "defect": SLOT},
+    "ring, kraemer, rk4, raw": {
+        "model": "ring",
+        "method": "rk4",
+        "contact": {"stiffness": "iso16281", "damping": "kraemer"},
+        "antialias": False,
+        "defect": OVAL,
+    },
+    "ring, general m3 = 1, verlet": {
+        "model": "ring",
+        "method": "verlet",
+        "contact": general(1, 1e3),
+        "defect": SLOT,
+    },
+    "rollers, hunt-crossley": {"model": "rollers", "defect": SLOT, "record": RECORDED},
+    "rollers, general m3 = 0, rodas": {
+        "model": "rollers",
+        "method": "rodas",
+        "contact": general(0, 1.0),
+        "defect": SLOT,
+    },
+    "rollers, general m3 = 2": {"model": "rollers", "contact": general(2, 1e6), "defect": SLOT, "prove": True},
+    "rollers, johnson, backward-euler": {
+        "model": "rollers",
+        "method": "backward-euler",
+        "contact": {"stiffness": "johnson", "damping": {"chi": 5.0}},
+        "defect": SLOT,
+    },
+    "rollers, inner race and roller, generalized-alpha": {
+        "model": "rollers",
+        "method": "generalized-alpha",
+        "defects": INNER_AND_ROLLER,
+    },
+    "rollers, elastic edge, dop853": {
+        "model": "rollers",
+        "method": "dop853",
+        "defect": SLOT,
+        "excitation": "elastic-edge",
+    },
+    "rollers, ball": {"model": "rollers"} | BALL,
+    "planar, rodas": {"model": "planar", "method": "rodas", "defect": GROOVE},
+    "planar, slip, verlet": {"model": "planar", "method": "verlet", "defect": SLOT, "record": ["cage.slip"]}
+    | SLIPPING,
+    "spatial, misaligned": {
+        "model": "spatial",
+        "defect": ASIDE,
+        "misalignment": {"inner": "0.2 mrad"},
+        "contact": {"slices": 6},
+        "record": ["roller.1.tilt", "roller.1.skew", "roller.1.outer_line_load"],
+    },
+}
+SHORT = {
+    "bearing": "nf308",
+    "speed": "1800 rpm",
+    "load": "150 N",
+    "duration": "80 ms",
+    "settle": "30 ms",
+    "prove": False,
+}
+
+
+def main() -> None:
+    """Write the numbers of this checkout, or compare them with those written before."""
+    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    what = asked.add_mutually_exclusive_group(required=True)
+    what.add_argument("--write", type=Path, metavar="FILE")
+    what.add_argument("--against", type=Path, metavar="FILE")
+    given = asked.parse_args()
+    if given.write:
+        given.write.write_text(json.dumps(numbers(), indent=1, sort_keys=True))
+        return
+    before, now = json.loads(given.against.read_text()), numbers()
+    found = differences(before, now)
+    print("\n".join(found) or f"{len(now)} numbers and words, all the same")
+    sys.exit(1 if found else 0)
+
+
+def numbers() -> dict[str, str]:
+    """Everything that is compared, by name; floats by all their bits."""
+    found: dict[str, str] = {}
+    for gather in (of_scenes, of_studies, of_schema):
+        found |= gather()
+    return found
+
+
+def of_scenes() -> dict[str, str]:
+    """The features of every scene, and the steps they took."""
+    return {f"{name}: {what}": value for name in SCENES for what, value in told(name, of_scene(name)).items()}
+
+
+def of_scene(name: str) -> dict[str, str]:
+    """The features of one scene; a fresh process would give the same."""
+    import bearingsim as bs
+
+    record = bs.simulate(bs.Case.model_validate(SHORT | SCENES[name]))
+    found = {what: float(value).hex() for what, value in record.features.items()}
+    series = {what: float(values.sum()).hex() for what, values in record.series.items()}
+    return (
+        found
+        | {f"sum of {what}": value for what, value in series.items()}
+        | {"method": str(record.info["method"])}
+    )
+
+
+def of_studies() -> dict[str, str]:
+    """Id, model, method and step of every job of every study, and of its quick grid."""
+    found: dict[str, str] = {}
+    for study in sorted((ROOT / "studies").glob("*.yaml")):
+        for quick in ([], ["--quick"]):
+            name = " ".join([study.stem, *quick])
+            plan = json.loads(bearingsim("check", str(study), "--json", *quick))
+            ways = [[job["job"], job["model"], job["method"], exact(job["step"])] for job in plan["jobs"]]
+            found[name] = json.dumps([*ways, plan["refused"]])
+            told(name, {"jobs": str(len(ways))})
+    return found
+
+
+def of_schema() -> dict[str, str]:
+    """The JSON schema of study files."""
+    return {"schema": json.dumps(json.loads(bearingsim("check", "--schema")), sort_keys=True)}
+
+
+def exact(step: float | None) -> str | None:
+    """All bits of a step; a job without one has none."""
+    return None if step is None else float(step).hex()
+
+
+def told(name: str, found: dict[str, str]) -> dict[str, str]:
+    """The same, a line on screen said."""
+    print(f"{name}: {found.get('jobs', len(found))}", file=sys.stderr, flush=True)
+    return found
+
+
+def bearingsim(*words: str) -> str:
+    """What a command of this checkout prints."""
+    run: Callable[..., Any] = subprocess.run
+    done = run([sys.executable, "-m", "bearingsim", *words], cwd=ROOT, capture_output=True, text=True, check=True)
+    return str(done.stdout)
+
+
+def differences(before: dict[str, str], now: dict[str, str]) -> list[str]:
+    """A line for each number that is new, gone or another."""
+    names = sorted(before.keys() | now.keys())
+    return [f"{n}: {before.get(n)} -> {now.get(n)}"[:300] for n in names if before.get(n) != now.get(n)]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,61 @@
+"""``elastic-edge`` in a study: what it takes from the case, and what it refuses."""
+
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+
+from bearingsim import assemble
+from bearingsim.config import Case
+from bearingsim.core.pits.edge_contact import EdgeContact
+from bearingsim.simulation.simulate import simulate
+from bearingsim.study.jobs import case_id
+
+SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "50 um"}
+
+
+def case(**fields: Any) -> Case:
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "excitation": "elastic-edge"}
+    return Case.model_validate(base | fields)
+
+
+def test_it_takes_load_radii_and_steel_from_the_case() -> None:
+    found = assemble.model(case(defect=SLOT | {"edge": {"radius": "10 um"}})).pits.excitation
+    assert isinstance(found, EdgeContact)
+    E_star = 207e9 / (2.0 * (1.0 - 0.3**2))
+    assert found.load * 0.012 * 3.141592653589793 * E_star == pytest.approx(4.09 * 150 / 13 + 2.04, abs=0.5)  # N
+    assert found.rho == 1e-5
+    assert assemble.model(case(defect=SLOT)).pits.excitation.rho == 2e-5
+
+
+def test_edges_said_and_not_said_may_be_alike() -> None:
+    both = [SLOT, SLOT | {"angle": "20 deg", "edge": {"radius": "20 um"}}]
+    assert len(case(defects=both).defects) == 2
+
+
+def test_the_steel_is_part_of_its_id() -> None:
+    soft = case(defect=SLOT).bearing.material.model_copy(update={"young_modulus": 100e9})
+    softer = case(defect=SLOT, bearing=case().bearing.model_copy(update={"material": soft}))
+    assert case_id(softer) != case_id(case(defect=SLOT))
+
+
+def test_the_line_hardly_changes_and_the_peak_force_falls() -> None:
+    short = {"duration": "50 ms", "settle": "20 ms", "defect": SLOT}
+    elastic, rigid = (simulate(case(excitation=word, **short)).features for word in ("elastic-edge", "envelope"))
+    assert elastic["velocity@BPFO"] == pytest.approx(1.025 * rigid["velocity@BPFO"], rel=0.01)
+    assert elastic["outer_force.max"] == pytest.approx(0.80 * rigid["outer_force.max"], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("fields", "words"),
+    [
+        ({"defect": SLOT | {"edge": {"ramp": "20 um"}}}, "rounded edges only"),
+        ({"defect": SLOT | {"shape": "elliptical"}}, "`elastic-edge` has no form for an elliptical defect"),
+        ({"defects": [SLOT, SLOT | {"angle": "20 deg", "edge": {"radius": "5 um"}}]}, "one radius"),
+        ({"defect": SLOT | {"length": "2 mm"}, "bearing": "6205"}, "a line contact's, and balls have none"),
+        ({"defect": SLOT, "model": "static"}, "changes the force at the pit"),
+    ],
+)
+def test_what_it_has_no_form_for_is_refused(fields: dict[str, Any], words: str) -> None:
+    with pytest.raises(ValidationError, match=words):
+        case(**fields)

@@ -1,0 +1,318 @@
+"""What a user types, and what comes back: text, exit code, files."""
+
+import json
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from bearingsim import __version__
+from bearingsim.cli import app, plan
+from bearingsim.core.models.equilibrium import NoEquilibrium
+from tests.scenes.commands import STUDY, type_
+
+# The program
+
+
+def python(code, **env):
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=os.environ | env)
+
+
+def test_help_imports_nothing_heavy():
+    code = (
+        "import sys\nfrom bearingsim.cli import main\nsys.argv = ['bearingsim', '--help']\n"
+        "try: main()\nexcept SystemExit as end: assert end.code == 0\n"
+        "heavy = {'numba', 'scipy', 'pandas', 'matplotlib', 'h5py', 'numpy', 'pydantic', 'yaml', 'joblib'}\n"
+        "print('HEAVY', sorted(heavy & set(sys.modules)))"
+    )
+    told = python(code).stdout
+    assert told.rstrip().endswith("HEAVY []")
+    assert "Parametric studies" in told
+
+
+def test_checking_a_wrong_study_imports_nothing_heavy(here):
+    Path("small.yaml").write_text(STUDY.replace("150 N", "150 kg"))
+    code = (
+        "import sys\nfrom bearingsim.cli import main\nsys.argv = ['bearingsim', 'check', 'small.yaml']\n"
+        "try: main()\nexcept SystemExit as end: assert end.code == 2\n"
+        "print('HEAVY', sorted({'numba', 'scipy', 'pandas', 'matplotlib', 'h5py'} & set(sys.modules)))"
+    )
+    assert python(code).stdout.rstrip().endswith("HEAVY []")
+
+
+def test_python_m_is_the_command():
+    told = subprocess.run([sys.executable, "-m", "bearingsim", "--version"], capture_output=True, text=True)
+    assert told.stdout == f"bearingsim {__version__}\n"
+
+
+def test_no_color_is_honoured(here):
+    code = "import sys\nfrom bearingsim.cli import main\nsys.argv = ['bearingsim', 'freq', 'nf308']\nmain()"
+    assert "\x1b" in python(code, FORCE_COLOR="1", NO_COLOR="").stdout
+    told = python(code, FORCE_COLOR="1", NO_COLOR="1").stdout
+    assert "BPFO" in told
+    assert "\x1b[3" not in told
+
+
+@pytest.mark.parametrize("words", [["rum"], ["run"], ["check", "small.yaml", "--sett", "a=b"]])
+def test_a_wrong_command_is_a_message_and_2(here, words):
+    out, told = type_(*words, code=2)
+    assert out == ""
+    assert told
+
+
+# new, check
+
+
+def test_new_writes_a_study_that_checks(here):
+    said, _ = type_("new", "mine.yaml")
+    assert "mine.yaml" in said
+    said, _ = type_("check", "mine.yaml")
+    assert said.startswith("defect-length: 15 jobs (12 cases, 3 healthy twins)")
+
+
+def test_new_overwrites_nothing(here):
+    _, told = type_("new", "small.yaml", code=2)
+    assert "exists already" in told
+    assert Path("small.yaml").read_text() == STUDY
+
+
+def test_check_prints_the_plan(here):
+    said, _ = type_("check", "small.yaml", "--jobs", "2")
+    assert "8 jobs (4 cases, 4 healthy twins); sweeps load, model" in said
+    rows = {line[: line.find("  ")].strip(): line.split() for line in said.splitlines() if "  " in line}
+    assert rows["cases"][-2:] == ["2", "2"]
+    assert rows["crossing of the pit (us)"][-2:] == ["270", "270"]  # 0.8 mm at 2.959 m/s
+    assert rows["step limit at rest (us)"][5] == "-"  # the static model has none
+    assert "2 workers" in said
+    assert len(max(said.splitlines(), key=len)) < 100
+
+
+@pytest.mark.parametrize(
+    ("found", "text"),
+    [([0.2, 0.35], "0.2 .. 0.35"), ([2.0, 2.001], "2"), ([math.inf, 2.0, 0.0], "2"), ([math.inf], "-")],
+)
+def test_a_quantity_of_many_cases_is_a_span(found, text):
+    assert plan.span(found) == text
+
+
+LEAST = "`planar` is the least model: a `ramp` changes the speed under way; `drag` brakes rollers and cage"
+
+
+def test_check_says_which_model_is_least_and_why(here):
+    words = [
+        "--set",
+        "load=150 N",
+        "--set",
+        "ramp={to: 900 rpm, time: 50 ms}",
+        "--set",
+        "drag={oil_fraction: 0.1}",
+    ]
+    assert LEAST in type_("check", "small.yaml", "--set", "model=least", *words)[0]
+    assert "is the least model" not in type_("check", "small.yaml", "--set", "model=planar", *words)[0]
+
+
+def test_check_says_how_many_cases_chose_a_model(here):
+    said, _ = type_("check", "small.yaml", "--set", "model=[least, ring]")
+    assert "2 of 4 cases: `static` is the least model: `envelope` moves the rollers" in said
+    named = STUDY.replace("  model: [static, ring]\n", "").replace("load: 1", "model: least\nload: 1", 1)
+    Path("small.yaml").write_text(named)
+    assert "\n`static` is the least model" in type_("check", "small.yaml")[0]
+    Path("small.yaml").write_text(STUDY.replace("quick: {sweep: {model: [static]}}", "quick: {model: least}"))
+    assert "is the least model" not in type_("check", "small.yaml")[0]
+    assert "`static` is the least model" in type_("check", "small.yaml", "--quick")[0]
+
+
+def test_check_says_what_friction_can_do(here):
+    """0.3 of 49.6 N; slip settles in I/(2 mu' Q R^2) with I = m R^2/2, m = 10.65 g and mu' = 1.5 0.3/0.02 s/m."""
+    found = json.loads(type_("check", "small.yaml", "--set", "load=150 N", "--set", "model=planar", "--json")[0])
+    limits = found["jobs"][0]["limits"]
+    assert limits["friction"] == pytest.approx(0.3 * limits["rest_load"], rel=0.01)
+    assert limits["slip_settles"] == pytest.approx(0.01065 / (4.0 * 22.5 * limits["rest_load"]), rel=1e-3)
+    assert found["jobs"][0]["least_model"] == "static"
+    words = ["--set", "load=150 N", "--set", "model=[ring, planar]"]
+    said, _ = type_("check", "small.yaml", *words)
+    rows = {line[: line.find("  ")].strip(): line.split() for line in said.splitlines() if "  " in line}
+    assert rows["friction at rest, at most (N)"][-2:] == ["-", "14.9"]
+    assert rows["slip at rest settles in (us)"][-2:] == ["-", "2.39"]
+    assert "slip at rest" not in type_("check", "small.yaml")[0]
+
+
+def test_check_for_a_script(here):
+    found = json.loads(type_("check", "small.yaml", "--json", "--jobs", "2")[0])
+    assert (found["cases"], found["twins"], found["refused"]) == (4, 4, [])
+    ring = [job for job in found["jobs"] if job["model"] == "ring"]
+    assert all(0.0 < job["step"] < job["limits"]["at_impact"] for job in ring)
+    assert found["cpu_seconds"] == pytest.approx(sum(job["estimate"]["cpu_seconds"] for job in found["jobs"]))
+    assert found["cpu_seconds"] / 2 <= found["wall_seconds"] <= found["cpu_seconds"]
+
+
+def test_check_lists_cases_when_asked(here):
+    said, _ = type_("check", "small.yaml", "-v")
+    assert sum(line.startswith(("150 N", "300 N")) for line in said.splitlines()) == 4
+
+
+def test_set_and_quick_change_the_plan(here):
+    said, _ = type_("check", "small.yaml", "--quick", "--set", "load=[100 N, 150 N, 200 N]")
+    assert "6 jobs (3 cases, 3 healthy twins)" in said
+
+
+def test_check_shows_every_mistake_at_once(here):
+    Path("small.yaml").write_text(STUDY.replace("0.8 mm", "0,8 mm").replace("30 ms", "30"))
+    out, told = type_("check", "small.yaml", code=2)
+    assert out == ""
+    assert "small.yaml:5:52: defect.width" in told
+    assert "write a decimal point" in told
+    assert "duration" in told
+
+
+def test_a_step_over_the_limit_is_refused_once(here):
+    said, told = type_("check", "small.yaml", "--set", "model=rollers", "--set", "step=20 us", code=2)
+    assert said == "small: 4 jobs (2 cases, 2 healthy twins), 4 refused; sweeps load, model\n"
+    [line] = told.splitlines()
+    assert line.startswith("small.yaml: 4 jobs refused, the first at load 150 N")
+    assert "of the method's limit" in line
+    assert "say `step: auto`" in line
+
+
+@pytest.mark.parametrize(("coefficient", "warned"), [(1e2, False), (1e6, True)])
+def test_contacts_that_creep_longer_than_the_run_settles_are_told(here, coefficient, warned):
+    """C/K of steel at 150 N: 0.3 ms with 1e2 N s/mm, 3 s with 1e6."""
+    law = f"contact.damping={{law: general, coefficient: {coefficient}, indentation_exponent: 0}}"
+    said, _ = type_("check", "small.yaml", "--set", "model=rollers", "--set", law)
+    assert ("contacts creep to rest" in said) == warned
+
+
+def test_refused_jobs_are_counted_for_a_script(here):
+    """The step is too long for `ring` over a pit; its healthy twins and `static` take it."""
+    words = ["--set", "step=20 us", "--json"]
+    found = json.loads(type_("check", "small.yaml", *words, code=2)[0])
+    assert (found["cases"], found["twins"], found["refused_jobs"]) == (4, 4, 2)
+    assert len(found["jobs"]) == 6
+    assert len(found["refused"]) == 1
+
+
+def test_a_case_without_equilibrium_is_refused(here, monkeypatch):
+    def nothing_holds(case):
+        raise NoEquilibrium(f"no equilibrium at {case.load} N")
+
+    monkeypatch.setattr("bearingsim.simulation.limits.loads_at_rest", nothing_holds)
+    _, told = type_("check", "small.yaml", code=2)
+    first = "8 jobs refused, the first at load 150 N, model static"
+    assert (
+        told
+        == f"small.yaml: {first}: no equilibrium at 150.0 N; give the bearing a load that its rollers can carry\n"
+    )
+
+
+def test_the_schema_is_json():
+    schema = json.loads(type_("check", "--schema")[0])
+    assert schema["title"] == "bearingsim study"
+
+
+def test_check_needs_a_study():
+    assert "name a study file" in type_("check", code=2)[1]
+
+
+# run
+
+
+def test_run_resumes(done):
+    said, _ = type_("run", done.parents[1] / "small.yaml", "--jobs", "1", "--out", done, "--verify")
+    assert said.startswith("small: 0 done, 8 done before of 8 jobs")
+
+
+def test_run_goes_to_results(here):
+    said, _ = type_("run", "small.yaml", "--jobs", "1", "--quick", "--shard", "1/2")
+    assert "2 done of 2 jobs" in said
+    assert "results: results/small-quick" in said
+    assert Path("results/small-quick/results.csv").is_file()
+
+
+def test_failed_jobs_are_stored_and_told(here):
+    words = ["run", "small.yaml", "--jobs", "1", "--set", "load=150 N", "--set", "model=[static, rollers]"]
+    said, _ = type_(*words, "--set", "step=5 us", code=1)
+    assert "2 done, 2 failed of 4 jobs" in said
+    assert "2 jobs failed: a step of" in said
+    said, _ = type_("show", "--failed")
+    assert "model rollers" in said
+    assert "of the method's limit" in said
+    assert "again: bearingsim run small.yaml" in said
+    table = json.loads(type_("show", "--failed", "--json")[0])
+    assert [row["status"] for row in table] == ["failed", "failed"]
+    assert table[0]["velocity@BPFO"] is None
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--set", "load"], "expected PATH=VALUE"),
+        (["--set", "method="], "expected PATH=VALUE"),
+        (["--set", "lode=150 N"], "did you mean `load`?"),
+        (["--shard", "3/2"], "expected K/N"),
+        (["--shard", "1/2", "--fresh"], "other shards"),
+        (["--jobs", "0"], "greater than or equal to 1"),
+    ],
+)
+def test_a_wrong_option_is_a_message_and_2(here, words, message):
+    _, told = type_("run", "small.yaml", *words, code=2)
+    assert message in " ".join(told.replace("│", " ").split())
+    assert not Path("results").exists()
+
+
+def test_a_file_that_is_not_there(here):
+    assert type_("run", "none.yaml", code=2)[1] == "none.yaml: no such file\n"
+
+
+def test_a_folder_that_cannot_be_written(here):
+    Path("file").write_text("")
+    _, told = type_("run", "small.yaml", "--jobs", "1", "--out", "file/results", code=2)
+    assert told == f"{here / 'file' / 'results'}: a part of this path is a file, not a folder\n"
+
+
+def test_an_interrupt_is_130_and_tells_what_is_done(here, monkeypatch):
+    from bearingsim import runner
+
+    def interrupted(*_):
+        raise runner.Interrupted(
+            runner.RunSummary("small", here, 8, 1, 2, (), 0.5, 0.2, 0.4, 0.3, interrupted=True)
+        )
+
+    monkeypatch.setattr(runner, "run", interrupted)
+    _, told = type_("run", "small.yaml", code=130)
+    assert "2 done, 1 done before, 5 left of 8 jobs" in told
+
+
+def test_detail_shows_the_traceback_of_an_error(here):
+    result = CliRunner().invoke(app, ["check", "none.yaml", "-v"])
+    assert result.exit_code == 2
+    assert "Traceback" in result.stderr
+
+
+# freq
+
+
+def test_freq_prints_the_frequencies():
+    said, _ = type_("freq", "nf308")
+    found = {line.split()[0]: line.split()[-6:] for line in said.splitlines()[3:]}
+    assert found["BPFO"] == ["5.3000", "159.000", "318.000", "477.000", "636.000", "795.000"]
+    assert found["BPFI"][:2] == ["7.7000", "231.000"]
+    assert found["FTF"][1] == "12.231"
+    assert found["BSF"][1] == "78.481"
+
+
+def test_freq_at_another_speed_for_a_script():
+    found = json.loads(type_("freq", "nf308", "--speed", "900 rpm", "--json")[0])
+    assert found["shaft_hz"] == pytest.approx(15.0)
+    assert found["frequencies"]["BPFO"]["hz"][1] == pytest.approx(159.0)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [(["nf309"], "did you mean `nf308`?"), (["nf308", "--speed", "1800"], "the unit is missing")],
+)
+def test_freq_refuses_what_it_does_not_know(words, message):
+    assert message in type_("freq", *words, code=2)[1]

@@ -1,0 +1,131 @@
+"""Commands that show and export the results of a study: text, exit code, files."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.io import loadmat
+
+from tests.scenes.commands import type_
+
+
+def ids(results):
+    return pd.read_csv(results / "results.csv")["job"]
+
+
+def test_plot_writes_the_figures_of_the_study(done, tmp_path):
+    said, _ = type_("plot", done, "--out", tmp_path, "--format", "svg")
+    assert said.split() == [str(tmp_path / "fig1-velocity-bpfo-vs-load.svg")]
+    assert (tmp_path / "fig1-velocity-bpfo-vs-load.svg").stat().st_size > 10_000
+
+
+def test_plot_takes_the_newest_results(done, monkeypatch):
+    monkeypatch.chdir(done.parents[1])
+    said, _ = type_("plot", "--kind", "spectrum", "--job", ids(done)[0][:9])
+    assert said.split() == [f"results/small/figures/spectrum-{ids(done)[0][:8]}.png"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--kind", "pie"], "sweep, phase, series, spectrum, envelope, roller, load or pit"),
+        (["--format", "gif"], "png, svg or pdf"),
+        (["--x", "lode"], "did you mean `load`?"),
+        (["--kind", "series", "--job", "xyz"], "no job begins with `xyz`"),
+        (["--kind", "series", "--span", "20"], "expected a time such as `50 ms`"),
+        (["--kind", "series", "--span", "0 ms"], "expected a time above zero, got `0 ms`"),
+        (["--kind", "spectrum", "--span", "20 ms"], "a spectrum takes no span"),
+    ],
+)
+def test_plot_refuses_what_it_does_not_know(done, words, message):
+    _, told = type_("plot", done, *words, code=2)
+    assert message in " ".join(told.replace("│", " ").split())
+
+
+def test_plot_tells_which_figure_it_left_out(done, tmp_path):
+    words = ["--where", "model=rollers", "--where", "load=150 N"]
+    assert "no case has model rollers, load 150 N" in type_("plot", done, *words, "--out", tmp_path, code=2)[1]
+    said, told = type_("plot", done, "--where", "model=ring", "--panels", "model", "--out", tmp_path)
+    assert len(said.splitlines()) == 1
+    assert told == ""
+
+
+def test_a_reader_that_stops_reading_is_no_error(done):
+    command = f"{sys.executable} -m bearingsim show {done} | head -c 1"
+    told = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    assert told.stderr == ""
+
+
+@pytest.mark.parametrize("command", ["plot", "show", "export"])
+def test_without_results_there_is_a_message(here, command):
+    assert "there are no results" in type_(command, code=2)[1]
+    assert "holds no results" in type_(command, here, code=2)[1]
+
+
+def test_show_prints_a_row_per_job(done):
+    said, _ = type_("show", done)
+    lines = said.splitlines()
+    assert "velocity@BPFO (µm/s)" in lines[0]
+    assert sum(line.startswith(tuple(job[:8] for job in ids(done))) for line in lines) == 8
+    assert lines[-1] == "8 jobs: 8 done"
+
+
+def test_show_takes_columns(done):
+    said, _ = type_("show", done, "--columns", "load", "--columns", "velocity.rms")
+    assert said.splitlines()[0].split() == ["job", "load", "velocity.rms", "(µm/s)"]
+    assert "did you mean `velocity.rms`?" in type_("show", done, "--columns", "velocity.rmse", code=2)[1]
+
+
+def test_show_for_a_script(done):
+    rows = json.loads(type_("show", done, "--json")[0])
+    assert {row["load"] for row in rows} == {150.0, 300.0}
+    assert all(row["status"] == "done" for row in rows)
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_features_are_exported(done, tmp_path, suffix):
+    file = tmp_path / f"features.{suffix}"
+    assert type_("export", done, "--features", file)[0].strip() == str(file)
+    read = pd.read_csv if suffix == "csv" else pd.read_parquet
+    table, whole = read(file), pd.read_csv(done / "results.csv")
+    assert list(table["job"]) == list(whole["job"])
+    assert table["velocity@BPFO"].to_numpy() == pytest.approx(whole["velocity@BPFO"].to_numpy())
+
+
+def test_export_names_its_file(done, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert type_("export", done, "--format", "parquet")[0] == "small-features.parquet\n"
+    assert Path("small-features.parquet").is_file()
+
+
+def test_series_are_exported_to_csv(done, tmp_path):
+    first, second = ids(done)[:2]
+    type_("export", done, "--series", first, "--series", second, "--out", tmp_path / "both.csv")
+    table = pd.read_csv(tmp_path / "both.csv")
+    heads = [f"{job}/ring.velocity.{c} [m/s]" for job in (first, second) for c in "xy"]
+    assert list(table) == ["time [s]", *heads]
+    assert len(table) == 307  # 30 ms at 10240 Hz
+    assert np.diff(table["time [s]"]) == pytest.approx(1.0 / 10240.0)
+    assert table[heads[0]].abs().max() > 1e-6
+
+
+def test_series_are_exported_to_matlab(done, tmp_path):
+    job = ids(done)[1]
+    type_("export", done, "--series", job[:10], "--out", tmp_path / "one.mat")
+    struct = loadmat(tmp_path / "one.mat", simplify_cells=True)[f"job_{job}"]
+    assert set(struct) == {"time", "ring_velocity_x", "ring_velocity_y", "units", "parameters"}
+    assert struct["units"] == {"time": "s", "ring_velocity_x": "m/s", "ring_velocity_y": "m/s"}
+    assert struct["parameters"]["defects_1_width"] == pytest.approx(0.0008)
+    assert struct["parameters"]["load"] == 150.0
+    assert struct["parameters"]["model"] == "ring"
+    assert len(struct["ring_velocity_x"]) == len(struct["time"]) == 307
+
+
+def test_export_refuses_other_formats(done, tmp_path):
+    assert "ends in .csv or .parquet" in type_("export", done, "--features", tmp_path / "a.xlsx", code=2)[1]
+    words = ["--series", ids(done)[0], "--out", tmp_path / "a.wav"]
+    assert "ends in .csv or .mat" in type_("export", done, *words, code=2)[1]

@@ -1,0 +1,434 @@
+import math
+from pathlib import Path
+from typing import Any, get_args
+
+import pytest
+from pydantic import ValidationError
+
+from bearingsim import assemble
+from bearingsim.assemble import contacts
+from bearingsim.config import (
+    CHANNELS,
+    FEATURES,
+    Bearing,
+    Cage,
+    Case,
+    Constant,
+    Drag,
+    Frictionless,
+    Material,
+    Rig,
+    StaticDynamic,
+    Traction,
+    dataset_names,
+    library,
+    library_names,
+)
+from bearingsim.config.case import Method, Model
+from bearingsim.config.rules.hierarchy import LADDER, METHODLESS
+from bearingsim.config.sections.contact import StiffnessLaw
+
+SLOT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
+INNER, ON_ROLLER = SLOT | {"race": "inner"}, SLOT | {"race": "roller"}
+PLANAR = {"model": "planar"}
+
+
+def case(**fields: Any) -> Case:
+    return Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"} | fields)
+
+
+def messages(**fields: Any) -> list[str]:
+    with pytest.raises(ValidationError) as caught:
+        case(**fields)
+    return [error["msg"] for error in caught.value.errors()]
+
+
+def test_text_with_units_becomes_si() -> None:
+    found = case(defect=SLOT | {"angle": "90 deg"}, clearance="-5 um", settle="0 s")
+    assert found.defects[0].width == 0.0008
+    assert found.defects[0].angle == pytest.approx(math.pi / 2)
+    assert found.clearance == -5e-6
+    assert found.settle == 0.0
+
+
+def test_floats_from_python_are_si_already() -> None:
+    assert case(speed=100, load=150.0).speed == 100.0
+    assert type(case(speed=100).speed) is float
+
+
+def test_nf308_has_the_papers_outer_race_frequency() -> None:
+    found = case()
+    assert found.bearing.ball_pass_frequency(found.speed) == pytest.approx(159.0, rel=1e-12)
+
+
+def test_defaults_are_resolved() -> None:
+    found = case()
+    assert found.start_angle == math.pi / 13
+    assert found.method == "auto"
+    assert case(model="static").method is None
+    assert case(start_angle="0 deg").start_angle == 0.0
+    assert found.rig.bracket_stiffness == 1e7
+    assert found.bearing.material.density == 7850.0
+    assert found.record == ("ring.velocity",)
+
+
+def test_a_case_survives_its_own_dump() -> None:
+    found = case(defect=SLOT, contact={"damping": "kraemer"})
+    assert Case.model_validate(found.model_dump()) == found
+    assert hash(found) == hash(Case.model_validate(found.model_dump()))
+
+
+def test_damping_is_chosen_by_its_law() -> None:
+    assert case().contact.damping.law == "hunt-crossley"
+    assert case(contact={"damping": {"chi": "5 s/m"}}).contact.damping.model_dump()["chi"] == 5.0
+    general = {"law": "general", "coefficient": "1e6", "indentation_exponent": "2"}
+    assert case(contact={"damping": general}).contact.damping.model_dump()["coefficient"] == 1e6
+    assert "expected `hunt-crossley`, `kraemer` or `general`" in messages(contact={"damping": "kramer"})[0]
+
+
+@pytest.mark.parametrize(
+    ("fields", "part"),
+    [
+        ({"speed": "0 rpm"}, "a rotation speed above zero"),
+        ({"load": "-1 N"}, "a force above zero"),
+        ({"load": float("nan")}, "got `nan`"),
+        ({"load": True}, "expected a force"),
+        ({"load": {"a": "1 N"}}, "got a mapping"),
+        ({"duration": "0 s"}, "above zero"),
+        ({"duration": "1 ms"}, "1 ms is shorter than one ball pass (6.28931 ms)"),
+        ({"step": "fast"}, "expected a time"),
+        ({"step": "0 us"}, "above zero"),
+        ({"antialias": "no"}, "expected `true` or `false`, got `no`"),
+        ({"prove": "strictly"}, "expected `true`, `strict` or `false`, got `strictly`"),
+        ({"record": ["ring.speed"]}, "expected `ring.displacement`"),
+        ({"record": "ring.velocity"}, "tuple"),
+        ({"model": "static", "method": "rk4"}, "the static model has no method, got `rk4`"),
+        ({"contact": {"length_nodes": "6.0"}}, "whole number from 1 to 64"),
+        ({"contact": {"length_nodes": "0"}}, "whole number from 1 to 64"),
+        ({"bearing": "nf309"}, "no bearing `nf309` (did you mean `nf308`?)"),
+        ({"rig": "xyz"}, "there are: bvt5"),
+        ({"defect": SLOT | {"length": "13 mm"}}, "13 mm is longer than the roller (12 mm)"),
+        (
+            {"defect": SLOT | {"edge": {"ramp": "20 mm"}}},
+            "a ramp of 20 mm is longer than the defect is wide (0.8 mm)",
+        ),
+        ({"defect": SLOT | {"width": "19 mm"}}, "19 mm is wider than the roller spacing (18.6079 mm)"),
+        ({"defect": SLOT | {"depth": "10 mm"}}, "10 mm deep goes through the outer ring (6.5 mm)"),
+        ({"clearance": "25 mm"}, "beyond -1 % to 5 % of the roller diameter"),
+        ({"clearance": "-1 mm"}, "beyond -1 % to 5 % of the roller diameter"),
+        ({"defect": SLOT | {"width": "-1 mm"}}, "above zero"),
+        ({"defect": SLOT | {"race": "middle"}}, "expected `outer`, `inner` or `roller`"),
+        ({"defect": SLOT | {"race": "roller", "roller": 14}}, "there is no roller 14: the bearing has 13"),
+        ({"defect": SLOT | {"race": "roller", "roller": 0}}, "whole number from 1 to 64"),
+        ({"defect": SLOT | {"roller": 3}}, "a defect of the outer race is on no roller"),
+        ({"defect": INNER | {"width": "13 mm"}}, "wider than the roller spacing on the inner race (12.808 mm)"),
+        ({"defect": INNER | {"depth": "6.6 mm"}}, "6.6 mm deep goes through the inner ring (6.5 mm)"),
+        ({"defect": INNER | {"length": "13 mm"}}, "13 mm is longer than the roller (12 mm)"),
+        ({"defect": ON_ROLLER | {"width": "13 mm"}}, "wider than the roller's diameter (12 mm)"),
+        ({"defect": ON_ROLLER | {"depth": "6 mm"}}, "6 mm deep goes past the roller's middle (6 mm)"),
+        ({"excitation": "envelop"}, "expected `envelope`"),
+        ({"model": "impulse", "defect": SLOT, "method": "rk4"}, "the impulse model has no method, got `rk4`"),
+        ({"model": "impulse"}, "without a defect there are no impulses"),
+        ({"clearance": "C6"}, "expected a length such as `20 um`, or a class: C2, CN, C3, C4, C5; got `C6`"),
+        ({"seed": "-1"}, "whole number from 0"),
+        ({"record": ["roller.14.outer_force"]}, "there is no roller 14: the bearing has 13"),
+        ({"record": ["roller.0.outer_force"]}, "expected `ring.displacement`"),
+        ({"contact": {"stiffness": "hertz"}}, "expected `palmgren`, `iso16281`, `johnson`, `point` or `constant`"),
+        ({"contact": {"stiffness": "constant"}}, "the law `constant` needs numbers"),
+        ({"contact": {"stiffness": {"law": "johnson", "exponent": 1.1}}}, "the law `johnson` takes no numbers"),
+        ({"contact": {"stiffness": {"coefficient": 1e5, "exponent": 0}}}, "a plain number above zero"),
+        ({"contact": {"stiffness": "point"}}, "the law `point` is a ball's contact, not a roller's"),
+        (
+            {"bearing": "6205", "contact": {"stiffness": "johnson"}},
+            "`johnson` is a roller's contact, not a ball's",
+        ),
+        (PLANAR | {"friction": "dry"}, "expected `static-dynamic`, `traction` or `none`, got `dry`"),
+        (PLANAR | {"friction": {"dynamic": 0.4}}, "dynamic friction (0.4) is above static (0.3)"),
+        (PLANAR | {"friction": {"dynamic_speed": "1 mm/s"}}, "must be above `static_speed`"),
+        (PLANAR | {"friction": {"law": "traction", "static": 0.3}}, "Extra inputs"),
+        (PLANAR | {"cage": {"motion": "kinematic"}, "friction": "traction"}, "RMS 11-15 % low"),
+        (
+            PLANAR | {"cage": {"motion": "kinematic"}, "drag": {}},
+            "drag brakes nothing while the cage is kinematic",
+        ),
+        (PLANAR | {"cage": {"motion": "kinematic", "guide": "rollers"}}, "a kinematic cage stays centred"),
+        (PLANAR | {"cage": {"guide": "rings"}}, "expected `centred`, `rollers`, `inner-ring` or `outer-ring`"),
+        (PLANAR | {"drag": {"oil_fraction": 1.5}}, "expected a plain number from 0 to 1, got `1.5`"),
+        (PLANAR | {"drag": {"oil_viscosity": "0 Pa s"}}, "a dynamic viscosity above zero"),
+        (PLANAR | {"drag": "some"}, "valid dictionary or instance of Drag"),
+        (PLANAR | {"shaft": {"stiffness": "1e8 N/m"}}, "Field required"),
+        (PLANAR | {"unbalance": {"mass_radius": "100 g mm"}}, "moves nothing while the inner ring is rigid"),
+        (PLANAR | {"rig": {"torsion_damping": "1 N m s/rad"}}, "does not rotate without `torsion_stiffness`"),
+        (PLANAR | {"ramp": {"to": "0 rpm", "time": "1 s"}}, "a rotation speed above zero"),
+        ({"defect": SLOT, "defects": [SLOT]}, "not both"),
+        ({"defects": "none"}, "expected a list"),
+        ({"lod": "1 N"}, "Extra inputs"),
+    ],
+)
+def test_wrong_values_are_refused(fields: dict[str, Any], part: str) -> None:
+    assert part in "\n".join(messages(**fields))
+
+
+@pytest.mark.parametrize(("apart", "fits"), [("1.19 deg", False), ("1.20 deg", True), ("361.19 deg", False)])
+def test_defects_of_one_race_do_not_overlap_but_merge(apart: str, fits: bool) -> None:
+    # 0.8 mm on a race of 38.5 mm radius is 1.1906 deg
+    pair = [SLOT, SLOT | {"angle": apart}]
+    assert len(case(defects=pair).defects) == 2
+    if fits:
+        assert len(case(defects=pair, excitation="soft-edge").defects) == 2
+    else:
+        (told,) = messages(defects=pair, excitation="soft-edge")
+        assert "overlaps defect 1" in told
+
+
+def test_defects_of_other_elements_may_lie_at_the_same_angle() -> None:
+    assert len(case(defects=[SLOT, INNER, ON_ROLLER, ON_ROLLER | {"roller": 2}]).defects) == 4
+    for pair in ([ON_ROLLER, ON_ROLLER | {"roller": 1, "angle": "7 deg"}], [INNER, INNER | {"angle": "1.7 deg"}]):
+        assert "overlaps defect 1" in messages(defects=pair, excitation="soft-edge")[0]
+    # 0.8 mm on a roller of 6 mm radius is 7.64 deg, on an inner race of 26.5 mm radius 1.73 deg
+    for pair in ([ON_ROLLER, ON_ROLLER | {"angle": "7.7 deg"}], [INNER, INNER | {"angle": "1.8 deg"}]):
+        assert len(case(defects=pair, excitation="soft-edge").defects) == 2
+
+
+def test_merged_defects_are_not_wider_than_the_spacing() -> None:
+    wide = SLOT | {"width": "8 mm"}
+    chain = [wide | {"angle": f"{11 * n} deg"} for n in range(3)]
+    assert len(case(defects=chain[:2]).defects) == 2
+    told = messages(defects=chain)[0]
+    assert "the defects that overlap here are 22.7829 mm wide, wider than the roller spacing (18.6079 mm)" in told
+
+
+SPALL = SLOT | {"shape": "spall"}
+
+
+@pytest.mark.parametrize(
+    ("defect", "part"),
+    [
+        (
+            SLOT | {"offset": "7.5 mm"},
+            "7.5 mm off the middle is beyond the roller's end (6 mm): nothing of it is felt",
+        ),
+        (SLOT | {"offset": "-8 mm"}, "beyond the roller's end"),
+        (ON_ROLLER | {"offset": "5 mm"}, "a defect of 3 mm, 5 mm off the middle, hangs over the roller's end"),
+        (SLOT | {"edge": {"radius": "20 um", "ramp": "50 um"}}, "expected either `radius` or `ramp`"),
+        (SLOT | {"edge": {}}, "expected either `radius` or `ramp`"),
+        (SLOT | {"edge": {"radius": "0 um"}}, "a length above zero"),
+        (SLOT | {"grown": "60 %"}, "only a spall has `grown`"),
+        (SLOT | {"seed": "3"}, "only a spall has `seed`"),
+        (SLOT | {"file": "spall.csv"}, "only a scan has `file`"),
+        (SPALL | {"grown": "60"}, "expected a share such as `60 %`, got `60`"),
+        (SPALL | {"grown": "120 %"}, "expected a share from 0 % to 100 %, got `120 %`"),
+        ({"shape": "scan"}, "a scan needs `file`"),
+        ({"shape": "scan", "file": "none.csv"}, "no file `none.csv`"),
+        ({"shape": "elliptical", "length": "3 mm", "width": "1 mm"}, "Field required"),
+    ],
+)
+def test_wrong_defects_are_refused(defect: dict[str, Any], part: str) -> None:
+    assert part in "\n".join(messages(defect=defect))
+
+
+@pytest.mark.parametrize(
+    ("defect", "part"),
+    [
+        (SLOT | {"shape": "elliptical"}, "`soft-edge` has no form for an elliptical defect"),
+        (SPALL, "`soft-edge` has no form for a spall"),
+        (SLOT | {"edge": {"radius": "20 um"}}, "`soft-edge` knows sharp edges only"),
+    ],
+)
+def test_excitations_with_forms_for_simple_shapes_only(defect: dict[str, Any], part: str) -> None:
+    assert part in messages(defect=defect, excitation="soft-edge")[0]
+    for fits in ("envelope", "impulse-train"):
+        model = "impulse" if fits == "impulse-train" else "rollers"
+        assert case(defect=defect, excitation=fits, model=model).excitation == fits
+
+
+def test_what_a_spall_is_not_told_is_filled_in() -> None:
+    found = case(defect=SPALL).defects[0]
+    assert (found.grown, found.seed) == (1.0, 0)
+    assert case(defect=SPALL | {"grown": "60 %", "seed": 4}).defects[0].grown == 0.6
+    assert case(defect=SLOT | {"grown": "none", "edge": "none", "file": "none"}).defects[0].edge is None
+
+
+def test_off_the_middle_but_on_the_roller() -> None:
+    assert case(defect=SLOT | {"offset": "4.5 mm"}).defects[0].offset == 0.0045
+    assert case(defect=SLOT | {"offset": "-6.5 mm"}).defects[0].offset == -0.0065
+    assert case(defect=ON_ROLLER | {"offset": "4.5 mm"}).defects[0].offset == 0.0045
+
+
+def test_what_depends_on_the_model_is_filled_in() -> None:
+    assert case().friction is None
+    assert case().cage is None
+    assert case(friction="none").friction is None
+    found = case(model="planar")
+    assert (found.friction, found.cage, found.drag) == (StaticDynamic(), Cage(), None)
+    assert found.method == "auto"
+    kinematic = case(model="planar", cage={"motion": "kinematic"})
+    assert kinematic.friction == Frictionless()
+    assert case(model="planar", friction="none").friction == Frictionless()
+    impulse = case(model="impulse", defect=SLOT)
+    assert (impulse.excitation, impulse.method) == ("impulse-train", None)
+    assert case(model="impulse", defect=SLOT, excitation="random-impulses").excitation == "random-impulses"
+    assert case(defect=ON_ROLLER).defects[0].roller == 1
+    assert case(defect=SLOT).defects[0].roller is None
+
+
+def test_the_defaults_of_free_rollers() -> None:
+    """Friction coefficients are the paper's; the rest are assumptions of this project."""
+    cage, friction, drag = Cage(), StaticDynamic(), Drag()
+    assert (friction.static, friction.dynamic) == (0.3, 0.15)
+    assert (friction.static_speed, friction.dynamic_speed) == (0.02, 0.1)
+    assert (cage.friction.static, cage.friction.dynamic) == (0.002, 0.001)
+    assert (cage.pocket_clearance, cage.guide_clearance) == (2e-4, 4e-4)
+    assert Cage.model_validate({"pocket_clearance": "0.1 mm"}).radial_pocket_clearance == 1e-4
+    assert Cage.model_validate({"radial_pocket_clearance": "0.3 mm"}).radial_pocket_clearance == 3e-4
+    assert (drag.oil_fraction, drag.oil_density, drag.oil_viscosity, drag.land_gap) == (0.1, 860.0, 0.05, 2e-4)
+    traction = case(model="planar", friction="traction").friction
+    assert isinstance(traction, Traction)
+    assert (traction.a, traction.b, traction.c, traction.d) == (-0.1, 22.28, 181.46, 0.1)
+
+
+def test_stiffness_suits_the_bearing() -> None:
+    assert case().contact.stiffness == "palmgren"
+    assert case(bearing="6205").contact.stiffness == "point"
+    constant = case(bearing="6205", contact={"stiffness": {"coefficient": "1e5", "exponent": "1.5"}})
+    assert constant.contact.stiffness == Constant(coefficient=1e5, exponent=1.5)
+    assert case(contact={"stiffness": {"law": "iso16281"}}).contact.stiffness == "iso16281"
+
+
+def test_optional_sections_may_be_none() -> None:
+    sections = ("ramp", "drag", "shaft", "unbalance")
+    found = case(**dict.fromkeys(sections, "none"))
+    assert [getattr(found, name) for name in sections] == 4 * [None]
+
+
+def test_every_section_survives_its_own_dump() -> None:
+    found = case(
+        model="planar",
+        bearing="6205",
+        clearance="C3",
+        defects=[SLOT, ON_ROLLER],
+        friction="traction",
+        cage={"guide": "outer-ring", "mass": "20 g"},
+        drag={},
+        shaft={"stiffness": "1e8 N/m", "mass": "1 kg"},
+        unbalance={"mass_radius": "1e-4 kg m"},
+        ramp={"to": "3000 rpm", "time": "1 s"},
+        gravity=True,
+        load_across="-20 N",
+        seed=3,
+        rig={"torsion_stiffness": "1e4 Nm/rad"},
+    )
+    assert Case.model_validate(found.model_dump()) == found
+    assert found.load_across == -20.0
+
+
+NF308 = {
+    "rollers": 13,
+    "roller_diameter": 0.012,
+    "roller_length": 0.012,
+    "pitch_diameter": 0.065,
+    "bore": 0.040,
+    "outside_diameter": 0.090,
+    "width": 0.023,
+}
+
+
+BALL = {
+    "element": "ball",
+    "roller_length": None,
+    "inner_groove_radius": 0.00624,
+    "outer_groove_radius": 0.00636,
+}
+
+
+def test_the_mass_of_a_rolling_element() -> None:
+    roller, ball = (Bearing.model_validate(NF308 | change) for change in ({}, BALL))
+    assert roller.element_mass == pytest.approx(7850 * math.pi * 0.006**2 * 0.012)
+    assert ball.element_mass == pytest.approx(7850 * 4 / 3 * math.pi * 0.006**3)
+    assert ball.inner_spacing == pytest.approx(math.pi * 0.053 / 13)
+
+
+def test_a_balls_pit_may_be_longer_than_its_contact() -> None:
+    assert case(bearing="6205", defect=SLOT | {"length": "15 mm"}).defects[0].length == 0.015
+    assert "longer than the bearing (15 mm)" in messages(bearing="6205", defect=SLOT | {"length": "15.1 mm"})[0]
+    too_long = ON_ROLLER | {"length": "8 mm"}
+    assert "longer than the ball (7.94 mm)" in messages(bearing="6205", defect=too_long)[0]
+
+
+@pytest.mark.parametrize(
+    ("change", "part"),
+    [
+        ({"rollers": 17}, "17 rollers do not fit: at most 16"),
+        ({"rollers": 2}, "from 3 to 104"),
+        ({"outside_diameter": 0.0769}, "outside the outer ring"),
+        ({"bore": 0.0531}, "inside the bore"),
+        ({"roller_length": None}, "a roller bearing needs `roller_length`"),
+        ({"inner_groove_radius": 0.0062}, "a roller bearing has none"),
+        ({"element": "ball"}, "a ball bearing has none"),
+        ({"element": "ball", "roller_length": None}, "a ball bearing needs `inner_groove_radius`"),
+        (BALL | {"outer_groove_radius": None}, "a ball bearing needs `outer_groove_radius`"),
+        (
+            BALL | {"inner_groove_radius": 0.006},
+            r"a groove of 6 mm does not fit the ball \(over 6 mm, at most 12 mm",
+        ),
+        (BALL | {"outer_groove_radius": 0.0121}, "a groove of 12.1 mm does not fit the ball"),
+    ],
+)
+def test_a_bearing_must_fit_together(change: dict[str, Any], part: str) -> None:
+    assert Bearing.model_validate(NF308 | {"rollers": 16}).rollers == 16
+    with pytest.raises(ValidationError, match=part):
+        Bearing.model_validate(NF308 | change)
+
+
+def test_configs_beside_the_user_come_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert Material.model_validate(Bearing.model_validate(NF308).material).density == 7850.0
+    folder = tmp_path / "configs" / "materials"
+    folder.mkdir(parents=True)
+    (folder / "steel.yaml").write_text("density: 8000 kg/m^3\n")
+    (folder / "ceramic.yaml").write_text("density: 3200 kg/m^3\n")
+    assert Bearing.model_validate(NF308).material.density == 8000.0
+    assert library_names("materials") == ["ceramic", "steel"]
+    assert (
+        Bearing.model_validate(NF308 | {"material": "configs/materials/ceramic.yaml"}).material.density == 3200.0
+    )
+
+
+def test_configs_come_from_the_package_or_its_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Installed, `configs` beside the package is somebody else's; in a checkout it is where they are written."""
+    monkeypatch.chdir(tmp_path)
+    package = tmp_path / "site-packages" / "bearingsim"
+    monkeypatch.setattr(library, "_PACKAGE", package)
+    for folder, name in ((package, "packed"), (package.parent, "beside")):
+        (folder / "configs" / "materials").mkdir(parents=True)
+        (folder / "configs" / "materials" / f"{name}.yaml").write_text("density: 1 kg/m^3\n")
+    assert library_names("materials") == ["packed"]
+    assert Material.model_validate(library.described("materials", "packed")).density == 1.0
+    (package.parent / "pyproject.toml").touch()
+    assert library_names("materials") == ["beside"]
+
+
+def test_sections_are_frozen() -> None:
+    with pytest.raises(ValidationError, match="frozen"):
+        Rig().bracket_stiffness = 1.0  # type: ignore[misc]
+
+
+def test_names_of_channels_and_features() -> None:
+    assert dataset_names("ring.velocity") == ("ring.velocity.x", "ring.velocity.y")
+    assert dataset_names("roller.outer_force") == ("roller.outer_force",)
+    assert CHANNELS["ring.acceleration"].unit == "m/s^2"
+    expected = {"velocity@BPFO", "velocity@5BPFO-healthy", "displacement@2BPFO.phase", "velocity@BPFO-scatter"}
+    assert expected | {"acceleration.kurtosis", "outer_force.max"} <= FEATURES.keys()
+
+
+def test_every_word_offered_is_built() -> None:
+    assert {*get_args(Model)} - {"least"} == set(assemble.MODELS)
+    assert set(LADDER) == set(assemble.MODELS)
+    assert {*get_args(Method)} - {"auto"} == set(assemble.METHODS)
+    assert set(METHODLESS) == set(assemble.OWN_METHODS)
+
+
+@pytest.mark.parametrize("law", get_args(StiffnessLaw))
+def test_every_stiffness_offered_is_built(law: str) -> None:
+    bearing = "6205" if law == "point" else "nf308"
+    assert contacts.outer(case(bearing=bearing, contact={"stiffness": law}))

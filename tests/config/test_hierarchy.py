@@ -1,0 +1,187 @@
+"""Which model is the lowest that can do what a case asks for, and why."""
+
+from itertools import pairwise
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+
+from bearingsim.config import CHANNELS, Case
+from bearingsim.config.rules.hierarchy import ABILITIES, LADDER, least, needs, reasons
+
+PIT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
+FREE = {"model": "least"}
+SPRUNG = {"axial_stiffness": "1e7 N/m", "tilting_stiffness": "1e4 N m/rad"}
+
+
+def case(**fields: Any) -> Case:
+    return Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"} | fields)
+
+
+def refusals(**fields: Any) -> list[tuple[str, str | None]]:
+    with pytest.raises(ValidationError) as caught:
+        case(**fields)
+    (error,) = caught.value.errors()
+    return [(conflict.message, conflict.hint) for conflict in error["ctx"]["conflicts"]]
+
+
+LINEAR = {"stiffness": {"law": "constant", "coefficient": 1e6, "exponent": 1.0}}
+JUMPING = {"law": "general", "coefficient": 1e3, "indentation_exponent": 0.0}
+IMPULSES = {"defect": PIT, "excitation": "impulse-train"}
+
+LEAST: list[tuple[dict[str, Any], str, str]] = [
+    (IMPULSES, "impulse", "`impulse-train` is forces in time"),
+    (IMPULSES | {"record": ["ring.acceleration"]}, "impulse", "forces in time"),
+    (IMPULSES | {"excitation": "random-impulses", "seed": 3}, "impulse", "forces in time"),
+    ({}, "static", "a healthy bearing vibrates by its varying compliance"),
+    ({"defect": PIT}, "static", "`envelope` moves the rollers"),
+    ({"defect": PIT | {"race": "inner"}}, "static", "`envelope` moves the rollers"),
+    ({"defect": PIT | {"race": "roller"}}, "static", "`envelope` moves the rollers"),
+    ({"defect": PIT, "excitation": "half-sine-pulse"}, "static", "`half-sine-pulse` moves the rollers"),
+    ({"record": ["roller.2.inner_force"]}, "static", "a contact force is recorded"),
+    ({"load_across": "10 N"}, "static", "`load_across` turns the load"),
+    ({"friction": "none", "drag": "none"}, "static", "a healthy bearing"),
+    ({"record": ["ring.acceleration"]}, "ring", "the ring's acceleration depends on its mass"),
+    ({"contact": {"damping": {"chi": "5 s/m"}}}, "ring", "`contact.damping` acts on motion"),
+    ({"contact": {"damping": JUMPING}}, "ring", "`contact.damping` acts on motion"),
+    ({"defect": PIT, "contact": {"damping": JUMPING}}, "rollers", "needs the mass of a roller"),
+    ({"defect": PIT, "contact": {"damping": "kraemer"} | LINEAR}, "rollers", "needs the mass of a roller"),
+    ({"defect": PIT, "contact": {"damping": "kraemer"}}, "ring", "`contact.damping` acts on motion"),
+    ({"defect": PIT, "contact": {"damping": JUMPING | {"coefficient": 0.0}}}, "ring", "`contact.damping` acts"),
+    (
+        {"contact": {"damping": JUMPING | {"indentation_exponent": 1.0}}},
+        "ring",
+        "`contact.damping` acts on motion",
+    ),
+    ({"defect": PIT, "excitation": "pressure-share"}, "ring", "`pressure-share` changes the force at the pit"),
+    ({"defect": PIT, "excitation": "soft-edge"}, "ring", "`soft-edge` changes the force at the pit"),
+    ({"defect": PIT, "record": ["roller.outer_force"]}, "rollers", "depend on its mass"),
+    ({"defect": PIT, "record": ["ring.acceleration"]}, "rollers", "depend on its mass"),
+    ({"speed": "9000 rpm"}, "rollers", "the centrifugal force of a roller (51.1204 N) is 109% of"),
+    ({"ramp": {"to": "3000 rpm", "time": "1 s"}}, "planar", "a `ramp` changes the speed under way"),
+    ({"gravity": True}, "planar", "`gravity` pulls at rollers"),
+    ({"friction": "static-dynamic"}, "planar", "`friction` acts where rollers can slip"),
+    ({"friction": "traction"}, "planar", "`friction` acts where rollers can slip"),
+    ({"cage": {"motion": "kinematic"}}, "planar", "`cage` says how the cage moves"),
+    ({"drag": {}}, "planar", "`drag` brakes"),
+    ({"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"}}, "planar", "a `shaft` lets the inner ring move"),
+    (
+        {"rig": {"torsion_stiffness": "1e4 N m/rad"}},
+        "planar",
+        "lets the outer ring rotate",
+    ),
+    ({"defect": PIT | {"offset": "2 mm"}}, "spatial", "off the roller's middle tilts the roller"),
+    ({"misalignment": {"inner": "0.5 mrad"}}, "spatial", "loads the rollers unevenly"),
+    ({"rig": SPRUNG}, "spatial", "lets the outer ring lean"),
+    ({"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"} | SPRUNG}, "spatial", "lets the inner ring lean"),
+    ({"record": ["roller.2.tilt"]}, "spatial", "how a roller leans"),
+    ({"record": ["roller.outer_line_load"]}, "spatial", "how a roller leans"),
+]
+
+
+@pytest.mark.parametrize(("fields", "model", "why"), LEAST)
+def test_the_least_model_and_why(fields: dict[str, Any], model: str, why: str) -> None:
+    found = case(**fields | FREE)
+    assert found.model == model
+    assert any(why in reason for reason in reasons(found))
+    assert found.method == (None if model in ("impulse", "static") else "auto")
+
+
+@pytest.mark.parametrize(("fields", "model", "why"), LEAST)
+def test_what_is_chosen_survives_a_dump(fields: dict[str, Any], model: str, why: str) -> None:
+    found = case(**fields | FREE)
+    assert Case.model_validate(found.model_dump()) == found
+
+
+@pytest.mark.parametrize(("fields", "model", "why"), LEAST)
+def test_every_model_above_the_least_will_do(fields: dict[str, Any], model: str, why: str) -> None:
+    above = LADDER[LADDER.index(model) :] if model != "impulse" else ("impulse",)
+    sliced = "spatial" if fields.get("excitation") == "pressure-share" else ""  # its slices share no pressure
+    for higher in (one for one in above if one != sliced):
+        assert case(**fields | {"model": higher}).model == higher
+
+
+@pytest.mark.parametrize(("fields", "model", "why"), [row for row in LEAST if row[1] == "planar"])
+def test_what_only_planar_can_is_refused_elsewhere(fields: dict[str, Any], model: str, why: str) -> None:
+    for lower in ("static", "ring", "rollers"):
+        ((message, hint),) = refusals(**fields | {"model": lower})
+        assert message.startswith(f"the {lower} model cannot do this: ")
+        assert why in message
+        assert hint == "the least that can is `model: planar`"
+
+
+@pytest.mark.parametrize(
+    ("fields", "messages", "hint"),
+    [
+        (IMPULSES | {"model": "ring"}, ["`impulse-train` is forces in time"], "`model: impulse`"),
+        ({"defect": PIT, "model": "impulse", "excitation": "envelope"}, ["`envelope` moves"], "`model: static`"),
+        ({"model": "static", "defect": PIT, "excitation": "soft-edge"}, ["`soft-edge` changes"], "`model: ring`"),
+        (
+            IMPULSES | {"model": "impulse", "record": ["roller.outer_force"]},
+            ["a contact force is recorded"],
+            "no model can do all that is asked for",
+        ),
+        (
+            IMPULSES | {"model": "impulse", "friction": "traction", "load_across": "1 N"},
+            ["`friction` acts", "`load_across` turns"],
+            "no model can do all that is asked for",
+        ),
+        (IMPULSES | FREE | {"gravity": True}, ["`impulse-train` is forces in time"], "no model can do all"),
+    ],
+)
+def test_a_model_that_cannot_is_refused_with_the_least_that_can(
+    fields: dict[str, Any], messages: list[str], hint: str
+) -> None:
+    found = refusals(**fields)
+    assert len(found) == len(messages)
+    for (message, advice), part in zip(found, messages, strict=True):
+        assert part in message
+        assert hint in str(advice)
+
+
+def test_what_is_a_matter_of_quality_is_not_refused() -> None:
+    found = case(model="static", defect=PIT, record=["ring.acceleration", "roller.outer_force"])
+    assert found.model == "static"
+    assert least(found) == "rollers"
+    assert case(model="ring", speed="9000 rpm").model == "ring"
+
+
+def test_quality_yields_where_no_model_has_it() -> None:
+    assert case(**IMPULSES | FREE | {"contact": {"damping": "kraemer"}}).model == "impulse"
+
+
+def test_what_planar_fills_in_asks_for_nothing() -> None:
+    assert least(case(model="planar")) == "static"
+    assert least(case(model="planar", friction="none")) == "static"
+
+
+def test_every_need_is_somebodys_ability() -> None:
+    known = frozenset[str]().union(*ABILITIES.values())
+    found = {need.what for fields, _, _ in LEAST for need in needs(case(**fields | FREE))}
+    assert found <= known
+    assert ABILITIES.keys() == set(LADDER)
+
+
+def test_each_rung_can_what_the_one_below_can() -> None:
+    for lower, higher in pairwise(LADDER[1:]):
+        assert ABILITIES[lower] - {"balls", "shared pressure"} < ABILITIES[higher]
+        assert ABILITIES[lower] < ABILITIES[higher] or higher == "spatial"
+
+
+STILL = {"ring.rotation": "rig.torsion_stiffness", "inner.displacement": "shaft", "cage.position": "cage.guide"}
+
+
+@pytest.mark.parametrize("name", [name for name in STILL if name in CHANNELS])
+def test_channels_that_would_stay_zero_are_refused(name: str) -> None:
+    ((message, advice),) = refusals(model="planar", record=[name])
+    assert message.startswith(f"`{name}` stays zero")
+    assert advice == f"give `{STILL[name]}`"
+
+
+def test_impulses_that_came_with_the_model_are_not_asked_for() -> None:
+    """So the message can name the model that gives the forces."""
+    with pytest.raises(ValidationError, match="contact force"):
+        case(model="impulse", record=["roller.outer_force"], defect=PIT)
+    assert "impulses" not in {need.what for need in needs(case(model="impulse", defect=PIT))}
+    asked = case(model="impulse", excitation="impulse-train", defect=PIT)
+    assert "impulses" in {need.what for need in needs(asked)}

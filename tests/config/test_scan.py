@@ -1,0 +1,500 @@
+"""Scan files: what is read, what is repaired and told, what is refused."""
+
+import hashlib
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from bearingsim.assemble.pits import depth_map
+from bearingsim.config import Case
+from bearingsim.config.scan import file as scanfile
+from bearingsim.config.scan import repair
+from bearingsim.config.scan.repair import ScanError, notes, read_scan
+from bearingsim.core.pits import traced
+from bearingsim.study import load_study
+from bearingsim.study.jobs import case_id
+from bearingsim.study.schema import json_schema
+from bearingsim.text.yamlfile import StudyError
+
+S, Z = np.linspace(-1.5, 1.5, 61), np.linspace(-4.0, 4.0, 41)  # mm
+
+
+def bowl(noise: float = 0.0, seed: int = 0) -> np.ndarray:
+    """Depth (um) of a bowl 6 mm by 2 mm and 50 um deep; (n_z, n_s)."""
+    s, z = np.meshgrid(S, Z)
+    depth = 50.0 * np.clip(1.0 - s**2 - (z / 3.0) ** 2, 0.0, None)
+    return np.asarray(depth + noise * np.random.default_rng(seed).normal(size=depth.shape))
+
+
+def listed(path: Path, depth: np.ndarray, head: str = "s [mm],z [mm],depth [um]", s: Any = S, z: Any = Z) -> Path:
+    lines = [
+        f"{x:.6g},{y:.6g},{p:.6g}" for y, row in zip(z, depth, strict=True) for x, p in zip(s, row, strict=True)
+    ]
+    path.write_text("\n".join(["# by a profilometer", head, *lines, ""]).replace("nan", ""))
+    return path
+
+
+def gridded(
+    path: Path, depth: np.ndarray, head: str = "depth [um] | z [mm] | s [mm]", s: Any = S, z: Any = Z
+) -> Path:
+    rows = [f"{y:.6g}," + ",".join(f"{p:.6g}" for p in row) for y, row in zip(z, depth, strict=True)]
+    path.write_text("\n".join([f"{head}," + ",".join(f"{x:.6g}" for x in s), *rows, ""]))
+    return path
+
+
+def hdf5(path: Path, depth: np.ndarray, name: str = "depth", unit: str = "um", s: Any = S, z: Any = Z) -> Path:
+    with h5py.File(path, "w") as file:
+        for key, values, of in (("s", s, "mm"), ("z", z, "mm"), (name, depth, unit)):
+            file[key] = values
+            file[key].attrs["units"] = of
+    return path
+
+
+def told(path: Path) -> str:
+    return "\n".join(read_scan(path).notes)
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(ScanError) as caught:
+        read_scan(path)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("write", [gridded, hdf5])
+def test_a_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, write: Any) -> None:
+    """Its digest is of what the depths were read from, even if it changes at once."""
+    path = write(tmp_path / ("a.h5" if write is hdf5 else "a.csv"), bowl())
+    content, ascending = path.read_bytes(), scanfile._ascending
+
+    def changing(*parts: np.ndarray) -> scanfile.Grid:
+        path.write_bytes(b"changed")
+        return ascending(*parts)
+
+    monkeypatch.setattr(scanfile, "_ascending", changing)
+    found = read_scan(path)
+    assert found.digest == hashlib.sha256(content).hexdigest()[:16]
+    assert found.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=1e-5)
+
+
+def test_all_forms_of_a_file_are_the_same_scan(tmp_path: Path) -> None:
+    depth = bowl()
+    files = [
+        listed(tmp_path / "a.csv", depth),
+        gridded(tmp_path / "b.csv", depth),
+        gridded(tmp_path / "c.csv", depth.T, "depth [um] | s [mm] | z [mm]", s=Z, z=S),
+        gridded(tmp_path / "d.csv", -depth * 1e-3, "height [mm] | z [mm] | s [mm]"),
+        hdf5(tmp_path / "e.h5", depth),
+        hdf5(tmp_path / "f.hdf5", -depth, "height"),
+    ]
+    for file in files:
+        found = read_scan(file)
+        assert found.notes == ()
+        assert found.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=1e-5)
+        inside = (np.abs(S) <= 1.0 + 1e-9)[None, :] & (np.abs(Z) <= 3.0 + 1e-9)[:, None]
+        assert found.depth.ravel() == pytest.approx(1e-6 * depth[inside], abs=1e-10)
+        assert found.s[[0, -1]] == pytest.approx([-1e-3, 1e-3])
+    assert len({read_scan(file).digest for file in files}) == len(files)
+
+
+@pytest.mark.parametrize("write", [gridded, hdf5, listed])
+@pytest.mark.parametrize("axis", ["s", "z"])
+def test_an_axis_that_runs_downwards_is_turned(tmp_path: Path, write: Any, axis: str) -> None:
+    lopsided = bowl() * (S < 0.5)
+    straight = read_scan(write(tmp_path / ("a.h5" if write is hdf5 else "a.csv"), lopsided))
+    turned = {"s": S[::-1]} if axis == "s" else {"z": Z[::-1]}
+    depth = lopsided[:, ::-1] if axis == "s" else lopsided[::-1]
+    found = read_scan(write(tmp_path / ("b.h5" if write is hdf5 else "b.csv"), depth, **turned))
+    assert f"{axis} runs downwards" in found.notes[0]
+    assert found.depth == pytest.approx(straight.depth)
+    assert not any("downwards" in note for note in straight.notes)
+
+
+def test_missing_cells_are_filled_from_their_neighbours(tmp_path: Path) -> None:
+    depth = bowl()
+    depth[20, 30] = depth[20, 31] = depth[25, 10] = np.nan
+    for file in (
+        listed(tmp_path / "a.csv", depth),
+        gridded(tmp_path / "b.csv", depth),
+        hdf5(tmp_path / "c.h5", depth),
+    ):
+        assert "3 missing cells filled from their neighbours: s = 0 mm, z = 0 mm; " in told(file)
+        assert 50e-6 - read_scan(file).depth.max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("gone", "part"),
+    [(np.s_[10:14, 20:24], "16 missing cells lie together"), (np.s_[::3, ::3], "cells are missing (11.")],
+)
+def test_too_many_missing_cells_are_refused(tmp_path: Path, gone: Any, part: str) -> None:
+    depth = bowl()
+    depth[gone] = np.nan
+    assert part in refusal(gridded(tmp_path / "a.csv", depth))
+
+
+def test_spikes_are_taken_out(tmp_path: Path) -> None:
+    depth = bowl(noise=0.2)
+    depth[20, 40] += 300.0
+    depth[5, 5] -= 80.0
+    file = gridded(tmp_path / "a.csv", depth)
+    assert "2 spikes of 80" in told(file)
+    assert "s = -1.25 mm, z = -3 mm; s = 0.5 mm, z = 0 mm" in told(file)
+    assert read_scan(file).sizes[2] < 52e-6
+
+
+def test_a_slot_has_no_spikes(tmp_path: Path) -> None:
+    """Neither its walls nor its corners, nor a step of one cell's width."""
+    slot = np.where((np.abs(S) < 0.4)[None, :] & (np.abs(Z) < 2.0)[:, None], 50.0, 0.0)
+    slot[:, 5] = np.where(np.abs(Z) < 2.0, 10.0, 0.0)
+    assert told(gridded(tmp_path / "a.csv", slot)).startswith("the damage's middle")
+
+
+def test_too_many_spikes_are_refused(tmp_path: Path) -> None:
+    depth = bowl(noise=0.2)
+    depth[1:-1:4, 1:-1:4] += 200.0
+    assert "filter it first" in refusal(gridded(tmp_path / "a.csv", depth))
+
+
+@pytest.mark.parametrize(
+    ("head", "parts"),
+    [
+        ("depth [um] | z [um] | s [um]", ["only 2 um wide along s", "deeper (50 um) than it is wide (2 um)"]),
+        ("depth [nm] | z [mm] | s [mm]", ["only 0.05 um deep"]),
+        ("depth [mm] | z [mm] | s [mm]", ["deeper (5e+04 um) than it is wide (2e+03 um)"]),
+        ("depth [um] | z [mm] | s [mm]", []),
+    ],
+)
+def test_a_pit_too_small_or_steep_to_be_one_is_doubted(tmp_path: Path, head: str, parts: list[str]) -> None:
+    found = read_scan(gridded(tmp_path / "a.csv", bowl(), head)).notes
+    assert list(found) == [f"the pit is {part}: is the unit right?" for part in parts]
+
+
+def test_a_tilted_scan_is_levelled(tmp_path: Path) -> None:
+    s, z = np.meshgrid(S, Z)
+    file = gridded(tmp_path / "a.csv", bowl(noise=0.1) + 12.0 + 3.0 * s - 2.0 * z)
+    assert "offset 12 um, tilt 8.99 um along s and -16 um along z taken off" in told(file)
+    assert "surroundings even to 0.0883 um: what is within 0.265 um of them is the race" in told(file)
+    level = read_scan(gridded(tmp_path / "b.csv", bowl(noise=0.1)))
+    assert read_scan(file).sizes == pytest.approx(level.sizes, rel=0.03)
+
+
+def test_the_race_is_race_whatever_its_noise(tmp_path: Path) -> None:
+    """Outside the bowl nothing is left of the noise that a roller would feel."""
+    found = read_scan(gridded(tmp_path / "a.csv", bowl(noise=0.3)))
+    s, z = np.meshgrid(found.s, found.z)
+    assert not found.depth[(s / 1.2e-3) ** 2 + (z / 3.6e-3) ** 2 > 1.0].any()
+    assert found.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=0.12)
+
+
+def test_the_curvature_of_a_race_is_taken_off(tmp_path: Path) -> None:
+    """A race of 38.5 mm radius falls 29 um within 1.5 mm."""
+    s, _ = np.meshgrid(S, Z)
+    file = gridded(tmp_path / "a.csv", bowl(noise=0.1) - 1e3 * s**2 / (2 * 38.5))
+    assert "curved by a radius of 38." in told(file)
+    assert read_scan(file).sizes[2] == pytest.approx(50e-6, rel=0.02)
+
+
+def test_the_middle_of_the_damage_is_its_place(tmp_path: Path) -> None:
+    found = read_scan(gridded(tmp_path / "a.csv", bowl(), s=S + 40.0, z=Z - 7.0))
+    assert "the damage's middle, s = 40 mm, z = -7 mm, is the defect's place" in "\n".join(found.notes)
+    assert found.s[[0, -1]] == pytest.approx([-1e-3, 1e-3])
+
+
+def test_uneven_places_are_taken_as_they_are(tmp_path: Path) -> None:
+    s = np.sort(np.append(S, [0.01, 0.02]))
+    x, z = np.meshgrid(s, Z)
+    depth = 50.0 * np.clip(1.0 - x**2 - (z / 3.0) ** 2, 0.0, None)
+    found = read_scan(gridded(tmp_path / "a.csv", depth, s=s))
+    assert found.notes == ()
+    assert np.any(np.isclose(found.s, 1e-5))
+
+
+def test_damage_that_goes_on_along_the_roller(tmp_path: Path) -> None:
+    file = gridded(tmp_path / "a.csv", np.where(np.abs(S) < 0.4, 50.0, 0.0) * np.ones((len(Z), 1)))
+    assert "reaches the scan's end along z: taken to end there" in told(file)
+    assert read_scan(file).sizes[0] == pytest.approx(8e-3)
+
+
+@pytest.mark.parametrize(
+    ("depth", "part"),
+    [
+        (bowl()[:, 20:], "there is no undamaged border"),
+        (bowl()[:, 15:46], "there is no "),
+        (0.0 * bowl(), "no pit stands out"),
+        (bowl(noise=40.0), "no"),
+        (-bowl(), "is it a `height`?"),
+    ],
+)
+def test_a_scan_without_undamaged_surroundings_or_pit_is_refused(
+    tmp_path: Path, depth: np.ndarray, part: str
+) -> None:
+    s = S[: depth.shape[1]]
+    assert part in refusal(gridded(tmp_path / "a.csv", depth, s=s))
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        ("s,z [mm],depth [um]\n1,1,1\n", "the unit of `s` is missing (write `s [um]`, or mm, m, nm)"),
+        ("s [mm],z [mm],depth [furlong]\n1,1,1\n", "`depth [furlong]` has no unit of length"),
+        ("s [mm],z [mm],depth [deg]\n1,1,1\n", "`deg` is a unit of angle"),
+        (
+            "s [mm],z [mm]\n1,1\n",
+            "expected columns `s`, `z` and either `depth` or `height`, got `s [mm]`, `z [mm]`",
+        ),
+        ("x [mm],y [mm],depth [um]\n1,1,1\n", "got `x [mm]`, `y [mm]`, `depth [um]`"),
+        ("s [mm],z [mm],depth [um]\n1,1,x\n", "line 2: expected a number, got `x`"),
+        ("s [mm],z [mm],depth [um]\n1,1,inf\n", "line 2: `inf` is no depth"),
+        ("s [mm],z [mm],depth [um]\n0,1,1,5,1\n", "line 2: 5 cells, the first line has 3"),
+        ("s [mm],z [mm],depth [um]\n", "there are no points in it"),
+        ("s [mm],z [mm],depth [um]\n1,1,1\n1,1,2\n2,1,1\n2,2,1\n1,2,2\n", "two points have the same place"),
+        ("s [mm],z [mm],depth [um]\n1,,1\n", "a point has no place"),
+        ("s [mm],z [mm],depth [um]\n1,5,1\n2,6,1\n3,7,1\n", "the points form no grid: 3 points at 3 values of s"),
+        ("depth [um] | z [mm],1,2\n1,1,1\n", "expected columns"),
+        ("z [mm] | depth [um] | s [mm],1,2\n1,1,1\n", "expected a first cell such as"),
+        ("depth [um] | z [mm] | s [mm],1,3,2\n1,1,1,1\n", "s does not run one way: value 3 is not beyond value 2"),
+        ("depth [um] | z [mm] | s [mm],1,2\n1,1,1\n2,1,1\n", "at least 5 each are needed"),
+    ],
+)
+def test_what_is_no_scan_file_is_refused(tmp_path: Path, text: str, part: str) -> None:
+    (tmp_path / "a.csv").write_text(text)
+    assert part in refusal(tmp_path / "a.csv")
+
+
+def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
+    assert "no file" in refusal(tmp_path / "none.csv")
+    (tmp_path / "a.xlsx").touch()
+    assert "ends in .csv, .h5 or .hdf5, got `a.xlsx`" in refusal(tmp_path / "a.xlsx")
+    (tmp_path / "a.h5").write_text("no HDF5")
+    assert "`a.h5` is not an HDF5 file, or cut off" in refusal(tmp_path / "a.h5")
+    (tmp_path / "b.csv").write_bytes(b"\xff\xfe\x00")
+    assert "not a text file in UTF-8 (save it as UTF-8)" in refusal(tmp_path / "b.csv")
+    assert "expected s (n_s,), z (n_z,) and depth (n_z, n_s), got s (61,)" in refusal(
+        hdf5(tmp_path / "c.h5", bowl().T)
+    )
+    assert "expected datasets `s`, `z` and either" in refusal(hdf5(tmp_path / "d.h5", bowl(), "deep"))
+    assert "(give `depth` the attribute `units`: um" in refusal(hdf5(tmp_path / "e.h5", bowl(), unit=""))
+    (tmp_path / "folder.csv").mkdir()
+    assert "folder.csv` is a folder" in refusal(tmp_path / "folder.csv")
+
+
+def test_a_broken_hdf5_file_is_refused(tmp_path: Path) -> None:
+    whole = hdf5(tmp_path / "whole.h5", bowl()).read_bytes()
+    for content in (b"", bytes(range(256)) * 9, *(whole[: len(whole) * n // 9] for n in range(1, 9))):
+        (tmp_path / "a.h5").write_bytes(content)
+        assert refusal(tmp_path / "a.h5") == "`a.h5` is not an HDF5 file, or cut off"
+    assert "there are no points" in refusal(hdf5(tmp_path / "b.h5", np.empty((len(Z), 0)), s=np.empty(0)))
+
+
+def test_text_in_an_hdf5_file_is_refused_at_the_file(tmp_path: Path) -> None:
+    with h5py.File(hdf5(tmp_path / "a.h5", bowl()), "r+") as file:
+        del file["depth"]
+        file["depth"] = np.full((len(Z), len(S)), "deep", dtype=h5py.string_dtype())
+        file["depth"].attrs["units"] = "um"
+    path = tmp_path / "study.yaml"
+    path.write_text(STUDY.replace("FILE", "a.h5"))
+    with pytest.raises(StudyError, match=r"defect\.file: `depth` holds something else than numbers"):
+        load_study(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        (
+            "s [mm];z [mm];depth [um]\n1,0;1,0;1,0\n",
+            "the separator is `;` (use a comma, and a point for decimals)",
+        ),
+        ("depth [um] | z [mm] | s [mm];-1,0;1,0\n1,0;0;0\n", "the separator is `;` (use"),
+        ("s [mm]\tz [mm]\tdepth [um]\n1\t1\t1\n", "the separator is a tab (use"),
+        (
+            's [mm],z [mm],depth [um]\n1,1,"1,5"\n',
+            "line 2: expected a number, got `1,5` (use a point for decimals)",
+        ),
+    ],
+)
+def test_the_export_of_a_european_spreadsheet_is_refused(tmp_path: Path, text: str, part: str) -> None:
+    (tmp_path / "a.csv").write_text(text)
+    assert part in refusal(tmp_path / "a.csv")
+
+
+def test_a_long_first_line_is_not_repeated(tmp_path: Path) -> None:
+    for text in ("x " * 250 + "\n1\n", ",".join(["something"] * 50) + "\n1\n", "x|" * 250 + ",1\n1,1\n"):
+        (tmp_path / "a.csv").write_text(text)
+        assert len(refusal(tmp_path / "a.csv")) < 240
+
+
+def test_one_missing_cell_and_a_place_at_zero_are_told_in_words(tmp_path: Path) -> None:
+    depth = bowl()
+    depth[20, 30] = np.nan
+    found = told(listed(tmp_path / "a.csv", depth, s=np.where(np.abs(S) < 1e-9, 5.421e-17, S)))
+    assert "1 missing cell filled from its neighbours: s = 0 mm, z = 0 mm" in found
+
+
+def test_a_file_too_large_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(scanfile, "MOST_POINTS", 100)
+    assert "thin it out" in refusal(gridded(tmp_path / "a.csv", bowl()))
+
+
+# In a case and in a study
+
+
+def case_with(file: Path, **fields: Any) -> Case:
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
+    return Case.model_validate(base | {"defect": {"shape": "scan", "file": str(file)} | fields})
+
+
+def test_a_case_takes_sizes_from_the_file(tmp_path: Path) -> None:
+    file = gridded(tmp_path / "a.csv", bowl(noise=0.1))
+    found = case_with(file, angle="10 deg", offset="1 mm")
+    assert found.defects[0].length == read_scan(file).sizes[0]
+    assert Case.model_validate(found.model_dump()) == found
+    assert notes([found, found]) == [f"a.csv: {note}" for note in read_scan(file).notes]
+    assert notes([found.model_copy(update={"defects": ()})]) == []
+
+
+@pytest.mark.parametrize(
+    ("fields", "unit", "part"),
+    [
+        ({"length": "3 mm"}, "um", "a scan's length comes from its file"),
+        ({"edge": {"radius": "20 um"}}, "um", "a scan has the edges it was measured with"),
+        ({"grown": "50 %"}, "um", "only a spall has `grown`"),
+        ({}, "mm", "a defect 50 mm deep goes through the outer ring (6.5 mm)"),
+        ({"offset": "9 mm"}, "um", "beyond the roller's end"),
+    ],
+)
+def test_a_case_refuses_what_does_not_fit(tmp_path: Path, fields: dict[str, str], unit: str, part: str) -> None:
+    file = gridded(tmp_path / "a.csv", bowl(), f"depth [{unit}] | z [mm] | s [mm]")
+    with pytest.raises(ValidationError, match=part.replace("(", r"\(").replace(")", r"\)")):
+        case_with(file, **fields)
+
+
+@pytest.mark.parametrize(
+    ("fields", "part"),
+    [
+        ({}, "a scan's digest comes from its file"),
+        ({"length": "3 mm", "width": "1 mm", "depth": "20 um"}, "a scan's length comes from its file"),
+        ({"length": 6e-3, "width": 2e-3, "depth": 20e-6}, "a scan's depth comes from its file"),
+        ({"length": 6e-3, "width": 2e-3}, "a scan's length comes from its file"),
+    ],
+)
+def test_nobody_but_the_file_says_its_digest_and_sizes(tmp_path: Path, fields: dict[str, Any], part: str) -> None:
+    """Only what a case itself has said of the same file may stand beside it."""
+    file = gridded(tmp_path / "a.csv", bowl())
+    digest = read_scan(file).digest
+    sizes = dict(zip(("length", "width", "depth"), read_scan(file).sizes, strict=True))
+    made = case_with(file, digest=digest, **sizes)
+    assert made == case_with(file)
+    with pytest.raises(ValidationError, match=part):
+        case_with(file, digest=digest, **fields)
+
+
+def test_a_digest_in_a_study_is_refused(tmp_path: Path) -> None:
+    digest = read_scan(gridded(tmp_path / "a.csv", bowl())).digest
+    path = tmp_path / "study.yaml"
+    path.write_text(STUDY.replace("FILE", f"a.csv, digest: {digest}, length: 3 mm, width: 1 mm, depth: 20 um"))
+    with pytest.raises(StudyError, match=r"defect\.length: a scan's length comes from its file"):
+        load_study(path)
+    path.write_text(STUDY.replace("FILE", f"a.csv, digest: {digest}"))
+    with pytest.raises(StudyError, match=r"defect\.digest: a scan's digest comes from its file \(leave it out"):
+        load_study(path)
+    assert "digest" not in json_schema()["$defs"]["Defect"]["properties"]
+
+
+def test_a_job_is_named_by_what_is_in_the_file(tmp_path: Path) -> None:
+    one, same = gridded(tmp_path / "a.csv", bowl()), gridded(tmp_path / "b.csv", bowl())
+    other = gridded(tmp_path / "c.csv", 0.9 * bowl())
+    assert case_id(case_with(one)) == case_id(case_with(same)) != case_id(case_with(other))
+
+
+def test_a_file_that_changes_under_a_case_is_refused(tmp_path: Path) -> None:
+    file = gridded(tmp_path / "a.csv", bowl())
+    dumped = case_with(file).model_dump()
+    gridded(file, 0.9 * bowl())
+    with pytest.raises(ValidationError, match="has changed since"):
+        Case.model_validate(dumped)
+
+
+def test_a_sweep_over_many_scans_reads_and_traces_each_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A pass over them all does not drive the first ones out, nor what was made of them."""
+    files = [gridded(tmp_path / f"{n}.csv", (0.5 + 0.001 * n) * bowl()[::4, ::4], s=S[::4], z=Z[::4]) for n in
+             range(100)]  # fmt: skip
+    read, trace, counts = repair.read_file, traced.path_over, {"read": 0, "traced": 0}
+
+    def reading(path: Path) -> Any:
+        counts["read"] += 1
+        return read(path)
+
+    def tracing(*parts: Any) -> Any:
+        counts["traced"] += 1
+        return trace(*parts)
+
+    monkeypatch.setattr(repair, "read_file", reading)
+    monkeypatch.setattr(traced, "path_over", tracing)
+    for _ in range(2):
+        for file in files:
+            (defect,) = case_with(file).defects
+            traced.paths_over(depth_map(defect), 0.006, (0.0,))
+    assert counts == {"read": 100, "traced": 100}
+
+
+STUDY = """\
+study: scans
+bearing: nf308
+speed: 1800 rpm
+load: 150 N
+defect: {shape: scan, file: FILE}
+"""
+
+
+def test_a_file_is_looked_for_beside_the_study(tmp_path: Path) -> None:
+    (tmp_path / "scans").mkdir()
+    gridded(tmp_path / "scans" / "a.csv", bowl())
+    gridded(tmp_path / "scans" / "b.csv", 0.5 * bowl())
+    path = tmp_path / "study.yaml"
+    path.write_text(STUDY.replace("FILE", "scans/a.csv") + "sweep: {defect.file: [scans/a.csv, scans/b.csv]}\n")
+    cases = load_study(path).cases()
+    assert [round(1e6 * found.defects[0].depth) for found in cases] == [50, 25]
+    assert [swept["defect.file"] for _, swept in load_study(path).swept_cases] == ["scans/a.csv", "scans/b.csv"]
+
+
+def test_the_working_folder_goes_before_the_study_s(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for folder, share in (("here", 1.0), ("study", 0.5)):
+        (tmp_path / folder).mkdir()
+        gridded(tmp_path / folder / "a.csv", share * bowl())
+    (tmp_path / "study" / "study.yaml").write_text(STUDY.replace("FILE", "a.csv"))
+    depths = []
+    for folder in ("here", "."):
+        monkeypatch.chdir(tmp_path / folder)
+        (found,) = load_study(tmp_path / "study" / "study.yaml").cases()
+        depths.append(round(1e6 * found.defects[0].depth))
+    assert depths == [50, 25]
+
+
+@pytest.mark.parametrize(
+    ("file", "message"),
+    [
+        (
+            "none.csv",
+            "defect.file: no file `none.csv` (a path is relative to the working folder, or else to the study)",
+        ),
+        ("bad.csv", "defect.file: the unit of `s` is missing (write `s [um]`, or mm, m, nm)"),
+        (
+            "deep.csv",
+            "defect.file: a defect 50 mm deep goes through the outer ring (6.5 mm) (is the scan's unit right?)",
+        ),
+    ],
+)
+def test_a_wrong_file_is_told_at_its_place(tmp_path: Path, file: str, message: str) -> None:
+    (tmp_path / "bad.csv").write_text("s,z [mm],depth [um]\n1,1,1\n")
+    gridded(tmp_path / "deep.csv", bowl(), "depth [mm] | z [mm] | s [mm]")
+    path = tmp_path / "study.yaml"
+    path.write_text(STUDY.replace("FILE", file))
+    with pytest.raises(StudyError) as caught:
+        load_study(path)
+    (found,) = caught.value.problems
+    assert str(found).splitlines()[0] == f"{path}:5:{found.column}: {message}"

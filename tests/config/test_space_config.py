@@ -1,0 +1,214 @@
+"""What the spatial model asks of a case: profile, flanges, misalignment, slices, channels; and what it refuses."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from bearingsim import assemble
+from bearingsim.assemble import space
+from bearingsim.config import Case, dataset_names
+from bearingsim.config.rules.slicing import slice_count, slice_ends
+from bearingsim.core.geometry.slices import MAX_SLICES, WEIGHT, ZETA, edges
+from bearingsim.core.parts.cage_in_space import CageInPlane
+from bearingsim.core.parts.flanges import NoFlanges
+from bearingsim.core.parts.mounts import Held, Sprung
+from bearingsim.simulation import limits
+from bearingsim.study.jobs import _twin, case_id
+
+PIT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
+SPRUNG = {"axial_stiffness": "1e7 N/m", "tilting_stiffness": "1e4 N m/rad"}
+SHAFT = {"stiffness": "1e8 N/m", "mass": "1 kg"}
+
+
+def case(**fields: Any) -> Case:
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "spatial"}
+    return Case.model_validate(base | fields)
+
+
+def profiled(**profile: Any) -> Case:
+    bearing = case().bearing.model_dump() | {"roller_profile": profile}
+    return case(bearing=bearing)
+
+
+def refusal(**fields: Any) -> tuple[str, str]:
+    with pytest.raises(ValidationError) as caught:
+        case(**fields)
+    (error,) = caught.value.errors()
+    found = error["ctx"]["conflicts"][0] if "conflicts" in error["ctx"] else None
+    return (found.message, found.hint) if found else (error["ctx"]["message"], error["ctx"]["hint"])
+
+
+@pytest.mark.parametrize(("length", "offset"), [(12.0, 0.0), (3.0, 0.0), (3.0, 4.5), (0.37, -2.11)])
+def test_slices_end_where_the_pit_does_and_fill_the_roller(length: float, offset: float) -> None:
+    found = case(defect=PIT | {"length": length * 1e-3, "offset": offset * 1e-3})
+    ends, table = slice_ends(found), space.slices(found).table
+    for side in (-0.5, 0.5):
+        assert np.abs(ends - (offset + side * length) * 1e-3).min() < 1e-11
+    assert ends[0] == -6e-3
+    assert ends[-1] == 6e-3
+    assert np.all(np.diff(ends) > 0.0)
+    assert table[:, WEIGHT].sum() == pytest.approx(1.0, abs=1e-14)
+    assert np.allclose(table[:, ZETA], (ends[1:] + ends[:-1]) / 2.0, atol=1e-15)
+    assert 24 <= len(table) <= 28
+
+
+def test_slices_lie_denser_in_a_pit() -> None:
+    ends = edges(12e-3, [(-1.5e-3, 1.5e-3)], 24)
+    inside = np.diff(ends[(ends > -1.6e-3) & (ends < 1.6e-3)])
+    outside = np.diff(ends[ends < -1.4e-3])
+    assert inside.max() < outside.min() / 2.0
+
+
+def test_too_many_slices_are_refused() -> None:
+    pits = [(-6e-3 + n * 1e-4, -6e-3 + n * 1e-4 + 5e-5) for n in range(40)]
+    with pytest.raises(ValueError, match=f"at most {MAX_SLICES}"):
+        edges(12e-3, pits, 24)
+
+
+def test_profiles() -> None:
+    assert set(space.slices(case()).table[:, 2]) == {0.0}
+    crowned = profiled(shape="crowned", drop=5e-6, straight_length=6e-3)
+    assert space.drop(crowned, 2.9e-3) == 0.0
+    assert space.drop(crowned, 6e-3) == pytest.approx(5e-6)
+    assert space.drop(crowned, -4.5e-3) == pytest.approx(1.25e-6)
+    log = profiled(shape="logarithmic")
+    assert space.drop(log, 5.5e-3) == pytest.approx(0.00035 * 12e-3 * 1.8343, rel=1e-4)  # ln(1/(1 - (11/12)^2))
+
+
+def test_what_a_profile_lacks_or_does_not_know_is_refused() -> None:
+    for profile, words in (
+        ({"shape": "crowned"}, "a crowned profile needs `drop`"),
+        ({"shape": "logarithmic", "drop": 1e-6}, "a logarithmic profile has none"),
+        ({"shape": "round"}, "expected `straight`, `crowned` or `logarithmic`, got `round`"),
+    ):
+        with pytest.raises(ValidationError, match=words):
+            profiled(**profile)
+
+
+def test_flanges_of_the_nf308_stand_on_the_inner_ring_and_one_on_the_outer() -> None:
+    found = space.flanges(case())
+    assert (found.inner_minus, found.inner_plus, found.outer_minus, found.outer_plus) == (1.0, 1.0, 0.0, 1.0)
+    assert found.play == 25e-6
+    bare = case().bearing.model_copy(update={"flanges": None})
+    assert isinstance(space.flanges(case().model_copy(update={"bearing": bare})), NoFlanges)
+
+
+def test_a_misaligned_ring_leans_where_the_case_says() -> None:
+    found = case(misalignment={"inner": "1 mrad", "outer": "-0.5 mrad", "direction": "30 deg"})
+    inner, outer = space.inner_mount(found), space.outer_mount(found)
+    assert isinstance(inner, Held)
+    assert inner == pytest.approx((1e-3 * np.cos(np.pi / 6), 0.5e-3), rel=1e-6)
+    assert outer == pytest.approx((-0.5e-3 * np.cos(np.pi / 6), -0.25e-3), rel=1e-6)
+
+
+def test_a_lean_in_degrees_that_was_meant_in_mrad_is_refused() -> None:
+    message, hint = refusal(misalignment={"inner": "2 deg"})
+    assert message == "a lean of 2 deg is beyond 1.14592 deg"
+    assert "mrad" in hint
+
+
+def test_sprung_rings_have_masses_and_inertias() -> None:
+    found = case(rig=SPRUNG, shaft=SHAFT | SPRUNG)
+    inner, outer = space.inner_mount(found), space.outer_mount(found)
+    assert isinstance(inner, Sprung)
+    assert isinstance(outer, Sprung)
+    assert inner.m == 1.0
+    assert outer.k_lean == 1e4
+    assert outer.I_a > outer.I_t > outer.I_a / 2.0  # of a ring
+
+
+@pytest.mark.parametrize("key", ["axial_stiffness", "tilting_stiffness"])
+def test_half_a_spring_is_refused(key: str) -> None:
+    message, _ = refusal(rig={key: SPRUNG[key]})
+    other = next(name for name in SPRUNG if name != key)
+    assert message == f"a ring that leans needs `{other}` too"
+
+
+def test_a_line_load_is_a_channel_for_each_slice() -> None:
+    found = case(record=["roller.3.outer_line_load", "roller.inner_line_load.7"], contact={"slices": 12})
+    assert found.record == (*(f"roller.3.outer_line_load.{k}" for k in range(1, 13)), "roller.inner_line_load.7")
+    assert dataset_names("roller.3.outer_line_load.4") == ("roller.3.outer_line_load.4",)
+    assert Case.model_validate(found.model_dump()) == found
+    message, hint = refusal(record=["roller.3.outer_line_load.13"], contact={"slices": 12})
+    assert message == "there is no slice 13: the roller is cut into 12"
+    assert "`roller.3.outer_line_load`" in hint
+
+
+@pytest.mark.parametrize("name", ["ring.lean", "ring.axial", "inner.lean", "inner.axial"])
+def test_channels_of_rings_that_are_held_are_refused(name: str) -> None:
+    message, hint = refusal(record=[name])
+    assert message.startswith(f"`{name}` stays zero")
+    assert "tilting_stiffness" in hint
+    assert case(record=[name], rig=SPRUNG, shaft=SHAFT | SPRUNG).record == (name,)
+
+
+def test_a_kinematic_cage_holds_skew_and_itself() -> None:
+    kinematic = {"motion": "kinematic"}
+    assert isinstance(space.cage_in_space(case(cage=kinematic)), CageInPlane)
+    for name in ("roller.skew", "cage.axial"):
+        assert refusal(record=[name], cage=kinematic)[0] == f"`{name}` stays zero: the cage is kinematic"
+
+
+def test_balls_and_shared_pressure_have_no_slices() -> None:
+    with pytest.raises(ValidationError) as caught:
+        case(bearing="6205", record=["roller.outer_line_load"])
+    (only,) = caught.value.errors()[0]["ctx"]["conflicts"]
+    assert "balls, which have no axis to tilt" in only.message
+    assert "not of its slices" in refusal(defect=PIT, excitation="pressure-share")[0]
+
+
+def test_too_many_slices_are_told_with_everything_else() -> None:
+    pits = [
+        PIT | {"length": "0.1 mm", "angle": f"{12 * n} deg", "offset": f"{0.35 * n - 5} mm"} for n in range(30)
+    ]
+    with pytest.raises(ValidationError) as caught:
+        case(defects=pits, contact={"slices": 48}, record=["roller.1.outer_line_load.3", "roller.14.tilt"])
+    found = [conflict.message for conflict in caught.value.errors()[0]["ctx"]["conflicts"]]
+    assert found == [
+        "the pits cut the roller into more than 64 slices",
+        "there is no roller 14: the bearing has 13",
+    ]
+
+
+def test_the_twin_of_a_job_with_line_loads_keeps_to_its_own_slices() -> None:
+    record = ["ring.velocity", "roller.1.outer_line_load"]
+    aside = case(defect=PIT | {"length": "2.9 mm", "offset": "1.1 mm"}, record=record)
+    twin = _twin(aside, {})
+    assert twin is not None
+    assert slice_count(aside) == 25
+    assert slice_count(twin.case) == 24
+    assert twin.case.record == ("ring.velocity",)
+
+
+def test_a_flange_force_without_flanges_stays_zero() -> None:
+    bare = case().bearing.model_dump() | {"flanges": None}
+    assert refusal(bearing=bare, record=["roller.flange_force"])[0].startswith("`roller.flange_force` stays zero")
+
+
+def test_loads_at_rest_know_that_a_ring_leans() -> None:
+    """A lean of 1 mrad at 1 kN loads the ends of rollers: 455 N where the plane has 316."""
+    leaning, straight = (
+        limits.loads_at_rest(
+            assemble.healthy(case(load="1 kN", misalignment={"inner": lean}, contact={"slices": 12}))
+        )
+        for lean in ("1 mrad", "0 mrad")
+    )
+    assert straight[0] == pytest.approx(316, rel=0.01)
+    assert leaning[0] == pytest.approx(455, rel=0.01)
+    assert leaning[2] > 1.3 * straight[2]  # damping goes with the force, stiffness with the length that carries
+
+
+def test_what_is_the_same_has_one_id() -> None:
+    assert case_id(case(misalignment={})) == case_id(case())
+    assert case_id(case(contact={"length_nodes": 6})) == case_id(case())
+    given = {"excitation": "elastic-edge", "defect": PIT | {"edge": {"radius": "20 um"}}}
+    assert case_id(case(**given)) == case_id(case(excitation="elastic-edge", defect=PIT))
+
+
+def test_what_only_space_knows_names_no_result_of_another_model() -> None:
+    for other in ({"contact": {"slices": 12}}, {"cage": {"axial_clearance": "0.1 mm"}}):
+        for model, same in (("planar", True), ("spatial", False)):
+            cage = {"cage": {}} if "cage" in other else {}
+            assert (case_id(case(model=model, **cage)) == case_id(case(model=model, **other))) == same

@@ -1,0 +1,268 @@
+"""Explicit methods: their tables, their order, and the longest step of each on an oscillator and on a bearing."""
+
+from math import inf, nan, sqrt
+
+import numpy as np
+import pytest
+
+from bearingsim import assemble
+from bearingsim.core.jit import jit
+from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY, Q
+from bearingsim.core.methods import dop853, dormand_prince, nystrom, rk4, stabilised
+from bearingsim.core.methods.dop853 import Dop853
+from bearingsim.core.methods.dormand_prince import DormandPrince
+from bearingsim.core.methods.interface import load_number, step
+from bearingsim.core.methods.limit import critical_step
+from bearingsim.core.methods.nystrom import Nystrom
+from bearingsim.core.methods.rk4 import RungeKutta4
+from bearingsim.core.methods.stabilised import Stabilised
+from bearingsim.core.methods.symplectic_euler import SymplecticEuler
+from bearingsim.core.methods.tableau import runge_kutta
+from bearingsim.core.methods.verlet import Verlet
+from bearingsim.core.models.interface import accelerations, damping_per_mass, stiffness_per_mass
+from tests.scenes.nf308 import at_rest, case
+from tests.scenes.oscillators import Bounce, Oscillator, Swing, at_even_steps, run
+
+EIGHTH = runge_kutta(dop853.a[:12, :12], dop853.b[:12])
+RUNGE_KUTTA = {
+    "rk4": (rk4.TABLE, 4),
+    "dormand-prince": (dormand_prince.TABLE, 5),
+    "dormand-prince, embedded": (runge_kutta(dormand_prince.a, dormand_prince.EMBEDDED), 4),
+    "dop853": (EIGHTH, 8),
+    "dop853, of fifth order": (runge_kutta(EIGHTH.a, EIGHTH.b - dop853.E_5_V[:12]), 5),
+    "dop853, of third order": (runge_kutta(EIGHTH.a, EIGHTH.b - dop853.E_3_V[:12]), 3),
+    "stabilised": (stabilised.TABLE, 2),
+}
+FIXED = (Verlet, SymplecticEuler, RungeKutta4, Nystrom, Stabilised)
+
+
+# Tables
+
+
+@pytest.mark.parametrize("name", RUNGE_KUTTA)
+def test_order_conditions(name):
+    """Bushy trees b c^(k-1) = 1/k, tall trees b a^(k-2) c = 1/k!, and those of two branches, up to the order."""
+    (c, a, _, b, _), order = RUNGE_KUTTA[name]
+    tall = np.ones(len(c))
+    for k in range(1, order + 1):
+        assert b @ c ** (k - 1) == pytest.approx(1.0 / k, abs=1e-13)
+        assert b @ tall == pytest.approx(1.0 / np.prod(np.arange(1, k + 1)), abs=1e-13)
+        tall = a @ tall
+    for m in range(1, order - 1):  # c^m times (a c^n): 1/((n + 1)(m + n + 2))
+        for n in range(1, order - 1 - m):
+            assert b @ (c**m * (a @ c**n)) == pytest.approx(1.0 / ((n + 1) * (m + n + 2)), abs=1e-13)
+
+
+def test_nodes_are_those_of_the_books():
+    """Row sums of the tables against the printed nodes."""
+    assert dormand_prince.c == pytest.approx([0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1], abs=1e-14)
+    root = sqrt(6.0)
+    early = [0, 2 / 135 * (6 - root), (6 - root) / 45, (6 - root) / 30, (6 + root) / 30]
+    late = [1 / 3, 1 / 4, 4 / 13, 127 / 195, 3 / 5, 6 / 7, 1, 1, 1 / 10, 1 / 5, 7 / 9]
+    assert dop853.c == pytest.approx([*early, *late], abs=1e-13)
+    assert stabilised.TABLE.c[0] == 0.0
+    assert (np.diff(stabilised.TABLE.c) > 0.0).all()
+
+
+def test_continuous_extensions_join_start_and_end():
+    """At the end they give the step itself; time is integrated exactly everywhere."""
+    for extension, b in ((dop853.EXTENSION_V, dop853.b), (dormand_prince.EXTENSION_V, dormand_prince.b)):
+        assert extension[0] == pytest.approx(b)
+        assert extension.sum(axis=1) == pytest.approx([1.0, *[0.0] * (len(extension) - 1)], abs=1e-11)
+
+
+def test_the_stabilised_table_is_the_recurrence():
+    """R(z) of the table is that of the paper, 1 + b_s (T_s(w_0 + w_1 z) - T_s(w_0)) scaled to 1 at z = 0."""
+    s = stabilised.STAGES
+    T = np.polynomial.Chebyshev.basis(s)
+    w_0 = 1.0 + stabilised.EPS / s**2
+    w_1, b = T.deriv(1)(w_0) / T.deriv(2)(w_0), T.deriv(2)(w_0) / T.deriv(1)(w_0) ** 2
+    for z in (-40.0, -11.0, -1.0, -0.1):
+        R = 1.0 + z * stabilised.TABLE.b @ np.linalg.solve(np.eye(s) - z * stabilised.TABLE.a, np.ones(s))
+        assert pytest.approx(1.0 + b * (T(w_0 + w_1 * z) - T(w_0)), abs=1e-10) == R
+
+
+# Order
+
+
+@pytest.mark.parametrize(
+    ("method", "order", "steps"),
+    [
+        (SymplecticEuler, 1, (400, 800, 1600)),
+        (Verlet, 2, (100, 200, 400)),
+        (Stabilised, 2, (40, 80, 160)),
+        (RungeKutta4, 4, (40, 80, 160)),
+        (Nystrom, 4, (40, 80, 160)),
+        (DormandPrince, 5, (40, 80, 160)),
+        (Dop853, 8, (10, 14, 20, 28)),
+    ],
+)
+def test_order_on_a_smooth_problem(method, order, steps):
+    """A bent oscillator with a force that sees place, speed and time, against the finest of DOP853."""
+    model, span = Swing(4.0, 0.3, 0.7), 4.0
+    exact = at_even_steps(Dop853, model, span / 400, 400, 0.5, 0.2)
+    errors = [np.abs(at_even_steps(method, model, span / n, n, 0.5, 0.2) - exact).max() for n in steps]
+    assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.3)
+
+
+# Limits
+
+
+def grows(method, K, C):
+    """Whether the oscillator's motion gets out of hand: by a factor of 1000 in 6000 steps."""
+    out, _ = run(method, Oscillator(K, C), 6000, q=1.0 / sqrt(K), v=0.7)
+    return not np.abs(out[-50:, 1] + sqrt(K) * out[-50:, 0]).max() < 1e3
+
+
+THREADS = (0.9, 1.5)  # between these damping ratios, and below 0.04, Chebyshev's stability hangs by threads
+
+
+@pytest.mark.parametrize(
+    ("method", "zeta"),
+    [
+        (method, zeta)
+        for method in FIXED
+        for zeta in (0.0, 0.01, 0.05, 0.2, 0.4, 0.54, 0.8, 0.97, 1.05, 1.8, 5.0, 16.0, 40.0)
+        if method is not Stabilised or (0.04 < zeta < THREADS[0] or zeta > THREADS[1])
+    ],
+)
+def test_measured_limit_is_the_linear_theorys(method, zeta):
+    """Of each explicit method within 2 %, over all damping ratios; symplectic Euler's is h_c itself."""
+    if method is Stabilised and (zeta < 0.04 or (zeta > 0.9 and zeta < 1.5)):
+        pytest.skip("its stability hangs together by threads here")
+    omega = 2e5
+    K, C = omega * omega, 2.0 * zeta * omega
+    low, high = 0.0, 60.0 / (C + omega)
+    while high - low > 2e-3 * high:
+        h = 0.5 * (low + high)
+        low, high = (low, h) if grows(method(h), K, C) else (h, high)
+    assert load_number(method(low), K, C) == pytest.approx(1.0, abs=0.02)
+    if method is SymplecticEuler:
+        assert low == pytest.approx(2.0 / omega * (sqrt(1.0 + zeta * zeta) - zeta), rel=0.02)
+
+
+def test_adaptive_methods_have_no_limit_to_watch():
+    """Their error holds them."""
+    for method in (Dop853, DormandPrince):
+        assert load_number(method(1.0, 1e-6, 1e-9, 1e-9, 1.0), 1e12, 1e9) == 0.0
+
+
+@jit
+def shaken(method, model, steps, y):
+    """Take steps of a bearing, the accelerations in place."""
+    accelerations(model, 0.0, y)
+    for n in range(steps):
+        step(method, model, n * method.h, y)
+
+
+@jit
+def body(model, y, j):
+    """K (1/s^2) and C (1/s) of a watched body."""
+    accelerations(model, 0.0, y)
+    return stiffness_per_mass(model, y, j), damping_per_mass(model, y, j)
+
+
+@pytest.fixture(scope="module", params=["0.5 s/m", "50 s/m"])
+def held(request):
+    """The NF308 preloaded and under 300 N, its cage held still; at rest, and its linear equations about it."""
+    model = assemble.model(case(clearance="-4 um", load="300 N", contact={"damping": {"chi": request.param}}))
+    model = model._replace(bearing=model.bearing._replace(omega_c=0.0))
+    y = at_rest(model)
+    places = np.array([POSITION, POSITION + 1, *range(Q, Q + 13)])
+    shift, A_q, A_v = VELOCITY - POSITION, np.empty((15, 15)), np.empty((15, 15))
+    for k, place in enumerate(places):
+        for matrix, at, small in ((A_q, place, 1e-11), (A_v, place + shift, 1e-6)):
+            found = []
+            for sign in (-1.0, 1.0):
+                z = y.copy()
+                z[at] += sign * small
+                accelerations(model, 0.0, z)
+                found.append(z[places + ACCELERATION - POSITION])
+            matrix[:, k] = (found[1] - found[0]) / (2.0 * small)
+    return model, y, places, A_q, A_v
+
+
+def step_matrix(method, A_q, A_v, h):
+    """What one step makes of a state of q'' = A_q q + A_v v: the method's own formula, in matrices."""
+    n = len(A_q)
+    I, O = np.eye(n), np.zeros((n, n))  # noqa: E741
+    if method is SymplecticEuler:
+        return np.block([[I, h * I], [O, I]]) @ np.block([[I, O], [h * A_q, I + h * A_v]])
+    if method is Verlet:  # it begins from the accelerations that the last step found: (q, v, a)
+        q_1, ahead = np.block([I, h * I, h * h / 2 * I]), np.block([O, I, h * I])
+        a_1 = A_q @ q_1 + A_v @ ahead
+        return np.block([[q_1], [np.block([O, I, h / 2 * I]) + h / 2 * a_1], [a_1]])
+    table = {RungeKutta4: rk4.TABLE, Nystrom: nystrom.TABLE, Stabilised: stabilised.TABLE}[method]
+    q, v, f = np.block([I, O]), np.block([O, I]), []
+    for i, c in enumerate(table.c):
+        q_i = q + c * h * v + h * h * sum((table.A[i, j] * f[j] for j in range(i)), np.zeros((n, 2 * n)))
+        v_i = v + h * sum((table.a[i, j] * f[j] for j in range(i)), np.zeros((n, 2 * n)))
+        f.append(A_q @ q_i + A_v @ v_i)
+    new_q = q + h * v + h * h * sum(B * f_j for B, f_j in zip(table.B, f, strict=True))
+    return np.block([[new_q], [v + h * sum(b * f_j for b, f_j in zip(table.b, f, strict=True))]])
+
+
+def bisected(unstable, high):
+    """The greatest stable step (s), from coarse to fine."""
+    tried = high * np.arange(1, 201) / 200
+    first = next(h for h in tried if unstable(h))
+    low = first - tried[0]
+    while first - low > 1e-3 * first:
+        h = 0.5 * (low + first)
+        low, first = (low, h) if unstable(h) else (h, first)
+    return low
+
+
+@pytest.mark.parametrize("method", FIXED)
+def test_measured_limit_on_the_loaded_bearing(method, held):
+    """Within 2 % of the linear theory of the bearing as a whole, and the watch's, body by body, within 10 %.
+
+    Growth is seen in the accelerations: beyond its limit Verlet comes to a false rest under heavy damping, with
+    forces that alternate from step to step (a contact cannot pull) and nothing moving (docs/touch_down.md).
+    """
+    model, y, places, A_q, A_v = held
+    K, C = np.max([body(model, y, j) for j in range(13)], axis=0)
+    longest = 25.0 * critical_step(K, C)
+
+    def theory(h):
+        return np.abs(np.linalg.eigvals(step_matrix(method, A_q, A_v, h))).max() > 1.0 + 1e-6
+
+    def measured(h):
+        z, random = y.copy(), np.random.default_rng(1)
+        z[places + VELOCITY - POSITION] += 1e-9 * random.normal(size=15)
+        shaken(method(h), model, 20_000, z)
+        return not np.abs(z[places + ACCELERATION - POSITION]).max() < 10.0
+
+    limit = bisected(measured, longest)
+    assert limit == pytest.approx(bisected(theory, longest), rel=0.02)
+    assert load_number(method(limit), K, C) == pytest.approx(1.0, abs=0.1)
+
+
+# Energy
+
+
+def test_verlet_keeps_the_energy_of_a_contact():
+    """38 000 periods of a contact of power 10/9 in 52 steps each, pressed: under 1e-4 (seen: 4e-8).
+
+    One that bounces meets its floor at another place in a step each time: its energy wanders by a percent.
+    """
+    for v, allowed in ((0.3, 1e-4), (3.0, 0.03)):  # of the speed at which it leaves the floor
+        K, n, g = 1e4, 10.0 / 9.0, 100.0
+        model = Bounce(g, K, n)
+        pressed = (g / K) ** (1.0 / n)
+        h = 2.0 * np.pi / sqrt(n * K * pressed ** (n - 1.0)) / 52.0
+        out, _ = run(Verlet(h), model, 38_000 * 52, q=-pressed, v=v * sqrt(g * pressed))
+        depth = np.maximum(-out[:, 0], 0.0)
+        energy = 0.5 * out[:, 1] ** 2 + K * depth ** (n + 1.0) / (n + 1.0) + g * out[:, 0]
+        at_rest = K * pressed ** (n + 1.0) / (n + 1.0) - g * pressed
+        means = (energy.reshape(-1, 52 * 380).mean(axis=1) - at_rest) / (energy[0] - at_rest)
+        assert (out[:, 0].max() > 0.0) == (v > 1.0)
+        assert np.ptp(means) < allowed
+
+
+@pytest.mark.parametrize("method", FIXED)
+@pytest.mark.parametrize(("K", "C"), [(inf, inf), (nan, nan), (nan, 1.0), (1.0, nan), (inf, 1.0), (1.0, inf)])
+def test_what_has_blown_up_is_over_every_limit(method, K, C):
+    """Of a table's entries none is looked up by what is no number: it would be anywhere in memory."""
+    found = load_number(method(1e-6), K, C)
+    assert found == inf if method in (RungeKutta4, Nystrom, Stabilised) else not found <= 1.0

@@ -1,0 +1,278 @@
+"""Implicit methods on one coordinate: order, damping of what is stiff, touch-down, how they fail."""
+
+from itertools import pairwise
+from math import exp, inf, pi
+
+import numpy as np
+import pytest
+
+from bearingsim.core.laws.stiffness import PowerLaw
+from bearingsim.core.layout import FAILED_BODY
+from bearingsim.core.methods import rodas
+from bearingsim.core.methods.backward_euler import BackwardEuler
+from bearingsim.core.methods.generalised_alpha import RHO, GeneralisedAlpha
+from bearingsim.core.methods.rodas import Rodas
+from bearingsim.core.methods.velocity_implicit import VelocityImplicitEuler
+from bearingsim.core.outcomes import FINE, NEWTON_STALLED, STEP_FLOOR
+from tests.scenes.stiff import Scene, dashpot, on_path, run
+
+SOFT = Scene(K=1.0, C=1.0, P=1.0)
+STIFF = Scene(K=1e6, C=200.0, P=1.0)  # h omega from 50 to 200
+DASHPOT = Scene(K=1e6, C=1e6, P=1.0)
+
+
+def every(method, h):
+    """Steps of ``h`` exactly, whatever their error."""
+    return method(h, 0.0, inf, inf, h) if method in (Rodas, BackwardEuler) else method(h)
+
+
+def errors(model, method, steps, span=1.0):
+    """(steps, 2) errors of position and velocity at the end of forced motion."""
+    ends = [run(model, every(method, span / n), span, *on_path(model, 0.0)).path[-1, :2] for n in steps]
+    return np.abs(np.array(ends) - on_path(model, span))
+
+
+def orders(found):
+    return [np.log2(a / b) for a, b in pairwise(found)]
+
+
+# the table
+
+
+def standard_form():
+    """alpha, Gamma and b of the textbook's form."""
+    square = np.zeros((6, 6))
+    square[:, :5] = rodas.E
+    inverse = np.eye(6) / rodas.GAMMA - square
+    gammas = np.linalg.inv(inverse)
+    a = np.zeros((6, 6))
+    a[:, :5] = rodas.A
+    m = np.append(rodas.A[5], 1.0)
+    return a @ gammas, gammas, m @ gammas
+
+
+def test_the_table_meets_the_conditions_of_order_four():
+    """Hairer and Wanner, Solving ODEs II, sec. IV.7, table 7.1; and the stages' times are sums of rows."""
+    alpha, gammas, b = standard_form()
+    beta, one = alpha + gammas, np.ones(6)
+    c, d, e = alpha @ one, gammas @ one, (alpha + gammas) @ one
+    assert c == pytest.approx(rodas.C, abs=1e-13)
+    assert d == pytest.approx(rodas.D, abs=1e-13)
+    assert b @ one == pytest.approx(1.0, abs=1e-13)
+    assert b @ e == pytest.approx(1 / 2, abs=1e-13)
+    assert b @ c**2 == pytest.approx(1 / 3, abs=1e-13)
+    assert b @ beta @ e == pytest.approx(1 / 6, abs=1e-13)
+    assert b @ c**3 == pytest.approx(1 / 4, abs=1e-13)
+    assert b @ (c * (alpha @ e)) == pytest.approx(1 / 8, abs=1e-13)
+    assert b @ beta @ c**2 == pytest.approx(1 / 12, abs=1e-13)
+    assert b @ beta @ beta @ e == pytest.approx(1 / 24, abs=1e-13)
+
+
+def test_infinitely_fast_motion_is_gone_after_a_step():
+    """R(inf) = 1 - b (alpha + Gamma)^-1 1 = 0, of the embedded solution too."""
+    alpha, gammas, b = standard_form()
+    embedded = np.append(rodas.A[5], 0.0) @ gammas
+    assert 1.0 - b @ np.linalg.solve(alpha + gammas, np.ones(6)) == pytest.approx(0.0, abs=1e-12)
+    assert 1.0 - embedded @ np.linalg.solve(alpha + gammas, np.ones(6)) == pytest.approx(0.0, abs=1e-11)
+
+
+# order
+
+
+@pytest.mark.parametrize(
+    ("method", "model", "order"),
+    [
+        (Rodas, SOFT, 4.0),
+        (Rodas, STIFF, 3.0),
+        (Rodas, DASHPOT, 4.0),
+        (BackwardEuler, SOFT, 1.0),
+        (BackwardEuler, STIFF, 1.0),
+        (BackwardEuler, DASHPOT, 1.0),
+        (GeneralisedAlpha, SOFT, 2.0),
+        (GeneralisedAlpha, DASHPOT, 2.0),
+        (VelocityImplicitEuler, SOFT, 1.0),
+        (VelocityImplicitEuler, DASHPOT, 1.0),
+    ],
+)
+def test_order_on_forced_motion_soft_and_stiff(method, model, order):
+    """Prothero and Robinson's test in second order: of the velocity, which loses order first."""
+    found = errors(model, method, (5, 10, 20) if method is Rodas else (20, 40, 80))
+    assert orders(found[:, 1])[-1] == pytest.approx(order, abs=0.25)
+
+
+@pytest.mark.parametrize(("method", "order"), [(Rodas, 4.0), (BackwardEuler, 1.0), (GeneralisedAlpha, 2.0)])
+def test_order_on_van_der_pol(method, order):
+    """mu = 1 over 3 s, by differences between halvings."""
+    model = Scene(mu=1.0, K=1.0)
+    ends = [run(model, every(method, 3.0 / n), 3.0, 2.0, 0.0).path[-1, :2] for n in (80, 160, 320, 640)]
+    assert orders([np.linalg.norm(a - b) for a, b in pairwise(ends)])[-1] == pytest.approx(order, abs=0.25)
+
+
+@pytest.mark.parametrize("fault", [1e-4, 1e-3])
+def test_derivatives_that_are_a_little_wrong_cost_accuracy_not_boundedness(fault):
+    """The error grows by about the part that they leave out, and the motion stays."""
+    exact = errors(STIFF, Rodas, (20, 40))[:, 1]
+    wrong = errors(STIFF._replace(fault=fault), Rodas, (20, 40))[:, 1]
+    assert (wrong < exact + 3.0 * fault).all()
+
+
+# what is stiff
+
+
+@pytest.mark.parametrize("method", [Rodas, BackwardEuler, VelocityImplicitEuler])
+def test_nothing_is_left_of_a_stiff_motion_after_a_step(method):
+    """A dashpot of 1e9 per kg: the velocity after one step of 1 s, of 1 m/s."""
+    assert abs(run(Scene(C=1e9), every(method, 1.0), 1.0, 0.0, 1.0).path[-1, 1]) < 1e-6
+
+
+def test_generalised_alpha_keeps_rho_of_a_stiff_motion():
+    """Of the same dashpot's velocity, step for step, its sign changing."""
+    v = run(Scene(C=1e9), GeneralisedAlpha(1.0), 30.0, 0.0, 1.0).path[:, 1]
+    assert v[-1] / v[-2] == pytest.approx(-RHO, rel=1e-3)
+
+
+def van_der_pol(mu):
+    """The oscillator in time over mu, as it is usually posed: 1/mu^2 q'' = (1 - q^2) q' - q."""
+    return Scene(mu=mu * mu, K=mu * mu)
+
+
+REFERENCE = 1.706167732170483, -0.8928097010247975
+"""At 2, for mu = 1000: Mazzia and Magherini, Test Set for Initial Value Problem Solvers."""
+
+
+@pytest.mark.parametrize(
+    ("method", "rtol", "error"), [(Rodas, 1e-4, 1e-3), (Rodas, 1e-7, 1e-5), (BackwardEuler, 1e-4, 5e-2)]
+)
+def test_stiff_van_der_pol(method, rtol, error):
+    w = run(van_der_pol(1e3), method(2.0 / 50, rtol, rtol, rtol, 0.1), 2.0, 2.0, 0.0)
+    assert w.failed == FINE
+    assert w.path[-1, :2] == pytest.approx(REFERENCE, rel=error)
+
+
+@pytest.mark.parametrize("mu", [1e4, 1e5, 1e6])
+def test_van_der_pol_stiffer_still(mu):
+    """Up to 1/mu^2 = 1e-12, two tolerances agree."""
+    ends = [run(van_der_pol(mu), Rodas(0.04, r, r, r, 0.1), 2.0, 2.0, 0.0) for r in (1e-5, 1e-7)]
+    assert [w.failed for w in ends] == [FINE, FINE]
+    assert ends[0].path[-1, 0] == pytest.approx(ends[1].path[-1, 0], rel=1e-3)
+
+
+# contact
+
+K_FLOOR, SPEED, DROP = 1e9, 1e-2, 1e-6  # N/m on 1 kg; m/s; m above the floor
+
+
+def bounce(method, rtol):
+    """Error of the place, over the way, as far after a bounce off a spring as the drop was before it."""
+    rest = pi / K_FLOOR**0.5 + 2.0 * DROP / SPEED
+    tolerances = method(rest, rtol, rtol * SPEED / K_FLOOR**0.5, rtol * SPEED, rest)
+    w = run(Scene(floor=dashpot(PowerLaw(K_FLOOR, 1.0), 0.0, 0.0)), tolerances, rest, DROP, -SPEED)
+    assert w.failed == FINE
+    return abs(w.path[-1, 0] / DROP - 1.0) + abs(w.path[-1, 1] / SPEED - 1.0)
+
+
+def test_a_bounce_off_a_spring_is_as_exact_as_asked_for():
+    found = [bounce(Rodas, rtol) for rtol in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)]
+    assert all(error < 3.0 * rtol for error, rtol in zip(found, (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), strict=True))
+
+
+def test_backward_euler_loses_speed_in_a_bounce_by_the_root_of_the_tolerance():
+    found = [bounce(BackwardEuler, rtol) for rtol in (1e-3, 1e-5, 1e-7)]
+    assert found[-1] < 1e-2
+    for coarse, fine in pairwise(found):
+        assert coarse / fine == pytest.approx(10.0, rel=0.25)
+
+
+@pytest.mark.parametrize("c", [1e4, 1e6, 1e9])
+@pytest.mark.parametrize("method", [Rodas, BackwardEuler])
+def test_a_dashpot_that_sets_in_with_a_jump(method, c):
+    """A weight falls on a spring beside a dashpot whose force jumps at touch-down; then it creeps.
+
+    Overdamped, so after the jump delta = (g/k)(1 - exp(-k t/c)), plus v m/c that the jump takes (1 kg).
+    """
+    k, g, span, fall = 1e9, 300.0, 1e-3, 1e-4
+    floor = dashpot(PowerLaw(k, 1.0), c, 0.0)
+    tolerances = method(span / 5, 1e-3, 1e-12, min(1e-5, 1e-3 * g / c), span)
+    w = run(Scene(floor=floor, g=g), tolerances, span, SPEED * fall + 0.5 * g * fall**2, -SPEED)
+    assert w.failed == FINE
+    if c >= 1e6:
+        slow = k / c
+        lost = (SPEED + g * fall) / c
+        deep = g / k * (1.0 - exp(-slow * (span - fall))) + lost * exp(-slow * (span - fall))
+        assert -w.path[-1, 0] == pytest.approx(deep, rel=5e-3)
+
+
+@pytest.mark.parametrize(("c", "m3"), [(1e4, 0.0), (1e9, 0.0), (1e4, 1.0 / 9.0), (1e4, 1.0)])
+@pytest.mark.parametrize("method", [GeneralisedAlpha, VelocityImplicitEuler])
+def test_fixed_steps_go_on_over_a_jump(method, c, m3):
+    """Newton's method finds its way, or the linear solve goes on, where the dashpot's force sets in."""
+    floor = dashpot(PowerLaw(1e9, 10.0 / 9.0), c, m3)
+    w = run(Scene(floor=floor, g=300.0), method(1e-7), 2e-4, DROP, -SPEED)
+    assert w.failed == FINE
+    assert np.isfinite(w.path).all()
+
+
+# tolerances, counts
+
+
+@pytest.mark.parametrize(("method", "first"), [(Rodas, 1e-3), (BackwardEuler, 1e-2)])
+def test_a_tighter_tolerance_is_never_worse(method, first):
+    model = DASHPOT._replace(w=3.0)
+    found = []
+    for rtol in first * 10.0 ** -np.arange(4):
+        w = run(model, method(0.01, rtol, rtol, rtol, 1.0), 1.0, *on_path(model, 0.0))
+        path = np.array([on_path(model, 0.01 * (n + 1)) for n in range(100)])
+        found.append(np.abs(w.path[:, :2] - path).max())
+    assert all(fine < 0.5 * coarse for coarse, fine in pairwise(found))
+    assert found[-1] < 1e-2 * found[0] or method is BackwardEuler
+
+
+def test_what_is_linear_takes_two_newton_iterations_at_most():
+    """The second sees that the first was right."""
+    w = run(DASHPOT, BackwardEuler(0.01, 1e-3, 1e-3, 1e-3, 0.01), 0.5, *on_path(DASHPOT, 0.0))
+    assert w.iterated <= 2 * (w.taken + w.refused)
+    assert w.evaluated == w.iterated + len(w.path) + 2
+
+
+def test_evaluations_of_rodas_are_counted():
+    w = run(SOFT, every(Rodas, 0.1), 1.0, *on_path(SOFT, 0.0))
+    assert w.evaluated == 7 * (w.taken + w.refused) + len(w.path) + 2
+
+
+@pytest.mark.parametrize("method", [Rodas, BackwardEuler])
+def test_recorded_instants_lie_within_steps(method):
+    """Ten instants within each step, as exact as its ends: of third order, or of first."""
+    h = 0.1 if method is Rodas else 0.02
+    model = SOFT
+    fine = run(model, method(h / 10, 0.0, inf, inf, h), 1.0, *on_path(model, 0.0))
+    half = run(model, method(h / 20, 0.0, inf, inf, h / 2), 1.0, *on_path(model, 0.0))
+    worst = []
+    for w in (fine, half):
+        instants = np.arange(1, len(w.path) + 1) / len(w.path)
+        worst.append(np.abs(w.path[:, :2] - [on_path(model, t) for t in instants]).max())
+    assert np.log2(worst[0] / worst[1]) > (2.7 if method is Rodas else 0.8)
+
+
+# failure
+
+
+def test_a_newton_method_that_stalls_says_so():
+    """Derivatives of the wrong sign: each iterate is further off than the last."""
+    w = run(Scene(K=1e8, fault=-3.0), GeneralisedAlpha(0.1), 1.0, 1.0, 0.0)
+    assert w.failed == NEWTON_STALLED
+    assert w.y[FAILED_BODY] == 0
+
+
+@pytest.mark.parametrize(("method", "outcome"), [(Rodas, STEP_FLOOR), (BackwardEuler, NEWTON_STALLED)])
+def test_what_is_not_finite_ends_the_run(method, outcome):
+    w = run(Scene(K=np.nan), method(0.1, 1e-3, 1e-3, 1e-3, 0.1), 0.3, 1.0, 0.0)
+    assert w.failed == outcome
+
+
+def test_backward_euler_takes_shorter_steps_where_newton_stalls():
+    """Derivatives of the wrong sign do no harm to a step well under the motion's own time."""
+    floor = dashpot(PowerLaw(K_FLOOR, 1.0), 0.0, 0.0)
+    w = run(Scene(floor=floor, fault=-3.0), BackwardEuler(1e-4, 1e-2, 1e-9, 1e-4, 1e-4), 4e-4, DROP, -SPEED)
+    assert w.failed == FINE
+    assert w.refused > 0
+    assert w.path[-1, 1] == pytest.approx(SPEED, rel=0.2)

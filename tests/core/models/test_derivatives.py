@@ -1,0 +1,99 @@
+"""``linearise`` of the models whose cage is kinematic against differences of their accelerations."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bearingsim import assemble
+from bearingsim.core.laws.damping import HuntCrossley, Kraemer, general
+from bearingsim.core.laws.stiffness import TenNinths, ThreeHalves
+from bearingsim.core.layout import POSITION, VELOCITY, X
+from bearingsim.core.models.interface import freedoms
+from bearingsim.core.parameters import turns
+from bearingsim.core.pits.on_roller import standing
+from bearingsim.core.pits.pairs import ANGLE, HALF_WIDTH, RADIUS
+from tests.scenes.differences import cells, derivatives, differences
+from tests.scenes.nf308 import case
+
+PIT = {"shape": "rectangular", "length": "6 mm", "width": "0.8 mm", "depth": "0.05 mm", "angle": "20 deg"}
+BOWL = PIT | {"shape": "circular", "width": "3 mm", "depth": "0.02 mm"}
+LAWS = {
+    "hunt-crossley": lambda k: HuntCrossley(TenNinths(k), 20.0),
+    "kraemer": lambda k: Kraemer(ThreeHalves(20.0 * k), 2e-6),
+    "general": lambda k: general(TenNinths(k), 1e9, 1.0, 1.0),
+}
+
+
+def model_of(name: str, law: str, *defects: dict[str, Any]) -> Any:
+    """The NF308 with its two contacts unlike."""
+    found = assemble.model(case(model=name, defects=list(defects)))
+    return found._replace(outer=LAWS[law](1.6e9), inner=LAWS[law](1.1e9))
+
+
+def thrown(model: Any, rng: np.random.Generator) -> np.ndarray:
+    """A buffer with the ring and rollers anywhere near where they press, moving as they do in an impact."""
+    y = assemble.empty_buffer(model)
+    gap, own = model.bearing.gap, freedoms(model)[0]
+    y[POSITION : POSITION + 2] = rng.normal(0.0, 3.0 * gap + 2e-6, 2)
+    y[VELOCITY : VELOCITY + 2] = rng.normal(0.0, 0.02, 2)
+    if own:
+        rollers = cells(model)[2:]
+        y[POSITION + rollers] = rng.normal(0.0, gap + 1e-6, len(rollers))
+        y[VELOCITY + rollers] = rng.normal(0.0, 0.02, len(rollers))
+    return y
+
+
+def over_a_pit(model: Any, rng: np.random.Generator) -> float:
+    """A time (s) at which a roller is somewhere over the first pit."""
+    y = assemble.empty_buffer(model)
+    while True:
+        t = float(rng.uniform(0.0, 0.1))
+        if abs(standing(model, 0, t, y)[1]) < 0.9 * model.pits.head[0, HALF_WIDTH]:
+            return t
+
+
+def worst(model: Any, t: float, y: np.ndarray) -> float:
+    """Largest difference of an entry, over the largest entry of its row."""
+    N = len(cells(model))
+    found = derivatives(model, t, y)
+    expected = differences(model, t, y, (np.full(N, 2e-11), np.full(N, 1e-6)))
+    errors = [
+        np.abs(one - other) / np.maximum(np.abs(other).max(axis=1, keepdims=True), 1e-300)
+        for one, other in zip(found, expected, strict=True)
+    ]
+    return float(np.max(errors))
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("name", ["ring", "rollers"])
+@pytest.mark.parametrize(
+    "defects",
+    [(), (PIT,), (BOWL | {"race": "inner"},), (PIT, BOWL | {"race": "inner"}, PIT | {"race": "roller"})],
+    ids=["healthy", "outer", "inner", "all"],
+)
+def test_derivatives_are_those_of_the_accelerations(name, law, defects):
+    """All but a few of the states, that have a contact within a step of its kink."""
+    model = model_of(name, law, *defects)
+    rng = np.random.default_rng(11)
+    errors = []
+    for _ in range(40):
+        t = over_a_pit(model, rng) if defects else float(rng.uniform(0.0, 0.1))
+        errors.append(worst(model, t, thrown(model, rng)))
+    assert np.quantile(errors, 0.9) < 1e-6
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("name", ["ring", "rollers"])
+def test_over_two_pits_at_once(name, law):
+    """Roller 1 stands over a pit of each race: in series, each changes how fast the other contact closes."""
+    model, t = model_of(name, law, BOWL, BOWL | {"race": "inner"}), 0.01
+    rng, head = np.random.default_rng(3), model.pits.head
+    theta_c, theta_i, _ = turns(model.bearing, t)
+    errors = []
+    for _ in range(20):
+        head[:, ANGLE] = theta_c + rng.uniform(-1.0, 1.0, 2) * 8e-4 / head[:, RADIUS] - [0.0, theta_i]
+        y = thrown(model, rng)
+        y[POSITION + X] = -2.0 * model.bearing.gap - 2e-5
+        errors.append(worst(model, t, y))
+    assert np.quantile(errors, 0.9) < 1e-6

@@ -1,0 +1,424 @@
+"""``impulse``: the motion against exact solutions, the trains against geometry, both against ``static``."""
+
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad, solve_ivp
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from bearingsim import assemble
+from bearingsim.core.jit import jit
+from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY, X, Y, buffer
+from bearingsim.core.methods.impulses import Impulses
+from bearingsim.core.methods.interface import step
+from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch, ring_stiffness
+from bearingsim.core.models.impulse import Impulse, swing
+from bearingsim.core.pits.excitations import Envelope
+from bearingsim.core.pits.impulse_train import (
+    LoadZone,
+    approach,
+    crossing_speed,
+    load,
+    passes,
+    random_train,
+    strengths,
+    train,
+)
+from bearingsim.core.pits.pairs import (
+    INNER,
+    ON_INNER,
+    ON_OUTER,
+    OUTER,
+    Meeting,
+    groups_of,
+    inner_reduced_radius,
+    meeting,
+    outer_reduced_radius,
+    pits,
+)
+from tests.scenes.nf308 import case
+
+BEARING = assemble.geometry.bearing(case())
+L_W, DEEP = 0.012, 5e-5
+PASS = 2 * pi / (BEARING.Z * BEARING.omega_c)
+K, M = 1e7, 0.3
+CRITICAL = 2 * sqrt(K * M)
+ZONE = LoadZone(q_0=47.0, delta_0=3.37e-7, epsilon=0.5, n=10 / 9)
+STRUCK = np.array([0.0101e-3, 0.33e-3, 0.3305e-3, 1.2e-3])
+PUSHES = np.array([-1e-3, 2e-3, 0.5e-3, -3e-3])
+
+
+def pit(race="outer", angle=0.0, width=0.8e-3, depth=DEEP, length=L_W, shape="rectangular"):
+    """A pit as one contact meets it; a roller's, against the outer race."""
+    on, side, radius = {
+        "outer": (ON_OUTER, OUTER, BEARING.R_o),
+        "inner": (ON_INNER, INNER, BEARING.R_i),
+        "roller": (0, OUTER, BEARING.R_w),
+        "roller, inside": (4, INNER, BEARING.R_w),
+    }[race]
+    reduced = (outer_reduced_radius(BEARING.R_w, BEARING.R_o), inner_reduced_radius(BEARING.R_w, BEARING.R_i))[
+        side
+    ]
+    return Meeting(side, on, angle, radius, reduced, groups_of(shape, length, width, depth, L_W, reduced, 6))
+
+
+def ring(times=STRUCK, J_x=PUSHES, J_y=None, C=0.1 * CRITICAL, stiffness=K):
+    J_y = np.zeros(len(times)) if J_y is None else J_y
+    return Impulse(
+        BEARING, M, stiffness, 2.0 * stiffness, C, C, np.asarray(times, float), np.asarray(J_x, float), J_y
+    )
+
+
+@jit
+def run(method, model, start, y, out):
+    """Places, velocities and accelerations after each step: (6, n)."""
+    for n in range(out.shape[1]):
+        step(method, model, (start + n) * method.h, y)
+        for axis in range(2):
+            out[axis, n] = y[POSITION + axis]
+            out[2 + axis, n] = y[VELOCITY + axis]
+            out[4 + axis, n] = y[ACCELERATION + axis]
+
+
+def drive(model, h, steps, start=0, y=None):
+    y = buffer(BEARING.Z, 0.0) if y is None else y
+    out = np.empty((6, steps))
+    run(Impulses(h), model, start, y, out)
+    return out
+
+
+def response(t, J, C, stiffness=K):
+    """Displacement after one impulse, J/(m omega) e^(-beta t) sin(omega t), sinh past the critical."""
+    beta, D = C / (2 * M), stiffness / M - (C / (2 * M)) ** 2
+    i_omega, since = 1j * np.sqrt(complex(D)), np.maximum(t, 0.0)
+    ringing = (np.exp((i_omega - beta) * since) - np.exp((-i_omega - beta) * since)) / (2 * i_omega)
+    return np.where(t > 0, J / M * ringing.real, 0.0)
+
+
+def line(x, frequency, h):
+    """Complex amplitude at ``frequency`` over the whole of x, whose first sample is at h."""
+    t = h * np.arange(1, x.shape[-1] + 1)
+    return 2.0 * np.mean(x * np.exp(-2j * pi * frequency * t), axis=-1)
+
+
+def mobility(frequency, stiffness, C):
+    """Velocity per force at ``frequency`` (Hz)."""
+    omega = 2 * pi * frequency
+    return 1j * omega / (stiffness - M * omega**2 + 1j * omega * C)
+
+
+@given(
+    ratio=st.one_of(st.floats(0.0, 30.0), st.floats(0.999999, 1.000001), st.just(1.0)),
+    periods=st.floats(1e-4, 3.0),
+    x=st.floats(-1e-6, 1e-6),
+    v=st.floats(1e-6, 1e-2),
+)
+def test_free_motion_is_the_matrix_exponential(ratio, periods, x, v):
+    """Whatever the damping, the critical included; places scaled to speeds by omega_0."""
+    omega_0, t = sqrt(K / M), periods * 2 * pi * sqrt(M / K)
+    found = swing(M, K, ratio * CRITICAL, t, x, v)
+    flow = expm(t * omega_0 * np.array([[0.0, 1.0], [-1.0, -2.0 * ratio]]))
+    expected = flow @ np.array([x * omega_0, v])
+    assert (found[0] * omega_0, found[1]) == pytest.approx(
+        tuple(expected), abs=1e-10 * (abs(x) * omega_0 + abs(v))
+    )
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.05, 0.999999, 1.0, 1.000001, 3.0, 50.0])
+def test_one_impulse_rings_as_the_textbook_says(ratio):
+    h, at = 7e-6, 0.1e-3 + 1.234e-6
+    out = drive(ring([at], [2e-3], C=ratio * CRITICAL), h, 500)
+    t = h * np.arange(1, 501) - at
+    if abs(ratio - 1.0) < 1e-3:  # the formula itself loses digits there
+        solved = solve_ivp(
+            lambda _, y: [y[1], -K / M * y[0] - ratio * CRITICAL / M * y[1]], (0.0, t[-1]), [0.0, 2e-3 / M],
+            "DOP853", t[t > 0], rtol=1e-12, atol=1e-18,
+        )  # fmt: skip
+        expected = np.concatenate([np.zeros(np.sum(t <= 0)), solved.y[0]])
+    else:
+        expected = response(t, 2e-3, ratio * CRITICAL)
+    np.testing.assert_allclose(out[0], expected, atol=1e-10 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("h", [1e-6, 5e-6, 100e-6])
+def test_places_do_not_depend_on_the_step(h):
+    steps = round(2e-3 / h)
+    out = drive(ring(J_y=2 * PUSHES), h, steps)
+    t = h * np.arange(1, steps + 1)
+    for row, J, stiffness in ((0, PUSHES, K), (1, 2 * PUSHES, 2 * K)):
+        expected = sum(
+            response(t - at, push, 0.1 * CRITICAL, stiffness) for at, push in zip(STRUCK, J, strict=True)
+        )
+        np.testing.assert_allclose(out[row], expected, atol=1e-11 * np.abs(expected).max())
+
+
+def test_trains_superpose():
+    both = drive(ring(), 5e-6, 400)
+    first, second = (drive(ring(STRUCK[part], PUSHES[part]), 5e-6, 400) for part in (slice(0, 2), slice(2, 4)))
+    np.testing.assert_allclose(both, first + second, atol=1e-12 * np.abs(both).max(axis=1).max())
+
+
+@given(places=st.lists(st.floats(0.1, 39.9), min_size=1, max_size=5), h=st.floats(1e-7, 1e-3))
+def test_each_impulse_counts_once(places, h):
+    """An undamped mass on next to no spring keeps all momentum; some impulses fall on the end of a step."""
+    times = np.sort(
+        np.concatenate([h * np.array(places), h * np.arange(1.0, 30.0, 7.0), 0.1 * h * np.array([30, 70])])
+    )
+    out = drive(ring(times, np.ones(len(times)), C=0.0, stiffness=1e-9), h, 60)
+    assert M * out[2, -1] == pytest.approx(len(times), rel=1e-9)
+
+
+def test_velocity_and_acceleration_are_differences_of_places():
+    h, out = 5e-6, drive(ring(), 5e-6, 300)
+    x = np.concatenate([[0.0], out[0]])
+    np.testing.assert_allclose(out[2, :-1], (x[2:] - x[:-2]) / (2 * h), atol=1e-12 * np.abs(out[2]).max())
+    np.testing.assert_allclose(
+        out[4, :-1], (x[2:] - 2 * x[1:-1] + x[:-2]) / h**2, atol=1e-9 * np.abs(out[4]).max()
+    )
+
+
+def test_a_run_in_chunks_is_the_run_in_one():
+    whole = drive(ring(J_y=-PUSHES), 5e-6, 300)
+    y = buffer(BEARING.Z, 0.0)
+    parts = [drive(ring(J_y=-PUSHES), 5e-6, n, start, y) for start, n in ((0, 1), (1, 66), (67, 33), (100, 200))]
+    np.testing.assert_array_equal(np.concatenate(parts, axis=1), whole)
+
+
+def test_no_impulses_no_motion():
+    assert not drive(ring([], []), 5e-6, 20).any()
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, -1.0])
+def test_line_of_a_pit_on_the_outer_race(angle):
+    """2 J BPFO |mobility| along the load and across it: an impulse train has all its lines equal."""
+    steps = 1258
+    h, C = PASS / steps, 0.3 * CRITICAL
+    found = train(BEARING, ZONE, [pit(angle=angle)], 0.0, 45 * PASS)
+    model = ring(found.times, found.J_x, found.J_y, C)
+    v = drive(model, h, 40 * steps)[2:4, 20 * steps :]
+    J = strengths(BEARING, ZONE, pit(angle=angle), np.array([angle]))[0]
+    for harmonic in (1, 2, 5):
+        f = harmonic / PASS
+        lines = np.abs(line(v, f, h))
+        expected = [
+            2 * J / PASS * abs(cos(angle) * mobility(f, K, C)),
+            2 * J / PASS * abs(sin(angle) * mobility(f, 2 * K, C)),
+        ]
+        assert lines == pytest.approx(expected, rel=1e-3, abs=1e-6 * max(expected))
+
+
+@pytest.mark.parametrize("epsilon", [0.5, 2.0])
+def test_sidebands_of_a_pit_on_the_inner_race(epsilon):
+    """BPFI + k f_i as the Fourier coefficients of -J(phi) cos phi and -J(phi) sin phi say (McFadden and Smith)."""
+    zone = ZONE._replace(epsilon=epsilon)
+    shaft = BEARING.omega_i / (2 * pi)
+    rate = BEARING.Z * (shaft - BEARING.omega_c / (2 * pi))
+    assert 10 * rate / shaft == pytest.approx(77.0, abs=1e-9)  # ten turns of the shaft close the pattern
+    steps, C = 66000, 0.3 * CRITICAL
+    h = 10 / shaft / steps
+    found = train(BEARING, zone, [pit("inner")], -0.02, 2 * 10 / shaft + 10 * h)
+    v = drive(ring(found.times, found.J_x, found.J_y, C), h, 2 * steps)[2:4, steps:]
+    phi = 2 * pi * np.arange(4096) / 4096
+    J = strengths(BEARING, zone, pit("inner"), phi)
+    strongest = 2 * rate * J.max() * abs(mobility(rate, K, C))
+    for k in range(-3, 4):
+        f = rate + k * shaft
+        lines = np.abs(line(v, f, h))
+        for axis, (wave, stiffness) in enumerate(((np.cos(phi), K), (np.sin(phi), 2 * K))):
+            coefficient = np.mean(-J * wave * np.exp(-1j * k * phi))
+            expected = 2 * rate * abs(coefficient) * abs(mobility(f, stiffness, C))
+            assert lines[axis] == pytest.approx(expected, abs=1e-3 * strongest)
+
+
+@given(
+    race=st.sampled_from(["outer", "inner", "roller", "roller, inside"]),
+    angle=st.floats(-3.0, 3.0),
+    start=st.floats(-0.1, 0.1),
+    length=st.floats(0.0, 0.2),
+)
+def test_impulses_come_when_a_roller_is_over_the_pit(race, angle, start, length):
+    """Against the geometry that the other models use."""
+    one = pit(race, angle)
+    times, phi = passes(BEARING, one, start, start + length)
+    packed = pits([one], Envelope())
+    for t, at in zip(times, phi, strict=True):
+        assert start - 1e-12 < t <= start + length + 1e-12
+        theta_c = BEARING.theta_0 + BEARING.omega_c * t
+        j, s = meeting(packed, 0, theta_c, BEARING.omega_i * t, BEARING.omega_b * t, BEARING.Z)
+        assert s == pytest.approx(0.0, abs=1e-12)
+        assert cos(theta_c + 2 * pi * j / BEARING.Z - at) == pytest.approx(1.0, abs=1e-12)
+    rate = {
+        "outer": BEARING.Z * BEARING.omega_c,
+        "inner": BEARING.Z * (BEARING.omega_i - BEARING.omega_c),
+    }.get(race, BEARING.omega_b)
+    assert abs(len(times) - rate / (2 * pi) * length) <= 1.0
+
+
+def test_several_pits_superpose():
+    one, other = pit("inner"), pit("outer", 0.3)
+    parts = [train(BEARING, ZONE, [each], 0.0, 0.1) for each in (one, other)]
+    both = train(BEARING, ZONE, [one, other], 0.0, 0.1)
+    assert np.all(np.diff(both.times) >= 0.0)
+    np.testing.assert_array_equal(both.times, np.sort(np.concatenate([part.times for part in parts])))
+    assert both.J_x.sum() == pytest.approx(sum(part.J_x.sum() for part in parts), rel=1e-12)
+    assert len(train(BEARING, ZONE, [], 0.0, 1.0).times) == 0
+
+
+def test_load_zone():
+    """Half the circumference at epsilon 1/2, a fifth of the diameter projected at 0.2; turned by the axis."""
+    assert load(ZONE, np.array([0.0, 1.0, pi / 2, 2.0])) == pytest.approx(
+        [47.0, 47.0 * cos(1.0) ** (10 / 9), 0.0, 0.0]
+    )
+    narrow = ZONE._replace(epsilon=0.2, axis=0.4)
+    edge = np.arccos(0.6)
+    assert approach(narrow, 0.4 + np.array([-edge - 0.01, -edge + 0.01])) == pytest.approx(
+        [0.0, 6.7e-9], abs=1e-10
+    )
+    assert load(narrow, np.array([0.4]))[0] == 47.0
+
+
+def test_a_wide_deep_pit_sheds_the_load_while_it_is_crossed():
+    """J = q w/v: 0.8 mm, 47 N, 2.96 m/s give 12.7 mN s, less 11 % for the ways in and out; at 4 mm 2 %."""
+    v = BEARING.R_o * BEARING.omega_c
+    assert 47.0 * 0.8e-3 / v == pytest.approx(12.7e-3, abs=0.05e-3)
+    for width, part in ((0.8e-3, 0.888), (4e-3, 0.978)):
+        J = strengths(BEARING, ZONE, pit(width=width), np.zeros(1))[0]
+        assert J / (47.0 * width / v) == pytest.approx(part, rel=2e-3)
+        half = strengths(BEARING, ZONE, pit(width=width, length=L_W / 2), np.zeros(1))[0]
+        assert half == pytest.approx(J / 2, rel=1e-9)
+
+
+def test_every_contact_runs_over_its_pit_at_the_same_speed():
+    """Rolling without slip (and no clearance): 2.959 m/s at 1800 rpm."""
+    for race in ("outer", "inner", "roller", "roller, inside"):
+        assert crossing_speed(BEARING, pit(race)) == pytest.approx(2.9587, abs=1e-4)
+
+
+@pytest.mark.parametrize("stiffness", [np.inf, 5e8])
+@pytest.mark.parametrize("race", ["outer", "inner"])
+@pytest.mark.parametrize("phi", [0.0, 0.7])
+@pytest.mark.parametrize(
+    "given",
+    [{}, {"depth": 2e-7}, {"width": 0.2e-3}, {"length": 5e-3}, {"shape": "triangular", "depth": 1e-6}],
+    ids=str,
+)
+def test_what_is_shed_against_a_solution_place_by_place(given, phi, race, stiffness):
+    """The force P q that leaves the ring in balance with the roller's real force, by bisection and quadrature."""
+    zone = ZONE._replace(K_x=stiffness, K_y=stiffness)
+    one = pit(race, **given)
+    delta, q = zone.delta_0 * cos(phi), zone.q_0 * cos(phi) ** (10 / 9)
+    k = 10 / 9 * q / delta
+
+    def force(s):
+        def left(P):  # ring gives way by z: it is pushed by P q, and its spring K counts the roller as it was
+            z = P * q / stiffness
+            carried = sum(
+                row[0] * q * max(1 - (sunk(row, s, one.R) - z) / delta, 0.0) ** (10 / 9) for row in one.groups
+            )
+            return P * q - (q - carried) - k * z
+
+        return brentq(left, -0.1, 10.0, xtol=1e-13)
+
+    width = given.get("width", 0.8e-3)
+    total = 2 * quad(force, 0.0, width / 2, limit=200, epsabs=1e-9)[0]
+    speed = one.radius * (BEARING.omega_c if race == "outer" else BEARING.omega_i - BEARING.omega_c)
+    J = strengths(BEARING, zone, one, np.array([phi]))[0]
+    assert pytest.approx(q * total / speed, rel=2e-3) == J
+
+
+def sunk(row, s, R):
+    """Envelope of a box or a V."""
+    _, b, x_e, _, depth = row
+    x = max(b - abs(s), 0.0)
+    return min(depth, x**2 / (2 * R) if x < x_e else x_e * (x - x_e / 2) / R)
+
+
+def test_the_ring_is_pushed_towards_what_no_longer_holds_it():
+    """The load pushes the ring along -e_0 against the roller there: without that roller it goes on."""
+    for angle in (0.0, 0.6, -0.6):
+        found = train(BEARING, ZONE, [pit(angle=angle)], 0.0, 0.02)
+        J = strengths(BEARING, ZONE, pit(angle=angle), np.array([angle]))[0]
+        assert found.J_x == pytest.approx(np.full(len(found.times), -J * cos(angle)), rel=1e-12)
+        assert found.J_y == pytest.approx(np.full(len(found.times), -J * sin(angle)), rel=1e-12)
+    found = train(BEARING, ZONE, [pit(angle=pi)], 0.0, 0.02)
+    assert not found.J_x.any()
+    assert len(found.times) > 0
+
+
+def healthy_and_struck(one):
+    """Complex BPFO velocity lines (2,) of ``static``, less the healthy one; and the mean stiffness at rest."""
+    healthy = assemble.model(case(model="static"))
+    lines, stiffness, count = [], np.zeros(3), 1000
+    for model in (healthy, healthy._replace(pits=pits([one], Envelope()))):
+        y, places = assemble.empty_buffer(model), np.empty((2, count))
+        for n in range(count):
+            (find_rest if n else rest_from_scratch)(model, (n + 1) / count * PASS, y)
+            places[:, n] = y[POSITION + X], y[POSITION + Y]
+            if model is healthy:
+                stiffness += np.array(ring_stiffness(model, y)) / count
+        lines.append(2j * pi / PASS * line(places, 1 / PASS, PASS / count))
+    return lines[1] - lines[0], stiffness
+
+
+@pytest.mark.parametrize(("width", "depth"), [(0.2e-3, DEEP), (0.8e-3, DEEP), (0.8e-3, 3e-7), (2e-3, DEEP)])
+@pytest.mark.parametrize("angle", [0.0, 0.35, 0.7])
+def test_the_line_is_that_of_static(width, depth, angle):
+    """Zero clearance, 150 N: 4.08 F/Z on the most loaded roller. Within 5 % along the load, 10 % of it across."""
+    one = pit(angle=angle, width=width, depth=depth)
+    expected, (K_x, K_xy, K_y) = healthy_and_struck(one)
+    assert abs(K_xy) < 1e-3 * K_x
+    q_0 = 4.08 * 150.0 / BEARING.Z
+    delta_0 = 2 * (q_0 / assemble.model(case(model="static")).outer.stiffness.k) ** 0.9
+    zone = LoadZone(q_0, delta_0, 0.5, 10 / 9, 0.0, K_x, K_y)
+    J = strengths(BEARING, zone, one, np.array([angle]))[0]
+    omega = 2 * pi / PASS
+    assert 2 * J / PASS * cos(angle) * omega / K_x == pytest.approx(abs(expected[0]), rel=0.05)
+    assert 2 * J / PASS * sin(angle) * omega / K_y == pytest.approx(abs(expected[1]), abs=0.1 * abs(expected[0]))
+
+
+def test_random_impulses_are_the_seeds():
+    def drawn(seed, end=0.5):
+        return random_train(BEARING, ZONE, [pit(), pit("inner", 1.0)], 0.0, end, np.random.default_rng(seed))
+
+    for row, other in zip(drawn(7), drawn(7), strict=True):
+        np.testing.assert_array_equal(row, other)
+    assert not np.array_equal(drawn(7).times, drawn(8).times)
+    assert np.all(np.diff(drawn(7).times) >= 0.0)
+    long, short = drawn(7, 1.0), drawn(7, 0.5)
+    n = int(np.sum(short.times < 0.499))
+    np.testing.assert_array_equal(long.J_x[:n], short.J_x[:n])
+
+
+def test_random_impulses_share_out_each_crossing():
+    """16 asperities of 0.05 mm in 0.8 mm: mean J, standard deviation J/4, all within the crossing."""
+    end = 4000.5 * PASS
+    one = pit()
+    found = random_train(BEARING, ZONE, [one], 0.0, end, np.random.default_rng(1))
+    J = strengths(BEARING, ZONE, one, np.zeros(1))[0]
+    times, _ = passes(BEARING, one, 0.0, end)
+    nearest = np.rint((found.times - times[0]) / PASS).astype(int)
+    late = found.times - times[nearest]
+    half = 0.4e-3 / (BEARING.R_o * BEARING.omega_c)
+    assert np.abs(late).max() <= half
+    assert np.std(late) == pytest.approx(half / sqrt(3), rel=0.02)
+    assert np.all(np.bincount(nearest) == 16)
+    totals = np.bincount(nearest, weights=-found.J_x)
+    assert totals.mean() == pytest.approx(J, abs=4 * J / 4 / sqrt(len(times)))
+    assert totals.std() == pytest.approx(J / 4, rel=0.06)  # 5 of its standard errors
+
+
+def test_random_impulses_keep_the_mean_line():
+    """E[line] is the even train's; the scatter of one crossing is averaged over the passes."""
+    end, count = 1000 * PASS, 1000
+    one, f = pit(), 1 / PASS
+    even, rough = (
+        train(BEARING, ZONE, [one], 0.0, end),
+        random_train(BEARING, ZONE, [one], 0.0, end, np.random.default_rng(2)),
+    )
+    lines = [np.sum(part.J_x * np.exp(-2j * pi * f * part.times)) for part in (even, rough)]
+    assert len(even.times) == count
+    assert lines[1] == pytest.approx(lines[0], rel=5 / 4 / sqrt(count))

@@ -1,0 +1,191 @@
+"""The ladder of models: against an independent solution, against each other, and against mechanics."""
+
+from math import pi
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from bearingsim import assemble
+from bearingsim.core.advance import Watch, advance
+from bearingsim.core.laws.damping import normal_force
+from bearingsim.core.layout import ACCELERATION, COS, POSITION, Q_I, Q_O, SIN, VELOCITY, A, Q, V, X, Y
+from bearingsim.core.methods.rk4 import RungeKutta4
+from bearingsim.core.methods.verlet import Verlet
+from bearingsim.core.models.interface import accelerations
+from bearingsim.core.outcomes import NOT_FINITE
+from bearingsim.core.pits.pairs import REDUCED, USED, W, depression
+from bearingsim.simulation.simulate import simulate
+from tests.independent import rollers
+from tests.scenes.nf308 import PLACES, SLOT, at_rest, case, drive, light_rollers
+
+
+@pytest.fixture(scope="module")
+def independent():
+    """Ring velocity every 10 us over 20 ms (three crossings of a 0.8 mm slot) by the tests' own solution."""
+    times = 1e-5 * np.arange(1, 2001)
+    return rollers.simulate(0.8e-3, 0.05e-3, times)
+
+
+def every_10_us(method):
+    """The package's ring velocity at the same instants."""
+    stride = round(1e-5 / method.h)
+    return drive(assemble.model(case(defect=SLOT)), method, 2000 * stride)[2:4, stride - 1 :: stride]
+
+
+def test_rk4_meets_an_independent_solution(independent):
+    """At 0.5 us within 0.1 % of the velocity's range, everywhere."""
+    error = np.abs(every_10_us(RungeKutta4(5e-7)) - independent).max(axis=1)
+    assert (error < 1e-3 * np.ptp(independent[0])).all()
+
+
+def test_verlet_meets_an_independent_solution_and_converges(independent):
+    """At 0.5 us within 0.2 % RMS of the range; at 0.25 us at least twice as near."""
+    errors = [np.sqrt(np.mean((every_10_us(Verlet(h))[0] - independent[0]) ** 2)) for h in (5e-7, 2.5e-7)]
+    assert errors[0] < 2e-3 * np.ptp(independent[0])
+    assert errors[1] < errors[0] / 2
+
+
+def test_the_step_that_is_refused_would_be_wrong(independent):
+    """Verlet at 2 us on the 0.8 mm slot, unwatched: not finite, or off by a tenth of the range and more."""
+    out, model = np.empty((len(PLACES), 10_000)), assemble.model(case(defect=SLOT))
+    taken, outcome, _ = advance(Verlet(2e-6), model, Watch(1, 1.0), 0, at_rest(model), PLACES, out)
+    wrong = out[2, 4:taken:5]
+    assert outcome == NOT_FINITE or np.abs(wrong - independent[0]).max() > 0.1 * np.ptp(independent[0])
+
+
+@pytest.mark.parametrize("shape", ["rectangular", "circular"])
+def test_rollers_without_mass_are_a_ring(shape):
+    """Rollers of 3 % of their mass move the line by less than 2 %; a bowl has its groups solved in series."""
+    defect = SLOT | {"shape": shape, "length": "6 mm"}
+    short = {"duration": "0.1 s", "settle": "20 ms", "defect": defect} | light_rollers(0.03)
+    rollers = simulate(case(model="rollers", **short)).features
+    ring = simulate(case(model="ring", **short)).features
+    assert rollers["velocity@BPFO"] == pytest.approx(ring["velocity@BPFO"], rel=0.02)
+    assert rollers["velocity@BPFO.phase"] == pytest.approx(ring["velocity@BPFO.phase"], abs=0.02)
+
+
+@pytest.mark.parametrize("defect", [None, SLOT, SLOT | {"shape": "circular", "length": "6 mm", "angle": "20 deg"}])
+def test_slow_rotation_is_static(defect):
+    """At 6 rpm inertia and damping have nothing to do: displacement lines within 1 %."""
+    given = {"speed": "6 rpm", "duration": "2 s", "settle": "2 s", "sampling": "1000 Hz", "step": "40 us"}
+    given |= {"defect": defect} if defect else {}
+    ring = simulate(case(model="ring", **given | {"step": "10 us"})).features
+    static = simulate(case(model="static", **given)).features
+    for line in ("displacement@BPFO", "displacement@2BPFO"):
+        assert ring[line] == pytest.approx(static[line], rel=0.01)
+
+
+def random_state(model, seed):
+    """A buffer away from equilibrium: micrometres and centimetres per second."""
+    random = np.random.default_rng(seed)
+    y = at_rest(model)
+    y[POSITION : POSITION + 2] += random.normal(0, 1e-6, 2)
+    y[VELOCITY : VELOCITY + 2] += random.normal(0, 1e-2, 2)
+    y[Q : Q + 13] += random.normal(0, 1e-6, 13)
+    y[V : V + 13] += random.normal(0, 1e-2, 13)
+    return y
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_momentum_balances_at_any_state(seed):
+    """Ring and rollers together feel only the load, the bracket, the inner race and the centrifugal load."""
+    model = assemble.model(case(defect=SLOT, clearance="1 um"))
+    b, s = model.bearing, model.support
+    y = random_state(model, seed)
+    accelerations(model, 0.3e-3, y)
+    e = np.array([y[COS : COS + 13], y[SIN : SIN + 13]])
+    r = (b.R_o + b.R_i) / 2 + y[Q : Q + 13]
+    rate = b.m_r * (e @ (y[A : A + 13] - b.omega_c**2 * r))
+    rate += b.m_o * y[ACCELERATION : ACCELERATION + 2]
+    u, w = y[POSITION : POSITION + 2], y[VELOCITY : VELOCITY + 2]
+    outside = np.array([-s.F, 0.0]) - s.k_b * (u - [s.x_0, s.y_0]) - s.c_b * w + e @ y[Q_I : Q_I + 13]
+    assert rate == pytest.approx(outside, abs=1e-9 * np.abs(y[Q_O : Q_O + 13]).sum())
+
+
+def test_a_free_roller_flies_straight():
+    """Without contact a roller in the turning frame obeys r'' = omega_c^2 r: cosh."""
+    model = assemble.model(case(clearance="200 um", load="1 N"))
+    model = model._replace(support=model.support._replace(F=0.0, k_b=0.0))
+    b = model.bearing
+    y = assemble.empty_buffer(model)
+    accelerations(model, 0.0, y)
+    drive(model, RungeKutta4(1e-6), 200, y)
+    r0, t = (b.R_o + b.R_i) / 2, 200e-6
+    assert y[Q : Q + 13] == pytest.approx(r0 * (np.cosh(b.omega_c * t) - 1), rel=1e-6)
+
+
+def test_moving_approach_rate_is_the_approachs_derivative():
+    """v_o of the model equals the change of delta_o in time, the pit's slope under the roller included."""
+    model = assemble.model(case(defect=SLOT | {"width": "2 mm"}, start_angle=0.015))
+    y = random_state(model, 1)
+    found, h = [], 1e-9
+    for t in (-h, h):
+        moved = y.copy()
+        moved[POSITION : POSITION + 2] += t * y[VELOCITY : VELOCITY + 2]
+        moved[Q : Q + 13] += t * y[V : V + 13]
+        theta = model.bearing.theta_0 + model.bearing.omega_c * t
+        u_r = moved[POSITION + X] * np.cos(theta) + moved[POSITION + Y] * np.sin(theta)
+        rim = 1e-3 - abs(model.bearing.R_o * theta)
+        found.append(moved[Q] - u_r - min(rim**2 / (2 * model.pits.head[0, REDUCED]), 0.05e-3))
+    accelerations(model, 0.0, y)
+    rate, delta = (found[1] - found[0]) / (2 * h), (found[0] + found[1]) / 2
+    assert y[Q_O] == pytest.approx(normal_force(model.outer, delta, rate), rel=1e-5, abs=1e-3)
+
+
+def ring_over(defect):
+    """A ring at a random state with its first roller over a pit, and that roller's Delta, its rate, h and h'."""
+    model = assemble.model(case(model="ring", defect=defect, start_angle=0.003))
+    y = at_rest(model)
+    y[VELOCITY : VELOCITY + 2] = 0.02, -0.01
+    accelerations(model, 0.0, y)
+    b, u, w, theta = model.bearing, y[POSITION : POSITION + 2], y[VELOCITY : VELOCITY + 2], 0.003
+    e_r, e_theta = np.array([np.cos(theta), np.sin(theta)]), np.array([-np.sin(theta), np.cos(theta)])
+    Delta, rate = -u @ e_r, -w @ e_r - b.omega_c * (u @ e_theta)
+    groups = model.pits.groups[0, : int(model.pits.head[0, USED])]
+    sunk = np.array([depression(group, b.R_o * theta, model.pits.head[0, REDUCED]) for group in groups])
+    return model, y, Delta, rate, groups[:, W], sunk[:, 0], sunk[:, 1] * b.R_o * b.omega_c
+
+
+def test_a_ring_shares_approach_and_rate_between_both_contacts_over_a_slot():
+    model, y, Delta, rate, _, h, sinking = ring_over(SLOT | {"width": "0.3 mm"})
+    by_hand = normal_force(model.outer, (Delta - h[0]) / 2, (rate - sinking[0]) / 2)
+    assert y[Q_O] == pytest.approx(by_hand, rel=1e-9)
+    assert by_hand > 1.0
+
+
+def test_a_ring_balances_a_roller_over_a_bowl():
+    """Elastic: outer groups together carry what the inner contact carries; damping: half of each group's rate."""
+    bowl = SLOT | {"shape": "circular", "length": "8 mm", "depth": "0.2 um"}
+    model, y, Delta, rate, w, h, sinking = ring_over(bowl)
+    k = model.outer.stiffness.k
+    outer = lambda d_i: w * k * np.maximum(Delta - d_i - h, 0.0) ** (10 / 9)  # noqa: E731
+    d_i = brentq(lambda d: outer(d).sum() - k * d ** (10 / 9), 0.0, Delta, xtol=1e-20)
+    by_hand = (outer(d_i) * (1 + model.outer.chi * (rate - sinking) / 2)).sum()
+    assert y[Q_O] == pytest.approx(by_hand, rel=1e-8)
+    assert (outer(d_i) > 0).sum() >= 2
+
+
+@pytest.mark.parametrize(("model", "width"), [("rollers", "0.8 mm"), ("rollers", "3 mm"), ("ring", "2 mm")])
+def test_a_bowl_has_groups_enough(model, width):
+    """Each group strikes the far wall as one: 6 on the half length gave 58 % too much RMS at 3 mm."""
+    bowl = SLOT | {"shape": "circular", "width": width}
+    given = {"model": model, "defect": bowl, "duration": "40 ms", "settle": "30 ms"}
+    usual, many = (simulate(case(contact=contact, **given)).features for contact in ({}, {"length_nodes": "64"}))
+    for name in ("velocity@BPFO", "velocity.rms", "outer_force.max"):
+        assert usual[name] == pytest.approx(many[name], rel=0.01)
+
+
+def test_two_pits_are_felt_by_two_rollers():
+    """A second pit one pitch further is met at the same time: the line is at least 1.2 times as strong."""
+    one = simulate(case(model="static", defect=SLOT | {"width": "0.3 mm"}, duration="20 ms", settle="0 ms"))
+    pitch = 2 * pi / 13
+    two = simulate(
+        case(
+            model="static",
+            duration="20 ms",
+            settle="0 ms",
+            defects=[SLOT | {"width": "0.3 mm"}, SLOT | {"width": "0.3 mm", "angle": pitch}],
+        )
+    )
+    assert two.features["velocity@BPFO"] > 1.2 * one.features["velocity@BPFO"]

@@ -1,0 +1,123 @@
+"""`spatial` against `planar`, where what it knows beyond it lies still; and its parts against closed forms."""
+
+import numpy as np
+import pytest
+
+from bearingsim import assemble
+from bearingsim.core.advance import Watch, advance, start_at_rest
+from bearingsim.core.geometry.orientation import Body
+from bearingsim.core.geometry.sides import InnerSide, OuterSide
+from bearingsim.core.layout import (
+    ACCELERATION,
+    AXIAL,
+    EPS,
+    LANES,
+    Q_I,
+    Q_O,
+    ROW,
+    SIZE,
+    SKEW,
+    SPIN,
+    STATE,
+    TILT,
+    slice_row,
+)
+from bearingsim.core.methods.rk4 import RungeKutta4
+from bearingsim.core.models import spatial
+from bearingsim.core.models.rest_in_space import rest_in_space
+from bearingsim.core.outcomes import FINE
+from bearingsim.core.parameters import lanes
+from bearingsim.core.parts import cage_in_space, races_in_space
+from bearingsim.core.parts.mounts import Held
+from tests.core.models.test_planar_balance import EVERYTHING, WAYS, WHERE, lead_onto_pits, random_state
+from tests.independent.planar_bodies import places
+from tests.scenes.lanes import compiled, keeps_lanes, needs_vectors
+from tests.scenes.nf308 import SLOT, case
+from tests.scenes.spatial_bearing import empty, even, in_space, uneven
+
+FULL = SLOT | {"width": "0.3 mm"}
+ON_ALL = EVERYTHING | {"defects": [FULL, FULL | {"race": "inner"}, FULL | {"race": "roller", "roller": 5}]}
+CUTS = [even(1), even(6), uneven(7)]
+
+
+def same_state(model, cut, y):
+    """The model in space, and its buffer at the planar state in ``y``."""
+    space = in_space(model, cut)
+    x = empty(space)
+    x[:SIZE] = y[:SIZE]
+    x[ACCELERATION : ACCELERATION + STATE] = 0.0
+    return space, x
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("cut", CUTS, ids=["1 slice", "6 slices", "7 uneven slices"])
+def test_with_nothing_out_of_the_plane_it_is_planar(way, cut):
+    """Random states, a pit across each body, with and without lag: every acceleration to 1e-9 of the largest."""
+    for seed in range(4):
+        model = assemble.model(case(**ON_ALL, **WAYS[way]))._replace(lag=1e-6 * (seed // 2))
+        y = random_state(model, seed)
+        lead_onto_pits(model, y, WHERE, outwards=seed % 2 == 0)
+        start_at_rest(model, WHERE, y)
+        space, x = same_state(model, cut, y)
+        start_at_rest(space, WHERE, x)
+        for row in range(6):
+            here = ACCELERATION + row * ROW + np.arange(LANES + 13)
+            most = np.abs(y[here]).max() if row < 3 else 1e5
+            assert np.abs(x[here] - y[here]).max() < 1e-9 * most
+        assert x[Q_O : Q_O + 13] == pytest.approx(y[Q_O : Q_O + 13], rel=1e-11)
+        assert x[Q_I : Q_I + 13] == pytest.approx(y[Q_I : Q_I + 13], rel=1e-11)
+        assert np.ptp(y[Q_O : Q_O + 13]) > 100.0
+
+
+def test_over_20_ms_it_moves_as_planar():
+    """A slot on the outer race, friction, drag: every instant, within what halving the step changes."""
+    given = case(model="planar", defect=SLOT)
+    model = assemble.model(given)
+    y, _ = assemble.start(given, model)
+    at = places(13)
+    found = {}
+    for name, h in (("planar", 1e-6), ("finer", 5e-7), ("space", 1e-6)):
+        one, x = same_state(model, even(6), y) if name == "space" else (model, y.copy())
+        start_at_rest(one, 0.0, x)
+        out = np.empty((len(at), round(20e-3 / h)))
+        assert advance(RungeKutta4(h), one, Watch(1000, 1.0), 0, x, at, out)[1] == FINE
+        found[name] = out[:, :: round(1e-6 / h)] if name != "finer" else out[:, 1::2]
+    strayed = np.abs(found["space"] - found["planar"]).max(axis=1)
+    halved = np.abs(found["finer"] - found["planar"]).max(axis=1)
+    assert (strayed <= halved + 1e-12 * np.abs(found["planar"]).max(axis=1)).all()
+
+
+def test_a_kinematic_cage_holds_all_but_the_tilt():
+    """Orbit, spin, skew and axial motion: a tilted roller's axis goes round with it, and stays in its plane."""
+    given = case(model="planar", cage={"motion": "kinematic"}, friction="none")
+    model = assemble.model(given)
+    y, _ = assemble.start(given, model)
+    space, x = same_state(model, even(6), y)
+    space = space._replace(mount_o=Held(1e-4, 0.0))
+    assert rest_in_space(space, 0.0, x) < 1e-8 * model.support.F
+    start_at_rest(space, 0.0, x)
+    assert np.abs(x[TILT : TILT + 13]).max() > 2e-5
+    out = np.empty((2, 2000))
+    assert advance(RungeKutta4(1e-6), space, Watch(8, 1.0), 0, x, np.array([TILT + 2, SKEW + 2]), out)[1] == FINE
+    assert np.abs(out[1]).max() < 1e-9 * np.abs(out[0]).max()
+    assert np.ptp(out[0]) > 1e-2 * np.abs(out[0]).max()
+    for row in (EPS, SPIN, AXIAL):
+        assert np.abs(x[row : row + 13]).max() == 0.0
+
+
+@needs_vectors
+def test_loops_over_rollers_keep_their_lanes():
+    model = in_space(assemble.model(case(model="planar")), even(2))
+    y, n = empty(model), lanes(model.bearing)
+    ring, b = Body(*[0.0] * 8, 1.0, *[0.0] * 4), model.bearing
+    for side in (OuterSide(), InnerSide()):
+        assert keeps_lanes(compiled(races_in_space.face.py_func), side, b, ring, 1.0, y, n)
+        assert keeps_lanes(compiled(races_in_space.stand.py_func), side, b, ring, 0.0, 0.0, y, n)
+        assert keeps_lanes(compiled(races_in_space.press.py_func), side, model.outer, model.friction, 0.5, y, n)
+        assert keeps_lanes(compiled(races_in_space.add_up.py_func), side, b, ring, 0.0, 0.5, 0.0, y, n)
+        assert keeps_lanes(compiled(races_in_space.gather.py_func), side, b, ring, y, n)
+    assert keeps_lanes(compiled(races_in_space.relax.py_func), 1e-6, 1.0, 1.0, 1.0, 1.0, y, n)
+    assert keeps_lanes(compiled(races_in_space.keep_line_load.py_func), slice_row(1, 0), 1e-3, y, n)
+    assert keeps_lanes(compiled(cage_in_space.wall_slice.py_func), model.cage, b, 1.0, 0.0, 0.5, 0.0, y, n)
+    assert keeps_lanes(compiled(spatial.orient.py_func), 1.0, 1.0, 1.0, y, n)
+    assert keeps_lanes(compiled(spatial.move_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)

@@ -1,0 +1,361 @@
+"""Rollers that tilt and skew: between plates, in a misaligned ring, over a pit off their middle, at a flange."""
+
+from math import pi
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from bearingsim import assemble
+from bearingsim.core.advance import Watch, advance, start_at_rest
+from bearingsim.core.geometry.orientation import Body
+from bearingsim.core.geometry.slices import edges, slices
+from bearingsim.core.laws.damping import HuntCrossley
+from bearingsim.core.laws.friction import Frictionless, StaticDynamic
+from bearingsim.core.laws.stiffness import Linear, TenNinths
+from bearingsim.core.layout import (
+    ACCELERATION,
+    AXIAL,
+    AXIAL_A,
+    AXIAL_V,
+    AXIS_X,
+    AXIS_X_V,
+    AXIS_Y,
+    AXIS_Y_V,
+    COS,
+    EPS,
+    EPS_V,
+    INVERSE_MASS,
+    LOAD_O,
+    POSITION,
+    Q_F,
+    Q_I,
+    Q_O,
+    SIN,
+    SKEW,
+    SPIN_V,
+    TILT,
+    TURN_T,
+    VELOCITY,
+    Q,
+    V,
+    X,
+    Y,
+    slice_row,
+)
+from bearingsim.core.methods.rk4 import RungeKutta4
+from bearingsim.core.models.interface import accelerations, damping_per_mass
+from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_space
+from bearingsim.core.outcomes import FINE
+from bearingsim.core.parts.flanges import Flanges, NoFlanges, between_flanges, chord
+from bearingsim.core.parts.mounts import Held
+from bearingsim.core.pits.pairs import RADIUS, depression
+from tests.core.models.test_planar_balance import orders
+from tests.scenes.nf308 import SLOT, case
+from tests.scenes.spatial_bearing import L_W, empty, even, flat, in_space
+
+HALF, PLATE = L_W / 2, 1e3  # m: how far off the plates' axes are
+K = 4e8  # N/m^(10/9)
+
+
+def crowned(z):
+    """Drop (m) of a profile that sinks by 4 um to the ends."""
+    return 4e-6 * (z / HALF) ** 4
+
+
+# between plates
+
+
+def between_plates(n, tilt, inwards=2e-6):
+    """Load (N) of the outer plate and moment (N m) of both on a roller that tilts, pressed ``inwards`` by each."""
+    model = in_space(assemble.model(case(model="planar", friction="none")), even(n))
+    still = {"omega_c": 0.0, "omega_i": 0.0, "omega_b": 0.0, "theta_0": pi / 13}
+    bearing = model.bearing._replace(gap=-inwards, R_o=PLATE, R_i=PLATE, **still)
+    law = HuntCrossley(TenNinths(K), 1.0)
+    model = model._replace(bearing=bearing, outer=law, inner=law)
+    y = empty(model)
+    y[AXIS_X : AXIS_X + 13], y[AXIS_Y : AXIS_Y + 13] = tilt * np.cos(ANGLES), tilt * np.sin(ANGLES)
+    start_at_rest(model, 0.0, y)
+    assert y[TURN_T + 5] == pytest.approx(y[TURN_T], rel=1e-9)
+    return y[Q_O], y[TURN_T]
+
+
+ANGLES = pi / 13 + 2 * pi * np.arange(13) / 13
+
+
+def integral(tilt, inwards=2e-6):
+    """The same in closed form: of k (inwards + tilt z)^(10/9) over the part of the length in contact."""
+    m, q = 10 / 9, inwards
+    low, high = max(-HALF, -q / tilt), HALF
+    d_1, d_2 = q + tilt * low, q + tilt * high
+    force = (d_2 ** (m + 1) - d_1 ** (m + 1)) / (tilt * (m + 1))
+    moment = (d_2 ** (m + 2) - d_1 ** (m + 2)) / (tilt**2 * (m + 2)) - q / tilt * force
+    return K / L_W * force, -2 * K / L_W * moment
+
+
+@pytest.mark.parametrize("tilt", [2e-4, 8e-4])
+def test_a_roller_tilted_between_plates(tilt):
+    """Wholly and partly in contact: force and moment of the closed integral, of second order in the slices.
+
+    At 8e-4 less than half of each plate carries. The arm of a slice's force is zeta cos(tilt), 3e-7 off.
+    """
+    exact = np.array(integral(tilt))
+    errors = np.array([np.abs(np.array(between_plates(n, tilt)) / exact - 1) for n in (8, 16, 32, 64)])
+    assert (np.log2(errors[:-1] / errors[1:]).mean(axis=0) > 1.7).all()
+    assert errors[-1].max() < 1e-3
+    assert exact[1] < 0.0  # it pushes the roller back
+    if tilt < 3e-4:
+        assert orders(errors[:, 1]) == pytest.approx(2.0, abs=0.05)
+
+
+# misaligned, profiled, pitted: at rest
+
+MISALIGNED = Held(4e-4, -3e-4)
+
+
+def at_rest(model):
+    """A buffer with the model at its static equilibrium, and what is left of the load (1)."""
+    y = empty(model)
+    given = model.bearing
+    y[INVERSE_MASS : INVERSE_MASS + given.Z] = 1 / given.m_r
+    assemble.rest_from_scratch(assemble.statics(model), 0.0, y)
+    left = rest_in_space(model, 0.0, y)
+    return y, left / abs(model.support.F)
+
+
+def sinking(model, u, q):
+    """Sinking (Z, slices) of each slice at the outer race's pit, if there is one."""
+    b, pits = model.bearing, model.pits
+    h = np.zeros((b.Z, len(model.slices.table)))
+    if len(pits.head):
+        theta = b.theta_0 + 2 * pi * np.arange(b.Z) / b.Z
+        for j in range(b.Z):
+            place = (b.R_o + b.R_i) / 2 + q[j]
+            off = place * np.exp(1j * theta[j]) - u
+            s = pits.head[0, RADIUS] * np.angle(off * np.exp(-1j * pits.head[0, 2]))
+            h[j] = [depression(group, s, pits.head[0, 4])[0] for group in pits.groups[0]]
+    return h
+
+
+def energy(model, x):
+    """Elastic energy (J) of the bearing less what load and centrifugal force give, by the rings' circles in space.
+
+    x: the ring's place (2,), then q and tilt (1e-3 rad) of every roller, all in um. Rollers are points and axes in
+    planes through the bearing's axis, rings circles about leaning axes; of the model only its data are used.
+    """
+    b, support = model.bearing, model.support
+    zeta, weight, drop = model.slices.table.T
+    u, q, tilt = np.array([*x[:2], 0.0]) * 1e-6, x[2 : 2 + b.Z] * 1e-6, x[2 + b.Z :] * 1e-3
+    theta = b.theta_0 + 2 * pi * np.arange(b.Z) / b.Z
+    e_r = np.stack([np.cos(theta), np.sin(theta), 0 * theta], axis=1)
+    a = np.sin(tilt)[:, None] * e_r + np.cos(tilt)[:, None] * np.array([0, 0, 1.0])
+    r = (b.R_o + b.R_i) / 2 + q
+    p = r[:, None, None] * e_r[:, None] + zeta[:, None] * a[:, None]
+    stored = 0.0
+    for sign, mount, centre, R, law in (
+        (1, model.mount_o, u, b.R_o, model.outer),
+        (-1, model.mount_i, 0 * u, b.R_i, model.inner),
+    ):
+        axis = np.array([mount.lean_x, mount.lean_y, 0.0])
+        axis[2] = np.sqrt(1 - axis @ axis)
+        away = p - centre
+        rho = np.linalg.norm(np.cross(away, axis), axis=-1)
+        delta = sign * (rho - R) + b.R_w - drop
+        if sign > 0:
+            delta = delta - sinking(model, u[0] + 1j * u[1], q)
+        stored += (weight * law.stiffness.k * np.maximum(delta, 0) ** (19 / 9) * 9 / 19).sum()
+    lifted = u - np.array([support.x_0, support.y_0, 0.0])
+    stored += support.k_b / 2 * (lifted @ lifted) + support.F * u[0] + support.F_across * u[1]
+    gyro = b.omega_c * (b.I_r * (b.omega_c - b.omega_b) - model.I_t * b.omega_c)
+    return stored - (b.m_r * b.omega_c**2 * r**2).sum() / 2 + gyro * (tilt**2).sum() / 2
+
+
+def independent(model, start):
+    """The rest by minimising the energy from ``start``: the same vector as ``energy`` takes."""
+    options = {"gtol": 1e-5, "maxiter": 2000}
+    return minimize(lambda x: 1e6 * energy(model, x), start, method="BFGS", options=options).x
+
+
+def found_by_model(y, Z):
+    """The model's rest as ``energy`` takes it."""
+    return np.concatenate([1e6 * y[[POSITION + X, POSITION + Y]], 1e6 * y[Q : Q + Z], 1e3 * y[TILT : TILT + Z]])
+
+
+def along(y, slices_of, row=LOAD_O):
+    """Forces (slices, 13) in N."""
+    return np.array([y[slice_row(k, row) : slice_row(k, row) + 13] for k in range(slices_of)])
+
+
+def test_the_load_along_rollers_in_a_misaligned_ring():
+    """Both rings leaning, profiled rollers: places and tilts of an independent minimum of the energy."""
+    cut = slices(np.linspace(-HALF, HALF, 10), crowned)
+    model = in_space(
+        assemble.model(case(model="planar", load="400 N")), cut, mount_o=MISALIGNED, mount_i=Held(-2e-4, 0.0)
+    )
+    y, left = at_rest(model)
+    assert left <= 1e-8
+    ours = found_by_model(y, 13)
+    away = np.random.default_rng(1).normal(0.0, 0.05, len(ours))
+    theirs = independent(model, ours + away)
+    assert np.abs(theirs - ours).max() < 2e-4  # 0.2 nm, 0.2 urad
+    assert energy(model, ours) <= energy(model, theirs) + 1e-12
+    loads = along(y, 9)
+    one_end, other_end = loads[:4].sum(axis=0), loads[-4:].sum(axis=0)
+    assert (one_end > 3 * other_end).any()
+    assert (other_end > 3 * one_end).any()
+    assert np.abs(y[TILT : TILT + 13]).max() > 1e-4
+
+
+def test_a_straight_bearing_rests_as_in_the_plane():
+    model = assemble.model(case(model="planar"))
+    y, left = at_rest(in_space(model, even(7)))
+    flat_one, _ = assemble.start(case(model="planar"), model)
+    assert left <= 1e-8
+    assert y[Q_I : Q_I + 13] == pytest.approx(flat_one[Q_I : Q_I + 13], rel=2e-5, abs=1e-6)  # u.e_r there
+    assert np.abs(y[TILT : TILT + 13]).max() < 1e-10
+
+
+def test_an_off_centre_pit_tilts_a_roller():
+    """A 3 mm pit off the middle under the most loaded roller: its tilt of an independent minimum, to 1 %."""
+    reach = (1e-3, 4e-3)
+    given = case(model="planar", defect=SLOT | {"width": "0.1 mm"}, start_angle=1e-9)
+    model = in_space(assemble.model(given), slices(edges(L_W, [reach], 12), flat), (reach,))
+    y, left = at_rest(model)
+    assert left <= 1e-8
+    theirs = independent(model, found_by_model(y, 13) * 0.9)
+    assert y[TILT] == pytest.approx(1e-3 * theirs[15], rel=1e-2)
+    assert y[TILT] > 3e-6  # the end over the pit sinks outwards
+    assert np.abs(y[TILT + 1 : TILT + 13]).max() < 1e-9
+    loads = along(y, len(model.slices.table))[:, 0] / model.slices.table[:, 1]
+    assert loads[0] > loads[np.searchsorted(model.slices.table[:, 0], 2.5e-3)]
+
+
+def test_the_mean_rest_of_a_misaligned_bearing():
+    """Where the bracket is anchored: over a ball pass the ring carries the load, wherever it leans to."""
+    planar = assemble.model(case(model="planar"))
+    model = in_space(planar, even(6), mount_o=MISALIGNED)
+    free = model._replace(support=model.support._replace(k_b=0.0))
+    y, _ = at_rest(model)
+    found = mean_rest_in_space(free, y, samples=8)
+    straight = mean_rest_in_space(free._replace(mount_o=Held(0.0, 0.0)), y, samples=8)
+    assert straight.x == pytest.approx(planar.support.x_0, rel=1e-3)
+    assert straight.load == pytest.approx(assemble.rest.largest_load(case(model="planar")), rel=1e-2)
+    assert found.x != pytest.approx(straight.x, rel=1e-2)
+    assert found.load > straight.load
+    assert found._fields == ("x", "y", "load")
+
+
+def test_rollers_stand_between_flanges_wherever_the_rings_are():
+    """Outer ring with two flanges, inner with one: the mean of their middles, each as often as it has flanges."""
+    r, flanges = 0.03, FLANGES._replace(inner_plus=1.0)
+    assert between_flanges(FLANGES, body_of_ring(2e-5, 1e-4), body_of_ring(7e-5, 3e-4), 1.0, 0.0, r) == (
+        pytest.approx(2e-5 - r * 1e-4)
+    )
+    middles = 2e-5 - r * 1e-4, 7e-5 - r * 3e-4
+    found = between_flanges(flanges, body_of_ring(2e-5, 1e-4), body_of_ring(7e-5, 3e-4), 1.0, 0.0, r)
+    assert found == pytest.approx((2 * middles[0] + middles[1]) / 3)
+    assert between_flanges(NoFlanges(), body_of_ring(2e-5, 0.0), body_of_ring(0.0, 0.0), 1.0, 0.0, r) == 0.0
+
+
+def body_of_ring(z, lean):
+    """A ring that stands still."""
+    return Body(0.0, 0.0, z, 0.0, 0.0, 0.0, lean, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+
+
+# skewed
+
+PLAY = 5e-6
+FLANGES = Flanges(0.0, 0.0, 1.0, 1.0, PLAY, 1e-3, HuntCrossley(Linear(1e7), 5.0), Frictionless())
+SKEWED = 2e-3
+
+
+def skewed(flanges_given, skew=SKEWED):
+    """A bearing at rest but that every roller skews, and stays so for as long as its inertia lasts."""
+    model = in_space(assemble.model(case(model="planar", speed="3600 rpm")), even(6), **flanges_given)
+    model = model._replace(I_t=1e3 * model.I_t, friction=StaticDynamic(0.3, 0.15, 0.02, 0.1))
+    y, _ = at_rest(model)
+    y[AXIS_X : AXIS_X + 13] -= skew * y[SIN : SIN + 13]
+    y[AXIS_Y : AXIS_Y + 13] += skew * y[COS : COS + 13]
+    y[AXIS_X_V : AXIS_X_V + 13] = -model.bearing.omega_c * y[AXIS_Y : AXIS_Y + 13]
+    y[AXIS_Y_V : AXIS_Y_V + 13] = model.bearing.omega_c * y[AXIS_X : AXIS_X + 13]
+    start_at_rest(model, 0.0, y)
+    return model, y
+
+
+def test_friction_on_a_skewed_roller_by_hand():
+    """Turning backwards, omega < 0, its outermost point moves along -omega R_w skew e_z.
+
+    So friction of the outer race pulls an unloaded roller (flung outwards) along -e_z for a positive skew. Where
+    both races press, the forces are opposite and tilt it: outer -e_z at +R_w e_r, inner +e_z at -R_w e_r, both
+    +e_theta.
+    """
+    for skew in (SKEWED, -SKEWED):
+        _, y = skewed({}, skew)
+        unloaded, loaded = 6, 0
+        assert y[Q_I + unloaded] == 0.0 < y[Q_O + unloaded]
+        assert np.sign(skew) * y[AXIAL_A + unloaded] < -1.0
+        towards = y[TURN_T + loaded] * np.sign(skew)
+        assert towards > 0.5 * 6e-3 * 0.1 * (y[Q_O] + y[Q_I])
+        assert abs(y[AXIAL_A + loaded]) < 0.2 * abs(y[AXIAL_A + unloaded]) * y[Q_O + loaded] / y[Q_O + unloaded]
+
+
+def test_a_flange_stops_a_skewed_roller():
+    """It screws along at omega_b R_w skew (its skew goes round with it) until an end's corner meets the flange."""
+    places = np.array([AXIAL + 6, AXIAL_V + 6, Q_F + 6, SKEW + 6])
+    far = {}
+    for name, given in (("free", {}), ("held", {"flanges": FLANGES})):
+        model, y = skewed(given)
+        out = np.empty((4, 2000))
+        assert advance(RungeKutta4(1e-6), model, Watch(1000, 1.0), 0, y, places, out)[1] == FINE
+        far[name] = out
+    speed = -model.bearing.omega_b * model.bearing.R_w * far["free"][3, -1]
+    assert far["free"][1, -1] == pytest.approx(speed, rel=0.05)
+    assert far["free"][0, -1] < -3 * PLAY
+    corner = chord(model.bearing.R_w, FLANGES.height) * SKEWED
+    assert -1.3 * PLAY < far["held"][0].min() < -(PLAY - corner)
+    assert far["held"][2, far["held"][0] > -0.8 * (PLAY - corner)].max() == 0.0
+    assert far["held"][2].max() > 0.1
+
+
+SLIPPERY = StaticDynamic(0.1, 0.1, 50.0, 60.0)  # as good as proportional to the slip
+ROLLER = np.array([V, EPS_V, SPIN_V, AXIAL_V, AXIS_X_V, AXIS_Y_V])
+
+
+def pressed(where):
+    """A roller that no load presses on the races, but its flange or its pocket, both with friction."""
+    law = HuntCrossley(Linear(1e8), 0.0)
+    model = in_space(assemble.model(case(model="planar", friction="none")), even(6), flanges=FLANGES)
+    model = model._replace(
+        flanges=FLANGES._replace(law=law, friction=SLIPPERY),
+        cage=model.cage._replace(pocket=law, friction=SLIPPERY),
+        lag=1e-6,
+    )
+    y, _ = at_rest(model)
+    if where == "pocket":
+        y[EPS + 6] = (model.cage.play + 5e-5) / 0.0325
+    else:
+        y[AXIAL + 6] = PLAY + 2.5e-5
+    if where == "both flanges":
+        model = model._replace(flanges=model.flanges._replace(play=-2.5e-5))
+        y[AXIAL + 6] = 0.0
+    start_at_rest(model, 0.0, y)
+    return model, y
+
+
+@pytest.mark.parametrize("where", ["flange", "both flanges", "pocket"])
+def test_the_watch_sees_friction_on_flanges_and_pockets(where):
+    """All that damps the motion of an unloaded roller: no more than the watch is told, nor ten times less."""
+    model, y = pressed(where)
+    told = damping_per_mass(model, y, 6)
+    slopes = np.empty((6, 6))
+    for k, place in enumerate(ROLLER + 6):
+        ends = []
+        for step in (1e-4, -1e-4):
+            x = y.copy()
+            x[place] += step
+            accelerations(model, 0.0, x)
+            ends.append(x[ROLLER + 6 + ACCELERATION - VELOCITY])
+        slopes[:, k] = (ends[0] - ends[1]) / 2e-4
+    fastest = -np.linalg.eigvals(slopes).real.min()
+    assert fastest > 1e3
+    assert 0.1 * told < fastest <= 1.001 * told

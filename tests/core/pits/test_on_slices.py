@@ -1,0 +1,61 @@
+"""Of two pits under one slice: which is felt, whatever their order."""
+
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+from bearingsim import assemble
+from bearingsim.core.advance import start_at_rest
+from bearingsim.core.layout import OUTER_SIDE, SINK
+from bearingsim.core.pits.envelope import Path
+from bearingsim.core.pits.on_roller import outdone
+from bearingsim.core.pits.on_slices import find_pits, leave_pits, over_pits
+from bearingsim.core.pits.pairs import ON_OUTER, OUTER, Meeting
+from bearingsim.core.pits.traced import traced_pits
+from tests.scenes.nf308 import case
+from tests.scenes.spatial_bearing import empty, even, in_space
+
+B = 1e-4  # m: half of every pit
+AT = 0.3 * B  # m: where the roller stands
+
+
+def level(h):
+    """A meeting whose every slice feels ``h`` (m) all along."""
+    row = (1.0, B, B, 0.0, abs(h))
+    path = Path(np.array([[-B, h, 0.0, 0.0]]), B)
+    return Meeting(OUTER, ON_OUTER, 0.0, 0.0385, 7e-3, [row] * 2, [path] * 2)
+
+
+def standing_over(depths):
+    """A bearing whose first roller stands over pits of these depths (m) at once, and its buffer."""
+    model = in_space(assemble.model(case(model="planar", friction="none")), even(2))
+    bearing = model.bearing._replace(theta_0=AT / 0.0385)
+    model = model._replace(bearing=bearing, pits=traced_pits([level(h) for h in depths]))
+    y = empty(model)
+    start_at_rest(model, 0.0, y)
+    return model, y
+
+
+def felt(depths):
+    """Sinking (m) of the first roller's first slice."""
+    model, y = standing_over(depths)
+    assert find_pits(model, 0.0, 1.0, 1.0, y) == len(depths)
+    over_pits(model, 0.0, 0, 1.0, 1.0, 1.0, y)
+    sinking = y[OUTER_SIDE + SINK]
+    leave_pits(model, y)
+    assert y[OUTER_SIDE + SINK] == 0.0
+    return sinking
+
+
+DEPTHS = [(-2e-6,), (-2e-6, -1e-6), (-2e-6, 0.0), (-2e-6, 1e-6), (-2e-6, 0.0, -1e-6), (2e-6, 1e-6, 0.0)]
+
+
+@pytest.mark.parametrize("depths", DEPTHS)
+def test_the_deepest_is_felt_in_any_order(depths):
+    """A burr only where nothing deeper is: as ``outdone`` chooses in the plane."""
+    for order in permutations(depths):
+        assert felt(order) == max(depths)
+        model, y = standing_over(order)
+        counts = [not outdone(model, d, 0, AT, 0.0, y) for d in range(len(order))]
+        assert [h for h, one in zip(order, counts, strict=True) if one] == [max(depths)]

@@ -1,0 +1,144 @@
+"""The excitation of elastic edges: against half-planes, and what every excitation must keep to."""
+
+from math import inf, log, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from bearingsim.core.jit import jit
+from bearingsim.core.pits.edge_contact import EdgeContact, edge_contact, narrowing, one_edge, two_edges
+from bearingsim.core.pits.excitations import Envelope, felt, groups
+from bearingsim.core.pits.pairs import DEPTH, X_E, B, W, groups_of
+from benchmarks.edges.edge import bodies, corrected_ratio, crossed
+from benchmarks.edges.half_space import two_half_planes
+from benchmarks.edges.pressed import press
+from benchmarks.edges.race import Grading as Graded
+from benchmarks.edges.race import Slot, graded
+from benchmarks.edges.steel import Pair
+
+PAIR, L_W = Pair(), 0.012
+R, FORCE = PAIR.R, 47.0 / L_W
+HALF = PAIR.half_width(FORCE)
+EDGES = edge_contact(47.0, L_W, PAIR.R_w, PAIR.R_o, PAIR.E_star, 2e-5)
+
+shapes = st.sampled_from(["rectangular", "triangular", "circular"])
+widths = st.floats(5e-5, 4e-3)
+depths = st.floats(1e-7, 1e-4)
+places = st.floats(-0.7, 0.7)
+
+
+def rows_of(shape, width, depth, length=L_W, excitation=EDGES):
+    rows = groups_of(shape, length, width, depth, L_W, R, 6)
+    return [np.array(row) for row in groups(excitation, shape, rows, R)]
+
+
+def test_a_sharp_edge_of_a_half_plane():
+    """f is exact: half-planes, an edge without radius, the material behind it there."""
+    slot = Slot(inf, 5e-5, 0.0)
+    body = bodies(PAIR, slot, cut_out=False)
+    unit = FORCE / (np.pi * PAIR.E_star)
+    for xi in (-1.0, -0.5, 0.0, 0.5, 1.0, 3.0, 10.0):
+        found = crossed(PAIR, slot, body, FORCE, xi * HALF)
+        f, _ = narrowing(xi)
+        assert (found.approach - found.h - found.smooth) / unit == pytest.approx(f, abs=0.02)
+    assert narrowing(0.0)[0] == pytest.approx(log(3.0), rel=1e-12)
+    assert narrowing(-1.0)[0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_where_the_pressure_s_centre_lies():
+    """b before the rim as Hertz, a third of the contact at the rim, s before it from farther away."""
+    assert narrowing(-1.0)[1] == pytest.approx(1.0)
+    assert narrowing(0.0)[1] == pytest.approx(2.0 / sqrt(3.0) / 3.0)
+    assert narrowing(-4.0)[1] == pytest.approx(4.0)
+
+
+def test_far_behind_the_rim_it_is_hertz_on_the_edge():
+    assert one_edge(1.0, HALF, 0.0, 2e-5, R) == pytest.approx(log(R / 2e-5), rel=1e-3)
+
+
+@pytest.mark.parametrize("width", [0.1e-3, 0.8e-3])
+def test_two_sharp_edges_are_as_stiff_as_the_race(width):
+    """In the middle, the material behind the edges there: but for where the pressure's centre lies, exactly."""
+    assert two_edges(width, HALF, 0.0, 1e-12, R, PAIR.D) == pytest.approx(0.0, abs=0.1)
+
+
+@pytest.mark.parametrize(("shape", "width", "depth"), [("triangular", 0.8e-3, 5e-6), ("triangular", 0.2e-3, 2e-6)])
+def test_a_flat_wall(shape, width, depth):
+    """A V whose wall the roller meets, in half-planes: within 2.5 % of the approach."""
+    half = graded(6e-4, Graded(5e-8, 0.03), 6e-7)
+    t = np.append(-half[::-1], half[1:])
+    gap = np.where((t > 0.0) & (t < width), 2.0 * depth / width * np.minimum(t, width - t), 0.0)
+    body = two_half_planes(t, PAIR.E_star, PAIR.D)
+    (row,) = rows_of(shape, width, depth, excitation=EDGES._replace(rho=1e-9))
+    for x in np.linspace(-1.0, 5.0, 7) * HALF:
+        share, h, _ = felt(EDGES._replace(rho=1e-9), row, x - width / 2.0, R)
+        found = press(body, gap + (t - x) ** 2 / (2.0 * R), FORCE).approach
+        assert h + share**-0.9 * PAIR.approach(FORCE) == pytest.approx(found, rel=0.025)
+
+
+def test_half_planes_are_followed_over_a_shallow_pit():
+    slot = Slot(0.2e-3, 1e-6, 1e-5)
+    body = bodies(PAIR, slot, cut_out=False)
+    for s in np.linspace(-2.0, 5.0, 15) * HALF:
+        found = crossed(PAIR, slot, body, FORCE, s).ratio
+        assert corrected_ratio(PAIR, slot, FORCE, FORCE, s) == pytest.approx(found, rel=0.02)
+
+
+@given(shape=shapes, width=widths, depth=depths, place=places)
+def test_it_is_the_envelope_with_a_share(shape, width, depth, place):
+    """h is that of a roller larger by the edge's radius; beyond the half width nothing is felt."""
+    for row, usual in zip(
+        rows_of(shape, width, depth), rows_of(shape, width, depth, excitation=Envelope()), strict=True
+    ):
+        share, h, slope = felt(EDGES, row, place * width, R)
+        _, expected, steepness = felt(Envelope(), usual, place * width, R + EDGES.rho)
+        assert (h, slope) == pytest.approx((expected, steepness), rel=1e-9, abs=1e-15)
+        assert 0.2 < share < 1.3
+        if abs(place * width) >= row[B]:
+            assert (share, h, slope) == (1.0, 0.0, 0.0)
+
+
+@given(shape=shapes, width=widths, depth=depths, place=places)
+def test_slopes_have_the_bound_that_impact_speeds_are_estimated_with(shape, width, depth, place):
+    for row in rows_of(shape, width, depth):
+        bound = min(row[B], row[X_E], sqrt(2 * R * row[DEPTH])) / R
+        assert abs(felt(EDGES, row, place * width, R)[2]) <= bound * (1 + 1e-9)
+
+
+@settings(max_examples=200)
+@given(width=widths, depth=depths, place=st.floats(-0.9, 0.9))
+def test_the_approach_at_the_reference_load_is_continuous(width, depth, place):
+    """Over rim, middle and the edge of the floor: h + share^(-0.9) delta moves no faster than the geometry."""
+    (row,) = rows_of("rectangular", width, depth)
+    assume(row[B] > 1e-9)
+    s, step = place * row[B], 1e-9
+    (share, h, _), (other, sunk, _) = felt(EDGES, row, s, R), felt(EDGES, row, s + step, R)
+    full = PAIR.approach(FORCE)
+    change = (h + share**-0.9 * full) - (sunk + other**-0.9 * full)
+    assert abs(change) <= 0.35 * step + 1e-14 + 1e-3 * full * (abs(s) > 0.99 * row[B])
+
+
+def test_a_pit_shorter_than_the_roller():
+    rows = rows_of("rectangular", 0.8e-3, 5e-5, length=0.003)
+    assert [row[W] for row in rows] == pytest.approx([0.75, 0.25])
+    assert felt(EDGES, rows[0], 0.0, R) == (1.0, 0.0, 0.0)
+
+
+def test_what_cannot_be():
+    for force, rho in ((0.0, 1e-5), (47.0, 0.0)):
+        with pytest.raises(ValueError, match="above 0"):
+            edge_contact(force, L_W, PAIR.R_w, PAIR.R_o, PAIR.E_star, rho)
+
+
+def test_compiled_it_is_the_same():
+    @jit
+    def call(excitation, group, s, R):
+        return felt(excitation, group, s, R)
+
+    for shape, depth in (("rectangular", 5e-5), ("triangular", 5e-6)):
+        (row,) = rows_of(shape, 0.8e-3, depth)
+        for s in np.linspace(-5e-4, 5e-4, 41):
+            assert call(EDGES, row, s, R) == pytest.approx(felt(EDGES, row, s, R), rel=1e-12)
+    assert isinstance(EDGES, EdgeContact)

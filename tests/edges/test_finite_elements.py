@@ -1,0 +1,127 @@
+"""The race in finite elements: against half-planes where it is smooth, and converged where it is not."""
+
+from math import inf
+
+import numpy as np
+import pytest
+
+pytest.importorskip("skfem")
+
+from bearingsim.core.laws.hertz import line_pressure
+from benchmarks.edges.edge import bodies, corrected_ratio, crossed, stressed
+from benchmarks.edges.finite_elements import flamant, race
+from benchmarks.edges.mesh import quality
+from benchmarks.edges.pitted import finite_elements, half_planes, meshed, pitted, smooth
+from benchmarks.edges.pressed import press
+from benchmarks.edges.race import Grading, Slot
+from benchmarks.edges.steel import Pair, Steel
+
+PAIR, LENGTH = Pair(), 0.012
+REFERENCE = 47.0 / LENGTH
+B = PAIR.half_width(REFERENCE)
+SMOOTH = smooth(Grading(4e-7, 0.035, 1.5e-4))
+FINE = Grading(1.2e-8, 0.022)
+SLOTS = [Slot(width, depth, rho) for width in (inf, 0.2e-3) for depth in (5e-6, 5e-5) for rho in (0.0, 1e-5, 5e-5)]
+
+
+@pytest.mark.parametrize("load", [5.0, 47.0, 500.0])
+def test_hertz(load):
+    force = load / LENGTH
+    body = finite_elements(SMOOTH, PAIR)
+    found = press(body, body.t**2 / (2.0 * PAIR.R), force)
+    assert found.pressure.max() == pytest.approx(line_pressure(force, PAIR.R, PAIR.E_star), rel=2e-3)
+    moment = float((body.spread * found.pressure) @ body.t**2) / force
+    assert 2.0 * np.sqrt(moment) == pytest.approx(PAIR.half_width(force), rel=3e-3)
+    assert found.approach == pytest.approx(PAIR.approach(force), rel=5e-4)
+
+
+def test_a_smooth_race_is_a_half_plane():
+    elements, half = (make(SMOOTH, PAIR).compliance for make in (finite_elements, half_planes))
+    assert elements == pytest.approx(half, abs=0.006 * half.max())  # finite elements' loads are lumped far away
+
+
+def test_stress_under_hertz_s_pressure():
+    """Largest von Mises stress 0.558 of the largest pressure, in plane strain with nu = 0.3."""
+    below = race(meshed(SMOOTH), SMOOTH.carries, (), PAIR.steel, PAIR.D)
+    t = SMOOTH.points[SMOOTH.carries, 0]
+    pressure = 1e9 * np.sqrt(np.maximum(1.0 - (t / B) ** 2, 0.0))
+    assert below.largest_mises(pressure) == pytest.approx(0.558e9, rel=5e-3)
+
+
+def test_flamant_s_surface():
+    """It sinks by ln(D/r)/(pi E*), moves inwards by (1 - 2 nu)(1 + nu)/(2 E), and both sides alike."""
+    steel, r = Steel(), np.array([-1e-3, 1e-3])
+    u = flamant(np.array([r, [0.0, 0.0]]), 0.0, steel, PAIR.D)
+    assert u[1] == pytest.approx(-np.log(PAIR.D / 1e-3) / (np.pi * PAIR.E_star), rel=1e-12)
+    assert u[0] == pytest.approx(-np.sign(r) * (1.0 - 0.6) * 1.3 / (2.0 * steel.E), rel=1e-9)
+
+
+@pytest.mark.parametrize("slot", SLOTS)
+def test_meshes_are_sound(slot):
+    """No flat triangle, every side of the surface there, no area lost."""
+    made = pitted(slot, Grading())
+    mesh = meshed(made)
+    assert quality(mesh).min() > 0.3
+    sides = {frozenset((int(t[k]), int(t[k - 1]))) for t in mesh.triangles for k in range(3)}
+    assert all(frozenset((k, k + 1)) in sides for k in range(mesh.surface - 1))
+
+
+@pytest.mark.parametrize("rho", [0.0, 1e-5])
+def test_the_edge_is_converged(rho):
+    """Elements of 0.6 times the size change the approach by less than 0.05 %, a block twice as large by 0.1 %."""
+    slot = Slot(inf, 5e-5, rho)
+    usual, fine = bodies(PAIR, slot), bodies(PAIR, slot, FINE)
+    larger = finite_elements(pitted(slot, Grading(), 4e-3), PAIR)
+    for s in (-B, 0.0, 3.0 * B):
+        one, two, three = (crossed(PAIR, slot, body, REFERENCE, s).approach for body in (usual, fine, larger))
+        assert one == pytest.approx(two, rel=5e-4)
+        assert one == pytest.approx(three, rel=1e-3)
+
+
+def test_the_left_half_is_like_the_right():
+    slot = Slot(1e-4, 2e-5, 1e-5)
+    body = bodies(PAIR, slot)
+    for s in (-1e-5, 2e-5, 4.8e-5):
+        left, right = (crossed(PAIR, slot, body, REFERENCE, place) for place in (s, slot.width - s))
+        assert left.approach == pytest.approx(right.approach, rel=1e-3)
+
+
+def test_missing_material_makes_the_edge_softer():
+    """Half-planes are the lower bound, and right for a pit that is shallow against b and the edge's radius."""
+    for depth, low, high in ((1e-6, -1e-3, 3e-3), (5e-5, 0.05, 0.2)):
+        slot = Slot(inf, depth, 1e-5)
+        elastic, bound = (
+            crossed(PAIR, slot, bodies(PAIR, slot, cut_out=there), REFERENCE, 2.0 * B).ratio
+            for there in (True, False)
+        )
+        assert low < elastic - bound < high
+
+
+def test_pressure_and_stress_grow_towards_the_edge():
+    (far, at_far), (near, at_near) = stressed(PAIR, Slot(inf, 5e-5, 1e-5), REFERENCE, (-3.0 * B, 3.0 * B))
+    assert far.pressure == pytest.approx(line_pressure(REFERENCE, PAIR.R, PAIR.E_star), rel=5e-3)
+    assert near.pressure > 10.0 * far.pressure
+    assert at_near > 10.0 * at_far
+
+
+@pytest.mark.parametrize("slot", [Slot(0.1e-3, 5e-5, 2e-5), Slot(0.8e-3, 5e-5, 1e-5), Slot(0.8e-3, 5e-6, 2e-5)])
+def test_the_correction_at_its_reference_load(slot):
+    """Within 3 % of the approach, where the envelope alone is up to 60 % off."""
+    body = bodies(PAIR, slot)
+    middle, off = slot.width / 2.0, []
+    for s in (*np.linspace(-3.0, 3.0, 7) * B, middle - 1e-6, middle - 3e-7, middle):
+        if s <= middle and s * s < 1.6 * PAIR.R * slot.depth:
+            found = crossed(PAIR, slot, body, REFERENCE, s)
+            off.append(found.ratio)
+            assert corrected_ratio(PAIR, slot, REFERENCE, REFERENCE, s) == pytest.approx(found.ratio, rel=0.03)
+    assert max(off) > 1.2
+
+
+@pytest.mark.parametrize("load", [15.0, 150.0])
+def test_the_correction_at_other_loads(load):
+    """A third and three times the reference: within 6 % of the approach."""
+    slot = Slot(inf, 5e-5, 2e-5)
+    body = bodies(PAIR, slot)
+    for s in np.linspace(-3.0, 6.0, 10) * B:
+        found = crossed(PAIR, slot, body, load / LENGTH, s)
+        assert corrected_ratio(PAIR, slot, REFERENCE, load / LENGTH, s) == pytest.approx(found.ratio, rel=0.06)

@@ -1,0 +1,196 @@
+"""Which lines a figure shows and marks, and how words stand on an axis."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bearingsim.cli import tables
+from bearingsim.plots import PlotError, lines
+from bearingsim.plots.plot import drawn
+from bearingsim.plots.sweep import ticks_between
+from tests.plots.test_plots import STUDY, only, record, results, text_of
+
+__all__ = ["results"]
+
+NF308 = {"speed": np.pi * 60.0, "bearing.rollers": 13.0, "bearing.roller_diameter": 0.012} | {
+    "bearing.pitch_diameter": 0.065
+}
+INNER, ROLLER = {"defects.1.race": "inner"}, {"defects.1.race": "roller"}
+PAIRS = """\
+  zip:
+    excitation: [envelope, envelope, half-sine-pulse, soft-edge, impulse-train]
+    model: [static, ring, rollers, planar, impulse]
+    friction: [none, none, none, traction, none]
+"""
+
+
+def at(name, race):
+    """The frequency of a mark of the NF308 at 1800 rpm."""
+    return {mark.name: mark.hertz for mark in lines.marks(NF308 | race, 1000.0)}[name]
+
+
+def test_marks_stand_at_the_frequencies_of_the_table():
+    """159.0, 231.0, 156.96, 12.23 and 30 Hz: BPFO, BPFI, 2 BSF, FTF and shaft (`bearingsim freq nf308`)."""
+    assert at("2 BPFO", {}) == pytest.approx(318.0, abs=1e-9)
+    assert at("BPFI", INNER) == pytest.approx(231.0, abs=1e-9)
+    assert at("BPFI - fr", INNER) == pytest.approx(201.0, abs=1e-9)
+    assert at("2 BPFI + fr", INNER) == pytest.approx(492.0, abs=1e-9)
+    assert at("2 BSF", ROLLER) == pytest.approx(156.96, abs=5e-3)
+    assert at("4 BSF + FTF", ROLLER) == pytest.approx(313.92 + 12.23, abs=1e-2)
+
+
+def test_faults_of_several_elements_have_their_families_in_order():
+    jobs = [{"defects.1.race": "roller", "defects.2.race": "inner"}, {"defects.1.race": "outer"}]
+    assert lines.races(*jobs) == ["outer", "inner", "roller"]
+    assert lines.races({"defects.1.race": "", "load": 1.0}) == []
+    assert {mark.race for mark in lines.marks(NF308 | jobs[0], 300.0)} == {"inner", "roller"}
+
+
+def test_healthy_bearings_have_the_lines_of_variable_compliance():
+    assert lines.fitting(pd.DataFrame({"load": [1.0]})) == ["BPFO"]
+    assert [mark.name for mark in lines.marks(NF308, 400.0)] == ["BPFO", "2 BPFO"]
+
+
+@pytest.fixture
+def of_race(results, monkeypatch):
+    """A function that makes results of a study whose defect is on some element, with all lines in them."""
+
+    def with_lines(case):
+        made = record(case)
+        for line in ("BPFI", "2BSF"):
+            made.features |= {f"velocity@{line}": 1e-6, f"velocity@{line}.phase": 1.0}
+        return made
+
+    def make(race, change=("", "")):
+        monkeypatch.setattr("tests.plots.test_plots.record", with_lines)
+        return results(STUDY.replace("shape:", f"race: {race}, shape:").replace(*change))
+
+    return make
+
+
+@pytest.mark.parametrize(("race", "line"), [("outer", "BPFO"), ("inner", "BPFI"), ("roller", "2BSF")])
+def test_figures_of_their_own_plot_the_line_of_the_defect(of_race, race, line):
+    opened = of_race(race)
+    _, canvas = drawn(opened)[0]
+    labels = [ax.get_ylabel().replace("\n", " ") for ax in canvas.axes[:2]]
+    assert labels[0].startswith(f"Velocity amplitude at {line}")
+    assert labels[1].startswith(f"Velocity at {line}, change against healthy")
+    _, canvas = drawn(opened, kind="phase")[0]
+    labels = [ax.get_ylabel().replace("\n", " ") for ax in canvas.axes[:2]]
+    assert labels == [f"Velocity phase at {line} (°)", f"Phase of velocity at {line}, change against healthy (°)"]
+
+
+def test_show_tells_the_line_of_the_defect(of_race):
+    opened = of_race("inner")
+    chosen = tables.usual_features(opened, opened.table())
+    assert chosen == ["velocity@BPFI", "velocity@BPFI-healthy", "velocity.rms"]
+
+
+def test_several_elements_each_have_a_column(of_race):
+    opened = of_race("outer", change=("model: [static, ring]", "defect.race: [outer, inner]"))
+    _, canvas = drawn(opened, x="load")[0]
+    labels = [ax.get_ylabel().replace("\n", " ") for ax in canvas.axes[:2]]
+    assert labels == ["Velocity amplitude at BPFO (µm/s)", "Velocity amplitude at BPFI (µm/s)"]
+
+
+def test_the_caption_says_which_element_is_damaged(of_race):
+    _, canvas = drawn(of_race("roller"))[0]
+    assert "circular defect of roller 1" in canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
+
+
+@pytest.mark.parametrize("kind", ["spectrum", "envelope"])
+def test_sidebands_are_marked_and_named(of_race, kind):
+    opened = of_race("inner")
+    _, canvas = only(drawn(opened, kind=kind, jobs=opened.jobs[:1]))
+    [ax] = canvas.axes
+    marks = sorted(line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 2)
+    assert marks[:6] == pytest.approx([201.0, 231.0, 261.0, 432.0, 462.0, 492.0])
+    assert text_of(canvas) == ["with defect", "healthy", "± fr"]
+    assert [text.get_text() for text in ax.texts][:2] == ["BPFI", "2 BPFI"]
+
+
+# Words on x
+
+
+def with_pairs(more="figures: [{y: [velocity@BPFO, seconds], x: excitation, log: y}]\n"):
+    head = STUDY.partition("sweep:\n")[0]
+    return f"{head}duration: 0.2 s\nsweep:\n{PAIRS}{more}"
+
+
+def names_of(ax):
+    return [label.get_text() for label in ax.get_yticklabels()]
+
+
+def test_words_that_are_zipped_name_a_category_each(results):
+    name, canvas = only(drawn(results(with_pairs())))
+    assert name == "fig1-velocity-bpfo-vs-excitation-model-friction"
+    assert len(canvas.axes) == 2
+    assert names_of(canvas.axes[0]) == [
+        "envelope, static",
+        "envelope, ring",
+        "half-sine-pulse, rollers",
+        "soft-edge, planar, traction",
+        "impulse-train, impulse",
+    ]
+    assert canvas.axes[0].yaxis_inverted()
+    assert not canvas.legends
+
+
+def test_the_cost_of_a_job_is_drawn(results):
+    _, canvas = only(drawn(results(with_pairs())))
+    cost = canvas.axes[1]
+    assert cost.get_xlabel() == "CPU time of a job (ms)"
+    assert list(cost.lines[0].get_xdata()) == pytest.approx([100.0] * 5)
+    assert list(cost.lines[0].get_ydata()) == [0, 1, 2, 3, 4]
+    assert cost.get_xscale() == "log"
+    assert [text.get_text() for text in cost.texts] == ["100"] * 5
+
+
+def test_words_that_combine_freely_are_curves(results):
+    text = STUDY.replace("  load", "  excitation: [envelope, soft-edge]\n  load").replace(
+        "[static, ring]", "[ring, rollers]"
+    )
+    _, canvas = only(
+        drawn(results(text), x="excitation", y=["velocity.rms"], by=["model"], where={"load": "150 N"})
+    )
+    assert "model ring" in text_of(canvas)
+    assert [label.get_text() for label in canvas.axes[0].get_xticklabels()] == ["envelope", "soft-edge"]
+
+
+def test_a_lost_case_is_marked_beside_its_name(results):
+    _, canvas = only(drawn(results(with_pairs(), lost={2: "failed"})))
+    [lost] = [line for line in canvas.axes[0].lines if line.get_marker() == "x"]
+    assert list(lost.get_ydata()) == [2]
+
+
+def test_curves_of_categories_stand_apart(results):
+    text = with_pairs("  load: [150 N, 300 N]\nfigures: [{y: velocity@BPFO, x: excitation}]\n")
+    _, canvas = only(drawn(results(text)))
+    low, high = canvas.axes[0].lines[:2]
+    assert text_of(canvas) == ["load 150 N", "load 300 N"]
+    assert np.subtract(high.get_ydata(), low.get_ydata()) == pytest.approx([0.25] * 5)
+
+
+@pytest.mark.parametrize(("low", "high", "most"), [(9.0, 12.0, 6), (1.0, 80.0, 8), (1e-3, 1e4, 12)])
+def test_a_log_axis_has_numbers_enough_and_not_too_many(results, low, high, most):
+    opened = results(STUDY.replace("load: [150 N, 300 N]", f"load: [{low} N, {high} N]"))
+    _, canvas = only(drawn(opened, x="load", y=["velocity.rms"], where={"model": "ring", "defect.length": "3 mm"}))
+    [ax] = canvas.axes
+    ax.set_yscale("log")
+    ax.set_ylim(low, high)
+    ticks_between(ax.yaxis, low, high)
+    shown = [tick for tick in ax.get_yticks() if low <= tick <= high]
+    assert 2 <= len(shown) <= most
+
+
+def test_an_axis_from_zero_keeps_its_largest_point_inside(results):
+    opened = results(STUDY.replace("[3 mm, 6 mm, 9 mm]", "[9 mm, 9.01 mm]"))
+    _, canvas = only(
+        drawn(opened, x="defect.length", y=["velocity@BPFO"], where={"model": "ring", "load": "300 N"})
+    )
+    assert canvas.axes[0].get_ylim()[1] > 1.02 * canvas.axes[0].dataLim.y1
+
+
+def test_an_unknown_line_is_refused(results):
+    with pytest.raises(PlotError, match="did you mean"):
+        drawn(results(), y=["velocity@BPF"])

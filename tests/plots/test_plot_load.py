@@ -1,0 +1,250 @@
+"""Load along a roller: which slices, which time, which instants."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bearingsim.config.rules.slicing import slice_ends
+from bearingsim.core.geometry.kinematics import cage_speed
+from bearingsim.plots import PlotError
+from bearingsim.plots.line_load import Loaded, instants
+from bearingsim.plots.plot import drawn
+from tests.config.test_scan import bowl, gridded
+from tests.plots.test_plots import only, results
+
+__all__ = ["results"]
+
+STUDY = """\
+study: loaded
+bearing: nf308
+speed: 1800 rpm
+load: 150 N
+model: spatial
+defect: {shape: rectangular, length: 3 mm, width: 0.8 mm, depth: 0.05 mm, offset: 2 mm, angle: 20 deg}
+contact: {slices: 12}
+sweep:
+  load: [150 N, 300 N]
+duration: 30 ms
+settle: 10 ms
+sampling: 50 kHz
+record: [roller.2.outer_line_load]
+"""
+OMEGA_C = cage_speed(60.0 * math.pi, 0.012, 0.065)
+R_O = 0.0385
+START = -0.6  # rad: where the cage is as the record starts
+
+
+def loads(case, channel):
+    """4 N/mm on the sound race, none over the pit of 0.8 mm at 20 deg; just after it, 9 N/mm along the whole."""
+    time = np.arange(round(case.duration * case.sampling)) / case.sampling
+    ends = slice_ends(case)
+    middles = (ends[1:] + ends[:-1]) / 2.0
+    angle = START + 2.0 * math.pi / 13 + OMEGA_C * time - math.radians(20.0)
+    s = R_O * (np.mod(angle + math.pi, 2.0 * math.pi) - math.pi)
+    load = np.full((len(middles), len(time)), 4e3)
+    load[np.ix_((middles > 0.5e-3) & (middles < 3.5e-3), abs(s) < 0.4e-3)] = 0.0
+    load[:, (s > 0.45e-3) & (s < 0.6e-3)] = 9e3
+    return time, {f"{channel}.{k}": row for k, row in enumerate(load, 1)}
+
+
+def record(case):
+    time, series = np.arange(round(case.duration * case.sampling)) / case.sampling, {}
+    channels = dict.fromkeys(name.rpartition(".")[0] for name in case.record if "line_load" in name)
+    for channel in channels:
+        rows = loads(case, channel)[1]
+        series |= {name: row for name, row in rows.items() if name in case.record}
+    features = {"velocity@BPFO": 1e-6, "velocity@BPFO.phase": 0.0}
+    info = {"cage_angle_start_rad": START, "cpu_s": 1.0}
+    return SimpleNamespace(time=time, series=series, features=features, info=info)
+
+
+@pytest.fixture
+def loaded(results, monkeypatch):
+    monkeypatch.setattr("tests.plots.test_plots.record", record)
+    return lambda **changed: results(changed.get("text", STUDY))
+
+
+def middle():
+    """When the second roller is over the pit, s."""
+    return (math.radians(20.0) - START - 2.0 * math.pi / 13 + 2.0 * math.pi) % (2.0 * math.pi) / OMEGA_C
+
+
+def test_the_picture_is_of_the_passage_and_of_every_slice(loaded):
+    opened = loaded()
+    name, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:2]))
+    assert name == f"load-{opened.jobs[0][:8]}-{opened.jobs[1][:8]}"
+    picture, profile, *_ = canvas.axes
+    speed = OMEGA_C * R_O
+    low, high = picture.get_xlim()
+    assert low == pytest.approx(1e3 * middle() - 1.5 * 0.8 / speed, abs=0.03)
+    assert high == pytest.approx(1e3 * middle() + 3.0 * 0.8 / speed, abs=0.03)
+    mesh = picture.collections[0]
+    assert mesh.get_array().shape[0] == len(mesh.get_coordinates()) - 1 >= 12
+    assert {0.5, 3.5} <= set(np.round(mesh.get_coordinates()[:, 0, 1], 9))
+    assert mesh.get_array().max() == pytest.approx(9.0)
+    assert profile.get_xlabel() == "Line load (N/mm)"
+    assert profile.get_ylabel() == "z (mm)"
+    assert profile.get_ylim() == picture.get_ylim() == (-6.0, 6.0)
+    assert picture.get_ylabel() == "Along the roller, z (mm)"
+    bars = [ax.get_ylabel().replace("\n", " ") for ax in canvas.axes]
+    assert bars.count("Line load of roller 2 on the outer race (N/mm)") == 2
+    assert picture.get_title(loc="left") == "load 150 N"
+
+
+def test_lifted_slices_are_white(loaded):
+    opened = loaded()
+    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    seen = canvas.axes[0].collections[0].get_array()
+    rows = np.ma.getmaskarray(seen).any(axis=1)
+    edges = canvas.axes[0].collections[0].get_coordinates()[:, 0, 1]
+    assert edges[:-1][rows].min() == pytest.approx(0.5)
+    assert edges[1:][rows].max() == pytest.approx(3.5)
+
+
+def test_the_instants_are_before_over_and_after_the_pit(loaded):
+    opened = loaded()
+    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    [entries] = [
+        [text.get_text() for text in ax.get_legend().get_texts()] for ax in canvas.axes if ax.get_legend()
+    ]
+    assert [entry.split(",")[0] for entry in entries] == ["before", "over the pit", "largest after", "after"]
+    over, largest = (float(entry.split(",\n")[1].split()[0]) for entry in entries[1:3])
+    assert over == pytest.approx(1e3 * middle(), abs=0.03)
+    assert 0.45 < (largest - 1e3 * middle()) * OMEGA_C * R_O < 0.62
+    curves = {patch.get_label().split(",")[0]: patch.get_data() for patch in canvas.axes[1].patches}
+    inside = curves["over the pit"].values == 0.0
+    assert curves["over the pit"].edges[:-1][inside].min() == pytest.approx(0.5)
+    assert set(curves["before"].values) == {4.0}
+    assert set(curves["largest after"].values) == {9.0}
+
+
+def test_tilt_and_skew_stand_below_over_the_same_time(loaded, monkeypatch):
+    def leaning(case):
+        made = record(case)
+        made.series |= {"roller.2.tilt": 3e-6 * (1.0 + made.time), "roller.2.skew": 0.0 * made.time}
+        return made
+
+    monkeypatch.setattr("tests.plots.test_plots.record", leaning)
+    opened = loaded(
+        text=STUDY.replace(
+            "[roller.2.outer_line_load]", "[roller.2.outer_line_load, roller.2.tilt, roller.2.skew]"
+        )
+    )
+    picture, _, below, beside, _ = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))[1].axes
+    assert below.get_xlim() == picture.get_xlim()
+    assert below.get_ylabel() == "Tilt, skew (µrad)"
+    assert below.lines[0].get_ydata()[0] == pytest.approx(3.0, rel=1e-2)
+    assert below.lines[0].get_xdata()[0] == pytest.approx(picture.get_xlim()[0], abs=0.02)
+    assert [text.get_text() for text in beside.get_legend().get_texts()] == ["tilt", "skew"]
+    assert below.get_ylim()[1] > 3.0
+
+
+def test_a_span_of_ones_own(loaded):
+    opened = loaded()
+    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1], span=0.01))
+    low, high = canvas.axes[0].get_xlim()
+    assert high - low == pytest.approx(10.0, abs=0.05)
+    assert low < 1e3 * middle() < high
+
+
+def test_without_a_pit_the_largest_and_the_least_load_are_drawn(loaded):
+    text = "".join(f"{line}\n" for line in STUDY.splitlines() if not line.startswith("defect:"))
+    opened = loaded(text=text)
+    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    names = [
+        text.get_text().split(",")[0]
+        for ax in canvas.axes
+        if ax.get_legend()
+        for text in ax.get_legend().get_texts()
+    ]
+    assert names == ["largest load", "least load"]
+
+
+def test_a_scan_that_is_gone_is_read_from_the_results(loaded, tmp_path):
+    """Where the pit ends along the roller is dotted: that takes the scan."""
+    text = "".join(line + "\n" for line in STUDY.splitlines() if not line.startswith("defect"))
+    scan = gridded(tmp_path / "a.csv", 0.5 * bowl())
+    opened = loaded(text=text + "defect: {shape: scan, file: a.csv, angle: 0 deg}\n")
+    scan.unlink()
+    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    assert [line.get_ydata()[0] for line in canvas.axes[0].lines[:2]] == pytest.approx([-3.0, 3.0])
+
+
+def test_a_pit_of_the_inner_race_is_met_as_it_turns(loaded):
+    text = STUDY.replace("angle: 20 deg", "angle: -150 deg, race: inner").replace("outer_line", "inner_line")
+    opened = loaded(text=text)
+    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    start = math.radians(-150.0) + 60.0 * math.pi * 0.01 - START - 2.0 * math.pi / 13  # pit ahead of roller
+    ahead = -start % (2.0 * math.pi)
+    when, speed = ahead / (60.0 * math.pi - OMEGA_C), (60.0 * math.pi - OMEGA_C) * 0.0265
+    assert canvas.axes[0].get_xlim()[0] == pytest.approx(1e3 * when - 1.5 * 0.8 / speed, abs=0.03)
+
+
+def test_the_pit_of_the_same_race_comes_first(loaded):
+    """Both could be passed within the record: the inner race's at 5.5 ms, the outer race's at 6.1 ms."""
+    inner = "{race: inner, shape: rectangular, length: 3 mm, width: 0.8 mm, depth: 0.05 mm, angle: -150 deg}"
+    text = STUDY.replace("defect: {", f"defects: [{inner}, {{").replace("20 deg}", "20 deg}]")
+    opened = loaded(text=text)
+    low, _ = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))[1].axes[0].get_xlim()
+    assert low == pytest.approx(1e3 * middle() - 1.5 * 0.8 / (OMEGA_C * R_O), abs=0.03)
+
+
+def test_a_roller_that_passes_no_pit_is_told(loaded):
+    opened = loaded(text=STUDY.replace("angle: 20 deg", "angle: -90 deg"))
+    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    assert "passes no pit of a race within the record" in canvas.get_supxlabel().replace("\u00a0", " ")
+    assert canvas.axes[0].get_xlim()[1] == pytest.approx(30.0, abs=0.05)
+
+
+def test_a_roller_without_a_number_is_the_first_one(loaded):
+    text = STUDY.replace("roller.2.outer_line_load", "roller.outer_line_load")
+    opened = loaded(text=text)
+    for y in ([], ["roller.outer_line_load"], ["roller.1.outer_line_load"]):
+        assert len(only(drawn(opened, kind="load", jobs=opened.jobs[:1], y=y))[1].axes) == 3
+
+
+def test_few_samples_are_told(loaded):
+    opened = loaded(text=STUDY.replace("50 kHz", "20 kHz"))
+    _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
+    assert "only 5.4 samples over the pit" in canvas.get_supxlabel().replace("\u00a0", " ")
+
+
+@pytest.mark.parametrize(
+    ("recorded", "options", "message"),
+    [
+        ("roller.2.outer_line_load", {"y": ["roller.2.inner_line_load"]},
+         "recorded no `roller.2.inner_line_load`: add `roller.2.inner_line_load` to `record`"),
+        ("cage.speed", {},
+         "recorded no load along a roller: add `roller.outer_line_load` to `record`, with `model: spatial`"),
+        ("roller.2.outer_line_load.3", {}, "recorded 1 of 1[23] slices: add `roller.2.outer_line_load`"),
+        ("roller.2.outer_line_load", {"span": 2e-5}, "samples in that time: raise `sampling`"),
+        ("roller.2.outer_line_load", {"by": ["load"]}, "a load takes no by"),
+    ],
+)  # fmt: skip
+def test_what_was_not_recorded_is_told(results, monkeypatch, recorded, options, message):
+    def made(case):
+        time, rows = loads(case, "roller.2.outer_line_load")
+        series = {name: rows.get(name, 0.0 * time) for name in case.record}
+        return SimpleNamespace(time=time, series=series, features={}, info={"cage_angle_start_rad": START})
+
+    monkeypatch.setattr("tests.plots.test_plots.record", made)
+    with pytest.raises(PlotError, match=message):
+        drawn(results(STUDY.replace("roller.2.outer_line_load", recorded)), kind="load", **options)
+
+
+def test_instants_do_not_need_the_whole_pit_to_be_lifted():
+    """Half of the load left over the pit, least in the middle of the stretch."""
+    load = np.full((2, 9), 4.0)
+    load[1, 3:6] = 2.0
+    pit = SimpleNamespace(z=(0.0, 1.0))
+    one = Loaded("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), SimpleNamespace(pit=pit), {})
+    assert instants(one) == {"before": 0, "over the pit": 4, "largest after": 6, "after": 8}
+
+
+def test_the_largest_load_is_that_of_forces_not_of_line_loads():
+    """A slice of a tenth of the length counts a tenth."""
+    load = np.array([[1.0, 1.0, 2.0], [1.0, 9.0, 2.0]])
+    one = Loaded("c", np.arange(3.0), load, np.array([0.0, 10.0, 11.0]), None, {})
+    assert instants(one) == {"largest load": 2, "least load": 0}

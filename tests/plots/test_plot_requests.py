@@ -1,0 +1,99 @@
+"""Figures asked for on the command line: what is refused, what files they go to, how axes compare."""
+
+import pytest
+
+from bearingsim.plots import PlotError
+from bearingsim.plots.plot import drawn
+from tests.plots.test_plots import FIGURES, STUDY, lines, only, results
+
+__all__ = ["results"]
+
+TEXT = STUDY + FIGURES
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"where": {"lode": "150 N"}}, "no swept path `lode`.*did you mean `load`"),
+        ({"kind": "spectrum", "where": {"lode": "150 N"}}, "no swept path `lode`.*did you mean `load`"),
+        *(({"y": [name]}, f"no feature `{name}`") for name in ("status", "job", "unit", "healthy", "reason")),
+        ({"kind": "series", "y": ["velocity.rms"]}, "has recorded no `velocity.rms`"),
+        ({"kind": "series", "by": ["load"]}, "a series takes no by"),
+        ({"span": 1.0}, "a sweep takes no span"),
+        ({"kind": "spectrum", "x": "load"}, "a spectrum takes no x"),
+        ({"kind": "phase", "y": ["velocity.rms"]}, "`velocity.rms` has no phase"),
+        ({"x": "load", "by": ["load"]}, "`load` can be only one of"),
+        ({"by": ["load"], "panels": ["load"]}, "`load` can be only one of"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(results, options, message):
+    with pytest.raises(PlotError, match=message):
+        drawn(results(TEXT), **options)
+
+
+def test_jobs_are_named_or_found_by_where(results):
+    opened = results()
+    with pytest.raises(PlotError, match="named take no where"):
+        drawn(opened, kind="series", jobs=opened.jobs[:1], where={"load": "150 N"})
+    _, canvas = only(drawn(opened, kind="spectrum", where={"load": "300 N", "model": "ring"}))
+    titles = [ax.get_title(loc="left") for ax in canvas.axes]
+    assert titles == [f"length {length} mm, load 300 N, model ring" for length in (3, 6, 9)]
+
+
+def test_all_finished_jobs_can_be_drawn(results):
+    name, canvas = only(drawn(results(TEXT, lost={0: "failed"}), kind="series", jobs=["all"]))
+    assert name == "series-all"
+    assert len(canvas.axes) == 11
+
+
+def test_a_line_stands_for_its_phase(results):
+    _, canvas = only(drawn(results(), kind="phase", y=["velocity@BPFO"]))
+    assert canvas.axes[0].get_ylabel() == "Velocity phase at BPFO (°)"
+
+
+def test_words_on_x_are_connected_in_the_order_of_the_study(results):
+    _, canvas = only(drawn(results(STUDY), x="model"))
+    assert all(list(line.get_xdata()) == [0.0, 1.0] for line in lines(canvas.axes[0]))
+
+
+@pytest.mark.parametrize(
+    ("options", "name"),
+    [
+        ({}, "fig1-velocity-bpfo-vs-defect-length"),
+        ({"x": "defect.length"}, "plot1-velocity-bpfo-vs-defect-length"),
+        ({"by": ["model"]}, "plot1-velocity-bpfo-vs-defect-length-by-model"),
+        ({"panels": ["load"]}, "plot1-velocity-bpfo-vs-defect-length-panels-load"),
+        ({"y": ["velocity.rms", "velocity@BPFO"]}, "plot1-velocity-rms-velocity-bpfo-vs-defect-length"),
+        ({"where": {"load": "150 N"}}, "plot1-velocity-bpfo-vs-defect-length-where-load-150-n"),
+    ],
+)
+def test_a_figure_of_ones_own_overwrites_no_figure_of_the_study(results, options, name):
+    assert only(drawn(results(), **options))[0] == name
+
+
+def test_files_of_jobs_carry_their_ids(results):
+    opened = results()
+    first = [job[:8] for job in opened.jobs]
+    assert only(drawn(opened, kind="series", jobs=opened.jobs[:2]))[0] == f"series-{first[0]}-{first[1]}"
+    name, _ = only(drawn(opened, kind="series", jobs=opened.jobs[:6]))
+    assert name == "-".join(["series", *first[:4], "and-2-more"])
+
+
+def test_panels_that_differ_too_much_keep_their_own_axes(results):
+    """150 N beside 30 kN: on one axis the curves of the smaller would lie flat."""
+    text = STUDY.replace("[150 N, 300 N]", "[150 N, 30 kN]")
+    _, canvas = only(drawn(results(text), x="defect.length", panels=["load"], y=["velocity@BPFO"]))
+    small, large = (ax.get_ylim()[1] for ax in canvas.axes)
+    assert large > 200.0
+    assert small < 50.0
+
+
+def test_axes_need_no_power_of_ten_beside_them(results):
+    text = STUDY.replace("load: [150 N, 300 N]", "load: [1e-7 N, 2e-7 N]").replace("[static, ring]", "[static]")
+    opened = results(text)
+    _, canvas = only(drawn(opened, x="load", y=["velocity@BPFO-scatter"]))
+    canvas.draw_without_rendering()
+    [ax] = canvas.axes
+    assert ax.yaxis.get_offset_text().get_text() == ""
+    assert ax.get_yticklabels()[-1].get_text().endswith("e-13")
+    assert ax.get_ylabel() == "Standard error of velocity at BPFO\n(µm/s)"

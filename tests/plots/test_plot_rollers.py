@@ -1,0 +1,111 @@
+"""Tilt and skew in time: their units, several rollers in one panel, leans of rings."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bearingsim.config import dataset_names
+from bearingsim.plots import PlotError, labels, recorded
+from bearingsim.plots.plot import drawn
+from tests.plots.test_plots import only, results, text_of
+
+__all__ = ["results"]
+
+STUDY = """\
+study: leaning
+bearing: nf308
+rig: {axial_stiffness: 1e7 N/m, tilting_stiffness: 1e4 N m/rad, sensor_angle: 90 deg}
+speed: 1800 rpm
+load: 150 N
+model: spatial
+defect: {shape: rectangular, length: 3 mm, width: 0.8 mm, depth: 0.05 mm, offset: 2 mm}
+contact: {slices: 6}
+sweep:
+  load: [150 N, 300 N]
+duration: 20 ms
+record: [roller.2.outer_line_load, roller.2.tilt, roller.3.tilt, roller.2.skew, ring.lean, ring.axial]
+"""
+WORTH = {"roller.2.tilt": 2e-3, "roller.3.tilt": -3e-3, "roller.2.skew": 4e-6}
+WORTH |= {"ring.lean.x": 5e-6, "ring.lean.y": 7e-6, "ring.axial": 8e-6}
+
+
+def record(case):
+    time = np.arange(round(case.duration * case.sampling)) / case.sampling
+    names = [name for channel in case.record for name in dataset_names(channel)]
+    series = {name: np.full(len(time), WORTH.get(name, 1e3)) for name in names}
+    return SimpleNamespace(time=time, series=series, features={}, info={"cage_angle_start_rad": 0.0})
+
+
+@pytest.fixture
+def leaning(results, monkeypatch):
+    monkeypatch.setattr("tests.plots.test_plots.record", record)
+    return results(STUDY)
+
+
+def test_rollers_are_laid_over_each_other_in_milliradians(leaning):
+    asked = ["roller.2.tilt", "roller.3.tilt", "roller.2.skew"]
+    for kind in ("series", "roller"):
+        _, canvas = only(drawn(leaning, kind=kind, jobs=leaning.jobs[:1], y=asked))
+        assert len(canvas.axes) == 2
+        tilt, skew = canvas.axes
+        assert tilt.get_ylabel().replace("\n", " ") == "Tilt of each roller, its +z end outwards (mrad)"
+        assert skew.get_ylabel().replace("\n", " ") == "Skew of roller 2, its +z end forwards (µrad)"
+        assert {line.get_label(): np.nanmax(line.get_ydata()) for line in tilt.lines[:2]} == pytest.approx(
+            {"roller 2": 2.0, "roller 3": -3.0}, rel=1e-6
+        )
+        assert np.nanmax(skew.lines[0].get_ydata()) == pytest.approx(4.0, rel=1e-6)
+        assert {"roller 2", "roller 3"} <= set(text_of(canvas))
+        colours = [line.get_color() for line in tilt.lines[:2]]
+        assert colours[0] != colours[1]
+
+
+def test_each_roller_is_drawn_at_its_own_angle(leaning):
+    asked = ["roller.2.tilt", "roller.3.tilt"]
+    [ax] = only(drawn(leaning, kind="roller", jobs=leaning.jobs[:1], y=asked))[1].axes
+    first = [line.get_xdata()[0] for line in ax.lines[:2]]
+    assert first == pytest.approx([360.0 / 13, 720.0 / 13])
+
+
+def test_a_lean_has_two_components_wherever_the_sensor_is(leaning):
+    [ax] = only(drawn(leaning, kind="series", jobs=leaning.jobs[:1], y=["ring.lean"]))[1].axes
+    assert ax.get_ylabel().replace("\n", " ") == "Lean of the outer ring's axis (µrad)"
+    assert {line.get_label(): line.get_ydata()[0] for line in ax.lines} == pytest.approx(
+        {"x": 5.0, "y": 7.0}, rel=1e-6
+    )
+
+
+def test_slices_are_not_drawn_one_by_one_unasked(leaning):
+    axes = only(drawn(leaning, kind="roller", jobs=leaning.jobs[:1]))[1].axes
+    assert [ax.get_ylabel().split()[0] for ax in axes] == ["Tilt", "Skew"]
+    [ax] = only(drawn(leaning, kind="series", jobs=leaning.jobs[:1]))[1].axes
+    assert ax.get_ylabel().startswith("Tilt of roller 2")
+    [ax] = only(drawn(leaning, kind="series", jobs=leaning.jobs[:1], y=["roller.2.outer_line_load.3"]))[1].axes
+    assert ax.get_ylabel().replace("\n", " ") == "Line load of roller 2 on the outer race, slice 3 (N/mm)"
+
+
+@pytest.mark.parametrize("kind", ["series", "roller", "spectrum"])
+def test_a_whole_line_load_is_sent_to_its_own_kind(leaning, kind):
+    with pytest.raises(PlotError, match="draw its `--kind load`"):
+        drawn(leaning, kind=kind, jobs=leaning.jobs[:1], y=["roller.2.outer_line_load"])
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "shown"),
+    [
+        ("roller.2.tilt", 2e-3, ("mrad", 1e3)),
+        ("inner.lean", 2e-6, ("µrad", 1e6)),
+        ("ring.lean.x", 0.0, ("nrad", 1e9)),
+        ("tilt.max", 7e-6, ("µrad", 1e6)),
+        ("load_zone.extent", 2.0, ("°", math.degrees(1.0))),
+        ("velocity@BPFO.phase", 1e-3, ("°", math.degrees(1.0))),
+    ],
+)
+def test_small_angles_are_in_radians_and_large_ones_in_degrees(name, value, shown):
+    assert labels.readable("rad", name, value) == pytest.approx(shown)
+
+
+def test_several_rollers_are_each_roller():
+    assert recorded.text_of("roller.2.axial", "roller.5.axial") == "Axial displacement of each roller"
+    assert recorded.text_of("roller.2.axial") == "Axial displacement of roller 2"

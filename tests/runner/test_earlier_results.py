@@ -1,0 +1,73 @@
+"""A run into a folder that holds results: what is torn is computed again, what leaves the table is told."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from bearingsim import store
+from bearingsim.runner import Interrupted, run
+from tests.scenes.fake_studies import ENGINE, FakeStudy
+
+
+def compute(study, out, **options):
+    return run(study, out, jobs=1, progress=False, engine=ENGINE, **options)
+
+
+@pytest.mark.parametrize("share", [0.02, 0.1, 0.3, 0.5, 0.7, 0.9])
+def test_a_torn_unit_is_computed_again_and_told(tmp_path, share):
+    study = FakeStudy()
+    compute(study, tmp_path)
+    [path] = tmp_path.glob("units/??/*.h5")
+    whole = bytearray(path.read_bytes())
+    place = int(share * len(whole))
+    whole[place : place + 2000] = bytes(byte ^ 0xFF for byte in whole[place : place + 2000])
+    path.write_bytes(whole)
+    summary = compute(study, tmp_path, verify=True)
+    assert summary.done == 4
+    assert "1 damaged unit found and set aside" in str(summary)
+    assert set(store.open_results(tmp_path).table()["status"]) == {"done"}
+
+
+@pytest.mark.parametrize("error", [OSError, KeyError, TypeError, ValueError, RuntimeError])
+def test_whatever_reading_raises_is_damage(tmp_path, monkeypatch, error):
+    def torn(*_):
+        raise error("torn")
+
+    study = FakeStudy()
+    compute(study, tmp_path)
+    monkeypatch.setattr("bearingsim.store.units._checked_ids", torn)
+    [path] = tmp_path.glob("units/??/*.h5")
+    with pytest.raises(store.DamagedUnit, match="torn"):
+        store.check_unit(path)
+
+
+def test_jobs_that_leave_the_table_are_told_and_come_back(tmp_path):
+    wide, narrow = FakeStudy([1e-3, 2e-3, 3e-3]), FakeStudy([1e-3])
+    assert "earlier plan" not in str(compute(wide, tmp_path))
+    told = str(compute(narrow, tmp_path))
+    assert "out of the table, for not being in this plan: 2 jobs of the earlier one" in told
+    back = compute(wide, tmp_path)
+    assert (back.done, back.resumed) == (0, 4)
+    assert "earlier plan" not in str(back)
+
+
+def test_a_damaged_earlier_plan_is_written_anew(tmp_path):
+    compute(FakeStudy(), tmp_path)
+    (tmp_path / "plan.json").write_text("{")
+    assert compute(FakeStudy(), tmp_path).resumed == 4
+
+
+def test_a_quick_study_has_its_own_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    compute(FakeStudy(), None)
+    compute(replace(FakeStudy(), quick=True), None)
+    assert sorted(path.name for path in Path("results").iterdir()) == ["fake", "fake-quick"]
+
+
+def test_an_interrupt_tells_how_to_continue(tmp_path):
+    with pytest.raises(Interrupted) as stop:
+        compute(FakeStudy(deeds={1: "interrupt"}), tmp_path)
+    told = str(stop.value)
+    assert told.startswith("interrupted: fake: ")
+    assert f"results so far: {tmp_path}; run the same command to continue" in told

@@ -1,0 +1,446 @@
+"""Running studies: what is stored whatever happens to workers, parents and files."""
+
+import contextlib
+import json
+import math
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bearingsim import store
+from bearingsim.runner import Interrupted, RunSummary, progress, run
+from bearingsim.runner.packing import Cost, pack, shard_of, unit_seconds
+from bearingsim.runner.summary import chaos, grouped
+from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
+
+ROOT = Path(__file__).parents[2]
+
+
+def compute(study: FakeStudy, out: Path, jobs: int = 1, **options: Any) -> RunSummary:
+    return run(study, out, jobs=jobs, progress=False, engine=ENGINE, **options)
+
+
+def table_of(out: Path) -> pd.DataFrame:
+    return store.open_results(out).table()
+
+
+def journal_of(out: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for path in out.glob("journal-*.jsonl") for line in path.read_text().splitlines()]
+
+
+def assert_tidy(out: Path) -> None:
+    """Every sealed file opens and nothing temporary is left."""
+    for path in out.glob("units/??/*.h5"):
+        store.check_unit(path, checksums=True)
+    assert not [*out.rglob("*.part"), *out.rglob("*.started")]
+
+
+# What a run gives
+
+
+@pytest.mark.parametrize(
+    ("scatter", "told"),
+    [
+        ([], []),
+        ([0.0, math.nan], []),  # not chaotic; not proven
+        ([0.085], ["1 job is chaotic: a line is one draw of many; its RMS is known to 8.5 % (`"]),
+        (
+            [0.02, 0.085, 0.0],
+            ["2 jobs are chaotic: a line is one draw of many; their RMS is known to 8.5 % at worst (`"],
+        ),
+        ([math.inf], ["1 job is chaotic: a line is one draw of many; what its RMS is worth was not seen (`"]),
+        ([0.02, math.inf], ["known to 2 % at worst, but that of 1 was not seen for long enough to tell"]),
+    ],
+)
+def test_chaotic_jobs_are_told_of(scatter: list[float], told: list[str]) -> None:
+    frame = pd.DataFrame({"features/rms_scatter": scatter, "features/chaotic": [float(x > 0.0) for x in scatter]})
+    found = list(chaos(frame))
+    assert len(found) == len(told)
+    assert all(part in whole for part, whole in zip(told, found, strict=True))
+    assert not list(chaos(pd.DataFrame({"status": ["failed"]})))
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_study_is_computed_and_stored(tmp_path: Path, jobs: int) -> None:
+    study = FakeStudy()
+    summary = compute(study, tmp_path, jobs)
+    assert (summary.planned, summary.done, summary.failed, summary.missing) == (4, 4, 0, 0)
+    assert summary.exit_code == 0
+    assert "4 done of 4 jobs" in str(summary)
+    results = store.open_results(tmp_path)
+    for job in study.jobs():
+        expected = record_of(job.case).series["ring.velocity.x"].astype("f4")
+        np.testing.assert_array_equal(results.series(job.id)["ring.velocity.x"], expected)
+    assert (tmp_path / "results.csv").is_file()
+    assert_tidy(tmp_path)
+
+
+def test_one_worker_starts_no_process(tmp_path: Path) -> None:
+    compute(FakeStudy(deeds={0: f"pid {tmp_path / 'pid'}"}), tmp_path / "out")
+    assert int((tmp_path / "pid").read_text()) == os.getpid()
+
+
+def test_workers_are_single_threaded_processes(tmp_path: Path) -> None:
+    compute(
+        FakeStudy(deeds={0: f"pid {tmp_path / 'pid'}", 1: f"threads {tmp_path / 'threads'}"}), tmp_path / "out", 2
+    )
+    assert int((tmp_path / "pid").read_text()) != os.getpid()
+    assert (tmp_path / "threads").read_text() == "1"
+
+
+def test_summary_tells_the_integrator_share(tmp_path: Path) -> None:
+    summary = compute(FakeStudy(seconds=0.3, deeds=dict.fromkeys(range(3), "spin")), tmp_path)
+    assert 0.5 < summary.integrator_share < 1.0
+    assert "of the workers' CPU time, " in str(summary)
+
+
+def test_progress_lines_tell_counts_and_time_left(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("bearingsim.runner.progress.LINE_EVERY_S", 0.0)
+    study = FakeStudy(deeds={1: "raise"}, seconds=0.3)
+    run(study, tmp_path, jobs=1, engine=ENGINE)
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 2  # units
+    assert "left" in lines[0]
+    assert lines[-1] == "4/4 jobs, 1 failed, about 0 s left"
+
+
+@pytest.mark.parametrize(("shown", "said"), [(None, True), (False, False)])
+def test_a_long_start_is_explained(
+    shown: bool | None, said: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(progress, "PATIENCE_S", 0.05)
+    with progress.getting_ready(shown):
+        assert "compiling" not in capsys.readouterr().err
+        time.sleep(0.3)
+    assert ("compiling what these jobs need" in capsys.readouterr().err) == said
+
+
+def test_bar_counts_jobs_and_failures(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress._bar(4, 4.0) as report:
+        report(1, 0, 1.0)
+        report(2, 1, 3.0)
+    assert "4/4 jobs, 1 failed" in capsys.readouterr().err
+
+
+# Resuming
+
+
+def test_summary_tells_what_is_to_be_known_of_the_cases(tmp_path: Path) -> None:
+    """Each thing once, whatever the number of cases."""
+    summary = compute(FakeStudy(deeds={0: "told a", 1: "told b", 2: "told a"}), tmp_path)
+    assert summary.notes == ("the deed is told a", "the deed is told b")
+    assert str(summary).endswith("the deed is told a\nthe deed is told b")
+
+
+def test_what_is_to_be_known_is_gathered_before_its_source_can_go(tmp_path: Path) -> None:
+    (tmp_path / "deed").write_text("a file's")
+    summary = compute(FakeStudy(deeds={0: f"told in {tmp_path / 'deed'}"}), tmp_path / "out")
+    assert not (tmp_path / "deed").exists()
+    assert summary.notes == ("the deed is a file's",)
+    assert journal_of(tmp_path / "out")[-1]["event"] == "end"
+
+
+def test_second_run_computes_nothing(tmp_path: Path) -> None:
+    study = FakeStudy()
+    compute(study, tmp_path)
+    before = table_of(tmp_path)
+    summary = compute(FakeStudy(deeds={}), tmp_path)
+    assert (summary.done, summary.resumed) == (0, 4)
+    assert np.isnan(summary.integrator_share)
+    assert table_of(tmp_path).equals(before)
+
+
+def test_wider_study_computes_what_is_new(tmp_path: Path) -> None:
+    compute(FakeStudy([1e-3]), tmp_path)
+    summary = compute(FakeStudy([1e-3, 2e-3]), tmp_path)
+    assert (summary.done, summary.resumed) == (1, 2)
+
+
+def test_truncated_unit_is_computed_again(tmp_path: Path) -> None:
+    study = FakeStudy()
+    compute(study, tmp_path)
+    before = table_of(tmp_path)
+    [path] = tmp_path.glob("units/??/*.h5")
+    path.write_bytes(path.read_bytes()[:-100])
+    assert compute(study, tmp_path).done == 4
+    assert table_of(tmp_path).equals(before)
+
+
+def test_verify_finds_what_resuming_does_not(tmp_path: Path) -> None:
+    import h5py
+
+    study = FakeStudy()
+    compute(study, tmp_path)
+    [path] = tmp_path.glob("units/??/*.h5")
+    with h5py.File(path) as file:
+        offset = file["ring.velocity.y"].id.get_chunk_info(0).byte_offset
+    with path.open("r+b") as file:
+        file.seek(offset + 99)
+        byte = file.read(1)[0]
+        file.seek(offset + 99)
+        file.write(bytes([byte ^ 16]))
+    assert compute(study, tmp_path).done == 0
+    assert compute(study, tmp_path, verify=True).done == 4
+
+
+def test_fresh_run_computes_everything_again(tmp_path: Path) -> None:
+    study = FakeStudy(deeds={0: "raise"})
+    compute(study, tmp_path)
+    note = tmp_path / "notes.txt"
+    note.touch()
+    summary = compute(study, tmp_path, fresh=True)
+    assert (summary.done, summary.failed, summary.resumed) == (3, 1, 0)
+    assert note.exists()
+
+
+# Failures
+
+
+def test_failing_jobs_are_told_and_kept_out_of_the_way(tmp_path: Path) -> None:
+    study = FakeStudy(deeds={0: "raise", 1: "divide"})
+    summary = compute(study, tmp_path)
+    assert (summary.done, summary.failed, summary.exit_code) == (2, 2, 1)
+    first, second = (store.read_failures(tmp_path)[job.id] for job in study.jobs()[:2])
+    assert (first.reason, first.advice, first.time) == ("no steady state after 0.3 s", "shorten the step", 0.3)
+    assert second.reason == "ZeroDivisionError: division by zero"
+    assert "print(1 / 0)" in second.traceback
+    assert first.command == (
+        f"bearingsim run studies/fake.yaml --out {tmp_path} --set 'load=200 N' --retry-failed"
+    )
+    assert list(table_of(tmp_path)["status"]) == ["failed", "failed", "done", "done"]
+    assert_tidy(tmp_path)
+
+
+def test_failed_jobs_are_tried_again_only_when_asked(tmp_path: Path) -> None:
+    flag = tmp_path / "flag"
+    study = FakeStudy(deeds={0: f"raise-unless {flag}"})
+    out = tmp_path / "out"
+    compute(study, out)
+    flag.touch()
+    again = compute(study, out)
+    assert (again.done, again.failed, again.exit_code) == (0, 1, 1)
+    flag.unlink()
+    compute(study, out, retry_failed=True)
+    [failure] = store.read_failures(out).values()
+    assert failure.attempts == 2
+    flag.touch()
+    retried = compute(study, out, retry_failed=True)
+    assert (retried.done, retried.failed, retried.exit_code) == (1, 0, 0)
+    assert not store.read_failures(out)
+
+
+def test_failures_are_grouped_by_reason_whatever_the_numbers() -> None:
+    reasons = ["diverged at 0.12 s", "no such law", "diverged at 3e-05 s"]
+    groups = grouped(store.Failure(f"job{i}", reason, "halve the step") for i, reason in enumerate(reasons))
+    assert [len(group.jobs) for group in groups] == [2, 1]
+    assert str(groups[0]) == "2 jobs failed: diverged at 0.12 s (halve the step), for example job0"
+
+
+def test_durations_are_readable() -> None:
+    found = [progress.duration(seconds) for seconds in (0.123, 12.4, 99.4, 99.6, 3725.0)]
+    assert found == ["0.12 s", "12 s", "99 s", "1 min 40 s", "1 h 2 min"]
+
+
+def test_refused_case_fails_alone(tmp_path: Path) -> None:
+    summary = compute(FakeStudy(deeds={0: "raise refused"}), tmp_path)
+    assert (summary.done, summary.failed) == (3, 1)
+
+
+def test_failing_warm_up_costs_nothing_but_time(tmp_path: Path) -> None:
+    engine = replace(ENGINE, warm="tests.scenes.fake_studies:fail_to_warm")
+    summary = run(FakeStudy(), tmp_path, jobs=1, progress=False, engine=engine)
+    assert (summary.done, summary.failed) == (4, 0)
+    assert "warm-up failed" in [line["event"] for line in journal_of(tmp_path)]
+
+
+@pytest.mark.parametrize(("deed", "cause"), [("exit", "EXIT(3)"), ("kill", "SIGKILL(-9)")])
+def test_dying_worker_costs_its_job_only(tmp_path: Path, deed: str, cause: str) -> None:
+    study = FakeStudy([1e-3 * (i + 1) for i in range(8)], deeds={3: deed}, seconds=0.02)
+    summary = compute(study, tmp_path, 2)
+    assert (summary.done, summary.failed, summary.exit_code) == (8, 1, 1)
+    [failure] = store.read_failures(tmp_path).values()
+    assert failure.job == study.jobs()[3].id
+    assert failure.reason == f"the worker process died: {cause}"
+    assert failure.attempts == 2
+    assert "--retry-failed" in failure.command
+    assert_tidy(tmp_path)
+
+
+def test_job_that_dies_beside_others_only_is_not_blamed(tmp_path: Path) -> None:
+    study = FakeStudy(deeds={1: f"die-once {tmp_path / 'died'}"})
+    summary = compute(study, tmp_path / "out", 2)
+    assert (tmp_path / "died").exists()
+    assert (summary.done, summary.failed) == (4, 0)
+    assert "worker died" in [line["event"] for line in journal_of(tmp_path / "out")]
+
+
+# Interruptions
+
+
+def test_interrupted_run_keeps_what_is_done(tmp_path: Path) -> None:
+    study = FakeStudy([1e-3, 2e-3, 3e-3], deeds={2: "interrupt"}, seconds=0.3)
+    with pytest.raises(Interrupted) as stop:
+        compute(study, tmp_path)
+    summary = stop.value.summary
+    assert (summary.done, summary.missing, summary.exit_code) == (2, 2, 130)
+    assert list(table_of(tmp_path)["status"]) == ["done", "done", "missing", "missing"]
+    assert_tidy(tmp_path)
+    study.deeds = {}
+    assert compute(study, tmp_path).resumed >= 1
+
+
+@contextlib.contextmanager
+def other_process(out: Path, jobs: int, count: int, seconds: float) -> Iterator[subprocess.Popen[str]]:
+    """A run in a process group of its own."""
+    # who is started in the background by a shell is deaf to Ctrl-C, and would hand that on
+    hear = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    code = f"{hear}; import sys; from tests.scenes import fake_studies; fake_studies.main(*sys.argv[1:])"
+    arguments = [sys.executable, "-c", code, str(out), str(jobs), str(count), str(seconds)]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen(
+        arguments, env=environment, text=True, stdout=subprocess.PIPE, start_new_session=True
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def wait_for(condition: Any, timeout: float = 20.0) -> None:
+    """Poll until a condition holds; fail the test when it never does."""
+    end = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def test_ctrl_c_ends_a_pool_cleanly(tmp_path: Path) -> None:
+    with other_process(tmp_path, jobs=2, count=600, seconds=0.1) as process:  # more than a busy machine gets done
+        wait_for(lambda: any('"unit"' in path.read_text() for path in tmp_path.glob("journal-*.jsonl")))
+        os.killpg(process.pid, signal.SIGINT)
+        output, _ = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert "left of 601 jobs" in output
+    assert set(table_of(tmp_path)["status"]) == {"done", "missing"}
+    assert_tidy(tmp_path)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_workers_die_with_their_parent(tmp_path: Path) -> None:
+    with other_process(tmp_path, jobs=2, count=2, seconds=30.0) as process:
+        wait_for(lambda: len([*tmp_path.rglob("*.started")]) == 2)
+        workers = [int(path.stem.rpartition("-")[2]) for path in tmp_path.rglob("*.started")]
+        process.kill()
+        process.wait()
+        wait_for(lambda: not any(runs(pid) for pid in workers), timeout=2.0)
+
+
+def runs(pid: int) -> bool:
+    """Whether a process exists and is not a zombie."""
+    with contextlib.suppress(FileNotFoundError):
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    return False
+
+
+def test_kill_9_at_any_moment_loses_no_sealed_job(tmp_path: Path) -> None:
+    count, seconds = 24, 0.03
+    undisturbed = FakeStudy([1e-3 * (i + 1) for i in range(count)], seconds=seconds)
+    compute(undisturbed, tmp_path / "undisturbed", 2)
+    out, moments = tmp_path / "killed", random.Random(5)
+    sealed = 0
+    for _ in range(5):
+        with other_process(out, 2, count, seconds) as process:
+            wait_for(lambda: (out / "plan.json").exists())
+            time.sleep(moments.uniform(0.3, 1.2))
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+        units = list(out.glob("units/??/*.h5"))
+        for path in units:
+            store.check_unit(path, checksums=True)
+        assert len(units) >= sealed
+        sealed = len(units)
+    summary = compute(undisturbed, out, 2)
+    assert summary.resumed + summary.done == count + 1
+    assert_tidy(out)
+    features = [name for name in table_of(out).columns if "velocity" in name]
+    pd.testing.assert_frame_equal(
+        table_of(out)[["job", *features]], table_of(tmp_path / "undisturbed")[["job", *features]], check_exact=True
+    )
+
+
+# Shards and packing
+
+
+def test_shards_share_the_study_and_a_folder(tmp_path: Path) -> None:
+    study = FakeStudy([1e-3 * (i + 1) for i in range(6)])
+    parts = [shard_of(study.jobs(), (k, 3)) for k in (1, 2, 3)]
+    assert sorted(len(part) for part in parts) == [2, 2, 3]
+    assert {job.id for part in parts for job in part} == {job.id for job in study.jobs()}
+    assert parts[1] == [job for job in study.jobs() if job in shard_of(study.jobs()[::-1], (2, 3))]
+    for k in (1, 2, 3):
+        assert compute(study, tmp_path, shard=(k, 3)).done == len(parts[k - 1])
+    table = table_of(tmp_path)
+    assert set(table["status"]) == {"done"}
+    assert table["velocity@BPFO-healthy"].notna().sum() == 6
+
+
+def test_two_parents_share_a_folder(tmp_path: Path) -> None:
+    with other_process(tmp_path, 1, 12, 0.02) as one, other_process(tmp_path, 1, 12, 0.02) as two:
+        assert [process.wait(timeout=30) for process in (one, two)] == [0, 0]
+    assert set(table_of(tmp_path)["status"]) == {"done"}
+    assert len(list(tmp_path.glob("journal-*.jsonl"))) == 2
+    assert_tidy(tmp_path)
+
+
+@pytest.mark.parametrize("shard", [(0, 3), (4, 3)])
+def test_shard_out_of_range_is_refused(shard: tuple[int, int]) -> None:
+    with pytest.raises(ValueError, match="no shard"):
+        shard_of(FakeStudy().jobs(), shard)
+
+
+def test_contradicting_options_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="other shards"):
+        compute(FakeStudy(), tmp_path, fresh=True, shard=(1, 2))
+    with pytest.raises(ValueError, match="at least 1 worker"):
+        compute(FakeStudy(), tmp_path, jobs=0)
+
+
+def test_units_are_worth_their_file() -> None:
+    study = FakeStudy([1e-6 * (i + 1) for i in range(999)])
+    costs = [Cost(0.05, 1e5)] * 1000
+    units = pack(study.jobs(), costs, workers=2)
+    assert sorted(index for unit in units for index in unit) == list(range(1000))
+    assert all(len(unit) == 40 for unit in units)
+
+
+def test_long_jobs_are_alone_and_first() -> None:
+    study = FakeStudy([1e-3, 2e-3, 3e-3, 4e-3])
+    costs = [Cost(0.1, 1e5), Cost(30.0, 1e5), Cost(0.1, 1e5), Cost(60.0, 1e5), Cost(0.1, 1e5)]
+    assert pack(study.jobs(), costs, workers=2) == [[3], [1], [0, 2, 4]]
+
+
+def test_large_series_are_not_gathered_in_memory() -> None:
+    costs = [Cost(0.001, 5e7)] * 4
+    assert [len(unit) for unit in pack(FakeStudy().jobs(), costs, workers=1)] == [2, 2]
+
+
+def test_size_of_units_follows_the_study() -> None:
+    assert unit_seconds(100.0, 2) == 2.0
+    assert unit_seconds(6.0, 4) == 0.5  # short: three units for each worker
+    assert unit_seconds(0.1, 64) == 0.25
+    assert unit_seconds(500.0, 2) == 5.0  # long: fifty
+    assert unit_seconds(1e6, 2) == 10.0

@@ -1,0 +1,176 @@
+"""Small stand-ins for a study and its simulation, importable from worker processes."""
+
+import hashlib
+import json
+import math
+import os
+import signal
+import sys
+import time
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from bearingsim.runner import Engine, Interrupted, run
+
+ENGINE = Engine(
+    "tests.scenes.fake_studies:simulate",
+    "tests.scenes.fake_studies:estimate",
+    "tests.scenes.fake_studies:warm",
+    "tests.scenes.fake_studies:notes",
+)
+
+
+class FakeError(Exception):
+    """Like the simulation's own error: reason, advice, time."""
+
+    def __init__(self, reason: str, advice: str, time: float | None) -> None:
+        super().__init__(reason)
+        self.reason, self.advice, self.time = reason, advice, time
+
+
+@dataclass(frozen=True)
+class FakeCase:
+    """A case whose ``deed`` says what computing it does beside a signal of amplitude ``width``."""
+
+    width: float = 1e-3
+    deed: str = ""
+    seconds: float = 0.0
+    duration: float = 0.02
+    sampling: float = 10240.0
+    record: tuple[str, ...] = ("ring.velocity",)
+    healthy: bool = False
+
+    defects = ()  # that have a scan
+
+    def model_dump(self) -> dict[str, Any]:
+        defects = () if self.healthy else ({"race": "outer", "width": self.width},)
+        tree = {key: value for key, value in asdict(self).items() if key not in ("width", "healthy")}
+        return {
+            **tree,
+            "bearing": {"name": "fake", "roller_diameter": 0.014, "source": "none"},
+            "defects": defects,
+        }
+
+
+@dataclass(frozen=True)
+class FakeJob:
+    id: str
+    case: FakeCase
+    swept: dict[str, float | str]
+    healthy: str | None
+    twin: bool = False
+
+
+@dataclass
+class FakeStudy:
+    widths: list[float] = field(default_factory=lambda: [1e-3, 2e-3, 3e-3])
+    deeds: dict[int, str] = field(default_factory=dict)  # by number of the case
+    seconds: float = 0.0
+    name: str = "fake"
+    path: Path | None = Path("studies/fake.yaml")
+    text: str = "study: fake\nload: 150 N\n"
+    overrides: dict[str, str] = field(default_factory=lambda: {"load": "200 N"})
+    quick: bool = False
+    units: dict[str, str] = field(default_factory=lambda: {"defect.width": "mm"})
+    figures: tuple[Any, ...] = ()
+
+    def jobs(self) -> list[FakeJob]:
+        twin = FakeCase(healthy=True, seconds=self.seconds)
+        twin_id = case_id(twin)
+        cases = [FakeCase(w, self.deeds.get(i, ""), self.seconds) for i, w in enumerate(self.widths)]
+        jobs = [FakeJob(case_id(case), case, {"defect.width": case.width}, twin_id) for case in cases]
+        return [*jobs, FakeJob(twin_id, twin, {}, None, twin=True)]
+
+
+def case_id(case: FakeCase) -> str:
+    return hashlib.sha256(json.dumps(asdict(case), sort_keys=True).encode()).hexdigest()[:16]
+
+
+def estimate(case: FakeCase) -> SimpleNamespace:
+    if case.deed == "raise refused":
+        raise ValueError("the step is over the limit")
+    return SimpleNamespace(cpu_seconds=max(case.seconds, 0.001), bytes=8 * case.duration * case.sampling)
+
+
+def notes(cases: list[FakeCase]) -> list[str]:
+    """What is to be known of cases: their deeds that are told; one read from a file is what the file says."""
+    deeds = dict.fromkeys(case.deed for case in cases if case.deed.startswith("told"))
+    return [f"the deed is {_read(deed)}" for deed in deeds]
+
+
+def _read(deed: str) -> str:
+    return Path(deed.split()[-1]).read_text() if deed.startswith("told in") else deed
+
+
+def warm(cases: list[FakeCase]) -> None:
+    """Nothing to compile."""
+
+
+def fail_to_warm(cases: list[FakeCase]) -> None:
+    raise FakeError("no case is like this", "none", None)
+
+
+def record_of(case: FakeCase) -> SimpleNamespace:
+    """A record with a line of amplitude ``width`` (healthy: 1 mm/s) and quarter-turn phase."""
+    time_s = np.arange(round(case.duration * case.sampling)) / case.sampling
+    amplitude, phase = (1e-3, 0.0) if case.healthy else (case.width, math.pi / 2)
+    noise = np.random.default_rng(int(case_id(case), 16)).normal(0.0, 1e-4, (2, time_s.size))
+    x, y = amplitude * np.cos(2 * np.pi * 91.7 * time_s + phase) + noise
+    series = {"ring.velocity.x": x, "ring.velocity.y": y} if case.record else {}
+    features = {"velocity@BPFO": amplitude, "velocity@BPFO.phase": phase, "velocity.rms": float(np.std(x))}
+    return SimpleNamespace(
+        time=time_s,
+        series=series,
+        features=features,
+        info={"step_s": 5e-7, "cpu_s": case.seconds, "integrator_cpu_s": spun(case), "model": "fake"},
+    )
+
+
+def spun(case: FakeCase) -> float:
+    """CPU time in s that counts as the integrator's: that of spinning, not of sleeping."""
+    return case.seconds if case.deed == "spin" else 0.0
+
+
+def simulate(case: FakeCase) -> SimpleNamespace:
+    """Take its time, do its deed, and give the record if that can still be."""
+    end = time.process_time() + spun(case)
+    while time.process_time() < end:
+        pass
+    time.sleep(case.seconds - spun(case))
+    deed, _, flag = case.deed.partition(" ")
+    if deed == "raise":
+        raise FakeError("no steady state after 0.3 s", "shorten the step", 0.3)
+    if deed == "divide":
+        print(1 / 0)
+    if deed == "exit":
+        os._exit(3)
+    if deed == "kill":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if deed == "told" and flag.startswith("in "):
+        Path(flag.removeprefix("in ")).unlink()
+    if deed == "die-once" and not Path(flag).exists():
+        Path(flag).touch()
+        os._exit(4)
+    if deed == "interrupt":
+        raise KeyboardInterrupt
+    if deed == "raise-unless" and not Path(flag).exists():
+        raise FakeError("not yet", "wait", None)
+    if deed == "pid":
+        Path(flag).write_text(str(os.getpid()))
+    if deed == "threads":
+        Path(flag).write_text(os.environ["OMP_NUM_THREADS"])
+    return record_of(case)
+
+
+def main(out: str, jobs: str, count: str, seconds: str) -> None:
+    """Run a study of ``count`` cases: what the tests start as another process, to kill it."""
+    study = FakeStudy([1e-3 * (i + 1) for i in range(int(count))], seconds=float(seconds))
+    try:
+        run(study, out, jobs=int(jobs), progress=False, engine=ENGINE)
+    except Interrupted as stop:
+        print(stop.summary)
+        sys.exit(stop.summary.exit_code)

@@ -1,0 +1,54 @@
+"""Pits of every kind for the tests, and what a roller feels of them by brute force."""
+
+import numpy as np
+from hypothesis import strategies as st
+
+from bearingsim.core.pits.depth import (
+    Circular,
+    Eased,
+    Elliptical,
+    Merged,
+    Placed,
+    Rectangular,
+    Scanned,
+    Triangular,
+)
+from bearingsim.core.pits.pairs import inner_reduced_radius, outer_reduced_radius
+from bearingsim.core.pits.profile import depth_at
+from bearingsim.core.pits.spall import Spall
+
+R_OUTER, R_INNER = outer_reduced_radius(0.006, 0.0385), inner_reduced_radius(0.006, 0.0265)
+SHAPES = (Rectangular, Triangular, Circular, Elliptical)
+
+radii = st.sampled_from([R_OUTER, R_INNER])
+lengths, widths, depths = st.floats(1e-3, 12e-3), st.floats(5e-5, 4e-3), st.floats(1e-7, 1e-4)
+shapes = st.builds(lambda kind, *sizes: kind(*sizes), st.sampled_from(SHAPES), lengths, widths, depths)
+spalls = st.builds(Spall, lengths, widths, depths, st.floats(0.0, 1.0), st.integers(0, 1000))
+plain = shapes | spalls
+eased = st.builds(lambda pit, r: Eased(pit, r, 0.0), plain, st.floats(2e-6, 1e-4)) | st.builds(
+    lambda pit, ramp: Eased(pit, 0.0, ramp), plain, st.floats(5e-6, 2e-4)
+)
+placed = st.builds(Placed, plain | eased, st.floats(-2e-3, 2e-3), st.floats(-2e-3, 2e-3))
+merged = st.builds(lambda pits: Merged(tuple(pits)), st.lists(placed, min_size=2, max_size=4))
+smooth_pits = shapes | spalls | eased | merged
+"""Pits without a burr."""
+
+
+def rough_scan(seed, burr=0.0):
+    """A measured spall, 6 mm by 2 mm and 40 um deep, rough by 2 um; with a raised rim of ``burr`` (m)."""
+    draw = np.random.default_rng(seed)
+    s, z = np.linspace(-2e-3, 2e-3, 161), np.linspace(-4e-3, 4e-3, 33)
+    r = np.hypot(*np.meshgrid(s / 1e-3, z / 3e-3))
+    r *= 1.0 + 0.15 * np.cos(3.0 * np.arctan2(*np.meshgrid(z, s, indexing="ij")) + draw.uniform(0.0, 6.0))
+    depth = np.where(r < 1.0, np.abs(4e-5 * (1.0 - r**4) + draw.normal(0.0, 2e-6, r.shape)), 0.0)
+    depth -= np.where((r >= 1.0) & (r < 1.1), burr, 0.0)
+    return Scanned(f"scan {seed} {burr}", s, z, depth)
+
+
+def brute(profile, s, R, reach=1e-3):
+    """h(s) = min over t of p(t) + (t - s)^2/(2 R) on a fine grid that has every end and every s on it."""
+    ends = profile.pieces[:, :2].ravel()
+    t = np.linspace(min(ends.min(), s.min()) - reach, max(ends.max(), s.max()) + reach, 20001)
+    t = np.concatenate([t, s, ends, ends - 1e-12, ends + 1e-12])
+    p = depth_at(profile, t)
+    return np.array([np.min(p + (t - x) ** 2 / (2.0 * R)) for x in s])

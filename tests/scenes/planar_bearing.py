@@ -1,0 +1,156 @@
+"""The scenes of tests/independent/planar.py carried by the package's `planar`, with laws that only tests need."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim.assemble.rest import statics, still
+from bearingsim.core.advance import Watch, advance, start_at_rest
+from bearingsim.core.geometry.motion import Steady
+from bearingsim.core.laws.damping import HuntCrossley, damping_slope, normal_force, stiffness_slope
+from bearingsim.core.laws.friction import Frictionless, StaticDynamic, mu, steepest
+from bearingsim.core.laws.stiffness import Linear, TenNinths, elastic, tangent
+from bearingsim.core.layout import EPS, PHI_C, POSITION, Q_I, Q_O, VELOCITY, X, Y, buffer
+from bearingsim.core.methods.rk4 import RungeKutta4
+from bearingsim.core.models.equilibrium import mean_rest, rest_from_scratch
+from bearingsim.core.models.planar import Planar
+from bearingsim.core.outcomes import FINE
+from bearingsim.core.parameters import Bearing, Support
+from bearingsim.core.parts.cage import Centred, FreeCage, OilDrag, RollerGuided
+from bearingsim.core.parts.shaft import FixedRing, RigidShaft, TorsionSpring
+from bearingsim.core.pits.excitations import Envelope
+from bearingsim.core.pits.pairs import INNER, ON_INNER, ON_OUTER, OUTER, Meeting, groups_of, pits
+from tests.independent import planar
+
+FAR = 0.01  # m: a pocket that no roller touches
+PLACES = np.array([POSITION + X, POSITION + Y, VELOCITY + X, VELOCITY + Y, VELOCITY + PHI_C, Q_O, Q_I])
+
+
+class Unclamped(NamedTuple):
+    """Hunt and Crossley's law without the clamp: it pulls when the contact opens faster than 1/chi."""
+
+    stiffness: Any
+    chi: float
+
+
+@normal_force.register(Unclamped)
+def _force_unclamped(contact, delta, v):
+    return elastic(contact.stiffness, max(delta, 0.0)) * (1.0 + contact.chi * v)
+
+
+@damping_slope.register(Unclamped)
+def _damping_unclamped(contact, delta, v):
+    return contact.chi * elastic(contact.stiffness, delta)
+
+
+@stiffness_slope.register(Unclamped)
+def _stiffness_unclamped(contact, delta, v):
+    return tangent(contact.stiffness, delta) * max(1.0 + contact.chi * v, 0.0)
+
+
+class Zone(NamedTuple):
+    """Coulomb friction, proportional to the slip below ``v`` (m/s)."""
+
+    mu: float
+    v: float
+
+
+@mu.register(Zone)
+def _mu_zone(law, v, u):
+    return law.mu * min(max(v / law.v, -1.0), 1.0)
+
+
+@steepest.register(Zone)
+def _steepest_zone(law, u):
+    return law.mu / law.v
+
+
+def friction(given: Any) -> Any:
+    """The package's law for a friction of the reference."""
+    if given is planar.frictionless:
+        return Frictionless()
+    if isinstance(given, planar.Coulomb):
+        return Zone(given.mu, given.zone)
+    mu_s, mu_d = float(given(0.02)), float(given(1.0))
+    return StaticDynamic(mu_s, mu_d, 0.02, 0.1)
+
+
+def meetings(scene: planar.Scene, pit: planar.Pit) -> list[Meeting]:
+    """A box over the full length, as each contact meets it."""
+    on, radius, sides = {
+        planar.OUTER: (ON_OUTER, scene.R_o, (OUTER,)),
+        planar.INNER: (ON_INNER, scene.R_i, (INNER,)),
+    }.get(pit.on) or (pit.on[1], scene.R_w, (OUTER, INNER))
+    reduced = {OUTER: scene.reduced(planar.OUTER), INNER: scene.reduced(planar.INNER)}
+    return [
+        Meeting(
+            side,
+            on,
+            pit.angle,
+            radius,
+            reduced[side],
+            groups_of("rectangular", scene.L_w, pit.width, pit.depth, scene.L_w, reduced[side], 1),
+        )
+        for side in sides
+    ]
+
+
+def carried(scene: planar.Scene) -> Planar:
+    """The scene as the package's model."""
+    bearing = Bearing(
+        Z=scene.Z,
+        R_w=scene.R_w,
+        R_o=scene.R_o,
+        R_i=scene.R_i,
+        gap=scene.clearance / 4.0,
+        m_r=scene.m_r,
+        I_r=scene.roller_inertia,
+        m_o=scene.m_o,
+        omega_i=scene.speed,
+        omega_c=scene.orbit,
+        omega_b=scene.orbit - scene.spin,
+        theta_0=scene.theta_0,
+    )
+    law = (HuntCrossley if scene.clamp else Unclamped)(TenNinths(scene.elastic.k), scene.damping.chi)
+    load = complex(scene.load)
+    healthy = still(bearing, Support(load.real, load.imag, 0.0, 0.0, 0.0, 0.0), law, law, pits([], Envelope()))
+    rest = mean_rest(healthy, law, law, buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference
+    wall = HuntCrossley(Linear(max(scene.pocket_stiffness, 1.0)), scene.pocket_chi)
+    free = FreeCage(
+        m=scene.cage_mass,
+        inertia=scene.cage_inertia,
+        play=scene.pocket_clearance / 2.0 if scene.pocket_stiffness else FAR,
+        pocket=wall,
+        friction=friction(scene.pocket_friction),
+        guide=RollerGuided(FAR, wall) if scene.cage_moves else Centred(),
+    )
+    return Planar(
+        bearing=bearing,
+        support=Support(load.real, load.imag, scene.k_b, scene.c_b, rest.x, rest.y),
+        outer=law,
+        inner=law,
+        pits=pits([one for pit in scene.pits for one in meetings(scene, pit)], Envelope()),
+        motion=Steady(),
+        friction=friction(scene.friction),
+        cage=free,
+        drag=OilDrag(scene.roller_drag, scene.cage_drag, 1.0),  # zero or not: compiled once
+        shaft=RigidShaft(),
+        bracket=TorsionSpring(scene.ring_inertia, *scene.torsion) if scene.torsion else FixedRing(),
+        gravity=0.0,
+    )
+
+
+def simulate(scene: planar.Scene, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n + 1,) s and the rows PLACES (7, n + 1), from the static start by RK4, friction without lag."""
+    model = carried(scene)
+    y = buffer(scene.Z, scene.m_r)
+    assert rest_from_scratch(statics(model), 0.0, y) <= 1e-8 * abs(scene.load)
+    if len(scene.eps):
+        y[EPS : EPS + scene.Z] = scene.eps
+    start_at_rest(model, 0.0, y)
+    steps = round(duration / step)
+    out = np.empty((len(PLACES), steps + 1))
+    out[:, 0] = y[PLACES]
+    taken, outcome, _ = advance(RungeKutta4(step), model, Watch(1000, 1.0), 0, y, PLACES, out[:, 1:])
+    assert (taken, outcome) == (steps, FINE)
+    return step * np.arange(steps + 1), out

@@ -1,0 +1,70 @@
+"""A bearing of `planar` in space: the same fields, a roller cut into slices, and what holds the rings and cage."""
+
+from typing import Any
+
+import numpy as np
+
+from bearingsim.core.geometry.slices import Slices, slices
+from bearingsim.core.layout import buffer
+from bearingsim.core.models.spatial import Spatial
+from bearingsim.core.parts.cage_in_space import CageInPlane
+from bearingsim.core.parts.flanges import NoFlanges
+from bearingsim.core.parts.mounts import Held
+from bearingsim.core.pits.pairs import HALF_WIDTH, USED, B, W
+
+L_W = 12e-3
+STRAIGHT = Held(0.0, 0.0)
+
+
+def flat(z):
+    """A cylinder's profile."""
+    return 0.0
+
+
+def even(n: int, L_w: float = L_W) -> Slices:
+    """n even slices of a cylinder."""
+    return slices(np.linspace(-L_w / 2, L_w / 2, n + 1), flat)
+
+
+def uneven(n: int, seed: int = 0, L_w: float = L_W) -> Slices:
+    """n slices of random length."""
+    inner = np.sort(np.random.default_rng(seed).uniform(-L_w / 2, L_w / 2, n - 1))
+    return slices(np.concatenate([[-L_w / 2], inner, [L_w / 2]]), flat)
+
+
+def felt_by_slices(pits: Any, table: np.ndarray, reach: Any = None) -> Any:
+    """Pits of one section, met by every slice whose middle lies between the ends ``reach`` (m) of its meeting."""
+    head, n = pits.head.copy(), len(table)
+    groups = np.zeros((len(head), n, pits.groups.shape[2]))
+    for d in range(len(head)):
+        ends = (-1.0, 1.0) if reach is None else reach[d]
+        over = np.array([ends[0] < zeta < ends[1] for zeta in table[:, 0]])
+        whole = pits.groups[d, np.argmax(pits.groups[d, :, B])]
+        groups[d, over] = whole
+        groups[d, :, W] = over
+        head[d, USED], head[d, HALF_WIDTH] = n, whole[B]
+    return pits._replace(head=head, groups=groups)
+
+
+def in_space(model: Any, cut: Slices, reach: Any = None, **given: Any) -> Spatial:
+    """The planar model cut into slices; what is not given lies still."""
+    b = model.bearing
+    fields = model._asdict()
+    lag = fields.pop("lag")
+    fields["pits"] = felt_by_slices(model.pits, cut.table, reach) if len(model.pits.head) else model.pits
+    rest = {
+        "slices": cut,
+        "L_w": L_W,
+        "I_t": b.m_r * (b.R_w**2 / 4 + L_W**2 / 12),
+        "mount_o": STRAIGHT,
+        "mount_i": STRAIGHT,
+        "flanges": NoFlanges(),
+        "cage_z": CageInPlane(),
+        "lag": lag,
+    }
+    return Spatial(**fields | rest | given)
+
+
+def empty(model: Spatial) -> np.ndarray:
+    """A zeroed buffer for the model."""
+    return buffer(model.bearing.Z, model.bearing.m_r, len(model.slices.table))

@@ -1,0 +1,126 @@
+"""One coordinate that can be stiff, limp, pushed, or over a floor: for the tests of implicit methods."""
+
+from math import cos, inf, sin
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim.core.jit import jit
+from bearingsim.core.laws.damping import General, Power, normal_force
+from bearingsim.core.laws.slopes import slopes
+from bearingsim.core.laws.stiffness import PowerLaw
+from bearingsim.core.layout import (
+    BY_POSITION,
+    BY_VELOCITY,
+    EVALUATED,
+    FAILED,
+    ITERATED,
+    LANES,
+    REFUSED,
+    TAKEN,
+    A,
+    Q,
+    V,
+    buffer,
+    own_block,
+)
+from bearingsim.core.methods.interface import prepare, step
+from bearingsim.core.models.interface import accelerations, freedoms, keep_extremes, linearise, width
+from bearingsim.core.parameters import Bearing
+from bearingsim.core.pits.jumps import next_cusp
+
+UNIT = Bearing(1, 1.0, 3.0, 1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0)
+"""One roller of 1 kg."""
+
+
+def dashpot(stiffness: PowerLaw, c: float, m3: float) -> General:
+    """A contact with a dashpot, of one type for every m3: compiled once."""
+    return General(stiffness, c, Power(1.0), Power(m3))
+
+
+AIR = dashpot(PowerLaw(0.0, 1.0), 0.0, 0.0)
+"""A floor that is not felt."""
+
+
+class Scene(NamedTuple):
+    """q'' = p'' - K (q - p) - C (q' - p') + mu (1 - q^2) q' - g + floor(-q, -q') with p = P sin(1 + w t), per kg.
+
+    With K, C and P the forced motion of Prothero and Robinson, in second order: it stays on q = p. With mu and
+    K = 1 van der Pol's oscillator. fault: part by which its derivatives are wrong.
+    """
+
+    floor: Any = AIR
+    K: float = 0.0
+    C: float = 0.0
+    P: float = 0.0
+    w: float = 1.0
+    mu: float = 0.0
+    g: float = 0.0
+    fault: float = 0.0
+    bearing: Bearing = UNIT
+
+
+width.register(Scene)(lambda model: LANES + 8)
+freedoms.register(Scene)(lambda model: (1, 0))
+keep_extremes.register(Scene)(lambda model, y: None)
+next_cusp.register(Scene)(lambda model, t, y: inf)
+
+
+@accelerations.register(Scene)
+def _accelerations(model, t, y):
+    q, v, P, w = y[Q], y[V], model.P, model.w
+    angle = 1.0 + w * t
+    p, p_v, p_a = P * sin(angle), P * w * cos(angle), -P * w * w * sin(angle)
+    y[A] = p_a - model.K * (q - p) - model.C * (v - p_v) + model.mu * (1.0 - q * q) * v - model.g
+    y[A] += normal_force(model.floor, -q, -v)
+
+
+@linearise.register(Scene)
+def _linearise(model, t, y):
+    q, v = y[Q], y[V]
+    K, C = slopes(model.floor, -q, -v)
+    right = 1.0 + model.fault
+    y[own_block(BY_POSITION, 0, 0)] = right * (-model.K - 2.0 * model.mu * q * v - K)
+    y[own_block(BY_VELOCITY, 0, 0)] = right * (-model.C + model.mu * (1.0 - q * q) - C)
+
+
+@jit
+def walk(method, model, start, y, path):
+    """Steps from number ``start``; q, v and a after each into ``path`` (n, 3)."""
+    for n in range(len(path)):
+        step(method, model, (start + n) * method.h, y)
+        path[n, 0], path[n, 1], path[n, 2] = y[Q], y[V], y[A]
+
+
+@jit
+def set_out(method, model, y):
+    """Accelerations at t = 0, and what the method needs."""
+    accelerations(model, 0.0, y)
+    prepare(method, model, 0.0, y)
+
+
+class Walk(NamedTuple):
+    """path: (n, 3) q, v, a at the recorded instants; counts; y: the buffer as it was left."""
+
+    path: np.ndarray
+    taken: int
+    refused: int
+    evaluated: int
+    iterated: int
+    failed: int
+    y: np.ndarray
+
+
+def run(model: Scene, method: Any, span: float, q: float, v: float) -> Walk:
+    """The scene from (q, v) over ``span`` (s) with a method whose ``h`` is the recorded step."""
+    y = buffer(1, 1.0)
+    y[Q], y[V] = q, v
+    path = np.empty((round(span / method.h), 3))
+    set_out(method, model, y)
+    walk(method, model, 0, y, path)
+    return Walk(path, *(int(y[cell]) for cell in (TAKEN, REFUSED, EVALUATED, ITERATED, FAILED)), y)
+
+
+def on_path(model: Scene, t: float) -> tuple[float, float]:
+    """p and p' at ``t``."""
+    return model.P * sin(1.0 + model.w * t), model.P * model.w * cos(1.0 + model.w * t)

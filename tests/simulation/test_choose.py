@@ -1,0 +1,348 @@
+"""Steps, and what they cost, before anything runs."""
+
+import pickle
+from itertools import pairwise
+from math import inf, pi, sqrt
+from typing import Any, NamedTuple
+from unittest import mock
+
+import numpy as np
+import pytest
+
+from bearingsim import assemble
+from bearingsim.assemble import scales
+from bearingsim.config import Case
+from bearingsim.config.rules import hierarchy
+from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY
+from bearingsim.core.methods.interface import Tolerances, step
+from bearingsim.core.models.interface import accelerations, width
+from bearingsim.errors import Refused
+from bearingsim.simulation import choose
+from bearingsim.simulation import limits as limiting
+from bearingsim.simulation.choose import grid, limits, wanted_step
+
+SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+NARROW = SLOT | {"width": "0.2 mm"}
+SLOTS = [pytest.param((), id="healthy"), pytest.param((SLOT,), id="0.8 mm"), pytest.param((NARROW,), id="0.2 mm")]
+
+
+def case(**fields: Any) -> Case:
+    return Case.model_validate(
+        {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers"} | fields
+    )
+
+
+class Oscillator(NamedTuple):
+    """q'' = -K q - C q': the simplest thing a method can be unstable on."""
+
+    K: float
+    C: float
+
+
+@width.register(Oscillator)
+def _width(model: Oscillator) -> int:
+    return 1
+
+
+@accelerations.register(Oscillator)
+def _accelerations(model: Oscillator, t: float, y: np.ndarray) -> None:
+    y[ACCELERATION] = -model.K * y[POSITION] - model.C * y[VELOCITY]
+
+
+def growth(method: Any, model: Oscillator) -> float:
+    """Largest factor by which a step multiplies a part of the motion: spectral radius of the step, as coded."""
+    rows = [POSITION, VELOCITY, ACCELERATION]
+    columns = []
+    for row in rows:
+        y = assemble.empty_buffer(assemble.model(case(model="ring")))
+        y[row] = 1.0
+        step(method, model, 0.0, y)
+        columns.append(y[rows])
+    return float(np.abs(np.linalg.eigvals(np.array(columns).T)).max())
+
+
+def measured_limit(name: str, K: float, C: float) -> float:
+    """The step (s) at which the method starts to grow on the oscillator, by bisection."""
+    low, high = 0.0, 4.0 / sqrt(K)
+    while high - low > 1e-4 * high:
+        h = 0.5 * (low + high)
+        if growth(assemble.METHODS[name].parameters(h), Oscillator(K, C)) > 1.0 + 1e-9:
+            high = h
+        else:
+            low = h
+    return low
+
+
+@pytest.mark.parametrize("zeta", [0.01, 0.1, 0.3, 0.54, 0.7, 0.99, 1.01, 3.0, 10.0])
+@pytest.mark.parametrize(("method", "least"), [("verlet", 0.98), ("rk4", 0.98)])
+def test_step_limit_is_where_the_method_diverges(method: str, least: float, zeta: float) -> None:
+    omega = 2.0 * pi * 20e3
+    K, C = omega**2, 2.0 * zeta * omega
+    true = measured_limit(method, K, C)
+    assert least * true <= limiting.step_limit(method, K, C) <= 1.0002 * true
+
+
+def test_nothing_to_hold_or_damp_has_no_limit() -> None:
+    assert limiting.step_limit("verlet", 0.0, 0.0) == inf
+    assert limiting.step_limit(None, 1e9, 1e4) == inf
+
+
+@pytest.mark.parametrize("model", ["ring", "rollers"])
+@pytest.mark.parametrize(("method", "rise"), [("verlet", 1.0), ("rk4", 1.07)])
+@pytest.mark.parametrize("defects", SLOTS)
+def test_limits_fall_with_the_load(model: str, method: str, rise: float, defects: tuple) -> None:
+    """Those of RK4 but for a twentieth: damping of more than half the critical widens its stability a little."""
+    found = [
+        limits(case(model=model, method=method, defects=defects, load=load)) for load in (50, 150, 300, 1000, 5000)
+    ]
+    for name in ("at_rest", "at_impact"):
+        series = [getattr(one, name) for one in found]
+        assert all(after < rise * before for before, after in pairwise(series))
+        assert series[-1] < 0.7 * series[0]
+        assert len(set(series)) == len(series)
+    assert all(one.at_impact <= one.at_rest for one in found)
+    assert [one.rest_load for one in found] == sorted(one.rest_load for one in found)
+
+
+def test_limits_do_not_depend_on_what_is_recorded_or_for_how_long() -> None:
+    base = case(defect=SLOT)
+    other = case(defect=SLOT, record=[], duration="3 s", settle="0 s", step="0.1 us")
+    assert limits(base) == limits(other)
+    assert limits(case(defect=SLOT, load="151 N")) != limits(base)
+
+
+def test_crossing_is_the_time_over_the_narrowest_pit() -> None:
+    found = limits(case(defects=[SLOT | {"angle": "30 deg"}, NARROW]))
+    cage = 2 * pi * 30 * (1 - 12 / 65) / 2
+    assert found.crossing == pytest.approx(0.2e-3 / (0.0385 * cage), rel=1e-12)
+    assert limits(case()).crossing == inf
+
+
+@pytest.mark.parametrize(
+    ("defect", "reach"),
+    [
+        (SLOT, 0.4e-3),  # the roller meets the far rim
+        (SLOT | {"depth": "1 um"}, sqrt(2 * 6e-3 * 38.5e-3 / 32.5e-3 * 1e-6)),  # the floor before the middle
+        (SLOT | {"shape": "triangular", "depth": "5 um"}, 6e-3 * 38.5e-3 / 32.5e-3 * 2 * 5 / 800),  # the wall
+    ],
+)
+def test_closing_speed_is_the_steepest_slope_times_the_speed_along_the_race(defect: dict, reach: float) -> None:
+    cage = 2 * pi * 30 * (1 - 12 / 65) / 2
+    expected = reach / (6e-3 * 38.5e-3 / 32.5e-3) * 38.5e-3 * cage
+    assert limits(case(defect=defect)).closing_speed == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("race", ["inner", "roller"])
+def test_pits_that_turn_are_crossed_at_the_same_speed_and_met_on_the_tighter_race(race: str) -> None:
+    """Rolling: 2.959 m/s everywhere. On the inner race 1/R is 1/6 + 1/26.5 per mm: the edge is steeper there."""
+    found, speed = limits(case(defect=SLOT | {"race": race})), 0.0385 * 2 * pi * 30 * (1 - 12 / 65) / 2
+    assert found.crossing == pytest.approx(0.8e-3 / speed, rel=1e-12)
+    assert found.closing_speed == pytest.approx(0.4e-3 * (1 / 6e-3 + 1 / 26.5e-3) * speed, rel=1e-12)
+
+
+def test_only_a_pit_that_stands_is_put_in_step() -> None:
+    models = [assemble.model(case(defect=SLOT | {"race": race})) for race in ("outer", "inner", "roller")]
+    moved = [assemble.in_step(model, 12345, 0.3).bearing.theta_0 != model.bearing.theta_0 for model in models]
+    assert moved == [True, False, False]
+
+
+def test_impact_without_damping_turns_all_energy_into_the_contact() -> None:
+    model = assemble.model(case(contact={"damping": {"chi": "0 s/m"}}))
+    speed, m, k = 0.05, model.bearing.m_r, model.outer.stiffness.k
+    deepest = (19.0 / 9.0 * 0.5 * m * speed**2 / k) ** (9.0 / 19.0)
+    peak, K, C = limiting.impact(m, model.outer, speed)
+    assert peak == pytest.approx(k * deepest ** (10.0 / 9.0), rel=2e-3)
+    assert m * K == pytest.approx(10.0 / 9.0 * k * deepest ** (1.0 / 9.0), rel=2e-3)
+    assert C == 0.0
+
+
+def test_a_dashpot_that_jumps_stops_a_roller_by_its_own_force() -> None:
+    damping = {"law": "general", "coefficient": 1e6, "indentation_exponent": 0.0}
+    model = assemble.model(case(contact={"damping": damping}))
+    peak, _, C = limiting.impact(model.bearing.m_r, model.outer, 0.05)
+    assert peak == pytest.approx(1e9 * 0.05, rel=1e-6)
+    assert C * model.bearing.m_r == pytest.approx(1e9)
+
+
+def test_a_faster_impact_is_harder() -> None:
+    model = assemble.model(case())
+    found = [limiting.impact(model.bearing.m_r, model.outer, speed) for speed in (0.01, 0.03, 0.1, 0.3)]
+    assert (np.diff(found, axis=0) > 0.0).all()
+    assert limiting.impact(model.bearing.m_r, model.outer, 0.0) == (0.0, 0.0, 0.0)
+    assert limiting.impact(0.0, model.outer, 0.1) == (0.0, 0.0, 0.0)
+
+
+def test_laws_with_the_same_numbers_are_not_taken_for_each_other() -> None:
+    laws = (
+        case(contact={"damping": {"law": "hunt-crossley", "chi": 1e-4}}),
+        case(contact={"damping": {"law": "kraemer", "beta": 1e-4}}),
+    )
+    soft, hard = (limiting.impact(0.01, assemble.contacts.outer(one), 0.05) for one in laws)
+    assert hard[2] > 10.0 * soft[2]
+
+
+@pytest.mark.parametrize("defect", [SLOT, NARROW])
+def test_two_microseconds_are_too_long_for_verlet(defect: dict) -> None:
+    with pytest.raises(Refused, match=r"a step of 2 us is over [\d.]+ us, 90% of the method's limit") as caught:
+        wanted_step(case(defect=defect, step="2 us"))
+    assert "step: auto" in caught.value.advice
+    assert f"{1e6 * wanted_step(case(defect=defect)):.2g} us" in caught.value.advice
+
+
+@pytest.mark.parametrize("method", ["verlet", "rk4"])
+def test_half_a_microsecond_is_accepted(method: str) -> None:
+    given = case(defect=SLOT, method=method, step="0.5 us")
+    assert wanted_step(given) == 0.5e-6
+    assert grid(given).step <= 0.5e-6
+
+
+@pytest.mark.parametrize("defects", SLOTS)
+@pytest.mark.parametrize("method", ["verlet", "rk4"])
+def test_a_step_is_refused_exactly_above_the_limit(method: str, defects: tuple) -> None:
+    given = {"method": method, "defects": defects, "load": "300 N"}
+    found = limits(case(**given))
+    assert wanted_step(case(**given, step=0.899 * found.at_impact)) == 0.899 * found.at_impact
+    with pytest.raises(Refused):
+        wanted_step(case(**given, step=0.901 * found.at_impact))
+
+
+def test_a_pit_must_not_be_passed_in_too_few_steps() -> None:
+    crossing = limits(case(model="static", defect=NARROW)).crossing
+    with pytest.raises(Refused, match="too few steps"):
+        wanted_step(case(model="static", defect=NARROW, step=crossing / 7))
+    assert wanted_step(case(model="static", defect=NARROW, step=crossing / 9)) == crossing / 9
+
+
+@pytest.mark.parametrize(
+    ("model", "method"),
+    [("static", None), ("ring", "rk4"), ("ring", "verlet"), ("rollers", "rk4"), ("rollers", "verlet")],
+)
+@pytest.mark.parametrize("defects", SLOTS)
+@pytest.mark.parametrize("chi", [0.01, 50.0])
+def test_the_automatic_step_obeys_every_bound(model: str, method: str | None, defects: tuple, chi: float) -> None:
+    given = case(model=model, method=method, defects=defects, contact={"damping": {"chi": chi}})
+    found, chosen = limits(given), wanted_step(given)
+    bounds = [found.crossing / (100 if model == "rollers" else 50), 20e-6]
+    if method:
+        bounds.append({"verlet": 0.5, "rk4": 0.25}[method] * found.at_impact)
+        bounds.append(1.0 / found.contact_frequency / {"verlet": 40, "rk4": 20}[method])
+    assert chosen == pytest.approx(min(bounds), rel=1e-12)
+    assert wanted_step(given.model_copy(update={"step": chosen})) == chosen
+
+
+@pytest.mark.parametrize("sampling", [200e3, 1024.0, 10240.0, 12345.678, 37.0])
+@pytest.mark.parametrize("model", ["static", "ring"])
+def test_the_grid_fits(sampling: float, model: str) -> None:
+    given = case(model=model, sampling=sampling, defect=SLOT, duration="0.3 s", settle="11 ms")
+    cut = grid(given)
+    assert cut.step <= wanted_step(given) * (1 + 1e-12)
+    assert cut.steps_per_pass * cut.step * 159.0 == pytest.approx(1.0, rel=1e-12)
+    assert cut.fine_rate >= 4.0 * sampling * (1 - 1e-12)
+    assert cut.fine_per_pass >= 64
+    assert cut.passes / 159.0 >= 0.311 + 13.0 / sampling
+
+
+def test_no_step_is_wasted_on_rounding() -> None:
+    """A step that divides the fine sample exactly is taken as it is, not one shorter."""
+    cut = grid(case(model="ring"))
+    again = grid(case(model="ring", step=cut.step))
+    assert again == cut
+
+
+def test_a_record_without_samples_is_refused() -> None:
+    with pytest.raises(Refused, match="no sample"):
+        grid(case(duration="10 ms", sampling="50 Hz"))
+
+
+def test_estimate_counts_steps_and_bytes() -> None:
+    given = case(model="ring", duration=0.29, sampling=10000.0, record=["ring.velocity", "roller.outer_force"])
+    found, cut = choose.estimate(given), grid(given)
+    assert found.bytes == 3 * 4 * 2900
+    assert found.steps == cut.passes * cut.steps_per_pass
+    assert choose.estimate(case(record=[])).bytes == 0
+
+
+def test_static_computes_one_pass_unless_a_roller_is_watched() -> None:
+    ring, roller = (case(model="static", record=[name]) for name in ("ring.velocity", "roller.outer_force"))
+    assert choose.estimate(ring).steps == grid(ring).steps_per_pass
+    assert choose.estimate(roller).steps == grid(roller).passes * grid(roller).steps_per_pass
+
+
+def test_a_step_error_survives_pickling() -> None:
+    with pytest.raises(Refused) as caught:
+        wanted_step(case(defect=SLOT, step="2 us"))
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert (again.reason, again.advice) == (caught.value.reason, caught.value.advice)
+
+
+def test_a_contact_too_damped_for_explicit_steps_is_refused_before_memory_is_asked_for() -> None:
+    """1e6 N s/mm as printed by the paper, with indentation exponent 0: steps of some picoseconds."""
+    printed = {"law": "general", "coefficient": "1e6", "indentation_exponent": "0"}
+    with pytest.raises(Refused, match=r"a ball pass would take .* steps") as caught:
+        grid(case(model="rollers", method="verlet", defect=SLOT, contact={"damping": printed}))
+    assert "contact.damping" in caught.value.advice
+
+
+def test_the_methods_that_keep_a_tolerance_are_the_same_everywhere() -> None:
+    adaptive = {name for name, kind in assemble.METHODS.items() if kind.adaptive}
+    assert adaptive == set(hierarchy.ADAPTIVE) == set(scales.TOLERANCE)
+    assert all(kind.parameters._fields == Tolerances._fields for kind in map(assemble.METHODS.get, adaptive))
+
+
+def test_a_tolerance_is_kept_by_the_method_that_is_chosen() -> None:
+    """Verlet, which is cheapest here, would do nothing with it."""
+    given = case(defect=SLOT, duration="0.1 s")
+    assert choose.choice(given).method == "verlet"
+    found = choose.choice(given.model_copy(update={"tolerance": 1e-3}))
+    assert assemble.METHODS[str(found.method)].adaptive
+    assert set(found.prices) <= set(hierarchy.ADAPTIVE)
+    assert "tolerance" in found.why
+
+
+@pytest.mark.parametrize("model", ["static", "impulse"])
+def test_a_model_without_a_method_has_no_other(model: str) -> None:
+    assert choose.alternatives(case(model=model, defect=SLOT)) == []
+
+
+@pytest.mark.parametrize(("coefficient", "taken"), [(10.0, 13.2e-6), (1e3, 1.71e-6), (1e5, 0.417e-6)])
+def test_dashpots_that_jump_as_contacts_open_shorten_own_steps(coefficient, taken):
+    """Mean step of Rodas over a 0.8 mm slot, counted over 25 ms; unforeseen it was up to 26 times off."""
+    damping = {"law": "general", "coefficient": coefficient, "indentation_exponent": 0.0}
+    given = case(method="rodas", defect=SLOT, contact={"damping": damping})
+    found = choose.own_step(given, choose.limits(choose.using(given, "verlet")))
+    assert found == pytest.approx(taken, rel=0.5)
+
+
+@pytest.mark.parametrize(("m1", "m3", "ns"), [(1.0, 1.0, 230), (1.0, 1.5, 570), (1.2, 1.0, 450), (1.2, 1.5, 755)])
+def test_powers_of_the_library_are_priced(m1: float, m3: float, ns: float) -> None:
+    """A Verlet step of `rollers`, timed by benchmarks/step_cost.py; powers without a price were 3.3 times off."""
+    stiffness = {"law": "constant", "coefficient": 1e6, "exponent": m1}
+    damping = {"law": "general", "coefficient": 100.0, "indentation_exponent": m3}
+    given = case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
+    assert choose.per_second(given, 1e-6) == pytest.approx(1e-3 * ns, rel=0.2)
+
+
+def test_what_repeats_itself_is_priced_as_one_pass_and_refused_by_its_model() -> None:
+    given = case(model="static", defect=SLOT, duration="1 s")
+    watched = given.model_copy(update={"record": ("roller.outer_force",)})
+    least = mock.patch.object(choose, "MOST_CPU", 0.1 * choose.estimate(given).cpu_seconds)
+    with least, pytest.raises(Refused, match="`static` would take about"):
+        grid(watched)
+    one_pass = choose.estimate(given).cpu_seconds - choose.OVERHEAD
+    with mock.patch.object(choose, "MOST_CPU", 2.0 * one_pass):
+        grid(given)
+
+
+def test_the_price_of_a_job_holds_its_proof() -> None:
+    proven, plain = (choose.estimate(case(defect=SLOT, duration="2 s", prove=prove)) for prove in (True, False))
+    assert plain.proof_seconds == 0.0
+    assert proven.proof_seconds == pytest.approx((1 + sqrt(5)) / 16 * plain.cpu_seconds, rel=0.1)
+    assert proven.cpu_seconds == pytest.approx(plain.cpu_seconds + proven.proof_seconds)
+
+
+def test_adaptive_steps_are_bounded_by_the_highest_speed_of_a_ramp() -> None:
+    fields = {"model": "planar", "defect": SLOT, "method": "rodas"}
+    ramp = case(**fields, ramp={"to": "3600 rpm", "time": "1 s"})
+    slow, fast = case(**fields), case(**fields, speed="3600 rpm")
+    longest = [assemble.method(given, 1e-6).longest for given in (slow, ramp, fast)]
+    assert longest[1] == longest[2] == pytest.approx(0.5 * longest[0])

@@ -1,0 +1,193 @@
+"""Numbers that must not change unless MODEL_VERSION does: a stored result is taken for what it would be today."""
+
+from pathlib import Path
+
+import pytest
+
+from bearingsim.core import MODEL_VERSION
+from bearingsim.simulation.simulate import simulate
+from tests.scenes.nf308 import ON_A_ROLLER, ON_INNER_RACE, SLOT, case
+
+SHORT = {"duration": "80 ms", "settle": "30 ms"}
+GOLDEN_VERSION = 4  # the MODEL_VERSION whose numbers these are
+WIDE = SLOT | {"shape": "circular", "length": "6 mm", "angle": "10 deg"}
+GROOVE = SLOT | {"shape": "triangular", "depth": "5 um", "angle": "-20 deg"}
+ASIDE = SLOT | {"length": "3 mm", "offset": "3 mm"}
+ASKEW = {"misalignment": {"inner": "0.2 mrad"}, "contact": {"slices": 6}}
+SPALL = {"shape": "spall", "width": "2 mm", "grown": "60 %", "seed": 2}
+SCAN = Path(__file__).parents[2] / "studies" / "scans" / "spall.csv"
+KRAEMER = {"stiffness": "iso16281", "damping": "kraemer"}
+THIRD = {"roller": 3}
+RAW = {"load": "300 N", "clearance": "5 um", "antialias": False}
+SCENES = {
+    "rollers": {"model": "rollers", "defect": SLOT},
+    "ring": {"model": "ring", "method": "rk4", "contact": KRAEMER, "defect": WIDE} | RAW,
+    "static": {"model": "static", "defect": GROOVE, "clearance": "-2 um"},
+    "planar": {"model": "planar", "defect": GROOVE},
+    "in space": {"model": "spatial", "defect": ASIDE} | ASKEW,
+    "spall": {"model": "rollers", "defect": ASIDE | SPALL},
+    "scan": {"model": "rollers", "defect": {"shape": "scan", "file": str(SCAN)}},
+    "elastic edge": {"model": "rollers", "defect": SLOT, "excitation": "elastic-edge"},
+    "inner race and roller": {"model": "rollers", "defects": [SLOT | ON_INNER_RACE, WIDE | ON_A_ROLLER | THIRD]},
+}
+SENSITIVE = {"planar": 1e-6, "in space": 1e-6}  # friction that changes sides makes more of a rounding
+NUMBERS: dict[str, dict[str, float]] = {
+    "rollers": {
+        "displacement@BPFO": 9.309604109042904e-09,
+        "velocity@BPFO": 9.300513744261641e-06,
+        "velocity@BPFO.phase": -1.5604838167682267,
+        "velocity@3BPFO": 2.571659715900825e-05,
+        "velocity.rms": 0.0003348096504203922,
+        "acceleration@BPFO": 0.009291459357839479,
+        "acceleration.rms": 7.22014353289943,
+        "acceleration.kurtosis": 26.2352172576549,
+        "outer_force.max": 440.9720675156745,
+    },
+    "ring": {
+        "displacement@BPFO": 2.842352732269797e-08,
+        "velocity@BPFO": 2.8395764646062795e-05,
+        "velocity@BPFO.phase": 1.7198104067209485,
+        "velocity@3BPFO": 2.4838436418212314e-05,
+        "velocity.rms": 0.0002556292727585304,
+        "acceleration@BPFO": 0.028368120342433325,
+        "acceleration.rms": 6.808999437737364,
+        "acceleration.kurtosis": 28.85069163451893,
+        "outer_force.max": 152.22082791610856,
+    },
+    "static": {
+        "displacement@BPFO": 1.1558546362171519e-08,
+        "velocity@BPFO": 1.1547227140330827e-05,
+        "velocity@BPFO.phase": 2.9669465074717265,
+        "velocity@3BPFO": 3.412052224373813e-05,
+        "velocity.rms": 0.00030036547551107396,
+        "acceleration@BPFO": 0.011535985497179924,
+        "acceleration.rms": 4.755007160514761,
+        "acceleration.kurtosis": 21.222942961408076,
+        "outer_force.max": 210.13943444022414,
+    },
+    "planar": {
+        "velocity@BPFO": 7.92492887499179e-06,
+        "velocity@BPFO.phase": 3.047685244397439,
+        "velocity@3BPFO": 2.3695486204326064e-05,
+        "velocity.rms": 0.0002589410467226769,
+        "acceleration.rms": 5.086249584782978,
+        "outer_force.max": 164.21996647229273,
+        "cage_force.max": 0.0,
+    },
+    "in space": {
+        "model": "spatial",
+        "defect": ASIDE,
+        "misalignment": {"inner": "0.2 mrad"},
+        "contact": {"slices": 6},
+    },
+    "spall": {
+        "model": "rollers",
+        "defect": ASIDE | {"shape": "spall", "width": "2 mm", "grown": "60 %", "seed": 2},
+    },
+    "scan": {"model": "rollers", "defect": {"shape": "scan", "file": str(SCAN)}},
+    "elastic edge": {"model": "rollers", "defect": SLOT, "excitation": "elastic-edge"},
+    "inner race and roller": {"model": "rollers", "defects": [SLOT | ON_INNER_RACE, WIDE | ON_A_ROLLER | THIRD]},
+}
+SENSITIVE = {"planar": 1e-6, "in space": 1e-6}  # friction that changes sides makes more of a rounding
+NUMBERS: dict[str, dict[str, float]] = {
+    "rollers": {
+        "displacement@BPFO": 9.309604109042904e-09,
+        "velocity@BPFO": 9.300513744261641e-06,
+        "velocity@BPFO.phase": -1.5604838167682267,
+        "velocity@3BPFO": 2.571659715900825e-05,
+        "velocity.rms": 0.0003348096504203922,
+        "acceleration@BPFO": 0.009291459357839479,
+        "acceleration.rms": 7.22014353289943,
+        "acceleration.kurtosis": 26.2352172576549,
+        "outer_force.max": 440.9720675156745,
+    },
+    "ring": {
+        "displacement@BPFO": 2.842352732269797e-08,
+        "velocity@BPFO": 2.8395764646062795e-05,
+        "velocity@BPFO.phase": 1.7198104067209485,
+        "velocity@3BPFO": 2.4838436418212314e-05,
+        "velocity.rms": 0.0002556292727585304,
+        "acceleration@BPFO": 0.028368120342433325,
+        "acceleration.rms": 6.808999437737364,
+        "acceleration.kurtosis": 28.85069163451893,
+        "outer_force.max": 152.22082791610856,
+    },
+    "static": {
+        "displacement@BPFO": 1.1558546362171519e-08,
+        "velocity@BPFO": 1.1547227140330827e-05,
+        "velocity@BPFO.phase": 2.9669465074717265,
+        "velocity@3BPFO": 3.412052224373813e-05,
+        "velocity.rms": 0.00030036547551107396,
+        "acceleration@BPFO": 0.011535985497179924,
+        "acceleration.rms": 4.755007160514761,
+        "acceleration.kurtosis": 21.222942961408076,
+        "outer_force.max": 210.13943444022414,
+    },
+    "planar": {
+        "velocity@BPFO": 7.92492887499179e-06,
+        "velocity@BPFO.phase": 3.047685244397439,
+        "velocity@3BPFO": 2.3695486204326064e-05,
+        "velocity.rms": 0.0002589410467226769,
+        "acceleration.rms": 5.086249584782978,
+        "outer_force.max": 164.21996647229273,
+    },
+    "in space": {
+        "velocity@BPFO": 4.445516991339306e-06,
+        "velocity@BPFO.phase": -1.5780461699636443,
+        "velocity@3BPFO": 9.60017095264279e-06,
+        "velocity.rms": 8.944897675239179e-05,
+        "acceleration.rms": 1.4869501092641229,
+        "outer_force.max": 81.64391637731504,
+        "tilt.max": 0.00012093000744663178,
+        "line_load.max": 25117.341090889913,
+    },
+    "spall": {
+        "velocity@BPFO": 1.4333383652198593e-06,
+        "velocity@BPFO.phase": -1.5665247289006436,
+        "velocity@3BPFO": 2.246723884441131e-06,
+        "velocity.rms": 1.8266526279719065e-05,
+        "acceleration.rms": 0.4215827972161175,
+        "outer_force.max": 50.213214858003,
+    },
+    "scan": {
+        "velocity@BPFO": 1.367524597772173e-06,
+        "velocity@BPFO.phase": -1.5780587012649125,
+        "velocity@3BPFO": 2.7225827740637324e-06,
+        "velocity.rms": 0.00012957228636941828,
+        "acceleration.rms": 3.0987267322392156,
+        "outer_force.max": 61.16316726652602,
+    },
+    "elastic edge": {
+        "velocity@BPFO": 9.536087621594428e-06,
+        "velocity@BPFO.phase": -1.5618815287786958,
+        "velocity@3BPFO": 2.638780731471859e-05,
+        "velocity.rms": 0.00032994211954174906,
+        "acceleration.rms": 7.103426809553367,
+        "outer_force.max": 354.76642694380337,
+    },
+    "inner race and roller": {
+        "displacement@BPFI": 3.4671215523506314e-09,
+        "velocity@BPFI": 5.031536402525795e-06,
+        "velocity@BPFI.phase": -1.5786987218953104,
+        "velocity@BPFI+fr": 4.871208977858787e-06,
+        "velocity@BPFO": 6.70891988692991e-07,
+        "velocity.rms": 0.0001765311355997932,
+        "acceleration@BPFI-fr": 0.004568777350966563,
+        "acceleration.rms": 3.1551903002222472,
+        "outer_force.max": 92.1822424650798,
+        "inner_force.max": 77.40969493715069,
+        "load_zone.extent": 3.0952635389257943,
+    },
+}
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_numbers_do_not_change_unless_the_model_version_does(scene):
+    features, numbers = simulate(case(**SHORT, **SCENES[scene])).features, NUMBERS[scene]
+    found = {name: features[name] for name in numbers}
+    assert MODEL_VERSION == GOLDEN_VERSION, f"new model version: set GOLDEN_VERSION and these numbers: {found}"
+    if found != pytest.approx(numbers, rel=SENSITIVE.get(scene, 1e-9)):
+        pytest.fail(
+            "the same case gives other numbers than before. If that was meant, raise MODEL_VERSION in"
+            f" bearingsim/core/__init__.py (stored results are then computed anew) and put here: {found}"
+        )

@@ -1,0 +1,86 @@
+"""The inner ring's motion, and what cage and rollers make of a ramp."""
+
+import numpy as np
+import pytest
+
+from bearingsim.core.geometry.motion import Ramp, Steady, elapsed, elapsed_times, speed_factor
+from bearingsim.core.methods.verlet import Verlet
+from bearingsim.simulation.simulate import simulate
+from tests.scenes.nf308 import SLOT, case
+from tests.scenes.planar_runs import begun, closing, orders
+
+T = 0.05  # s: length of the ramps
+RECORD = ["ring.velocity", "cage.speed", "cage.slip", "roller.spin", "roller.cage_force"]
+
+
+def ramped(to, **given):
+    """A run of 0.2 s in `planar` whose speed goes from 1800 rpm to ``to`` within 0.05 s."""
+    given = {"model": "planar", "duration": "0.2 s", "settle": "0 s", "record": RECORD} | given
+    return simulate(case(ramp={"to": to, "time": f"{T} s"}, **given))
+
+
+@pytest.mark.parametrize("ratio", [0.2, 1.0, 1.5, 4.0])
+def test_angle_speed_and_acceleration_are_one_motion(ratio):
+    """The angle is the integral of the speed (by trapezoids, exactly), the speed that of the acceleration."""
+    motion, t = Ramp(ratio, T), np.linspace(0.0, 3 * T, 3001)
+    angle, speed, acceleration = np.array([elapsed(motion, x) for x in t]).T
+    assert (angle[0], speed[0]) == (0.0, 1.0)
+    assert speed[1000:] == pytest.approx(ratio, rel=1e-14)
+    steps = np.diff(t)
+    assert np.diff(angle) == pytest.approx(steps * (speed[1:] + speed[:-1]) / 2, rel=1e-10)
+    assert np.diff(speed) == pytest.approx(steps * acceleration[:-1], abs=1e-13 * ratio)
+    assert set(acceleration[1000:]) == {0.0}
+
+
+class Moving:
+    """What has a motion."""
+
+    motion = Ramp(2.0, T)
+
+
+def test_motion_of_a_series():
+    t = np.array([0.0, 0.02, 0.05, 0.3])
+    assert elapsed_times(Moving, t).tolist() == [elapsed(Moving.motion, x)[0] for x in t]
+    assert speed_factor(Moving, t).tolist() == [elapsed(Moving.motion, x)[1] for x in t]
+    assert elapsed_times(None, t) is t
+    assert speed_factor(None, t) == 1.0
+    assert elapsed(Steady(), 0.3) == (0.3, 1.0, 0.0)
+
+
+def test_a_ramp_to_the_same_speed_is_none():
+    """The same ring to rounding, over a slot."""
+    given = {"defect": SLOT, "duration": "80 ms", "seed": 3}
+    ramp = ramped("1800 rpm", **given)
+    steady = simulate(case(model="planar", settle="0 s", record=RECORD, **given))
+    for name, values in steady.series.items():
+        assert ramp.series[name] == pytest.approx(values, abs=1e-6 * np.abs(values).max() + 1e-12)
+
+
+@pytest.mark.parametrize(("to", "sense"), [("2400 rpm", 1.0), ("1200 rpm", -1.0)])
+def test_a_cage_without_drag_follows_a_ramp(to, sense):
+    """Slower than kinematic where the rollers have to push it on, faster where they brake it; afterwards neither.
+
+    As they push in the load zone only, it stays behind by a pocket's clearance (0.2 mm) each time a roller crosses
+    that (some 90 mm): 0.22 %. The channel is the whole speed.
+    """
+    run = ramped(to, seed=1)
+    slip, t = run.series["cage.slip"], run.time
+    assert 3e-4 < sense * slip[t < T].mean() < 5e-3
+    assert abs(slip[t > 0.1].mean()) < 3e-4
+    ratio = float(to.split()[0]) / 1800
+    kinematic = case().speed * (1 - 12 / 65) / 2 * np.where(t < T, 1 + (ratio - 1) * t / T, ratio)
+    assert run.series["cage.speed"] == pytest.approx(kinematic * (1 - slip), rel=1e-12)
+
+
+def test_a_cage_that_must_speed_up_is_pushed():
+    """Forces of the pockets: none at steady speed, some N on a ramp."""
+    assert np.abs(ramped("1800 rpm").series["roller.cage_force"]).max() == 0.0
+    assert np.abs(ramped("2400 rpm").series["roller.cage_force"]).max() > 1.0
+
+
+def test_energy_closes_on_a_ramp():
+    """Drive, friction, damping and pockets while the speed grows by an eighth: Verlet to second order."""
+    model, y = begun(ramp={"to": "2160 rpm", "time": "10 ms"})
+    slow, lost = zip(*(closing(model, Verlet(h), 6.4e-3, y) for h in (8e-7, 4e-7, 2e-7)), strict=True)
+    assert orders(slow) == pytest.approx(2.0, abs=0.05)
+    assert slow[-1] < 2e-3 * lost[-1]

@@ -1,0 +1,53 @@
+"""What is recorded of an adaptive method, whose own steps lie between the recorded instants."""
+
+import numpy as np
+import pytest
+
+from bearingsim.simulation import choose, limits
+from bearingsim.simulation.integration import RING_AT, RING_IS_PUSHED, RING_MOVES, differentiate
+from bearingsim.simulation.simulate import simulate
+from tests.scenes.short_cases import SLOT, case
+
+H, TAIL, STEPS = 1e-3, 16, 50
+
+
+def recorded(place, passes=3):
+    """Velocity and acceleration of ``place``(t), pass by pass as a run writes them."""
+    window, found = np.zeros((6, TAIL + STEPS)), []
+    window[RING_AT] = place(H * np.arange(-TAIL - STEPS, 0))
+    for p in range(passes):
+        window[:, :TAIL] = window[:, STEPS:].copy()
+        t = H * np.arange(p * STEPS - TAIL, (p + 1) * STEPS)
+        window[RING_AT, TAIL:] = place(t[TAIL:])
+        differentiate(window, TAIL, H)
+        whole = slice(TAIL - 2, TAIL + STEPS - 2)
+        found.append((t[whole], window[RING_MOVES, whole].copy(), window[RING_IS_PUSHED, whole].copy()))
+    return (np.concatenate(one, axis=-1) for one in zip(*found, strict=True))
+
+
+def test_differences_are_of_fourth_order_and_know_no_seams():
+    omega = 50.0
+    t, velocity, push = recorded(lambda t: np.array([np.sin(omega * t), np.cos(omega * t)]))
+    after = t > 0.0
+    bound = 1.1 * (omega * H) ** 4
+    assert np.abs(velocity[0] / omega - np.cos(omega * t))[after].max() < bound / 30
+    assert np.abs(push[1] / omega**2 + np.cos(omega * t))[after].max() < bound / 90
+
+
+@pytest.mark.parametrize("late", [0.1, 0.5, 0.9])
+def test_of_a_velocity_that_jumps_the_way_gone_is_kept(late):
+    """Samples of the jump would be off by up to half a step of it."""
+    jump = (70.0 + late) * H
+    t, velocity, _ = recorded(lambda t: np.tile(np.maximum(0.0, t - jump), (2, 1)))
+    assert H * velocity[0].sum() == pytest.approx(t[-1] + 0.5 * H - jump, abs=1e-12)
+    sampled = H * np.heaviside(t - jump, 0.5).sum()
+    assert late == 0.5 or abs(sampled - (t[-1] + 0.5 * H - jump)) > 0.3 * H
+
+
+@pytest.mark.parametrize("method", ["dop853", "rodas"])
+def test_the_line_does_not_depend_on_how_often_is_recorded(method):
+    given = case(model="rollers", defect=SLOT, method=method, prove=False)
+    often = choose.automatic_step(given, limits.step_limits(given))
+    fine, coarse = (simulate(given.model_copy(update={"step": k * often})).features for k in (1, 4))
+    assert coarse["velocity@BPFO"] == pytest.approx(fine["velocity@BPFO"], rel=5e-4)
+    assert coarse["velocity.rms"] == pytest.approx(fine["velocity.rms"], rel=2e-4)

@@ -1,0 +1,72 @@
+"""The same numbers, always: in another process, and in plain Python."""
+
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bearingsim.config import Case
+from bearingsim.simulation.simulate import simulate
+from tests.scenes.short_cases import FORCES, RING, SLOT, case
+
+ROOT = Path(__file__).parents[2]
+
+
+def fingerprint(given: Case) -> str:
+    found = simulate(given)
+    digest = hashlib.sha256(repr(sorted(found.features.items())).encode())
+    for name, series in sorted(found.series.items()):
+        digest.update(name.encode() + series.tobytes())
+    return digest.hexdigest()
+
+
+def elsewhere(code: str, **environment: str) -> str:
+    """What a fresh process prints."""
+    env = os.environ | environment | {"PYTHONPATH": str(ROOT)}
+    run = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code], env=env, capture_output=True, text=True, timeout=80
+    )
+    assert run.returncode == 0, run.stderr
+    return run.stdout.strip()
+
+
+def test_the_same_case_gives_the_same_bits() -> None:
+    given = case(model="rollers", defect=SLOT, record=RING + FORCES)
+    here = fingerprint(given)
+    assert fingerprint(given) == here
+    fields = "model='rollers', defect=SLOT, record=RING + FORCES"
+    code = f"from tests.simulation.test_same_numbers import *; print(fingerprint(case({fields})))"
+    assert elsewhere(code) == here
+    assert fingerprint(given.model_copy(update={"load": given.load * (1 + 1e-15)})) != here
+
+
+THREE = {  # a small bearing, turning fast, so that plain Python gets through a few ball passes
+    "name": "three",
+    "rollers": 3,
+    "roller_diameter": "12 mm",
+    "roller_length": "12 mm",
+    "pitch_diameter": "65 mm",
+    "bore": "40 mm",
+    "outside_diameter": "90 mm",
+    "width": "23 mm",
+}
+FAST = {"bearing": THREE, "speed": "12000 rpm", "settle": "0 ms", "sampling": "1500 Hz", "clearance": "-2 um"}
+
+
+def numbers(**fields: Any) -> list[float]:
+    found = simulate(case(**(FAST | {"duration": 1.001 / 244.6} | fields)))
+    return [found.features[n] for n in sorted(found.features) if "scatter" not in n and "kurtosis" not in n]
+
+
+@pytest.mark.parametrize("carried", [{}, {"race": "inner"}, {"race": "roller", "roller": 2}])
+def test_plain_python_gives_the_same_numbers(carried: dict) -> None:
+    fields = {"defect": SLOT | {"width": "3 mm"} | carried, "contact": {"damping": {"chi": 5.0}}}
+    code = f"from tests.simulation.test_same_numbers import *; print([x.hex() for x in numbers(**{fields!r})])"
+    plain = [float.fromhex(x) for x in eval(elsewhere(code, NUMBA_DISABLE_JIT="1"))]
+    assert plain == pytest.approx(numbers(**fields), rel=1e-12, nan_ok=True)  # lines too near each other are nan
+    assert np.isfinite(plain).mean() > 0.4

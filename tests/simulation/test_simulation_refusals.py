@@ -1,0 +1,82 @@
+"""What is refused before a run, and stopped during one."""
+
+import importlib
+import pickle
+from typing import Any
+from unittest import mock
+
+import numpy as np
+import pytest
+
+from bearingsim.core.advance import Watch, advance
+from bearingsim.core.layout import POSITION
+from bearingsim.simulation import choose
+from bearingsim.simulation.choose import SHORTENED
+from bearingsim.simulation.simulate import SimulationError, simulate
+from tests.scenes.short_cases import RATE, SLOT, case
+
+MODULE = importlib.import_module("bearingsim.simulation.integration")
+
+
+def test_a_step_over_the_limit_is_refused_with_advice() -> None:
+    with pytest.raises(SimulationError, match="of the method's limit") as caught:
+        simulate(case(model="rollers", defect=SLOT, step="2 us"))
+    assert caught.value.time is None
+    assert "step: auto" in caught.value.advice
+
+
+@pytest.mark.parametrize("factor", [2.0, 3.0, 10.0, 30.0])
+@pytest.mark.parametrize(("model", "defects"), [("rollers", ()), ("rollers", (SLOT,)), ("ring", ())])
+def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple, factor: float) -> None:
+    """``choose`` would refuse these: whatever slips past it must not come back as a result."""
+    given = case(model=model, defects=defects, sampling=100.0, step="0.1 us")
+    forced = min(factor * choose.limits(given).at_impact, 0.99 / RATE / choose.FEWEST_FINE)
+    with mock.patch.object(choose, "wanted_step", return_value=forced), pytest.raises(SimulationError) as caught:
+        simulate(given)
+    assert caught.value.time is not None
+    assert 0.0 < caught.value.time < 0.12
+    if model == "rollers":
+        assert "roller " in caught.value.reason
+    assert "step under" in caught.value.advice
+
+
+@pytest.mark.parametrize("factor", [2.0, 4.0])
+def test_an_automatic_step_that_proves_too_long_is_halved_until_it_is_not(factor: float) -> None:
+    """The estimate of the impacts forced to be wrong: the run begins again, and its line is 9.30 um/s as ever."""
+    given = case(model="rollers", method="verlet", defect=SLOT, sampling=1000.0)
+    forced = factor * choose.limits(given).at_impact
+    with mock.patch.object(choose, "wanted_step", return_value=forced):
+        found = simulate(given)
+    assert found.info["step_s"] in [pytest.approx(forced * part, rel=0.05) for part in SHORTENED[1:]]
+    assert 1e6 * found.features["velocity@BPFO"] == pytest.approx(9.30, abs=0.05)
+
+
+def test_an_automatic_step_is_not_halved_for_ever() -> None:
+    given = case(model="rollers", method="verlet", defect=SLOT, sampling=100.0)
+    forced = 30.0 * choose.limits(given).at_impact
+    with mock.patch.object(choose, "wanted_step", return_value=forced), pytest.raises(SimulationError) as caught:
+        simulate(given)
+    assert "step under" in caught.value.advice
+    assert type(pickle.loads(pickle.dumps(caught.value))) is SimulationError
+
+
+def test_a_motion_that_is_not_finite_is_stopped() -> None:
+    def broken(
+        method: Any, model: Any, watch: Watch, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
+    ) -> tuple:
+        y[POSITION] = np.nan
+        return advance(method, model, watch, start, y, places, out)
+
+    with mock.patch.object(MODULE, "advance", broken), pytest.raises(SimulationError, match="finite"):
+        simulate(case(method="verlet"))
+
+
+def test_a_load_too_small_to_balance_is_refused_with_a_reason() -> None:
+    with pytest.raises(SimulationError, match="no static equilibrium") as caught:
+        simulate(case(load=1e-9))
+    assert "load" in caught.value.advice
+
+
+def test_the_error_crosses_processes() -> None:
+    again = pickle.loads(pickle.dumps(SimulationError("why", "what", 0.5)))
+    assert (again.reason, again.advice, again.time, str(again)) == ("why", "what", 0.5, "why; what")

@@ -1,0 +1,106 @@
+"""Slip of the cage in `planar`: none without drag, a floor with it, gross where drag exceeds friction.
+
+The balance of forces that it is held against is derived in docs/slip.md and computed by benchmarks/slip.py.
+"""
+
+from functools import lru_cache
+
+import pytest
+
+from bearingsim import assemble
+from bearingsim.simulation.simulate import simulate
+from benchmarks.slip import GROSS, balance, drag_torque, friction_torque, loads, onset_by_balance
+from tests.scenes.nf308 import case
+
+SOFT = {"rig": {"bracket_stiffness": "1e5 N/m"}}  # takes no share of a load of a few newtons
+OIL = {"model": "planar", "drag": {}, "record": ["cage.slip"], "sampling": "2 kHz", "seed": 1} | SOFT
+LAND_TORQUE, ORBIT_TORQUE = 0.21872, 0.18138  # N m at 6000 rpm, by hand: see the test
+
+
+def oiled(rpm: float, load: float, **changes):
+    """The NF308 in oil, healthy."""
+    return case(**(OIL | {"speed": f"{rpm} rpm", "load": f"{load} N"} | changes))
+
+
+class Pocket(dict):
+    """A cage with a pocket's clearance (mm), to be remembered by."""
+
+    def __init__(self, clearance: float) -> None:
+        super().__init__(pocket_clearance=f"{clearance} mm")
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(self["pocket_clearance"])
+
+
+@lru_cache
+def slip(rpm: float, load: float, settle: float = 0.5, **changes) -> float:
+    """Mean slip of the cage over 0.2 s."""
+    given = {"settle": f"{settle} s", "duration": "0.2 s"} | changes
+    return simulate(oiled(rpm, load, **given)).features["cage.slip.mean"]
+
+
+@pytest.mark.parametrize(("rpm", "load", "friction"), [(600, 300, "static-dynamic"), (3000, 5, "traction")])
+def test_without_drag_the_cage_is_kinematic(rpm, load, friction):
+    """Within 0.01 % after a ramp, on which the rollers must push the cage: no drag, no slip."""
+    ramp = {"speed": f"{0.8 * rpm} rpm", "ramp": {"to": f"{rpm} rpm", "time": "0.1 s"}}
+    tight = {"drag": "none", "friction": friction, "cage": {"pocket_clearance": "20 um"}} | ramp
+    found = simulate(oiled(rpm, load, settle="0.3 s", duration="0.2 s", **tight)).features
+    assert abs(found["cage.slip.mean"]) < 1e-4
+
+
+def test_drag_by_hand():
+    """At 6000 rpm the cage turns at 256.17 rad/s and a roller orbits at 8.3256 m/s.
+
+    Orbit: 1/2 * 86 kg/m^3 * 1 * (12 mm)^2 * (8.3256 m/s)^2 = 0.42920 N on each of 13 rollers, at 32.5 mm.
+    Land: 2 pi * 0.05 Pa s * (36.7 mm)^3 * 11 mm / 0.2 mm * 256.17 rad/s.
+    """
+    assert drag_torque(assemble.model(oiled(6000, 20)), 0.0) == pytest.approx(LAND_TORQUE + ORBIT_TORQUE, rel=1e-4)
+
+
+def test_friction_by_hand():
+    """Far into slip each roller slides at 0.15 and both races push it: 2 * 0.15 * sum Q_i * 32.5 mm."""
+    model = assemble.model(oiled(1800, 20))
+    found = loads(model, 0.5)
+    assert friction_torque(model, found, 0.5) == pytest.approx(0.15 * 0.065 * found.inner.sum(), rel=0.01)
+    assert 20.0 < found.inner.sum() < 1.28 * 20.0  # 1.2733 for linear contacts, half the circle loaded
+
+
+def test_the_floor_is_the_pockets_clearance_over_the_load_zone():
+    """A roller enters at the rear of its pocket and rolls across it before it pushes, over 102 mm of load zone."""
+    narrow, wide = (slip(1800, 150, cage=Pocket(clearance)) for clearance in (0.1, 0.4))
+    assert wide - narrow == pytest.approx(0.3 / 102.1, rel=0.15)
+    assert narrow == pytest.approx(balance(oiled(1800, 150, cage=Pocket(0.1))), rel=0.1)
+
+
+def test_slip_grows_as_load_falls_and_speed_rises():
+    found = [[slip(rpm, load) for load in (150, 10)] for rpm in (600, 1800, 6000)]
+    for row in found:
+        assert row[0] < row[1]
+    for column in list(zip(*found, strict=True))[1:]:
+        assert column[0] < column[1] < column[2]
+    assert found[0][1] < 0.01
+    assert found[2][1] > 0.5
+
+
+@pytest.mark.parametrize(("rpm", "load", "friction"), [(3000, 10, "static-dynamic"), (6000, 40, "traction")])
+def test_gross_slip_is_where_the_forces_balance(rpm, load, friction):
+    expected = balance(oiled(rpm, load, friction=friction))
+    assert 0.15 < expected < 0.25
+    assert slip(rpm, load, friction=friction) == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("rpm", "friction"),
+    [(1800, "traction"), (3000, "static-dynamic"), (6000, "static-dynamic"), (1800, "static-dynamic")],
+)
+def test_the_onset_of_gross_slip_is_where_drag_exceeds_friction(rpm, friction):
+    """Within 20 % in load, from rolling."""
+    onset = onset_by_balance(oiled(rpm, 20, friction=friction))
+    assert slip(rpm, onset * 1.2, friction=friction) < GROSS < slip(rpm, onset / 1.2, friction=friction)
+
+
+def test_seeds_agree_on_the_mean():
+    """The motion is chaotic, the mean is not."""
+    found = [slip(3000, 10, seed=seed) for seed in (1, 2, 3)]
+    assert len(set(found)) == 3
+    assert max(found) - min(found) < 0.02 * max(found)

@@ -1,0 +1,62 @@
+"""What a study asks of ``spatial``: the lines of ``rollers`` where nothing tilts, and what tilt adds elsewhere."""
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bearingsim.config import Case
+from bearingsim.simulation.simulate import Record, simulate
+
+SLOT = {"shape": "rectangular", "width": "0.8 mm", "depth": "50 um"}
+SHORT = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "duration": "70 ms", "settle": "30 ms"}
+LEAN = ["roller.1.tilt", "roller.1.outer_line_load", "roller.1.outer_force"]
+
+
+@lru_cache
+def run(model: str, length: float, offset: float = 0.0) -> Record:
+    record = LEAN if model == "spatial" else []
+    pit: dict[str, Any] = SLOT | {"length": length * 1e-3, "offset": offset * 1e-3}
+    return simulate(Case.model_validate(SHORT | {"model": model, "defect": pit, "record": record}))
+
+
+def line(model: str, length: float, offset: float = 0.0) -> float:
+    return run(model, length, offset).features["velocity@BPFO"]
+
+
+def test_the_line_rises_with_the_pits_length_in_rollers_and_in_spatial_alike() -> None:
+    lengths = (3.0, 6.0, 9.0, 12.0)
+    flat, sliced = ([line(model, length) for length in lengths] for model in ("rollers", "spatial"))
+    assert np.all(np.diff(flat) > 0.0)
+    assert np.all(np.diff(sliced) > 0.0)
+    assert sliced == pytest.approx(flat, rel=0.02)  # planar and spatial roll with friction, rollers without
+
+
+def test_where_nothing_leans_spatial_is_planar() -> None:
+    assert line("spatial", 12.0) == pytest.approx(line("planar", 12.0), rel=1e-3)
+    assert np.abs(run("spatial", 12.0).series["roller.1.tilt"]).max() < 1e-12
+
+
+def test_a_pit_off_the_middle_tilts_the_roller_and_raises_the_line() -> None:
+    centred, aside = line("spatial", 3.0), line("spatial", 3.0, 4.0)
+    assert line("rollers", 3.0, 4.0) == line("rollers", 3.0)  # knows no tilt
+    assert aside > 1.03 * centred
+    tilt = run("spatial", 3.0, 4.0).series["roller.1.tilt"]
+    mirrored = run("spatial", 3.0, -4.0).series["roller.1.tilt"]
+    assert tilt.max() > 3e-6  # its +z end falls outwards, into the pit
+    assert abs(tilt.min()) < tilt.max()
+    assert mirrored.min() == pytest.approx(-tilt.max(), rel=0.02)
+    assert line("spatial", 3.0, -4.0) == pytest.approx(aside, rel=1e-3)
+
+
+def test_the_line_load_adds_up_to_the_force() -> None:
+    found = run("spatial", 3.0, 4.0)
+    loads = [name for name in found.series if "outer_line_load" in name]
+    case = Case.model_validate(SHORT | {"model": "spatial", "defect": SLOT | {"length": 3e-3, "offset": 4e-3}})
+    from bearingsim.config.rules.slicing import slice_ends
+
+    widths = np.diff(slice_ends(case))
+    total = sum(found.series[f"roller.1.outer_line_load.{k + 1}"] * width for k, width in enumerate(widths))
+    assert len(loads) == len(widths)
+    assert total == pytest.approx(found.series["roller.1.outer_force"], rel=1e-6, abs=1e-6)

@@ -1,0 +1,95 @@
+"""What the paper's figures say, at small size: how the line at the outer-race frequency moves with the defect.
+
+Yang et al.: it rises with length (Fig. 14), with width and depth (Fig. 15), and falls with the angle from the most
+loaded position (Fig. 16). 0.8 mm x 0.05 mm at 150 N, clearance 0, unless said otherwise.
+"""
+
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from bearingsim import simulate
+from tests.scenes.nf308 import SLOT, case
+
+MODELS = ("static", "ring", "rollers")
+
+
+@lru_cache(maxsize=256)
+def lines(model, clearance="0 um", **changes):
+    """Complex velocity line (m/s) with the defect and without."""
+    given = {"model": model, "clearance": clearance, "duration": "60 ms", "settle": "40 ms"}
+    found = []
+    for defects in ([SLOT | changes], []):
+        f = simulate(case(defects=defects, **given)).features
+        found.append(f["velocity@BPFO"] * np.exp(1j * f["velocity@BPFO.phase"]))
+    return tuple(found)
+
+
+def amplitude(*given, **changes):
+    return abs(lines(*given, **changes)[0])
+
+
+def less_healthy(*given, **changes):
+    return abs(np.subtract(*lines(*given, **changes)))
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("measure", [amplitude, less_healthy])
+def test_the_line_falls_with_angle(model, measure):
+    found = [measure(model, angle=f"{angle} deg") for angle in range(0, 61, 10)]
+    assert all(a > b for a, b in pairwise(found))
+    assert found[-1] < 0.35 * found[0]
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("shape", ["circular", "rectangular"])
+def test_the_line_rises_with_length(model, shape):
+    found = [amplitude(model, shape=shape, length=f"{mm} mm") for mm in (3, 6, 9, 12)]
+    assert all(b > 1.2 * a for a, b in pairwise(found))
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_line_rises_with_width(model):
+    found = [amplitude(model, width=f"{mm} mm") for mm in (0.2, 0.4, 0.8, 1.2, 2.0)]
+    assert all(b > 1.2 * a for a, b in pairwise(found))
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_line_rises_with_depth_until_the_roller_hangs_free(model):
+    """Past the approach of the loaded contacts (about 0.35 um) the line saturates: depth is felt no more."""
+    shallow = [amplitude(model, depth=f"{um} um") for um in (0.1, 0.2, 0.5)]
+    assert all(b > 1.2 * a for a, b in pairwise(shallow))
+    deep = [amplitude(model, depth=f"{um} um") for um in (1, 5, 50)]
+    assert max(deep) < 1.15 * min(deep)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_bowl_is_felt_least_and_a_box_as_much_as_a_groove(model):
+    """At 0.05 mm depth neither wall nor floor is reached: box and groove are one, a bowl's narrow ends carry."""
+    box, groove, bowl = (amplitude(model, shape=shape) for shape in ("rectangular", "triangular", "circular"))
+    assert groove == pytest.approx(box, rel=1e-9)
+    assert bowl < 0.9 * box
+
+
+@pytest.mark.parametrize(("angle", "expected"), [(0, 9.30), (20, 7.38), (40, 4.25), (60, 2.03)])
+def test_the_amplitudes_of_the_documented_slot(angle, expected):
+    """um/s; the value at 0 deg agrees with the independent solution of tests/independent/rollers.py (9.2978)."""
+    assert 1e6 * amplitude("rollers", angle=f"{angle} deg") == pytest.approx(expected, abs=0.02)
+
+
+def test_with_clearance_the_shapes_are_intertwined_past_some_angle():
+    """10 um, 0.8 mm x 5 um: apart at the load line; past 40 deg all three stand where the healthy line does."""
+    shapes = ("rectangular", "triangular", "circular")
+    healthy = abs(lines("rollers", clearance="10 um")[1])
+
+    def spread(angle):
+        found = [amplitude("rollers", clearance="10 um", angle=angle, shape=s, depth="5 um") for s in shapes]
+        return np.ptp(found) / healthy, max(abs(value / healthy - 1.0) for value in found)
+
+    assert spread("0 deg")[0] > 0.15
+    for angle in ("40 deg", "50 deg", "60 deg"):
+        apart, from_healthy = spread(angle)
+        assert apart < 0.03
+        assert from_healthy < 0.03

@@ -1,0 +1,107 @@
+"""Scans kept with the results of a study: drawn elsewhere, without the files, and without anybody's folders."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bearingsim import store
+from bearingsim.config.scan.repair import ScanError, read_scan
+from bearingsim.plots.plot import drawn
+from bearingsim.runner import run
+from bearingsim.study import Study, load_study
+from tests.config.test_scan import bowl, gridded
+
+TEXT = """\
+study: scans
+bearing: nf308
+speed: 1800 rpm
+load: 150 N
+defect: {shape: scan, file: scans/a.csv}
+sweep: {defect.file: [scans/a.csv, scans/b.CSV]}
+model: static
+duration: 20 ms
+settle: 0 ms
+"""
+
+
+@pytest.fixture
+def home(tmp_path: Path) -> Path:
+    """A folder of somebody, with a study and its scans."""
+    (tmp_path / "somebody" / "scans").mkdir(parents=True)
+    gridded(tmp_path / "somebody" / "scans" / "a.csv", bowl())
+    gridded(tmp_path / "somebody" / "scans" / "b.CSV", 0.5 * bowl())
+    (tmp_path / "somebody" / "study.yaml").write_text(TEXT)
+    return tmp_path / "somebody"
+
+
+def study_of(home: Path) -> Study:
+    return load_study(home / "study.yaml")
+
+
+def compute(home: Path, out: Path, **options: Any) -> Any:
+    return run(study_of(home), out, **{"jobs": 1, "progress": False} | options)
+
+
+def digests(home: Path) -> list[str]:
+    return [read_scan(home / "scans" / name).digest for name in ("a.csv", "b.CSV")]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_results_are_drawn_elsewhere(home: Path, tmp_path: Path, jobs: int, monkeypatch: Any) -> None:
+    assert compute(home, tmp_path / "out", jobs=jobs).done == 3
+    expected = [digest + ".csv" for digest in digests(home)]
+    assert sorted(path.name for path in (tmp_path / "out" / "scans").iterdir()) == sorted(expected)
+    shutil.move(tmp_path / "out", tmp_path / "there")
+    shutil.rmtree(home)
+    monkeypatch.chdir(tmp_path / "there")
+    results = store.open_results(tmp_path / "there")
+    deepest = [canvas.axes[0].child_axes[0].get_ylim()[0] for _, canvas in drawn(results, "pit", jobs=["all"])]
+    assert sorted(deepest) == pytest.approx([25.0, 50.0], rel=1e-3)
+
+
+def test_nobody_s_folder_is_stored(home: Path, tmp_path: Path, monkeypatch: Any) -> None:
+    compute(home, tmp_path / "out")
+    assert set(store.open_results(tmp_path / "out").parameters()["defects.1.file"]) == {"a.csv", "b.CSV", ""}
+    monkeypatch.chdir(home)
+    run(load_study("study.yaml"), "results", jobs=1, progress=False)
+    found = store.open_results("results").parameters()["defects.1.file"]
+    assert set(found) == {"scans/a.csv", "scans/b.CSV", ""}
+    stored = [path.read_bytes() for path in Path("results").rglob("*") if path.suffix in (".h5", ".csv", ".json")]
+    assert not any(str(home).encode() in content for content in stored)
+
+
+def test_scans_are_kept_once_whatever_is_run_again(home: Path, tmp_path: Path) -> None:
+    compute(home, tmp_path, shard=(1, 2))
+    [kept, other] = [tmp_path / "scans" / f"{digest}.csv" for digest in digests(home)]
+    written = kept.stat().st_ino
+    other.write_bytes(b"torn")
+    summary = compute(home, tmp_path, shard=(2, 2))
+    assert compute(home, tmp_path).resumed == 3
+    assert summary.failed == 0
+    assert kept.stat().st_ino == written
+    assert other.read_bytes() == (home / "scans" / "b.CSV").read_bytes()
+    (home / "scans").rename(home / "moved")
+    (home / "study.yaml").write_text(TEXT.replace("scans/", "moved/"))
+    assert compute(home, tmp_path).resumed == 3
+    compute(home, tmp_path, fresh=True)
+    assert kept.is_file()
+    assert not list(tmp_path.glob("scans/*.part"))
+
+
+@pytest.mark.parametrize(("changed", "message"), [(b"else", "has changed since"), (None, "no file")])
+def test_a_scan_that_goes_before_the_run_is_told(home: Path, tmp_path: Path, changed: Any, message: str) -> None:
+    study, file = study_of(home), home / "scans" / "a.csv"
+    file.unlink()
+    if changed:
+        gridded(file, 0.9 * bowl())
+    with pytest.raises(ScanError, match=message):
+        run(study, tmp_path / "out", jobs=1, progress=False)
+
+
+def test_a_leftover_of_a_dead_writer_is_swept(tmp_path: Path) -> None:
+    (tmp_path / "scans").mkdir()
+    left = tmp_path / "scans" / f"0123.csv.{store.files.writer().rpartition('-')[0]}-4194304.part"
+    left.touch()
+    assert store.sweep(tmp_path) == [left]

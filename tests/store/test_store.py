@@ -1,0 +1,389 @@
+"""The results folder: unit files, table, resuming, leftovers."""
+
+import json
+import os
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+from bearingsim import store
+from bearingsim.config import Case
+from bearingsim.store.files import sealing, writer, writer_is_dead
+from bearingsim.store.names import parameter_attributes
+from bearingsim.store.units import columns
+from tests.scenes.fake_studies import FakeCase, FakeJob, FakeStudy, case_id, record_of
+
+PROVENANCE = {"model_version": 1, "study_text": "study: fake\n" + "# long\n" * 20_000}
+
+
+def seal(root: Path, study: FakeStudy, jobs: list[FakeJob] | None = None) -> list[Path]:
+    """Store jobs of a study (all by default) as a run would."""
+    store.write_plan(root, study, study.jobs())
+    return store.write_units(root, [(job, record_of(job.case)) for job in jobs or study.jobs()], PROVENANCE)
+
+
+@pytest.fixture
+def study() -> FakeStudy:
+    return FakeStudy()
+
+
+def test_unit_file_returns_what_was_stored(tmp_path: Path, study: FakeStudy) -> None:
+    [path] = seal(tmp_path, study)
+    job = study.jobs()[1]
+    series, record = store.read_series(path, job.id), record_of(job.case)
+    np.testing.assert_array_equal(series.time, record.time)
+    np.testing.assert_array_equal(series["ring.velocity.y"], record.series["ring.velocity.y"].astype("f4"))
+    assert series.units == {"ring.velocity.x": "m/s", "ring.velocity.y": "m/s"}
+    assert path == store.unit_path(tmp_path, store.unit_name(job.id for job in study.jobs()))
+
+
+def test_unit_file_is_compressed_and_has_checksums(tmp_path: Path, study: FakeStudy) -> None:
+    [path] = seal(tmp_path, study)
+    with h5py.File(path) as file:
+        channel = file["ring.velocity.x"]
+        assert (channel.dtype, file["time"].dtype) == (np.float32, np.float64)
+        assert (channel.compression, channel.shuffle, channel.fletcher32) == ("gzip", True, True)
+        assert file["features/velocity@BPFO"].fletcher32
+        assert file["features/velocity@BPFO"].attrs["units"] == "m/s"
+        assert file["parameters/defects.1.width"].attrs["units"] == "m"
+        assert file.attrs["model_version"] == 1
+        assert file["provenance/study_text"].asstr()[()] == PROVENANCE["study_text"]
+
+
+def test_xarray_opens_a_unit_unaided(tmp_path: Path, study: FakeStudy) -> None:
+    [path] = seal(tmp_path, study)
+    with xr.open_dataset(path, engine="h5netcdf") as data:
+        assert data["ring.velocity.x"].dims == ("job", "time")
+        assert data["ring.velocity.x"].attrs == {"units": "m/s", "long_name": "velocity of the outer ring x"}
+        assert list(data["job"].values) == sorted(job.id for job in study.jobs())
+        assert data["time"].attrs["units"] == "s"
+    with xr.open_dataset(path, engine="h5netcdf", group="features") as features:
+        assert features["velocity@BPFO"].dims == ("job",)
+
+
+def test_jobs_of_other_time_axes_get_their_own_unit(tmp_path: Path) -> None:
+    cases = [FakeCase(duration=0.02), FakeCase(duration=0.04), FakeCase(record=()), FakeCase(width=2e-3)]
+    jobs = [FakeJob(case_id(case), case, {}, None) for case in cases]
+    units = store.write_units(tmp_path, [(job, record_of(job.case)) for job in jobs], PROVENANCE)
+    assert sorted(len(store.check_unit(unit)) for unit in units) == [1, 1, 2]
+    assert store.sealed_jobs(tmp_path) == ({job.id for job in jobs}, 0)
+    [bare] = [unit for unit in units if jobs[2].id in store.check_unit(unit)]
+    assert store.read_series(bare, jobs[2].id).channels == {}
+
+
+def test_columns_keep_words_and_mark_what_is_absent() -> None:
+    found = columns([{"a": 1.0, "step": "auto"}, {"a": 2, "step": 0.5}, {"b": 3.0}])
+    assert list(found["step"]) == ["auto", "0.5", ""]
+    np.testing.assert_array_equal(found["a"], [1.0, 2.0, np.nan])
+
+
+def test_parameters_are_flat_and_in_si() -> None:
+    assert store.flat_parameters(FakeCase(width=8e-4, deed="none")) == {
+        "deed": "none",
+        "seconds": 0.0,
+        "duration": 0.02,
+        "sampling": 10240.0,
+        "record": "ring.velocity",
+        "bearing.name": "fake",
+        "bearing.roller_diameter": 0.014,
+        "defects.1.race": "outer",
+        "defects.1.width": 8e-4,
+    }
+
+
+def test_parameters_carry_their_si_unit() -> None:
+    bearing = {"name": "b", "rollers": 9, "roller_diameter": 0.01, "roller_length": 0.01, "pitch_diameter": 0.05}
+    sizes = {"bore": 0.03, "outside_diameter": 0.07, "width": 0.015}
+    defects = [{"shape": "rectangular", "length": 2e-3, "width": 1e-3, "depth": 1e-4}]
+    case = Case.model_validate({"bearing": bearing | sizes, "speed": 100.0, "load": 50.0, "defects": defects})
+    units = {name: parameter_attributes(name).get("units") for name in store.flat_parameters(case)}
+    expected = {"bearing.roller_diameter": "m", "bearing.material.density": "kg/m^3", "defects.1.angle": "rad"}
+    expected |= {"speed": "rad/s", "load": "N", "contact.damping.chi": "s/m", "rig.bracket_damping": "N s/m"}
+    assert {name: units[name] for name in expected} == expected
+    assert units["model"] is None
+    assert units["bearing.rollers"] is None
+    assert parameter_attributes("defect.grown") == {}
+
+
+def test_nothing_stays_under_a_final_name_when_writing_fails(tmp_path: Path) -> None:
+    def write_half() -> None:
+        with sealing(tmp_path / "a.txt") as part:
+            part.write_text("half")
+            raise OSError("no space left")
+
+    with pytest.raises(OSError, match="no space"):
+        write_half()
+    assert list(tmp_path.iterdir()) == []
+
+
+# Resuming
+
+
+@pytest.mark.parametrize("kept", [0, 100, 0.5, 0.999])
+def test_truncated_unit_is_found_and_set_aside(tmp_path: Path, study: FakeStudy, kept: float) -> None:
+    first, second = study.jobs()[:2], study.jobs()[2:]
+    [bad], [_] = seal(tmp_path, study, first), seal(tmp_path, study, second)
+    content = bad.read_bytes()
+    bad.write_bytes(content[: int(kept if kept >= 1 else kept * len(content))])
+    assert store.sealed_jobs(tmp_path) == ({job.id for job in second}, 1)
+    assert not bad.exists()
+    assert bad.with_suffix(".damaged").exists()
+    [journal] = tmp_path.glob("journal-*.jsonl")
+    assert json.loads(journal.read_text())["unit"] == bad.stem
+
+
+def test_flipped_byte_is_found_by_reading_checksums(tmp_path: Path, study: FakeStudy) -> None:
+    [path] = seal(tmp_path, study)
+    with h5py.File(path) as file:
+        offset = file["ring.velocity.x"].id.get_chunk_info(0).byte_offset
+    content = bytearray(path.read_bytes())
+    content[offset + 50] ^= 1
+    path.write_bytes(bytes(content))
+    assert len(store.check_unit(path)) == 4
+    with pytest.raises(store.DamagedUnit, match=path.name):
+        store.check_unit(path, checksums=True)
+    assert store.sealed_jobs(tmp_path, checksums=True) == (set(), 1)
+
+
+def test_unit_under_another_name_is_not_trusted(tmp_path: Path, study: FakeStudy) -> None:
+    [path] = seal(tmp_path, study)
+    moved = path.rename(path.with_name("0123456789abcdef.h5"))
+    with pytest.raises(store.DamagedUnit, match="ids"):
+        store.check_unit(moved)
+
+
+def test_unit_with_a_missing_row_is_not_trusted(tmp_path: Path, study: FakeStudy) -> None:
+    [path] = seal(tmp_path, study)
+    with h5py.File(path, "r+") as file:
+        short = file["ring.velocity.x"][1:]
+        del file["ring.velocity.x"]
+        file["ring.velocity.x"] = short
+    with pytest.raises(store.DamagedUnit, match="shape"):
+        store.check_unit(path)
+
+
+def test_sweep_takes_leftovers_of_dead_writers_only(tmp_path: Path) -> None:
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    host = writer().rpartition("-")[0]
+    folder = tmp_path / "units" / "ab"
+    folder.mkdir(parents=True)
+    names = {
+        who: folder / f"ab.h5.{host}-{pid}.part" for who, pid in {"dead": dead.pid, "own": os.getpid()}.items()
+    }
+    names |= {"parent": folder / f"ab.{host}-{os.getppid()}.started", "there": folder / "ab.h5.elsewhere-1.part"}
+    names["long ago"] = folder / "ab.h5.elsewhere-2.part"
+    for path in names.values():
+        path.touch()
+    os.utime(names["long ago"], (time.time() - 2 * 86400,) * 2)
+    assert set(store.sweep(tmp_path)) == {names["dead"], names["long ago"]}
+    assert not names["dead"].exists()
+    assert names["own"].exists()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_killed_writer_counts_as_dead_before_it_is_waited_for(tmp_path: Path) -> None:
+    process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
+    part = tmp_path / f"x.{writer().rpartition('-')[0]}-{process.pid}.part"
+    part.touch()
+    assert not writer_is_dead(part)
+    process.kill()
+    os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
+    assert writer_is_dead(part)
+    process.wait()
+
+
+def test_fresh_start_refuses_a_folder_in_use(tmp_path: Path, study: FakeStudy) -> None:
+    [path] = seal(tmp_path, study)
+    with store.start_marker(tmp_path, path.stem), pytest.raises(store.FolderInUse, match="another run"):
+        store.discard(tmp_path)
+    store.discard(tmp_path)
+    assert not path.exists()
+
+
+def test_marker_of_a_dead_process_names_the_job_in_hand(tmp_path: Path) -> None:
+    code = "import os, sys; from pathlib import Path; from bearingsim import store\n"
+    code += "with store.start_marker(Path(sys.argv[1]), 'cafe') as note: note('a'); note('b'); os._exit(9)"
+    subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=False)
+    with store.start_marker(tmp_path, "cafe") as note:
+        note("mine")
+        assert store.take_suspects(tmp_path, ["cafe"]) == {"b"}
+        assert store.take_suspects(tmp_path, ["cafe"]) == set()
+    assert not list(tmp_path.rglob("*.started"))
+
+
+def test_writer_of_a_vanished_file_counts_as_dead(tmp_path: Path) -> None:
+    assert writer_is_dead(tmp_path / f"x.{writer()}.part")
+
+
+# The table
+
+
+def test_table_has_one_row_per_job_in_order(tmp_path: Path, study: FakeStudy) -> None:
+    seal(tmp_path, study, study.jobs()[2:])
+    failure = store.Failure(study.jobs()[0].id, "no steady state", attempts=2)
+    failure.write(tmp_path)
+    store.build_table(tmp_path)
+    table = store.open_results(tmp_path).table()
+    assert list(table["job"]) == [job.id for job in study.jobs()]
+    assert list(table["status"]) == ["failed", "missing", "done", "done"]
+    assert list(table["reason"]) == ["no steady state", "", "", ""]
+    np.testing.assert_array_equal(table["defect.width"], [1e-3, 2e-3, 3e-3, np.nan])
+    np.testing.assert_array_equal(table["velocity@BPFO"], [np.nan, np.nan, 3e-3, 1e-3])
+    assert store.open_results(tmp_path).failures() == {failure.job: failure}
+
+
+def test_difference_from_the_healthy_twin_is_complex(tmp_path: Path, study: FakeStudy) -> None:
+    seal(tmp_path, study)
+    table = store.open_results(tmp_path).table()
+    expected = [abs(1j * width - 1e-3) for width in study.widths]  # a quarter turn from a healthy 1 mm/s
+    np.testing.assert_allclose(table["velocity@BPFO-healthy"], [*expected, np.nan], rtol=1e-12)
+    assert "velocity.rms-healthy" not in table
+
+
+def test_csv_reads_back_exactly(tmp_path: Path, study: FakeStudy) -> None:
+    import pandas as pd
+
+    seal(tmp_path, study)
+    store.build_table(tmp_path)
+    again = pd.read_csv(tmp_path / "results.csv", dtype={"job": str})
+    table = store.open_results(tmp_path).table()
+    assert list(again.columns[:2]) == ["job", "defect.width"]
+    for name in ("velocity@BPFO", "velocity.rms", "velocity@BPFO-healthy", "seconds"):
+        np.testing.assert_array_equal(again[name], table[name])
+
+
+def test_table_is_rebuilt_when_lost_damaged_or_stale(tmp_path: Path, study: FakeStudy) -> None:
+    jobs = study.jobs()
+    seal(tmp_path, study, jobs[:2])
+    assert list(store.open_results(tmp_path).table()["status"]) == ["done", "done", "missing", "missing"]
+    seal(tmp_path, study, jobs[2:])
+    whole = store.open_results(tmp_path).table()
+    assert set(whole["status"]) == {"done"}
+    (tmp_path / "study.h5").write_bytes(b"not HDF5")
+    assert store.open_results(tmp_path).table().equals(whole)
+    (tmp_path / "study.h5").unlink()
+    assert store.open_results(tmp_path).table().equals(whole)
+
+
+def test_table_is_read_without_the_units_while_up_to_date(tmp_path: Path, study: FakeStudy) -> None:
+    [path] = seal(tmp_path, study)
+    first = store.open_results(tmp_path).table()
+    written = (tmp_path / "study.h5").stat().st_mtime_ns
+    path.write_bytes(b"x" * path.stat().st_size)
+    assert store.open_results(tmp_path).table().equals(first)
+    assert (tmp_path / "study.h5").stat().st_mtime_ns == written
+
+
+@pytest.mark.parametrize("action", [store.build_table, store.sweep, store.discard])
+def test_parents_that_share_a_folder_take_turns(
+    tmp_path: Path, study: FakeStudy, action: Callable[[Path], Any]
+) -> None:
+    seal(tmp_path, study)
+    other = threading.Thread(target=action, args=(tmp_path,))
+    with store.lock(tmp_path):
+        other.start()
+        other.join(0.3)
+        assert other.is_alive()
+    other.join(10.0)
+    assert not other.is_alive()
+
+
+def test_damaged_unit_is_missing_from_the_table_with_a_warning(tmp_path: Path, study: FakeStudy) -> None:
+    [path] = seal(tmp_path, study)
+    path.write_bytes(path.read_bytes()[:1000])
+    with pytest.warns(UserWarning, match="cannot be read"):
+        table = store.open_results(tmp_path).table()
+    assert set(table["status"]) == {"missing"}
+
+
+def test_job_in_two_units_is_counted_once(tmp_path: Path, study: FakeStudy) -> None:
+    seal(tmp_path, study, study.jobs()[:2])
+    seal(tmp_path, study)
+    assert len(store.open_results(tmp_path).table()) == 4
+
+
+def test_table_file_opens_in_xarray(tmp_path: Path, study: FakeStudy) -> None:
+    seal(tmp_path, study)
+    store.build_table(tmp_path)
+    with xr.open_dataset(tmp_path / "study.h5", engine="h5netcdf", group="features") as features:
+        assert features["velocity@BPFO-healthy"].dims == ("job",)
+        assert features["velocity@BPFO"].attrs["units"] == "m/s"
+
+
+def test_plan_tells_what_was_asked(tmp_path: Path, study: FakeStudy) -> None:
+    store.write_plan(tmp_path, study, study.jobs())
+    plan = store.read_plan(tmp_path)
+    assert (tmp_path / "study.yaml").read_text() == study.text
+    assert (plan["study"], plan["overrides"], plan["units"]) == ("fake", {"load": "200 N"}, {"defect.width": "mm"})
+    assert plan["jobs"][0] == {
+        "job": study.jobs()[0].id,
+        "healthy": study.jobs()[3].id,
+        "twin": False,
+        "swept": {"defect.width": 1e-3},
+    }
+    assert [entry["twin"] for entry in plan["jobs"]] == [False, False, False, True]
+
+
+# Results
+
+
+def test_a_plan_of_an_older_version_is_refused(tmp_path: Path, study: FakeStudy) -> None:
+    store.write_plan(tmp_path, study, study.jobs())
+    plan = (tmp_path / "plan.json").read_text()
+    (tmp_path / "plan.json").write_text(plan.replace('"twin"', '"unknown"'))
+    with pytest.raises(store.ResultsError, match="run the study again"):
+        store.open_results(tmp_path)
+
+
+def test_results_give_series_and_parameters(tmp_path: Path, study: FakeStudy) -> None:
+    seal(tmp_path, study)
+    results = store.open_results(str(tmp_path))
+    job = results.jobs[2]
+    record = record_of(study.jobs()[2].case)
+    np.testing.assert_array_equal(
+        results.series(job)["ring.velocity.x"], record.series["ring.velocity.x"].astype("f4")
+    )
+    assert results.parameters().loc[job, "defects.1.width"] == 3e-3
+    assert results.info().loc[job, "step_s"] == 5e-7
+
+
+def test_results_become_one_dataset(tmp_path: Path, study: FakeStudy) -> None:
+    seal(tmp_path, study, study.jobs()[:2])
+    seal(tmp_path, study, study.jobs()[2:])
+    data = store.open_results(tmp_path).to_xarray()
+    assert dict(data.sizes) == {"job": 4, "time": 205}
+    assert data["defect.width"].attrs["units"] == "m"
+    assert data["velocity@BPFO"].attrs["units"] == "m/s"
+    wide = data.sel(job=study.jobs()[2].id)
+    expected = record_of(study.jobs()[2].case).series["ring.velocity.y"].astype("f4")
+    np.testing.assert_array_equal(wide["ring.velocity.y"], expected)
+
+
+def test_dataset_without_xarray_says_what_to_install(
+    tmp_path: Path, study: FakeStudy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seal(tmp_path, study)
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(store.ResultsError, match="pip install xarray"):
+        store.open_results(tmp_path).to_xarray()
+
+
+def test_what_is_not_there_is_said(tmp_path: Path, study: FakeStudy) -> None:
+    with pytest.raises(store.ResultsError, match="holds no results"):
+        store.open_results(tmp_path)
+    seal(tmp_path, study, study.jobs()[1:])
+    results = store.open_results(tmp_path)
+    with pytest.raises(store.ResultsError, match="not computed yet"):
+        results.series(study.jobs()[0].id)
+    with pytest.raises(store.ResultsError, match="no job nonsense"):
+        results.series("nonsense")

@@ -1,0 +1,281 @@
+"""A study's template, the ids of its cases, and what editors and other modules ask of it."""
+
+import json
+import math
+import subprocess
+import sys
+from fractions import Fraction
+from typing import Any, get_args
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bearingsim.config import Cage, Case, Drag, StaticDynamic
+from bearingsim.config.sections.defect import Shape
+from bearingsim.study import NEW_STUDY, case_id, dimension, json_schema, load_study
+from tests.scenes.study_text import Write
+
+
+def test_the_template_is_a_good_study(write: Write) -> None:
+    study = load_study(write(NEW_STUDY))
+    assert (study.name, study.quick, study.text) == ("defect-length", False, NEW_STUDY)
+    assert len(study.cases()) == 12
+    assert len(study.jobs()) == 12 + 3
+    assert study.units == {"defect.length": "mm", "load": "N"}
+    assert [(f.y, f.x, f.by) for f in study.figures] == [(("velocity@BPFO",), "defect.length", ("load",))]
+
+
+def test_the_commented_lines_of_the_template_hold_the_defaults(write: Write) -> None:
+    said = NEW_STUDY
+    keys = ("rig", "clearance", "excitation", "model", "method", "step", "settle", "sampling", "gravity", "seed")
+    for key in keys:
+        said = said.replace(f"\n# {key}:", f"\n{key}:")
+    said = said.replace("# contact:\n#   stiffness", "contact:\n  stiffness").replace(
+        "\n#   damping", "\n  damping"
+    )
+    said = said.replace("\n  # offset:", "\n  offset:")
+    assert said.count("#") < NEW_STUDY.count("#")
+    assert load_study(write(said)).cases() == load_study(write(NEW_STUDY)).cases()
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_what_the_template_zips_is_right(write: Write, which: int) -> None:
+    head, *ends = NEW_STUDY.split("\n  # zip:")
+    said = [head, *("\n  # zip:" + end for end in ends)]
+    said[1 + which] = said[1 + which].replace("\n  # zip:", "\n  zip:")
+    assert len(load_study(write("".join(said))).cases()) == 12 * (2, 3)[which]
+
+
+def test_the_templates_lines_for_the_planar_model_are_right(write: Write) -> None:
+    said = NEW_STUDY.replace("\n# model: rollers", "\nmodel: least")
+    for key in ("friction", "cage", "drag", "ramp", "shaft", "unbalance"):
+        said = said.replace(f"\n# {key}:", f"\n{key}:")
+    found = load_study(write(said)).cases()[0]
+    assert (found.model, found.friction, found.cage) == ("planar", StaticDynamic(), Cage())
+    assert found.drag == Drag()
+    assert None not in (found.ramp, found.shaft, found.unbalance)
+
+
+def test_the_templates_lines_for_the_spatial_model_are_right(write: Write) -> None:
+    said = NEW_STUDY.replace("\n# model: rollers", "\nmodel: least")
+    for key in ("misalignment", "  offset", "  edge"):
+        said = said.replace(f"\n# {key}:", f"\n{key}:").replace(f"\n  # {key.strip()}:", f"\n  {key.strip()}:")
+    found = load_study(write(said)).cases()[0]
+    assert found.model == "spatial"
+    assert found.misalignment is not None
+    assert found.defects[0].edge is not None
+
+
+# Ids
+
+
+PLANAR = {"model": "planar"}
+
+
+def one(**fields: Any) -> Case:
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
+    return Case.model_validate(base | fields)
+
+
+@given(st.integers(1, 10**13), st.integers(-13, -9), st.integers(-9, 3), st.integers(-9, 3))
+def test_the_same_quantity_in_another_unit_has_the_same_id(
+    digits: int, power: int, first: int, second: int
+) -> None:
+    load = Fraction(digits) * Fraction(10) ** power
+    words = {"N": 0, "kN": 3}
+    ids = set()
+    for (word, shift), exponent in zip(words.items(), (first, second), strict=True):
+        mantissa = Fraction(digits) * Fraction(10) ** (power - shift - exponent)
+        text = f"{digits}e{power - shift} {word}" if exponent > 0 else f"{_decimal(mantissa)}e{exponent} {word}"
+        ids.add(case_id(one(load=text)))
+    assert ids == {case_id(one(load=float(load)))}
+
+
+def _decimal(value: Fraction) -> str:
+    """A decimal fraction, written out."""
+    places = 0
+    while (value * 10**places).denominator != 1:
+        places += 1
+    text = str(int(value * 10**places)).rjust(places + 1, "0")
+    return f"{text[:-places]}.{text[-places:]}" if places else text
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ({"clearance": "0.02 mm"}, {"clearance": "20 um"}),
+        ({"speed": "1800 rpm"}, {"speed": "30 Hz"}),
+        ({"speed": "1800 rpm"}, {"speed": "10800 deg/s"}),
+        ({"record": ["ring.velocity", "ring.displacement"]}, {"record": ["ring.displacement", "ring.velocity"]}),
+        ({"clearance": 0.0}, {"clearance": -0.0}),
+        ({"load": 150.0}, {"load": 150.0 * (1 + 1e-15)}),
+        ({}, {"method": "auto"}),
+        ({}, {"contact": {"stiffness": "palmgren"}}),
+        ({}, {"excitation": "soft-edge"}),  # nothing to excite
+        ({}, {"seed": 3}),  # nothing random
+        ({}, {"friction": "none", "drag": "none"}),  # which is so in this model
+        ({"clearance": "CN"}, {"clearance": "37.5 um"}),
+        ({"model": "ring"}, {"model": "least", "contact": {"damping": "hunt-crossley"}}),
+        (PLANAR, PLANAR | {"friction": "static-dynamic", "cage": {"motion": "free"}}),
+        (PLANAR, PLANAR | {"cage": {"radial_pocket_clearance": "0.2 mm"}}),
+        ({}, {"start_angle": math.pi / 13}),
+        ({"model": "static"}, {"model": "static", "prove": "strict"}),
+        ({}, {"contact": {"damping": {"law": "hunt-crossley", "chi": "0.05 s/mm"}}}),
+    ],
+)
+def test_equal_physics_equal_id(first: dict[str, Any], second: dict[str, Any]) -> None:
+    assert case_id(one(**first)) == case_id(one(**second))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"load": 150.0 * (1 + 1e-10)},
+        {"speed": "1801 rpm"},
+        {"clearance": "1 um"},
+        {"rig": {"sensor_angle": "1 deg"}},
+        {"contact": {"damping": {"chi": "51 s/m"}}},
+        {"contact": {"damping": "kraemer"}},
+        {"contact": {"stiffness": "iso16281"}},
+        {"contact": {"length_nodes": 7}},
+        {"model": "ring"},
+        {"method": "rk4"},
+        {"step": "1 us"},
+        {"tolerance": 1e-5},
+        {"prove": False},  # a step that does not hold is not halved
+        {"prove": "strict"},  # which may refuse what is done else
+        {"duration": "2 s"},
+        {"settle": "0 s"},
+        {"start_angle": "0 deg"},
+        {"sampling": "1024 Hz"},
+        {"antialias": "false"},
+        {"load_across": "1 N"},
+        {"model": "planar"},
+        {"contact": {"stiffness": "johnson"}},
+        {"contact": {"stiffness": {"law": "constant", "coefficient": 3e5, "exponent": 1.1}}},
+        {"record": []},
+        {"defect": {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-3}},
+    ],
+)
+def test_whatever_shapes_the_result_shapes_the_id(change: dict[str, Any]) -> None:
+    assert case_id(one(**change)) != case_id(one())
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"gravity": True},
+        {"seed": 1},
+        {"friction": "none"},
+        {"friction": {"static": 0.2}},
+        {"friction": "traction"},
+        {"cage": {"mass": "20 g"}},
+        {"cage": {"motion": "kinematic"}},
+        {"cage": {"friction": {"static": 0.01}}},
+        {"drag": {}},
+        {"ramp": {"to": "20 Hz", "time": "1 s"}},
+        {"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"}},
+        {"rig": {"torsion_stiffness": "1e4 N m/rad"}},
+    ],
+)
+def test_what_the_planar_model_takes_shapes_the_id(change: dict[str, Any]) -> None:
+    assert case_id(one(**PLANAR | change)) != case_id(one(**PLANAR))
+
+
+def test_what_carries_a_pit_and_how_it_is_felt_shape_the_id() -> None:
+    pit = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-4}
+    races = [{"race": "outer"}, {"race": "inner"}, {"race": "roller"}, {"race": "roller", "roller": 2}]
+    ids = {case_id(one(defect=pit | race)) for race in races}
+    ids |= {case_id(one(defect=pit, excitation=word)) for word in ("half-sine-pulse", "soft-edge")}
+    impulses = {"defect": pit, "model": "impulse"}
+    ids |= {case_id(one(**impulses)), case_id(one(**impulses, excitation="random-impulses"))}
+    ids |= {case_id(one(**impulses, excitation="random-impulses", seed=1))}
+    assert len(ids) == 9
+    assert case_id(one(**impulses, seed=1)) == case_id(one(**impulses))
+    assert case_id(one(defect=pit | {"race": "roller"})) == case_id(
+        one(defect=pit | {"race": "roller", "roller": 1})
+    )
+
+
+def test_elastic_constants_shape_the_id_where_they_are_used() -> None:
+    def ids(**fields: Any) -> set[str]:
+        materials = [{"density": 7850.0, "young_modulus": modulus} for modulus in (207e9, 100e9)]
+        bearing = one().bearing.model_dump()
+        return {case_id(one(bearing=bearing | {"material": material}, **fields)) for material in materials}
+
+    assert len(ids()) == 1
+    assert len(ids(contact={"stiffness": "johnson"})) == 2
+
+
+def test_a_field_that_is_new_renames_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ids as the first version of the model gave them, before these fields were, its method being Verlet's."""
+    monkeypatch.setattr("bearingsim.core.MODEL_VERSION", 1)
+    pit = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-3}
+    assert case_id(one(method="verlet")) == "974269e6f84a60ad"
+    assert case_id(one(model="static")) == "2510496c4be94656"
+    assert case_id(one(method="verlet", defect=pit)) == "4a0348f94d255097"
+    several = {"method": "verlet", "model": "ring", "defects": [pit, pit | {"angle": 1.0}]}
+    assert case_id(one(**several)) == "7f2b9e8f07decf70"
+    assert (
+        case_id(one(method="verlet", contact={"stiffness": "iso16281", "damping": "kraemer"}))
+        == "00aa2375f74ec272"
+    )
+
+
+def test_names_do_not_shape_the_id_but_the_models_version_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = one()
+    renamed = found.bearing.model_copy(update={"name": "other", "source": "elsewhere"})
+    assert case_id(found.model_copy(update={"bearing": renamed})) == case_id(found)
+    before = case_id(found)
+    monkeypatch.setattr("bearingsim.core.MODEL_VERSION", -1)
+    assert case_id(found) != before
+    assert len(before) == 16
+    assert int(before, 16) >= 0
+
+
+# For editors and other modules
+
+
+def test_the_schema_knows_what_a_study_may_say() -> None:
+    schema = json.loads(json.dumps(json_schema()))
+    assert schema["required"] == ["study"]
+    assert {"study", "sweep", "figures", "quick", "defect", *Case.model_fields} == schema["properties"].keys()
+    assert schema["$defs"]["Defect"]["properties"]["shape"]["enum"] == [*get_args(Shape)]
+    assert schema["properties"]["friction"]["anyOf"][0]["enum"] == ["static-dynamic", "traction", "none"]
+    assert schema["properties"]["drag"]["anyOf"][0] == {"const": "none"}
+    assert "a class: C2, CN" in schema["properties"]["clearance"]["description"]
+    assert "palmgren" in schema["$defs"]["Contact"]["properties"]["stiffness"]["anyOf"][0]["enum"]
+    assert schema["properties"]["load"]["type"] == "string"
+    assert schema["properties"]["load"]["description"] == "a force such as `150 N`"
+
+
+def test_dimensions_of_paths() -> None:
+    assert dimension("defects.3.length") == "length"
+    assert dimension("speed") == "rotation"
+    assert dimension("rig.ring_mass") == "mass"
+    assert dimension("contact.damping.beta") == "time"
+    assert dimension("contact.stiffness") is None
+    assert dimension("contact.stiffness.exponent") == "number"
+    assert dimension("clearance") == "length"
+    assert dimension("ramp.to") == "rotation"
+    assert dimension("friction") is None
+    assert dimension("friction.static_speed") == "velocity"
+    assert dimension("cage.friction.dynamic") == "number"
+    assert dimension("cage.pocket_clearance") == "length"
+    assert dimension("drag.oil_viscosity") == "viscosity"
+    assert dimension("unbalance.mass_radius") == "unbalance"
+    assert dimension("rig.torsion_stiffness") == "torsional stiffness"
+    assert dimension("bearing.material.young_modulus") == "pressure"
+    assert dimension("defects.2.race") is None
+    assert dimension("model") is None
+
+
+def test_reading_a_study_imports_nothing_heavy(write: Write) -> None:
+    path = write(NEW_STUDY)
+    code = (
+        "import sys; from bearingsim.study import load_study; load_study(sys.argv[1]).jobs();"
+        "print({'numpy', 'numba', 'scipy', 'pandas', 'h5py', 'matplotlib'} & sys.modules.keys())"
+    )
+    run = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "set()"

@@ -1,0 +1,316 @@
+# ruff: noqa: E501 (a table of messages, one line each)
+"""What a bad study is told, and where."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bearingsim.config import CHANNELS
+from bearingsim.config.fields import alternatives
+from bearingsim.study import Problem, StudyError, load_bearing, load_study
+from tests.scenes.study_text import BASE, Write
+
+
+def problems(path: Path, overrides: dict[str, str] | None = None, quick: bool = False) -> list[Problem]:
+    with pytest.raises(StudyError) as caught:
+        load_study(path, overrides, quick)
+    return caught.value.problems
+
+
+def pointed(problem: Problem) -> str:
+    """The text at the caret."""
+    caret = str(problem).splitlines()[2].index("^")
+    return str(problem).splitlines()[1][caret:]
+
+
+@pytest.mark.parametrize(
+    ("line", "caret", "message"),
+    [
+        ("load: 150", "150", "load: expected a force such as `150 N`, got `150` (the unit is missing)"),
+        ("load: 150 mm", "150 mm", "load: expected a force such as `150 N`, got `150 mm` (`mm` is a unit of length)"),
+        ("load: 150 n", "150 n", "load: expected a force such as `150 N`, got `150 n` (did you mean `N`?)"),
+        ("load:", None, "load: expected a force such as `150 N`, got `` (nothing is written)"),
+        ("load: nan N", "nan N", "load: expected a force such as `150 N`, got `nan N` (the number must be finite)"),
+        ("load: 12:30:45", "12:30:45", "load: expected a force such as `150 N`, got `12:30:45` (units: N, kN)"),
+        ("clearance: 0,2 mm", "0,2 mm", "clearance: expected a length such as `0.8 mm`, got `0,2 mm` (write a decimal point)"),
+        ("lod: 150 N", "lod", "unknown key `lod` (did you mean `load`?)"),
+        ("speed: 1 rpm", "speed: 1", "the key `speed` is given twice, first on line 3"),
+        ("antialias: no", "no", "antialias: expected `true` or `false`, got `no`"),
+        ("model: roller", "roller", "model: expected `least`, `impulse`, `static`, `ring`, `rollers`, `planar` or `spatial`, got `roller` (did you mean `rollers`?)"),
+        ("duration: 1 ms", "1 ms", "duration: 1 ms is shorter than one ball pass (6.28931 ms)"),
+        ("rig: bvt", "bvt", "rig: no rig `bvt` (did you mean `bvt5`?)"),
+        ("rig: {sensor: 0 deg}", "sensor:", "rig: unknown key `sensor` (did you mean `sensor_angle`?)"),
+        ("contact: {damping: {law: kraemer, chi: 5 s/m}}", "chi", "contact.damping: unknown key `chi` (known: law, beta)"),
+        ("contact: {damping: {law: general, coefficient: 1}}", "damping", "contact.damping: `indentation_exponent` is missing (expected a plain number such as `1.5`)"),
+        ("record: [ring.velocty]", "ring.velocty", f"record: expected {alternatives(tuple(CHANNELS))}, got `ring.velocty` (did you mean `ring.velocity`?)"),
+        ("record: ring.velocity", "ring.velocity", "record: expected a list such as `[a, b]`"),
+        ("record: !!python/object:os.system x", "!!python", None),
+        ("load: [150 N", None, "not valid YAML: expected ',' or ']', but got '<stream end>'"),
+        ("defects: []", None, "say `defect` (one mapping) or `defects` (a list), not both"),
+        ("sweep: {defect.lenght: [1 mm]}", "defect.lenght", "no such path `defect.lenght` (did you mean `defect.length`?)"),
+        ("sweep: {defects.2.length: [1 mm]}", "defects.2", "there is no defect 2 (the study has 1, counted from 1)"),
+        ("sweep: {load: [1 N, 2 mm]}", "2 mm]", "load: expected a force such as `150 N`, got `2 mm` (`mm` is a unit of length)"),
+        ("sweep: {load: [1 N, 0,2 N]}", "0,2 N]", "load: expected a force such as `150 N`, got `0,2 N` (write a decimal point)"),
+        ("sweep: {load: [[1 N]]}", "[1 N]]", "load: expected a force such as `150 N`, got a list"),
+        ("sweep: {load: []}", "[]", "sweep.load: the list is empty"),
+        ("sweep: {load: 1 N}", "1 N", "sweep.load: expected a list, or `linspace`, `logspace` or `range` with three numbers (write `[1 N]`)"),
+        ("sweep: {load: {linspce: [1 N, 2 N, 3]}}", "{linspce", "sweep.load: expected a list, or `linspace`, `logspace` or `range` with three numbers (did you mean `linspace`?)"),
+        ("sweep: {load: {linspace: [1 N, 2 N]}}", "[1 N", "sweep.load: expected three values, as in `linspace: [150 N, 300 N, 4]`"),
+        ("sweep: {load: {linspace: [1 N, 2 mm, 3]}}", "2 mm", "sweep.load: expected the unit `N` as in the first value, got `2 mm`"),
+        ("sweep: {load: {linspace: [1 mm, 2 mm, 3]}}", "1 mm", None),
+        ("sweep: {load: {linspace: [1 N, 2 N, 1]}}", "1]", "sweep.load: expected the number of values, from 2 to 100000, got `1`"),
+        ("sweep: {load: {logspace: [0 N, 2 N, 3]}}", "0 N", "sweep.load: logspace needs values above zero"),
+        ("sweep: {load: {range: [1 N, 2 N, 0 N]}}", "0 N", "sweep.load: a step of `0 N` does not lead from `1 N` to `2 N`"),
+        ("sweep: {zip: {load: [1 N, 2 N], settle: [1 ms]}}", "load", "zip: lists of unequal length (`load` has 2, `settle` has 1)"),
+        ("sweep: {load: [1 N], zip: {load: [1 N], settle: [1 s]}}", "load: [1 N], settle", "`load` is swept twice"),
+        ("sweep: {load: [1 N], defect.width: [1 mm], defects.1.width: [1 mm]}", "defects.1", "`defects.1.width` is swept twice"),
+        ("sweep: {defect.length: [3 mm, 13 mm], load: [1 N, 2 N]}", "13 mm", "defect.length: a defect of 13 mm is longer than the roller (12 mm)"),
+        ("sweep: {speed: [1800 rpm, 1 rpm]}", "1 rpm]", "speed: 1000 ms is shorter than one ball pass (11320.8 ms)"),
+        ("sweep: {model: [rollers, static]}\nmethod: rk4", "static]", "model: the static model has no method, got `rk4` (leave it out)"),
+        ("clearance: C6", "C6", "clearance: expected a length such as `20 um`, or a class: C2, CN, C3, C4, C5; got `C6`"),
+        ("clearance: cn", "cn", "clearance: expected a length such as `20 um`, or a class: C2, CN, C3, C4, C5; got `cn` (did you mean `CN`?)"),
+        ("model: planer", "planer", "model: expected `least`, `impulse`, `static`, `ring`, `rollers`, `planar` or `spatial`, got `planer` (did you mean `planar`?)"),
+        ("excitation: envelop", "envelop", "excitation: expected `envelope`, `rectangular-pulse`, `half-sine-pulse`, `piecewise-pulse`, `clearance-increase`, `pressure-share`, `soft-edge`, `elastic-edge`, `impulse-train` or `random-impulses`, got `envelop` (did you mean `envelope`?)"),
+        ("excitation: impulse-train", "impulse-train", "excitation: the rollers model cannot do this: `impulse-train` is forces in time, which only `impulse` computes (the least that can is `model: impulse`)"),
+        ("friction: traction", "traction", "friction: the rollers model cannot do this: `friction` acts where rollers can slip (the least that can is `model: planar`)"),
+        ("friction: dry", "dry", "friction: expected `static-dynamic`, `traction` or `none`, got `dry`"),
+        ("friction: {law: traction, static: 0.3}", "static", "friction: unknown key `static` (known: law, a, b, c, d)"),
+        ("friction: {statc: 0.3}\nmodel: planar", "statc", "friction: unknown key `statc` (did you mean `static`?)"),
+        ("friction: {dynamic: 0.4}\nmodel: planar", "0.4", "friction.dynamic: dynamic friction (0.4) is above static (0.3)"),
+        ("drag: some", "some", "drag: expected a mapping of keys"),
+        ("drag: {oil_fraction: 10 %}\nmodel: planar", "10 %", "drag.oil_fraction: expected a plain number such as `1.5`, got `10 %` (no unit here)"),
+        ("drag: {oil_fraction: 10}\nmodel: planar", "10}", "drag.oil_fraction: expected a plain number from 0 to 1, got `10`"),
+        ("contact: {damping: {law: general, coefficient: 1e4 N s/m, indentation_exponent: 0}}", "1e4", "contact.damping.coefficient: expected a plain number, in N, mm and s, such as `1e4`, got `1e4 N s/m` (no unit here)"),
+        ("method: dop853\ntolerance: 1e-18", "1e-18", None),
+        ("cage: {pocket: 0.1 mm}\nmodel: planar", "pocket", "cage: unknown key `pocket` (did you mean `pocket_damping`?)"),
+        ("cage: {friction: {static: x}}\nmodel: planar", "x}", "cage.friction.static: expected a plain number such as `1.5`, got `x`"),
+        ("cage: {motion: kinematic}\nfriction: traction\nmodel: planar", "traction", "friction: a kinematic cage goes only with `friction: none`: rollers held at their places by it cannot give way, and friction then damps too much (RMS 11-15 % low) (say `friction: none`, or `motion: free`)"),
+        ("ramp: {to: 3000 rpm}", "ramp", "ramp: `time` is missing (expected a time such as `50 ms`)"),
+        ("ramp: {to: 3000 rpm, time: 1 s}\nsweep: {model: [planar, ring]}", "ring]", "model: the ring model cannot do this: a `ramp` changes the speed under way (the least that can is `model: planar`)"),
+        ("gravity: true", "true", "gravity: the rollers model cannot do this: `gravity` pulls at rollers that move freely (the least that can is `model: planar`)"),
+        ("unbalance: {mass_radius: 1 kg}\nmodel: planar", "1 kg", "unbalance.mass_radius: expected an unbalance such as `100 g mm`, got `1 kg` (`kg` is a unit of mass)"),
+        ("contact: {stiffness: hertz}", "hertz", "contact.stiffness: expected `palmgren`, `iso16281`, `johnson`, `point` or `constant`, got `hertz`"),
+        ("contact: {stiffness: {law: constant, coefficient: 1}}", "stiffness", "contact.stiffness: `exponent` is missing (expected a plain number such as `1.5`)"),
+        ("contact: {stiffness: {law: palmgren, exponent: 1}}", "{law", "contact.stiffness: the law `palmgren` takes no numbers (leave out exponent)"),
+        ("contact: {stiffness: {law: constant, coefficient: 1, exponnt: 1}}", None, None),
+        ("sweep: {bearing: [nf308, 6205]}\ncontact: {stiffness: johnson}", "6205", "bearing: the law `johnson` is a roller's contact, not a ball's (say `point`)"),
+        ("record: [roller.14.outer_force]", "roller.14", "record: there is no roller 14: the bearing has 13 (they count from 1)"),
+        ("sweep: {ramp.two: [1 rpm]}", "ramp.two", "no such path `ramp.two` (did you mean `ramp.to`?)"),
+        ("seed: -1", "-1", "seed: expected a whole number from 0 to 999999999, got `-1`"),
+        ("figures: {y: velocity@BPFO}", "{y", "figures: expected a list such as `[{y: velocity@BPFO, x: load}]`"),
+        ("figures: [{y: velocity@BPFO}]", "{y", "figures: `x` is missing"),
+        ("figures: [{y: velocity@BPF0, x: load}]\nsweep: {load: [1 N]}", "velocity@BPF0", "figures.y: no feature `velocity@BPF0` (did you mean `velocity@BPFO`?)"),
+        ("figures: [{y: velocity@BPFO, x: lod}]\nsweep: {load: [1 N]}", "lod", "figures.x: no swept path `lod` (did you mean `load`?)"),
+        ("figures: [{y: velocity@BPFO, x: load, bye: a}]\nsweep: {load: [1 N]}", "bye", "figures: no key `bye` (did you mean `by`?)"),
+        ("quick: {durtion: 1 s}", "durtion", "no such path `durtion` (did you mean `duration`?)"),
+        ("quick: {sweep: {load: [1 mm]}}", "1 mm", "load: expected a force such as `150 N`, got `1 mm` (`mm` is a unit of length)"),
+        ("quick: 3", "3", "quick: expected a mapping such as `{duration: 0.3 s, sweep: {load: [150 N]}}`"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_one_message_at_its_place(
+    write: Write, line: str, caret: str | None, message: str | None
+) -> None:
+    key = line.split(":")[0]
+    kept = [old for old in BASE.splitlines() if key == "speed" or not old.startswith(f"{key}:")]
+    path = write("\n".join([*kept, line, ""]))
+    found = problems(path)
+    assert len({(p.line, p.message) for p in found}) == (1 if message else len(found))
+    shown = str(found[0]).splitlines()
+    if message:
+        assert shown[0] == f"{path}:{found[0].line}:{found[0].column}: {message}"
+    if caret:
+        assert pointed(found[0]).startswith(caret)
+    assert shown[1].removeprefix("    ") == path.read_text().splitlines()[found[0].line - 1]
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"), [(0.003, "`0.003`"), (["1 mm"], "a list"), ({"a": 1}, "a mapping"), (None, "`None`")]
+)
+def test_an_override_from_python_that_is_no_text_is_refused(write: Write, value: object, shown: str) -> None:
+    wrong: dict[str, Any] = {"defect.offset": value, "load": "1 N"}
+    (found,) = problems(write(BASE), wrong)
+    assert f"defect.offset: an override is a text as it would stand in the file, got {shown}" in found.message
+
+
+@pytest.mark.parametrize(
+    ("defect", "caret", "message"),
+    [
+        ("shape: cirular", "cirular", "defect.shape: expected `rectangular`, `triangular`, `circular`, `elliptical`, `spall` or `scan`, got `cirular` (did you mean `circular`?)"),
+        ("width: 0,8 mm", "0,8 mm", "defect.width: expected a length such as `0.8 mm`, got `0,8 mm` (write a decimal point)"),
+        ("width: -0.8 mm", "-0.8 mm", "defect.width: expected a length above zero, such as `0.8 mm`, got `-0.8 mm`"),
+        ("width: 5 deg", "5 deg", "defect.width: expected a length such as `0.8 mm`, got `5 deg` (`deg` is a unit of angle)"),
+        ("race: midle", "midle", "defect.race: expected `outer`, `inner` or `roller`, got `midle`"),
+        ("roller: 3", "3", "defect.roller: a defect of the outer race is on no roller (say `race: roller`, or leave it out)"),
+        ("race: roller, roller: 20", "20", "defect.roller: there is no roller 20: the bearing has 13 (they count from 1)"),
+        ("depth: 9 mm, race: inner", "9 mm", "defect.depth: a defect 9 mm deep goes through the inner ring (6.5 mm)"),
+        ("length: 13 mm", "13 mm", "defect.length: a defect of 13 mm is longer than the roller (12 mm)"),
+        ("width: 19 mm", "19 mm", "defect.width: a defect of 19 mm is wider than the roller spacing (18.6079 mm)"),
+        ("offset: 8 mm", "8 mm", "defect.offset: a defect 8 mm off the middle is beyond the roller's end (6 mm): nothing of it is felt"),
+        ("grown: 60 %", "60 %", "defect.grown: only a spall has `grown` (leave it out, or say `shape: spall`)"),
+        ("shape: spall, grown: 0.6", "0.6", "defect.grown: expected a share such as `60 %`, got `0.6` (the unit is missing)"),
+        ("edge: {radus: 20 um}", "radus", "defect.edge: unknown key `radus` (did you mean `radius`?)"),
+        ("edge: {ramp: 20 mm}", "20 mm", "defect.edge.ramp: a ramp of 20 mm is longer than the defect is wide (0.8 mm) (make it shorter)"),
+        ("edge: {radius: 20 um, ramp: 1 um}", "{radius", "defect.edge: expected either `radius` or `ramp` (as in `edge: {radius: 20 um}`)"),
+        ("lenght: 3 mm", "lenght", "defect: unknown key `lenght` (did you mean `length`?)"),
+        ("angle: .nan deg", ".nan deg", "defect.angle: expected an angle such as `5 deg`, got `.nan deg` (the number must be finite)"),
+    ],
+)  # fmt: skip
+def test_a_mistake_in_a_defect(write: Write, defect: str, caret: str, message: str) -> None:
+    parts = ["shape: circular", "length: 3 mm", "width: 0.8 mm", "depth: 50 um"]
+    key = defect.split(":")[0]
+    kept = [part for part in parts if not part.startswith(f"{key}:")]
+    path = write("\n".join([*BASE.splitlines()[:4], "defect: {" + ", ".join([*kept, defect]) + "}", ""]))
+    (found,) = problems(path)
+    assert str(found).splitlines()[0] == f"{path}:5:{found.column}: {message}"
+    assert pointed(found).startswith(caret)
+
+
+def test_everything_wrong_is_told_at_once(write: Write) -> None:
+    path = write("""\
+study: two words
+bearing: nf308
+speed: 1800
+speed: 1800 rpm
+lod: 150 N
+defects:
+  - {shape: circle, length: 13 mm, width: -1 mm, depth: 0,2 mm}
+  - {shape: circular, length: 3 mm, width: 1 mm, depth: 1 um, angle: 40 deg}
+  - {shape: circular, length: 3 mm, width: 1 mm, depth: 1 um, angle: 40 deg}
+clearance: nan mm
+duration: 1 N
+sweep: {defects.1.lenght: [1 mm], settle: [1 s, 2 mm]}
+figures: [{y: velocity@BPFO, x: load}]
+quick: {sweep: {model: [rigid]}}
+excitation: soft-edge
+""")
+    told = "\n".join(map(str, problems(path, {"foo": "1"})))
+    for part in [
+        "1:8: study: expected a name",
+        "3:8: speed: expected a rotation speed",
+        "4:1: the key `speed` is given twice",
+        "`load` is missing (expected a force such as `150 N`)",
+        "5:1: unknown key `lod`",
+        "7:13: defects.1.shape: expected",
+        "7:29: defects.1.length: a defect of 13 mm is longer",
+        "7:43: defects.1.width: expected a length above zero",
+        "7:57: defects.1.depth: expected a length such as `0.8 mm`, got `0,2 mm` (write a decimal point)",
+        "9:70: defects.3.angle: overlaps defect 2",
+        "10:12: clearance: ",
+        "11:11: duration: ",
+        "12:9: no such path `defects.1.lenght`",
+        "12:49: settle: expected a time",
+        "13:33: figures.x: no swept path `load`",
+        "14:25: model: expected",
+        "command line: no such path `foo`",
+    ]:
+        assert part in told
+    assert told.count("^") == 17
+
+
+@pytest.mark.parametrize(
+    ("text", "count"),
+    [
+        # a wrong angle does not also overlap the defect at 0 deg
+        (
+            BASE.replace("defect: ", "defects:\n  - &pit ")
+            + "  - {shape: circular, length: 3 mm, width: 1 mm, depth: 1 um, angle: 5 N}\n",
+            1,
+        ),
+        # of the values that a linspace makes, the ends
+        (BASE + "sweep: {speed: {linspace: [1 rpm, 4 rpm, 4]}}\n", 2),
+        # a wrong sweep of what the base does not say
+        (BASE.replace("load: 150 N\n", "") + "sweep: {load: 1 N}\n", 1),
+        (BASE.replace("load: 150 N\n", "") + "sweep: {zip: {load: [1 N], settle: [1 s, 2 s]}}\n", 1),
+    ],
+)
+def test_a_mistake_has_no_echo(write: Write, text: str, count: int) -> None:
+    assert len(problems(write(text))) == count
+
+
+def test_a_mistake_in_a_bearings_file_is_shown_there(write: Write, tmp_path: Path) -> None:
+    bearing = Path(__file__).parents[2] / "configs" / "bearings" / "nf308.yaml"
+    own = tmp_path / "own.yaml"
+    text = bearing.read_text().replace("bore: 40 mm", "bore: 60 mm\nwdth: 1 mm")
+    own.write_text(text.replace("rollers: 13", "rollers: 13\nrollers: 14"))
+    path = write(BASE.replace("nf308", "own.yaml") + "clearance: 1\n")
+    told = problems(path)
+    assert [(p.file, p.message) for p in told] == [
+        (str(path), "clearance: expected a length such as `0.8 mm`, got `1`"),
+        (str(own), "the key `rollers` is given twice, first on line 3"),
+        (str(own), "bearing: unknown key `wdth`"),
+    ]
+    with pytest.raises(StudyError, match="wdth"):
+        load_bearing(str(own))
+    own.write_text(bearing.read_text().replace("bore: 40 mm", "bore: 60 mm"))
+    (found,) = problems(write(BASE.replace("nf308", "own.yaml")))
+    assert (found.file, found.message) == (str(own), "bearing.bore: the inner race (53 mm) is inside the bore")
+    assert pointed(found).startswith("60 mm")
+
+
+def test_a_bearing_by_name() -> None:
+    assert load_bearing("nf308").rollers == 13
+    with pytest.raises(StudyError, match="did you mean `nf308`"):
+        load_bearing("nf38")
+
+
+def test_a_bearings_file_that_is_no_yaml(write: Write, tmp_path: Path) -> None:
+    (tmp_path / "own.yaml").write_text("rollers: [13\n")
+    found = problems(write(BASE.replace("nf308", "own.yaml")))
+    assert [p.file for p in found] == [str(tmp_path / "own.yaml")]
+
+
+@pytest.mark.parametrize(
+    ("override", "shown"),
+    [
+        ({"load": "15 mm"}, ["    --set load=15 mm", "               ^"]),
+        ({"lod": "15 N"}, ["    --set lod=15 N", "          ^"]),
+        ({"load": "[1 N, 2 mm]"}, ["    --set load=[1 N, 2 mm]", "                     ^"]),
+        ({"load": "{a: 1, a: 2}"}, ["    --set load={a: 1, a: 2}", "                      ^"]),
+    ],
+)
+def test_a_mistake_on_the_command_line_is_shown_there(
+    write: Write, override: dict[str, str], shown: list[str]
+) -> None:
+    found = problems(write(BASE), override)
+    assert {problem.file for problem in found} == {"command line"}
+    assert shown in [str(problem).splitlines()[1:] for problem in found]
+
+
+@pytest.mark.parametrize(
+    ("content", "part"),
+    [
+        (b"\xff\xfe\x00", "not a text file in UTF-8"),
+        (b"- a\n- b\n", "expected `key: value` lines"),
+        (b"", "`study` is missing"),
+        (b"study: a\n---\nstudy: b\n", "not valid YAML"),
+        (b"study: &a [*a]\n", "an alias inside its own anchor"),
+        (b"study: a\x00b\n", "not valid YAML"),
+        (b"? [a]\n: b\n", "a key must be a word"),
+    ],
+)
+def test_files_that_are_no_studies(tmp_path: Path, content: bytes, part: str) -> None:
+    path = tmp_path / "study.yaml"
+    path.write_bytes(content)
+    assert part in "\n".join(map(str, problems(path)))
+
+
+def test_a_missing_file(tmp_path: Path) -> None:
+    (found,) = problems(tmp_path / "none.yaml")
+    assert str(found) == f"{tmp_path / 'none.yaml'}: no such file"
+
+
+def test_a_sweep_beyond_reason_is_refused(write: Write) -> None:
+    thousand = "{linspace: [1 N, 2 N, 1001]}"
+    text = BASE + f"sweep: {{load: {thousand}, clearance: {thousand.replace('N', 'um')}}}\n"
+    assert "1002001 cases; at most 1000000" in str(problems(write(text))[0])
+
+
+def test_a_figure_of_what_no_model_of_the_study_knows_is_refused(write: Write) -> None:
+    """It would be empty: the cage does not slip below planar."""
+    path = write(
+        BASE + "\nfigures: [{y: [velocity.rms, cage.slip.mean], x: load}]\nsweep: {load: [150 N, 300 N]}\n"
+    )
+    (found,) = problems(path)
+    assert "no model of the study has `cage.slip.mean`" in str(found)
+    assert "`model: planar`" in str(found)
