@@ -7,6 +7,7 @@ import numpy as np
 
 from bearingsim import config
 from bearingsim.assemble import geometry
+from bearingsim.catalogue import LAWS, code
 from bearingsim.config import Case
 from bearingsim.core.geometry.motion import Ramp, Steady
 from bearingsim.core.laws import friction as frictions
@@ -30,12 +31,23 @@ def motion(case: Case) -> Any:
 
 
 def friction(case: Case) -> Any:
-    """Friction between rollers and races."""
-    match case.friction:
-        case config.StaticDynamic(static=mu_s, dynamic=mu_d, static_speed=v_s, dynamic_speed=v_d):
-            return frictions.StaticDynamic(mu_s, mu_d, v_s, v_d)
-        case config.Traction(a=a, b=b, c=c, d=d):
-            return frictions.Traction(a, b, c, d)
+    """Friction between rollers and races: ``build(section)`` of the catalogue's law."""
+    section: Any = case.friction
+    return code(LAWS["friction"][section.law].build)(section) if section else frictions.Frictionless()
+
+
+def static_dynamic(section: Any) -> frictions.StaticDynamic:
+    """The static-dynamic curve."""
+    return frictions.StaticDynamic(section.static, section.dynamic, section.static_speed, section.dynamic_speed)
+
+
+def traction(section: Any) -> frictions.Traction:
+    """The traction curve."""
+    return frictions.Traction(section.a, section.b, section.c, section.d)
+
+
+def frictionless(section: Any) -> frictions.Frictionless:
+    """No friction."""
     return frictions.Frictionless()
 
 
@@ -60,9 +72,7 @@ def cage(case: Case) -> Any:
     if c.motion == "kinematic":
         return cages.KinematicCage()
     m, law = cage_mass(case), HuntCrossley(Linear(c.pocket_stiffness), c.pocket_damping)
-    rubbing = frictions.StaticDynamic(
-        c.friction.static, c.friction.dynamic, c.friction.static_speed, c.friction.dynamic_speed
-    )
+    rubbing = static_dynamic(c.friction)
     return cages.FreeCage(
         m=float(m),
         inertia=float(m * (case.bearing.pitch_diameter / 2.0) ** 2),

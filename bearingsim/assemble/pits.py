@@ -11,20 +11,17 @@ from bearingsim import config
 from bearingsim.assemble.contacts import point_contact
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.assemble.rest import largest_load
+from bearingsim.catalogue import SHAPES, code
 from bearingsim.config import Case
 from bearingsim.config.scan.repair import REMEMBERED, read_scan
 from bearingsim.config.sections.defect import EDGE_RADIUS, SIMPLE
 from bearingsim.core.pits import excitations as felt
 from bearingsim.core.pits.depth import (
-    Circular,
     Eased,
-    Elliptical,
     Merged,
     Mirrored,
     Placed,
-    Rectangular,
     Scanned,
-    Triangular,
     extent,
 )
 from bearingsim.core.pits.edge_contact import EdgeContact, edge_contact
@@ -56,13 +53,6 @@ EXCITATIONS: dict[str, Any] = {
     "impulse-train": felt.Envelope(),
     "random-impulses": felt.Envelope(),
 }
-SHAPES: dict[str, Any] = {
-    "rectangular": Rectangular,
-    "triangular": Triangular,
-    "circular": Circular,
-    "elliptical": Elliptical,
-}
-
 
 Places = Sequence[float] | np.ndarray
 """Middles of slices along a roller, m."""
@@ -143,14 +133,21 @@ def contact_length(case: Case, side: int) -> float:
 
 def depth_map(d: config.Defect) -> Any:
     """A defect's depth map around its own middle."""
-    if d.shape == "spall":
-        pit: Any = Spall(d.length, d.width, d.depth, float(d.grown or 0.0), int(d.seed or 0))
-        pit = Mirrored(pit) if d.race == "inner" else pit  # rollers fall back behind it: they come from +s
-    elif d.shape == "scan":
-        return scanned(str(d.file), str(d.digest))
-    else:
-        pit = SHAPES[d.shape](d.length, d.width, d.depth)
+    shape = SHAPES[d.shape]
+    made = code(shape.build)
+    pit = made(d) if shape.of_section else made(d.length, d.width, d.depth)
     return pit if d.edge is None else Eased(pit, d.edge.radius or 0.0, d.edge.ramp or 0.0)
+
+
+def spall(d: config.Defect) -> Any:
+    """A spall; rollers of an inner race come from +s, so that it falls back behind them."""
+    pit = Spall(d.length, d.width, d.depth, float(d.grown or 0.0), int(d.seed or 0))
+    return Mirrored(pit) if d.race == "inner" else pit
+
+
+def scan(d: config.Defect) -> Scanned:
+    """A measured depth map."""
+    return scanned(str(d.file), str(d.digest))
 
 
 @lru_cache(maxsize=REMEMBERED)

@@ -14,8 +14,6 @@ from bearingsim.core.pits.excitations import LEAPS
 from bearingsim.core.pits.pairs import DEPTH, REDUCED, SPAN, USED, X_E, B, sliding
 
 FEWEST_PER_CROSSING = 8  # steps; with fewer a method does not see a pit
-TOLERANCE = {"dop853": 1e-4, "dormand-prince": 1e-4, "rodas": 1e-4, "backward-euler": 1e-5}
-"""Of each adaptive method, if not given: docs/methods.md."""
 DASHPOT = 1e-3  # of the force: what an error in velocity may change at a contact's damper
 
 

@@ -8,8 +8,9 @@ Three words are used everywhere else:
 ``add``      an addition whose order the compiler may change: it lets a sum over rollers use vector lanes, while
              every other operation keeps its IEEE meaning (full ``fastmath`` makes ``isfinite(nan)`` true).
 
-The cache folder is named by a digest of the core's sources, because numba looks only at the file of the
-function itself and would serve stale code after a change in a callee.
+The cache folder is named by a digest of the sources of the core and of the packages that extend it, because numba
+looks only at the file of the function itself and would serve stale code after a change in a callee. (That is all
+that the core asks of the catalogue.)
 """
 
 import hashlib
@@ -25,6 +26,8 @@ from filelock import FileLock
 from numba.core import config
 from numba.extending import overload
 
+from bearingsim.catalogue import extension_sources
+
 numba_config: Any = config  # its names are made at run time
 
 CORE = Path(__file__).parent
@@ -32,9 +35,9 @@ OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
 def source_digest() -> str:
-    """First 12 hex digits of SHA-256 over the core's sources and numba's version."""
+    """First 12 hex digits of SHA-256 over numba's version, the core's sources, and those of extensions."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(CORE.rglob("*.py")):
+    for source in (*sorted(CORE.rglob("*.py")), *extension_sources()):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:12]
 

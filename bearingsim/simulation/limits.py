@@ -12,6 +12,7 @@ from typing import Any
 
 from bearingsim import assemble
 from bearingsim.assemble.scales import approach, at_full_speed, closing_speed, crossing_time, damping_ratio, sag
+from bearingsim.catalogue import METHODS, MODELS, lowest
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.laws.damping import damping_slope, normal_force, stiffness_slope
@@ -68,13 +69,13 @@ def _limits(case: Case) -> Limits:
         deepest=inf,
         liveliest=inf,
     )
-    return _with_pits(case, found, K, C) if assemble.kind(case).loaded else found
+    return _with_pits(case, found, K, C) if MODELS[case.model].loaded else found
 
 
 def damping_ratio_at_rest(case: Case) -> float:
     """The largest damping ratio of a body on its contacts under the load at rest, without friction."""
     rest_load, K, C = loads_at_rest(_healthy(case))
-    if assemble.kind(case).slips:
+    if MODELS[case.model].slips:
         return damping_ratio(case, rest_load)
     return C / (2.0 * sqrt(K)) if K > 0.0 else 0.0
 
@@ -135,7 +136,7 @@ def unbalance_speed(case: Case) -> float:
 def _healthy(case: Case) -> Case:
     """The case without what does not touch its load at rest; what is struck stands as a ring does."""
     same = assemble.healthy(case)
-    return same if assemble.kind(case).loaded else same.model_copy(update={"model": "ring"})
+    return same if MODELS[case.model].loaded else same.model_copy(update={"model": lowest("forces", "damping")})
 
 
 @lru_cache(maxsize=256)
@@ -204,14 +205,15 @@ def _impact(m: float, law: Any, named: str, speed: float) -> tuple[float, float,
 
 def step_limit(method: str | None, K: float, C: float) -> float:
     """The step (s) at which a method turns unstable; K (1/s^2) and C (1/s) over a body's mass."""
-    if method is None or assemble.METHODS[method].adaptive or (K == 0.0 and C == 0.0):
+    if method is None or METHODS[method].adaptive or (K == 0.0 and C == 0.0):
         return inf
-    if load_number(assemble.METHODS[method].parameters(1.0), K, C) <= 1.0:
+    method_of = assemble.kind_of_method(method).parameters
+    if load_number(method_of(1.0), K, C) <= 1.0:
         return inf
     low, high = 0.0, 1.0
     while high - low > 1e-6 * high:
         h = 0.5 * (low + high)
-        if load_number(assemble.METHODS[method].parameters(h), K, C) > 1.0:
+        if load_number(method_of(h), K, C) > 1.0:
             high = h
         else:
             low = h

@@ -97,5 +97,4 @@ KIND = MethodKind(
     cusp=1 / 2,
     order=2,
     lag=0.0,
-    implicit=True,
 )

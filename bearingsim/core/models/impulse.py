@@ -106,4 +106,4 @@ def _damping_per_mass(model, y, j):
     return 0.0
 
 
-KIND = ModelKind(Impulse, loaded=False, slips=False, sliced=False, memoryless=False, per_crossing=8, cost=0.3e-6)
+KIND = ModelKind(Impulse, per_crossing=8)

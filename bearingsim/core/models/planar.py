@@ -327,4 +327,4 @@ def _linearise(model, t, y):
     differentiate(model, t, y)
 
 
-KIND = ModelKind(Planar, loaded=True, slips=True, sliced=False, memoryless=False, per_crossing=100, cost=0.52e-6)
+KIND = ModelKind(Planar, per_crossing=100)

@@ -241,4 +241,4 @@ def _linearise(model, t, y):
     linearise_ring(model, K_RING, C_RING, y, n)
 
 
-KIND = ModelKind(Ring, loaded=True, slips=False, sliced=False, memoryless=False, per_crossing=50, cost=0.19e-6)
+KIND = ModelKind(Ring, per_crossing=50)

@@ -212,4 +212,4 @@ def _linearise(model, t, y):
 
 
 # at the cusp of a narrow pit the damping force jumps, and decays within 0.2 us: hence more steps over it
-KIND = ModelKind(Rollers, loaded=True, slips=False, sliced=False, memoryless=False, per_crossing=100, cost=0.19e-6)
+KIND = ModelKind(Rollers, per_crossing=100)

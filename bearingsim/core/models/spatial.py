@@ -400,4 +400,4 @@ def _linearise(model, t, y):
     differentiate_in_space(model, t, y)
 
 
-KIND = ModelKind(Spatial, loaded=True, slips=True, sliced=True, memoryless=False, per_crossing=100, cost=0.38e-6)
+KIND = ModelKind(Spatial, per_crossing=100)

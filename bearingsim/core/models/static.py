@@ -63,4 +63,4 @@ def _damping_per_mass(model, y, j):
     return 0.0
 
 
-KIND = ModelKind(Static, loaded=True, slips=False, sliced=False, memoryless=True, per_crossing=50, cost=3e-6)
+KIND = ModelKind(Static, per_crossing=50)
