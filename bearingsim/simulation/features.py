@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim import signals
-from bearingsim.catalogue import MODELS
+from bearingsim.catalogue import FEATURES, MODELS, code
 from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
 from bearingsim.core.geometry.motion import elapsed_times, speed_factor
@@ -67,6 +67,11 @@ def features(case: Case, model: Any, cut: Grid, tape: Tape, sampled: np.ndarray)
         **extremes(case, model, tape.y),
         **cage_and_load_zone(case, model, sampled),
     }
+
+
+def of_extensions(case: Case, time: np.ndarray, series: dict[str, np.ndarray]) -> dict[str, float]:
+    """Features that other packages read from the record: ``time`` (n,) in s, ``series`` (n,) by name, in SI."""
+    return {name: float(code(one.compute)(case, time, series)) for name, one in FEATURES.items()}
 
 
 def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:

@@ -15,7 +15,7 @@ from bearingsim.core.sampling import resample, resampling_kernel
 from bearingsim.errors import Refused
 from bearingsim.simulation import channels, choice, proof, time_grid
 from bearingsim.simulation.channels import BASE, TURN_OF_CAGE
-from bearingsim.simulation.features import Tape, features
+from bearingsim.simulation.features import Tape, features, of_extensions
 from bearingsim.simulation.integration import (
     Setup,
     SimulationError,
@@ -118,10 +118,12 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     tape = integrate(setup)
     sampled = _resampled(case, setup.cut, tape) if case.antialias else tape.picked
     instants = np.arange(time_grid.samples(case)) / case.sampling
+    series = channels.series(case, setup.model, sampled, tape.places, case.settle + instants)
+    found = features(case, setup.model, setup.cut, tape, sampled) | _told(proven)
     return Record(
         time=instants,
-        series=channels.series(case, setup.model, sampled, tape.places, case.settle + instants),
-        features=features(case, setup.model, setup.cut, tape, sampled) | _told(proven),
+        series=series,
+        features=found | of_extensions(case, instants, series),
         info=_info(setup, tape, sampled) | {"cpu_s": time.process_time() - began},
     )
 
