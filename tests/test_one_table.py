@@ -22,7 +22,7 @@ OTHER_MEANINGS = {
     ("plots/passage.py", "ring"): "the outer ring's channels",
 }
 SCHEMES = ("stability/matrix.py", "study/template.py", "catalogue.py")
-"""Where names stand because a person has chosen them: the map's own methods, the template of a study, the table."""
+"""Where a person has chosen the names: the methods of the map, the template of a study, the table itself."""
 
 
 def place(file: Path) -> str:
