@@ -5,9 +5,9 @@ from typing import Any
 from bearingsim import config
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.config import Case
-from bearingsim.core.laws import damping
-from bearingsim.core.laws import stiffness as elastic
+from bearingsim.core.laws.damping import general, hunt_crossley, kraemer
 from bearingsim.core.laws.hertz import PointContact, ball_on_race
+from bearingsim.core.laws.stiffness import johnson, power_law, ten_ninths, three_halves
 
 
 def outer(case: Case) -> Any:
@@ -22,18 +22,18 @@ def inner(case: Case) -> Any:
 
 def powers(case: Case) -> int:
     """How many powers of the law are the library's, which leaves the vector lanes."""
-    return sum(isinstance(part, elastic.PowerLaw | damping.Power) for part in outer(case))
+    return sum(isinstance(part, power_law.PowerLaw | general.Power) for part in outer(case))
 
 
 def damped(case: Case, stiffness: Any) -> Any:
     """The case's damping around a stiffness."""
     match case.contact.damping:
         case config.HuntCrossley(chi=chi):
-            return damping.HuntCrossley(stiffness, chi)
+            return hunt_crossley.HuntCrossley(stiffness, chi)
         case config.Kraemer(beta=beta):
-            return damping.Kraemer(stiffness, beta)
+            return kraemer.Kraemer(stiffness, beta)
         case config.General(coefficient=c, velocity_exponent=m2, indentation_exponent=m3):
-            return damping.general(stiffness, c * 1e3 ** (m2 + m3), m2, m3)  # mm to m
+            return general.general(stiffness, c * 1e3 ** (m2 + m3), m2, m3)  # mm to m
     raise ValueError(f"no such damping: {case.contact.damping}")
 
 
@@ -43,17 +43,17 @@ def stiffness(case: Case, on_outer: bool) -> Any:
     L_w = float(b.roller_length or 0.0)  # a ball has none, and no law that asks for it
     match law:
         case config.Constant(coefficient=k, exponent=m):
-            return elastic.constant(k * 1e3**m, m)  # mm to m
+            return power_law.constant(k * 1e3**m, m)  # mm to m
         case "palmgren":
-            return elastic.palmgren(L_w)
+            return ten_ninths.palmgren(L_w)
         case "iso16281":
-            return elastic.iso16281(L_w)
+            return ten_ninths.iso16281(L_w)
         case "johnson":
             R_w = b.roller_diameter / 2.0
             dR = outer_radius(case) - R_w if on_outer else inner_radius(case) + R_w
-            return elastic.johnson(b.material.young_modulus, b.material.poisson_ratio, L_w, dR)
+            return johnson.johnson(b.material.young_modulus, b.material.poisson_ratio, L_w, dR)
         case "point":
-            return elastic.ThreeHalves(point_contact(case, on_outer).k)
+            return three_halves.ThreeHalves(point_contact(case, on_outer).k)
     raise ValueError(f"no such stiffness: {law}")
 
 

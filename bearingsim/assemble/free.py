@@ -9,9 +9,11 @@ from bearingsim import config
 from bearingsim.assemble import geometry
 from bearingsim.config import Case
 from bearingsim.core.geometry.motion import Ramp, Steady
-from bearingsim.core.laws import friction as frictions
-from bearingsim.core.laws.damping import HuntCrossley
-from bearingsim.core.laws.stiffness import Linear
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.friction.frictionless import Frictionless
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.friction.traction import Traction
+from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.parts import cage as cages
 from bearingsim.core.parts import shaft as shafts
 
@@ -33,10 +35,10 @@ def friction(case: Case) -> Any:
     """Friction between rollers and races."""
     match case.friction:
         case config.StaticDynamic(static=mu_s, dynamic=mu_d, static_speed=v_s, dynamic_speed=v_d):
-            return frictions.StaticDynamic(mu_s, mu_d, v_s, v_d)
+            return StaticDynamic(mu_s, mu_d, v_s, v_d)
         case config.Traction(a=a, b=b, c=c, d=d):
-            return frictions.Traction(a, b, c, d)
-    return frictions.Frictionless()
+            return Traction(a, b, c, d)
+    return Frictionless()
 
 
 def cage_mass(case: Case) -> float:
@@ -60,7 +62,7 @@ def cage(case: Case) -> Any:
     if c.motion == "kinematic":
         return cages.KinematicCage()
     m, law = cage_mass(case), HuntCrossley(Linear(c.pocket_stiffness), c.pocket_damping)
-    rubbing = frictions.StaticDynamic(
+    rubbing = StaticDynamic(
         c.friction.static, c.friction.dynamic, c.friction.static_speed, c.friction.dynamic_speed
     )
     return cages.FreeCage(
