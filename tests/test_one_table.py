@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from bearingsim import catalogue
-from bearingsim.core.laws.damping import normal_force
-from bearingsim.core.laws.friction import mu
-from bearingsim.core.laws.stiffness import elastic
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.friction.interface import mu
+from bearingsim.core.laws.stiffness.interface import elastic
 
 PACKAGE = Path(catalogue.__file__).parent
 FILES = sorted(PACKAGE.rglob("*.py"))
@@ -52,6 +52,8 @@ def test_every_other_meaning_is_still_there() -> None:
 def classes() -> dict[str, set[str]]:
     """The classes of models, methods and laws, by the module that defines each."""
     known = [*catalogue.MODELS.values(), *catalogue.METHODS.values()]
+    for law in (law for laws in catalogue.LAWS.values() for law in laws.values()):
+        catalogue.code(law.build)
     found = {catalogue.code(one.module).KIND.parameters for one in known}
     found |= {*elastic.types, *normal_force.types, *mu.types}
     modules: dict[str, set[str]] = {}

@@ -5,9 +5,13 @@ from typing import Any
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.catalogue import LAWS, code
 from bearingsim.config import Case
-from bearingsim.core.laws import damping
-from bearingsim.core.laws import stiffness as elastic
+from bearingsim.core.laws.damping import general as multibody
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.damping.kraemer import Kraemer
 from bearingsim.core.laws.hertz import PointContact, ball_on_race
+from bearingsim.core.laws.stiffness import johnson as line_contact
+from bearingsim.core.laws.stiffness import power_law, ten_ninths
+from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
 
 
 def outer(case: Case) -> Any:
@@ -22,7 +26,7 @@ def inner(case: Case) -> Any:
 
 def powers(case: Case) -> int:
     """How many powers of the law are the library's, which leaves the vector lanes."""
-    return sum(isinstance(part, elastic.PowerLaw | damping.Power) for part in outer(case))
+    return sum(isinstance(part, power_law.PowerLaw | multibody.Power) for part in outer(case))
 
 
 def damped(case: Case, stiffness: Any) -> Any:
@@ -31,20 +35,20 @@ def damped(case: Case, stiffness: Any) -> Any:
     return code(LAWS["damping"][section.law].build)(section, stiffness)
 
 
-def hunt_crossley(section: Any, stiffness: Any) -> damping.HuntCrossley:
+def hunt_crossley(section: Any, stiffness: Any) -> HuntCrossley:
     """Damping proportional to the elastic force."""
-    return damping.HuntCrossley(stiffness, section.chi)
+    return HuntCrossley(stiffness, section.chi)
 
 
-def kraemer(section: Any, stiffness: Any) -> damping.Kraemer:
+def kraemer(section: Any, stiffness: Any) -> Kraemer:
     """Damping proportional to the tangent stiffness."""
-    return damping.Kraemer(stiffness, section.beta)
+    return Kraemer(stiffness, section.beta)
 
 
-def general(section: Any, stiffness: Any) -> damping.General:
+def general(section: Any, stiffness: Any) -> multibody.General:
     """Damping of the multibody codes, its coefficient in N, mm and s."""
     m2, m3 = section.velocity_exponent, section.indentation_exponent
-    return damping.general(stiffness, section.coefficient * 1e3 ** (m2 + m3), m2, m3)
+    return multibody.general(stiffness, section.coefficient * 1e3 ** (m2 + m3), m2, m3)
 
 
 def stiffness(case: Case, on_outer: bool) -> Any:
@@ -55,29 +59,29 @@ def stiffness(case: Case, on_outer: bool) -> Any:
 
 def constant(case: Case, section: Any, on_outer: bool) -> Any:
     """k delta^m, the coefficient in N and mm."""
-    return elastic.constant(section.coefficient * 1e3**section.exponent, section.exponent)
+    return power_law.constant(section.coefficient * 1e3**section.exponent, section.exponent)
 
 
-def palmgren(case: Case, section: Any, on_outer: bool) -> elastic.TenNinths:
+def palmgren(case: Case, section: Any, on_outer: bool) -> ten_ninths.TenNinths:
     """Palmgren's line contact."""
-    return elastic.palmgren(roller_length(case))
+    return ten_ninths.palmgren(roller_length(case))
 
 
-def iso16281(case: Case, section: Any, on_outer: bool) -> elastic.TenNinths:
+def iso16281(case: Case, section: Any, on_outer: bool) -> ten_ninths.TenNinths:
     """ISO/TS 16281's line contact."""
-    return elastic.iso16281(roller_length(case))
+    return ten_ninths.iso16281(roller_length(case))
 
 
-def johnson(case: Case, section: Any, on_outer: bool) -> elastic.Johnson:
+def johnson(case: Case, section: Any, on_outer: bool) -> line_contact.Johnson:
     """Johnson's line contact of a roller inside, or outside, a race."""
     b, R_w = case.bearing, case.bearing.roller_diameter / 2.0
     dR = outer_radius(case) - R_w if on_outer else inner_radius(case) + R_w
-    return elastic.johnson(b.material.young_modulus, b.material.poisson_ratio, roller_length(case), dR)
+    return line_contact.johnson(b.material.young_modulus, b.material.poisson_ratio, roller_length(case), dR)
 
 
-def point(case: Case, section: Any, on_outer: bool) -> elastic.ThreeHalves:
+def point(case: Case, section: Any, on_outer: bool) -> ThreeHalves:
     """Hertz's point contact of a ball."""
-    return elastic.ThreeHalves(point_contact(case, on_outer).k)
+    return ThreeHalves(point_contact(case, on_outer).k)
 
 
 def roller_length(case: Case) -> float:

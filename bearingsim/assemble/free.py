@@ -10,9 +10,11 @@ from bearingsim.assemble import geometry
 from bearingsim.catalogue import LAWS, code
 from bearingsim.config import Case
 from bearingsim.core.geometry.motion import Ramp, Steady
-from bearingsim.core.laws import friction as frictions
-from bearingsim.core.laws.damping import HuntCrossley
-from bearingsim.core.laws.stiffness import Linear
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.friction.frictionless import Frictionless
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.friction.traction import Traction
+from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.parts import cage as cages
 from bearingsim.core.parts import shaft as shafts
 
@@ -33,22 +35,22 @@ def motion(case: Case) -> Any:
 def friction(case: Case) -> Any:
     """Friction between rollers and races: ``build(section)`` of the catalogue's law."""
     section: Any = case.friction
-    return code(LAWS["friction"][section.law].build)(section) if section else frictions.Frictionless()
+    return code(LAWS["friction"][section.law].build)(section) if section else Frictionless()
 
 
-def static_dynamic(section: Any) -> frictions.StaticDynamic:
+def static_dynamic(section: Any) -> StaticDynamic:
     """The static-dynamic curve."""
-    return frictions.StaticDynamic(section.static, section.dynamic, section.static_speed, section.dynamic_speed)
+    return StaticDynamic(section.static, section.dynamic, section.static_speed, section.dynamic_speed)
 
 
-def traction(section: Any) -> frictions.Traction:
+def traction(section: Any) -> Traction:
     """The traction curve."""
-    return frictions.Traction(section.a, section.b, section.c, section.d)
+    return Traction(section.a, section.b, section.c, section.d)
 
 
-def frictionless(section: Any) -> frictions.Frictionless:
+def frictionless(section: Any) -> Frictionless:
     """No friction."""
-    return frictions.Frictionless()
+    return Frictionless()
 
 
 def cage_mass(case: Case) -> float:

@@ -10,8 +10,8 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.config.rules.slicing import slice_ends
 from bearingsim.core.geometry import slices as cut
-from bearingsim.core.laws.damping import HuntCrossley
-from bearingsim.core.laws.stiffness import Linear
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.parts import flanges as shoulders
 from bearingsim.core.parts.cage import KinematicCage
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace

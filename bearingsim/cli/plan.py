@@ -112,7 +112,7 @@ def rubbing(case: "Case", force: float) -> tuple[float, float]:
     steepest slope of the friction's curve.
     """
     from bearingsim import assemble
-    from bearingsim.core.laws.friction import steepest
+    from bearingsim.core.laws.friction.interface import steepest
 
     if case.friction is None:
         return math.nan, math.inf
@@ -125,7 +125,7 @@ def rubbing(case: "Case", force: float) -> tuple[float, float]:
 
 def most_friction(law: Any, u: float) -> float:
     """The largest friction coefficient of a law at the rolling speed ``u`` (m/s), within 1 %."""
-    from bearingsim.core.laws.friction import mu
+    from bearingsim.core.laws.friction.interface import mu
 
     return max(float(mu(law, u * 10.0 ** (n / SLIPS_PER_DECADE), u)) for n in range(-4 * SLIPS_PER_DECADE, 1))
 

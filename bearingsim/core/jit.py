@@ -18,6 +18,7 @@ import os
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -105,19 +106,48 @@ def kept_safely(dispatcher: Any) -> Any:
     return dispatcher
 
 
-def generic(declaration: Callable) -> Any:
+REFUSED = object()
+
+
+def constant(value: Any, name: str) -> Callable:
+    """An implementation of ``name`` that gives ``value``, whatever the arguments."""
+
+    def given(*arguments: Any) -> Any:
+        return value
+
+    given.__qualname__ = f"{name}.otherwise"  # compiled functions are told apart by it
+    return given
+
+
+def generic(declaration: Callable | None = None, *, otherwise: Any = REFUSED) -> Any:
     """Turn ``declaration`` into a function chosen by the type of its first argument.
 
     The declaration's body is never run; it carries the name, the arguments and the docstring. Implementations
     are added with ``@name.register(ParameterType)`` where ``ParameterType`` is a ``NamedTuple`` class.
+
+    otherwise: a value, or an implementation, for all types that have none of their own; without it such a type is
+    refused.
     """
+    if declaration is None:
+        return partial(generic, otherwise=otherwise)
+    name = declaration.__name__
     implementations: dict[type, Callable] = {}
 
-    def dispatch(*arguments: Any) -> Any:
-        return implementations[type(arguments[0])](*arguments)
+    def implementation(kind: type) -> Callable:
+        if kind in implementations:
+            return implementations[kind]
+        if otherwise is REFUSED:
+            raise TypeError(f"`{name}` is not registered for {kind.__name__}: @{name}.register({kind.__name__})")
+        return otherwise if callable(otherwise) else constant(otherwise, name)
 
-    def choose(first: Any, *rest: Any) -> Callable | None:
-        return implementations.get(getattr(first, "instance_class", None))  # type: ignore[arg-type]
+    def dispatch(*arguments: Any) -> Any:
+        return implementation(type(arguments[0]))(*arguments)
+
+    def choose(first: Any, *rest: Any) -> Callable:
+        try:
+            return implementation(getattr(first, "instance_class", type(first)))
+        except TypeError as error:
+            raise numba.TypingError(str(error)) from None
 
     def register(parameters: type) -> Callable:
         def keep(implementation: Callable) -> Callable:

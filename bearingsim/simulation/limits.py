@@ -15,7 +15,7 @@ from bearingsim.assemble.scales import approach, at_full_speed, closing_speed, c
 from bearingsim.catalogue import METHODS, MODELS, lowest
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.laws.damping import damping_slope, normal_force, stiffness_slope
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.methods.interface import load_number
 from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.pits.excitations import LEAPS
@@ -168,7 +168,7 @@ def leap(model: Any, law: Any, load: float) -> tuple[float, float, float]:
     outwards = b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
     fall = sqrt(load * approach(law, load) / b.m_r) * flight + 0.5 * outwards * flight * flight
     deep = min(fall, float(pits.groups[:, :, DEPTH].max()))
-    K, C = stiffness_slope(law, deep, 0.0), damping_slope(law, deep, 0.0)
+    K, C = stiffness_bound(law, deep, 0.0), damping_bound(law, deep, 0.0)
     return float(normal_force(law, deep, 0.0)), float(K) / b.m_r, float(C) / b.m_r
 
 
@@ -190,12 +190,12 @@ def _impact(m: float, law: Any, named: str, speed: float) -> tuple[float, float,
     """``impact``, remembered; ``named`` tells laws apart that are equal as tuples."""
     if m == 0.0 or speed == 0.0:
         return 0.0, 0.0, 0.0
-    longest = min(1e-7, 1e-3 * pi * sqrt(m / stiffness_slope(law, 1e-7, 0.0)))
+    longest = min(1e-7, 1e-3 * pi * sqrt(m / stiffness_bound(law, 1e-7, 0.0)))
     delta, v, peak, K, C = TOUCHED, speed, 0.0, 0.0, 0.0
     while v > 0.0:
         peak = max(peak, normal_force(law, delta, v))
-        K = max(K, stiffness_slope(law, delta, v))
-        damping = damping_slope(law, delta, v)
+        K = max(K, stiffness_bound(law, delta, v))
+        damping = damping_bound(law, delta, v)
         C = max(C, damping)
         h = min(longest, RESOLVED * m / damping) if damping > 0.0 else longest
         delta += h * v

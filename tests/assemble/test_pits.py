@@ -7,8 +7,8 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.assemble.pits import meetings, met
-from bearingsim.core.laws.damping import HuntCrossley
-from bearingsim.core.laws.stiffness import palmgren
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.stiffness.ten_ninths import palmgren
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.pits.depth import Circular, Rectangular, Triangular
 from bearingsim.core.pits.excitations import Envelope, Traced, felt

@@ -7,9 +7,14 @@ import numpy as np
 from bearingsim.assemble.rest import statics, still
 from bearingsim.core.advance import Watch, advance, start_at_rest
 from bearingsim.core.geometry.motion import Steady
-from bearingsim.core.laws.damping import HuntCrossley, damping_slope, normal_force, stiffness_slope
-from bearingsim.core.laws.friction import Frictionless, StaticDynamic, mu, steepest
-from bearingsim.core.laws.stiffness import Linear, TenNinths, elastic, tangent
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
+from bearingsim.core.laws.friction.frictionless import Frictionless
+from bearingsim.core.laws.friction.interface import mu, steepest
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.stiffness.interface import elastic, tangent
+from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
 from bearingsim.core.layout import EPS, PHI_C, POSITION, Q_I, Q_O, VELOCITY, X, Y, buffer
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import mean_rest, rest_from_scratch
@@ -38,12 +43,12 @@ def _force_unclamped(contact, delta, v):
     return elastic(contact.stiffness, max(delta, 0.0)) * (1.0 + contact.chi * v)
 
 
-@damping_slope.register(Unclamped)
+@damping_bound.register(Unclamped)
 def _damping_unclamped(contact, delta, v):
     return contact.chi * elastic(contact.stiffness, delta)
 
 
-@stiffness_slope.register(Unclamped)
+@stiffness_bound.register(Unclamped)
 def _stiffness_unclamped(contact, delta, v):
     return tangent(contact.stiffness, delta) * max(1.0 + contact.chi * v, 0.0)
 

@@ -14,7 +14,7 @@ class MethodKind(NamedTuple):
     impact, the most an automatic step takes; per_period: steps of an automatic run in a period of the contact,
     which light damping lets ring; cusp: the part of a step after which a force that jumps is still integrated
     without a first-order error (where the method's weights after it add up to the time after it); order: on smooth
-    motion; lag: of friction, in steps: 1 where steep friction would limit the step, else 0 (``friction.rub``).
+    motion; lag: of friction, in steps: 1 where steep friction would limit the step, else 0 (``friction/lag.py``).
     What a case may ask of it stands in the catalogue; parameters of an adaptive one are those of ``Tolerances``.
     """
 

@@ -21,8 +21,9 @@ from typing import Any, NamedTuple
 from bearingsim.core.geometry.motion import elapsed
 from bearingsim.core.geometry.plane import approach_inner, approach_outer, place
 from bearingsim.core.jit import add, jit
-from bearingsim.core.laws.damping import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.laws.friction import lagged, mu, rub, steepest
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
+from bearingsim.core.laws.friction.interface import mu, steepest
+from bearingsim.core.laws.friction.lag import lagged, rub
 from bearingsim.core.layout import (
     ACCELERATION,
     APART_I,
@@ -104,8 +105,8 @@ class Planar(NamedTuple):
     """Parameters of the model.
 
     outer, inner: contact laws at the races; motion: ``geometry/motion.py``; friction: at the races
-    (``laws/friction.py``); cage, drag: ``parts/cage.py``; shaft, bracket: ``parts/shaft.py``; gravity: m/s^2 along
-    e_0, on rollers and cage (a ring's weight is part of its load); lag: of friction, s (``friction.rub``).
+    (``laws/friction``); cage, drag: ``parts/cage.py``; shaft, bracket: ``parts/shaft.py``; gravity: m/s^2 along
+    e_0, on rollers and cage (a ring's weight is part of its load); lag: of friction, s (``friction/lag.py``).
     """
 
     bearing: Bearing
@@ -299,8 +300,8 @@ keep_extremes.register(Planar)(keep_forces)
 @stiffness_per_mass.register(Planar)
 def _stiffness_per_mass(model, y, j):
     """The roller's between its races, or of its pocket, or of what holds the rings: the largest."""
-    outer = stiffness_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = stiffness_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    outer = stiffness_bound(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = stiffness_bound(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     held = max(held_stiffness(model.shaft), held_stiffness(model.bracket))
     return max(y[INVERSE_MASS + j] * (outer + inner), held, pocket_stiffness(model.cage, y[INVERSE_MASS + j]))
 
@@ -308,8 +309,8 @@ def _stiffness_per_mass(model, y, j):
 @damping_per_mass.register(Planar)
 def _damping_per_mass(model, y, j):
     """Radial damping, or that of what holds the rings, or of friction on slip (see ``rub``): the largest."""
-    outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    outer = damping_bound(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = damping_bound(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     b = model.bearing
     pressed = max(y[Q_O + j], y[Q_I + j]) * 2.0 * b.R_w * b.R_w / b.I_r
     rubbing = steepest(model.friction, b.R_w * b.omega_b) * pressed

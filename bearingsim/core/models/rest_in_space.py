@@ -25,8 +25,8 @@ from bearingsim.core.geometry.orientation import body_at
 from bearingsim.core.geometry.plane import place
 from bearingsim.core.geometry.slices import WEIGHT, ZETA
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.damping import stiffness_slope
-from bearingsim.core.laws.stiffness import tangent
+from bearingsim.core.laws.damping.interface import stiffness_bound
+from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.layout import (
     APPROACH_I,
     APPROACH_O,
@@ -109,8 +109,8 @@ def stiffnesses(model, y, k_o, k_i):
         weight = model.slices.table[k, WEIGHT]
         for j in range(model.bearing.Z):
             o, i = y[slice_row(k, APPROACH_O) + j], y[slice_row(k, APPROACH_I) + j]
-            k_o[k, j] = weight * stiffness_slope(model.outer, o, 0.0) if o > 0.0 else 0.0
-            k_i[k, j] = weight * stiffness_slope(model.inner, i, 0.0) if i > 0.0 else 0.0
+            k_o[k, j] = weight * stiffness_bound(model.outer, o, 0.0) if o > 0.0 else 0.0
+            k_i[k, j] = weight * stiffness_bound(model.inner, i, 0.0) if i > 0.0 else 0.0
 
 
 class Statics:

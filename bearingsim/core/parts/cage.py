@@ -11,9 +11,9 @@ from math import hypot
 from typing import Any, NamedTuple
 
 from bearingsim.core.jit import add, generic
-from bearingsim.core.laws.damping import normal_force
-from bearingsim.core.laws.friction import mu
-from bearingsim.core.laws.stiffness import tangent
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.friction.interface import mu
+from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.layout import (
     ACCELERATION,
     CE,

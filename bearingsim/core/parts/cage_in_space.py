@@ -16,9 +16,9 @@ from bearingsim.core.geometry.orientation import Body, body_at, tip, winding_rat
 from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA
 from bearingsim.core.geometry.vectors import across, both, cross, dot, mix, turning
 from bearingsim.core.jit import add, generic, jit
-from bearingsim.core.laws.damping import normal_force
-from bearingsim.core.laws.friction import mu
-from bearingsim.core.laws.stiffness import tangent
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.friction.interface import mu
+from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.layout import (
     ACCELERATION,
     AXIAL,

@@ -20,9 +20,9 @@ from bearingsim.core.geometry.orientation import Body
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, rows_of, sign
 from bearingsim.core.geometry.vectors import both, cross, dot, mix
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.laws.damping import normal_force
-from bearingsim.core.laws.friction import mu
-from bearingsim.core.laws.stiffness import tangent
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.friction.interface import mu
+from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.layout import (
     APART_R,
     APART_T,

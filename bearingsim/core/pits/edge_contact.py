@@ -18,7 +18,7 @@ from math import e, exp, log, pi, sqrt
 from typing import NamedTuple
 
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.stiffness import ninth_root
+from bearingsim.core.laws.stiffness.ten_ninths import ninth_root
 from bearingsim.core.pits.excitations import felt, groups
 from bearingsim.core.pits.pairs import DEPTH, KAPPA, X_E, B, W, depression
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from bearingsim import assemble
-from bearingsim.core.laws.damping import normal_force
-from bearingsim.core.laws.stiffness import iso16281
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.stiffness.ten_ninths import iso16281
 from bearingsim.core.layout import COS_0, POSITION, Q_I, Q_O, SIN_0, VELOCITY, Q, V, X, buffer
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import rest_from_scratch

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.stiffness import elastic, palmgren
+from bearingsim.core.laws.stiffness.interface import elastic
+from bearingsim.core.laws.stiffness.ten_ninths import palmgren
 from bearingsim.core.pits.excitations import (
     ClearanceIncrease,
     Envelope,
