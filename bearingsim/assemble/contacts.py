@@ -1,5 +1,6 @@
 """The contact law at each race: damping around stiffness."""
 
+from math import isclose
 from typing import Any
 
 from bearingsim.assemble.geometry import inner_radius, outer_radius
@@ -10,7 +11,9 @@ from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.kraemer import Kraemer
 from bearingsim.core.laws.hertz import PointContact, ball_on_race
 from bearingsim.core.laws.stiffness import johnson as line_contact
-from bearingsim.core.laws.stiffness import power_law, ten_ninths
+from bearingsim.core.laws.stiffness import ten_ninths
+from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.stiffness.power_law import PowerLaw
 from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
 
 
@@ -26,7 +29,7 @@ def inner(case: Case) -> Any:
 
 def powers(case: Case) -> int:
     """How many powers of the law are the library's, which leaves the vector lanes."""
-    return sum(isinstance(part, power_law.PowerLaw | multibody.Power) for part in outer(case))
+    return sum(isinstance(part, PowerLaw | multibody.Power) for part in outer(case))
 
 
 def damped(case: Case, stiffness: Any) -> Any:
@@ -59,7 +62,21 @@ def stiffness(case: Case, on_outer: bool) -> Any:
 
 def constant(case: Case, section: Any, on_outer: bool) -> Any:
     """k delta^m, the coefficient in N and mm."""
-    return power_law.constant(section.coefficient * 1e3**section.exponent, section.exponent)
+    return power(section.coefficient * 1e3**section.exponent, section.exponent)
+
+
+FASTER = ((1.0, Linear), (ten_ninths.EXPONENT, ten_ninths.TenNinths), (1.5, ThreeHalves))
+"""The exponents that have a law of their own, without ``pow``."""
+
+
+def power(k: float, m: float) -> Any:
+    """The law k delta^m, k in N/m^m: the fastest that has this exponent."""
+    for exponent, law in FASTER:
+        if isclose(m, exponent, rel_tol=1e-12):
+            return law(k)
+    if m < 1.0:
+        raise ValueError(f"exponent {m}: below 1 a contact is infinitely stiff at touch-down")
+    return PowerLaw(k, m)
 
 
 def palmgren(case: Case, section: Any, on_outer: bool) -> ten_ninths.TenNinths:

@@ -5,11 +5,12 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from bearingsim.assemble.contacts import power
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
 from bearingsim.core.laws.stiffness.johnson_curve import cell
 from bearingsim.core.laws.stiffness.linear import Linear
-from bearingsim.core.laws.stiffness.power_law import PowerLaw, constant
+from bearingsim.core.laws.stiffness.power_law import PowerLaw
 from bearingsim.core.laws.stiffness.ten_ninths import TenNinths, iso16281, ninth_root, palmgren
 from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
 from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
@@ -103,11 +104,11 @@ def test_all_but_the_general_power_keep_the_vector_lanes(law):
     ("m", "law"), [(1, Linear), (10 / 9, TenNinths), (1.5, ThreeHalves), (1.11, PowerLaw), (1.1111, PowerLaw)]
 )
 def test_a_given_exponent_takes_the_law_that_has_it(m, law):
-    found = constant(5e9, m)
+    found = power(5e9, m)
     assert type(found) is law
     assert elastic(found, 3e-6) == pytest.approx(5e9 * 3e-6**m, rel=1e-13, abs=0.0)
 
 
 def test_an_exponent_below_one_is_refused():
     with pytest.raises(ValueError, match="infinitely stiff"):
-        constant(5e9, 0.9)
+        power(5e9, 0.9)
