@@ -5,9 +5,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from bearingsim import assemble
-from bearingsim.catalogue import EXPLICIT, METHODS
+from bearingsim.assemble.registered import missing
+from bearingsim.catalogue import AUTO, EXPLICIT, METHODS
 from bearingsim.config import Case
 from bearingsim.core.models.interface import linearise
+from bearingsim.errors import Refused
 from bearingsim.simulation.automatic_step import automatic_step
 from bearingsim.simulation.limits import Limits, step_limits
 from bearingsim.simulation.prices import per_second
@@ -34,7 +36,8 @@ class Attempt(NamedTuple):
 
 def resolved(case: Case) -> Case:
     """The case with a method instead of `auto`."""
-    return using(case, choice(case).method) if case.method == "auto" else case
+    found = choice(case).method
+    return case if found == case.method else using(case, found)
 
 
 def limits(case: Case) -> Limits:
@@ -53,7 +56,7 @@ def attempts(case: Case) -> Iterator[Attempt]:
     parts = SHORTENED if case.automatic and case.tolerance == "auto" else (1.0,)
     for part in parts:
         yield Attempt(first, part)
-    if case.method == "auto" and case.automatic:
+    if case.method == AUTO and case.automatic:
         for name in alternatives(first):
             yield from (Attempt(using(case, name), part) for part in parts)
 
@@ -62,7 +65,7 @@ def alternatives(case: Case) -> list[str]:
     """Other methods of the automatic set that can step the case, the cheapest first; none if it has no method."""
     if case.method is None:
         return []
-    return [name for name in choice(using(case, "auto")).prices if name != case.method]
+    return [name for name in choice(using(case, AUTO)).prices if name != case.method]
 
 
 @lru_cache(maxsize=1024)
@@ -71,7 +74,8 @@ def choice(case: Case) -> Choice:
 
     DOP853 costs what Verlet does where contacts are soft and little damped, and is kept for what Verlet fails at.
     """
-    if case.method != "auto":
+    _refuse_incomplete(case)
+    if case.method != AUTO:
         return Choice(case.method, "the case says so" if case.method else f"{case.model} has no method", {})
     able = [name for name in METHODS if METHODS[name].automatic and can(case, name)]
     if case.tolerance != "auto":  # only those that keep one
@@ -87,7 +91,21 @@ def choice(case: Case) -> Choice:
 
 def can(case: Case, name: str) -> bool:
     """Whether a method can step the case's model: an implicit one needs its derivatives."""
-    return not METHODS[name].implicit or assemble.kind(case).parameters in linearise.types
+    if not METHODS[name].implicit:
+        return True
+    return assemble.kind(case).parameters in linearise.types and not any(missing(case, implicit=True))
+
+
+def _refuse_incomplete(case: Case) -> None:
+    """Raise ``Refused`` if laws, or the model, do not bring what the case's method calls."""
+    implicit = case.method not in (None, AUTO) and METHODS[str(case.method)].implicit
+    found = next(missing(case, implicit), "")
+    if implicit and assemble.kind(case).parameters not in linearise.types:
+        found = f"the model `{case.model}` has no `{linearise.__name__}`"
+    if found:
+        why = f", which {case.method} solves with" if implicit else ""
+        advice = "take an explicit method, or register it" if implicit else "register it (docs/extending.md)"
+        raise Refused(found + why, advice)
 
 
 def _reason(chosen: str, prices: dict[str, float], found: Limits) -> str:
