@@ -7,7 +7,7 @@ from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.config import Case
 from bearingsim.core.laws.damping import general, hunt_crossley, kraemer
 from bearingsim.core.laws.hertz import PointContact, ball_on_race
-from bearingsim.core.laws.stiffness import johnson, power_law, ten_ninths, three_halves
+from bearingsim.core.laws.stiffness import constant, johnson, power_law, ten_ninths, three_halves
 
 
 def outer(case: Case) -> Any:
@@ -43,7 +43,7 @@ def stiffness(case: Case, on_outer: bool) -> Any:
     L_w = float(b.roller_length or 0.0)  # a ball has none, and no law that asks for it
     match law:
         case config.Constant(coefficient=k, exponent=m):
-            return power_law.constant(k * 1e3**m, m)  # mm to m
+            return constant.constant(k * 1e3**m, m)  # mm to m
         case "palmgren":
             return ten_ninths.palmgren(L_w)
         case "iso16281":

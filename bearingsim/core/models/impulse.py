@@ -19,6 +19,7 @@ from bearingsim.core.jit import jit
 from bearingsim.core.layout import LANES
 from bearingsim.core.models.interface import ModelKind, keep_extremes, solved, width
 from bearingsim.core.parameters import Bearing
+from bearingsim.core.pits.crossings import spot
 
 
 class Impulse(NamedTuple):
@@ -79,6 +80,11 @@ def _width(model):
 @keep_extremes.register(Impulse)
 def _keep_extremes(model, y):
     return None
+
+
+@spot.register(Impulse)
+def _spot(model, t, y):
+    return None  # its train was made of every crossing
 
 
 KIND = ModelKind(Impulse, loaded=False, slips=False, sliced=False, memoryless=False, per_crossing=8, cost=0.3e-6)

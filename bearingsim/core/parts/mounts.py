@@ -105,6 +105,16 @@ def _mount_springs_sprung(held):
     return held.k_z / held.m, held.c_z / held.m, held.k_lean / held.I_t, held.c_lean / held.I_t
 
 
+@generic(absent=None)
+def mount_rates(held: Any) -> tuple[float, float] | None:
+    """Spring rates along the axis (N/m) and against leaning (N m/rad); None where nothing gives way."""
+
+
+@mount_rates.register(Sprung)
+def _mount_rates_sprung(held):
+    return held.k_z, held.k_lean
+
+
 @generic(absent=0.0)
 def mount_stiffness(held: Any) -> float:
     """The larger stiffness over inertia (1/s^2) of the mount's springs."""

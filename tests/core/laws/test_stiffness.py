@@ -6,10 +6,11 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.stiffness.constant import constant
 from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
 from bearingsim.core.laws.stiffness.johnson_curve import cell
 from bearingsim.core.laws.stiffness.linear import Linear
-from bearingsim.core.laws.stiffness.power_law import PowerLaw, constant
+from bearingsim.core.laws.stiffness.power_law import PowerLaw
 from bearingsim.core.laws.stiffness.ten_ninths import TenNinths, iso16281, ninth_root, palmgren
 from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
 from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
