@@ -30,5 +30,5 @@ def missing(case: Case, implicit: bool) -> Iterator[str]:
 def _missing(what: str, law: Any, called: tuple[tuple[Any, ...], ...], implicit: bool) -> Iterator[str]:
     always, solved_with = called
     for function in (*always, *(solved_with if implicit else ())):
-        if type(law) not in function.types:
+        if not function.serves(type(law)):
             yield f"the {what} has no `{function.__name__}`"

@@ -1,10 +1,12 @@
 """How the core is compiled: the one place that decides it.
 
-Three words are used everywhere else:
+Four words are used everywhere else:
 
 ``jit``      compiles a function (cached on disk).
 ``generic``  one name, one implementation per parameter type; the choice is made when the caller is compiled,
              so what is not chosen is not there. Called from Python it dispatches like ``singledispatch``.
+``absent``   a type that stands for nothing (no drag, no flange): it needs no implementation of a generic that says
+             what nothing does. Any other type that lacks one is refused by name.
 ``add``      an addition whose order the compiler may change: it lets a sum over rollers use vector lanes, while
              every other operation keeps its IEEE meaning (full ``fastmath`` makes ``isfinite(nan)`` true).
 
@@ -20,7 +22,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numba
 from filelock import FileLock
@@ -106,7 +108,15 @@ def kept_safely(dispatcher: Any) -> Any:
     return dispatcher
 
 
+ABSENT: set[type] = set()
 REFUSED = object()
+Parameters = TypeVar("Parameters", bound=type)
+
+
+def absent(parameters: Parameters) -> Parameters:
+    """Declare a type that stands for nothing."""
+    ABSENT.add(parameters)
+    return parameters
 
 
 def constant(value: Any, name: str) -> Callable:
@@ -115,30 +125,37 @@ def constant(value: Any, name: str) -> Callable:
     def given(*arguments: Any) -> Any:
         return value
 
-    given.__qualname__ = f"{name}.otherwise"  # compiled functions are told apart by it
+    given.__qualname__ = f"{name}.constant"  # compiled functions are told apart by it
     return given
 
 
-def generic(declaration: Callable | None = None, *, otherwise: Any = REFUSED) -> Any:
+def generic(declaration: Callable | None = None, *, absent: Any = REFUSED, otherwise: Any = REFUSED) -> Any:
     """Turn ``declaration`` into a function chosen by the type of its first argument.
 
     The declaration's body is never run; it carries the name, the arguments and the docstring. Implementations
     are added with ``@name.register(ParameterType)`` where ``ParameterType`` is a ``NamedTuple`` class.
 
-    otherwise: a value, or an implementation, for all types that have none of their own; without it such a type is
-    refused.
+    absent, otherwise: a value or an implementation; the first for types declared ``absent``, the second for all
+    that have no implementation of their own. Without them such a type is refused; ``name.serves(type)`` tells.
     """
     if declaration is None:
-        return partial(generic, otherwise=otherwise)
+        return partial(generic, absent=absent, otherwise=otherwise)
     name = declaration.__name__
     implementations: dict[type, Callable] = {}
+
+    def fallback(kind: type) -> Any:
+        return absent if kind in ABSENT and absent is not REFUSED else otherwise
+
+    def serves(kind: type) -> bool:
+        return kind in implementations or fallback(kind) is not REFUSED
 
     def implementation(kind: type) -> Callable:
         if kind in implementations:
             return implementations[kind]
-        if otherwise is REFUSED:
+        given = fallback(kind)
+        if given is REFUSED:
             raise TypeError(f"`{name}` is not registered for {kind.__name__}: @{name}.register({kind.__name__})")
-        return otherwise if callable(otherwise) else constant(otherwise, name)
+        return given if callable(given) else constant(given, name)
 
     def dispatch(*arguments: Any) -> Any:
         return implementation(type(arguments[0]))(*arguments)
@@ -162,6 +179,7 @@ def generic(declaration: Callable | None = None, *, otherwise: Any = REFUSED) ->
     dispatch.__module__ = declaration.__module__
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
+    dispatch.serves = serves  # type: ignore[attr-defined]
     overload(dispatch, jit_options=OPTIONS, strict=False)(choose)
     return dispatch
 

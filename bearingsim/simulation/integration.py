@@ -17,10 +17,10 @@ from bearingsim.config import Case
 from bearingsim.config.rules import hierarchy
 from bearingsim.core import outcomes
 from bearingsim.core.advance import Watch, advance, ready, start_at_rest
-from bearingsim.core.crossings import missed, turned
 from bearingsim.core.layout import LINE_MAX, MAX_ROLLERS, POSITION, Q_I_MAX, Q_MAX, Q_P_MAX, TILT_MAX, X
 from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import keep_extremes, watched
+from bearingsim.core.pits.crossings import missed, turned
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH, decimate, decimation_kernel, pick
 from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.channels import BASE

@@ -11,9 +11,9 @@ import pytest
 
 from bearingsim.core import outcomes
 from bearingsim.core.advance import Watch, advance
-from bearingsim.core.crossings import missed, turned
 from bearingsim.core.layout import CROSSED, CROSSINGS, EVALUATED, FAILED, FAILED_BODY, Q, V
 from bearingsim.core.methods.verlet import Verlet
+from bearingsim.core.pits.crossings import missed, turned
 from bearingsim.errors import Refused
 from bearingsim.simulation import choice, limits, proof, time_grid
 from bearingsim.simulation.integration import set_up

@@ -36,6 +36,7 @@ from bearingsim.core.layout import (
     X,
     Y,
 )
+from bearingsim.core.models.outer_ring import standing_force
 from bearingsim.core.parameters import turns
 from bearingsim.core.pits.on_roller import elastic_over_pit, outdone, standing
 from bearingsim.core.pits.pairs import HALF_WIDTH, SIDE
@@ -144,9 +145,7 @@ def balance_rollers(model, t, y):
 @jit
 def net_force(model, y):
     """Net force (N) on the ring, from the rows that ``balance_rollers`` filled."""
-    support = model.support
-    f_x = -support.F - support.k_b * (y[POSITION + X] - support.x_0)
-    f_y = -support.F_across - support.k_b * (y[POSITION + Y] - support.y_0)
+    f_x, f_y = standing_force(model.support, 0.0, 0.0, y)
     for j in range(model.bearing.Z):
         f_x += y[Q_O + j] * y[COS + j]
         f_y += y[Q_O + j] * y[SIN + j]

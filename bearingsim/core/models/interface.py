@@ -68,3 +68,11 @@ def linearise(model: Any, t: float, y: np.ndarray) -> None:
     roller feels itself and the shared coordinates only. The rows that ``accelerations`` fills are those of this
     state.
     """
+
+
+def solved(parameters: type) -> None:
+    """Register a model that is solved, not integrated: it needs no beginning, and no body limits its step."""
+    begin.register(parameters)(lambda model, t, y: None)
+    watched.register(parameters)(lambda model: 0)
+    stiffness_per_mass.register(parameters)(lambda model, y, j: 0.0)
+    damping_per_mass.register(parameters)(lambda model, y, j: 0.0)

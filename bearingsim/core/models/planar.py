@@ -74,8 +74,6 @@ from bearingsim.core.layout import (
     A,
     Q,
     V,
-    X,
-    Y,
 )
 from bearingsim.core.models.extremes import keep_forces
 from bearingsim.core.models.interface import (
@@ -90,6 +88,7 @@ from bearingsim.core.models.interface import (
     watched,
     width,
 )
+from bearingsim.core.models.outer_ring import move_outer_ring
 from bearingsim.core.models.planar_derivatives import differentiate
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts.cage import drive_cage, let_go, orbit_drag, pocket_stiffness, pockets
@@ -235,16 +234,6 @@ def push_rollers(model, omega_cage, omega_i, spin, y, n):
         i_y = add(i_y, -i_r * s - i_t * c)
     y[F_X], y[F_Y], y[F_X_I], y[F_Y_I] = f_x, f_y, i_x, i_y
     return torque
-
-
-@jit
-def move_outer_ring(model, y):
-    """m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + what the rollers (and a guided cage) push."""
-    support, m_o = model.support, model.bearing.m_o
-    f_x = y[F_X] - support.F - support.k_b * (y[POSITION + X] - support.x_0) - support.c_b * y[VELOCITY + X]
-    f_y = y[F_Y] - support.F_across - support.k_b * (y[POSITION + Y] - support.y_0) - support.c_b * y[VELOCITY + Y]
-    y[ACCELERATION + X] = f_x / m_o
-    y[ACCELERATION + Y] = f_y / m_o
 
 
 @jit

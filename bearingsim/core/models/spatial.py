@@ -112,7 +112,7 @@ from bearingsim.core.models.interface import (
     watched,
     width,
 )
-from bearingsim.core.models.planar import move_outer_ring
+from bearingsim.core.models.outer_ring import move_outer_ring
 from bearingsim.core.models.spatial_derivatives import differentiate_in_space
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts.cage import drive_cage, let_go, orbit_drag, pocket_stiffness

@@ -12,16 +12,16 @@ from typing import Any
 from bearingsim.core.jit import generic
 
 
-@generic
+@generic(absent=0.0)
 def mu(law: Any, v: float, u: float) -> float:
     """Friction coefficient, of the sign of the slip speed ``v`` (m/s), at the rolling speed ``u`` > 0 (m/s)."""
 
 
-@generic
+@generic(absent=(0.0, 0.0))
 def mu_slope(law: Any, v: float, u: float) -> tuple[float, float]:
     """Exact d(mu)/dv and d(mu)/du (s/m) at the slip speed ``v`` and the rolling speed ``u`` > 0 (m/s)."""
 
 
-@generic
+@generic(absent=0.0)
 def steepest(law: Any, u: float) -> float:
     """Largest d(mu)/dv (s/m) at the rolling speed ``u`` (m/s): what limits an explicit step."""
