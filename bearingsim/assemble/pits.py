@@ -16,6 +16,7 @@ from bearingsim.config import Case
 from bearingsim.config.scan.repair import REMEMBERED, read_scan
 from bearingsim.config.sections.defect import EDGE_RADIUS, SIMPLE
 from bearingsim.core.pits import excitations as felt
+from bearingsim.core.pits.closed_forms import groups_of, slices_of
 from bearingsim.core.pits.depth import (
     Eased,
     Merged,
@@ -33,11 +34,9 @@ from bearingsim.core.pits.pairs import (
     OUTER,
     Meeting,
     Pits,
-    groups_of,
     inner_reduced_radius,
     outer_reduced_radius,
     pits,
-    slices_of,
 )
 from bearingsim.core.pits.spall import Spall
 from bearingsim.core.pits.traced import across, burr, grouped, sharpest_cusp, sliced, span_of, traced_pits
@@ -269,12 +268,9 @@ def _narrower(d: config.Defect) -> str:
 def cut(case: Case, d: config.Defect, side: int, zetas: Places | None) -> list:
     """The groups along the contact that a pit with a closed form is cut into, or those of given slices."""
     L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
-    chosen = excitation(case)
-    if zetas is None:
-        rows = groups_of(d.shape, d.length, d.width, d.depth, L_w, R, nodes, d.offset)
-    else:
-        rows = slices_of(d.shape, d.length, d.width, d.depth, R, zetas, d.offset)
-    found = felt.groups(chosen, d.shape, rows, R)
+    pit = code(SHAPES[d.shape].build)(d.length, d.width, d.depth)
+    rows = groups_of(pit, L_w, R, nodes, d.offset) if zetas is None else slices_of(pit, R, zetas, d.offset)
+    found = felt.groups(excitation(case), pit, rows, R)
     if zetas is not None and len(found) != len(zetas):
         raise Refused(f"`{case.excitation}` has no form for slices", "take `excitation: envelope`")
     return found

@@ -23,8 +23,10 @@ from bearingsim.core.outcomes import FINE
 from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.parts.cage import Centred, FreeCage, OilDrag, RollerGuided
 from bearingsim.core.parts.shaft import FixedRing, RigidShaft, TorsionSpring
+from bearingsim.core.pits.closed_forms import groups_of
+from bearingsim.core.pits.depth import Rectangular
 from bearingsim.core.pits.excitations import Envelope
-from bearingsim.core.pits.pairs import INNER, ON_INNER, ON_OUTER, OUTER, Meeting, groups_of, pits
+from bearingsim.core.pits.pairs import INNER, ON_INNER, ON_OUTER, OUTER, Meeting, pits
 from tests.independent import planar
 
 FAR = 0.01  # m: a pocket that no roller touches
@@ -94,7 +96,7 @@ def meetings(scene: planar.Scene, pit: planar.Pit) -> list[Meeting]:
             pit.angle,
             radius,
             reduced[side],
-            groups_of("rectangular", scene.L_w, pit.width, pit.depth, scene.L_w, reduced[side], 1),
+            groups_of(Rectangular(scene.L_w, pit.width, pit.depth), scene.L_w, reduced[side], 1),
         )
         for side in sides
     ]
