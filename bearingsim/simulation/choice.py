@@ -4,11 +4,9 @@ from collections.abc import Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
-from bearingsim import assemble
 from bearingsim.assemble.registered import missing
 from bearingsim.catalogue import AUTO, EXPLICIT, METHODS
 from bearingsim.config import Case
-from bearingsim.core.models.interface import linearise
 from bearingsim.errors import Refused
 from bearingsim.simulation.automatic_step import automatic_step
 from bearingsim.simulation.limits import Limits, step_limits
@@ -91,17 +89,13 @@ def choice(case: Case) -> Choice:
 
 def can(case: Case, name: str) -> bool:
     """Whether a method can step the case's model: an implicit one needs its derivatives."""
-    if not METHODS[name].implicit:
-        return True
-    return assemble.kind(case).parameters in linearise.types and not any(missing(case, implicit=True))
+    return not METHODS[name].implicit or not any(missing(case, implicit=True))
 
 
 def _refuse_incomplete(case: Case) -> None:
     """Raise ``Refused`` if laws, or the model, do not bring what the case's method calls."""
     implicit = case.method not in (None, AUTO) and METHODS[str(case.method)].implicit
     found = next(missing(case, implicit), "")
-    if implicit and assemble.kind(case).parameters not in linearise.types:
-        found = f"the model `{case.model}` has no `{linearise.__name__}`"
     if found:
         why = f", which {case.method} solves with" if implicit else ""
         advice = "take an explicit method, or register it" if implicit else "register it (docs/extending.md)"

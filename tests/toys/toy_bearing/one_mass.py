@@ -15,6 +15,7 @@ from bearingsim.core.models.interface import (
     width,
 )
 from bearingsim.core.parameters import Bearing, Support, turns
+from bearingsim.core.pits.crossings import spot
 
 STIFFNESS, DAMPING, PUSH = 1e8, 1e3, 1.0  # N/m, N s/m, N
 
@@ -45,6 +46,11 @@ def _begin(model, t, y):
 
 @keep_extremes.register(OneMass)
 def _keep_extremes(model, y):
+    return None
+
+
+@spot.register(OneMass)
+def _spot(model, t, y):
     return None
 
 
