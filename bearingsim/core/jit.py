@@ -29,6 +29,8 @@ numba_config: Any = config  # its names are made at run time
 
 CORE = Path(__file__).parent
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
+GENERICS: list[Any] = []
+"""All that ``generic`` has made, in the order of import."""
 
 
 def source_digest() -> str:
@@ -130,6 +132,7 @@ def generic(declaration: Callable) -> Any:
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
     overload(dispatch, jit_options=OPTIONS, strict=False)(choose)
+    GENERICS.append(dispatch)
     return dispatch
 
 

@@ -46,6 +46,13 @@ def test_derivatives_are_those_of_the_accelerations(way, seed):
 
 
 @pytest.mark.parametrize("seed", range(3))
+def test_over_elastic_edges(seed):
+    """Where share and sinking of a pit both change along it."""
+    model, y = shaken("on rollers", seed, excitation="elastic-edge")
+    agree(model._replace(lag=0.0), y)
+
+
+@pytest.mark.parametrize("seed", range(3))
 def test_of_a_kinematic_cage_and_rings_that_are_held(seed):
     """Rows of what does not move are zero, and remain so."""
     model = assemble.model(case(model="planar", cage={"motion": "kinematic"}, friction="none", load="150 N"))
