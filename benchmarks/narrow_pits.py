@@ -25,7 +25,7 @@ def scene(random: np.random.Generator, method: str) -> Case:
     chi, width = random.uniform(20, 100), 10 ** random.uniform(-4, -3.4)
     slot = {"shape": "rectangular", "length": 0.012, "width": width, "depth": 5e-5}
     settings = {"bearing": "nf308", "model": "rollers", "method": method, "duration": 0.03, "settle": 0.02}
-    settings |= {"prove": False}
+    settings |= {"step_check": False}
     law = {"contact": {"damping": {"chi": chi}}}
     return Case.model_validate(settings | law | {"speed": speed * np.pi / 30, "load": load, "defect": slot})
 

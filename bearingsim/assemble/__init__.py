@@ -128,7 +128,7 @@ def support(case: Case) -> Support:
 def healthy(case: Case) -> Case:
     """The case without what does not touch its load at rest, so that many cases share one."""
     same = {"defects": (), "step": "auto", "record": (), "duration": 1.0, "settle": 0.0, "sampling": 1e4}
-    same |= {"method": EXPLICIT, "tolerance": "auto", "prove": True}
+    same |= {"method": EXPLICIT, "tolerance": "auto", "step_check": True}
     return case.model_copy(update=same | {"excitation": "envelope", "seed": 0})
 
 

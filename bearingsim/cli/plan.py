@@ -188,7 +188,7 @@ def show(plan: Plan, verbose: bool) -> None:
     rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
     print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
-    for told in [*choices(plan), *methods(plan), *creeping(plan), *notes(study.cases())]:
+    for told in [*choices(plan), *methods(plan), *creeping(plan), *study.notes, *notes(study.cases())]:
         out.print(told, markup=False)
     if verbose:
         _show_cases(plan)
@@ -241,7 +241,7 @@ def methods(plan: Plan) -> list[str]:
     ]
     proven = [one.job.case.proven for one in plan.everything]
     if any(proven):
-        whole = all(one.job.case.prove == "strict" for one in plan.everything if one.job.case.proven)
+        whole = all(one.job.case.step_check == "strict" for one in plan.everything if one.job.case.proven)
         where = "all of its run" if whole else "its run's beginning"
         told.append(f"each step is proven on {where}: half of it may change line and RMS by 0.5 %")
     return told
@@ -334,7 +334,7 @@ def as_json(plan: Plan) -> str:
         "bytes": plan.bytes,
         "refused_jobs": len(plan.refusals),
         "refused": list(plan.refused),
-        "notes": notes(plan.study.cases()),
+        "notes": [*plan.study.notes, *notes(plan.study.cases())],
         "jobs": [_job_entry(priced) for priced in plan.everything],
     }
     return json.dumps(found, indent=1)

@@ -134,7 +134,7 @@ def _proven(setup: Setup) -> Proof:
         return proof.UNPROVEN
     found = proof.prove(setup.case, setup.part)
     if found.holds:
-        if setup.case.prove == "strict":
+        if setup.case.step_check == "strict":
             _long_enough(setup, found)
         return found
     finer = "half the step" + " and a tenth of the tolerance" * assemble.adaptive(setup.case)
@@ -143,7 +143,7 @@ def _proven(setup: Setup) -> Proof:
     changes = f"{finer} changes the {what} by {100.0 * found.error:.2g} %{chaotic}"
     raise Unsound(
         f"{setup.case.method} does not hold {proof.HELD:.0%}: {changes}",
-        "take a longer `duration`" if found.chaotic else f"{_more_exactly(setup)}, or say `prove: false`",
+        "take a longer `duration`" if found.chaotic else f"{_more_exactly(setup)}, or say `step_check: false`",
     )
 
 
@@ -164,7 +164,7 @@ def _long_enough(setup: Setup, proven: Proof) -> None:
         worth = f"uncertain by {proven.scatter:.1%}"
     raise TooChaotic(
         f"the motion is chaotic, and the RMS of {setup.case.duration:.2g} s of it {worth}",
-        f"take a `duration` of {needed:.2g} s, or say `prove: true`",
+        f"take a `duration` of {needed:.2g} s, or say `step_check: true`",
         needed,
     )
 
@@ -217,7 +217,8 @@ def warm(cases: Iterable[Case]) -> None:
         kind = _words(choice.resolved(case)), _types(laws)
         if kind not in _WARM:
             short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
-            simulate(case.model_copy(update={"duration": short, "settle": 0.0, "step": "auto", "prove": False}))
+            plain = {"duration": short, "settle": 0.0, "step": "auto", "step_check": False}
+            simulate(case.model_copy(update=plain))
             _WARM.add(kind)
 
 

@@ -41,7 +41,10 @@ class Job:
 
 @dataclass(frozen=True)
 class Study:
-    """A study file, read and checked: `text` as written, `units` of the swept paths as written there."""
+    """A study file, read and checked: `text` as written, `units` of the swept paths as written there.
+
+    notes: what the user is to be told of the file, though it is read.
+    """
 
     name: str
     path: str
@@ -51,6 +54,7 @@ class Study:
     figures: tuple[Figure, ...]
     units: dict[str, str]
     swept_cases: tuple[tuple[Case, dict[str, float | str]], ...] = field(repr=False)
+    notes: tuple[str, ...] = ()
 
     def cases(self) -> list[Case]:
         """The swept cases, in order: the last entry of `sweep` changes fastest."""

@@ -4,6 +4,7 @@ from typing import Any
 
 from bearingsim import catalogue
 from bearingsim.config import Case
+from bearingsim.config.case_fields import OLD_WORDS
 from bearingsim.config.rules.conflicts import SPRUNG
 
 IDLE: dict[str, Any] = {
@@ -36,7 +37,7 @@ IN_SPACE: dict[str, tuple[str, ...]] = {
 
 def used(case: Case) -> dict[str, Any]:
     """The case as nested values, without what does not shape its numbers."""
-    values: dict[str, Any] = _without(case.model_dump(), IDLE)
+    values: dict[str, Any] = _without(_in_old_words(case.model_dump()), IDLE)
     if not _by_material(case) and case.bearing.element == "roller" and not _by_pressure(case):
         material = values["bearing"]["material"]
         del material["young_modulus"], material["poisson_ratio"]
@@ -55,6 +56,12 @@ def used(case: Case) -> dict[str, Any]:
             for name in names if section in values else ():
                 del values[section][name]
     return values
+
+
+def _in_old_words(values: dict[str, Any]) -> dict[str, Any]:
+    """The values by the words that ids were first made of: a new word must not rename results that exist."""
+    new_to_old = {new: old for old, new in OLD_WORDS.items()}
+    return {new_to_old.get(key, key): value for key, value in values.items()}
 
 
 def _by_material(case: Case) -> bool:

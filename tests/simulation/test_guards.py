@@ -23,7 +23,7 @@ from tests.scenes.short_cases import RATE, case
 
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
 SIMULATION = importlib.import_module("bearingsim.simulation")
-VERLET = {"model": "ring", "method": "verlet", "step": "1 us", "prove": False, "defect": SLOT}
+VERLET = {"model": "ring", "method": "verlet", "step": "1 us", "step_check": False, "defect": SLOT}
 
 
 def ended(watch: Watch, y: np.ndarray | None = None, steps: int = 100) -> tuple[int, int, int]:
@@ -70,7 +70,7 @@ def test_what_a_method_gives_up_ends_the_run_at_once(outcome: int) -> None:
 @pytest.mark.parametrize("race", ["outer", "inner", "roller"])
 @pytest.mark.parametrize("model", ["ring", "rollers"])
 def test_crossings_are_those_of_kinematics(model: str, race: str) -> None:
-    given = case(model=model, defect=SLOT | {"race": race}, prove=False, duration="0.2 s")
+    given = case(model=model, defect=SLOT | {"race": race}, step_check=False, duration="0.2 s")
     info = simulate(given).info
     span = float(info["steps"]) * float(info["step_s"])
     each = {"outer": RATE, "inner": 13 * 30 - RATE, "roller": 30 * (65 / 12 - 12 / 65)}[race]
@@ -127,7 +127,7 @@ SAID_OF_ADAPTIVE = {
 @pytest.mark.parametrize("outcome", [*SAID, *SAID_OF_ADAPTIVE])
 def test_reason_time_body_and_advice(outcome: int) -> None:
     adaptive = outcome in SAID_OF_ADAPTIVE
-    given = case(model="rollers", defect=SLOT, prove=False, method="dop853" if adaptive else "verlet")
+    given = case(model="rollers", defect=SLOT, step_check=False, method="dop853" if adaptive else "verlet")
     given = given.model_copy(update={"tolerance": 1e-3} if adaptive else {"step": 5e-7})
     with (
         mock.patch.object(INTEGRATION, "advance", return_value=(4000, outcome, 2)),
@@ -148,7 +148,7 @@ def test_reason_time_body_and_advice(outcome: int) -> None:
 )
 def test_who_is_stuck_on_rollers_without_mass_is_told_of_some_with(outcome, model, m3, advised) -> None:
     damping = {"law": "general", "coefficient": 1e3, "indentation_exponent": m3}
-    given = case(model=model, defect=SLOT, prove=False, method="rodas", contact={"damping": damping})
+    given = case(model=model, defect=SLOT, step_check=False, method="rodas", contact={"damping": damping})
     with (
         mock.patch.object(INTEGRATION, "advance", return_value=(4000, outcome, 0)),
         pytest.raises(SimulationError) as caught,
@@ -166,7 +166,7 @@ def test_bounds_hold_what_a_hard_case_reaches_and_no_more() -> None:
         clearance="60 um",
         defect=SLOT | {"width": "2 mm"},
         contact={"damping": {"chi": "1 s/m"}},
-        prove=False,
+        step_check=False,
     )
     found = choice.limits(hard)
     assert found.deepest < 2e-3

@@ -34,7 +34,7 @@ def test_a_good_step_is_proven_and_said() -> None:
 @pytest.mark.parametrize("method", ["verlet", "dop853", "rodas"])
 def test_the_record_is_bit_for_bit_that_of_a_run_without_proof(method: str) -> None:
     given = rollers(method=method)
-    proven, plain = simulate(given), simulate(given.model_copy(update={"prove": False}))
+    proven, plain = simulate(given), simulate(given.model_copy(update={"step_check": False}))
     for name, series in proven.series.items():
         assert np.array_equal(series, plain.series[name])
     told = ("step_error.line", "step_error.rms", "chaotic", "rms_scatter")
@@ -45,7 +45,7 @@ def test_the_record_is_bit_for_bit_that_of_a_run_without_proof(method: str) -> N
 
 @pytest.mark.parametrize(
     "fields",
-    [{"step": "0.4 us", "prove": False}, {"prove": False}, {"model": "static"}],
+    [{"step": "0.4 us", "step_check": False}, {"step_check": False}, {"model": "static"}],
 )
 def test_nothing_is_proven_where_that_is_forbidden_or_there_is_no_step(fields: dict[str, Any]) -> None:
     assert not choice.resolved(case(defect=SLOT, **fields)).proven
@@ -61,14 +61,14 @@ def test_a_step_that_is_given_is_proven_and_refused_if_it_does_not_hold() -> Non
     with pytest.raises(SimulationError, match="verlet does not hold 1%") as caught:
         simulate(given.model_copy(update={"step": long}))
     assert "take a shorter `step`" in caught.value.advice
-    taken = simulate(given.model_copy(update={"step": long, "prove": False}))
+    taken = simulate(given.model_copy(update={"step": long, "step_check": False}))
     assert math.isnan(taken.features["step_error.line"])
     assert simulate(given.model_copy(update={"step": 0.2 * long})).features["step_error.line"] < proof.CHANGED
 
 
 def test_chaos_is_told_from_a_motion_that_repeats_itself() -> None:
     for fields, chaotic in ((LIGHT, True), ({}, False), ({"clearance": "25 um"}, False)):
-        found = proof.prove(choice.resolved(rollers(prove=True, **fields)), 1.0)
+        found = proof.prove(choice.resolved(rollers(step_check=True, **fields)), 1.0)
         assert found.chaotic == chaotic
 
 
@@ -93,7 +93,7 @@ def test_a_chaotic_record_says_what_its_rms_is_worth() -> None:
 def test_a_chaotic_record_that_is_too_short_for_its_rms_is_refused_where_strictness_is_asked_for() -> None:
     found = Proof(line=0.5, rms=0.003, chaotic=True, noise=0.02, scatter=0.02)
     with mock.patch.object(proof, "prove", return_value=found), pytest.raises(TooChaotic) as caught:
-        simulate(case(prove="strict"))
+        simulate(case(step_check="strict"))
     assert "the motion is chaotic, and the RMS of 0.08 s of it uncertain by 2.0%" in caught.value.reason
     assert "take a `duration` of 0.32 s" in caught.value.advice
     assert caught.value.duration == pytest.approx(0.32)
@@ -166,7 +166,7 @@ def test_the_rms_that_is_proven_is_that_of_the_record() -> None:
     given = choice.resolved(rollers(sampling="1000 Hz", duration="0.3 s"))
     short, passes = pilot.pilot(given)
     heard = proof.velocities(proof.set_up(short), passes, recorded=True)
-    read = simulate(short.model_copy(update={"prove": False})).features["velocity.rms"]
+    read = simulate(short.model_copy(update={"step_check": False})).features["velocity.rms"]
     assert np.std(heard.recorded) == pytest.approx(read, rel=0.05)
     assert np.std(heard.fine) > 1.5 * read
 
@@ -197,7 +197,7 @@ def test_a_step_that_is_never_proven_fails_the_job_with_a_reason() -> None:
         simulate(case(method="verlet"))
     assert tried.call_count == len(SHORTENED)
     assert "verlet does not hold 1%: half the step changes the line of the fault by 20 %" in caught.value.reason
-    assert "prove: false" in caught.value.advice
+    assert "step_check: false" in caught.value.advice
 
 
 def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
@@ -249,13 +249,13 @@ def test_the_pilot_of_a_lightly_damped_bearing_settles_as_the_run_does() -> None
 def test_where_strictness_is_asked_for_the_whole_run_is_proven() -> None:
     """Twins of random scenes parted after two thirds of their records."""
     for damping in (LIGHT, {}):
-        assert piloted(prove="strict", **damping) == (pytest.approx(30e-3), int(0.4 * RATE))
-    assert pilot.pilot(choice.resolved(rollers(prove="strict", duration="1 s", settle="50 ms")))[1] == 159
+        assert piloted(step_check="strict", **damping) == (pytest.approx(30e-3), int(0.4 * RATE))
+    assert pilot.pilot(choice.resolved(rollers(step_check="strict", duration="1 s", settle="50 ms")))[1] == 159
 
 
 def test_a_proof_may_take_longer_than_a_run_may() -> None:
     """The finer pilot of a strict proof takes more than twice the CPU time of its run."""
-    given = choice.resolved(rollers(prove="strict"))
+    given = choice.resolved(rollers(step_check="strict"))
     price = (given.settle + given.duration) * prices.per_second(given, time_grid.grid(given).step)
     begun = mock.patch.object(proof, "velocities", side_effect=InterruptedError)
     with mock.patch.object(time_grid, "MOST_CPU", 1.3 * price), begun, pytest.raises(InterruptedError):
@@ -342,7 +342,7 @@ def test_a_second_pit_out_of_step_is_seen_by_the_proof() -> None:
     fields = {"speed": "12000 rpm", "load": "300 N", "duration": "20 ms", "settle": "6 ms"}
     given = case(model="rollers", defects=pits, method="verlet", **fields)
     said = proof.prove(given, 1.0)
-    fast = given.model_copy(update={"prove": False})
+    fast = given.model_copy(update={"step_check": False})
     true = simulate(fast.model_copy(update={"method": "dop853", "tolerance": 1e-6}))
     found = simulate(fast)
     off = abs(found.features["velocity.rms"] / true.features["velocity.rms"] - 1.0)

@@ -46,7 +46,7 @@ def test_of_a_velocity_that_jumps_the_way_gone_is_kept(late):
 
 @pytest.mark.parametrize("method", ["dop853", "rodas"])
 def test_the_line_does_not_depend_on_how_often_is_recorded(method):
-    given = case(model="rollers", defect=SLOT, method=method, prove=False)
+    given = case(model="rollers", defect=SLOT, method=method, step_check=False)
     often = automatic_step.automatic_step(given, limits.step_limits(given))
     fine, coarse = (simulate(given.model_copy(update={"step": k * often})).features for k in (1, 4))
     assert coarse["velocity@BPFO"] == pytest.approx(fine["velocity@BPFO"], rel=5e-4)

@@ -45,7 +45,7 @@ def driven(given: Case, signal: Callable[[np.ndarray], np.ndarray]) -> Any:
         return out.shape[1], FINE, -1
 
     with mock.patch.object(INTEGRATION, "advance", known):
-        return simulate(given.model_copy(update={"prove": False}))
+        return simulate(given.model_copy(update={"step_check": False}))
 
 
 SAMPLINGS = [200e3, 10240.0, 1024.0, 12345.678]
