@@ -19,7 +19,8 @@ from math import atan2, sqrt
 from typing import Any, NamedTuple
 
 from bearingsim.core.geometry.motion import elapsed
-from bearingsim.core.geometry.plane import approach_inner, approach_outer, place
+from bearingsim.core.geometry.plane import approach, place
+from bearingsim.core.geometry.sides import InnerSide, OuterSide, frame, sign, totals
 from bearingsim.core.jit import add, jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.laws.friction.interface import mu, steepest
@@ -94,7 +95,7 @@ from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts.cage import drive_cage, let_go, orbit_drag, pocket_stiffness, pockets
 from bearingsim.core.parts.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
 from bearingsim.core.pits.jumps import next_cusp, next_cusp_freely
-from bearingsim.core.pits.on_roller import force_over_pit, outdone, standing
+from bearingsim.core.pits.on_roller import correct_contact, outdone, standing
 from bearingsim.core.pits.pairs import HALF_WIDTH, ON, ON_INNER, OUTER, RADIUS, SIDE, Pits, meeting
 
 AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
@@ -138,7 +139,7 @@ next_cusp.register(Planar)(next_cusp_freely)
 
 @standing.register(Planar)
 def _standing(model, d, t, y):
-    """From where rollers, rings and cage are, and the rows that ``approach_outer`` and ``approach_inner`` fill."""
+    """From where rollers, rings and cage are, and the rows that ``approach`` fills."""
     b, head = model.bearing, model.pits.head[d]
     time, _, _ = elapsed(model.motion, t)
     turned = b.omega_c * time + y[POSITION + PHI_C]
@@ -168,23 +169,27 @@ def over_pits(model, t, omega_i, spin, y):
             elif on == ON_INNER:
                 turning = omega_i
             if outer:
-                speed = radius * (y[T_O + j] / y[RHO_O + j] - turning)
-                y[APART_O + j] = y[V_O + j]
-                y[Q_O + j], sideways, y[DELTA_O + j], y[V_O + j] = force_over_pit(
-                    model.outer, pits, d, s, speed, y[DELTA_O + j], y[V_O + j]
-                )
-                y[TILT_O + j] = sideways * radius / y[RHO_O + j]
+                sideways = tilt_contact(OuterSide(), model.outer, pits, d, j, s, turning, y)
                 torque -= 0.0 if own else sideways * radius
             else:
-                speed = radius * (y[T_I + j] / y[RHO_I + j] - turning)
-                y[APART_I + j] = -y[V_I + j]
-                y[Q_I + j], sideways, y[DELTA_I + j], y[V_I + j] = force_over_pit(
-                    model.inner, pits, d, s, speed, y[DELTA_I + j], y[V_I + j]
-                )
-                y[TILT_I + j] = sideways * radius / y[RHO_I + j]
+                sideways = tilt_contact(InnerSide(), model.inner, pits, d, j, s, turning, y)
             if own:
                 y[TORQUE + j] -= sideways * radius
     return torque
+
+
+@jit
+def tilt_contact(side, law, pits, d, j, s, turning, y):
+    """Correct one contact, whose pit turns at ``turning`` (rad/s), and tilt its normal.
+
+    Returns the sideways part (N) of its force.
+    """
+    (_, _, rho, across, apart), (_, _, rate, _, tilt), radius = frame(side), totals(side), pits.head[d, RADIUS]
+    y[apart + j] = sign(side) * y[rate + j]
+    speed = radius * (y[across + j] / y[rho + j] - turning)
+    sideways = correct_contact(side, law, pits, d, j, s, speed, y)
+    y[tilt + j] = sideways * radius / y[rho + j]
+    return sideways
 
 
 @jit
@@ -260,9 +265,10 @@ def _accelerations(model, t, y):
     omega_cage = b.omega_c * rate + y[VELOCITY + PHI_C]
     spin = (b.omega_c - b.omega_b) * rate
     place(b.theta_0 + b.omega_c * time + y[POSITION + PHI_C], y, n)
-    approach_outer(b, omega_cage, y, n)
-    approach_inner(b, omega_cage, y, n)
+    approach(OuterSide(), b, omega_cage, y, n)
+    approach(InnerSide(), b, omega_cage, y, n)
     for j in range(n):
+        y[TORQUE + j] = 0.0
         y[Q_O + j] = normal_force(model.outer, y[DELTA_O + j], y[V_O + j])
         y[Q_I + j] = normal_force(model.inner, y[DELTA_I + j], y[V_I + j])
     torque = 0.0

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from bearingsim.core.geometry.sides import totals
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.laws.damping.interface import normal_force, slopes
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
@@ -49,6 +50,19 @@ def force_over_pit(contact, pits, d, s, speed, delta, v):
         mean += weight * max(delta - h, 0.0)
         closing += weight * max(delta - h, 0.0) * rate
     return force, sideways, mean, (closing / mean if mean > 0.0 else 0.0)
+
+
+@jit
+def correct_contact(side, contact, pits, d, j, s, speed, y):
+    """Correct the contact of roller ``j`` that stands in meeting ``d``; returns its force's sideways part (N).
+
+    The approach and rate kept for the roller are means over what is in contact, for the step watch.
+    """
+    force, approach, rate, _, _ = totals(side)
+    y[force + j], sideways, y[approach + j], y[rate + j] = force_over_pit(
+        contact, pits, d, s, speed, y[approach + j], y[rate + j]
+    )
+    return sideways
 
 
 @jit
