@@ -5,7 +5,7 @@
 Scenes are drawn over wide ranges (``draw``): load, clearance, speed, stiffness, damping, pits, models. Each is run
 with ``step_check: strict``, for so long that the fault's line can be read (0.15 s at least), and a job may take
 20 s of CPU time. One that is refused as chaotic and too short is run for the duration it was told, if that is
-affordable. Then it is run again with the method that was chosen, half the step and a tenth of the tolerance; the fault's line
+affordable. Then it is run again with the method that was chosen, half the step and a tenth of the tolerance; line
 and the RMS are compared. Outcomes:
 
 converged   the line changes by less than 1 % (a line under 1e-3 of the RMS: by less than 1e-5 of the RMS),
