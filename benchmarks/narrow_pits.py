@@ -13,7 +13,7 @@ from unittest import mock
 import numpy as np
 
 from bearingsim.config import Case
-from bearingsim.simulation import choose
+from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.simulate import simulate
 
 FEATURES = ("velocity@BPFO", "velocity.rms", "outer_force.max")
@@ -32,9 +32,9 @@ def scene(random: np.random.Generator, method: str) -> Case:
 
 def errors(case: Case) -> list[float]:
     """Relative errors (%) of the features."""
-    found, limits = simulate(case).features, choose.limits(case)
-    fine = min(choose.wanted_step(case), limits.crossing / 50) / 16
-    with mock.patch.object(choose, "wanted_step", return_value=fine):
+    found, limits = simulate(case).features, choice.limits(case)
+    fine = min(time_grid.wanted_step(case), limits.crossing / 50) / 16
+    with mock.patch.object(time_grid, "wanted_step", return_value=fine):
         exact = simulate(case).features
     return [100.0 * abs(found[name] / exact[name] - 1.0) for name in FEATURES]
 

@@ -34,7 +34,7 @@ from bearingsim.core.geometry.kinematics import (
     ball_spin_frequency,
     fundamental_train_frequency,
 )
-from bearingsim.simulation import choose
+from bearingsim.simulation import time_grid
 from bearingsim.simulation.integration import TooChaotic
 from bearingsim.simulation.proof import LOUD, fault_lines
 from bearingsim.simulation.simulate import Record, SimulationError, simulate
@@ -152,7 +152,7 @@ def changes(case: Case, found: Record, other: Record) -> tuple[float, float]:
 
 def judge(number: int, seed: int) -> dict[str, Any]:
     """A row of the table."""
-    choose.MOST_CPU = LONGEST_JOB
+    time_grid.MOST_CPU = LONGEST_JOB
     told, fields = draw(number, seed)
     case = case_of(fields)
     began = time.process_time()
@@ -167,7 +167,7 @@ def judge(number: int, seed: int) -> dict[str, Any]:
     told |= {"chaotic": int(features["chaotic"]), "cpu_s": time.process_time() - began}
     told |= {"said_line": features["step_error.line"], "said_rms": features["step_error.rms"]}
     try:
-        choose.MOST_CPU = inf
+        time_grid.MOST_CPU = inf
         line, rms = changes(case, found, simulate(finer(case, found)))
     except SimulationError as error:
         return told | {"outcome": "finer run failed", "reason": str(error)}
@@ -181,7 +181,7 @@ def computed(case: Case) -> tuple[Case, Record]:
             return case, simulate(case)
         except TooChaotic as error:
             longer = MARGIN * error.duration
-            if longer / case.duration * choose.estimate(case).cpu_seconds > LONGEST_CHAOS:
+            if longer / case.duration * time_grid.estimate(case).cpu_seconds > LONGEST_CHAOS:
                 raise
             case = case.model_copy(update={"duration": longer})
     return case, simulate(case)

@@ -15,8 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.damping import damping_slope, in_series
-from bearingsim.core.laws.stiffness import share, tangent
+from bearingsim.core.laws.damping.interface import damping_bound, in_series
+from bearingsim.core.laws.stiffness.interface import tangent
+from bearingsim.core.laws.stiffness.series import share
 from bearingsim.core.layout import (
     COS,
     COS_0,
@@ -35,6 +36,7 @@ from bearingsim.core.layout import (
     X,
     Y,
 )
+from bearingsim.core.models.outer_ring import standing_force
 from bearingsim.core.parameters import turns
 from bearingsim.core.pits.on_roller import elastic_over_pit, outdone, standing
 from bearingsim.core.pits.pairs import HALF_WIDTH, SIDE
@@ -143,9 +145,7 @@ def balance_rollers(model, t, y):
 @jit
 def net_force(model, y):
     """Net force (N) on the ring, from the rows that ``balance_rollers`` filled."""
-    support = model.support
-    f_x = -support.F - support.k_b * (y[POSITION + X] - support.x_0)
-    f_y = -support.F_across - support.k_b * (y[POSITION + Y] - support.y_0)
+    f_x, f_y = standing_force(model.support, 0.0, 0.0, y)
     for j in range(model.bearing.Z):
         f_x += y[Q_O + j] * y[COS + j]
         f_y += y[Q_O + j] * y[SIN + j]
@@ -281,8 +281,8 @@ def ring_damping(Z, outer, inner, y):
     """Damping (N s/m) that ``Z`` rollers offer the ring along e_0 and e_90: a roller's two contacts in series."""
     c_xx, c_yy = 0.0, 0.0
     for j in range(Z):
-        of_outer = damping_slope(outer, max(y[DELTA_O + j], 0.0), 0.0)
-        of_inner = damping_slope(inner, max(y[DELTA_I + j], 0.0), 0.0)
+        of_outer = damping_bound(outer, max(y[DELTA_O + j], 0.0), 0.0)
+        of_inner = damping_bound(inner, max(y[DELTA_I + j], 0.0), 0.0)
         both = in_series(of_outer, of_inner)
         c_xx += both * y[COS + j] * y[COS + j]
         c_yy += both * y[SIN + j] * y[SIN + j]

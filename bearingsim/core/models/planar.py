@@ -21,8 +21,9 @@ from typing import Any, NamedTuple
 from bearingsim.core.geometry.motion import elapsed
 from bearingsim.core.geometry.plane import approach_inner, approach_outer, place
 from bearingsim.core.jit import add, jit
-from bearingsim.core.laws.damping import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.laws.friction import lagged, mu, rub, steepest
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
+from bearingsim.core.laws.friction.interface import mu, steepest
+from bearingsim.core.laws.friction.lag import lagged, rub
 from bearingsim.core.layout import (
     ACCELERATION,
     APART_I,
@@ -73,8 +74,6 @@ from bearingsim.core.layout import (
     A,
     Q,
     V,
-    X,
-    Y,
 )
 from bearingsim.core.models.extremes import keep_forces
 from bearingsim.core.models.interface import (
@@ -89,6 +88,7 @@ from bearingsim.core.models.interface import (
     watched,
     width,
 )
+from bearingsim.core.models.outer_ring import move_outer_ring
 from bearingsim.core.models.planar_derivatives import differentiate
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts.cage import drive_cage, let_go, orbit_drag, pocket_stiffness, pockets
@@ -104,8 +104,8 @@ class Planar(NamedTuple):
     """Parameters of the model.
 
     outer, inner: contact laws at the races; motion: ``geometry/motion.py``; friction: at the races
-    (``laws/friction.py``); cage, drag: ``parts/cage.py``; shaft, bracket: ``parts/shaft.py``; gravity: m/s^2 along
-    e_0, on rollers and cage (a ring's weight is part of its load); lag: of friction, s (``friction.rub``).
+    (``laws/friction``); cage, drag: ``parts/cage.py``; shaft, bracket: ``parts/shaft.py``; gravity: m/s^2 along
+    e_0, on rollers and cage (a ring's weight is part of its load); lag: of friction, s (``friction/lag.py``).
     """
 
     bearing: Bearing
@@ -237,16 +237,6 @@ def push_rollers(model, omega_cage, omega_i, spin, y, n):
 
 
 @jit
-def move_outer_ring(model, y):
-    """m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + what the rollers (and a guided cage) push."""
-    support, m_o = model.support, model.bearing.m_o
-    f_x = y[F_X] - support.F - support.k_b * (y[POSITION + X] - support.x_0) - support.c_b * y[VELOCITY + X]
-    f_y = y[F_Y] - support.F_across - support.k_b * (y[POSITION + Y] - support.y_0) - support.c_b * y[VELOCITY + Y]
-    y[ACCELERATION + X] = f_x / m_o
-    y[ACCELERATION + Y] = f_y / m_o
-
-
-@jit
 def move_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
     """q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = M/I."""
     b, cage = model.bearing, model.cage
@@ -299,8 +289,8 @@ keep_extremes.register(Planar)(keep_forces)
 @stiffness_per_mass.register(Planar)
 def _stiffness_per_mass(model, y, j):
     """The roller's between its races, or of its pocket, or of what holds the rings: the largest."""
-    outer = stiffness_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = stiffness_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    outer = stiffness_bound(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = stiffness_bound(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     held = max(held_stiffness(model.shaft), held_stiffness(model.bracket))
     return max(y[INVERSE_MASS + j] * (outer + inner), held, pocket_stiffness(model.cage, y[INVERSE_MASS + j]))
 
@@ -308,8 +298,8 @@ def _stiffness_per_mass(model, y, j):
 @damping_per_mass.register(Planar)
 def _damping_per_mass(model, y, j):
     """Radial damping, or that of what holds the rings, or of friction on slip (see ``rub``): the largest."""
-    outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    outer = damping_bound(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = damping_bound(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     b = model.bearing
     pressed = max(y[Q_O + j], y[Q_I + j]) * 2.0 * b.R_w * b.R_w / b.I_r
     rubbing = steepest(model.friction, b.R_w * b.omega_b) * pressed
@@ -327,4 +317,4 @@ def _linearise(model, t, y):
     differentiate(model, t, y)
 
 
-KIND = ModelKind(Planar, loaded=True, slips=True, sliced=False, memoryless=False, per_crossing=100, cost=0.52e-6)
+KIND = ModelKind(Planar, per_crossing=100)

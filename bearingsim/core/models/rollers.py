@@ -13,8 +13,7 @@ out: friction, tangential motion, tilt, the bending of the rings.
 from typing import Any, NamedTuple
 
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.damping import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.laws.slopes import slopes
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
 from bearingsim.core.layout import (
     BY_POSITION,
     BY_VELOCITY,
@@ -64,7 +63,7 @@ K_O, C_O, K_I, C_I = (WORK + n * ROW for n in range(4))  # how a contact's force
 
 
 class Rollers(NamedTuple):
-    """Parameters of the model; ``outer``, ``inner``: the contact laws (``laws/damping.py``) at the two races."""
+    """Parameters of the model; ``outer``, ``inner``: the contact laws (``laws/damping``) at the two races."""
 
     bearing: Bearing
     support: Support
@@ -151,15 +150,15 @@ keep_extremes.register(Rollers)(keep_forces)
 
 @stiffness_per_mass.register(Rollers)
 def _stiffness_per_mass(model, y, j):
-    outer = stiffness_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = stiffness_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    outer = stiffness_bound(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = stiffness_bound(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     return y[INVERSE_MASS + j] * (outer + inner)
 
 
 @damping_per_mass.register(Rollers)
 def _damping_per_mass(model, y, j):
-    outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    outer = damping_bound(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = damping_bound(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     return y[INVERSE_MASS + j] * (outer + inner)
 
 
@@ -212,4 +211,4 @@ def _linearise(model, t, y):
 
 
 # at the cusp of a narrow pit the damping force jumps, and decays within 0.2 us: hence more steps over it
-KIND = ModelKind(Rollers, loaded=True, slips=False, sliced=False, memoryless=False, per_crossing=100, cost=0.19e-6)
+KIND = ModelKind(Rollers, per_crossing=100)

@@ -18,7 +18,8 @@ from math import e, exp, inf, log, pi, sqrt
 from typing import NamedTuple
 
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.stiffness import ninth_root
+from bearingsim.core.laws.stiffness.ten_ninths import ninth_root
+from bearingsim.core.pits.depth import Rectangular
 from bearingsim.core.pits.excitations import bend, felt, groups
 from bearingsim.core.pits.pairs import DEPTH, KAPPA, X_E, B, W, depression, depression_bend
 
@@ -246,13 +247,13 @@ def _bend_edge_contact(excitation, group, s, R):
 
 
 @groups.register(EdgeContact)
-def _groups_edge_contact(excitation, shape, rows, R):
+def _groups_edge_contact(excitation, pit, rows, R):
     found = []
     for row in rows:
         b = half_contact(excitation, R)
         if row[DEPTH] == 0.0:
             found.append(row)
-        elif shape == "rectangular":
+        elif isinstance(pit, Rectangular):
             found.append((row[W], row[B] + max(b, BEFORE * row[DEPTH]), row[B], UPRIGHT, row[DEPTH]))
         else:
             found.append((row[W], row[B] + b, *row[X_E:]))

@@ -5,9 +5,8 @@ from typing import Any
 import numpy as np
 
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.laws.damping import HuntCrossley, normal_force
-from bearingsim.core.laws.slopes import slopes
-from bearingsim.core.laws.stiffness import elastic, tangent
+from bearingsim.core.laws.damping.interface import normal_force, slopes
+from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from bearingsim.core.parameters import turns
 from bearingsim.core.pits.excitations import felt
 from bearingsim.core.pits.pairs import HALF_WIDTH, REDUCED, SIDE, USED, W, meeting
@@ -83,10 +82,14 @@ def slopes_over_pit(contact, pits, d, s, speed, delta, v):
 @jit
 def stiffness_over_pit(stiffness, pits, d, s, delta):
     """Slope (N/m) of the elastic force of what is in contact; ``d`` = -1: no pit."""
-    undamped = HuntCrossley(stiffness, 0.0)
     if d < 0:
-        return slopes(undamped, delta, 0.0)[0]
-    return slopes_over_pit(undamped, pits, d, s, 0.0, delta, 0.0)[0]
+        return tangent(stiffness, delta) if delta > 0.0 else 0.0
+    slope = 0.0
+    for k in range(int(pits.head[d, USED])):
+        group = pits.groups[d, k]
+        share, h, _ = felt(pits.excitation, group, s, pits.head[d, REDUCED])
+        slope += share * group[W] * (tangent(stiffness, delta - h) if delta > h else 0.0)
+    return slope
 
 
 @jit

@@ -8,7 +8,7 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.laws.friction import StaticDynamic
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
 from bearingsim.core.layout import (
     ACCELERATION,
     EPS,

@@ -9,9 +9,11 @@ from bearingsim import assemble
 from bearingsim.core.advance import Watch, advance, start_at_rest
 from bearingsim.core.geometry.orientation import Body
 from bearingsim.core.geometry.slices import edges, slices
-from bearingsim.core.laws.damping import HuntCrossley
-from bearingsim.core.laws.friction import Frictionless, StaticDynamic
-from bearingsim.core.laws.stiffness import Linear, TenNinths
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.friction.frictionless import Frictionless
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
 from bearingsim.core.layout import (
     ACCELERATION,
     AXIAL,

@@ -6,6 +6,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from bearingsim.core.jit import jit
+from bearingsim.core.pits.closed_forms import groups_of
 from bearingsim.core.pits.edge_contact import (
     edge_contact,
     half_contact,
@@ -22,7 +23,8 @@ from bearingsim.core.pits.edge_contact import (
     softness,
 )
 from bearingsim.core.pits.excitations import bend, felt, groups
-from bearingsim.core.pits.pairs import B, groups_of, outer_reduced_radius
+from bearingsim.core.pits.pairs import B, outer_reduced_radius
+from tests.scenes.pit_maps import SHAPES
 
 R_W, R_O, L_W = 0.006, 0.0385, 0.012
 R = outer_reduced_radius(R_W, R_O)
@@ -38,8 +40,8 @@ walls = st.sampled_from([0.0, 1e-6, 1e-5, 1e-4])
 
 
 def rows_of(shape, width, depth):
-    envelope = groups_of(shape, L_W, width, depth, L_W, R, 6)
-    return [np.array(row) for row in groups(EDGES, shape, envelope, R)]
+    pit = SHAPES[shape](L_W, width, depth)
+    return [np.array(row) for row in groups(EDGES, pit, groups_of(pit, L_W, R, 6), R)]
 
 
 def slope(f, x, h):
