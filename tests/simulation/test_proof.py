@@ -1,6 +1,5 @@
 """The proof of a step on the run's own beginning, and what follows if it does not hold."""
 
-import importlib
 import math
 from typing import Any
 from unittest import mock
