@@ -138,8 +138,7 @@ def generic(declaration: Callable | None = None, *, absent: Any = REFUSED, other
     are added with ``@name.register(ParameterType)`` where ``ParameterType`` is a ``NamedTuple`` class.
 
     absent, otherwise: a value or an implementation; the first for types declared ``absent``, the second for all
-    that have no implementation of their own. Without them such a type is refused. ``name.serves(type)``
-    tells whether a type is served, ``name.fallback(type)`` whether it would be without an implementation.
+    that have no implementation of their own. Without them such a type is refused; ``name.serves(type)`` tells.
     """
     if declaration is None:
         return partial(generic, absent=absent, otherwise=otherwise)
@@ -183,7 +182,6 @@ def generic(declaration: Callable | None = None, *, absent: Any = REFUSED, other
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
     dispatch.serves = serves  # type: ignore[attr-defined]
-    dispatch.fallback = lambda kind: fallback(kind) is not REFUSED  # type: ignore[attr-defined]
     overload(dispatch, jit_options=OPTIONS, strict=False)(choose)
     GENERICS.append(dispatch)
     return dispatch

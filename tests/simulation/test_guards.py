@@ -22,7 +22,7 @@ from tests.scenes.nf308 import PLACES, SLOT, at_rest
 from tests.scenes.short_cases import RATE, case
 
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
-SIMULATION = importlib.import_module("bearingsim.simulation")
+SIMULATION = importlib.import_module("bearingsim.simulation.simulate")
 VERLET = {"model": "ring", "method": "verlet", "step": "1 us", "step_check": False, "defect": SLOT}
 
 

@@ -1,6 +1,5 @@
 """The proof of a step on the run's own beginning, and what follows if it does not hold."""
 
-import importlib
 import math
 from typing import Any
 from unittest import mock
@@ -16,7 +15,6 @@ from bearingsim.simulation.proof import Proof
 from bearingsim.simulation.simulate import SimulationError, simulate
 from tests.scenes.short_cases import RATE, SLOT, case
 
-SIMULATION = importlib.import_module("bearingsim.simulation")
 LIGHT = {"contact": {"damping": {"chi": "1 s/m"}}}
 
 

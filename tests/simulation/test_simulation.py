@@ -22,7 +22,7 @@ from bearingsim.simulation.features import OTHER_LINES
 from bearingsim.simulation.simulate import simulate, warm
 from tests.scenes.short_cases import FORCES, RATE, RING, SLOT, case
 
-SIMULATION = importlib.import_module("bearingsim.simulation")
+SIMULATION = importlib.import_module("bearingsim.simulation.simulate")
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
 
 
