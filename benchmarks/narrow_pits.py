@@ -33,8 +33,8 @@ def scene(random: np.random.Generator, method: str) -> Case:
 def errors(case: Case) -> list[float]:
     """Relative errors (%) of the features."""
     found, limits = simulate(case).features, choice.limits(case)
-    fine = min(time_grid.wanted_step(case), limits.crossing / 50) / 16
-    with mock.patch.object(time_grid, "wanted_step", return_value=fine):
+    fine = min(time_grid.requested_step(case), limits.crossing / 50) / 16
+    with mock.patch.object(time_grid, "requested_step", return_value=fine):
         exact = simulate(case).features
     return [100.0 * abs(found[name] / exact[name] - 1.0) for name in FEATURES]
 

@@ -12,11 +12,11 @@ from bearingsim.config.fields import (
     Duration,
     Force,
     Frequency,
-    Proving,
     Rotation,
     Section,
     SignedForce,
     Step,
+    StepCheckMode,
     Switch,
     Tolerance,
     one_of,
@@ -83,7 +83,7 @@ class CaseFields(Section):
     method: Annotated[MethodName, one_of(catalogue.AUTO, *catalogue.METHODS)] | None = None
     step: Step = "auto"
     tolerance: Tolerance = "auto"
-    step_check: Proving = True
+    step_check: StepCheckMode = True
     duration: Duration = 1.0
     settle: Delay = 0.05
     start_angle: Angle = 0.0
@@ -93,7 +93,7 @@ class CaseFields(Section):
     record: tuple[Annotated[str, BeforeValidator(channel)], ...] = ("ring.velocity",)
 
     @property
-    def proven(self) -> bool:
+    def checks_step(self) -> bool:
         """Whether the step is to be proven: there is one, and the case does not forbid it."""
         return bool(self.step_check) and self.method is not None
 

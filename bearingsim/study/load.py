@@ -31,7 +31,7 @@ from bearingsim.text.yamlfile import (
     read_text,
 )
 
-MOST_CASES = 1_000_000
+MAX_CASES = 1_000_000
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
 _LIST_VALUED = ("defects", "record")
 
@@ -196,9 +196,9 @@ class _Plan:
     def cases(self) -> list[tuple[Case, Swept]]:
         """The cases, each once, with their swept values; what is wrong with others is noted."""
         count = math.prod(len(axis.rows) for axis in self.axes)
-        if count > MOST_CASES:
+        if count > MAX_CASES:
             mark = self.axes[0].keys[0].mark
-            self.problems.append(problem(mark, f"sweep: {count} cases; at most {MOST_CASES} are possible"))
+            self.problems.append(problem(mark, f"sweep: {count} cases; at most {MAX_CASES} are possible"))
             return []
         cases: dict[str, tuple[Case, Swept]] = {}
         for row in rows_of(self.axes):

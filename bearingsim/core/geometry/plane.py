@@ -5,47 +5,32 @@ With rho = |c_j - u| the distance of a roller from a ring's centre, n from there
 
 from math import cos, sin, sqrt
 
-from bearingsim.core.geometry.sides import frame, ring_of, sign, totals
+from bearingsim.core import layout as lay
+from bearingsim.core.geometry.sides import contact_rows, normal_rows, ring_of, sign
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import (
-    CE,
-    COS,
-    COS_0,
-    EPS,
-    EPS_V,
-    PC,
-    POSITION,
-    PS,
-    SE,
-    SIN,
-    SIN_0,
-    VELOCITY,
-    Q,
-    V,
-)
 
 
 @jit
-def place(theta_c, y, n):
+def roller_directions(theta_c, y, n):
     """Directions of pockets and rollers, the first pocket standing at ``theta_c`` (rad).
 
     |EPS| stays under a hundredth, where the series are exact to rounding.
     """
     C, S = cos(theta_c), sin(theta_c)
     for j in range(n):
-        pc = C * y[COS_0 + j] - S * y[SIN_0 + j]
-        ps = S * y[COS_0 + j] + C * y[SIN_0 + j]
-        e = y[EPS + j]
+        pc = C * y[lay.COS_0 + j] - S * y[lay.SIN_0 + j]
+        ps = S * y[lay.COS_0 + j] + C * y[lay.SIN_0 + j]
+        e = y[lay.EPS + j]
         e2 = e * e
         ce = 1.0 - e2 * (0.5 - e2 * (1.0 / 24.0 - e2 / 720.0))
         se = e * (1.0 - e2 * (1.0 / 6.0 - e2 * (1.0 / 120.0 - e2 / 5040.0)))
-        y[PC + j], y[PS + j], y[CE + j], y[SE + j] = pc, ps, ce, se
-        y[COS + j] = pc * ce - ps * se
-        y[SIN + j] = ps * ce + pc * se
+        y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j] = pc, ps, ce, se
+        y[lay.COS + j] = pc * ce - ps * se
+        y[lay.SIN + j] = ps * ce + pc * se
 
 
 @jit
-def from_centre(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
+def relative_to_ring(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
     """A roller as a ring sees it whose centre stands at u (m) and moves at ``v_x``, ``v_y`` (m/s).
 
     c, s: of the roller's angle; r, v: its radius (m) and radial speed (m/s); theta_v: its orbit (rad/s). Returns
@@ -66,16 +51,27 @@ def approach(side, bearing, omega_cage, y, n):
     The normal points from the ring's centre to the roller.
     """
     gap, middle = bearing.gap, 0.5 * (bearing.R_o + bearing.R_i)
-    normal_r, normal_t, distance, across, _ = frame(side)
-    _, approaches, rates, _, tilts = totals(side)
+    normal_r, normal_t, distance, across, _ = normal_rows(side)
+    _, approaches, rates, _, tilts = contact_rows(side)
     sigma, ring = sign(side), ring_of(side)
-    u_x, u_y, v_x, v_y = y[POSITION + ring], y[POSITION + ring + 1], y[VELOCITY + ring], y[VELOCITY + ring + 1]
+    u_x = y[lay.POSITION + ring]
+    u_y = y[lay.POSITION + ring + 1]
+    v_x = y[lay.VELOCITY + ring]
+    v_y = y[lay.VELOCITY + ring + 1]
     for j in range(n):
-        rho, n_r, n_t, short, d_r, d_t = from_centre(
-            y[COS + j], y[SIN + j], middle + y[Q + j], y[V + j], omega_cage + y[EPS_V + j], u_x, u_y, v_x, v_y
+        rho, n_r, n_t, short, d_r, d_t = relative_to_ring(
+            y[lay.COS + j],
+            y[lay.SIN + j],
+            middle + y[lay.RADIAL + j],
+            y[lay.RADIAL_V + j],
+            omega_cage + y[lay.EPS_V + j],
+            u_x,
+            u_y,
+            v_x,
+            v_y,
         )
         y[distance + j], y[normal_r + j], y[normal_t + j] = rho, n_r, n_t
-        outwards, lost = (y[Q + j], short) if sigma > 0.0 else (short, y[Q + j])
+        outwards, lost = (y[lay.RADIAL + j], short) if sigma > 0.0 else (short, y[lay.RADIAL + j])
         y[approaches + j] = outwards - gap - lost
         y[rates + j] = sigma * n_t * d_t - -sigma * n_r * d_r  # sigma n.d; written otherwise it rounds otherwise
         y[across + j] = n_r * d_t - n_t * d_r

@@ -111,16 +111,16 @@ def test_loops_over_rollers_keep_their_lanes():
     of_case = case(**SHAFT, friction="static-dynamic")
     model = assemble.model(of_case)
     b, y, n = model.bearing, assemble.empty_buffer(model), lanes(model.bearing)
-    assert keeps_lanes(compiled(planar.place.py_func), 0.3, y, n)
+    assert keeps_lanes(compiled(planar.roller_directions.py_func), 0.3, y, n)
     for side in (OuterSide(), InnerSide()):
         assert keeps_lanes(compiled(planar.approach.py_func), side, b, 1.0, y, n)
-    assert keeps_lanes(compiled(planar.push_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)
-    assert keeps_lanes(compiled(cage._pockets_free), model.cage, model, 1.0, 1.0, y, n)
-    assert keeps_lanes(compiled(planar.move_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)
+    assert keeps_lanes(compiled(planar.roller_forces.py_func), model, 1.0, 1.0, 1.0, y, n)
+    assert keeps_lanes(compiled(cage._pocket_forces_free), model.cage, model, 1.0, 1.0, y, n)
+    assert keeps_lanes(compiled(planar.accelerate_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)
 
 
 @needs_vectors
 def test_traction_keeps_the_lanes():
     model = assemble.model(case(model="planar", friction="traction"))
     y = assemble.empty_buffer(model)
-    assert keeps_lanes(compiled(planar.push_rollers.py_func), model, 1.0, 1.0, 1.0, y, lanes(model.bearing))
+    assert keeps_lanes(compiled(planar.roller_forces.py_func), model, 1.0, 1.0, 1.0, y, lanes(model.bearing))
