@@ -176,7 +176,7 @@ def test_any_one_that_is_taken_away_is_missed() -> None:
 
 def test_a_type_that_is_taken_away_from_one_is_named() -> None:
     assert complaints(FOUND | {pit_response_gradient: FOUND[pit_response_gradient] - {Traced}}) == [
-        "bend has none for Traced"
+        "pit_response_gradient has none for Traced"
     ]
     assert complaints(FOUND | {hold_mounted_ring: frozenset({ElasticMount})}) == ["hold has none for Held"]
 
