@@ -46,7 +46,7 @@ def compared_part(case: Case) -> float:
 
 
 def sees_pit_turns(case: Case, passes: int) -> bool:
-    """Whether every pit turns through the load zone ``DIRECTION_V`` times within ``passes`` ball passes."""
+    """Whether every pit turns through the load zone ``TURNS`` times within ``passes`` ball passes."""
     rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
     return passes >= turns_of_pits(case) * rate - ROUNDING
 
@@ -69,7 +69,7 @@ def check_cost(case: Case) -> float:
 
 
 def turns_of_pits(case: Case) -> float:
-    """The time (s) in which the slowest pit turns through the load zone ``DIRECTION_V`` times; 0 if none turns."""
+    """The time (s) in which the slowest pit turns through the load zone ``TURNS`` times; 0 if none turns."""
     return TURNS * max((float(PIT_TURN[defect.race](case)) for defect in case.defects), default=0.0)
 
 

@@ -75,7 +75,7 @@ def _attempt(method, model, t, h, y):
 
 
 def more_stages(method, model, y):
-    """``complete``: the stages of the continuous extension."""
+    """``complete_dense_output``: the stages of the continuous extension."""
     evaluate_stages(
         c, A, a, STAGES + 1, DENSE_STAGES, model, y[lay.T_START], y[lay.H_TAKEN], y, state_width(model)
     )

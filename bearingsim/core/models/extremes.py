@@ -19,5 +19,5 @@ def update_largest_forces(y, n):
 
 
 def update_forces(model, y):
-    """``keep_extremes`` of models that know of forces and no more."""
+    """``update_extremes`` of models that know of forces and no more."""
     update_largest_forces(y, lanes(model.bearing))

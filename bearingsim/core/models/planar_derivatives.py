@@ -7,7 +7,7 @@ sees it, is laid in the rows D_POSITION and D_VELOCITY; the contacts answer (``p
 turn with the roller: that, and what its own motion does, is added at the end, with the springs of the shared
 coordinates.
 
-Friction counts without lag (``friction.rub``): implicit methods have none.
+Friction counts without lag (``laws/friction/lag.py``): implicit methods have none.
 """
 
 from bearingsim.core import layout as lay

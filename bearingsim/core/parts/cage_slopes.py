@@ -231,7 +231,7 @@ def guide_change(cage: Any, omega_cage: float, omega_i: float, y: Any) -> None:
 
 @generic
 def land_change(guide: Any, omega_cage: float, omega_i: float, y: Any) -> None:
-    """Add to both arrows' border how the forces between cage and land change (``run_on_land``)."""
+    """Add to both arrows' border how the forces between cage and land change (``land_contact``)."""
 
 
 @land_change.register(Centred)

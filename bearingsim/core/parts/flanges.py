@@ -121,7 +121,7 @@ class RollerInRing(NamedTuple):
 
 @jit
 def roller_in_ring(side, bearing, ring, y, j):
-    """``RollerInRing`` of roller ``j``, from the rows that ``face`` of ``parts/races_in_space.py`` fills."""
+    """``RollerInRing`` of roller ``j``, from the rows that ``race_frame`` of ``parts/races_in_space.py`` fills."""
     at = side_rows(side)
     r = 0.5 * (bearing.R_o + bearing.R_i) + y[lay.RADIAL + j]
     c = y[lay.COS + j]

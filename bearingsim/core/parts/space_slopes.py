@@ -77,7 +77,7 @@ def rate_by_rotation(d, omega, X):
 
 @jit
 def race_jacobian(side, law, model, t, ring, b_z_outer, b_z_inner, omega_cage, y, n):
-    """Add all slices' contacts with a race to the matrices, from the rows that ``face`` filled.
+    """Add all slices' contacts with a race to the matrices, from the rows that ``race_frame`` filled.
 
     b_z_outer, b_z_inner: third components of the rings' axes.
     """
@@ -278,7 +278,7 @@ def _cage_mobility_space(cage_z, cage):
 
 @generic
 def pocket_jacobian(cage: Any, model: Any, body: Any, omega_cage: float, spin: float, y: Any) -> None:
-    """Add the contacts of the rollers with their pockets, from the rows that ``face_walls`` filled."""
+    """Add the contacts of the rollers with their pockets, from the rows that ``pocket_kinematics`` filled."""
 
 
 @pocket_jacobian.register(KinematicCage)
