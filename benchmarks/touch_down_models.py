@@ -141,12 +141,12 @@ def plain(model):
     return Rollers(model.bearing, model.support, model.outer, model.inner, model.pits)
 
 
-for _type in (LocatedRollers, BlindRollers):
-    width.register(_type)(lambda model: width(plain(model)))
-    freedoms.register(_type)(lambda model: freedoms(plain(model)))
-    keep_extremes.register(_type)(lambda model, y: keep_extremes(plain(model), y))
-    accelerations.register(_type)(lambda model, t, y: accelerations(plain(model), t, y))
-    standing.register(_type)(lambda model, d, t, y: standing(plain(model), d, t, y))
+for _model in (LocatedRollers, BlindRollers):
+    width.register(_model)(lambda model: width(plain(model)))
+    freedoms.register(_model)(lambda model: freedoms(plain(model)))
+    keep_extremes.register(_model)(lambda model, y: keep_extremes(plain(model), y))
+    accelerations.register(_model)(lambda model, t, y: accelerations(plain(model), t, y))
+    standing.register(_model)(lambda model, d, t, y: standing(plain(model), d, t, y))
 next_cusp.register(BlindRollers)(lambda model, t, y: inf)
 
 

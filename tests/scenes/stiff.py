@@ -118,7 +118,8 @@ def run(model: Scene, method: Any, span: float, q: float, v: float) -> Walk:
     path = np.empty((round(span / method.h), 3))
     set_out(method, model, y)
     walk(method, model, 0, y, path)
-    return Walk(path, *(int(y[cell]) for cell in (TAKEN, REFUSED, EVALUATED, ITERATED, FAILED)), y)
+    taken, refused, evaluated, iterated, failed = y[[TAKEN, REFUSED, EVALUATED, ITERATED, FAILED]].astype(int)
+    return Walk(path, taken, refused, evaluated, iterated, failed, y)
 
 
 def on_path(model: Scene, t: float) -> tuple[float, float]:

@@ -26,6 +26,7 @@ from bearingsim.core.layout import (
 )
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
+from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import accelerations, keep_extremes
 from bearingsim.core.models.rest_in_space import rest_in_space
 from bearingsim.core.outcomes import FINE
@@ -41,7 +42,7 @@ def shaken():
     planar = assemble.relaxed(assemble.model(case(model="planar")), 3e-6)
     model = in_space(planar, even(4), mount_o=Held(3e-4, -2e-4), mount_i=Held(0.0, 1e-4))
     y = empty(model)
-    assemble.rest_from_scratch(assemble.statics(model), 0.0, y)
+    rest_from_scratch(assemble.statics(model), 0.0, y)
     assert rest_in_space(model, 0.0, y) < 1e-8 * model.support.F
     y[Q : Q + 13] += SHOVED * y[SIN : SIN + 13]
     start_at_rest(model, 0.0, y)

@@ -7,6 +7,7 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.assemble.rest import healthy_rest
+from bearingsim.core.geometry import plane
 from bearingsim.core.models import planar
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts import cage
@@ -110,9 +111,9 @@ def test_loops_over_rollers_keep_their_lanes():
     of_case = case(**SHAFT, friction="static-dynamic")
     model = assemble.model(of_case)
     b, y, n = model.bearing, assemble.empty_buffer(model), lanes(model.bearing)
-    assert keeps_lanes(compiled(planar.place.py_func), 0.3, y, n)
-    assert keeps_lanes(compiled(planar.approach_outer.py_func), b, 1.0, y, n)
-    assert keeps_lanes(compiled(planar.approach_inner.py_func), b, 1.0, y, n)
+    assert keeps_lanes(compiled(plane.place.py_func), 0.3, y, n)
+    assert keeps_lanes(compiled(plane.approach_outer.py_func), b, 1.0, y, n)
+    assert keeps_lanes(compiled(plane.approach_inner.py_func), b, 1.0, y, n)
     assert keeps_lanes(compiled(planar.push_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)
     assert keeps_lanes(compiled(cage._pockets_free), model.cage, model, 1.0, 1.0, y, n)
     assert keeps_lanes(compiled(planar.move_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)
