@@ -16,22 +16,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import (
-    BY_POSITION,
-    LANES,
-    ROW,
-    STAGE,
-    STATE,
-    VECTOR,
-    border_block,
-    buffer,
-    from_border,
-    own_block,
-    to_border,
-)
-from bearingsim.core.methods.arrow import combine, factor, solve
-from bearingsim.core.models.interface import freedoms, width
+from bearingsim.core.methods.arrow import assemble_system, factorise, solve
+from bearingsim.core.models.interface import degrees_of_freedom, state_width
 
 COUNTS = (13, 16, 24, 40, 56, 80, 104)  # rollers
 ROUNDS, AT_LEAST = 60, 2e-4  # of measurements, of which the shortest counts; s that one must last
@@ -56,56 +44,56 @@ class Six(NamedTuple):
     n: int
 
 
-@width.register(One)
-def _width_one(model):
-    return LANES + model.n
+@state_width.register(One)
+def _state_width_one(model):
+    return lay.FIRST_LANE + model.n
 
 
-@width.register(Three)
-def _width_three(model):
-    return 2 * ROW + LANES + model.n
+@state_width.register(Three)
+def _state_width_three(model):
+    return 2 * lay.ROW + lay.FIRST_LANE + model.n
 
 
-@width.register(Six)
-def _width_six(model):
-    return 5 * ROW + LANES + model.n
+@state_width.register(Six)
+def _state_width_six(model):
+    return 5 * lay.ROW + lay.FIRST_LANE + model.n
 
 
-@freedoms.register(One)
-def _freedoms_one(model):
+@degrees_of_freedom.register(One)
+def _degrees_of_freedom_one(model):
     return 1, 2
 
 
-@freedoms.register(Three)
-def _freedoms_three(model):
+@degrees_of_freedom.register(Three)
+def _degrees_of_freedom_three(model):
     return 3, 8
 
 
-@freedoms.register(Six)
-def _freedoms_six(model):
+@degrees_of_freedom.register(Six)
+def _degrees_of_freedom_six(model):
     return 6, 17
 
 
 @jit
 def combinations(model, y, times):
-    """``combine``, so many times."""
+    """``assemble_system``, so many times."""
     for _ in range(times):
-        combine(model, 0.5, 0.5, y)
+        assemble_system(model, 0.5, 0.5, y)
 
 
 @jit
 def factorisations(model, y, times):
-    """``combine`` and ``factor``: the factors overwrite what they are made of."""
+    """``assemble_system`` and ``factorise``: the factors overwrite what they are made of."""
     for _ in range(times):
-        combine(model, 0.5, 0.5, y)
-        factor(model, y)
+        assemble_system(model, 0.5, 0.5, y)
+        factorise(model, y)
 
 
 @jit
 def solutions(model, y, times):
     """``solve``, so many times, each on the outcome of the last."""
     for _ in range(times):
-        solve(model, STAGE, y)
+        solve(model, lay.STAGE, y)
 
 
 def dense_solutions(S: np.ndarray, b: np.ndarray, times: int) -> None:
@@ -116,19 +104,25 @@ def dense_solutions(S: np.ndarray, b: np.ndarray, times: int) -> None:
 
 def scene(model: Any, Z: int) -> tuple[np.ndarray, np.ndarray]:
     """A buffer with random derivatives that keep I + ... well-conditioned, and I - them, dense."""
-    own, shared = freedoms(model)
+    own, shared = degrees_of_freedom(model)
     random, N = np.random.default_rng(1), own * Z
-    y = buffer(Z, 1.0)
+    y = lay.buffer(Z, 1.0)
     where = np.full((N + shared, N + shared), -1)
     for j in range(Z):
         at = slice(own * j, own * (j + 1))
-        where[at, at] = [[own_block(BY_POSITION, i, k) + j for k in range(own)] for i in range(own)]
-        where[at, N:] = [[from_border(BY_POSITION, i, k) + j for k in range(shared)] for i in range(own)]
-        where[N:, at] = [[to_border(BY_POSITION, k, i) + j for i in range(own)] for k in range(shared)]
-    where[N:, N:] = [[border_block(BY_POSITION, k, m) for m in range(shared)] for k in range(shared)]
+        where[at, at] = [
+            [lay.diagonal_block(lay.POSITION_JACOBIAN, i, k) + j for k in range(own)] for i in range(own)
+        ]
+        where[at, N:] = [
+            [lay.border_column(lay.POSITION_JACOBIAN, i, k) + j for k in range(shared)] for i in range(own)
+        ]
+        where[N:, at] = [
+            [lay.border_row(lay.POSITION_JACOBIAN, k, i) + j for i in range(own)] for k in range(shared)
+        ]
+    where[N:, N:] = [[lay.corner_block(lay.POSITION_JACOBIAN, k, m) for m in range(shared)] for k in range(shared)]
     inside = where >= 0
     y[where[inside]] = 0.1 * random.standard_normal(inside.sum()) / Z
-    y[STAGE : STAGE + STATE] = 0.0
+    y[lay.STAGE : lay.STAGE + lay.STATE] = 0.0
     return y, np.eye(len(where)) - 0.5 * np.where(inside, y[where], 0.0)
 
 
@@ -147,7 +141,7 @@ def rows() -> Iterator[dict[str, Any]]:
     """The table, size by size."""
     for kind in (One, Three, Six):
         for Z in COUNTS:
-            model = kind(-(-Z // VECTOR) * VECTOR)
+            model = kind(-(-Z // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH)
             y, S = scene(model, Z)
             b = np.ones(len(S))
             factorisations(model, y, 1)
@@ -159,7 +153,7 @@ def rows() -> Iterator[dict[str, Any]]:
             factored = whole - combined
             measured = [round(us, 3) for us in (combined, factored, solved, dense)]
             times = round(dense / (factored + solved), 1)
-            yield dict(zip(COLUMNS, [*freedoms(model), Z, model.n, *measured, times], strict=True))
+            yield dict(zip(COLUMNS, [*degrees_of_freedom(model), Z, model.n, *measured, times], strict=True))
 
 
 def exponent(table: list[dict[str, Any]], own: int) -> float:

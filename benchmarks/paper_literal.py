@@ -42,7 +42,7 @@ def refined(case: Case, seconds: float | None, steps: list[float] | None) -> lis
     """The case with each setting, and the setting's name."""
     m3 = m3_of(case)
     duration = (seconds or SECONDS[m3]) if m3 in SECONDS else case.duration
-    fast = case.model_copy(update={"prove": False, "duration": duration})
+    fast = case.model_copy(update={"step_check": False, "duration": duration})
     if m3 == UNDAMPED:
         chosen = [1e-6 * step for step in steps] if steps else STEPS
         return [(f"{1e6 * step:g} us", fast.model_copy(update={"step": step})) for step in chosen]

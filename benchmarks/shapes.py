@@ -25,12 +25,18 @@ from bearingsim.core.pits.depth import (
     Triangular,
     section,
 )
-from bearingsim.core.pits.envelope import path_over, sinking
-from bearingsim.core.pits.excitations import Envelope, felt
-from bearingsim.core.pits.pairs import B, Meeting, W, outer_reduced_radius, pits
+from bearingsim.core.pits.envelope import path_drop, path_over
+from bearingsim.core.pits.excitations import Envelope, pit_response
+from bearingsim.core.pits.pairs import (
+    GROUP_HALF_WIDTH,
+    GROUP_WEIGHT,
+    RollerPitPair,
+    outer_reduced_radius,
+    pack_pits,
+)
 from bearingsim.core.pits.profile import depth_at
 from bearingsim.core.pits.spall import Spall
-from bearingsim.core.pits.traced import across, grouped, traced_pits
+from bearingsim.core.pits.traced import cut_along_roller, grouped, traced_pits
 
 R, L_W = outer_reduced_radius(0.006, 0.0385), 0.012
 SHAPES = (Rectangular, Triangular, Circular, Elliptical)
@@ -134,7 +140,7 @@ def error(pit: Any, z: float) -> float:
     low, high = profile.pieces[0, 0], profile.pieces[-1, 1]
     s = np.linspace(low - 0.2 * (high - low), high + 0.2 * (high - low), 401)
     exact = brute(profile, s)
-    return float(np.abs(sinking(path_over(profile, R), s)[0] - exact).max() / np.abs(exact).max())
+    return float(np.abs(path_drop(path_over(profile, R), s)[0] - exact).max() / np.abs(exact).max())
 
 
 def print_accuracy(count: int) -> None:
@@ -155,14 +161,14 @@ def evaluated(excitation, group, places, radius):
     """Sum of h over places (n,) m."""
     total = 0.0
     for s in places:
-        _, h, slope = felt(excitation, group, s, radius)
+        _, h, slope = pit_response(excitation, group, s, radius)
         total += h + slope
     return total
 
 
 def nanoseconds(excitation: Any, group: np.ndarray, in_order: bool) -> float:
     """Time of one evaluation (ns), at places across the pit."""
-    places = np.linspace(-1.0, 1.0, 100_000) * group[B]
+    places = np.linspace(-1.0, 1.0, 100_000) * group[GROUP_HALF_WIDTH]
     if not in_order:
         np.random.default_rng(0).shuffle(places)
     evaluated(excitation, group, places, R)
@@ -183,7 +189,7 @@ def print_cost() -> None:
     }
     print("closed form           ns in order, at random")
     for name, row in closed.items():
-        found = pits([Meeting(0, -1, 0.0, 0.0385, R, [(1.0, *row)])], Envelope())
+        found = pack_pits([RollerPitPair(0, -1, 0.0, 0.0385, R, [(1.0, *row)])], Envelope())
         ns = [nanoseconds(found.excitation, found.groups[0, 0], in_order) for in_order in (True, False)]
         print(f"{name:20s}  {ns[0]:5.1f}  {ns[1]:5.1f}")
     print("table                 groups, pieces, ms to build, ns in order, at random")
@@ -191,12 +197,12 @@ def print_cost() -> None:
     more = {"rounded": Eased(kinds["elliptical"], 2e-5, 0.0), "spall": Spall(6e-3, 2e-3, 5e-5, 1.0, 3)}
     for name, pit in (kinds | more | {"rough scan": rough_scan(1)}).items():
         began = time.perf_counter()
-        rows, paths = grouped(pit, R, across(pit, L_W, 24))
+        rows, paths = grouped(pit, R, cut_along_roller(pit, L_W, 24))
         spent = 1e3 * (time.perf_counter() - began)
-        found = traced_pits([Meeting(0, -1, 0.0, 0.0385, R, rows, paths)])
+        found = traced_pits([RollerPitPair(0, -1, 0.0, 0.0385, R, rows, paths)])
         k = max(range(len(rows)), key=lambda i: len(paths[i].pieces))
         ns = [nanoseconds(found.excitation, found.groups[0, k], in_order) for in_order in (True, False)]
-        assert abs(sum(row[W] for row in rows) - 1.0) < 1e-9
+        assert abs(sum(row[GROUP_WEIGHT] for row in rows) - 1.0) < 1e-9
         print(f"{name:20s}  {len(rows):3d}  {len(paths[k].pieces):4d}  {spent:7.1f}  {ns[0]:5.1f}  {ns[1]:5.1f}")
 
 

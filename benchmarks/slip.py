@@ -18,8 +18,8 @@ from scipy.optimize import brentq
 
 from bearingsim import assemble, load_study, open_results, simulate
 from bearingsim.config import Case
+from bearingsim.core import layout as lay
 from bearingsim.core.laws.friction.interface import mu
-from bearingsim.core.layout import Q_I, Q_O
 from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch
 from bearingsim.core.parts.cage import land_drag, orbit_drag
 from bearingsim.plots.style import COLOURS, MARKERS, RC
@@ -46,12 +46,12 @@ class Loads(NamedTuple):
 def loads(model: Any, slip: float) -> Loads:
     """What each roller carries where, at the cage's speed with ``slip``."""
     b = model.bearing._replace(omega_c=model.bearing.omega_c * (1.0 - slip))
-    still, y, entries = assemble.statics(model._replace(bearing=b)), assemble.empty_buffer(model), []
+    still, y, entries = assemble.static_model(model._replace(bearing=b)), assemble.empty_buffer(model), []
     for n in range(CAGE_ANGLES):
         turned = (n + 0.5) / CAGE_ANGLES * 2.0 * pi / b.Z
         (rest_from_scratch if n == 0 else find_rest)(still, turned / b.omega_c, y)
         angle = (b.theta_0 + turned + 2.0 * pi * np.arange(b.Z) / b.Z + pi) % (2.0 * pi) - pi
-        entries.append([angle, y[Q_I : Q_I + b.Z] / CAGE_ANGLES, y[Q_O : Q_O + b.Z] / CAGE_ANGLES])
+        entries.append([angle, y[lay.Q_I : lay.Q_I + b.Z] / CAGE_ANGLES, y[lay.Q_O : lay.Q_O + b.Z] / CAGE_ANGLES])
     return Loads(*np.concatenate(entries, axis=1))
 
 

@@ -21,11 +21,11 @@ import numpy as np
 
 from bearingsim import assemble
 from bearingsim.config import Case
-from bearingsim.core.advance import RING, advance
-from bearingsim.core.layout import Q_I, Q_O
-from bearingsim.core.outcomes import FINE
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import RING_MOTION, advance
+from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import choice, time_grid
-from bearingsim.simulation.integration import watch_of
+from bearingsim.simulation.integration import monitor_of
 
 BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
@@ -47,11 +47,11 @@ SLOWER = {"static": 50}  # a balance costs about as much as so many steps
 def variant(labels: dict[str, Any], case: Case, model: Any) -> dict[str, Any]:
     """A variant ready to be timed: labels for the table, method, model, state at rest."""
     cut = time_grid.grid(case)
-    model = assemble.relaxed(model, cut.step)
+    model = assemble.with_friction_lag(model, cut.step)
     y, _ = assemble.start(case, model)
     row = labels | {"auto_step_us": round(1e6 * cut.step, 3)}
-    watch, method = watch_of(cut, choice.limits(case)), assemble.method(case, cut.step)
-    return {"row": row, "method": method, "model": model, "watch": watch, "y": y, "at": 0}
+    monitor, method = monitor_of(cut, choice.limits(case)), assemble.method(case, cut.step)
+    return {"row": row, "method": method, "model": model, "watch": monitor, "y": y, "at": 0}
 
 
 def models_and_methods() -> Iterator[dict[str, Any]]:
@@ -83,12 +83,12 @@ def laws_of_contact() -> Iterator[dict[str, Any]]:
 def run(one: dict[str, Any], steps: int) -> float:
     """CPU time (ns) per step of one round; the variant's clock goes on from round to round."""
     count = max(1, steps // SLOWER.get(one["row"]["model"], 1))
-    places = np.array([*RING, Q_O, Q_I])
+    places = np.array([*RING_MOTION, lay.Q_O, lay.Q_I])
     out = np.empty((len(places), count))
     began = time.thread_time_ns()
     _, outcome, _ = advance(one["method"], one["model"], one["watch"], one["at"], one["y"], places, out)
     took = time.thread_time_ns() - began
-    if outcome != FINE:
+    if outcome != SUCCESS:
         raise RuntimeError(f"{one['row']}: the run was stopped")
     one["at"] += count
     return took / count

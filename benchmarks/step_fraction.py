@@ -41,9 +41,9 @@ SCENES: dict[str, dict] = {
 
 def features(case: Case, step: float) -> dict[str, float] | str:
     """Features with a step that may be too long, or why the run was stopped."""
-    with mock.patch.object(time_grid, "wanted_step", return_value=step):
+    with mock.patch.object(time_grid, "requested_step", return_value=step):
         try:
-            return simulate(case.model_copy(update={"step": step, "prove": False})).features  # not halved
+            return simulate(case.model_copy(update={"step": step, "step_check": False})).features  # not halved
         except SimulationError as error:
             return error.reason
 

@@ -39,15 +39,7 @@ from touch_down_models import (
 
 from bearingsim import assemble
 from bearingsim.config import Case
-from bearingsim.core.layout import (
-    EVALUATED,
-    FAILED,
-    H_NEXT,
-    TAKEN,
-    Q,
-    V,
-    buffer,
-)
+from bearingsim.core import layout as lay
 from bearingsim.core.methods.dop853 import Dop853
 from bearingsim.core.models.rollers import Rollers
 
@@ -64,25 +56,25 @@ def stiffness(m: float) -> float:
 
 def after(name: str, model: Any, t: float, steps: int, q: float, v: float) -> tuple[float, float]:
     """Place (m) and speed (m/s) at ``t`` (s), in even steps; one ends on a touch-down that the model knows."""
-    y, h, out = buffer(1, MASS), t / steps, np.empty((1, 2))
-    y[Q], y[V] = q, v
+    y, h, out = lay.buffer(1, MASS), t / steps, np.empty((1, 2))
+    y[lay.RADIAL], y[lay.RADIAL_V] = q, v
     kind: Any = NAMES[name]
     method = kind(h) if name in FIXED else kind(h, 1e30, 1e30, 1e30, h)
     start(method, model, 0.0, y)
-    y[H_NEXT] = h
+    y[lay.H_NEXT] = h
     (LOCATED[name] if name in FIXED and isinstance(model, LocatedContact) else go)(method, model, 0, y, steps, out)
-    return float(y[Q]), float(y[V])
+    return float(y[lay.RADIAL]), float(y[lay.RADIAL_V])
 
 
 def exactly(model: Any, t: float, q: float, v: float) -> tuple[float, float]:
     """The same, the touch-down located, to rounding."""
-    y, out = buffer(1, MASS), np.empty((1, 2))
-    y[Q], y[V] = q, v
+    y, out = lay.buffer(1, MASS), np.empty((1, 2))
+    y[lay.RADIAL], y[lay.RADIAL_V] = q, v
     method = Dop853(t, 1e-14, 1e-20, 1e-16, t / 100)
     start(method, model, 0.0, y)
     go(method, model, 0, y, 1, out)
-    assert y[FAILED] == 0.0
-    return float(y[Q]), float(y[V])
+    assert y[lay.FAILED] == 0.0
+    return float(y[lay.RADIAL]), float(y[lay.RADIAL_V])
 
 
 def starts(scene: str, h: float) -> list[tuple[float, float]]:
@@ -141,12 +133,14 @@ def ring_velocity(name: str, known: str, setting: float, case: Case) -> tuple[np
         drive(method, model, 0, y, stride, out[:1].copy())  # compiled
         y = rest.copy()
         start(method, model, 0.0, y)
-        y[TAKEN], y[EVALUATED] = 0.0, 0.0
+        y[lay.STEPS_TAKEN], y[lay.EVALUATIONS] = 0.0, 0.0
         began = time.thread_time()
         drive(method, model, 0, y, stride, out)
         best = min(best, time.thread_time() - began)
-        evaluations = (y[TAKEN] or stride * len(out)) * PER_STEP[name] if name in FIXED else y[EVALUATED]
-        if y[FAILED]:
+        evaluations = (
+            (y[lay.STEPS_TAKEN] or stride * len(out)) * PER_STEP[name] if name in FIXED else y[lay.EVALUATIONS]
+        )
+        if y[lay.FAILED]:
             out[:] = np.nan
     return out, best, evaluations
 

@@ -5,36 +5,20 @@ from typing import Any, NamedTuple
 
 import own_cache  # noqa: F401  (before the core is imported)
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import (
-    ACCELERATION,
-    COS,
-    DELTA_I,
-    DELTA_O,
-    LANES,
-    SIN,
-    TAKEN,
-    V_I,
-    V_O,
-    VELOCITY,
-    A,
-    Q,
-    V,
-    X,
-    Y,
-)
-from bearingsim.core.methods.adaptive import HOP
+from bearingsim.core.methods.adaptive import JUMP_GAP
 from bearingsim.core.methods.dop853 import Dop853
 from bearingsim.core.methods.dormand_prince import DormandPrince
 from bearingsim.core.methods.interface import prepare, step
 from bearingsim.core.methods.nystrom import Nystrom
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
-from bearingsim.core.models.interface import accelerations, freedoms, keep_extremes, width
+from bearingsim.core.models.interface import accelerations, degrees_of_freedom, state_width, update_extremes
 from bearingsim.core.models.rollers import Rollers
 from bearingsim.core.parameters import Bearing, Support
-from bearingsim.core.pits.jumps import next_cusp
-from bearingsim.core.pits.on_roller import standing
+from bearingsim.core.pits.jumps import next_jump
+from bearingsim.core.pits.on_roller import roller_at_pit
 from bearingsim.core.pits.pairs import Pits
 
 NAMES = {
@@ -97,16 +81,20 @@ class LocatedContact(NamedTuple):
 
 
 def _contact(model, t, y):
-    y[A] = (-model.push + model.k * max(-y[Q], 0.0) ** model.m) / MASS
+    y[lay.RADIAL_A] = (-model.push + model.k * max(-y[lay.RADIAL], 0.0) ** model.m) / MASS
 
 
 for _type in (Contact, LocatedContact):
-    width.register(_type)(lambda model: LANES + 8)
-    freedoms.register(_type)(lambda model: (1, 0))
-    keep_extremes.register(_type)(lambda model, y: None)
+    state_width.register(_type)(lambda model: lay.FIRST_LANE + 8)
+    degrees_of_freedom.register(_type)(lambda model: (1, 0))
+    update_extremes.register(_type)(lambda model, y: None)
     accelerations.register(_type)(_contact)
-next_cusp.register(Contact)(lambda model, t, y: inf)
-next_cusp.register(LocatedContact)(lambda model, t, y: t + until_zero(y[Q], y[V], y[A]) if y[Q] > 0.0 else inf)
+next_jump.register(Contact)(lambda model, t, y: inf)
+next_jump.register(LocatedContact)(
+    lambda model, t, y: (
+        t + until_zero(y[lay.RADIAL], y[lay.RADIAL_V], y[lay.RADIAL_A]) if y[lay.RADIAL] > 0.0 else inf
+    )
+)
 
 
 # 2. The bearing
@@ -142,45 +130,45 @@ def plain(model):
 
 
 for _model in (LocatedRollers, BlindRollers):
-    width.register(_model)(lambda model: width(plain(model)))
-    freedoms.register(_model)(lambda model: freedoms(plain(model)))
-    keep_extremes.register(_model)(lambda model, y: keep_extremes(plain(model), y))
+    state_width.register(_model)(lambda model: state_width(plain(model)))
+    degrees_of_freedom.register(_model)(lambda model: degrees_of_freedom(plain(model)))
+    update_extremes.register(_model)(lambda model, y: update_extremes(plain(model), y))
     accelerations.register(_model)(lambda model, t, y: accelerations(plain(model), t, y))
-    standing.register(_model)(lambda model, d, t, y: standing(plain(model), d, t, y))
-next_cusp.register(BlindRollers)(lambda model, t, y: inf)
+    roller_at_pit.register(_model)(lambda model, d, t, y: roller_at_pit(plain(model), d, t, y))
+next_jump.register(BlindRollers)(lambda model, t, y: inf)
 
 
-@next_cusp.register(LocatedRollers)
-def _next_cusp(model, t, y):
+@next_jump.register(LocatedRollers)
+def _next_jump(model, t, y):
     soonest = inf
     for j in range(model.bearing.Z):
-        ring = y[ACCELERATION + X] * y[COS + j] + y[ACCELERATION + Y] * y[SIN + j]
-        soonest = min(soonest, until_zero(y[DELTA_O + j], y[V_O + j], y[A + j] - ring))
-        soonest = min(soonest, until_zero(y[DELTA_I + j], y[V_I + j], -y[A + j]))
-    return min(closing_in(t, soonest), next_cusp(plain(model), t, y))
+        ring = y[lay.ACCELERATION + lay.X] * y[lay.COS + j] + y[lay.ACCELERATION + lay.Y] * y[lay.SIN + j]
+        soonest = min(soonest, until_zero(y[lay.DELTA_O + j], y[lay.V_O + j], y[lay.RADIAL_A + j] - ring))
+        soonest = min(soonest, until_zero(y[lay.DELTA_I + j], y[lay.V_I + j], -y[lay.RADIAL_A + j]))
+    return min(closing_in(t, soonest), next_jump(plain(model), t, y))
 
 
 # Steps
 
 
 def stepper(parameters: Any) -> Any:
-    """A fixed-step method that ends its steps on what ``next_cusp`` knows of."""
+    """A fixed-step method that ends its steps on what ``next_jump`` knows of."""
 
     @jit
     def located(method, model, t, y):
         end = t + method.h
-        while end - t > HOP:
-            wait = next_cusp(model, t, y) - t
-            if wait <= HOP:
-                for k in range(width(model)):
-                    y[VELOCITY + k] += 2.0 * HOP * y[ACCELERATION + k]
-                    y[k] += 2.0 * HOP * y[VELOCITY + k]
-                t += 2.0 * HOP
+        while end - t > JUMP_GAP:
+            wait = next_jump(model, t, y) - t
+            if wait <= JUMP_GAP:
+                for k in range(state_width(model)):
+                    y[lay.VELOCITY + k] += 2.0 * JUMP_GAP * y[lay.ACCELERATION + k]
+                    y[k] += 2.0 * JUMP_GAP * y[lay.VELOCITY + k]
+                t += 2.0 * JUMP_GAP
                 accelerations(model, t, y)
             else:
                 part = min(end - t, wait)
                 step(parameters(part), model, t, y)
-                y[TAKEN] += 1.0
+                y[lay.STEPS_TAKEN] += 1.0
                 t += part
 
     @jit
@@ -188,7 +176,7 @@ def stepper(parameters: Any) -> Any:
         for n in range(len(out)):
             for k in range(stride):
                 located(method, model, (first + n * stride + k) * method.h, y)
-            out[n, 0], out[n, 1] = y[VELOCITY + X], y[VELOCITY + Y]
+            out[n, 0], out[n, 1] = y[lay.VELOCITY + lay.X], y[lay.VELOCITY + lay.Y]
 
     return go
 
@@ -206,7 +194,7 @@ def go(method, model, first, y, stride, out):
     for n in range(len(out)):
         for k in range(stride):
             step(method, model, (first + n * stride + k) * method.h, y)
-        out[n, 0], out[n, 1] = y[VELOCITY + X], y[VELOCITY + Y]
+        out[n, 0], out[n, 1] = y[lay.VELOCITY + lay.X], y[lay.VELOCITY + lay.Y]
 
 
 LOCATED = {name: stepper(NAMES[name]) for name in FIXED}

@@ -18,7 +18,7 @@ speed: 1800 rpm
 load: 150 N
 duration: 20 ms
 settle: 10 ms
-prove: false
+step_check: false
 defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 50 um}
 """
 ADDED = {

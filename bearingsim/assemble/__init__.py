@@ -10,45 +10,45 @@ from typing import Any
 import numpy as np
 
 from bearingsim.assemble import contacts, free, geometry, pits, scales, space
-from bearingsim.assemble.rest import anchor, statics
+from bearingsim.assemble.rest import bracket_anchor, static_model
 from bearingsim.catalogue import EXPLICIT, METHODS, MODELS, code
 from bearingsim.config import Case
+from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.geometry.motion import steady
 from bearingsim.core.geometry.slices import ZETA
-from bearingsim.core.layout import EPS, Q_O, buffer
 from bearingsim.core.methods.interface import MethodKind
 from bearingsim.core.models import spatial
 from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch
 from bearingsim.core.models.interface import ModelKind
 from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_space
 from bearingsim.core.parameters import Support
-from bearingsim.core.pits.pairs import ANGLE, CUSP, ON, ON_OUTER, RADIUS, Pits
+from bearingsim.core.pits.pairs import ANGLE, CARRIER, CUSP, ON_OUTER, RADIUS, Pits
 from bearingsim.errors import UserError
 
 __all__ = [
     "adaptive",
+    "aligned_with_cusp",
     "empty_buffer",
+    "find_equilibrium",
     "healthy",
-    "in_step",
     "kind",
     "kind_of_method",
     "method",
     "method_kind",
     "model",
     "outer_forces",
-    "relaxed",
-    "settle",
     "start",
-    "statics",
+    "static_model",
+    "with_friction_lag",
 ]
 
-PARTS: dict[str, Any] = {
+PARAMETER_BUILDERS: dict[str, Any] = {
     "bearing": geometry.bearing,
     "support": lambda case: support(case),
     "outer": contacts.outer,
     "inner": contacts.inner,
-    "pits": lambda case: met(case),
+    "pits": lambda case: pits_of_case(case),
     "motion": free.motion,
     "friction": free.friction,
     "cage": free.cage,
@@ -101,34 +101,36 @@ def model(case: Case) -> Any:
     known, parameters = MODELS[case.model], kind(case).parameters
     if known.build:
         return code(known.build)(case, support(case))
-    found = parameters(**{name: PARTS[name](case) for name in _made(parameters)})
-    return statics(found) if known.memoryless else found
+    found = parameters(**{name: PARAMETER_BUILDERS[name](case) for name in _made(parameters)})
+    return static_model(found) if known.memoryless else found
 
 
 def _made(parameters: Any) -> list[str]:
     """The fields of a model's parameters that are made from a case."""
     made = [name for name in parameters._fields if name not in parameters._field_defaults]
-    unknown = [name for name in made if name not in PARTS]
+    unknown = [name for name in made if name not in PARAMETER_BUILDERS]
     if unknown:
-        raise UserError(f"{parameters.__name__} asks for `{unknown[0]}`, which nobody makes: {', '.join(PARTS)}")
+        raise UserError(
+            f"{parameters.__name__} asks for `{unknown[0]}`, which nobody makes: {', '.join(PARAMETER_BUILDERS)}"
+        )
     return made
 
 
-def met(case: Case) -> Pits:
+def pits_of_case(case: Case) -> Pits:
     """The case's pits, cut along the roller as its model cuts rollers."""
-    return pits.meetings(case, space.slices(case).table[:, ZETA] if MODELS[case.model].sliced else None)
+    return pits.packed_pits(case, space.slices(case).table[:, ZETA] if MODELS[case.model].sliced else None)
 
 
 def support(case: Case) -> Support:
     """Load and bracket of the case."""
-    x_0, y_0 = anchor_in_space(_at_rest(case)) if space.uneven(case) else anchor(case)
+    x_0, y_0 = anchor_in_space(_at_rest(case)) if space.unevenly_loaded(case) else bracket_anchor(case)
     return Support(case.load, case.load_across, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
 
 
 def healthy(case: Case) -> Case:
     """The case without what does not touch its load at rest, so that many cases share one."""
     same = {"defects": (), "step": "auto", "record": (), "duration": 1.0, "settle": 0.0, "sampling": 1e4}
-    same |= {"method": EXPLICIT, "tolerance": "auto", "prove": True}
+    same |= {"method": EXPLICIT, "tolerance": "auto", "step_check": True}
     return case.model_copy(update=same | {"excitation": "envelope", "seed": 0})
 
 
@@ -141,15 +143,15 @@ def _at_rest(case: Case) -> Case:
 def anchor_in_space(case: Case) -> tuple[float, float]:
     """Mean place (m, m) over a ball pass of a ring whose rollers are loaded unevenly along their length."""
     free_ring = Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
-    parts = {name: made(case) for name, made in PARTS.items() if name != "support"}
+    parts = {name: made(case) for name, made in PARAMETER_BUILDERS.items() if name != "support"}
     bearing = spatial.Spatial(support=free_ring, **parts)
     y = empty_buffer(bearing)
-    rest_from_scratch(statics(bearing), 0.0, y)
+    rest_from_scratch(static_model(bearing), 0.0, y)
     rest = mean_rest_in_space(bearing, y)
     return rest.x, rest.y
 
 
-def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
+def aligned_with_cusp(model: Any, steps_per_pass: int, cusp: float) -> Any:
     """The model with the cusp of its first pit ``cusp`` of a step after a step's start.
 
     At the cusp the damping force jumps; where in a step it does so decides whether the error is of first or of
@@ -160,7 +162,7 @@ def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
     if "pits" not in model._fields or not steady(model):
         return model
     found = model.pits
-    if len(found.head) == 0 or found.head[0, ON] != ON_OUTER:
+    if len(found.head) == 0 or found.head[0, CARRIER] != ON_OUTER:
         return model
     b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
     place = found.head[0, ANGLE] + found.head[0, CUSP] / found.head[0, RADIUS]
@@ -169,7 +171,7 @@ def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
     return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))
 
 
-def relaxed(model: Any, lag: float) -> Any:
+def with_friction_lag(model: Any, lag: float) -> Any:
     """The model with friction that acts no faster than within ``lag`` (s), so that it limits no step of it."""
     return model._replace(lag=lag) if "lag" in model._fields else model
 
@@ -181,21 +183,23 @@ def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
     """
     y, residual = empty_buffer(model), 0.0
     if MODELS[case.model].loaded:
-        residual = settle(model, 0.0, y, from_scratch=True)
-        y[EPS : EPS + model.bearing.Z] = free.scattered(case) if MODELS[case.model].slips else 0.0
+        residual = find_equilibrium(model, 0.0, y, from_scratch=True)
+        y[lay.EPS : lay.EPS + model.bearing.Z] = (
+            free.initial_pocket_angles(case) if MODELS[case.model].slips else 0.0
+        )
         start_at_rest(model, 0.0, y)
     return y, residual
 
 
-def settle(model: Any, t: float, y: np.ndarray, from_scratch: bool = False) -> float:
+def find_equilibrium(model: Any, t: float, y: np.ndarray, from_scratch: bool = False) -> float:
     """Put rings and rollers at rest at time ``t`` (s), near a rest or from scratch; the force left over (N)."""
-    left = (rest_from_scratch if from_scratch else find_rest)(statics(model), t, y)
+    left = (rest_from_scratch if from_scratch else find_rest)(static_model(model), t, y)
     return rest_in_space(model, t, y) if isinstance(model, spatial.Spatial) else float(left)
 
 
 def empty_buffer(model: Any) -> np.ndarray:
     """A zeroed state buffer for the model."""
-    return buffer(model.bearing.Z, model.bearing.m_r, slices_of(model))
+    return lay.buffer(model.bearing.Z, model.bearing.m_r, slices_of(model))
 
 
 def slices_of(model: Any) -> int:
@@ -205,7 +209,7 @@ def slices_of(model: Any) -> int:
 
 def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:
     """Outer contact force (N) of each roller, (Z,), as the buffer has it."""
-    return y[Q_O : Q_O + model.bearing.Z]
+    return y[lay.Q_O : lay.Q_O + model.bearing.Z]
 
 
 def method(case: Case, h: float, part: float = 1.0) -> Any:

@@ -133,7 +133,7 @@ def gravity(case: Case) -> float:
     return STANDARD_GRAVITY if case.gravity else 0.0
 
 
-def scattered(case: Case) -> Any:
+def initial_pocket_angles(case: Case) -> Any:
     """Angles (Z,) in rad of the rollers from the middles of their pockets at the start; random with a seed."""
     found = cage(case)
     if case.seed == 0 or not isinstance(found, cages.FreeCage):

@@ -13,7 +13,7 @@ from bearingsim.core.laws.stiffness.ten_ninths import EXPONENT
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.parameters import Support
 from bearingsim.core.pits.impulse_train import LoadZone, random_train, train
-from bearingsim.core.pits.pairs import Meeting
+from bearingsim.core.pits.pairs import RollerPitPair
 from bearingsim.core.sampling import RESAMPLE_REACH
 
 LEAD = 4  # ball passes by which a run may go on after its record and what filters reach, and some steps more
@@ -24,7 +24,7 @@ def model(case: Case, support: Support) -> Impulse:
     rest, b = healthy_rest(case), geometry.bearing(case)
     filters = RESAMPLE_REACH / case.sampling
     end = case.settle + case.duration + filters + LEAD / case.bearing.ball_pass_frequency(case.speed)
-    found = pits.met(case)
+    found = pits.roller_pit_pairs(case)
     zone = load_zone(case, rest.K_x + support.k_b, rest.K_y + support.k_b)
     blows = _train(case, zone, found, end)
     return Impulse(
@@ -40,7 +40,7 @@ def model(case: Case, support: Support) -> Impulse:
     )
 
 
-def _train(case: Case, zone: LoadZone, found: list[Meeting], end: float) -> Any:
+def _train(case: Case, zone: LoadZone, found: list[RollerPitPair], end: float) -> Any:
     b = geometry.bearing(case)
     if case.excitation == "random-impulses":
         return random_train(b, zone, found, 0.0, end, np.random.default_rng(case.seed))

@@ -13,10 +13,10 @@ from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.assemble.rest import largest_load
 from bearingsim.catalogue import SHAPES, code
 from bearingsim.config import Case
-from bearingsim.config.scan.repair import REMEMBERED, read_scan
-from bearingsim.config.sections.defect import EDGE_RADIUS, SIMPLE
-from bearingsim.core.pits import excitations as felt
-from bearingsim.core.pits.closed_forms import groups_of, slices_of
+from bearingsim.config.scan.repair import CACHED_SCANS, read_scan
+from bearingsim.config.sections.defect import EDGE_RADIUS, SIMPLE_SHAPES
+from bearingsim.core.pits import excitations
+from bearingsim.core.pits.closed_forms import groups_of, groups_of_slices
 from bearingsim.core.pits.depth import (
     Eased,
     Merged,
@@ -32,32 +32,40 @@ from bearingsim.core.pits.pairs import (
     ON_INNER,
     ON_OUTER,
     OUTER,
-    Meeting,
     Pits,
+    RollerPitPair,
     inner_reduced_radius,
     outer_reduced_radius,
-    pits,
+    pack_pits,
 )
 from bearingsim.core.pits.spall import Spall
-from bearingsim.core.pits.traced import across, burr, grouped, sharpest_cusp, sliced, span_of, traced_pits
+from bearingsim.core.pits.traced import (
+    burr,
+    cut_along_roller,
+    grouped,
+    sharpest_cusp,
+    sliced,
+    span_of,
+    traced_pits,
+)
 from bearingsim.errors import Refused
 
 EXCITATIONS: dict[str, Any] = {
-    "envelope": felt.Envelope(),
-    "rectangular-pulse": felt.RectangularPulse(),
-    "half-sine-pulse": felt.HalfSinePulse(),
-    "piecewise-pulse": felt.PiecewisePulse(),
-    "clearance-increase": felt.ClearanceIncrease(),
-    "soft-edge": felt.SoftEdge(),
-    "impulse-train": felt.Envelope(),
-    "random-impulses": felt.Envelope(),
+    "envelope": excitations.Envelope(),
+    "rectangular-pulse": excitations.RectangularPulse(),
+    "half-sine-pulse": excitations.HalfSinePulse(),
+    "piecewise-pulse": excitations.PiecewisePulse(),
+    "clearance-increase": excitations.ClearanceIncrease(),
+    "soft-edge": excitations.SoftEdge(),
+    "impulse-train": excitations.Envelope(),
+    "random-impulses": excitations.Envelope(),
 }
 
 Places = Sequence[float] | np.ndarray
 """Middles of slices along a roller, m."""
 
 
-class Together(NamedTuple):
+class PitCluster(NamedTuple):
     """Pits of one element that a roller feels as one: the ``first`` of them, and all of them as one map, its s
     measured from ``angle`` (rad); ``pit`` is None where one pit alone has a closed form.
     """
@@ -67,27 +75,27 @@ class Together(NamedTuple):
     pit: Any
 
 
-def meetings(case: Case, zetas: Places | None = None) -> Pits:
+def packed_pits(case: Case, zetas: Places | None = None) -> Pits:
     """Where the rollers' contacts meet the case's pits.
 
     zetas: middles (m) of a roller's slices: then a group of weight 1 for each of them, in their order.
     Raises Refused for what is not felt at all, and for pits too wide to be felt by one roller at a time.
     """
-    chosen, found = excitation(case), met(case, zetas)
+    chosen, found = excitation(case), roller_pit_pairs(case, zetas)
     if any(one.paths for one in found):
         return traced_pits(found)
-    return pits(found, chosen, 1 if zetas is None else len(zetas))
+    return pack_pits(found, chosen, 1 if zetas is None else len(zetas))
 
 
-def met(case: Case, zetas: Places | None = None) -> list[Meeting]:
+def roller_pit_pairs(case: Case, zetas: Places | None = None) -> list[RollerPitPair]:
     """Every pit as each contact meets it: all by closed form, or all traced."""
-    return [one for found in together(case) for one in of_pits(case, found, zetas)]
+    return [one for found in pit_clusters(case) for one in pairs_of_cluster(case, found, zetas)]
 
 
 def excitation(case: Case) -> Any:
     """What a roller of the case feels of a pit."""
     if case.excitation == "pressure-share":
-        return felt.PressureShare(half_width(case))
+        return excitations.PressureShare(half_width(case))
     if case.excitation == "elastic-edge":
         return elastic_edge(case)
     return EXCITATIONS[case.excitation]
@@ -117,7 +125,7 @@ def half_width(case: Case) -> float:
         return point_contact(case, on_outer=True).semi_axes(load)[1]
     steel = case.bearing.material
     length, R = float(case.bearing.roller_length or 0.0), reduced_radius(case, OUTER)
-    return felt.hertz_half_width(load, length, R, steel.young_modulus, steel.poisson_ratio)
+    return excitations.hertz_half_width(load, length, R, steel.young_modulus, steel.poisson_ratio)
 
 
 def contact_length(case: Case, side: int) -> float:
@@ -149,7 +157,7 @@ def scan(d: config.Defect) -> Scanned:
     return scanned(str(d.file), str(d.digest))
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=CACHED_SCANS)
 def scanned(file: str, digest: str) -> Scanned:
     """The map in a file. Raises ValueError if the file is no longer what the case was made from."""
     found = read_scan(file)
@@ -158,17 +166,17 @@ def scanned(file: str, digest: str) -> Scanned:
     return Scanned(digest, found.s, found.z, found.depth)
 
 
-def together(case: Case) -> list[Together]:
+def pit_clusters(case: Case) -> list[PitCluster]:
     """The case's pits, those that one roller feels at a time merged; closed forms only if all have one."""
     clusters = _clusters(case)
-    simple = all(len(cluster) == 1 and _has_form(case, cluster[0]) for cluster in clusters)
+    simple = all(len(cluster) == 1 and _has_closed_form(case, cluster[0]) for cluster in clusters)
     if simple:
-        return [Together(d, d.angle, None) for (d,) in clusters]
+        return [PitCluster(d, d.angle, None) for (d,) in clusters]
     return [_merged(case, cluster) for cluster in clusters]
 
 
-def _has_form(case: Case, d: config.Defect) -> bool:
-    return d.shape in SIMPLE and (d.edge is None or case.excitation == "elastic-edge")
+def _has_closed_form(case: Case, d: config.Defect) -> bool:
+    return d.shape in SIMPLE_SHAPES and (d.edge is None or case.excitation == "elastic-edge")
 
 
 def _clusters(case: Case) -> list[list[config.Defect]]:
@@ -182,14 +190,14 @@ def _clusters(case: Case) -> list[list[config.Defect]]:
 
 
 def _reach_each_other(case: Case, a: config.Defect, b: config.Defect) -> bool:
-    if a.element != b.element or case.excitation not in config.ROLLED:
+    if a.element != b.element or case.excitation not in config.PATH_EXCITATIONS:
         return False
     apart = remainder(b.angle - a.angle, 2.0 * pi) * carrier_radius(case, a)
-    low_a, high_a, low_b, high_b = *_felt_from(case, a), *_felt_from(case, b)
+    low_a, high_a, low_b, high_b = *_response_range(case, a), *_response_range(case, b)
     return low_a < apart + high_b and apart + low_b < high_a
 
 
-def _felt_from(case: Case, d: config.Defect) -> tuple[float, float]:
+def _response_range(case: Case, d: config.Defect) -> tuple[float, float]:
     """From where to where (m) along rolling a pit is felt at most, from its middle."""
     pit = depth_map(d)
     low, high, _, _ = extent(pit)
@@ -203,16 +211,16 @@ def carrier_radius(case: Case, d: config.Defect) -> float:
     return radii[d.race](case) if d.race in radii else case.bearing.roller_diameter / 2.0
 
 
-def _merged(case: Case, cluster: Sequence[config.Defect]) -> Together:
+def _merged(case: Case, cluster: Sequence[config.Defect]) -> PitCluster:
     """Pits as one map, whose s begins in the middle of them all."""
     first, radius = cluster[0], carrier_radius(case, cluster[0])
     places = [remainder(d.angle - first.angle, 2.0 * pi) * radius for d in cluster]
     maps = [Placed(depth_map(d), s, d.offset) for d, s in zip(cluster, places, strict=True)]
     if len(maps) == 1:
-        return Together(first, first.angle, maps[0])
+        return PitCluster(first, first.angle, maps[0])
     low, high, _, _ = extent(Merged(tuple(maps)))
     middle = (low + high) / 2.0
-    return Together(
+    return PitCluster(
         first, first.angle + middle / radius, Merged(tuple(one._replace(s=one.s - middle) for one in maps))
     )
 
@@ -220,7 +228,7 @@ def _merged(case: Case, cluster: Sequence[config.Defect]) -> Together:
 # Meetings
 
 
-def of_pits(case: Case, found: Together, zetas: Places | None) -> list[Meeting]:
+def pairs_of_cluster(case: Case, found: PitCluster, zetas: Places | None) -> list[RollerPitPair]:
     """Pits that are felt as one, as each contact meets them."""
     d = found.first
     on, sides = {
@@ -228,22 +236,24 @@ def of_pits(case: Case, found: Together, zetas: Places | None) -> list[Meeting]:
         "inner": (ON_INNER, (INNER,)),
         "roller": ((d.roller or 1) - 1, (OUTER, INNER)),
     }[d.race]
-    return [_meeting(case, found, on, side, zetas) for side in sides]
+    return [_pair(case, found, on, side, zetas) for side in sides]
 
 
-def _meeting(case: Case, found: Together, on: int, side: int, zetas: Places | None) -> Meeting:
+def _pair(case: Case, found: PitCluster, on: int, side: int, zetas: Places | None) -> RollerPitPair:
     radius, R = carrier_radius(case, found.first), reduced_radius(case, side)
     if found.pit is None:
-        rows = cut(case, found.first, side, zetas)
+        rows = closed_form_groups(case, found.first, side, zetas)
         jumps = jumps_of(excitation(case), rows, (), R)
-        return _felt(case, found.first, Meeting(side, on, found.angle, radius, R, rows, jumps=jumps))
-    rows, paths = traced(case, found.pit, side, zetas)
+        return _checked_pair(case, found.first, RollerPitPair(side, on, found.angle, radius, R, rows, jumps=jumps))
+    rows, paths = traced_groups(case, found.pit, side, zetas)
     cusp, span, jumps = sharpest_cusp(rows, paths), span_of(found.pit, R), jumps_of(None, rows, paths, R)
-    return _felt(case, found.first, Meeting(side, on, found.angle, radius, R, rows, paths, cusp, span, jumps))
+    return _checked_pair(
+        case, found.first, RollerPitPair(side, on, found.angle, radius, R, rows, paths, cusp, span, jumps)
+    )
 
 
-def _felt(case: Case, d: config.Defect, one: Meeting) -> Meeting:
-    """The meeting, if it is felt, and by one roller at a time."""
+def _checked_pair(case: Case, d: config.Defect, one: RollerPitPair) -> RollerPitPair:
+    """The roller-pit pair, if it is felt, and by one roller at a time."""
     if one.half_width == 0.0:
         reason = f"nothing is felt of the {d.shape} defect: it is beyond the contact, or of no depth"
         reach = f"{500.0 * contact_length(case, one.side):.4g} mm"
@@ -265,20 +275,20 @@ def _narrower(d: config.Defect) -> str:
     return f"make them narrower, or the edge's {'radius smaller' if d.edge.radius else 'ramp shorter'}"
 
 
-def cut(case: Case, d: config.Defect, side: int, zetas: Places | None) -> list:
+def closed_form_groups(case: Case, d: config.Defect, side: int, zetas: Places | None) -> list:
     """The groups along the contact that a pit with a closed form is cut into, or those of given slices."""
     L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
     pit = code(SHAPES[d.shape].build)(d.length, d.width, d.depth)
-    rows = groups_of(pit, L_w, R, nodes, d.offset) if zetas is None else slices_of(pit, R, zetas, d.offset)
-    found = felt.groups(excitation(case), pit, rows, R)
+    rows = groups_of(pit, L_w, R, nodes, d.offset) if zetas is None else groups_of_slices(pit, R, zetas, d.offset)
+    found = excitations.response_groups(excitation(case), pit, rows, R)
     if zetas is not None and len(found) != len(zetas):
         raise Refused(f"`{case.excitation}` has no form for slices", "take `excitation: envelope`")
     return found
 
 
-def traced(case: Case, pit: Any, side: int, zetas: Places | None) -> tuple[list, list]:
+def traced_groups(case: Case, pit: Any, side: int, zetas: Places | None) -> tuple[list, list]:
     """Groups and paths of a traced pit along the contact, or at given slices."""
     L_w, R = contact_length(case, side), reduced_radius(case, side)
     if zetas is not None:
         return sliced(pit, R, zetas)
-    return grouped(pit, R, across(pit, L_w, case.contact.length_nodes))
+    return grouped(pit, R, cut_along_roller(pit, L_w, case.contact.length_nodes))

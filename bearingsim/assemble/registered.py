@@ -7,28 +7,31 @@ from bearingsim.assemble import contacts, free
 from bearingsim.catalogue import AUTO, METHODS, MODELS, code
 from bearingsim.config import Case
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
-from bearingsim.core.laws.friction.interface import mu, mu_slope, steepest
+from bearingsim.core.laws.friction.interface import mu, mu_slope, mu_slope_bound
 from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
-from bearingsim.core.methods.interface import load_number, step
+from bearingsim.core.methods.interface import stability_ratio, step
 from bearingsim.core.models.interface import (
     accelerations,
     begin,
     damping_per_mass,
-    freedoms,
-    keep_extremes,
+    degrees_of_freedom,
     linearise,
+    monitored,
+    state_width,
     stiffness_per_mass,
-    watched,
-    width,
+    update_extremes,
 )
-from bearingsim.core.pits.crossings import spot
+from bearingsim.core.pits.crossings import count_crossings
 
 DAMPING = (normal_force, stiffness_bound, damping_bound), (slopes,)
 STIFFNESS = (elastic, tangent), (curvature,)
-FRICTION = (mu, steepest), (mu_slope,)
+FRICTION = (mu, mu_slope_bound), (mu_slope,)
 """Of each kind of law: what every method calls, and the derivatives that an implicit one solves with."""
-MODEL = (width, begin, keep_extremes, watched, stiffness_per_mass, damping_per_mass, spot), (linearise, freedoms)
-METHOD = (step, load_number), ()
+MODEL = (
+    (state_width, begin, update_extremes, monitored, stiffness_per_mass, damping_per_mass, count_crossings),
+    (linearise, degrees_of_freedom),
+)
+METHOD = (step, stability_ratio), ()
 
 
 def missing(case: Case, implicit: bool) -> Iterator[str]:

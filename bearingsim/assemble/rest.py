@@ -5,18 +5,18 @@ from typing import Any
 
 from bearingsim.assemble import contacts, geometry
 from bearingsim.config import Case
+from bearingsim.core import layout as lay
 from bearingsim.core.geometry.slices import WEIGHT
 from bearingsim.core.laws.damping.undamped import Undamped
-from bearingsim.core.layout import buffer
 from bearingsim.core.models.equilibrium import Rest, mean_rest
 from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.pits.excitations import Envelope
-from bearingsim.core.pits.pairs import Pits, W, pits
+from bearingsim.core.pits.pairs import GROUP_WEIGHT, Pits, pack_pits
 
 
-def statics(model: Any) -> Static:
+def static_model(model: Any) -> Static:
     """What of a model stands still: all that the equilibrium is found from, whatever else it knows.
 
     Of a model that cuts its rollers into slices without their tilt: the slices are groups of their weights.
@@ -24,17 +24,17 @@ def statics(model: Any) -> Static:
     found = model.pits
     if isinstance(model, Spatial):
         groups = found.groups.copy()
-        groups[:, :, W] *= model.slices.table[:, WEIGHT] if len(groups) else 1.0
+        groups[:, :, GROUP_WEIGHT] *= model.slices.table[:, WEIGHT] if len(groups) else 1.0
         found = found._replace(groups=groups)
-    return still(model.bearing, model.support, model.outer, model.inner, found)
+    return static_bearing(model.bearing, model.support, model.outer, model.inner, found)
 
 
-def still(bearing: Bearing, support: Support, outer: Any, inner: Any, found: Pits) -> Static:
+def static_bearing(bearing: Bearing, support: Support, outer: Any, inner: Any, found: Pits) -> Static:
     """A bearing that stands still: of its contact laws only the stiffness."""
     return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), found)
 
 
-def anchor(case: Case) -> tuple[float, float]:
+def bracket_anchor(case: Case) -> tuple[float, float]:
     """Mean place (m, m) of the healthy, unsupported ring over a ball pass."""
     rest = healthy_rest(case)
     return rest.x, rest.y
@@ -55,5 +55,5 @@ def healthy_rest(case: Case) -> Rest:
 def _rest(of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_across: float) -> Rest:
     """``healthy_rest``, remembered; ``named`` tells laws apart that are equal as tuples."""
     free = Support(F, F_across, 0.0, 0.0, 0.0, 0.0)
-    model = still(of_case, free, outer, inner, pits([], Envelope()))
-    return mean_rest(model, outer, inner, buffer(of_case.Z, of_case.m_r))
+    model = static_bearing(of_case, free, outer, inner, pack_pits([], Envelope()))
+    return mean_rest(model, outer, inner, lay.buffer(of_case.Z, of_case.m_r))

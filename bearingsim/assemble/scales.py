@@ -10,11 +10,19 @@ from bearingsim.assemble import contacts, geometry, rest
 from bearingsim.config import Case
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.methods.interface import Tolerances
-from bearingsim.core.pits.excitations import LEAPS
-from bearingsim.core.pits.pairs import DEPTH, REDUCED, SPAN, USED, X_E, B, sliding
+from bearingsim.core.pits.excitations import STEP_EXCITATIONS
+from bearingsim.core.pits.pairs import (
+    DEPTH,
+    GROUP_COUNT,
+    GROUP_HALF_WIDTH,
+    REDUCED_RADIUS,
+    SPAN,
+    X_E,
+    passing_speed,
+)
 
-FEWEST_PER_CROSSING = 8  # steps; with fewer a method does not see a pit
-DASHPOT = 1e-3  # of the force: what an error in velocity may change at a contact's damper
+MIN_STEPS_PER_CROSSING = 8  # steps; with fewer a method does not see a pit
+DAMPER_TOLERANCE = 1e-3  # of the force: what an error in velocity may change at a contact's damper
 
 
 def at_full_speed(case: Case) -> Case:
@@ -27,7 +35,7 @@ def at_full_speed(case: Case) -> Case:
 def crossing_time(model: Any) -> float:
     """The shortest time (s) a contact takes to cross a pit, or one of several merged; inf without pits."""
     pits = model.pits
-    times = [pits.head[d, SPAN] / abs(sliding(pits, d, model.bearing)) for d in range(len(pits.head))]
+    times = [pits.head[d, SPAN] / abs(passing_speed(pits, d, model.bearing)) for d in range(len(pits.head))]
     return float(min(times, default=inf))
 
 
@@ -39,11 +47,11 @@ def closing_speed(model: Any) -> float:
     """
     pits = model.pits
     speeds = [
-        min(group[B], group[X_E], sqrt(2.0 * pits.head[d, REDUCED] * group[DEPTH]))
-        / pits.head[d, REDUCED]
-        * abs(sliding(pits, d, model.bearing))
+        min(group[GROUP_HALF_WIDTH], group[X_E], sqrt(2.0 * pits.head[d, REDUCED_RADIUS] * group[DEPTH]))
+        / pits.head[d, REDUCED_RADIUS]
+        * abs(passing_speed(pits, d, model.bearing))
         for d in range(len(pits.head))
-        for group in pits.groups[d, : int(pits.head[d, USED])]
+        for group in pits.groups[d, : int(pits.head[d, GROUP_COUNT])]
     ]
     return float(max(speeds, default=0.0))
 
@@ -75,14 +83,14 @@ def damping_ratio(case: Case, load: float) -> float:
     return float(C / (2.0 * sqrt(K * b.m_r)))
 
 
-def sag(model: Any) -> float:
+def largest_roller_drop(model: Any) -> float:
     """How deep (m) a roller sinks into a pit at most: it hangs on the rims, or reaches the depth."""
     pits = model.pits
     reached = [
-        float(group[DEPTH] if isinstance(pits.excitation, LEAPS) else min(group[DEPTH], hanging))
+        float(group[DEPTH] if isinstance(pits.excitation, STEP_EXCITATIONS) else min(group[DEPTH], hanging))
         for d in range(len(pits.head))
-        for group in pits.groups[d, : int(pits.head[d, USED])]
-        for hanging in [group[B] * group[B] / (2.0 * pits.head[d, REDUCED])]
+        for group in pits.groups[d, : int(pits.head[d, GROUP_COUNT])]
+        for hanging in [group[GROUP_HALF_WIDTH] * group[GROUP_HALF_WIDTH] / (2.0 * pits.head[d, REDUCED_RADIUS])]
     ]
     return max(reached, default=0.0)
 
@@ -100,8 +108,8 @@ def tolerances(case: Case, model: Any, fastest: Any, h: float, tolerance: float)
     delta = max(approach(law, F) for law in laws)
     c = max(damping_bound(law, approach(law, F), 0.0) for law in laws)
     speed = max(closing_speed(model), model.bearing.Z * model.bearing.omega_c * delta)
-    atol_v = min(tolerance * speed, DASHPOT * F / c if c > 0.0 else inf)
-    longest = min(crossing_time(fastest), ball_pass(fastest)) / FEWEST_PER_CROSSING
+    atol_v = min(tolerance * speed, DAMPER_TOLERANCE * F / c if c > 0.0 else inf)
+    longest = min(crossing_time(fastest), ball_pass(fastest)) / MIN_STEPS_PER_CROSSING
     return Tolerances(h, tolerance, tolerance * delta, atol_v, longest)
 
 

@@ -15,7 +15,7 @@ from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.parts import flanges as shoulders
 from bearingsim.core.parts.cage import KinematicCage
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
-from bearingsim.core.parts.mounts import Held, Sprung
+from bearingsim.core.parts.mounts import ElasticMount, RigidMount
 
 FLANGE_HEIGHT = 0.2  # of the roller's diameter: an assumption
 
@@ -37,7 +37,7 @@ def drop(case: Case, z: float) -> float:
     return 0.0
 
 
-def uneven(case: Case) -> bool:
+def unevenly_loaded(case: Case) -> bool:
     """Whether rollers of the healthy bearing are loaded unevenly along their length."""
     return MODELS[case.model].sliced and (
         case.misalignment is not None or case.bearing.roller_profile.shape != "straight"
@@ -72,19 +72,19 @@ def mount(case: Case, by: config.Rig | config.Shaft | None, ring: str, m: float,
     askew = case.misalignment
     lean = sin(getattr(askew, ring)) if askew else 0.0
     towards = askew.direction if askew else 0.0
-    lean_x, lean_y = float(lean * cos(towards)), float(lean * sin(towards))
+    tilt_x, tilt_y = float(lean * cos(towards)), float(lean * sin(towards))
     if by is None or by.axial_stiffness is None or by.tilting_stiffness is None:
-        return Held(lean_x, lean_y)
-    return Sprung(
+        return RigidMount(tilt_x, tilt_y)
+    return ElasticMount(
         m=float(m),
         I_a=float(about_axis),
         I_t=float(inertia_across(case, m, about_axis)),
         k_z=by.axial_stiffness,
         c_z=by.axial_damping or 0.0,
-        k_lean=by.tilting_stiffness,
-        c_lean=by.tilting_damping or 0.0,
-        lean_x=lean_x,
-        lean_y=lean_y,
+        k_tilt=by.tilting_stiffness,
+        c_tilt=by.tilting_damping or 0.0,
+        tilt_x=tilt_x,
+        tilt_y=tilt_y,
     )
 
 
@@ -123,5 +123,5 @@ __all__ = [
     "roller_inertia_across",
     "roller_length",
     "slices",
-    "uneven",
+    "unevenly_loaded",
 ]

@@ -22,8 +22,8 @@ __all__ = ["Plan", "as_json", "plan_of", "show"]
 class Priced:
     """A job with the method and the step (s) chosen for it, the limits of that step (s), and its price.
 
-    rubbing: the most that friction can do to the most loaded roller at rest (N), and the time (s) in which it
-    brings that roller to roll; nan and inf without friction.
+    friction_scale: the most that friction can do to the most loaded roller at rest (N), and the time (s) in which
+    it brings that roller to roll; nan and inf without friction.
     """
 
     job: "Job"
@@ -31,16 +31,16 @@ class Priced:
     step: float
     limits: "Limits"
     estimate: "Estimate"
-    rubbing: tuple[float, float]
+    friction_scale: tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A study's cases and their healthy twins, priced; ``refusals``: those that cannot be run, and why."""
+    """A study's cases and their healthy baselines, priced; ``refusals``: those that cannot be run, and why."""
 
     study: "Study"
     cases: tuple[Priced, ...]
-    twins: tuple[Priced, ...]
+    baselines: tuple[Priced, ...]
     refusals: tuple[tuple["Job", str], ...]
     workers: int
 
@@ -52,13 +52,13 @@ class Plan:
     @property
     def counted(self) -> tuple[int, int]:
         """How many cases and twins the study has, refused ones too."""
-        twins = sum(job.twin for job, _ in self.refusals)
-        return len(self.cases) + len(self.refusals) - twins, len(self.twins) + twins
+        twins = sum(job.is_baseline for job, _ in self.refusals)
+        return len(self.cases) + len(self.refusals) - twins, len(self.baselines) + twins
 
     @property
     def everything(self) -> tuple[Priced, ...]:
         """Cases and twins."""
-        return self.cases + self.twins
+        return self.cases + self.baselines
 
     @property
     def cpu_seconds(self) -> float:
@@ -89,8 +89,8 @@ def plan_of(study: "Study", workers: int | None) -> Plan:
             refusals.append((job, str(error)))
     return Plan(
         study=study,
-        cases=tuple(one for one in priced if not one.job.twin),
-        twins=tuple(one for one in priced if one.job.twin),
+        cases=tuple(one for one in priced if not one.job.is_baseline),
+        baselines=tuple(one for one in priced if one.job.is_baseline),
         refusals=tuple(refusals),
         workers=workers or cpu_count(),
     )
@@ -101,24 +101,24 @@ def _priced(job: "Job") -> Priced:
 
     case = job.case
     cut, limits = time_grid.grid(case), choice.limits(case)
-    price, rubs = time_grid.estimate(case), rubbing(case, limits.rest_load)
+    price, rubs = time_grid.estimate(case), friction_scale(case, limits.rest_load)
     return Priced(job, choice.choice(case), cut.step, limits, price, rubs)
 
 
-def rubbing(case: "Case", force: float) -> tuple[float, float]:
+def friction_scale(case: "Case", force: float) -> tuple[float, float]:
     """The largest friction (N) under a force (N), and the time (s) in which it brings a slipping roller to roll.
 
     Slip s of a roller between two races under the force Q each dies out like exp(-2 mu' Q R_w^2/I_r t), mu' the
     steepest slope of the friction's curve.
     """
     from bearingsim import assemble
-    from bearingsim.core.laws.friction.interface import steepest
+    from bearingsim.core.laws.friction.interface import mu_slope_bound
 
     if case.friction is None:
         return math.nan, math.inf
     model = assemble.model(case)
     b, u = model.bearing, model.bearing.R_w * model.bearing.omega_b
-    slope = float(steepest(model.friction, u))
+    slope = float(mu_slope_bound(model.friction, u))
     settled = b.I_r / (2.0 * slope * force * b.R_w**2) if slope > 0.0 else math.inf
     return most_friction(model.friction, u) * force, settled
 
@@ -162,10 +162,10 @@ LINES: tuple[Line, ...] = (
     ("impact force, about (N)", lambda p: p.limits.impact_force),
 )
 COST: Line = ("CPU time of a job (s)", lambda p: p.estimate.cpu_seconds)
-PROOF: Line = ("of it to prove its step (s)", lambda p: p.estimate.proof_seconds)
+PROOF: Line = ("of it to prove its step (s)", lambda p: p.estimate.check_seconds)
 FRICTION: tuple[Line, ...] = (
-    ("friction at rest, at most (N)", lambda p: p.rubbing[0]),
-    ("slip at rest settles in (us)", lambda p: 1e6 * p.rubbing[1]),
+    ("friction at rest, at most (N)", lambda p: p.friction_scale[0]),
+    ("slip at rest settles in (us)", lambda p: 1e6 * p.friction_scale[1]),
 )
 """Said where there is friction. It lags by a step, so it limits none; a step under the time resolves it."""
 SLIPS_PER_DECADE = 50
@@ -182,13 +182,13 @@ def show(plan: Plan, verbose: bool) -> None:
     out.print(f"{study.name}: {_counts(plan)}; sweeps {swept}", markup=False)
     if plan.refusals or not plan.everything:
         return
-    groups = _groups(plan.cases or plan.twins)
+    groups = _groups(plan.cases or plan.baselines)
     out.print()
     heads = ["", *groups]
     rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
     print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
-    for told in [*choices(plan), *methods(plan), *creeping(plan), *notes(study.cases())]:
+    for told in [*choices(plan), *methods(plan), *creeping(plan), *study.notes, *notes(study.cases())]:
         out.print(told, markup=False)
     if verbose:
         _show_cases(plan)
@@ -206,9 +206,9 @@ def takes_own_steps(priced: Priced) -> bool:
 
 
 def _lines(plan: Plan) -> tuple[Line, ...]:
-    """The lines of the table: those of friction, of the proof, of either kind of step where there is some."""
-    rubs = any(math.isfinite(one.rubbing[1]) for one in plan.everything)
-    proves = any(one.job.case.proven for one in plan.everything)
+    """The lines of the table: those of friction, of the step check, of either kind of step where there is some."""
+    rubs = any(math.isfinite(one.friction_scale[1]) for one in plan.everything)
+    proves = any(one.job.case.checks_step for one in plan.everything)
     own = [takes_own_steps(one) for one in plan.everything]
     steps = (*((CHOSEN,) if not all(own) else ()), *((RECORDED,) if any(own) else ()))
     return (*steps, *LINES, *(FRICTION if rubs else ()), COST, *((PROOF,) if proves else ()))
@@ -239,9 +239,9 @@ def methods(plan: Plan) -> list[str]:
         f"`{name}`{f' in {len(why)} of {len(automatic)} jobs' if len(found) > 1 else ''}: {why[0]}"
         for name, why in found.items()
     ]
-    proven = [one.job.case.proven for one in plan.everything]
-    if any(proven):
-        whole = all(one.job.case.prove == "strict" for one in plan.everything if one.job.case.proven)
+    checks_step = [one.job.case.checks_step for one in plan.everything]
+    if any(checks_step):
+        whole = all(one.job.case.step_check == "strict" for one in plan.everything if one.job.case.checks_step)
         where = "all of its run" if whole else "its run's beginning"
         told.append(f"each step is proven on {where}: half of it may change line and RMS by 0.5 %")
     return told
@@ -319,6 +319,9 @@ def size(count: int) -> str:
     return f"{count} B"
 
 
+FORMER = {"deepest": "approach_bound", "liveliest": "energy_bound", "proof_seconds": "check_seconds"}
+
+
 def as_json(plan: Plan) -> str:
     """The plan for a script: SI, null where there is no limit."""
     from bearingsim.config.scan.repair import notes
@@ -334,17 +337,24 @@ def as_json(plan: Plan) -> str:
         "bytes": plan.bytes,
         "refused_jobs": len(plan.refusals),
         "refused": list(plan.refused),
-        "notes": notes(plan.study.cases()),
+        "notes": [*plan.study.notes, *notes(plan.study.cases())],
         "jobs": [_job_entry(priced) for priced in plan.everything],
     }
     return json.dumps(found, indent=1)
+
+
+def _with_former(found: dict[str, Any]) -> dict[str, Any]:
+    """Numbers by their names and, for scripts that know them, by their former names."""
+    return found | {old: found[new] for old, new in FORMER.items() if new in found}
 
 
 def _job_entry(priced: Priced) -> dict[str, Any]:
     from bearingsim.config.rules import hierarchy
 
     job = priced.job
-    named = asdict(priced.limits) | dict(zip(("friction", "slip_settles"), priced.rubbing, strict=True))
+    named = _with_former(asdict(priced.limits)) | dict(
+        zip(("friction", "slip_settles"), priced.friction_scale, strict=True)
+    )
     limits = {name: value if math.isfinite(value) else None for name, value in named.items()}
     return {
         "job": job.id,
@@ -358,5 +368,5 @@ def _job_entry(priced: Priced) -> dict[str, Any]:
         "reasons": hierarchy.reasons(job.case),
         "step": priced.step,
         "limits": limits,
-        "estimate": asdict(priced.estimate),
+        "estimate": _with_former(asdict(priced.estimate)),
     }

@@ -9,7 +9,7 @@ from bearingsim.config.fields import Section
 from bearingsim.config.library import library_names
 from bearingsim.config.names import CHANNELS, FEATURES, Channel, Feature, dataset_names
 from bearingsim.config.sections.contact import Constant, Contact, Damping, General, HuntCrossley, Kraemer
-from bearingsim.config.sections.defect import ROLLED, Defect, Edge
+from bearingsim.config.sections.defect import PATH_EXCITATIONS, Defect, Edge
 from bearingsim.config.sections.free import (
     Cage,
     CageFriction,
@@ -27,7 +27,7 @@ from bearingsim.config.sections.machine import Bearing, Material, Rig
 __all__ = [
     "CHANNELS",
     "FEATURES",
-    "ROLLED",
+    "PATH_EXCITATIONS",
     "Bearing",
     "Cage",
     "CageFriction",

@@ -4,7 +4,7 @@ from typing import Any
 
 from pydantic import model_validator
 
-from bearingsim.config.case_fields import CaseFields
+from bearingsim.config.case_fields import OLD_WORDS, CaseFields
 from bearingsim.config.fields import refuse
 from bearingsim.config.rules.completion import complete
 from bearingsim.config.rules.conflicts import conflicts
@@ -28,7 +28,10 @@ class Case(CaseFields):
     @model_validator(mode="before")
     @classmethod
     def _single_defect(cls, data: Any) -> Any:
-        if not isinstance(data, dict) or "defect" not in data:
+        if not isinstance(data, dict):
+            return data
+        data = {OLD_WORDS.get(key, key): value for key, value in data.items()}
+        if "defect" not in data:
             return data
         if "defects" in data:
             refuse("defects", "say `defect` (one mapping) or `defects` (a list), not both", at="defect")

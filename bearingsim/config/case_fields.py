@@ -12,11 +12,11 @@ from bearingsim.config.fields import (
     Duration,
     Force,
     Frequency,
-    Proving,
     Rotation,
     Section,
     SignedForce,
     Step,
+    StepCheckMode,
     Switch,
     Tolerance,
     one_of,
@@ -39,6 +39,10 @@ else:
     MethodName = Literal[(catalogue.AUTO, *catalogue.METHODS)]
 
 
+OLD_WORDS = {"prove": "step_check"}
+"""Keys of a case that have been replaced, and the words that stand for them now. Old ones are still read."""
+
+
 def _one_or_many(given: Any) -> Any:
     if isinstance(given, str):
         refuse("list", f"expected a list of mappings, got `{given}`")
@@ -54,8 +58,8 @@ class CaseFields(Section):
     is `impulse-train` for the impulse model if not given; `contact.stiffness` suits the bearing. `friction` and
     `cage` are None below the planar model, and never None from it on. `drag`, `ramp`, `shaft`, `unbalance` and
     `misalignment` are None where absent. A line load in `record` is one channel for each slice of the roller. With
-    `prove` the step, automatic or given, is tried on the run's beginning before it is trusted; `strict` tries all
-    of the run, and refuses a chaotic record that is too short for its RMS.
+    `step_check` the step, automatic or given, is tried on the run's beginning before it is trusted; `strict` tries
+    all of the run, and refuses a chaotic record that is too short for its RMS.
     """
 
     bearing: Annotated[Bearing, named("bearings")]
@@ -79,7 +83,7 @@ class CaseFields(Section):
     method: Annotated[MethodName, one_of(catalogue.AUTO, *catalogue.METHODS)] | None = None
     step: Step = "auto"
     tolerance: Tolerance = "auto"
-    prove: Proving = True
+    step_check: StepCheckMode = True
     duration: Duration = 1.0
     settle: Delay = 0.05
     start_angle: Angle = 0.0
@@ -89,9 +93,9 @@ class CaseFields(Section):
     record: tuple[Annotated[str, BeforeValidator(channel)], ...] = ("ring.velocity",)
 
     @property
-    def proven(self) -> bool:
+    def checks_step(self) -> bool:
         """Whether the step is to be proven: there is one, and the case does not forbid it."""
-        return bool(self.prove) and self.method is not None
+        return bool(self.step_check) and self.method is not None
 
     @property
     def automatic(self) -> bool:

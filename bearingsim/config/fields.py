@@ -188,7 +188,7 @@ def _text(given: Any) -> str:
 
 
 Switch = Annotated[bool, BeforeValidator(_switch)]
-Proving = Annotated[bool | Literal["strict"], BeforeValidator(_proving)]
+StepCheckMode = Annotated[bool | Literal["strict"], BeforeValidator(_proving)]
 Step = Annotated[float | Literal["auto"], QuantityOrAuto("time", above=0.0)]
 Tolerance = Annotated[float | Literal["auto"], QuantityOrAuto("tolerance", least=1e-13, most=0.1)]
 Text = Annotated[str, BeforeValidator(_text)]

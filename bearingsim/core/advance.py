@@ -8,61 +8,50 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import add, jit
-from bearingsim.core.layout import (
-    ACCELERATION,
-    BURDEN,
-    COS,
-    EVALUATED,
-    FAILED,
-    FAILED_BODY,
-    LANES,
-    OVERRUN,
-    OVERRUN_MAX,
-    POSITION,
-    SIN,
-    VELOCITY,
-    X_I,
-    Y_I,
-    Q,
-    V,
-    X,
-    Y,
+from bearingsim.core.methods.interface import prepare, stability_ratio, step
+from bearingsim.core.models.interface import (
+    begin,
+    damping_per_mass,
+    monitored,
+    stiffness_per_mass,
+    update_extremes,
 )
-from bearingsim.core.methods.interface import load_number, prepare, step
-from bearingsim.core.models.interface import begin, damping_per_mass, keep_extremes, stiffness_per_mass, watched
-from bearingsim.core.outcomes import FINE, NOBODY, NOT_FINITE, OUTRUN, TOO_DEEP, TOO_LIVELY
+from bearingsim.core.outcomes import NO_BODY, NOT_FINITE, STEP_LIMIT_EXCEEDED, SUCCESS, TOO_DEEP, TOO_MUCH_ENERGY
 from bearingsim.core.parameters import lanes
-from bearingsim.core.pits.crossings import spot
+from bearingsim.core.pits.crossings import count_crossings
 
-RING = tuple(block + axis for block in (POSITION, VELOCITY, ACCELERATION) for axis in (X, Y))
+RING_MOTION = tuple(
+    block + axis for block in (lay.POSITION, lay.VELOCITY, lay.ACCELERATION) for axis in (lay.X, lay.Y)
+)
 """Places in the buffer of what every recording begins with: the ring's displacement, velocity, acceleration."""
 
 
-class Watch(NamedTuple):
+class Monitor(NamedTuple):
     """What a run must keep to.
 
-    stride: steps between looks; patience: seconds a body may be over the method's step limit; deepest: approach of
-    a contact (m) and liveliest: energy of radial motion (J) that nothing in the case can bring about; most_work:
-    evaluations of the model, by a method that counts them, after which its caller is to look.
+    stride: steps between looks; patience: seconds a body may be over the method's step limit; approach_bound:
+    approach of a contact (m) and liveliest: energy of radial motion (J) that nothing in the case can bring about;
+    max_evaluations: evaluations of the model, by a method that counts them, after which its caller is to look.
     """
 
     stride: int
     patience: float
-    deepest: float = np.inf
-    liveliest: float = np.inf
-    most_work: float = np.inf
+    approach_bound: float = np.inf
+    energy_bound: float = np.inf
+    max_evaluations: float = np.inf
 
 
 @jit
 def start_at_rest(model, t, y):
     """``begin``, compiled as a whole: from Python its parts compile one by one, each when first met.
 
-    Returns the largest stiffness (1/s^2) and damping (1/s) over mass of a watched body.
+    Returns the largest stiffness (1/s^2) and damping (1/s) over mass of a monitored body.
     """
     begin(model, t, y)
     K, C = 0.0, 0.0
-    for j in range(watched(model)):
+    for j in range(monitored(model)):
         K = max(K, stiffness_per_mass(model, y, j))
         C = max(C, damping_per_mass(model, y, j))
     return K, C
@@ -78,19 +67,19 @@ def record(y, places, n, out):
 @jit
 def ready(method, model, t, y):
     """Make the buffer ready for a method's first step at time ``t`` (s); accelerations are in place."""
-    y[FAILED_BODY] = NOBODY
+    y[lay.FAILED_BODY] = NO_BODY
     prepare(method, model, t, y)
 
 
 @jit
-def deepest_contact(bearing, y, n):
+def largest_approach(bearing, y, n):
     """Largest approach (m) of a roller to an undamaged race, as the bodies stand, and the roller's number."""
     gap, deepest, body = bearing.gap, -1.0, 0
-    u_x, u_y = y[POSITION + X], y[POSITION + Y]
-    i_x, i_y = y[POSITION + X_I], y[POSITION + Y_I]
+    u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
+    i_x, i_y = y[lay.POSITION + lay.X_I], y[lay.POSITION + lay.Y_I]
     for j in range(n):
-        outer = y[Q + j] - (u_x * y[COS + j] + u_y * y[SIN + j]) - gap
-        inner = i_x * y[COS + j] + i_y * y[SIN + j] - gap - y[Q + j]
+        outer = y[lay.RADIAL + j] - (u_x * y[lay.COS + j] + u_y * y[lay.SIN + j]) - gap
+        inner = i_x * y[lay.COS + j] + i_y * y[lay.SIN + j] - gap - y[lay.RADIAL + j]
         if max(outer, inner) > deepest:
             deepest, body = max(outer, inner), j
     return deepest, body
@@ -101,67 +90,69 @@ def radial_energy(bearing, y, n):
     """Kinetic energy (J) of the ring's motion and the rollers' radial one."""
     v2 = 0.0
     for j in range(n):
-        v2 = add(v2, y[V + j] * y[V + j])
-    w_x, w_y = y[VELOCITY + X], y[VELOCITY + Y]
+        v2 = add(v2, y[lay.RADIAL_V + j] * y[lay.RADIAL_V + j])
+    w_x, w_y = y[lay.VELOCITY + lay.X], y[lay.VELOCITY + lay.Y]
     return 0.5 * (bearing.m_r * v2 + bearing.m_o * (w_x * w_x + w_y * w_y))
 
 
 @jit
-def outrun(method, model, watch, y):
-    """The body that has been over the method's step limit for longer than allowed, or NOBODY."""
-    elapsed, bodies = watch.stride * method.h, watched(model)
+def exceeded_limit(method, model, monitor, y):
+    """The body that has been over the method's step limit for longer than allowed, or NO_BODY."""
+    elapsed, bodies = monitor.stride * method.h, monitored(model)
     for j in range(bodies):
-        y[BURDEN + j] = load_number(method, stiffness_per_mass(model, y, j), damping_per_mass(model, y, j))
-    found = NOBODY
+        y[lay.STEP_RATIO + j] = stability_ratio(
+            method, stiffness_per_mass(model, y, j), damping_per_mass(model, y, j)
+        )
+    found = NO_BODY
     for j in range(bodies):
-        over = 0.0 if y[BURDEN + j] <= 1.0 else y[OVERRUN + j] + elapsed
-        y[OVERRUN + j] = over
-        y[OVERRUN_MAX + j] = max(y[OVERRUN_MAX + j], over)
-        if over > watch.patience and found == NOBODY:
+        over = 0.0 if y[lay.STEP_RATIO + j] <= 1.0 else y[lay.OVERRUN + j] + elapsed
+        y[lay.OVERRUN + j] = over
+        y[lay.OVERRUN_MAX + j] = max(y[lay.OVERRUN_MAX + j], over)
+        if over > monitor.patience and found == NO_BODY:
             found = j
     return found
 
 
 @jit
-def look(method, model, watch, t, y):
+def check_state(method, model, monitor, t, y):
     """Outcome and body at time ``t`` (s): is the state finite, and no more than the case can have made of it?"""
     n = lanes(model.bearing)
-    slow = outrun(method, model, watch, y)
+    slow = exceeded_limit(method, model, monitor, y)
     energy = radial_energy(model.bearing, y, n)
     moving = energy
-    for c in range(LANES):
-        moving += y[POSITION + c] + y[VELOCITY + c]
+    for c in range(lay.FIRST_LANE):
+        moving += y[lay.POSITION + c] + y[lay.VELOCITY + c]
     if not np.isfinite(moving):
-        return NOT_FINITE, NOBODY
-    if slow != NOBODY:
-        return OUTRUN, slow
-    deepest, body = deepest_contact(model.bearing, y, n)
-    if deepest > watch.deepest:
+        return NOT_FINITE, NO_BODY
+    if slow != NO_BODY:
+        return STEP_LIMIT_EXCEEDED, slow
+    deepest, body = largest_approach(model.bearing, y, n)
+    if deepest > monitor.approach_bound:
         return TOO_DEEP, body
-    if energy > watch.liveliest:
-        return TOO_LIVELY, NOBODY
-    spot(model, t, y)
-    return FINE, NOBODY
+    if energy > monitor.energy_bound:
+        return TOO_MUCH_ENERGY, NO_BODY
+    count_crossings(model, t, y)
+    return SUCCESS, NO_BODY
 
 
 @jit
-def advance(method, model, watch, start, y, places, out):
+def advance(method, model, monitor, start, y, places, out):
     """Take ``out.shape[1]`` steps from step number ``start``, recording ``places`` of the buffer after each.
 
-    places: (C,) integers; out: (C, n). Returns (steps taken, outcome, body): all steps and FINE, or the step at
-    which the method gave up or the watch stopped the run; fewer steps and FINE once they were much work.
+    places: (C,) integers; out: (C, n). Returns (steps taken, outcome, body): all steps and SUCCESS, or the step at
+    which the method gave up or the monitor stopped the run; fewer steps and SUCCESS once they were much work.
     """
-    before = y[EVALUATED]
+    before = y[lay.EVALUATIONS]
     for n in range(out.shape[1]):
         step(method, model, (start + n) * method.h, y)
-        keep_extremes(model, y)
+        update_extremes(model, y)
         record(y, places, n, out)
-        if y[FAILED] != FINE:
-            return n + 1, int(y[FAILED]), int(y[FAILED_BODY])
-        if (start + n) % watch.stride == 0:
-            outcome, body = look(method, model, watch, (start + n + 1) * method.h, y)
-            if outcome != FINE:
+        if y[lay.FAILED] != SUCCESS:
+            return n + 1, int(y[lay.FAILED]), int(y[lay.FAILED_BODY])
+        if (start + n) % monitor.stride == 0:
+            outcome, body = check_state(method, model, monitor, (start + n + 1) * method.h, y)
+            if outcome != SUCCESS:
                 return n + 1, outcome, body
-        if y[EVALUATED] - before > watch.most_work:
-            return n + 1, FINE, NOBODY
-    return out.shape[1], FINE, NOBODY
+        if y[lay.EVALUATIONS] - before > monitor.max_evaluations:
+            return n + 1, SUCCESS, NO_BODY
+    return out.shape[1], SUCCESS, NO_BODY

@@ -1,14 +1,14 @@
 """How a run may end, as numbers that compiled code can hand on; words are found for them in ``simulation``."""
 
-FINE = 0
-OUTRUN = 1  # a body stayed over the method's step limit
+SUCCESS = 0
+STEP_LIMIT_EXCEEDED = 1  # a body stayed over the method's step limit
 NOT_FINITE = 2
 TOO_DEEP = 3  # a contact is pressed deeper than anything in the case can press it
-TOO_LIVELY = 4  # more energy of motion than load and pits can give
-STEP_FLOOR = 5  # an adaptive step became too short to go on
-NEWTON_STALLED = 6  # no solution of an implicit step was found
-STALLED = 7  # too many steps between two recorded instants
+TOO_MUCH_ENERGY = 4  # more energy of motion than load and pits can give
+STEP_TOO_SMALL = 5  # an adaptive step became too short to go on
+NEWTON_FAILED = 6  # no solution of an implicit step was found
+TOO_MANY_STEPS = 7  # too many steps between two recorded instants
 SKIPPED = 8  # crossings of a pit were not seen
 TOO_SLOW = 9  # more CPU time than a job may take
 
-NOBODY = -1  # no body in particular
+NO_BODY = -1  # no body in particular

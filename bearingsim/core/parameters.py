@@ -5,8 +5,8 @@ Every float must be a ``float`` (an ``int`` would compile a second copy of the c
 
 from typing import NamedTuple
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import VECTOR
 
 
 class Bearing(NamedTuple):
@@ -40,10 +40,10 @@ class Support(NamedTuple):
 @jit
 def lanes(bearing):
     """Lanes in use: the rollers, padded to the vector width."""
-    return (bearing.Z + VECTOR - 1) // VECTOR * VECTOR
+    return (bearing.Z + lay.VECTOR_WIDTH - 1) // lay.VECTOR_WIDTH * lay.VECTOR_WIDTH
 
 
 @jit
-def turns(bearing, t):
+def kinematic_angles(bearing, t):
     """Angles (rad) of the cage, the inner ring and a roller's roll in the cage at time ``t``, without slip."""
     return bearing.theta_0 + bearing.omega_c * t, bearing.omega_i * t, bearing.omega_b * t

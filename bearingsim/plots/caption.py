@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["fixed_values"]
 
-SAID = (  # parameters worth saying, in order, with the word that introduces the value
+CAPTION_FIELDS = (  # parameters worth saying, in order, with the word that introduces the value
     ("bearing.name", ""),
     ("speed", ""),
     ("ramp.to", "ramp to"),
@@ -65,7 +65,7 @@ def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> l
 
 
 def _machine(known: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:
-    for path, word in SAID:
+    for path, word in CAPTION_FIELDS:
         value = _single(known, path)
         if value is not None and value != USUAL.get(path) and path not in drawn:
             yield f"{word} {labels.value_text(path, value, units)}".strip()

@@ -8,18 +8,18 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from bearingsim.plots import labels, select
-from bearingsim.plots.style import Look
+from bearingsim.plots.style import CurveStyle
 from bearingsim.plots.sweep import (
     STATUS_MARKS,
     Curve,
     axis_label,
-    curve_looks,
     curves_of,
     finish,
     legend_entries,
     legend_width,
     letter,
     mark_chaotic,
+    styles_of_curves,
     ticks_between,
 )
 from bearingsim.study import Figure
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["are_many", "draw"]
 
-MOST_UPRIGHT, MOST_LETTERS = 6, 36  # names, and letters of all of them, that find room below an axis
+MAX_UPRIGHT, MAX_LETTERS = 6, 36  # names, and letters of all of them, that find room below an axis
 COLUMN_IN, LINE_IN, CHARACTER_IN = 2.3, 0.22, 0.072
 LABEL_LETTERS = 30  # of an axis label, in a line
 SPREAD = 0.5  # of the distance between names, over which several curves are spread
@@ -41,7 +41,7 @@ def are_many(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> 
     """Whether the words on x are too many, or too long, to stand below an axis."""
     known = select.values(rows, figure.x)
     letters = sum(len(labels.value_text(figure.x, value, units)) for value in known)
-    return not select.is_numeric(known) and (len(known) > MOST_UPRIGHT or letters > MOST_LETTERS)
+    return not select.is_numeric(known) and (len(known) > MAX_UPRIGHT or letters > MAX_LETTERS)
 
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
@@ -52,7 +52,7 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
     """
     names = select.values(rows, figure.x)
     panels = list(select.splits(rows, figure.panels, units))
-    styles = curve_looks(figure, rows, units)
+    styles = styles_of_curves(figure, rows, units)
     entries = legend_entries(figure, styles, rows)
     longest = max(len(name) for name in names)
     width = (
@@ -90,7 +90,7 @@ def _panel(
         aside = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
         places = [order[value] + aside for value in curve.rows[figure.x]]
         found = list(curve.rows[name] * factor)
-        look: Look = curve.look._replace(line="")
+        look: CurveStyle = curve.look._replace(line="")
         ax.plot(found, places, **look.keywords())
         mark_chaotic(ax, found, places, curve.rows)
         if len(curves) == 1:

@@ -35,25 +35,25 @@ Curve = tuple[np.ndarray, np.ndarray]
 class View(NamedTuple):
     """A way to look at signals: their curve, in SI; what stands on the axes; the power of the channel's unit.
 
-    twins: whether the healthy twin is drawn too, where a column has one curve.
+    baselines: whether the healthy baseline is drawn too, where a column has one curve.
     """
 
     curve: Callable[[Job, str, Signal], Curve]
     x_label: str
     y_label: Callable[[str], str]
     power: int = 1
-    twins: bool = True
+    baselines: bool = True
 
 
 def grid(
     results: "Results", jobs: dict[str, Job], channels: Sequence[str], view: View
 ) -> tuple[Canvas, list[list["Axes"]]]:
-    """A row of axes per job, a column per quantity with one unit; titles of what was swept; the healthy twins.
+    """A row of axes per job, a column per quantity with one unit; titles of what was swept; the healthy baselines.
 
     A quantity of several rollers is one column.
     """
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
-    twin_of = _twins(results, jobs) if view.twins else {}
+    twin_of = _baselines(results, jobs) if view.baselines else {}
     twins = recorded.all_jobs(results, sorted(set(twin_of.values())))
     columns = list(_columns(channels))
     height = LOW_ROW_IN if len(jobs) > MANY else ROW_IN
@@ -100,7 +100,7 @@ def _curves(job: Job, channels: Sequence[str], view: View) -> dict[str, Curve]:
 
 
 def _has(job: Job, channel: str) -> bool:
-    """Whether a job has recorded a channel: a healthy twin has no slices of its own."""
+    """Whether a job has recorded a channel: a healthy baseline has no slices of its own."""
     components = [name for whole in job.recorded for name in dataset_names(whole)]
     return recorded.recorded_as(channel, [*job.recorded, *components]) is not None
 
@@ -147,8 +147,8 @@ def _legend(canvas: Canvas, axes: Iterable["Axes"]) -> None:
         canvas.legend(list(entries.values()), list(entries), loc="outside upper right", ncols=len(entries))
 
 
-def _twins(results: "Results", jobs: Iterable[str]) -> dict[str, str]:
-    """The healthy twins of some jobs, as far as they are done."""
+def _baselines(results: "Results", jobs: Iterable[str]) -> dict[str, str]:
+    """The healthy baselines of some jobs, as far as they are done."""
     table = results.table().set_index("job")
     done = set(table.index[table["status"] == "done"])
     return {job: twin for job in jobs if (twin := str(table.loc[job, "healthy"])) in done}

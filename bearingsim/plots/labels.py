@@ -23,7 +23,15 @@ __all__ = [
     "value_text",
 ]
 
-PRETTY = {"um": "µm", "nm": "nm", "deg": "°", "um/s": "µm/s", "us": "µs", "m/s^2": "m/s²", "mm/s^2": "mm/s²"}
+PRINTED_UNITS = {
+    "um": "µm",
+    "nm": "nm",
+    "deg": "°",
+    "um/s": "µm/s",
+    "us": "µs",
+    "m/s^2": "m/s²",
+    "mm/s^2": "mm/s²",
+}
 SCALES: dict[str, tuple[tuple[str, float], ...]] = {  # readable units of a feature's SI unit, largest first
     "m": (("mm", 1e3), ("µm", 1e6), ("nm", 1e9)),
     "m/s": (("m/s", 1.0), ("mm/s", 1e3), ("µm/s", 1e6)),
@@ -34,7 +42,7 @@ SCALES: dict[str, tuple[tuple[str, float], ...]] = {  # readable units of a feat
     "rad": (("°", 57.29577951308232),),
     "%": (("%", 1e2),),
 }
-LEANS = ("tilt", "skew", "lean", "rotation")  # angles so small that nobody says them in degrees
+SMALL_ANGLE_WORDS = ("tilt", "skew", "lean", "rotation")  # angles so small that nobody says them in degrees
 SMALL_ANGLES = (("mrad", 1e3), ("µrad", 1e6), ("nrad", 1e9))
 SHARES = ("cage.slip",)  # pure numbers that people say in per cent, with what is computed of them
 COST, COST_UNIT, COST_TEXT = "seconds", "s", "CPU time of a job"
@@ -51,7 +59,7 @@ class PlotWarning(UserWarning):
 
 def pretty(unit: str) -> str:
     """A unit word as it is printed: µ for u, the degree sign, raised digits."""
-    return PRETTY.get(unit, unit)
+    return PRINTED_UNITS.get(unit, unit)
 
 
 def name_text(path: str) -> str:
@@ -144,5 +152,5 @@ def readable(unit: str, name: str, largest: float) -> tuple[str, float]:
         unit = "%"
     if unit not in SCALES:
         return unit, 1.0
-    scales = SMALL_ANGLES if set(LEANS) & set(name.split(".")) else SCALES[unit]
+    scales = SMALL_ANGLES if set(SMALL_ANGLE_WORDS) & set(name.split(".")) else SCALES[unit]
     return next(((unit, factor) for unit, factor in scales if largest * factor >= 1.0), scales[-1])

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from bearingsim.config import Case
     from bearingsim.store import Results
 
-__all__ = ["Loaded", "draw_load", "instants"]
+__all__ = ["LoadAlong", "draw_load", "instants"]
 
 ROW_IN, LEAN_IN, PICTURE_IN, PROFILE_IN = 2.5, 1.3, 4.2, 2.6
 SCALE = "YlOrRd"
@@ -30,12 +30,12 @@ UNLOADED = 0.02  # of the largest line load: what is less is drawn as none
 WITHOUT_PIT = 8.0  # ball passes shown of a roller that passes none
 FEW = 10.0  # samples over a pit, below which the caption tells how many
 LABEL_LETTERS = 30
-LEAST_SAMPLES = 4
+MIN_SAMPLES = 4
 LEANS = {"tilt": COLOURS[0], "skew": COLOURS[1]}
 ADVICE = "add `roller.outer_line_load` to `record`, with `model: spatial`"
 
 
-class Loaded(NamedTuple):
+class LoadAlong(NamedTuple):
     """What is drawn of a job: time (n,) in s, line load (slices, n) in N/m, ends of the slices (m), passage.
 
     leans: tilt and skew (n,) in rad of the same roller, as far as they were recorded.
@@ -77,7 +77,7 @@ def draw_load(results: "Results", jobs: Sequence[str], y: Sequence[str] = (), sp
     return canvas
 
 
-def _notes(found: Mapping[str, Job], rows: Sequence[tuple[str, Loaded]]) -> list[str]:
+def _notes(found: Mapping[str, Job], rows: Sequence[tuple[str, LoadAlong]]) -> list[str]:
     """What must be known of the passages: few samples over a pit, or none at all."""
     crossed = [(job, one.passage) for job, one in rows if one.passage is not None]
     counts = [passage.samples(found[job].known["sampling"]) for job, passage in crossed]
@@ -89,7 +89,9 @@ def _notes(found: Mapping[str, Job], rows: Sequence[tuple[str, Loaded]]) -> list
 # What is drawn
 
 
-def _loads(results: "Results", job: str, known: Job, asked: Sequence[str], span: float | None) -> Iterator[Loaded]:
+def _loads(
+    results: "Results", job: str, known: Job, asked: Sequence[str], span: float | None
+) -> Iterator[LoadAlong]:
     """The line loads of a job that are asked for, or all that it has recorded."""
     case = recorded.case_of(results, job, known.known)
     ends = ends_of_slices(case)
@@ -100,12 +102,12 @@ def _loads(results: "Results", job: str, known: Job, asked: Sequence[str], span:
         start, stop = _window(case, known, passage, span)
         time = known.series.time
         shown = (time >= start) & (time <= stop)
-        if np.count_nonzero(shown) < LEAST_SAMPLES:
+        if np.count_nonzero(shown) < MIN_SAMPLES:
             raise labels.PlotError(
                 f"job {job} has {np.count_nonzero(shown)} samples in that time: raise `sampling`"
             )
         leans = {name: values[shown] for name, values in _leans(known, number)}
-        yield Loaded(channel, time[shown], load[:, shown], ends, passage, leans)
+        yield LoadAlong(channel, time[shown], load[:, shown], ends, passage, leans)
 
 
 def _leans(known: Job, number: int) -> Iterator[tuple[str, Reals]]:
@@ -155,7 +157,7 @@ def _window(case: "Case", known: Job, passage: Passage | None, span: float | Non
     return passage.time - before, passage.time - before + span
 
 
-def instants(one: Loaded) -> dict[str, int]:
+def instants(one: LoadAlong) -> dict[str, int]:
     """The samples whose distributions are drawn, by name.
 
     Over the pit: in the middle of when the slices over it carry least. The largest: of the roller's whole load
@@ -173,12 +175,12 @@ def instants(one: Loaded) -> dict[str, int]:
     return {"before": 0, "over the pit": over, "largest after": largest, "after": len(one.time) - 1}
 
 
-def _share(one: Loaded) -> Reals:
+def _share(one: LoadAlong) -> Reals:
     """Force (N) of each slice."""
     return one.load * np.diff(one.ends)[:, np.newaxis]
 
 
-def _whole(one: Loaded) -> Reals:
+def _whole(one: LoadAlong) -> Reals:
     """Force (N) of the whole roller."""
     return np.asarray(_share(one).sum(axis=0))
 
@@ -186,7 +188,7 @@ def _whole(one: Loaded) -> Reals:
 # Drawing
 
 
-def _draw_row(picture: "Axes", profile: "Axes", one: Loaded) -> None:
+def _draw_row(picture: "Axes", profile: "Axes", one: LoadAlong) -> None:
     unit, factor = labels.readable("N/m", one.channel, float(one.load.max()))
     _draw_picture(picture, one, factor, axis_label(recorded.text_of(one.channel), unit))
     for number, (name, at) in enumerate(instants(one).items()):
@@ -201,7 +203,7 @@ def _draw_row(picture: "Axes", profile: "Axes", one: Loaded) -> None:
     profile.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), fontsize=7, borderaxespad=0.0)
 
 
-def _draw_picture(ax: "Axes", one: Loaded, factor: float, label: str) -> None:
+def _draw_picture(ax: "Axes", one: LoadAlong, factor: float, label: str) -> None:
     """Line load over time and place; white where the roller is lifted; the pit's ends dotted."""
     step = one.time[1] - one.time[0]
     edges = 1e3 * np.append(one.time - step / 2.0, one.time[-1] + step / 2.0)
@@ -218,7 +220,7 @@ def _draw_picture(ax: "Axes", one: Loaded, factor: float, label: str) -> None:
     bar.ax.yaxis.set_label_position("left")  # on its right there are the sections
 
 
-def _draw_leans(ax: "Axes", beside: "Axes", picture: "Axes", one: Loaded) -> None:
+def _draw_leans(ax: "Axes", beside: "Axes", picture: "Axes", one: LoadAlong) -> None:
     """Tilt and skew over the time of the picture above."""
     largest = max(float(np.max(np.abs(values))) for values in one.leans.values())
     unit, factor = labels.readable("rad", "tilt", largest)

@@ -13,13 +13,13 @@ from bearingsim.plots.series import roller_angle
 if TYPE_CHECKING:
     from bearingsim.config import Case
 
-__all__ = ["Passage", "Taken", "first_passage", "path_taken"]
+__all__ = ["Passage", "RollerPath", "first_passage", "roller_path"]
 
 BEFORE, AFTER = 1.5, 3.0  # widths of the pit that are shown before and after its middle
 LEAST = 6e-4  # m: taken for the width of a narrower pit, since a roller may be anywhere in its pocket
 
 
-class Taken(NamedTuple):
+class RollerPath(NamedTuple):
     """The path that a roller (from 1) took over a pit: place s and depth below the sound race (m), (n,) each.
 
     lean: of the roller's axis, outwards (rad; (n,)), by which another section than its middle lies deeper.
@@ -81,7 +81,7 @@ def _passage(job: Job, case: "Case", number: int, pit: Pit) -> Passage | None:
     return None
 
 
-def path_taken(job: Job, case: "Case", pit: Pit) -> Taken | None:
+def roller_path(job: Job, case: "Case", pit: Pit) -> RollerPath | None:
     """The path of the first roller whose place was recorded; None without, or if it does not pass the pit.
 
     The depth of its lowest point is what it has moved outwards beyond the play, less what the ring has (for a pit
@@ -107,4 +107,4 @@ def path_taken(job: Job, case: "Case", pit: Pit) -> Taken | None:
     if ring == "inner":  # which is faster than the rollers: they move towards -s
         s, depth, lean = -s[::-1], depth[::-1], -lean[::-1]
     shown = (s >= pit.places()[0]) & (s <= pit.places()[-1])
-    return Taken(number, s[shown], depth[shown], lean[shown])
+    return RollerPath(number, s[shown], depth[shown], lean[shown])

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure as Canvas
 
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.caption import fixed_values
-from bearingsim.plots.passage import Taken, path_taken
-from bearingsim.plots.pit_shape import MARGIN, Pit, Reals, Section, cut, ends_of_slices, pits_of, told_apart
+from bearingsim.plots.passage import RollerPath, roller_path
+from bearingsim.plots.pit_shape import MARGIN, Pit, Reals, Section, cut, distinct_sections, ends_of_slices, pits_of
 from bearingsim.plots.style import COLOURS
 from bearingsim.plots.sweep import finish, letter
 
@@ -32,7 +32,7 @@ SHALLOW = 0.3  # of the pit's depth: a path that stays above this is shown once 
 CLOSER = 1.6  # of the path's depth, shown then
 ROLLERS = (-0.62, -0.25, 0.0, 0.25, 0.62)  # where rollers are drawn, in widths of the pit
 SCALE = "YlGnBu"
-RACE, PATH, ROLLER, TAKEN = "0.15", COLOURS[1], "0.55", COLOURS[0]
+RACE, PATH, ROLLER, TAKEN_PATH = "0.15", COLOURS[1], "0.55", COLOURS[0]
 STEPS = (1.0, 2.0, 5.0)
 
 
@@ -87,7 +87,7 @@ def draw_pit(results: "Results", sheet: Sheet) -> Canvas:
     Lengths are to scale; the heights of a section are exaggerated by a round number, which its title says. A path
     much shallower than the pit is drawn once more, closer.
     """
-    taken = _taken(results, sheet)
+    taken = _roller_path(results, sheet)
     panels = list(_panels(sheet.pit, taken[1] if taken else None))
     wide, tall = _map_inches(sheet)
     right = LEFT + wide + BAR
@@ -104,7 +104,7 @@ def draw_pit(results: "Results", sheet: Sheet) -> Canvas:
         ax = _place(canvas, right, top, SECTION_IN, panel.inches)
         _draw_section(ax, panel, sheet.pit.R, number)
         if taken is not None:
-            _draw_taken(ax, panel, taken[1])
+            _draw_roller_path(ax, panel, taken[1])
         top -= BELOW
     _name_curves(ax, right, top)
     return canvas
@@ -195,9 +195,9 @@ class Panel(NamedTuple):
     closer: bool
 
 
-def _panels(pit: Pit, taken: Taken | None) -> Iterator[Panel]:
+def _panels(pit: Pit, taken: RollerPath | None) -> Iterator[Panel]:
     """The sections of a pit; the deepest also closer, where paths are far above its floor or each other."""
-    for number, place in enumerate(told_apart(pit)):
+    for number, place in enumerate(distinct_sections(pit)):
         made, name = cut(pit, place), "AB"[number]
         deepest, path = (float(np.max(values)) for values in (made.p, made.h))
         depths = [deepest or float(pit.picture.max())]
@@ -243,12 +243,12 @@ def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
     letter(ax, number, 2, f"section {panel.name}, {'closer, ' if panel.closer else ''}{times}")
 
 
-def _draw_taken(ax: "Axes", panel: Panel, taken: Taken) -> None:
+def _draw_roller_path(ax: "Axes", panel: Panel, taken: RollerPath) -> None:
     """The path that a roller took, where it is inside the panel."""
     ax.plot(
         1e3 * taken.s,
         1e6 * taken.at(panel.section.z),
-        color=TAKEN,
+        color=TAKEN_PATH,
         lw=1.3,
         ls=(0, (4, 1.2)),
         label="path it took",
@@ -264,17 +264,17 @@ def _title(sheet: Sheet) -> str | None:
     return f"pit {sheet.number} of {sheet.of}, on {where}" if sheet.of > 1 else None
 
 
-def _taken(results: "Results", sheet: Sheet) -> tuple[str, Taken] | None:
+def _roller_path(results: "Results", sheet: Sheet) -> tuple[str, RollerPath] | None:
     """The first job whose record shows which path a roller took, and that path."""
     for job in sheet.jobs:
         [one] = recorded.all_jobs(results, [job]).values()
-        found = path_taken(one, recorded.case_of(results, job, one.known), sheet.pit)
+        found = roller_path(one, recorded.case_of(results, job, one.known), sheet.pit)
         if found is not None:
             return job, found
     return None
 
 
-def _caption(results: "Results", sheet: Sheet, taken: tuple[str, Taken] | None) -> list[str]:
+def _caption(results: "Results", sheet: Sheet, taken: tuple[str, RollerPath] | None) -> list[str]:
     rows = select.case_rows(results)
     R = labels.number_text(round(1e3 * sheet.pit.R, 2))
     said = [f"race unrolled: the roller has the radius {R} mm that it has relative to the race"]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from bearingsim.config import Case
 
-__all__ = ["MARGIN", "Pit", "Reals", "Section", "cut", "ends_of_slices", "pits_of", "told_apart"]
+__all__ = ["MARGIN", "Pit", "Reals", "Section", "cut", "distinct_sections", "ends_of_slices", "pits_of"]
 
 ACROSS, ALONG = 401, 241  # places along rolling and along the roller at which a picture looks a pit's depth up
 FINER = 4  # times as many in a section
@@ -64,14 +64,14 @@ class Section(NamedTuple):
 def cut(pit: Pit, z: float) -> Section:
     """The pit at z (m) along the roller."""
     from bearingsim.core.pits.depth import section
-    from bearingsim.core.pits.envelope import path_over, sinking
+    from bearingsim.core.pits.envelope import path_drop, path_over
     from bearingsim.core.pits.profile import depth_at
 
     s, profile = pit.places(FINER * (ACROSS - 1) + 1), section(pit.map, z)
-    return Section(z, s, depth_at(profile, s), sinking(path_over(profile, pit.R), s)[0])
+    return Section(z, s, depth_at(profile, s), path_drop(path_over(profile, pit.R), s)[0])
 
 
-def told_apart(pit: Pit) -> list[float]:
+def distinct_sections(pit: Pit) -> list[float]:
     """Places z (m) of the sections worth drawing: the deepest, and the pit's middle if that is another one."""
     deepest = pit.picture.max(axis=1)
     here, middle = int(np.argmax(deepest)), ALONG // 2
@@ -85,7 +85,7 @@ def pits_of(case: "Case") -> Iterator[Pit]:
     from bearingsim.assemble import pits
     from bearingsim.core.pits.depth import Placed, extent
 
-    for found in pits.together(case):
+    for found in pits.pit_clusters(case):
         race, R = found.first.race, pits.reduced_radius(case, 1 if found.first.race == "inner" else 0)
         made = found.pit or Placed(pits.depth_map(found.first), 0.0, found.first.offset)
         low, high, left, right = extent(made)

@@ -21,14 +21,14 @@ PIT, LOAD = "pit", "load"
 OF_JOBS = ("series", "spectrum", "envelope", "roller", LOAD, PIT)
 KINDS = ("sweep", "phase", *OF_JOBS)
 ALL = "all"
-USELESS = {
+UNUSED_OPTIONS = {
     **dict.fromkeys(("sweep", "phase"), ("span",)),
     **dict.fromkeys(OF_JOBS, ("x", "by", "panels", "span")),
     **dict.fromkeys(("series", LOAD), ("x", "by", "panels")),
     PIT: ("x", "y", "by", "panels", "span"),
 }
 """What a kind of figure does not take."""
-MOST_NAMED = 4  # jobs in the name of a file
+MAX_NAMED = 4  # jobs in the name of a file
 FORMATS = ("png", "svg", "pdf")
 
 
@@ -192,12 +192,12 @@ def _of_pits(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas
 
 def _check_changes(kind: str, changes: Mapping[str, Any]) -> None:
     """Refuse what a kind of figure does not take."""
-    useless = [name for name in USELESS[kind] if changes.get(name)]
+    useless = [name for name in UNUSED_OPTIONS[kind] if changes.get(name)]
     if useless:
         how = ": its jobs are chosen by `--job` or by `--where`" if kind in OF_JOBS else ""
         raise PlotError(f"a {kind} takes no {useless[0]}{how}")
 
 
 def _name_of_jobs(kind: str, y: Sequence[str], jobs: Sequence[str]) -> str:
-    more = [f"and {len(jobs) - MOST_NAMED} more"] if len(jobs) > MOST_NAMED else []
-    return _slug([kind, *y, *(job[:8] for job in jobs[:MOST_NAMED]), *more])
+    more = [f"and {len(jobs) - MAX_NAMED} more"] if len(jobs) > MAX_NAMED else []
+    return _slug([kind, *y, *(job[:8] for job in jobs[:MAX_NAMED]), *more])

@@ -37,12 +37,12 @@ __all__ = [
 ]
 
 HEALTHY_PHASE = "-healthy.phase"
-MOST_CURVES = 9  # in one panel of an automatic figure
+MAX_CURVES = 9  # in one panel of an automatic figure
 UNSAID = "none"  # a word that adds nothing to the name of a category
 
 
 def case_rows(results: "Results") -> "pd.DataFrame":
-    """The rows of the table that are cases of the study, not the healthy twins they are compared with."""
+    """The rows of the table that are cases of the study, not the healthy baselines they are compared with."""
     table, twins = results.table(), {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
     return table[~table["job"].isin(twins)].reset_index(drop=True)
 
@@ -108,7 +108,7 @@ def arranged(results: "Results", x: str, rows: "pd.DataFrame") -> Figure:
     others = [path for path in varied(rows, list(units)) if path not in beside and not _follows(path, x, rows)]
     ordered = sorted(others, key=lambda path: len(values(rows, path)))
     curves = rows.groupby(list(others)).ngroups if others else 1
-    panels = tuple(ordered[:1]) if curves > MOST_CURVES and len(ordered) > 1 else ()
+    panels = tuple(ordered[:1]) if curves > MAX_CURVES and len(ordered) > 1 else ()
     curves_of = tuple(path for path in others if path not in panels)
     return Figure(y=default_y(results, rows), x=x, by=curves_of, panels=panels)
 
@@ -138,7 +138,7 @@ def default_phases(results: "Results") -> tuple[str, ...]:
 
 
 def with_defect_phases(results: "Results", rows: "pd.DataFrame") -> "pd.DataFrame":
-    """The rows with the phases (rad) of all lines less the healthy twin's: what the defect alone adds."""
+    """The rows with the phases (rad) of all lines less the healthy baseline's: what the defect alone adds."""
     import numpy as np
     import pandas as pd
 

@@ -129,7 +129,7 @@ def _round(job: Job, channel: str, signal: Signal) -> Curve:
 def draw_series(
     results: "Results", jobs: Sequence[str], y: Sequence[str] = (), span: float | None = None
 ) -> Canvas:
-    """Channels over time, a panel per job, its healthy twin in dark grey; ``span``: so much of them (s)."""
+    """Channels over time, a panel per job, its healthy baseline in dark grey; ``span``: so much of them (s)."""
     found = recorded.all_jobs(results, jobs)
     channels = recorded.channels_for(found, y)
     longest = max(shown_time(job, channel) for job in found.values() for channel in channels)
@@ -176,7 +176,7 @@ def draw_roller(results: "Results", jobs: Sequence[str], y: Sequence[str] = ()) 
     for name in channels:
         if roller_of(name) is None:
             raise labels.PlotError(f"`{name}` is of no roller: draw its series instead")
-    view = View(_round, "Angle of the roller (°)", str, twins=False)
+    view = View(_round, "Angle of the roller (°)", str, baselines=False)
     canvas, axes = grid(results, found, channels, view)
     for row, job in zip(axes, found.values(), strict=True):
         for ax in row:

@@ -26,7 +26,7 @@ LEAST_IN = 5.6  # holds the title and the legend
 COLUMN_IN, ROW_IN, HEAD_IN, FOOT_IN = 2.45, 0.98, 1.0, 0.95
 
 
-class Look(NamedTuple):
+class ClassStyle(NamedTuple):
     """Colour of a class, and the mark that tells it in grey print."""
 
     colour: str
@@ -34,17 +34,17 @@ class Look(NamedTuple):
     ink: str = "black"
 
 
-LOOKS: dict[str, Look] = {
-    "ok": Look("#0072B2"),
-    "inaccurate": Look("#9BD0F0"),
-    "chatter": Look("#E69F00", "$\\sim$"),
-    "blow-up": Look("#D55E00", "x", "white"),
-    "skipped": Look("#CC79A7", "o", "white"),
-    "stalled": Look("#222222", "s", "white"),
-    "refused": Look("#999999", "_"),
-    "too slow": Look("#DDDDDD", "."),
-    "within chaos": Look("#7FCDBB", "+"),
-    "no reference": Look("#FFFFFF", "$?$"),
+CLASS_STYLES: dict[str, ClassStyle] = {
+    "ok": ClassStyle("#0072B2"),
+    "inaccurate": ClassStyle("#9BD0F0"),
+    "chatter": ClassStyle("#E69F00", "$\\sim$"),
+    "blow-up": ClassStyle("#D55E00", "x", "white"),
+    "skipped": ClassStyle("#CC79A7", "o", "white"),
+    "stalled": ClassStyle("#222222", "s", "white"),
+    "refused": ClassStyle("#999999", "_"),
+    "too slow": ClassStyle("#DDDDDD", "."),
+    "within chaos": ClassStyle("#7FCDBB", "+"),
+    "no reference": ClassStyle("#FFFFFF", "$?$"),
 }
 MEANING = {
     "ok": "ok (within 1 %)",
@@ -125,7 +125,7 @@ def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
 def _panel(ax: "Axes", cells: "pd.DataFrame", axis: str, damping: list, settings: list[float]) -> None:
     column, row = {d: n for n, d in enumerate(damping)}, {s: n for n, s in enumerate(settings)}
     for cell in cells.to_dict("records"):
-        x, y, look = column[cell["m3"], cell["c"]], row[cell[axis]], LOOKS[cell["class"]]
+        x, y, look = column[cell["m3"], cell["c"]], row[cell[axis]], CLASS_STYLES[cell["class"]]
         ax.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=look.colour, edgecolor="white", lw=0.4))
         if look.mark:
             ax.plot(x, y, marker=look.mark, color=look.ink, ms=2.6, mew=0.6, ls="none")
@@ -179,7 +179,7 @@ def _power(value: float) -> str:
 def _legend(rows: "pd.DataFrame", limit: bool) -> list[Any]:
     """An entry for each class that occurs, for the limit, and for what is judged by its RMS."""
     entries: list[Any] = []
-    for name, look in LOOKS.items():
+    for name, look in CLASS_STYLES.items():
         if (rows["class"] == name).any():
             patch = Line2D([], [], marker="s", ms=9, ls="none", mfc=look.colour, mec="0.7")
             mark = Line2D([], [], marker=look.mark or "None", ms=4, ls="none", color=look.ink, mew=0.8)

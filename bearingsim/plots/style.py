@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 from matplotlib import colormaps
 
-__all__ = ["COLUMN_IN", "RC", "Look", "looks"]
+__all__ = ["COLUMN_IN", "RC", "CurveStyle", "curve_styles"]
 
 COLUMN_IN = 3.3  # width of one column of axes
 FEW = 4  # curves up to this are drawn each thinner than the one before
@@ -38,7 +38,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h")
 LINES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (3, 1, 1, 1, 1, 1)))
 
 
-class Look(NamedTuple):
+class CurveStyle(NamedTuple):
     """Colour, marker and line of a curve; hollow markers if not ``filled``.
 
     ``rank`` counts curves: later ones are thinner, so that one under another still shows.
@@ -57,7 +57,7 @@ class Look(NamedTuple):
         return {"color": self.colour, "marker": self.marker, "linestyle": self.line, **widths, **fill}
 
 
-def looks(first: int, second: int, ordered: bool) -> list[list[Look]]:
+def curve_styles(first: int, second: int, ordered: bool) -> list[list[CurveStyle]]:
     """Looks of ``first`` x ``second`` curves: colour and marker tell the first, the line the second.
 
     With a single second value the line tells the first too. ``ordered``: many first values are shades.
@@ -66,7 +66,7 @@ def looks(first: int, second: int, ordered: bool) -> list[list[Look]]:
     colours = _shades(first) if shades else [COLOURS[i % len(COLOURS)] for i in range(first)]
     return [
         [
-            Look(colours[i], MARKERS[i % len(MARKERS)], LINES[line % len(LINES)], j == 0, rank)
+            CurveStyle(colours[i], MARKERS[i % len(MARKERS)], LINES[line % len(LINES)], j == 0, rank)
             for j in range(second)
             for line, rank in [
                 (j, j + 1) if second > 1 else (0, 3) if shades else (i, min(i, 3) if first <= FEW else 3)

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from bearingsim.plots import labels, select
-from bearingsim.plots.style import COLUMN_IN, Look, looks
+from bearingsim.plots.style import COLUMN_IN, CurveStyle, curve_styles
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "axis_label",
-    "curve_looks",
     "curves_of",
     "draw",
     "finish",
@@ -31,6 +30,7 @@ __all__ = [
     "letter",
     "mark_chaotic",
     "share_scales",
+    "styles_of_curves",
     "ticks_between",
 ]
 
@@ -52,7 +52,7 @@ class Curve:
 
     first: str
     second: str
-    look: Look
+    look: CurveStyle
     rows: "pd.DataFrame"
 
 
@@ -63,7 +63,7 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
     """
     panels = list(select.splits(rows, figure.panels, units))
     order = {value: place for place, value in enumerate(select.values(rows, figure.x))}
-    styles = curve_looks(figure, rows, units)
+    styles = styles_of_curves(figure, rows, units)
     entries = legend_entries(figure, styles, rows)
     canvas, axes = _sheet(len(panels), len(figure.y), entries)
     for row, (text, part) in enumerate(panels):
@@ -108,12 +108,14 @@ def legend_width(entries: Sequence[Line2D]) -> float:
 # Curves and their looks
 
 
-def curve_looks(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> dict[tuple[str, str], Look]:
+def styles_of_curves(
+    figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]
+) -> dict[tuple[str, str], CurveStyle]:
     """The look of each combination of the first `by` path and all others, the same in every panel."""
     firsts = [text for text, _ in select.splits(rows, figure.by[:1], units)]
     seconds = list(dict.fromkeys(text for text, _ in select.splits(rows, figure.by[1:], units)))
     ordered = bool(figure.by) and select.is_numeric(select.values(rows, figure.by[0]))
-    table = looks(len(firsts), len(seconds), ordered)
+    table = curve_styles(len(firsts), len(seconds), ordered)
     return {(a, b): table[i][j] for i, a in enumerate(firsts) for j, b in enumerate(seconds)}
 
 
@@ -121,7 +123,7 @@ def curves_of(
     figure: Figure,
     rows: "pd.DataFrame",
     units: Mapping[str, str],
-    styles: Mapping[tuple[str, str], Look],
+    styles: Mapping[tuple[str, str], CurveStyle],
     order: Mapping[Any, int],
 ) -> list[Curve]:
     """The curves of one panel, their points in the given order of the values on x."""
@@ -132,7 +134,9 @@ def curves_of(
     ]
 
 
-def legend_entries(figure: Figure, styles: Mapping[tuple[str, str], Look], rows: "pd.DataFrame") -> list[Line2D]:
+def legend_entries(
+    figure: Figure, styles: Mapping[tuple[str, str], CurveStyle], rows: "pd.DataFrame"
+) -> list[Line2D]:
     """A legend that names the first `by` path by colour and marker, the others by line, and marks of failures."""
     firsts = list(dict.fromkeys(first for first, _ in styles))
     seconds = list(dict.fromkeys(second for _, second in styles))
@@ -147,7 +151,7 @@ def legend_entries(figure: Figure, styles: Mapping[tuple[str, str], Look], rows:
     return entries + [Line2D([], [], **RING, label="chaotic: one draw of many")] * bool(is_chaotic(rows).any())
 
 
-def _entry(text: str, look: Look) -> Line2D:
+def _entry(text: str, look: CurveStyle) -> Line2D:
     return Line2D([], [], label=text, **look.keywords())
 
 

@@ -11,7 +11,7 @@ __all__ = ["Cost", "pack", "shard_of"]
 
 UNIT_S = 2.0  # computing that makes the 40 ms of a file small
 SHORTEST_UNIT_S, LONGEST_UNIT_S = 0.25, 10.0
-FEWEST_UNITS, MOST_UNITS = 3, 50  # per worker: fewer leave some idle at the end, more are only more files
+MIN_UNITS, MAX_UNITS = 3, 50  # per worker: fewer leave some idle at the end, more are only more files
 UNIT_BYTES = 64e6
 
 
@@ -50,7 +50,7 @@ def pack(jobs: Sequence["Job"], costs: Sequence[Cost], workers: int) -> list[lis
 def unit_seconds(total: float, workers: int) -> float:
     """Computing time in s of a unit of a study of ``total`` s: 2, less in a short study, more in a long one."""
     share = total / workers
-    wanted = max(min(UNIT_S, share / FEWEST_UNITS), share / MOST_UNITS)
+    wanted = max(min(UNIT_S, share / MIN_UNITS), share / MAX_UNITS)
     return min(max(wanted, SHORTEST_UNIT_S), LONGEST_UNIT_S)
 
 

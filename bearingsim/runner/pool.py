@@ -14,9 +14,9 @@ from bearingsim.errors import UserError
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
 
-__all__ = ["WorkersDie", "deaf_to_interrupts", "outcomes", "spread"]
+__all__ = ["WorkersDie", "ignore_sigint", "outcomes", "spread"]
 
-BARREN_RESTARTS = 3
+RESTARTS_WITHOUT_PROGRESS = 3
 
 
 class WorkersDie(UserError):
@@ -46,7 +46,7 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
             waiting = [work for work in waiting if work.unit not in returned]
             suspects = take_suspects(waiting[0].root, [work.unit for work in waiting])
             barren = 0 if returned or suspects else barren + 1
-            if barren == BARREN_RESTARTS:
+            if barren == RESTARTS_WITHOUT_PROGRESS:
                 raise WorkersDie(f"worker processes die as they start ({_exit_codes(death)})") from death
             log(waiting[0].root, "worker died", exit=_exit_codes(death), suspects=sorted(suspects))
         yield from (_alone(work.only([job]), workers) for work in waiting for job in _ids(work) & suspects)
@@ -69,7 +69,7 @@ def spread(function: Callable, arguments: Sequence[tuple], workers: int) -> Gene
 
     with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=(os.getpid(),)):
         pool = Parallel(n_jobs=workers, return_as="generator_unordered", batch_size=1, max_nbytes=None)
-    with deaf_to_interrupts():
+    with ignore_sigint():
         results = pool(delayed(function)(*given) for given in arguments)
     try:
         yield from results
@@ -80,7 +80,7 @@ def spread(function: Callable, arguments: Sequence[tuple], workers: int) -> Gene
 
 
 @contextmanager
-def deaf_to_interrupts() -> Iterator[None]:
+def ignore_sigint() -> Iterator[None]:
     """Ignore Ctrl-C while workers start: they inherit it, and leave interrupting to this process from birth."""
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -13,8 +13,8 @@ PADDING = 4  # samples of the spectrum to a bin, at least
 REACH = 6.0  # bins beyond the window within which lines are resolved together
 ONE = 1.5  # bins within which there is one line
 SHOULDER = 3.0, 0.05  # bins within which what is left of a line may be this share of it
-WEAKEST = 1e-3  # of the strongest nearby
-MOST = 12  # lines resolved together
+MIN_LINE = 1e-3  # of the strongest nearby
+MAX_LINES = 12  # lines resolved together
 BENT = 0.23  # power of Hann's main lobe that is nearest a parabola
 
 
@@ -132,9 +132,9 @@ def _resolved(bins: np.ndarray, values: np.ndarray, floor: float) -> tuple[np.nd
     """
     places, lines, left = np.zeros(0), np.zeros(0, dtype=complex), values
     open_bins = np.ones(len(bins))
-    for _ in range(MOST):
+    for _ in range(MAX_LINES):
         strongest = int(np.argmax(np.abs(left) * open_bins))
-        if abs(left[strongest]) * open_bins[strongest] <= max(floor, WEAKEST * np.abs(lines).max(initial=0.0)):
+        if abs(left[strongest]) * open_bins[strongest] <= max(floor, MIN_LINE * np.abs(lines).max(initial=0.0)):
             break
         refined = _refined(bins, values, np.append(places, bins[strongest]))
         if np.diff(np.sort(refined[0])).min(initial=ONE) < ONE:
@@ -181,5 +181,5 @@ def _stand(places: np.ndarray, amplitudes: np.ndarray, floor: float) -> np.ndarr
     stronger = amplitudes > amplitudes[:, np.newaxis]
     part = stronger & (apart < ONE)
     shoulder = (apart < SHOULDER[0]) & (amplitudes * SHOULDER[1] > amplitudes[:, np.newaxis])
-    enough = amplitudes >= max(floor, WEAKEST * amplitudes.max(initial=0.0))
+    enough = amplitudes >= max(floor, MIN_LINE * amplitudes.max(initial=0.0))
     return enough & ~np.any(part | shoulder, axis=1)

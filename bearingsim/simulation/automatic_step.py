@@ -7,7 +7,7 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.simulation.limits import LONGEST, Limits
 
-SHOWN_PER_CROSSING, SHOWN_PER_PERIOD = 40, 10
+RECORDED_PER_CROSSING, RECORDED_PER_PERIOD = 40, 10
 """Recorded instants of an adaptive method over a pit, and in a period of contacts that ring."""
 
 
@@ -18,8 +18,8 @@ def automatic_step(case: Case, found: Limits) -> float:
     """
     model, method = assemble.kind(case), assemble.method_kind(case)
     if assemble.adaptive(case):
-        rings = 1.0 / found.contact_frequency / SHOWN_PER_PERIOD if found.damping_ratio < 1.0 else inf
-        return min(found.crossing / SHOWN_PER_CROSSING, rings, LONGEST)
+        rings = 1.0 / found.contact_frequency / RECORDED_PER_PERIOD if found.damping_ratio < 1.0 else inf
+        return min(found.crossing / RECORDED_PER_CROSSING, rings, LONGEST)
     seen = min(found.crossing / model.per_crossing, LONGEST)
     if MODELS[case.model].memoryless:
         return seen

@@ -6,81 +6,50 @@ import numpy as np
 
 from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import roller_of
-from bearingsim.core.advance import RING
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import RING_MOTION
 from bearingsim.core.geometry.motion import speed_factor
 from bearingsim.core.geometry.slices import WEIGHT
-from bearingsim.core.layout import (
-    AXIAL,
-    LEAN_X,
-    LEAN_X_C,
-    LEAN_X_I,
-    LEAN_Y,
-    LEAN_Y_C,
-    LEAN_Y_I,
-    LOAD_I,
-    LOAD_O,
-    LOADED,
-    PHI_C,
-    POSITION,
-    PSI,
-    Q_F,
-    Q_I,
-    Q_O,
-    Q_P,
-    SKEW,
-    SLIP_I,
-    SLIP_O,
-    SPIN_V,
-    TILT,
-    VELOCITY,
-    X_C,
-    X_I,
-    Y_C,
-    Y_I,
-    Z_C,
-    Z_I,
-    Q,
-    Z,
-    slice_row,
-)
 
 MOTION = ("displacement", "velocity", "acceleration")
-TURN_OF_CAGE, SPEED_OF_CAGE = POSITION + PHI_C, VELOCITY + PHI_C
+CAGE_ANGLE, CAGE_SPEED = lay.POSITION + lay.PHI_C, lay.VELOCITY + lay.PHI_C
 PLACES = {
-    **dict(zip((name for quantity in MOTION for name in dataset_names(f"ring.{quantity}")), RING, strict=True)),
-    "ring.rotation": POSITION + PSI,
-    "cage.speed": SPEED_OF_CAGE,
-    "cage.slip": SPEED_OF_CAGE,
-    "cage.position.x": POSITION + X_C,
-    "cage.position.y": POSITION + Y_C,
-    "inner.displacement.x": POSITION + X_I,
-    "inner.displacement.y": POSITION + Y_I,
-    "ring.axial": POSITION + Z,
-    "ring.lean.x": POSITION + LEAN_X,
-    "ring.lean.y": POSITION + LEAN_Y,
-    "inner.axial": POSITION + Z_I,
-    "inner.lean.x": POSITION + LEAN_X_I,
-    "inner.lean.y": POSITION + LEAN_Y_I,
-    "cage.axial": POSITION + Z_C,
-    "cage.lean.x": POSITION + LEAN_X_C,
-    "cage.lean.y": POSITION + LEAN_Y_C,
-    "load_zone.rollers": LOADED,
+    **dict(
+        zip((name for quantity in MOTION for name in dataset_names(f"ring.{quantity}")), RING_MOTION, strict=True)
+    ),
+    "ring.rotation": lay.POSITION + lay.PSI,
+    "cage.speed": CAGE_SPEED,
+    "cage.slip": CAGE_SPEED,
+    "cage.position.x": lay.POSITION + lay.X_C,
+    "cage.position.y": lay.POSITION + lay.Y_C,
+    "inner.displacement.x": lay.POSITION + lay.X_I,
+    "inner.displacement.y": lay.POSITION + lay.Y_I,
+    "ring.axial": lay.POSITION + lay.Z,
+    "ring.lean.x": lay.POSITION + lay.RING_TILT_X,
+    "ring.lean.y": lay.POSITION + lay.RING_TILT_Y,
+    "inner.axial": lay.POSITION + lay.Z_I,
+    "inner.lean.x": lay.POSITION + lay.INNER_TILT_X,
+    "inner.lean.y": lay.POSITION + lay.INNER_TILT_Y,
+    "cage.axial": lay.POSITION + lay.Z_C,
+    "cage.lean.x": lay.POSITION + lay.CAGE_TILT_X,
+    "cage.lean.y": lay.POSITION + lay.CAGE_TILT_Y,
+    "load_zone.rollers": lay.LOADED_ROLLERS,
 }
 OF_ROLLER = {
-    "radial": Q,
-    "outer_force": Q_O,
-    "inner_force": Q_I,
-    "outer_slip": SLIP_O,
-    "inner_slip": SLIP_I,
-    "cage_force": Q_P,
-    "spin": SPIN_V,
-    "tilt": TILT,
-    "skew": SKEW,
-    "axial": AXIAL,
-    "flange_force": Q_F,
+    "radial": lay.RADIAL,
+    "outer_force": lay.Q_O,
+    "inner_force": lay.Q_I,
+    "outer_slip": lay.SLIP_O,
+    "inner_slip": lay.SLIP_I,
+    "cage_force": lay.Q_P,
+    "spin": lay.SPIN_V,
+    "tilt": lay.TILT,
+    "skew": lay.SKEW,
+    "axial": lay.AXIAL,
+    "flange_force": lay.Q_F,
 }
-OF_SLICE = {"outer_line_load": LOAD_O, "inner_line_load": LOAD_I}
-BASE = (*RING, LOADED, TURN_OF_CAGE, SPEED_OF_CAGE)
+OF_SLICE = {"outer_line_load": lay.LOAD_O, "inner_line_load": lay.LOAD_I}
+BASE = (*RING_MOTION, lay.LOADED_ROLLERS, CAGE_ANGLE, CAGE_SPEED)
 """What features are computed from, whether it is recorded or not: the first rows of every recording."""
 
 
@@ -91,7 +60,7 @@ def place(name: str) -> int:
         return PLACES[name]
     roller, quantity = found
     kind, _, number = quantity.partition(".")
-    row = slice_row(int(number) - 1, OF_SLICE[kind]) if number else OF_ROLLER[kind]
+    row = lay.slice_row(int(number) - 1, OF_SLICE[kind]) if number else OF_ROLLER[kind]
     return row + roller - 1
 
 

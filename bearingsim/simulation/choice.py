@@ -12,9 +12,9 @@ from bearingsim.simulation.automatic_step import automatic_step
 from bearingsim.simulation.limits import Limits, step_limits
 from bearingsim.simulation.prices import per_second
 
-SHORTENED = (1.0, 0.5, 0.25, 0.125)
+STEP_PARTS = (1.0, 0.5, 0.25, 0.125)
 """Parts of an automatic step that are tried in turn; with half of it goes a tenth of the tolerance."""
-FAVOUR = 3.0  # what an implicit method must save: an explicit one's price is certain, its own an estimate
+MIN_SAVING = 3.0  # what an implicit method must save: an explicit one's price is certain, its own an estimate
 
 
 class Choice(NamedTuple):
@@ -35,7 +35,7 @@ class Attempt(NamedTuple):
 def resolved(case: Case) -> Case:
     """The case with a method instead of `auto`."""
     found = choice(case).method
-    return case if found == case.method else using(case, found)
+    return case if found == case.method else with_method(case, found)
 
 
 def limits(case: Case) -> Limits:
@@ -43,7 +43,7 @@ def limits(case: Case) -> Limits:
     return step_limits(resolved(case))
 
 
-def using(case: Case, method: str | None) -> Case:
+def with_method(case: Case, method: str | None) -> Case:
     """The case with a method of that name."""
     return case.model_copy(update={"method": method})
 
@@ -51,19 +51,19 @@ def using(case: Case, method: str | None) -> Case:
 def attempts(case: Case) -> Iterator[Attempt]:
     """What to try in turn until a run proves right: shorter automatic steps, then (with `auto`) other methods."""
     first = resolved(case)
-    parts = SHORTENED if case.automatic and case.tolerance == "auto" else (1.0,)
+    parts = STEP_PARTS if case.automatic and case.tolerance == "auto" else (1.0,)
     for part in parts:
         yield Attempt(first, part)
     if case.method == AUTO and case.automatic:
         for name in alternatives(first):
-            yield from (Attempt(using(case, name), part) for part in parts)
+            yield from (Attempt(with_method(case, name), part) for part in parts)
 
 
 def alternatives(case: Case) -> list[str]:
     """Other methods of the automatic set that can step the case, the cheapest first; none if it has no method."""
     if case.method is None:
         return []
-    return [name for name in choice(using(case, AUTO)).prices if name != case.method]
+    return [name for name in choice(with_method(case, AUTO)).prices if name != case.method]
 
 
 @lru_cache(maxsize=1024)
@@ -75,19 +75,21 @@ def choice(case: Case) -> Choice:
     _refuse_incomplete(case)
     if case.method != AUTO:
         return Choice(case.method, "the case says so" if case.method else f"{case.model} has no method", {})
-    able = [name for name in METHODS if METHODS[name].automatic and can(case, name)]
+    able = [name for name in METHODS if METHODS[name].automatic and can_step(case, name)]
     if case.tolerance != "auto":  # only those that keep one
         able = [name for name in able if METHODS[name].adaptive]
-    prices = dict(sorted(((name, _integration(using(case, name))) for name in able), key=lambda pair: pair[1]))
-    found = step_limits(using(case, EXPLICIT))
+    prices = dict(
+        sorted(((name, _integration_cost(with_method(case, name))) for name in able), key=lambda pair: pair[1])
+    )
+    found = step_limits(with_method(case, EXPLICIT))
     if EXPLICIT not in prices:
         return Choice(next(iter(prices)), "the cheapest of those that keep a tolerance", prices)
     implicit = [name for name in prices if METHODS[name].implicit]
-    chosen = implicit[0] if implicit and FAVOUR * prices[implicit[0]] < prices[EXPLICIT] else EXPLICIT
+    chosen = implicit[0] if implicit and MIN_SAVING * prices[implicit[0]] < prices[EXPLICIT] else EXPLICIT
     return Choice(chosen, _reason(chosen, prices, found), prices)
 
 
-def can(case: Case, name: str) -> bool:
+def can_step(case: Case, name: str) -> bool:
     """Whether a method can step the case's model: an implicit one needs its derivatives."""
     return not METHODS[name].implicit or not any(missing(case, implicit=True))
 
@@ -109,6 +111,6 @@ def _reason(chosen: str, prices: dict[str, float], found: Limits) -> str:
     return f"explicit steps are limited to {1e6 * found.at_impact:.2g} us: about {saved:.0f} times the CPU time"
 
 
-def _integration(case: Case) -> float:
+def _integration_cost(case: Case) -> float:
     """CPU time (s) of all steps of a case whose method is named, at the automatic step."""
     return (case.settle + case.duration) * per_second(case, automatic_step(case, step_limits(case)))

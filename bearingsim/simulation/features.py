@@ -10,12 +10,12 @@ from bearingsim import signals
 from bearingsim.catalogue import FEATURES, MODELS, code
 from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
-from bearingsim.core.geometry.motion import elapsed_times, speed_factor
-from bearingsim.core.layout import LINE_MAX, LOADED, Q_I_MAX, Q_MAX, Q_P_MAX, TILT_MAX
-from bearingsim.simulation.channels import BASE, MOTION, PLACES, SPEED_OF_CAGE, TURN_OF_CAGE
+from bearingsim.core import layout as lay
+from bearingsim.core.geometry.motion import kinematic_times, speed_factor
+from bearingsim.simulation.channels import BASE, CAGE_ANGLE, CAGE_SPEED, MOTION, PLACES
 from bearingsim.simulation.time_grid import Grid
 
-FEWEST_PASSES = 3
+MIN_PASSES = 3
 """Ball passes that a record must hold for lines to be read against a free cage: interpolation takes its ends."""
 
 EXTREMES = ("outer_force.max", "inner_force.max", "cage_force.max", "tilt.max", "line_load.max")
@@ -25,7 +25,7 @@ OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
 
 
 @dataclass(frozen=True)
-class Tape:
+class RawRecord:
     """What the integrator leaves behind, before it is sampled.
 
     places: (C,) of the buffer, recorded; fine: (C, n) fine samples of them, number 0 (t = 0) in column ``zero``;
@@ -40,7 +40,7 @@ class Tape:
     integrator_cpu_s: float
 
 
-class Turns(NamedTuple):
+class SampleAngles(NamedTuple):
     """Angles (n,) in rad at fine samples: of the first roller, the inner ring, and a roller's roll in the cage."""
 
     cage: np.ndarray
@@ -58,7 +58,7 @@ class Turns(NamedTuple):
         )
 
 
-def features(case: Case, model: Any, cut: Grid, tape: Tape, sampled: np.ndarray) -> dict[str, float]:
+def features(case: Case, model: Any, cut: Grid, tape: RawRecord, sampled: np.ndarray) -> dict[str, float]:
     """Every feature of a run; ``sampled``: (C, n) the record."""
     return {
         **ball_pass_lines(case, model, cut, tape),
@@ -90,24 +90,26 @@ def first_sample(case: Case, cut: Grid) -> int:
     return ceil(case.settle * cut.fine_rate - 1e-6)
 
 
-def turns(model: Any, cut: Grid, start: int, slip: np.ndarray) -> Turns:
+def sample_angles(model: Any, cut: Grid, start: int, slip: np.ndarray) -> SampleAngles:
     """Angles at fine samples from number ``start`` on; ``slip``: (n,) the cage's turn beyond its kinematic one."""
     b = model.bearing
-    t = elapsed_times(model, (start + np.arange(len(slip))) / cut.fine_rate)
-    return Turns(b.theta_0 + b.omega_c * t + slip, b.omega_i * t, b.omega_b * t + b.omega_b / b.omega_c * slip)
+    t = kinematic_times(model, (start + np.arange(len(slip))) / cut.fine_rate)
+    return SampleAngles(
+        b.theta_0 + b.omega_c * t + slip, b.omega_i * t, b.omega_b * t + b.omega_b / b.omega_c * slip
+    )
 
 
-def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
+def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: RawRecord) -> dict[str, float]:
     """Amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
     M, start, Z = cut.fine_per_pass, first_sample(case, cut), case.bearing.rollers
     length = whole_passes(case, cut) * M + 1
     whole = tape.fine[: len(BASE), start + tape.zero : start + tape.zero + length]
     angle = Z * model.bearing.theta_0
-    slip = whole[ROW_OF[TURN_OF_CAGE]]
+    slip = whole[ROW_OF[CAGE_ANGLE]]
     rate: Any = cut.rate
     if MODELS[case.model].slips:  # its passes take what time they take
-        ball_pass = Z * turns(model, cut, start, slip).cage - angle
-        if ball_pass[-1] - ball_pass[0] < 2.0 * pi * FEWEST_PASSES or np.any(np.diff(ball_pass) <= 0.0):
+        ball_pass = Z * sample_angles(model, cut, start, slip).cage - angle
+        if ball_pass[-1] - ball_pass[0] < 2.0 * pi * MIN_PASSES or np.any(np.diff(ball_pass) <= 0.0):
             return dict.fromkeys(_ball_pass_names(), float("nan"))
         M *= ceil(2.0 * pi / (M * np.diff(ball_pass).min()))  # the longest pass keeps all its samples
         time, (whole, first) = np.arange(length) / cut.fine_rate, signals.at_equal_angles(whole, ball_pass, M)
@@ -135,12 +137,12 @@ def _ball_pass_names() -> list[str]:
     return [f"{line}{ending}" for line in lines for ending in ("", ".phase", "-scatter")]
 
 
-def other_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
+def other_lines(case: Case, model: Any, cut: Grid, tape: RawRecord) -> dict[str, float]:
     """Amplitude and phase of lines whose periods do not divide the record; nan where it is too short to tell."""
     start = first_sample(case, cut)
     length = max(2, floor(case.duration * cut.fine_rate + 1e-6))
     fine = tape.fine[: len(BASE), start + tape.zero : start + tape.zero + length]
-    turning = turns(model, cut, start, fine[ROW_OF[TURN_OF_CAGE]])
+    turning = sample_angles(model, cut, start, fine[ROW_OF[CAGE_ANGLE]])
     angles = {name: turning.along(line, case.bearing.rollers) for name, line in LINES.items()}
     frequencies = [(angle[-1] - angle[0]) / (2.0 * pi * (length - 1)) * cut.fine_rate for angle in angles.values()]
     told = dict(zip(LINES, signals.resolvable(np.array(frequencies), case.duration), strict=True))
@@ -169,9 +171,9 @@ def statistics(case: Case, cut: Grid, sampled: np.ndarray) -> dict[str, float]:
 
 def extremes(case: Case, model: Any, y: np.ndarray) -> dict[str, float]:
     """Largest force (N), tilt (rad), line load (N/m) that any roller met; nan for what the model does not know."""
-    rows = {"outer_force.max": Q_MAX, "inner_force.max": Q_I_MAX} if MODELS[case.model].loaded else {}
-    rows |= {"cage_force.max": Q_P_MAX} if MODELS[case.model].slips else {}
-    rows |= {"tilt.max": TILT_MAX, "line_load.max": LINE_MAX} if MODELS[case.model].sliced else {}
+    rows = {"outer_force.max": lay.Q_O_MAX, "inner_force.max": lay.Q_I_MAX} if MODELS[case.model].loaded else {}
+    rows |= {"cage_force.max": lay.Q_P_MAX} if MODELS[case.model].slips else {}
+    rows |= {"tilt.max": lay.TILT_MAX, "line_load.max": lay.LINE_LOAD_MAX} if MODELS[case.model].sliced else {}
     found = {name: float(y[row : row + model.bearing.Z].max()) for name, row in rows.items()}
     return dict.fromkeys(EXTREMES, float("nan")) | found
 
@@ -179,8 +181,8 @@ def extremes(case: Case, model: Any, y: np.ndarray) -> dict[str, float]:
 def cage_and_load_zone(case: Case, model: Any, sampled: np.ndarray) -> dict[str, float]:
     """Mean extent of the load zone (rad), and the cage's slip; nan for what the model does not know."""
     time = case.settle + np.arange(sampled.shape[1]) / case.sampling
-    slip = -sampled[ROW_OF[SPEED_OF_CAGE]] / (model.bearing.omega_c * speed_factor(model, time))
-    extent = float(sampled[ROW_OF[LOADED]].mean()) * 2.0 * pi / model.bearing.Z
+    slip = -sampled[ROW_OF[CAGE_SPEED]] / (model.bearing.omega_c * speed_factor(model, time))
+    extent = float(sampled[ROW_OF[lay.LOADED_ROLLERS]].mean()) * 2.0 * pi / model.bearing.Z
     known = MODELS[case.model]
     return {
         "load_zone.extent": extent if known.loaded else float("nan"),

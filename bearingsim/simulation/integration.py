@@ -1,6 +1,6 @@
 """A case stepped through time: from its setup to the tape that features and series are read from.
 
-Every run is watched (``core/advance.py``): what it gives up, and why, is an ``Unsound``.
+Every run is monitored (``core/advance.py``): what it gives up, and why, is a ``MethodFailure``.
 """
 
 import time
@@ -15,17 +15,17 @@ from bearingsim import assemble
 from bearingsim.catalogue import MODELS, lowest
 from bearingsim.config import Case
 from bearingsim.config.rules import hierarchy
+from bearingsim.core import layout as lay
 from bearingsim.core import outcomes
-from bearingsim.core.advance import Watch, advance, ready, start_at_rest
-from bearingsim.core.layout import LINE_MAX, MAX_ROLLERS, POSITION, Q_I_MAX, Q_MAX, Q_P_MAX, TILT_MAX, X
+from bearingsim.core.advance import Monitor, advance, ready, start_at_rest
 from bearingsim.core.methods.interface import prepare
-from bearingsim.core.models.interface import keep_extremes, watched
-from bearingsim.core.pits.crossings import missed, turned
+from bearingsim.core.models.interface import monitored, update_extremes
+from bearingsim.core.pits.crossings import missed_crossings, passages
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH, decimate, decimation_kernel, pick
 from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.channels import BASE
-from bearingsim.simulation.features import Tape
-from bearingsim.simulation.limits import MOVED, PRESSED, Limits
+from bearingsim.simulation.features import RawRecord
+from bearingsim.simulation.limits import APPROACH_MARGIN, ENERGY_MARGIN, Limits
 
 
 class SimulationError(Exception):
@@ -39,15 +39,15 @@ class SimulationError(Exception):
         return SimulationError, (self.reason, self.advice, self.time)
 
 
-class Unsound(SimulationError):
+class MethodFailure(SimulationError):
     """The method or its step was not up to what happened: another (``instead``, in words) may be."""
 
     def __init__(self, reason: str, advice: str, time: float | None = None, instead: str = "") -> None:
         super().__init__(reason, advice + instead, time)
-        self.of_this_method = advice
+        self.method_advice = advice
 
 
-class TooSlow(Unsound):
+class TooSlow(MethodFailure):
     """The method would take too much CPU time: a shorter step of it would take more."""
 
 
@@ -63,7 +63,7 @@ class TooChaotic(SimulationError):
 class Setup:
     """A case ready to be stepped: method named, cut in time, with the core's parameters and what it must keep to.
 
-    part: of the automatic step; most_cpu: seconds of CPU time that its steps may take, if they are automatic.
+    part: of the automatic step; max_cpu: seconds of CPU time that its steps may take, if they are automatic.
     """
 
     case: Case
@@ -72,18 +72,18 @@ class Setup:
     limits: Limits
     model: Any
     method: Any
-    watch: Watch
-    most_cpu: float
+    monitor: Monitor
+    max_cpu: float
 
 
-def set_up(case: Case, part: float = 1.0, most_cpu: float | None = None) -> Setup:
-    """Ready a case whose method is named; it may take ``most_cpu`` (s). Raises ``Refused``."""
-    cut, found = time_grid.grid(case, part, most_cpu or 0.0), choice.limits(case)
+def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup:
+    """Ready a case whose method is named; it may take ``max_cpu`` (s). Raises ``Refused``."""
+    cut, found = time_grid.grid(case, part, max_cpu or 0.0), choice.limits(case)
     kind = assemble.method_kind(case)
     lag = kind.lag * cut.step
-    model = assemble.relaxed(assemble.model(case), lag)
+    model = assemble.with_friction_lag(assemble.model(case), lag)
     if not assemble.adaptive(case):
-        model = assemble.in_step(model, cut.steps_per_pass, kind.cusp)
+        model = assemble.aligned_with_cusp(model, cut.steps_per_pass, kind.cusp)
     return Setup(
         case,
         part,
@@ -91,19 +91,19 @@ def set_up(case: Case, part: float = 1.0, most_cpu: float | None = None) -> Setu
         found,
         model,
         assemble.method(case, cut.step, part),
-        watch_of(cut, found),
-        most_cpu or time_grid.MOST_CPU,
+        monitor_of(cut, found),
+        max_cpu or time_grid.MAX_CPU,
     )
 
 
-def watch_of(cut: time_grid.Grid, found: Limits) -> Watch:
+def monitor_of(cut: time_grid.Grid, found: Limits) -> Monitor:
     """Look twice within an impact (half a period of the roller between its contacts), and as a pit is crossed."""
     patience = 0.5 / found.contact_frequency if found.contact_frequency > 0.0 else 1.0
     stride = int(min(patience, found.crossing / 2.0) / (2.0 * cut.step))
-    return Watch(min(32, max(1, stride)), patience, found.deepest, found.liveliest, MOST_WORK)
+    return Monitor(min(32, max(1, stride)), patience, found.approach_bound, found.energy_bound, MAX_EVALUATIONS)
 
 
-def integrate(setup: Setup, nudge: float = 0.0) -> Tape:
+def integrate(setup: Setup, nudge: float = 0.0) -> RawRecord:
     """Step through all ball passes, keeping fine samples (and raw picks where the case wants them).
 
     nudge: share of its displacement by which the ring is moved at the start.
@@ -123,7 +123,7 @@ def integrate(setup: Setup, nudge: float = 0.0) -> Tape:
     zero = lead + DECIMATION_REACH - 1
     if MODELS[case.model].memoryless:  # never at rest: it repeats itself before t = 0 too
         fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % M]
-    return Tape(places, fine, zero, picked, y, clock[0])
+    return RawRecord(places, fine, zero, picked, y, clock[0])
 
 
 def _start(setup: Setup, nudge: float) -> np.ndarray:
@@ -135,9 +135,9 @@ def _start(setup: Setup, nudge: float) -> np.ndarray:
             f"no static equilibrium at the start: {residual:.3g} N left", "check load and clearance"
         )
     if nudge != 0.0:
-        y[POSITION + X] *= 1.0 + nudge
+        y[lay.POSITION + lay.X] *= 1.0 + nudge
         start_at_rest(model, 0.0, y)
-    keep_extremes(model, y)
+    update_extremes(model, y)
     if type(setup.method) in prepare.types:
         ready(setup.method, model, 0.0, y)
     return y
@@ -150,22 +150,27 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
     CPU seconds spent in the integrator.
     """
     case, cut, model = setup.case, setup.cut, setup.model
-    counted, before = _passes_of_record(case, cut), _turns_of_pits(setup, 0.0, y)
+    counted, before = _passes_of_record(case, cut), _pit_passages(setup, 0.0, y)
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
-    rows = (Q_MAX, Q_I_MAX, Q_P_MAX, *((TILT_MAX, LINE_MAX) if MODELS[case.model].sliced else ()))
-    largest = np.concatenate([np.arange(row, row + MAX_ROLLERS) for row in rows])
+    rows = (
+        lay.Q_O_MAX,
+        lay.Q_I_MAX,
+        lay.Q_P_MAX,
+        *((lay.TILT_MAX, lay.LINE_LOAD_MAX) if MODELS[case.model].sliced else ()),
+    )
+    largest = np.concatenate([np.arange(row, row + lay.MAX_ROLLERS) for row in rows])
     kept = y[largest]
     window = np.empty((len(places), tail + steps))
     window[:] = y[places][:, np.newaxis]
-    _load(setup, y, places)
+    _warm_up(setup, y, places)
     if MODELS[case.model].memoryless:  # it was never at rest: what was before t = 0 is known
-        advance(setup.method, model, setup.watch, -tail, y, places, window[:, steps:])
+        advance(setup.method, model, setup.monitor, -tail, y, places, window[:, steps:])
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
-        if p == 0 or not time_grid.repeats(case):
+        if p == 0 or not time_grid.is_periodic(case):
             if p == counted.start:
                 y[largest] = 0.0
-            _take(setup, p * steps, y, places, window[:, tail:], clock)
+            _record_steps(setup, p * steps, y, places, window[:, tail:], clock)
         if assemble.adaptive(case):
             differentiate(window, tail, cut.step)
         if p == counted.stop - 1:
@@ -173,24 +178,24 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
         yield window
     y[largest] = kept
     end = cut.passes * steps * cut.step
-    if not np.isfinite(_turns_of_pits(setup, end, y)).all():  # since the watch has looked last
-        raise stopped(setup, outcomes.NOT_FINITE, outcomes.NOBODY, end)
-    unseen = missed(model, end, before, y) if before else 0
+    if not np.isfinite(_pit_passages(setup, end, y)).all():  # since the monitor has looked last
+        raise stopped(setup, outcomes.NOT_FINITE, outcomes.NO_BODY, end)
+    unseen = missed_crossings(model, end, before, y) if before else 0
     if unseen > 0:
         raise stopped(setup, outcomes.SKIPPED, unseen, end)
 
 
-def _load(setup: Setup, y: np.ndarray, places: np.ndarray) -> None:
+def _warm_up(setup: Setup, y: np.ndarray, places: np.ndarray) -> None:
     """Compile or load what takes steps, before the clock runs: a step that is thrown away."""
     part = np.empty((len(places), 2))[:, :1]  # laid out as parts of a recording: another layout is other code
-    advance(setup.method, setup.model, setup.watch, 0, y.copy(), places, part)
+    advance(setup.method, setup.model, setup.monitor, 0, y.copy(), places, part)
 
 
-UNSEEN = 4000  # steps, or recorded instants of an adaptive method, between two looks at the clock
-MOST_WORK = 1e5  # evaluations of the model after which it is looked at earlier, once an instant is recorded
+STEPS_PER_CALL = 4000  # steps, or recorded instants of an adaptive method, between two looks at the clock
+MAX_EVALUATIONS = 1e5  # evaluations of the model after which it is looked at earlier, once an instant is recorded
 
 
-def _take(
+def _record_steps(
     setup: Setup, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray, clock: list[float]
 ) -> None:
     """Take and record all steps of ``out`` from number ``start``, a while at a time; raises if it must stop."""
@@ -198,17 +203,17 @@ def _take(
     while n < out.shape[1]:
         began = time.thread_time()
         taken, outcome, body = advance(
-            setup.method, setup.model, setup.watch, start + n, y, places, out[:, n : n + UNSEEN]
+            setup.method, setup.model, setup.monitor, start + n, y, places, out[:, n : n + STEPS_PER_CALL]
         )
         n += taken
         clock[0] += time.thread_time() - began
-        if outcome == outcomes.FINE and clock[0] > setup.most_cpu and setup.case.step == "auto":
+        if outcome == outcomes.SUCCESS and clock[0] > setup.max_cpu and setup.case.step == "auto":
             outcome = outcomes.TOO_SLOW
-        if outcome != outcomes.FINE:
+        if outcome != outcomes.SUCCESS:
             raise stopped(setup, outcome, body, (start + n) * setup.cut.step)
 
 
-RING_AT, RING_MOVES, RING_IS_PUSHED = slice(0, 2), slice(2, 4), slice(4, 6)  # rows of BASE
+RING_POSITION, RING_VELOCITY, RING_ACCELERATION = slice(0, 2), slice(2, 4), slice(4, 6)  # rows of BASE
 
 
 def differentiate(window: np.ndarray, first: int, h: float) -> None:
@@ -220,20 +225,22 @@ def differentiate(window: np.ndarray, first: int, h: float) -> None:
     have a wrong mean; differences of places (of fourth order) add up to the way gone. The last two columns, whose
     next are not known yet, are written anew by the next pass.
     """
-    place = window[RING_AT, first - 4 :]
+    place = window[RING_POSITION, first - 4 :]
     two_before, before, here, after, two_after = (place[:, k : k - 4 or None] for k in range(5))
-    velocity, push = window[RING_MOVES], window[RING_IS_PUSHED]
+    velocity, push = window[RING_VELOCITY], window[RING_ACCELERATION]
     velocity[:, first - 2 : -2] = (8.0 * (after - before) - (two_after - two_before)) / (12.0 * h)
     push[:, first - 2 : -2] = (16.0 * (after + before) - 30.0 * here - (two_after + two_before)) / (12.0 * h**2)
     velocity[:, -2:] = np.diff(place[:, -3:]) / h
     push[:, -2:] = push[:, -3:-2]
 
 
-def _turns_of_pits(setup: Setup, t: float, y: np.ndarray) -> list[float]:
-    """How far each meeting has turned at time ``t`` (s); none of a model without any, or that repeats itself."""
+def _pit_passages(setup: Setup, t: float, y: np.ndarray) -> list[float]:
+    """How far each roller-pit pair has turned at time ``t`` (s); none of a model without any, or that repeats
+    itself.
+    """
     if not MODELS[setup.case.model].loaded or MODELS[setup.case.model].memoryless:
         return []
-    return [turned(setup.model, d, t, y) for d in range(len(setup.model.pits.head))]
+    return [passages(setup.model, d, t, y) for d in range(len(setup.model.pits.head))]
 
 
 def _passes_of_record(case: Case, cut: time_grid.Grid) -> range:
@@ -243,42 +250,44 @@ def _passes_of_record(case: Case, cut: time_grid.Grid) -> range:
 
 
 WHY = {
-    outcomes.OUTRUN: "{body} stayed over the step limit for longer than an impact",
+    outcomes.STEP_LIMIT_EXCEEDED: "{body} stayed over the step limit for longer than an impact",
     outcomes.NOT_FINITE: "the ring's motion is no longer finite",
-    outcomes.TOO_DEEP: "{body} is pressed over {deepest:.3g} um into a race, {PRESSED:.0f} times what load,"
-    " closing speed and pits explain",
-    outcomes.TOO_LIVELY: "ring and rollers move with over {liveliest:.3g} J, {MOVED:.0f} times what load, closing"
-    " speed and pits explain",
-    outcomes.STEP_FLOOR: "the step that {method} wants is too short to go on",
-    outcomes.NEWTON_STALLED: "no solution of {method}'s step was found for {body}",
-    outcomes.STALLED: "{method} takes too many steps of its own between two recorded instants",
+    outcomes.TOO_DEEP: "{body} is pressed over {approach_bound:.3g} um into a race, {APPROACH_MARGIN:.0f} times"
+    " what load, closing speed and pits explain",
+    outcomes.TOO_MUCH_ENERGY: "ring and rollers move with over {energy_bound:.3g} J, {ENERGY_MARGIN:.0f} times"
+    " what load, closing speed and pits explain",
+    outcomes.STEP_TOO_SMALL: "the step that {method} wants is too short to go on",
+    outcomes.NEWTON_FAILED: "no solution of {method}'s step was found for {body}",
+    outcomes.TOO_MANY_STEPS: "{method} takes too many steps of its own between two recorded instants",
     outcomes.SKIPPED: "{count} crossings of pits were stepped over",
     outcomes.TOO_SLOW: "{method} has taken {hours:.2g} h of CPU time",
 }
 """Why a run was stopped, by its outcome."""
 
 
-def stopped(setup: Setup, outcome: int, body: int, t: float) -> Unsound:
-    """Why the watch stopped a run at ``t`` (s), and what would do; ``body``: which one, or how many crossings."""
+def stopped(setup: Setup, outcome: int, body: int, t: float) -> MethodFailure:
+    """Why the monitor stopped a run at ``t`` (s), and what would do; ``body``: which one, or how many
+    crossings.
+    """
     told = WHY[outcome].format(
         body=name_of(setup.model, body),
         count=body,
         method=setup.case.method,
-        deepest=1e6 * setup.watch.deepest,
-        liveliest=setup.watch.liveliest,
-        hours=setup.most_cpu / 3600.0,
-        PRESSED=PRESSED,
-        MOVED=MOVED,
+        approach_bound=1e6 * setup.monitor.approach_bound,
+        energy_bound=setup.monitor.energy_bound,
+        hours=setup.max_cpu / 3600.0,
+        APPROACH_MARGIN=APPROACH_MARGIN,
+        ENERGY_MARGIN=ENERGY_MARGIN,
     )
-    kind = TooSlow if outcome == outcomes.TOO_SLOW else Unsound
+    kind = TooSlow if outcome == outcomes.TOO_SLOW else MethodFailure
     others = choice.alternatives(setup.case)
-    instead = f", or `method: {others[0]}`" if others and not lacks_mass(setup, outcome) else ""
+    instead = f", or `method: {others[0]}`" if others and not needs_roller_mass(setup, outcome) else ""
     return kind(f"{told}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t, instead)
 
 
-def lacks_mass(setup: Setup, outcome: int) -> bool:
+def needs_roller_mass(setup: Setup, outcome: int) -> bool:
     """Whether a method has stuck where only rollers with mass would let it go on."""
-    stuck = outcome in (outcomes.STEP_FLOOR, outcomes.NEWTON_STALLED, outcomes.STALLED)
+    stuck = outcome in (outcomes.STEP_TOO_SMALL, outcomes.NEWTON_FAILED, outcomes.TOO_MANY_STEPS)
     return stuck and not MODELS[setup.case.model].has_inertia and setup.case.contact.jumps
 
 
@@ -287,17 +296,17 @@ def advice(setup: Setup, outcome: int) -> str:
     adaptive = assemble.adaptive(setup.case)
     if outcome == outcomes.TOO_SLOW:
         return "take a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
-    if lacks_mass(setup, outcome):
-        return f"say `model: {lowest('inertia of rollers')}`: {hierarchy.MASSLESS}"
+    if needs_roller_mass(setup, outcome):
+        return f"say `model: {lowest('inertia of rollers')}`: {hierarchy.NEEDS_ROLLER_MASS}"
     if not adaptive:
         return f"take a step under {1e6 * setup.cut.step / 2:.2g} us"
-    loose = outcome in (outcomes.STEP_FLOOR, outcomes.STALLED)
+    loose = outcome in (outcomes.STEP_TOO_SMALL, outcomes.TOO_MANY_STEPS)
     return f"take a {'looser' if loose else 'tighter'} `tolerance` than {setup.method.rtol:.2g}"
 
 
 def name_of(model: Any, body: int) -> str:
-    """What a watched body is called."""
-    return f"roller {body + 1}" if watched(model) > 1 and body >= 0 else "the ring"
+    """What a monitored body is called."""
+    return f"roller {body + 1}" if monitored(model) > 1 and body >= 0 else "the ring"
 
 
 def _pick_pass(case: Case, cut: time_grid.Grid, p: int, window: np.ndarray, picked: np.ndarray) -> None:

@@ -11,14 +11,21 @@ from math import hypot, inf, pi, sqrt
 from typing import Any
 
 from bearingsim import assemble
-from bearingsim.assemble.scales import approach, at_full_speed, closing_speed, crossing_time, damping_ratio, sag
+from bearingsim.assemble.scales import (
+    approach,
+    at_full_speed,
+    closing_speed,
+    crossing_time,
+    damping_ratio,
+    largest_roller_drop,
+)
 from bearingsim.catalogue import METHODS, MODELS, lowest
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
-from bearingsim.core.methods.interface import load_number
+from bearingsim.core.methods.interface import stability_ratio
 from bearingsim.core.models.equilibrium import NoEquilibrium
-from bearingsim.core.pits.excitations import LEAPS
+from bearingsim.core.pits.excitations import STEP_EXCITATIONS
 from bearingsim.core.pits.pairs import DEPTH
 from bearingsim.errors import Refused
 
@@ -32,7 +39,8 @@ class Limits:
 
     The limits are the method's own, on the linearised bearing; ``impact_force`` is an estimate of the peak.
     damping_ratio is that of a roller (in `ring`, of the ring) on its contacts, without friction.
-    deepest (m), liveliest (J): approach of a contact and radial energy of motion that no right run exceeds.
+    approach_bound (m), energy_bound (J): approach of a contact and radial energy of motion that no right run
+    exceeds.
     """
 
     rest_load: float
@@ -43,8 +51,8 @@ class Limits:
     impact_force: float
     at_impact: float
     crossing: float
-    deepest: float
-    liveliest: float
+    approach_bound: float
+    energy_bound: float
 
 
 def step_limits(case: Case) -> Limits:
@@ -66,8 +74,8 @@ def _limits(case: Case) -> Limits:
         impact_force=rest_load,
         at_impact=step_limit(case.method, K, C),
         crossing=inf,
-        deepest=inf,
-        liveliest=inf,
+        approach_bound=inf,
+        energy_bound=inf,
     )
     return _with_pits(case, found, K, C) if MODELS[case.model].loaded else found
 
@@ -85,21 +93,21 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
     model = assemble.model(case)
     speed = closing_speed(model)
     hits = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
-    hits += [leap(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
+    hits += [step_impact(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
     peak, K_more, C_more = (max(values) for values in zip(*hits, strict=True))
-    deepest, liveliest = bounds(case, model, healthy)
+    deepest, energy_bound = bounds(case, model, healthy)
     return replace(
         healthy,
         closing_speed=speed,
         impact_force=peak + healthy.rest_load,
         at_impact=min(healthy.at_rest, step_limit(case.method, K + K_more, C + C_more)),
         crossing=crossing_time(model),
-        deepest=deepest,
-        liveliest=liveliest,
+        approach_bound=deepest,
+        energy_bound=energy_bound,
     )
 
 
-PRESSED, MOVED = 10.0, 1000.0
+APPROACH_MARGIN, ENERGY_MARGIN = 10.0, 1000.0
 """How many times what load, speed and pits explain a contact is pressed, and a bearing moves, in no right run.
 
 Measured: docs/methods.md. Far out, since light damping lets a motion add up over many ball passes.
@@ -117,12 +125,12 @@ def bounds(case: Case, model: Any, healthy: Limits) -> tuple[float, float]:
     b, v = model.bearing, closing_speed(model)
     load = hypot(case.load, case.load_across) + healthy.rest_load
     pressed = max(approach(law, load) for law in (model.outer, model.inner))
-    fall = pressed + max(case.clearance, 0.0) + sag(model)
+    fall = pressed + max(case.clearance, 0.0) + largest_roller_drop(model)
     thrown = b.Z * b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
     swing = unbalance_speed(case)
     energy = (b.Z * load + thrown) * fall + 0.5 * (b.m_o + b.Z * b.m_r) * (v * v + swing * swing)
     spent = v / (2.0 * pi * healthy.contact_frequency)
-    return PRESSED * (fall + spent + swing / case.speed), MOVED * energy
+    return APPROACH_MARGIN * (fall + spent + swing / case.speed), ENERGY_MARGIN * energy
 
 
 def unbalance_speed(case: Case) -> float:
@@ -142,27 +150,27 @@ def _healthy(case: Case) -> Case:
 @lru_cache(maxsize=256)
 def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Largest outer contact force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
-    model = assemble.relaxed(assemble.model(healthy), LONGEST)
+    model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
     y = assemble.empty_buffer(model)
     pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     load, K, C = 0.0, 0.0, 0.0
     for n in range(SAMPLES_OF_A_PASS):
         t = (n + 0.5) / SAMPLES_OF_A_PASS * pass_time
-        assemble.settle(model, t, y, from_scratch=n == 0)
+        assemble.find_equilibrium(model, t, y, from_scratch=n == 0)
         load = max(load, float(assemble.outer_forces(model, y).max()))
         K_now, C_now = start_at_rest(model, t, y)
         K, C = max(K, K_now), max(C, C_now)
     return load, float(K), float(C)
 
 
-def leap(model: Any, law: Any, load: float) -> tuple[float, float, float]:
+def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]:
     """What ``impact`` gives, for a roller under ``load`` (N) whose race comes back at once as the pit ends.
 
     Only for excitations with such a step. The roller has fallen by then, in free flight from what its inner
     contact gave it (at most load times approach), but no deeper than the pit; so far it is pressed into the race.
     """
     b, pits = model.bearing, model.pits
-    if b.m_r == 0.0 or len(pits.head) == 0 or not isinstance(pits.excitation, LEAPS):
+    if b.m_r == 0.0 or len(pits.head) == 0 or not isinstance(pits.excitation, STEP_EXCITATIONS):
         return 0.0, 0.0, 0.0
     flight = crossing_time(model)
     outwards = b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
@@ -172,8 +180,8 @@ def leap(model: Any, law: Any, load: float) -> tuple[float, float, float]:
     return float(normal_force(law, deep, 0.0)), float(K) / b.m_r, float(C) / b.m_r
 
 
-TOUCHED = 1e-15  # m: approach at which an impact begins; a dashpot that jumps acts there
-RESOLVED = 0.2  # of the time in which damping alone would stop a roller: a step of its impact
+FIRST_APPROACH = 1e-15  # m: approach at which an impact begins; a dashpot that jumps acts there
+IMPACT_STEP = 0.2  # of the time in which damping alone would stop a roller: a step of its impact
 
 
 def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
@@ -191,13 +199,13 @@ def _impact(m: float, law: Any, named: str, speed: float) -> tuple[float, float,
     if m == 0.0 or speed == 0.0:
         return 0.0, 0.0, 0.0
     longest = min(1e-7, 1e-3 * pi * sqrt(m / stiffness_bound(law, 1e-7, 0.0)))
-    delta, v, peak, K, C = TOUCHED, speed, 0.0, 0.0, 0.0
+    delta, v, peak, K, C = FIRST_APPROACH, speed, 0.0, 0.0, 0.0
     while v > 0.0:
         peak = max(peak, normal_force(law, delta, v))
         K = max(K, stiffness_bound(law, delta, v))
         damping = damping_bound(law, delta, v)
         C = max(C, damping)
-        h = min(longest, RESOLVED * m / damping) if damping > 0.0 else longest
+        h = min(longest, IMPACT_STEP * m / damping) if damping > 0.0 else longest
         delta += h * v
         v -= h * normal_force(law, delta, v) / m
     return float(peak), float(K) / m, float(C) / m
@@ -208,12 +216,12 @@ def step_limit(method: str | None, K: float, C: float) -> float:
     if method is None or METHODS[method].adaptive or (K == 0.0 and C == 0.0):
         return inf
     method_of = assemble.kind_of_method(method).parameters
-    if load_number(method_of(1.0), K, C) <= 1.0:
+    if stability_ratio(method_of(1.0), K, C) <= 1.0:
         return inf
     low, high = 0.0, 1.0
     while high - low > 1e-6 * high:
         h = 0.5 * (low + high)
-        if load_number(method_of(h), K, C) > 1.0:
+        if stability_ratio(method_of(h), K, C) > 1.0:
             high = h
         else:
             low = h

@@ -1,4 +1,4 @@
-"""The part of a case on which its step is proven: its beginning, or with `prove: strict` all (``proof``)."""
+"""The part of a case on which its step is proven: its beginning, or with `step_check: strict` all (``proof``)."""
 
 from math import ceil, pi, sqrt
 
@@ -6,13 +6,13 @@ from bearingsim.assemble.scales import at_full_speed
 from bearingsim.config import Case
 from bearingsim.simulation.limits import step_limits
 
-FORGOTTEN = 1  # ball passes at the start of a pilot that do not count
-LIGHT = 0.2  # damping ratio of a loaded roller under which what a run starts with is long remembered
-FEWEST, SHORTEST = 4, 5e-3  # ball passes, and s, that count
-SHARE = 1 / 16  # of a run that a pilot takes: with its half step a fifth of the run's CPU time
+UNCOUNTED_PASSES = 1  # ball passes at the start of a pilot that do not count
+LIGHT_DAMPING = 0.2  # damping ratio of a loaded roller under which what a run starts with is long remembered
+MIN_PASSES, MIN_DURATION = 4, 5e-3  # ball passes, and s, that count
+PILOT_PART = 1 / 16  # of a run that a pilot takes: with its half step a fifth of the run's CPU time
 TURNS = 2.0  # of a pit through the load zone: one passage is not like the next
-ROOM = 1.5  # times what a pilot is to see: a run of that length lets it
-TWICE = 2.0  # as much as a pilot has seen, if that told too little
+DURATION_MARGIN = 1.5  # times what a pilot is to see: a run of that length lets it
+LONGER_PILOT = 2.0  # as much as a pilot has seen, if that told too little
 ROUNDING = 1e-9  # of a ball pass
 
 
@@ -26,41 +26,41 @@ def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
     case = at_full_speed(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
     whole = case.settle + case.duration
-    settles = case.prove == "strict" or remembers(case)
-    forgotten = max(FORGOTTEN / rate, case.settle if settles else 0.0)
-    wanted = times * max(FEWEST / rate, SHORTEST, compared(case) * whole, turns_of_pits(case))
+    settles = case.step_check == "strict" or is_lightly_damped(case)
+    forgotten = max(UNCOUNTED_PASSES / rate, case.settle if settles else 0.0)
+    wanted = times * max(MIN_PASSES / rate, MIN_DURATION, compared_part(case) * whole, turns_of_pits(case))
     counted = max(1, min(ceil(wanted * rate - ROUNDING), int((whole - forgotten) * rate + ROUNDING)))
     settle = min(forgotten, max(0.0, whole - counted / rate))
     short = {"settle": settle, "duration": (counted + 0.5) / rate, "record": (), "antialias": True}
     return case.model_copy(update=short), counted
 
 
-def remembers(case: Case) -> bool:
+def is_lightly_damped(case: Case) -> bool:
     """Whether damping is so light that a motion long remembers what it started with."""
-    return step_limits(case).damping_ratio < LIGHT
+    return step_limits(case).damping_ratio < LIGHT_DAMPING
 
 
-def compared(case: Case) -> float:
+def compared_part(case: Case) -> float:
     """The part of a run that a pilot is to compare: all of it where strictness is asked for."""
-    return 1.0 if case.prove == "strict" else SHARE
+    return 1.0 if case.step_check == "strict" else PILOT_PART
 
 
-def sees_turns(case: Case, passes: int) -> bool:
-    """Whether every pit turns through the load zone ``TURNS`` times within ``passes`` ball passes."""
+def sees_pit_turns(case: Case, passes: int) -> bool:
+    """Whether every pit turns through the load zone ``DIRECTION_V`` times within ``passes`` ball passes."""
     rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
     return passes >= turns_of_pits(case) * rate - ROUNDING
 
 
-def longer(case: Case) -> float:
+def longer_duration(case: Case) -> float:
     """The duration (s) of a run whose pilot sees the pits turn; twice as much as this one's, if that does."""
     short, passes = pilot(case)
-    if not sees_turns(case, passes):
-        return ROOM * turns_of_pits(case)
-    return TWICE * (short.settle + short.duration) / compared(case)
+    if not sees_pit_turns(case, passes):
+        return DURATION_MARGIN * turns_of_pits(case)
+    return LONGER_PILOT * (short.settle + short.duration) / compared_part(case)
 
 
-def share(case: Case) -> float:
-    """CPU time of a proof over that of its run: the pilot as the run is, and with 1/sqrt(5) of the step.
+def check_cost(case: Case) -> float:
+    """CPU time of a step check over that of its run: the pilot as the run is, and with 1/sqrt(5) of the step.
 
     A third pilot, of what may be chaotic, and longer ones, of what is doubtful, come on top.
     """
@@ -69,11 +69,11 @@ def share(case: Case) -> float:
 
 
 def turns_of_pits(case: Case) -> float:
-    """The time (s) in which the slowest pit turns through the load zone ``TURNS`` times; 0 if none turns."""
-    return TURNS * max((float(TURN_OF[defect.race](case)) for defect in case.defects), default=0.0)
+    """The time (s) in which the slowest pit turns through the load zone ``DIRECTION_V`` times; 0 if none turns."""
+    return TURNS * max((float(PIT_TURN[defect.race](case)) for defect in case.defects), default=0.0)
 
 
-TURN_OF = {
+PIT_TURN = {
     "outer": lambda case: 0.0,
     "inner": lambda case: 2.0 * pi / at_full_speed(case).speed,
     "roller": lambda case: case.bearing.rollers / case.bearing.ball_pass_frequency(at_full_speed(case).speed),

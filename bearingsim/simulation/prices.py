@@ -20,9 +20,10 @@ TABLE = Path(__file__).with_name("prices.csv")
 USUAL = ""
 """The name in the table of what has no row of its own, such as another package's model."""
 OWN_PER_PERIOD = 25.0  # steps of an adaptive method in a period of contacts that ring
-REACH = 3.0  # step of an explicit adaptive method over the explicit one's limit
-RINGS = 0.3  # damping ratio under which contacts ring
-HEAVY = 0.37  # power of the damping ratio, over 1, by which it shortens own steps (Rodas, m3 = 0; others roughly)
+EXPLICIT_REACH = 3.0  # step of an explicit adaptive method over the explicit one's limit
+RINGING_RATIO = 0.3  # damping ratio under which contacts ring
+# power of the damping ratio, over 1, by which it shortens own steps (Rodas, m3 = 0; others roughly)
+DAMPING_POWER = 0.37
 
 
 @cache
@@ -59,16 +60,16 @@ def per_second(case: Case, step: float) -> float:
     one = per_step(case.method, kind.evaluations)
     if not METHODS[case.method].adaptive:
         return evaluation(case) / step * one
-    own = own_step(case, step_limits(case.model_copy(update={"method": EXPLICIT})))
+    own = adaptive_step(case, step_limits(case.model_copy(update={"method": EXPLICIT})))
     return evaluation(case) * (price("record") / step + one / own)
 
 
-def own_step(case: Case, found: Limits) -> float:
+def adaptive_step(case: Case, found: Limits) -> float:
     """About how long (s) the steps of an adaptive method are: what rings, is crossed, or opens sets them."""
     usual, name = price("own steps"), str(case.method)
     steps = price("own steps", name)
     smooth = min(found.crossing, LONGEST * usual) / steps
-    rings = 1.0 / found.contact_frequency / OWN_PER_PERIOD if found.damping_ratio < RINGS else inf
-    limit = inf if METHODS[name].implicit else REACH * found.at_impact
-    opens = LONGEST * usual / steps / max(1.0, found.damping_ratio) ** HEAVY
+    rings = 1.0 / found.contact_frequency / OWN_PER_PERIOD if found.damping_ratio < RINGING_RATIO else inf
+    limit = inf if METHODS[name].implicit else EXPLICIT_REACH * found.at_impact
+    opens = LONGEST * usual / steps / max(1.0, found.damping_ratio) ** DAMPING_POWER
     return min(smooth, rings, limit, opens)

@@ -10,23 +10,23 @@ import numpy as np
 
 from bearingsim import assemble
 from bearingsim.config import Case, Section, dataset_names
-from bearingsim.core.layout import CROSSED, ITERATED, OVERRUN_MAX, REFUSED, TAKEN
+from bearingsim.core import layout as lay
 from bearingsim.core.sampling import resample, resampling_kernel
 from bearingsim.errors import Refused
-from bearingsim.simulation import channels, choice, proof, time_grid
-from bearingsim.simulation.channels import BASE, TURN_OF_CAGE
-from bearingsim.simulation.features import Tape, features, of_extensions
+from bearingsim.simulation import channels, choice, step_check, time_grid
+from bearingsim.simulation.channels import BASE, CAGE_ANGLE
+from bearingsim.simulation.features import RawRecord, features, of_extensions
 from bearingsim.simulation.integration import (
+    MethodFailure,
     Setup,
     SimulationError,
     TooChaotic,
     TooSlow,
-    Unsound,
     integrate,
     set_up,
 )
-from bearingsim.simulation.pilot import longer
-from bearingsim.simulation.proof import Proof
+from bearingsim.simulation.pilot import longer_duration
+from bearingsim.simulation.step_check import StepCheck
 
 __all__ = ["Record", "SimulationError", "simulate", "warm"]
 
@@ -76,8 +76,8 @@ class Record:
 def simulate(case: Case) -> Record:
     """Compute one case. Raises ``SimulationError`` for a run refused before or stopped under way.
 
-    An automatic step rests on an estimate of what is to come, so it is proven (``proof``), and the run is watched
-    all along. Should it fail, shorter ones are tried, and then (with `method: auto`) other methods.
+    An automatic step rests on an estimate of what is to come, so it is proven (``step_check``), and the run is
+    monitored all along. Should it fail, shorter ones are tried, and then (with `method: auto`) other methods.
     """
     began = time.process_time()
     failed: dict[str, SimulationError] = {}
@@ -87,7 +87,7 @@ def simulate(case: Case) -> Record:
             continue
         try:
             return _simulate(attempt, began)
-        except Unsound as error:
+        except MethodFailure as error:
             failed[str(attempt.case.method)] = error
             dear |= {attempt.case.method} if isinstance(error, TooSlow) else set()
         except Refused as error:  # shorter steps may be too many: what was wrong with longer ones tells more
@@ -106,7 +106,7 @@ def _all_failed(errors: list[SimulationError]) -> SimulationError:
     """One error for all methods that were tried: the reason of each, the advice and the time of the first."""
     reasons = list(dict.fromkeys(error.reason for error in errors))
     first = errors[0]
-    advice = first.of_this_method if isinstance(first, Unsound) and len(errors) > 1 else first.advice
+    advice = first.method_advice if isinstance(first, MethodFailure) and len(errors) > 1 else first.advice
     return SimulationError("; ".join(reasons), advice, first.time)
 
 
@@ -114,12 +114,12 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     """Compute one case in one way; ``began``: CPU time at the start, s."""
     case, part = attempt
     setup = set_up(case, part)
-    proven = _proven(setup)
+    checks_step = _checked_step(setup)
     tape = integrate(setup)
     sampled = _resampled(case, setup.cut, tape) if case.antialias else tape.picked
     instants = np.arange(time_grid.samples(case)) / case.sampling
     series = channels.series(case, setup.model, sampled, tape.places, case.settle + instants)
-    found = features(case, setup.model, setup.cut, tape, sampled) | _told(proven)
+    found = features(case, setup.model, setup.cut, tape, sampled) | _check_features(checks_step)
     return Record(
         time=instants,
         series=series,
@@ -128,58 +128,58 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     )
 
 
-def _proven(setup: Setup) -> Proof:
-    """The proof of a setup's step, where one is wanted. Raises ``Unsound`` if it does not hold."""
-    if not setup.case.proven:
-        return proof.UNPROVEN
-    found = proof.prove(setup.case, setup.part)
+def _checked_step(setup: Setup) -> StepCheck:
+    """The step check of a setup's step, where one is wanted. Raises ``MethodFailure`` if it does not hold."""
+    if not setup.case.checks_step:
+        return step_check.UNCHECKED
+    found = step_check.check_step(setup.case, setup.part)
     if found.holds:
-        if setup.case.prove == "strict":
-            _long_enough(setup, found)
+        if setup.case.step_check == "strict":
+            _refuse_short_record(setup, found)
         return found
     finer = "half the step" + " and a tenth of the tolerance" * assemble.adaptive(setup.case)
     what = "RMS" if found.chaotic else "line of the fault" if found.line > found.rms else "RMS"
     chaotic = ", and the motion is chaotic" if found.chaotic else ""
     changes = f"{finer} changes the {what} by {100.0 * found.error:.2g} %{chaotic}"
-    raise Unsound(
-        f"{setup.case.method} does not hold {proof.HELD:.0%}: {changes}",
-        "take a longer `duration`" if found.chaotic else f"{_more_exactly(setup)}, or say `prove: false`",
+    raise MethodFailure(
+        f"{setup.case.method} does not hold {step_check.ACCURACY:.0%}: {changes}",
+        "take a longer `duration`" if found.chaotic else f"{_tighter_advice(setup)}, or say `step_check: false`",
     )
 
 
-def _more_exactly(setup: Setup) -> str:
+def _tighter_advice(setup: Setup) -> str:
     """What a case can ask for that does not hold its line."""
     if assemble.adaptive(setup.case):
         return f"take a tighter `tolerance` than {setup.method.rtol:.2g}"
     return "give a `step` of your own" if setup.case.step == "auto" else "take a shorter `step`"
 
 
-def _long_enough(setup: Setup, proven: Proof) -> None:
+def _refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
     """Refuse the record of a chaotic motion that is too short for its RMS to be worth 1 %."""
-    if proven.long_enough:
+    if checks_step.long_enough:
         return
-    needed, worth = longer(setup.case), "of unknown worth"
-    if isfinite(proven.scatter):
-        needed = setup.case.duration * (proven.scatter / proof.HELD) ** 2
-        worth = f"uncertain by {proven.scatter:.1%}"
+    needed, worth = longer_duration(setup.case), "of unknown worth"
+    if isfinite(checks_step.scatter):
+        needed = setup.case.duration * (checks_step.scatter / step_check.ACCURACY) ** 2
+        worth = f"uncertain by {checks_step.scatter:.1%}"
     raise TooChaotic(
         f"the motion is chaotic, and the RMS of {setup.case.duration:.2g} s of it {worth}",
-        f"take a `duration` of {needed:.2g} s, or say `prove: true`",
+        f"take a `duration` of {needed:.2g} s, or say `step_check: true`",
         needed,
     )
 
 
-def _told(proven: Proof) -> dict[str, float]:
-    """A proof as features."""
+def _check_features(checks_step: StepCheck) -> dict[str, float]:
+    """A step check as features."""
     return {
-        "step_error.line": proven.line,
-        "step_error.rms": proven.rms,
-        "chaotic": nan if proven is proof.UNPROVEN else float(proven.chaotic),
-        "rms_scatter": nan if proven is proof.UNPROVEN else proven.scatter,
+        "step_error.line": checks_step.line,
+        "step_error.rms": checks_step.rms,
+        "chaotic": nan if checks_step is step_check.UNCHECKED else float(checks_step.chaotic),
+        "rms_scatter": nan if checks_step is step_check.UNCHECKED else checks_step.scatter,
     }
 
 
-def _info(setup: Setup, tape: Tape, sampled: np.ndarray) -> dict[str, float | int | str]:
+def _info(setup: Setup, tape: RawRecord, sampled: np.ndarray) -> dict[str, float | int | str]:
     """How a run was computed."""
     case, cut, y = setup.case, setup.cut, tape.y
     adaptive = assemble.adaptive(case)
@@ -189,13 +189,13 @@ def _info(setup: Setup, tape: Tape, sampled: np.ndarray) -> dict[str, float | in
         "step_part": setup.part,
         "steps": cut.passes * cut.steps_per_pass,
         "tolerance": float(setup.method.rtol) if adaptive else float("nan"),
-        "own_steps": int(y[TAKEN]) if adaptive else cut.passes * cut.steps_per_pass,
-        "own_steps_refused": int(y[REFUSED]),
-        "newton_iterations": int(y[ITERATED]),
+        "own_steps": int(y[lay.STEPS_TAKEN]) if adaptive else cut.passes * cut.steps_per_pass,
+        "own_steps_refused": int(y[lay.STEPS_REJECTED]),
+        "newton_iterations": int(y[lay.NEWTON_ITERATIONS]),
         "step_limit_at_rest_s": setup.limits.at_rest,
         "step_limit_at_impact_s": setup.limits.at_impact,
-        "longest_overrun_s": float(y[OVERRUN_MAX : OVERRUN_MAX + setup.model.bearing.Z].max()),
-        "crossings": int(y[CROSSED]),
+        "longest_overrun_s": float(y[lay.OVERRUN_MAX : lay.OVERRUN_MAX + setup.model.bearing.Z].max()),
+        "crossings": int(y[lay.PIT_CROSSINGS]),
         "cage_angle_start_rad": _cage_angle(case, setup.model, sampled),
         "integrator_cpu_s": tape.integrator_cpu_s,
     }
@@ -203,7 +203,7 @@ def _info(setup: Setup, tape: Tape, sampled: np.ndarray) -> dict[str, float | in
 
 def _cage_angle(case: Case, model: Any, sampled: np.ndarray) -> float:
     """Where the first roller's pocket is as the record starts, rad; what the cage has slipped is taken off."""
-    slipped = float(sampled[BASE.index(TURN_OF_CAGE), 0])
+    slipped = float(sampled[BASE.index(CAGE_ANGLE), 0])
     return float(model.bearing.theta_0 + model.bearing.omega_c * case.settle + slipped)
 
 
@@ -217,7 +217,8 @@ def warm(cases: Iterable[Case]) -> None:
         kind = _words(choice.resolved(case)), _types(laws)
         if kind not in _WARM:
             short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
-            simulate(case.model_copy(update={"duration": short, "settle": 0.0, "step": "auto", "prove": False}))
+            plain = {"duration": short, "settle": 0.0, "step": "auto", "step_check": False}
+            simulate(case.model_copy(update=plain))
             _WARM.add(kind)
 
 
@@ -235,7 +236,7 @@ def _types(value: Any) -> Any:
     return (type(value), *map(_types, value)) if isinstance(value, tuple) else type(value)
 
 
-def _resampled(case: Case, cut: time_grid.Grid, tape: Tape) -> np.ndarray:
+def _resampled(case: Case, cut: time_grid.Grid, tape: RawRecord) -> np.ndarray:
     """The record's samples (rows kept, n), low-passed from the fine ones."""
     out = np.empty((len(tape.fine), time_grid.samples(case)))
     ratio = cut.fine_rate / case.sampling

@@ -5,23 +5,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.stability.scene import FINE
+from bearingsim.stability.scene import SAMPLE_INTERVAL
 from bearingsim.stability.traces import BLOW_UP, STALL, TOO_SLOW, Trace
 
 OK, INACCURATE, CHATTER, SKIPPED = "ok", "inaccurate", "chatter", "skipped"
 REFUSED, CHAOS, UNJUDGED = "refused", "within chaos", "no reference"
 CLASSES = (OK, INACCURATE, CHATTER, BLOW_UP, SKIPPED, STALL, REFUSED, TOO_SLOW, CHAOS, UNJUDGED)
 
-WANTED = 0.01  # relative error of what is ok
-BLURRED = 0.05  # a floor above it says of a run within it only that chaos explains it
-ALIKE = 1e-3  # two solutions that differ by less than this (relative L2) follow one path; else motion is chaotic
-SEEN = 0.5  # of what a crossing does to the ring: less, and the pit was stepped over
-AFTER = 60e-6  # s after a crossing in which the ring still answers it
+ACCURACY = 0.01  # relative error of what is ok
+CHAOS_FLOOR = 0.05  # a floor above it says of a run within it only that chaos explains it
+# two solutions that differ by less than this (relative L2) follow one path; else motion is chaotic
+SAME_PATH = 1e-3
+SEEN_PART = 0.5  # of what a crossing does to the ring: less, and the pit was stepped over
+ANSWER_TIME = 60e-6  # s after a crossing in which the ring still answers it
 MORE_OFTEN, OFTEN = 2.0, 10  # contacts that open so many times as often, and so many times more, chatter
 
 
 class Reference(NamedTuple):
-    """Velocity of the ring (2, n), m/s, and contacts (Z, n) at every ``FINE``; names of the solutions it rests on.
+    """Velocity of the ring (2, n), m/s, and contacts (Z, n) at every ``SAMPLE_INTERVAL``; names of the solutions
+    it rests on.
 
     floor: relative difference of the two, in L2 or (chaotic) in RMS: no cell is judged finer.
     """
@@ -53,7 +55,7 @@ def rms(a: np.ndarray, b: np.ndarray) -> float:
     return abs(float(np.linalg.norm(a) / np.linalg.norm(b)) - 1.0)
 
 
-def agreed(found: dict[str, Trace]) -> Reference | None:
+def agreeing_solutions(found: dict[str, Trace]) -> Reference | None:
     """The reference that the solutions of a scene make: the two that agree best; None if there are not two.
 
     Solutions that all part from each other, however tight, are of a chaotic motion: its RMS is compared, and the
@@ -64,7 +66,7 @@ def agreed(found: dict[str, Trace]) -> Reference | None:
     if not pairs:
         return None
     least, first, second = min(pairs)
-    chaotic = least > ALIKE
+    chaotic = least > SAME_PATH
     worst = max(rms(whole[a].velocity, whole[b].velocity) for _, a, b in pairs)
     names = " + ".join(whole) if chaotic else f"{first} + {second}"
     return Reference(whole[first].velocity, whole[first].touching, names, chaotic, worst if chaotic else least)
@@ -78,18 +80,22 @@ def openings(touching: np.ndarray) -> int:
 def crossings_seen(
     trace: Trace, reference: Reference, healthy: Reference, windows: list[tuple[float, float]]
 ) -> int:
-    """Crossings after which the ring moves otherwise than over a sound race, at least ``SEEN`` of what it should.
+    """Crossings after which the ring moves otherwise than over a sound race, at least ``SEEN_PART`` of what it
+    should.
 
     By the ring's answer, not by where the rollers stand: a solver that steps over a pit stands in it, too, where
     its result is interpolated.
     """
     count = 0
     for start, end in windows:
-        first, last = round(start / FINE) // trace.every, round((end + AFTER) / FINE) // trace.every
+        first = round(start / SAMPLE_INTERVAL) // trace.every
+        last = round((end + ANSWER_TIME) / SAMPLE_INTERVAL) // trace.every
         at = trace.every * np.arange(first + 1, min(last, trace.velocity.shape[1])) - 1
         sound = healthy.velocity[:, at]
         answer = trace.velocity[:, (at + 1) // trace.every - 1] - sound
-        count += bool(np.linalg.norm(answer) >= SEEN * np.linalg.norm(reference.velocity[:, at] - sound) > 0.0)
+        count += bool(
+            np.linalg.norm(answer) >= SEEN_PART * np.linalg.norm(reference.velocity[:, at] - sound) > 0.0
+        )
     return count
 
 
@@ -112,8 +118,8 @@ def judge(
     error = (rms if reference.chaotic else l2)(trace.velocity, exact)
     opened, of_reference = openings(trace.touching), openings(touching)
     seen = crossings_seen(trace, reference, healthy, windows) if healthy is not None else len(windows)
-    if error <= max(WANTED, reference.floor):
-        outcome = OK if reference.floor <= BLURRED else CHAOS
+    if error <= max(ACCURACY, reference.floor):
+        outcome = OK if reference.floor <= CHAOS_FLOOR else CHAOS
     elif strides and seen < len(windows):
         outcome = SKIPPED
     elif opened > MORE_OFTEN * of_reference + OFTEN:

@@ -16,13 +16,23 @@ from bearingsim.assemble import scales
 from bearingsim.catalogue import METHODS, MODELS, USUAL_MODEL, code
 from bearingsim.config import Case
 from bearingsim.core.methods.interface import Tolerances
-from bearingsim.core.models.interface import freedoms, linearise
+from bearingsim.core.models.interface import degrees_of_freedom, linearise
 from bearingsim.simulation import limits
 from bearingsim.stability import judge
-from bearingsim.stability.judge import REFUSED, Reference, Verdict, agreed
+from bearingsim.stability.judge import REFUSED, Reference, Verdict, agreeing_solutions
 from bearingsim.stability.references import SCIPY, solve
-from bearingsim.stability.scene import FINE, NAMED, PITS, PRINTED, SPAN, STEEL, Scene, case_of, crossings
-from bearingsim.stability.traces import TOO_SLOW, Trace, nothing, trace
+from bearingsim.stability.scene import (
+    NAMED,
+    PITS,
+    PRINTED,
+    SAMPLE_INTERVAL,
+    SPAN,
+    STEEL,
+    Scene,
+    case_of,
+    crossings,
+)
+from bearingsim.stability.traces import TOO_SLOW, Trace, not_run, trace
 
 HEALTHY = "healthy"
 
@@ -82,7 +92,7 @@ class Material(NamedTuple):
     c: float
 
 
-class Bench(NamedTuple):
+class PreparedScene(NamedTuple):
     """A scene made ready: its case, the core's model, a buffer at rest, theory's K (1/s^2) and C (1/s) at rest."""
 
     case: Case
@@ -99,7 +109,9 @@ def methods_known() -> tuple[str, ...]:
 
 def models_known() -> tuple[str, ...]:
     """Names of all models that have equations of motion."""
-    return tuple(model.name for model in MODELS.values() if code(model.module).KIND.parameters in freedoms.types)
+    return tuple(
+        model.name for model in MODELS.values() if code(model.module).KIND.parameters in degrees_of_freedom.types
+    )
 
 
 def materials(models: Sequence[str], grid: Grid) -> list[Material]:
@@ -124,53 +136,53 @@ def count(models: Sequence[str], methods: Sequence[str], grid: Grid) -> int:
     return len(materials(models, grid)) * len(grid.pits) * sum(len(cells(method, grid)) for method in methods)
 
 
-def set_up(material: Material, pit: str) -> Bench:
+def set_up(material: Material, pit: str) -> PreparedScene:
     """Make a scene ready."""
     case = case_of(Scene(material.model, pit, material.k, material.c, material.m3))
     model = assemble.model(case)
     _, K, C = limits.loads_at_rest(assemble.healthy(case))
-    return Bench(case, model, assemble.start(case, model)[0], K, C)
+    return PreparedScene(case, model, assemble.start(case, model)[0], K, C)
 
 
-def run(bench: Bench, method: str, setting: float, limit: float) -> Trace:
+def run(bench: PreparedScene, method: str, setting: float, limit: float) -> Trace:
     """One cell's run: ``setting`` is its step (s) or tolerance."""
     if method in SCIPY:
-        return solve(method, bench.model, bench.y, asked(bench, setting)._replace(longest=inf), limit)
+        return solve(method, bench.model, bench.y, scene_tolerances(bench, setting)._replace(longest=inf), limit)
     if METHODS[method].implicit and type(bench.model) not in linearise.types:
-        return nothing(REFUSED, "the model has no derivatives")
-    h = setting if has_step(method) else FINE
-    model = assemble.relaxed(bench.model, assemble.kind_of_method(method).lag * h)
+        return not_run(REFUSED, "the model has no derivatives")
+    h = setting if has_step(method) else SAMPLE_INTERVAL
+    model = assemble.with_friction_lag(bench.model, assemble.kind_of_method(method).lag * h)
     return trace(method, parameters(bench, method, setting), model, bench.y, limit)
 
 
-def parameters(bench: Bench, method: str, setting: float) -> Any:
+def parameters(bench: PreparedScene, method: str, setting: float) -> Any:
     """The core's method."""
     made: Any = assemble.kind_of_method(method).parameters
-    return made(setting) if has_step(method) else made(*asked(bench, setting))
+    return made(setting) if has_step(method) else made(*scene_tolerances(bench, setting))
 
 
-def asked(bench: Bench, tolerance: float) -> Tolerances:
+def scene_tolerances(bench: PreparedScene, tolerance: float) -> Tolerances:
     """The tolerances of a scene, by its relative one."""
-    return Tolerances(*scales.tolerances(bench.case, bench.model, bench.model, FINE, tolerance))
+    return Tolerances(*scales.tolerances(bench.case, bench.model, bench.model, SAMPLE_INTERVAL, tolerance))
 
 
-def reference(bench: Bench, patience: float) -> Reference | None:
-    """Solutions of a scene until two agree; see ``agreed``."""
+def reference(bench: PreparedScene, patience: float) -> Reference | None:
+    """Solutions of a scene until two agree; see ``agreeing_solutions``."""
     found: dict[str, Trace] = {}
     for method, tolerance in (*REFERENCES, COARSE):
-        best = agreed(found)
+        best = agreeing_solutions(found)
         if best is not None and (not best.chaotic or (method, tolerance) == COARSE):
             return best
         if method in methods_known():
-            found[f"{method} {tolerance:.0e}"] = tightly(bench, method, tolerance, patience)
-    return agreed(found)
+            found[f"{method} {tolerance:.0e}"] = reference_solution(bench, method, tolerance, patience)
+    return agreeing_solutions(found)
 
 
-def tightly(bench: Bench, method: str, tolerance: float, patience: float) -> Trace:
+def reference_solution(bench: PreparedScene, method: str, tolerance: float, patience: float) -> Trace:
     """A solution that may count for a reference: SciPy's solvers may not step over a pit here."""
     if method not in SCIPY:
         return run(bench, method, tolerance, patience)
-    return solve(method, bench.model, bench.y, asked(bench, tolerance), patience)
+    return solve(method, bench.model, bench.y, scene_tolerances(bench, tolerance), patience)
 
 
 def judges(methods: Sequence[str]) -> tuple[str, ...]:
@@ -202,7 +214,7 @@ def map_of(material: Material, methods: Sequence[str], grid: Grid) -> Iterator[d
 def row_by_row(
     material: Material,
     pit: str,
-    bench: Bench,
+    bench: PreparedScene,
     method: str,
     grid: Grid,
     exact: Reference | None,
@@ -214,7 +226,7 @@ def row_by_row(
     per_step = 0.0
     for setting in cells(method, grid):
         if has_step(method) and scene_steps(setting) * per_step > 2.0 * grid.limit:
-            made = nothing(TOO_SLOW, f"{scene_steps(setting) * per_step:.2g} s expected")
+            made = not_run(TOO_SLOW, f"{scene_steps(setting) * per_step:.2g} s expected")
         else:
             made = run(bench, method, setting, grid.limit)
             per_step = made.cpu / max(made.steps, 1)
@@ -233,15 +245,15 @@ def row_by_row(
             "step": setting if has_step(method) else np.nan,
             "tolerance": np.nan if has_step(method) else setting,
             "step_limit": limit,
-            **told(made, verdict, exact, len(windows)),
+            **row_values(made, verdict, exact, len(windows)),
         }
 
 
-def longest_step(bench: Bench, method: str, setting: float) -> float:
+def longest_step(bench: PreparedScene, method: str, setting: float) -> float:
     """The longest step (s) that a run may take; SciPy's solvers may take any."""
     if method in SCIPY:
         return inf
-    return setting if has_step(method) else asked(bench, setting).longest
+    return setting if has_step(method) else scene_tolerances(bench, setting).longest
 
 
 def scene_steps(h: float) -> int:
@@ -249,7 +261,7 @@ def scene_steps(h: float) -> int:
     return round(SPAN / h)
 
 
-def told(made: Trace, verdict: Verdict, exact: Reference | None, expected: int) -> dict[str, Any]:
+def row_values(made: Trace, verdict: Verdict, exact: Reference | None, expected: int) -> dict[str, Any]:
     """What a row says of a run and its verdict."""
     return {
         "class": verdict.outcome,

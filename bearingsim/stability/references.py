@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from scipy import integrate
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, LANES, POSITION, Q_O, ROW, VELOCITY, shared_cell
-from bearingsim.core.methods.adaptive import LEVER, fill_levers
+from bearingsim.core.methods.adaptive import LENGTH_SCALE, fill_length_scales
 from bearingsim.core.methods.interface import Tolerances
-from bearingsim.core.models.interface import accelerations, freedoms
+from bearingsim.core.models.interface import accelerations, degrees_of_freedom
 from bearingsim.stability.scene import TIMES
 from bearingsim.stability.traces import STALL, TOO_SLOW, Trace
 
@@ -30,14 +30,14 @@ class OutOfTime(Exception):
 
 def moving(model: Any) -> np.ndarray:
     """Offsets (n,) within a block of the state of what the model's equations move."""
-    own, shared = freedoms(model)
-    rollers = [i * ROW + LANES + j for i in range(own) for j in range(model.bearing.Z)]
-    return np.array([shared_cell(k) for k in range(shared)] + rollers)
+    own, shared = degrees_of_freedom(model)
+    rollers = [i * lay.ROW + lay.FIRST_LANE + j for i in range(own) for j in range(model.bearing.Z)]
+    return np.array([lay.shared_cell(k) for k in range(shared)] + rollers)
 
 
 def packed(y: np.ndarray, places: np.ndarray) -> np.ndarray:
     """The vector (2 n,) of a buffer's state."""
-    return np.concatenate([y[POSITION + places], y[VELOCITY + places]])
+    return np.concatenate([y[lay.POSITION + places], y[lay.VELOCITY + places]])
 
 
 @jit
@@ -45,29 +45,29 @@ def unpack(x: np.ndarray, places: np.ndarray, y: np.ndarray) -> None:
     """Put the vector ``x`` into the buffer's state."""
     n = len(places)
     for i in range(n):
-        y[POSITION + places[i]] = x[i]
-        y[VELOCITY + places[i]] = x[n + i]
+        y[lay.POSITION + places[i]] = x[i]
+        y[lay.VELOCITY + places[i]] = x[n + i]
 
 
 @jit
-def slopes(model: Any, t: float, x: np.ndarray, places: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
+def state_rate(model: Any, t: float, x: np.ndarray, places: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
     """dx/dt (2 n,) into ``out``."""
     n = len(places)
     unpack(x, places, y)
     accelerations(model, t, y)
     for i in range(n):
         out[i] = x[n + i]
-        out[n + i] = y[ACCELERATION + places[i]]
+        out[n + i] = y[lay.ACCELERATION + places[i]]
 
 
-class Slopes:
+class StateRate:
     """dx/dt as SciPy calls it; raises ``OutOfTime`` once ``limit`` (s of CPU) has gone."""
 
     def __init__(self, model: Any, y: np.ndarray, limit: float) -> None:
         self.model, self.y, self.places = model, y.copy(), moving(model)
-        fill_levers(model, self.y)
+        fill_length_scales(model, self.y)
         x = np.zeros(2 * len(self.places))
-        slopes(model, 0.0, x, self.places, self.y.copy(), np.empty_like(x))  # compiled, or loaded
+        state_rate(model, 0.0, x, self.places, self.y.copy(), np.empty_like(x))  # compiled, or loaded
         self.began, self.limit, self.calls = time.thread_time(), limit, 0
 
     def __call__(self, t: float, x: np.ndarray) -> np.ndarray:
@@ -76,7 +76,7 @@ class Slopes:
         if self.calls % 64 == 0 and self.cpu > self.limit:
             raise OutOfTime
         out = np.empty_like(x)
-        slopes(self.model, t, x, self.places, self.y, out)
+        state_rate(self.model, t, x, self.places, self.y, out)
         return out
 
     @property
@@ -91,8 +91,8 @@ def solve(solver: str, model: Any, y: np.ndarray, asked: Tolerances, limit: floa
     asked: as the own methods have it; a solver sees positions and velocities with the same rtol. What a solver
     calls success is read; it says nothing of pits that were stepped over.
     """
-    f = Slopes(model, y, limit)
-    lever = f.y[LEVER + f.places]
+    f = StateRate(model, y, limit)
+    lever = f.y[LENGTH_SCALE + f.places]
     atol = np.concatenate([asked.atol_q / lever, asked.atol_v / lever])
     columns: list[np.ndarray] = []
     with np.errstate(all="ignore"), warnings.catch_warnings():  # a row says what became of a run
@@ -105,7 +105,7 @@ def solve(solver: str, model: Any, y: np.ndarray, asked: Tolerances, limit: floa
 
 
 def _march(
-    name: str, f: Slopes, x_0: np.ndarray, atol: np.ndarray, asked: Tolerances, columns: list[np.ndarray]
+    name: str, f: StateRate, x_0: np.ndarray, atol: np.ndarray, asked: Tolerances, columns: list[np.ndarray]
 ) -> tuple[str, str, int]:
     """Step to the end, appending the states (2 n, samples) to ``columns``; failure, reason, steps."""
     steps, due = 0, 0
@@ -126,11 +126,11 @@ def _march(
     return "", "", steps
 
 
-def touching(f: Slopes, x: np.ndarray) -> np.ndarray:
+def touching(f: StateRate, x: np.ndarray) -> np.ndarray:
     """Whether each roller carries load at the outer race, (Z, samples)."""
     found = np.empty((f.model.bearing.Z, x.shape[1]), dtype=bool)
     unused = np.empty(len(x))
     for n in range(x.shape[1]):
-        slopes(f.model, TIMES[n], x[:, n].copy(), f.places, f.y, unused)
-        found[:, n] = f.y[Q_O : Q_O + len(found)] > 0.0
+        state_rate(f.model, TIMES[n], x[:, n].copy(), f.places, f.y, unused)
+        found[:, n] = f.y[lay.Q_O : lay.Q_O + len(found)] > 0.0
     return found

@@ -13,10 +13,10 @@ import numpy as np
 from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.core.laws.stiffness.ten_ninths import EXPONENT, PALMGREN_N_MM
-from bearingsim.core.pits.pairs import HALF_WIDTH, sliding
+from bearingsim.core.pits.pairs import HALF_WIDTH, passing_speed
 
 SPAN = 2.2e-3  # s
-FINE = 1e-6  # s between the samples that are compared
+SAMPLE_INTERVAL = 1e-6  # s between the samples that are compared
 MIDDLES = (0.5e-3, 1.1e-3, 1.7e-3)  # s: when the roller stands in the middle of each pit
 LOAD = 150.0  # N
 
@@ -65,8 +65,8 @@ def crossing(model: str, pit: str, contact: dict[str, Any], late: float = 0.0) -
     return Case.model_validate(base | {"defects": pits, "excitation": excitation, "start_angle": start})
 
 
-SAMPLES = round(SPAN / FINE)
-TIMES = FINE * np.arange(1, SAMPLES + 1)
+SAMPLES = round(SPAN / SAMPLE_INTERVAL)
+TIMES = SAMPLE_INTERVAL * np.arange(1, SAMPLES + 1)
 """The samples of a scene (s), the start left out."""
 
 
@@ -74,5 +74,5 @@ def crossings(model: Any) -> list[tuple[float, float]]:
     """When (s) the roller enters and leaves each pit, at kinematic speeds."""
     if len(model.pits.head) == 0:
         return []
-    half = float(model.pits.head[0, HALF_WIDTH]) / sliding(model.pits, 0, model.bearing)
+    half = float(model.pits.head[0, HALF_WIDTH]) / passing_speed(model.pits, 0, model.bearing)
     return [(t - half, t + half) for t in MIDDLES]

@@ -65,7 +65,7 @@ class Results:
 
     @cached_property
     def jobs(self) -> tuple[str, ...]:
-        """Ids of all planned jobs, cases first, then healthy twins."""
+        """Ids of all planned jobs, cases first, then healthy baselines."""
         return tuple(entry["job"] for entry in self.plan["jobs"])
 
     @cached_property

@@ -44,7 +44,8 @@ def write_plan(root: Path, study: "Study", jobs: Iterable["Job"]) -> None:
         "units": dict(study.units),
         "figures": [asdict(figure) for figure in study.figures],
         "jobs": [
-            {"job": job.id, "healthy": job.healthy, "twin": job.twin, "swept": dict(job.swept)} for job in jobs
+            {"job": job.id, "healthy": job.healthy, "twin": job.is_baseline, "swept": dict(job.swept)}
+            for job in jobs
         ],
     }
     write_text(root / "study.yaml", study.text)

@@ -26,7 +26,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Job:
-    """One simulation of a study: its id, its swept values (SI, or words), and its healthy twin's id.
+    """One simulation of a study: its id, its swept values (SI, or words), and its healthy baseline's id.
 
     `healthy` is None for a bearing without defects, which is its own twin; `twin` tells a job that is there only
     to be compared with.
@@ -36,12 +36,15 @@ class Job:
     case: Case
     swept: dict[str, float | str]
     healthy: str | None
-    twin: bool = False
+    is_baseline: bool = False
 
 
 @dataclass(frozen=True)
 class Study:
-    """A study file, read and checked: `text` as written, `units` of the swept paths as written there."""
+    """A study file, read and checked: `text` as written, `units` of the swept paths as written there.
+
+    notes: what the user is to be told of the file, though it is read.
+    """
 
     name: str
     path: str
@@ -51,17 +54,18 @@ class Study:
     figures: tuple[Figure, ...]
     units: dict[str, str]
     swept_cases: tuple[tuple[Case, dict[str, float | str]], ...] = field(repr=False)
+    notes: tuple[str, ...] = ()
 
     def cases(self) -> list[Case]:
         """The swept cases, in order: the last entry of `sweep` changes fastest."""
         return [case for case, _ in self.swept_cases]
 
     def jobs(self) -> list[Job]:
-        """Every job once: the cases first, then the healthy twins they are compared with."""
+        """Every job once: the cases first, then the healthy baselines they are compared with."""
         jobs: dict[str, Job] = {}
         twins: dict[str, Job] = {}
         for case, swept in self.swept_cases:
-            twin = _twin(case, swept)
+            twin = _baseline(case, swept)
             job_id = case_id(case)
             jobs.setdefault(job_id, Job(job_id, case, swept, twin.id if twin else None))
             if twin:
@@ -92,7 +96,7 @@ def _canonical(value: Any) -> Any:
     return value
 
 
-def _twin(case: Case, swept: dict[str, float | str]) -> Job | None:
+def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
     """The same bearing without its defects; none for a model that knows pits as impulses only."""
     if not case.defects or not MODELS[case.model].takes_pits:
         return None
@@ -101,4 +105,4 @@ def _twin(case: Case, swept: dict[str, float | str]) -> Job | None:
     plain["record"] = tuple(name for name in case.record if slice_number(name) is None)  # it is cut otherwise
     healthy = case.model_copy(update=plain)
     kept = {path: value for path, value in swept.items() if path.split(".")[0] not in dropped}
-    return Job(case_id(healthy), healthy, kept, None, twin=True)
+    return Job(case_id(healthy), healthy, kept, None, is_baseline=True)

@@ -9,7 +9,7 @@ from itertools import product
 from bearingsim.text.units import UnitError, common_dimension, display, parse, split, suggestion
 from bearingsim.text.yamlfile import Node, Problem, problem
 
-MOST_VALUES = 100_000
+MAX_VALUES = 100_000
 
 
 @dataclass(frozen=True)
@@ -156,8 +156,8 @@ def _converted(text: str, word: str, unit: str) -> float:
 
 
 def _count(node: Node) -> int:
-    if not isinstance(node.value, str) or not node.value.isdecimal() or not 2 <= int(node.value) <= MOST_VALUES:
-        raise _Wrong(node, f"expected the number of values, from 2 to {MOST_VALUES}, got `{node.text}`")
+    if not isinstance(node.value, str) or not node.value.isdecimal() or not 2 <= int(node.value) <= MAX_VALUES:
+        raise _Wrong(node, f"expected the number of values, from 2 to {MAX_VALUES}, got `{node.text}`")
     return int(node.value)
 
 
@@ -185,7 +185,7 @@ def _range(first: Node, last: Node, step: Node) -> tuple[Node, ...]:
     b, _ = _number(last, unit)
     h, _ = _number(step, unit)
     steps = (b - a) / h if h else math.nan
-    if not 0.0 <= steps < MOST_VALUES:
+    if not 0.0 <= steps < MAX_VALUES:
         raise _Wrong(step, f"a step of `{step.text}` does not lead from `{first.text}` to `{last.text}`")
     count = math.floor(steps + 1e-9)
     return (first, *(_node(a + i * h, unit, first) for i in range(1, count + 1)))

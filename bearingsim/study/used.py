@@ -4,9 +4,10 @@ from typing import Any
 
 from bearingsim import catalogue
 from bearingsim.config import Case
-from bearingsim.config.rules.conflicts import SPRUNG
+from bearingsim.config.case_fields import OLD_WORDS
+from bearingsim.config.rules.conflicts import MOUNT_FIELDS
 
-IDLE: dict[str, Any] = {
+INACTIVE: dict[str, Any] = {
     "ramp": None,
     "load_across": 0.0,
     "gravity": False,
@@ -20,7 +21,7 @@ IDLE: dict[str, Any] = {
     "tolerance": "auto",
     "prove": True,
     "bearing": {"element": "roller", "inner_groove_radius": None, "outer_groove_radius": None},
-    "rig": {"torsion_stiffness": None, "torsion_damping": None, **dict.fromkeys(SPRUNG)},
+    "rig": {"torsion_stiffness": None, "torsion_damping": None, **dict.fromkeys(MOUNT_FIELDS)},
     "defects": {"roller": None, "offset": 0.0, "edge": None, "grown": None, "seed": None, "digest": None},
 }
 """Values that do nothing. They are left out, so that a field that is new does not rename results that exist."""
@@ -29,14 +30,14 @@ IN_SPACE: dict[str, tuple[str, ...]] = {
     "bearing": ("roller_profile", "flanges"),
     "contact": ("slices",),
     "cage": ("axial_clearance",),
-    "shaft": SPRUNG,
+    "shaft": MOUNT_FIELDS,
 }
 """Values that only the spatial model looks at."""
 
 
 def used(case: Case) -> dict[str, Any]:
     """The case as nested values, without what does not shape its numbers."""
-    values: dict[str, Any] = _without(case.model_dump(), IDLE)
+    values: dict[str, Any] = _without(_in_old_words(case.model_dump()), INACTIVE)
     if not _by_material(case) and case.bearing.element == "roller" and not _by_pressure(case):
         material = values["bearing"]["material"]
         del material["young_modulus"], material["poisson_ratio"]
@@ -55,6 +56,12 @@ def used(case: Case) -> dict[str, Any]:
             for name in names if section in values else ():
                 del values[section][name]
     return values
+
+
+def _in_old_words(values: dict[str, Any]) -> dict[str, Any]:
+    """The values by the words that ids were first made of: a new word must not rename results that exist."""
+    new_to_old = {new: old for old, new in OLD_WORDS.items()}
+    return {new_to_old.get(key, key): value for key, value in values.items()}
 
 
 def _by_material(case: Case) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from bearingsim.core.pits.closed_forms import groups_of
 from bearingsim.core.pits.depth import Rectangular
 from bearingsim.core.pits.edge_contact import EdgeContact
-from bearingsim.core.pits.excitations import felt, groups
+from bearingsim.core.pits.excitations import pit_response, response_groups
 from benchmarks.edges.pitted import finite_elements, half_planes, on_race, pitted, race_of
 from benchmarks.edges.pressed import Body, Pressed, press, press_to
 from benchmarks.edges.race import Grading, Slot, depth_at, envelope
@@ -85,8 +85,8 @@ def corrected(pair: Pair, slot: Slot, reference: float, s: float) -> tuple[float
     excitation = EdgeContact(reference / (np.pi * pair.E_star), pair.D, slot.rho)
     width = WIDE if slot.width == inf else slot.width
     pit = Rectangular(1.0, width, slot.depth)
-    (row,) = groups(excitation, pit, groups_of(pit, 1.0, pair.R, 1), pair.R)
-    share, h, _ = felt(excitation, np.array(row), s - width / 2.0, pair.R)
+    (row,) = response_groups(excitation, pit, groups_of(pit, 1.0, pair.R, 1), pair.R)
+    share, h, _ = pit_response(excitation, np.array(row), s - width / 2.0, pair.R)
     return share, h
 
 

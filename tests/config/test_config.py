@@ -97,7 +97,7 @@ def test_damping_is_chosen_by_its_law() -> None:
         ({"step": "fast"}, "expected a time"),
         ({"step": "0 us"}, "above zero"),
         ({"antialias": "no"}, "expected `true` or `false`, got `no`"),
-        ({"prove": "strictly"}, "expected `true`, `strict` or `false`, got `strictly`"),
+        ({"step_check": "strictly"}, "expected `true`, `strict` or `false`, got `strictly`"),
         ({"record": ["ring.speed"]}, "expected `ring.displacement`"),
         ({"record": "ring.velocity"}, "tuple"),
         ({"model": "static", "method": "rk4"}, "the static model has no method, got `rk4`"),

@@ -336,7 +336,7 @@ def test_one_missing_cell_and_a_place_at_zero_are_told_in_words(tmp_path: Path) 
 
 
 def test_a_file_too_large_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(scanfile, "MOST_POINTS", 100)
+    monkeypatch.setattr(scanfile, "MAX_POINTS", 100)
     assert "thin it out" in refusal(gridded(tmp_path / "a.csv", bowl()))
 
 

@@ -10,12 +10,12 @@ from bearingsim import assemble
 from bearingsim.assemble import space
 from bearingsim.config import Case, dataset_names
 from bearingsim.config.rules.slicing import slice_count, slice_ends
-from bearingsim.core.geometry.slices import MAX_SLICES, WEIGHT, ZETA, edges
+from bearingsim.core.geometry.slices import MAX_SLICES, WEIGHT, ZETA, slice_edges
 from bearingsim.core.parts.cage_in_space import CageInPlane
 from bearingsim.core.parts.flanges import NoFlanges
-from bearingsim.core.parts.mounts import Held, Sprung
+from bearingsim.core.parts.mounts import ElasticMount, RigidMount
 from bearingsim.simulation import limits
-from bearingsim.study.jobs import _twin, case_id
+from bearingsim.study.jobs import _baseline, case_id
 
 PIT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
 SPRUNG = {"axial_stiffness": "1e7 N/m", "tilting_stiffness": "1e4 N m/rad"}
@@ -55,7 +55,7 @@ def test_slices_end_where_the_pit_does_and_fill_the_roller(length: float, offset
 
 
 def test_slices_lie_denser_in_a_pit() -> None:
-    ends = edges(12e-3, [(-1.5e-3, 1.5e-3)], 24)
+    ends = slice_edges(12e-3, [(-1.5e-3, 1.5e-3)], 24)
     inside = np.diff(ends[(ends > -1.6e-3) & (ends < 1.6e-3)])
     outside = np.diff(ends[ends < -1.4e-3])
     assert inside.max() < outside.min() / 2.0
@@ -64,7 +64,7 @@ def test_slices_lie_denser_in_a_pit() -> None:
 def test_too_many_slices_are_refused() -> None:
     pits = [(-6e-3 + n * 1e-4, -6e-3 + n * 1e-4 + 5e-5) for n in range(40)]
     with pytest.raises(ValueError, match=f"at most {MAX_SLICES}"):
-        edges(12e-3, pits, 24)
+        slice_edges(12e-3, pits, 24)
 
 
 def test_profiles() -> None:
@@ -98,7 +98,7 @@ def test_flanges_of_the_nf308_stand_on_the_inner_ring_and_one_on_the_outer() -> 
 def test_a_misaligned_ring_leans_where_the_case_says() -> None:
     found = case(misalignment={"inner": "1 mrad", "outer": "-0.5 mrad", "direction": "30 deg"})
     inner, outer = space.inner_mount(found), space.outer_mount(found)
-    assert isinstance(inner, Held)
+    assert isinstance(inner, RigidMount)
     assert inner == pytest.approx((1e-3 * np.cos(np.pi / 6), 0.5e-3), rel=1e-6)
     assert outer == pytest.approx((-0.5e-3 * np.cos(np.pi / 6), -0.25e-3), rel=1e-6)
 
@@ -112,10 +112,10 @@ def test_a_lean_in_degrees_that_was_meant_in_mrad_is_refused() -> None:
 def test_sprung_rings_have_masses_and_inertias() -> None:
     found = case(rig=SPRUNG, shaft=SHAFT | SPRUNG)
     inner, outer = space.inner_mount(found), space.outer_mount(found)
-    assert isinstance(inner, Sprung)
-    assert isinstance(outer, Sprung)
+    assert isinstance(inner, ElasticMount)
+    assert isinstance(outer, ElasticMount)
     assert inner.m == 1.0
-    assert outer.k_lean == 1e4
+    assert outer.k_tilt == 1e4
     assert outer.I_a > outer.I_t > outer.I_a / 2.0  # of a ring
 
 
@@ -175,7 +175,7 @@ def test_too_many_slices_are_told_with_everything_else() -> None:
 def test_the_twin_of_a_job_with_line_loads_keeps_to_its_own_slices() -> None:
     record = ["ring.velocity", "roller.1.outer_line_load"]
     aside = case(defect=PIT | {"length": "2.9 mm", "offset": "1.1 mm"}, record=record)
-    twin = _twin(aside, {})
+    twin = _baseline(aside, {})
     assert twin is not None
     assert slice_count(aside) == 25
     assert slice_count(twin.case) == 24

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from bearingsim.core.jit import jit
 from bearingsim.core.pits.closed_forms import groups_of
-from bearingsim.core.pits.edge_contact import EdgeContact, edge_contact, narrowing, one_edge, two_edges
-from bearingsim.core.pits.excitations import Envelope, felt, groups
-from bearingsim.core.pits.pairs import DEPTH, X_E, B, W
+from bearingsim.core.pits.edge_contact import EdgeContact, edge_contact, narrowed_contact, one_edge, two_edges
+from bearingsim.core.pits.excitations import Envelope, pit_response, response_groups
+from bearingsim.core.pits.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, X_E
 from benchmarks.edges.edge import bodies, corrected_ratio, crossed
 from benchmarks.edges.half_space import two_half_planes
 from benchmarks.edges.pressed import press
@@ -33,7 +33,7 @@ places = st.floats(-0.7, 0.7)
 
 def rows_of(shape, width, depth, length=L_W, excitation=EDGES):
     rows = groups_of(SHAPES[shape](length, width, depth), L_W, R, 6)
-    return [np.array(row) for row in groups(excitation, SHAPES[shape](length, width, depth), rows, R)]
+    return [np.array(row) for row in response_groups(excitation, SHAPES[shape](length, width, depth), rows, R)]
 
 
 def test_a_sharp_edge_of_a_half_plane():
@@ -43,17 +43,17 @@ def test_a_sharp_edge_of_a_half_plane():
     unit = FORCE / (np.pi * PAIR.E_star)
     for xi in (-1.0, -0.5, 0.0, 0.5, 1.0, 3.0, 10.0):
         found = crossed(PAIR, slot, body, FORCE, xi * HALF)
-        f, _ = narrowing(xi)
+        f, _ = narrowed_contact(xi)
         assert (found.approach - found.h - found.smooth) / unit == pytest.approx(f, abs=0.02)
-    assert narrowing(0.0)[0] == pytest.approx(log(3.0), rel=1e-12)
-    assert narrowing(-1.0)[0] == pytest.approx(0.0, abs=1e-12)
+    assert narrowed_contact(0.0)[0] == pytest.approx(log(3.0), rel=1e-12)
+    assert narrowed_contact(-1.0)[0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_where_the_pressure_s_centre_lies():
     """b before the rim as Hertz, a third of the contact at the rim, s before it from farther away."""
-    assert narrowing(-1.0)[1] == pytest.approx(1.0)
-    assert narrowing(0.0)[1] == pytest.approx(2.0 / sqrt(3.0) / 3.0)
-    assert narrowing(-4.0)[1] == pytest.approx(4.0)
+    assert narrowed_contact(-1.0)[1] == pytest.approx(1.0)
+    assert narrowed_contact(0.0)[1] == pytest.approx(2.0 / sqrt(3.0) / 3.0)
+    assert narrowed_contact(-4.0)[1] == pytest.approx(4.0)
 
 
 def test_far_behind_the_rim_it_is_hertz_on_the_edge():
@@ -75,7 +75,7 @@ def test_a_flat_wall(shape, width, depth):
     body = two_half_planes(t, PAIR.E_star, PAIR.D)
     (row,) = rows_of(shape, width, depth, excitation=EDGES._replace(rho=1e-9))
     for x in np.linspace(-1.0, 5.0, 7) * HALF:
-        share, h, _ = felt(EDGES._replace(rho=1e-9), row, x - width / 2.0, R)
+        share, h, _ = pit_response(EDGES._replace(rho=1e-9), row, x - width / 2.0, R)
         found = press(body, gap + (t - x) ** 2 / (2.0 * R), FORCE).approach
         assert h + share**-0.9 * PAIR.approach(FORCE) == pytest.approx(found, rel=0.025)
 
@@ -94,19 +94,19 @@ def test_it_is_the_envelope_with_a_share(shape, width, depth, place):
     for row, usual in zip(
         rows_of(shape, width, depth), rows_of(shape, width, depth, excitation=Envelope()), strict=True
     ):
-        share, h, slope = felt(EDGES, row, place * width, R)
-        _, expected, steepness = felt(Envelope(), usual, place * width, R + EDGES.rho)
+        share, h, slope = pit_response(EDGES, row, place * width, R)
+        _, expected, steepness = pit_response(Envelope(), usual, place * width, R + EDGES.rho)
         assert (h, slope) == pytest.approx((expected, steepness), rel=1e-9, abs=1e-15)
         assert 0.2 < share < 1.3
-        if abs(place * width) >= row[B]:
+        if abs(place * width) >= row[GROUP_HALF_WIDTH]:
             assert (share, h, slope) == (1.0, 0.0, 0.0)
 
 
 @given(shape=shapes, width=widths, depth=depths, place=places)
 def test_slopes_have_the_bound_that_impact_speeds_are_estimated_with(shape, width, depth, place):
     for row in rows_of(shape, width, depth):
-        bound = min(row[B], row[X_E], sqrt(2 * R * row[DEPTH])) / R
-        assert abs(felt(EDGES, row, place * width, R)[2]) <= bound * (1 + 1e-9)
+        bound = min(row[GROUP_HALF_WIDTH], row[X_E], sqrt(2 * R * row[DEPTH])) / R
+        assert abs(pit_response(EDGES, row, place * width, R)[2]) <= bound * (1 + 1e-9)
 
 
 @settings(max_examples=200)
@@ -114,18 +114,18 @@ def test_slopes_have_the_bound_that_impact_speeds_are_estimated_with(shape, widt
 def test_the_approach_at_the_reference_load_is_continuous(width, depth, place):
     """Over rim, middle and the edge of the floor: h + share^(-0.9) delta moves no faster than the geometry."""
     (row,) = rows_of("rectangular", width, depth)
-    assume(row[B] > 1e-9)
-    s, step = place * row[B], 1e-9
-    (share, h, _), (other, sunk, _) = felt(EDGES, row, s, R), felt(EDGES, row, s + step, R)
+    assume(row[GROUP_HALF_WIDTH] > 1e-9)
+    s, step = place * row[GROUP_HALF_WIDTH], 1e-9
+    (share, h, _), (other, sunk, _) = pit_response(EDGES, row, s, R), pit_response(EDGES, row, s + step, R)
     full = PAIR.approach(FORCE)
     change = (h + share**-0.9 * full) - (sunk + other**-0.9 * full)
-    assert abs(change) <= 0.35 * step + 1e-14 + 1e-3 * full * (abs(s) > 0.99 * row[B])
+    assert abs(change) <= 0.35 * step + 1e-14 + 1e-3 * full * (abs(s) > 0.99 * row[GROUP_HALF_WIDTH])
 
 
 def test_a_pit_shorter_than_the_roller():
     rows = rows_of("rectangular", 0.8e-3, 5e-5, length=0.003)
-    assert [row[W] for row in rows] == pytest.approx([0.75, 0.25])
-    assert felt(EDGES, rows[0], 0.0, R) == (1.0, 0.0, 0.0)
+    assert [row[GROUP_WEIGHT] for row in rows] == pytest.approx([0.75, 0.25])
+    assert pit_response(EDGES, rows[0], 0.0, R) == (1.0, 0.0, 0.0)
 
 
 def test_what_cannot_be():
@@ -137,10 +137,10 @@ def test_what_cannot_be():
 def test_compiled_it_is_the_same():
     @jit
     def call(excitation, group, s, R):
-        return felt(excitation, group, s, R)
+        return pit_response(excitation, group, s, R)
 
     for shape, depth in (("rectangular", 5e-5), ("triangular", 5e-6)):
         (row,) = rows_of(shape, 0.8e-3, depth)
         for s in np.linspace(-5e-4, 5e-4, 41):
-            assert call(EDGES, row, s, R) == pytest.approx(felt(EDGES, row, s, R), rel=1e-12)
+            assert call(EDGES, row, s, R) == pytest.approx(pit_response(EDGES, row, s, R), rel=1e-12)
     assert isinstance(EDGES, EdgeContact)

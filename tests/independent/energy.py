@@ -11,7 +11,7 @@ import numpy as np
 from scipy.linalg import solve
 from scipy.optimize import minimize
 
-from bearingsim.core.pits.pairs import RADIUS, depression
+from bearingsim.core.pits.pairs import RADIUS, roller_drop
 
 STEP = 1e-6  # of a state, for the slopes of forces
 CONVERGED = 1e-8  # of the load; rounding of places leaves 1e-10 of it
@@ -34,7 +34,7 @@ def sinking(model):
     if len(pits.head):
         away = pits.head[0, RADIUS] * np.angle(np.exp(1j * (angles(model) - pits.head[0, 2])))
         for row, s in zip(h, away, strict=True):
-            row[:] = [depression(group, s, pits.head[0, 4])[0] for group in pits.groups[0]]
+            row[:] = [roller_drop(group, s, pits.head[0, 4])[0] for group in pits.groups[0]]
     return h
 
 
@@ -50,7 +50,7 @@ def cuts(model, q, tilt):
 
 def outward(away, mount):
     """Distance (Z, slices) of places from a ring's axis, and the direction (Z, slices, 3) away from it."""
-    axis = np.array([mount.lean_x, mount.lean_y, 0.0])
+    axis = np.array([mount.tilt_x, mount.tilt_y, 0.0])
     axis[2] = np.sqrt(1 - axis @ axis)
     across = away - (away @ axis)[..., None] * axis
     rho = np.linalg.norm(across, axis=-1)

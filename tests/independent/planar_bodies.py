@@ -8,20 +8,33 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.core.geometry.motion import elapsed
+from bearingsim.core import layout as lay
+from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
 from bearingsim.core.laws.friction.traction import Traction
 from bearingsim.core.laws.stiffness.series import as_power
-from bearingsim.core.layout import LANES, PHI_C, POSITION, PSI, ROW, VELOCITY, X_C, X_I, Y_C, Y_I, X, Y
 from bearingsim.core.parts.cage import FreeCage, OilDrag, RingGuided, RollerGuided
 from bearingsim.core.parts.shaft import ElasticShaft, TorsionSpring
-from bearingsim.core.pits.pairs import ANGLE, DEPTH, HALF_WIDTH, ON, RADIUS, REDUCED, SIDE, USED, B, W
+from bearingsim.core.pits.pairs import (
+    ANGLE,
+    CARRIER,
+    DEPTH,
+    GROUP_COUNT,
+    GROUP_HALF_WIDTH,
+    GROUP_WEIGHT,
+    HALF_WIDTH,
+    RADIUS,
+    REDUCED_RADIUS,
+    SIDE,
+)
 
 
 def places(Z: int) -> np.ndarray:
-    """Places in the buffer of all that moves, positions then velocities, for Z rollers: (2 * 3 * (LANES + Z),)."""
-    row = np.arange(LANES + Z)
-    return np.concatenate([block + k * ROW + row for block in (POSITION, VELOCITY) for k in range(3)])
+    """Places in the buffer of all that moves, positions then velocities, for Z rollers: (2 * 3 * (FIRST_LANE +
+    Z),).
+    """
+    row = np.arange(lay.FIRST_LANE + Z)
+    return np.concatenate([block + k * lay.ROW + row for block in (lay.POSITION, lay.VELOCITY) for k in range(3)])
 
 
 def dot(a, b):
@@ -62,24 +75,26 @@ class Scene(NamedTuple):
 def scene(model: Any, t: np.ndarray, values: np.ndarray) -> Scene:
     """The bodies of ``values`` (places, n) at ``t`` (n,), s."""
     b = model.bearing
-    p, v = values.reshape(2, 3, LANES + b.Z, -1)
-    time, rate, growth = np.array([elapsed(model.motion, float(x)) for x in t]).T
+    p, v = values.reshape(2, 3, lay.FIRST_LANE + b.Z, -1)
+    time, rate, growth = np.array([kinematic_time(model.motion, float(x)) for x in t]).T
     cage = Body(
-        p[0, X_C] + 1j * p[0, Y_C],
-        v[0, X_C] + 1j * v[0, Y_C],
-        b.theta_0 + b.omega_c * time + p[0, PHI_C],
-        b.omega_c * rate + v[0, PHI_C],
+        p[0, lay.X_C] + 1j * p[0, lay.Y_C],
+        v[0, lay.X_C] + 1j * v[0, lay.Y_C],
+        b.theta_0 + b.omega_c * time + p[0, lay.PHI_C],
+        b.omega_c * rate + v[0, lay.PHI_C],
     )
-    r = (b.R_o + b.R_i) / 2 + p[0, LANES:]
-    along = np.exp(1j * (pockets(b, cage.angle) + p[1, LANES:]))
+    r = (b.R_o + b.R_i) / 2 + p[0, lay.FIRST_LANE :]
+    along = np.exp(1j * (pockets(b, cage.angle) + p[1, lay.FIRST_LANE :]))
     rollers = Body(
         r * along,
-        (v[0, LANES:] + 1j * r * (cage.turns + v[1, LANES:])) * along,
-        (b.omega_c - b.omega_b) * time + p[2, LANES:],
-        (b.omega_c - b.omega_b) * rate + v[2, LANES:],
+        (v[0, lay.FIRST_LANE :] + 1j * r * (cage.turns + v[1, lay.FIRST_LANE :])) * along,
+        (b.omega_c - b.omega_b) * time + p[2, lay.FIRST_LANE :],
+        (b.omega_c - b.omega_b) * rate + v[2, lay.FIRST_LANE :],
     )
-    ring = Body(p[0, X] + 1j * p[0, Y], v[0, X] + 1j * v[0, Y], p[0, PSI], v[0, PSI])
-    inner = Body(p[0, X_I] + 1j * p[0, Y_I], v[0, X_I] + 1j * v[0, Y_I], b.omega_i * time, b.omega_i * rate)
+    ring = Body(p[0, lay.X] + 1j * p[0, lay.Y], v[0, lay.X] + 1j * v[0, lay.Y], p[0, lay.PSI], v[0, lay.PSI])
+    inner = Body(
+        p[0, lay.X_I] + 1j * p[0, lay.Y_I], v[0, lay.X_I] + 1j * v[0, lay.Y_I], b.omega_i * time, b.omega_i * rate
+    )
     return Scene(model, t, rollers, ring, inner, cage, b.omega_i * growth)
 
 
@@ -168,11 +183,11 @@ def race(s: Scene, outer: bool) -> Flow:
 
 def passing(s: Scene, head, ring: Body, n, sign, sweep):
     """Distance (m) of rollers from a pit's middle, infinite if it is not theirs, and its rate (m/s)."""
-    if head[ON] < 0:
+    if head[CARRIER] < 0:
         x = head[RADIUS] * angle_between(ring.angle + head[ANGLE], n)
         return x, head[RADIUS] * (sweep - ring.turns)
     b, own = s.model.bearing, np.full((s.model.bearing.Z, 1), np.inf)
-    own[int(head[ON])] = 0.0
+    own[int(head[CARRIER])] = 0.0
     pit = s.rollers.angle + pockets(b, b.theta_0) + head[ANGLE]
     return own + head[RADIUS] * angle_between(pit, sign * n), head[RADIUS] * (sweep - s.rollers.turns)
 
@@ -180,14 +195,15 @@ def passing(s: Scene, head, ring: Body, n, sign, sweep):
 def over_pit(law, delta, closing, head, groups, x, x_rate) -> Press:
     """Contacts at ``x`` (m) from the middle of a rectangular pit: all its groups together."""
     total = Press(*np.zeros((6, *delta.shape)))
-    for group in groups[: int(head[USED])]:
-        rim = np.maximum(group[B] - np.abs(x), 0)
-        on_floor = rim**2 / (2 * head[REDUCED]) >= group[DEPTH]
-        h = np.where(on_floor, group[DEPTH], rim**2 / (2 * head[REDUCED]))
-        slope = np.where(on_floor, 0, -np.sign(x) * rim / head[REDUCED])
-        aside = -slope * head[RADIUS] if head[ON] < 0 else 0.0  # a roller's own pit turns the roller, not the race
+    for group in groups[: int(head[GROUP_COUNT])]:
+        rim = np.maximum(group[GROUP_HALF_WIDTH] - np.abs(x), 0)
+        on_floor = rim**2 / (2 * head[REDUCED_RADIUS]) >= group[DEPTH]
+        h = np.where(on_floor, group[DEPTH], rim**2 / (2 * head[REDUCED_RADIUS]))
+        slope = np.where(on_floor, 0, -np.sign(x) * rim / head[REDUCED_RADIUS])
+        # a roller's own pit turns the roller, not the race
+        aside = -slope * head[RADIUS] if head[CARRIER] < 0 else 0.0
         part = press(law, delta - h, closing - slope * x_rate, aside, slope * head[RADIUS])
-        total = Press(*(so_far + group[W] * more for so_far, more in zip(total, part, strict=True)))
+        total = Press(*(so_far + group[GROUP_WEIGHT] * more for so_far, more in zip(total, part, strict=True)))
     return total
 
 

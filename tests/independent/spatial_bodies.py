@@ -8,23 +8,33 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.core.geometry.motion import elapsed
-from bearingsim.core.layout import LANES, PHI_C, POSITION, PSI, ROW, VELOCITY, X_C, X_I, X
+from bearingsim.core import layout as lay
+from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.parts.cage import FreeCage, OilDrag, RollerGuided
 from bearingsim.core.parts.cage_in_space import CageInSpace
 from bearingsim.core.parts.flanges import Flanges
-from bearingsim.core.parts.mounts import Sprung
+from bearingsim.core.parts.mounts import ElasticMount
 from bearingsim.core.parts.shaft import ElasticShaft, TorsionSpring
-from bearingsim.core.pits.pairs import ANGLE, DEPTH, ON, ON_INNER, RADIUS, REDUCED, SIDE, B, W
+from bearingsim.core.pits.pairs import (
+    ANGLE,
+    CARRIER,
+    DEPTH,
+    GROUP_HALF_WIDTH,
+    GROUP_WEIGHT,
+    ON_INNER,
+    RADIUS,
+    REDUCED_RADIUS,
+    SIDE,
+)
 from tests.independent.planar_bodies import force, mu
 
 UP = np.array([0.0, 0.0, 1.0])
 
 
 def places(Z: int) -> np.ndarray:
-    """Places in the buffer of all that moves, positions then velocities: (2 * 6 * (LANES + Z),)."""
-    row = np.arange(LANES + Z)
-    return np.concatenate([block + k * ROW + row for block in (POSITION, VELOCITY) for k in range(6)])
+    """Places in the buffer of all that moves, positions then velocities: (2 * 6 * (FIRST_LANE + Z),)."""
+    row = np.arange(lay.FIRST_LANE + Z)
+    return np.concatenate([block + k * lay.ROW + row for block in (lay.POSITION, lay.VELOCITY) for k in range(6)])
 
 
 def dot(a, b):
@@ -102,29 +112,30 @@ def axes(x, y, w_x, w_y):
 def scene(model: Any, t: np.ndarray, values: np.ndarray) -> Scene:
     """The bodies of ``values`` (places, n) at ``t`` (n,), s."""
     b = model.bearing
-    p, v = np.moveaxis(values.reshape(2, 6, LANES + b.Z, -1), -1, 1)
-    time, rate, growth = np.array([elapsed(model.motion, float(x)) for x in t]).T
+    p, v = np.moveaxis(values.reshape(2, 6, lay.FIRST_LANE + b.Z, -1), -1, 1)
+    time, rate, growth = np.array([kinematic_time(model.motion, float(x)) for x in t]).T
 
     def shared(x, number, angle, turns):
         at, moves = (np.stack([q[:, 0, x], q[:, 0, x + 1], q[:, 3, number]], axis=-1) for q in (p, v))
         axis, tips = axes(p[:, 4, number], p[:, 5, number], v[:, 4, number], v[:, 5, number])
         return Body(at, moves, axis, tips, angle, turns)
 
-    ring = shared(X, 0, p[:, 0, PSI], v[:, 0, PSI])
-    cage_angle, cage_turns = b.theta_0 + b.omega_c * time + p[:, 0, PHI_C], b.omega_c * rate + v[:, 0, PHI_C]
-    cage = shared(X_C, 1, cage_angle, cage_turns)
-    inner = shared(X_I, 2, b.omega_i * time, b.omega_i * rate)
-    r, w = (b.R_o + b.R_i) / 2 + p[:, 0, LANES:], cage_turns[:, None] + v[:, 1, LANES:]
-    theta = cage_angle[:, None] + 2 * np.pi * np.arange(b.Z) / b.Z + p[:, 1, LANES:]
+    ring = shared(lay.X, 0, p[:, 0, lay.PSI], v[:, 0, lay.PSI])
+    cage_angle = b.theta_0 + b.omega_c * time + p[:, 0, lay.PHI_C]
+    cage_turns = b.omega_c * rate + v[:, 0, lay.PHI_C]
+    cage = shared(lay.X_C, 1, cage_angle, cage_turns)
+    inner = shared(lay.X_I, 2, b.omega_i * time, b.omega_i * rate)
+    r, w = (b.R_o + b.R_i) / 2 + p[:, 0, lay.FIRST_LANE :], cage_turns[:, None] + v[:, 1, lay.FIRST_LANE :]
+    theta = cage_angle[:, None] + 2 * np.pi * np.arange(b.Z) / b.Z + p[:, 1, lay.FIRST_LANE :]
     e_r, e_t = around(theta)
-    axis, tips = axes(*(q[:, k, LANES:] for q in (p, v) for k in (4, 5)))
+    axis, tips = axes(*(q[:, k, lay.FIRST_LANE :] for q in (p, v) for k in (4, 5)))
     rollers = Body(
-        times(r, e_r) + times(p[:, 3, LANES:], UP),
-        times(v[:, 0, LANES:], e_r) + times(r * w, e_t) + times(v[:, 3, LANES:], UP),
+        times(r, e_r) + times(p[:, 3, lay.FIRST_LANE :], UP),
+        times(v[:, 0, lay.FIRST_LANE :], e_r) + times(r * w, e_t) + times(v[:, 3, lay.FIRST_LANE :], UP),
         axis,
         tips,
-        ((b.omega_c - b.omega_b) * time)[:, None] + p[:, 2, LANES:],
-        ((b.omega_c - b.omega_b) * rate)[:, None] + v[:, 2, LANES:],
+        ((b.omega_c - b.omega_b) * time)[:, None] + p[:, 2, lay.FIRST_LANE :],
+        ((b.omega_c - b.omega_b) * rate)[:, None] + v[:, 2, lay.FIRST_LANE :],
     )
     return Scene(model, t, rollers, ring, inner, cage, b.omega_i * growth)
 
@@ -198,13 +209,13 @@ def race(s: Scene, outer: bool) -> Flow:
 
 def passing(s, head, ring, rollers, outwards, sweep):
     """Distance (m) of slices from a pit's middle, infinite if it is not theirs, and its rate (m/s)."""
-    if head[ON] < 0:
-        about = ring.angle_of(outwards if head[ON] != ON_INNER else -outwards)
+    if head[CARRIER] < 0:
+        about = ring.angle_of(outwards if head[CARRIER] != ON_INNER else -outwards)
         return head[RADIUS] * wrapped(about - head[ANGLE]), head[RADIUS] * sweep
     Z = s.model.bearing.Z
-    theirs = np.where(np.arange(Z) == int(head[ON]), 0.0, np.inf)[:, None]
+    theirs = np.where(np.arange(Z) == int(head[CARRIER]), 0.0, np.inf)[:, None]
     # a roller's pit is at ``angle`` from its outermost point at t = 0
-    start = s.model.bearing.theta_0 + 2 * np.pi * int(head[ON]) / Z
+    start = s.model.bearing.theta_0 + 2 * np.pi * int(head[CARRIER]) / Z
     x = theirs + head[RADIUS] * wrapped(rollers.angle_of(outwards) - start - head[ANGLE])
     return x, head[RADIUS] * (sweep + dot(ring.rotation() - rollers.rotation(), ring.axis))
 
@@ -216,10 +227,12 @@ def wrapped(angle):
 
 def box(head, groups, x):
     """Sinking (m) and its slope at ``x`` (m) from the middle of a rectangular pit that some slices meet."""
-    rim = np.maximum(groups[:, B] - np.abs(x), 0)
-    h = np.minimum(rim**2 / (2 * head[REDUCED]), groups[:, DEPTH])
-    floor = rim**2 / (2 * head[REDUCED]) >= groups[:, DEPTH]
-    return h * groups[:, W], np.where(floor, 0, -np.sign(x) * rim / head[REDUCED]) * groups[:, W]
+    rim = np.maximum(groups[:, GROUP_HALF_WIDTH] - np.abs(x), 0)
+    h = np.minimum(rim**2 / (2 * head[REDUCED_RADIUS]), groups[:, DEPTH])
+    floor = rim**2 / (2 * head[REDUCED_RADIUS]) >= groups[:, DEPTH]
+    return h * groups[:, GROUP_WEIGHT], np.where(floor, 0, -np.sign(x) * rim / head[REDUCED_RADIUS]) * groups[
+        :, GROUP_WEIGHT
+    ]
 
 
 def flanges(s: Scene) -> Flow:
@@ -368,9 +381,9 @@ def outside(s: Scene):
         sprung = -shaft.k * flat * s.inner.at - shaft.c * flat * s.inner.moves
         pushes.append((s.inner.at, load + flung + sprung, s.inner.moves))
     for mount, ring in ((model.mount_o, s.ring), (model.mount_i, s.inner)):
-        if isinstance(mount, Sprung):
-            lean = ring.axis - np.array([mount.lean_x, mount.lean_y, 0.0])
-            pull = flat * (-mount.k_lean * lean - mount.c_lean * ring.tips)
+        if isinstance(mount, ElasticMount):
+            lean = ring.axis - np.array([mount.tilt_x, mount.tilt_y, 0.0])
+            pull = flat * (-mount.k_tilt * lean - mount.c_tilt * ring.tips)
             twists.append((np.cross(ring.axis, pull), ring.rotation()))
             along = times(-mount.k_z * ring.at[:, 2] - mount.c_z * ring.moves[:, 2], UP)
             pushes.append((ring.at, along, ring.moves))

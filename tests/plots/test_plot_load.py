@@ -10,7 +10,7 @@ import pytest
 from bearingsim.config.rules.slicing import slice_ends
 from bearingsim.core.geometry.kinematics import cage_speed
 from bearingsim.plots import PlotError
-from bearingsim.plots.line_load import Loaded, instants
+from bearingsim.plots.line_load import LoadAlong, instants
 from bearingsim.plots.plot import drawn
 from tests.config.test_scan import bowl, gridded
 from tests.plots.test_plots import only, results
@@ -240,12 +240,12 @@ def test_instants_do_not_need_the_whole_pit_to_be_lifted():
     load = np.full((2, 9), 4.0)
     load[1, 3:6] = 2.0
     passage: Any = SimpleNamespace(pit=SimpleNamespace(z=(0.0, 1.0)))
-    one = Loaded("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
+    one = LoadAlong("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
     assert instants(one) == {"before": 0, "over the pit": 4, "largest after": 6, "after": 8}
 
 
 def test_the_largest_load_is_that_of_forces_not_of_line_loads():
     """A slice of a tenth of the length counts a tenth."""
     load = np.array([[1.0, 1.0, 2.0], [1.0, 9.0, 2.0]])
-    one = Loaded("c", np.arange(3.0), load, np.array([0.0, 10.0, 11.0]), None, {})
+    one = LoadAlong("c", np.arange(3.0), load, np.array([0.0, 10.0, 11.0]), None, {})
     assert instants(one) == {"largest load": 2, "least load": 0}

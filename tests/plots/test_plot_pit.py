@@ -9,10 +9,10 @@ import pytest
 from bearingsim import store
 from bearingsim.core.pits.closed_forms import bowl, box, groove
 from bearingsim.core.pits.depth import Circular, Merged, Placed
-from bearingsim.core.pits.pairs import depression
+from bearingsim.core.pits.pairs import roller_drop
 from bearingsim.plots import PlotError, plot
 from bearingsim.plots.pit import SECTION_IN, exaggeration
-from bearingsim.plots.pit_shape import cut, pits_of, told_apart
+from bearingsim.plots.pit_shape import cut, distinct_sections, pits_of
 from bearingsim.plots.plot import drawn as figures
 from bearingsim.store import case_of, flat_parameters
 from bearingsim.study import load_study
@@ -44,7 +44,7 @@ def test_the_path_drawn_is_the_one_the_model_feels(shape, z, depth):
     made = pit(shape=shape, depth=depth)
     assert pytest.approx(R) == made.R
     drawn, row = cut(made, z), np.array([1.0, *group(shape, depth, z)])
-    felt = [depression(row, float(s), R)[0] for s in drawn.s]
+    felt = [roller_drop(row, float(s), R)[0] for s in drawn.s]
     assert np.max(np.abs(drawn.h - felt)) < 1e-3 * np.max(felt)
     assert np.all(drawn.h <= drawn.p + 1e-12)
 
@@ -59,13 +59,13 @@ def test_a_pit_stands_about_its_own_middle():
 
 def test_the_deepest_section_is_drawn_and_the_middle_if_it_is_another():
     made = pit()
-    assert told_apart(made) == pytest.approx([0.0], abs=1e-12)
+    assert distinct_sections(made) == pytest.approx([0.0], abs=1e-12)
     beside = Placed(Circular(1e-3, 0.5e-3, 60e-6), 0.0, 1e-3)
-    assert told_apart(made._replace(map=Merged((made.map, beside)))) == pytest.approx([1e-3, 0.0], abs=1e-5)
+    assert distinct_sections(made._replace(map=Merged((made.map, beside)))) == pytest.approx([1e-3, 0.0], abs=1e-5)
     as_deep = Placed(Circular(1e-3, 0.5e-3, 50.5e-6), 0.0, 1e-3)
-    assert told_apart(made._replace(map=Merged((made.map, as_deep)))) == pytest.approx([0.0], abs=1e-12)
+    assert distinct_sections(made._replace(map=Merged((made.map, as_deep)))) == pytest.approx([0.0], abs=1e-12)
     alone = made._replace(map=beside)
-    assert told_apart(alone) == pytest.approx([1e-3], abs=1e-5)
+    assert distinct_sections(alone) == pytest.approx([1e-3], abs=1e-5)
 
 
 @pytest.mark.parametrize(("height", "times"), [(1e-3, 1.0), (1e-4, 5.0), (3e-5, 20.0), (3e-6, 200.0)])

@@ -324,13 +324,13 @@ def test_nothing_lies_outside_the_sheet(results):
     ("first", "second", "ordered"), [(3, 1, False), (2, 3, False), (9, 1, True), (5, 2, True)]
 )
 def test_curves_differ_even_in_grey(first, second, ordered):
-    table = [look for row in style.looks(first, second, ordered) for look in row]
+    table = [look for row in style.curve_styles(first, second, ordered) for look in row]
     assert len({(look.marker, look.filled, str(look.line)) for look in table}) == first * second
     assert len({look.colour for look in table}) == first
 
 
 def test_shades_grow_lighter():
-    shades = [sum(to_rgb(row[0].colour)) for row in style.looks(9, 1, True)]
+    shades = [sum(to_rgb(row[0].colour)) for row in style.curve_styles(9, 1, True)]
     assert shades == sorted(shades)
 
 

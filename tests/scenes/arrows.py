@@ -4,22 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.layout import (
-    BY_POSITION,
-    BY_VELOCITY,
-    LANES,
-    PHI_C,
-    ROW,
-    STATE,
-    VECTOR,
-    border_block,
-    buffer,
-    from_border,
-    own_block,
-    shared_cell,
-    to_border,
-)
-from bearingsim.core.models.interface import freedoms, width
+from bearingsim.core import layout as lay
+from bearingsim.core.models.interface import degrees_of_freedom, state_width
 
 
 class Sized(NamedTuple):
@@ -30,21 +16,21 @@ class Sized(NamedTuple):
     Z: int
 
 
-@width.register(Sized)
-def _width(model):
-    lanes = (model.Z + VECTOR - 1) // VECTOR * VECTOR
-    return LANES if model.own == 0 else (model.own - 1) * ROW + LANES + lanes
+@state_width.register(Sized)
+def _state_width(model):
+    lanes = (model.Z + lay.VECTOR_WIDTH - 1) // lay.VECTOR_WIDTH * lay.VECTOR_WIDTH
+    return lay.FIRST_LANE if model.own == 0 else (model.own - 1) * lay.ROW + lay.FIRST_LANE + lanes
 
 
-@freedoms.register(Sized)
-def _freedoms(model):
+@degrees_of_freedom.register(Sized)
+def _degrees_of_freedom(model):
     return model.own, model.shared
 
 
 def cells(model: Sized, block: int = 0) -> np.ndarray:
     """Where the coordinates stand in a state block, in the order of the dense matrix: rollers, then border."""
-    rollers = [block + i * ROW + LANES + j for j in range(model.Z) for i in range(model.own)]
-    return np.array(rollers + [block + shared_cell(k) for k in range(model.shared)])
+    rollers = [block + i * lay.ROW + lay.FIRST_LANE + j for j in range(model.Z) for i in range(model.own)]
+    return np.array(rollers + [block + lay.shared_cell(k) for k in range(model.shared)])
 
 
 def places(model: Sized, matrix: int) -> np.ndarray:
@@ -54,11 +40,11 @@ def places(model: Sized, matrix: int) -> np.ndarray:
     where = np.full((N + shared, N + shared), -1)
     for j in range(Z):
         at = slice(own * j, own * (j + 1))
-        where[at, at] = [[own_block(matrix, i, k) + j for k in range(own)] for i in range(own)]
+        where[at, at] = [[lay.diagonal_block(matrix, i, k) + j for k in range(own)] for i in range(own)]
         if own:
-            where[at, N:] = [[from_border(matrix, i, k) + j for k in range(shared)] for i in range(own)]
-            where[N:, at] = [[to_border(matrix, k, i) + j for i in range(own)] for k in range(shared)]
-    where[N:, N:] = [[border_block(matrix, k, m) for m in range(shared)] for k in range(shared)]
+            where[at, N:] = [[lay.border_column(matrix, i, k) + j for k in range(shared)] for i in range(own)]
+            where[N:, at] = [[lay.border_row(matrix, k, i) + j for i in range(own)] for k in range(shared)]
+    where[N:, N:] = [[lay.corner_block(matrix, k, m) for m in range(shared)] for k in range(shared)]
     return where
 
 
@@ -77,27 +63,27 @@ RANDOM = np.random.default_rng(5)
 def turning(model: Sized) -> np.ndarray:
     """T of x_absolute = T x: each roller's angle is counted from where the cage has turned to."""
     T = np.eye(model.own * model.Z + model.shared)
-    if model.own > 1 and model.shared > PHI_C:
-        T[1 : model.own * model.Z : model.own, model.own * model.Z + PHI_C] = 1.0
+    if model.own > 1 and model.shared > lay.PHI_C:
+        T[1 : model.own * model.Z : model.own, model.own * model.Z + lay.PHI_C] = 1.0
     return T
 
 
 def random_arrows(model: Sized, scatter: float | np.ndarray = 0.2) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A buffer with random derivatives, and these dense, in the coordinates of the state."""
-    y = buffer(model.Z, 1.0)
+    y = lay.buffer(model.Z, 1.0)
     T = turning(model)
-    by_position = np.linalg.solve(T, fill(model, BY_POSITION, scatter, y) @ T)
-    by_velocity = np.linalg.solve(T, fill(model, BY_VELOCITY, scatter, y) @ T)
+    by_position = np.linalg.solve(T, fill(model, lay.POSITION_JACOBIAN, scatter, y) @ T)
+    by_velocity = np.linalg.solve(T, fill(model, lay.VELOCITY_JACOBIAN, scatter, y) @ T)
     return y, by_position, by_velocity
 
 
 def sprung(model: Sized, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A buffer with -M^-1 sum_j k_j n_j n_j^T in BY_POSITION, springs (Z, s) from each roller to the border.
+    """A buffer with -M^-1 sum_j k_j n_j n_j^T in POSITION_JACOBIAN, springs (Z, s) from each roller to the border.
 
     And this, dense. In absolute angles. The units of coordinates, and with them M, differ by up to 1e6.
     """
     own, shared, Z = model
-    y, size = buffer(Z, 1.0), own * Z + shared
+    y, size = lay.buffer(Z, 1.0), own * Z + shared
     units = 10.0 ** RANDOM.uniform(-3, 3, size)
     dense = np.zeros((size, size))
     for j, stiffness in enumerate(k):
@@ -105,11 +91,11 @@ def sprung(model: Sized, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         for one in stiffness:
             n = RANDOM.standard_normal(len(at)) * units[at]
             dense[np.ix_(at, at)] -= one * np.outer(n, n) / units[at, np.newaxis] ** 2
-    where = places(model, BY_POSITION)
+    where = places(model, lay.POSITION_JACOBIAN)
     y[where[where >= 0]] = dense[where >= 0]
     return y, dense
 
 
 def unused(model: Sized, block: int) -> np.ndarray:
     """Cells of a state block that belong to no coordinate."""
-    return np.setdiff1d(np.arange(block, block + STATE), cells(model, block))
+    return np.setdiff1d(np.arange(block, block + lay.STATE), cells(model, block))

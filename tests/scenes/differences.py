@@ -4,27 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.core.layout import (
-    ACCELERATION,
-    BY_POSITION,
-    BY_VELOCITY,
-    LANES,
-    PHI_C,
-    POSITION,
-    ROW,
-    SYSTEM,
-    VELOCITY,
-    border_block,
-    from_border,
-    own_block,
-    shared_cell,
-    to_border,
-)
-from bearingsim.core.models.interface import accelerations, freedoms, linearise
+from bearingsim.core import layout as lay
+from bearingsim.core.models.interface import accelerations, degrees_of_freedom, linearise
 from tests.scenes.lanes import compiled
 
 ORBIT = 1  # a roller's coordinate that counts absolutely: its angle
-MATRICES = ((BY_POSITION, POSITION), (BY_VELOCITY, VELOCITY))
+MATRICES = ((lay.POSITION_JACOBIAN, lay.POSITION), (lay.VELOCITY_JACOBIAN, lay.VELOCITY))
 
 
 @compiled
@@ -39,25 +24,25 @@ def derive(model, t, y):
 
 def cells(model: Any) -> np.ndarray:
     """Where the model's coordinates stand in a block: the shared ones, then each of all rollers in turn."""
-    own, shared = freedoms(model)
-    rollers = [LANES + i * ROW + j for i in range(own) for j in range(model.bearing.Z)]
-    return np.array([shared_cell(k) for k in range(shared)] + rollers)
+    own, shared = degrees_of_freedom(model)
+    rollers = [lay.FIRST_LANE + i * lay.ROW + j for i in range(own) for j in range(model.bearing.Z)]
+    return np.array([lay.shared_cell(k) for k in range(shared)] + rollers)
 
 
 def in_full(model: Any, matrix: int, y: np.ndarray) -> np.ndarray:
     """An arrow as a dense matrix (N, N), in the order of ``cells``."""
-    (own, shared), Z = freedoms(model), model.bearing.Z
+    (own, shared), Z = degrees_of_freedom(model), model.bearing.Z
     full = np.zeros((shared + own * Z, shared + own * Z))
     rows = [shared + i * Z + np.arange(Z) for i in range(own)]
     for k in range(shared):
         for m in range(shared):
-            full[k, m] = y[border_block(matrix, k, m)]
+            full[k, m] = y[lay.corner_block(matrix, k, m)]
         for i in range(own):
-            full[rows[i], k] = y[from_border(matrix, i, k) :][:Z]
-            full[k, rows[i]] = y[to_border(matrix, k, i) :][:Z]
+            full[rows[i], k] = y[lay.border_column(matrix, i, k) :][:Z]
+            full[k, rows[i]] = y[lay.border_row(matrix, k, i) :][:Z]
     for i in range(own):
         for m in range(own):
-            full[rows[i], rows[m]] = y[own_block(matrix, i, m) :][:Z]
+            full[rows[i], rows[m]] = y[lay.diagonal_block(matrix, i, m) :][:Z]
     return full
 
 
@@ -65,17 +50,17 @@ def derivatives(model: Any, t: float, y: np.ndarray) -> list[np.ndarray]:
     """d(acceleration)/d(position) and /d(velocity) (N, N) of the model."""
     y = y.copy()
     evaluate(model, t, y)
-    y[BY_POSITION:SYSTEM] = np.nan  # nothing may survive
+    y[lay.POSITION_JACOBIAN : lay.SYSTEM] = np.nan  # nothing may survive
     derive(model, t, y)
     return [in_full(model, matrix, y) for matrix, _ in MATRICES]
 
 
 def absolutely(model: Any, y: np.ndarray, block: int) -> np.ndarray:
     """Values (N,) of the model's coordinates in a block, rollers' angles counted absolutely."""
-    (own, shared), Z = freedoms(model), model.bearing.Z
+    (own, shared), Z = degrees_of_freedom(model), model.bearing.Z
     values = y[block + cells(model)]
     if own > ORBIT:
-        values[shared + ORBIT * Z : shared + (ORBIT + 1) * Z] += y[block + PHI_C]
+        values[shared + ORBIT * Z : shared + (ORBIT + 1) * Z] += y[block + lay.PHI_C]
     return values
 
 
@@ -83,8 +68,8 @@ def moved(model: Any, y: np.ndarray, block: int, cell: int, by: float) -> np.nda
     """The buffer with one coordinate moved; rollers stay where they are while the cage turns."""
     y = y.copy()
     y[block + cell] += by
-    if cell == PHI_C and freedoms(model)[0] > ORBIT:
-        eps = block + LANES + ORBIT * ROW
+    if cell == lay.PHI_C and degrees_of_freedom(model)[0] > ORBIT:
+        eps = block + lay.FIRST_LANE + ORBIT * lay.ROW
         y[eps : eps + model.bearing.Z] -= by
     return y
 
@@ -99,7 +84,7 @@ def differences(model: Any, t: float, y: np.ndarray, steps: tuple[np.ndarray, np
             for part in (-2.0, -1.0, 1.0, 2.0):
                 shifted = moved(model, y, block, cell, part * h)
                 evaluate(model, t, shifted)
-                values.append(absolutely(model, shifted, ACCELERATION))
+                values.append(absolutely(model, shifted, lay.ACCELERATION))
             columns.append((8.0 * (values[2] - values[1]) - (values[3] - values[0])) / (12.0 * h))
         full.append(np.array(columns).T)
     return full

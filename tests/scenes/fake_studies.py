@@ -62,7 +62,7 @@ class FakeJob:
     case: FakeCase
     swept: dict[str, float | str]
     healthy: str | None
-    twin: bool = False
+    is_baseline: bool = False
 
 
 @dataclass
@@ -77,13 +77,14 @@ class FakeStudy:
     quick: bool = False
     units: dict[str, str] = field(default_factory=lambda: {"defect.width": "mm"})
     figures: tuple[Any, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def jobs(self) -> list[Any]:
         twin = FakeCase(healthy=True, seconds=self.seconds)
         twin_id = case_id(twin)
         cases = [FakeCase(w, self.deeds.get(i, ""), self.seconds) for i, w in enumerate(self.widths)]
         jobs = [FakeJob(case_id(case), case, {"defect.width": case.width}, twin_id) for case in cases]
-        return [*jobs, FakeJob(twin_id, twin, {}, None, twin=True)]
+        return [*jobs, FakeJob(twin_id, twin, {}, None, is_baseline=True)]
 
 
 def case_id(case: FakeCase) -> str:

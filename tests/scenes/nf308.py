@@ -6,20 +6,20 @@ import numpy as np
 
 from bearingsim import assemble
 from bearingsim.config import Case
-from bearingsim.core.advance import RING, Watch, advance
-from bearingsim.core.layout import Q_I, Q_O
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import RING_MOTION, Monitor, advance
 from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import begin
-from bearingsim.core.outcomes import FINE
+from bearingsim.core.outcomes import SUCCESS
 
 ON_INNER_RACE, ON_A_ROLLER = {"race": "inner"}, {"race": "roller"}  # of a defect: what carries it
-PLACES = np.array([*RING, Q_O, Q_I])  # the ring's motion, and the first roller's forces
+PLACES = np.array([*RING_MOTION, lay.Q_O, lay.Q_I])  # the ring's motion, and the first roller's forces
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 
 
 def case(**given: Any) -> Case:
     """The NF308 at 1800 rpm and 150 N in `rollers`, healthy unless a defect is given, its step taken unproven."""
-    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers", "prove": False}
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers", "step_check": False}
     return Case.model_validate(base | given)
 
 
@@ -34,7 +34,7 @@ def light_rollers(factor: float) -> dict[str, Any]:
 def at_rest(model: Any, t: float = 0.0) -> np.ndarray:
     """A buffer with the model at static equilibrium."""
     y = assemble.empty_buffer(model)
-    assert rest_from_scratch(assemble.statics(model), t, y) <= 1e-8 * model.support.F
+    assert rest_from_scratch(assemble.static_model(model), t, y) <= 1e-8 * model.support.F
     begin(model, t, y)
     return y
 
@@ -43,6 +43,6 @@ def drive(model: Any, method: Any, steps: int, y: np.ndarray | None = None, pati
     """Recording (len(PLACES), steps) from rest, or from ``y``."""
     y = at_rest(model) if y is None else y
     out = np.empty((len(PLACES), steps))
-    taken, outcome, _ = advance(method, model, Watch(8, patience), 0, y, PLACES, out)
-    assert (taken, outcome) == (steps, FINE)
+    taken, outcome, _ = advance(method, model, Monitor(8, patience), 0, y, PLACES, out)
+    assert (taken, outcome) == (steps, SUCCESS)
     return out

@@ -1,6 +1,6 @@
 """Models so small that they have known solutions, for the tests of methods; registered for these tests only.
 
-Each is the radial coordinate ``Q`` of one roller of 1 kg.
+Each is the radial coordinate ``RADIAL`` of one roller of 1 kg.
 """
 
 from math import cos, exp, inf, pi, sqrt
@@ -8,12 +8,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import EVALUATED, FAILED, H_NEXT, LANES, REFUSED, TAKEN, A, Q, V, buffer
 from bearingsim.core.methods.interface import prepare, step
-from bearingsim.core.models.interface import accelerations, freedoms, keep_extremes, watched, width
+from bearingsim.core.models.interface import (
+    accelerations,
+    degrees_of_freedom,
+    monitored,
+    state_width,
+    update_extremes,
+)
 from bearingsim.core.parameters import Bearing
-from bearingsim.core.pits.jumps import next_cusp
+from bearingsim.core.pits.jumps import next_jump
 
 UNIT = Bearing(1, 1.0, 3.0, 1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0)
 
@@ -47,7 +53,7 @@ class Bounce(NamedTuple):
 
 
 class Switched(NamedTuple):
-    """q'' = P (1 + q') up to the time ``at``, -P after it: a jump, of which ``next_cusp`` tells."""
+    """q'' = P (1 + q') up to the time ``at``, -P after it: a jump, of which ``next_jump`` tells."""
 
     P: float
     at: float
@@ -62,46 +68,46 @@ class Unfinished(NamedTuple):
 
 
 for _model in (Oscillator, Swing, Bounce, Switched, Unfinished):
-    width.register(_model)(lambda model: LANES + 8)
-    watched.register(_model)(lambda model: 1)
-    freedoms.register(_model)(lambda model: (1, 0))
-    keep_extremes.register(_model)(lambda model, y: None)
+    state_width.register(_model)(lambda model: lay.FIRST_LANE + 8)
+    monitored.register(_model)(lambda model: 1)
+    degrees_of_freedom.register(_model)(lambda model: (1, 0))
+    update_extremes.register(_model)(lambda model, y: None)
     if _model is not Switched:
-        next_cusp.register(_model)(lambda model, t, y: inf)
-next_cusp.register(Switched)(lambda model, t, y: model.at if t < model.at else inf)
+        next_jump.register(_model)(lambda model, t, y: inf)
+next_jump.register(Switched)(lambda model, t, y: model.at if t < model.at else inf)
 
 
 @accelerations.register(Oscillator)
 def _accelerations_oscillator(model, t, y):
-    y[A] = -model.K * y[Q] - model.C * y[V] + model.P * cos(model.w * t)
+    y[lay.RADIAL_A] = -model.K * y[lay.RADIAL] - model.C * y[lay.RADIAL_V] + model.P * cos(model.w * t)
 
 
 @accelerations.register(Swing)
 def _accelerations_swing(model, t, y):
-    q, v = y[Q], y[V]
-    y[A] = -model.K * (q - q * q * q / 6.0) - model.C * v * (1.0 + v * v) + model.P * cos(t)
+    q, v = y[lay.RADIAL], y[lay.RADIAL_V]
+    y[lay.RADIAL_A] = -model.K * (q - q * q * q / 6.0) - model.C * v * (1.0 + v * v) + model.P * cos(t)
 
 
 @accelerations.register(Bounce)
 def _accelerations_bounce(model, t, y):
-    y[A] = -model.g + model.K * max(-y[Q], 0.0) ** model.n
+    y[lay.RADIAL_A] = -model.g + model.K * max(-y[lay.RADIAL], 0.0) ** model.n
 
 
 @accelerations.register(Switched)
 def _accelerations_switched(model, t, y):
-    y[A] = model.P * (1.0 + y[V]) if t < model.at else -model.P
+    y[lay.RADIAL_A] = model.P * (1.0 + y[lay.RADIAL_V]) if t < model.at else -model.P
 
 
 @accelerations.register(Unfinished)
 def _accelerations_unfinished(model, t, y):
-    y[A] = 1.0 if t < model.end else np.nan
+    y[lay.RADIAL_A] = 1.0 if t < model.end else np.nan
 
 
 @jit
 def start(method, model, t, q, v, y):
     """Put the roller in its place, ready for the first step."""
     y[:] = 0.0
-    y[Q], y[V] = q, v
+    y[lay.RADIAL], y[lay.RADIAL_V] = q, v
     accelerations(model, t, y)
     prepare(method, model, t, y)
 
@@ -111,12 +117,12 @@ def go(method, model, first, y, out):
     """Take len(out) steps from step number ``first``, recording place and speed after each: out (n, 2)."""
     for n in range(len(out)):
         step(method, model, (first + n) * method.h, y)
-        out[n, 0], out[n, 1] = y[Q], y[V]
+        out[n, 0], out[n, 1] = y[lay.RADIAL], y[lay.RADIAL_V]
 
 
 def run(method: Any, model: Any, steps: int, q: float = 0.5, v: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
     """Places and speeds (steps, 2) from (q, v) at t = 0, and the buffer."""
-    y, out = buffer(1, 1.0), np.empty((steps, 2))
+    y, out = lay.buffer(1, 1.0), np.empty((steps, 2))
     start(method, model, 0.0, q, v, y)
     go(method, model, 0, y, out)
     return out, y
@@ -126,12 +132,12 @@ def at_even_steps(parameters: type, model: Any, h: float, steps: int, q: float, 
     """The end state (2,) of any method, adaptive or not, in ``steps`` steps of ``h`` (s)."""
     if "longest" not in parameters._fields:  # type: ignore[attr-defined]
         return run(parameters(h), model, steps, q, v)[0][-1]
-    y, out = buffer(1, 1.0), np.empty((steps, 2))
+    y, out = lay.buffer(1, 1.0), np.empty((steps, 2))
     method = tolerant(parameters, h, h)
     start(method, model, 0.0, q, v, y)
-    y[H_NEXT] = h
+    y[lay.H_NEXT] = h
     go(method, model, 0, y, out)
-    assert y[TAKEN] == steps
+    assert y[lay.STEPS_TAKEN] == steps
     return out[-1]
 
 
@@ -147,7 +153,12 @@ def tight(parameters: Any, h: float, tolerance: float, longest: float = 1.0) -> 
 
 def counts(y: np.ndarray) -> dict[str, float]:
     """What a run took."""
-    return {"taken": y[TAKEN], "refused": y[REFUSED], "evaluated": y[EVALUATED], "failed": y[FAILED]}
+    return {
+        "taken": y[lay.STEPS_TAKEN],
+        "refused": y[lay.STEPS_REJECTED],
+        "evaluated": y[lay.EVALUATIONS],
+        "failed": y[lay.FAILED],
+    }
 
 
 def swung(K: float, C: float, t: float, q: float, v: float) -> np.ndarray:

@@ -4,33 +4,43 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.assemble.rest import statics, still
-from bearingsim.core.advance import Watch, advance, start_at_rest
+from bearingsim.assemble.rest import static_bearing, static_model
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import Monitor, advance, start_at_rest
 from bearingsim.core.geometry.motion import Steady
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.laws.friction.frictionless import Frictionless
-from bearingsim.core.laws.friction.interface import mu, steepest
+from bearingsim.core.laws.friction.interface import mu, mu_slope_bound
 from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
-from bearingsim.core.layout import EPS, PHI_C, POSITION, Q_I, Q_O, VELOCITY, X, Y, buffer
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import mean_rest, rest_from_scratch
 from bearingsim.core.models.planar import Planar
-from bearingsim.core.outcomes import FINE
+from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.parts.cage import Centred, FreeCage, OilDrag, RollerGuided
 from bearingsim.core.parts.shaft import FixedRing, RigidShaft, TorsionSpring
 from bearingsim.core.pits.closed_forms import groups_of
 from bearingsim.core.pits.depth import Rectangular
 from bearingsim.core.pits.excitations import Envelope
-from bearingsim.core.pits.pairs import INNER, ON_INNER, ON_OUTER, OUTER, Meeting, pits
+from bearingsim.core.pits.pairs import INNER, ON_INNER, ON_OUTER, OUTER, RollerPitPair, pack_pits
 from tests.independent import planar
 
 FAR = 0.01  # m: a pocket that no roller touches
-PLACES = np.array([POSITION + X, POSITION + Y, VELOCITY + X, VELOCITY + Y, VELOCITY + PHI_C, Q_O, Q_I])
+PLACES = np.array(
+    [
+        lay.POSITION + lay.X,
+        lay.POSITION + lay.Y,
+        lay.VELOCITY + lay.X,
+        lay.VELOCITY + lay.Y,
+        lay.VELOCITY + lay.PHI_C,
+        lay.Q_O,
+        lay.Q_I,
+    ]
+)
 
 
 class Unclamped(NamedTuple):
@@ -67,8 +77,8 @@ def _mu_zone(law, v, u):
     return law.mu * min(max(v / law.v, -1.0), 1.0)
 
 
-@steepest.register(Zone)
-def _steepest_zone(law, u):
+@mu_slope_bound.register(Zone)
+def _mu_slope_bound_zone(law, u):
     return law.mu / law.v
 
 
@@ -82,7 +92,7 @@ def friction(given: Any) -> Any:
     return StaticDynamic(mu_s, mu_d, 0.02, 0.1)
 
 
-def meetings(scene: planar.Scene, pit: planar.Pit) -> list[Meeting]:
+def meetings(scene: planar.Scene, pit: planar.Pit) -> list[RollerPitPair]:
     """A box over the full length, as each contact meets it."""
     rings: dict[Any, tuple[int, float, tuple[int, ...]]] = {
         planar.OUTER: (ON_OUTER, scene.R_o, (OUTER,)),
@@ -91,7 +101,7 @@ def meetings(scene: planar.Scene, pit: planar.Pit) -> list[Meeting]:
     on, radius, sides = rings.get(pit.on) or (pit.on[1], scene.R_w, (OUTER, INNER))
     reduced = {OUTER: scene.reduced(planar.OUTER), INNER: scene.reduced(planar.INNER)}
     return [
-        Meeting(
+        RollerPitPair(
             side,
             on,
             pit.angle,
@@ -121,8 +131,10 @@ def carried(scene: planar.Scene) -> Planar:
     )
     law = (HuntCrossley if scene.clamp else Unclamped)(TenNinths(scene.elastic.k), scene.damping.chi)
     load = complex(scene.load)
-    healthy = still(bearing, Support(load.real, load.imag, 0.0, 0.0, 0.0, 0.0), law, law, pits([], Envelope()))
-    rest = mean_rest(healthy, law, law, buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference
+    healthy = static_bearing(
+        bearing, Support(load.real, load.imag, 0.0, 0.0, 0.0, 0.0), law, law, pack_pits([], Envelope())
+    )
+    rest = mean_rest(healthy, law, law, lay.buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference
     wall = HuntCrossley(Linear(max(scene.pocket_stiffness, 1.0)), scene.pocket_chi)
     free = FreeCage(
         m=scene.cage_mass,
@@ -137,7 +149,7 @@ def carried(scene: planar.Scene) -> Planar:
         support=Support(load.real, load.imag, scene.k_b, scene.c_b, rest.x, rest.y),
         outer=law,
         inner=law,
-        pits=pits([one for pit in scene.pits for one in meetings(scene, pit)], Envelope()),
+        pits=pack_pits([one for pit in scene.pits for one in meetings(scene, pit)], Envelope()),
         motion=Steady(),
         friction=friction(scene.friction),
         cage=free,
@@ -151,14 +163,14 @@ def carried(scene: planar.Scene) -> Planar:
 def simulate(scene: planar.Scene, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
     """Times (n + 1,) s and the rows PLACES (7, n + 1), from the static start by RK4, friction without lag."""
     model = carried(scene)
-    y = buffer(scene.Z, scene.m_r)
-    assert rest_from_scratch(statics(model), 0.0, y) <= 1e-8 * abs(scene.load)
+    y = lay.buffer(scene.Z, scene.m_r)
+    assert rest_from_scratch(static_model(model), 0.0, y) <= 1e-8 * abs(scene.load)
     if len(scene.eps):
-        y[EPS : EPS + scene.Z] = scene.eps
+        y[lay.EPS : lay.EPS + scene.Z] = scene.eps
     start_at_rest(model, 0.0, y)
     steps = round(duration / step)
     out = np.empty((len(PLACES), steps + 1))
     out[:, 0] = y[PLACES]
-    taken, outcome, _ = advance(RungeKutta4(step), model, Watch(1000, 1.0), 0, y, PLACES, out[:, 1:])
-    assert (taken, outcome) == (steps, FINE)
+    taken, outcome, _ = advance(RungeKutta4(step), model, Monitor(1000, 1.0), 0, y, PLACES, out[:, 1:])
+    assert (taken, outcome) == (steps, SUCCESS)
     return step * np.arange(steps + 1), out

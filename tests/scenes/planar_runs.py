@@ -3,8 +3,8 @@
 import numpy as np
 
 from bearingsim import assemble
-from bearingsim.core.advance import Watch, advance
-from bearingsim.core.outcomes import FINE
+from bearingsim.core.advance import Monitor, advance
+from bearingsim.core.outcomes import SUCCESS
 from tests.independent import planar_bodies as bodies
 from tests.scenes.nf308 import case
 
@@ -14,8 +14,8 @@ def recorded(model, method, span, y):
     at, n = bodies.places(model.bearing.Z), round(span / method.h)
     y, out = y.copy(), np.empty((len(at), n + 1))
     out[:, 0], later = y[at], np.empty((len(at), n))
-    taken, outcome, _ = advance(method, model, Watch(8, 1.0), 0, y, at, later)
-    assert (taken, outcome) == (n, FINE)
+    taken, outcome, _ = advance(method, model, Monitor(8, 1.0), 0, y, at, later)
+    assert (taken, outcome) == (n, SUCCESS)
     out[:, 1:] = later
     return method.h * np.arange(n + 1), out
 

@@ -4,16 +4,16 @@ from typing import Any
 
 import numpy as np
 
+from bearingsim.core import layout as lay
 from bearingsim.core.geometry.slices import Slices, slices
-from bearingsim.core.layout import buffer
 from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.parts.cage_in_space import CageInPlane
 from bearingsim.core.parts.flanges import NoFlanges
-from bearingsim.core.parts.mounts import Held
-from bearingsim.core.pits.pairs import HALF_WIDTH, USED, B, W
+from bearingsim.core.parts.mounts import RigidMount
+from bearingsim.core.pits.pairs import GROUP_COUNT, GROUP_HALF_WIDTH, GROUP_WEIGHT, HALF_WIDTH
 
 L_W = 12e-3
-STRAIGHT = Held(0.0, 0.0)
+STRAIGHT = RigidMount(0.0, 0.0)
 
 
 def flat(z):
@@ -39,10 +39,10 @@ def felt_by_slices(pits: Any, table: np.ndarray, reach: Any = None) -> Any:
     for d in range(len(head)):
         ends = (-1.0, 1.0) if reach is None else reach[d]
         over = np.array([ends[0] < zeta < ends[1] for zeta in table[:, 0]])
-        whole = pits.groups[d, np.argmax(pits.groups[d, :, B])]
+        whole = pits.groups[d, np.argmax(pits.groups[d, :, GROUP_HALF_WIDTH])]
         groups[d, over] = whole
-        groups[d, :, W] = over
-        head[d, USED], head[d, HALF_WIDTH] = n, whole[B]
+        groups[d, :, GROUP_WEIGHT] = over
+        head[d, GROUP_COUNT], head[d, HALF_WIDTH] = n, whole[GROUP_HALF_WIDTH]
     return pits._replace(head=head, groups=groups)
 
 
@@ -67,4 +67,4 @@ def in_space(model: Any, cut: Slices, reach: Any = None, **given: Any) -> Spatia
 
 def empty(model: Spatial) -> np.ndarray:
     """A zeroed buffer for the model."""
-    return buffer(model.bearing.Z, model.bearing.m_r, len(model.slices.table))
+    return lay.buffer(model.bearing.Z, model.bearing.m_r, len(model.slices.table))

@@ -5,29 +5,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.general import General, Power
 from bearingsim.core.laws.damping.interface import normal_force, slopes
 from bearingsim.core.laws.stiffness.power_law import PowerLaw
-from bearingsim.core.layout import (
-    BY_POSITION,
-    BY_VELOCITY,
-    EVALUATED,
-    FAILED,
-    ITERATED,
-    LANES,
-    REFUSED,
-    TAKEN,
-    A,
-    Q,
-    V,
-    buffer,
-    own_block,
-)
 from bearingsim.core.methods.interface import prepare, step
-from bearingsim.core.models.interface import accelerations, freedoms, keep_extremes, linearise, width
+from bearingsim.core.models.interface import (
+    accelerations,
+    degrees_of_freedom,
+    linearise,
+    state_width,
+    update_extremes,
+)
 from bearingsim.core.parameters import Bearing
-from bearingsim.core.pits.jumps import next_cusp
+from bearingsim.core.pits.jumps import next_jump
 
 UNIT = Bearing(1, 1.0, 3.0, 1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0)
 """One roller of 1 kg."""
@@ -60,28 +52,28 @@ class Scene(NamedTuple):
     bearing: Bearing = UNIT
 
 
-width.register(Scene)(lambda model: LANES + 8)
-freedoms.register(Scene)(lambda model: (1, 0))
-keep_extremes.register(Scene)(lambda model, y: None)
-next_cusp.register(Scene)(lambda model, t, y: inf)
+state_width.register(Scene)(lambda model: lay.FIRST_LANE + 8)
+degrees_of_freedom.register(Scene)(lambda model: (1, 0))
+update_extremes.register(Scene)(lambda model, y: None)
+next_jump.register(Scene)(lambda model, t, y: inf)
 
 
 @accelerations.register(Scene)
 def _accelerations(model, t, y):
-    q, v, P, w = y[Q], y[V], model.P, model.w
+    q, v, P, w = y[lay.RADIAL], y[lay.RADIAL_V], model.P, model.w
     angle = 1.0 + w * t
     p, p_v, p_a = P * sin(angle), P * w * cos(angle), -P * w * w * sin(angle)
-    y[A] = p_a - model.K * (q - p) - model.C * (v - p_v) + model.mu * (1.0 - q * q) * v - model.g
-    y[A] += normal_force(model.floor, -q, -v)
+    y[lay.RADIAL_A] = p_a - model.K * (q - p) - model.C * (v - p_v) + model.mu * (1.0 - q * q) * v - model.g
+    y[lay.RADIAL_A] += normal_force(model.floor, -q, -v)
 
 
 @linearise.register(Scene)
 def _linearise(model, t, y):
-    q, v = y[Q], y[V]
+    q, v = y[lay.RADIAL], y[lay.RADIAL_V]
     K, C = slopes(model.floor, -q, -v)
     right = 1.0 + model.fault
-    y[own_block(BY_POSITION, 0, 0)] = right * (-model.K - 2.0 * model.mu * q * v - K)
-    y[own_block(BY_VELOCITY, 0, 0)] = right * (-model.C + model.mu * (1.0 - q * q) - C)
+    y[lay.diagonal_block(lay.POSITION_JACOBIAN, 0, 0)] = right * (-model.K - 2.0 * model.mu * q * v - K)
+    y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, 0, 0)] = right * (-model.C + model.mu * (1.0 - q * q) - C)
 
 
 @jit
@@ -89,7 +81,7 @@ def walk(method, model, start, y, path):
     """Steps from number ``start``; q, v and a after each into ``path`` (n, 3)."""
     for n in range(len(path)):
         step(method, model, (start + n) * method.h, y)
-        path[n, 0], path[n, 1], path[n, 2] = y[Q], y[V], y[A]
+        path[n, 0], path[n, 1], path[n, 2] = y[lay.RADIAL], y[lay.RADIAL_V], y[lay.RADIAL_A]
 
 
 @jit
@@ -113,13 +105,14 @@ class Walk(NamedTuple):
 
 def run(model: Scene, method: Any, span: float, q: float, v: float) -> Walk:
     """The scene from (q, v) over ``span`` (s) with a method whose ``h`` is the recorded step."""
-    y = buffer(1, 1.0)
-    y[Q], y[V] = q, v
+    y = lay.buffer(1, 1.0)
+    y[lay.RADIAL], y[lay.RADIAL_V] = q, v
     path = np.empty((round(span / method.h), 3))
     set_out(method, model, y)
     walk(method, model, 0, y, path)
-    taken, refused, evaluated, iterated, failed = y[[TAKEN, REFUSED, EVALUATED, ITERATED, FAILED]].astype(int)
-    return Walk(path, taken, refused, evaluated, iterated, failed, y)
+    cells = [lay.STEPS_TAKEN, lay.STEPS_REJECTED, lay.EVALUATIONS, lay.NEWTON_ITERATIONS, lay.FAILED]
+    taken, rejected, evaluated, iterated, failed = y[cells].astype(int)
+    return Walk(path, taken, rejected, evaluated, iterated, failed, y)
 
 
 def on_path(model: Scene, t: float) -> tuple[float, float]:

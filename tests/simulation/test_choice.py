@@ -12,14 +12,14 @@ import pytest
 from bearingsim import assemble
 from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
-from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY
+from bearingsim.core import layout as lay
 from bearingsim.core.methods.interface import Tolerances, step
-from bearingsim.core.models.interface import accelerations, width
+from bearingsim.core.models.interface import accelerations, state_width
 from bearingsim.errors import Refused
 from bearingsim.simulation import choice, prices, time_grid
 from bearingsim.simulation import limits as limiting
 from bearingsim.simulation.choice import limits
-from bearingsim.simulation.time_grid import grid, wanted_step
+from bearingsim.simulation.time_grid import grid, requested_step
 
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 NARROW = SLOT | {"width": "0.2 mm"}
@@ -39,19 +39,19 @@ class Oscillator(NamedTuple):
     C: float
 
 
-@width.register(Oscillator)
-def _width(model: Oscillator) -> int:
+@state_width.register(Oscillator)
+def _state_width(model: Oscillator) -> int:
     return 1
 
 
 @accelerations.register(Oscillator)
 def _accelerations(model: Oscillator, t: float, y: np.ndarray) -> None:
-    y[ACCELERATION] = -model.K * y[POSITION] - model.C * y[VELOCITY]
+    y[lay.ACCELERATION] = -model.K * y[lay.POSITION] - model.C * y[lay.VELOCITY]
 
 
 def growth(method: Any, model: Oscillator) -> float:
     """Largest factor by which a step multiplies a part of the motion: spectral radius of the step, as coded."""
-    rows = [POSITION, VELOCITY, ACCELERATION]
+    rows = [lay.POSITION, lay.VELOCITY, lay.ACCELERATION]
     columns = []
     for row in rows:
         y = assemble.empty_buffer(assemble.model(case(model="ring")))
@@ -142,7 +142,9 @@ def test_pits_that_turn_are_crossed_at_the_same_speed_and_met_on_the_tighter_rac
 
 def test_only_a_pit_that_stands_is_put_in_step() -> None:
     models = [assemble.model(case(defect=SLOT | {"race": race})) for race in ("outer", "inner", "roller")]
-    moved = [assemble.in_step(model, 12345, 0.3).bearing.theta_0 != model.bearing.theta_0 for model in models]
+    moved = [
+        assemble.aligned_with_cusp(model, 12345, 0.3).bearing.theta_0 != model.bearing.theta_0 for model in models
+    ]
     assert moved == [True, False, False]
 
 
@@ -184,15 +186,15 @@ def test_laws_with_the_same_numbers_are_not_taken_for_each_other() -> None:
 @pytest.mark.parametrize("defect", [SLOT, NARROW])
 def test_two_microseconds_are_too_long_for_verlet(defect: dict) -> None:
     with pytest.raises(Refused, match=r"a step of 2 us is over [\d.]+ us, 90% of the method's limit") as caught:
-        wanted_step(case(defect=defect, step="2 us"))
+        requested_step(case(defect=defect, step="2 us"))
     assert "step: auto" in caught.value.advice
-    assert f"{1e6 * wanted_step(case(defect=defect)):.2g} us" in caught.value.advice
+    assert f"{1e6 * requested_step(case(defect=defect)):.2g} us" in caught.value.advice
 
 
 @pytest.mark.parametrize("method", ["verlet", "rk4"])
 def test_half_a_microsecond_is_accepted(method: str) -> None:
     given = case(defect=SLOT, method=method, step="0.5 us")
-    assert wanted_step(given) == 0.5e-6
+    assert requested_step(given) == 0.5e-6
     assert grid(given).step <= 0.5e-6
 
 
@@ -201,16 +203,16 @@ def test_half_a_microsecond_is_accepted(method: str) -> None:
 def test_a_step_is_refused_exactly_above_the_limit(method: str, defects: tuple) -> None:
     given = {"method": method, "defects": defects, "load": "300 N"}
     found = limits(case(**given))
-    assert wanted_step(case(**given, step=0.899 * found.at_impact)) == 0.899 * found.at_impact
+    assert requested_step(case(**given, step=0.899 * found.at_impact)) == 0.899 * found.at_impact
     with pytest.raises(Refused):
-        wanted_step(case(**given, step=0.901 * found.at_impact))
+        requested_step(case(**given, step=0.901 * found.at_impact))
 
 
 def test_a_pit_must_not_be_passed_in_too_few_steps() -> None:
     crossing = limits(case(model="static", defect=NARROW)).crossing
     with pytest.raises(Refused, match="too few steps"):
-        wanted_step(case(model="static", defect=NARROW, step=crossing / 7))
-    assert wanted_step(case(model="static", defect=NARROW, step=crossing / 9)) == crossing / 9
+        requested_step(case(model="static", defect=NARROW, step=crossing / 7))
+    assert requested_step(case(model="static", defect=NARROW, step=crossing / 9)) == crossing / 9
 
 
 @pytest.mark.parametrize(
@@ -221,13 +223,13 @@ def test_a_pit_must_not_be_passed_in_too_few_steps() -> None:
 @pytest.mark.parametrize("chi", [0.01, 50.0])
 def test_the_automatic_step_obeys_every_bound(model: str, method: str | None, defects: tuple, chi: float) -> None:
     given = case(model=model, method=method, defects=defects, contact={"damping": {"chi": chi}})
-    found, chosen = limits(given), wanted_step(given)
+    found, chosen = limits(given), requested_step(given)
     bounds = [found.crossing / (100 if model == "rollers" else 50), 20e-6]
     if method:
         bounds.append({"verlet": 0.5, "rk4": 0.25}[method] * found.at_impact)
         bounds.append(1.0 / found.contact_frequency / {"verlet": 40, "rk4": 20}[method])
     assert chosen == pytest.approx(min(bounds), rel=1e-12)
-    assert wanted_step(given.model_copy(update={"step": chosen})) == chosen
+    assert requested_step(given.model_copy(update={"step": chosen})) == chosen
 
 
 @pytest.mark.parametrize("sampling", [200e3, 1024.0, 10240.0, 12345.678, 37.0])
@@ -235,7 +237,7 @@ def test_the_automatic_step_obeys_every_bound(model: str, method: str | None, de
 def test_the_grid_fits(sampling: float, model: str) -> None:
     given = case(model=model, sampling=sampling, defect=SLOT, duration="0.3 s", settle="11 ms")
     cut = grid(given)
-    assert cut.step <= wanted_step(given) * (1 + 1e-12)
+    assert cut.step <= requested_step(given) * (1 + 1e-12)
     assert cut.steps_per_pass * cut.step * 159.0 == pytest.approx(1.0, rel=1e-12)
     assert cut.fine_rate >= 4.0 * sampling * (1 - 1e-12)
     assert cut.fine_per_pass >= 64
@@ -270,7 +272,7 @@ def test_static_computes_one_pass_unless_a_roller_is_watched() -> None:
 
 def test_a_step_error_survives_pickling() -> None:
     with pytest.raises(Refused) as caught:
-        wanted_step(case(defect=SLOT, step="2 us"))
+        requested_step(case(defect=SLOT, step="2 us"))
     again = pickle.loads(pickle.dumps(caught.value))
     assert (again.reason, again.advice) == (caught.value.reason, caught.value.advice)
 
@@ -309,7 +311,7 @@ def test_dashpots_that_jump_as_contacts_open_shorten_own_steps(coefficient, take
     """Mean step of Rodas over a 0.8 mm slot, counted over 25 ms; unforeseen it was up to 26 times off."""
     damping = {"law": "general", "coefficient": coefficient, "indentation_exponent": 0.0}
     given = case(method="rodas", defect=SLOT, contact={"damping": damping})
-    found = prices.own_step(given, choice.limits(choice.using(given, "verlet")))
+    found = prices.adaptive_step(given, choice.limits(choice.with_method(given, "verlet")))
     assert found == pytest.approx(taken, rel=0.5)
 
 
@@ -325,19 +327,21 @@ def test_powers_of_the_library_are_priced(m1: float, m3: float, ns: float) -> No
 def test_what_repeats_itself_is_priced_as_one_pass_and_refused_by_its_model() -> None:
     given = case(model="static", defect=SLOT, duration="1 s")
     watched = given.model_copy(update={"record": ("roller.outer_force",)})
-    least = mock.patch.object(time_grid, "MOST_CPU", 0.1 * time_grid.estimate(given).cpu_seconds)
+    least = mock.patch.object(time_grid, "MAX_CPU", 0.1 * time_grid.estimate(given).cpu_seconds)
     with least, pytest.raises(Refused, match="`static` would take about"):
         grid(watched)
     one_pass = time_grid.estimate(given).cpu_seconds - prices.price("job")
-    with mock.patch.object(time_grid, "MOST_CPU", 2.0 * one_pass):
+    with mock.patch.object(time_grid, "MAX_CPU", 2.0 * one_pass):
         grid(given)
 
 
 def test_the_price_of_a_job_holds_its_proof() -> None:
-    proven, plain = (time_grid.estimate(case(defect=SLOT, duration="2 s", prove=prove)) for prove in (True, False))
-    assert plain.proof_seconds == 0.0
-    assert proven.proof_seconds == pytest.approx((1 + sqrt(5)) / 16 * plain.cpu_seconds, rel=0.1)
-    assert proven.cpu_seconds == pytest.approx(plain.cpu_seconds + proven.proof_seconds)
+    checks_step, plain = (
+        time_grid.estimate(case(defect=SLOT, duration="2 s", prove=prove)) for prove in (True, False)
+    )
+    assert plain.check_seconds == 0.0
+    assert checks_step.check_seconds == pytest.approx((1 + sqrt(5)) / 16 * plain.cpu_seconds, rel=0.1)
+    assert checks_step.cpu_seconds == pytest.approx(plain.cpu_seconds + checks_step.check_seconds)
 
 
 def test_adaptive_steps_are_bounded_by_the_highest_speed_of_a_ramp() -> None:

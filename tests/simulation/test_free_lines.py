@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.layout import Q_O, SPIN
 from bearingsim.simulation import choice
 from bearingsim.simulation.simulate import simulate
 from bearingsim.study.used import used
@@ -65,9 +65,9 @@ def test_a_pit_is_felt_whatever_a_slipped_roller_carries():
         y, _ = assemble.start(
             given, assemble.model(case(model="planar", start_angle=0.0))
         )  # pressed as if healthy
-        y[SPIN] = 1.0
+        y[lay.SPIN] = 1.0
         start_at_rest(model, 0.0, y)
-        forces.append(y[Q_O : Q_O + 13].copy())
+        forces.append(y[lay.Q_O : lay.Q_O + 13].copy())
     assert forces[1] == pytest.approx(forces[0], abs=1e-9)
     assert forces[0][0] == 0.0
 

@@ -9,13 +9,13 @@ import numba
 import numpy as np
 import pytest
 
+from bearingsim.core import layout as lay
 from bearingsim.core import outcomes
-from bearingsim.core.advance import Watch, advance
-from bearingsim.core.layout import CROSSED, CROSSINGS, EVALUATED, FAILED, FAILED_BODY, Q, V
+from bearingsim.core.advance import Monitor, advance
 from bearingsim.core.methods.verlet import Verlet
-from bearingsim.core.pits.crossings import missed, turned
+from bearingsim.core.pits.crossings import missed_crossings, passages
 from bearingsim.errors import Refused
-from bearingsim.simulation import choice, limits, proof, time_grid
+from bearingsim.simulation import choice, limits, step_check, time_grid
 from bearingsim.simulation.integration import set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
 from tests.scenes.nf308 import PLACES, SLOT, at_rest
@@ -23,14 +23,14 @@ from tests.scenes.short_cases import RATE, case
 
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
 SIMULATION = importlib.import_module("bearingsim.simulation.simulate")
-VERLET = {"model": "ring", "method": "verlet", "step": "1 us", "prove": False, "defect": SLOT}
+VERLET = {"model": "ring", "method": "verlet", "step": "1 us", "step_check": False, "defect": SLOT}
 
 
-def ended(watch: Watch, y: np.ndarray | None = None, steps: int = 100) -> tuple[int, int, int]:
+def ended(monitor: Monitor, y: np.ndarray | None = None, steps: int = 100) -> tuple[int, int, int]:
     """How a short run of `ring` ends: steps taken, outcome, body."""
     model = set_up(choice.resolved(case(**VERLET))).model
     out = np.empty((len(PLACES), steps))
-    return advance(Verlet(1e-6), model, watch, 0, at_rest(model) if y is None else y, PLACES, out)
+    return advance(Verlet(1e-6), model, monitor, 0, at_rest(model) if y is None else y, PLACES, out)
 
 
 # In the core
@@ -40,28 +40,28 @@ def test_a_contact_pressed_too_deep_ends_the_run_and_names_the_roller() -> None:
     given = choice.resolved(case(model="rollers", method="verlet"))
     model = set_up(given).model
     y = at_rest(model)
-    y[Q + 4] += 1e-3
+    y[lay.RADIAL + 4] += 1e-3
     out = np.empty((len(PLACES), 10))
-    found = advance(Verlet(1e-9), model, Watch(1, 1.0, deepest=5e-4), 0, y, PLACES, out)
+    found = advance(Verlet(1e-9), model, Monitor(1, 1.0, approach_bound=5e-4), 0, y, PLACES, out)
     assert found == (1, outcomes.TOO_DEEP, 4)
 
 
 def test_motion_without_a_cause_ends_the_run() -> None:
     model = set_up(choice.resolved(case(model="rollers", method="verlet"))).model
     y, out = at_rest(model), np.empty((len(PLACES), 10))
-    y[V + 2] = 10.0
+    y[lay.RADIAL_V + 2] = 10.0
     energy = 0.5 * model.bearing.m_r * 100.0
     for bound, ends in ((0.9 * energy, True), (1.1 * energy, False)):
-        found = advance(Verlet(1e-12), model, Watch(1, 1.0, liveliest=bound), 0, y.copy(), PLACES, out)
-        assert found == ((1, outcomes.TOO_LIVELY, outcomes.NOBODY) if ends else (10, outcomes.FINE, -1))
+        found = advance(Verlet(1e-12), model, Monitor(1, 1.0, energy_bound=bound), 0, y.copy(), PLACES, out)
+        assert found == ((1, outcomes.TOO_MUCH_ENERGY, outcomes.NO_BODY) if ends else (10, outcomes.SUCCESS, -1))
 
 
-@pytest.mark.parametrize("outcome", [outcomes.STEP_FLOOR, outcomes.NEWTON_STALLED, outcomes.STALLED])
+@pytest.mark.parametrize("outcome", [outcomes.STEP_TOO_SMALL, outcomes.NEWTON_FAILED, outcomes.TOO_MANY_STEPS])
 def test_what_a_method_gives_up_ends_the_run_at_once(outcome: int) -> None:
     model = set_up(choice.resolved(case(**VERLET))).model
     y = at_rest(model)
-    y[FAILED], y[FAILED_BODY] = outcome, 3
-    assert ended(Watch(1000, 1.0), y) == (1, outcome, 3)
+    y[lay.FAILED], y[lay.FAILED_BODY] = outcome, 3
+    assert ended(Monitor(1000, 1.0), y) == (1, outcome, 3)
 
 
 # Crossings
@@ -70,7 +70,7 @@ def test_what_a_method_gives_up_ends_the_run_at_once(outcome: int) -> None:
 @pytest.mark.parametrize("race", ["outer", "inner", "roller"])
 @pytest.mark.parametrize("model", ["ring", "rollers"])
 def test_crossings_are_those_of_kinematics(model: str, race: str) -> None:
-    given = case(model=model, defect=SLOT | {"race": race}, prove=False, duration="0.2 s")
+    given = case(model=model, defect=SLOT | {"race": race}, step_check=False, duration="0.2 s")
     info = simulate(given).info
     span = float(info["steps"]) * float(info["step_s"])
     each = {"outer": RATE, "inner": 13 * 30 - RATE, "roller": 30 * (65 / 12 - 12 / 65)}[race]
@@ -80,16 +80,16 @@ def test_crossings_are_those_of_kinematics(model: str, race: str) -> None:
 def test_a_crossing_that_was_not_seen_is_missed() -> None:
     setup = set_up(choice.resolved(case(**VERLET)))
     y = at_rest(setup.model)
-    before = [turned(setup.model, 0, 0.0, y)]
-    y[CROSSED] = y[CROSSINGS] = 15.0
+    before = [passages(setup.model, 0, 0.0, y)]
+    y[lay.PIT_CROSSINGS] = y[lay.PAIR_CROSSINGS] = 15.0
     for seen, unseen in ((16, 0), (15, 0), (14, 0), (13, 1), (3, 11)):
-        y[CROSSINGS] = seen
-        assert missed(setup.model, 15.5 / RATE, before, y) == unseen
+        y[lay.PAIR_CROSSINGS] = seen
+        assert missed_crossings(setup.model, 15.5 / RATE, before, y) == unseen
 
 
 def test_crossings_stepped_over_fail_the_run() -> None:
-    def blind(method: Any, model: Any, watch: Watch, *rest: Any) -> tuple:
-        return advance(method, model, watch._replace(stride=10**9), *rest)
+    def blind(method: Any, model: Any, monitor: Monitor, *rest: Any) -> tuple:
+        return advance(method, model, monitor._replace(stride=10**9), *rest)
 
     with mock.patch.object(INTEGRATION, "advance", blind), pytest.raises(SimulationError) as caught:
         simulate(case(**VERLET))
@@ -101,7 +101,7 @@ def test_what_blows_up_in_the_last_steps_fails_the_run() -> None:
     """The watch looks every some steps; what it has not seen must not end in an error of Python's."""
     ended = np.array([np.nan])
     with (
-        mock.patch.object(INTEGRATION, "_turns_of_pits", side_effect=[np.zeros(1), ended]),
+        mock.patch.object(INTEGRATION, "_pit_passages", side_effect=[np.zeros(1), ended]),
         pytest.raises(SimulationError, match="no longer finite"),
     ):
         simulate(case(**VERLET))
@@ -111,23 +111,23 @@ def test_what_blows_up_in_the_last_steps_fails_the_run() -> None:
 
 
 SAID = {
-    outcomes.OUTRUN: ("roller 3 stayed over the step limit", "take a step under"),
+    outcomes.STEP_LIMIT_EXCEEDED: ("roller 3 stayed over the step limit", "take a step under"),
     outcomes.NOT_FINITE: ("no longer finite", "take a step under"),
     outcomes.TOO_DEEP: ("roller 3 is pressed over", "take a step under"),
-    outcomes.TOO_LIVELY: ("10+ times what load, closing speed and pits explain", "take a step under"),
+    outcomes.TOO_MUCH_ENERGY: ("10+ times what load, closing speed and pits explain", "take a step under"),
     outcomes.TOO_SLOW: ("verlet has taken 12 h of CPU time", "take a shorter `duration`"),
 }
 SAID_OF_ADAPTIVE = {
-    outcomes.STEP_FLOOR: ("the step that dop853 wants is too short", "take a looser `tolerance`"),
-    outcomes.NEWTON_STALLED: ("no solution of dop853's step was found for roller 3", "take a tighter `tolerance`"),
-    outcomes.STALLED: ("dop853 takes too many steps of its own", "take a looser `tolerance`"),
+    outcomes.STEP_TOO_SMALL: ("the step that dop853 wants is too short", "take a looser `tolerance`"),
+    outcomes.NEWTON_FAILED: ("no solution of dop853's step was found for roller 3", "take a tighter `tolerance`"),
+    outcomes.TOO_MANY_STEPS: ("dop853 takes too many steps of its own", "take a looser `tolerance`"),
 }
 
 
 @pytest.mark.parametrize("outcome", [*SAID, *SAID_OF_ADAPTIVE])
 def test_reason_time_body_and_advice(outcome: int) -> None:
     adaptive = outcome in SAID_OF_ADAPTIVE
-    given = case(model="rollers", defect=SLOT, prove=False, method="dop853" if adaptive else "verlet")
+    given = case(model="rollers", defect=SLOT, step_check=False, method="dop853" if adaptive else "verlet")
     given = given.model_copy(update={"tolerance": 1e-3} if adaptive else {"step": 5e-7})
     with (
         mock.patch.object(INTEGRATION, "advance", return_value=(4000, outcome, 2)),
@@ -142,13 +142,13 @@ def test_reason_time_body_and_advice(outcome: int) -> None:
     assert "or `method: " in caught.value.advice
 
 
-@pytest.mark.parametrize("outcome", [outcomes.STEP_FLOOR, outcomes.NEWTON_STALLED, outcomes.STALLED])
+@pytest.mark.parametrize("outcome", [outcomes.STEP_TOO_SMALL, outcomes.NEWTON_FAILED, outcomes.TOO_MANY_STEPS])
 @pytest.mark.parametrize(
     ("model", "m3", "advised"), [("ring", 0, True), ("ring", 1, False), ("rollers", 0, False)]
 )
 def test_who_is_stuck_on_rollers_without_mass_is_told_of_some_with(outcome, model, m3, advised) -> None:
     damping = {"law": "general", "coefficient": 1e3, "indentation_exponent": m3}
-    given = case(model=model, defect=SLOT, prove=False, method="rodas", contact={"damping": damping})
+    given = case(model=model, defect=SLOT, step_check=False, method="rodas", contact={"damping": damping})
     with (
         mock.patch.object(INTEGRATION, "advance", return_value=(4000, outcome, 0)),
         pytest.raises(SimulationError) as caught,
@@ -166,11 +166,11 @@ def test_bounds_hold_what_a_hard_case_reaches_and_no_more() -> None:
         clearance="60 um",
         defect=SLOT | {"width": "2 mm"},
         contact={"damping": {"chi": "1 s/m"}},
-        prove=False,
+        step_check=False,
     )
     found = choice.limits(hard)
-    assert found.deepest < 2e-3
-    assert found.liveliest < 1e3
+    assert found.approach_bound < 2e-3
+    assert found.energy_bound < 1e3
     for name in ("PRESSED", "MOVED"):
         with mock.patch.object(limits, name, 0.1 * getattr(limits, name)):
             simulate(hard)
@@ -189,7 +189,7 @@ def test_a_bound_that_is_passed_fails_the_job(name: str, reason: str) -> None:
 
 def test_a_job_that_would_take_too_long_is_refused_before_it_runs() -> None:
     given = case(model="rollers", defect=SLOT)
-    with mock.patch.object(time_grid, "MOST_CPU", 1e-3):
+    with mock.patch.object(time_grid, "MAX_CPU", 1e-3):
         with pytest.raises(Refused, match="h of CPU time, over") as caught:
             time_grid.grid(given)
         assert "shorter `duration`" in caught.value.advice
@@ -206,18 +206,18 @@ def test_a_method_that_is_too_slow_is_not_tried_with_shorter_steps() -> None:
 
 def test_a_pilot_may_take_its_part_of_what_a_run_may() -> None:
     given = choice.resolved(case(method="dop853", defect=SLOT, duration="1 s"))
-    little = mock.patch.object(time_grid, "MOST_CPU", 0.01)
+    little = mock.patch.object(time_grid, "MAX_CPU", 0.01)
     unforeseen = mock.patch.object(time_grid, "per_second", return_value=0.0)
     with little, unforeseen, pytest.raises(SIMULATION.TooSlow) as caught:
-        proof.prove(given, 1.0)
+        step_check.check_step(given, 1.0)
     assert caught.value.time < 0.02
 
 
 def test_the_clock_is_looked_at_within_a_ball_pass() -> None:
     setup = set_up(choice.resolved(case(**{**VERLET, "step": "auto", "duration": "20 ms"})))
-    few = mock.patch.object(INTEGRATION, "UNSEEN", 16)
+    few = mock.patch.object(INTEGRATION, "STEPS_PER_CALL", 16)
     with few, pytest.raises(SIMULATION.TooSlow) as caught:
-        INTEGRATION.integrate(replace(setup, most_cpu=1e-9))
+        INTEGRATION.integrate(replace(setup, max_cpu=1e-9))
     assert caught.value.time == pytest.approx(16 * setup.cut.step)
 
 
@@ -226,18 +226,21 @@ def test_the_clock_is_looked_at_where_steps_are_much_work() -> None:
     setup = set_up(choice.resolved(case(model="ring", method="dop853", defect=SLOT, duration="20 ms")))
     y, places = at_rest(setup.model), PLACES
     INTEGRATION.ready(setup.method, setup.model, 0.0, y)
-    hurried = setup.watch._replace(most_work=1000.0)
+    hurried = setup.monitor._replace(max_evaluations=1000.0)
     taken, outcome, _ = advance(setup.method, setup.model, hurried, 0, y, places, np.empty((len(PLACES), 10_000)))
-    assert outcome == outcomes.FINE
+    assert outcome == outcomes.SUCCESS
     assert taken < 1000
-    assert 1000 < y[EVALUATED] < 1200
+    assert 1000 < y[lay.EVALUATIONS] < 1200
 
 
 @pytest.mark.parametrize("way", [{"method": "verlet"}, {"method": "dop853"}, {"model": "static"}])
 def test_looks_at_the_clock_change_nothing(way: dict[str, str]) -> None:
     given = choice.resolved(case(defect=SLOT, duration="20 ms", **way))
     seldom = INTEGRATION.integrate(set_up(given))
-    with mock.patch.object(INTEGRATION, "UNSEEN", 7), mock.patch.object(INTEGRATION, "MOST_WORK", 50.0):
+    with (
+        mock.patch.object(INTEGRATION, "STEPS_PER_CALL", 7),
+        mock.patch.object(INTEGRATION, "MAX_EVALUATIONS", 50.0),
+    ):
         often = INTEGRATION.integrate(set_up(given))
     assert np.array_equal(often.fine, seldom.fine)
     assert np.array_equal(often.y, seldom.y, equal_nan=True)
@@ -246,9 +249,9 @@ def test_looks_at_the_clock_change_nothing(way: dict[str, str]) -> None:
 def test_a_run_asks_to_be_looked_at_where_steps_are_much_work() -> None:
     given = choice.resolved(case(model="ring", method="dop853", defect=SLOT, duration="20 ms"))
     setup = set_up(given)
-    assert setup.watch.most_work == INTEGRATION.MOST_WORK
+    assert setup.monitor.max_evaluations == INTEGRATION.MAX_EVALUATIONS
     with (
-        mock.patch.object(INTEGRATION, "MOST_WORK", 1000.0),
+        mock.patch.object(INTEGRATION, "MAX_EVALUATIONS", 1000.0),
         mock.patch.object(INTEGRATION, "advance", wraps=advance) as spied,
     ):
         INTEGRATION.integrate(set_up(given))
@@ -272,7 +275,7 @@ def test_what_takes_steps_is_compiled_before_the_clock_runs() -> None:
 
 def test_what_was_wrong_is_said_before_what_shorter_steps_would_cost() -> None:
     """Of each method the last run that went wrong; a refusal only of one that never ran."""
-    wrong = SIMULATION.Unsound("verlet is wrong", "do this", 0.25)
+    wrong = SIMULATION.MethodFailure("verlet is wrong", "do this", 0.25)
     dear = Refused("too many steps", "do that")
     given = case(method="verlet")
     ends = mock.patch.object(SIMULATION, "_simulate", side_effect=[wrong, dear, dear, dear])

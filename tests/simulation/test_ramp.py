@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bearingsim.core.geometry.motion import Ramp, Steady, elapsed, elapsed_times, speed_factor
+from bearingsim.core.geometry.motion import Ramp, Steady, kinematic_time, kinematic_times, speed_factor
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.simulation.simulate import simulate
 from tests.scenes.nf308 import SLOT, case
@@ -23,7 +23,7 @@ def ramped(to, **given):
 def test_angle_speed_and_acceleration_are_one_motion(ratio):
     """The angle is the integral of the speed (by trapezoids, exactly), the speed that of the acceleration."""
     motion, t = Ramp(ratio, T), np.linspace(0.0, 3 * T, 3001)
-    angle, speed, acceleration = np.array([elapsed(motion, x) for x in t]).T
+    angle, speed, acceleration = np.array([kinematic_time(motion, x) for x in t]).T
     assert (angle[0], speed[0]) == (0.0, 1.0)
     assert speed[1000:] == pytest.approx(ratio, rel=1e-14)
     steps = np.diff(t)
@@ -40,11 +40,11 @@ class Moving:
 
 def test_motion_of_a_series():
     t = np.array([0.0, 0.02, 0.05, 0.3])
-    assert elapsed_times(Moving, t).tolist() == [elapsed(Moving.motion, x)[0] for x in t]
-    assert speed_factor(Moving, t).tolist() == [elapsed(Moving.motion, x)[1] for x in t]
-    assert elapsed_times(None, t) is t
+    assert kinematic_times(Moving, t).tolist() == [kinematic_time(Moving.motion, x)[0] for x in t]
+    assert speed_factor(Moving, t).tolist() == [kinematic_time(Moving.motion, x)[1] for x in t]
+    assert kinematic_times(None, t) is t
     assert speed_factor(None, t) == 1.0
-    assert elapsed(Steady(), 0.3) == (0.3, 1.0, 0.0)
+    assert kinematic_time(Steady(), 0.3) == (0.3, 1.0, 0.0)
 
 
 def test_a_ramp_to_the_same_speed_is_none():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bearingsim.simulation import automatic_step, limits
-from bearingsim.simulation.integration import RING_AT, RING_IS_PUSHED, RING_MOVES, differentiate
+from bearingsim.simulation.integration import RING_ACCELERATION, RING_POSITION, RING_VELOCITY, differentiate
 from bearingsim.simulation.simulate import simulate
 from tests.scenes.short_cases import SLOT, case
 
@@ -14,14 +14,14 @@ H, TAIL, STEPS = 1e-3, 16, 50
 def recorded(place, passes=3):
     """Velocity and acceleration of ``place``(t), pass by pass as a run writes them."""
     window, found = np.zeros((6, TAIL + STEPS)), []
-    window[RING_AT] = place(H * np.arange(-TAIL - STEPS, 0))
+    window[RING_POSITION] = place(H * np.arange(-TAIL - STEPS, 0))
     for p in range(passes):
         window[:, :TAIL] = window[:, STEPS:].copy()
         t = H * np.arange(p * STEPS - TAIL, (p + 1) * STEPS)
-        window[RING_AT, TAIL:] = place(t[TAIL:])
+        window[RING_POSITION, TAIL:] = place(t[TAIL:])
         differentiate(window, TAIL, H)
         whole = slice(TAIL - 2, TAIL + STEPS - 2)
-        found.append((t[whole], window[RING_MOVES, whole].copy(), window[RING_IS_PUSHED, whole].copy()))
+        found.append((t[whole], window[RING_VELOCITY, whole].copy(), window[RING_ACCELERATION, whole].copy()))
     return (np.concatenate(one, axis=-1) for one in zip(*found, strict=True))
 
 
@@ -46,7 +46,7 @@ def test_of_a_velocity_that_jumps_the_way_gone_is_kept(late):
 
 @pytest.mark.parametrize("method", ["dop853", "rodas"])
 def test_the_line_does_not_depend_on_how_often_is_recorded(method):
-    given = case(model="rollers", defect=SLOT, method=method, prove=False)
+    given = case(model="rollers", defect=SLOT, method=method, step_check=False)
     often = automatic_step.automatic_step(given, limits.step_limits(given))
     fine, coarse = (simulate(given.model_copy(update={"step": k * often})).features for k in (1, 4))
     assert coarse["velocity@BPFO"] == pytest.approx(fine["velocity@BPFO"], rel=5e-4)

@@ -12,11 +12,11 @@ from scipy.optimize import root
 
 from bearingsim import assemble
 from bearingsim.config import FEATURES, Case, dataset_names
-from bearingsim.core.advance import Watch, advance, record
-from bearingsim.core.layout import POSITION, Q_MAX, VELOCITY, X
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import Monitor, advance, record
 from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import begin
-from bearingsim.core.outcomes import FINE
+from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.features import OTHER_LINES
 from bearingsim.simulation.simulate import simulate, warm
@@ -38,14 +38,14 @@ def driven(given: Case, signal: Callable[[np.ndarray], np.ndarray]) -> Any:
     """The record of a ring whose velocity along the load line is ``signal`` (of the time since the start)."""
 
     def known(
-        method: Any, model: Any, watch: Watch, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
+        method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
     ) -> tuple:
         out[:] = 0.0
-        out[places.tolist().index(VELOCITY + X)] = signal((start + 1 + np.arange(out.shape[1])) * method.h)
-        return out.shape[1], FINE, -1
+        out[places.tolist().index(lay.VELOCITY + lay.X)] = signal((start + 1 + np.arange(out.shape[1])) * method.h)
+        return out.shape[1], SUCCESS, -1
 
     with mock.patch.object(INTEGRATION, "advance", known):
-        return simulate(given.model_copy(update={"prove": False}))
+        return simulate(given.model_copy(update={"step_check": False}))
 
 
 SAMPLINGS = [200e3, 10240.0, 1024.0, 12345.678]
@@ -129,12 +129,12 @@ def by_hand(given: Case, passes: int) -> tuple[np.ndarray, float]:
     given = choice.resolved(given)
     cut, model = time_grid.grid(given), assemble.model(given)
     y = assemble.empty_buffer(model)
-    rest_from_scratch(assemble.statics(model), 0.0, y)
+    rest_from_scratch(assemble.static_model(model), 0.0, y)
     begin(model, 0.0, y)
     places = np.array([channels.place(name) for name in ROW])
     wide = np.empty((len(ROW), passes * cut.steps_per_pass + 1))
     record(y, places, 0, wide)
-    advance(assemble.method(given, cut.step), model, Watch(1000, 1.0), 0, y, places, wide[:, 1:])
+    advance(assemble.method(given, cut.step), model, Monitor(1000, 1.0), 0, y, places, wide[:, 1:])
     return wide, cut.step
 
 
@@ -176,9 +176,9 @@ def test_settle_zero_starts_at_static_equilibrium() -> None:
     given = case(model="rollers", settle=0.0, antialias=False, record=RING, sampling=50e3)
     model = assemble.model(given)
     y = assemble.empty_buffer(model)
-    rest_from_scratch(assemble.statics(model), 0.0, y)
+    rest_from_scratch(assemble.static_model(model), 0.0, y)
     found = simulate(given)
-    assert found.displacement[0].tolist() == y[POSITION : POSITION + 2].tolist()
+    assert found.displacement[0].tolist() == y[lay.POSITION : lay.POSITION + 2].tolist()
     assert found.displacement[0, 0] == pytest.approx(-3.4e-7, rel=0.1)
     assert found.velocity[0].tolist() == [0.0, 0.0]
     smooth = simulate(given.model_copy(update={"antialias": True}))
@@ -322,11 +322,11 @@ def test_peak_force_of_static_equals_the_load_sharing() -> None:
 @pytest.mark.parametrize(("settle", "counts"), [("0 ms", True), ("1 ms", False), ("30 ms", False)])
 def test_forces_count_from_the_first_ball_pass_of_the_record(settle: str, counts: bool) -> None:
     def knocked(
-        method: Any, model: Any, watch: Watch, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
+        method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
     ) -> tuple:
-        found = advance(method, model, watch, start, y, places, out)
+        found = advance(method, model, monitor, start, y, places, out)
         if start == 0:
-            y[Q_MAX + 3] = 1e6
+            y[lay.Q_O_MAX + 3] = 1e6
         return found
 
     with mock.patch.object(INTEGRATION, "advance", knocked):
@@ -396,7 +396,7 @@ def test_the_cusp_of_a_narrow_pit_costs_no_first_order_error(method: str, fields
     step = choice.limits(given).crossing / 50
     found = []
     for h in (step, step / 2):
-        with mock.patch.object(time_grid, "wanted_step", return_value=h):
+        with mock.patch.object(time_grid, "requested_step", return_value=h):
             found.append(simulate(given).features["velocity@BPFO"])
     assert found[0] == pytest.approx(found[1], rel=5e-3)
 
@@ -409,7 +409,7 @@ def radians(angle: str) -> float:
 def test_the_cusp_lies_where_the_method_wants_it(method: str) -> None:
     given = case(model="rollers", method=method, defect=SLOT | {"angle": "7 deg"})
     cusp, steps = assemble.kind_of_method(method).cusp, 12345
-    moved = assemble.in_step(assemble.model(given), steps, cusp).bearing
+    moved = assemble.aligned_with_cusp(assemble.model(given), steps, cusp).bearing
     place = (moved.theta_0 - math.radians(7)) * moved.Z * steps / (2 * math.pi)
     assert abs(place + cusp - round(place + cusp)) < 1e-6
     assert 0.0 <= moved.theta_0 - given.start_angle < 2 * math.pi / (moved.Z * steps)

@@ -8,10 +8,10 @@ from unittest import mock
 import numpy as np
 import pytest
 
-from bearingsim.core.advance import Watch, advance
-from bearingsim.core.layout import POSITION
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import Monitor, advance
 from bearingsim.simulation import choice, time_grid
-from bearingsim.simulation.choice import SHORTENED
+from bearingsim.simulation.choice import STEP_PARTS
 from bearingsim.simulation.simulate import SimulationError, simulate
 from tests.scenes.short_cases import RATE, SLOT, case
 
@@ -30,9 +30,9 @@ def test_a_step_over_the_limit_is_refused_with_advice() -> None:
 def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple, factor: float) -> None:
     """``time_grid`` would refuse these: whatever slips past it must not come back as a result."""
     given = case(model=model, defects=defects, sampling=100.0, step="0.1 us")
-    forced = min(factor * choice.limits(given).at_impact, 0.99 / RATE / time_grid.FEWEST_FINE)
+    forced = min(factor * choice.limits(given).at_impact, 0.99 / RATE / time_grid.MIN_FINE)
     with (
-        mock.patch.object(time_grid, "wanted_step", return_value=forced),
+        mock.patch.object(time_grid, "requested_step", return_value=forced),
         pytest.raises(SimulationError) as caught,
     ):
         simulate(given)
@@ -48,9 +48,9 @@ def test_an_automatic_step_that_proves_too_long_is_halved_until_it_is_not(factor
     """The estimate of the impacts forced to be wrong: the run begins again, and its line is 9.30 um/s as ever."""
     given = case(model="rollers", method="verlet", defect=SLOT, sampling=1000.0)
     forced = factor * choice.limits(given).at_impact
-    with mock.patch.object(time_grid, "wanted_step", return_value=forced):
+    with mock.patch.object(time_grid, "requested_step", return_value=forced):
         found = simulate(given)
-    assert found.info["step_s"] in [pytest.approx(forced * part, rel=0.05) for part in SHORTENED[1:]]
+    assert found.info["step_s"] in [pytest.approx(forced * part, rel=0.05) for part in STEP_PARTS[1:]]
     assert 1e6 * found.features["velocity@BPFO"] == pytest.approx(9.30, abs=0.05)
 
 
@@ -58,7 +58,7 @@ def test_an_automatic_step_is_not_halved_for_ever() -> None:
     given = case(model="rollers", method="verlet", defect=SLOT, sampling=100.0)
     forced = 30.0 * choice.limits(given).at_impact
     with (
-        mock.patch.object(time_grid, "wanted_step", return_value=forced),
+        mock.patch.object(time_grid, "requested_step", return_value=forced),
         pytest.raises(SimulationError) as caught,
     ):
         simulate(given)
@@ -68,10 +68,10 @@ def test_an_automatic_step_is_not_halved_for_ever() -> None:
 
 def test_a_motion_that_is_not_finite_is_stopped() -> None:
     def broken(
-        method: Any, model: Any, watch: Watch, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
+        method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
     ) -> tuple:
-        y[POSITION] = np.nan
-        return advance(method, model, watch, start, y, places, out)
+        y[lay.POSITION] = np.nan
+        return advance(method, model, monitor, start, y, places, out)
 
     with mock.patch.object(MODULE, "advance", broken), pytest.raises(SimulationError, match="finite"):
         simulate(case(method="verlet"))

@@ -9,7 +9,7 @@ from bearingsim import assemble
 from bearingsim.catalogue import METHODS
 from bearingsim.simulation import automatic_step, choice, limits
 from bearingsim.stability import judge, matrix, references
-from bearingsim.stability.scene import FINE, MIDDLES, TIMES, crossing, crossings
+from bearingsim.stability.scene import MIDDLES, SAMPLE_INTERVAL, TIMES, crossing, crossings
 from bearingsim.stability.traces import trace
 
 AUTOMATIC = [name for name, method in METHODS.items() if method.automatic]
@@ -21,7 +21,7 @@ def bench(pit, late=0.0):
     """The scene of the map with the default contact, the roller ``late`` s later."""
     case = crossing("rollers", pit, {}, late)
     model = assemble.model(case)
-    return matrix.Bench(
+    return matrix.PreparedScene(
         case, model, assemble.start(case, model)[0], *limits.loads_at_rest(assemble.healthy(case))[1:]
     )
 
@@ -37,8 +37,10 @@ def setting(scene, name):
     """The step or tolerance of a run with `auto`; of steps, whole numbers make up a sample."""
     if METHODS[name].adaptive:
         return METHODS[name].tolerance
-    named = choice.using(scene.case, name)
-    return FINE / np.ceil(FINE / automatic_step.automatic_step(named, limits.step_limits(named)))
+    named = choice.with_method(scene.case, name)
+    return SAMPLE_INTERVAL / np.ceil(
+        SAMPLE_INTERVAL / automatic_step.automatic_step(named, limits.step_limits(named))
+    )
 
 
 def length(scene, name):
@@ -47,7 +49,7 @@ def length(scene, name):
         return setting(scene, name)
     tolerance = METHODS[name].tolerance
     assert tolerance is not None
-    return matrix.asked(scene, tolerance).longest
+    return matrix.scene_tolerances(scene, tolerance).longest
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +59,7 @@ def sound():
 
 def test_the_reference_is_what_others_find_too():
     scene = bench("0.2 mm slot")
-    asked = matrix.asked(scene, 1e-8)
+    asked = matrix.scene_tolerances(scene, 1e-8)
     other = references.solve("scipy-lsoda", scene.model, scene.y, asked, np.inf)
     assert not other.failure
     assert judge.l2(other.velocity, reference(scene).velocity) < 1e-5
@@ -88,7 +90,7 @@ def test_a_tighter_tolerance_never_doubles_the_error(name):
     """Above the floor, which is what two tight and independent solutions differ by."""
     scene = bench("0.2 mm slot")
     exact = reference(scene)
-    asked = matrix.asked(scene, 1e-8)
+    asked = matrix.scene_tolerances(scene, 1e-8)
     floor = judge.l2(references.solve("scipy-lsoda", scene.model, scene.y, asked, np.inf).velocity, exact.velocity)
     made = [matrix.run(scene, name, 10.0**-n, np.inf) for n in range(2, 7)]
     errors = [judge.l2(one.velocity, exact.velocity) for one in made]

@@ -11,8 +11,8 @@ import pytest
 
 from bearingsim.plots import stability as maps
 from bearingsim.stability import judge, mapping, matrix
-from bearingsim.stability.judge import CLASSES, Reference, agreed
-from bearingsim.stability.scene import FINE, SAMPLES, TIMES
+from bearingsim.stability.judge import CLASSES, Reference, agreeing_solutions
+from bearingsim.stability.scene import SAMPLE_INTERVAL, SAMPLES, TIMES
 from bearingsim.stability.traces import Trace
 from tests.scenes.commands import type_
 
@@ -85,11 +85,11 @@ def test_a_reference_is_two_solutions_that_agree():
         return Trace(1, velocity, touching(), failure)
 
     alike = {"a": solution(answer()), "b": solution(1.3 * answer()), "c": solution(answer() * (1.0 + 1e-5))}
-    assert agreed(alike).names == "a + c"
-    assert not agreed(alike).chaotic
-    assert agreed({"a": alike["a"], "c": solution(answer(), "stalled")}) is None
-    assert agreed({"a": alike["a"], "b": alike["b"]}).chaotic
-    assert agreed({"a": alike["a"], "b": alike["b"]}).floor == pytest.approx(0.3 / 1.3, rel=1e-3)
+    assert agreeing_solutions(alike).names == "a + c"
+    assert not agreeing_solutions(alike).chaotic
+    assert agreeing_solutions({"a": alike["a"], "c": solution(answer(), "stalled")}) is None
+    assert agreeing_solutions({"a": alike["a"], "b": alike["b"]}).chaotic
+    assert agreeing_solutions({"a": alike["a"], "b": alike["b"]}).floor == pytest.approx(0.3 / 1.3, rel=1e-3)
 
 
 # The map
@@ -217,4 +217,4 @@ def test_its_help_imports_nothing_heavy():
 
 def test_samples_lie_where_the_reference_has_them():
     assert len(TIMES) == SAMPLES
-    assert TIMES[0] == pytest.approx(FINE)
+    assert TIMES[0] == pytest.approx(SAMPLE_INTERVAL)

@@ -128,7 +128,7 @@ def test_twins_are_shared_and_come_last(write: Write) -> None:
     twins = jobs[4:]
     assert [job.swept for job in twins] == [{"load": 1.0}, {"load": 2.0}]
     assert all(job.healthy is None and job.case.defects == () for job in twins)
-    assert [job.twin for job in jobs] == 4 * [False] + 2 * [True]
+    assert [job.is_baseline for job in jobs] == 4 * [False] + 2 * [True]
     assert [job.healthy for job in jobs[:4]] == [twins[0].id, twins[0].id, twins[1].id, twins[1].id]
     assert all(job.id == case_id(job.case) for job in jobs)
     for job in jobs[:4]:
@@ -137,7 +137,7 @@ def test_twins_are_shared_and_come_last(write: Write) -> None:
 
 def test_a_healthy_bearing_has_no_twin(write: Write) -> None:
     text = BASE.replace("defect:", "# defect:") + "sweep: {load: [1 N, 2 N]}\n"
-    assert [(job.swept, job.healthy, job.twin) for job in load_study(write(text)).jobs()] == [
+    assert [(job.swept, job.healthy, job.is_baseline) for job in load_study(write(text)).jobs()] == [
         ({"load": 1.0}, None, False),
         ({"load": 2.0}, None, False),
     ]
@@ -148,7 +148,7 @@ def test_a_healthy_case_is_no_twin(write: Write) -> None:
     pits = "[{shape: circular, length: 3 mm, width: 1 mm, depth: 1 um}]"
     text = BASE.replace("defect:", "# defect:") + f"sweep: {{defects: [[], {pits}]}}\n"
     healthy, damaged = load_study(write(text)).jobs()
-    assert (damaged.healthy, healthy.twin) == (healthy.id, False)
+    assert (damaged.healthy, healthy.is_baseline) == (healthy.id, False)
 
 
 @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -239,7 +239,7 @@ def test_one_study_runs_all_excitations(write: Write) -> None:
         "figures: [{y: velocity@BPFO, x: load, by: excitation}]\n"
     )
     jobs = load_study(write(text)).jobs()
-    cases = [job for job in jobs if not job.twin]
+    cases = [job for job in jobs if not job.is_baseline]
     assert [(job.case.model, job.case.excitation) for job in cases[::2]] == [
         ("impulse", "impulse-train"),
         ("impulse", "random-impulses"),
@@ -249,7 +249,7 @@ def test_one_study_runs_all_excitations(write: Write) -> None:
     ]
     assert cases[0].swept == {"model": "impulse", "excitation": "impulse-train", "load": 150.0}
     assert [job.healthy is None for job in cases] == 4 * [True] + 6 * [False]
-    twins = [job for job in jobs if job.twin]
+    twins = [job for job in jobs if job.is_baseline]
     assert [(job.case.model, job.case.load) for job in twins] == [
         ("ring", 150.0),
         ("ring", 300.0),
@@ -266,8 +266,8 @@ def test_the_seed_is_the_healthy_twins_where_something_is_random(write: Write) -
     (ring, twin) = load_study(write(BASE + "model: ring\n" + sweep)).jobs()
     assert (ring.swept, twin.swept, twin.case.seed) == ({"seed": 1.0}, {}, 0)
     jobs = load_study(write(BASE + "model: planar\n" + sweep)).jobs()
-    assert [job.case.seed for job in jobs if job.twin] == [1, 2, 3]
-    assert [job.swept for job in jobs if job.twin] == [{"seed": 1.0}, {"seed": 2.0}, {"seed": 3.0}]
+    assert [job.case.seed for job in jobs if job.is_baseline] == [1, 2, 3]
+    assert [job.swept for job in jobs if job.is_baseline] == [{"seed": 1.0}, {"seed": 2.0}, {"seed": 3.0}]
 
 
 def test_clearance_by_class_and_by_length(write: Write) -> None:
@@ -336,6 +336,6 @@ def test_optional_sections_from_the_command_line(write: Write) -> None:
 
 def test_a_value_that_leaves_its_section_idle_is_swept_as_written(write: Write) -> None:
     text = BASE + "model: spatial\nsweep: {misalignment.inner: [0 mrad, 0.2 mrad]}\n"
-    jobs = [job for job in load_study(write(text)).jobs() if not job.twin]
+    jobs = [job for job in load_study(write(text)).jobs() if not job.is_baseline]
     assert [job.swept["misalignment.inner"] for job in jobs] == pytest.approx([0.0, 2e-4])
     assert [job.case.misalignment is None for job in jobs] == [True, False]

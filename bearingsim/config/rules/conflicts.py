@@ -9,7 +9,7 @@ from bearingsim.config.rules import hierarchy
 from bearingsim.config.rules.conflict import Conflict, Path
 from bearingsim.config.rules.pits import pit_conflicts
 from bearingsim.config.rules.slicing import slice_count
-from bearingsim.config.sections.defect import IMPULSES
+from bearingsim.config.sections.defect import IMPULSE_EXCITATIONS
 from bearingsim.config.sections.free import Frictionless
 from bearingsim.text.units import show
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from bearingsim.config.sections.free import Shaft
     from bearingsim.config.sections.machine import Rig
 
-MOST_LEAN = 0.02  # rad: beyond it a bearing is not mounted askew but broken
-SPRUNG = ("axial_stiffness", "axial_damping", "tilting_stiffness", "tilting_damping")
+MAX_TILT = 0.02  # rad: beyond it a bearing is not mounted askew but broken
+MOUNT_FIELDS = ("axial_stiffness", "axial_damping", "tilting_stiffness", "tilting_damping")
 HELD_BY_CAGE = ("cage.slip", "cage.axial", "cage.lean", "roller.cage_force", "roller.skew", "roller.axial")
 
 __all__ = ["Conflict", "Path", "conflicts"]
@@ -40,7 +40,7 @@ def conflicts(case: "CaseFields") -> Iterator[Conflict]:
 
 
 def _model(case: "CaseFields") -> Iterator[Conflict]:
-    found = hierarchy.lacking(case)
+    found = hierarchy.unmet_needs(case)
     hint = _able(case)
     for need in found:
         message = f"the {case.model} model cannot do this: {need.why}"
@@ -124,7 +124,7 @@ def _in_space(case: "CaseFields") -> Iterator[Conflict]:
 def _half_sprung(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]:
     if section is None:
         return
-    given = [key for key in SPRUNG if getattr(section, key) is not None]
+    given = [key for key in MOUNT_FIELDS if getattr(section, key) is not None]
     springs = ("axial_stiffness", "tilting_stiffness")
     missing = [key for key in springs if key not in given]
     if given and missing:
@@ -136,8 +136,8 @@ def _half_sprung(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]
 def _lean(case: "CaseFields") -> Iterator[Conflict]:
     for ring in ("inner", "outer") if case.misalignment else ():
         lean = getattr(case.misalignment, ring)
-        if abs(lean) > MOST_LEAN:
-            message = f"a lean of {show(lean, 'deg')} is beyond {show(MOST_LEAN, 'deg')}"
+        if abs(lean) > MAX_TILT:
+            message = f"a lean of {show(lean, 'deg')} is beyond {show(MAX_TILT, 'deg')}"
             yield Conflict("lean", (("misalignment", ring),), message, "is the unit right? Try mrad")
 
 
@@ -197,6 +197,6 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
         shown, needed = show(case.duration, "ms"), show(ball_pass, "ms")
         timing: tuple[Path, ...] = (("duration",), ("speed",), ("bearing",))
         yield Conflict("duration", timing, f"{shown} is shorter than one ball pass ({needed})")
-    if case.excitation in IMPULSES and not catalogue.MODELS[case.model].takes_pits and not case.defects:
+    if case.excitation in IMPULSE_EXCITATIONS and not catalogue.MODELS[case.model].takes_pits and not case.defects:
         paths: tuple[Path, ...] = (("model",), ("excitation",))
         yield Conflict("silent", paths, "without a defect there are no impulses", "give a `defect`")

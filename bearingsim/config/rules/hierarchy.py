@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from bearingsim import catalogue
 from bearingsim.config.channels import plain
 from bearingsim.config.names import LINE_LOADS
-from bearingsim.config.sections.defect import IMPULSES, WEAKENED
+from bearingsim.config.sections.defect import IMPULSE_EXCITATIONS, STIFFNESS_EXCITATIONS
 from bearingsim.config.sections.free import Frictionless
 from bearingsim.core.geometry.kinematics import cage_speed
 from bearingsim.text.units import show
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from bearingsim.config.case_fields import CaseFields
 
 STRIBECK = 4.08  # largest load of a roller over the mean: no clearance, line contact (balls: 4.37)
-NOTABLE = 0.1  # share of the largest load at rest from which the rollers' centrifugal force counts
+NOTABLE_SHARE = 0.1  # share of the largest load at rest from which the rollers' centrifugal force counts
 
-MASSLESS = "damping that acts in full as a contact closes needs the mass of a roller"
+NEEDS_ROLLER_MASS = "damping that acts in full as a contact closes needs the mass of a roller"
 """Without, a ring that is thrown up closes contacts all round, ever smaller and faster (docs/stability.md)."""
 
 Path = tuple[str | int, ...]
@@ -35,7 +35,7 @@ class Need(NamedTuple):
     what: str
     why: str
     paths: tuple[Path, ...]
-    firm: bool = True
+    required: bool = True
 
 
 def needs(case: "CaseFields") -> list[Need]:
@@ -47,15 +47,17 @@ def needs(case: "CaseFields") -> list[Need]:
 def least(case: "CaseFields") -> str | None:
     """The lowest model that can do all that the case asks for, or else all that is firm; None if there is none."""
     found = needs(case)
-    asked, firm = {need.what for need in found}, {need.what for need in found if need.firm}
+    asked, firm = {need.what for need in found}, {need.what for need in found if need.required}
     models = catalogue.MODELS.values()
     able = [model.name for wanted in (asked, firm) for model in models if wanted <= model.abilities]
     return able[0] if able else None
 
 
-def lacking(case: "CaseFields") -> list[Need]:
+def unmet_needs(case: "CaseFields") -> list[Need]:
     """The firm needs that the case's own model cannot meet."""
-    return [need for need in needs(case) if need.firm and need.what not in catalogue.MODELS[case.model].abilities]
+    return [
+        need for need in needs(case) if need.required and need.what not in catalogue.MODELS[case.model].abilities
+    ]
 
 
 def reasons(case: "CaseFields") -> list[str]:
@@ -74,16 +76,16 @@ def reasons(case: "CaseFields") -> list[str]:
 
 def _of_defects(case: "CaseFields") -> Iterator[Need]:
     excitation: tuple[Path, ...] = (("excitation",),)
-    if case.excitation in IMPULSES and "excitation" not in case.model_fields_set:
+    if case.excitation in IMPULSE_EXCITATIONS and "excitation" not in case.model_fields_set:
         return  # it came with the model
-    if case.excitation in IMPULSES:
+    if case.excitation in IMPULSE_EXCITATIONS:
         yield Need("impulses", f"`{case.excitation}` is forces in time, which only `impulse` computes", excitation)
     elif case.defects:
         why = f"`{case.excitation}` moves the rollers on the bearing's elastic contacts"
         yield Need("shapes", why, excitation)
     else:
         yield Need("balance", "a healthy bearing vibrates by its varying compliance", (("defects",),))
-    if case.defects and case.excitation in WEAKENED:
+    if case.defects and case.excitation in STIFFNESS_EXCITATIONS:
         why = f"`{case.excitation}` changes the force at the pit, which acts on the mass of a ring"
         yield Need("weakened contact", why, excitation)
     if case.defects and case.excitation == "pressure-share":
@@ -92,7 +94,7 @@ def _of_defects(case: "CaseFields") -> Iterator[Need]:
     for number, defect in enumerate(case.defects):
         if defect.offset != 0.0:
             why = "a defect off the roller's middle tilts the roller"
-            yield Need("tilt", why, (("defects", number, "offset"),), firm=False)
+            yield Need("tilt", why, (("defects", number, "offset"),), required=False)
 
 
 _SECTIONS: tuple[tuple[str, str, str], ...] = (
@@ -123,7 +125,7 @@ def _of_sections(case: "CaseFields") -> Iterator[Need]:
         if case.shaft is not None and getattr(case.shaft, name) is not None:
             yield Need("leaning rings", f"`shaft.{name}` lets the inner ring lean", (("shaft", name),))
     if "damping" in case.contact.model_fields_set:
-        yield Need("damping", "`contact.damping` acts on motion", (("contact", "damping"),), firm=False)
+        yield Need("damping", "`contact.damping` acts on motion", (("contact", "damping"),), required=False)
 
 
 def _of_shapes_along(case: "CaseFields") -> Iterator[Need]:
@@ -177,26 +179,26 @@ def _of_record(case: "CaseFields") -> Iterator[Need]:
         known = _RECORDED.get(plain(name))
         if known:
             what, why = known
-            yield Need(what, why, (("record", index),), firm=what != "acceleration")
+            yield Need(what, why, (("record", index),), required=what != "acceleration")
 
 
 def _of_masses(case: "CaseFields") -> Iterator[Need]:
     """Rollers that do not follow: thrown into a pit, or outwards by their orbit."""
     shown = [plain(name) for name in case.record]
     sharp = any(name.startswith("roller.") or name == "ring.acceleration" for name in shown)
-    if case.defects and case.excitation not in IMPULSES and sharp:
+    if case.defects and case.excitation not in IMPULSE_EXCITATIONS and sharp:
         why = "how a roller strikes the far edge of a pit, and its force there, depend on its mass"
-        yield Need("inertia of rollers", why, (("record",),), firm=False)
-    if case.defects and case.excitation not in IMPULSES and case.contact.jumps:
-        yield Need("inertia of rollers", MASSLESS, (("contact", "damping"),), firm=False)
+        yield Need("inertia of rollers", why, (("record",),), required=False)
+    if case.defects and case.excitation not in IMPULSE_EXCITATIONS and case.contact.jumps:
+        yield Need("inertia of rollers", NEEDS_ROLLER_MASS, (("contact", "damping"),), required=False)
     force = _centrifugal_force(case)
     load = STRIBECK * math.hypot(case.load, case.load_across) / case.bearing.rollers
-    if force > NOTABLE * load:
+    if force > NOTABLE_SHARE * load:
         why = (
             f"the centrifugal force of a roller ({show(force, 'N')}) is {force / load:.0%} of the largest load"
             f" at rest ({show(load, 'N')})"
         )
-        yield Need("inertia of rollers", why, (("speed",), ("load",)), firm=False)
+        yield Need("inertia of rollers", why, (("speed",), ("load",)), required=False)
 
 
 def _centrifugal_force(case: "CaseFields") -> float:

@@ -6,7 +6,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.config.rules.conflict import Conflict, Path
-from bearingsim.config.sections.defect import ROLLED, SIMPLE
+from bearingsim.config.sections.defect import PATH_EXCITATIONS, SIMPLE_SHAPES
 from bearingsim.text.units import show
 
 if TYPE_CHECKING:
@@ -138,10 +138,10 @@ def _depth(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]
 
 def _form(at: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
     """Excitations other than the envelope have forms for simple shapes only."""
-    if case.excitation in ROLLED:
+    if case.excitation in PATH_EXCITATIONS:
         return
     hint = "say `excitation: envelope`, or take a rectangular, triangular or circular defect with sharp edges"
-    if defect.shape not in SIMPLE:
+    if defect.shape not in SIMPLE_SHAPES:
         article = "an" if defect.shape[0] in "aeiou" else "a"
         what = f"{article} {defect.shape}" + (" defect" if defect.shape == "elliptical" else "")
         paths: tuple[Path, ...] = (("excitation",), (*at, "shape"))
@@ -175,7 +175,7 @@ def _distance(a: "Defect", b: "Defect", bearing: "Bearing") -> float:
 def _overlap(first: int, second: int, case: "CaseFields") -> Iterator[Conflict]:
     """Pits that overlap are felt as one, by who follows the path of a roller."""
     a, b = case.defects[first], case.defects[second]
-    if a.element != b.element or case.excitation in ROLLED:
+    if a.element != b.element or case.excitation in PATH_EXCITATIONS:
         return
     distance = _distance(a, b, case.bearing)
     if distance < (a.width + b.width) / 2.0:
@@ -187,7 +187,7 @@ def _overlap(first: int, second: int, case: "CaseFields") -> Iterator[Conflict]:
 
 def _too_wide_together(case: "CaseFields") -> Iterator[Conflict]:
     """Pits that overlap, each one the next, may together be too wide."""
-    if case.excitation not in ROLLED:
+    if case.excitation not in PATH_EXCITATIONS:
         return
     for number, defect in enumerate(case.defects):
         on = surface(case.bearing, defect.race)

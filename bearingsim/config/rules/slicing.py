@@ -17,9 +17,9 @@ def reach(defect: "Defect") -> tuple[float, float]:
 
 def slice_ends(case: "CaseFields") -> Any:
     """Ends (n + 1,) of the slices of the case's roller, m from its middle. ValueError if they are too many."""
-    from bearingsim.core.geometry.slices import edges  # numpy, which only who computes needs
+    from bearingsim.core.geometry.slices import slice_edges  # numpy, which only who computes needs
 
-    return edges(float(case.bearing.roller_length or 0.0), map(reach, case.defects), case.contact.slices)
+    return slice_edges(float(case.bearing.roller_length or 0.0), map(reach, case.defects), case.contact.slices)
 
 
 def slice_count(case: "CaseFields") -> int | None:

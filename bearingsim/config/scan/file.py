@@ -30,8 +30,8 @@ from bearingsim.errors import UserError
 from bearingsim.text.units import UnitError, parse
 
 NAMES = ("s", "z", "depth", "height")
-MOST_POINTS = 4_000_000
-SCARCE = 0.5  # share of a grid's cells that must be there at all
+MAX_POINTS = 4_000_000
+MIN_FILLED = 0.5  # share of a grid's cells that must be there at all
 LONGEST_ECHO, SHORTEST_ECHO = 60, 12  # letters of a file's first line that a message repeats
 _COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*(?:\[([^\]]*)\])?\s*")
 
@@ -162,7 +162,7 @@ def _listed(rows: list[list[str]], numbers: list[int]) -> Grid:
     z, row = np.unique(values["z"], return_inverse=True)
     if np.isnan(s).any() or np.isnan(z).any():
         raise ScanError("a point has no place", "`s` and `z` must be in every line")
-    if len(table) < SCARCE * len(s) * len(z):
+    if len(table) < MIN_FILLED * len(s) * len(z):
         found = f"{len(table)} points at {len(s)} values of s and {len(z)} of z"
         raise ScanError(f"the points form no grid: {found}", "interpolate them onto one")
     if len(np.unique(row * len(s) + column)) < len(table):
@@ -195,8 +195,8 @@ def _grid(rows: list[list[str]], numbers: list[int]) -> tuple[np.ndarray, np.nda
 
 def _numbers(rows: list[list[str]], numbers: list[int], width: int) -> np.ndarray:
     """Cells (n, width) as numbers, NaN where there is none."""
-    if len(rows) * width > MOST_POINTS:
-        raise ScanError(f"{len(rows) * width} cells; at most {MOST_POINTS}", "thin it out")
+    if len(rows) * width > MAX_POINTS:
+        raise ScanError(f"{len(rows) * width} cells; at most {MAX_POINTS}", "thin it out")
     out = np.full((len(rows), width), np.nan)
     for into, row, number in zip(out, rows, numbers, strict=True):
         if len(row) != width:

@@ -15,18 +15,18 @@ from bearingsim.config.scan.file import Grid, ScanError, mm, places, read_file
 
 __all__ = ["Scan", "ScanError", "notes", "read_scan"]
 
-FEWEST = 5  # places along either axis
-MOST_MISSING, LARGEST_GAP = 0.05, 9  # share of cells; cells of one gap
-MOST_SPIKES, LARGEST_SPIKE = 0.01, 2  # share of cells; cells of one spike
+MIN_PLACES = 5  # places along either axis
+MAX_MISSING, LARGEST_GAP = 0.05, 9  # share of cells; cells of one gap
+MAX_SPIKES, LARGEST_SPIKE = 0.01, 2  # share of cells; cells of one spike
 SPIKE, AROUND = 8.0, 7  # standard deviations of the roughness within so many cells along either axis
 SPIKE_OF_RANGE = 0.2  # of the depth range: a spike stands out at least so far; what does less harm is left
-UNEVEN = 0.1  # of the depth: most that three standard deviations of the surroundings may be
-DAMAGED = 0.2  # share of a side's cells off the surroundings from which the damage reaches it
+MAX_ROUGHNESS = 0.1  # of the depth: most that three standard deviations of the surroundings may be
+DAMAGED_SHARE = 0.2  # share of a side's cells off the surroundings from which the damage reaches it
 SPECK = 5  # cells: what is smaller is noise
 NOISE = 3.0  # standard deviations of the surroundings
 NARROW, SHALLOW = 20e-6, 0.1e-6  # width and depth (m) of a pit below which its unit is doubted
 
-REMEMBERED = 256
+CACHED_SCANS = 256
 """Scans that a process keeps: more than a sweep has, which goes through them again and again, and reading takes
 long. Usual ones have 50 to 150 kB, 40 MB in all; whatever is made of a scan shares its arrays.
 """
@@ -54,12 +54,12 @@ def read_scan(path: str | Path) -> Scan:
     return _read(file.absolute(), stat.st_mtime_ns, stat.st_size)
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=CACHED_SCANS)
 def _read(path: Path, modified: int, size: int) -> Scan:
     grid, digest = read_file(path)
-    if min(grid.depth.shape) < FEWEST:
+    if min(grid.depth.shape) < MIN_PLACES:
         rows, columns = grid.depth.shape
-        raise ScanError(f"{columns} places along s and {rows} along z: at least {FEWEST} each are needed")
+        raise ScanError(f"{columns} places along s and {rows} along z: at least {MIN_PLACES} each are needed")
     for step in (_without_spikes, _filled, _levelled, _centred):
         grid = step(grid)
     along, across = _reach(grid)
@@ -110,7 +110,7 @@ def _without_spikes(grid: Grid) -> Grid:
         return grid
     share, told = count / spikes.size, places(np.argwhere(spikes), grid)
     lowest = f"{_um(float(np.abs(off[spikes]).min()))} and more"
-    if share > MOST_SPIKES:
+    if share > MAX_SPIKES:
         raise ScanError(f"{count} spikes of {lowest} ({share:.1%} of the cells; {told})", "filter it first")
     note = f"{count} spike{'s' * (count > 1)} of {lowest} taken out: {told}"
     return grid._replace(depth=np.where(spikes, middle, grid.depth), notes=(*grid.notes, note))
@@ -144,7 +144,7 @@ def _filled(grid: Grid) -> Grid:
     if count == 0:
         return grid
     told = places(np.argwhere(missing), grid)
-    if count > MOST_MISSING * missing.size:
+    if count > MAX_MISSING * missing.size:
         raise ScanError(f"{count} cells are missing ({count / missing.size:.1%}; {told})", "measure it again")
     gaps = _regions(missing)
     largest = int(np.bincount(gaps.ravel())[1:].max())
@@ -185,7 +185,7 @@ def _levelled(grid: Grid) -> Grid:
     if burr > pit:
         message = f"it stands {_um(burr)} out of the race and goes {_um(max(pit, 0.0))} into it"
         raise ScanError(message, "is it a `height`? name it so")
-    if NOISE * deviation > UNEVEN * pit:
+    if NOISE * deviation > MAX_ROUGHNESS * pit:
         message = (
             f"there is no even border: the outermost cells deviate by {_um(deviation)} (one standard deviation)"
         )
@@ -242,10 +242,10 @@ def _reached(grid: Grid, rough: np.ndarray) -> list[str]:
     """Whether damage reaches the scan's sides: across them it is taken to end there, along them refused."""
     sides = {"s": rough[:, [0, -1]], "z": rough[[0, -1], :].T}
     share = {axis: cells.mean(axis=0).max() for axis, cells in sides.items()}
-    if share["s"] > DAMAGED:
+    if share["s"] > DAMAGED_SHARE:
         message = f"there is no undamaged border: {share['s']:.0%} of a side along z lie off the surroundings"
         raise ScanError(message, "take in undamaged race before and behind the pit")
-    if share["z"] > DAMAGED or (share["z"] > 0.0 and _is_one_pit(rough)):
+    if share["z"] > DAMAGED_SHARE or (share["z"] > 0.0 and _is_one_pit(rough)):
         return ["the damage reaches the scan's end along z: taken to end there"]
     return []
 

@@ -33,16 +33,16 @@ Excitation = Literal[
     "random-impulses",
 ]
 
-IMPULSES: tuple[Excitation, ...] = ("impulse-train", "random-impulses")
+IMPULSE_EXCITATIONS: tuple[Excitation, ...] = ("impulse-train", "random-impulses")
 """Excitations that are forces in time, not shapes in space: the impulse model's."""
 
-WEAKENED: tuple[Excitation, ...] = ("pressure-share", "soft-edge", "elastic-edge")
+STIFFNESS_EXCITATIONS: tuple[Excitation, ...] = ("pressure-share", "soft-edge", "elastic-edge")
 """Excitations that change the contact's force at the pit, not only its place."""
 
-ROLLED: tuple[Excitation, ...] = ("envelope", *IMPULSES)
+PATH_EXCITATIONS: tuple[Excitation, ...] = ("envelope", *IMPULSE_EXCITATIONS)
 """Excitations that know the path of a roller over any pit; the others have forms for a few shapes only."""
 
-SIMPLE = tuple(shape.name for shape in catalogue.SHAPES.values() if shape.simple)
+SIMPLE_SHAPES = tuple(shape.name for shape in catalogue.SHAPES.values() if shape.simple)
 """Shapes for which every excitation has a form."""
 
 if TYPE_CHECKING:

@@ -19,20 +19,20 @@ class Ramp(NamedTuple):
 
 
 @generic
-def elapsed(motion: Any, t: float) -> tuple[float, float, float]:
+def kinematic_time(motion: Any, t: float) -> tuple[float, float, float]:
     """The time (s) in which the ring would have turned as far at its first speed; its rate and acceleration (1/s).
 
     So angles are omega_i times the first, speeds omega_i times the second; at a steady speed it is t, 1, 0.
     """
 
 
-@elapsed.register(Steady)
-def _elapsed_steady(motion, t):
+@kinematic_time.register(Steady)
+def _kinematic_time_steady(motion, t):
     return t, 1.0, 0.0
 
 
-@elapsed.register(Ramp)
-def _elapsed_ramp(motion, t):
+@kinematic_time.register(Ramp)
+def _kinematic_time_ramp(motion, t):
     growth = (motion.ratio - 1.0) / motion.T
     on_ramp = min(t, motion.T)
     after = t - on_ramp
@@ -50,13 +50,13 @@ def steady(model: Any) -> bool:
     return isinstance(motion_of(model), Steady)
 
 
-def elapsed_times(model: Any, time: np.ndarray) -> np.ndarray:
-    """``elapsed``'s first result at each time (n,), s."""
+def kinematic_times(model: Any, time: np.ndarray) -> np.ndarray:
+    """``kinematic_time``'s first result at each time (n,), s."""
     motion = motion_of(model)
-    return time if isinstance(motion, Steady) else np.array([elapsed(motion, t)[0] for t in time.tolist()])
+    return time if isinstance(motion, Steady) else np.array([kinematic_time(motion, t)[0] for t in time.tolist()])
 
 
 def speed_factor(model: Any, time: np.ndarray) -> Any:
     """Speed at each time (n,), s, over the speed at t = 0; 1.0 at a steady speed."""
     motion = motion_of(model)
-    return 1.0 if isinstance(motion, Steady) else np.array([elapsed(motion, t)[1] for t in time.tolist()])
+    return 1.0 if isinstance(motion, Steady) else np.array([kinematic_time(motion, t)[1] for t in time.tolist()])

@@ -16,15 +16,15 @@ both exact, without small angles. Regular while the axis leans by less than a qu
 from math import sqrt
 from typing import NamedTuple
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import POSITION, VELOCITY
 
 
 class Body(NamedTuple):
     """A ring or the cage as it is now, along e_0, e_90 and e_z.
 
     x, y, z: its centre (m), v_x, v_y, v_z (m/s); a_x, a_y, a_z: its axis, w_x, w_y, w_z: the axis' rate (1/s);
-    turns: its speed about the axis (rad/s).
+    omega: its speed about the axis (rad/s).
     """
 
     x: float
@@ -39,23 +39,23 @@ class Body(NamedTuple):
     w_x: float
     w_y: float
     w_z: float
-    turns: float
+    omega: float
 
 
 @jit
-def upright(a_x, a_y):
+def axis_z(a_x, a_y):
     """Third component of an axis."""
     return sqrt(1.0 - a_x * a_x - a_y * a_y)
 
 
 @jit
-def winding(a_x, a_y, a_z, w_x, w_y):
+def axis_precession(a_x, a_y, a_z, w_x, w_y):
     """How fast (rad/s) a body turns about its axis without its angle changing, because the axis goes round."""
     return (w_x * a_y - a_x * w_y) / (1.0 + a_z)
 
 
 @jit
-def winding_rate(body, l_x, l_y):
+def axis_precession_rate(body, l_x, l_y):
     """Its rate (rad/s^2), the axis being accelerated by ``l_x``, ``l_y`` (1/s^2)."""
     bent = 1.0 + body.a_z
     area = body.w_x * body.a_y - body.a_x * body.w_y
@@ -63,7 +63,7 @@ def winding_rate(body, l_x, l_y):
 
 
 @jit
-def tip(m_x, m_y, m_z, spin, I_t, a_x, a_y, a_z, w_x, w_y, w_z):
+def axis_acceleration(m_x, m_y, m_z, spin, I_t, a_x, a_y, a_z, w_x, w_y, w_z):
     """Acceleration of the axis' x and y (1/s^2) under a moment (N m); spin: angular momentum about the axis.
 
     All in the same directions, fixed or those of a frame now.
@@ -74,16 +74,16 @@ def tip(m_x, m_y, m_z, spin, I_t, a_x, a_y, a_z, w_x, w_y, w_z):
 
 
 @jit
-def body_at(y, x, z, lean_x, lean_y, angle_rate):
-    """The body whose centre lies in the cells ``x``, ``x`` + 1 and ``z``, its axis in ``lean_x``, ``lean_y``.
+def body_at(y, x, z, tilt_x, tilt_y, angle_rate):
+    """The body whose centre lies in the cells ``x``, ``x`` + 1 and ``z``, its axis in ``tilt_x``, ``tilt_y``.
 
     angle_rate: of its angle about the axis (rad/s).
     """
-    p, v = POSITION, VELOCITY
-    a_x, a_y, w_x, w_y = y[p + lean_x], y[p + lean_y], y[v + lean_x], y[v + lean_y]
-    a_z = upright(a_x, a_y)
+    p, v = lay.POSITION, lay.VELOCITY
+    a_x, a_y, w_x, w_y = y[p + tilt_x], y[p + tilt_y], y[v + tilt_x], y[v + tilt_y]
+    a_z = axis_z(a_x, a_y)
     w_z = -(a_x * w_x + a_y * w_y) / a_z
-    turns = angle_rate + winding(a_x, a_y, a_z, w_x, w_y)
+    turns = angle_rate + axis_precession(a_x, a_y, a_z, w_x, w_y)
     return Body(
         y[p + x], y[p + x + 1], y[p + z], y[v + x], y[v + x + 1], y[v + z], a_x, a_y, a_z, w_x, w_y, w_z, turns
     )

@@ -5,65 +5,32 @@ With rho = |c_j - u| the distance of a roller from a ring's centre, n from there
 
 from math import cos, sin, sqrt
 
+from bearingsim.core import layout as lay
+from bearingsim.core.geometry.sides import contact_rows, normal_rows, ring_of, sign
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import (
-    CE,
-    COS,
-    COS_0,
-    DELTA_I,
-    DELTA_O,
-    EPS,
-    EPS_V,
-    M_R,
-    M_T,
-    N_R,
-    N_T,
-    PC,
-    POSITION,
-    PS,
-    RHO_I,
-    RHO_O,
-    SE,
-    SIN,
-    SIN_0,
-    T_I,
-    T_O,
-    TILT_I,
-    TILT_O,
-    TORQUE,
-    V_I,
-    V_O,
-    VELOCITY,
-    X_I,
-    Y_I,
-    Q,
-    V,
-    X,
-    Y,
-)
 
 
 @jit
-def place(theta_c, y, n):
+def roller_directions(theta_c, y, n):
     """Directions of pockets and rollers, the first pocket standing at ``theta_c`` (rad).
 
     |EPS| stays under a hundredth, where the series are exact to rounding.
     """
     C, S = cos(theta_c), sin(theta_c)
     for j in range(n):
-        pc = C * y[COS_0 + j] - S * y[SIN_0 + j]
-        ps = S * y[COS_0 + j] + C * y[SIN_0 + j]
-        e = y[EPS + j]
+        pc = C * y[lay.COS_0 + j] - S * y[lay.SIN_0 + j]
+        ps = S * y[lay.COS_0 + j] + C * y[lay.SIN_0 + j]
+        e = y[lay.EPS + j]
         e2 = e * e
         ce = 1.0 - e2 * (0.5 - e2 * (1.0 / 24.0 - e2 / 720.0))
         se = e * (1.0 - e2 * (1.0 / 6.0 - e2 * (1.0 / 120.0 - e2 / 5040.0)))
-        y[PC + j], y[PS + j], y[CE + j], y[SE + j] = pc, ps, ce, se
-        y[COS + j] = pc * ce - ps * se
-        y[SIN + j] = ps * ce + pc * se
+        y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j] = pc, ps, ce, se
+        y[lay.COS + j] = pc * ce - ps * se
+        y[lay.SIN + j] = ps * ce + pc * se
 
 
 @jit
-def from_centre(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
+def relative_to_ring(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
     """A roller as a ring sees it whose centre stands at u (m) and moves at ``v_x``, ``v_y`` (m/s).
 
     c, s: of the roller's angle; r, v: its radius (m) and radial speed (m/s); theta_v: its orbit (rad/s). Returns
@@ -78,33 +45,34 @@ def from_centre(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
 
 
 @jit
-def approach_outer(bearing, omega_cage, y, n):
-    """Approach, its rate, normal and sideways speed of every outer contact over an undamaged race."""
-    gap, middle = bearing.gap, 0.5 * (bearing.R_o + bearing.R_i)
-    u_x, u_y, v_x, v_y = y[POSITION + X], y[POSITION + Y], y[VELOCITY + X], y[VELOCITY + Y]
-    for j in range(n):
-        rho, n_r, n_t, short, d_r, d_t = from_centre(
-            y[COS + j], y[SIN + j], middle + y[Q + j], y[V + j], omega_cage + y[EPS_V + j], u_x, u_y, v_x, v_y
-        )
-        y[RHO_O + j], y[N_R + j], y[N_T + j] = rho, n_r, n_t
-        y[DELTA_O + j] = y[Q + j] - gap - short
-        y[V_O + j] = n_r * d_r + n_t * d_t
-        y[T_O + j] = n_r * d_t - n_t * d_r
-        y[TILT_O + j] = 0.0
-        y[TORQUE + j] = 0.0
+def approach(side, bearing, omega_cage, y, n):
+    """Approach, its rate, normal and sideways speed of every contact of one side over an undamaged race.
 
-
-@jit
-def approach_inner(bearing, omega_cage, y, n):
-    """The same of every inner contact; its normal points from the inner ring's centre to the roller."""
+    The normal points from the ring's centre to the roller.
+    """
     gap, middle = bearing.gap, 0.5 * (bearing.R_o + bearing.R_i)
-    u_x, u_y, v_x, v_y = y[POSITION + X_I], y[POSITION + Y_I], y[VELOCITY + X_I], y[VELOCITY + Y_I]
+    normal_r, normal_t, distance, across, _ = normal_rows(side)
+    _, approaches, rates, _, tilts = contact_rows(side)
+    sigma, ring = sign(side), ring_of(side)
+    u_x = y[lay.POSITION + ring]
+    u_y = y[lay.POSITION + ring + 1]
+    v_x = y[lay.VELOCITY + ring]
+    v_y = y[lay.VELOCITY + ring + 1]
     for j in range(n):
-        rho, n_r, n_t, short, d_r, d_t = from_centre(
-            y[COS + j], y[SIN + j], middle + y[Q + j], y[V + j], omega_cage + y[EPS_V + j], u_x, u_y, v_x, v_y
+        rho, n_r, n_t, short, d_r, d_t = relative_to_ring(
+            y[lay.COS + j],
+            y[lay.SIN + j],
+            middle + y[lay.RADIAL + j],
+            y[lay.RADIAL_V + j],
+            omega_cage + y[lay.EPS_V + j],
+            u_x,
+            u_y,
+            v_x,
+            v_y,
         )
-        y[RHO_I + j], y[M_R + j], y[M_T + j] = rho, n_r, n_t
-        y[DELTA_I + j] = short - gap - y[Q + j]
-        y[V_I + j] = -n_r * d_r - n_t * d_t
-        y[T_I + j] = n_r * d_t - n_t * d_r
-        y[TILT_I + j] = 0.0
+        y[distance + j], y[normal_r + j], y[normal_t + j] = rho, n_r, n_t
+        outwards, lost = (y[lay.RADIAL + j], short) if sigma > 0.0 else (short, y[lay.RADIAL + j])
+        y[approaches + j] = outwards - gap - lost
+        y[rates + j] = sigma * n_t * d_t - -sigma * n_r * d_r  # sigma n.d; written otherwise it rounds otherwise
+        y[across + j] = n_r * d_t - n_t * d_r
+        y[tilts + j] = 0.0

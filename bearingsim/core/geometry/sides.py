@@ -2,21 +2,8 @@
 
 from typing import Any, NamedTuple
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import generic
-from bearingsim.core.layout import (
-    DELTA_I,
-    DELTA_O,
-    INNER_SIDE,
-    OUTER_SIDE,
-    Q_I,
-    Q_O,
-    SLIP_I,
-    SLIP_O,
-    TILT_I,
-    TILT_O,
-    V_I,
-    V_O,
-)
 
 
 class OuterSide(NamedTuple):
@@ -33,13 +20,23 @@ def sign(side: Any) -> float:
 
 
 @generic
-def rows_of(side: Any) -> int:
+def side_rows(side: Any) -> int:
     """Where the rows of this side of the rollers begin."""
 
 
 @generic
-def totals(side: Any) -> tuple[int, int, int, int, int]:
+def contact_rows(side: Any) -> tuple[int, int, int, int, int]:
     """Rows of what the planar models call force, approach, its rate, slip and tangential force."""
+
+
+@generic
+def normal_rows(side: Any) -> tuple[int, int, int, int, int]:
+    """Rows of n along e_r and e_theta, of rho, of the speed across n, and of rho's rate over a pit."""
+
+
+@generic
+def ring_of(side: Any) -> int:
+    """The first shared coordinate of the race's ring."""
 
 
 @sign.register(OuterSide)
@@ -52,21 +49,41 @@ def _sign_inner(side):
     return -1.0
 
 
-@rows_of.register(OuterSide)
-def _rows_of_outer(side):
-    return OUTER_SIDE
+@side_rows.register(OuterSide)
+def _side_rows_outer(side):
+    return lay.OUTER_SIDE
 
 
-@rows_of.register(InnerSide)
-def _rows_of_inner(side):
-    return INNER_SIDE
+@side_rows.register(InnerSide)
+def _side_rows_inner(side):
+    return lay.INNER_SIDE
 
 
-@totals.register(OuterSide)
-def _totals_outer(side):
-    return Q_O, DELTA_O, V_O, SLIP_O, TILT_O
+@contact_rows.register(OuterSide)
+def _contact_rows_outer(side):
+    return lay.Q_O, lay.DELTA_O, lay.V_O, lay.SLIP_O, lay.PIT_FORCE_O
 
 
-@totals.register(InnerSide)
-def _totals_inner(side):
-    return Q_I, DELTA_I, V_I, SLIP_I, TILT_I
+@contact_rows.register(InnerSide)
+def _contact_rows_inner(side):
+    return lay.Q_I, lay.DELTA_I, lay.V_I, lay.SLIP_I, lay.PIT_FORCE_I
+
+
+@normal_rows.register(OuterSide)
+def _normal_rows_outer(side):
+    return lay.NORMAL_O_R, lay.NORMAL_O_T, lay.RHO_O, lay.TANGENTIAL_V_O, lay.RHO_V_O
+
+
+@normal_rows.register(InnerSide)
+def _normal_rows_inner(side):
+    return lay.NORMAL_I_R, lay.NORMAL_I_T, lay.RHO_I, lay.TANGENTIAL_V_I, lay.RHO_V_I
+
+
+@ring_of.register(OuterSide)
+def _ring_of_outer(side):
+    return lay.X
+
+
+@ring_of.register(InnerSide)
+def _ring_of_inner(side):
+    return lay.X_I

@@ -14,7 +14,7 @@ import numpy as np
 
 ZETA, WEIGHT, DROP = range(3)  # columns of a slice
 MAX_SLICES = 64
-IN_A_PIT = 3.0  # how many times as dense slices lie where a pit is
+PIT_DENSITY = 3.0  # how many times as dense slices lie where a pit is
 
 
 class Slices(NamedTuple):
@@ -23,7 +23,7 @@ class Slices(NamedTuple):
     table: np.ndarray
 
 
-def edges(L_w: float, pits: Iterable[tuple[float, float]], n: int) -> np.ndarray:
+def slice_edges(L_w: float, pits: Iterable[tuple[float, float]], n: int) -> np.ndarray:
     """Ends (m, from the middle) of at least ``n`` slices of a roller of length ``L_w`` (m), (n + 1,).
 
     pits: from where to where (m) each pit reaches along the roller. Every end of a pit is an end of a slice, so
@@ -32,7 +32,7 @@ def edges(L_w: float, pits: Iterable[tuple[float, float]], n: int) -> np.ndarray
     inside = [(max(a, -L_w / 2.0), min(b, L_w / 2.0)) for a, b in pits]
     cuts = np.unique(np.round([-L_w / 2.0, L_w / 2.0, *(end for pit in inside for end in pit)], 12))
     middles, lengths = (cuts[1:] + cuts[:-1]) / 2.0, np.diff(cuts)
-    denser = [IN_A_PIT if any(a < middle < b for a, b in inside) else 1.0 for middle in middles]
+    denser = [PIT_DENSITY if any(a < middle < b for a, b in inside) else 1.0 for middle in middles]
     wanted = n * lengths * denser / np.sum(lengths * denser)
     counts = np.maximum(1, np.ceil(wanted - 1e-9)).astype(int)
     if counts.sum() > MAX_SLICES:

@@ -4,7 +4,7 @@ from bearingsim.core.jit import jit
 
 
 @jit
-def across(a_r, a_t, a_z, b_r, b_t, b_z):
+def cross_components(a_r, a_t, a_z, b_r, b_t, b_z):
     """Vector product."""
     return a_t * b_z - a_z * b_t, a_z * b_r - a_r * b_z, a_r * b_t - a_t * b_r
 
@@ -18,24 +18,24 @@ def dot(a, b):
 @jit
 def cross(a, b):
     """Vector product of (3,) and (3,)."""
-    return across(a[0], a[1], a[2], b[0], b[1], b[2])
+    return cross_components(a[0], a[1], a[2], b[0], b[1], b[2])
 
 
 @jit
-def both(p, a, q, b):
+def combine(p, a, q, b):
     """p a + q b."""
     return p * a[0] + q * b[0], p * a[1] + q * b[1], p * a[2] + q * b[2]
 
 
 @jit
-def mix(p, a, q, b, s, c):
+def combine_three(p, a, q, b, s, c):
     """p a + q b + s c."""
     return p * a[0] + q * b[0] + s * c[0], p * a[1] + q * b[1] + s * c[1], p * a[2] + q * b[2] + s * c[2]
 
 
 @jit
-def turning(body, c, s):
+def angular_velocity(body, c, s):
     """Angular velocity (rad/s) of a ``Body`` along e_r, e_theta and e_z of the angle with cosine c and sine s."""
-    o_x, o_y, o_z = across(body.a_x, body.a_y, body.a_z, body.w_x, body.w_y, body.w_z)
-    o_x, o_y = o_x + body.turns * body.a_x, o_y + body.turns * body.a_y
-    return o_x * c + o_y * s, o_y * c - o_x * s, o_z + body.turns * body.a_z
+    o_x, o_y, o_z = cross_components(body.a_x, body.a_y, body.a_z, body.w_x, body.w_y, body.w_z)
+    o_x, o_y = o_x + body.omega * body.a_x, o_y + body.omega * body.a_y
+    return o_x * c + o_y * s, o_y * c - o_x * s, o_z + body.omega * body.a_z

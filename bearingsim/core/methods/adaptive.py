@@ -20,46 +20,26 @@ from collections.abc import Callable
 from math import inf, isfinite, sqrt
 from typing import Any
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import add, generic, jit
-from bearingsim.core.layout import (
-    ACCELERATION,
-    DENSE,
-    EVALUATED,
-    FAILED,
-    H_NEXT,
-    H_TAKEN,
-    LANES,
-    LAST_ERROR,
-    NEXT_STOP,
-    POSITION,
-    REFUSED,
-    ROW,
-    STAGE,
-    STATE,
-    T_END,
-    T_START,
-    TAKEN,
-    VELOCITY,
-    shared_cell,
-)
-from bearingsim.core.methods.interface import attempt, interpolate, load_number, no_limit, prepare, step
-from bearingsim.core.models.interface import accelerations, freedoms, keep_extremes, width
-from bearingsim.core.outcomes import FINE, STALLED, STEP_FLOOR
-from bearingsim.core.pits.jumps import next_cusp
+from bearingsim.core.methods.interface import attempt, interpolate, no_limit, prepare, stability_ratio, step
+from bearingsim.core.models.interface import accelerations, degrees_of_freedom, state_width, update_extremes
+from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
+from bearingsim.core.pits.jumps import next_jump
 
-START_Q, START_V, START_A = (STAGE + n * STATE for n in range(3))  # the state a step begins from
-END_Q, END_V, END_A = (STAGE + n * STATE for n in range(3, 6))  # and the one it has come to
-SLOPES = STAGE + 6 * STATE  # 49 blocks of the method's own
-LEVER = STAGE + 55 * STATE  # metres per unit of each coordinate; 0 of entries that are none
+START_Q, START_V, START_A = (lay.STAGE + n * lay.STATE for n in range(3))  # the state a step begins from
+END_Q, END_V, END_A = (lay.STAGE + n * lay.STATE for n in range(3, 6))  # and the one it has come to
+METHOD_STATES = lay.STAGE + 6 * lay.STATE  # 49 blocks of the method's own
+LENGTH_SCALE = lay.STAGE + 55 * lay.STATE  # metres per unit of each coordinate; 0 of entries that are none
 
-SAFETY, LEAST, MOST = 0.9, 0.2, 5.0  # by how much a step may change
+SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 5.0  # by how much a step may change
 SMALL_ERROR = 1e-4  # a smaller one tells the controller nothing
-FLOOR = 1e-15  # s: steps below it, or below some roundings of the time, are none
-ROUNDINGS = 8 * 2.0**-52
-SUDDEN = 1e-13  # s: where in so short a step a force jumps is of no account to methods that damp what it leaves
-HOP = 1e-12  # s: so far on either side of a jump a step ends, or begins
-MOST_TRIES = 100_000  # steps between two recorded instants
-ON_TIME = 1e-9  # part of the time between recorded instants: so near to one, a step's end is it
+MIN_STEP = 1e-15  # s: steps below it, or below some roundings of the time, are none
+TIME_ROUNDING = 8 * 2.0**-52
+JUMP_STEP = 1e-13  # s: where in so short a step a force jumps is of no account to methods that damp what it leaves
+JUMP_GAP = 1e-12  # s: so far on either side of a jump a step ends, or begins
+MAX_ATTEMPTS = 100_000  # steps between two recorded instants
+TIME_TOLERANCE = 1e-9  # part of the time between recorded instants: so near to one, a step's end is it
 
 
 @generic
@@ -68,71 +48,71 @@ def estimate_order(method: Any) -> float:
 
 
 @generic
-def dead_end(method: Any) -> int:
+def failure_outcome(method: Any) -> int:
     """Why a run ends whose steps fall below the floor (``core/outcomes.py``)."""
 
 
 @generic
-def beyond(method: Any) -> float:
+def jump_weight(method: Any) -> float:
     """Weight, 0 to 1, of the forces just behind a jump when it is hopped over.
 
-    An implicit method takes those before it alone: a dashpot may be so stiff that even HOP is too long a step for
-    the velocity that a jump leaves, and the next step settles it.
+    An implicit method takes those before it alone: a dashpot may be so stiff that even JUMP_GAP is too long a step
+    for the velocity that a jump leaves, and the next step settles it.
     """
 
 
 @generic
-def complete(method: Any, model: Any, y: Any) -> None:
+def complete_dense_output(method: Any, model: Any, y: Any) -> None:
     """Evaluate what the dense output of the step just taken needs beyond it; once a step, and only if asked for.
 
-    The state's blocks may be used, and are left as they fall; START, END, SLOPES are the step's.
+    The state's blocks may be used, and are left as they fall; START, END, METHOD_STATES are the step's.
     """
 
 
-def nothing_more(method, model, y):
-    """``complete`` of a method whose dense output needs no evaluation."""
+def no_completion(method, model, y):
+    """``complete_dense_output`` of a method whose dense output needs no evaluation."""
 
 
-def drive(
-    parameters: type, order: float, more: Callable = nothing_more, end: int = STEP_FLOOR, across: float = 1.0
+def register_adaptive(
+    parameters: type, order: float, more: Callable = no_completion, end: int = STEP_TOO_SMALL, across: float = 1.0
 ) -> None:
     """Make a method adaptive that has ``attempt`` and ``interpolate``; parameters: fields as of ``Tolerances``.
 
-    order: power of the step that its estimate goes with; more: its ``complete``; end: its ``dead_end``; across:
-    its ``beyond``.
+    order: power of the step that its estimate goes with; more: its ``complete_dense_output``; end: its
+    ``failure_outcome``; across: its ``jump_weight``.
     """
     prepare.register(parameters)(_prepare)
     step.register(parameters)(_step)
-    load_number.register(parameters)(no_limit)  # it is held by its error
+    stability_ratio.register(parameters)(no_limit)  # it is held by its error
     estimate_order.register(parameters)(lambda method: order)
-    complete.register(parameters)(more)
-    dead_end.register(parameters)(lambda method: end)
-    beyond.register(parameters)(lambda method: across)
+    complete_dense_output.register(parameters)(more)
+    failure_outcome.register(parameters)(lambda method: end)
+    jump_weight.register(parameters)(lambda method: across)
 
 
 # The state, in blocks
 
 
 @jit
-def keep(y, block, n):
+def save_state(y, block, n):
     """The state, accelerations included, into the three blocks from ``block`` on."""
     for j in range(n):
-        y[block + j] = y[POSITION + j]
-        y[block + STATE + j] = y[VELOCITY + j]
-        y[block + 2 * STATE + j] = y[ACCELERATION + j]
+        y[block + j] = y[lay.POSITION + j]
+        y[block + lay.STATE + j] = y[lay.VELOCITY + j]
+        y[block + 2 * lay.STATE + j] = y[lay.ACCELERATION + j]
 
 
 @jit
-def bring_back(y, block, n):
+def restore_state(y, block, n):
     """The state from the three blocks from ``block`` on."""
     for j in range(n):
-        y[POSITION + j] = y[block + j]
-        y[VELOCITY + j] = y[block + STATE + j]
-        y[ACCELERATION + j] = y[block + 2 * STATE + j]
+        y[lay.POSITION + j] = y[block + j]
+        y[lay.VELOCITY + j] = y[block + lay.STATE + j]
+        y[lay.ACCELERATION + j] = y[block + 2 * lay.STATE + j]
 
 
 @jit
-def begin_where_it_ended(y, n):
+def start_from_end(y, n):
     """START of the next step from END of the last."""
     for j in range(n):
         y[START_Q + j] = y[END_Q + j]
@@ -144,10 +124,10 @@ def begin_where_it_ended(y, n):
 
 
 @jit
-def fill_levers(model, y):
-    """LEVER: 1 of lengths; of angles and axes the radius at which they are felt."""
+def fill_length_scales(model, y):
+    """LENGTH_SCALE: 1 of lengths; of angles and axes the radius at which they are felt."""
     b = model.bearing
-    own, shared = freedoms(model)
+    own, shared = degrees_of_freedom(model)
     middle = 0.5 * (b.R_o + b.R_i)
     of_shared = (
         1.0,
@@ -169,13 +149,13 @@ def fill_levers(model, y):
         b.R_i,
     )
     of_roller = (1.0, middle, b.R_w, 1.0, b.R_w, b.R_w)
-    for j in range(STATE):
-        y[LEVER + j] = 0.0
+    for j in range(lay.STATE):
+        y[LENGTH_SCALE + j] = 0.0
     for k in range(shared):
-        y[LEVER + shared_cell(k)] = of_shared[k]
+        y[LENGTH_SCALE + lay.shared_cell(k)] = of_shared[k]
     for i in range(own):
         for j in range(b.Z):
-            y[LEVER + LANES + i * ROW + j] = of_roller[i]
+            y[LENGTH_SCALE + lay.FIRST_LANE + i * lay.ROW + j] = of_roller[i]
 
 
 @jit
@@ -186,8 +166,8 @@ def error_norm(method, error_q, error_v, y, n):
     """
     total = 0.0
     for j in range(n):
-        lever = y[LEVER + j]
-        v = lever * max(abs(y[START_V + j]), abs(y[VELOCITY + j]))
+        lever = y[LENGTH_SCALE + j]
+        v = lever * max(abs(y[START_V + j]), abs(y[lay.VELOCITY + j]))
         e_q = lever * y[error_q + j] / method.atol_q
         e_v = lever * y[error_v + j] / (method.atol_v + method.rtol * v)
         total = add(total, e_q * e_q + e_v * e_v)
@@ -195,22 +175,22 @@ def error_norm(method, error_q, error_v, y, n):
 
 
 @jit
-def past_jumps(error, h):
+def error_past_jumps(error, h):
     """The error of an L-stable method, at most 1 in a step so short that only a jump of a force can be in its way.
 
     The force is then felt over all of the step and not over a part of it. Nothing moves by more than rounding
     meanwhile, and the impulse that it is out by is made good by the same dashpot before anything else moves: no
     dashpot relaxes within 1e-12 s (1e-11 s: 1e9 N s/m on 10 g).
     """
-    return 1.0 if h <= SUDDEN and isfinite(error) and error > 1.0 else error
+    return 1.0 if h <= JUMP_STEP and isfinite(error) and error > 1.0 else error
 
 
 @jit
-def size(method, q, v, y, n):
+def scaled_norm(method, q, v, y, n):
     """The same measure of any position and velocity, in the blocks at ``q`` and ``v``; velocities by START's."""
     total = 0.0
     for j in range(n):
-        lever = y[LEVER + j]
+        lever = y[LENGTH_SCALE + j]
         e_q = lever * y[q + j] / method.atol_q
         e_v = lever * y[v + j] / (method.atol_v + method.rtol * lever * abs(y[START_V + j]))
         total = add(total, e_q * e_q + e_v * e_v)
@@ -223,39 +203,39 @@ def size(method, q, v, y, n):
 @jit
 def first_step(method, model, t, y, n):
     """Length (s) of the first step from the state at START: an Euler step's worth of what changes."""
-    moving = size(method, START_V, START_A, y, n)
-    h = 1e-2 * size(method, START_Q, START_V, y, n) / moving if moving > 0.0 else method.longest
+    moving = scaled_norm(method, START_V, START_A, y, n)
+    h = 1e-2 * scaled_norm(method, START_Q, START_V, y, n) / moving if moving > 0.0 else method.longest
     h = min(max(h, 1e-3 * method.longest), method.longest)
     for j in range(n):
-        y[POSITION + j] = y[START_Q + j] + h * y[START_V + j]
-        y[VELOCITY + j] = y[START_V + j] + h * y[START_A + j]
+        y[lay.POSITION + j] = y[START_Q + j] + h * y[START_V + j]
+        y[lay.VELOCITY + j] = y[START_V + j] + h * y[START_A + j]
     accelerations(model, t + h, y)
-    y[EVALUATED] += 2.0
+    y[lay.EVALUATIONS] += 2.0
     for j in range(n):
-        y[SLOPES + j] = y[START_A + j] * h
-        y[SLOPES + STATE + j] = y[ACCELERATION + j] - y[START_A + j]
-    bring_back(y, START_Q, n)
+        y[METHOD_STATES + j] = y[START_A + j] * h
+        y[METHOD_STATES + lay.STATE + j] = y[lay.ACCELERATION + j] - y[START_A + j]
+    restore_state(y, START_Q, n)
     accelerations(model, t, y)
-    bent = size(method, SLOPES, SLOPES + STATE, y, n) / h
+    bent = scaled_norm(method, METHOD_STATES, METHOD_STATES + lay.STATE, y, n) / h
     steepest = max(bent, moving)
     return min(100.0 * h, (1e-2 / steepest) ** (1.0 / estimate_order(method)) if steepest > 0.0 else inf)
 
 
 @jit
-def shrunk(method, error):
+def shrink_factor(method, error):
     """Factor for a refused step's length; a state that is not finite says nothing of how far it was too long."""
-    return max(LEAST, SAFETY * error ** (-1.0 / estimate_order(method))) if isfinite(error) else LEAST
+    return max(MIN_FACTOR, SAFETY * error ** (-1.0 / estimate_order(method))) if isfinite(error) else MIN_FACTOR
 
 
 @jit
-def grown(method, error, before):
+def growth_factor(method, error, before):
     """Factor for the next step's length, from the error of this one and of the one ``before``."""
     k = estimate_order(method)
-    return min(MOST, max(LEAST, SAFETY * max(error, SMALL_ERROR) ** (-0.7 / k) * before ** (0.4 / k)))
+    return min(MAX_FACTOR, max(MIN_FACTOR, SAFETY * max(error, SMALL_ERROR) ** (-0.7 / k) * before ** (0.4 / k)))
 
 
 @jit
-def fitted(h, left):
+def fit_to_stop(h, left):
     """A step of about ``h`` (s) that ends on a stop ``left`` (s) ahead, or leaves at least as much as it takes."""
     if h >= left:
         return left
@@ -266,101 +246,101 @@ def fitted(h, left):
 
 
 @jit
-def hop(method, model, y, n):
+def cross_jump(method, model, y, n):
     """From just before a jump to just after it; the step taken last keeps its length."""
-    t, weight = y[T_END] + 2.0 * HOP, beyond(method)
+    t, weight = y[lay.T_END] + 2.0 * JUMP_GAP, jump_weight(method)
     for j in range(n):
-        y[POSITION + j] = y[END_Q + j] + 2.0 * HOP * y[END_V + j]
-        y[VELOCITY + j] = y[END_V + j] + 2.0 * HOP * y[END_A + j]
+        y[lay.POSITION + j] = y[END_Q + j] + 2.0 * JUMP_GAP * y[END_V + j]
+        y[lay.VELOCITY + j] = y[END_V + j] + 2.0 * JUMP_GAP * y[END_A + j]
     accelerations(model, t, y)
     for j in range(n):
-        mean = y[END_A + j] + 0.5 * weight * (y[ACCELERATION + j] - y[END_A + j])
-        y[VELOCITY + j] = y[END_V + j] + 2.0 * HOP * mean
+        mean = y[END_A + j] + 0.5 * weight * (y[lay.ACCELERATION + j] - y[END_A + j])
+        y[lay.VELOCITY + j] = y[END_V + j] + 2.0 * JUMP_GAP * mean
     accelerations(model, t, y)
-    y[EVALUATED] += 2.0
-    y[T_END] = t
+    y[lay.EVALUATIONS] += 2.0
+    y[lay.T_END] = t
 
 
 @jit
-def stride(method, model, y, n):
+def take_step(method, model, y, n):
     """Attempt steps from END until one is accepted, or the floor is reached; returns the attempts."""
-    t = y[T_END]
-    begin_where_it_ended(y, n)
-    wanted = min(y[H_NEXT], method.longest)
-    h = fitted(wanted, y[NEXT_STOP] - t - 0.5 * HOP)
-    floor = max(FLOOR, ROUNDINGS * abs(t))
+    t = y[lay.T_END]
+    start_from_end(y, n)
+    wanted = min(y[lay.H_NEXT], method.longest)
+    h = fit_to_stop(wanted, y[lay.NEXT_STOP] - t - 0.5 * JUMP_GAP)
+    floor = max(MIN_STEP, TIME_ROUNDING * abs(t))
     error = attempt(method, model, t, h, y)
     tries = 1
     while not error <= 1.0:
-        y[REFUSED] += 1.0
-        h *= shrunk(method, error)
+        y[lay.STEPS_REJECTED] += 1.0
+        h *= shrink_factor(method, error)
         wanted = 0.0
         if h < floor:
-            y[FAILED] = dead_end(method)
+            y[lay.FAILED] = failure_outcome(method)
             return tries
         error = attempt(method, model, t, h, y)
         tries += 1
-    factor = grown(method, error, y[LAST_ERROR])
-    y[H_NEXT] = max(h * (factor if tries == 1 else min(factor, 1.0)), wanted if h < wanted else 0.0)
-    y[LAST_ERROR] = max(error, SMALL_ERROR)
-    y[T_START], y[T_END], y[H_TAKEN] = t, t + h, h
-    y[DENSE] = 0.0
-    y[TAKEN] += 1.0
+    factor = growth_factor(method, error, y[lay.LAST_ERROR])
+    y[lay.H_NEXT] = max(h * (factor if tries == 1 else min(factor, 1.0)), wanted if h < wanted else 0.0)
+    y[lay.LAST_ERROR] = max(error, SMALL_ERROR)
+    y[lay.T_START], y[lay.T_END], y[lay.H_TAKEN] = t, t + h, h
+    y[lay.DENSE_READY] = 0.0
+    y[lay.STEPS_TAKEN] += 1.0
     return tries
 
 
 @jit
-def go_on(method, model, y):
+def advance_once(method, model, y):
     """One accepted step, or the hop over a jump; returns the attempts made."""
-    n = width(model)
+    n = state_width(model)
     tries = 1
-    if y[NEXT_STOP] - y[T_END] <= HOP:
-        hop(method, model, y, n)
+    if y[lay.NEXT_STOP] - y[lay.T_END] <= JUMP_GAP:
+        cross_jump(method, model, y, n)
     else:
-        tries = stride(method, model, y, n)
-        if y[FAILED] != FINE:
+        tries = take_step(method, model, y, n)
+        if y[lay.FAILED] != SUCCESS:
             return tries
-    keep(y, END_Q, n)
-    keep_extremes(model, y)
-    y[NEXT_STOP] = next_cusp(model, y[T_END], y)
+    save_state(y, END_Q, n)
+    update_extremes(model, y)
+    y[lay.NEXT_STOP] = next_jump(model, y[lay.T_END], y)
     return tries
 
 
 @jit
-def show(method, model, t, y):
+def show_instant(method, model, t, y):
     """The state at a recorded instant ``t`` (s) within the step taken last, contacts included."""
-    n = width(model)
-    part = (t - y[T_START]) / y[H_TAKEN] if y[H_TAKEN] > 0.0 else 1.0
-    if abs(t - y[T_END]) <= ON_TIME * method.h:
-        bring_back(y, END_Q, n)
+    n = state_width(model)
+    part = (t - y[lay.T_START]) / y[lay.H_TAKEN] if y[lay.H_TAKEN] > 0.0 else 1.0
+    if abs(t - y[lay.T_END]) <= TIME_TOLERANCE * method.h:
+        restore_state(y, END_Q, n)
     else:
-        if y[DENSE] == 0.0:
-            complete(method, model, y)
-            y[DENSE] = 1.0
-        interpolate(method, part, y[H_TAKEN], y, n)
+        if y[lay.DENSE_READY] == 0.0:
+            complete_dense_output(method, model, y)
+            y[lay.DENSE_READY] = 1.0
+        interpolate(method, part, y[lay.H_TAKEN], y, n)
     accelerations(model, t, y)
-    y[EVALUATED] += 1.0
+    y[lay.EVALUATIONS] += 1.0
 
 
 def _prepare(method, model, t, y):
     """``prepare`` of every adaptive method."""
-    n = width(model)
-    fill_levers(model, y)
-    y[T_START], y[T_END], y[H_TAKEN], y[DENSE], y[LAST_ERROR] = t, t, 0.0, 0.0, 1.0
-    y[FAILED] = FINE
-    keep(y, START_Q, n)
-    y[H_NEXT] = min(first_step(method, model, t, y, n), method.longest)
-    keep(y, END_Q, n)
-    y[NEXT_STOP] = next_cusp(model, t, y)
+    n = state_width(model)
+    fill_length_scales(model, y)
+    y[lay.T_START], y[lay.T_END], y[lay.H_TAKEN], y[lay.DENSE_READY], y[lay.LAST_ERROR] = t, t, 0.0, 0.0, 1.0
+    y[lay.FAILED] = SUCCESS
+    save_state(y, START_Q, n)
+    y[lay.H_NEXT] = min(first_step(method, model, t, y, n), method.longest)
+    save_state(y, END_Q, n)
+    y[lay.NEXT_STOP] = next_jump(model, t, y)
 
 
 def _step(method, model, t, y):
     """``step`` of every adaptive method: up to the recorded instant or past it, then back by dense output."""
     until = t + method.h
     tries = 0
-    while y[FAILED] == FINE and y[T_END] < until - ON_TIME * method.h:
-        tries += go_on(method, model, y)
-        if tries > MOST_TRIES and y[FAILED] == FINE:
-            y[FAILED] = STALLED
-    if y[FAILED] == FINE:
-        show(method, model, until, y)
+    while y[lay.FAILED] == SUCCESS and y[lay.T_END] < until - TIME_TOLERANCE * method.h:
+        tries += advance_once(method, model, y)
+        if tries > MAX_ATTEMPTS and y[lay.FAILED] == SUCCESS:
+            y[lay.FAILED] = TOO_MANY_STEPS
+    if y[lay.FAILED] == SUCCESS:
+        show_instant(method, model, until, y)

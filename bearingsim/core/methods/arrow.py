@@ -18,49 +18,34 @@ Matrices hold a roller's angle absolutely, theta = EPS + PHI_C; blocks of the st
 ``multiply`` take blocks of the state and give such. In padded lanes D = 1, U = L = 0: they change nothing.
 """
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import add, jit
-from bearingsim.core.layout import (
-    BORDER_BLOCK,
-    BY_POSITION,
-    BY_VELOCITY,
-    INVERSE_MASS,
-    LANES,
-    MOST_BORDER,
-    PHI_C,
-    ROW,
-    SYSTEM,
-    border_block,
-    from_border,
-    own_block,
-    shared_cell,
-    to_border,
-)
-from bearingsim.core.models.interface import freedoms, width
+from bearingsim.core.models.interface import degrees_of_freedom, state_width
 
 PIVOTS = (
-    SYSTEM + BORDER_BLOCK + MOST_BORDER * MOST_BORDER
+    lay.SYSTEM + lay.CORNER_BLOCK + lay.MAX_SHARED * lay.MAX_SHARED
 )  # behind the border's block: rows exchanged, their sizes
 
 
 @jit
-def rollers_wide(model):
+def roller_lanes(model):
     """Lanes in use by the model's rollers; 0 if they have no coordinates of their own."""
-    own, _ = freedoms(model)
-    return width(model) - max(own - 1, 0) * ROW - LANES
+    own, _ = degrees_of_freedom(model)
+    return state_width(model) - max(own - 1, 0) * lay.ROW - lay.FIRST_LANE
 
 
 @jit
-def turned_with(model):
+def angles_follow_cage(model):
     """Whether the cage turns the frame in which a roller's angle is kept."""
-    own, shared = freedoms(model)
-    return own > 1 and shared > PHI_C
+    own, shared = degrees_of_freedom(model)
+    return own > 1 and shared > lay.PHI_C
 
 
 # the matrix
 
 
 @jit
-def mix(to, of_velocity, of_position, alpha, beta, y, n):
+def combine_row(to, of_velocity, of_position, alpha, beta, y, n):
     """One row of -beta A_v - alpha A_q."""
     made = y[to : to + n]
     by_velocity, by_position = y[of_velocity : of_velocity + n], y[of_position : of_position + n]
@@ -69,33 +54,41 @@ def mix(to, of_velocity, of_position, alpha, beta, y, n):
 
 
 @jit
-def combine(model, alpha, beta, y):
+def assemble_system(model, alpha, beta, y):
     """SYSTEM = I - beta A_v - alpha A_q; alpha in s^2, beta in s."""
-    own, shared = freedoms(model)
-    n = rollers_wide(model)
+    own, shared = degrees_of_freedom(model)
+    n = roller_lanes(model)
     for i in range(own):
         for k in range(own):
-            row = own_block(0, i, k)
-            mix(SYSTEM + row, BY_VELOCITY + row, BY_POSITION + row, alpha, beta, y, n)
+            row = lay.diagonal_block(0, i, k)
+            combine_row(
+                lay.SYSTEM + row, lay.VELOCITY_JACOBIAN + row, lay.POSITION_JACOBIAN + row, alpha, beta, y, n
+            )
         for k in range(shared):
-            row = from_border(0, i, k)
-            mix(SYSTEM + row, BY_VELOCITY + row, BY_POSITION + row, alpha, beta, y, n)
+            row = lay.border_column(0, i, k)
+            combine_row(
+                lay.SYSTEM + row, lay.VELOCITY_JACOBIAN + row, lay.POSITION_JACOBIAN + row, alpha, beta, y, n
+            )
         for j in range(n):
-            y[own_block(SYSTEM, i, i) + j] += 1.0
+            y[lay.diagonal_block(lay.SYSTEM, i, i) + j] += 1.0
     for k in range(shared):
         for i in range(own):
-            row = to_border(0, k, i)
-            mix(SYSTEM + row, BY_VELOCITY + row, BY_POSITION + row, alpha, beta, y, n)
-        row = border_block(0, k, 0)
-        mix(SYSTEM + row, BY_VELOCITY + row, BY_POSITION + row, alpha, beta, y, shared)
-        y[border_block(SYSTEM, k, k)] += 1.0
+            row = lay.border_row(0, k, i)
+            combine_row(
+                lay.SYSTEM + row, lay.VELOCITY_JACOBIAN + row, lay.POSITION_JACOBIAN + row, alpha, beta, y, n
+            )
+        row = lay.corner_block(0, k, 0)
+        combine_row(
+            lay.SYSTEM + row, lay.VELOCITY_JACOBIAN + row, lay.POSITION_JACOBIAN + row, alpha, beta, y, shared
+        )
+        y[lay.corner_block(lay.SYSTEM, k, k)] += 1.0
 
 
 # its factors
 
 
 @jit
-def take_off(to, of, by, y, n):
+def subtract_product(to, of, by, y, n):
     """One row less the product of two others."""
     left, one, other = y[to : to + n], y[of : of + n], y[by : by + n]
     for j in range(n):
@@ -103,45 +96,47 @@ def take_off(to, of, by, y, n):
 
 
 @jit
-def factor(model, y):
+def factorise(model, y):
     """Factor SYSTEM in place: D_j = L U (of U's diagonal the reciprocals), W_j over U_j, C = P L U over B."""
-    own, shared = freedoms(model)
-    n = rollers_wide(model)
+    own, shared = degrees_of_freedom(model)
+    n = roller_lanes(model)
     for p in range(own):
-        pivot = own_block(SYSTEM, p, p)
+        pivot = lay.diagonal_block(lay.SYSTEM, p, p)
         for j in range(n):
             y[pivot + j] = 1.0 / y[pivot + j]
         for i in range(p + 1, own):
-            part = own_block(SYSTEM, i, p)
+            part = lay.diagonal_block(lay.SYSTEM, i, p)
             for j in range(n):
                 y[part + j] *= y[pivot + j]
             for k in range(p + 1, own):
-                take_off(own_block(SYSTEM, i, k), part, own_block(SYSTEM, p, k), y, n)
+                subtract_product(
+                    lay.diagonal_block(lay.SYSTEM, i, k), part, lay.diagonal_block(lay.SYSTEM, p, k), y, n
+                )
     for k in range(shared):
-        own_solve(own, from_border(SYSTEM, 0, k), MOST_BORDER * ROW, y, n)
+        solve_rollers(own, lay.border_column(lay.SYSTEM, 0, k), lay.MAX_SHARED * lay.ROW, y, n)
     for k in range(shared):
         for m in range(shared):
             total = 0.0
             for j in range(n):
                 part = 0.0
                 for i in range(own):
-                    part += y[to_border(SYSTEM, k, i) + j] * y[from_border(SYSTEM, i, m) + j]
+                    part += y[lay.border_row(lay.SYSTEM, k, i) + j] * y[lay.border_column(lay.SYSTEM, i, m) + j]
                 total = add(total, part)
-            y[border_block(SYSTEM, k, m)] -= total
+            y[lay.corner_block(lay.SYSTEM, k, m)] -= total
     factor_border(shared, y)
 
 
 @jit
-def own_solve(own, first, apart, y, n):
+def solve_rollers(own, first, apart, y, n):
     """D_j^-1 of every roller on one column, in place: coordinate i in the row at ``first`` + i ``apart``."""
     for i in range(own):
         for k in range(i):
-            take_off(first + i * apart, own_block(SYSTEM, i, k), first + k * apart, y, n)
+            subtract_product(first + i * apart, lay.diagonal_block(lay.SYSTEM, i, k), first + k * apart, y, n)
     for back in range(own):
         i = own - 1 - back
         for k in range(i + 1, own):
-            take_off(first + i * apart, own_block(SYSTEM, i, k), first + k * apart, y, n)
-        pivot = own_block(SYSTEM, i, i)
+            subtract_product(first + i * apart, lay.diagonal_block(lay.SYSTEM, i, k), first + k * apart, y, n)
+        pivot = lay.diagonal_block(lay.SYSTEM, i, i)
         for j in range(n):
             y[first + i * apart + j] *= y[pivot + j]
 
@@ -152,23 +147,23 @@ def factor_border(shared, y):
     for k in range(shared):
         largest = 0.0
         for m in range(shared):
-            largest = max(largest, abs(y[border_block(SYSTEM, k, m)]))
-        y[PIVOTS + MOST_BORDER + k] = 1.0 / max(largest, 1e-300)
+            largest = max(largest, abs(y[lay.corner_block(lay.SYSTEM, k, m)]))
+        y[PIVOTS + lay.MAX_SHARED + k] = 1.0 / max(largest, 1e-300)
     for p in range(shared):
         best, size = p, 0.0
         for k in range(p, shared):
-            found = abs(y[border_block(SYSTEM, k, p)]) * y[PIVOTS + MOST_BORDER + k]
+            found = abs(y[lay.corner_block(lay.SYSTEM, k, p)]) * y[PIVOTS + lay.MAX_SHARED + k]
             if found > size:
                 best, size = k, found
         y[PIVOTS + p] = best
         if best != p:
-            swap(border_block(SYSTEM, p, 0), border_block(SYSTEM, best, 0), y, shared)
-            swap(PIVOTS + MOST_BORDER + p, PIVOTS + MOST_BORDER + best, y, 1)
+            swap(lay.corner_block(lay.SYSTEM, p, 0), lay.corner_block(lay.SYSTEM, best, 0), y, shared)
+            swap(PIVOTS + lay.MAX_SHARED + p, PIVOTS + lay.MAX_SHARED + best, y, 1)
         for k in range(p + 1, shared):
-            part = y[border_block(SYSTEM, k, p)] / y[border_block(SYSTEM, p, p)]
-            y[border_block(SYSTEM, k, p)] = part
+            part = y[lay.corner_block(lay.SYSTEM, k, p)] / y[lay.corner_block(lay.SYSTEM, p, p)]
+            y[lay.corner_block(lay.SYSTEM, k, p)] = part
             for m in range(p + 1, shared):
-                y[border_block(SYSTEM, k, m)] -= part * y[border_block(SYSTEM, p, m)]
+                y[lay.corner_block(lay.SYSTEM, k, m)] -= part * y[lay.corner_block(lay.SYSTEM, p, m)]
 
 
 @jit
@@ -184,34 +179,34 @@ def swap(one, other, y, n):
 @jit
 def to_absolute(model, block, sign, y):
     """Angles of a state block from their pockets' to absolute ones (``sign`` 1) or back (-1); no padded lanes."""
-    turned = sign * y[block + PHI_C]
-    for j in range(rollers_wide(model)):
-        y[block + ROW + LANES + j] += turned if y[INVERSE_MASS + j] > 0.0 else 0.0
+    turned = sign * y[block + lay.PHI_C]
+    for j in range(roller_lanes(model)):
+        y[block + lay.ROW + lay.FIRST_LANE + j] += turned if y[lay.INVERSE_MASS + j] > 0.0 else 0.0
 
 
 @jit
 def solve(model, block, y):
     """x of SYSTEM x = b, in place on the state block that begins at ``block``; SYSTEM is factored."""
-    own, shared = freedoms(model)
-    n = rollers_wide(model)
-    if turned_with(model):
+    own, shared = degrees_of_freedom(model)
+    n = roller_lanes(model)
+    if angles_follow_cage(model):
         to_absolute(model, block, 1.0, y)
-    own_solve(own, block + LANES, ROW, y, n)
+    solve_rollers(own, block + lay.FIRST_LANE, lay.ROW, y, n)
     for k in range(shared):
         total = 0.0
         for j in range(n):
             part = 0.0
             for i in range(own):
-                part += y[to_border(SYSTEM, k, i) + j] * y[block + i * ROW + LANES + j]
+                part += y[lay.border_row(lay.SYSTEM, k, i) + j] * y[block + i * lay.ROW + lay.FIRST_LANE + j]
             total = add(total, part)
-        y[block + shared_cell(k)] -= total
+        y[block + lay.shared_cell(k)] -= total
     solve_border(shared, block, y)
     for k in range(shared):
-        moved = y[block + shared_cell(k)]
+        moved = y[block + lay.shared_cell(k)]
         for i in range(own):
             for j in range(n):
-                y[block + i * ROW + LANES + j] -= y[from_border(SYSTEM, i, k) + j] * moved
-    if turned_with(model):
+                y[block + i * lay.ROW + lay.FIRST_LANE + j] -= y[lay.border_column(lay.SYSTEM, i, k) + j] * moved
+    if angles_follow_cage(model):
         to_absolute(model, block, -1.0, y)
 
 
@@ -219,48 +214,55 @@ def solve(model, block, y):
 def solve_border(shared, block, y):
     """The border's own system, in place on the shared cells of ``block``."""
     for k in range(shared):
-        best = shared_cell(int(y[PIVOTS + k]))
-        here = shared_cell(k)
+        best = lay.shared_cell(int(y[PIVOTS + k]))
+        here = lay.shared_cell(k)
         y[block + here], y[block + best] = y[block + best], y[block + here]
     for k in range(shared):
-        total = y[block + shared_cell(k)]
+        total = y[block + lay.shared_cell(k)]
         for m in range(k):
-            total -= y[border_block(SYSTEM, k, m)] * y[block + shared_cell(m)]
-        y[block + shared_cell(k)] = total
+            total -= y[lay.corner_block(lay.SYSTEM, k, m)] * y[block + lay.shared_cell(m)]
+        y[block + lay.shared_cell(k)] = total
     for back in range(shared):
         k = shared - 1 - back
-        total = y[block + shared_cell(k)]
+        total = y[block + lay.shared_cell(k)]
         for m in range(k + 1, shared):
-            total -= y[border_block(SYSTEM, k, m)] * y[block + shared_cell(m)]
-        y[block + shared_cell(k)] = total / y[border_block(SYSTEM, k, k)]
+            total -= y[lay.corner_block(lay.SYSTEM, k, m)] * y[block + lay.shared_cell(m)]
+        y[block + lay.shared_cell(k)] = total / y[lay.corner_block(lay.SYSTEM, k, k)]
 
 
 @jit
 def multiply(model, matrix, source, target, y):
-    """The state block at ``target`` = ``matrix`` (BY_POSITION, BY_VELOCITY) times the one at ``source``."""
-    own, shared = freedoms(model)
-    n = rollers_wide(model)
-    turned = y[source + PHI_C] if turned_with(model) else 0.0
+    """The state block at ``target`` = ``matrix`` (POSITION_JACOBIAN, VELOCITY_JACOBIAN) times the one at
+    ``source``.
+    """
+    own, shared = degrees_of_freedom(model)
+    n = roller_lanes(model)
+    turned = y[source + lay.PHI_C] if angles_follow_cage(model) else 0.0
     for i in range(own):
-        row = target + i * ROW + LANES
+        row = target + i * lay.ROW + lay.FIRST_LANE
         for j in range(n):
             y[row + j] = 0.0
         for k in range(own):
             extra = turned if k == 1 else 0.0
             for j in range(n):
-                y[row + j] += y[own_block(matrix, i, k) + j] * (y[source + k * ROW + LANES + j] + extra)
+                y[row + j] += y[lay.diagonal_block(matrix, i, k) + j] * (
+                    y[source + k * lay.ROW + lay.FIRST_LANE + j] + extra
+                )
         for k in range(shared):
-            moved = y[source + shared_cell(k)]
+            moved = y[source + lay.shared_cell(k)]
             for j in range(n):
-                y[row + j] += y[from_border(matrix, i, k) + j] * moved
+                y[row + j] += y[lay.border_column(matrix, i, k) + j] * moved
     for k in range(shared):
         total = 0.0
         for m in range(shared):
-            total += y[border_block(matrix, k, m)] * y[source + shared_cell(m)]
+            total += y[lay.corner_block(matrix, k, m)] * y[source + lay.shared_cell(m)]
         for i in range(own):
             extra = turned if i == 1 else 0.0
             for j in range(n):
-                total = add(total, y[to_border(matrix, k, i) + j] * (y[source + i * ROW + LANES + j] + extra))
-        y[target + shared_cell(k)] = total
-    if turned_with(model):
+                total = add(
+                    total,
+                    y[lay.border_row(matrix, k, i) + j] * (y[source + i * lay.ROW + lay.FIRST_LANE + j] + extra),
+                )
+        y[target + lay.shared_cell(k)] = total
+    if angles_follow_cage(model):
         to_absolute(model, target, -1.0, y)

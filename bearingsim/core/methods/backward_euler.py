@@ -15,25 +15,25 @@ lie on the straight line between two ends, whose error is that of the step.
 from math import inf
 from typing import NamedTuple
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, BY_POSITION, POSITION, STATE, VELOCITY
 from bearingsim.core.methods.adaptive import (
     END_Q,
     END_V,
     START_A,
     START_Q,
     START_V,
-    drive,
     error_norm,
-    past_jumps,
+    error_past_jumps,
+    register_adaptive,
 )
 from bearingsim.core.methods.arrow import multiply, solve
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
-from bearingsim.core.methods.newton import BASE_Q, BASE_V, FREE, OFFSET, SOUGHT, Equation, find
-from bearingsim.core.models.interface import width
-from bearingsim.core.outcomes import NEWTON_STALLED
+from bearingsim.core.methods.newton import BASE_Q, BASE_V, OFFSET, SPARE, UNKNOWN, Equation, solve_step
+from bearingsim.core.models.interface import state_width
+from bearingsim.core.outcomes import NEWTON_FAILED
 
-ERROR_Q, ERROR_V = FREE, FREE + STATE
+ERROR_Q, ERROR_V = SPARE, SPARE + lay.STATE
 
 
 class BackwardEuler(NamedTuple):
@@ -47,24 +47,24 @@ class BackwardEuler(NamedTuple):
 
 
 @jit
-def pose(h, y, n):
+def set_equation(h, y, n):
     """The step's equation, and its guess: the acceleration stays."""
     for j in range(n):
         y[BASE_Q + j] = y[START_Q + j] + h * y[START_V + j]
         y[BASE_V + j] = y[START_V + j]
         y[OFFSET + j] = 0.0
-        y[SOUGHT + j] = y[START_A + j]
+        y[UNKNOWN + j] = y[START_A + j]
 
 
 @jit
 def estimate(model, h, y, n):
     """(I - h J)^-1 h/2 (v1 - v, a1 - a) into ERROR_Q and ERROR_V; S is that of the step's end."""
     for j in range(n):
-        y[ERROR_Q + j] = 0.5 * h * (y[VELOCITY + j] - y[START_V + j])
+        y[ERROR_Q + j] = 0.5 * h * (y[lay.VELOCITY + j] - y[START_V + j])
         y[ERROR_V + j] = 0.0
-    multiply(model, BY_POSITION, ERROR_Q, ERROR_V, y)
+    multiply(model, lay.POSITION_JACOBIAN, ERROR_Q, ERROR_V, y)
     for j in range(n):
-        y[ERROR_V + j] = 0.5 * h * (y[ACCELERATION + j] - y[START_A + j]) + h * y[ERROR_V + j]
+        y[ERROR_V + j] = 0.5 * h * (y[lay.ACCELERATION + j] - y[START_A + j]) + h * y[ERROR_V + j]
     solve(model, ERROR_V, y)
     for j in range(n):
         y[ERROR_Q + j] += h * y[ERROR_V + j]
@@ -72,24 +72,24 @@ def estimate(model, h, y, n):
 
 @attempt.register(BackwardEuler)
 def _attempt(method, model, t, h, y):
-    n = width(model)
-    pose(h, y, n)
-    if not find(method, model, Equation(t + h, h * h, h, 1.0), y, n):
+    n = state_width(model)
+    set_equation(h, y, n)
+    if not solve_step(method, model, Equation(t + h, h * h, h, 1.0), y, n):
         return inf
     for j in range(n):
-        y[ACCELERATION + j] = y[SOUGHT + j]
+        y[lay.ACCELERATION + j] = y[UNKNOWN + j]
     estimate(model, h, y, n)
-    return past_jumps(error_norm(method, ERROR_Q, ERROR_V, y, n), h)
+    return error_past_jumps(error_norm(method, ERROR_Q, ERROR_V, y, n), h)
 
 
 @interpolate.register(BackwardEuler)
 def _interpolate(method, part, h, y, n):
     for j in range(n):
-        y[POSITION + j] = y[START_Q + j] + part * (y[END_Q + j] - y[START_Q + j])
-        y[VELOCITY + j] = y[START_V + j] + part * (y[END_V + j] - y[START_V + j])
+        y[lay.POSITION + j] = y[START_Q + j] + part * (y[END_Q + j] - y[START_Q + j])
+        y[lay.VELOCITY + j] = y[START_V + j] + part * (y[END_V + j] - y[START_V + j])
 
 
-drive(BackwardEuler, order=2.0, end=NEWTON_STALLED, across=0.0)
+register_adaptive(BackwardEuler, order=2.0, end=NEWTON_FAILED, across=0.0)
 
 KIND = MethodKind(
     BackwardEuler,

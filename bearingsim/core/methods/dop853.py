@@ -10,20 +10,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.layout import EVALUATED, H_TAKEN, STATE, T_START
-from bearingsim.core.methods.adaptive import SLOPES, START_A, drive, error_norm
+from bearingsim.core import layout as lay
+from bearingsim.core.methods.adaptive import METHOD_STATES, START_A, error_norm, register_adaptive
 from bearingsim.core.methods.dop853_table import B_3, DENSE_ROWS, E_5, STAGE_ROWS
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
 from bearingsim.core.methods.tableau import (
     continuous_extension,
+    dense_state,
     estimate,
-    find_slopes,
-    keep_slopes,
-    reach,
+    evaluate_stages,
     runge_kutta,
-    within,
+    save_accelerations,
+    stage_state,
 )
-from bearingsim.core.models.interface import accelerations, width
+from bearingsim.core.models.interface import accelerations, state_width
 
 ORDER, STAGES, DENSE_STAGES = 8, 12, 16  # stages of a step, and with those of dense output
 
@@ -58,32 +58,34 @@ class Dop853(NamedTuple):
 
 @attempt.register(Dop853)
 def _attempt(method, model, t, h, y):
-    n = width(model)
+    n = state_width(model)
     for k in range(n):
-        y[SLOPES + k] = y[START_A + k]
-    find_slopes(c, A, a, 1, STAGES, model, t, h, y, n)
-    reach(1.0, B, b, STAGES, h, y, n)
+        y[METHOD_STATES + k] = y[START_A + k]
+    evaluate_stages(c, A, a, 1, STAGES, model, t, h, y, n)
+    stage_state(1.0, B, b, STAGES, h, y, n)
     fifth = error_norm(method, *estimate(E_5_Q, E_5_V, STAGES, h, y, n), y, n)
     third = error_norm(method, *estimate(E_3_Q, E_3_V, STAGES, h, y, n), y, n)
     scale = sqrt(fifth * fifth + 0.01 * third * third)
     error = fifth * fifth / scale if scale != 0.0 else 0.0
     if error <= 1.0:
         accelerations(model, t + h, y)
-        keep_slopes(SLOPES + STAGES * STATE, y, n)
-        y[EVALUATED] += 1.0
+        save_accelerations(METHOD_STATES + STAGES * lay.STATE, y, n)
+        y[lay.EVALUATIONS] += 1.0
     return error
 
 
 def more_stages(method, model, y):
     """``complete``: the stages of the continuous extension."""
-    find_slopes(c, A, a, STAGES + 1, DENSE_STAGES, model, y[T_START], y[H_TAKEN], y, width(model))
+    evaluate_stages(
+        c, A, a, STAGES + 1, DENSE_STAGES, model, y[lay.T_START], y[lay.H_TAKEN], y, state_width(model)
+    )
 
 
 @interpolate.register(Dop853)
 def _interpolate(method, part, h, y, n):
-    within(EXTENSION_Q, EXTENSION_V, part, h, y, n)
+    dense_state(EXTENSION_Q, EXTENSION_V, part, h, y, n)
 
 
-drive(Dop853, float(ORDER), more_stages)
+register_adaptive(Dop853, float(ORDER), more_stages)
 
 KIND = MethodKind(Dop853, evaluations=12, fraction=1.0, per_period=1, cusp=0.5, order=8, lag=0.0)

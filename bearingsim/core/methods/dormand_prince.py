@@ -8,10 +8,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.methods.adaptive import SLOPES, START_A, drive, error_norm
+from bearingsim.core.methods.adaptive import METHOD_STATES, START_A, error_norm, register_adaptive
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
-from bearingsim.core.methods.tableau import continuous_extension, estimate, find_slopes, runge_kutta, within
-from bearingsim.core.models.interface import width
+from bearingsim.core.methods.tableau import (
+    continuous_extension,
+    dense_state,
+    estimate,
+    evaluate_stages,
+    runge_kutta,
+)
+from bearingsim.core.models.interface import state_width
 
 ORDER, STAGES = 5, 7
 
@@ -54,18 +60,18 @@ class DormandPrince(NamedTuple):
 
 @attempt.register(DormandPrince)
 def _attempt(method, model, t, h, y):
-    n = width(model)
+    n = state_width(model)
     for k in range(n):
-        y[SLOPES + k] = y[START_A + k]
-    find_slopes(c, A, a, 1, STAGES, model, t, h, y, n)  # the last stage is the new state
+        y[METHOD_STATES + k] = y[START_A + k]
+    evaluate_stages(c, A, a, 1, STAGES, model, t, h, y, n)  # the last stage is the new state
     return error_norm(method, *estimate(E_Q, E_V, STAGES, h, y, n), y, n)
 
 
 @interpolate.register(DormandPrince)
 def _interpolate(method, part, h, y, n):
-    within(EXTENSION_Q, EXTENSION_V, part, h, y, n)
+    dense_state(EXTENSION_Q, EXTENSION_V, part, h, y, n)
 
 
-drive(DormandPrince, float(ORDER))
+register_adaptive(DormandPrince, float(ORDER))
 
 KIND = MethodKind(DormandPrince, evaluations=6, fraction=1.0, per_period=1, cusp=0.5, order=5, lag=0.0)

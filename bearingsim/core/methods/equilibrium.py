@@ -7,8 +7,8 @@ out right.
 
 from typing import NamedTuple
 
-from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY, X, Y
-from bearingsim.core.methods.interface import MethodKind, load_number, no_limit, step
+from bearingsim.core import layout as lay
+from bearingsim.core.methods.interface import MethodKind, no_limit, stability_ratio, step
 from bearingsim.core.models.equilibrium import find_rest
 
 
@@ -22,16 +22,16 @@ class Equilibrium(NamedTuple):
 def _step(method, model, t, y):
     h = method.h
     find_rest(model, t, y)
-    x_0, y_0 = y[POSITION + X], y[POSITION + Y]
+    x_0, y_0 = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     find_rest(model, t + 2.0 * h, y)
-    x_2, y_2 = y[POSITION + X], y[POSITION + Y]
+    x_2, y_2 = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     find_rest(model, t + h, y)
-    x_1, y_1 = y[POSITION + X], y[POSITION + Y]
-    y[VELOCITY + X] = (x_2 - x_0) / (2.0 * h)
-    y[VELOCITY + Y] = (y_2 - y_0) / (2.0 * h)
-    y[ACCELERATION + X] = (x_2 - 2.0 * x_1 + x_0) / (h * h)
-    y[ACCELERATION + Y] = (y_2 - 2.0 * y_1 + y_0) / (h * h)
+    x_1, y_1 = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
+    y[lay.VELOCITY + lay.X] = (x_2 - x_0) / (2.0 * h)
+    y[lay.VELOCITY + lay.Y] = (y_2 - y_0) / (2.0 * h)
+    y[lay.ACCELERATION + lay.X] = (x_2 - 2.0 * x_1 + x_0) / (h * h)
+    y[lay.ACCELERATION + lay.Y] = (y_2 - 2.0 * y_1 + y_0) / (h * h)
 
 
-load_number.register(Equilibrium)(no_limit)
+stability_ratio.register(Equilibrium)(no_limit)
 KIND = MethodKind(Equilibrium, evaluations=3, fraction=1.0, per_period=1, cusp=1 / 2)

@@ -13,19 +13,19 @@ A comparison, as multibody codes have it: its a, kept beside the state, is not f
 
 from typing import NamedTuple
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, EVALUATED, FAILED, POSITION, VELOCITY
-from bearingsim.core.methods.adaptive import START_Q, START_V, bring_back, fill_levers, keep
-from bearingsim.core.methods.interface import MethodKind, Tolerances, load_number, no_limit, prepare, step
-from bearingsim.core.methods.newton import BASE_Q, BASE_V, FREE, OFFSET, SOUGHT, Equation, find
-from bearingsim.core.models.interface import accelerations, width
-from bearingsim.core.outcomes import NEWTON_STALLED
+from bearingsim.core.methods.adaptive import START_Q, START_V, fill_length_scales, restore_state, save_state
+from bearingsim.core.methods.interface import MethodKind, Tolerances, no_limit, prepare, stability_ratio, step
+from bearingsim.core.methods.newton import BASE_Q, BASE_V, OFFSET, SPARE, UNKNOWN, Equation, solve_step
+from bearingsim.core.models.interface import accelerations, state_width
+from bearingsim.core.outcomes import NEWTON_FAILED
 
 RHO = 0.8  # per step, of infinitely fast motion
 A_M, A_F = (2.0 * RHO - 1.0) / (RHO + 1.0), RHO / (RHO + 1.0)
 """The parts that the start of a step has in its balance."""
 GAMMA, BETA = 0.5 - A_M + A_F, 0.25 * (1.0 - A_M + A_F) ** 2
-KEPT = FREE  # a of the method
+METHOD_ACCELERATION = SPARE  # a of the method
 
 
 class GeneralisedAlpha(NamedTuple):
@@ -35,7 +35,7 @@ class GeneralisedAlpha(NamedTuple):
 
 
 @jit
-def exactly(h):
+def tight_tolerances(h):
     """To what Newton's method is driven: 1e-10 of the velocities, or rounding of the smallest ones."""
     return Tolerances(h, 1e-10, 1e-15, 1e-12, h)
 
@@ -46,11 +46,11 @@ def equation(method, t, y, n):
     h = method.h
     here, weight = 1.0 - A_F, 1.0 / (1.0 - A_M)
     for j in range(n):
-        a = y[KEPT + j]
+        a = y[METHOD_ACCELERATION + j]
         y[BASE_V + j] = y[START_V + j] + here * h * (1.0 - GAMMA) * a
         y[BASE_Q + j] = y[START_Q + j] + here * h * (y[START_V + j] + h * (0.5 - BETA) * a)
         y[OFFSET + j] = -A_M * weight * a
-        y[SOUGHT + j] = a
+        y[UNKNOWN + j] = a
     return Equation(t + here * h, here * h * h * BETA, here * h * GAMMA, weight)
 
 
@@ -59,35 +59,35 @@ def finish(method, y, n):
     """The state at the step's end."""
     h = method.h
     for j in range(n):
-        a, a_1, v = y[KEPT + j], y[SOUGHT + j], y[START_V + j]
-        y[VELOCITY + j] = v + h * ((1.0 - GAMMA) * a + GAMMA * a_1)
-        y[POSITION + j] = y[START_Q + j] + h * (v + h * ((0.5 - BETA) * a + BETA * a_1))
-        y[KEPT + j] = a_1
+        a, a_1, v = y[METHOD_ACCELERATION + j], y[UNKNOWN + j], y[START_V + j]
+        y[lay.VELOCITY + j] = v + h * ((1.0 - GAMMA) * a + GAMMA * a_1)
+        y[lay.POSITION + j] = y[START_Q + j] + h * (v + h * ((0.5 - BETA) * a + BETA * a_1))
+        y[METHOD_ACCELERATION + j] = a_1
 
 
 def _prepare(method, model, t, y):
-    fill_levers(model, y)
-    for j in range(width(model)):
-        y[KEPT + j] = y[ACCELERATION + j]
+    fill_length_scales(model, y)
+    for j in range(state_width(model)):
+        y[METHOD_ACCELERATION + j] = y[lay.ACCELERATION + j]
 
 
 def _step(method, model, t, y):
-    if y[FAILED] != 0.0:
+    if y[lay.FAILED] != 0.0:
         return
-    n = width(model)
-    keep(y, START_Q, n)
-    if not find(exactly(method.h), model, equation(method, t, y, n), y, n):
-        y[FAILED] = NEWTON_STALLED
-        bring_back(y, START_Q, n)
+    n = state_width(model)
+    save_state(y, START_Q, n)
+    if not solve_step(tight_tolerances(method.h), model, equation(method, t, y, n), y, n):
+        y[lay.FAILED] = NEWTON_FAILED
+        restore_state(y, START_Q, n)
         return
     finish(method, y, n)
     accelerations(model, t + method.h, y)
-    y[EVALUATED] += 1.0
+    y[lay.EVALUATIONS] += 1.0
 
 
 prepare.register(GeneralisedAlpha)(_prepare)
 step.register(GeneralisedAlpha)(_step)
-load_number.register(GeneralisedAlpha)(no_limit)
+stability_ratio.register(GeneralisedAlpha)(no_limit)
 
 KIND = MethodKind(
     GeneralisedAlpha,

@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, POSITION, STAGE, VELOCITY, X, Y
-from bearingsim.core.methods.interface import MethodKind, load_number, no_limit, step
-from bearingsim.core.models.impulse import swing
+from bearingsim.core.methods.interface import MethodKind, no_limit, stability_ratio, step
+from bearingsim.core.models.impulse import free_motion
 
-SPEED = STAGE  # the true velocity, m/s, from the ring's x on
+SPEED = lay.STAGE  # the true velocity, m/s, from the ring's x on
 
 
 class Impulses(NamedTuple):
@@ -28,37 +28,37 @@ class Impulses(NamedTuple):
 
 
 @jit
-def struck(m, K, C, times, J, start, end, x, v):
+def motion_with_impulses(m, K, C, times, J, start, end, x, v):
     """Displacement (m) and velocity (m/s) of one mode at ``end`` (s), from those at ``start``, all impulses taken.
 
     An impulse belongs to the span that its instant ends or lies in: (start, end].
     """
-    x, v = swing(m, K, C, end - start, x, v)
+    x, v = free_motion(m, K, C, end - start, x, v)
     first, last = np.searchsorted(times, start, side="right"), np.searchsorted(times, end, side="right")
     for k in range(first, last):
-        more_x, more_v = swing(m, K, C, end - times[k], 0.0, J[k] / m)
+        more_x, more_v = free_motion(m, K, C, end - times[k], 0.0, J[k] / m)
         x += more_x
         v += more_v
     return x, v
 
 
 @jit
-def take(m, K, C, times, J, t, h, y, axis):
+def step_along(m, K, C, times, J, t, h, y, axis):
     """A step of one mode from ``t`` (s), a whole number of steps."""
     n = np.rint(t / h)  # all spans begin and end at n h, so that none overlaps the next by a rounding
-    x_0, v_0 = y[POSITION + axis], y[SPEED + axis]
-    x_1, v_1 = struck(m, K, C, times, J, n * h, (n + 1.0) * h, x_0, v_0)
-    x_2, _ = struck(m, K, C, times, J, (n + 1.0) * h, (n + 2.0) * h, x_1, v_1)
-    y[POSITION + axis], y[SPEED + axis] = x_1, v_1
-    y[VELOCITY + axis] = (x_2 - x_0) / (2.0 * h)
-    y[ACCELERATION + axis] = (x_2 - 2.0 * x_1 + x_0) / (h * h)
+    x_0, v_0 = y[lay.POSITION + axis], y[SPEED + axis]
+    x_1, v_1 = motion_with_impulses(m, K, C, times, J, n * h, (n + 1.0) * h, x_0, v_0)
+    x_2, _ = motion_with_impulses(m, K, C, times, J, (n + 1.0) * h, (n + 2.0) * h, x_1, v_1)
+    y[lay.POSITION + axis], y[SPEED + axis] = x_1, v_1
+    y[lay.VELOCITY + axis] = (x_2 - x_0) / (2.0 * h)
+    y[lay.ACCELERATION + axis] = (x_2 - 2.0 * x_1 + x_0) / (h * h)
 
 
 @step.register(Impulses)
 def _step(method, model, t, y):
-    take(model.m, model.K_x, model.C_x, model.times, model.J_x, t, method.h, y, X)
-    take(model.m, model.K_y, model.C_y, model.times, model.J_y, t, method.h, y, Y)
+    step_along(model.m, model.K_x, model.C_x, model.times, model.J_x, t, method.h, y, lay.X)
+    step_along(model.m, model.K_y, model.C_y, model.times, model.J_y, t, method.h, y, lay.Y)
 
 
-load_number.register(Impulses)(no_limit)
+stability_ratio.register(Impulses)(no_limit)
 KIND = MethodKind(Impulses, evaluations=1, fraction=1.0, per_period=30, cusp=1 / 2)

@@ -46,7 +46,7 @@ def prepare(method: Any, model: Any, t: float, y: np.ndarray) -> None:
     """Make the buffer ready for the first step, from time ``t`` (s); accelerations are in place."""
 
 
-def as_it_is(method, model, t, y):
+def no_preparation(method, model, t, y):
     """``prepare`` of a method to which the state is all there is."""
 
 
@@ -70,7 +70,7 @@ def step(method: Any, model: Any, t: float, y: np.ndarray) -> None:
 
 
 @generic
-def load_number(method: Any, K: float, C: float) -> float:
+def stability_ratio(method: Any, K: float, C: float) -> float:
     """How much of the method's linear stability limit a step takes up: above 1 it grows.
 
     K: stiffness over mass (1/s^2), C: damping over mass (1/s) of one body.
@@ -78,5 +78,5 @@ def load_number(method: Any, K: float, C: float) -> float:
 
 
 def no_limit(method, K, C):
-    """``load_number`` of a method whose step needs no such watch."""
+    """``stability_ratio`` of a method whose step needs no such watch."""
     return 0.0

@@ -4,7 +4,7 @@ The limit is tabulated over that of symplectic Euler,
 
     h_c = (2/omega)(sqrt(1 + zeta^2) - zeta) = 4/(C + sqrt(C^2 + 4 K)),   omega^2 = K,   zeta = C/(2 omega)
 
-The ratio depends on the damping ratio alone, from no damping to no stiffness (``place``).
+The ratio depends on the damping ratio alone, from no damping to no stiffness (``table_place``).
 """
 
 from math import acos, pi, sqrt
@@ -15,10 +15,10 @@ import numpy as np
 from bearingsim.core.jit import jit
 
 NODES = 129
-APART = 0.1  # of h_c: steps tried for each node
-FARTHEST = 0.8  # over h_c, times the square of the number of stages: no method reaches further
+TRIAL_SPACING = 0.1  # of h_c: steps tried for each node
+MAX_REACH = 0.8  # over h_c, times the square of the number of stages: no method reaches further
 ROUNDING = 1e-9  # growth below it is none
-CAUTIOUS = 0.999  # of the limit: so much the straight lines between nodes may be over it
+LIMIT_SAFETY = 0.999  # of the limit: so much the straight lines between nodes may be over it
 
 
 @jit
@@ -28,7 +28,7 @@ def critical_step(K, C):
 
 
 @jit
-def place(K, C):
+def table_place(K, C):
     """Where an oscillator stands in the table, 0 to 1: by the angle of its root to 1/2, then by its faster root.
 
     So the limit of a method whose stability is a function of the root alone has no kink where oscillation ends.
@@ -39,11 +39,11 @@ def place(K, C):
 
 
 @jit
-def looked_up(limits, h, K, C):
+def step_over_limit(limits, h, K, C):
     """Step ``h`` (s) over a method's limit, infinite if K or C is; ``limits``: from ``limit_over_h_c``."""
     if K <= 0.0 and C <= 0.0:
         return 0.0
-    at = (NODES - 1) * place(max(K, 0.0), max(C, 0.0))
+    at = (NODES - 1) * table_place(max(K, 0.0), max(C, 0.0))
     if not at >= 0.0:
         return np.inf
     k = min(int(at), NODES - 2)
@@ -73,7 +73,7 @@ def amplification(tableau: Any, K: np.ndarray, C: np.ndarray) -> np.ndarray:
     return made
 
 
-def growth(M: np.ndarray) -> np.ndarray:
+def spectral_radius(M: np.ndarray) -> np.ndarray:
     """Spectral radius of each 2 x 2 matrix (2, 2, ...)."""
     half, det = 0.5 * (M[0, 0] + M[1, 1]), M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0]
     below = half * half - det
@@ -86,9 +86,12 @@ def limit_over_h_c(tableau: Any) -> np.ndarray:
 
     def grows(h: np.ndarray) -> np.ndarray:
         h, shape = np.broadcast_arrays(h, K[:, None])[0], (-1, 1)
-        return growth(amplification(tableau, h * h * K.reshape(shape), h * C.reshape(shape))) > 1.0 + ROUNDING
+        return (
+            spectral_radius(amplification(tableau, h * h * K.reshape(shape), h * C.reshape(shape)))
+            > 1.0 + ROUNDING
+        )
 
-    tried = APART * np.arange(1, round(FARTHEST * len(tableau.c) ** 2 / APART) + 1)
+    tried = TRIAL_SPACING * np.arange(1, round(MAX_REACH * len(tableau.c) ** 2 / TRIAL_SPACING) + 1)
     over = grows(tried)
     high = tried[np.where(over.any(axis=1), over.argmax(axis=1), -1)]
     low = high - tried[0]
@@ -96,4 +99,4 @@ def limit_over_h_c(tableau: Any) -> np.ndarray:
         middle = 0.5 * (low + high)
         above = grows(middle[:, None])[:, 0]
         low, high = np.where(above, low, middle), np.where(above, middle, high)
-    return CAUTIOUS * low
+    return LIMIT_SAFETY * low

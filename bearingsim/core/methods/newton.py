@@ -13,28 +13,18 @@ a jump that part of it which balances the rest, brought nothing: docs/methods.md
 from math import isfinite, sqrt
 from typing import NamedTuple
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import add, jit
-from bearingsim.core.layout import (
-    ACCELERATION,
-    EVALUATED,
-    FAILED_BODY,
-    ITERATED,
-    LANES,
-    POSITION,
-    ROW,
-    STATE,
-    VELOCITY,
-)
-from bearingsim.core.methods.adaptive import LEVER, SLOPES, START_V
-from bearingsim.core.methods.arrow import combine, factor, rollers_wide, solve
-from bearingsim.core.models.interface import accelerations, freedoms, linearise
+from bearingsim.core.methods.adaptive import LENGTH_SCALE, METHOD_STATES, START_V
+from bearingsim.core.methods.arrow import assemble_system, factorise, roller_lanes, solve
+from bearingsim.core.models.interface import accelerations, degrees_of_freedom, linearise
 
-BASE_Q, BASE_V, OFFSET, SOUGHT, NEWTON, RESIDUAL, FREE = (SLOPES + n * STATE for n in range(7))
-# from FREE on a method may keep its own
+BASE_Q, BASE_V, OFFSET, UNKNOWN, NEWTON_STEP, RESIDUAL, SPARE = (METHOD_STATES + n * lay.STATE for n in range(7))
+# from SPARE on a method may keep its own
 
-MOST_ITERATIONS = 15
-CLOSE = 1e-2  # of the tolerance: a Newton step so short is the last one, and is taken
-ROUNDED = 1e-12  # of a position, and of what x moves: what rounding leaves uncertain, and some more
+MAX_ITERATIONS = 15
+STEP_TOLERANCE = 1e-2  # of the tolerance: a Newton step so short is the last one, and is taken
+ROUNDING = 1e-12  # of a position, and of what x moves: what rounding leaves uncertain, and some more
 
 
 class Equation(NamedTuple):
@@ -47,84 +37,86 @@ class Equation(NamedTuple):
 
 
 @jit
-def length(tolerance, equation, y, n):
+def step_norm(tolerance, equation, y, n):
     """How long the Newton step is: what it does to positions and velocities, over the tolerance."""
     alpha, beta = equation.alpha, equation.beta
     total = 0.0
     for j in range(n):
-        lever = y[LEVER + j]
-        far, fast = abs(y[POSITION + j]), max(abs(y[START_V + j]), abs(y[VELOCITY + j]))
-        pushed = abs(y[SOUGHT + j])
-        of_q = lever * alpha / (tolerance.atol_q + ROUNDED * lever * (far + alpha * pushed))
-        of_v = lever * beta / (tolerance.atol_v + lever * (tolerance.rtol * fast + ROUNDED * beta * pushed))
-        total = add(total, y[NEWTON + j] * y[NEWTON + j] * (of_q * of_q + of_v * of_v))
+        lever = y[LENGTH_SCALE + j]
+        far, fast = abs(y[lay.POSITION + j]), max(abs(y[START_V + j]), abs(y[lay.VELOCITY + j]))
+        pushed = abs(y[UNKNOWN + j])
+        of_q = lever * alpha / (tolerance.atol_q + ROUNDING * lever * (far + alpha * pushed))
+        of_v = lever * beta / (tolerance.atol_v + lever * (tolerance.rtol * fast + ROUNDING * beta * pushed))
+        total = add(total, y[NEWTON_STEP + j] * y[NEWTON_STEP + j] * (of_q * of_q + of_v * of_v))
     return sqrt(total)
 
 
 @jit
-def place(equation, y, n):
-    """The state that belongs to SOUGHT."""
+def set_state(equation, y, n):
+    """The state that belongs to UNKNOWN."""
     for j in range(n):
-        y[POSITION + j] = y[BASE_Q + j] + equation.alpha * y[SOUGHT + j]
-        y[VELOCITY + j] = y[BASE_V + j] + equation.beta * y[SOUGHT + j]
+        y[lay.POSITION + j] = y[BASE_Q + j] + equation.alpha * y[UNKNOWN + j]
+        y[lay.VELOCITY + j] = y[BASE_V + j] + equation.beta * y[UNKNOWN + j]
 
 
 @jit
 def evaluate(model, equation, y, n):
-    """RESIDUAL r = x - B - w f at SOUGHT."""
-    place(equation, y, n)
+    """RESIDUAL r = x - B - w f at UNKNOWN."""
+    set_state(equation, y, n)
     accelerations(model, equation.t, y)
-    y[EVALUATED] += 1.0
+    y[lay.EVALUATIONS] += 1.0
     for j in range(n):
-        y[RESIDUAL + j] = y[SOUGHT + j] - y[OFFSET + j] - equation.weight * y[ACCELERATION + j]
+        y[RESIDUAL + j] = y[UNKNOWN + j] - y[OFFSET + j] - equation.weight * y[lay.ACCELERATION + j]
 
 
 @jit
-def derive(model, equation, y):
+def factor_jacobian(model, equation, y):
     """Factor S where the model was evaluated last."""
     linearise(model, equation.t, y)
-    combine(model, equation.weight * equation.alpha, equation.weight * equation.beta, y)
-    factor(model, y)
-    y[ITERATED] += 1.0
+    assemble_system(model, equation.weight * equation.alpha, equation.weight * equation.beta, y)
+    factorise(model, y)
+    y[lay.NEWTON_ITERATIONS] += 1.0
 
 
 @jit
-def blame(model, y):
+def worst_residual(model, y):
     """FAILED_BODY: the roller of the largest step that Newton's method still asks for; -1: ring or cage."""
-    own, _ = freedoms(model)
-    lanes = rollers_wide(model)
+    own, _ = degrees_of_freedom(model)
+    lanes = roller_lanes(model)
     worst, body = 0.0, -1
-    for j in range(LANES):
-        worst = max(worst, y[LEVER + j] * abs(y[NEWTON + j]))
+    for j in range(lay.FIRST_LANE):
+        worst = max(worst, y[LENGTH_SCALE + j] * abs(y[NEWTON_STEP + j]))
     for i in range(own):
         for j in range(lanes):
-            asked = y[LEVER + LANES + i * ROW + j] * abs(y[NEWTON + LANES + i * ROW + j])
+            asked = y[LENGTH_SCALE + lay.FIRST_LANE + i * lay.ROW + j] * abs(
+                y[NEWTON_STEP + lay.FIRST_LANE + i * lay.ROW + j]
+            )
             if asked > worst:
                 worst, body = asked, j
-    y[FAILED_BODY] = body
+    y[lay.FAILED_BODY] = body
 
 
 @jit
-def find(tolerance, model, equation, y, n):
-    """Solve from the guess in SOUGHT; whether that was done.
+def solve_step(tolerance, model, equation, y, n):
+    """Solve from the guess in UNKNOWN; whether that was done.
 
-    tolerance: a ``Tolerances``. BASE_Q, BASE_V, OFFSET and START are in place. Leaves x in SOUGHT, positions and
-    velocities that belong to it, S factored; contacts are those of the last iterate, within CLOSE.
+    tolerance: a ``Tolerances``. BASE_Q, BASE_V, OFFSET and START are in place. Leaves x in UNKNOWN, positions and
+    velocities that belong to it, S factored; contacts are those of the last iterate, within STEP_TOLERANCE.
     """
     evaluate(model, equation, y, n)
-    for _ in range(MOST_ITERATIONS):
-        derive(model, equation, y)
+    for _ in range(MAX_ITERATIONS):
+        factor_jacobian(model, equation, y)
         for j in range(n):
-            y[NEWTON + j] = -y[RESIDUAL + j]
-        solve(model, NEWTON, y)
-        left = length(tolerance, equation, y, n)
+            y[NEWTON_STEP + j] = -y[RESIDUAL + j]
+        solve(model, NEWTON_STEP, y)
+        left = step_norm(tolerance, equation, y, n)
         if not isfinite(left):
             break
         for j in range(n):
-            y[SOUGHT + j] += y[NEWTON + j]
-        if left <= CLOSE:
-            place(equation, y, n)
+            y[UNKNOWN + j] += y[NEWTON_STEP + j]
+        if left <= STEP_TOLERANCE:
+            set_state(equation, y, n)
             return True
         evaluate(model, equation, y, n)
-    blame(model, y)
+    worst_residual(model, y)
     return False

@@ -9,16 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, POSITION, STAGE, STATE, VELOCITY
-from bearingsim.core.methods.interface import MethodKind, as_it_is, load_number, prepare, step
-from bearingsim.core.methods.limit import limit_over_h_c, looked_up
+from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
+from bearingsim.core.methods.limit import limit_over_h_c, step_over_limit
 from bearingsim.core.methods.tableau import cusp_of, runge_kutta
-from bearingsim.core.models.interface import accelerations, width
+from bearingsim.core.models.interface import accelerations, state_width
 
 TABLE = runge_kutta(np.diag([1 / 2, 1 / 2, 1.0], -1), np.array([1, 2, 2, 1]) / 6)
 LIMITS = limit_over_h_c(TABLE)
-START_Q, START_V, SUM_Q, SUM_V = (STAGE + n * STATE for n in range(4))
+START_Q, START_V, SUM_Q, SUM_V = (lay.STAGE + n * lay.STATE for n in range(4))
 
 
 class RungeKutta4(NamedTuple):
@@ -28,11 +28,11 @@ class RungeKutta4(NamedTuple):
 
 
 @jit
-def keep(y, n):
+def save_start(y, n):
     """Remember where the step starts and clear the weighted sums of slopes."""
     for j in range(n):
-        y[START_Q + j] = y[POSITION + j]
-        y[START_V + j] = y[VELOCITY + j]
+        y[START_Q + j] = y[lay.POSITION + j]
+        y[START_V + j] = y[lay.VELOCITY + j]
         y[SUM_Q + j] = 0.0
         y[SUM_V + j] = 0.0
 
@@ -41,27 +41,27 @@ def keep(y, n):
 def stage(weight, ahead, y, n):
     """Add the slopes found here with their weight (s) and go ``ahead`` (s) from the start along them."""
     for j in range(n):
-        slope_q, slope_v = y[VELOCITY + j], y[ACCELERATION + j]
+        slope_q, slope_v = y[lay.VELOCITY + j], y[lay.ACCELERATION + j]
         y[SUM_Q + j] += weight * slope_q
         y[SUM_V + j] += weight * slope_v
-        y[POSITION + j] = y[START_Q + j] + ahead * slope_q
-        y[VELOCITY + j] = y[START_V + j] + ahead * slope_v
+        y[lay.POSITION + j] = y[START_Q + j] + ahead * slope_q
+        y[lay.VELOCITY + j] = y[START_V + j] + ahead * slope_v
 
 
 @jit
 def finish(weight, y, n):
     """Add the last slopes and take the step."""
     for j in range(n):
-        y[POSITION + j], y[VELOCITY + j] = (
-            y[START_Q + j] + y[SUM_Q + j] + weight * y[VELOCITY + j],
-            y[START_V + j] + y[SUM_V + j] + weight * y[ACCELERATION + j],
+        y[lay.POSITION + j], y[lay.VELOCITY + j] = (
+            y[START_Q + j] + y[SUM_Q + j] + weight * y[lay.VELOCITY + j],
+            y[START_V + j] + y[SUM_V + j] + weight * y[lay.ACCELERATION + j],
         )
 
 
 @step.register(RungeKutta4)
 def _step(method, model, t, y):
-    h, n = method.h, width(model)
-    keep(y, n)
+    h, n = method.h, state_width(model)
+    save_start(y, n)
     stage(h / 6.0, h / 2.0, y, n)
     accelerations(model, t + h / 2.0, y)
     stage(h / 3.0, h / 2.0, y, n)
@@ -72,12 +72,12 @@ def _step(method, model, t, y):
     accelerations(model, t + h, y)
 
 
-prepare.register(RungeKutta4)(as_it_is)
+prepare.register(RungeKutta4)(no_preparation)
 
 
-@load_number.register(RungeKutta4)
-def _load_number(method, K, C):
-    return looked_up(LIMITS, method.h, K, C)
+@stability_ratio.register(RungeKutta4)
+def _stability_ratio(method, K, C):
+    return step_over_limit(LIMITS, method.h, K, C)
 
 
 KIND = MethodKind(RungeKutta4, evaluations=4, fraction=0.25, per_period=20, cusp=cusp_of(TABLE), order=4)

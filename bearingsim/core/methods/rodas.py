@@ -18,23 +18,23 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, BY_POSITION, EVALUATED, POSITION, STATE, VELOCITY
 from bearingsim.core.methods.adaptive import (
     END_Q,
     END_V,
-    ROUNDINGS,
-    SLOPES,
+    METHOD_STATES,
     START_A,
     START_Q,
     START_V,
-    drive,
+    TIME_ROUNDING,
     error_norm,
-    past_jumps,
+    error_past_jumps,
+    register_adaptive,
 )
-from bearingsim.core.methods.arrow import combine, factor, multiply, solve
+from bearingsim.core.methods.arrow import assemble_system, factorise, multiply, solve
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
-from bearingsim.core.models.interface import accelerations, linearise, width
+from bearingsim.core.models.interface import accelerations, linearise, state_width
 
 STAGES = 6
 GAMMA = 0.25
@@ -67,10 +67,12 @@ DENSE = np.array(
         [1.638054557396973, -0.7373619806678748, 8.47791821923899, 15.9925314877952, -1.882352941176471, 0.0],
     ]
 )
-AHEAD = 1e-6  # of the step: over which forces' growth with time is measured; more costs stiff motion its order
+# of the step: over which forces' growth with time is measured; more costs stiff motion its order
+TIME_INCREMENT = 1e-6
 
-DRIFT, RIGHT_Q, RIGHT_V = (SLOPES + n * STATE for n in range(3))  # df/dt; right-hand sides of the stage at hand
-FIRST = SLOPES + 3 * STATE  # p and r of each stage
+# df/dt; right-hand sides of the stage at hand
+TIME_DERIVATIVE, RIGHT_Q, RIGHT_V = (METHOD_STATES + n * lay.STATE for n in range(3))
+FIRST = METHOD_STATES + 3 * lay.STATE  # p and r of each stage
 
 
 class Rodas(NamedTuple):
@@ -84,33 +86,33 @@ class Rodas(NamedTuple):
 
 
 @jit
-def look_ahead(model, t, h, y, n):
+def time_derivative(model, t, h, y, n):
     """How forces grow with time and state at the start; both seen an instant later, which saves an evaluation."""
     for j in range(n):
-        y[POSITION + j] = y[START_Q + j]
-        y[VELOCITY + j] = y[START_V + j]
-    later = t + max(AHEAD * h, ROUNDINGS * abs(t))
+        y[lay.POSITION + j] = y[START_Q + j]
+        y[lay.VELOCITY + j] = y[START_V + j]
+    later = t + max(TIME_INCREMENT * h, TIME_ROUNDING * abs(t))
     accelerations(model, later, y)
     linearise(model, later, y)
     for j in range(n):
-        y[DRIFT + j] = (y[ACCELERATION + j] - y[START_A + j]) / (later - t)
+        y[TIME_DERIVATIVE + j] = (y[lay.ACCELERATION + j] - y[START_A + j]) / (later - t)
 
 
 @jit
 def begin_stage(i, h, y, n):
     """The state of stage ``i``, and of its right-hand sides all but the forces there."""
     for j in range(n):
-        y[POSITION + j] = y[START_Q + j]
-        y[VELOCITY + j] = y[START_V + j]
+        y[lay.POSITION + j] = y[START_Q + j]
+        y[lay.VELOCITY + j] = y[START_V + j]
         y[RIGHT_Q + j] = 0.0
-        y[RIGHT_V + j] = D[i] * h * y[DRIFT + j]
+        y[RIGHT_V + j] = D[i] * h * y[TIME_DERIVATIVE + j]
     for k in range(i):
         a, e = A[i, k], E[i, k] / h
-        first = FIRST + 2 * k * STATE
-        p, r = y[first : first + n], y[first + STATE : first + STATE + n]
+        first = FIRST + 2 * k * lay.STATE
+        p, r = y[first : first + n], y[first + lay.STATE : first + lay.STATE + n]
         for j in range(n):
-            y[POSITION + j] += a * p[j]
-            y[VELOCITY + j] += a * r[j]
+            y[lay.POSITION + j] += a * p[j]
+            y[lay.VELOCITY + j] += a * r[j]
             y[RIGHT_Q + j] += e * p[j]
             y[RIGHT_V + j] += e * r[j]
 
@@ -119,12 +121,12 @@ def begin_stage(i, h, y, n):
 def end_stage(model, i, h, y, n):
     """p and r of stage ``i`` from its right-hand sides, to which the state's slopes are added."""
     within = GAMMA * h
-    p, r = FIRST + 2 * i * STATE, FIRST + (2 * i + 1) * STATE
+    p, r = FIRST + 2 * i * lay.STATE, FIRST + (2 * i + 1) * lay.STATE
     for j in range(n):
-        y[RIGHT_Q + j] += y[VELOCITY + j]
-        y[RIGHT_V + j] += y[ACCELERATION + j]
+        y[RIGHT_Q + j] += y[lay.VELOCITY + j]
+        y[RIGHT_V + j] += y[lay.ACCELERATION + j]
         y[r + j] = 0.0  # where there is no coordinate, too: a state that was not finite leaves its traces
-    multiply(model, BY_POSITION, RIGHT_Q, r, y)
+    multiply(model, lay.POSITION_JACOBIAN, RIGHT_Q, r, y)
     for j in range(n):
         y[r + j] = within * (y[RIGHT_V + j] + within * y[r + j])
     solve(model, r, y)
@@ -134,41 +136,41 @@ def end_stage(model, i, h, y, n):
 
 @attempt.register(Rodas)
 def _attempt(method, model, t, h, y):
-    n = width(model)
-    look_ahead(model, t, h, y, n)
-    combine(model, (GAMMA * h) ** 2, GAMMA * h, y)
-    factor(model, y)
+    n = state_width(model)
+    time_derivative(model, t, h, y, n)
+    assemble_system(model, (GAMMA * h) ** 2, GAMMA * h, y)
+    factorise(model, y)
     for j in range(n):
-        y[ACCELERATION + j] = y[START_A + j]
+        y[lay.ACCELERATION + j] = y[START_A + j]
     for i in range(STAGES):
         begin_stage(i, h, y, n)
         if i > 0:
             accelerations(model, t + C[i] * h, y)
         end_stage(model, i, h, y, n)
-    last = FIRST + 2 * (STAGES - 1) * STATE
+    last = FIRST + 2 * (STAGES - 1) * lay.STATE
     for j in range(n):
-        y[POSITION + j] += y[last + j]
-        y[VELOCITY + j] += y[last + STATE + j]
+        y[lay.POSITION + j] += y[last + j]
+        y[lay.VELOCITY + j] += y[last + lay.STATE + j]
     accelerations(model, t + h, y)
-    y[EVALUATED] += STAGES + 1.0
-    return past_jumps(error_norm(method, last, last + STATE, y, n), h)
+    y[lay.EVALUATIONS] += STAGES + 1.0
+    return error_past_jumps(error_norm(method, last, last + lay.STATE, y, n), h)
 
 
 @interpolate.register(Rodas)
 def _interpolate(method, part, h, y, n):
     """Third order: (1 - s) y + s (y1 + (1 - s) sum_k (DENSE_0k + s DENSE_1k) u_k)."""
     for j in range(n):
-        y[POSITION + j] = (1.0 - part) * y[START_Q + j] + part * y[END_Q + j]
-        y[VELOCITY + j] = (1.0 - part) * y[START_V + j] + part * y[END_V + j]
+        y[lay.POSITION + j] = (1.0 - part) * y[START_Q + j] + part * y[END_Q + j]
+        y[lay.VELOCITY + j] = (1.0 - part) * y[START_V + j] + part * y[END_V + j]
     for k in range(STAGES):
         weight = part * (1.0 - part) * (DENSE[0, k] + part * DENSE[1, k])
-        first = FIRST + 2 * k * STATE
+        first = FIRST + 2 * k * lay.STATE
         for j in range(n):
-            y[POSITION + j] += weight * y[first + j]
-            y[VELOCITY + j] += weight * y[first + STATE + j]
+            y[lay.POSITION + j] += weight * y[first + j]
+            y[lay.VELOCITY + j] += weight * y[first + lay.STATE + j]
 
 
-drive(Rodas, order=4.0, across=0.0)
+register_adaptive(Rodas, order=4.0, across=0.0)
 
 KIND = MethodKind(
     Rodas,

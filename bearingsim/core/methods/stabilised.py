@@ -12,7 +12,7 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 
 from bearingsim.core.methods.interface import MethodKind
-from bearingsim.core.methods.tableau import Tableau, cusp_of, fixed_step, runge_kutta
+from bearingsim.core.methods.tableau import Tableau, cusp_of, register_fixed_step, runge_kutta
 
 STAGES, EPS = 8, 2 / 13
 
@@ -43,6 +43,6 @@ class Stabilised(NamedTuple):
     h: float
 
 
-fixed_step(Stabilised, TABLE)
+register_fixed_step(Stabilised, TABLE)
 
 KIND = MethodKind(Stabilised, evaluations=STAGES, fraction=0.25, per_period=40, cusp=cusp_of(TABLE), order=2)

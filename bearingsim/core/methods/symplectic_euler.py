@@ -9,10 +9,10 @@ Verlet's limit. Source: Hairer, Lubich and Wanner, Geometric Numerical Integrati
 
 from typing import NamedTuple
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY
-from bearingsim.core.methods.interface import MethodKind, as_it_is, load_number, prepare, step
-from bearingsim.core.models.interface import accelerations, width
+from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
+from bearingsim.core.models.interface import accelerations, state_width
 
 
 class SymplecticEuler(NamedTuple):
@@ -25,21 +25,21 @@ class SymplecticEuler(NamedTuple):
 def kick_and_drift(h, y, n):
     """Velocities by the accelerations found last, then positions by the new velocities."""
     for j in range(n):
-        y[VELOCITY + j] += h * y[ACCELERATION + j]
-        y[POSITION + j] += h * y[VELOCITY + j]
+        y[lay.VELOCITY + j] += h * y[lay.ACCELERATION + j]
+        y[lay.POSITION + j] += h * y[lay.VELOCITY + j]
 
 
-prepare.register(SymplecticEuler)(as_it_is)
+prepare.register(SymplecticEuler)(no_preparation)
 
 
 @step.register(SymplecticEuler)
 def _step(method, model, t, y):
-    kick_and_drift(method.h, y, width(model))
+    kick_and_drift(method.h, y, state_width(model))
     accelerations(model, t + method.h, y)
 
 
-@load_number.register(SymplecticEuler)
-def _load_number(method, K, C):
+@stability_ratio.register(SymplecticEuler)
+def _stability_ratio(method, K, C):
     return method.h * (0.25 * method.h * K + 0.5 * C)
 
 

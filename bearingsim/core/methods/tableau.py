@@ -13,14 +13,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, EVALUATED, POSITION, STAGE, STATE, VELOCITY
-from bearingsim.core.methods.adaptive import SLOPES, START_Q, START_V
-from bearingsim.core.methods.interface import as_it_is, load_number, prepare, step
-from bearingsim.core.methods.limit import limit_over_h_c, looked_up
-from bearingsim.core.models.interface import accelerations, width
+from bearingsim.core.methods.adaptive import METHOD_STATES, START_Q, START_V
+from bearingsim.core.methods.interface import no_preparation, prepare, stability_ratio, step
+from bearingsim.core.methods.limit import limit_over_h_c, step_over_limit
+from bearingsim.core.models.interface import accelerations, state_width
 
-ERROR_Q, ERROR_V = STAGE + 53 * STATE, STAGE + 54 * STATE  # f_j of stage j lies in block j of SLOPES
+# f_j of stage j lies in block j of METHOD_STATES
+ERROR_Q, ERROR_V = lay.STAGE + 53 * lay.STATE, lay.STAGE + 54 * lay.STATE
 
 
 class Tableau(NamedTuple):
@@ -39,58 +40,59 @@ def runge_kutta(a: np.ndarray, b: np.ndarray) -> Tableau:
 
 
 @jit
-def add_slopes(weights_q, weights_v, count, h, q, v, y, n):
+def add_accelerations(weights_q, weights_v, count, h, q, v, y, n):
     """Add h^2 sum_j weights_q[j] f_j to the block at ``q``, and h sum_j weights_v[j] f_j to that at ``v``.
 
     By fours: a lane's sum is then read and written a quarter as often.
     """
     fours, h_2 = count // 4, h * h
     for m in range(fours):
-        j, at = 4 * m, SLOPES + 4 * m * STATE
-        Q_0, Q_1, Q_2, Q_3 = (
-            h_2 * weights_q[j],
-            h_2 * weights_q[j + 1],
-            h_2 * weights_q[j + 2],
-            h_2 * weights_q[j + 3],
-        )
+        j, at = 4 * m, METHOD_STATES + 4 * m * lay.STATE
+        Q_0 = h_2 * weights_q[j]
+        Q_1 = h_2 * weights_q[j + 1]
+        Q_2 = h_2 * weights_q[j + 2]
+        Q_3 = h_2 * weights_q[j + 3]
         V_0, V_1, V_2, V_3 = h * weights_v[j], h * weights_v[j + 1], h * weights_v[j + 2], h * weights_v[j + 3]
         for k in range(n):
-            f_0, f_1, f_2, f_3 = y[at + k], y[at + STATE + k], y[at + 2 * STATE + k], y[at + 3 * STATE + k]
+            f_0 = y[at + k]
+            f_1 = y[at + lay.STATE + k]
+            f_2 = y[at + 2 * lay.STATE + k]
+            f_3 = y[at + 3 * lay.STATE + k]
             y[q + k] += (Q_0 * f_0 + Q_1 * f_1) + (Q_2 * f_2 + Q_3 * f_3)
             y[v + k] += (V_0 * f_0 + V_1 * f_1) + (V_2 * f_2 + V_3 * f_3)
     for m in range(count - 4 * fours):
         j = 4 * fours + m
-        Q_0, V_0, at = h_2 * weights_q[j], h * weights_v[j], SLOPES + j * STATE
+        Q_0, V_0, at = h_2 * weights_q[j], h * weights_v[j], METHOD_STATES + j * lay.STATE
         for k in range(n):
             y[q + k] += Q_0 * y[at + k]
             y[v + k] += V_0 * y[at + k]
 
 
 @jit
-def reach(c, weights_q, weights_v, count, h, y, n):
+def stage_state(c, weights_q, weights_v, count, h, y, n):
     """The state's block: from START over ``c`` of the step by the slopes found so far."""
     ahead = c * h
     for k in range(n):
-        y[POSITION + k] = y[START_Q + k] + ahead * y[START_V + k]
-        y[VELOCITY + k] = y[START_V + k]
-    add_slopes(weights_q, weights_v, count, h, POSITION, VELOCITY, y, n)
+        y[lay.POSITION + k] = y[START_Q + k] + ahead * y[START_V + k]
+        y[lay.VELOCITY + k] = y[START_V + k]
+    add_accelerations(weights_q, weights_v, count, h, lay.POSITION, lay.VELOCITY, y, n)
 
 
 @jit
-def keep_slopes(block, y, n):
+def save_accelerations(block, y, n):
     """The accelerations into the block of a stage."""
     for k in range(n):
-        y[block + k] = y[ACCELERATION + k]
+        y[block + k] = y[lay.ACCELERATION + k]
 
 
 @jit
-def find_slopes(c, A, a, first, last, model, t, h, y, n):
+def evaluate_stages(c, A, a, first, last, model, t, h, y, n):
     """Stages ``first`` to ``last`` (excluded) of the step of ``h`` (s) from ``t`` (s)."""
     for i in range(first, last):
-        reach(c[i], A[i], a[i], i, h, y, n)
+        stage_state(c[i], A[i], a[i], i, h, y, n)
         accelerations(model, t + c[i] * h, y)
-        keep_slopes(SLOPES + i * STATE, y, n)
-    y[EVALUATED] += last - first
+        save_accelerations(METHOD_STATES + i * lay.STATE, y, n)
+    y[lay.EVALUATIONS] += last - first
 
 
 @jit
@@ -99,7 +101,7 @@ def estimate(weights_q, weights_v, count, h, y, n):
     for k in range(n):
         y[ERROR_Q + k] = 0.0
         y[ERROR_V + k] = 0.0
-    add_slopes(weights_q, weights_v, count, h, ERROR_Q, ERROR_V, y, n)
+    add_accelerations(weights_q, weights_v, count, h, ERROR_Q, ERROR_V, y, n)
     return ERROR_Q, ERROR_V
 
 
@@ -114,7 +116,7 @@ def continuous_extension(b: np.ndarray, last: int, higher: np.ndarray) -> np.nda
 
 
 @jit
-def within(F_q, F_v, part, h, y, n):
+def dense_state(F_q, F_v, part, h, y, n):
     """The state's block at ``part`` (0 to 1) of the step of ``h`` (s) from START, by a continuous extension."""
     rows, stages = F_v.shape
     weights_q, weights_v = np.zeros(stages), np.zeros(stages)
@@ -123,7 +125,7 @@ def within(F_q, F_v, part, h, y, n):
         for j in range(stages):
             weights_q[j] = (weights_q[j] + F_q[i, j]) * factor
             weights_v[j] = (weights_v[j] + F_v[i, j]) * factor
-    reach(part, weights_q, weights_v, stages, h, y, n)
+    stage_state(part, weights_q, weights_v, stages, h, y, n)
 
 
 def cusp_of(tableau: Tableau) -> float:
@@ -137,22 +139,22 @@ def cusp_of(tableau: Tableau) -> float:
     return max(inside, default=0.99)
 
 
-def fixed_step(parameters: type, tableau: Tableau) -> None:
+def register_fixed_step(parameters: type, tableau: Tableau) -> None:
     """Make a method of a table: parameters: its ``NamedTuple`` (h,)."""
     c, a, A, b, B = tableau
     stages, limits = len(c), limit_over_h_c(tableau)
 
     def take(method, model, t, y):
-        h, n = method.h, width(model)
+        h, n = method.h, state_width(model)
         for k in range(n):
-            y[START_Q + k] = y[POSITION + k]
-            y[START_V + k] = y[VELOCITY + k]
-        keep_slopes(SLOPES, y, n)
-        find_slopes(c, A, a, 1, stages, model, t, h, y, n)
-        reach(1.0, B, b, stages, h, y, n)
+            y[START_Q + k] = y[lay.POSITION + k]
+            y[START_V + k] = y[lay.VELOCITY + k]
+        save_accelerations(METHOD_STATES, y, n)
+        evaluate_stages(c, A, a, 1, stages, model, t, h, y, n)
+        stage_state(1.0, B, b, stages, h, y, n)
         accelerations(model, t + h, y)
-        y[EVALUATED] += 1.0
+        y[lay.EVALUATIONS] += 1.0
 
     step.register(parameters)(take)
-    prepare.register(parameters)(as_it_is)
-    load_number.register(parameters)(lambda method, K, C: looked_up(limits, method.h, K, C))
+    prepare.register(parameters)(no_preparation)
+    stability_ratio.register(parameters)(lambda method, K, C: step_over_limit(limits, method.h, K, C))

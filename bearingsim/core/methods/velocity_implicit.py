@@ -9,13 +9,13 @@ since f is taken where the dashpot was.
 
 from typing import NamedTuple
 
-from bearingsim.core.layout import ACCELERATION, EVALUATED, POSITION, VELOCITY
-from bearingsim.core.methods.adaptive import SLOPES
-from bearingsim.core.methods.arrow import combine, factor, solve
-from bearingsim.core.methods.interface import MethodKind, as_it_is, load_number, prepare, step
-from bearingsim.core.models.interface import accelerations, linearise, width
+from bearingsim.core import layout as lay
+from bearingsim.core.methods.adaptive import METHOD_STATES
+from bearingsim.core.methods.arrow import assemble_system, factorise, solve
+from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
+from bearingsim.core.models.interface import accelerations, linearise, state_width
 
-CHANGE = SLOPES  # of the velocities
+CHANGE = METHOD_STATES  # of the velocities
 
 
 class VelocityImplicitEuler(NamedTuple):
@@ -24,27 +24,27 @@ class VelocityImplicitEuler(NamedTuple):
     h: float
 
 
-prepare.register(VelocityImplicitEuler)(as_it_is)
+prepare.register(VelocityImplicitEuler)(no_preparation)
 
 
 @step.register(VelocityImplicitEuler)
 def _step(method, model, t, y):
-    h, n = method.h, width(model)
+    h, n = method.h, state_width(model)
     linearise(model, t, y)
-    combine(model, 0.0, h, y)
-    factor(model, y)
+    assemble_system(model, 0.0, h, y)
+    factorise(model, y)
     for j in range(n):
-        y[CHANGE + j] = h * y[ACCELERATION + j]
+        y[CHANGE + j] = h * y[lay.ACCELERATION + j]
     solve(model, CHANGE, y)
     for j in range(n):
-        y[VELOCITY + j] += y[CHANGE + j]
-        y[POSITION + j] += h * y[VELOCITY + j]
+        y[lay.VELOCITY + j] += y[CHANGE + j]
+        y[lay.POSITION + j] += h * y[lay.VELOCITY + j]
     accelerations(model, t + h, y)
-    y[EVALUATED] += 1.0
+    y[lay.EVALUATIONS] += 1.0
 
 
-@load_number.register(VelocityImplicitEuler)
-def _load_number(method, K, C):
+@stability_ratio.register(VelocityImplicitEuler)
+def _stability_ratio(method, K, C):
     h = method.h
     return h * h * K / (4.0 + 2.0 * h * C)
 

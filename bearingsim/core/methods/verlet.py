@@ -9,10 +9,10 @@ half the limit of symplectic Euler.
 
 from typing import NamedTuple
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, POSITION, STAGE, VELOCITY
-from bearingsim.core.methods.interface import MethodKind, as_it_is, load_number, prepare, step
-from bearingsim.core.models.interface import accelerations, width
+from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
+from bearingsim.core.models.interface import accelerations, state_width
 
 
 class Verlet(NamedTuple):
@@ -25,32 +25,32 @@ class Verlet(NamedTuple):
 def drift(h, y, n):
     """Positions to the end of the step, velocities to their prediction; half-kicked velocities are kept."""
     for j in range(n):
-        kicked = y[VELOCITY + j] + 0.5 * h * y[ACCELERATION + j]
-        y[STAGE + j] = kicked
-        y[POSITION + j] += h * kicked
-        y[VELOCITY + j] += h * y[ACCELERATION + j]
+        kicked = y[lay.VELOCITY + j] + 0.5 * h * y[lay.ACCELERATION + j]
+        y[lay.STAGE + j] = kicked
+        y[lay.POSITION + j] += h * kicked
+        y[lay.VELOCITY + j] += h * y[lay.ACCELERATION + j]
 
 
 @jit
 def kick(h, y, n):
     """The second half of the kick, with the new accelerations."""
     for j in range(n):
-        y[VELOCITY + j] = y[STAGE + j] + 0.5 * h * y[ACCELERATION + j]
+        y[lay.VELOCITY + j] = y[lay.STAGE + j] + 0.5 * h * y[lay.ACCELERATION + j]
 
 
-prepare.register(Verlet)(as_it_is)
+prepare.register(Verlet)(no_preparation)
 
 
 @step.register(Verlet)
 def _step(method, model, t, y):
-    n = width(model)
+    n = state_width(model)
     drift(method.h, y, n)
     accelerations(model, t + method.h, y)
     kick(method.h, y, n)
 
 
-@load_number.register(Verlet)
-def _load_number(method, K, C):
+@stability_ratio.register(Verlet)
+def _stability_ratio(method, K, C):
     return method.h * (0.25 * method.h * K + C)
 
 

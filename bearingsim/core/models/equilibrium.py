@@ -14,35 +14,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, in_series
 from bearingsim.core.laws.stiffness.interface import tangent
-from bearingsim.core.laws.stiffness.series import share
-from bearingsim.core.layout import (
-    COS,
-    COS_0,
-    DELTA_I,
-    DELTA_O,
-    POSITION,
-    Q_I,
-    Q_O,
-    ROW,
-    SIN,
-    SIN_0,
-    STATE,
-    VELOCITY,
-    WORK,
-    Q,
-    X,
-    Y,
-)
-from bearingsim.core.models.outer_ring import standing_force
-from bearingsim.core.parameters import turns
-from bearingsim.core.pits.on_roller import elastic_over_pit, outdone, standing
-from bearingsim.core.pits.pairs import HALF_WIDTH, SIDE
+from bearingsim.core.laws.stiffness.series import series_share
+from bearingsim.core.models.outer_ring import static_force
+from bearingsim.core.parameters import kinematic_angles
+from bearingsim.core.pits.on_roller import elastic_over_pit, is_masked, roller_at_pit
+from bearingsim.core.pits.pairs import HALF_WIDTH, INNER, OUTER, SIDE
 
-K_SERIES = WORK  # work row: stiffness of the two contacts of a roller in series, N/m
-PIT, ALONG = WORK + ROW, WORK + 3 * ROW  # work rows, two each (outer, inner): the meeting that a roller's contact
+K_SERIES = lay.WORK  # work row: stiffness of the two contacts of a roller in series, N/m
+# work rows, two each (outer, inner): the roller-pit pair that a roller's contact
+PAIR, DISTANCE = lay.WORK + lay.ROW, lay.WORK + 3 * lay.ROW
 # stands in (-1: none), and its distance from the pit's middle, m
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 MAX_STEPS = 200
@@ -54,24 +38,21 @@ class NoEquilibrium(ArithmeticError):
 
 
 @jit
-def outer_force(model, y, j, delta):
-    """Force (N), slope (N/m) and mean approach (m) of roller ``j``'s outer contact, ``delta`` (m) in the race."""
-    return elastic_over_pit(model.outer.stiffness, model.pits, int(y[PIT + j]), y[ALONG + j], delta)
+def contact_force(contact, side, pits, y, j, delta):
+    """Force (N), slope (N/m) and mean approach (m) of a contact of roller ``j``, ``delta`` (m) in the race.
 
-
-@jit
-def inner_force(model, y, j, delta):
-    """The same for its inner contact."""
-    d, s = int(y[PIT + ROW + j]), y[ALONG + ROW + j]
-    return elastic_over_pit(model.inner.stiffness, model.pits, d, s, delta)
+    side: OUTER or INNER.
+    """
+    d, s = int(y[PAIR + side * lay.ROW + j]), y[DISTANCE + side * lay.ROW + j]
+    return elastic_over_pit(contact.stiffness, pits, d, s, delta)
 
 
 @jit
 def excess_force(model, y, j, touch, q):
     """Net inward force (N) on a roller at ``q`` (m) and its slope; ``touch`` is where it meets the outer race."""
     bearing = model.bearing
-    outer, k_o, _ = outer_force(model, y, j, q - touch)
-    inner, k_i, _ = inner_force(model, y, j, -bearing.gap - q)
+    outer, k_o, _ = contact_force(model.outer, OUTER, model.pits, y, j, q - touch)
+    inner, k_i, _ = contact_force(model.inner, INNER, model.pits, y, j, -bearing.gap - q)
     r = 0.5 * (bearing.R_o + bearing.R_i) + q
     return outer - inner - bearing.m_r * bearing.omega_c * bearing.omega_c * r, k_o + k_i
 
@@ -81,15 +62,15 @@ def roller_balance(model, y, j, u_r):
     """Position q (m) of a roller when the outer race stands ``u_r`` further out at its angle.
 
     Newton inside a bracket: from touching the outer race with no force to pressing on it with all there is. The
-    rows PIT and ALONG say where it stands over a pit.
+    rows PAIR and DISTANCE say where it stands over a pit.
     """
     gap = model.bearing.gap
     touch = u_r + gap
     if model.bearing.m_r == 0.0:
         if touch >= -gap:
             return touch
-        if y[PIT + j] < 0.0 and y[PIT + ROW + j] < 0.0:
-            return -gap - share(model.outer.stiffness, model.inner.stiffness, -gap - touch)
+        if y[PAIR + j] < 0.0 and y[PAIR + lay.ROW + j] < 0.0:
+            return -gap - series_share(model.outer.stiffness, model.inner.stiffness, -gap - touch)
     low, high = touch, max(touch, -gap) + 1e-6
     while excess_force(model, y, j, touch, high)[0] < 0.0:
         high += high - low
@@ -110,45 +91,48 @@ def roller_balance(model, y, j, u_r):
 
 
 @jit
-def find_pits(model, t, y):
-    """Fill the rows PIT and ALONG: the meeting each contact stands in, and its distance (m) from the middle."""
+def locate_pits(model, t, y):
+    """Fill the rows PAIR and DISTANCE: the roller-pit pair each contact stands in, and its distance (m) from the
+    middle.
+    """
     pits = model.pits
     for j in range(model.bearing.Z):
-        y[PIT + j] = -1.0
-        y[PIT + ROW + j] = -1.0
+        y[PAIR + j] = -1.0
+        y[PAIR + lay.ROW + j] = -1.0
     for d in range(len(pits.head)):
-        j, s = standing(model, d, t, y)
-        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(model, d, j, s, t, y):
-            row = ROW * int(pits.head[d, SIDE])
-            y[PIT + row + j], y[ALONG + row + j] = d, s
+        j, s = roller_at_pit(model, d, t, y)
+        if abs(s) < pits.head[d, HALF_WIDTH] and not is_masked(model, d, j, s, t, y):
+            row = lay.ROW * int(pits.head[d, SIDE])
+            y[PAIR + row + j], y[DISTANCE + row + j] = d, s
 
 
 @jit
 def balance_rollers(model, t, y):
     """Balance every roller for the ring position in ``y``; fills its angle, approach, force and K_SERIES rows."""
-    bearing = model.bearing
-    find_pits(model, t, y)
-    theta_c, _, _ = turns(bearing, t)
+    bearing, pits = model.bearing, model.pits
+    locate_pits(model, t, y)
+    theta_c, _, _ = kinematic_angles(bearing, t)
     C, S = cos(theta_c), sin(theta_c)
     for j in range(bearing.Z):
-        c = C * y[COS_0 + j] - S * y[SIN_0 + j]
-        s = S * y[COS_0 + j] + C * y[SIN_0 + j]
-        u_r = y[POSITION + X] * c + y[POSITION + Y] * s
+        c = C * y[lay.COS_0 + j] - S * y[lay.SIN_0 + j]
+        s = S * y[lay.COS_0 + j] + C * y[lay.SIN_0 + j]
+        u_r = y[lay.POSITION + lay.X] * c + y[lay.POSITION + lay.Y] * s
         q = roller_balance(model, y, j, u_r)
-        y[COS + j], y[SIN + j], y[Q + j] = c, s, q
-        y[Q_O + j], k_o, y[DELTA_O + j] = outer_force(model, y, j, q - u_r - bearing.gap)
-        y[Q_I + j], k_i, y[DELTA_I + j] = inner_force(model, y, j, -bearing.gap - q)
-        carries = y[Q_O + j] > 0.0 and y[Q_I + j] > 0.0
+        y[lay.COS + j], y[lay.SIN + j], y[lay.RADIAL + j] = c, s, q
+        outer, inner = q - u_r - bearing.gap, -bearing.gap - q
+        y[lay.Q_O + j], k_o, y[lay.DELTA_O + j] = contact_force(model.outer, OUTER, pits, y, j, outer)
+        y[lay.Q_I + j], k_i, y[lay.DELTA_I + j] = contact_force(model.inner, INNER, pits, y, j, inner)
+        carries = y[lay.Q_O + j] > 0.0 and y[lay.Q_I + j] > 0.0
         y[K_SERIES + j] = k_o * k_i / (k_o + k_i) if carries else 0.0
 
 
 @jit
 def net_force(model, y):
     """Net force (N) on the ring, from the rows that ``balance_rollers`` filled."""
-    f_x, f_y = standing_force(model.support, 0.0, 0.0, y)
+    f_x, f_y = static_force(model.support, 0.0, 0.0, y)
     for j in range(model.bearing.Z):
-        f_x += y[Q_O + j] * y[COS + j]
-        f_y += y[Q_O + j] * y[SIN + j]
+        f_x += y[lay.Q_O + j] * y[lay.COS + j]
+        f_y += y[lay.Q_O + j] * y[lay.SIN + j]
     return f_x, f_y
 
 
@@ -160,7 +144,7 @@ def ring_stiffness(model, y):
     trace = 1e-8 * tangent(model.outer.stiffness, 1e-7)
     k_xx, k_xy, k_yy = k_b + trace, 0.0, k_b + trace
     for j in range(model.bearing.Z):
-        c, s, k = y[COS + j], y[SIN + j], y[K_SERIES + j]
+        c, s, k = y[lay.COS + j], y[lay.SIN + j], y[K_SERIES + j]
         k_xx += k * c * c
         k_xy += k * c * s
         k_yy += k * s * s
@@ -175,28 +159,28 @@ def solve_2x2(k_xx, k_xy, k_yy, f_x, f_y):
 
 
 @jit
-def push_at(model, t, y, x, z, d_x, d_y, part):
+def force_at(model, t, y, x, z, d_x, d_y, part):
     """Net force (N) with the ring moved by ``part`` of (d_x, d_y) from (x, z), and its push that way (N m)."""
-    y[POSITION + X], y[POSITION + Y] = x + part * d_x, z + part * d_y
+    y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y] = x + part * d_x, z + part * d_y
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)
     return f_x, f_y, f_x * d_x + f_y * d_y
 
 
 @jit
-def search_along(model, t, y, d_x, d_y, push):
+def line_search(model, t, y, d_x, d_y, push):
     """Go along (d_x, d_y) (m) until the force no longer pushes that way; the full length if it never stops.
 
     ``push`` is the force along the way at its start. Returns the net force (N) at the end.
     """
-    x, z = y[POSITION + X], y[POSITION + Y]
-    f_x, f_y, end = push_at(model, t, y, x, z, d_x, d_y, 1.0)
+    x, z = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
+    f_x, f_y, end = force_at(model, t, y, x, z, d_x, d_y, 1.0)
     if abs(end) <= 0.5 * push or end > 0.0:
         return f_x, f_y
     low, high = 0.0, 1.0
     for _ in range(60):
         part = 0.5 * (low + high)
-        f_x, f_y, here = push_at(model, t, y, x, z, d_x, d_y, part)
+        f_x, f_y, here = force_at(model, t, y, x, z, d_x, d_y, part)
         if abs(here) <= 0.5 * push:
             break
         if here > 0.0:
@@ -223,14 +207,14 @@ def find_rest(model, t, y):
         d_x, d_y = solve_2x2(k_xx, k_xy, k_yy, f_x, f_y)
         shorter = min(1.0, LONGEST_STEP / hypot(d_x, d_y))
         d_x, d_y = shorter * d_x, shorter * d_y
-        f_x, f_y = search_along(model, t, y, d_x, d_y, f_x * d_x + f_y * d_y)
+        f_x, f_y = line_search(model, t, y, d_x, d_y, f_x * d_x + f_y * d_y)
     return hypot(f_x, f_y)
 
 
 @jit
 def force_along(model, t, y, x):
     """Net force (N) along the load line with the ring at ``x`` (m) on it: falls as x grows."""
-    y[POSITION + X], y[POSITION + Y] = x, 0.0
+    y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y] = x, 0.0
     balance_rollers(model, t, y)
     return net_force(model, y)[0]
 
@@ -254,8 +238,8 @@ def first_guess(model, t, y):
 @jit
 def rest_from_scratch(model, t, y):
     """``find_rest`` with nothing known beforehand; all velocities zero. Returns the residual force (N)."""
-    y[POSITION : POSITION + STATE] = 0.0
-    y[VELOCITY : VELOCITY + STATE] = 0.0
+    y[lay.POSITION : lay.POSITION + lay.STATE] = 0.0
+    y[lay.VELOCITY : lay.VELOCITY + lay.STATE] = 0.0
     first_guess(model, t, y)
     return find_rest(model, t, y)
 
@@ -281,11 +265,11 @@ def ring_damping(Z, outer, inner, y):
     """Damping (N s/m) that ``Z`` rollers offer the ring along e_0 and e_90: a roller's two contacts in series."""
     c_xx, c_yy = 0.0, 0.0
     for j in range(Z):
-        of_outer = damping_bound(outer, max(y[DELTA_O + j], 0.0), 0.0)
-        of_inner = damping_bound(inner, max(y[DELTA_I + j], 0.0), 0.0)
+        of_outer = damping_bound(outer, max(y[lay.DELTA_O + j], 0.0), 0.0)
+        of_inner = damping_bound(inner, max(y[lay.DELTA_I + j], 0.0), 0.0)
         both = in_series(of_outer, of_inner)
-        c_xx += both * y[COS + j] * y[COS + j]
-        c_yy += both * y[SIN + j] * y[SIN + j]
+        c_xx += both * y[lay.COS + j] * y[lay.COS + j]
+        c_yy += both * y[lay.SIN + j] * y[lay.SIN + j]
     return c_xx, c_yy
 
 
@@ -304,9 +288,11 @@ def mean_rest(model, outer, inner, y, samples=32):
         if not residual <= 1e-8 * load:
             raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {load:g} N")
         k_xx, _, k_yy = ring_stiffness(model, y)
-        found.append((y[POSITION + X], y[POSITION + Y], k_xx, k_yy, *ring_damping(Z, outer, inner, y)))
-        most = int(np.argmax(y[Q_I : Q_I + Z]))
-        loads.append((y[Q_O + most], y[DELTA_O + most] + y[DELTA_I + most]))
+        found.append(
+            (y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], k_xx, k_yy, *ring_damping(Z, outer, inner, y))
+        )
+        most = int(np.argmax(y[lay.Q_I : lay.Q_I + Z]))
+        loads.append((y[lay.Q_O + most], y[lay.DELTA_O + most] + y[lay.DELTA_I + most]))
     x, z, k_x, k_y, c_x, c_y = (float(value) for value in np.mean(found, axis=0))
     load, approach = (float(value) for value in max(loads))
     return Rest(x, z, load, approach, k_x, k_y, c_x, c_y)

@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import LANES
-from bearingsim.core.models.interface import ModelKind, keep_extremes, solved, width
+from bearingsim.core.models.interface import ModelKind, solved, state_width, update_extremes
 from bearingsim.core.parameters import Bearing
-from bearingsim.core.pits.crossings import spot
+from bearingsim.core.pits.crossings import count_crossings
 
 
 class Impulse(NamedTuple):
@@ -41,8 +41,8 @@ class Impulse(NamedTuple):
 
 
 @jit
-def decay(m, K, C, t):
-    """The two functions c (1) and s (s) that free motion over ``t`` >= 0 (s) is made of (see ``swing``).
+def free_response(m, K, C, t):
+    """The two functions c (1) and s (s) that free motion over ``t`` >= 0 (s) is made of (see ``free_motion``).
 
     With beta = C/2m and D = K/m - beta^2: c = e^(-beta t) cos(sqrt(D) t), s = e^(-beta t) sin(sqrt(D) t)/sqrt(D),
     their hyperbolic continuation for D < 0, and a series around D = 0.
@@ -62,28 +62,28 @@ def decay(m, K, C, t):
 
 
 @jit
-def swing(m, K, C, t, x, v):
+def free_motion(m, K, C, t, x, v):
     """Displacement (m) and velocity (m/s) after ``t`` (s) of free motion from ``x`` and ``v``: exact."""
     beta = C / (2.0 * m)
-    c, s = decay(m, K, C, t)
+    c, s = free_response(m, K, C, t)
     return x * (c + beta * s) + v * s, v * (c - beta * s) - x * K / m * s
 
 
 solved(Impulse)
 
 
-@width.register(Impulse)
-def _width(model):
-    return LANES
+@state_width.register(Impulse)
+def _state_width(model):
+    return lay.FIRST_LANE
 
 
-@keep_extremes.register(Impulse)
-def _keep_extremes(model, y):
+@update_extremes.register(Impulse)
+def _update_extremes(model, y):
     return None
 
 
-@spot.register(Impulse)
-def _spot(model, t, y):
+@count_crossings.register(Impulse)
+def _count_crossings(model, t, y):
     return None  # its train was made of every crossing
 
 

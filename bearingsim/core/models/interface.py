@@ -18,7 +18,7 @@ class ModelKind(NamedTuple):
 
 
 @generic
-def width(model: Any) -> int:
+def state_width(model: Any) -> int:
     """Entries of a row that the model's state takes (the ring's, then the lanes in use)."""
 
 
@@ -33,27 +33,27 @@ def begin(model: Any, t: float, y: np.ndarray) -> None:
 
 
 @generic
-def keep_extremes(model: Any, y: np.ndarray) -> None:
+def update_extremes(model: Any, y: np.ndarray) -> None:
     """Take the state of ``y``, at which a step has ended, into the running maxima; count who carries load."""
 
 
 @generic
 def stiffness_per_mass(model: Any, y: np.ndarray, j: int) -> float:
-    """Stiffness over mass (1/s^2) of watched body ``j`` as it stands now."""
+    """Stiffness over mass (1/s^2) of monitored body ``j`` as it stands now."""
 
 
 @generic
 def damping_per_mass(model: Any, y: np.ndarray, j: int) -> float:
-    """Damping over mass (1/s) of watched body ``j`` as it stands now."""
+    """Damping over mass (1/s) of monitored body ``j`` as it stands now."""
 
 
 @generic
-def watched(model: Any) -> int:
-    """How many bodies have their step limit watched: the rollers (by lane), or the ring alone."""
+def monitored(model: Any) -> int:
+    """How many bodies have their step limit monitored: the rollers (by lane), or the ring alone."""
 
 
 @generic
-def freedoms(model: Any) -> tuple[int, int]:
+def degrees_of_freedom(model: Any) -> tuple[int, int]:
     """Coordinates of a roller (0 to 6), and shared ones (to 17), that the model's equations have.
 
     Coordinate i of a roller is row i of a state; shared ones are counted as in ``layout.shared_cell``.
@@ -62,7 +62,8 @@ def freedoms(model: Any) -> tuple[int, int]:
 
 @generic
 def linearise(model: Any, t: float, y: np.ndarray) -> None:
-    """Fill the arrows BY_POSITION and BY_VELOCITY: derivatives of the accelerations of the state in ``y``.
+    """Fill the arrows POSITION_JACOBIAN and VELOCITY_JACOBIAN: derivatives of the accelerations of the state in
+    ``y``.
 
     The model's coordinates, but for each roller's angle, which counts absolutely (EPS plus the cage's PHI_C): so a
     roller feels itself and the shared coordinates only. The rows that ``accelerations`` fills are those of this
@@ -73,6 +74,6 @@ def linearise(model: Any, t: float, y: np.ndarray) -> None:
 def solved(parameters: type) -> None:
     """Register a model that is solved, not integrated: it needs no beginning, and no body limits its step."""
     begin.register(parameters)(lambda model, t, y: None)
-    watched.register(parameters)(lambda model: 0)
+    monitored.register(parameters)(lambda model: 0)
     stiffness_per_mass.register(parameters)(lambda model, y, j: 0.0)
     damping_per_mass.register(parameters)(lambda model, y, j: 0.0)

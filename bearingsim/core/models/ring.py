@@ -17,56 +17,41 @@ the rollers' inertia and centrifugal load.
 
 from typing import Any, NamedTuple
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import add, jit
 from bearingsim.core.laws.damping.interface import damping_bound, in_series, normal_force, slopes, stiffness_bound
 from bearingsim.core.laws.stiffness.interface import tangent
-from bearingsim.core.laws.stiffness.series import share
-from bearingsim.core.layout import (
-    COS,
-    DELTA_I,
-    DELTA_O,
-    LANES,
-    POSITION,
-    Q_I,
-    Q_O,
-    ROW,
-    SIN,
-    V_I,
-    V_O,
-    VELOCITY,
-    WORK,
-    X,
-    Y,
-)
-from bearingsim.core.models.equilibrium import ALONG, PIT, find_pits, roller_balance
-from bearingsim.core.models.extremes import keep_forces
+from bearingsim.core.laws.stiffness.series import series_share
+from bearingsim.core.models.equilibrium import DISTANCE, PAIR, locate_pits, roller_balance
+from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import (
     ModelKind,
     accelerations,
     begin,
     damping_per_mass,
-    freedoms,
-    keep_extremes,
+    degrees_of_freedom,
     linearise,
+    monitored,
+    state_width,
     stiffness_per_mass,
-    watched,
-    width,
+    update_extremes,
 )
-from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, turn
-from bearingsim.core.parameters import Bearing, Support, lanes, turns
-from bearingsim.core.pits.jumps import next_cusp, next_cusp_evenly
+from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, turn_rollers
+from bearingsim.core.parameters import Bearing, Support, kinematic_angles, lanes
+from bearingsim.core.pits.jumps import next_jump, next_jump_evenly
 from bearingsim.core.pits.on_roller import (
     force_over_pit,
-    sinking_rate,
-    sinking_slope,
+    roller_at_pit,
+    roller_at_pit_evenly,
+    roller_drop_rate,
+    roller_drop_rate_slope,
     slopes_over_pit,
-    standing,
-    standing_evenly,
     stiffness_over_pit,
 )
-from bearingsim.core.pits.pairs import Pits, sliding
+from bearingsim.core.pits.pairs import Pits, passing_speed
 
-K_RING, C_RING = WORK + 5 * ROW, WORK + 6 * ROW  # how a roller's force grows with its series' approach: N/m, N s/m
+# how a roller's force grows with its series' approach: N/m, N s/m
+K_RING, C_RING = lay.WORK + 5 * lay.ROW, lay.WORK + 6 * lay.ROW
 
 
 class Ring(NamedTuple):
@@ -79,76 +64,81 @@ class Ring(NamedTuple):
     pits: Pits
 
 
-@width.register(Ring)
-def _width(model):
-    return LANES
+@state_width.register(Ring)
+def _state_width(model):
+    return lay.FIRST_LANE
 
 
-@watched.register(Ring)
-def _watched(model):
+@monitored.register(Ring)
+def _monitored(model):
     return 1
 
 
-standing.register(Ring)(standing_evenly)
-next_cusp.register(Ring)(next_cusp_evenly)
+roller_at_pit.register(Ring)(roller_at_pit_evenly)
+next_jump.register(Ring)(next_jump_evenly)
 
 
 @jit
-def series(model, y, n):
+def series_approaches(model, y, n):
     """The two contacts of every roller over undamaged races: approaches, and half of the rate to each."""
     omega_c, gap = model.bearing.omega_c, model.bearing.gap
-    u_x, u_y, v_x, v_y = y[POSITION + X], y[POSITION + Y], y[VELOCITY + X], y[VELOCITY + Y]
+    u_x = y[lay.POSITION + lay.X]
+    u_y = y[lay.POSITION + lay.Y]
+    v_x = y[lay.VELOCITY + lay.X]
+    v_y = y[lay.VELOCITY + lay.Y]
     w_x, w_y = v_x + omega_c * u_y, v_y - omega_c * u_x
     for j in range(n):
-        c, s = y[COS + j], y[SIN + j]
+        c, s = y[lay.COS + j], y[lay.SIN + j]
         delta = -(u_x * c + u_y * s) - 2.0 * gap
-        inner = share(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
-        y[DELTA_O + j] = delta - inner
-        y[DELTA_I + j] = inner
-        y[V_O + j] = -0.5 * (w_x * c + w_y * s)
-        y[V_I + j] = y[V_O + j]
+        inner = series_share(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
+        y[lay.DELTA_O + j] = delta - inner
+        y[lay.DELTA_I + j] = inner
+        y[lay.V_O + j] = -0.5 * (w_x * c + w_y * s)
+        y[lay.V_I + j] = y[lay.V_O + j]
 
 
 @jit
-def over_pit(model, y, j):
+def correct_for_pit(model, y, j):
     """Solve the series of a roller of which a contact stands over a pit."""
     pits, bearing = model.pits, model.bearing
-    u_r = -(y[DELTA_O + j] + y[DELTA_I + j] + 2.0 * bearing.gap)
+    u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
     q = roller_balance(model, y, j, u_r)
-    outer, inner, half = q - u_r - bearing.gap, -bearing.gap - q, y[V_O + j]
-    y[DELTA_O + j], y[DELTA_I + j] = outer, inner
-    d, s = int(y[PIT + j]), y[ALONG + j]
-    e, along = int(y[PIT + ROW + j]), y[ALONG + ROW + j]
+    outer, inner, half = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j]
+    y[lay.DELTA_O + j], y[lay.DELTA_I + j] = outer, inner
+    d, s = int(y[PAIR + j]), y[DISTANCE + j]
+    e, along = int(y[PAIR + lay.ROW + j]), y[DISTANCE + lay.ROW + j]
     if d >= 0:
-        speed = sliding(pits, d, bearing)
+        speed = passing_speed(pits, d, bearing)
         if e >= 0:
-            half -= 0.5 * sinking_rate(model.inner.stiffness, pits, e, along, sliding(pits, e, bearing), inner)
-        y[Q_O + j], _, y[DELTA_O + j], y[V_O + j] = force_over_pit(
+            half -= 0.5 * roller_drop_rate(
+                model.inner.stiffness, pits, e, along, passing_speed(pits, e, bearing), inner
+            )
+        y[lay.Q_O + j], _, y[lay.DELTA_O + j], y[lay.V_O + j] = force_over_pit(
             model.outer, pits, d, s, 0.5 * speed, outer, half
         )
     else:
-        speed = sliding(pits, e, bearing)
-        y[Q_O + j], _, y[DELTA_I + j], y[V_I + j] = force_over_pit(
+        speed = passing_speed(pits, e, bearing)
+        y[lay.Q_O + j], _, y[lay.DELTA_I + j], y[lay.V_I + j] = force_over_pit(
             model.inner, pits, e, along, 0.5 * speed, inner, half
         )
-        y[V_O + j] = y[V_I + j]
+        y[lay.V_O + j] = y[lay.V_I + j]
 
 
 @accelerations.register(Ring)
 def _accelerations(model, t, y):
     bearing = model.bearing
     n = lanes(bearing)
-    turn(turns(bearing, t)[0], y, n)
-    series(model, y, n)
+    turn_rollers(kinematic_angles(bearing, t)[0], y, n)
+    series_approaches(model, y, n)
     for j in range(n):
-        y[Q_O + j] = normal_force(model.outer, y[DELTA_O + j], y[V_O + j])
+        y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     if len(model.pits.head) > 0:
-        find_pits(model, t, y)
+        locate_pits(model, t, y)
         for j in range(bearing.Z):
-            if y[PIT + j] >= 0.0 or y[PIT + ROW + j] >= 0.0:
-                over_pit(model, y, j)
+            if y[PAIR + j] >= 0.0 or y[PAIR + lay.ROW + j] >= 0.0:
+                correct_for_pit(model, y, j)
     for j in range(n):
-        y[Q_I + j] = y[Q_O + j]
+        y[lay.Q_I + j] = y[lay.Q_O + j]
     accelerate_ring(model, y, n)
 
 
@@ -157,7 +147,7 @@ def _begin(model, t, y):
     accelerations(model, t, y)
 
 
-keep_extremes.register(Ring)(keep_forces)
+update_extremes.register(Ring)(update_forces)
 
 
 @stiffness_per_mass.register(Ring)
@@ -165,9 +155,9 @@ def _stiffness_per_mass(model, y, j):
     """All contacts in one line: at least the largest eigenvalue of the ring's stiffness, at most twice it."""
     total = 0.0
     for i in range(lanes(model.bearing)):
-        real = y[COS + i] * y[COS + i] + y[SIN + i] * y[SIN + i]  # 1, and 0 in a padded lane
-        outer = stiffness_bound(model.outer, max(y[DELTA_O + i], 0.0), y[V_O + i])
-        inner = stiffness_bound(model.inner, max(y[DELTA_I + i], 0.0), y[V_I + i])
+        real = y[lay.COS + i] * y[lay.COS + i] + y[lay.SIN + i] * y[lay.SIN + i]  # 1, and 0 in a padded lane
+        outer = stiffness_bound(model.outer, max(y[lay.DELTA_O + i], 0.0), y[lay.V_O + i])
+        inner = stiffness_bound(model.inner, max(y[lay.DELTA_I + i], 0.0), y[lay.V_I + i])
         total = add(total, real * in_series(outer, inner))
     return (total + model.support.k_b) / model.bearing.m_o
 
@@ -176,15 +166,15 @@ def _stiffness_per_mass(model, y, j):
 def _damping_per_mass(model, y, j):
     total = 0.0
     for i in range(lanes(model.bearing)):
-        real = y[COS + i] * y[COS + i] + y[SIN + i] * y[SIN + i]
-        outer = damping_bound(model.outer, max(y[DELTA_O + i], 0.0), y[V_O + i])
-        inner = damping_bound(model.inner, max(y[DELTA_I + i], 0.0), y[V_I + i])
+        real = y[lay.COS + i] * y[lay.COS + i] + y[lay.SIN + i] * y[lay.SIN + i]
+        outer = damping_bound(model.outer, max(y[lay.DELTA_O + i], 0.0), y[lay.V_O + i])
+        inner = damping_bound(model.inner, max(y[lay.DELTA_I + i], 0.0), y[lay.V_I + i])
         total = add(total, real * in_series(outer, inner))
     return (total + model.support.c_b) / model.bearing.m_o
 
 
-@freedoms.register(Ring)
-def _freedoms(model):
+@degrees_of_freedom.register(Ring)
+def _degrees_of_freedom(model):
     return 0, 2
 
 
@@ -196,47 +186,47 @@ def slopes_in_series(model, y, n):
     half.
     """
     for j in range(n):
-        K, C = slopes(model.outer, y[DELTA_O + j], y[V_O + j])
-        k_o = tangent(model.outer.stiffness, max(y[DELTA_O + j], 0.0))
-        k_i = tangent(model.inner.stiffness, max(y[DELTA_I + j], 0.0))
+        K, C = slopes(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
+        k_o = tangent(model.outer.stiffness, max(y[lay.DELTA_O + j], 0.0))
+        k_i = tangent(model.inner.stiffness, max(y[lay.DELTA_I + j], 0.0))
         y[K_RING + j] = K * k_i / max(k_o + k_i, 1e-300)
         y[C_RING + j] = 0.5 * C
 
 
 @jit
 def slopes_over_pit_in_series(model, y, j):
-    """The same of a roller of which a contact stands over a pit (``over_pit``)."""
+    """The same of a roller of which a contact stands over a pit (``correct_for_pit``)."""
     pits, bearing = model.pits, model.bearing
-    u_r = -(y[DELTA_O + j] + y[DELTA_I + j] + 2.0 * bearing.gap)
+    u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
     q = roller_balance(model, y, j, u_r)
-    outer, inner, half = q - u_r - bearing.gap, -bearing.gap - q, y[V_O + j]
-    d, s = int(y[PIT + j]), y[ALONG + j]
-    e, along = int(y[PIT + ROW + j]), y[ALONG + ROW + j]
+    outer, inner, half = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j]
+    d, s = int(y[PAIR + j]), y[DISTANCE + j]
+    e, along = int(y[PAIR + lay.ROW + j]), y[DISTANCE + lay.ROW + j]
     k_o = stiffness_over_pit(model.outer.stiffness, pits, d, s, outer)
     k_i = stiffness_over_pit(model.inner.stiffness, pits, e, along, inner)
     part = k_i / max(k_o + k_i, 1e-300)
     if d < 0:
-        speed = 0.5 * sliding(pits, e, bearing)
+        speed = 0.5 * passing_speed(pits, e, bearing)
         K, C = slopes_over_pit(model.inner, pits, e, along, speed, inner, half)
         return (1.0 - part) * K, 0.5 * C
     falling = 0.0  # how the closing rate falls as the inner contact closes up
     if e >= 0:
-        speed, stiffness = sliding(pits, e, bearing), model.inner.stiffness
-        half -= 0.5 * sinking_rate(stiffness, pits, e, along, speed, inner)
-        falling = 0.5 * sinking_slope(stiffness, pits, e, along, speed, inner)
-    K, C = slopes_over_pit(model.outer, pits, d, s, 0.5 * sliding(pits, d, bearing), outer, half)
+        speed, stiffness = passing_speed(pits, e, bearing), model.inner.stiffness
+        half -= 0.5 * roller_drop_rate(stiffness, pits, e, along, speed, inner)
+        falling = 0.5 * roller_drop_rate_slope(stiffness, pits, e, along, speed, inner)
+    K, C = slopes_over_pit(model.outer, pits, d, s, 0.5 * passing_speed(pits, d, bearing), outer, half)
     return part * K - (1.0 - part) * falling * C, 0.5 * C
 
 
 @linearise.register(Ring)
 def _linearise(model, t, y):
     n = lanes(model.bearing)
-    series(model, y, n)
+    series_approaches(model, y, n)
     slopes_in_series(model, y, n)
     if len(model.pits.head) > 0:
-        find_pits(model, t, y)
+        locate_pits(model, t, y)
         for j in range(model.bearing.Z):
-            if y[PIT + j] >= 0.0 or y[PIT + ROW + j] >= 0.0:
+            if y[PAIR + j] >= 0.0 or y[PAIR + lay.ROW + j] >= 0.0:
                 y[K_RING + j], y[C_RING + j] = slopes_over_pit_in_series(model, y, j)
     linearise_ring(model, K_RING, C_RING, y, n)
 

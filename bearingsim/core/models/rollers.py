@@ -12,54 +12,36 @@ out: friction, tangential motion, tilt, the bending of the rings.
 
 from typing import Any, NamedTuple
 
+from bearingsim.core import layout as lay
+from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
-from bearingsim.core.layout import (
-    BY_POSITION,
-    BY_VELOCITY,
-    COS,
-    DELTA_I,
-    DELTA_O,
-    INVERSE_MASS,
-    LANES,
-    POSITION,
-    Q_I,
-    Q_O,
-    ROW,
-    SIN,
-    V_I,
-    V_O,
-    VELOCITY,
-    WORK,
-    A,
-    Q,
-    V,
-    X,
-    Y,
-    from_border,
-    own_block,
-    to_border,
-)
-from bearingsim.core.models.extremes import keep_forces
+from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import (
     ModelKind,
     accelerations,
     begin,
     damping_per_mass,
-    freedoms,
-    keep_extremes,
+    degrees_of_freedom,
     linearise,
+    monitored,
+    state_width,
     stiffness_per_mass,
-    watched,
-    width,
+    update_extremes,
 )
-from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, turn
-from bearingsim.core.parameters import Bearing, Support, lanes, turns
-from bearingsim.core.pits.jumps import next_cusp, next_cusp_evenly
-from bearingsim.core.pits.on_roller import force_over_pit, outdone, slopes_over_pit, standing, standing_evenly
-from bearingsim.core.pits.pairs import HALF_WIDTH, OUTER, SIDE, Pits, sliding
+from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, turn_rollers
+from bearingsim.core.parameters import Bearing, Support, kinematic_angles, lanes
+from bearingsim.core.pits.jumps import next_jump, next_jump_evenly
+from bearingsim.core.pits.on_roller import (
+    correct_contact,
+    is_masked,
+    roller_at_pit,
+    roller_at_pit_evenly,
+    slopes_over_pit,
+)
+from bearingsim.core.pits.pairs import HALF_WIDTH, OUTER, SIDE, Pits, passing_speed
 
-K_O, C_O, K_I, C_I = (WORK + n * ROW for n in range(4))  # how a contact's force grows: N/m, N s/m
+K_O, C_O, K_I, C_I = (lay.WORK + n * lay.ROW for n in range(4))  # how a contact's force grows: N/m, N s/m
 
 
 class Rollers(NamedTuple):
@@ -72,13 +54,13 @@ class Rollers(NamedTuple):
     pits: Pits
 
 
-@width.register(Rollers)
-def _width(model):
-    return LANES + lanes(model.bearing)
+@state_width.register(Rollers)
+def _state_width(model):
+    return lay.FIRST_LANE + lanes(model.bearing)
 
 
-@watched.register(Rollers)
-def _watched(model):
+@monitored.register(Rollers)
+def _monitored(model):
     return model.bearing.Z
 
 
@@ -86,57 +68,53 @@ def _watched(model):
 def approaches(bearing, y, n):
     """Approaches and their rates of both contacts of every roller over an undamaged race."""
     omega_c, gap = bearing.omega_c, bearing.gap
-    u_x, u_y, v_x, v_y = y[POSITION + X], y[POSITION + Y], y[VELOCITY + X], y[VELOCITY + Y]
+    u_x = y[lay.POSITION + lay.X]
+    u_y = y[lay.POSITION + lay.Y]
+    v_x = y[lay.VELOCITY + lay.X]
+    v_y = y[lay.VELOCITY + lay.Y]
     w_x, w_y = v_x + omega_c * u_y, v_y - omega_c * u_x  # u' - omega_c x u, so that w.e_r = d(u.e_r)/dt
     for j in range(n):
-        c, s = y[COS + j], y[SIN + j]
-        y[DELTA_O + j] = y[Q + j] - (u_x * c + u_y * s) - gap
-        y[V_O + j] = y[V + j] - (w_x * c + w_y * s)
-        y[DELTA_I + j] = -gap - y[Q + j]
-        y[V_I + j] = -y[V + j]
+        c, s = y[lay.COS + j], y[lay.SIN + j]
+        y[lay.DELTA_O + j] = y[lay.RADIAL + j] - (u_x * c + u_y * s) - gap
+        y[lay.V_O + j] = y[lay.RADIAL_V + j] - (w_x * c + w_y * s)
+        y[lay.DELTA_I + j] = -gap - y[lay.RADIAL + j]
+        y[lay.V_I + j] = -y[lay.RADIAL_V + j]
 
 
-standing.register(Rollers)(standing_evenly)
-next_cusp.register(Rollers)(next_cusp_evenly)
+roller_at_pit.register(Rollers)(roller_at_pit_evenly)
+next_jump.register(Rollers)(next_jump_evenly)
 
 
 @jit
-def over_pits(model, t, y):
-    """Correct the contact of each roller that stands over a pit (its force is the sum of its groups).
-
-    The approach and rate kept for the roller are means over what is in contact, for the step watch.
-    """
+def correct_for_pits(model, t, y):
+    """Correct the contact of each roller that stands over a pit (its force is the sum of its groups)."""
     pits, bearing = model.pits, model.bearing
     for d in range(len(pits.head)):
-        j, s = standing(model, d, t, y)
-        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(model, d, j, s, t, y):
-            speed = sliding(pits, d, bearing)
+        j, s = roller_at_pit(model, d, t, y)
+        if abs(s) < pits.head[d, HALF_WIDTH] and not is_masked(model, d, j, s, t, y):
+            speed = passing_speed(pits, d, bearing)
             if pits.head[d, SIDE] == OUTER:
-                y[Q_O + j], _, y[DELTA_O + j], y[V_O + j] = force_over_pit(
-                    model.outer, pits, d, s, speed, y[DELTA_O + j], y[V_O + j]
-                )
+                correct_contact(OuterSide(), model.outer, pits, d, j, s, speed, y)
             else:
-                y[Q_I + j], _, y[DELTA_I + j], y[V_I + j] = force_over_pit(
-                    model.inner, pits, d, s, speed, y[DELTA_I + j], y[V_I + j]
-                )
+                correct_contact(InnerSide(), model.inner, pits, d, j, s, speed, y)
 
 
 @accelerations.register(Rollers)
 def _accelerations(model, t, y):
     bearing = model.bearing
     n = lanes(bearing)
-    turn(turns(bearing, t)[0], y, n)
+    turn_rollers(kinematic_angles(bearing, t)[0], y, n)
     approaches(bearing, y, n)
     for j in range(n):
-        y[Q_O + j] = normal_force(model.outer, y[DELTA_O + j], y[V_O + j])
-        y[Q_I + j] = normal_force(model.inner, y[DELTA_I + j], y[V_I + j])
-    over_pits(model, t, y)
+        y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
+        y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
+    correct_for_pits(model, t, y)
 
     omega_2 = bearing.omega_c * bearing.omega_c
     middle = 0.5 * (bearing.R_o + bearing.R_i)
     for j in range(n):
-        centrifugal = bearing.m_r * omega_2 * (middle + y[Q + j])
-        y[A + j] = y[INVERSE_MASS + j] * (centrifugal + y[Q_I + j] - y[Q_O + j])
+        centrifugal = bearing.m_r * omega_2 * (middle + y[lay.RADIAL + j])
+        y[lay.RADIAL_A + j] = y[lay.INVERSE_MASS + j] * (centrifugal + y[lay.Q_I + j] - y[lay.Q_O + j])
     accelerate_ring(model, y, n)
 
 
@@ -145,25 +123,25 @@ def _begin(model, t, y):
     accelerations(model, t, y)
 
 
-keep_extremes.register(Rollers)(keep_forces)
+update_extremes.register(Rollers)(update_forces)
 
 
 @stiffness_per_mass.register(Rollers)
 def _stiffness_per_mass(model, y, j):
-    outer = stiffness_bound(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = stiffness_bound(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
-    return y[INVERSE_MASS + j] * (outer + inner)
+    outer = stiffness_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
+    inner = stiffness_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
+    return y[lay.INVERSE_MASS + j] * (outer + inner)
 
 
 @damping_per_mass.register(Rollers)
 def _damping_per_mass(model, y, j):
-    outer = damping_bound(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = damping_bound(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
-    return y[INVERSE_MASS + j] * (outer + inner)
+    outer = damping_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
+    inner = damping_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
+    return y[lay.INVERSE_MASS + j] * (outer + inner)
 
 
-@freedoms.register(Rollers)
-def _freedoms(model):
+@degrees_of_freedom.register(Rollers)
+def _degrees_of_freedom(model):
     return 1, 2
 
 
@@ -172,14 +150,14 @@ def slopes_over_pits(model, t, y):
     """Correct the slopes of each contact that stands over a pit; where it stands depends on time alone."""
     pits, bearing = model.pits, model.bearing
     for d in range(len(pits.head)):
-        j, s = standing(model, d, t, y)
-        if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(model, d, j, s, t, y):
-            speed = sliding(pits, d, bearing)
+        j, s = roller_at_pit(model, d, t, y)
+        if abs(s) < pits.head[d, HALF_WIDTH] and not is_masked(model, d, j, s, t, y):
+            speed = passing_speed(pits, d, bearing)
             if pits.head[d, SIDE] == OUTER:
-                delta, v = y[DELTA_O + j], y[V_O + j]
+                delta, v = y[lay.DELTA_O + j], y[lay.V_O + j]
                 y[K_O + j], y[C_O + j] = slopes_over_pit(model.outer, pits, d, s, speed, delta, v)
             else:
-                delta, v = y[DELTA_I + j], y[V_I + j]
+                delta, v = y[lay.DELTA_I + j], y[lay.V_I + j]
                 y[K_I + j], y[C_I + j] = slopes_over_pit(model.inner, pits, d, s, speed, delta, v)
 
 
@@ -189,24 +167,26 @@ def _linearise(model, t, y):
     n = lanes(bearing)
     approaches(bearing, y, n)
     for j in range(n):
-        y[K_O + j], y[C_O + j] = slopes(model.outer, y[DELTA_O + j], y[V_O + j])
-        y[K_I + j], y[C_I + j] = slopes(model.inner, y[DELTA_I + j], y[V_I + j])
+        y[K_O + j], y[C_O + j] = slopes(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
+        y[K_I + j], y[C_I + j] = slopes(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
     slopes_over_pits(model, t, y)
 
     omega_c, omega_2, per_ring = bearing.omega_c, bearing.omega_c * bearing.omega_c, 1.0 / bearing.m_o
     for j in range(n):
-        c, s, per_mass = y[COS + j], y[SIN + j], y[INVERSE_MASS + j]
+        c, s, per_mass = y[lay.COS + j], y[lay.SIN + j], y[lay.INVERSE_MASS + j]
         K, C = y[K_O + j], y[C_O + j]
-        y[own_block(BY_POSITION, 0, 0) + j] = per_mass * (bearing.m_r * omega_2 - K - y[K_I + j])
-        y[own_block(BY_VELOCITY, 0, 0) + j] = per_mass * (-C - y[C_I + j])
-        y[from_border(BY_POSITION, 0, X) + j] = per_mass * (K * c - C * omega_c * s)
-        y[from_border(BY_POSITION, 0, Y) + j] = per_mass * (K * s + C * omega_c * c)
-        y[from_border(BY_VELOCITY, 0, X) + j] = per_mass * C * c
-        y[from_border(BY_VELOCITY, 0, Y) + j] = per_mass * C * s
-        y[to_border(BY_POSITION, X, 0) + j] = per_ring * K * c
-        y[to_border(BY_POSITION, Y, 0) + j] = per_ring * K * s
-        y[to_border(BY_VELOCITY, X, 0) + j] = per_ring * C * c
-        y[to_border(BY_VELOCITY, Y, 0) + j] = per_ring * C * s
+        y[lay.diagonal_block(lay.POSITION_JACOBIAN, 0, 0) + j] = per_mass * (
+            bearing.m_r * omega_2 - K - y[K_I + j]
+        )
+        y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, 0, 0) + j] = per_mass * (-C - y[C_I + j])
+        y[lay.border_column(lay.POSITION_JACOBIAN, 0, lay.X) + j] = per_mass * (K * c - C * omega_c * s)
+        y[lay.border_column(lay.POSITION_JACOBIAN, 0, lay.Y) + j] = per_mass * (K * s + C * omega_c * c)
+        y[lay.border_column(lay.VELOCITY_JACOBIAN, 0, lay.X) + j] = per_mass * C * c
+        y[lay.border_column(lay.VELOCITY_JACOBIAN, 0, lay.Y) + j] = per_mass * C * s
+        y[lay.border_row(lay.POSITION_JACOBIAN, lay.X, 0) + j] = per_ring * K * c
+        y[lay.border_row(lay.POSITION_JACOBIAN, lay.Y, 0) + j] = per_ring * K * s
+        y[lay.border_row(lay.VELOCITY_JACOBIAN, lay.X, 0) + j] = per_ring * C * c
+        y[lay.border_row(lay.VELOCITY_JACOBIAN, lay.Y, 0) + j] = per_ring * C * s
     linearise_ring(model, K_O, C_O, y, n)
 
 

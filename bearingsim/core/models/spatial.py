@@ -16,125 +16,68 @@ Left out: the bending of rollers, rings and cage; that a tilted slice is an elli
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.geometry.motion import elapsed
-from bearingsim.core.geometry.orientation import body_at, tip, upright, winding
-from bearingsim.core.geometry.plane import place
+from bearingsim.core import layout as lay
+from bearingsim.core.geometry.motion import kinematic_time
+from bearingsim.core.geometry.orientation import axis_acceleration, axis_precession, axis_z, body_at
+from bearingsim.core.geometry.plane import roller_directions
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA, Slices
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
-from bearingsim.core.laws.friction.interface import steepest
+from bearingsim.core.laws.friction.interface import mu_slope_bound
 from bearingsim.core.laws.friction.lag import lagged
-from bearingsim.core.layout import (
-    ACCELERATION,
-    APPROACH_I,
-    APPROACH_O,
-    AXIAL_A,
-    AXIS_X,
-    AXIS_X_A,
-    AXIS_X_V,
-    AXIS_Y,
-    AXIS_Y_A,
-    AXIS_Y_V,
-    COS,
-    EPS_A,
-    EPS_V,
-    F_X,
-    F_X_I,
-    F_Y,
-    F_Y_I,
-    F_Z,
-    F_Z_I,
-    INNER_SIDE,
-    INVERSE_MASS,
-    LANES,
-    LEAN_X,
-    LEAN_X_I,
-    LEAN_Y,
-    LEAN_Y_I,
-    M_C,
-    M_RING,
-    M_X,
-    M_X_C,
-    M_X_I,
-    M_Y,
-    M_Y_C,
-    M_Y_I,
-    OMEGA,
-    OUTER_SIDE,
-    PHI_C,
-    POSITION,
-    PSI,
-    PUSH_R,
-    PUSH_T,
-    PUSH_Z,
-    Q_I,
-    Q_O,
-    ROLLING,
-    ROW,
-    RUB_F,
-    RUB_P,
-    SIN,
-    SKEW,
-    SKEW_V,
-    SPIN_A,
-    SPIN_V,
-    TILT,
-    TILT_MAX,
-    TILT_V,
-    TURN_R,
-    TURN_T,
-    TURN_Z,
-    UPRIGHT,
-    UPRIGHT_V,
-    V_I,
-    V_O,
-    VELOCITY,
-    X_I,
-    Z_I,
-    A,
-    Q,
-    V,
-    X,
-    Z,
-    slice_row,
-)
-from bearingsim.core.models.extremes import keep_largest_forces
+from bearingsim.core.models.extremes import update_largest_forces
 from bearingsim.core.models.interface import (
     ModelKind,
     accelerations,
     begin,
     damping_per_mass,
-    freedoms,
-    keep_extremes,
+    degrees_of_freedom,
     linearise,
+    monitored,
+    state_width,
     stiffness_per_mass,
-    watched,
-    width,
+    update_extremes,
 )
-from bearingsim.core.models.outer_ring import move_outer_ring
-from bearingsim.core.models.spatial_derivatives import differentiate_in_space
+from bearingsim.core.models.outer_ring import accelerate_outer_ring
+from bearingsim.core.models.spatial_derivatives import spatial_jacobian
 from bearingsim.core.parameters import Bearing, Support, lanes
-from bearingsim.core.parts.cage import drive_cage, let_go, orbit_drag, pocket_stiffness
-from bearingsim.core.parts.cage_in_space import axial_stiffness, cage_body, lean_cage, pockets_in_space
-from bearingsim.core.parts.flanges import flange_stiffness, guide_axially
-from bearingsim.core.parts.mounts import hold, mount_damping, mount_stiffness, move_mounted
+from bearingsim.core.parts.cage import accelerate_cage, cage_constraint, orbit_drag, pocket_stiffness
+from bearingsim.core.parts.cage_in_space import (
+    accelerate_cage_axis,
+    axial_stiffness,
+    cage_body,
+    pocket_forces_in_space,
+)
+from bearingsim.core.parts.flanges import flange_forces, flange_stiffness
+from bearingsim.core.parts.mounts import accelerate_mounted_ring, hold_mounted_ring, mount_damping, mount_stiffness
 from bearingsim.core.parts.races_in_space import (
-    add_up,
-    clear,
-    face,
-    gather,
+    clear_sums,
     keep_line_load,
     keep_slice,
-    press,
-    relax,
-    rub,
-    stand,
+    race_frame,
+    relax_friction,
+    side_loads,
+    slice_force,
+    slice_kinematics,
+    slip_relaxation,
+    sum_slices,
 )
-from bearingsim.core.parts.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
-from bearingsim.core.pits.jumps import next_cusp, next_cusp_freely
-from bearingsim.core.pits.on_roller import standing
-from bearingsim.core.pits.on_slices import find_pits, leave_pits, met_at, over_pits, seen_at
+from bearingsim.core.parts.shaft import (
+    accelerate_inner_ring,
+    accelerate_ring_rotation,
+    damper_per_mass,
+    spring_per_mass,
+)
+from bearingsim.core.pits.jumps import next_jump, next_jump_freely
+from bearingsim.core.pits.on_roller import roller_at_pit
+from bearingsim.core.pits.on_slices import (
+    clear_pit_response,
+    mark_rollers_at_pits,
+    roller_near_pit,
+    slice_pit_response,
+    slice_polar_position,
+)
 from bearingsim.core.pits.pairs import OUTER, RADIUS, SIDE, Pits
 
 
@@ -168,194 +111,226 @@ class Spatial(NamedTuple):
     lag: float = 0.0
 
 
-@width.register(Spatial)
-def _width(model):
-    return 5 * ROW + LANES + lanes(model.bearing)
+@state_width.register(Spatial)
+def _state_width(model):
+    return 5 * lay.ROW + lay.FIRST_LANE + lanes(model.bearing)
 
 
-@watched.register(Spatial)
-def _watched(model):
+@monitored.register(Spatial)
+def _monitored(model):
     return model.bearing.Z
 
 
 @jit
-def orient(spin, omega_cage, R_w, y, n):
+def roller_axes(spin, omega_cage, R_w, y, n):
     """Every roller's axis along e_r, e_theta and e_z, its rate, and the speed about it."""
     for j in range(n):
-        c, s = y[COS + j], y[SIN + j]
-        a_x, a_y, w_x, w_y = y[AXIS_X + j], y[AXIS_Y + j], y[AXIS_X_V + j], y[AXIS_Y_V + j]
-        a_z = upright(a_x, a_y)
-        y[TILT + j], y[SKEW + j], y[UPRIGHT + j] = a_x * c + a_y * s, a_y * c - a_x * s, a_z
-        y[TILT_V + j], y[SKEW_V + j] = w_x * c + w_y * s, w_y * c - w_x * s
-        y[UPRIGHT_V + j] = -(a_x * w_x + a_y * w_y) / a_z
-        y[OMEGA + j] = spin + y[SPIN_V + j] + winding(a_x, a_y, a_z, w_x, w_y)
-        y[ROLLING + j] = R_w * abs(omega_cage + y[EPS_V + j] - y[OMEGA + j])
+        c, s = y[lay.COS + j], y[lay.SIN + j]
+        a_x, a_y, w_x, w_y = y[lay.AXIS_X + j], y[lay.AXIS_Y + j], y[lay.AXIS_X_V + j], y[lay.AXIS_Y_V + j]
+        a_z = axis_z(a_x, a_y)
+        y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j] = a_x * c + a_y * s, a_y * c - a_x * s, a_z
+        y[lay.TILT_V + j], y[lay.SKEW_V + j] = w_x * c + w_y * s, w_y * c - w_x * s
+        y[lay.AXIS_Z_V + j] = -(a_x * w_x + a_y * w_y) / a_z
+        y[lay.OMEGA + j] = spin + y[lay.SPIN_V + j] + axis_precession(a_x, a_y, a_z, w_x, w_y)
+        y[lay.ROLLING_SPEED + j] = R_w * abs(omega_cage + y[lay.EPS_V + j] - y[lay.OMEGA + j])
 
 
 @jit
-def weigh(model, omega_cage, y, n):
+def external_loads(model, omega_cage, y, n):
     """What acts on every roller but contacts: gravity and the oil that it ploughs through."""
     weight, middle = model.gravity * model.bearing.m_r, 0.5 * (model.bearing.R_o + model.bearing.R_i)
     for j in range(n):
-        speed = (omega_cage + y[EPS_V + j]) * (middle + y[Q + j])
-        y[PUSH_R + j] = weight * y[COS + j]
-        y[PUSH_T + j] = -weight * y[SIN + j] + orbit_drag(model.drag, speed)
-        y[PUSH_Z + j] = 0.0
-        y[TURN_R + j], y[TURN_T + j], y[TURN_Z + j] = 0.0, 0.0, 0.0
+        speed = (omega_cage + y[lay.EPS_V + j]) * (middle + y[lay.RADIAL + j])
+        y[lay.FORCE_R + j] = weight * y[lay.COS + j]
+        y[lay.FORCE_T + j] = -weight * y[lay.SIN + j] + orbit_drag(model.drag, speed)
+        y[lay.FORCE_Z + j] = 0.0
+        y[lay.MOMENT_R + j], y[lay.MOMENT_T + j], y[lay.MOMENT_Z + j] = 0.0, 0.0, 0.0
 
 
 @jit
-def touch_races(model, t, steep, outer, inner, omega_cage, y, n):
+def race_contacts(model, t, steep, outer, inner, omega_cage, y, n):
     """The contacts of the rollers' slices with both races: fills the sums of both sides.
 
     steep: 1.0, or 0.0 where pits are not to tilt the normal (at rest).
     """
     b, table = model.bearing, model.slices.table
-    face(OuterSide(), b, outer, omega_cage, y, n)
-    face(InnerSide(), b, inner, omega_cage, y, n)
-    met = find_pits(model, t, outer.a_z, inner.a_z, y) if len(model.pits.head) > 0 else 0
-    clear(OuterSide(), y, n)
-    clear(InnerSide(), y, n)
+    race_frame(OuterSide(), b, outer, omega_cage, y, n)
+    race_frame(InnerSide(), b, inner, omega_cage, y, n)
+    met = mark_rollers_at_pits(model, t, outer.a_z, inner.a_z, y) if len(model.pits.head) > 0 else 0
+    clear_sums(OuterSide(), y, n)
+    clear_sums(InnerSide(), y, n)
     for k in range(len(table)):
         zeta, weight, drop = table[k, ZETA], table[k, WEIGHT], table[k, DROP]
         if met > 0:
-            over_pits(model, t, k, steep, outer.a_z, inner.a_z, y)
-        stand(OuterSide(), b, outer, zeta, drop, y, n)
-        stand(InnerSide(), b, inner, zeta, drop, y, n)
-        press(OuterSide(), model.outer, model.friction, weight, y, n)
-        press(InnerSide(), model.inner, model.friction, weight, y, n)
-        add_up(OuterSide(), b, outer, zeta, weight, drop, y, n)
-        add_up(InnerSide(), b, inner, zeta, weight, drop, y, n)
-        keep_slice(slice_row(k, 0), y, n)
+            slice_pit_response(model, t, k, steep, outer.a_z, inner.a_z, y)
+        slice_kinematics(OuterSide(), b, outer, zeta, drop, y, n)
+        slice_kinematics(InnerSide(), b, inner, zeta, drop, y, n)
+        slice_force(OuterSide(), model.outer, model.friction, weight, y, n)
+        slice_force(InnerSide(), model.inner, model.friction, weight, y, n)
+        sum_slices(OuterSide(), b, outer, zeta, weight, drop, y, n)
+        sum_slices(InnerSide(), b, inner, zeta, weight, drop, y, n)
+        keep_slice(lay.slice_row(k, 0), y, n)
     if met > 0:
-        leave_pits(model, y)
-    relax(model.lag, b.m_r, b.I_r, model.I_t, b.R_w, y, n)
-    rub(OuterSide(), outer, y, n)
-    rub(InnerSide(), inner, y, n)
+        clear_pit_response(model, y)
+    slip_relaxation(model.lag, b.m_r, b.I_r, model.I_t, b.R_w, y, n)
+    relax_friction(OuterSide(), outer, y, n)
+    relax_friction(InnerSide(), inner, y, n)
 
 
 @jit
-def pass_on(bearing, outer, inner, y, n):
+def ring_loads(bearing, outer, inner, y, n):
     """Add the sums of both sides to what acts on the rollers, and fill the rings' cells.
 
     Returns the moment (N m) about e_z on the inner ring.
     """
-    y[F_X], y[F_Y], y[F_Z], y[M_X], y[M_Y], y[M_RING] = gather(OuterSide(), bearing, outer, y, n)
-    y[F_X_I], y[F_Y_I], y[F_Z_I], y[M_X_I], y[M_Y_I], turn = gather(InnerSide(), bearing, inner, y, n)
+    y[lay.F_X], y[lay.F_Y], y[lay.F_Z], y[lay.M_X], y[lay.M_Y], y[lay.M_RING] = side_loads(
+        OuterSide(), bearing, outer, y, n
+    )
+    y[lay.F_X_I], y[lay.F_Y_I], y[lay.F_Z_I], y[lay.M_X_I], y[lay.M_Y_I], turn = side_loads(
+        InnerSide(), bearing, inner, y, n
+    )
     return turn
 
 
 @jit
-def move_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
+def accelerate_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
     """Newton's equations for the centre of every roller, Euler's for its axis and the turning about it."""
     b, cage = model.bearing, model.cage
     middle = 0.5 * (b.R_o + b.R_i)
     for j in range(n):
-        per_mass = y[INVERSE_MASS + j]
+        per_mass = y[lay.INVERSE_MASS + j]
         real = b.m_r * per_mass
-        r, theta_v = middle + y[Q + j], omega_cage + y[EPS_V + j]
-        y[A + j] = real * r * theta_v * theta_v + per_mass * y[PUSH_R + j]
-        theta_a = (per_mass * y[PUSH_T + j] - 2.0 * y[V + j] * theta_v) / r
-        y[EPS_A + j] = let_go(cage, real * (theta_a - alpha_cage))
-        y[AXIAL_A + j] = let_go(cage, per_mass * y[PUSH_Z + j])
+        r, theta_v = middle + y[lay.RADIAL + j], omega_cage + y[lay.EPS_V + j]
+        y[lay.RADIAL_A + j] = real * r * theta_v * theta_v + per_mass * y[lay.FORCE_R + j]
+        theta_a = (per_mass * y[lay.FORCE_T + j] - 2.0 * y[lay.RADIAL_V + j] * theta_v) / r
+        y[lay.EPS_A + j] = cage_constraint(cage, real * (theta_a - alpha_cage))
+        y[lay.AXIAL_A + j] = cage_constraint(cage, per_mass * y[lay.FORCE_Z + j])
 
-        a_r, a_t, a_z = y[TILT + j], y[SKEW + j], y[UPRIGHT + j]
-        w_r, w_t, w_z = y[TILT_V + j], y[SKEW_V + j], y[UPRIGHT_V + j]
-        M_r, M_t, M_z = y[TURN_R + j], y[TURN_T + j], y[TURN_Z + j]
-        l_r, l_t = tip(M_r, M_t, M_z, b.I_r * y[OMEGA + j], model.I_t, a_r, a_t, a_z, w_r, w_t, w_z)
+        a_r, a_t, a_z = y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j]
+        w_r, w_t, w_z = y[lay.TILT_V + j], y[lay.SKEW_V + j], y[lay.AXIS_Z_V + j]
+        M_r, M_t, M_z = y[lay.MOMENT_R + j], y[lay.MOMENT_T + j], y[lay.MOMENT_Z + j]
+        l_r, l_t = axis_acceleration(
+            M_r, M_t, M_z, b.I_r * y[lay.OMEGA + j], model.I_t, a_r, a_t, a_z, w_r, w_t, w_z
+        )
         carried = 2.0 * w_r * theta_v + a_r * alpha_cage  # of an axis that a cage keeps from skewing
-        l_r, l_t = real * l_r, real * (carried + let_go(cage, l_t - carried))
-        c, s = y[COS + j], y[SIN + j]
-        y[AXIS_X_A + j], y[AXIS_Y_A + j] = l_r * c - l_t * s, l_r * s + l_t * c
+        l_r, l_t = real * l_r, real * (carried + cage_constraint(cage, l_t - carried))
+        c, s = y[lay.COS + j], y[lay.SIN + j]
+        y[lay.AXIS_X_A + j], y[lay.AXIS_Y_A + j] = l_r * c - l_t * s, l_r * s + l_t * c
         bent, area = 1.0 + a_z, w_r * a_t - a_r * w_t
         wound = (l_r * a_t - a_r * l_t) / bent - area * w_z / (bent * bent)
         omega_a = (M_r * a_r + M_t * a_t + M_z * a_z) / b.I_r
-        y[SPIN_A + j] = let_go(cage, real * (omega_a - wound - alpha_spin))
+        y[lay.SPIN_A + j] = cage_constraint(cage, real * (omega_a - wound - alpha_spin))
 
 
 @accelerations.register(Spatial)
 def _accelerations(model, t, y):
     b = model.bearing
     n = lanes(b)
-    time, rate, growth = elapsed(model.motion, t)
+    time, rate, growth = kinematic_time(model.motion, t)
     theta_i, omega_i = b.omega_i * time, b.omega_i * rate
-    omega_cage = b.omega_c * rate + y[VELOCITY + PHI_C]
+    omega_cage = b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C]
     spin = (b.omega_c - b.omega_b) * rate
-    outer = body_at(y, X, Z, LEAN_X, LEAN_Y, y[VELOCITY + PSI])
-    inner = body_at(y, X_I, Z_I, LEAN_X_I, LEAN_Y_I, omega_i)
+    outer = body_at(y, lay.X, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, y[lay.VELOCITY + lay.PSI])
+    inner = body_at(y, lay.X_I, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y, omega_i)
     cage = cage_body(model.cage_z, omega_cage, y)
 
-    place(b.theta_0 + b.omega_c * time + y[POSITION + PHI_C], y, n)
-    orient(spin, omega_cage, b.R_w, y, n)
-    weigh(model, omega_cage, y, n)
-    touch_races(model, t, 1.0, outer, inner, omega_cage, y, n)
-    guide_axially(model.flanges, model, outer, inner, y, n)
-    turn = pass_on(b, outer, inner, y, n)
-    pockets_in_space(model.cage, model, cage, omega_cage, spin, y, n)
+    roller_directions(b.theta_0 + b.omega_c * time + y[lay.POSITION + lay.PHI_C], y, n)
+    roller_axes(spin, omega_cage, b.R_w, y, n)
+    external_loads(model, omega_cage, y, n)
+    race_contacts(model, t, 1.0, outer, inner, omega_cage, y, n)
+    flange_forces(model.flanges, model, outer, inner, y, n)
+    turn = ring_loads(b, outer, inner, y, n)
+    pocket_forces_in_space(model.cage, model, cage, omega_cage, spin, y, n)
 
-    wound = lean_cage(model.cage_z, model.cage, cage, y)
-    y[M_C] = y[M_X_C] * cage.a_x + y[M_Y_C] * cage.a_y + y[M_C] * cage.a_z
-    taken = move_mounted(model.mount_o, outer, y[F_Z], y[M_X], y[M_Y], y[M_RING], y, Z, LEAN_X, LEAN_Y)
-    y[M_RING] = y[M_X] * outer.a_x + y[M_Y] * outer.a_y + y[M_RING] * outer.a_z - taken
-    move_mounted(model.mount_i, inner, y[F_Z_I], y[M_X_I], y[M_Y_I], turn, y, Z_I, LEAN_X_I, LEAN_Y_I)
+    wound = accelerate_cage_axis(model.cage_z, model.cage, cage, y)
+    y[lay.M_C] = y[lay.M_X_C] * cage.a_x + y[lay.M_Y_C] * cage.a_y + y[lay.M_C] * cage.a_z
+    taken = accelerate_mounted_ring(
+        model.mount_o,
+        outer,
+        y[lay.F_Z],
+        y[lay.M_X],
+        y[lay.M_Y],
+        y[lay.M_RING],
+        y,
+        lay.Z,
+        lay.RING_TILT_X,
+        lay.RING_TILT_Y,
+    )
+    y[lay.M_RING] = y[lay.M_X] * outer.a_x + y[lay.M_Y] * outer.a_y + y[lay.M_RING] * outer.a_z - taken
+    accelerate_mounted_ring(
+        model.mount_i,
+        inner,
+        y[lay.F_Z_I],
+        y[lay.M_X_I],
+        y[lay.M_Y_I],
+        turn,
+        y,
+        lay.Z_I,
+        lay.INNER_TILT_X,
+        lay.INNER_TILT_Y,
+    )
 
-    alpha_cage = drive_cage(model.cage, model, omega_cage, omega_i, b.omega_c * growth, y) - wound
-    y[ACCELERATION + PHI_C] = alpha_cage - b.omega_c * growth
-    move_rollers(model, omega_cage, alpha_cage, (b.omega_c - b.omega_b) * growth, y, n)
-    move_outer_ring(model, y)
-    rotate_ring(model.bracket, y)
-    move_inner_ring(model.shaft, model, theta_i, omega_i, b.omega_i * growth, y)
+    alpha_cage = accelerate_cage(model.cage, model, omega_cage, omega_i, b.omega_c * growth, y) - wound
+    y[lay.ACCELERATION + lay.PHI_C] = alpha_cage - b.omega_c * growth
+    accelerate_rollers(model, omega_cage, alpha_cage, (b.omega_c - b.omega_b) * growth, y, n)
+    accelerate_outer_ring(model, y)
+    accelerate_ring_rotation(model.bracket, y)
+    accelerate_inner_ring(model.shaft, model, theta_i, omega_i, b.omega_i * growth, y)
 
 
 @jit
-def hold_rings(model, y):
+def hold_mounted_rings(model, y):
     """Put the rings where they are held."""
-    hold(model.mount_o, y, Z, LEAN_X, LEAN_Y)
-    hold(model.mount_i, y, Z_I, LEAN_X_I, LEAN_Y_I)
+    hold_mounted_ring(model.mount_o, y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y)
+    hold_mounted_ring(model.mount_i, y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
 
 
 @begin.register(Spatial)
 def _begin(model, t, y):
-    hold_rings(model, y)
+    hold_mounted_rings(model, y)
     accelerations(model, t, y)
 
 
-@keep_extremes.register(Spatial)
-def _keep_extremes(model, y):
+@update_extremes.register(Spatial)
+def _update_extremes(model, y):
     n = lanes(model.bearing)
-    keep_largest_forces(y, n)
+    update_largest_forces(y, n)
     for j in range(n):
-        y[TILT_MAX + j] = max(y[TILT_MAX + j], abs(y[TILT + j]))
+        y[lay.TILT_MAX + j] = max(y[lay.TILT_MAX + j], abs(y[lay.TILT + j]))
     for k in range(len(model.slices.table)):
-        keep_line_load(slice_row(k, 0), model.slices.table[k, WEIGHT] * model.L_w, y, n)
+        keep_line_load(lay.slice_row(k, 0), model.slices.table[k, WEIGHT] * model.L_w, y, n)
 
 
-next_cusp.register(Spatial)(next_cusp_freely)
+next_jump.register(Spatial)(next_jump_freely)
 
 
-@standing.register(Spatial)
-def _standing(model, d, t, y):
-    """Of a roller's middle, from where rollers, rings and cage are and the rows that ``face`` fills."""
+@roller_at_pit.register(Spatial)
+def _roller_at_pit(model, d, t, y):
+    """Of a roller's middle, from where rollers, rings and cage are and the rows that ``race_frame`` fills."""
     head, middle = model.pits.head[d], 0.5 * (model.bearing.R_o + model.bearing.R_i)
     outer = head[SIDE] == OUTER
-    leans = (LEAN_X, LEAN_Y) if outer else (LEAN_X_I, LEAN_Y_I)
-    b_z = upright(y[leans[0]], y[leans[1]])
-    j, s = met_at(model, d, t, y)
-    return j, s + head[RADIUS] * seen_at(OUTER_SIDE if outer else INNER_SIDE, middle, b_z, 0.0, y, j)[0]
+    leans = (lay.RING_TILT_X, lay.RING_TILT_Y) if outer else (lay.INNER_TILT_X, lay.INNER_TILT_Y)
+    b_z = axis_z(y[leans[0]], y[leans[1]])
+    j, s = roller_near_pit(model, d, t, y)
+    return j, s + head[RADIUS] * slice_polar_position(
+        lay.OUTER_SIDE if outer else lay.INNER_SIDE, middle, b_z, 0.0, y, j
+    )[0]
 
 
 @jit
-def along_slices(model, y, j):
+def sum_over_slices(model, y, j):
     """Stiffness (N/m) and damping (N s/m) of a roller's contacts, and against tilting (N m/rad, N m s/rad)."""
     k, c, k_tilt, c_tilt = 0.0, 0.0, 0.0, 0.0
     for i in range(len(model.slices.table)):
         zeta, weight = model.slices.table[i, ZETA], model.slices.table[i, WEIGHT]
-        o = max(y[slice_row(i, APPROACH_O) + j], 0.0)
-        p = max(y[slice_row(i, APPROACH_I) + j], 0.0)
+        o = max(y[lay.slice_row(i, lay.APPROACH_O) + j], 0.0)
+        p = max(y[lay.slice_row(i, lay.APPROACH_I) + j], 0.0)
         stiff = weight * (
-            stiffness_bound(model.outer, o, y[V_O + j]) + stiffness_bound(model.inner, p, y[V_I + j])
+            stiffness_bound(model.outer, o, y[lay.V_O + j]) + stiffness_bound(model.inner, p, y[lay.V_I + j])
         )
-        damp = weight * (damping_bound(model.outer, o, y[V_O + j]) + damping_bound(model.inner, p, y[V_I + j]))
+        damp = weight * (
+            damping_bound(model.outer, o, y[lay.V_O + j]) + damping_bound(model.inner, p, y[lay.V_I + j])
+        )
         k, c = k + stiff, c + damp
         k_tilt, c_tilt = k_tilt + zeta * zeta * stiff, c_tilt + zeta * zeta * damp
     return k, c, k_tilt, c_tilt
@@ -364,9 +339,9 @@ def along_slices(model, y, j):
 @stiffness_per_mass.register(Spatial)
 def _stiffness_per_mass(model, y, j):
     """The roller's between its races, radially or tilting, of pocket, flange, rings: the largest."""
-    per_mass = y[INVERSE_MASS + j]
-    k, _, k_tilt, _ = along_slices(model, y, j)
-    held = max(held_stiffness(model.shaft), held_stiffness(model.bracket))
+    per_mass = y[lay.INVERSE_MASS + j]
+    k, _, k_tilt, _ = sum_over_slices(model, y, j)
+    held = max(spring_per_mass(model.shaft), spring_per_mass(model.bracket))
     mounted = max(mount_stiffness(model.mount_o), mount_stiffness(model.mount_i))
     pocket = max(pocket_stiffness(model.cage, per_mass), axial_stiffness(model.cage_z, model.cage, per_mass))
     flange = flange_stiffness(model.flanges, per_mass, 1.0 / model.I_t, model.bearing.R_w)
@@ -380,25 +355,27 @@ def _damping_per_mass(model, y, j):
     Friction on flanges and pockets has no lag and acts in all these directions, so it adds to what damps the
     roller: as it is now, for it always slips.
     """
-    b, half, per_mass = model.bearing, 0.5 * model.L_w, y[INVERSE_MASS + j]
-    _, c, _, c_tilt = along_slices(model, y, j)
-    pressed = max(y[Q_O + j], y[Q_I + j]) * max(2.0 * b.R_w * b.R_w / b.I_r, 2.0 * b.R_w * b.R_w / model.I_t)
-    rubbing = steepest(model.friction, b.R_w * b.omega_b) * pressed
-    held = max(held_damping(model.shaft), held_damping(model.bracket))
+    b, half, per_mass = model.bearing, 0.5 * model.L_w, y[lay.INVERSE_MASS + j]
+    _, c, _, c_tilt = sum_over_slices(model, y, j)
+    pressed = max(y[lay.Q_O + j], y[lay.Q_I + j]) * max(
+        2.0 * b.R_w * b.R_w / b.I_r, 2.0 * b.R_w * b.R_w / model.I_t
+    )
+    rubbing = mu_slope_bound(model.friction, b.R_w * b.omega_b) * pressed
+    held = max(damper_per_mass(model.shaft), damper_per_mass(model.bracket))
     mounted = max(mount_damping(model.mount_o), mount_damping(model.mount_i))
     loose = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t  # 1/kg: slip of an end's rim per impulse
     of_roller = max(per_mass * c, c_tilt / model.I_t, lagged(rubbing, model.lag))
-    return max(of_roller + (y[RUB_F + j] + y[RUB_P + j]) * loose, held, mounted)
+    return max(of_roller + (y[lay.KAPPA_F + j] + y[lay.KAPPA_P + j]) * loose, held, mounted)
 
 
-@freedoms.register(Spatial)
-def _freedoms(model):
+@degrees_of_freedom.register(Spatial)
+def _degrees_of_freedom(model):
     return 6, 17
 
 
 @linearise.register(Spatial)
 def _linearise(model, t, y):
-    differentiate_in_space(model, t, y)
+    spatial_jacobian(model, t, y)
 
 
 KIND = ModelKind(Spatial, per_crossing=100)

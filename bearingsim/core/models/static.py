@@ -6,11 +6,11 @@ of the ring as rollers sink into a pit.
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.layout import LANES
-from bearingsim.core.models.extremes import keep_forces
-from bearingsim.core.models.interface import ModelKind, keep_extremes, solved, width
+from bearingsim.core import layout as lay
+from bearingsim.core.models.extremes import update_forces
+from bearingsim.core.models.interface import ModelKind, solved, state_width, update_extremes
 from bearingsim.core.parameters import Bearing, Support
-from bearingsim.core.pits.on_roller import standing, standing_evenly
+from bearingsim.core.pits.on_roller import roller_at_pit, roller_at_pit_evenly
 from bearingsim.core.pits.pairs import Pits
 
 
@@ -25,13 +25,13 @@ class Static(NamedTuple):
 
 
 solved(Static)
-standing.register(Static)(standing_evenly)
-keep_extremes.register(Static)(keep_forces)
+roller_at_pit.register(Static)(roller_at_pit_evenly)
+update_extremes.register(Static)(update_forces)
 
 
-@width.register(Static)
-def _width(model):
-    return LANES
+@state_width.register(Static)
+def _state_width(model):
+    return lay.FIRST_LANE
 
 
 KIND = ModelKind(Static, per_crossing=50)

@@ -10,43 +10,11 @@ The walls are flat and radial, so N acts along e_theta; the roller's surface rub
 from math import hypot
 from typing import Any, NamedTuple
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import absent, add, generic
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.stiffness.interface import tangent
-from bearingsim.core.layout import (
-    ACCELERATION,
-    CE,
-    EPS_V,
-    F_X,
-    F_X_C,
-    F_X_I,
-    F_Y,
-    F_Y_C,
-    F_Y_I,
-    INVERSE_MASS,
-    M_C,
-    M_RING,
-    PC,
-    POSITION,
-    PS,
-    PSI,
-    PUSH_R,
-    PUSH_T,
-    Q_P,
-    SE,
-    SPIN_V,
-    TORQUE,
-    VELOCITY,
-    X_C,
-    X_I,
-    Y_C,
-    Y_I,
-    Q,
-    V,
-    X,
-    Y,
-)
 
 
 @absent
@@ -147,118 +115,121 @@ def _radial_stop_rollers(guide, out, speed):
 
 
 @generic(absent=(0.0, 0.0))
-def centre(guide: Any, m: float, y: Any) -> tuple[float, float]:
+def cage_centre_acceleration(guide: Any, m: float, y: Any) -> tuple[float, float]:
     """Acceleration (m/s^2) of the cage's centre under the forces gathered in the cells F_X_C, F_Y_C."""
 
 
-@centre.register(RollerGuided)
-def _centre_by_rollers(guide, m, y):
-    return y[F_X_C] / m, y[F_Y_C] / m
+@cage_centre_acceleration.register(RollerGuided)
+def _cage_centre_acceleration_by_rollers(guide, m, y):
+    return y[lay.F_X_C] / m, y[lay.F_Y_C] / m
 
 
-@centre.register(RingGuided)
-def _centre_by_ring(guide, m, y):
-    return y[F_X_C] / m, y[F_Y_C] / m
+@cage_centre_acceleration.register(RingGuided)
+def _cage_centre_acceleration_by_ring(guide, m, y):
+    return y[lay.F_X_C] / m, y[lay.F_Y_C] / m
 
 
 @generic(absent=None)
-def run_on_land(guide: Any, omega_cage: float, omega_i: float, y: Any) -> None:
+def land_contact(guide: Any, omega_cage: float, omega_i: float, y: Any) -> None:
     """Add the force between cage and guiding land to the cells of the cage and of the ring."""
 
 
-@run_on_land.register(RollerGuided)
-def _run_on_land_rollers(guide, omega_cage, omega_i, y):
+@land_contact.register(RollerGuided)
+def _land_contact_rollers(guide, omega_cage, omega_i, y):
     return None
 
 
-@run_on_land.register(RingGuided)
-def _run_on_land_ring(guide, omega_cage, omega_i, y):
+@land_contact.register(RingGuided)
+def _land_contact_ring(guide, omega_cage, omega_i, y):
     """Cage and ring touch where the cage is off the ring's centre by the play; the point moves with the offset."""
     o, i = guide.outer, 1.0 - guide.outer
-    x = y[POSITION + X_C] - o * y[POSITION + X] - i * y[POSITION + X_I]
-    z = y[POSITION + Y_C] - o * y[POSITION + Y] - i * y[POSITION + Y_I]
-    v_x = y[VELOCITY + X_C] - o * y[VELOCITY + X] - i * y[VELOCITY + X_I]
-    v_z = y[VELOCITY + Y_C] - o * y[VELOCITY + Y] - i * y[VELOCITY + Y_I]
+    x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
+    z = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]
+    v_x = y[lay.VELOCITY + lay.X_C] - o * y[lay.VELOCITY + lay.X] - i * y[lay.VELOCITY + lay.X_I]
+    v_z = y[lay.VELOCITY + lay.Y_C] - o * y[lay.VELOCITY + lay.Y] - i * y[lay.VELOCITY + lay.Y_I]
     off = max(hypot(x, z), 1e-30)
     c, s = x / off, z / off
     N = normal_force(guide.law, off - guide.play, v_x * c + v_z * s)
-    omega_ring = i * omega_i + o * y[VELOCITY + PSI]
+    omega_ring = i * omega_i + o * y[lay.VELOCITY + lay.PSI]
     # an outer land is touched where the cage leans to, an inner one on the far side: arms from the two centres
     on_cage = (o - i) * guide.land
     on_ring = on_cage + off
     slip = -v_x * s + v_z * c + on_cage * omega_cage - on_ring * omega_ring
     f = mu(guide.friction, slip, guide.land * abs(omega_cage)) * N
     f_x, f_z = -N * c + f * s, -N * s - f * c
-    y[F_X_C] += f_x
-    y[F_Y_C] += f_z
-    y[M_C] -= on_cage * f
-    y[F_X] -= o * f_x
-    y[F_Y] -= o * f_z
-    y[M_RING] += o * on_ring * f
-    y[F_X_I] -= i * f_x
-    y[F_Y_I] -= i * f_z
+    y[lay.F_X_C] += f_x
+    y[lay.F_Y_C] += f_z
+    y[lay.M_C] -= on_cage * f
+    y[lay.F_X] -= o * f_x
+    y[lay.F_Y] -= o * f_z
+    y[lay.M_RING] += o * on_ring * f
+    y[lay.F_X_I] -= i * f_x
+    y[lay.F_Y_I] -= i * f_z
 
 
 @generic(absent=None)
-def pockets(cage: Any, model: Any, omega_cage: float, spin: float, y: Any, n: int) -> None:
-    """Add the pockets' forces to the rollers' rows PUSH_R, PUSH_T, TORQUE and to the cage's cells; fills Q_P.
+def pocket_forces(cage: Any, model: Any, omega_cage: float, spin: float, y: Any, n: int) -> None:
+    """Add the pockets' forces to the rollers' rows FORCE_R, FORCE_T, TORQUE and to the cage's cells; fills Q_P.
 
     omega_cage, spin: the cage's speed and a roller's nominal spin (rad/s).
     """
 
 
-@pockets.register(FreeCage)
-def _pockets_free(cage, model, omega_cage, spin, y, n):
+@pocket_forces.register(FreeCage)
+def _pocket_forces_free(cage, model, omega_cage, spin, y, n):
     b = model.bearing
     middle, R_w = 0.5 * (b.R_o + b.R_i), b.R_w
-    x, z, v_x, v_z = y[POSITION + X_C], y[POSITION + Y_C], y[VELOCITY + X_C], y[VELOCITY + Y_C]
+    x = y[lay.POSITION + lay.X_C]
+    z = y[lay.POSITION + lay.Y_C]
+    v_x = y[lay.VELOCITY + lay.X_C]
+    v_z = y[lay.VELOCITY + lay.Y_C]
     f_x, f_y, torque = 0.0, 0.0, 0.0
     for j in range(n):
-        real = b.m_r * y[INVERSE_MASS + j]  # 1, and 0 in a padded lane
-        pc, ps, ce, se = y[PC + j], y[PS + j], y[CE + j], y[SE + j]
-        r, v = middle + y[Q + j], y[V + j]
-        w = r * (omega_cage + y[EPS_V + j])
+        real = b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
+        pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
+        r, v = middle + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
+        w = r * (omega_cage + y[lay.EPS_V + j])
         e = r * se + x * ps - z * pc
         rho = r * ce - x * pc - z * ps
         v_r = v * ce - w * se - v_x * pc - v_z * ps  # of the roller less the cage's centre, in the pocket's frame
         v_t = v * se + w * ce + v_x * ps - v_z * pc
         side = 1.0 if e > 0.0 else -1.0
         N = normal_force(cage.pocket, abs(e) - cage.play, side * (v_t - omega_cage * rho))
-        slip = v_r - side * R_w * (spin + y[SPIN_V + j]) + omega_cage * (e + side * R_w)
+        slip = v_r - side * R_w * (spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
         f = mu(cage.friction, slip, R_w * abs(spin)) * N
         stop = radial_stop(cage.guide, rho - middle, v_r + omega_cage * e)
         push_r, push_t = real * (stop - f), -real * side * N  # on the roller, in the pocket's frame
-        y[Q_P + j] = push_t
-        y[PUSH_R + j] += push_r * ce + push_t * se
-        y[PUSH_T + j] += push_t * ce - push_r * se
-        y[TORQUE + j] += real * side * R_w * f
+        y[lay.Q_P + j] = push_t
+        y[lay.FORCE_R + j] += push_r * ce + push_t * se
+        y[lay.FORCE_T + j] += push_t * ce - push_r * se
+        y[lay.TORQUE + j] += real * side * R_w * f
         f_x = add(f_x, -push_r * pc + push_t * ps)
         f_y = add(f_y, -push_r * ps - push_t * pc)
         torque = add(torque, e * push_r - rho * push_t - real * side * R_w * f)
-    y[F_X_C] = f_x
-    y[F_Y_C] = f_y
-    y[M_C] = torque
+    y[lay.F_X_C] = f_x
+    y[lay.F_Y_C] = f_y
+    y[lay.M_C] = torque
 
 
 @generic
-def drive_cage(cage: Any, model: Any, omega_cage: float, omega_i: float, alpha: float, y: Any) -> float:
+def accelerate_cage(cage: Any, model: Any, omega_cage: float, omega_i: float, alpha: float, y: Any) -> float:
     """Angular acceleration (rad/s^2) of the cage; its centre's acceleration is written into the state.
 
     alpha: the kinematic acceleration (rad/s^2). Adds to the cells of the rings what the cage's guide does to them.
     """
 
 
-@drive_cage.register(KinematicCage)
-def _drive_cage_kinematic(cage, model, omega_cage, omega_i, alpha, y):
+@accelerate_cage.register(KinematicCage)
+def _accelerate_cage_kinematic(cage, model, omega_cage, omega_i, alpha, y):
     return alpha
 
 
-@drive_cage.register(FreeCage)
-def _drive_cage_free(cage, model, omega_cage, omega_i, alpha, y):
-    y[F_X_C] += cage.m * model.gravity
-    run_on_land(cage.guide, omega_cage, omega_i, y)
-    y[ACCELERATION + X_C], y[ACCELERATION + Y_C] = centre(cage.guide, cage.m, y)
-    return (y[M_C] + land_drag(model.drag, omega_cage, omega_i)) / cage.inertia
+@accelerate_cage.register(FreeCage)
+def _accelerate_cage_free(cage, model, omega_cage, omega_i, alpha, y):
+    y[lay.F_X_C] += cage.m * model.gravity
+    land_contact(cage.guide, omega_cage, omega_i, y)
+    y[lay.ACCELERATION + lay.X_C], y[lay.ACCELERATION + lay.Y_C] = cage_centre_acceleration(cage.guide, cage.m, y)
+    return (y[lay.M_C] + land_drag(model.drag, omega_cage, omega_i)) / cage.inertia
 
 
 @generic(absent=0.0)
@@ -272,10 +243,10 @@ def _pocket_stiffness_free(cage, per_mass):
 
 
 @generic(absent=0.0)
-def let_go(cage: Any, theta_a: float) -> float:
+def cage_constraint(cage: Any, theta_a: float) -> float:
     """A roller's angular acceleration (rad/s^2) under its forces, or none where the cage holds it."""
 
 
-@let_go.register(FreeCage)
-def _let_go_free(cage, theta_a):
+@cage_constraint.register(FreeCage)
+def _cage_constraint_free(cage, theta_a):
     return theta_a

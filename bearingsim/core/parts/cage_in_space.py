@@ -12,72 +12,14 @@ pocket stops its roller, the law acting on |(c - c_c).b| - play_z, at c along b.
 from math import sqrt
 from typing import Any, NamedTuple
 
-from bearingsim.core.geometry.orientation import Body, body_at, tip, winding_rate
+from bearingsim.core import layout as lay
+from bearingsim.core.geometry.orientation import Body, axis_acceleration, axis_precession_rate, body_at
 from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA
-from bearingsim.core.geometry.vectors import across, both, cross, dot, mix, turning
+from bearingsim.core.geometry.vectors import angular_velocity, combine, combine_three, cross, cross_components, dot
 from bearingsim.core.jit import absent, add, generic, jit
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.stiffness.interface import tangent
-from bearingsim.core.layout import (
-    ACCELERATION,
-    AXIAL,
-    AXIAL_V,
-    C_AX,
-    C_RAD,
-    CE,
-    EPS_V,
-    F_X_C,
-    F_Y_C,
-    F_Z_C,
-    GAP,
-    GAP_V,
-    H_AX,
-    H_RAD,
-    H_W,
-    IN_GAP,
-    IN_GAP_V,
-    IN_WALL,
-    IN_WALL_Z,
-    INVERSE_MASS,
-    LEAN_X_C,
-    LEAN_Y_C,
-    M_C,
-    M_X_C,
-    M_Y_C,
-    N_AX,
-    N_RAD,
-    N_W,
-    OMEGA,
-    PC,
-    POSITION,
-    PS,
-    PUSH_R,
-    PUSH_T,
-    PUSH_Z,
-    Q_P,
-    RUB_P,
-    SE,
-    SKEW,
-    SKEW_V,
-    SPINS,
-    SWINGS,
-    TILT,
-    TILT_V,
-    TURN_R,
-    TURN_T,
-    TURN_Z,
-    UPRIGHT,
-    UPRIGHT_V,
-    VELOCITY,
-    WALL,
-    WALL_Z,
-    X_C,
-    Y_C,
-    Z_C,
-    Q,
-    V,
-)
 from bearingsim.core.parts.cage import FreeCage, radial_stop
 from bearingsim.core.parts.races_in_space import AT_REST
 
@@ -106,13 +48,27 @@ def cage_body(cage_z: Any, omega_cage: float, y: Any) -> Body:
 
 @cage_body.register(CageInPlane)
 def _cage_body_plane(cage_z, omega_cage, y):
-    p, v = POSITION, VELOCITY
-    return Body(y[p + X_C], y[p + Y_C], 0.0, y[v + X_C], y[v + Y_C], 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, omega_cage)
+    p, v = lay.POSITION, lay.VELOCITY
+    return Body(
+        y[p + lay.X_C],
+        y[p + lay.Y_C],
+        0.0,
+        y[v + lay.X_C],
+        y[v + lay.Y_C],
+        0.0,
+        0.0,
+        0.0,
+        1.0,
+        0.0,
+        0.0,
+        0.0,
+        omega_cage,
+    )
 
 
 @cage_body.register(CageInSpace)
 def _cage_body_space(cage_z, omega_cage, y):
-    return body_at(y, X_C, Z_C, LEAN_X_C, LEAN_Y_C, omega_cage)
+    return body_at(y, lay.X_C, lay.Z_C, lay.CAGE_TILT_X, lay.CAGE_TILT_Y, omega_cage)
 
 
 @generic(absent=0.0)
@@ -127,17 +83,19 @@ def _axial_stop_space(cage_z, out, speed):
 
 
 @generic(absent=0.0)
-def lean_cage(cage_z: Any, cage: Any, body: Body, y: Any) -> float:
-    """Write the accelerations of the cage along the axis and of its axis; returns its ``winding_rate``."""
+def accelerate_cage_axis(cage_z: Any, cage: Any, body: Body, y: Any) -> float:
+    """Write the accelerations of the cage along the axis and of its axis; returns its ``axis_precession_rate``."""
 
 
-@lean_cage.register(CageInSpace)
-def _lean_cage_space(cage_z, cage, body, y):
-    b, spin = body, cage.inertia * body.turns
-    l_x, l_y = tip(y[M_X_C], y[M_Y_C], y[M_C], spin, cage_z.I_t, b.a_x, b.a_y, b.a_z, b.w_x, b.w_y, b.w_z)
-    y[ACCELERATION + Z_C] = y[F_Z_C] / cage.m
-    y[ACCELERATION + LEAN_X_C], y[ACCELERATION + LEAN_Y_C] = l_x, l_y
-    return winding_rate(body, l_x, l_y)
+@accelerate_cage_axis.register(CageInSpace)
+def _accelerate_cage_axis_space(cage_z, cage, body, y):
+    b, spin = body, cage.inertia * body.omega
+    l_x, l_y = axis_acceleration(
+        y[lay.M_X_C], y[lay.M_Y_C], y[lay.M_C], spin, cage_z.I_t, b.a_x, b.a_y, b.a_z, b.w_x, b.w_y, b.w_z
+    )
+    y[lay.ACCELERATION + lay.Z_C] = y[lay.F_Z_C] / cage.m
+    y[lay.ACCELERATION + lay.CAGE_TILT_X], y[lay.ACCELERATION + lay.CAGE_TILT_Y] = l_x, l_y
+    return axis_precession_rate(body, l_x, l_y)
 
 
 @generic(absent=0.0)
@@ -151,21 +109,25 @@ def _axial_stiffness_space(cage_z, cage, per_mass):
 
 
 @generic(absent=None)
-def pockets_in_space(cage: Any, model: Any, body: Body, omega_cage: float, spin: float, y: Any, n: int) -> None:
-    """Add the pockets' forces to the rollers' PUSH and TURN rows and fill the cage's cells and Q_P.
+def pocket_forces_in_space(
+    cage: Any, model: Any, body: Body, omega_cage: float, spin: float, y: Any, n: int
+) -> None:
+    """Add the pockets' forces to the rollers' FORCE and MOMENT rows and fill the cage's cells and Q_P.
 
     omega_cage, spin: rate of the cage's angle, and a roller's nominal spin (rad/s).
     """
 
 
-@pockets_in_space.register(FreeCage)
+@pocket_forces_in_space.register(FreeCage)
 def _pockets_free(cage, model, body, omega_cage, spin, y, n):
-    face_walls(model.bearing, body, omega_cage, y, n)
-    if within_reach(cage.play, 0.5 * model.L_w, y, n):
+    pocket_kinematics(model.bearing, body, omega_cage, y, n)
+    if any_pocket_contact(cage.play, 0.5 * model.L_w, y, n):
         for k in range(len(model.slices.table)):
             table = model.slices.table
-            wall_slice(cage, model.bearing, abs(spin), table[k, ZETA], table[k, WEIGHT], table[k, DROP], y, n)
-    gather_pockets(cage, model, body, omega_cage, y, n)
+            pocket_slice_force(
+                cage, model.bearing, abs(spin), table[k, ZETA], table[k, WEIGHT], table[k, DROP], y, n
+            )
+    pocket_loads(cage, model, body, omega_cage, y, n)
 
 
 @jit
@@ -184,122 +146,150 @@ def pocket_axes(body, pc, ps, ce, se):
 
 
 @jit
-def apart(bearing, body, omega_cage, y, j):
+def relative_to_cage(bearing, body, omega_cage, y, j):
     """A roller's centre less the cage's, and its velocity as seen from the cage, along e_r, e_theta, e_z."""
-    c, s = y[PC + j] * y[CE + j] - y[PS + j] * y[SE + j], y[PS + j] * y[CE + j] + y[PC + j] * y[SE + j]
-    r = 0.5 * (bearing.R_o + bearing.R_i) + y[Q + j]
-    d_r, d_t, d_z = r - body.x * c - body.y * s, body.x * s - body.y * c, y[AXIAL + j] - body.z
-    O_r, O_t, O_z = turning(body, c, s)
-    x_r, x_t, x_z = across(O_r, O_t, O_z, d_r, d_t, d_z)
-    v_r = y[V + j] - body.v_x * c - body.v_y * s - x_r
-    v_t = r * (omega_cage + y[EPS_V + j]) + body.v_x * s - body.v_y * c - x_t
-    return d_r, d_t, d_z, v_r, v_t, y[AXIAL_V + j] - body.v_z - x_z
+    c = y[lay.COS_POCKET + j] * y[lay.COS_EPS + j] - y[lay.SIN_POCKET + j] * y[lay.SIN_EPS + j]
+    s = y[lay.SIN_POCKET + j] * y[lay.COS_EPS + j] + y[lay.COS_POCKET + j] * y[lay.SIN_EPS + j]
+    r = 0.5 * (bearing.R_o + bearing.R_i) + y[lay.RADIAL + j]
+    d_r, d_t, d_z = r - body.x * c - body.y * s, body.x * s - body.y * c, y[lay.AXIAL + j] - body.z
+    O_r, O_t, O_z = angular_velocity(body, c, s)
+    x_r, x_t, x_z = cross_components(O_r, O_t, O_z, d_r, d_t, d_z)
+    v_r = y[lay.RADIAL_V + j] - body.v_x * c - body.v_y * s - x_r
+    v_t = r * (omega_cage + y[lay.EPS_V + j]) + body.v_x * s - body.v_y * c - x_t
+    return d_r, d_t, d_z, v_r, v_t, y[lay.AXIAL_V + j] - body.v_z - x_z
 
 
 @jit
-def face_walls(bearing, body, omega_cage, y, n):
+def pocket_kinematics(bearing, body, omega_cage, y, n):
     """How each roller stands in its pocket and slips along the wall: along its axis, all is linear."""
     for j in range(n):
-        pc, ps, ce, se = y[PC + j], y[PS + j], y[CE + j], y[SE + j]
+        pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
         rad, w, b, q = pocket_axes(body, pc, ps, ce, se)
-        d_r, d_t, d_z, v_r, v_t, v_z = apart(bearing, body, omega_cage, y, j)
-        O_r, O_t, O_z = turning(body, pc * ce - ps * se, ps * ce + pc * se)
-        a_r, a_t, a_z = y[TILT + j], y[SKEW + j], y[UPRIGHT + j]
-        g_r, g_t, g_z = y[TILT_V + j], y[SKEW_V + j], y[UPRIGHT_V + j]
-        x_r, x_t, x_z = across(O_r, O_t, O_z, a_r, a_t, a_z)
-        o_r, o_t, o_z = across(a_r, a_t, a_z, g_r, g_t, g_z)
+        d_r, d_t, d_z, v_r, v_t, v_z = relative_to_cage(bearing, body, omega_cage, y, j)
+        O_r, O_t, O_z = angular_velocity(body, pc * ce - ps * se, ps * ce + pc * se)
+        a_r, a_t, a_z = y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j]
+        g_r, g_t, g_z = y[lay.TILT_V + j], y[lay.SKEW_V + j], y[lay.AXIS_Z_V + j]
+        x_r, x_t, x_z = cross_components(O_r, O_t, O_z, a_r, a_t, a_z)
+        o_r, o_t, o_z = cross_components(a_r, a_t, a_z, g_r, g_t, g_z)
         g_r, g_t, g_z = g_r - x_r, g_t - x_t, g_z - x_z
-        omega = y[OMEGA + j]
+        omega = y[lay.OMEGA + j]
         o_r, o_t, o_z = o_r + omega * a_r - O_r, o_t + omega * a_t - O_t, o_z + omega * a_z - O_z
-        r = 0.5 * (bearing.R_o + bearing.R_i) + y[Q + j]
+        r = 0.5 * (bearing.R_o + bearing.R_i) + y[lay.RADIAL + j]
         off = d_r * b[0] + d_t * b[1] + d_z * body.a_z
-        y[GAP + j] = r * se + body.x * ps - body.y * pc - q * (off + d_z)
-        y[IN_GAP + j] = a_r * w[0] + a_t * w[1] + a_z * w[2]
-        y[GAP_V + j] = v_r * w[0] + v_t * w[1] + v_z * w[2]
-        y[IN_GAP_V + j] = g_r * w[0] + g_t * w[1] + g_z * w[2]
-        y[WALL + j] = v_r * rad[0] + v_t * rad[1] + v_z * rad[2]
-        y[IN_WALL + j] = g_r * rad[0] + g_t * rad[1] + g_z * rad[2]
-        y[WALL_Z + j] = v_r * b[0] + v_t * b[1] + v_z * body.a_z
-        y[IN_WALL_Z + j] = g_r * b[0] + g_t * b[1] + g_z * body.a_z
-        y[SPINS + j] = o_r * b[0] + o_t * b[1] + o_z * body.a_z
-        y[SWINGS + j] = o_r * rad[0] + o_t * rad[1] + o_z * rad[2]
-        y[N_W + j], y[N_RAD + j], y[N_AX + j], y[C_AX + j] = 0.0, 0.0, 0.0, 0.0
-        y[H_W + j], y[H_RAD + j], y[H_AX + j], y[C_RAD + j] = 0.0, 0.0, 0.0, 0.0
-        y[RUB_P + j] = 0.0
+        y[lay.POCKET_OFFSET + j] = r * se + body.x * ps - body.y * pc - q * (off + d_z)
+        y[lay.POCKET_OFFSET_SLOPE + j] = a_r * w[0] + a_t * w[1] + a_z * w[2]
+        y[lay.POCKET_OFFSET_V + j] = v_r * w[0] + v_t * w[1] + v_z * w[2]
+        y[lay.POCKET_OFFSET_V_SLOPE + j] = g_r * w[0] + g_t * w[1] + g_z * w[2]
+        y[lay.POCKET_SLIP + j] = v_r * rad[0] + v_t * rad[1] + v_z * rad[2]
+        y[lay.POCKET_SLIP_SLOPE + j] = g_r * rad[0] + g_t * rad[1] + g_z * rad[2]
+        y[lay.POCKET_SLIP_Z + j] = v_r * b[0] + v_t * b[1] + v_z * body.a_z
+        y[lay.POCKET_SLIP_Z_SLOPE + j] = g_r * b[0] + g_t * b[1] + g_z * body.a_z
+        y[lay.POCKET_OMEGA_Z + j] = o_r * b[0] + o_t * b[1] + o_z * body.a_z
+        y[lay.POCKET_OMEGA_R + j] = o_r * rad[0] + o_t * rad[1] + o_z * rad[2]
+        y[lay.POCKET_FORCE_W + j] = 0.0
+        y[lay.POCKET_FORCE_R + j] = 0.0
+        y[lay.POCKET_FORCE_Z + j] = 0.0
+        y[lay.POCKET_COUPLE_Z + j] = 0.0
+        y[lay.POCKET_ZETA_FORCE_W + j] = 0.0
+        y[lay.POCKET_ZETA_FORCE_R + j] = 0.0
+        y[lay.POCKET_ZETA_FORCE_Z + j] = 0.0
+        y[lay.POCKET_COUPLE_R + j] = 0.0
+        y[lay.KAPPA_P + j] = 0.0
 
 
 @jit
-def within_reach(play, half, y, n):
+def any_pocket_contact(play, half, y, n):
     """Whether any roller, ``half`` (m) of its length to either side, touches its pocket."""
     touching = 0.0
     for j in range(n):
-        touching = add(touching, 1.0 if abs(y[GAP + j]) + half * abs(y[IN_GAP + j]) > play else 0.0)
+        touching = add(
+            touching,
+            1.0 if abs(y[lay.POCKET_OFFSET + j]) + half * abs(y[lay.POCKET_OFFSET_SLOPE + j]) > play else 0.0,
+        )
     return touching > 0.0
 
 
 @jit
-def wall_slice(cage, bearing, spin, zeta, weight, drop, y, n):
+def pocket_slice_force(cage, bearing, spin, zeta, weight, drop, y, n):
     """Force and friction of the pocket's wall on one slice of every roller; adds to the sums."""
     radius = bearing.R_w - drop
     for j in range(n):
-        real = weight * bearing.m_r * y[INVERSE_MASS + j]  # 0 in a padded lane
-        e = y[GAP + j] + zeta * y[IN_GAP + j]
+        real = weight * bearing.m_r * y[lay.INVERSE_MASS + j]  # 0 in a padded lane
+        e = y[lay.POCKET_OFFSET + j] + zeta * y[lay.POCKET_OFFSET_SLOPE + j]
         side = 1.0 if e > 0.0 else -1.0
-        rate = side * (y[GAP_V + j] + zeta * y[IN_GAP_V + j])
+        rate = side * (y[lay.POCKET_OFFSET_V + j] + zeta * y[lay.POCKET_OFFSET_V_SLOPE + j])
         N = real * normal_force(cage.pocket, abs(e) - cage.play, rate)
-        slip = y[WALL + j] + zeta * y[IN_WALL + j] - side * radius * y[SPINS + j]
-        drift = y[WALL_Z + j] + zeta * y[IN_WALL_Z + j] + side * radius * y[SWINGS + j]
+        slip = (
+            y[lay.POCKET_SLIP + j]
+            + zeta * y[lay.POCKET_SLIP_SLOPE + j]
+            - side * radius * y[lay.POCKET_OMEGA_Z + j]
+        )
+        drift = (
+            y[lay.POCKET_SLIP_Z + j]
+            + zeta * y[lay.POCKET_SLIP_Z_SLOPE + j]
+            + side * radius * y[lay.POCKET_OMEGA_R + j]
+        )
         speed = sqrt(slip * slip + drift * drift + AT_REST * AT_REST)
         kappa = mu(cage.friction, speed, bearing.R_w * spin) * N / speed
         f, f_b = kappa * slip, kappa * drift
-        y[N_W + j] -= side * N
-        y[N_RAD + j] -= f
-        y[N_AX + j] -= f_b
-        y[H_W + j] -= zeta * side * N
-        y[H_RAD + j] -= zeta * f
-        y[H_AX + j] -= zeta * f_b
-        y[C_AX + j] += side * radius * f
-        y[C_RAD + j] -= side * radius * f_b
-        y[RUB_P + j] += kappa
+        y[lay.POCKET_FORCE_W + j] -= side * N
+        y[lay.POCKET_FORCE_R + j] -= f
+        y[lay.POCKET_FORCE_Z + j] -= f_b
+        y[lay.POCKET_ZETA_FORCE_W + j] -= zeta * side * N
+        y[lay.POCKET_ZETA_FORCE_R + j] -= zeta * f
+        y[lay.POCKET_ZETA_FORCE_Z + j] -= zeta * f_b
+        y[lay.POCKET_COUPLE_Z + j] += side * radius * f
+        y[lay.POCKET_COUPLE_R + j] -= side * radius * f_b
+        y[lay.KAPPA_P + j] += kappa
 
 
 @jit
-def of_pocket(cage, model, body, omega_cage, y, j):
+def pocket_load(cage, model, body, omega_cage, y, j):
     """Force and moment of a pocket on its roller, stops included, and the roller's centre less the cage's."""
-    b, real = model.bearing, model.bearing.m_r * y[INVERSE_MASS + j]
-    rad, w, leans, _ = pocket_axes(body, y[PC + j], y[PS + j], y[CE + j], y[SE + j])
+    b, real = model.bearing, model.bearing.m_r * y[lay.INVERSE_MASS + j]
+    rad, w, leans, _ = pocket_axes(
+        body, y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
+    )
     axis = leans[0], leans[1], body.a_z
-    d_r, d_t, d_z, _, _, _ = apart(b, body, omega_cage, y, j)
+    d_r, d_t, d_z, _, _, _ = relative_to_cage(b, body, omega_cage, y, j)
     d = d_r, d_t, d_z
     out, aside = dot(d, rad) - 0.5 * (b.R_o + b.R_i), dot(d, axis)
-    along_r = y[N_RAD + j] + real * radial_stop(cage.guide, out, y[WALL + j])
-    along_b = y[N_AX + j] + real * axial_stop(model.cage_z, aside, y[WALL_Z + j])
-    F = mix(y[N_W + j], w, along_r, rad, along_b, axis)
-    H = mix(y[H_W + j], w, y[H_RAD + j], rad, y[H_AX + j], axis)
-    tilts = cross((y[TILT + j], y[SKEW + j], y[UPRIGHT + j]), H)
-    return F, mix(1.0, tilts, y[C_AX + j], axis, y[C_RAD + j], rad), d
+    along_r = y[lay.POCKET_FORCE_R + j] + real * radial_stop(cage.guide, out, y[lay.POCKET_SLIP + j])
+    along_b = y[lay.POCKET_FORCE_Z + j] + real * axial_stop(model.cage_z, aside, y[lay.POCKET_SLIP_Z + j])
+    F = combine_three(y[lay.POCKET_FORCE_W + j], w, along_r, rad, along_b, axis)
+    H = combine_three(
+        y[lay.POCKET_ZETA_FORCE_W + j],
+        w,
+        y[lay.POCKET_ZETA_FORCE_R + j],
+        rad,
+        y[lay.POCKET_ZETA_FORCE_Z + j],
+        axis,
+    )
+    tilts = cross((y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j]), H)
+    return F, combine_three(1.0, tilts, y[lay.POCKET_COUPLE_Z + j], axis, y[lay.POCKET_COUPLE_R + j], rad), d
 
 
 @jit
-def gather_pockets(cage, model, body, omega_cage, y, n):
+def pocket_loads(cage, model, body, omega_cage, y, n):
     """Add what pockets do to the rollers, stops included, and fill the cage's cells with the opposite."""
     f_x, f_y, f_z, m_x, m_y, m_z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(n):
-        F, M, d = of_pocket(cage, model, body, omega_cage, y, j)
-        y[Q_P + j] = y[N_W + j]
-        y[PUSH_R + j] += F[0]
-        y[PUSH_T + j] += F[1]
-        y[PUSH_Z + j] += F[2]
-        y[TURN_R + j] += M[0]
-        y[TURN_T + j] += M[1]
-        y[TURN_Z + j] += M[2]
-        c, s = y[PC + j] * y[CE + j] - y[PS + j] * y[SE + j], y[PS + j] * y[CE + j] + y[PC + j] * y[SE + j]
-        N = both(1.0, M, 1.0, cross(d, F))  # about the cage's centre
+        F, M, d = pocket_load(cage, model, body, omega_cage, y, j)
+        y[lay.Q_P + j] = y[lay.POCKET_FORCE_W + j]
+        y[lay.FORCE_R + j] += F[0]
+        y[lay.FORCE_T + j] += F[1]
+        y[lay.FORCE_Z + j] += F[2]
+        y[lay.MOMENT_R + j] += M[0]
+        y[lay.MOMENT_T + j] += M[1]
+        y[lay.MOMENT_Z + j] += M[2]
+        c = y[lay.COS_POCKET + j] * y[lay.COS_EPS + j] - y[lay.SIN_POCKET + j] * y[lay.SIN_EPS + j]
+        s = y[lay.SIN_POCKET + j] * y[lay.COS_EPS + j] + y[lay.COS_POCKET + j] * y[lay.SIN_EPS + j]
+        N = combine(1.0, M, 1.0, cross(d, F))  # about the cage's centre
         f_x = add(f_x, -F[0] * c + F[1] * s)
         f_y = add(f_y, -F[0] * s - F[1] * c)
         f_z = add(f_z, -F[2])
         m_x = add(m_x, -N[0] * c + N[1] * s)
         m_y = add(m_y, -N[0] * s - N[1] * c)
         m_z = add(m_z, -N[2])
-    y[F_X_C], y[F_Y_C], y[F_Z_C] = f_x, f_y, f_z
-    y[M_X_C], y[M_Y_C], y[M_C] = m_x, m_y, m_z
+    y[lay.F_X_C], y[lay.F_Y_C], y[lay.F_Z_C] = f_x, f_y, f_z
+    y[lay.M_X_C], y[lay.M_Y_C], y[lay.M_C] = m_x, m_y, m_z

@@ -3,44 +3,10 @@
 from math import hypot
 from typing import Any
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.laws.damping.interface import normal_force, slopes
 from bearingsim.core.laws.friction.interface import mu, mu_slope
-from bearingsim.core.layout import (
-    BY_POCKET,
-    BY_POSITION,
-    BY_VELOCITY,
-    CE,
-    CHANGE_M,
-    CHANGE_R,
-    CHANGE_SHARED,
-    CHANGE_T,
-    EPS_V,
-    INVERSE_MASS,
-    MOBILITY,
-    P_R,
-    P_T,
-    PC,
-    PHI_C,
-    POSITION,
-    PS,
-    PSI,
-    ROW,
-    SE,
-    SPIN_V,
-    VELOCITY,
-    W_R,
-    W_T,
-    X_C,
-    X_I,
-    Y_C,
-    Y_I,
-    Q,
-    V,
-    X,
-    Y,
-    border_block,
-)
 from bearingsim.core.parts.cage import (
     Centred,
     FreeCage,
@@ -55,9 +21,21 @@ from bearingsim.core.parts.cage import (
 # rows of a roller in its pocket: place and velocity from the cage's centre along the pocket's directions (m, m/s);
 # wall on which it lies; how the wall's force and the stop's grow with approach and rate; mu, force times its slope
 # (N s/m); friction, force on the roller along the pocket's directions (N)
-FROM_R, FROM_T, FROM_V_R, FROM_V_T, WALLED, WALL_D, WALL_V, STOP_D, STOP_V, MU, MU_V, ON_R, ON_T = (
-    BY_POCKET + n * ROW for n in range(13)
-)
+(
+    OFFSET_R,
+    OFFSET_T,
+    OFFSET_V_R,
+    OFFSET_V_T,
+    WALL_SIDE,
+    WALL_K,
+    WALL_C,
+    STOP_K,
+    STOP_C,
+    MU,
+    MU_V,
+    POCKET_FORCE_R,
+    POCKET_FORCE_T,
+) = (lay.POCKET_CONTACT + n * lay.ROW for n in range(13))
 
 
 @generic
@@ -163,33 +141,41 @@ def _pocket_slopes_kinematic(cage, model, omega_cage, spin, y, n):
 def _pocket_slopes_free(cage, model, omega_cage, spin, y, n):
     b = model.bearing
     middle, R_w = 0.5 * (b.R_o + b.R_i), b.R_w
-    x, z, v_x, v_z = y[POSITION + X_C], y[POSITION + Y_C], y[VELOCITY + X_C], y[VELOCITY + Y_C]
+    x = y[lay.POSITION + lay.X_C]
+    z = y[lay.POSITION + lay.Y_C]
+    v_x = y[lay.VELOCITY + lay.X_C]
+    v_z = y[lay.VELOCITY + lay.Y_C]
     for j in range(n):
-        real = b.m_r * y[INVERSE_MASS + j]
-        pc, ps, ce, se = y[PC + j], y[PS + j], y[CE + j], y[SE + j]
-        r, v = middle + y[Q + j], y[V + j]
-        w = r * (omega_cage + y[EPS_V + j])
+        real = b.m_r * y[lay.INVERSE_MASS + j]
+        pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
+        r, v = middle + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
+        w = r * (omega_cage + y[lay.EPS_V + j])
         e, rho = r * se + x * ps - z * pc, r * ce - x * pc - z * ps
         v_r, v_t = v * ce - w * se - v_x * pc - v_z * ps, v * se + w * ce + v_x * ps - v_z * pc
         side = 1.0 if e > 0.0 else -1.0
         depth, rate = abs(e) - cage.play, side * (v_t - omega_cage * rho)
         N, (K, C) = normal_force(cage.pocket, depth, rate), slopes(cage.pocket, depth, rate)
-        slip = v_r - side * R_w * (spin + y[SPIN_V + j]) + omega_cage * (e + side * R_w)
+        slip = v_r - side * R_w * (spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
         by_slip, _ = mu_slope(cage.friction, slip, R_w * abs(spin))
         rubbing, out, rising = mu(cage.friction, slip, R_w * abs(spin)), rho - middle, v_r + omega_cage * e
         stop_d, stop_v = radial_stop_slopes(cage.guide, out, rising)
-        y[FROM_R + j], y[FROM_T + j], y[FROM_V_R + j], y[FROM_V_T + j], y[WALLED + j] = rho, e, v_r, v_t, side
-        y[WALL_D + j], y[WALL_V + j], y[MU + j], y[MU_V + j] = real * K, real * C, rubbing, real * N * by_slip
-        y[STOP_D + j], y[STOP_V + j] = real * stop_d, real * stop_v
-        y[ON_R + j] = real * (radial_stop(cage.guide, out, rising) - rubbing * N)
-        y[ON_T + j] = -real * side * N
+        y[OFFSET_R + j] = rho
+        y[OFFSET_T + j] = e
+        y[OFFSET_V_R + j] = v_r
+        y[OFFSET_V_T + j] = v_t
+        y[WALL_SIDE + j] = side
+        y[WALL_K + j], y[WALL_C + j], y[MU + j], y[MU_V + j] = real * K, real * C, rubbing, real * N * by_slip
+        y[STOP_K + j], y[STOP_C + j] = real * stop_d, real * stop_v
+        y[POCKET_FORCE_R + j] = real * (radial_stop(cage.guide, out, rising) - rubbing * N)
+        y[POCKET_FORCE_T + j] = -real * side * N
 
 
 @generic
 def pocket_change(
     cage: Any, R_w: float, omega_cage: float, roll_v: float, turn: float, turn_v: float, y, n
 ) -> None:
-    """Add to the rows CHANGE what the pockets do as the rows P and W say, and as rollers and cage turn.
+    """Add to the rows D_FORCE what the pockets do as the rows D_POSITION and D_VELOCITY say, and as rollers and
+    cage turn.
 
     roll_v: change of the rollers' turning (rad/s); turn, turn_v: of the cage's angle (rad) and speed (rad/s).
     """
@@ -203,25 +189,30 @@ def _pocket_change_kinematic(cage, R_w, omega_cage, roll_v, turn, turn_v, y, n):
 @pocket_change.register(FreeCage)
 def _pocket_change_free(cage, R_w, omega_cage, roll_v, turn, turn_v, y, n):
     for j in range(n):
-        pc, ps, ce, se, side = y[PC + j], y[PS + j], y[CE + j], y[SE + j], y[WALLED + j]
-        rho, e, on_r, on_t = y[FROM_R + j], y[FROM_T + j], y[ON_R + j], y[ON_T + j]
-        p_r, p_t = ce * y[P_R + j] - se * y[P_T + j] + e * turn, se * y[P_R + j] + ce * y[P_T + j] - rho * turn
-        w_r = ce * y[W_R + j] - se * y[W_T + j] + y[FROM_V_T + j] * turn
-        w_t = se * y[W_R + j] + ce * y[W_T + j] - y[FROM_V_R + j] * turn
+        pc = y[lay.COS_POCKET + j]
+        ps = y[lay.SIN_POCKET + j]
+        ce = y[lay.COS_EPS + j]
+        se = y[lay.SIN_EPS + j]
+        side = y[WALL_SIDE + j]
+        rho, e, on_r, on_t = y[OFFSET_R + j], y[OFFSET_T + j], y[POCKET_FORCE_R + j], y[POCKET_FORCE_T + j]
+        p_r = ce * y[lay.D_POSITION_R + j] - se * y[lay.D_POSITION_T + j] + e * turn
+        p_t = se * y[lay.D_POSITION_R + j] + ce * y[lay.D_POSITION_T + j] - rho * turn
+        w_r = ce * y[lay.D_VELOCITY_R + j] - se * y[lay.D_VELOCITY_T + j] + y[OFFSET_V_T + j] * turn
+        w_t = se * y[lay.D_VELOCITY_R + j] + ce * y[lay.D_VELOCITY_T + j] - y[OFFSET_V_R + j] * turn
         closing = side * (w_t - omega_cage * p_r - rho * turn_v)
-        N = y[WALL_D + j] * (side * p_t) + y[WALL_V + j] * closing
+        N = y[WALL_K + j] * (side * p_t) + y[WALL_C + j] * closing
         slip = w_r + omega_cage * p_t + (e + side * R_w) * turn_v - side * R_w * roll_v
         f = y[MU + j] * N + y[MU_V + j] * slip
-        stop = y[STOP_D + j] * p_r + y[STOP_V + j] * (w_r + omega_cage * p_t + e * turn_v)
+        stop = y[STOP_K + j] * p_r + y[STOP_C + j] * (w_r + omega_cage * p_t + e * turn_v)
         f_r, f_t = stop - f, -side * N
-        y[CHANGE_M + j] += side * R_w * f
+        y[lay.D_TORQUE + j] += side * R_w * f
         torque = e * f_r + p_t * on_r - rho * f_t - p_r * on_t - side * R_w * f
-        y[CHANGE_SHARED + PHI_C * ROW + j] += torque
+        y[lay.D_FORCE_SHARED + lay.PHI_C * lay.ROW + j] += torque
         f_r, f_t = f_r - on_t * turn, f_t + on_r * turn  # the pocket's directions turn too
-        y[CHANGE_R + j] += ce * f_r + se * f_t
-        y[CHANGE_T + j] += ce * f_t - se * f_r
-        y[CHANGE_SHARED + X_C * ROW + j] += ps * f_t - pc * f_r
-        y[CHANGE_SHARED + Y_C * ROW + j] -= ps * f_r + pc * f_t
+        y[lay.D_FORCE_R + j] += ce * f_r + se * f_t
+        y[lay.D_FORCE_T + j] += ce * f_t - se * f_r
+        y[lay.D_FORCE_SHARED + lay.X_C * lay.ROW + j] += ps * f_t - pc * f_r
+        y[lay.D_FORCE_SHARED + lay.Y_C * lay.ROW + j] -= ps * f_r + pc * f_t
 
 
 # Guides
@@ -230,7 +221,7 @@ def _pocket_change_free(cage, R_w, omega_cage, roll_v, turn, turn_v, y, n):
 @jit
 def add_to_border(matrix, k, m, value, y):
     """Add what a force (N) or torque (N m) on shared coordinate k does to its column m."""
-    y[border_block(matrix, k, m)] += y[MOBILITY + k] * value
+    y[lay.corner_block(matrix, k, m)] += y[lay.MOBILITY_SHARED + k] * value
 
 
 @generic
@@ -260,10 +251,10 @@ def land_column(guide, omega_cage, omega_ring, matrix, m, p, w, cage_v, ring_v, 
     p, w: pairs along e_0 and e_90.
     """
     o, i = guide.outer, 1.0 - guide.outer
-    x = y[POSITION + X_C] - o * y[POSITION + X] - i * y[POSITION + X_I]
-    z = y[POSITION + Y_C] - o * y[POSITION + Y] - i * y[POSITION + Y_I]
-    v_x = y[VELOCITY + X_C] - o * y[VELOCITY + X] - i * y[VELOCITY + X_I]
-    v_z = y[VELOCITY + Y_C] - o * y[VELOCITY + Y] - i * y[VELOCITY + Y_I]
+    x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
+    z = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]
+    v_x = y[lay.VELOCITY + lay.X_C] - o * y[lay.VELOCITY + lay.X] - i * y[lay.VELOCITY + lay.X_I]
+    v_z = y[lay.VELOCITY + lay.Y_C] - o * y[lay.VELOCITY + lay.Y] - i * y[lay.VELOCITY + lay.Y_I]
     off = max(hypot(x, z), 1e-30)
     c, s = x / off, z / off
     rate, across = v_x * c + v_z * s, v_z * c - v_x * s
@@ -281,31 +272,31 @@ def land_column(guide, omega_cage, omega_ring, matrix, m, p, w, cage_v, ring_v, 
     f_1 = rubbing * N_1 + N * (by_slip * slip_1 + by_rolling * rolling_1)
     along, aside = -N_1 + f * turned, -f_1 - N * turned
     f_x, f_z = along * c - aside * s, along * s + aside * c
-    add_to_border(matrix, X_C, m, f_x, y)
-    add_to_border(matrix, Y_C, m, f_z, y)
-    add_to_border(matrix, PHI_C, m, -on_cage * f_1, y)
-    add_to_border(matrix, X, m, -o * f_x, y)
-    add_to_border(matrix, Y, m, -o * f_z, y)
-    add_to_border(matrix, PSI, m, o * (on_ring * f_1 + out * f), y)
-    add_to_border(matrix, X_I, m, -i * f_x, y)
-    add_to_border(matrix, Y_I, m, -i * f_z, y)
+    add_to_border(matrix, lay.X_C, m, f_x, y)
+    add_to_border(matrix, lay.Y_C, m, f_z, y)
+    add_to_border(matrix, lay.PHI_C, m, -on_cage * f_1, y)
+    add_to_border(matrix, lay.X, m, -o * f_x, y)
+    add_to_border(matrix, lay.Y, m, -o * f_z, y)
+    add_to_border(matrix, lay.PSI, m, o * (on_ring * f_1 + out * f), y)
+    add_to_border(matrix, lay.X_I, m, -i * f_x, y)
+    add_to_border(matrix, lay.Y_I, m, -i * f_z, y)
 
 
 @land_change.register(RingGuided)
 def _land_change_ring(guide, omega_cage, omega_i, y):
     o, i = guide.outer, 1.0 - guide.outer
-    x = y[POSITION + X_C] - o * y[POSITION + X] - i * y[POSITION + X_I]
-    z = y[POSITION + Y_C] - o * y[POSITION + Y] - i * y[POSITION + Y_I]
+    x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
+    z = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]
     if hypot(x, z) <= guide.play:
         return
-    omega_ring, none = i * omega_i + o * y[VELOCITY + PSI], (0.0, 0.0)
-    for m, part in ((X_C, 1.0), (X, -o), (X_I, -i)):
+    omega_ring, none = i * omega_i + o * y[lay.VELOCITY + lay.PSI], (0.0, 0.0)
+    for m, part in ((lay.X_C, 1.0), (lay.X, -o), (lay.X_I, -i)):
         for axis in range(2):
             way = (part * (1.0 - axis), part * axis)
-            land_column(guide, omega_cage, omega_ring, BY_POSITION, m + axis, way, none, 0.0, 0.0, y)
-            land_column(guide, omega_cage, omega_ring, BY_VELOCITY, m + axis, none, way, 0.0, 0.0, y)
-    land_column(guide, omega_cage, omega_ring, BY_VELOCITY, PHI_C, none, none, 1.0, 0.0, y)
-    land_column(guide, omega_cage, omega_ring, BY_VELOCITY, PSI, none, none, 0.0, o, y)
+            land_column(guide, omega_cage, omega_ring, lay.POSITION_JACOBIAN, m + axis, way, none, 0.0, 0.0, y)
+            land_column(guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, m + axis, none, way, 0.0, 0.0, y)
+    land_column(guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, lay.PHI_C, none, none, 1.0, 0.0, y)
+    land_column(guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, lay.PSI, none, none, 0.0, o, y)
 
 
 @guide_change.register(KinematicCage)

@@ -16,43 +16,14 @@ gradient; so energy and momentum are kept whatever the angles. Friction acts at 
 from math import sqrt
 from typing import Any, NamedTuple
 
+from bearingsim.core import layout as lay
 from bearingsim.core.geometry.orientation import Body
-from bearingsim.core.geometry.sides import InnerSide, OuterSide, rows_of, sign
-from bearingsim.core.geometry.vectors import both, cross, dot, mix
+from bearingsim.core.geometry.sides import InnerSide, OuterSide, side_rows, sign
+from bearingsim.core.geometry.vectors import combine, combine_three, cross, dot
 from bearingsim.core.jit import absent, generic, jit
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.stiffness.interface import tangent
-from bearingsim.core.layout import (
-    APART_R,
-    APART_T,
-    APART_Z,
-    AXIAL,
-    BEND_R,
-    BEND_T,
-    BEND_Z,
-    COS,
-    G_R,
-    G_T,
-    G_Z,
-    INVERSE_MASS,
-    MOVES_R,
-    MOVES_T,
-    MOVES_Z,
-    OMEGA,
-    Q_F,
-    RING_R,
-    RING_T,
-    RUB_F,
-    SIN,
-    SKEW,
-    SKEW_V,
-    TILT,
-    TILT_V,
-    UPRIGHT,
-    UPRIGHT_V,
-    Q,
-)
 from bearingsim.core.parts.races_in_space import AT_REST
 
 
@@ -80,56 +51,56 @@ class Flanges(NamedTuple):
 
 
 @generic(absent=None)
-def guide_axially(flanges: Any, model: Any, outer: Any, inner: Any, y: Any, n: int) -> None:
+def flange_forces(flanges: Any, model: Any, outer: Any, inner: Any, y: Any, n: int) -> None:
     """Add what flanges do to the sums of both sides of every roller; outer, inner: the rings."""
 
 
-@guide_axially.register(Flanges)
-def _guide_axially(flanges, model, outer, inner, y, n):
+@flange_forces.register(Flanges)
+def _flange_forces(flanges, model, outer, inner, y, n):
     for j in range(n):
-        y[Q_F + j], y[RUB_F + j] = 0.0, 0.0
+        y[lay.Q_F + j], y[lay.KAPPA_F + j] = 0.0, 0.0
     if flanges.outer_minus > 0.0:
-        one_flange(OuterSide(), flanges, model, outer, -1.0, y, n)
+        flange_force(OuterSide(), flanges, model, outer, -1.0, y, n)
     if flanges.outer_plus > 0.0:
-        one_flange(OuterSide(), flanges, model, outer, 1.0, y, n)
+        flange_force(OuterSide(), flanges, model, outer, 1.0, y, n)
     if flanges.inner_minus > 0.0:
-        one_flange(InnerSide(), flanges, model, inner, -1.0, y, n)
+        flange_force(InnerSide(), flanges, model, inner, -1.0, y, n)
     if flanges.inner_plus > 0.0:
-        one_flange(InnerSide(), flanges, model, inner, 1.0, y, n)
+        flange_force(InnerSide(), flanges, model, inner, 1.0, y, n)
 
 
 @jit
-def chord(R_w, height):
+def half_chord(R_w, height):
     """How far (m) the two points lie to either side of the middle."""
     return sqrt(R_w * R_w - (R_w - 0.5 * height) ** 2) / sqrt(3.0)
 
 
 @jit
-def one_flange(side, flanges, model, ring, sigma, y, n):
+def flange_force(side, flanges, model, ring, sigma, y, n):
     """Both points of one flange, on the side ``sigma`` (1 or -1) of the middle."""
-    t = chord(model.bearing.R_w, flanges.height)
-    one_point(side, flanges, model, ring, sigma, t, y, n)
-    one_point(side, flanges, model, ring, sigma, -t, y, n)
+    t = half_chord(model.bearing.R_w, flanges.height)
+    flange_point_force(side, flanges, model, ring, sigma, t, y, n)
+    flange_point_force(side, flanges, model, ring, sigma, -t, y, n)
 
 
 @jit
-def one_point(side, flanges, model, ring, sigma, t, y, n):
+def flange_point_force(side, flanges, model, ring, sigma, t, y, n):
     """Force, friction and moment at one point, ``t`` (m) along the race, of every roller."""
     b, half = model.bearing, 0.5 * model.L_w
     face = b.R_o - 0.5 * flanges.height if sign(side) > 0.0 else b.R_i + 0.5 * flanges.height
     for j in range(n):
-        view = seen_from(side, b, ring, y, j)
+        view = roller_in_ring(side, b, ring, y, j)
         q = face - view.rho
-        Y = mix(sigma * (half + flanges.play) - view.off, view.b, q, view.n, t, view.tau)  # X - c
-        g, tips = slopes(view, sigma, q, t)
+        Y = combine_three(sigma * (half + flanges.play) - view.off, view.b, q, view.n, t, view.tau)  # X - c
+        g, tips = approach_gradient(view, sigma, q, t)
         rate = dot(g, view.moves) - sigma * dot(Y, tips)
-        N = b.m_r * y[INVERSE_MASS + j] * normal_force(flanges.law, half - sigma * dot(Y, view.a), rate)
-        slip, rolls = slip_at(view, ring, Y, tips, y[OMEGA + j])
+        N = b.m_r * y[lay.INVERSE_MASS + j] * normal_force(flanges.law, half - sigma * dot(Y, view.a), rate)
+        slip, rolls = slip_at(view, ring, Y, tips, y[lay.OMEGA + j])
         kappa = mu(flanges.friction, slip[3], b.R_w * rolls) * N / slip[3]
-        add_point(rows_of(side), sigma, N, kappa, g, Y, view.a, slip, y, j)
+        add_point(side_rows(side), sigma, N, kappa, g, Y, view.a, slip, y, j)
 
 
-class View(NamedTuple):
+class RollerInRing(NamedTuple):
     """A roller as a ring sees it, along e_r, e_theta, e_z.
 
     a, b: axes of roller and ring, a_v, b_v: their rates (1/s); n: from the ring's axis to the roller's centre, and
@@ -149,30 +120,36 @@ class View(NamedTuple):
 
 
 @jit
-def seen_from(side, bearing, ring, y, j):
-    """``View`` of roller ``j``, from the rows that ``face`` of ``parts/races_in_space.py`` fills."""
-    at, r, c, s = rows_of(side), 0.5 * (bearing.R_o + bearing.R_i) + y[Q + j], y[COS + j], y[SIN + j]
-    b = y[at + RING_R + j], y[at + RING_T + j], ring.a_z
+def roller_in_ring(side, bearing, ring, y, j):
+    """``RollerInRing`` of roller ``j``, from the rows that ``face`` of ``parts/races_in_space.py`` fills."""
+    at = side_rows(side)
+    r = 0.5 * (bearing.R_o + bearing.R_i) + y[lay.RADIAL + j]
+    c = y[lay.COS + j]
+    s = y[lay.SIN + j]
+    b = y[at + lay.RING_AXIS_R + j], y[at + lay.RING_AXIS_T + j], ring.a_z
     b_v = ring.w_x * c + ring.w_y * s, ring.w_y * c - ring.w_x * s, ring.w_z
-    d = r - ring.x * c - ring.y * s, ring.x * s - ring.y * c, y[AXIAL + j] - ring.z
-    X = r + y[at + APART_R + j], y[at + APART_T + j], y[at + APART_Z + j]
+    d = r - ring.x * c - ring.y * s, ring.x * s - ring.y * c, y[lay.AXIAL + j] - ring.z
+    X = r + y[at + lay.OFFSET_R + j], y[at + lay.OFFSET_T + j], y[at + lay.OFFSET_Z + j]
     rho, sway = sqrt(dot(X, X)), dot(d, b_v)
     n = X[0] / rho, X[1] / rho, X[2] / rho
-    moves = both(1.0, (y[at + MOVES_R + j], y[at + MOVES_T + j], y[at + MOVES_Z + j]), sway, b)
-    a, a_v = (y[TILT + j], y[SKEW + j], y[UPRIGHT + j]), (y[TILT_V + j], y[SKEW_V + j], y[UPRIGHT_V + j])
-    return View(a, a_v, b, b_v, n, cross(b, n), rho, dot(d, b), moves)
+    moves = combine(
+        1.0, (y[at + lay.OFFSET_V_R + j], y[at + lay.OFFSET_V_T + j], y[at + lay.OFFSET_V_Z + j]), sway, b
+    )
+    a = (y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j])
+    a_v = (y[lay.TILT_V + j], y[lay.SKEW_V + j], y[lay.AXIS_Z_V + j])
+    return RollerInRing(a, a_v, b, b_v, n, cross(b, n), rho, dot(d, b), moves)
 
 
 @jit
-def slopes(view, sigma, q, t):
+def approach_gradient(view, sigma, q, t):
     """What the approach grows by as the roller's centre moves (1), and its axis' rate as the ring sees it (1/s).
 
     q, t: where the point is from the roller's centre, along n and tau (m).
     """
     on_b, on_n = dot(view.a, view.b), dot(view.a, view.n)
     on_tau = (t * on_n - q * dot(view.a, view.tau)) / view.rho  # the point goes round with the roller
-    g = mix(sigma * on_b, view.b, sigma * on_n, view.n, sigma * on_tau, view.tau)
-    return g, mix(1.0, view.a_v, -on_b, view.b_v, dot(view.a, view.b_v), view.b)
+    g = combine_three(sigma * on_b, view.b, sigma * on_n, view.n, sigma * on_tau, view.tau)
+    return g, combine_three(1.0, view.a_v, -on_b, view.b_v, dot(view.a, view.b_v), view.b)
 
 
 @jit
@@ -182,29 +159,29 @@ def slip_at(view, ring, Y, tips, omega):
     tips: rate (1/s) of the roller's axis as the ring sees it; omega: speed (rad/s) about the axis.
     """
     rolls = omega - dot(view.a, cross(view.b, view.b_v))
-    turns = mix(1.0, cross(view.a, tips), rolls, view.a, -ring.turns, view.b)
-    x = mix(1.0, cross(turns, Y), 1.0, view.moves, -ring.turns * view.rho, view.tau)
-    x = both(1.0, x, -dot(x, view.a), view.a)
+    turns = combine_three(1.0, cross(view.a, tips), rolls, view.a, -ring.omega, view.b)
+    x = combine_three(1.0, cross(turns, Y), 1.0, view.moves, -ring.omega * view.rho, view.tau)
+    x = combine(1.0, x, -dot(x, view.a), view.a)
     return (x[0], x[1], x[2], sqrt(dot(x, x) + AT_REST * AT_REST)), abs(rolls)
 
 
 @jit
 def add_point(at, sigma, N, kappa, g, Y, a, slip, y, j):
     """Add force and friction at ``Y`` (m) to the sums of roller ``j``: g is the approach's slope, a the axis."""
-    G = both(-kappa, slip, -N, g)
-    M = cross(Y, both(-kappa, slip, -N * sigma, a))  # sigma a x Y = Y x -sigma a
-    y[at + G_R + j] += G[0]
-    y[at + G_T + j] += G[1]
-    y[at + G_Z + j] += G[2]
-    y[at + BEND_R + j] += M[0]
-    y[at + BEND_T + j] += M[1]
-    y[at + BEND_Z + j] += M[2]
-    y[Q_F + j] -= N * g[2]
-    y[RUB_F + j] += kappa
+    G = combine(-kappa, slip, -N, g)
+    M = cross(Y, combine(-kappa, slip, -N * sigma, a))  # sigma a x Y = Y x -sigma a
+    y[at + lay.CONTACT_FORCE_R + j] += G[0]
+    y[at + lay.CONTACT_FORCE_T + j] += G[1]
+    y[at + lay.CONTACT_FORCE_Z + j] += G[2]
+    y[at + lay.COUPLE_R + j] += M[0]
+    y[at + lay.COUPLE_T + j] += M[1]
+    y[at + lay.COUPLE_Z + j] += M[2]
+    y[lay.Q_F + j] -= N * g[2]
+    y[lay.KAPPA_F + j] += kappa
 
 
 @generic(absent=0.0)
-def between_flanges(flanges: Any, outer: Body, inner: Body, c: float, s: float, r: float) -> float:
+def axial_position(flanges: Any, outer: Body, inner: Body, c: float, s: float, r: float) -> float:
     """Where along the bearing's axis (m) a roller at ``r`` (m), at the angle of c and s, stands among flanges.
 
     The mean of the rings' middles, as they lean and stand there, each counted as often as it has flanges: with two
@@ -213,8 +190,8 @@ def between_flanges(flanges: Any, outer: Body, inner: Body, c: float, s: float, 
     """
 
 
-@between_flanges.register(Flanges)
-def _between_flanges(flanges, outer, inner, c, s, r):
+@axial_position.register(Flanges)
+def _axial_position(flanges, outer, inner, c, s, r):
     of_outer, of_inner = flanges.outer_minus + flanges.outer_plus, flanges.inner_minus + flanges.inner_plus
     z_outer = outer.z - r * (outer.a_x * c + outer.a_y * s)
     z_inner = inner.z - r * (inner.a_x * c + inner.a_y * s)

@@ -6,30 +6,30 @@ angles of a bearing). A ring that is held with a lean is misaligned.
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.geometry.orientation import Body, tip, winding_rate
+from bearingsim.core import layout as lay
+from bearingsim.core.geometry.orientation import Body, axis_acceleration, axis_precession_rate
 from bearingsim.core.jit import absent, generic
-from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY
 
 
 @absent
-class Held(NamedTuple):
+class RigidMount(NamedTuple):
     """Does not move along its axis, nor lean further than it was mounted.
 
-    lean_x, lean_y: components (1) of its axis along e_0 and e_90.
+    tilt_x, tilt_y: components (1) of its axis along e_0 and e_90.
     """
 
-    lean_x: float
-    lean_y: float
+    tilt_x: float
+    tilt_y: float
 
 
-class Sprung(NamedTuple):
+class ElasticMount(NamedTuple):
     """On springs and dampers along the axis and against leaning, about where it was mounted.
 
-    m: kg; I_a, I_t: moments of inertia about its axis and across it (kg m^2); k_z: N/m; c_z: N s/m; k_lean:
-    N m/rad; c_lean: N m s/rad; lean_x, lean_y: components (1) of its axis as mounted.
+    m: kg; I_a, I_t: moments of inertia about its axis and across it (kg m^2); k_z: N/m; c_z: N s/m; k_tilt:
+    N m/rad; c_tilt: N m s/rad; tilt_x, tilt_y: components (1) of its axis as mounted.
 
-    The spring against leaning has the energy k_lean/2 ((b_x - lean_x)^2 + (b_y - lean_y)^2), the damper loses
-    c_lean (b_x'^2 + b_y'^2). A ring that also turns on its bracket has the bracket's inertia for I_a.
+    The spring against leaning has the energy k_tilt/2 ((b_x - tilt_x)^2 + (b_y - tilt_y)^2), the damper loses
+    c_tilt (b_x'^2 + b_y'^2). A ring that also turns on its bracket has the bracket's inertia for I_a.
     """
 
     m: float
@@ -37,35 +37,35 @@ class Sprung(NamedTuple):
     I_t: float
     k_z: float
     c_z: float
-    k_lean: float
-    c_lean: float
-    lean_x: float
-    lean_y: float
+    k_tilt: float
+    c_tilt: float
+    tilt_x: float
+    tilt_y: float
 
 
 @generic
-def hold(held: Any, y: Any, z: int, lean_x: int, lean_y: int) -> None:
+def hold_mounted_ring(held: Any, y: Any, z: int, tilt_x: int, tilt_y: int) -> None:
     """Put the ring where it is held, if it is, once: it stays, as nothing accelerates it.
 
-    z, lean_x, lean_y: its shared coordinates.
+    z, tilt_x, tilt_y: its shared coordinates.
     """
 
 
-@hold.register(Held)
-def _hold_held(held, y, z, lean_x, lean_y):
-    y[POSITION + z], y[POSITION + lean_x], y[POSITION + lean_y] = 0.0, held.lean_x, held.lean_y
-    for block in (VELOCITY, ACCELERATION):
-        y[block + z], y[block + lean_x], y[block + lean_y] = 0.0, 0.0, 0.0
+@hold_mounted_ring.register(RigidMount)
+def _hold_mounted_ring_held(held, y, z, tilt_x, tilt_y):
+    y[lay.POSITION + z], y[lay.POSITION + tilt_x], y[lay.POSITION + tilt_y] = 0.0, held.tilt_x, held.tilt_y
+    for block in (lay.VELOCITY, lay.ACCELERATION):
+        y[block + z], y[block + tilt_x], y[block + tilt_y] = 0.0, 0.0, 0.0
 
 
-@hold.register(Sprung)
-def _hold_sprung(held, y, z, lean_x, lean_y):
+@hold_mounted_ring.register(ElasticMount)
+def _hold_mounted_ring_sprung(held, y, z, tilt_x, tilt_y):
     return None
 
 
 @generic(absent=0.0)
-def move_mounted(
-    held: Any, ring: Body, f_z: float, m_x: float, m_y: float, m_z: float, y: Any, z: int, lean_x: int, lean_y: int
+def accelerate_mounted_ring(
+    held: Any, ring: Body, f_z: float, m_x: float, m_y: float, m_z: float, y: Any, z: int, tilt_x: int, tilt_y: int
 ) -> float:
     """Write the ring's acceleration along the axis and that of its axis, under a force (N) and a moment (N m).
 
@@ -73,16 +73,18 @@ def move_mounted(
     """
 
 
-@move_mounted.register(Sprung)
-def _move_mounted_sprung(held, ring, f_z, m_x, m_y, m_z, y, z, lean_x, lean_y):
+@accelerate_mounted_ring.register(ElasticMount)
+def _accelerate_mounted_ring_sprung(held, ring, f_z, m_x, m_y, m_z, y, z, tilt_x, tilt_y):
     b = ring
-    s_x = -held.k_lean * (b.a_x - held.lean_x) - held.c_lean * b.w_x  # on the axis' tip, at 1 m
-    s_y = -held.k_lean * (b.a_y - held.lean_y) - held.c_lean * b.w_y
+    s_x = -held.k_tilt * (b.a_x - held.tilt_x) - held.c_tilt * b.w_x  # on the axis' tip, at 1 m
+    s_y = -held.k_tilt * (b.a_y - held.tilt_y) - held.c_tilt * b.w_y
     m_x, m_y, m_z = m_x - b.a_z * s_y, m_y + b.a_z * s_x, m_z + b.a_x * s_y - b.a_y * s_x
-    l_x, l_y = tip(m_x, m_y, m_z, held.I_a * b.turns, held.I_t, b.a_x, b.a_y, b.a_z, b.w_x, b.w_y, b.w_z)
-    y[ACCELERATION + z] = (f_z - held.k_z * b.z - held.c_z * b.v_z) / held.m
-    y[ACCELERATION + lean_x], y[ACCELERATION + lean_y] = l_x, l_y
-    return held.I_a * winding_rate(b, l_x, l_y)
+    l_x, l_y = axis_acceleration(
+        m_x, m_y, m_z, held.I_a * b.omega, held.I_t, b.a_x, b.a_y, b.a_z, b.w_x, b.w_y, b.w_z
+    )
+    y[lay.ACCELERATION + z] = (f_z - held.k_z * b.z - held.c_z * b.v_z) / held.m
+    y[lay.ACCELERATION + tilt_x], y[lay.ACCELERATION + tilt_y] = l_x, l_y
+    return held.I_a * axis_precession_rate(b, l_x, l_y)
 
 
 @generic(absent=(0.0, 0.0, 0.0))
@@ -95,14 +97,14 @@ def mount_springs(held: Any) -> tuple[float, float, float, float]:
     """Springs and dampers over what they hold: along the axis (1/s^2, 1/s), against leaning (1/s^2, 1/s)."""
 
 
-@mount_mobility.register(Sprung)
+@mount_mobility.register(ElasticMount)
 def _mount_mobility_sprung(held):
     return 1.0 / held.m, 1.0 / held.I_t, held.I_a
 
 
-@mount_springs.register(Sprung)
+@mount_springs.register(ElasticMount)
 def _mount_springs_sprung(held):
-    return held.k_z / held.m, held.c_z / held.m, held.k_lean / held.I_t, held.c_lean / held.I_t
+    return held.k_z / held.m, held.c_z / held.m, held.k_tilt / held.I_t, held.c_tilt / held.I_t
 
 
 @generic(absent=None)
@@ -110,9 +112,9 @@ def mount_rates(held: Any) -> tuple[float, float] | None:
     """Spring rates along the axis (N/m) and against leaning (N m/rad); None where nothing gives way."""
 
 
-@mount_rates.register(Sprung)
+@mount_rates.register(ElasticMount)
 def _mount_rates_sprung(held):
-    return held.k_z, held.k_lean
+    return held.k_z, held.k_tilt
 
 
 @generic(absent=0.0)
@@ -125,11 +127,11 @@ def mount_damping(held: Any) -> float:
     """The larger damping over inertia (1/s) of the mount's dampers."""
 
 
-@mount_stiffness.register(Sprung)
+@mount_stiffness.register(ElasticMount)
 def _mount_stiffness_sprung(held):
-    return max(held.k_z / held.m, held.k_lean / held.I_t)
+    return max(held.k_z / held.m, held.k_tilt / held.I_t)
 
 
-@mount_damping.register(Sprung)
+@mount_damping.register(ElasticMount)
 def _mount_damping_sprung(held):
-    return max(held.c_z / held.m, held.c_lean / held.I_t)
+    return max(held.c_z / held.m, held.c_tilt / held.I_t)

@@ -3,8 +3,8 @@
 from math import cos, sin
 from typing import Any, NamedTuple
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import absent, generic
-from bearingsim.core.layout import ACCELERATION, F_X_I, F_Y_I, M_RING, POSITION, PSI, VELOCITY, X_I, Y_I
 
 
 @absent
@@ -27,21 +27,23 @@ class ElasticShaft(NamedTuple):
 
 
 @generic(absent=None)
-def move_inner_ring(shaft: Any, model: Any, theta_i: float, omega_i: float, alpha_i: float, y: Any) -> None:
+def accelerate_inner_ring(shaft: Any, model: Any, theta_i: float, omega_i: float, alpha_i: float, y: Any) -> None:
     """Write the inner ring's acceleration from the forces gathered in the cells F_X_I, F_Y_I.
 
     theta_i, omega_i, alpha_i: its angle (rad), speed (rad/s) and angular acceleration (rad/s^2).
     """
 
 
-@move_inner_ring.register(ElasticShaft)
-def _move_inner_ring_elastic(shaft, model, theta_i, omega_i, alpha_i, y):
+@accelerate_inner_ring.register(ElasticShaft)
+def _accelerate_inner_ring_elastic(shaft, model, theta_i, omega_i, alpha_i, y):
     support, at = model.support, theta_i + shaft.angle
     c, s = cos(at), sin(at)
-    f_x = y[F_X_I] + support.F - shaft.k * y[POSITION + X_I] - shaft.c * y[VELOCITY + X_I]
-    f_y = y[F_Y_I] + support.F_across - shaft.k * y[POSITION + Y_I] - shaft.c * y[VELOCITY + Y_I]
-    y[ACCELERATION + X_I] = (f_x + shaft.unbalance * (omega_i * omega_i * c + alpha_i * s)) / shaft.m
-    y[ACCELERATION + Y_I] = (f_y + shaft.unbalance * (omega_i * omega_i * s - alpha_i * c)) / shaft.m
+    f_x = y[lay.F_X_I] + support.F - shaft.k * y[lay.POSITION + lay.X_I] - shaft.c * y[lay.VELOCITY + lay.X_I]
+    f_y = (
+        y[lay.F_Y_I] + support.F_across - shaft.k * y[lay.POSITION + lay.Y_I] - shaft.c * y[lay.VELOCITY + lay.Y_I]
+    )
+    y[lay.ACCELERATION + lay.X_I] = (f_x + shaft.unbalance * (omega_i * omega_i * c + alpha_i * s)) / shaft.m
+    y[lay.ACCELERATION + lay.Y_I] = (f_y + shaft.unbalance * (omega_i * omega_i * s - alpha_i * c)) / shaft.m
 
 
 @absent
@@ -61,14 +63,14 @@ class TorsionSpring(NamedTuple):
 
 
 @generic(absent=None)
-def rotate_ring(bracket: Any, y: Any) -> None:
+def accelerate_ring_rotation(bracket: Any, y: Any) -> None:
     """Write the outer ring's angular acceleration from the torque gathered in the cell M_RING."""
 
 
-@rotate_ring.register(TorsionSpring)
-def _rotate_ring_spring(bracket, y):
-    torque = y[M_RING] - bracket.k * y[POSITION + PSI] - bracket.c * y[VELOCITY + PSI]
-    y[ACCELERATION + PSI] = torque / bracket.inertia
+@accelerate_ring_rotation.register(TorsionSpring)
+def _accelerate_ring_rotation_spring(bracket, y):
+    torque = y[lay.M_RING] - bracket.k * y[lay.POSITION + lay.PSI] - bracket.c * y[lay.VELOCITY + lay.PSI]
+    y[lay.ACCELERATION + lay.PSI] = torque / bracket.inertia
 
 
 @generic(absent=0.0)
@@ -87,30 +89,30 @@ def _mobility_torsion(part):
 
 
 @generic(absent=0.0)
-def held_stiffness(part: Any) -> float:
+def spring_per_mass(part: Any) -> float:
     """Stiffness over mass (1/s^2) of the shaft's or the bracket's own spring."""
 
 
 @generic(absent=0.0)
-def held_damping(part: Any) -> float:
+def damper_per_mass(part: Any) -> float:
     """Damping over mass (1/s) of its damper."""
 
 
-@held_stiffness.register(ElasticShaft)
-def _held_stiffness_shaft(part):
+@spring_per_mass.register(ElasticShaft)
+def _spring_per_mass_shaft(part):
     return part.k / part.m
 
 
-@held_damping.register(ElasticShaft)
-def _held_damping_shaft(part):
+@damper_per_mass.register(ElasticShaft)
+def _damper_per_mass_shaft(part):
     return part.c / part.m
 
 
-@held_stiffness.register(TorsionSpring)
-def _held_stiffness_torsion(part):
+@spring_per_mass.register(TorsionSpring)
+def _spring_per_mass_torsion(part):
     return part.k / part.inertia
 
 
-@held_damping.register(TorsionSpring)
-def _held_damping_torsion(part):
+@damper_per_mass.register(TorsionSpring)
+def _damper_per_mass_torsion(part):
     return part.c / part.inertia

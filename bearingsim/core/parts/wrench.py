@@ -15,23 +15,23 @@ Each roller has room for a matrix of either kind, (6, 6) by rows, for the wrench
 the rolling speed, and for a cell that says whether it touches.
 """
 
+from bearingsim.core import layout as lay
 from bearingsim.core.geometry.vectors import cross, dot
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import WRENCHES
 
-BY_SPEED, WRENCH, BY_ROLLING, TOUCHES, ROOM = 36, 72, 78, 84, 85
+BY_SPEED, WRENCH, BY_ROLLING, IN_CONTACT, MATRICES_SIZE = 36, 72, 78, 84, 85
 
 
 @jit
-def of_roller(j):
+def matrix_of(j):
     """Where the matrices of roller ``j`` begin."""
-    return WRENCHES + ROOM * j
+    return lay.WRENCHES + MATRICES_SIZE * j
 
 
 @jit
 def clear_wrenches(Z, y):
     """No roller touches anything."""
-    for k in range(WRENCHES, WRENCHES + ROOM * Z):
+    for k in range(lay.WRENCHES, lay.WRENCHES + MATRICES_SIZE * Z):
         y[k] = 0.0
 
 
@@ -48,7 +48,7 @@ def wrench(d, arm):
 
 
 @jit
-def plus(p, a, q, b):
+def combine_six(p, a, q, b):
     """p a + q b of six-vectors."""
     return (
         p * a[0] + q * b[0],
@@ -61,7 +61,7 @@ def plus(p, a, q, b):
 
 
 @jit
-def take(at, a, by_a, b, by_b, c, by_c, y):
+def subtract_outer(at, a, by_a, b, by_b, c, by_c, y):
     """Subtract a by_a^T + b by_b^T + c by_c^T from the matrix at ``at``."""
     for i in range(6):
         for k in range(6):
@@ -71,17 +71,19 @@ def take(at, a, by_a, b, by_b, c, by_c, y):
 @jit
 def add_contact(j, w_n, w_1, w_2, K, C, rubs, along, across, k_n, k_1, k_2, y):
     """Add a contact of roller ``j``; rubs: mu, along: N mu' (N s/m), across: N mu/speed (N s/m)."""
-    at = of_roller(j)
-    push, of_1, of_2 = plus(1.0, w_n, rubs, w_1), plus(along, w_1, 0.0, w_1), plus(across, w_2, 0.0, w_2)
-    take(at, push, plus(K, w_n, C, k_n), of_1, k_1, of_2, k_2, y)
-    take(at + BY_SPEED, push, plus(C, w_n, 0.0, w_n), of_1, w_1, of_2, w_2, y)
-    y[at + TOUCHES] = 1.0
+    at = matrix_of(j)
+    push = combine_six(1.0, w_n, rubs, w_1)
+    of_1 = combine_six(along, w_1, 0.0, w_1)
+    of_2 = combine_six(across, w_2, 0.0, w_2)
+    subtract_outer(at, push, combine_six(K, w_n, C, k_n), of_1, k_1, of_2, k_2, y)
+    subtract_outer(at + BY_SPEED, push, combine_six(C, w_n, 0.0, w_n), of_1, w_1, of_2, w_2, y)
+    y[at + IN_CONTACT] = 1.0
 
 
 @jit
 def add_force(j, F, M, y):
     """Add a force (3,) that stands, and its moment (3,) about the centre, to the wrench on roller ``j``."""
-    at = of_roller(j) + WRENCH
+    at = matrix_of(j) + WRENCH
     for i in range(3):
         y[at + i] += F[i]
         y[at + 3 + i] += M[i]
@@ -90,7 +92,7 @@ def add_force(j, F, M, y):
 @jit
 def add_rolling(j, w, N_mu_u, y):
     """Friction along ``w`` grows with the rolling speed: N d(mu)/du (N s/m)."""
-    at = of_roller(j) + BY_ROLLING
+    at = matrix_of(j) + BY_ROLLING
     for i in range(6):
         y[at + i] -= N_mu_u * w[i]
 
@@ -98,14 +100,14 @@ def add_rolling(j, w, N_mu_u, y):
 @jit
 def rolling_wrench(j, y):
     """How the wrench on roller ``j`` changes with the rolling speed."""
-    at = of_roller(j) + BY_ROLLING
+    at = matrix_of(j) + BY_ROLLING
     return y[at], y[at + 1], y[at + 2], y[at + 3], y[at + 4], y[at + 5]
 
 
 @jit
-def turn_arm(j, X, F, y):
+def turn_moment_arm(j, X, F, y):
     """The arm ``X`` (3,) of a force ``F`` (3,) turns with roller ``j``: its moment grows by (phi x X) x F."""
-    at = of_roller(j) + 6 * 3 + 3
+    at = matrix_of(j) + 6 * 3 + 3
     for i in range(3):
         for k in range(3):
             y[at + 6 * i + k] += X[i] * F[k]
@@ -113,9 +115,9 @@ def turn_arm(j, X, F, y):
 
 
 @jit
-def standing_wrench(j, y):
+def constant_wrench(j, y):
     """Force and moment (3,) each of what stands on roller ``j``."""
-    at = of_roller(j) + WRENCH
+    at = matrix_of(j) + WRENCH
     return (y[at], y[at + 1], y[at + 2]), (y[at + 3], y[at + 4], y[at + 5])
 
 
@@ -128,7 +130,7 @@ def row_times(at, x, y):
 
 
 @jit
-def times(at, x, y):
+def matrix_times(at, x, y):
     """The matrix at ``at`` times a six-vector."""
     return (
         row_times(at, x, y),
@@ -141,7 +143,7 @@ def times(at, x, y):
 
 
 @jit
-def answer(j, place, velocity, y):
+def wrench_change(j, place, velocity, y):
     """How the wrench on roller ``j`` changes with its place and velocity relative to the body (six-vectors)."""
-    at = of_roller(j)
-    return plus(1.0, times(at, place, y), 1.0, times(at + BY_SPEED, velocity, y))
+    at = matrix_of(j)
+    return combine_six(1.0, matrix_times(at, place, y), 1.0, matrix_times(at + BY_SPEED, velocity, y))

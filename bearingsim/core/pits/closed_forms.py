@@ -13,12 +13,12 @@ import numpy as np
 
 from bearingsim.core.jit import generic
 from bearingsim.core.pits.depth import Circular, Rectangular, Triangular
-from bearingsim.core.pits.pairs import NEVER
+from bearingsim.core.pits.pairs import NO_WALL
 
 
 def box(width: float, depth: float) -> tuple[float, float, float, float]:
     """b, x_e, kappa, depth of a rectangular section: rim, then floor."""
-    return width / 2.0, NEVER, 0.0, depth
+    return width / 2.0, NO_WALL, 0.0, depth
 
 
 def groove(width: float, depth: float, R: float) -> tuple[float, float, float, float]:
@@ -35,11 +35,11 @@ def bowl(width: float, depth: float, R: float, zeta: float) -> tuple[float, floa
     b = width / 2.0 * sqrt(rest)
     R_pit = width * width / (8.0 * depth)
     if R_pit <= R:
-        return b, NEVER, 0.0, depth * rest
+        return b, NO_WALL, 0.0, depth * rest
     return b, b * R / R_pit, 1.0 / (R_pit - R), depth * rest
 
 
-UNTOUCHED = (0.0, NEVER, 0.0, 0.0)
+NO_PIT = (0.0, NO_WALL, 0.0, 0.0)
 """b, x_e, kappa, depth where there is no pit."""
 
 
@@ -70,7 +70,7 @@ def groups_of(pit: Any, L_w: float, R: float, nodes: int, offset: float = 0.0) -
     """
     low, high = max(-pit.length / 2.0, -L_w / 2.0 - offset), min(pit.length / 2.0, L_w / 2.0 - offset)
     share = min(1.0, max(high - low, 0.0) / L_w)
-    untouched = [(1.0 - share, *UNTOUCHED)] if share < 1.0 else []
+    untouched = [(1.0 - share, *NO_PIT)] if share < 1.0 else []
     if share == 0.0:
         return untouched
     if not isinstance(pit, Circular):
@@ -96,7 +96,7 @@ def _bowls(half: tuple[float, float, float], pit: Any, R: float, nodes: int) -> 
     ]
 
 
-def slices_of(pit: Any, R: float, zetas: Sequence[float] | np.ndarray, offset: float = 0.0) -> list:
+def groups_of_slices(pit: Any, R: float, zetas: Sequence[float] | np.ndarray, offset: float = 0.0) -> list:
     """A group of weight 1 for each slice of a roller whose middle is at zeta (m), the pit's at ``offset`` (m)."""
     places = [2.0 * (zeta - offset) / pit.length for zeta in zetas]
-    return [(1.0, *(section_of(pit, R, place) if abs(place) < 1.0 else UNTOUCHED)) for place in places]
+    return [(1.0, *(section_of(pit, R, place) if abs(place) < 1.0 else NO_PIT)) for place in places]

@@ -20,12 +20,21 @@ from typing import NamedTuple
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.stiffness.ten_ninths import ninth_root
 from bearingsim.core.pits.depth import Rectangular
-from bearingsim.core.pits.excitations import bend, felt, groups
-from bearingsim.core.pits.pairs import DEPTH, KAPPA, X_E, B, W, depression, depression_bend
+from bearingsim.core.pits.excitations import pit_response, pit_response_gradient, response_groups
+from bearingsim.core.pits.pairs import (
+    DEPTH,
+    GROUP_HALF_WIDTH,
+    GROUP_WEIGHT,
+    KAPPA,
+    X_E,
+    roller_drop,
+    roller_drop_curvature,
+)
 
-REMOVED, AWAY = 0.42, 0.7  # fitted to finite elements: weight of the wall's height, and of the edge's radius
-BEFORE = 2.0  # wall heights before the rim from where the missing material is felt
-UPRIGHT = -1.0  # in column KAPPA: the walls stand upright, and are never met
+# fitted to finite elements: weight of the wall's height, and of the edge's radius
+HEIGHT_WEIGHT, RADIUS_WEIGHT = 0.42, 0.7
+INFLUENCE_HEIGHTS = 2.0  # wall heights before the rim from where the missing material is felt
+VERTICAL_WALL = -1.0  # in column KAPPA: the walls stand upright, and are never met
 
 
 class EdgeContact(NamedTuple):
@@ -63,7 +72,7 @@ def half_contact(excitation, R):
 
 
 @jit
-def narrowing(xi):
+def narrowed_contact(xi):
     """f of a sharp edge of a half-plane, xi half widths b behind the rim, and where its pressure's centre lies.
 
     The contact is c half widths wide, c = 2/3 (sqrt(xi^2 + 3) - xi), and f = 2 ln(2/c) + xi c + 2 min(xi, 0)^2;
@@ -78,7 +87,7 @@ def narrowing(xi):
 @jit
 def softening(from_rim, wall, rho):
     """f of the material missing behind a wall (m), the pressure's centre ``from_rim`` (m) before its rim."""
-    part = REMOVED * wall / (from_rim + AWAY * rho)
+    part = HEIGHT_WEIGHT * wall / (from_rim + RADIUS_WEIGHT * rho)
     return log(1.0 + part * part)
 
 
@@ -88,10 +97,10 @@ def one_edge(x, b, wall, rho, R):
 
     Far behind the rim the contact is Hertz's on the edge itself, ln(R/rho) softer than on the race.
     """
-    sharp, centre = narrowing(x / b)
+    sharp, centre = narrowed_contact(x / b)
     blunt = min(rho / R, 1.0)
     f = -log((1.0 - blunt) * exp(-sharp) + blunt)
-    return f + max(softening(centre * b, wall, rho) - softening(max(BEFORE * wall, b), wall, rho), 0.0)
+    return f + max(softening(centre * b, wall, rho) - softening(max(INFLUENCE_HEIGHTS * wall, b), wall, rho), 0.0)
 
 
 @jit
@@ -108,43 +117,45 @@ def ridge(x, beyond, b, rho, R):
 def two_edges(width, b, wall, rho, R, D):
     """f in the middle of a slot of ``width`` (m), half of the load on either edge."""
     less = sqrt(0.5) * b
-    _, centre = narrowing(0.5 * width / less)
+    _, centre = narrowed_contact(0.5 * width / less)
     alone = 2.0 * log(2.0 * D / less) + 1.0 + one_edge(0.5 * width, less, wall, rho, R)
     return 0.5 * alone + log(D / (width + 2.0 * centre * less)) - (2.0 * log(2.0 * D / b) + 1.0)
 
 
 @jit
-def kept(f, b, D):
+def remaining_share(f, b, D):
     """Part of a force k delta^(10/9) that is left where the approach has ``f`` more."""
     part = 1.0 / max(1.0 + f / (2.0 * log(2.0 * D / b) + 1.0), 0.1)
     return part * ninth_root(part)
 
 
-@felt.register(EdgeContact)
-def _felt_edge_contact(excitation, group, s, R):
+@pit_response.register(EdgeContact)
+def _pit_response_edge_contact(excitation, group, s, R):
     b, D, rho = half_contact(excitation, R), excitation.D, excitation.rho
-    if group[DEPTH] == 0.0 or abs(s) >= group[B]:
+    if group[DEPTH] == 0.0 or abs(s) >= group[GROUP_HALF_WIDTH]:
         return 1.0, 0.0, 0.0
-    wall = group[DEPTH] if group[KAPPA] == UPRIGHT else 0.0
-    reach = max(b, BEFORE * wall)
-    half = group[B] - reach
-    h, slope = depression(group, abs(s) + reach, R + rho)
-    _, in_the_middle = depression(group, reach, R + rho)  # its slope: one edge's
+    wall = group[DEPTH] if group[KAPPA] == VERTICAL_WALL else 0.0
+    reach = max(b, INFLUENCE_HEIGHTS * wall)
+    half = group[GROUP_HALF_WIDTH] - reach
+    h, slope = roller_drop(group, abs(s) + reach, R + rho)
+    _, in_the_middle = roller_drop(group, reach, R + rho)  # its slope: one edge's
     x = half - abs(s)
     f = one_edge(x, b, wall, rho, R) if wall > 0.0 else ridge(x, x - group[X_E], b, rho, R)
     f = min(f, (group[DEPTH] - h) / excitation.load)
     if in_the_middle < 0.0:
         least = two_edges(2.0 * min(half, group[X_E]), b, wall, rho, R, D)
         f = min(f, least - in_the_middle * abs(s) / excitation.load)
-    return kept(f, b, D), h, (slope if s > 0.0 else -slope)
+    return remaining_share(f, b, D), h, (slope if s > 0.0 else -slope)
 
 
 # Slopes of the functions above, each along its first argument
 
 
 @jit
-def narrowing_slopes(xi):
-    """Of what ``narrowing`` gives, along ``xi``: of f, and of the place of the pressure's centre (half widths)."""
+def narrowed_contact_slopes(xi):
+    """Of what ``narrowed_contact`` gives, along ``xi``: of f, and of the place of the pressure's centre (half
+    widths).
+    """
     if xi <= -1.0:
         return 0.0, -1.0
     root = sqrt(xi * xi + 3.0)
@@ -158,19 +169,19 @@ def narrowing_slopes(xi):
 @jit
 def softening_slope(from_rim, wall, rho):
     """Of ``softening`` (1/m)."""
-    reach = from_rim + AWAY * rho
-    part = REMOVED * wall / reach
+    reach = from_rim + RADIUS_WEIGHT * rho
+    part = HEIGHT_WEIGHT * wall / reach
     return -2.0 * part * part / ((1.0 + part * part) * reach)
 
 
 @jit
 def one_edge_slope(x, b, wall, rho, R):
     """Of ``one_edge`` (1/m)."""
-    (sharp, centre), (sharp_slope, centre_slope) = narrowing(x / b), narrowing_slopes(x / b)
+    (sharp, centre), (sharp_slope, centre_slope) = narrowed_contact(x / b), narrowed_contact_slopes(x / b)
     blunt = min(rho / R, 1.0)
     narrow = (1.0 - blunt) * exp(-sharp)
     slope = narrow / (narrow + blunt) * sharp_slope / b
-    if softening(centre * b, wall, rho) > softening(max(BEFORE * wall, b), wall, rho):
+    if softening(centre * b, wall, rho) > softening(max(INFLUENCE_HEIGHTS * wall, b), wall, rho):
         slope += softening_slope(centre * b, wall, rho) * centre_slope
     return slope
 
@@ -186,39 +197,39 @@ def ridge_slope(x, beyond, b, rho, R):
 
 
 @jit
-def kept_slope(f, b, D):
-    """Of ``kept``."""
+def remaining_share_slope(f, b, D):
+    """Of ``remaining_share``."""
     race = 2.0 * log(2.0 * D / b) + 1.0
     if 1.0 + f / race <= 0.1:
         return 0.0
-    return -10.0 / 9.0 * kept(f, b, D) / (race + f)
+    return -10.0 / 9.0 * remaining_share(f, b, D) / (race + f)
 
 
 @jit
 def reach_of(group, b):
     """Height (m) of an upright wall, else 0, and how far (m) before the rim the edge begins to give way."""
-    wall = group[DEPTH] if group[KAPPA] == UPRIGHT else 0.0
-    return wall, max(b, BEFORE * wall)
+    wall = group[DEPTH] if group[KAPPA] == VERTICAL_WALL else 0.0
+    return wall, max(b, INFLUENCE_HEIGHTS * wall)
 
 
 @jit
-def on_one(group, away, b, rho, R):
+def on_one_edge(group, away, b, rho, R):
     """f on the nearer edge, ``away`` (m) from the pit's middle, and its slope (1/m)."""
     wall, reach = reach_of(group, b)
-    x = group[B] - reach - away
+    x = group[GROUP_HALF_WIDTH] - reach - away
     if wall > 0.0:
         return one_edge(x, b, wall, rho, R), -one_edge_slope(x, b, wall, rho, R)
     return ridge(x, x - group[X_E], b, rho, R), -ridge_slope(x, x - group[X_E], b, rho, R)
 
 
 @jit
-def on_both(group, away, b, rho, R, D, load):
+def on_both_edges(group, away, b, rho, R, D, load):
     """f on the two edges and its slope (1/m), infinite where a floor or wall is in the middle."""
     wall, reach = reach_of(group, b)
-    _, in_the_middle = depression(group, reach, R + rho)
+    _, in_the_middle = roller_drop(group, reach, R + rho)
     if in_the_middle >= 0.0:
         return inf, 0.0
-    least = two_edges(2.0 * min(group[B] - reach, group[X_E]), b, wall, rho, R, D)
+    least = two_edges(2.0 * min(group[GROUP_HALF_WIDTH] - reach, group[X_E]), b, wall, rho, R, D)
     return least - in_the_middle * away / load, -in_the_middle / load
 
 
@@ -226,35 +237,43 @@ def on_both(group, away, b, rho, R, D, load):
 def softness(excitation, group, away, R):
     """f at ``away`` (m) from the pit's middle and its slope (1/m): on one edge, on the floor or on both edges."""
     b, D, rho, load = half_contact(excitation, R), excitation.D, excitation.rho, excitation.load
-    h, h_slope = depression(group, away + reach_of(group, b)[1], R + rho)
-    f, slope = on_one(group, away, b, rho, R)
+    h, h_slope = roller_drop(group, away + reach_of(group, b)[1], R + rho)
+    f, slope = on_one_edge(group, away, b, rho, R)
     on_floor = (group[DEPTH] - h) / load
     if on_floor < f:
         f, slope = on_floor, -h_slope / load
-    apart, apart_slope = on_both(group, away, b, rho, R, D, load)
+    apart, apart_slope = on_both_edges(group, away, b, rho, R, D, load)
     return (apart, apart_slope) if apart < f else (f, slope)
 
 
-@bend.register(EdgeContact)
-def _bend_edge_contact(excitation, group, s, R):
-    if group[DEPTH] == 0.0 or abs(s) >= group[B]:
+@pit_response_gradient.register(EdgeContact)
+def _pit_response_gradient_edge_contact(excitation, group, s, R):
+    if group[DEPTH] == 0.0 or abs(s) >= group[GROUP_HALF_WIDTH]:
         return 0.0, 0.0
     b = half_contact(excitation, R)
     f, f_slope = softness(excitation, group, abs(s), R)
-    share_slope = kept_slope(f, b, excitation.D) * f_slope
-    bent = depression_bend(group, abs(s) + reach_of(group, b)[1], R + excitation.rho)
+    share_slope = remaining_share_slope(f, b, excitation.D) * f_slope
+    bent = roller_drop_curvature(group, abs(s) + reach_of(group, b)[1], R + excitation.rho)
     return (share_slope if s > 0.0 else -share_slope), bent
 
 
-@groups.register(EdgeContact)
-def _groups_edge_contact(excitation, pit, rows, R):
+@response_groups.register(EdgeContact)
+def _response_groups_edge_contact(excitation, pit, rows, R):
     found = []
     for row in rows:
         b = half_contact(excitation, R)
         if row[DEPTH] == 0.0:
             found.append(row)
         elif isinstance(pit, Rectangular):
-            found.append((row[W], row[B] + max(b, BEFORE * row[DEPTH]), row[B], UPRIGHT, row[DEPTH]))
+            found.append(
+                (
+                    row[GROUP_WEIGHT],
+                    row[GROUP_HALF_WIDTH] + max(b, INFLUENCE_HEIGHTS * row[DEPTH]),
+                    row[GROUP_HALF_WIDTH],
+                    VERTICAL_WALL,
+                    row[DEPTH],
+                )
+            )
         else:
-            found.append((row[W], row[B] + b, *row[X_E:]))
+            found.append((row[GROUP_WEIGHT], row[GROUP_HALF_WIDTH] + b, *row[X_E:]))
     return found

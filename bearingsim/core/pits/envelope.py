@@ -19,27 +19,27 @@ import numpy as np
 from bearingsim.core.jit import jit
 from bearingsim.core.pits.profile import Profile
 
-FAR = 1.0  # m: so far the race goes on to either side
-LEVEL = 1e-15  # m: nearer to the race a depth is rounding
-BINS_PER_PIECE, MOST_BINS = 2, 4096
+RACE_REACH = 1.0  # m: so far the race goes on to either side
+ROUNDING_DEPTH = 1e-15  # m: nearer to the race a depth is rounding
+BINS_PER_PIECE, MAX_BINS = 2, 4096
 
 
 class Path(NamedTuple):
-    """h in pieces: h = H + SLOPE x + HALF_BEND x^2 with x = s - S, up to ``end`` (m); 0 outside.
+    """h in pieces: h = H + SLOPE x + HALF_CURVATURE x^2 with x = s - S, up to ``end`` (m); 0 outside.
 
-    pieces: (n, 4): S (m), H (m), SLOPE (1), HALF_BEND (1/m).
+    pieces: (n, 4): S (m), H (m), SLOPE (1), HALF_CURVATURE (1/m).
     """
 
     pieces: np.ndarray
     end: float
 
 
-S, H, SLOPE, HALF_BEND = range(4)
+S, H, SLOPE, HALF_CURVATURE = range(4)
 FLAT = Path(np.zeros((0, 4)), 0.0)
 """The path over the undamaged race."""
 
 
-T_0, P_0, SLOPE_0, BEND, T_1, P_1, LOW, HIGH = range(8)
+T_0, P_0, SLOPE_0, CURVATURE, T_1, P_1, LOW, HIGH = range(8)
 """Columns of a part, a piece that the roller can touch: from (t, p) on with a slope and a curvature, to (t, p).
 
 Between LOW and HIGH (m) of s it is touched between its ends.
@@ -51,7 +51,7 @@ def parts_of(profile: Profile, R: float) -> np.ndarray:
 
     Of a piece more hollow than the roller that is its two ends.
     """
-    found, last = [], -FAR
+    found, last = [], -RACE_REACH
     for t_0, t_1, p_0, m, c in profile.pieces.tolist():
         if t_0 > last:
             found.append(_part(last, t_0, 0.0, 0.0, 0.0, R))
@@ -61,7 +61,7 @@ def parts_of(profile: Profile, R: float) -> np.ndarray:
             x = t_1 - t_0
             found += [_corner(t_0, p_0), _corner(t_1, p_0 + x * (m + x * c / 2.0))]
         last = t_1
-    return np.array([*found, _part(last, FAR, 0.0, 0.0, 0.0, R)])
+    return np.array([*found, _part(last, RACE_REACH, 0.0, 0.0, 0.0, R)])
 
 
 def _part(t_0: float, t_1: float, p: float, m: float, c: float, R: float) -> tuple[float, ...]:
@@ -74,31 +74,31 @@ def _corner(t: float, p: float) -> tuple[float, ...]:
 
 
 def _levelled(p: float) -> float:
-    return p if abs(p) > LEVEL else 0.0
+    return p if abs(p) > ROUNDING_DEPTH else 0.0
 
 
 @jit
-def over_part(part, s, R):
+def drop_over_part(part, s, R):
     """h (m) and its slope (1) at ``s`` (m) over one part alone."""
     if part[LOW] < s < part[HIGH]:
-        x = (s - part[T_0] - R * part[SLOPE_0]) / (1.0 + R * part[BEND])
+        x = (s - part[T_0] - R * part[SLOPE_0]) / (1.0 + R * part[CURVATURE])
         away = s - part[T_0] - x
-        return part[P_0] + x * (part[SLOPE_0] + x * part[BEND] / 2.0) + away * away / (2.0 * R), away / R
+        return part[P_0] + x * (part[SLOPE_0] + x * part[CURVATURE] / 2.0) + away * away / (2.0 * R), away / R
     t, p = (part[T_0], part[P_0]) if s <= part[LOW] else (part[T_1], part[P_1])
     return p + (s - t) * (s - t) / (2.0 * R), (s - t) / R
 
 
 @jit
-def bend(part, s, R):
+def part_curvature(part, s, R):
     """h'' (1/m) just after ``s`` over one part alone."""
-    return part[BEND] / (1.0 + R * part[BEND]) if part[LOW] <= s < part[HIGH] else 1.0 / R
+    return part[CURVATURE] / (1.0 + R * part[CURVATURE]) if part[LOW] <= s < part[HIGH] else 1.0 / R
 
 
 @jit
 def excess(left, right, s, R):
     """h (m) over the left of two parts less h over the right, and its slope; h never falls."""
-    h_1, slope_1 = over_part(left, s, R)
-    h_2, slope_2 = over_part(right, s, R)
+    h_1, slope_1 = drop_over_part(left, s, R)
+    h_2, slope_2 = drop_over_part(right, s, R)
     return h_1 - h_2, slope_1 - slope_2
 
 
@@ -122,8 +122,8 @@ def takeover(left, right, R):
 def root(left, right, low, high, R):
     """Where the excess, negative at ``low`` and no longer at ``high``, is zero: by its parabola at ``high``."""
     D, rate = excess(left, right, high, R)
-    middle = max(0.5 * (low + high), high - FAR)
-    curvature = bend(left, middle, R) - bend(right, middle, R)
+    middle = max(0.5 * (low + high), high - RACE_REACH)
+    curvature = part_curvature(left, middle, R) - part_curvature(right, middle, R)
     below = rate + sqrt(max(rate * rate - 2.0 * curvature * D, 0.0))
     if D == 0.0 or below == 0.0:
         return high if low > -inf or rate > 0.0 else -inf
@@ -131,45 +131,45 @@ def root(left, right, low, high, R):
 
 
 @jit
-def felt_parts(parts, R):
+def touched_parts(parts, R):
     """Which of the parts (n, 8) are felt, and from which s (m) on: two rows (2, n), of which a number is used."""
-    felt = np.zeros((2, len(parts)))
-    felt[1, 0] = -inf
+    touched = np.zeros((2, len(parts)))
+    touched[1, 0] = -inf
     last = 0
     for n in range(1, len(parts)):
-        start = takeover(parts[int(felt[0, last])], parts[n], R)
-        while start <= felt[1, last] and last > 0:
+        start = takeover(parts[int(touched[0, last])], parts[n], R)
+        while start <= touched[1, last] and last > 0:
             last -= 1
-            start = takeover(parts[int(felt[0, last])], parts[n], R)
+            start = takeover(parts[int(touched[0, last])], parts[n], R)
         if start < inf:
             last = last if start == -inf else last + 1
-            felt[0, last], felt[1, last] = n, start
-    return felt, last + 1
+            touched[0, last], touched[1, last] = n, start
+    return touched, last + 1
 
 
 def path_over(profile: Profile, R: float) -> Path:
     """The path h(s) of a roller of relative radius ``R`` (m) over a profile, exact."""
     parts = parts_of(profile, R)
-    found, count = felt_parts(parts, R)
-    felt, starts = parts[found[0, :count].astype(int)], found[1, :count].tolist()
+    found, count = touched_parts(parts, R)
+    touched, starts = parts[found[0, :count].astype(int)], found[1, :count].tolist()
     rows = [
         _row(part, s, R)
-        for part, start, end in zip(felt, starts, [*starts[1:], inf], strict=True)
+        for part, start, end in zip(touched, starts, [*starts[1:], inf], strict=True)
         for s in dict.fromkeys((start, part[LOW], part[HIGH]))
         if s == start or start < s < end
     ]
-    first, last = min(felt[0][HIGH], *starts[1:], FAR), max(felt[-1][LOW], starts[-1])
+    first, last = min(touched[0][HIGH], *starts[1:], RACE_REACH), max(touched[-1][LOW], starts[-1])
     kept = [row for row in rows if first <= row[S] < last]
     return Path(np.array(kept), float(last)) if kept else FLAT
 
 
 def _row(part: np.ndarray, s: float, R: float) -> tuple[float, float, float, float]:
     """The piece of a path that begins at ``s`` (m) on a part."""
-    h, slope = over_part(part, s, R) if s > -inf else (0.0, 0.0)
-    return s, h, slope, 0.5 * bend(part, s, R)
+    h, slope = drop_over_part(part, s, R) if s > -inf else (0.0, 0.0)
+    return s, h, slope, 0.5 * part_curvature(part, s, R)
 
 
-def sinking(path: Path, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def path_drop(path: Path, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """h (n,) m and its slope (n,) at ``s`` (n,) m: the slow way, for all at once."""
     if len(path.pieces) == 0:
         return np.zeros(len(s)), np.zeros(len(s))
@@ -217,7 +217,7 @@ def _table(path: Path) -> np.ndarray:
     """Head, bins and rows of a path. A bin holds the number of the piece at its beginning."""
     starts = path.pieces[:, S]
     first, span = starts[0], path.end - starts[0]
-    bins = int(min(max(BINS_PER_PIECE * len(starts), 8), MOST_BINS))
+    bins = int(min(max(BINS_PER_PIECE * len(starts), 8), MAX_BINS))
     pieces = np.searchsorted(starts, first + np.arange(bins) / bins * span) - 1.0
     head = [first, path.end, bins / span, HEAD_OF_TABLE + bins]
     return np.concatenate([head, np.maximum(pieces, 0.0), path.pieces.ravel(), [inf]])
@@ -235,20 +235,20 @@ def row_at(table, at, s):
 
 
 @jit
-def looked_up(table, at, s):
+def drop_at(table, at, s):
     """h (m) and its slope (1), on a cusp the left one, at ``s`` (m) over the path whose table begins at ``at``."""
     if not table[at + FIRST] <= s < table[at + LAST]:  # in these words for NaN, too
         return 0.0, 0.0
     row = row_at(table, at, s)
     x = s - table[row + S]
-    return table[row + H] + x * (table[row + SLOPE] + x * table[row + HALF_BEND]), (
-        table[row + SLOPE] + 2.0 * x * table[row + HALF_BEND]
+    return table[row + H] + x * (table[row + SLOPE] + x * table[row + HALF_CURVATURE]), (
+        table[row + SLOPE] + 2.0 * x * table[row + HALF_CURVATURE]
     )
 
 
 @jit
-def bent(table, at, s):
+def drop_curvature_at(table, at, s):
     """How that slope grows along ``s`` (1/m)."""
     if not table[at + FIRST] <= s < table[at + LAST]:
         return 0.0
-    return 2.0 * table[row_at(table, at, s) + HALF_BEND]
+    return 2.0 * table[row_at(table, at, s) + HALF_CURVATURE]

@@ -5,10 +5,10 @@ middle a group of weight w carries
 
     w share elastic(delta - h(s))      (delta: approach of the contact to the undamaged race)
 
-and its approach grows more slowly by h'(s) ds/dt. An excitation is a type: it says what share and h are (``felt``)
-and what the columns of its groups mean (``groups``), except for W, the weight, and B, the half width (m) beyond
-which nothing is felt. The slope is nowhere more than min(B, X_E, sqrt(2 R DEPTH))/R: estimates of impact speed use
-that.
+and its approach grows more slowly by h'(s) ds/dt. An excitation is a type: it says what share and h are
+(``pit_response``) and what the columns of its groups mean (``response_groups``), except for W, the weight, and B,
+the half width (m) beyond which nothing is felt. The slope is nowhere more than min(B, X_E, sqrt(2 R DEPTH))/R:
+estimates of impact speed use that.
 
 Several of the published forms take the race as flat and let a ball sink by R_w - sqrt(R_w^2 - w^2/4). Here all use
 the radius R relative to the race, as the envelope does: for an NF308's outer race that is 15 % less, and the forms
@@ -22,28 +22,41 @@ import numpy as np
 
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.pits.depth import Rectangular
-from bearingsim.core.pits.envelope import bent, looked_up
-from bearingsim.core.pits.pairs import DEPTH, KAPPA, NEVER, X_E, B, W, depression, depression_bend
+from bearingsim.core.pits.envelope import drop_at, drop_curvature_at
+from bearingsim.core.pits.pairs import (
+    DEPTH,
+    GROUP_HALF_WIDTH,
+    GROUP_WEIGHT,
+    KAPPA,
+    NO_WALL,
+    X_E,
+    roller_drop,
+    roller_drop_curvature,
+)
 
-KEPT, LOST = -1.0, 1.0  # in column KAPPA of ``PressureShare``: which part of the pressure a group is
+REMAINING, UNLOADED = -1.0, 1.0  # in column KAPPA of ``PressureShare``: which part of the pressure a group is
 
 
 @generic
-def felt(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float, float]:
-    """What one group feels at ``s`` (m) from the pit's middle: its share (1), sinking h (m) and slope dh/ds (1).
+def pit_response(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float, float]:
+    """What one group feels at ``s`` (m) from the pit's middle: its share (1), drop h (m) and slope dh/ds (1).
 
-    group: (5,) row of ``groups``; R: radius (m) of the roller relative to the race.
+    group: (5,) row of ``response_groups``; R: radius (m) of the roller relative to the race.
     """
 
 
 @generic
-def bend(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float]:
-    """Slopes, along ``s``, of what ``felt`` gives: of the share (1/m) and of dh/ds (1/m). A jump has none."""
+def pit_response_gradient(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float]:
+    """Slopes, along ``s``, of what ``pit_response`` gives: of the share (1/m) and of dh/ds (1/m). A jump has
+    none.
+    """
 
 
 @generic
-def groups(excitation: Any, pit: Any, rows: list, R: float) -> list:
-    """Rows of a ``pit`` (a depth map) as ``felt`` reads them, from the ``rows`` of its envelope. Plain Python."""
+def response_groups(excitation: Any, pit: Any, rows: list, R: float) -> list:
+    """Rows of a ``pit`` (a depth map) as ``pit_response`` reads them, from the ``rows`` of its envelope. Plain
+    Python.
+    """
 
 
 class Envelope(NamedTuple):
@@ -53,19 +66,19 @@ class Envelope(NamedTuple):
     """
 
 
-@felt.register(Envelope)
-def _felt_envelope(excitation, group, s, R):
-    h, slope = depression(group, s, R)
+@pit_response.register(Envelope)
+def _pit_response_envelope(excitation, group, s, R):
+    h, slope = roller_drop(group, s, R)
     return 1.0, h, slope
 
 
-@bend.register(Envelope)
-def _bend_envelope(excitation, group, s, R):
-    return 0.0, depression_bend(group, s, R)
+@pit_response_gradient.register(Envelope)
+def _pit_response_gradient_envelope(excitation, group, s, R):
+    return 0.0, roller_drop_curvature(group, s, R)
 
 
-@groups.register(Envelope)
-def _groups_envelope(excitation, pit, rows, R):
+@response_groups.register(Envelope)
+def _response_groups_envelope(excitation, pit, rows, R):
     return rows
 
 
@@ -78,26 +91,31 @@ class Traced(NamedTuple):
     table: np.ndarray
 
 
-@felt.register(Traced)
-def _felt_traced(excitation, group, s, R):
-    if abs(s) >= group[B]:
+@pit_response.register(Traced)
+def _pit_response_traced(excitation, group, s, R):
+    if abs(s) >= group[GROUP_HALF_WIDTH]:
         return 1.0, 0.0, 0.0
-    h, slope = looked_up(excitation.table, int(group[KAPPA]), s)
+    h, slope = drop_at(excitation.table, int(group[KAPPA]), s)
     return 1.0, h, slope
 
 
-@bend.register(Traced)
-def _bend_traced(excitation, group, s, R):
-    return 0.0, (bent(excitation.table, int(group[KAPPA]), s) if abs(s) < group[B] else 0.0)
+@pit_response_gradient.register(Traced)
+def _pit_response_gradient_traced(excitation, group, s, R):
+    return 0.0, (
+        drop_curvature_at(excitation.table, int(group[KAPPA]), s) if abs(s) < group[GROUP_HALF_WIDTH] else 0.0
+    )
 
 
 def pulses(rows: list, R: float) -> list:
-    """The envelope's rows with the sag of each, its h in the middle (m), in place of its depth."""
-    return [(row[W], row[B], NEVER, 0.0, float(depression(np.array(row), 0.0, R)[0])) for row in rows]
+    """The envelope's rows with the drop of each, its h in the middle (m), in place of its depth."""
+    return [
+        (row[GROUP_WEIGHT], row[GROUP_HALF_WIDTH], NO_WALL, 0.0, float(roller_drop(np.array(row), 0.0, R)[0]))
+        for row in rows
+    ]
 
 
 class RectangularPulse(NamedTuple):
-    """The sag all at once: h = H inside the pit, 0 outside, H = min(depth, w^2/(8 R)) for a box.
+    """The drop all at once: h = H inside the pit, 0 outside, H = min(depth, w^2/(8 R)) for a box.
 
     After the pulses of the ball models of the 2000s (among them Patel, Tandon and Pandey 2010, Sawalhi and Randall
     2008). Left out: the way in and out. A step has no rate, so h' = 0: the roller meets the far edge as a sudden
@@ -105,23 +123,23 @@ class RectangularPulse(NamedTuple):
     """
 
 
-@felt.register(RectangularPulse)
-def _felt_rectangular(excitation, group, s, R):
-    return 1.0, (group[DEPTH] if abs(s) < group[B] else 0.0), 0.0
+@pit_response.register(RectangularPulse)
+def _pit_response_rectangular(excitation, group, s, R):
+    return 1.0, (group[DEPTH] if abs(s) < group[GROUP_HALF_WIDTH] else 0.0), 0.0
 
 
-@bend.register(RectangularPulse)
-def _bend_rectangular(excitation, group, s, R):
+@pit_response_gradient.register(RectangularPulse)
+def _pit_response_gradient_rectangular(excitation, group, s, R):
     return 0.0, 0.0
 
 
-@groups.register(RectangularPulse)
-def _groups_rectangular(excitation, pit, rows, R):
+@response_groups.register(RectangularPulse)
+def _response_groups_rectangular(excitation, pit, rows, R):
     return pulses(rows, R)
 
 
 class HalfSinePulse(NamedTuple):
-    """h = H sin(pi (s/w + 1/2)) inside the pit, H the sag as for ``RectangularPulse``.
+    """h = H sin(pi (s/w + 1/2)) inside the pit, H the drop as for ``RectangularPulse``.
 
     After the half-sine displacement excitation of the ball models (among them Liu, Shao and Lim 2012, for a ball
     larger than the defect). Smooth where the envelope of a narrow pit has its cusp, with 6/pi times its area; the
@@ -129,24 +147,24 @@ class HalfSinePulse(NamedTuple):
     """
 
 
-@felt.register(HalfSinePulse)
-def _felt_half_sine(excitation, group, s, R):
-    if abs(s) >= group[B]:
+@pit_response.register(HalfSinePulse)
+def _pit_response_half_sine(excitation, group, s, R):
+    if abs(s) >= group[GROUP_HALF_WIDTH]:
         return 1.0, 0.0, 0.0
-    phase = 0.5 * pi * s / group[B]
-    return 1.0, group[DEPTH] * cos(phase), -0.5 * pi * group[DEPTH] / group[B] * sin(phase)
+    phase = 0.5 * pi * s / group[GROUP_HALF_WIDTH]
+    return 1.0, group[DEPTH] * cos(phase), -0.5 * pi * group[DEPTH] / group[GROUP_HALF_WIDTH] * sin(phase)
 
 
-@bend.register(HalfSinePulse)
-def _bend_half_sine(excitation, group, s, R):
-    if abs(s) >= group[B]:
+@pit_response_gradient.register(HalfSinePulse)
+def _pit_response_gradient_half_sine(excitation, group, s, R):
+    if abs(s) >= group[GROUP_HALF_WIDTH]:
         return 0.0, 0.0
-    per_metre = 0.5 * pi / group[B]
+    per_metre = 0.5 * pi / group[GROUP_HALF_WIDTH]
     return 0.0, -per_metre * per_metre * group[DEPTH] * cos(per_metre * s)
 
 
-@groups.register(HalfSinePulse)
-def _groups_half_sine(excitation, pit, rows, R):
+@response_groups.register(HalfSinePulse)
+def _response_groups_half_sine(excitation, pit, rows, R):
     return pulses(rows, R)
 
 
@@ -161,9 +179,9 @@ class PiecewisePulse(NamedTuple):
     """
 
 
-@felt.register(PiecewisePulse)
-def _felt_piecewise(excitation, group, s, R):
-    x = group[B] - abs(s)
+@pit_response.register(PiecewisePulse)
+def _pit_response_piecewise(excitation, group, s, R):
+    x = group[GROUP_HALF_WIDTH] - abs(s)
     if x <= 0.0:
         return 1.0, 0.0, 0.0
     if x >= group[X_E]:
@@ -173,18 +191,18 @@ def _felt_piecewise(excitation, group, s, R):
     return 1.0, group[DEPTH] * sin(phase), (-slope if s > 0.0 else slope)
 
 
-@bend.register(PiecewisePulse)
-def _bend_piecewise(excitation, group, s, R):
-    x = group[B] - abs(s)
+@pit_response_gradient.register(PiecewisePulse)
+def _pit_response_gradient_piecewise(excitation, group, s, R):
+    x = group[GROUP_HALF_WIDTH] - abs(s)
     if x <= 0.0 or x > group[X_E]:
         return 0.0, 0.0
     per_metre = 0.5 * pi / group[X_E]
     return 0.0, -per_metre * per_metre * group[DEPTH] * sin(per_metre * x)
 
 
-@groups.register(PiecewisePulse)
-def _groups_piecewise(excitation, pit, rows, R):
-    floors = [sqrt(2.0 * R * row[DEPTH]) if isinstance(pit, Rectangular) else NEVER for row in rows]
+@response_groups.register(PiecewisePulse)
+def _response_groups_piecewise(excitation, pit, rows, R):
+    floors = [sqrt(2.0 * R * row[DEPTH]) if isinstance(pit, Rectangular) else NO_WALL for row in rows]
     return [
         (w, b, min(b, floor), 0.0, sag) for (w, b, _, _, sag), floor in zip(pulses(rows, R), floors, strict=True)
     ]
@@ -199,19 +217,19 @@ class ClearanceIncrease(NamedTuple):
     """
 
 
-@felt.register(ClearanceIncrease)
-def _felt_clearance(excitation, group, s, R):
-    return 1.0, (group[DEPTH] if abs(s) < group[B] else 0.0), 0.0
+@pit_response.register(ClearanceIncrease)
+def _pit_response_clearance(excitation, group, s, R):
+    return 1.0, (group[DEPTH] if abs(s) < group[GROUP_HALF_WIDTH] else 0.0), 0.0
 
 
-@bend.register(ClearanceIncrease)
-def _bend_clearance(excitation, group, s, R):
+@pit_response_gradient.register(ClearanceIncrease)
+def _pit_response_gradient_clearance(excitation, group, s, R):
     return 0.0, 0.0
 
 
-@groups.register(ClearanceIncrease)
-def _groups_clearance(excitation, pit, rows, R):
-    return [(row[W], row[B], NEVER, 0.0, row[DEPTH]) for row in rows]
+@response_groups.register(ClearanceIncrease)
+def _response_groups_clearance(excitation, pit, rows, R):
+    return [(row[GROUP_WEIGHT], row[GROUP_HALF_WIDTH], NO_WALL, 0.0, row[DEPTH]) for row in rows]
 
 
 class PressureShare(NamedTuple):
@@ -246,11 +264,11 @@ def pressure_before(x):
     return 0.5 + (asin(x) + x * sqrt(1.0 - x * x)) / pi
 
 
-@felt.register(PressureShare)
-def _felt_pressure_share(excitation, group, s, R):
-    half_width, b = group[B] - excitation.b, excitation.b
+@pit_response.register(PressureShare)
+def _pit_response_pressure_share(excitation, group, s, R):
+    half_width, b = group[GROUP_HALF_WIDTH] - excitation.b, excitation.b
     rho = pressure_before((half_width - s) / b) - pressure_before((-half_width - s) / b)
-    if group[KAPPA] == LOST:
+    if group[KAPPA] == UNLOADED:
         return rho, group[DEPTH], 0.0
     return 1.0 - max(rho, 0.0), 0.0, 0.0
 
@@ -261,23 +279,26 @@ def pressure_at(x):
     return 2.0 / pi * sqrt(max(1.0 - x * x, 0.0))
 
 
-@bend.register(PressureShare)
-def _bend_pressure_share(excitation, group, s, R):
-    half_width, b = group[B] - excitation.b, excitation.b
+@pit_response_gradient.register(PressureShare)
+def _pit_response_gradient_pressure_share(excitation, group, s, R):
+    half_width, b = group[GROUP_HALF_WIDTH] - excitation.b, excitation.b
     ahead, behind = (half_width - s) / b, (-half_width - s) / b
     rho_slope = (pressure_at(behind) - pressure_at(ahead)) / b
-    return (rho_slope if group[KAPPA] == LOST else -rho_slope), 0.0
+    return (rho_slope if group[KAPPA] == UNLOADED else -rho_slope), 0.0
 
 
-@groups.register(PressureShare)
-def _groups_pressure_share(excitation, pit, rows, R):
+@response_groups.register(PressureShare)
+def _response_groups_pressure_share(excitation, pit, rows, R):
     found = []
     for row in rows:
         if row[DEPTH] == 0.0:
-            found.append((row[W], 0.0, NEVER, KEPT, 0.0))
+            found.append((row[GROUP_WEIGHT], 0.0, NO_WALL, REMAINING, 0.0))
         else:
-            reach = row[B] + excitation.b
-            found += [(row[W], reach, NEVER, KEPT, 0.0), (row[W], reach, NEVER, LOST, row[DEPTH])]
+            reach = row[GROUP_HALF_WIDTH] + excitation.b
+            found += [
+                (row[GROUP_WEIGHT], reach, NO_WALL, REMAINING, 0.0),
+                (row[GROUP_WEIGHT], reach, NO_WALL, UNLOADED, row[DEPTH]),
+            ]
     return found
 
 
@@ -294,23 +315,23 @@ class SoftEdge(NamedTuple):
     kept: float = 0.65
 
 
-@felt.register(SoftEdge)
-def _felt_soft_edge(excitation, group, s, R):
-    h, slope = depression(group, s, R)
-    x = group[B] - abs(s)
+@pit_response.register(SoftEdge)
+def _pit_response_soft_edge(excitation, group, s, R):
+    h, slope = roller_drop(group, s, R)
+    x = group[GROUP_HALF_WIDTH] - abs(s)
     on_rim = 0.0 < x <= group[X_E] and h < group[DEPTH]
     return (excitation.kept if on_rim else 1.0), h, slope
 
 
-@bend.register(SoftEdge)
-def _bend_soft_edge(excitation, group, s, R):
-    return 0.0, depression_bend(group, s, R)
+@pit_response_gradient.register(SoftEdge)
+def _pit_response_gradient_soft_edge(excitation, group, s, R):
+    return 0.0, roller_drop_curvature(group, s, R)
 
 
-@groups.register(SoftEdge)
-def _groups_soft_edge(excitation, pit, rows, R):
+@response_groups.register(SoftEdge)
+def _response_groups_soft_edge(excitation, pit, rows, R):
     return rows
 
 
-LEAPS = (RectangularPulse, ClearanceIncrease, PressureShare)
+STEP_EXCITATIONS = (RectangularPulse, ClearanceIncrease, PressureShare)
 """Excitations under which a pit ends in a step, or nearly: a roller with mass is then deep in the race at once."""

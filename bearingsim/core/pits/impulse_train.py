@@ -1,9 +1,9 @@
 """When rollers meet pits, and how hard the ring is struck: the impulses of the model ``impulse``. Plain numpy.
 
-McFadden and Smith (J. Sound Vib. 96, 1984, 69-82) let a point defect give an impulse at each meeting, as strong
-as the load there, q(phi), and superpose the trains of several defects (98, 1985, 263-273). They leave the scale of
-the impulses free. Here it is what a roller sheds: over the pit the race loses the roller's force, and the ring is
-pushed against e_r, at s from the pit's middle by the force P q(phi),
+McFadden and Smith (J. Sound Vib. 96, 1984, 69-82) let a point defect give an impulse at each roller-pit pair, as
+strong as the load there, q(phi), and superpose the trains of several defects (98, 1985, 263-273). They leave the
+scale of the impulses free. Here it is what a roller sheds: over the pit the race loses the roller's force, and the
+ring is pushed against e_r, at s from the pit's middle by the force P q(phi),
 
     (1 - kappa) P = 1 - sum_g w_g max(1 - h_g(s)/delta + kappa P/n, 0)^n,      J = q(phi)/v integral of P ds
 
@@ -26,12 +26,12 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core.parameters import Bearing
-from bearingsim.core.pits.envelope import sinking
-from bearingsim.core.pits.pairs import INNER, ON_INNER, Meeting, W, depression
+from bearingsim.core.pits.envelope import path_drop
+from bearingsim.core.pits.pairs import GROUP_WEIGHT, INNER, ON_INNER, RollerPitPair, roller_drop
 
-PLACES = 200  # at which the load shed is summed, over half a pit
-NEWTON = 8  # steps; the function is convex and they start above its root
-MOST = 0.5  # of kappa: a ring that mainly hangs on one roller would fall, not spring
+SHED_SAMPLES = 200  # at which the load shed is summed, over half a pit
+NEWTON_STEPS = 8  # steps; the function is convex and they start above its root
+MAX_STIFFNESS_SHARE = 0.5  # of kappa: a ring that mainly hangs on one roller would fall, not spring
 
 
 class LoadZone(NamedTuple):
@@ -71,7 +71,7 @@ def load(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
     return zone.q_0 * (approach(zone, phi) / zone.delta_0) ** zone.n
 
 
-def passes(bearing: Bearing, meeting: Meeting, start: float, end: float) -> tuple[np.ndarray, np.ndarray]:
+def pit_passages(bearing: Bearing, pair: RollerPitPair, start: float, end: float) -> tuple[np.ndarray, np.ndarray]:
     """Instants (n,) in (start, end], s, at which a roller stands over the pit's middle, and its angles (n,) rad.
 
     A pit of the outer race is met Z times a turn of the cage, always at its own angle; one of the inner race Z
@@ -79,16 +79,16 @@ def passes(bearing: Bearing, meeting: Meeting, start: float, end: float) -> tupl
     race and turn of the roller, wherever the cage has carried that.
     """
     pass_angle = 2.0 * np.pi / bearing.Z
-    if meeting.on >= 0:
-        half_turn = np.pi if meeting.side == INNER else 0.0
-        times = instants(meeting.angle + half_turn, 2.0 * np.pi, bearing.omega_b, start, end)
-        return times, bearing.theta_0 + bearing.omega_c * times + meeting.on * pass_angle
-    if meeting.on == ON_INNER:
+    if pair.carrier >= 0:
+        half_turn = np.pi if pair.side == INNER else 0.0
+        times = instants(pair.angle + half_turn, 2.0 * np.pi, bearing.omega_b, start, end)
+        return times, bearing.theta_0 + bearing.omega_c * times + pair.carrier * pass_angle
+    if pair.carrier == ON_INNER:
         relative = bearing.omega_i - bearing.omega_c
-        times = instants(bearing.theta_0 - meeting.angle, pass_angle, relative, start, end)
-        return times, meeting.angle + bearing.omega_i * times
-    times = instants(meeting.angle - bearing.theta_0, pass_angle, bearing.omega_c, start, end)
-    return times, np.full(len(times), meeting.angle)
+        times = instants(bearing.theta_0 - pair.angle, pass_angle, relative, start, end)
+        return times, pair.angle + bearing.omega_i * times
+    times = instants(pair.angle - bearing.theta_0, pass_angle, bearing.omega_c, start, end)
+    return times, np.full(len(times), pair.angle)
 
 
 def instants(first: float, between: float, speed: float, start: float, end: float) -> np.ndarray:
@@ -97,72 +97,74 @@ def instants(first: float, between: float, speed: float, start: float, end: floa
     return (first + between * np.arange(low + 1, high + 1)) / speed
 
 
-def crossing_speed(bearing: Bearing, meeting: Meeting) -> float:
+def crossing_speed(bearing: Bearing, pair: RollerPitPair) -> float:
     """Speed (m/s) at which a contact runs over the pit."""
-    if meeting.on >= 0:
-        return meeting.radius * bearing.omega_b
-    if meeting.on == ON_INNER:
-        return meeting.radius * (bearing.omega_i - bearing.omega_c)
-    return meeting.radius * bearing.omega_c
+    if pair.carrier >= 0:
+        return pair.radius * bearing.omega_b
+    if pair.carrier == ON_INNER:
+        return pair.radius * (bearing.omega_i - bearing.omega_c)
+    return pair.radius * bearing.omega_c
 
 
-def part_of_stiffness(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
-    """kappa (n,): a loaded roller's part in the ring's stiffness at ``phi`` (n,) rad, at most ``MOST``."""
+def stiffness_share(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
+    """kappa (n,): a loaded roller's part in the ring's stiffness at ``phi`` (n,) rad, at most
+    ``MAX_STIFFNESS_SHARE``.
+    """
     stiffness = zone.n * load(zone, phi) / approach(zone, phi)
-    return np.minimum(stiffness * (np.cos(phi) ** 2 / zone.K_x + np.sin(phi) ** 2 / zone.K_y), MOST)
+    return np.minimum(stiffness * (np.cos(phi) ** 2 / zone.K_x + np.sin(phi) ** 2 / zone.K_y), MAX_STIFFNESS_SHARE)
 
 
-def shed_width(meeting: Meeting, delta: np.ndarray, kappa: np.ndarray, n: float) -> np.ndarray:
+def unloaded_width(pair: RollerPitPair, delta: np.ndarray, kappa: np.ndarray, n: float) -> np.ndarray:
     """Integral of P over the pit (n,), m: how far rollers with approach ``delta`` > 0 (n,) m go unloaded."""
-    s = ((np.arange(2 * PLACES) + 0.5) / PLACES - 1.0) * meeting.half_width
-    h = sinkings(meeting, s)
+    s = ((np.arange(2 * SHED_SAMPLES) + 0.5) / SHED_SAMPLES - 1.0) * pair.half_width
+    h = roller_drops(pair, s)
     delta, kappa = delta[:, None], kappa[:, None]
-    P = np.repeat(1.0 / (1.0 - kappa), 2 * PLACES, axis=1)
-    for _ in range(NEWTON):
+    P = np.repeat(1.0 / (1.0 - kappa), 2 * SHED_SAMPLES, axis=1)
+    for _ in range(NEWTON_STEPS):
         excess, slope = (1.0 - kappa) * P - 1.0, 1.0 - kappa
-        for row, sunk in zip(meeting.groups, h, strict=True):
+        for row, sunk in zip(pair.groups, h, strict=True):
             left = np.maximum(1.0 - sunk / delta + kappa * P / n, 0.0)
-            force = row[W] * left ** (n - 1.0)
+            force = row[GROUP_WEIGHT] * left ** (n - 1.0)
             excess, slope = excess + force * left, slope + force * kappa
         P = P - excess / slope
-    return 2.0 * meeting.half_width * P.mean(axis=1)
+    return 2.0 * pair.half_width * P.mean(axis=1)
 
 
-def sinkings(meeting: Meeting, s: np.ndarray) -> list[np.ndarray]:
+def roller_drops(pair: RollerPitPair, s: np.ndarray) -> list[np.ndarray]:
     """How far (n,) m each group lets a roller sink at ``s`` (n,) m."""
-    if meeting.paths:
-        return [sinking(path, s)[0] for path in meeting.paths]
-    return [np.array([depression(np.array(row), x, meeting.R)[0] for x in s]) for row in meeting.groups]
+    if pair.paths:
+        return [path_drop(path, s)[0] for path in pair.paths]
+    return [np.array([roller_drop(np.array(row), x, pair.R)[0] for x in s]) for row in pair.groups]
 
 
-def strengths(bearing: Bearing, zone: LoadZone, meeting: Meeting, phi: np.ndarray) -> np.ndarray:
+def impulse_strengths(bearing: Bearing, zone: LoadZone, pair: RollerPitPair, phi: np.ndarray) -> np.ndarray:
     """Impulse J (n,) N s that a roller at ``phi`` (n,) rad sheds over the pit; 0 outside the load zone."""
     places, which = np.unique(phi, return_inverse=True)
     J, loaded = np.zeros(len(places)), approach(zone, places) > 0.0
     there = places[loaded]
-    width = shed_width(meeting, approach(zone, there), part_of_stiffness(zone, there), zone.n)
-    J[loaded] = load(zone, there) * width / crossing_speed(bearing, meeting)
+    width = unloaded_width(pair, approach(zone, there), stiffness_share(zone, there), zone.n)
+    J[loaded] = load(zone, there) * width / crossing_speed(bearing, pair)
     return J[which]
 
 
-def train(bearing: Bearing, zone: LoadZone, meetings: Sequence[Meeting], start: float, end: float) -> Train:
+def train(bearing: Bearing, zone: LoadZone, pairs: Sequence[RollerPitPair], start: float, end: float) -> Train:
     """One impulse at each meeting of a roller with a pit in (start, end], s: all pits superposed."""
-    parts = [struck(bearing, zone, meeting, start, end) for meeting in meetings]
-    return joined(parts)
+    parts = [pit_impulses(bearing, zone, pair, start, end) for pair in pairs]
+    return merged_trains(parts)
 
 
-def struck(
-    bearing: Bearing, zone: LoadZone, meeting: Meeting, start: float, end: float
+def pit_impulses(
+    bearing: Bearing, zone: LoadZone, pair: RollerPitPair, start: float, end: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Instants (n,) s, angles (n,) rad and strengths (n,) N s of one pit's impulses."""
-    times, phi = passes(bearing, meeting, start, end)
-    return times, phi, strengths(bearing, zone, meeting, phi)
+    times, phi = pit_passages(bearing, pair, start, end)
+    return times, phi, impulse_strengths(bearing, zone, pair, phi)
 
 
 def random_train(
     bearing: Bearing,
     zone: LoadZone,
-    meetings: Sequence[Meeting],
+    pairs: Sequence[RollerPitPair],
     start: float,
     end: float,
     generator: np.random.Generator,
@@ -180,18 +182,18 @@ def random_train(
     The same generator state gives the same train, and a longer train begins with the shorter one.
     """
     parts = []
-    for meeting, draw in zip(meetings, generator.spawn(len(meetings)), strict=True):
-        times, phi, J = struck(bearing, zone, meeting, start, end)
-        width = 2.0 * meeting.half_width
+    for pair, draw in zip(pairs, generator.spawn(len(pairs)), strict=True):
+        times, phi, J = pit_impulses(bearing, zone, pair, start, end)
+        width = 2.0 * pair.half_width
         N = max(1, round(width / spacing))
         u = draw.random((len(times), N, 2))
-        late = (u[:, :, 0] - 0.5) * width / crossing_speed(bearing, meeting)
+        late = (u[:, :, 0] - 0.5) * width / crossing_speed(bearing, pair)
         strength = J[:, None] / N * -np.log1p(-u[:, :, 1])
         parts.append(((times[:, None] + late).ravel(), np.repeat(phi, N), strength.ravel()))
-    return joined(parts)
+    return merged_trains(parts)
 
 
-def joined(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Train:
+def merged_trains(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Train:
     """All (times, angles, strengths) as one train: each pushes the ring against e_r of its angle."""
     times, phi, J = (np.concatenate([np.zeros(0), *(part[n] for part in parts)]) for n in range(3))
     order = np.argsort(times, kind="stable")

@@ -2,7 +2,7 @@
 
 At a cusp the slope of a roller's path falls, so its closing rate and with it the damping force jump; under a
 pulse the approach itself jumps. A step that looks across loses its order there, so adaptive methods stop on these
-places. They lie in the head of each meeting (``pits/pairs.py``), found when it is built (``jumps_of``).
+places. They lie in the head of each roller-pit pair (``pits/pairs.py``), found when it is built (``jumps_of``).
 """
 
 from collections.abc import Sequence
@@ -11,25 +11,37 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.core.geometry.motion import elapsed
+from bearingsim.core import layout as lay
+from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.layout import EPS_V, PHI_C, PSI, SPIN_V, VELOCITY
 from bearingsim.core.pits.envelope import Path, S, ends_of
-from bearingsim.core.pits.excitations import felt
-from bearingsim.core.pits.on_roller import standing
-from bearingsim.core.pits.pairs import DEPTH, FIRST_JUMP, JUMPS, ON, ON_INNER, RADIUS, X_E, B, W, sliding
+from bearingsim.core.pits.excitations import pit_response
+from bearingsim.core.pits.on_roller import roller_at_pit
+from bearingsim.core.pits.pairs import (
+    CARRIER,
+    DEPTH,
+    FIRST_JUMP,
+    GROUP_HALF_WIDTH,
+    GROUP_WEIGHT,
+    JUMP_COUNT,
+    ON_INNER,
+    RADIUS,
+    X_E,
+    passing_speed,
+)
 
-SIDEWAYS = 1e-9  # m: so far to either side of a place is looked whether something jumps there
-SHARP = 0.05  # of a meeting's sharpest jump: duller ones are left to the control of the error
-NEAR = 1e-8  # m: from so near a roller comes straight to a jump
-MOST_JUMPS = 32  # kept of a meeting; a rough pit has hundreds of small ones
+PROBE = 1e-9  # m: so far to either side of a place is looked whether something jumps there
+LEAST_SHARPNESS = 0.05  # of a roller-pit pair's sharpest jump: duller ones are left to the control of the error
+NEAR_JUMP = 1e-8  # m: from so near a roller comes straight to a jump
+MAX_JUMPS = 32  # kept of a roller-pit pair; a rough pit has hundreds of small ones
 
 
 # Where things jump: found once, in plain Python
 
 
 def jumps_of(excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence[Path], R: float) -> list[float]:
-    """Places (m) along rolling where the force over a meeting's groups jumps, or its damping part, in order.
+    """Places (m) along rolling where the force over a roller-pit pair's groups jumps, or its damping part, in
+    order.
 
     paths: of a traced pit, one for each group, else none. Jumps of several groups in one place add up.
     """
@@ -38,35 +50,46 @@ def jumps_of(excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence
         jumps = cusps_of(paths[k]) if paths else jumps_of_group(excitation, np.array([*row]), R)
         for place, jump in jumps:
             at = round(place, 9) + 0.0
-            found[at] = found.get(at, np.zeros(3)) + row[W] * jump
+            found[at] = found.get(at, np.zeros(3)) + row[GROUP_WEIGHT] * jump
     places, sizes = np.array([*found]), np.array([*found.values()]).reshape(-1, 3)
     largest = np.maximum(sizes.max(axis=0, initial=0.0), 1e-30)  # each kind beside its like
     sharpness = (sizes / largest).max(axis=1)
-    sharpest = np.argsort(-sharpness, kind="stable")[:MOST_JUMPS]
-    return sorted(float(places[i]) for i in sharpest if sharpness[i] > SHARP)
+    sharpest = np.argsort(-sharpness, kind="stable")[:MAX_JUMPS]
+    return sorted(float(places[i]) for i in sharpest if sharpness[i] > LEAST_SHARPNESS)
 
 
 def jumps_of_group(excitation: Any, group: np.ndarray, R: float) -> list[tuple[float, np.ndarray]]:
-    """Places (m) and by how much share (1), sinking (m) and slope (1) jump there; only where they do."""
-    places = {0.0, float(group[B]), float(group[B] - group[X_E]), floor_from(excitation, group, R)}
+    """Places (m) and by how much share (1), drop (m) and slope (1) jump there; only where they do."""
+    places = {
+        0.0,
+        float(group[GROUP_HALF_WIDTH]),
+        float(group[GROUP_HALF_WIDTH] - group[X_E]),
+        floor_reach(excitation, group, R),
+    }
     found = []
-    for place in {sign * place for place in places if 0.0 <= place <= group[B] for sign in (-1.0, 1.0)}:
-        before, after = (np.array(felt(excitation, group, place + d, R)) for d in (-SIDEWAYS, SIDEWAYS))
+    for place in {
+        sign * place for place in places if 0.0 <= place <= group[GROUP_HALF_WIDTH] for sign in (-1.0, 1.0)
+    }:
+        before, after = (np.array(pit_response(excitation, group, place + d, R)) for d in (-PROBE, PROBE))
         jump = np.abs(after - before)
-        smooth = 10.0 * SIDEWAYS * np.array([1.0 / group[B], 1.0, 1.0 / R]) if group[B] > 0.0 else np.full(3, inf)
+        smooth = (
+            10.0 * PROBE * np.array([1.0 / group[GROUP_HALF_WIDTH], 1.0, 1.0 / R])
+            if group[GROUP_HALF_WIDTH] > 0.0
+            else np.full(3, inf)
+        )
         if (jump > smooth).any():
             found.append((place, np.where(jump > smooth, jump, 0.0)))
     return found
 
 
-def floor_from(excitation: Any, group: np.ndarray, R: float) -> float:
+def floor_reach(excitation: Any, group: np.ndarray, R: float) -> float:
     """The greatest distance (m) from the middle at which a group is felt in its full depth; -1 if nowhere."""
-    if felt(excitation, group, 0.0, R)[1] < group[DEPTH]:
+    if pit_response(excitation, group, 0.0, R)[1] < group[DEPTH]:
         return -1.0
-    low, high = 0.0, float(group[B])
+    low, high = 0.0, float(group[GROUP_HALF_WIDTH])
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if felt(excitation, group, middle, R)[1] >= group[DEPTH]:
+        if pit_response(excitation, group, middle, R)[1] >= group[DEPTH]:
             low = middle
         else:
             high = middle
@@ -90,7 +113,7 @@ def cusps_of(path: Path) -> list[tuple[float, np.ndarray]]:
 
 
 @generic
-def next_cusp(model: Any, t: float, y: np.ndarray) -> float:
+def next_jump(model: Any, t: float, y: np.ndarray) -> float:
     """Time (s) of the next jump of a force, from ``t`` (s) on; inf where there is none.
 
     Of rollers that move freely it is a prediction from the state in ``y``, which falls short until it is near.
@@ -98,10 +121,12 @@ def next_cusp(model: Any, t: float, y: np.ndarray) -> float:
 
 
 @jit
-def way_to_jump(pits, d, s, forwards):
-    """Way (m) from ``s`` to the next jump of meeting ``d``, s growing if ``forwards``; inf if none is ahead."""
+def distance_to_jump(pits, d, s, forwards):
+    """Way (m) from ``s`` to the next jump of roller-pit pair ``d``, s growing if ``forwards``; inf if none is
+    ahead.
+    """
     least = inf
-    for k in range(int(pits.head[d, JUMPS])):
+    for k in range(int(pits.head[d, JUMP_COUNT])):
         way = pits.head[d, FIRST_JUMP + k] - s
         way = way if forwards else -way
         least = min(least, way if way >= 0.0 else inf)
@@ -110,44 +135,44 @@ def way_to_jump(pits, d, s, forwards):
 
 @jit
 def spacing(pits, d, Z):
-    """Way (m) along rolling between two contacts that come to meeting ``d`` one after the other."""
-    return 2.0 * pi * pits.head[d, RADIUS] / (1 if pits.head[d, ON] >= 0.0 else Z)
+    """Way (m) along rolling between two contacts that come to roller-pit pair ``d`` one after the other."""
+    return 2.0 * pi * pits.head[d, RADIUS] / (1 if pits.head[d, CARRIER] >= 0.0 else Z)
 
 
-def next_cusp_evenly(model, t, y):
-    """``next_cusp`` of rollers that stand evenly spaced and turn without slip: exact."""
+def next_jump_evenly(model, t, y):
+    """``next_jump`` of rollers that stand evenly spaced and turn without slip: exact."""
     pits, b = model.pits, model.bearing
     soonest = inf
     for d in range(len(pits.head)):
-        speed = sliding(pits, d, b)
+        speed = passing_speed(pits, d, b)
         if speed != 0.0:
-            _, s = standing(model, d, t, y)
+            _, s = roller_at_pit(model, d, t, y)
             follows = spacing(pits, d, b.Z)
-            next_one = way_to_jump(pits, d, s - follows if speed > 0.0 else s + follows, speed > 0.0)
-            way = min(way_to_jump(pits, d, s, speed > 0.0), next_one)
+            next_one = distance_to_jump(pits, d, s - follows if speed > 0.0 else s + follows, speed > 0.0)
+            way = min(distance_to_jump(pits, d, s, speed > 0.0), next_one)
             soonest = min(soonest, t + way / abs(speed))
     return soonest
 
 
-def next_cusp_freely(model, t, y):
-    """``next_cusp`` of rollers that stand anywhere: of the one nearest to each meeting, from how it moves.
+def next_jump_freely(model, t, y):
+    """``next_jump`` of rollers that stand anywhere: of the one nearest to each roller-pit pair, from how it moves.
 
     Left out of its speed: that the rings move across, a thousandth of it. So the time falls short by a hundredth
-    of the way, until that is ``NEAR``. Of a skewed roller its middle counts.
+    of the way, until that is ``NEAR_JUMP``. Of a skewed roller its middle counts.
     """
     pits, b = model.pits, model.bearing
-    _, rate, _ = elapsed(model.motion, t)
+    _, rate, _ = kinematic_time(model.motion, t)
     soonest = inf
     for d in range(len(pits.head)):
-        j, s = standing(model, d, t, y)
-        on = pits.head[d, ON]
-        turning = b.omega_c * rate + y[VELOCITY + PHI_C] + y[EPS_V + j]
+        j, s = roller_at_pit(model, d, t, y)
+        on = pits.head[d, CARRIER]
+        turning = b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C] + y[lay.EPS_V + j]
         if on >= 0.0:
-            turning -= (b.omega_c - b.omega_b) * rate + y[SPIN_V + j]
+            turning -= (b.omega_c - b.omega_b) * rate + y[lay.SPIN_V + j]
         else:
-            turning -= b.omega_i * rate if on == ON_INNER else y[VELOCITY + PSI]
+            turning -= b.omega_i * rate if on == ON_INNER else y[lay.VELOCITY + lay.PSI]
         speed = pits.head[d, RADIUS] * turning
         if speed != 0.0:
-            way = way_to_jump(pits, d, s, speed > 0.0)
-            soonest = min(soonest, t + (way if way < NEAR else 0.99 * way) / abs(speed))
+            way = distance_to_jump(pits, d, s, speed > 0.0)
+            soonest = min(soonest, t + (way if way < NEAR_JUMP else 0.99 * way) / abs(speed))
     return soonest

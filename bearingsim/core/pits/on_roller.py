@@ -4,27 +4,29 @@ from typing import Any
 
 import numpy as np
 
+from bearingsim.core.geometry.sides import contact_rows
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.laws.damping.interface import normal_force, slopes
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
-from bearingsim.core.parameters import turns
-from bearingsim.core.pits.excitations import felt
-from bearingsim.core.pits.pairs import HALF_WIDTH, REDUCED, SIDE, USED, W, meeting
+from bearingsim.core.parameters import kinematic_angles
+from bearingsim.core.pits.excitations import pit_response
+from bearingsim.core.pits.pairs import GROUP_COUNT, GROUP_WEIGHT, HALF_WIDTH, REDUCED_RADIUS, SIDE, nearest_roller
 
 
 @jit
 def elastic_over_pit(stiffness, pits, d, s, delta):
-    """Elastic force (N), its slope (N/m) and the mean approach (m) of a contact that stands in meeting ``d``.
+    """Elastic force (N), its slope (N/m) and the mean approach (m) of a contact that stands in roller-pit pair
+    ``d``.
 
     delta: approach (m) to the undamaged race; ``s``: distance (m) from the pit's middle. ``d`` = -1: no pit.
     """
     if d < 0:
         return elastic(stiffness, max(delta, 0.0)), tangent(stiffness, max(delta, 0.0)), max(delta, 0.0)
     force, slope, mean = 0.0, 0.0, 0.0
-    for k in range(int(pits.head[d, USED])):
+    for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
-        share, h, _ = felt(pits.excitation, group, s, pits.head[d, REDUCED])
-        weight, here = share * group[W], max(delta - h, 0.0)
+        share, h, _ = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
+        weight, here = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
         force += weight * elastic(stiffness, here)
         slope += weight * tangent(stiffness, here)
         mean += weight * here
@@ -33,16 +35,17 @@ def elastic_over_pit(stiffness, pits, d, s, delta):
 
 @jit
 def force_over_pit(contact, pits, d, s, speed, delta, v):
-    """Force (N) of a contact in meeting ``d``, its sideways part, and mean approach (m) and closing rate (m/s).
+    """Force (N) of a contact in roller-pit pair ``d``, its sideways part, and mean approach (m) and closing rate
+    (m/s).
 
     delta, v: approach (m) to the undamaged race and its rate (m/s); speed: ds/dt (m/s). The means are over what is
-    in contact, for the step watch. The sideways part is sum Q_k dh_k/ds (N): times -1 the push along growing s.
+    in contact, for the step monitor. The sideways part is sum Q_k dh_k/ds (N): times -1 the push along growing s.
     """
     force, sideways, mean, closing = 0.0, 0.0, 0.0, 0.0
-    for k in range(int(pits.head[d, USED])):
+    for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
-        share, h, slope = felt(pits.excitation, group, s, pits.head[d, REDUCED])
-        weight, rate = share * group[W], v - slope * speed
+        share, h, slope = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
+        weight, rate = share * group[GROUP_WEIGHT], v - slope * speed
         part = weight * normal_force(contact, delta - h, rate)
         force += part
         sideways += part * slope
@@ -52,15 +55,31 @@ def force_over_pit(contact, pits, d, s, speed, delta, v):
 
 
 @jit
-def sinking_rate(stiffness, pits, d, s, speed, delta):
-    """Mean rate (m/s) at which a contact in meeting ``d`` sinks, weighted by its elastic forces; 0 for no pit."""
+def correct_contact(side, contact, pits, d, j, s, speed, y):
+    """Correct the contact of roller ``j`` that stands in roller-pit pair ``d``; returns its force's sideways part
+    (N).
+
+    The approach and rate kept for the roller are means over what is in contact, for the step monitor.
+    """
+    force, approach, rate, _, _ = contact_rows(side)
+    y[force + j], sideways, y[approach + j], y[rate + j] = force_over_pit(
+        contact, pits, d, s, speed, y[approach + j], y[rate + j]
+    )
+    return sideways
+
+
+@jit
+def roller_drop_rate(stiffness, pits, d, s, speed, delta):
+    """Mean rate (m/s) at which a contact in roller-pit pair ``d`` sinks, weighted by its elastic forces; 0 for no
+    pit.
+    """
     if d < 0:
         return 0.0
     force, moment = 0.0, 0.0
-    for k in range(int(pits.head[d, USED])):
+    for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
-        share, h, slope = felt(pits.excitation, group, s, pits.head[d, REDUCED])
-        part = share * group[W] * elastic(stiffness, max(delta - h, 0.0))
+        share, h, slope = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
+        part = share * group[GROUP_WEIGHT] * elastic(stiffness, max(delta - h, 0.0))
         force += part
         moment += part * slope * speed
     return moment / force if force > 0.0 else 0.0
@@ -70,12 +89,12 @@ def sinking_rate(stiffness, pits, d, s, speed, delta):
 def slopes_over_pit(contact, pits, d, s, speed, delta, v):
     """How the force of ``force_over_pit`` grows with the approach (N/m) and with its rate (N s/m)."""
     K, C = 0.0, 0.0
-    for k in range(int(pits.head[d, USED])):
+    for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
-        share, h, slope = felt(pits.excitation, group, s, pits.head[d, REDUCED])
+        share, h, slope = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
         by_approach, by_rate = slopes(contact, delta - h, v - slope * speed)
-        K += share * group[W] * by_approach
-        C += share * group[W] * by_rate
+        K += share * group[GROUP_WEIGHT] * by_approach
+        C += share * group[GROUP_WEIGHT] * by_rate
     return K, C
 
 
@@ -85,21 +104,21 @@ def stiffness_over_pit(stiffness, pits, d, s, delta):
     if d < 0:
         return tangent(stiffness, delta) if delta > 0.0 else 0.0
     slope = 0.0
-    for k in range(int(pits.head[d, USED])):
+    for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
-        share, h, _ = felt(pits.excitation, group, s, pits.head[d, REDUCED])
-        slope += share * group[W] * (tangent(stiffness, delta - h) if delta > h else 0.0)
+        share, h, _ = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
+        slope += share * group[GROUP_WEIGHT] * (tangent(stiffness, delta - h) if delta > h else 0.0)
     return slope
 
 
 @jit
-def sinking_slope(stiffness, pits, d, s, speed, delta):
-    """How ``sinking_rate`` grows with the approach (1/s)."""
+def roller_drop_rate_slope(stiffness, pits, d, s, speed, delta):
+    """How ``roller_drop_rate`` grows with the approach (1/s)."""
     force, moment, stiff, stiff_moment = 0.0, 0.0, 0.0, 0.0
-    for k in range(int(pits.head[d, USED])):
+    for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
-        share, h, slope = felt(pits.excitation, group, s, pits.head[d, REDUCED])
-        weight, here = share * group[W], max(delta - h, 0.0)
+        share, h, slope = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
+        weight, here = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
         part = weight * elastic(stiffness, here)
         growth = weight * tangent(stiffness, here) if here > 0.0 else 0.0
         force += part
@@ -110,36 +129,40 @@ def sinking_slope(stiffness, pits, d, s, speed, delta):
 
 
 @jit
-def mean_sinking(pits, d, s):
-    """Mean sinking (m) over the roller's length."""
+def mean_roller_drop(pits, d, s):
+    """Mean drop (m) over the roller's length."""
     mean = 0.0
-    for k in range(int(pits.head[d, USED])):
+    for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
-        share, h, _ = felt(pits.excitation, group, s, pits.head[d, REDUCED])
-        mean += share * group[W] * h
+        share, h, _ = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
+        mean += share * group[GROUP_WEIGHT] * h
     return mean
 
 
 @generic
-def standing(model: Any, d: int, t: float, y: np.ndarray) -> tuple[int, float]:
-    """The roller nearest to meeting ``d`` at time ``t`` (s), and its distance (m) from the pit's middle."""
+def roller_at_pit(model: Any, d: int, t: float, y: np.ndarray) -> tuple[int, float]:
+    """The roller nearest to roller-pit pair ``d`` at time ``t`` (s), and its distance (m) from the pit's
+    middle.
+    """
 
 
-def standing_evenly(model, d, t, y):
-    """``standing`` of rollers that stand evenly spaced and turn without slip."""
-    theta_c, theta_i, roll = turns(model.bearing, t)
-    return meeting(model.pits, d, theta_c, theta_i, roll, model.bearing.Z)
+def roller_at_pit_evenly(model, d, t, y):
+    """``roller_at_pit`` of rollers that stand evenly spaced and turn without slip."""
+    theta_c, theta_i, roll = kinematic_angles(model.bearing, t)
+    return nearest_roller(model.pits, d, theta_c, theta_i, roll, model.bearing.Z)
 
 
 @jit
-def outdone(model, d, j, s, t, y):
-    """Whether another meeting counts at this contact of roller ``j``: of two pits the deeper one is felt."""
+def is_masked(model, d, j, s, t, y):
+    """Whether another roller-pit pair counts at this contact of roller ``j``: of two pits the deeper one is
+    felt.
+    """
     pits = model.pits
     for e in range(len(pits.head)):
         if e != d and pits.head[e, SIDE] == pits.head[d, SIDE]:
-            other, along = standing(model, e, t, y)
+            other, along = roller_at_pit(model, e, t, y)
             if other == j and abs(along) < pits.head[e, HALF_WIDTH]:
-                here, there = mean_sinking(pits, d, s), mean_sinking(pits, e, along)
+                here, there = mean_roller_drop(pits, d, s), mean_roller_drop(pits, e, along)
                 if there > here or (there == here and e < d):
                     return True
     return False

@@ -27,28 +27,28 @@ import numpy as np
 
 from bearingsim.core.jit import jit
 
-NEVER = 1.0  # m: a wall met only a metre from the rim is never met
+NO_WALL = 1.0  # m: a wall met only a metre from the rim is never met
 
-W, B, X_E, KAPPA, DEPTH = range(5)  # columns of a group
+GROUP_WEIGHT, GROUP_HALF_WIDTH, X_E, KAPPA, DEPTH = range(5)  # columns of a group
 GROUP = 5
 
 OUTER, INNER = 0, 1  # sides of a roller, on which it touches a race
 ON_OUTER, ON_INNER = -1, -2  # what carries a pit, if no roller
 
 
-class Meeting(NamedTuple):
+class RollerPitPair(NamedTuple):
     """A pit as one contact meets it. A pit of a race is met on that race's side, a roller's pit on both.
 
-    side: OUTER or INNER; on: ON_OUTER, ON_INNER, or the number of the roller that carries it; angle: rad from the
-    load line (on the inner race at t = 0), or from the roller's outermost point at t = 0; radius: of the surface
-    that carries it (m); R: reduced radius of roller and race (m); groups: rows (w, b, x_e, kappa, depth); paths:
-    of a traced pit, one for each group (``pits/traced.py``); cusp: place (m) of the sharpest cusp; span: the
-    shortest way (m) over the pit or a part of it, 0 if from rim to rim; jumps: places (m) where the force or its
-    damping part jumps (``pits/jumps.py``).
+    side: OUTER or INNER; carrier: ON_OUTER, ON_INNER, or the number of the roller that carries it; angle: rad from
+    the load line (on the inner race at t = 0), or from the roller's outermost point at t = 0; radius: of the
+    surface that carries it (m); R: reduced radius of roller and race (m); groups: rows (w, b, x_e, kappa, depth);
+    paths: of a traced pit, one for each group (``pack_pits/traced.py``); cusp: place (m) of the sharpest cusp;
+    span: the shortest way (m) over the pit or a part of it, 0 if from rim to rim; jumps: places (m) where the
+    force or its damping part jumps (``pack_pits/jumps.py``).
     """
 
     side: int
-    on: int
+    carrier: int
     angle: float
     radius: float
     R: float
@@ -61,19 +61,20 @@ class Meeting(NamedTuple):
     @property
     def half_width(self) -> float:
         """The distance (m) from the middle beyond which no group feels the pit."""
-        return float(max(row[B] for row in self.groups))
+        return float(max(row[GROUP_HALF_WIDTH] for row in self.groups))
 
 
-SIDE, ON, ANGLE, RADIUS, REDUCED, HALF_WIDTH, USED, CUSP, SPAN, JUMPS = range(10)  # columns of a meeting's head
+# columns of a roller-pit pair's head
+SIDE, CARRIER, ANGLE, RADIUS, REDUCED_RADIUS, HALF_WIDTH, GROUP_COUNT, CUSP, SPAN, JUMP_COUNT = range(10)
 FIRST_JUMP = 10
 
 
 class Pits(NamedTuple):
-    """All meetings, packed in few arrays: each one that a function is handed costs it reference counting.
+    """All roller-pit pairs, packed in few arrays: each one that a function is handed costs it reference counting.
 
-    head: (D, 10 + most jumps) as in ``Meeting``, then half_width (m), beyond which no roller feels the pit, used,
-    its number of groups, cusp (m), span (m), the number of jumps and their places (m); groups: (D, K, 5), padded
-    with rows of weight zero; excitation: what a roller feels of a pit (``pits/excitations.py``).
+    head: (D, 10 + most jumps) as in ``RollerPitPair``, then half_width (m), beyond which no roller feels the pit,
+    used, its number of groups, cusp (m), span (m), the number of jumps and their places (m); groups: (D, K, 5),
+    padded with rows of weight zero; excitation: what a roller feels of a pit (``pack_pits/excitations.py``).
     """
 
     head: np.ndarray
@@ -81,19 +82,19 @@ class Pits(NamedTuple):
     excitation: Any
 
 
-def pits(meetings: Sequence[Meeting], excitation: Any, most: int = 1) -> Pits:
-    """Pack the meetings into the arrays the core reads, with room for ``most`` groups each or more."""
-    deepest = max([most, *(len(one.groups) for one in meetings)])
-    groups = np.zeros((len(meetings), deepest, GROUP))
-    for row, one in zip(groups, meetings, strict=True):
+def pack_pits(pairs: Sequence[RollerPitPair], excitation: Any, most: int = 1) -> Pits:
+    """Pack the roller-pit pairs into the arrays the core reads, with room for ``most`` groups each or more."""
+    deepest = max([most, *(len(one.groups) for one in pairs)])
+    groups = np.zeros((len(pairs), deepest, GROUP))
+    for row, one in zip(groups, pairs, strict=True):
         row[: len(one.groups)] = one.groups
-    head = np.zeros((len(meetings), FIRST_JUMP + max((len(one.jumps) for one in meetings), default=0)))
-    for row, one in zip(head, meetings, strict=True):
+    head = np.zeros((len(pairs), FIRST_JUMP + max((len(one.jumps) for one in pairs), default=0)))
+    for row, one in zip(head, pairs, strict=True):
         reach, used = one.half_width, len(one.groups)
         span = one.span or 2.0 * reach
         row[:FIRST_JUMP] = (
             one.side,
-            one.on,
+            one.carrier,
             one.angle,
             one.radius,
             one.R,
@@ -118,9 +119,9 @@ def inner_reduced_radius(R_w: float, R_i: float) -> float:
 
 
 @jit
-def depression(group, s, R):
+def roller_drop(group, s, R):
     """Envelope h (m) of one group at ``s`` (m) from the pit's middle, and its slope dh/ds."""
-    x = max(group[B] - abs(s), 0.0)
+    x = max(group[GROUP_HALF_WIDTH] - abs(s), 0.0)
     x_1 = min(x, group[X_E])
     x_2 = x - x_1
     h = x_1 * x_1 / (2.0 * R) + x_1 * x_2 / R - group[KAPPA] * x_2 * x_2 / 2.0
@@ -131,24 +132,27 @@ def depression(group, s, R):
 
 
 @jit
-def depression_bend(group, s, R):
-    """How the slope of ``depression`` grows along ``s`` (1/m): 1/R on a rim, -kappa on a wall, none on a floor."""
-    x = max(group[B] - abs(s), 0.0)
-    if x == 0.0 or depression(group, s, R)[0] >= group[DEPTH]:
+def roller_drop_curvature(group, s, R):
+    """How the slope of ``roller_drop`` grows along ``s`` (1/m): 1/R on a rim, -kappa on a wall, none on a
+    floor.
+    """
+    x = max(group[GROUP_HALF_WIDTH] - abs(s), 0.0)
+    if x == 0.0 or roller_drop(group, s, R)[0] >= group[DEPTH]:
         return 0.0
     return 1.0 / R if x <= group[X_E] else -group[KAPPA]
 
 
 @jit
-def meeting(pits, d, theta_c, theta_i, roll, Z):
-    """Which roller is nearest to meeting ``d``, and its distance s (m) along rolling from the pit's middle.
+def nearest_roller(pack_pits, d, theta_c, theta_i, roll, Z):
+    """Which roller is nearest to roller-pit pair ``d``, and its distance s (m) along rolling from the pit's
+    middle.
 
     theta_c: angle of roller 0 (rad); the Z rollers are evenly spaced. theta_i: angle of the inner ring. roll: how
     far a roller has turned backwards relative to the line through its centre and the bearing's. Where motion has
     blown up, and angles are not finite or too large to tell rollers apart, it is roller 0: no index is ever wild.
     """
-    head = pits.head[d]
-    on = head[ON]
+    head = pack_pits.head[d]
+    on = head[CARRIER]
     if on >= 0.0:
         turn = (roll - head[ANGLE]) / (2.0 * pi) - 0.5 * head[SIDE]
         return int(on), (turn - np.floor(turn + 0.5)) * 2.0 * pi * head[RADIUS]
@@ -161,9 +165,9 @@ def meeting(pits, d, theta_c, theta_i, roll, Z):
 
 
 @jit
-def sliding(pits, d, bearing):
+def passing_speed(pack_pits, d, bearing):
     """How fast (m/s) rollers move past the pit, ds/dt, at kinematic speeds."""
-    on = pits.head[d, ON]
+    on = pack_pits.head[d, CARRIER]
     if on >= 0.0:
-        return pits.head[d, RADIUS] * bearing.omega_b
-    return pits.head[d, RADIUS] * (bearing.omega_c - (bearing.omega_i if on == ON_INNER else 0.0))
+        return pack_pits.head[d, RADIUS] * bearing.omega_b
+    return pack_pits.head[d, RADIUS] * (bearing.omega_c - (bearing.omega_i if on == ON_INNER else 0.0))

@@ -1,7 +1,7 @@
 """A spall that grows by a rule: bowl by bowl, along rolling and sideways.
 
 Material breaks out where rolling elements land: at the rim that they reach last, the trailing one. So each new
-bowl has its middle on that rim, where of ``TRIES`` places drawn evenly from the spall's present extent across the
+bowl has its middle on that rim, where of ``DRAWS`` places drawn evenly from the spall's present extent across the
 rim is nearest (a roller, being straight, lands there first). Its half sizes and depth are drawn evenly from
 ``SIZES`` and ``DEPTHS``, the first bowl's half sizes being 1. A spall thus grows along rolling and fans out.
 ``BOWLS`` of them make the whole, which is then stretched to its length, width and depth; a spall that is grown by
@@ -20,7 +20,7 @@ from bearingsim.core.pits.profile import RACE, Profile, deepest, quadratic
 
 BOWLS = 32
 SIZES, DEPTHS = (0.6, 1.2), (0.5, 1.0)
-TRIES = 2
+DRAWS = 2
 FIRST_DEPTH = 0.7
 
 Bowl = tuple[float, float, float, float, float]
@@ -38,13 +38,13 @@ class Spall(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def grown_to_the_end(seed: int) -> tuple[Bowl, ...]:
+def full_grown(seed: int) -> tuple[Bowl, ...]:
     """The bowls of a spall in the order of their breaking, in a box from -1/2 to 1/2 along and across, 1 deep."""
     draw = np.random.default_rng(seed)
     bowls: list[Bowl] = [(0.0, 0.0, 1.0, 1.0, FIRST_DEPTH)]
     for _ in range(BOWLS - 1):
         low, high = min(v - b for _, v, _, b, _ in bowls), max(v + b for _, v, _, b, _ in bowls)
-        rims = [(trailing_rim(bowls, across), across) for across in draw.uniform(low, high, TRIES).tolist()]
+        rims = [(trailing_rim(bowls, across), across) for across in draw.uniform(low, high, DRAWS).tolist()]
         a, b, d = draw.uniform(*SIZES), draw.uniform(*SIZES), draw.uniform(*DEPTHS)
         bowls.append((*min(rims), a, b, d))
     return _in_a_box(bowls)
@@ -67,7 +67,7 @@ def _in_a_box(bowls: list[Bowl]) -> tuple[Bowl, ...]:
 
 def bowls_of(spall: Spall) -> list[Bowl]:
     """The bowls that are there, in m: the last one of a size in between."""
-    whole = grown_to_the_end(spall.seed)
+    whole = full_grown(spall.seed)
     count = spall.grown * (len(whole) - 1)
     found = []
     for n, (u, v, a, b, d) in enumerate(whole):

@@ -7,30 +7,30 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.core.pits.closed_forms import UNTOUCHED
+from bearingsim.core.pits.closed_forms import NO_PIT
 from bearingsim.core.pits.depth import EVEN, SMOOTH, Merged, Placed, Scanned, cuts, extent, section
 from bearingsim.core.pits.envelope import FLAT, Path, cusp, packed, path_over, steepest
 from bearingsim.core.pits.excitations import Traced
-from bearingsim.core.pits.pairs import KAPPA, Meeting, Pits, pits
+from bearingsim.core.pits.pairs import KAPPA, Pits, RollerPitPair, pack_pits
 from bearingsim.core.pits.profile import Profile, relief
 
 SAME = np.array([1e-12, 1e-18, 1e-12, 1e-6])  # m, m, 1, 1/m: paths whose pieces and ends differ by less are one
-Cut = tuple[float, float]
+RollerSlice = tuple[float, float]
 """Weight (1) and middle z (m, from the roller's) of a slice of a roller."""
 
 
-def across(pit: Any, L_w: float, nodes: int) -> list[Cut]:
+def cut_along_roller(pit: Any, L_w: float, nodes: int) -> list[RollerSlice]:
     """Slices of a roller of length ``L_w`` (m) over a pit, their weights adding up to its share of the roller.
 
     Where the section is the same all along there is one; where it changes smoothly ``nodes`` of Gauss on the
     longest stretch, in proportion on others; where it is rough as many of even length.
     """
-    felt = [(max(a, -L_w / 2.0), min(b, L_w / 2.0), kind) for a, b, kind in cuts(pit)]
-    felt = [(a, b, kind) for a, b, kind in felt if b > a]
-    longest = max((b - a for a, b, _ in felt), default=0.0)
+    stretches = [(max(a, -L_w / 2.0), min(b, L_w / 2.0), kind) for a, b, kind in cuts(pit)]
+    stretches = [(a, b, kind) for a, b, kind in stretches if b > a]
+    longest = max((b - a for a, b, _ in stretches), default=0.0)
     return [
         ((b - a) / L_w * float(weight) / 2.0, (a + b) / 2.0 + (b - a) / 2.0 * float(x))
-        for a, b, kind in felt
+        for a, b, kind in stretches
         for x, weight in zip(*_rule(kind, ceil(nodes * (b - a) / longest - 1e-9)), strict=True)
     ]
 
@@ -44,32 +44,32 @@ def _rule(kind: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
     return (2.0 * np.arange(nodes) + 1.0) / nodes - 1.0, np.full(nodes, 2.0 / nodes)
 
 
-Felt = tuple[tuple[float, ...], Path]
+TracedGroup = tuple[tuple[float, ...], Path]
 """A group without its weight (b, x_e, 0, depth), and its path."""
 
 
-def paths_over(pit: Any, R: float, places: Sequence[float] | np.ndarray) -> tuple[Felt, ...]:
+def paths_over(pit: Any, R: float, places: Sequence[float] | np.ndarray) -> tuple[TracedGroup, ...]:
     """What is felt of a pit at each z (m) of ``places``: found once."""
     return _paths_over(pit, repr(pit), R, tuple(float(z) for z in places))
 
 
 @lru_cache(maxsize=256)
-def _paths_over(pit: Any, named: str, R: float, places: tuple[float, ...]) -> tuple[Felt, ...]:
+def _paths_over(pit: Any, named: str, R: float, places: tuple[float, ...]) -> tuple[TracedGroup, ...]:
     """``paths_over``, remembered; ``named`` tells shapes apart that are equal as tuples. A rough pit in 41 slices
     has 20 kB of paths: a sweep's pits are all kept.
     """
     return tuple(_traced(section(pit, z), R) for z in places)
 
 
-def _traced(profile: Profile, R: float) -> Felt:
+def _traced(profile: Profile, R: float) -> TracedGroup:
     path = path_over(profile, R)
     if len(path.pieces) == 0:
-        return UNTOUCHED, path
+        return NO_PIT, path
     reach = R * steepest(path)
     return (max(-path.pieces[0, 0], path.end, reach), reach, 0.0, relief(profile)), path
 
 
-def grouped(pit: Any, R: float, slices: Sequence[Cut]) -> tuple[list, list[Path]]:
+def grouped(pit: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:
     """Groups and paths of a roller over a pit; slices that feel the same are one group, the rest of it another."""
     found: dict[bytes, tuple[float, tuple, Path]] = {}
     for (weight, _), (row, path) in zip(slices, paths_over(pit, R, [z for _, z in slices]), strict=True):
@@ -77,7 +77,7 @@ def grouped(pit: Any, R: float, slices: Sequence[Cut]) -> tuple[list, list[Path]
         before = found[key][0] if key in found else 0.0
         found[key] = (before + weight, row, path)
     rest = 1.0 - sum(weight for weight, _ in slices)
-    untouched = [(rest, UNTOUCHED, FLAT)] if rest > 1e-12 else []
+    untouched = [(rest, NO_PIT, FLAT)] if rest > 1e-12 else []
     parts = [*untouched, *found.values()]
     return [(weight, *row) for weight, row, _ in parts], [path for _, _, path in parts]
 
@@ -114,12 +114,12 @@ def burr(pit: Any) -> float:
     return max(0.0, -float(pit.depth.min())) if isinstance(pit, Scanned) else 0.0
 
 
-def traced_pits(meetings: Sequence[Meeting]) -> Pits:
-    """The meetings packed, and their paths in one table."""
-    paths = [path for one in meetings for path in one.paths if len(path.pieces)]
+def traced_pits(pairs: Sequence[RollerPitPair]) -> Pits:
+    """The roller-pit pairs packed, and their paths in one table."""
+    paths = [path for one in pairs for path in one.paths if len(path.pieces)]
     table, places = packed(paths)
-    found, left = pits(meetings, Traced(table)), iter(places)
-    for groups, one in zip(found.groups, meetings, strict=True):
+    found, left = pack_pits(pairs, Traced(table)), iter(places)
+    for groups, one in zip(found.groups, pairs, strict=True):
         for row, path in zip(groups, one.paths, strict=False):
             row[KAPPA] = next(left) if len(path.pieces) else 0.0
     return found

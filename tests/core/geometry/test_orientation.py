@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
-from bearingsim.core.advance import Watch, advance, start_at_rest
-from bearingsim.core.layout import AXIAL_V, AXIS_X, AXIS_X_V, AXIS_Y, AXIS_Y_V, SPIN, SPIN_V
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import Monitor, advance, start_at_rest
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
-from bearingsim.core.outcomes import FINE
+from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parts.cage import Centred
 from tests.core.models.test_planar_balance import orders
 from tests.independent.spatial_bodies import leant
@@ -18,7 +18,7 @@ from tests.scenes.spatial_bearing import empty, even, in_space
 APART = 1e-3  # m: how far from the races
 SPEED = 3000.0  # rad/s
 LEAN, TIPPING = np.array([0.02, -0.05]), np.array([150.0, 90.0])
-ROWS = np.array([AXIS_X, AXIS_Y, AXIS_X_V, AXIS_Y_V, SPIN, SPIN_V])
+ROWS = np.array([lay.AXIS_X, lay.AXIS_Y, lay.AXIS_X_V, lay.AXIS_Y_V, lay.SPIN, lay.SPIN_V])
 
 
 def flying():
@@ -34,13 +34,13 @@ def flight(model, h, span, make=RungeKutta4):
     y = empty(model)
     for row, value in zip(ROWS[:4], (*LEAN, *TIPPING), strict=True):
         y[row] = value
-    y[AXIAL_V] = 0.3
+    y[lay.AXIAL_V] = 0.3
     start_at_rest(model, 0.0, y)
     n = round(span / h)
     out = np.empty((6, n + 1))
     out[:, 0] = y[ROWS]
     later = np.empty((6, n))
-    assert advance(make(h), model, Watch(1000, 1.0), 0, y, ROWS, later)[1] == FINE
+    assert advance(make(h), model, Monitor(1000, 1.0), 0, y, ROWS, later)[1] == SUCCESS
     out[:, 1:] = later
     return out
 

@@ -8,9 +8,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from bearingsim.core.laws.friction.frictionless import Frictionless
-from bearingsim.core.laws.friction.interface import mu, mu_slope, steepest
+from bearingsim.core.laws.friction.interface import mu, mu_slope, mu_slope_bound
 from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
-from bearingsim.core.laws.friction.traction import JUMP_WITHIN, KRAGELSKII, SLOWEST_ROLLING, Traction, exp_minus
+from bearingsim.core.laws.friction.traction import JUMP_WIDTH, KRAGELSKII, MIN_ROLLING_SPEED, Traction, exp_minus
 from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
 from tests.scenes.laws import slope
 
@@ -69,15 +69,15 @@ def test_traction_peaks_at_a_hundredth_and_sinks_to_a_tenth():
 
 def test_traction_scales_with_the_rolling_speed_down_to_standstill():
     assert mu(KRAGELSKII, 0.03, 3.0) == pytest.approx(mu(KRAGELSKII, 0.01, 1.0), rel=1e-14, abs=0.0)
-    assert mu(KRAGELSKII, 1e-4, 0.0) == mu(KRAGELSKII, 1e-4, SLOWEST_ROLLING)
-    assert mu(KRAGELSKII, 1e-4, -1.0) == mu(KRAGELSKII, 1e-4, SLOWEST_ROLLING)
+    assert mu(KRAGELSKII, 1e-4, 0.0) == mu(KRAGELSKII, 1e-4, MIN_ROLLING_SPEED)
+    assert mu(KRAGELSKII, 1e-4, -1.0) == mu(KRAGELSKII, 1e-4, MIN_ROLLING_SPEED)
     assert mu(KRAGELSKII, 1e9, 1.0) == pytest.approx(0.1, rel=1e-15, abs=0.0)
 
 
 def test_a_traction_that_would_jump_at_zero_slip_rises_instead():
     u = 2.0
     assert mu(BOUNDARY, 1e-6, u) < 1e-3
-    s = JUMP_WITHIN
+    s = JUMP_WIDTH
     for _ in range(3):
         expected = (BOUNDARY.a + BOUNDARY.b * s) * exp(-BOUNDARY.c * s) + BOUNDARY.d
         assert mu(BOUNDARY, s * u, u) == pytest.approx(expected, rel=1e-12, abs=0.0)
@@ -88,9 +88,9 @@ def test_a_traction_that_would_jump_at_zero_slip_rises_instead():
 @pytest.mark.parametrize("u", [0.3, 3.0, 20.0])
 def test_curves_are_smooth_and_nowhere_steeper_than_told(law, u):
     """Values and slopes by differences on a fine grid through every joint, the slope's jumps included."""
-    told = steepest(law, u)
+    told = mu_slope_bound(law, u)
     joints = [0.0]
-    joints += [law.v_s, law.v_d] if isinstance(law, StaticDynamic) else [JUMP_WITHIN * u, 40.0 / KRAGELSKII.c * u]
+    joints += [law.v_s, law.v_d] if isinstance(law, StaticDynamic) else [JUMP_WIDTH * u, 40.0 / KRAGELSKII.c * u]
     for joint in joints:
         h = 1e-7 * max(joint, 1e-2)
         before, at, after = (mu(law, joint + n * h, u) for n in (-1, 0, 1))
@@ -104,9 +104,9 @@ def test_curves_are_smooth_and_nowhere_steeper_than_told(law, u):
 
 
 def test_known_slopes():
-    assert steepest(PAPER, 3.0) == pytest.approx(1.5 * 0.3 / 0.02)
-    assert steepest(KRAGELSKII, 3.0) == pytest.approx(40.426 / 3.0, rel=1e-6, abs=0.0)
-    assert steepest(KRAGELSKII, 0.0) == pytest.approx(40.426 / SLOWEST_ROLLING, rel=1e-6, abs=0.0)
+    assert mu_slope_bound(PAPER, 3.0) == pytest.approx(1.5 * 0.3 / 0.02)
+    assert mu_slope_bound(KRAGELSKII, 3.0) == pytest.approx(40.426 / 3.0, rel=1e-6, abs=0.0)
+    assert mu_slope_bound(KRAGELSKII, 0.0) == pytest.approx(40.426 / MIN_ROLLING_SPEED, rel=1e-6, abs=0.0)
 
 
 def test_the_exponential():
@@ -134,7 +134,7 @@ def friction(law, y, width):
 
 @compiled
 def steepest_compiled(law, u):
-    return steepest(law, u)
+    return mu_slope_bound(law, u)
 
 
 @named
@@ -143,7 +143,7 @@ def test_friction_from_python_equals_the_compiled_one(law):
     y[:ROW] = np.append(0.0, np.random.default_rng(2).normal(size=ROW - 1) * 10.0 ** np.linspace(-6, 1, ROW - 1))
     friction(law, y, ROW)
     assert y[3 * ROW :] == pytest.approx([2.0 * mu(law, v, 3.0) for v in y[:ROW]], rel=1e-13, abs=1e-16)
-    assert steepest_compiled(law, 3.0) == pytest.approx(steepest(law, 3.0), rel=1e-15, abs=0.0)
+    assert steepest_compiled(law, 3.0) == pytest.approx(mu_slope_bound(law, 3.0), rel=1e-15, abs=0.0)
 
 
 @needs_vectors

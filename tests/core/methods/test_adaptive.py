@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from bearingsim.core.layout import FAILED, H_NEXT, T_END, TAKEN, buffer
-from bearingsim.core.methods.adaptive import MOST_TRIES
+from bearingsim.core import layout as lay
+from bearingsim.core.methods.adaptive import MAX_ATTEMPTS
 from bearingsim.core.methods.dop853 import Dop853
 from bearingsim.core.methods.dormand_prince import DormandPrince
-from bearingsim.core.outcomes import FINE, STALLED, STEP_FLOOR
+from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
 from tests.scenes.oscillators import (
     Bounce,
     Oscillator,
@@ -48,7 +48,7 @@ def test_agrees_with_scipy(method):
     """To 1e-9 everywhere, at tight tolerance; recorded instants lie anywhere in the steps."""
     out, y = run(tight(method, 0.037, 1e-12), SWING, 300)
     assert np.abs(out - peer(SWING, 0.037 * np.arange(1, 301), 0.5, 0.2)).max() < 1e-9
-    assert y[FAILED] == FINE
+    assert y[lay.FAILED] == SUCCESS
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -72,7 +72,7 @@ def test_a_run_in_pieces_is_the_same_run(method):
     """Bit for bit, buffer and all: what a run remembers lies in the buffer."""
     chosen = tight(method, 0.1, 1e-6)
     whole, y = run(chosen, SWING, 100)
-    z, pieces = buffer(1, 1.0), np.empty((100, 2))
+    z, pieces = lay.buffer(1, 1.0), np.empty((100, 2))
     start(chosen, SWING, 0.0, 0.5, 0.2, z)
     for first, end in ((0, 7), (7, 8), (8, 63), (63, 100)):
         go(chosen, SWING, first, z, pieces[first:end])
@@ -88,11 +88,11 @@ def test_order_of_dense_output(method, order):
     for h in lengths:
         worst = 0.0
         for part in (0.15, 0.3, 0.45, 0.6, 0.75, 0.9):
-            chosen, y, out = tolerant(method, part * h, h), buffer(1, 1.0), np.empty((1, 2))
+            chosen, y, out = tolerant(method, part * h, h), lay.buffer(1, 1.0), np.empty((1, 2))
             start(chosen, model, 0.0, 0.5, 0.2, y)
-            y[H_NEXT] = h
+            y[lay.H_NEXT] = h
             go(chosen, model, 0, y, out)
-            assert y[T_END] == h
+            assert y[lay.T_END] == h
             worst = max(worst, abs(out[0, 1] - swung(4.0, 0.6, part * h, 0.5, 0.2)[1]))
         errors.append(worst)
     fitted = np.polyfit(np.log(lengths), np.log(errors), 1)[0]
@@ -128,8 +128,8 @@ def test_a_bouncing_roller_comes_back(method):
 def test_a_force_that_is_no_number_ends_on_the_floor(method):
     """The run goes on to where it stops making sense, then fails, and stays failed."""
     out, y = run(tight(method, 0.1, 1e-6), Unfinished(0.55), 10, q=0.0, v=0.0)
-    assert y[FAILED] == STEP_FLOOR
-    assert y[T_END] == pytest.approx(0.55, abs=1e-12)
+    assert y[lay.FAILED] == STEP_TOO_SMALL
+    assert y[lay.T_END] == pytest.approx(0.55, abs=1e-12)
     assert out[4] == pytest.approx([0.125, 0.5], rel=1e-9)
 
 
@@ -137,13 +137,13 @@ def test_a_force_that_is_no_number_ends_on_the_floor(method):
 def test_too_stiff_a_model_stalls(method):
     """A dashpot that decays in a picosecond: so many steps between two recorded instants, and no more."""
     _, y = run(tight(method, 1.0, 1e-6), Oscillator(1.0, 1e12), 3)
-    assert y[FAILED] == STALLED
-    assert y[TAKEN] <= MOST_TRIES + 1
+    assert y[lay.FAILED] == TOO_MANY_STEPS
+    assert y[lay.STEPS_TAKEN] <= MAX_ATTEMPTS + 1
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_stiffness_is_held_without_refusals(method):
     """Where stability limits the step, proportional-integral control keeps refusals under a tenth of the steps."""
     _, y = run(tight(method, 0.1, 1e-5), Oscillator(1e4, 1e3, 1.0, 1.0), 100)
-    assert y[FAILED] == FINE
+    assert y[lay.FAILED] == SUCCESS
     assert counts(y)["refused"] < 0.1 * counts(y)["taken"]

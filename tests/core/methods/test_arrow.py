@@ -5,8 +5,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from bearingsim.core.layout import BY_POSITION, BY_VELOCITY, STAGE, STATE
-from bearingsim.core.methods.arrow import combine, factor, multiply, solve
+from bearingsim.core import layout as lay
+from bearingsim.core.methods.arrow import assemble_system, factorise, multiply, solve
 from tests.scenes.arrows import RANDOM, Sized, cells, random_arrows, sprung, turning, unused
 
 SIZES = [
@@ -14,7 +14,7 @@ SIZES = [
     for own, shared, Z in product((0, 1, 3, 6), (2, 8, 17), (3, 8, 13, 104))
     if own or Z == 13
 ]
-B, C = STAGE, STAGE + STATE  # blocks of the state that the tests work on
+B, C = lay.STAGE, lay.STAGE + lay.STATE  # blocks of the state that the tests work on
 
 
 def words(model):
@@ -31,8 +31,8 @@ def right_hand_side(model, y):
 def test_solve_equals_a_dense_one(model):
     y, A_q, A_v = random_arrows(model, 0.2 / np.sqrt(model.Z))
     b = right_hand_side(model, y)
-    combine(model, 0.7, 0.9, y)
-    factor(model, y)
+    assemble_system(model, 0.7, 0.9, y)
+    factorise(model, y)
     solve(model, B, y)
     S = np.eye(len(b)) - 0.9 * A_v - 0.7 * A_q
     expected = np.linalg.solve(S, b)
@@ -46,8 +46,8 @@ def test_solve_of_springs_up_to_1e16_leaves_a_residual_of_rounding(model):
     y, A_q = sprung(model, 10.0 ** RANDOM.uniform(0, 16, (model.Z, 4)))
     T = turning(model)
     b = right_hand_side(model, y)
-    combine(model, 1.0, 0.0, y)
-    factor(model, y)
+    assemble_system(model, 1.0, 0.0, y)
+    factorise(model, y)
     solve(model, B, y)
     S, x = np.eye(len(b)) - A_q, T @ y[cells(model, B)]
     backward = np.abs(S @ x - T @ b) / (np.abs(S) @ np.abs(x) + np.abs(T) @ np.abs(b))
@@ -55,12 +55,12 @@ def test_solve_of_springs_up_to_1e16_leaves_a_residual_of_rounding(model):
 
 
 @pytest.mark.parametrize("model", SIZES, ids=words)
-@pytest.mark.parametrize("matrix", [BY_POSITION, BY_VELOCITY])
+@pytest.mark.parametrize("matrix", [lay.POSITION_JACOBIAN, lay.VELOCITY_JACOBIAN])
 def test_multiply_equals_a_dense_one(model, matrix):
     y, A_q, A_v = random_arrows(model)
     b = right_hand_side(model, y)
     multiply(model, matrix, B, C, y)
-    expected = (A_q if matrix == BY_POSITION else A_v) @ b
+    expected = (A_q if matrix == lay.POSITION_JACOBIAN else A_v) @ b
     assert np.linalg.norm(y[cells(model, C)] - expected) <= 1e-13 * np.linalg.norm(expected) * np.sqrt(len(b))
     assert np.array_equal(y[cells(model, B)], b)
     assert not y[unused(model, C)].any()

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY, Q
 from bearingsim.core.methods import dop853, dormand_prince, nystrom, rk4, stabilised
 from bearingsim.core.methods.dop853 import Dop853
 from bearingsim.core.methods.dormand_prince import DormandPrince
-from bearingsim.core.methods.interface import load_number, step
+from bearingsim.core.methods.interface import stability_ratio, step
 from bearingsim.core.methods.limit import critical_step
 from bearingsim.core.methods.nystrom import Nystrom
 from bearingsim.core.methods.rk4 import RungeKutta4
@@ -136,7 +136,7 @@ def test_measured_limit_is_the_linear_theorys(method, zeta):
     while high - low > 2e-3 * high:
         h = 0.5 * (low + high)
         low, high = (low, h) if grows(method(h), K, C) else (h, high)
-    assert load_number(method(low), K, C) == pytest.approx(1.0, abs=0.02)
+    assert stability_ratio(method(low), K, C) == pytest.approx(1.0, abs=0.02)
     if method is SymplecticEuler:
         assert low == pytest.approx(2.0 / omega * (sqrt(1.0 + zeta * zeta) - zeta), rel=0.02)
 
@@ -144,7 +144,7 @@ def test_measured_limit_is_the_linear_theorys(method, zeta):
 def test_adaptive_methods_have_no_limit_to_watch():
     """Their error holds them."""
     for method in (Dop853, DormandPrince):
-        assert load_number(method(1.0, 1e-6, 1e-9, 1e-9, 1.0), 1e12, 1e9) == 0.0
+        assert stability_ratio(method(1.0, 1e-6, 1e-9, 1e-9, 1.0), 1e12, 1e9) == 0.0
 
 
 @jit
@@ -168,8 +168,8 @@ def held(request):
     model = assemble.model(case(clearance="-4 um", load="300 N", contact={"damping": {"chi": request.param}}))
     model = model._replace(bearing=model.bearing._replace(omega_c=0.0))
     y = at_rest(model)
-    places = np.array([POSITION, POSITION + 1, *range(Q, Q + 13)])
-    shift, A_q, A_v = VELOCITY - POSITION, np.empty((15, 15)), np.empty((15, 15))
+    places = np.array([lay.POSITION, lay.POSITION + 1, *range(lay.RADIAL, lay.RADIAL + 13)])
+    shift, A_q, A_v = lay.VELOCITY - lay.POSITION, np.empty((15, 15)), np.empty((15, 15))
     for k, place in enumerate(places):
         for matrix, at, small in ((A_q, place, 1e-11), (A_v, place + shift, 1e-6)):
             found = []
@@ -177,7 +177,7 @@ def held(request):
                 z = y.copy()
                 z[at] += sign * small
                 accelerations(model, 0.0, z)
-                found.append(z[places + ACCELERATION - POSITION])
+                found.append(z[places + lay.ACCELERATION - lay.POSITION])
             matrix[:, k] = (found[1] - found[0]) / (2.0 * small)
     return model, y, places, A_q, A_v
 
@@ -229,13 +229,13 @@ def test_measured_limit_on_the_loaded_bearing(method, held):
 
     def measured(h):
         z, random = y.copy(), np.random.default_rng(1)
-        z[places + VELOCITY - POSITION] += 1e-9 * random.normal(size=15)
+        z[places + lay.VELOCITY - lay.POSITION] += 1e-9 * random.normal(size=15)
         shaken(method(h), model, 20_000, z)
-        return not np.abs(z[places + ACCELERATION - POSITION]).max() < 10.0
+        return not np.abs(z[places + lay.ACCELERATION - lay.POSITION]).max() < 10.0
 
     limit = bisected(measured, longest)
     assert limit == pytest.approx(bisected(theory, longest), rel=0.02)
-    assert load_number(method(limit), K, C) == pytest.approx(1.0, abs=0.1)
+    assert stability_ratio(method(limit), K, C) == pytest.approx(1.0, abs=0.1)
 
 
 # Energy
@@ -264,5 +264,5 @@ def test_verlet_keeps_the_energy_of_a_contact():
 @pytest.mark.parametrize(("K", "C"), [(inf, inf), (nan, nan), (nan, 1.0), (1.0, nan), (inf, 1.0), (1.0, inf)])
 def test_what_has_blown_up_is_over_every_limit(method, K, C):
     """Of a table's entries none is looked up by what is no number: it would be anywhere in memory."""
-    found = load_number(method(1e-6), K, C)
+    found = stability_ratio(method(1e-6), K, C)
     assert found == inf if method in (RungeKutta4, Nystrom, Stabilised) else not found <= 1.0

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.general import General, Power
-from bearingsim.core.layout import EVALUATED, FAILED, Q_O, VELOCITY, X, Y
 from bearingsim.core.methods.backward_euler import BackwardEuler
 from bearingsim.core.methods.interface import prepare, step
 from bearingsim.core.methods.rodas import Rodas
 from bearingsim.core.methods.verlet import Verlet
-from bearingsim.core.outcomes import FINE
+from bearingsim.core.outcomes import SUCCESS
 from tests.scenes.nf308 import SLOT, at_rest, case
 
 INSTANT, PASS = 1e-5, 1.0 / 159.0  # s: between recorded instants; of a ball pass
@@ -24,7 +24,7 @@ def pursue(method, model, times, y, path):
     for n in range(len(path)):
         for k in range(times):
             step(method, model, (n * times + k) * method.h, y)
-        path[n, 0], path[n, 1], path[n, 2] = y[VELOCITY + X], y[VELOCITY + Y], y[Q_O]
+        path[n, 0], path[n, 1], path[n, 2] = y[lay.VELOCITY + lay.X], y[lay.VELOCITY + lay.Y], y[lay.Q_O]
 
 
 @jit
@@ -70,9 +70,9 @@ def reference(slot):
 )
 def test_next_to_verlet_on_a_slot(slot, reference, method, rtol, error, evaluations):
     path, y = follow(slot, tolerances(method, rtol))
-    assert y[FAILED] == FINE
+    assert y[lay.FAILED] == SUCCESS
     assert apart(path, reference) < error
-    assert y[EVALUATED] < evaluations
+    assert y[lay.EVALUATIONS] < evaluations
     assert path[:, 2].max() == pytest.approx(reference[:, 2].max(), rel=0.01)
 
 
@@ -87,10 +87,10 @@ def test_two_methods_agree_on_dashpots_that_jump(slot, c):
     """m3 = 0: the dashpot's force sets in at once, on the slot's edge with 1e7 N at 1e9 N s/m."""
     model = dashpots(slot, c, 0.0)
     stiff, y = follow(model, tolerances(Rodas, 1e-4, c))
-    assert y[FAILED] == FINE
+    assert y[lay.FAILED] == SUCCESS
     for rtol, error in ((1e-2, 0.01), (1e-3, 0.004)):
         path, y = follow(model, tolerances(BackwardEuler, rtol, c))
-        assert y[FAILED] == FINE
+        assert y[lay.FAILED] == SUCCESS
         assert apart(path, stiff) < error
         assert np.abs(path[:, :2]).max() < 0.1
 
@@ -102,6 +102,6 @@ def test_two_methods_agree_on_dashpots_that_jump(slot, c):
 def test_dashpots_that_grow_with_the_approach_stay_bounded(slot, method, c, m3):
     """With so little damping the rollers chatter: no two methods agree instant by instant."""
     path, y = follow(dashpots(slot, c, m3), tolerances(method, 1e-2))
-    assert y[FAILED] == FINE
+    assert y[lay.FAILED] == SUCCESS
     assert np.abs(path[:, :2]).max() < 0.1
     assert path[:, 2].max() < 20.0 * LOAD

@@ -6,7 +6,7 @@ A force that starts as tau^m leaves, of a step across, an error of h^(1 + m) in 
 import numpy as np
 import pytest
 
-from bearingsim.core.layout import FAILED
+from bearingsim.core import layout as lay
 from bearingsim.core.methods.dop853 import Dop853
 from bearingsim.core.methods.dormand_prince import DormandPrince
 from bearingsim.core.methods.nystrom import Nystrom
@@ -27,7 +27,7 @@ def floor(m):
 def exactly(model, t):
     """Place, times 100 1/s, and speed at ``t`` (s) after the touch-down at V, to rounding."""
     out, y = run(Dop853(t, 1e-14, 1e-17, 1e-16, t), model, 1, q=0.0, v=-V)
-    assert y[FAILED] == 0.0
+    assert y[lay.FAILED] == 0.0
     return out[0] * SCALE
 
 

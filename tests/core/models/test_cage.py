@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
-from bearingsim.core.advance import Watch, advance, start_at_rest
-from bearingsim.core.layout import ACCELERATION, PHI_C, POSITION, VELOCITY, X_C, Y_C
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import Monitor, advance, start_at_rest
 from bearingsim.core.methods.verlet import Verlet
-from bearingsim.core.outcomes import FINE
+from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parts.cage import OilDrag
 from bearingsim.simulation.simulate import simulate
 from tests.scenes.nf308 import SLOT, case
@@ -25,7 +25,7 @@ STILL = {
 def follow(model, y, seconds, places):
     """Recording (places, n) at every step of 0.4 us."""
     out = np.empty((len(places), round(seconds / 4e-7)))
-    assert advance(Verlet(4e-7), model, Watch(8, 1.0), 0, y, np.array(places), out)[1] == FINE
+    assert advance(Verlet(4e-7), model, Monitor(8, 1.0), 0, y, np.array(places), out)[1] == SUCCESS
     return out
 
 
@@ -49,9 +49,9 @@ def test_a_cage_that_is_knocked_comes_back():
     """2 % too slow, it hits its rollers, which friction keeps rolling: within 0.12 s they have it back."""
     model = assemble.model(case(model="planar"))
     y, _ = assemble.start(case(model="planar"), model)
-    y[VELOCITY + PHI_C] = -0.02 * model.bearing.omega_c
+    y[lay.VELOCITY + lay.PHI_C] = -0.02 * model.bearing.omega_c
     start_at_rest(model, 0.0, y)
-    (beyond,) = follow(model, y, 0.2, [VELOCITY + PHI_C])
+    (beyond,) = follow(model, y, 0.2, [lay.VELOCITY + lay.PHI_C])
     slip = -beyond / model.bearing.omega_c
     assert slip[0] == pytest.approx(0.02, rel=1e-3)
     assert np.abs(slip[round(0.12 / 4e-7) :]).max() < 1e-4
@@ -87,9 +87,9 @@ def pushed(guide, off, **cage):
     given = case(**STILL, cage={"guide": guide} | wide | cage)
     model = assemble.model(given)
     y, _ = assemble.start(given, model)
-    y[POSITION + X_C], y[POSITION + Y_C] = off.real, off.imag
+    y[lay.POSITION + lay.X_C], y[lay.POSITION + lay.Y_C] = off.real, off.imag
     start_at_rest(model, 0.0, y)
-    return complex(y[ACCELERATION + X_C], y[ACCELERATION + Y_C])
+    return complex(y[lay.ACCELERATION + lay.X_C], y[lay.ACCELERATION + lay.Y_C])
 
 
 @pytest.mark.parametrize("guide", ["inner-ring", "outer-ring"])
@@ -121,7 +121,7 @@ def test_a_heavy_cage_hangs_on_its_rollers(speed):
     given = case(**STILL, cage={"guide": "rollers"}, gravity=True, speed=speed)
     model = assemble.model(given)._replace(drag=OilDrag(0.0, 0.0, 1.0))
     y, _ = assemble.start(given, model)
-    x, z = follow(model, y, 0.2, [POSITION + X_C, POSITION + Y_C])
+    x, z = follow(model, y, 0.2, [lay.POSITION + lay.X_C, lay.POSITION + lay.Y_C])
     assert np.hypot(x, z).max() < 1.1e-4
     half = len(x) // 2
     assert 0.8e-4 < x[half:].mean() < 1.05e-4
@@ -132,4 +132,4 @@ def test_a_weightless_cage_stays_in_the_middle():
     given = case(**STILL, cage={"guide": "rollers"})
     model = assemble.model(given)._replace(drag=OilDrag(0.0, 0.0, 1.0))
     y, _ = assemble.start(given, model)
-    assert np.abs(follow(model, y, 0.02, [POSITION + X_C, POSITION + Y_C])).max() < 1e-8
+    assert np.abs(follow(model, y, 0.02, [lay.POSITION + lay.X_C, lay.POSITION + lay.Y_C])).max() < 1e-8

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.core import layout as lay
 from bearingsim.core.laws.damping.general import general
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.kraemer import Kraemer
 from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
 from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
-from bearingsim.core.layout import POSITION, VELOCITY, X
-from bearingsim.core.models.interface import freedoms
-from bearingsim.core.parameters import turns
-from bearingsim.core.pits.on_roller import standing
+from bearingsim.core.models.interface import degrees_of_freedom
+from bearingsim.core.parameters import kinematic_angles
+from bearingsim.core.pits.on_roller import roller_at_pit
 from bearingsim.core.pits.pairs import ANGLE, HALF_WIDTH, RADIUS
 from tests.scenes.differences import cells, derivatives, differences
 from tests.scenes.nf308 import case
@@ -37,13 +37,13 @@ def model_of(name: str, law: str, *defects: dict[str, Any]) -> Any:
 def thrown(model: Any, rng: np.random.Generator) -> np.ndarray:
     """A buffer with the ring and rollers anywhere near where they press, moving as they do in an impact."""
     y = assemble.empty_buffer(model)
-    gap, own = model.bearing.gap, freedoms(model)[0]
-    y[POSITION : POSITION + 2] = rng.normal(0.0, 3.0 * gap + 2e-6, 2)
-    y[VELOCITY : VELOCITY + 2] = rng.normal(0.0, 0.02, 2)
+    gap, own = model.bearing.gap, degrees_of_freedom(model)[0]
+    y[lay.POSITION : lay.POSITION + 2] = rng.normal(0.0, 3.0 * gap + 2e-6, 2)
+    y[lay.VELOCITY : lay.VELOCITY + 2] = rng.normal(0.0, 0.02, 2)
     if own:
         rollers = cells(model)[2:]
-        y[POSITION + rollers] = rng.normal(0.0, gap + 1e-6, len(rollers))
-        y[VELOCITY + rollers] = rng.normal(0.0, 0.02, len(rollers))
+        y[lay.POSITION + rollers] = rng.normal(0.0, gap + 1e-6, len(rollers))
+        y[lay.VELOCITY + rollers] = rng.normal(0.0, 0.02, len(rollers))
     return y
 
 
@@ -52,7 +52,7 @@ def over_a_pit(model: Any, rng: np.random.Generator) -> float:
     y = assemble.empty_buffer(model)
     while True:
         t = float(rng.uniform(0.0, 0.1))
-        if abs(standing(model, 0, t, y)[1]) < 0.9 * model.pits.head[0, HALF_WIDTH]:
+        if abs(roller_at_pit(model, 0, t, y)[1]) < 0.9 * model.pits.head[0, HALF_WIDTH]:
             return t
 
 
@@ -92,11 +92,11 @@ def test_over_two_pits_at_once(name, law):
     """Roller 1 stands over a pit of each race: in series, each changes how fast the other contact closes."""
     model, t = model_of(name, law, BOWL, BOWL | {"race": "inner"}), 0.01
     rng, head = np.random.default_rng(3), model.pits.head
-    theta_c, theta_i, _ = turns(model.bearing, t)
+    theta_c, theta_i, _ = kinematic_angles(model.bearing, t)
     errors = []
     for _ in range(20):
         head[:, ANGLE] = theta_c + rng.uniform(-1.0, 1.0, 2) * 8e-4 / head[:, RADIUS] - [0.0, theta_i]
         y = thrown(model, rng)
-        y[POSITION + X] = -2.0 * model.bearing.gap - 2e-5
+        y[lay.POSITION + lay.X] = -2.0 * model.bearing.gap - 2e-5
         errors.append(worst(model, t, y))
     assert np.quantile(errors, 0.9) < 1e-6

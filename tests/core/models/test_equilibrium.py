@@ -10,11 +10,11 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from bearingsim import assemble
+from bearingsim.core import layout as lay
 from bearingsim.core.laws.stiffness.interface import elastic
 from bearingsim.core.laws.stiffness.ten_ninths import iso16281
-from bearingsim.core.layout import POSITION, Q_I, Q_O, X, Y, buffer
 from bearingsim.core.models.equilibrium import rest_from_scratch
-from bearingsim.core.pits.pairs import REDUCED
+from bearingsim.core.pits.pairs import REDUCED_RADIUS
 from tests.scenes.nf308 import SLOT, at_rest, case
 
 # Sjovall's radial integral for line contact, exponent 1.1, by load zone parameter (Harris, table 7.4)
@@ -39,9 +39,9 @@ def unsupported(Z=13, load=150.0, clearance=0.0, first=0.0, model="static", **gi
 
 
 def forces(model):
-    y = buffer(model.bearing.Z, model.bearing.m_r)
-    assert rest_from_scratch(assemble.statics(model), 0.0, y) <= 1e-8 * model.support.F
-    return y[Q_O : Q_O + model.bearing.Z], y
+    y = lay.buffer(model.bearing.Z, model.bearing.m_r)
+    assert rest_from_scratch(assemble.static_model(model), 0.0, y) <= 1e-8 * model.support.F
+    return y[lay.Q_O : lay.Q_O + model.bearing.Z], y
 
 
 @pytest.mark.parametrize("epsilon", SJOVALL)
@@ -78,7 +78,7 @@ def test_iso16281_load_distribution_with_clearance():
     law = model.outer._replace(stiffness=iso16281(0.010))
     loads, y = forces(model._replace(outer=law, inner=law))
     assert loads.max() == pytest.approx(1280.40, rel=1e-4)
-    assert -1e3 * y[POSITION + X] == pytest.approx(0.0170796, rel=1e-4)
+    assert -1e3 * y[lay.POSITION + lay.X] == pytest.approx(0.0170796, rel=1e-4)
 
 
 @settings(max_examples=60, deadline=None)
@@ -95,12 +95,12 @@ def test_forces_balance_at_every_angle_load_and_clearance(load, clearance, first
     found = assemble.model(case(load=load, clearance=clearance, start_angle=first, model=model, defect=defect))
     y = at_rest(found) if model == "static" else forces(found)[1]
     if model == "static":
-        rest_from_scratch(assemble.statics(found), 0.0, y)
+        rest_from_scratch(assemble.static_model(found), 0.0, y)
     angle = first + 2 * pi * np.arange(13) / 13
-    Q = y[Q_O : Q_O + 13]
-    spring = found.support.k_b * (y[POSITION + X] - found.support.x_0)
+    Q = y[lay.Q_O : lay.Q_O + 13]
+    spring = found.support.k_b * (y[lay.POSITION + lay.X] - found.support.x_0)
     assert Q @ np.cos(angle) == pytest.approx(load + spring, abs=1e-7 * load)
-    across = found.support.k_b * (y[POSITION + Y] - found.support.y_0)
+    across = found.support.k_b * (y[lay.POSITION + lay.Y] - found.support.y_0)
     assert Q @ np.sin(angle) == pytest.approx(across, abs=1e-7 * load)
 
 
@@ -110,9 +110,9 @@ def test_each_roller_carries_its_centrifugal_load():
     _, y = forces(model)
     b = model.bearing
     r = (b.R_o + b.R_i) / 2
-    extra = y[Q_O : Q_O + 13] - y[Q_I : Q_I + 13]
+    extra = y[lay.Q_O : lay.Q_O + 13] - y[lay.Q_I : lay.Q_I + 13]
     assert extra == pytest.approx(b.m_r * b.omega_c**2 * r, rel=1e-3)
-    assert (y[Q_I : Q_I + 13] == 0.0).any()
+    assert (y[lay.Q_I : lay.Q_I + 13] == 0.0).any()
 
 
 def test_the_bracket_takes_no_share_of_the_load():
@@ -120,18 +120,20 @@ def test_the_bracket_takes_no_share_of_the_load():
     model = assemble.model(case(clearance="37 um"))
     pull = []
     for n in range(32):
-        y = buffer(13, model.bearing.m_r)
-        rest_from_scratch(assemble.statics(model), (n + 0.5) / 32 / 159.0, y)
-        pull.append(model.support.k_b * (y[POSITION + X] - model.support.x_0))
+        y = lay.buffer(13, model.bearing.m_r)
+        rest_from_scratch(assemble.static_model(model), (n + 0.5) / 32 / 159.0, y)
+        pull.append(model.support.k_b * (y[lay.POSITION + lay.X] - model.support.x_0))
     assert abs(np.mean(pull)) < 0.005 * model.support.F
 
 
 def test_a_slot_takes_the_load_off_its_roller():
     """The roller on a narrow full-length slot carries what the two contacts in series give with h taken off."""
     healthy = unsupported(first=0.0)
-    slot = healthy._replace(pits=assemble.pits.meetings(case(defect=SLOT | {"width": "0.1 mm"})))
+    slot = healthy._replace(pits=assemble.pits.packed_pits(case(defect=SLOT | {"width": "0.1 mm"})))
     loads, y = forces(slot)
-    h, shift, law = (0.1e-3) ** 2 / 8 / slot.pits.head[0, REDUCED], -y[POSITION + X], slot.outer.stiffness
+    h = (0.1e-3) ** 2 / 8 / slot.pits.head[0, REDUCED_RADIUS]
+    shift = -y[lay.POSITION + lay.X]
+    law = slot.outer.stiffness
     inner = brentq(lambda d: elastic(law, shift - h - d) - elastic(law, d), 1e-12, shift - h - 1e-12, xtol=1e-20)
     assert loads[0] == pytest.approx(elastic(law, inner), rel=1e-9)
     assert loads[0] < 0.8 * forces(healthy)[0][0]

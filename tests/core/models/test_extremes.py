@@ -5,32 +5,16 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.catalogue import MODELS, code
-from bearingsim.core.advance import Watch, advance, start_at_rest
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import Monitor, advance, start_at_rest
 from bearingsim.core.geometry.slices import WEIGHT
-from bearingsim.core.layout import (
-    ACCELERATION,
-    LINE_MAX,
-    LOAD_I,
-    LOAD_O,
-    POSITION,
-    Q_I_MAX,
-    Q_MAX,
-    Q_O,
-    Q_P_MAX,
-    SIN,
-    STATE,
-    TILT,
-    TILT_MAX,
-    Q,
-    slice_row,
-)
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.equilibrium import rest_from_scratch
-from bearingsim.core.models.interface import accelerations, keep_extremes
+from bearingsim.core.models.interface import accelerations, update_extremes
 from bearingsim.core.models.rest_in_space import rest_in_space
-from bearingsim.core.outcomes import FINE
-from bearingsim.core.parts.mounts import Held
+from bearingsim.core.outcomes import SUCCESS
+from bearingsim.core.parts.mounts import RigidMount
 from tests.scenes.nf308 import case
 from tests.scenes.spatial_bearing import L_W, empty, even, in_space
 
@@ -39,29 +23,29 @@ SHOVED = 8e-7  # m: how far rollers stand off their rest
 
 def shaken():
     """A misaligned bearing whose rollers ring, and its buffer."""
-    planar = assemble.relaxed(assemble.model(case(model="planar")), 3e-6)
-    model = in_space(planar, even(4), mount_o=Held(3e-4, -2e-4), mount_i=Held(0.0, 1e-4))
+    planar = assemble.with_friction_lag(assemble.model(case(model="planar")), 3e-6)
+    model = in_space(planar, even(4), mount_o=RigidMount(3e-4, -2e-4), mount_i=RigidMount(0.0, 1e-4))
     y = empty(model)
-    rest_from_scratch(assemble.statics(model), 0.0, y)
+    rest_from_scratch(assemble.static_model(model), 0.0, y)
     assert rest_in_space(model, 0.0, y) < 1e-8 * model.support.F
-    y[Q : Q + 13] += SHOVED * y[SIN : SIN + 13]
+    y[lay.RADIAL : lay.RADIAL + 13] += SHOVED * y[lay.SIN : lay.SIN + 13]
     start_at_rest(model, 0.0, y)
     return model, y
 
 
 def test_every_model_keeps_its_extremes():
-    assert {code(model.module).KIND.parameters for model in MODELS.values()} <= keep_extremes.types
+    assert {code(model.module).KIND.parameters for model in MODELS.values()} <= update_extremes.types
 
 
 def test_an_evaluation_leaves_state_and_extremes():
     """Of rings that are held too, wherever a method tries them; and again it gives the same."""
     model, y = shaken()
-    y[POSITION : POSITION + 2 * STATE] += 1e-9 * np.random.default_rng(0).normal(size=2 * STATE)
+    y[lay.POSITION : lay.POSITION + 2 * lay.STATE] += 1e-9 * np.random.default_rng(0).normal(size=2 * lay.STATE)
     before = y.copy()
     accelerations(model, 0.0, y)
     first = y.copy()
-    assert (first[:ACCELERATION] == before[:ACCELERATION]).all()
-    for row in (TILT_MAX, LINE_MAX, Q_MAX, Q_I_MAX, Q_P_MAX):
+    assert (first[: lay.ACCELERATION] == before[: lay.ACCELERATION]).all()
+    for row in (lay.TILT_MAX, lay.LINE_LOAD_MAX, lay.Q_O_MAX, lay.Q_I_MAX, lay.Q_P_MAX):
         assert (y[row : row + 13] == before[row : row + 13]).all()
     accelerations(model, 0.0, y)
     assert (y == first).all()
@@ -71,13 +55,15 @@ def test_an_evaluation_leaves_state_and_extremes():
 def test_extremes_are_those_of_whole_steps(method):
     """Largest force, tilt and line load of every roller, of what was recorded: no stage of a step counts."""
     model, y = shaken()
-    slices = [slice_row(k, row) for k in range(4) for row in (LOAD_O, LOAD_I)]
+    slices = [lay.slice_row(k, row) for k in range(4) for row in (lay.LOAD_O, lay.LOAD_I)]
     widths = np.repeat(model.slices.table[:, WEIGHT], 2) * L_W
-    places = np.concatenate([row + np.arange(13) for row in (TILT, Q_O, *slices)])
+    places = np.concatenate([row + np.arange(13) for row in (lay.TILT, lay.Q_O, *slices)])
     out = np.empty((len(places), 1000))
-    assert advance(method, model, Watch(1000, 1.0), 0, y, places, out)[1] == FINE
+    assert advance(method, model, Monitor(1000, 1.0), 0, y, places, out)[1] == SUCCESS
     found = np.abs(out).reshape(-1, 13, 1000).max(axis=2)
-    assert (y[TILT_MAX : TILT_MAX + 13] == found[0]).all()
-    assert (y[Q_MAX : Q_MAX + 13] == found[1]).all()
-    assert y[LINE_MAX : LINE_MAX + 13] == pytest.approx((found[2:] / widths[:, np.newaxis]).max(axis=0), rel=1e-12)
+    assert (y[lay.TILT_MAX : lay.TILT_MAX + 13] == found[0]).all()
+    assert (y[lay.Q_O_MAX : lay.Q_O_MAX + 13] == found[1]).all()
+    assert y[lay.LINE_LOAD_MAX : lay.LINE_LOAD_MAX + 13] == pytest.approx(
+        (found[2:] / widths[:, np.newaxis]).max(axis=0), rel=1e-12
+    )
     assert found[0].max() > 1e-5

@@ -11,22 +11,22 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from bearingsim import assemble
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY, X, Y, buffer
 from bearingsim.core.methods.impulses import Impulses
 from bearingsim.core.methods.interface import step
 from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch, ring_stiffness
-from bearingsim.core.models.impulse import Impulse, swing
+from bearingsim.core.models.impulse import Impulse, free_motion
 from bearingsim.core.pits.closed_forms import groups_of
 from bearingsim.core.pits.excitations import Envelope
 from bearingsim.core.pits.impulse_train import (
     LoadZone,
     approach,
     crossing_speed,
+    impulse_strengths,
     load,
-    passes,
+    pit_passages,
     random_train,
-    strengths,
     train,
 )
 from bearingsim.core.pits.pairs import (
@@ -34,11 +34,11 @@ from bearingsim.core.pits.pairs import (
     ON_INNER,
     ON_OUTER,
     OUTER,
-    Meeting,
+    RollerPitPair,
     inner_reduced_radius,
-    meeting,
+    nearest_roller,
     outer_reduced_radius,
-    pits,
+    pack_pits,
 )
 from tests.scenes.nf308 import case
 from tests.scenes.pit_maps import SHAPES
@@ -64,7 +64,7 @@ def pit(race="outer", angle=0.0, width=0.8e-3, depth=DEEP, length=L_W, shape="re
     reduced = (outer_reduced_radius(BEARING.R_w, BEARING.R_o), inner_reduced_radius(BEARING.R_w, BEARING.R_i))[
         side
     ]
-    return Meeting(
+    return RollerPitPair(
         side, on, angle, radius, reduced, groups_of(SHAPES[shape](length, width, depth), L_W, reduced, 6)
     )
 
@@ -82,13 +82,13 @@ def run(method, model, start, y, out):
     for n in range(out.shape[1]):
         step(method, model, (start + n) * method.h, y)
         for axis in range(2):
-            out[axis, n] = y[POSITION + axis]
-            out[2 + axis, n] = y[VELOCITY + axis]
-            out[4 + axis, n] = y[ACCELERATION + axis]
+            out[axis, n] = y[lay.POSITION + axis]
+            out[2 + axis, n] = y[lay.VELOCITY + axis]
+            out[4 + axis, n] = y[lay.ACCELERATION + axis]
 
 
 def drive(model, h, steps, start=0, y=None):
-    y = buffer(BEARING.Z, 0.0) if y is None else y
+    y = lay.buffer(BEARING.Z, 0.0) if y is None else y
     out = np.empty((6, steps))
     run(Impulses(h), model, start, y, out)
     return out
@@ -123,7 +123,7 @@ def mobility(frequency, stiffness, C):
 def test_free_motion_is_the_matrix_exponential(ratio, periods, x, v):
     """Whatever the damping, the critical included; places scaled to speeds by omega_0."""
     omega_0, t = sqrt(K / M), periods * 2 * pi * sqrt(M / K)
-    found = swing(M, K, ratio * CRITICAL, t, x, v)
+    found = free_motion(M, K, ratio * CRITICAL, t, x, v)
     flow = expm(t * omega_0 * np.array([[0.0, 1.0], [-1.0, -2.0 * ratio]]))
     expected = flow @ np.array([x * omega_0, v])
     assert (found[0] * omega_0, found[1]) == pytest.approx(
@@ -186,7 +186,7 @@ def test_velocity_and_acceleration_are_differences_of_places():
 
 def test_a_run_in_chunks_is_the_run_in_one():
     whole = drive(ring(J_y=-PUSHES), 5e-6, 300)
-    y = buffer(BEARING.Z, 0.0)
+    y = lay.buffer(BEARING.Z, 0.0)
     parts = [drive(ring(J_y=-PUSHES), 5e-6, n, start, y) for start, n in ((0, 1), (1, 66), (67, 33), (100, 200))]
     np.testing.assert_array_equal(np.concatenate(parts, axis=1), whole)
 
@@ -203,7 +203,7 @@ def test_line_of_a_pit_on_the_outer_race(angle):
     found = train(BEARING, ZONE, [pit(angle=angle)], 0.0, 45 * PASS)
     model = ring(found.times, found.J_x, found.J_y, C)
     v = drive(model, h, 40 * steps)[2:4, 20 * steps :]
-    J = strengths(BEARING, ZONE, pit(angle=angle), np.array([angle]))[0]
+    J = impulse_strengths(BEARING, ZONE, pit(angle=angle), np.array([angle]))[0]
     for harmonic in (1, 2, 5):
         f = harmonic / PASS
         lines = np.abs(line(v, f, h))
@@ -226,7 +226,7 @@ def test_sidebands_of_a_pit_on_the_inner_race(epsilon):
     found = train(BEARING, zone, [pit("inner")], -0.02, 2 * 10 / shaft + 10 * h)
     v = drive(ring(found.times, found.J_x, found.J_y, C), h, 2 * steps)[2:4, steps:]
     phi = 2 * pi * np.arange(4096) / 4096
-    J = strengths(BEARING, zone, pit("inner"), phi)
+    J = impulse_strengths(BEARING, zone, pit("inner"), phi)
     strongest = 2 * rate * J.max() * abs(mobility(rate, K, C))
     for k in range(-3, 4):
         f = rate + k * shaft
@@ -246,12 +246,12 @@ def test_sidebands_of_a_pit_on_the_inner_race(epsilon):
 def test_impulses_come_when_a_roller_is_over_the_pit(race, angle, start, length):
     """Against the geometry that the other models use."""
     one = pit(race, angle)
-    times, phi = passes(BEARING, one, start, start + length)
-    packed = pits([one], Envelope())
+    times, phi = pit_passages(BEARING, one, start, start + length)
+    packed = pack_pits([one], Envelope())
     for t, at in zip(times, phi, strict=True):
         assert start - 1e-12 < t <= start + length + 1e-12
         theta_c = BEARING.theta_0 + BEARING.omega_c * t
-        j, s = meeting(packed, 0, theta_c, BEARING.omega_i * t, BEARING.omega_b * t, BEARING.Z)
+        j, s = nearest_roller(packed, 0, theta_c, BEARING.omega_i * t, BEARING.omega_b * t, BEARING.Z)
         assert s == pytest.approx(0.0, abs=1e-12)
         assert cos(theta_c + 2 * pi * j / BEARING.Z - at) == pytest.approx(1.0, abs=1e-12)
     rate = {
@@ -289,9 +289,9 @@ def test_a_wide_deep_pit_sheds_the_load_while_it_is_crossed():
     v = BEARING.R_o * BEARING.omega_c
     assert 47.0 * 0.8e-3 / v == pytest.approx(12.7e-3, abs=0.05e-3)
     for width, part in ((0.8e-3, 0.888), (4e-3, 0.978)):
-        J = strengths(BEARING, ZONE, pit(width=width), np.zeros(1))[0]
+        J = impulse_strengths(BEARING, ZONE, pit(width=width), np.zeros(1))[0]
         assert J / (47.0 * width / v) == pytest.approx(part, rel=2e-3)
-        half = strengths(BEARING, ZONE, pit(width=width, length=L_W / 2), np.zeros(1))[0]
+        half = impulse_strengths(BEARING, ZONE, pit(width=width, length=L_W / 2), np.zeros(1))[0]
         assert half == pytest.approx(J / 2, rel=1e-9)
 
 
@@ -329,7 +329,7 @@ def test_what_is_shed_against_a_solution_place_by_place(given, phi, race, stiffn
     width = given.get("width", 0.8e-3)
     total = 2 * quad(force, 0.0, width / 2, limit=200, epsabs=1e-9)[0]
     speed = one.radius * (BEARING.omega_c if race == "outer" else BEARING.omega_i - BEARING.omega_c)
-    J = strengths(BEARING, zone, one, np.array([phi]))[0]
+    J = impulse_strengths(BEARING, zone, one, np.array([phi]))[0]
     assert pytest.approx(q * total / speed, rel=2e-3) == J
 
 
@@ -344,7 +344,7 @@ def test_the_ring_is_pushed_towards_what_no_longer_holds_it():
     """The load pushes the ring along -e_0 against the roller there: without that roller it goes on."""
     for angle in (0.0, 0.6, -0.6):
         found = train(BEARING, ZONE, [pit(angle=angle)], 0.0, 0.02)
-        J = strengths(BEARING, ZONE, pit(angle=angle), np.array([angle]))[0]
+        J = impulse_strengths(BEARING, ZONE, pit(angle=angle), np.array([angle]))[0]
         assert found.J_x == pytest.approx(np.full(len(found.times), -J * cos(angle)), rel=1e-12)
         assert found.J_y == pytest.approx(np.full(len(found.times), -J * sin(angle)), rel=1e-12)
     found = train(BEARING, ZONE, [pit(angle=pi)], 0.0, 0.02)
@@ -356,11 +356,11 @@ def healthy_and_struck(one):
     """Complex BPFO velocity lines (2,) of ``static``, less the healthy one; and the mean stiffness at rest."""
     healthy = assemble.model(case(model="static"))
     lines, stiffness, count = [], np.zeros(3), 1000
-    for model in (healthy, healthy._replace(pits=pits([one], Envelope()))):
+    for model in (healthy, healthy._replace(pits=pack_pits([one], Envelope()))):
         y, places = assemble.empty_buffer(model), np.empty((2, count))
         for n in range(count):
             (find_rest if n else rest_from_scratch)(model, (n + 1) / count * PASS, y)
-            places[:, n] = y[POSITION + X], y[POSITION + Y]
+            places[:, n] = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
             if model is healthy:
                 stiffness += np.array(ring_stiffness(model, y)) / count
         lines.append(2j * pi / PASS * line(places, 1 / PASS, PASS / count))
@@ -377,7 +377,7 @@ def test_the_line_is_that_of_static(width, depth, angle):
     q_0 = 4.08 * 150.0 / BEARING.Z
     delta_0 = 2 * (q_0 / assemble.model(case(model="static")).outer.stiffness.k) ** 0.9
     zone = LoadZone(q_0, delta_0, 0.5, 10 / 9, 0.0, K_x, K_y)
-    J = strengths(BEARING, zone, one, np.array([angle]))[0]
+    J = impulse_strengths(BEARING, zone, one, np.array([angle]))[0]
     omega = 2 * pi / PASS
     assert 2 * J / PASS * cos(angle) * omega / K_x == pytest.approx(abs(expected[0]), rel=0.05)
     assert 2 * J / PASS * sin(angle) * omega / K_y == pytest.approx(abs(expected[1]), abs=0.1 * abs(expected[0]))
@@ -401,8 +401,8 @@ def test_random_impulses_share_out_each_crossing():
     end = 4000.5 * PASS
     one = pit()
     found = random_train(BEARING, ZONE, [one], 0.0, end, np.random.default_rng(1))
-    J = strengths(BEARING, ZONE, one, np.zeros(1))[0]
-    times, _ = passes(BEARING, one, 0.0, end)
+    J = impulse_strengths(BEARING, ZONE, one, np.zeros(1))[0]
+    times, _ = pit_passages(BEARING, one, 0.0, end)
     nearest = np.rint((found.times - times[0]) / PASS).astype(int)
     late = found.times - times[nearest]
     half = 0.4e-3 / (BEARING.R_o * BEARING.omega_c)
@@ -418,10 +418,8 @@ def test_random_impulses_keep_the_mean_line():
     """E[line] is the even train's; the scatter of one crossing is averaged over the passes."""
     end, count = 1000 * PASS, 1000
     one, f = pit(), 1 / PASS
-    even, rough = (
-        train(BEARING, ZONE, [one], 0.0, end),
-        random_train(BEARING, ZONE, [one], 0.0, end, np.random.default_rng(2)),
-    )
+    even = train(BEARING, ZONE, [one], 0.0, end)
+    rough = random_train(BEARING, ZONE, [one], 0.0, end, np.random.default_rng(2))
     lines = [np.sum(part.J_x * np.exp(-2j * pi * f * part.times)) for part in (even, rough)]
     assert len(even.times) == count
     assert lines[1] == pytest.approx(lines[0], rel=5 / 4 / sqrt(count))

@@ -7,14 +7,14 @@ import pytest
 from scipy.optimize import brentq
 
 from bearingsim import assemble
-from bearingsim.core.advance import Watch, advance
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import Monitor, advance
 from bearingsim.core.laws.damping.interface import normal_force
-from bearingsim.core.layout import ACCELERATION, COS, POSITION, Q_I, Q_O, SIN, VELOCITY, A, Q, V, X, Y
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations
 from bearingsim.core.outcomes import NOT_FINITE
-from bearingsim.core.pits.pairs import REDUCED, USED, W, depression
+from bearingsim.core.pits.pairs import GROUP_COUNT, GROUP_WEIGHT, REDUCED_RADIUS, roller_drop
 from bearingsim.simulation.simulate import simulate
 from tests.independent import rollers
 from tests.scenes.nf308 import PLACES, SLOT, at_rest, case, drive, light_rollers
@@ -49,7 +49,7 @@ def test_verlet_meets_an_independent_solution_and_converges(independent):
 def test_the_step_that_is_refused_would_be_wrong(independent):
     """Verlet at 2 us on the 0.8 mm slot, unwatched: not finite, or off by a tenth of the range and more."""
     out, model = np.empty((len(PLACES), 10_000)), assemble.model(case(defect=SLOT))
-    taken, outcome, _ = advance(Verlet(2e-6), model, Watch(1, 1.0), 0, at_rest(model), PLACES, out)
+    taken, outcome, _ = advance(Verlet(2e-6), model, Monitor(1, 1.0), 0, at_rest(model), PLACES, out)
     wrong = out[2, 4:taken:5]
     assert outcome == NOT_FINITE or np.abs(wrong - independent[0]).max() > 0.1 * np.ptp(independent[0])
 
@@ -80,10 +80,10 @@ def random_state(model, seed):
     """A buffer away from equilibrium: micrometres and centimetres per second."""
     random = np.random.default_rng(seed)
     y = at_rest(model)
-    y[POSITION : POSITION + 2] += random.normal(0, 1e-6, 2)
-    y[VELOCITY : VELOCITY + 2] += random.normal(0, 1e-2, 2)
-    y[Q : Q + 13] += random.normal(0, 1e-6, 13)
-    y[V : V + 13] += random.normal(0, 1e-2, 13)
+    y[lay.POSITION : lay.POSITION + 2] += random.normal(0, 1e-6, 2)
+    y[lay.VELOCITY : lay.VELOCITY + 2] += random.normal(0, 1e-2, 2)
+    y[lay.RADIAL : lay.RADIAL + 13] += random.normal(0, 1e-6, 13)
+    y[lay.RADIAL_V : lay.RADIAL_V + 13] += random.normal(0, 1e-2, 13)
     return y
 
 
@@ -94,13 +94,13 @@ def test_momentum_balances_at_any_state(seed):
     b, s = model.bearing, model.support
     y = random_state(model, seed)
     accelerations(model, 0.3e-3, y)
-    e = np.array([y[COS : COS + 13], y[SIN : SIN + 13]])
-    r = (b.R_o + b.R_i) / 2 + y[Q : Q + 13]
-    rate = b.m_r * (e @ (y[A : A + 13] - b.omega_c**2 * r))
-    rate += b.m_o * y[ACCELERATION : ACCELERATION + 2]
-    u, w = y[POSITION : POSITION + 2], y[VELOCITY : VELOCITY + 2]
-    outside = np.array([-s.F, 0.0]) - s.k_b * (u - [s.x_0, s.y_0]) - s.c_b * w + e @ y[Q_I : Q_I + 13]
-    assert rate == pytest.approx(outside, abs=1e-9 * np.abs(y[Q_O : Q_O + 13]).sum())
+    e = np.array([y[lay.COS : lay.COS + 13], y[lay.SIN : lay.SIN + 13]])
+    r = (b.R_o + b.R_i) / 2 + y[lay.RADIAL : lay.RADIAL + 13]
+    rate = b.m_r * (e @ (y[lay.RADIAL_A : lay.RADIAL_A + 13] - b.omega_c**2 * r))
+    rate += b.m_o * y[lay.ACCELERATION : lay.ACCELERATION + 2]
+    u, w = y[lay.POSITION : lay.POSITION + 2], y[lay.VELOCITY : lay.VELOCITY + 2]
+    outside = np.array([-s.F, 0.0]) - s.k_b * (u - [s.x_0, s.y_0]) - s.c_b * w + e @ y[lay.Q_I : lay.Q_I + 13]
+    assert rate == pytest.approx(outside, abs=1e-9 * np.abs(y[lay.Q_O : lay.Q_O + 13]).sum())
 
 
 def test_a_free_roller_flies_straight():
@@ -112,7 +112,7 @@ def test_a_free_roller_flies_straight():
     accelerations(model, 0.0, y)
     drive(model, RungeKutta4(1e-6), 200, y)
     r0, t = (b.R_o + b.R_i) / 2, 200e-6
-    assert y[Q : Q + 13] == pytest.approx(r0 * (np.cosh(b.omega_c * t) - 1), rel=1e-6)
+    assert y[lay.RADIAL : lay.RADIAL + 13] == pytest.approx(r0 * (np.cosh(b.omega_c * t) - 1), rel=1e-6)
 
 
 def test_moving_approach_rate_is_the_approachs_derivative():
@@ -122,35 +122,35 @@ def test_moving_approach_rate_is_the_approachs_derivative():
     found, h = [], 1e-9
     for t in (-h, h):
         moved = y.copy()
-        moved[POSITION : POSITION + 2] += t * y[VELOCITY : VELOCITY + 2]
-        moved[Q : Q + 13] += t * y[V : V + 13]
+        moved[lay.POSITION : lay.POSITION + 2] += t * y[lay.VELOCITY : lay.VELOCITY + 2]
+        moved[lay.RADIAL : lay.RADIAL + 13] += t * y[lay.RADIAL_V : lay.RADIAL_V + 13]
         theta = model.bearing.theta_0 + model.bearing.omega_c * t
-        u_r = moved[POSITION + X] * np.cos(theta) + moved[POSITION + Y] * np.sin(theta)
+        u_r = moved[lay.POSITION + lay.X] * np.cos(theta) + moved[lay.POSITION + lay.Y] * np.sin(theta)
         rim = 1e-3 - abs(model.bearing.R_o * theta)
-        found.append(moved[Q] - u_r - min(rim**2 / (2 * model.pits.head[0, REDUCED]), 0.05e-3))
+        found.append(moved[lay.RADIAL] - u_r - min(rim**2 / (2 * model.pits.head[0, REDUCED_RADIUS]), 0.05e-3))
     accelerations(model, 0.0, y)
     rate, delta = (found[1] - found[0]) / (2 * h), (found[0] + found[1]) / 2
-    assert y[Q_O] == pytest.approx(normal_force(model.outer, delta, rate), rel=1e-5, abs=1e-3)
+    assert y[lay.Q_O] == pytest.approx(normal_force(model.outer, delta, rate), rel=1e-5, abs=1e-3)
 
 
 def ring_over(defect):
     """A ring at a random state with its first roller over a pit, and that roller's Delta, its rate, h and h'."""
     model = assemble.model(case(model="ring", defect=defect, start_angle=0.003))
     y = at_rest(model)
-    y[VELOCITY : VELOCITY + 2] = 0.02, -0.01
+    y[lay.VELOCITY : lay.VELOCITY + 2] = 0.02, -0.01
     accelerations(model, 0.0, y)
-    b, u, w, theta = model.bearing, y[POSITION : POSITION + 2], y[VELOCITY : VELOCITY + 2], 0.003
+    b, u, w, theta = model.bearing, y[lay.POSITION : lay.POSITION + 2], y[lay.VELOCITY : lay.VELOCITY + 2], 0.003
     e_r, e_theta = np.array([np.cos(theta), np.sin(theta)]), np.array([-np.sin(theta), np.cos(theta)])
     Delta, rate = -u @ e_r, -w @ e_r - b.omega_c * (u @ e_theta)
-    groups = model.pits.groups[0, : int(model.pits.head[0, USED])]
-    sunk = np.array([depression(group, b.R_o * theta, model.pits.head[0, REDUCED]) for group in groups])
-    return model, y, Delta, rate, groups[:, W], sunk[:, 0], sunk[:, 1] * b.R_o * b.omega_c
+    groups = model.pits.groups[0, : int(model.pits.head[0, GROUP_COUNT])]
+    sunk = np.array([roller_drop(group, b.R_o * theta, model.pits.head[0, REDUCED_RADIUS]) for group in groups])
+    return model, y, Delta, rate, groups[:, GROUP_WEIGHT], sunk[:, 0], sunk[:, 1] * b.R_o * b.omega_c
 
 
 def test_a_ring_shares_approach_and_rate_between_both_contacts_over_a_slot():
     model, y, Delta, rate, _, h, sinking = ring_over(SLOT | {"width": "0.3 mm"})
     by_hand = normal_force(model.outer, (Delta - h[0]) / 2, (rate - sinking[0]) / 2)
-    assert y[Q_O] == pytest.approx(by_hand, rel=1e-9)
+    assert y[lay.Q_O] == pytest.approx(by_hand, rel=1e-9)
     assert by_hand > 1.0
 
 
@@ -162,7 +162,7 @@ def test_a_ring_balances_a_roller_over_a_bowl():
     outer = lambda d_i: w * k * np.maximum(Delta - d_i - h, 0.0) ** (10 / 9)  # noqa: E731
     d_i = brentq(lambda d: outer(d).sum() - k * d ** (10 / 9), 0.0, Delta, xtol=1e-20)
     by_hand = (outer(d_i) * (1 + model.outer.chi * (rate - sinking) / 2)).sum()
-    assert y[Q_O] == pytest.approx(by_hand, rel=1e-8)
+    assert y[lay.Q_O] == pytest.approx(by_hand, rel=1e-8)
     assert (outer(d_i) > 0).sum() >= 2
 
 

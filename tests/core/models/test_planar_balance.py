@@ -7,28 +7,9 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
-from bearingsim.core.layout import (
-    ACCELERATION,
-    EPS,
-    EPS_V,
-    PHI_C,
-    POSITION,
-    PSI,
-    Q_I,
-    Q_O,
-    SPIN,
-    SPIN_V,
-    TILT_I,
-    TILT_O,
-    VELOCITY,
-    X_C,
-    X_I,
-    Q,
-    V,
-    X,
-)
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.parts.cage import RingGuided
@@ -66,26 +47,33 @@ def random_state(model, seed):
     """A buffer far from rest: micrometres and centimetres per second at the races, the cage beyond its play."""
     random, Z = np.random.default_rng(seed), model.bearing.Z
     y = assemble.empty_buffer(model)
-    for row, size in ((Q, 3e-6), (V, 2e-2), (EPS, 3e-3), (EPS_V, 1.0), (SPIN, 0.02), (SPIN_V, 8.0)):
+    for row, size in (
+        (lay.RADIAL, 3e-6),
+        (lay.RADIAL_V, 2e-2),
+        (lay.EPS, 3e-3),
+        (lay.EPS_V, 1.0),
+        (lay.SPIN, 0.02),
+        (lay.SPIN_V, 8.0),
+    ):
         y[row : row + Z] = random.normal(0.0, size, Z)
-    for place, size in ((X, 2e-6), (X_I, 2e-6), (X_C, 1e-4)):
-        y[POSITION + place : POSITION + place + 2] = random.normal(0.0, size, 2)
-        y[VELOCITY + place : VELOCITY + place + 2] = random.normal(0.0, 2e-2, 2)
-    y[POSITION + X_C] += 3e-4
-    for place in (PSI, PHI_C):
-        y[POSITION + place], y[VELOCITY + place] = random.normal(0.0, 1e-2), random.normal(0.0, 3.0)
+    for place, size in ((lay.X, 2e-6), (lay.X_I, 2e-6), (lay.X_C, 1e-4)):
+        y[lay.POSITION + place : lay.POSITION + place + 2] = random.normal(0.0, size, 2)
+        y[lay.VELOCITY + place : lay.VELOCITY + place + 2] = random.normal(0.0, 2e-2, 2)
+    y[lay.POSITION + lay.X_C] += 3e-4
+    for place in (lay.PSI, lay.PHI_C):
+        y[lay.POSITION + place], y[lay.VELOCITY + place] = random.normal(0.0, 1e-2), random.normal(0.0, 3.0)
     return y
 
 
 def lead_onto_pits(model, y, t, outwards):
     """Turn the pits under rollers 4, 8 and 5, and press these on them; the last outwards or inwards."""
     for j, q in ((3, 1e-5), (7, -1e-5), (4, 1e-5 if outwards else -1e-5)):
-        y[Q + j] = q
+        y[lay.RADIAL + j] = q
     found = now(model, y, t)
     theta = np.angle(found.rollers.at[:, 0])
     head = model.pits.head
     head[:, ANGLE] = 4e-5 / head[:, RADIUS]
-    head[0, ANGLE] += np.angle(found.rollers.at[3, 0] - found.ring.at[0]) - y[POSITION + PSI]
+    head[0, ANGLE] += np.angle(found.rollers.at[3, 0] - found.ring.at[0]) - y[lay.POSITION + lay.PSI]
     head[1, ANGLE] += np.angle(found.rollers.at[7, 0] - found.inner.at[0]) - found.inner.angle[0]
     turned = theta[4] - 2 * np.pi * 4 / model.bearing.Z - model.bearing.theta_0
     head[2:, ANGLE] += turned - found.rollers.angle[4, 0] + (0.0 if outwards else np.pi)
@@ -109,7 +97,7 @@ def leaving(model, y):
     """Balances at five states on the line along which ``y`` is leaving, and their distance (s)."""
     h, at = 2e-8, bodies.places(model.bearing.Z)
     velocities = at[len(at) // 2 :]
-    slope = np.concatenate([y[velocities], y[velocities + ACCELERATION - VELOCITY]])
+    slope = np.concatenate([y[velocities], y[velocities + lay.ACCELERATION - lay.VELOCITY]])
     ahead = h * np.arange(-2, 3)
     line = y[at][:, np.newaxis] + ahead * slope[:, np.newaxis]
     return bodies.balance(bodies.scene(model, WHERE + ahead, line)), h
@@ -125,9 +113,9 @@ def test_in_the_states_below_everything_acts(way):
     """Each pit, the cage's guide, and pockets on both sides."""
     for seed in range(4):
         model, y = shaken(way, seed)
-        assert abs(y[TILT_O + 3]) > 0.5
-        assert abs(y[TILT_I + 7]) > 0.5
-        assert abs(y[(TILT_I if seed % 2 else TILT_O) + 4]) > 0.5
+        assert abs(y[lay.PIT_FORCE_O + 3]) > 0.5
+        assert abs(y[lay.PIT_FORCE_I + 7]) > 0.5
+        assert abs(y[(lay.PIT_FORCE_I if seed % 2 else lay.PIT_FORCE_O) + 4]) > 0.5
         guide, s = model.cage.guide, now(model, y, WHERE)
         if isinstance(guide, RingGuided):
             ring = s.ring if guide.outer else s.inner
@@ -146,7 +134,7 @@ def test_momentum_and_torque_balance_at_any_state(way, seed):
     """
     model, y = shaken(way, seed)
     found, h = leaving(model, y)
-    between = y[Q_O : Q_O + 13].sum() + y[Q_I : Q_I + 13].sum()
+    between = y[lay.Q_O : lay.Q_O + 13].sum() + y[lay.Q_I : lay.Q_I + 13].sum()
     assert abs(rate(found.momentum, h) - found.force[2]) < 1e-12 * between
     assert abs(rate(found.spin, h) - found.torque[2]) < 1e-11 * between * model.bearing.R_o
 
@@ -198,13 +186,13 @@ def test_verlet_keeps_the_energy_of_an_undamped_bearing():
     support = model.support._replace(c_b=0.0)
     outer, inner = model.outer._replace(chi=0.0), model.inner._replace(chi=0.0)
     model = model._replace(outer=outer, inner=inner, friction=slides, support=support, cage=cage)
-    y[VELOCITY + X] = 1e-3
+    y[lay.VELOCITY + lay.X] = 1e-3
     start_at_rest(model, 0.0, y)
     strays = []
     for h in (8e-7, 4e-7, 2e-7):
         t, out = recorded(model, Verlet(h), 12.8e-3, y)
         found = balances(model, t, out)
         assert np.abs(found.lost).max() == 0.0
-        strays.append(np.ptp(found.energy + model.support.F * out[X]))
+        strays.append(np.ptp(found.energy + model.support.F * out[lay.X]))
     assert orders(strays) == pytest.approx(2.0, abs=0.15)
     assert strays[-1] < 2e-5 * np.ptp(found.energy)

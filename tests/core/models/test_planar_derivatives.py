@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.layout import INVERSE_MASS, VECTOR
 from tests.core.models.test_planar_balance import WAYS, WHERE, random_state, shaken
 from tests.scenes.differences import derivatives, differences
 from tests.scenes.nf308 import case
@@ -68,8 +68,8 @@ def test_of_a_kinematic_cage_and_rings_that_are_held(seed):
 def test_padded_lanes_are_zero():
     """13 rollers in 16 lanes: where the arrow is solved, they are there."""
     model, y = shaken("on rollers", 0)
-    padded = derivatives(model._replace(bearing=model.bearing._replace(Z=2 * VECTOR)), WHERE, y)
-    assert np.abs(y[INVERSE_MASS + 13 : INVERSE_MASS + 16]).max() == 0.0
+    padded = derivatives(model._replace(bearing=model.bearing._replace(Z=2 * lay.VECTOR_WIDTH)), WHERE, y)
+    assert np.abs(y[lay.INVERSE_MASS + 13 : lay.INVERSE_MASS + 16]).max() == 0.0
     for full in padded:
         for j in (13, 14, 15):
             lanes = [8 + i * 16 + j for i in range(3)]

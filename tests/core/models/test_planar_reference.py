@@ -11,7 +11,9 @@ RING = ("ring_x", "ring_y", "velocity_x", "velocity_y")
 
 
 def differences(name: str, begin: float = 0.0) -> dict[str, float]:
-    """Largest difference over the range of each of RING from ``begin`` (s) on; of the cage's speed over it."""
+    """Largest difference over the range of each of RING_AXIS from ``begin`` (s) on; of the cage's speed over
+    it.
+    """
     kept, scene = planar.kept(name), planar.SCENES[name]
     _, found = planar_bearing.simulate(scene, planar.KEPT_TIMES[-1], STEP)
     seen = found[:, np.rint(planar.KEPT_TIMES / STEP).astype(int)]

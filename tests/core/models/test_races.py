@@ -9,15 +9,15 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from bearingsim import assemble
+from bearingsim.core import layout as lay
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.stiffness.ten_ninths import iso16281
-from bearingsim.core.layout import COS_0, POSITION, Q_I, Q_O, SIN_0, VELOCITY, Q, V, X, buffer
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import accelerations
-from bearingsim.core.parameters import turns
+from bearingsim.core.parameters import kinematic_angles
 from bearingsim.core.pits.excitations import Envelope
-from bearingsim.core.pits.on_roller import outdone
+from bearingsim.core.pits.on_roller import is_masked
 from bearingsim.core.pits.pairs import (
     ANGLE,
     INNER,
@@ -25,12 +25,12 @@ from bearingsim.core.pits.pairs import (
     ON_OUTER,
     OUTER,
     RADIUS,
-    REDUCED,
+    REDUCED_RADIUS,
     SIDE,
-    Meeting,
-    meeting,
-    pits,
-    sliding,
+    RollerPitPair,
+    nearest_roller,
+    pack_pits,
+    passing_speed,
 )
 from bearingsim.simulation import time_grid
 from bearingsim.simulation.simulate import simulate
@@ -46,7 +46,7 @@ PLACES_OF_A_PIT = ({}, {"race": "inner"}, {"race": "roller", "roller": 1})
 
 def one_pit(side, on, angle, radius=0.01, R=0.005, depth=5e-5):
     """A single full-length slot of 0.8 mm."""
-    return pits([Meeting(side, on, angle, radius, R, [(1.0, 0.4e-3, 1.0, 0.0, depth)])], Envelope())
+    return pack_pits([RollerPitPair(side, on, angle, radius, R, [(1.0, 0.4e-3, 1.0, 0.0, depth)])], Envelope())
 
 
 def wrapped(angle):
@@ -57,11 +57,15 @@ def wrapped(angle):
 
 
 @given(
-    theta_c=ANGLES, theta_i=ANGLES, angle=ANGLES, Z=st.integers(3, 64), on=st.sampled_from([ON_OUTER, ON_INNER])
+    theta_c=ANGLES,
+    theta_i=ANGLES,
+    angle=ANGLES,
+    Z=st.integers(3, 64),
+    carrier=st.sampled_from([ON_OUTER, ON_INNER]),
 )
 def test_the_roller_nearest_to_a_races_pit_is_met(theta_c, theta_i, angle, Z, on):
     """Over all rollers: the arc from the pit (turning with the ring, if on the inner race) to each contact."""
-    j, s = meeting(one_pit(int(on == ON_INNER), on, angle), 0, theta_c, theta_i, 0.3, Z)
+    j, s = nearest_roller(one_pit(int(on == ON_INNER), on, angle), 0, theta_c, theta_i, 0.3, Z)
     place = angle + (theta_i if on == ON_INNER else 0.0)
     arcs = 0.01 * wrapped(theta_c + 2 * pi * np.arange(Z) / Z - place)
     assert 0 <= j < Z
@@ -69,10 +73,10 @@ def test_the_roller_nearest_to_a_races_pit_is_met(theta_c, theta_i, angle, Z, on
     assert s == pytest.approx(arcs[j], abs=1e-14) or abs(abs(s) - 0.01 * pi / Z) < 1e-12
 
 
-@given(roll=ANGLES, angle=ANGLES, side=st.sampled_from([OUTER, INNER]), on=st.integers(0, 12))
+@given(roll=ANGLES, angle=ANGLES, side=st.sampled_from([OUTER, INNER]), carrier=st.integers(0, 12))
 def test_a_rollers_pit_is_met_where_it_faces_the_race(roll, angle, side, on):
     """The pit stands at ``angle - roll`` from the outermost point; the races touch at 0 and at half a turn."""
-    j, s = meeting(one_pit(side, on, angle), 0, 0.7, 0.2, roll, 13)
+    j, s = nearest_roller(one_pit(side, on, angle), 0, 0.7, 0.2, roll, 13)
     stands = np.exp(1j * (angle - roll))
     faces = 1.0 if side == OUTER else -1.0
     assert j == on
@@ -84,26 +88,32 @@ def test_a_rollers_pit_is_met_where_it_faces_the_race(roll, angle, side, on):
 def test_sliding_is_the_derivative_of_the_distance(t, angle, where):
     side, on = where
     one, dt = one_pit(side, on, angle), 1e-7
-    here, after = (meeting(one, 0, *turns(BEARING, t + n * dt), 13) for n in (0, 1))
+    here, after = (nearest_roller(one, 0, *kinematic_angles(BEARING, t + n * dt), 13) for n in (0, 1))
     assume(here[0] == after[0] and abs(after[1] - here[1]) < 1e-4)  # no other roller, no other turn
-    assert (after[1] - here[1]) / dt == pytest.approx(sliding(one, 0, BEARING), rel=1e-5)
+    assert (after[1] - here[1]) / dt == pytest.approx(passing_speed(one, 0, BEARING), rel=1e-5)
 
 
 def test_nothing_slips():
     """The contact runs at 2.959 m/s along outer race, inner race (backwards) and roller alike."""
     outer, inner, roller = (assemble.model(case(defect=SLOT | on)) for on in PLACES_OF_A_PIT)
-    assert sliding(outer.pits, 0, BEARING) == pytest.approx(2.959, abs=5e-4)
-    assert sliding(inner.pits, 0, BEARING) == pytest.approx(-sliding(outer.pits, 0, BEARING), rel=1e-12)
+    assert passing_speed(outer.pits, 0, BEARING) == pytest.approx(2.959, abs=5e-4)
+    assert passing_speed(inner.pits, 0, BEARING) == pytest.approx(
+        -passing_speed(outer.pits, 0, BEARING), rel=1e-12
+    )
     for d in (0, 1):
-        assert sliding(roller.pits, d, BEARING) == pytest.approx(sliding(outer.pits, 0, BEARING), rel=1e-12)
+        assert passing_speed(roller.pits, d, BEARING) == pytest.approx(
+            passing_speed(outer.pits, 0, BEARING), rel=1e-12
+        )
 
 
 def test_each_contact_has_its_own_curvature():
     """1/R is 1/6 - 1/38.5 on the outer race and 1/6 + 1/26.5 on the inner, per mm; a roller's pit meets both."""
     outer, inner, roller = (assemble.model(case(defect=SLOT | on)).pits.head for on in PLACES_OF_A_PIT)
-    assert outer[:, [SIDE, REDUCED, RADIUS]] == pytest.approx(np.array([[0, R_OUTER, 38.5e-3]]))
-    assert inner[:, [SIDE, REDUCED, RADIUS]] == pytest.approx(np.array([[1, R_INNER, 26.5e-3]]))
-    assert roller[:, [SIDE, REDUCED, RADIUS]] == pytest.approx(np.array([[0, R_OUTER, 6e-3], [1, R_INNER, 6e-3]]))
+    assert outer[:, [SIDE, REDUCED_RADIUS, RADIUS]] == pytest.approx(np.array([[0, R_OUTER, 38.5e-3]]))
+    assert inner[:, [SIDE, REDUCED_RADIUS, RADIUS]] == pytest.approx(np.array([[1, R_INNER, 26.5e-3]]))
+    assert roller[:, [SIDE, REDUCED_RADIUS, RADIUS]] == pytest.approx(
+        np.array([[0, R_OUTER, 6e-3], [1, R_INNER, 6e-3]])
+    )
 
 
 # What closes
@@ -132,14 +142,14 @@ def test_the_closing_rate_is_the_derivative_of_the_approach(carried, off):
     model, side = beside(carried, off, contact={"damping": {"chi": 1.0}})  # so light that nothing lets go
     b, y, dt = model.bearing, at_rest(model), 1e-9
     random = np.random.default_rng(3)
-    y[VELOCITY : VELOCITY + 2] += random.normal(0, 1e-2, 2)
-    y[V : V + 13] += random.normal(0, 1e-2, 13)
-    y[Q] += 6e-5 if side == OUTER else -6e-5
+    y[lay.VELOCITY : lay.VELOCITY + 2] += random.normal(0, 1e-2, 2)
+    y[lay.RADIAL_V : lay.RADIAL_V + 13] += random.normal(0, 1e-2, 13)
+    y[lay.RADIAL] += 6e-5 if side == OUTER else -6e-5
     R = R_OUTER if side == OUTER else R_INNER
 
     def approach(t):
-        u = y[POSITION : POSITION + 2] + t * y[VELOCITY : VELOCITY + 2]
-        q, theta = y[Q] + t * y[V], b.omega_c * t
+        u = y[lay.POSITION : lay.POSITION + 2] + t * y[lay.VELOCITY : lay.VELOCITY + 2]
+        q, theta = y[lay.RADIAL] + t * y[lay.RADIAL_V], b.omega_c * t
         turned = {"inner": 26.5e-3 * (b.omega_c - b.omega_i), "roller": 6e-3 * b.omega_b}[carried["race"]] * t
         rim = 1e-3 - abs(off + turned)
         race = q - u[0] * np.cos(theta) - u[1] * np.sin(theta) if side == OUTER else -q
@@ -148,7 +158,7 @@ def test_the_closing_rate_is_the_derivative_of_the_approach(carried, off):
     rate, delta = (approach(dt) - approach(-dt)) / (2 * dt), approach(0.0)
     accelerations(model, 0.0, y)
     expected = normal_force(model.outer, delta, rate)
-    assert y[Q_O if side == OUTER else Q_I] == pytest.approx(expected, rel=1e-5, abs=1e-3)
+    assert y[lay.Q_O if side == OUTER else lay.Q_I] == pytest.approx(expected, rel=1e-5, abs=1e-3)
     assert expected > 1000.0
 
 
@@ -166,17 +176,17 @@ def test_of_two_pits_the_deeper_one_is_felt(theta, off, depths, side, swapped):
     """A race's pit at the load line and one of the first roller, ``off`` its own middle, each sunk by hand."""
     R = R_OUTER if side == OUTER else R_INNER
     half = 0.4e-3
-    of_race = Meeting(
+    of_race = RollerPitPair(
         side, ON_OUTER if side == OUTER else ON_INNER, 0.0, 0.03, R, [(1.0, half, 1.0, 0.0, depths[0])]
     )
-    of_roller = Meeting(side, 0, pi * side, 6e-3, R, [(1.0, half, 1.0, 0.0, depths[1])])
-    both = pits([of_roller, of_race] if swapped else [of_race, of_roller], Envelope())
+    of_roller = RollerPitPair(side, 0, pi * side, 6e-3, R, [(1.0, half, 1.0, 0.0, depths[1])])
+    both = pack_pits([of_roller, of_race] if swapped else [of_race, of_roller], Envelope())
     along = (0.03 * theta, off)
     sunk = [min(max(half - abs(s), 0.0) ** 2 / (2 * R), depth) for s, depth in zip(along, depths, strict=True)]
     assume(max(sunk) > 0.0 and sunk[0] != sunk[1])
     stood = BEARING._replace(theta_0=theta, omega_c=0.0, omega_i=0.0, omega_b=off / 6e-3)
     model, y = MODEL._replace(bearing=stood, pits=both), assemble.empty_buffer(MODEL)
-    felt = [abs(s) < half and not outdone(model, int(n != swapped), 0, s, 1.0, y) for n, s in enumerate(along)]
+    felt = [abs(s) < half and not is_masked(model, int(n != swapped), 0, s, 1.0, y) for n, s in enumerate(along)]
     assert felt == [sunk[0] > sunk[1], sunk[1] > sunk[0]]
 
 
@@ -187,8 +197,8 @@ def test_two_equal_pits_are_felt_once():
         defects = [SLOT, SLOT | {"race": "roller", "angle": -0.003 * 38.5 / 6}]
         one, both = (assemble.model(case(defects=some, **given)) for some in (defects[:1], defects))
         y_one, y_both = at_rest(one), at_rest(both)
-        assert y_both[Q_O : Q_O + 13] == pytest.approx(y_one[Q_O : Q_O + 13], rel=1e-9, abs=1e-9)
-        assert y_both[Q_O] < 0.5 * y_both[Q_O + 1]
+        assert y_both[lay.Q_O : lay.Q_O + 13] == pytest.approx(y_one[lay.Q_O : lay.Q_O + 13], rel=1e-9, abs=1e-9)
+        assert y_both[lay.Q_O] < 0.5 * y_both[lay.Q_O + 1]
 
 
 # The whole motion, by other equations
@@ -228,9 +238,9 @@ def test_two_unequal_contacts_in_series_share_the_approach():
         return (approach / (k_o**-0.9 + k_i**-0.9)) ** (10 / 9)
 
     shift = brentq(lambda x: series(x) @ np.cos(angle) - 50.0, 1e-6, 1e-4, xtol=1e-18)
-    assert -y[POSITION + X] == pytest.approx(shift, rel=1e-9)
-    assert y[Q_O : Q_O + 13] == pytest.approx(series(shift), rel=1e-7, abs=1e-9)
-    assert y[Q_O : Q_O + 13] == pytest.approx(y[Q_I : Q_I + 13], rel=1e-9, abs=1e-9)
+    assert -y[lay.POSITION + lay.X] == pytest.approx(shift, rel=1e-9)
+    assert y[lay.Q_O : lay.Q_O + 13] == pytest.approx(series(shift), rel=1e-7, abs=1e-9)
+    assert y[lay.Q_O : lay.Q_O + 13] == pytest.approx(y[lay.Q_I : lay.Q_I + 13], rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize("carried", PLACES_OF_A_PIT)
@@ -261,17 +271,17 @@ def test_a_roller_between_pits_of_unequal_races(races, name):
     defects = [SLOT | {"width": "0.1 mm", "length": "6 mm", "race": race} for race in races]
     model = unequal(assemble.model(case(model=name, defects=defects, start_angle=0.0)), 3.0)
     y, k_o, k_i = assemble.empty_buffer(model), model.outer.stiffness.k, model.inner.stiffness.k
-    assert rest_from_scratch(assemble.statics(model), 0.0, y) < 1e-6
+    assert rest_from_scratch(assemble.static_model(model), 0.0, y) < 1e-6
     h_o = (0.05e-3) ** 2 / (2 * R_OUTER) if "outer" in races else 0.0
     h_i = (0.05e-3) ** 2 / (2 * R_INNER)
 
     def halves(k, d, h):
         return 0.5 * k * (max(d, 0.0) ** (10 / 9) + max(d - h, 0.0) ** (10 / 9))
 
-    whole = -y[POSITION + X]
+    whole = -y[lay.POSITION + lay.X]
     d_i = brentq(lambda d: halves(k_o, whole - d, h_o) - halves(k_i, d, h_i), 0.0, whole, xtol=1e-20)
-    assert y[Q_O] == pytest.approx(halves(k_i, d_i, h_i), rel=1e-8)
-    assert y[Q_I] == pytest.approx(y[Q_O], rel=1e-8)
+    assert y[lay.Q_O] == pytest.approx(halves(k_i, d_i, h_i), rel=1e-8)
+    assert y[lay.Q_I] == pytest.approx(y[lay.Q_O], rel=1e-8)
 
 
 # What else the solver is asked
@@ -286,10 +296,10 @@ def test_iso16281_with_two_rollers_at_one_place():
     law = model.outer._replace(stiffness=iso16281(0.010))
     model = model._replace(outer=law, inner=law, support=model.support._replace(k_b=0.0))
     angle = np.append(2 * pi * np.arange(12) / 12, 0.0)
-    y = buffer(13, 0.0)
-    y[COS_0 : COS_0 + 13], y[SIN_0 : SIN_0 + 13] = np.cos(angle), np.sin(angle)
-    assert rest_from_scratch(assemble.statics(model), 0.0, y) < 1e-5
-    assert y[Q_O : Q_O + 13].max() == pytest.approx(967.7, rel=2e-4)
+    y = lay.buffer(13, 0.0)
+    y[lay.COS_0 : lay.COS_0 + 13], y[lay.SIN_0 : lay.SIN_0 + 13] = np.cos(angle), np.sin(angle)
+    assert rest_from_scratch(assemble.static_model(model), 0.0, y) < 1e-5
+    assert y[lay.Q_O : lay.Q_O + 13].max() == pytest.approx(967.7, rel=2e-4)
 
 
 @pytest.mark.parametrize("turned", [pi / 4, pi / 2 - 0.1, -pi / 3])
@@ -327,14 +337,14 @@ def test_fast_rollers_press_outwards():
     """12 000 rpm: each presses on the outer race with m_r omega_c^2 r more than on the inner, loaded or not."""
     model = assemble.model(case(model="rollers", speed="12000 rpm", clearance="20 um"))
     b, y = model.bearing, assemble.empty_buffer(model)
-    assert rest_from_scratch(assemble.statics(model), 0.0, y) < 1e-6
-    outward = b.m_r * b.omega_c**2 * ((b.R_o + b.R_i) / 2 + y[Q : Q + 13])
-    free = y[Q_I : Q_I + 13] == 0.0
+    assert rest_from_scratch(assemble.static_model(model), 0.0, y) < 1e-6
+    outward = b.m_r * b.omega_c**2 * ((b.R_o + b.R_i) / 2 + y[lay.RADIAL : lay.RADIAL + 13])
+    free = y[lay.Q_I : lay.Q_I + 13] == 0.0
     assert 8 <= free.sum() <= 11
     assert outward.min() > 80.0
-    assert y[Q_O : Q_O + 13] - y[Q_I : Q_I + 13] == pytest.approx(outward, rel=1e-9)
+    assert y[lay.Q_O : lay.Q_O + 13] - y[lay.Q_I : lay.Q_I + 13] == pytest.approx(outward, rel=1e-9)
     angle = b.theta_0 + 2 * pi * np.arange(13) / 13
-    assert y[Q_I : Q_I + 13] @ np.cos(angle) == pytest.approx(150.0, rel=0.02)
+    assert y[lay.Q_I : lay.Q_I + 13] @ np.cos(angle) == pytest.approx(150.0, rel=0.02)
 
 
 def test_fast_rollers_press_outwards_while_they_run():

@@ -4,31 +4,17 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
-from bearingsim.core.advance import Watch, advance, start_at_rest
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import Monitor, advance, start_at_rest
 from bearingsim.core.geometry.orientation import Body
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
-from bearingsim.core.layout import (
-    ACCELERATION,
-    AXIAL,
-    EPS,
-    LANES,
-    Q_I,
-    Q_O,
-    ROW,
-    SIZE,
-    SKEW,
-    SPIN,
-    STATE,
-    TILT,
-    slice_row,
-)
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models import spatial
 from bearingsim.core.models.rest_in_space import rest_in_space
-from bearingsim.core.outcomes import FINE
+from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts import cage_in_space, races_in_space
-from bearingsim.core.parts.mounts import Held
+from bearingsim.core.parts.mounts import RigidMount
 from tests.core.models.test_planar_balance import EVERYTHING, WAYS, WHERE, lead_onto_pits, random_state
 from tests.independent.planar_bodies import places
 from tests.scenes.lanes import compiled, keeps_lanes, needs_vectors
@@ -44,8 +30,8 @@ def same_state(model, cut, y):
     """The model in space, and its buffer at the planar state in ``y``."""
     space = in_space(model, cut)
     x = empty(space)
-    x[:SIZE] = y[:SIZE]
-    x[ACCELERATION : ACCELERATION + STATE] = 0.0
+    x[: lay.BUFFER_SIZE] = y[: lay.BUFFER_SIZE]
+    x[lay.ACCELERATION : lay.ACCELERATION + lay.STATE] = 0.0
     return space, x
 
 
@@ -61,12 +47,12 @@ def test_with_nothing_out_of_the_plane_it_is_planar(way, cut):
         space, x = same_state(model, cut, y)
         start_at_rest(space, WHERE, x)
         for row in range(6):
-            here = ACCELERATION + row * ROW + np.arange(LANES + 13)
+            here = lay.ACCELERATION + row * lay.ROW + np.arange(lay.FIRST_LANE + 13)
             most = np.abs(y[here]).max() if row < 3 else 1e5
             assert np.abs(x[here] - y[here]).max() < 1e-9 * most
-        assert x[Q_O : Q_O + 13] == pytest.approx(y[Q_O : Q_O + 13], rel=1e-11)
-        assert x[Q_I : Q_I + 13] == pytest.approx(y[Q_I : Q_I + 13], rel=1e-11)
-        assert np.ptp(y[Q_O : Q_O + 13]) > 100.0
+        assert x[lay.Q_O : lay.Q_O + 13] == pytest.approx(y[lay.Q_O : lay.Q_O + 13], rel=1e-11)
+        assert x[lay.Q_I : lay.Q_I + 13] == pytest.approx(y[lay.Q_I : lay.Q_I + 13], rel=1e-11)
+        assert np.ptp(y[lay.Q_O : lay.Q_O + 13]) > 100.0
 
 
 def test_over_20_ms_it_moves_as_planar():
@@ -80,7 +66,7 @@ def test_over_20_ms_it_moves_as_planar():
         one, x = same_state(model, even(6), y) if name == "space" else (model, y.copy())
         start_at_rest(one, 0.0, x)
         out = np.empty((len(at), round(20e-3 / h)))
-        assert advance(RungeKutta4(h), one, Watch(1000, 1.0), 0, x, at, out)[1] == FINE
+        assert advance(RungeKutta4(h), one, Monitor(1000, 1.0), 0, x, at, out)[1] == SUCCESS
         found[name] = out[:, :: round(1e-6 / h)] if name != "finer" else out[:, 1::2]
     strayed = np.abs(found["space"] - found["planar"]).max(axis=1)
     halved = np.abs(found["finer"] - found["planar"]).max(axis=1)
@@ -93,15 +79,18 @@ def test_a_kinematic_cage_holds_all_but_the_tilt():
     model = assemble.model(given)
     y, _ = assemble.start(given, model)
     space, x = same_state(model, even(6), y)
-    space = space._replace(mount_o=Held(1e-4, 0.0))
+    space = space._replace(mount_o=RigidMount(1e-4, 0.0))
     assert rest_in_space(space, 0.0, x) < 1e-8 * model.support.F
     start_at_rest(space, 0.0, x)
-    assert np.abs(x[TILT : TILT + 13]).max() > 2e-5
+    assert np.abs(x[lay.TILT : lay.TILT + 13]).max() > 2e-5
     out = np.empty((2, 2000))
-    assert advance(RungeKutta4(1e-6), space, Watch(8, 1.0), 0, x, np.array([TILT + 2, SKEW + 2]), out)[1] == FINE
+    assert (
+        advance(RungeKutta4(1e-6), space, Monitor(8, 1.0), 0, x, np.array([lay.TILT + 2, lay.SKEW + 2]), out)[1]
+        == SUCCESS
+    )
     assert np.abs(out[1]).max() < 1e-9 * np.abs(out[0]).max()
     assert np.ptp(out[0]) > 1e-2 * np.abs(out[0]).max()
-    for row in (EPS, SPIN, AXIAL):
+    for row in (lay.EPS, lay.SPIN, lay.AXIAL):
         assert np.abs(x[row : row + 13]).max() == 0.0
 
 
@@ -111,13 +100,15 @@ def test_loops_over_rollers_keep_their_lanes():
     y, n = empty(model), lanes(model.bearing)
     ring, b = Body._make([0.0] * 8 + [1.0] + [0.0] * 4), model.bearing
     for side in (OuterSide(), InnerSide()):
-        assert keeps_lanes(compiled(races_in_space.face.py_func), side, b, ring, 1.0, y, n)
-        assert keeps_lanes(compiled(races_in_space.stand.py_func), side, b, ring, 0.0, 0.0, y, n)
-        assert keeps_lanes(compiled(races_in_space.press.py_func), side, model.outer, model.friction, 0.5, y, n)
-        assert keeps_lanes(compiled(races_in_space.add_up.py_func), side, b, ring, 0.0, 0.5, 0.0, y, n)
-        assert keeps_lanes(compiled(races_in_space.gather.py_func), side, b, ring, y, n)
-    assert keeps_lanes(compiled(races_in_space.relax.py_func), 1e-6, 1.0, 1.0, 1.0, 1.0, y, n)
-    assert keeps_lanes(compiled(races_in_space.keep_line_load.py_func), slice_row(1, 0), 1e-3, y, n)
-    assert keeps_lanes(compiled(cage_in_space.wall_slice.py_func), model.cage, b, 1.0, 0.0, 0.5, 0.0, y, n)
-    assert keeps_lanes(compiled(spatial.orient.py_func), 1.0, 1.0, 1.0, y, n)
-    assert keeps_lanes(compiled(spatial.move_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)
+        assert keeps_lanes(compiled(races_in_space.race_frame.py_func), side, b, ring, 1.0, y, n)
+        assert keeps_lanes(compiled(races_in_space.slice_kinematics.py_func), side, b, ring, 0.0, 0.0, y, n)
+        assert keeps_lanes(
+            compiled(races_in_space.slice_force.py_func), side, model.outer, model.friction, 0.5, y, n
+        )
+        assert keeps_lanes(compiled(races_in_space.sum_slices.py_func), side, b, ring, 0.0, 0.5, 0.0, y, n)
+        assert keeps_lanes(compiled(races_in_space.side_loads.py_func), side, b, ring, y, n)
+    assert keeps_lanes(compiled(races_in_space.slip_relaxation.py_func), 1e-6, 1.0, 1.0, 1.0, 1.0, y, n)
+    assert keeps_lanes(compiled(races_in_space.keep_line_load.py_func), lay.slice_row(1, 0), 1e-3, y, n)
+    assert keeps_lanes(compiled(cage_in_space.pocket_slice_force.py_func), model.cage, b, 1.0, 0.0, 0.5, 0.0, y, n)
+    assert keeps_lanes(compiled(spatial.roller_axes.py_func), 1.0, 1.0, 1.0, y, n)
+    assert keeps_lanes(compiled(spatial.accelerate_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)

@@ -9,35 +9,15 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.geometry.slices import edges, slices
+from bearingsim.core.geometry.slices import slice_edges, slices
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
 from bearingsim.core.laws.stiffness.linear import Linear
-from bearingsim.core.layout import (
-    ACCELERATION,
-    AXIAL,
-    AXIAL_V,
-    AXIS_X,
-    AXIS_X_V,
-    LOAD_O,
-    POSITION,
-    Q_F,
-    Q_I,
-    Q_O,
-    Q_P,
-    ROW,
-    SIZE,
-    TILT_I,
-    TILT_O,
-    VELOCITY,
-    Q,
-    Z,
-    slice_row,
-)
 from bearingsim.core.parts.cage_in_space import CageInSpace
 from bearingsim.core.parts.flanges import Flanges
-from bearingsim.core.parts.mounts import Sprung
+from bearingsim.core.parts.mounts import ElasticMount
 from bearingsim.core.pits.pairs import ANGLE, RADIUS
 from tests.core.models.test_planar_balance import EVERYTHING, RUBBING, SPEEDING, WHERE, rate
 from tests.core.models.test_planar_balance import random_state as planar_state
@@ -68,14 +48,14 @@ def model_of(way):
     """A model in which all that can act does."""
     pits = [PIT, PIT | {"race": "inner"}, PIT | {"race": "roller", "roller": 5}]
     model = assemble.model(case(**EVERYTHING | {"defects": pits}, **WAYS[way]))
-    cut = slices(edges(L_W, REACH, 9), lambda z: 2e-6 * (2 * z / L_W) ** 2)
+    cut = slices(slice_edges(L_W, REACH, 9), lambda z: 2e-6 * (2 * z / L_W) ** 2)
     inertia = model.bracket.inertia
     return in_space(
         model,
         cut,
         REACH,
-        mount_o=Sprung(model.bearing.m_o, inertia, 0.6 * inertia, 2e7, 100.0, 5e4, 2.0, 3e-4, -2e-4),
-        mount_i=Sprung(model.shaft.m, 2e-3, 5e-3, 3e7, 200.0, 8e4, 3.0, -1e-4, 4e-4),
+        mount_o=ElasticMount(model.bearing.m_o, inertia, 0.6 * inertia, 2e7, 100.0, 5e4, 2.0, 3e-4, -2e-4),
+        mount_i=ElasticMount(model.shaft.m, 2e-3, 5e-3, 3e7, 200.0, 8e4, 3.0, -1e-4, 4e-4),
         flanges=FLANGES,
         cage_z=CageInSpace(0.55 * model.cage.inertia, 2e-5, HuntCrossley(Linear(1e7), 10.0)),
     )
@@ -85,14 +65,14 @@ def random_state(model, seed, lean):
     """A buffer far from rest, with axes that lean by some ``lean`` (rad)."""
     random, n = np.random.default_rng(seed + 100), model.bearing.Z
     y = empty(model)
-    y[:SIZE] = planar_state_of(model, seed)
-    for row, size in ((AXIAL, 1.5e-5), (AXIAL_V, 1e-2), (AXIS_X, lean), (AXIS_X_V, 1e3 * lean)):
-        for other in (0, ROW) if row in (AXIS_X, AXIS_X_V) else (0,):
+    y[: lay.BUFFER_SIZE] = planar_state_of(model, seed)
+    for row, size in ((lay.AXIAL, 1.5e-5), (lay.AXIAL_V, 1e-2), (lay.AXIS_X, lean), (lay.AXIS_X_V, 1e3 * lean)):
+        for other in (0, lay.ROW) if row in (lay.AXIS_X, lay.AXIS_X_V) else (0,):
             y[row + other : row + other + n] = random.normal(0.0, size, n)
-    for block, axial, lean_by in ((POSITION, 2e-5, lean), (VELOCITY, 1e-2, 300 * lean)):
-        y[block + Z : block + Z + 3] = random.normal(0.0, axial, 3)
+    for block, axial, lean_by in ((lay.POSITION, 2e-5, lean), (lay.VELOCITY, 1e-2, 300 * lean)):
+        y[block + lay.Z : block + lay.Z + 3] = random.normal(0.0, axial, 3)
         for row in (1, 2):
-            y[block + Z + row * ROW : block + Z + row * ROW + 3] = random.normal(0.0, lean_by, 3)
+            y[block + lay.Z + row * lay.ROW : block + lay.Z + row * lay.ROW + 3] = random.normal(0.0, lean_by, 3)
     return y
 
 
@@ -102,14 +82,14 @@ def planar_state_of(model, seed):
     flat = assemble.model(given)
     assert flat.bearing.Z == model.bearing.Z
     y = planar_state(flat, seed)
-    assert len(y) == SIZE
+    assert len(y) == lay.BUFFER_SIZE
     return y
 
 
 def lead_onto_pits(model, y, outwards, own):
     """Turn pits under rollers 4 and 8 and press these on them; that of roller 5 out, in, or away (not ``own``)."""
     for j, q in ((3, 1e-5), (7, -1e-5), (4, 1e-5 if outwards else -1e-5)):
-        y[Q + j] = q
+        y[lay.RADIAL + j] = q
     s = now(model, y)
     head = model.pits.head
     head[:, ANGLE] = 4e-5 / head[:, RADIUS]
@@ -138,7 +118,7 @@ def leaving(model, y, h=2e-8):
     """Balances at five states on the line along which ``y`` is leaving, and their distance (s)."""
     at = bodies.places(model.bearing.Z)
     velocities = at[len(at) // 2 :]
-    slope = np.concatenate([y[velocities], y[velocities + ACCELERATION - VELOCITY]])
+    slope = np.concatenate([y[velocities], y[velocities + lay.ACCELERATION - lay.VELOCITY]])
     ahead = h * np.arange(-2, 3)
     line = y[at][:, np.newaxis] + ahead * slope[:, np.newaxis]
     return bodies.balance(bodies.scene(model, WHERE + ahead, line)), h
@@ -162,12 +142,19 @@ def test_in_the_states_below_everything_acts(way):
     """Each pit, over a part of the rollers; pockets, flanges; slices at both ends of a roller part unloaded."""
     for seed in range(4):
         _, y = shaken(way, seed, *STATES[0])
-        assert min(abs(y[TILT_O + 3]), abs(y[TILT_I + 7]), abs(y[(TILT_I if seed % 2 else TILT_O) + 4])) > 0.5
-        assert (np.abs(y[Q_F : Q_F + 13]) > 1.0).sum() > 5
-        assert (np.abs(y[Q_P : Q_P + 13]) > 1.0).sum() > 3
+        assert (
+            min(
+                abs(y[lay.PIT_FORCE_O + 3]),
+                abs(y[lay.PIT_FORCE_I + 7]),
+                abs(y[(lay.PIT_FORCE_I if seed % 2 else lay.PIT_FORCE_O) + 4]),
+            )
+            > 0.5
+        )
+        assert (np.abs(y[lay.Q_F : lay.Q_F + 13]) > 1.0).sum() > 5
+        assert (np.abs(y[lay.Q_P : lay.Q_P + 13]) > 1.0).sum() > 3
         _, y = shaken(way, seed, *STATES[1])
-        assert min(abs(y[TILT_O + 3]), abs(y[TILT_I + 7])) > 0.5
-        loads = np.array([y[slice_row(k, LOAD_O) : slice_row(k, LOAD_O) + 13] for k in range(9)])
+        assert min(abs(y[lay.PIT_FORCE_O + 3]), abs(y[lay.PIT_FORCE_I + 7])) > 0.5
+        loads = np.array([y[lay.slice_row(k, lay.LOAD_O) : lay.slice_row(k, lay.LOAD_O) + 13] for k in range(9)])
         assert ((loads > 0.0).any(axis=0) & (loads == 0.0).any(axis=0)).sum() > 5
 
 
@@ -181,7 +168,7 @@ def test_momentum_balances_at_any_state(way, seed, lean, own):
     """
     model, y = shaken(way, seed, lean, own)
     found, h, missing, _ = driven(model, y)
-    between = y[Q_O : Q_O + 13].sum() + y[Q_I : Q_I + 13].sum()
+    between = y[lay.Q_O : lay.Q_O + 13].sum() + y[lay.Q_I : lay.Q_I + 13].sum()
     assert np.abs(rate(found.momentum, h) - found.force[2]).max() < 1e-12 * between
     assert np.abs(missing).max() < 1e-12 * between * model.bearing.R_o
     assert np.abs(rate(found.spin, h)).min() > 1e-6 * between * model.bearing.R_o

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.layout import AXIS_X, AXIS_Y, Q, V
 from tests.core.models.test_spatial_balance import STATES, WAYS, WHERE, shaken
 from tests.scenes.differences import derivatives, differences
 from tests.scenes.nf308 import case
@@ -53,7 +53,7 @@ def test_of_a_kinematic_cage_nothing_is_left_out():
     model = assemble.model(given)
     y, _ = assemble.start(given, model)
     random, Z = np.random.default_rng(0), model.bearing.Z
-    for row, size in ((Q, 3e-7), (V, 1e-3), (AXIS_X, 1e-4), (AXIS_Y, 1e-4)):
+    for row, size in ((lay.RADIAL, 3e-7), (lay.RADIAL_V, 1e-3), (lay.AXIS_X, 1e-4), (lay.AXIS_Y, 1e-4)):
         y[row : row + Z] += random.normal(0.0, size, Z)
     start_at_rest(model, 0.0, y)
     model = model._replace(lag=0.0)

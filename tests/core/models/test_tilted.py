@@ -6,51 +6,22 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
-from bearingsim.core.advance import Watch, advance, start_at_rest
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import Monitor, advance, start_at_rest
 from bearingsim.core.geometry.orientation import Body
-from bearingsim.core.geometry.slices import edges, slices
+from bearingsim.core.geometry.slices import slice_edges, slices
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.friction.frictionless import Frictionless
 from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
 from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
-from bearingsim.core.layout import (
-    ACCELERATION,
-    AXIAL,
-    AXIAL_A,
-    AXIAL_V,
-    AXIS_X,
-    AXIS_X_V,
-    AXIS_Y,
-    AXIS_Y_V,
-    COS,
-    EPS,
-    EPS_V,
-    INVERSE_MASS,
-    LOAD_O,
-    POSITION,
-    Q_F,
-    Q_I,
-    Q_O,
-    SIN,
-    SKEW,
-    SPIN_V,
-    TILT,
-    TURN_T,
-    VELOCITY,
-    Q,
-    V,
-    X,
-    Y,
-    slice_row,
-)
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import accelerations, damping_per_mass
 from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_space
-from bearingsim.core.outcomes import FINE
-from bearingsim.core.parts.flanges import Flanges, NoFlanges, between_flanges, chord
-from bearingsim.core.parts.mounts import Held
+from bearingsim.core.outcomes import SUCCESS
+from bearingsim.core.parts.flanges import Flanges, NoFlanges, axial_position, half_chord
+from bearingsim.core.parts.mounts import RigidMount
 from tests.core.models.test_planar_balance import orders
 from tests.independent.energy import CONVERGED, energy, rest, slopes
 from tests.scenes.nf308 import SLOT, case
@@ -76,10 +47,10 @@ def between_plates(n, tilt, inwards=2e-6):
     law = HuntCrossley(TenNinths(K), 1.0)
     model = model._replace(bearing=bearing, outer=law, inner=law)
     y = empty(model)
-    y[AXIS_X : AXIS_X + 13], y[AXIS_Y : AXIS_Y + 13] = tilt * np.cos(ANGLES), tilt * np.sin(ANGLES)
+    y[lay.AXIS_X : lay.AXIS_X + 13], y[lay.AXIS_Y : lay.AXIS_Y + 13] = tilt * np.cos(ANGLES), tilt * np.sin(ANGLES)
     start_at_rest(model, 0.0, y)
-    assert y[TURN_T + 5] == pytest.approx(y[TURN_T], rel=1e-9)
-    return y[Q_O], y[TURN_T]
+    assert y[lay.MOMENT_T + 5] == pytest.approx(y[lay.MOMENT_T], rel=1e-9)
+    return y[lay.Q_O], y[lay.MOMENT_T]
 
 
 ANGLES = pi / 13 + 2 * pi * np.arange(13) / 13
@@ -112,33 +83,39 @@ def test_a_roller_tilted_between_plates(tilt):
 
 # misaligned, profiled, pitted: at rest
 
-MISALIGNED = Held(4e-4, -3e-4)
+MISALIGNED = RigidMount(4e-4, -3e-4)
 
 
 def at_rest(model):
     """A buffer with the model at its static equilibrium, and what is left of the load (1)."""
     y = empty(model)
     given = model.bearing
-    y[INVERSE_MASS : INVERSE_MASS + given.Z] = 1 / given.m_r
-    rest_from_scratch(assemble.statics(model), 0.0, y)
+    y[lay.INVERSE_MASS : lay.INVERSE_MASS + given.Z] = 1 / given.m_r
+    rest_from_scratch(assemble.static_model(model), 0.0, y)
     left = rest_in_space(model, 0.0, y)
     return y, left / abs(model.support.F)
 
 
 def found_by_model(y, Z):
     """The model's rest as the independent ``energy`` takes it."""
-    return np.concatenate([1e6 * y[[POSITION + X, POSITION + Y]], 1e6 * y[Q : Q + Z], 1e3 * y[TILT : TILT + Z]])
+    return np.concatenate(
+        [
+            1e6 * y[[lay.POSITION + lay.X, lay.POSITION + lay.Y]],
+            1e6 * y[lay.RADIAL : lay.RADIAL + Z],
+            1e3 * y[lay.TILT : lay.TILT + Z],
+        ]
+    )
 
 
-def along(y, slices_of, row=LOAD_O):
+def along(y, slices_of, row=lay.LOAD_O):
     """Forces (slices, 13) in N."""
-    return np.array([y[slice_row(k, row) : slice_row(k, row) + 13] for k in range(slices_of)])
+    return np.array([y[lay.slice_row(k, row) : lay.slice_row(k, row) + 13] for k in range(slices_of)])
 
 
 def misaligned():
     """Both rings leaning, profiled rollers."""
     cut, planar = slices(np.linspace(-HALF, HALF, 10), crowned), assemble.model(case(model="planar", load="400 N"))
-    return in_space(planar, cut, mount_o=MISALIGNED, mount_i=Held(-2e-4, 0.0))
+    return in_space(planar, cut, mount_o=MISALIGNED, mount_i=RigidMount(-2e-4, 0.0))
 
 
 def test_the_independent_forces_are_slopes_of_the_independent_energy():
@@ -164,7 +141,7 @@ def test_the_load_along_rollers_in_a_misaligned_ring():
     one_end, other_end = loads[:4].sum(axis=0), loads[-4:].sum(axis=0)
     assert (one_end > 3 * other_end).any()
     assert (other_end > 3 * one_end).any()
-    assert np.abs(y[TILT : TILT + 13]).max() > 1e-4
+    assert np.abs(y[lay.TILT : lay.TILT + 13]).max() > 1e-4
 
 
 def test_a_straight_bearing_rests_as_in_the_plane():
@@ -172,22 +149,23 @@ def test_a_straight_bearing_rests_as_in_the_plane():
     y, left = at_rest(in_space(model, even(7)))
     flat_one, _ = assemble.start(case(model="planar"), model)
     assert left <= 1e-8
-    assert y[Q_I : Q_I + 13] == pytest.approx(flat_one[Q_I : Q_I + 13], rel=2e-5, abs=1e-6)  # u.e_r there
-    assert np.abs(y[TILT : TILT + 13]).max() < 1e-10
+    # u.e_r there
+    assert y[lay.Q_I : lay.Q_I + 13] == pytest.approx(flat_one[lay.Q_I : lay.Q_I + 13], rel=2e-5, abs=1e-6)
+    assert np.abs(y[lay.TILT : lay.TILT + 13]).max() < 1e-10
 
 
 def test_an_off_centre_pit_tilts_a_roller():
     """A 3 mm pit off the middle under the most loaded roller: its tilt of an independent minimum."""
     reach = (1e-3, 4e-3)
     given = case(model="planar", defect=SLOT | {"width": "0.1 mm"}, start_angle=1e-9)
-    model = in_space(assemble.model(given), slices(edges(L_W, [reach], 12), flat), (reach,))
+    model = in_space(assemble.model(given), slices(slice_edges(L_W, [reach], 12), flat), (reach,))
     y, left = at_rest(model)
     assert left <= 1e-8
     theirs, unbalanced = rest(model, found_by_model(y, 13) * 0.9)
     assert unbalanced < CONVERGED
-    assert y[TILT] == pytest.approx(1e-3 * theirs[15], rel=1e-5)
-    assert y[TILT] > 3e-6  # the end over the pit sinks outwards
-    assert np.abs(y[TILT + 1 : TILT + 13]).max() < 1e-9
+    assert y[lay.TILT] == pytest.approx(1e-3 * theirs[15], rel=1e-5)
+    assert y[lay.TILT] > 3e-6  # the end over the pit sinks outwards
+    assert np.abs(y[lay.TILT + 1 : lay.TILT + 13]).max() < 1e-9
     loads = along(y, len(model.slices.table))[:, 0] / model.slices.table[:, 1]
     assert loads[0] > loads[np.searchsorted(model.slices.table[:, 0], 2.5e-3)]
 
@@ -199,7 +177,7 @@ def test_the_mean_rest_of_a_misaligned_bearing():
     free = model._replace(support=model.support._replace(k_b=0.0))
     y, _ = at_rest(model)
     found = mean_rest_in_space(free, y, samples=8)
-    straight = mean_rest_in_space(free._replace(mount_o=Held(0.0, 0.0)), y, samples=8)
+    straight = mean_rest_in_space(free._replace(mount_o=RigidMount(0.0, 0.0)), y, samples=8)
     assert straight.x == pytest.approx(planar.support.x_0, rel=1e-3)
     assert straight.load == pytest.approx(assemble.rest.largest_load(case(model="planar")), rel=1e-2)
     assert found.x != pytest.approx(straight.x, rel=1e-2)
@@ -210,13 +188,13 @@ def test_the_mean_rest_of_a_misaligned_bearing():
 def test_rollers_stand_between_flanges_wherever_the_rings_are():
     """Outer ring with two flanges, inner with one: the mean of their middles, each as often as it has flanges."""
     r, flanges = 0.03, FLANGES._replace(inner_plus=1.0)
-    assert between_flanges(FLANGES, body_of_ring(2e-5, 1e-4), body_of_ring(7e-5, 3e-4), 1.0, 0.0, r) == (
+    assert axial_position(FLANGES, body_of_ring(2e-5, 1e-4), body_of_ring(7e-5, 3e-4), 1.0, 0.0, r) == (
         pytest.approx(2e-5 - r * 1e-4)
     )
     middles = 2e-5 - r * 1e-4, 7e-5 - r * 3e-4
-    found = between_flanges(flanges, body_of_ring(2e-5, 1e-4), body_of_ring(7e-5, 3e-4), 1.0, 0.0, r)
+    found = axial_position(flanges, body_of_ring(2e-5, 1e-4), body_of_ring(7e-5, 3e-4), 1.0, 0.0, r)
     assert found == pytest.approx((2 * middles[0] + middles[1]) / 3)
-    assert between_flanges(NoFlanges(), body_of_ring(2e-5, 0.0), body_of_ring(0.0, 0.0), 1.0, 0.0, r) == 0.0
+    assert axial_position(NoFlanges(), body_of_ring(2e-5, 0.0), body_of_ring(0.0, 0.0), 1.0, 0.0, r) == 0.0
 
 
 def body_of_ring(z, lean):
@@ -236,10 +214,10 @@ def skewed(flanges_given, skew=SKEWED):
     model = in_space(assemble.model(case(model="planar", speed="3600 rpm")), even(6), **flanges_given)
     model = model._replace(I_t=1e3 * model.I_t, friction=StaticDynamic(0.3, 0.15, 0.02, 0.1))
     y, _ = at_rest(model)
-    y[AXIS_X : AXIS_X + 13] -= skew * y[SIN : SIN + 13]
-    y[AXIS_Y : AXIS_Y + 13] += skew * y[COS : COS + 13]
-    y[AXIS_X_V : AXIS_X_V + 13] = -model.bearing.omega_c * y[AXIS_Y : AXIS_Y + 13]
-    y[AXIS_Y_V : AXIS_Y_V + 13] = model.bearing.omega_c * y[AXIS_X : AXIS_X + 13]
+    y[lay.AXIS_X : lay.AXIS_X + 13] -= skew * y[lay.SIN : lay.SIN + 13]
+    y[lay.AXIS_Y : lay.AXIS_Y + 13] += skew * y[lay.COS : lay.COS + 13]
+    y[lay.AXIS_X_V : lay.AXIS_X_V + 13] = -model.bearing.omega_c * y[lay.AXIS_Y : lay.AXIS_Y + 13]
+    y[lay.AXIS_Y_V : lay.AXIS_Y_V + 13] = model.bearing.omega_c * y[lay.AXIS_X : lay.AXIS_X + 13]
     start_at_rest(model, 0.0, y)
     return model, y
 
@@ -254,33 +232,36 @@ def test_friction_on_a_skewed_roller_by_hand():
     for skew in (SKEWED, -SKEWED):
         _, y = skewed({}, skew)
         unloaded, loaded = 6, 0
-        assert y[Q_I + unloaded] == 0.0 < y[Q_O + unloaded]
-        assert np.sign(skew) * y[AXIAL_A + unloaded] < -1.0
-        towards = y[TURN_T + loaded] * np.sign(skew)
-        assert towards > 0.5 * 6e-3 * 0.1 * (y[Q_O] + y[Q_I])
-        assert abs(y[AXIAL_A + loaded]) < 0.2 * abs(y[AXIAL_A + unloaded]) * y[Q_O + loaded] / y[Q_O + unloaded]
+        assert y[lay.Q_I + unloaded] == 0.0 < y[lay.Q_O + unloaded]
+        assert np.sign(skew) * y[lay.AXIAL_A + unloaded] < -1.0
+        towards = y[lay.MOMENT_T + loaded] * np.sign(skew)
+        assert towards > 0.5 * 6e-3 * 0.1 * (y[lay.Q_O] + y[lay.Q_I])
+        assert (
+            abs(y[lay.AXIAL_A + loaded])
+            < 0.2 * abs(y[lay.AXIAL_A + unloaded]) * y[lay.Q_O + loaded] / y[lay.Q_O + unloaded]
+        )
 
 
 def test_a_flange_stops_a_skewed_roller():
     """It screws along at omega_b R_w skew (its skew goes round with it) until an end's corner meets the flange."""
-    places = np.array([AXIAL + 6, AXIAL_V + 6, Q_F + 6, SKEW + 6])
+    places = np.array([lay.AXIAL + 6, lay.AXIAL_V + 6, lay.Q_F + 6, lay.SKEW + 6])
     far = {}
     for name, given in (("free", {}), ("held", {"flanges": FLANGES})):
         model, y = skewed(given)
         out = np.empty((4, 2000))
-        assert advance(RungeKutta4(1e-6), model, Watch(1000, 1.0), 0, y, places, out)[1] == FINE
+        assert advance(RungeKutta4(1e-6), model, Monitor(1000, 1.0), 0, y, places, out)[1] == SUCCESS
         far[name] = out
     speed = -model.bearing.omega_b * model.bearing.R_w * far["free"][3, -1]
     assert far["free"][1, -1] == pytest.approx(speed, rel=0.05)
     assert far["free"][0, -1] < -3 * PLAY
-    corner = chord(model.bearing.R_w, FLANGES.height) * SKEWED
+    corner = half_chord(model.bearing.R_w, FLANGES.height) * SKEWED
     assert -1.3 * PLAY < far["held"][0].min() < -(PLAY - corner)
     assert far["held"][2, far["held"][0] > -0.8 * (PLAY - corner)].max() == 0.0
     assert far["held"][2].max() > 0.1
 
 
 SLIPPERY = StaticDynamic(0.1, 0.1, 50.0, 60.0)  # as good as proportional to the slip
-ROLLER = np.array([V, EPS_V, SPIN_V, AXIAL_V, AXIS_X_V, AXIS_Y_V])
+ROLLER = np.array([lay.RADIAL_V, lay.EPS_V, lay.SPIN_V, lay.AXIAL_V, lay.AXIS_X_V, lay.AXIS_Y_V])
 
 
 def pressed(where):
@@ -294,12 +275,12 @@ def pressed(where):
     )
     y, _ = at_rest(model)
     if where == "pocket":
-        y[EPS + 6] = (model.cage.play + 5e-5) / 0.0325
+        y[lay.EPS + 6] = (model.cage.play + 5e-5) / 0.0325
     else:
-        y[AXIAL + 6] = PLAY + 2.5e-5
+        y[lay.AXIAL + 6] = PLAY + 2.5e-5
     if where == "both flanges":
         model = model._replace(flanges=model.flanges._replace(play=-2.5e-5))
-        y[AXIAL + 6] = 0.0
+        y[lay.AXIAL + 6] = 0.0
     start_at_rest(model, 0.0, y)
     return model, y
 
@@ -316,7 +297,7 @@ def test_the_watch_sees_friction_on_flanges_and_pockets(where):
             x = y.copy()
             x[place] += step
             accelerations(model, 0.0, x)
-            ends.append(x[ROLLER + 6 + ACCELERATION - VELOCITY])
+            ends.append(x[ROLLER + 6 + lay.ACCELERATION - lay.VELOCITY])
         slopes[:, k] = (ends[0] - ends[1]) / 2e-4
     fastest = -np.linalg.eigvals(slopes).real.min()
     assert fastest > 1e3

@@ -20,12 +20,19 @@ from bearingsim.core.pits.depth import (
     extent,
     section,
 )
-from bearingsim.core.pits.envelope import Path, bent, cusp, looked_up, packed, path_over, sinking
-from bearingsim.core.pits.excitations import felt
-from bearingsim.core.pits.pairs import KAPPA, B, Meeting, W, depression, depression_bend
+from bearingsim.core.pits.envelope import Path, cusp, drop_at, drop_curvature_at, packed, path_drop, path_over
+from bearingsim.core.pits.excitations import pit_response
+from bearingsim.core.pits.pairs import (
+    GROUP_HALF_WIDTH,
+    GROUP_WEIGHT,
+    KAPPA,
+    RollerPitPair,
+    roller_drop,
+    roller_drop_curvature,
+)
 from bearingsim.core.pits.profile import RACE, depth_at
 from bearingsim.core.pits.spall import Spall
-from bearingsim.core.pits.traced import across, grouped, sharpest_cusp, sliced, traced_pits
+from bearingsim.core.pits.traced import cut_along_roller, grouped, sharpest_cusp, sliced, traced_pits
 from tests.scenes.pit_maps import (
     R_OUTER,
     brute,
@@ -66,7 +73,7 @@ def test_the_path_is_the_minimum_over_contact_points(pit, part, R):
     profile = at_height(pit, part)
     s = span(profile)
     expected = brute(profile, s, R)
-    assert sinking(path_over(profile, R), s)[0] == pytest.approx(expected, abs=1e-3 * expected.max())
+    assert path_drop(path_over(profile, R), s)[0] == pytest.approx(expected, abs=1e-3 * expected.max())
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -77,7 +84,7 @@ def test_rough_scans_too(seed, burr):
         profile = section(scan, z)
         s = span(profile, beyond=0.4)
         expected = brute(profile, s, R_OUTER)
-        found, _ = sinking(path_over(profile, R_OUTER), s)
+        found, _ = path_drop(path_over(profile, R_OUTER), s)
         assert found == pytest.approx(expected, abs=1e-3 * np.abs(expected).max())
         assert -burr - 1e-15 <= found.min() <= -0.5 * burr
 
@@ -87,7 +94,7 @@ def test_rough_scans_too(seed, burr):
 def test_without_a_burr_the_roller_stays_between_race_and_pit(pit, part, R):
     profile = at_height(pit, part)
     s, path = span(profile), path_over(profile, R)
-    h, _ = sinking(path, s)
+    h, _ = path_drop(path, s)
     largest = depth_at(profile, span(profile, 2001)).max()
     assert h.min() >= -1e-13
     assert np.all(h <= depth_at(profile, s) + 1e-12 * largest)
@@ -103,11 +110,11 @@ def test_a_deeper_or_wider_pit_is_felt_more(pit, part, R, more):
     z = (low + high) / 2 + part * (high - low) / 2
     wider, deeper = pit._replace(width=more * pit.width), pit._replace(depth=more * pit.depth)
     s = span(at_height(pit, part))
-    h = sinking(path_over(section(pit, z), R), s)[0]
+    h = path_drop(path_over(section(pit, z), R), s)[0]
     tolerance = 2e-5 * h.max() + 1e-15  # an ellipse is drawn by parabolas
-    assert np.all(sinking(path_over(section(deeper, z), R), s)[0] >= h - tolerance)
+    assert np.all(path_drop(path_over(section(deeper, z), R), s)[0] >= h - tolerance)
     if not isinstance(pit, Spall):  # a wider spall is another one: its bowls move apart
-        assert np.all(sinking(path_over(section(wider, z), R), s)[0] >= h - tolerance)
+        assert np.all(path_drop(path_over(section(wider, z), R), s)[0] >= h - tolerance)
 
 
 @settings(max_examples=100, deadline=None)
@@ -149,8 +156,8 @@ def test_the_slope_is_the_derivative(pit, part, R, place):
     assume(ends[k + 1] - ends[k] > 1e-8)
     s = ends[k] + place * (ends[k + 1] - ends[k])
     step = 0.4 * min(s - ends[k], ends[k + 1] - s)
-    before, after = sinking(path, np.array([s - step, s + step]))[0]
-    slope = sinking(path, np.array([s]))[1][0]
+    before, after = path_drop(path, np.array([s - step, s + step]))[0]
+    slope = path_drop(path, np.array([s]))[1][0]
     assert slope == pytest.approx((after - before) / (2 * step), abs=1e-9 + 1e-6 * abs(slope))
 
 
@@ -171,8 +178,8 @@ def test_the_path_has_no_steps_and_its_kinks_are_cusps(pit, part, R):
 def test_what_is_nowhere_is_over_no_pit(s):
     """Of a motion that has blown up: an index from NaN would be anywhere in memory."""
     table, (at,) = packed([path_over(section(Elliptical(1.0, 1e-3, 1e-5), 0.0), 5e-3)])
-    assert looked_up(table, at, s) == (0.0, 0.0)
-    assert bent(table, at, s) == 0.0
+    assert drop_at(table, at, s) == (0.0, 0.0)
+    assert drop_curvature_at(table, at, s) == 0.0
 
 
 @settings(max_examples=200)
@@ -181,10 +188,10 @@ def test_tables_are_the_closed_forms(shape, width, depth, R):
     row = np.array([1.0, *CLOSED[shape](width, depth, R)])
     path = path_over(section(shape(1.0, width, depth), 0.0), R)
     table, (_, at) = packed([path_over(section(Elliptical(1.0, 1e-3, 1e-5), 0.0), R), path])
-    largest = depression(row, 0.0, R)[0]
+    largest = roller_drop(row, 0.0, R)[0]
     for s in np.linspace(-0.6, 0.6, 101) * width:
-        h, slope = looked_up(table, at, s)
-        expected = depression(row, s, R)
+        h, slope = drop_at(table, at, s)
+        expected = roller_drop(row, s, R)
         assert h == pytest.approx(expected[0], abs=1e-12 * largest + 1e-18)
         if abs(s) > 1e-9 * width and abs(expected[0] - depth) > 1e-9 * depth:
             assert slope == pytest.approx(expected[1], abs=1e-9 * width / R)
@@ -195,27 +202,30 @@ def test_bends_of_tables_are_those_of_the_closed_forms(shape, width, depth, R):
     row = np.array([1.0, *CLOSED[shape](width, depth, R)])
     table, (at,) = packed([path_over(section(shape(1.0, width, depth), 0.0), R)])
     for s in np.linspace(-0.6, 0.6, 24) * width:  # the middle, a cusp, is not among them
-        around = [depression_bend(row, s + h, R) for h in (-1e-6 * width, 1e-6 * width)]
+        around = [roller_drop_curvature(row, s + h, R) for h in (-1e-6 * width, 1e-6 * width)]
         if around[0] == around[1]:
-            assert bent(table, at, s) == pytest.approx(depression_bend(row, s, R), rel=1e-6, abs=1e-6 / R)
+            assert drop_curvature_at(table, at, s) == pytest.approx(
+                roller_drop_curvature(row, s, R), rel=1e-6, abs=1e-6 / R
+            )
 
 
 @settings(max_examples=50, deadline=None)
 @given(pit=smooth_pits, R=radii)
 def test_tables_are_the_paths_and_columns_their_bounds(pit, R):
-    groups, paths = grouped(pit, R, across(pit, 12e-3, 4))
-    found = traced_pits([Meeting(0, -1, 0.0, 0.0385, R, groups, paths)])
-    assert sum(row[W] for row in groups) == pytest.approx(1.0, rel=1e-9)
+    groups, paths = grouped(pit, R, cut_along_roller(pit, 12e-3, 4))
+    found = traced_pits([RollerPitPair(0, -1, 0.0, 0.0385, R, groups, paths)])
+    assert sum(row[GROUP_WEIGHT] for row in groups) == pytest.approx(1.0, rel=1e-9)
     for row, path in zip(found.groups[0], paths, strict=True):
-        s = np.linspace(-1.1, 1.1, 57) * max(row[B], 1e-6)
+        s = np.linspace(-1.1, 1.1, 57) * max(row[GROUP_HALF_WIDTH], 1e-6)
         h, slope = (
-            np.array(values) for values in zip(*(felt(found.excitation, row, x, R)[1:] for x in s), strict=True)
+            np.array(values)
+            for values in zip(*(pit_response(found.excitation, row, x, R)[1:] for x in s), strict=True)
         )
-        expected_h, expected_slope = sinking(path, s)
-        inside = np.abs(s) < row[B]
+        expected_h, expected_slope = path_drop(path, s)
+        inside = np.abs(s) < row[GROUP_HALF_WIDTH]
         assert h == pytest.approx(np.where(inside, expected_h, 0.0), abs=1e-15)
         assert slope == pytest.approx(np.where(inside, expected_slope, 0.0), abs=1e-9)
-        bound = min(row[B], row[2], np.sqrt(2 * R * row[4])) / R
+        bound = min(row[GROUP_HALF_WIDTH], row[2], np.sqrt(2 * R * row[4])) / R
         assert np.abs(slope).max() <= bound * (1 + 1e-9) + 1e-15
         assert row[KAPPA] < len(found.excitation.table)
 
@@ -229,18 +239,16 @@ def test_a_burr_is_felt_before_the_pit():
 
 
 def test_two_pits_are_one_where_they_overlap_and_themselves_elsewhere():
-    left, right = (
-        Placed(Rectangular(12e-3, 0.4e-3, 5e-6), -0.15e-3, 0.0),
-        Placed(Triangular(12e-3, 0.4e-3, 2e-5), 0.15e-3, 0.0),
-    )
+    left = Placed(Rectangular(12e-3, 0.4e-3, 5e-6), -0.15e-3, 0.0)
+    right = Placed(Triangular(12e-3, 0.4e-3, 2e-5), 0.15e-3, 0.0)
     s = np.linspace(-0.5e-3, 0.5e-3, 1001)
     p = depth_at(section(Merged((left, right)), 0.0), s)
     assert p == pytest.approx(
         np.maximum(depth_at(section(left, 0.0), s), depth_at(section(right, 0.0), s)), abs=1e-15
     )
     apart = Merged((left._replace(s=-2e-3), right._replace(s=2e-3)))
-    h = sinking(path_over(section(apart, 0.0), R_OUTER), s - 2e-3)[0]
-    assert h == pytest.approx(sinking(path_over(section(left, 0.0), R_OUTER), s - 0.15e-3)[0], abs=1e-18)
+    h = path_drop(path_over(section(apart, 0.0), R_OUTER), s - 2e-3)[0]
+    assert h == pytest.approx(path_drop(path_over(section(left, 0.0), R_OUTER), s - 0.15e-3)[0], abs=1e-18)
 
 
 def test_a_burr_stays_where_another_pit_does_not_reach():
@@ -259,8 +267,8 @@ def test_the_ridge_between_two_hollows_carries_the_roller(apart):
     s = np.linspace(-4e-4, 4e-4, 201)
     ridge = 5e-5 * (1 - (apart / 4e-4) ** 2)
     path = path_over(pair, R_OUTER)
-    assert sinking(path, s)[0] == pytest.approx(brute(pair, s, R_OUTER), abs=1e-4 * 2e-6)
-    assert sinking(path, np.zeros(1))[0] == pytest.approx(ridge, rel=1e-9)
+    assert path_drop(path, s)[0] == pytest.approx(brute(pair, s, R_OUTER), abs=1e-4 * 2e-6)
+    assert path_drop(path, np.zeros(1))[0] == pytest.approx(ridge, rel=1e-9)
 
 
 def test_the_edge_from_a_hollow_into_a_deeper_pit_carries_the_roller():
@@ -268,9 +276,9 @@ def test_the_edge_from_a_hollow_into_a_deeper_pit_carries_the_roller():
     bowl_, slot = Circular(12e-3, 2e-4, 2e-6), Placed(Rectangular(12e-3, 8e-4, 5e-5), 4.5e-4, 0.0)
     s = np.linspace(-2e-4, 9e-4, 301)
     for profile in (section(Merged((bowl_, slot)), 0.0), section(Merged((slot, bowl_)), 0.0)):
-        found = sinking(path_over(profile, R_OUTER), s)[0]
+        found = path_drop(path_over(profile, R_OUTER), s)[0]
         assert found == pytest.approx(brute(profile, s, R_OUTER), abs=1e-9)
-        on_edge = sinking(path_over(profile, R_OUTER), np.array([2e-4]))[0]
+        on_edge = path_drop(path_over(profile, R_OUTER), np.array([2e-4]))[0]
         assert on_edge == pytest.approx(1.5e-6 + (1.5e-4) ** 2 / (2 * R_OUTER), rel=1e-6)
 
 
@@ -280,7 +288,7 @@ def test_a_merged_wide_pit_lets_a_roller_deeper_than_its_halves():
         (Placed(Rectangular(1, 4e-4, 5e-5), -2e-4, 0.0), Placed(Rectangular(1, 4e-4, 5e-5), 2e-4, 0.0))
     )
     path = path_over(section(halves, 0.0), R_OUTER)
-    assert sinking(path, np.zeros(1))[0] == pytest.approx((4e-4) ** 2 / (2 * R_OUTER), rel=1e-9)
+    assert path_drop(path, np.zeros(1))[0] == pytest.approx((4e-4) ** 2 / (2 * R_OUTER), rel=1e-9)
     assert cusp(path) == pytest.approx((0.0, 2 * 4e-4 / R_OUTER), abs=1e-9)
 
 
@@ -291,7 +299,7 @@ def test_a_rounded_edge_lets_the_roller_in_earlier():
     begin = -4e-4 - radius
     assert path.pieces[0, 0] == pytest.approx(begin, abs=1e-9)
     x = np.linspace(0.0, 4e-4, 50)
-    assert sinking(path, begin + x)[0] == pytest.approx(x**2 / (2 * (R_OUTER + radius)), rel=2e-3, abs=1e-15)
+    assert path_drop(path, begin + x)[0] == pytest.approx(x**2 / (2 * (R_OUTER + radius)), rel=2e-3, abs=1e-15)
 
 
 def test_a_shallow_rounded_edge_ends_at_the_floor():
@@ -349,21 +357,23 @@ def test_outside_a_pit_there_is_the_race():
 
 def test_slices_across_a_pit():
     """One for a box, off the middle or not; of one that hangs over the roller's end what is on it."""
-    assert across(Rectangular(3e-3, 1e-3, 1e-5), 12e-3, 6) == [pytest.approx((0.25, 0.0))]
-    assert across(Placed(Rectangular(3e-3, 1e-3, 1e-5), 0.0, 5e-3), 12e-3, 6) == [
+    assert cut_along_roller(Rectangular(3e-3, 1e-3, 1e-5), 12e-3, 6) == [pytest.approx((0.25, 0.0))]
+    assert cut_along_roller(Placed(Rectangular(3e-3, 1e-3, 1e-5), 0.0, 5e-3), 12e-3, 6) == [
         pytest.approx((2.5 / 12, 4.75e-3))
     ]
     two = Merged(
         (Placed(Rectangular(4e-3, 1e-3, 1e-5), 0.0, -1e-3), Placed(Rectangular(4e-3, 1e-3, 1e-5), 5e-4, 1e-3))
     )
-    weights = [weight for weight, _ in across(two, 12e-3, 6)]
+    weights = [weight for weight, _ in cut_along_roller(two, 12e-3, 6)]
     assert weights == pytest.approx([2 / 12, 2 / 12, 2 / 12])
     for pit in (Circular(6e-3, 1e-3, 1e-5), Elliptical(6e-3, 1e-3, 1e-5), Spall(6e-3, 1e-3, 1e-5, 1.0, 0)):
-        assert sum(weight for weight, _ in across(pit, 12e-3, 6)) == pytest.approx(0.5)
+        assert sum(weight for weight, _ in cut_along_roller(pit, 12e-3, 6)) == pytest.approx(0.5)
 
 
 def test_a_round_pits_halves_are_felt_alike():
-    groups, paths = grouped(Elliptical(6e-3, 1e-3, 1e-5), R_OUTER, across(Elliptical(6e-3, 1e-3, 1e-5), 12e-3, 6))
+    groups, paths = grouped(
+        Elliptical(6e-3, 1e-3, 1e-5), R_OUTER, cut_along_roller(Elliptical(6e-3, 1e-3, 1e-5), 12e-3, 6)
+    )
     assert len(groups) == len(paths) == 7
     assert groups[0][:2] == pytest.approx((0.5, 0.0))
 
@@ -371,20 +381,20 @@ def test_a_round_pits_halves_are_felt_alike():
 def test_paths_that_end_apart_are_two_groups(monkeypatch):
     """Of the same pieces, but one of them ends earlier."""
     pieces, pit = np.array([[-5e-4, 0.0, 0.0, 1.0]]), Rectangular(6e-3, 1e-3, 1e-5)
-    slices = across(Elliptical(6e-3, 1e-3, 1e-5), 12e-3, 4)
+    slices = cut_along_roller(Elliptical(6e-3, 1e-3, 1e-5), 12e-3, 4)
     ends = [4e-4 if k == 1 else 5e-4 for k in range(len(slices))]
     felt_there = tuple(((5e-4, 5e-4, 0.0, 1e-6), Path(pieces, end)) for end in ends)
     monkeypatch.setattr(traced, "paths_over", lambda *_: felt_there)
     groups, paths = grouped(pit, R_OUTER, slices)
     assert [path.end for path in paths[1:]] == [5e-4, 4e-4]
-    assert groups[2][W] == pytest.approx(slices[1][0])
+    assert groups[2][GROUP_WEIGHT] == pytest.approx(slices[1][0])
 
 
 def test_a_slice_for_every_place_of_a_roller():
     groups, paths = sliced(Rectangular(3e-3, 1e-3, 1e-5), R_OUTER, np.array([-3e-3, -1e-3, 1e-3]))
     assert [len(path.pieces) > 0 for path in paths] == [False, True, True]
-    assert [row[B] for row in groups] == pytest.approx([0.0, 5e-4, 5e-4])
-    assert [row[W] for row in groups] == [1.0, 1.0, 1.0]
+    assert [row[GROUP_HALF_WIDTH] for row in groups] == pytest.approx([0.0, 5e-4, 5e-4])
+    assert [row[GROUP_WEIGHT] for row in groups] == [1.0, 1.0, 1.0]
 
 
 def test_the_sharpest_cusp_of_an_uneven_pit():
@@ -392,7 +402,7 @@ def test_the_sharpest_cusp_of_an_uneven_pit():
     uneven = Merged(
         (Placed(Rectangular(12e-3, 4e-4, 5e-5), 0.0, 0.0), Placed(Rectangular(12e-3, 4e-4, 2e-7), 4e-4, 0.0))
     )
-    groups, paths = grouped(uneven, R_OUTER, across(uneven, 12e-3, 6))
+    groups, paths = grouped(uneven, R_OUTER, cut_along_roller(uneven, 12e-3, 6))
     s = np.linspace(-3e-4, 7e-4, 100001)
     h = brute(section(uneven, 0.0), s[::50], R_OUTER)
     assert sharpest_cusp(groups, paths) == pytest.approx(s[::50][np.argmin(np.diff(h, 2)) + 1], abs=1e-6)

@@ -21,12 +21,12 @@ from bearingsim.core.pits.excitations import (
     PressureShare,
     RectangularPulse,
     SoftEdge,
-    bend,
-    felt,
-    groups,
     hertz_half_width,
+    pit_response,
+    pit_response_gradient,
+    response_groups,
 )
-from bearingsim.core.pits.pairs import DEPTH, GROUP, X_E, B, W, outer_reduced_radius
+from bearingsim.core.pits.pairs import DEPTH, GROUP, GROUP_HALF_WIDTH, GROUP_WEIGHT, X_E, outer_reduced_radius
 from tests.scenes.pit_maps import SHAPES
 
 R_W, R_O, L_W = 0.006, 0.0385, 0.012
@@ -46,18 +46,18 @@ places = st.floats(-0.6, 0.6)
 
 def rows_of(excitation, shape="rectangular", width=WIDE, depth=DEEP, length=L_W):
     envelope = groups_of(SHAPES[shape](length, width, depth), L_W, R, 6)
-    return [np.array(row) for row in groups(excitation, SHAPES[shape](length, width, depth), envelope, R)]
+    return [np.array(row) for row in response_groups(excitation, SHAPES[shape](length, width, depth), envelope, R)]
 
 
 def slot(excitation, s, **pit):
     """Share, h and slope of a pit that is one group."""
     (row,) = rows_of(excitation, **pit)
-    return felt(excitation, row, s, R)
+    return pit_response(excitation, row, s, R)
 
 
 def pull(excitation, rows, s, delta, law):
     """Elastic force of the whole contact."""
-    parts = [(row[W], *felt(excitation, row, s, R)) for row in rows]
+    parts = [(row[GROUP_WEIGHT], *pit_response(excitation, row, s, R)) for row in rows]
     return sum(w * share * elastic(law, max(delta - h, 0.0)) for w, share, h, _ in parts)
 
 
@@ -72,11 +72,11 @@ def test_what_is_felt_stays_within_the_pit(excitation, shape, width, depth, leng
     rows = rows_of(excitation, shape, width, depth, length)
     s = place * width
     for row in rows:
-        share, h, slope = felt(excitation, row, s, R)
+        share, h, slope = pit_response(excitation, row, s, R)
         assert len(row) == GROUP
         assert 0.0 <= share <= 1.0
         assert 0.0 <= h <= depth * (1 + 1e-12)
-        if abs(s) > row[B]:
+        if abs(s) > row[GROUP_HALF_WIDTH]:
             assert (h if share > 0.0 else 0.0, slope) == (0.0, 0.0)
 
 
@@ -86,7 +86,7 @@ def test_what_is_felt_stays_within_the_pit(excitation, shape, width, depth, leng
 def test_beyond_the_half_width_the_contact_is_that_of_the_race(excitation, shape, width, depth, length, past):
     law, rows = palmgren(L_W), rows_of(excitation, shape, width, depth, length)
     for s in (1, -1):
-        s *= max(row[B] for row in rows) + past
+        s *= max(row[GROUP_HALF_WIDTH] for row in rows) + past
         assert pull(excitation, rows, s, 2e-7, law) == pytest.approx(elastic(law, 2e-7), rel=1e-12)
 
 
@@ -96,7 +96,7 @@ def test_slopes_are_derivatives(excitation, shape, width, depth, place):
     """Where h is smooth: not at rims, in the middle, at the edge of a floor or wall."""
     s, step = place * width, 1e-7 * width
     for row in rows_of(excitation, shape, width, depth):
-        before, here, after = (felt(excitation, row, x, R) for x in (s - step, s, s + step))
+        before, here, after = (pit_response(excitation, row, x, R) for x in (s - step, s, s + step))
         rate = (after[1] - before[1]) / (2 * step)
         left, right = (here[1] - before[1]) / step, (after[1] - here[1]) / step
         steepest = max(depth, width**2 / (8 * R)) / width
@@ -107,8 +107,8 @@ def test_slopes_are_derivatives(excitation, shape, width, depth, place):
 @given(excitation=excitations, shape=shapes, width=widths, depth=depths, place=places)
 def test_slopes_have_the_bound_that_impact_speeds_are_estimated_with(excitation, shape, width, depth, place):
     for row in rows_of(excitation, shape, width, depth):
-        bound = min(row[B], row[X_E], sqrt(2 * R * row[DEPTH])) / R
-        assert abs(felt(excitation, row, place * width, R)[2]) <= bound * (1 + 1e-9)
+        bound = min(row[GROUP_HALF_WIDTH], row[X_E], sqrt(2 * R * row[DEPTH])) / R
+        assert abs(pit_response(excitation, row, place * width, R)[2]) <= bound * (1 + 1e-9)
 
 
 @given(excitation=st.sampled_from(PULSES), shape=shapes, width=widths, depth=depths)
@@ -116,9 +116,9 @@ def test_pulses_sink_as_far_as_the_envelope(excitation, shape, width, depth):
     for pulse, envelope in zip(
         rows_of(excitation, shape, width, depth), rows_of(Envelope(), shape, width, depth), strict=True
     ):
-        assert pulse[W] == envelope[W]
-        assert felt(excitation, pulse, 0.0, R)[1] == pytest.approx(
-            felt(Envelope(), envelope, 0.0, R)[1], rel=1e-12
+        assert pulse[GROUP_WEIGHT] == envelope[GROUP_WEIGHT]
+        assert pit_response(excitation, pulse, 0.0, R)[1] == pytest.approx(
+            pit_response(Envelope(), envelope, 0.0, R)[1], rel=1e-12
         )
 
 
@@ -175,17 +175,15 @@ def test_piecewise_pulse_of_a_pit_without_a_floor_is_a_half_sine(shape, width, d
     for row, other in zip(
         rows_of(PiecewisePulse(), shape, width, depth), rows_of(HalfSinePulse(), shape, width, depth), strict=True
     ):
-        found, expected = (
-            felt(PiecewisePulse(), row, place * width, R),
-            felt(HalfSinePulse(), other, place * width, R),
-        )
+        found = pit_response(PiecewisePulse(), row, place * width, R)
+        expected = pit_response(HalfSinePulse(), other, place * width, R)
         assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * depth)
 
 
 @given(shape=shapes, width=widths, depth=depths, place=st.floats(-0.49, 0.49))
 def test_clearance_increase_knows_no_roller(shape, width, depth, place):
     """Near its middle a bowl's section is the pit's; box and V have one section."""
-    share, h, slope = felt(
+    share, h, slope = pit_response(
         ClearanceIncrease(), rows_of(ClearanceIncrease(), shape, width, depth)[0], place * width, R
     )
     assert (share, slope) == (1.0, 0.0)
@@ -199,8 +197,8 @@ def test_pressure_share_is_the_integral_over_the_pit(width, s, b):
     low, high = max(-width / 2 - s, -b), min(width / 2 - s, b)
     pressure = lambda x: 2 / (pi * b) * sqrt(max(1 - (x / b) ** 2, 0.0))  # noqa: E731
     rho = quad(pressure, low, high)[0] if high > low else 0.0
-    assert felt(excitation, lost, s, R)[0] == pytest.approx(rho, abs=1e-6)
-    assert felt(excitation, kept, s, R)[0] == pytest.approx(1 - rho, abs=1e-6)
+    assert pit_response(excitation, lost, s, R)[0] == pytest.approx(rho, abs=1e-6)
+    assert pit_response(excitation, kept, s, R)[0] == pytest.approx(1 - rho, abs=1e-6)
 
 
 def test_pressure_share_loses_force_until_the_approach_exceeds_the_depth():
@@ -231,7 +229,9 @@ def test_an_edge_kept_whole_is_the_envelope(shape, width, depth, place):
     for soft, firm in zip(
         rows_of(SoftEdge(), shape, width, depth), rows_of(Envelope(), shape, width, depth), strict=True
     ):
-        assert felt(SoftEdge(1.0), soft, place * width, R) == felt(Envelope(), firm, place * width, R)
+        assert pit_response(SoftEdge(1.0), soft, place * width, R) == pit_response(
+            Envelope(), firm, place * width, R
+        )
 
 
 @pytest.mark.parametrize(
@@ -254,12 +254,14 @@ def test_only_a_rim_is_soft(shape, depth, s, share):
 def test_compiled_and_plain_agree(excitation):
     row = rows_of(excitation, depth=5e-6)[-1]
     for s in (-0.3e-3, 0.0, 0.1e-3, 0.395e-3, 0.5e-3):
-        assert compiled(excitation, row, s, R) == pytest.approx(felt(excitation, row, s, R), rel=1e-13, abs=1e-20)
+        assert compiled(excitation, row, s, R) == pytest.approx(
+            pit_response(excitation, row, s, R), rel=1e-13, abs=1e-20
+        )
 
 
 @jit
 def compiled(excitation, group, s, R):
-    return felt(excitation, group, s, R)
+    return pit_response(excitation, group, s, R)
 
 
 def test_a_shape_without_a_closed_form_is_refused():
@@ -272,10 +274,10 @@ def test_bend_is_the_slope_of_what_is_felt(excitation, shape, width, depth, plac
     """Away from where a course is put together; what leaps has no slope there."""
     s, h = place * width, 1e-6 * width
     for row in rows_of(excitation, shape, width, depth):
-        near = np.array([felt(excitation, row, s + n * h, R) for n in range(-2, 3)])
+        near = np.array([pit_response(excitation, row, s + n * h, R) for n in range(-2, 3)])
         before, after = near[2] - near[0], near[4] - near[2]
         assume(abs(after - before)[[0, 2]] == pytest.approx(0.0, abs=1e-3 * h / R))
-        share_slope, bent = bend(excitation, row, s, R)
+        share_slope, bent = pit_response_gradient(excitation, row, s, R)
         found = (near[3] - near[1]) / (2 * h)
         assert bent == pytest.approx(found[2], rel=1e-3, abs=1e-5 / R)
         assert share_slope == pytest.approx(found[0], rel=1e-3, abs=1e-4 / width)

@@ -8,9 +8,9 @@ import pytest
 from bearingsim import assemble
 from bearingsim.core.jit import jit
 from bearingsim.core.models.interface import accelerations
-from bearingsim.core.pits.jumps import next_cusp
-from bearingsim.core.pits.on_roller import standing
-from bearingsim.core.pits.pairs import FIRST_JUMP, HALF_WIDTH, JUMPS
+from bearingsim.core.pits.jumps import next_jump
+from bearingsim.core.pits.on_roller import roller_at_pit
+from bearingsim.core.pits.pairs import FIRST_JUMP, HALF_WIDTH, JUMP_COUNT
 from tests.scenes.nf308 import SLOT, at_rest, case
 
 WIDE = SLOT | {"width": "3 mm"}
@@ -18,8 +18,8 @@ WIDE = SLOT | {"width": "3 mm"}
 
 def jumps(**given):
     """Places (mm) of the first meeting's jumps."""
-    head = assemble.pits.meetings(case(**given)).head[0]
-    return 1e3 * head[FIRST_JUMP : FIRST_JUMP + int(head[JUMPS])]
+    head = assemble.pits.packed_pits(case(**given)).head[0]
+    return 1e3 * head[FIRST_JUMP : FIRST_JUMP + int(head[JUMP_COUNT])]
 
 
 def test_a_narrow_slot_has_one_cusp_and_a_wide_one_where_the_floor_begins_and_ends():
@@ -47,15 +47,15 @@ def test_a_traced_pit_has_the_cusps_of_its_path():
 
 @jit
 def asked(model, t, y):
-    """``next_cusp``, compiled."""
-    return next_cusp(model, t, y)
+    """``next_jump``, compiled."""
+    return next_jump(model, t, y)
 
 
 @jit
 def told(model, t, y):
-    """What ``next_cusp`` says, and where the first meeting's contact stands."""
+    """What ``next_jump`` says, and where the first meeting's contact stands."""
     accelerations(model, t, y)
-    return next_cusp(model, t, y), standing(model, 0, t, y)
+    return next_jump(model, t, y), roller_at_pit(model, 0, t, y)
 
 
 @pytest.mark.parametrize("race", ["outer", "inner", "roller"])

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.layout import OUTER_SIDE, SINK
 from bearingsim.core.pits.envelope import Path
-from bearingsim.core.pits.on_roller import outdone
-from bearingsim.core.pits.on_slices import find_pits, leave_pits, over_pits
-from bearingsim.core.pits.pairs import ON_OUTER, OUTER, Meeting
+from bearingsim.core.pits.on_roller import is_masked
+from bearingsim.core.pits.on_slices import clear_pit_response, mark_rollers_at_pits, slice_pit_response
+from bearingsim.core.pits.pairs import ON_OUTER, OUTER, RollerPitPair
 from bearingsim.core.pits.traced import traced_pits
 from tests.scenes.nf308 import case
 from tests.scenes.spatial_bearing import empty, even, in_space
@@ -24,7 +24,7 @@ def level(h):
     """A meeting whose every slice feels ``h`` (m) all along."""
     row = (1.0, B, B, 0.0, abs(h))
     path = Path(np.array([[-B, h, 0.0, 0.0]]), B)
-    return Meeting(OUTER, ON_OUTER, 0.0, 0.0385, 7e-3, [row] * 2, [path] * 2)
+    return RollerPitPair(OUTER, ON_OUTER, 0.0, 0.0385, 7e-3, [row] * 2, [path] * 2)
 
 
 def standing_over(depths):
@@ -40,11 +40,11 @@ def standing_over(depths):
 def felt(depths):
     """Sinking (m) of the first roller's first slice."""
     model, y = standing_over(depths)
-    assert find_pits(model, 0.0, 1.0, 1.0, y) == len(depths)
-    over_pits(model, 0.0, 0, 1.0, 1.0, 1.0, y)
-    sinking = y[OUTER_SIDE + SINK]
-    leave_pits(model, y)
-    assert y[OUTER_SIDE + SINK] == 0.0
+    assert mark_rollers_at_pits(model, 0.0, 1.0, 1.0, y) == len(depths)
+    slice_pit_response(model, 0.0, 0, 1.0, 1.0, 1.0, y)
+    sinking = y[lay.OUTER_SIDE + lay.ROLLER_DROP]
+    clear_pit_response(model, y)
+    assert y[lay.OUTER_SIDE + lay.ROLLER_DROP] == 0.0
     return sinking
 
 
@@ -53,9 +53,9 @@ DEPTHS = [(-2e-6,), (-2e-6, -1e-6), (-2e-6, 0.0), (-2e-6, 1e-6), (-2e-6, 0.0, -1
 
 @pytest.mark.parametrize("depths", DEPTHS)
 def test_the_deepest_is_felt_in_any_order(depths):
-    """A burr only where nothing deeper is: as ``outdone`` chooses in the plane."""
+    """A burr only where nothing deeper is: as ``is_masked`` chooses in the plane."""
     for order in permutations(depths):
         assert felt(order) == max(depths)
         model, y = standing_over(order)
-        counts = [not outdone(model, d, 0, AT, 0.0, y) for d in range(len(order))]
+        counts = [not is_masked(model, d, 0, AT, 0.0, y) for d in range(len(order))]
         assert [h for h, one in zip(order, counts, strict=True) if one] == [max(depths)]

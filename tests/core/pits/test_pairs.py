@@ -14,9 +14,9 @@ from bearingsim.core.pits.pairs import (
     ANGLE,
     GROUP,
     RADIUS,
-    depression,
-    meeting,
+    nearest_roller,
     outer_reduced_radius,
+    roller_drop,
 )
 from tests.scenes.nf308 import SLOT, case
 from tests.scenes.pit_maps import SHAPES
@@ -40,7 +40,7 @@ shapes = st.sampled_from(sorted(SECTIONS))
 
 
 def envelope(shape, width, depth, s):
-    return depression(np.array([1.0, *SECTIONS[shape](width, depth)]), s, R)
+    return roller_drop(np.array([1.0, *SECTIONS[shape](width, depth)]), s, R)
 
 
 def brute(shape, width, depth, s):
@@ -108,7 +108,7 @@ def test_a_bowls_mean_depth_converges_with_the_nodes():
 
     def mean(nodes):
         groups = groups_of(Circular(9e-3, 0.8e-3, 5e-5), 12e-3, R, nodes)
-        return sum(group[0] * depression(np.array(group), 0.0, R)[0] for group in groups)
+        return sum(group[0] * roller_drop(np.array(group), 0.0, R)[0] for group in groups)
 
     assert mean(6) == pytest.approx(mean(60), rel=2e-3)
 
@@ -119,17 +119,17 @@ def test_a_bowls_mean_depth_converges_with_the_nodes():
 @example(theta_c=nan, angle=0.0, Z=13)
 def test_a_roller_is_found_even_where_motion_has_blown_up(theta_c, angle, Z):
     """A step or two may follow before the watch looks, and the number indexes memory."""
-    pits = assemble.pits.meetings(case(defect=SLOT))
+    pits = assemble.pits.packed_pits(case(defect=SLOT))
     pits.head[0, ANGLE] = angle
-    assert 0 <= meeting(pits, 0, theta_c, 0.0, 0.0, Z)[0] < Z
+    assert 0 <= nearest_roller(pits, 0, theta_c, 0.0, 0.0, Z)[0] < Z
 
 
 @given(theta_c=st.floats(-20.0, 20.0), angle=st.floats(-4.0, 4.0), Z=st.integers(3, 64))
 def test_the_nearest_roller_is_found_at_any_angle(theta_c, angle, Z):
-    pits = assemble.pits.meetings(case(defect=SLOT))
+    pits = assemble.pits.packed_pits(case(defect=SLOT))
     pits.head[0, ANGLE] = angle
     R_o = pits.head[0, RADIUS]
-    j, s = meeting(pits, 0, theta_c, 0.0, 0.0, Z)
+    j, s = nearest_roller(pits, 0, theta_c, 0.0, 0.0, Z)
     distances = np.remainder(theta_c + 2 * pi * np.arange(Z) / Z - angle + pi, 2 * pi) - pi
     assert 0 <= j < Z
     assert abs(s) / R_o <= np.abs(distances).min() + 1e-9

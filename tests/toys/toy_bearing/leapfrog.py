@@ -2,10 +2,10 @@
 
 from typing import NamedTuple
 
+from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
-from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY
-from bearingsim.core.methods.interface import MethodKind, as_it_is, load_number, prepare, step
-from bearingsim.core.models.interface import accelerations, width
+from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
+from bearingsim.core.models.interface import accelerations, state_width
 
 
 class Leapfrog(NamedTuple):
@@ -17,21 +17,21 @@ class Leapfrog(NamedTuple):
 @jit
 def drift(h, y, n):
     for j in range(n):
-        y[POSITION + j] += h * y[VELOCITY + j]
+        y[lay.POSITION + j] += h * y[lay.VELOCITY + j]
 
 
 @jit
 def kick(h, y, n):
     for j in range(n):
-        y[VELOCITY + j] += h * y[ACCELERATION + j]
+        y[lay.VELOCITY + j] += h * y[lay.ACCELERATION + j]
 
 
-prepare.register(Leapfrog)(as_it_is)
+prepare.register(Leapfrog)(no_preparation)
 
 
 @step.register(Leapfrog)
 def _step(method, model, t, y):
-    n = width(model)
+    n = state_width(model)
     drift(0.5 * method.h, y, n)
     accelerations(model, t + 0.5 * method.h, y)
     kick(method.h, y, n)
@@ -39,8 +39,8 @@ def _step(method, model, t, y):
     accelerations(model, t + method.h, y)
 
 
-@load_number.register(Leapfrog)
-def _load_number(method, K, C):
+@stability_ratio.register(Leapfrog)
+def _stability_ratio(method, K, C):
     return method.h * (0.25 * method.h * K + 0.5 * C)
 
 

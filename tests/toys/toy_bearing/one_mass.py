@@ -3,19 +3,19 @@
 from math import cos
 from typing import NamedTuple
 
-from bearingsim.core.layout import ACCELERATION, LANES, POSITION, VELOCITY, X
+from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import (
     ModelKind,
     accelerations,
     begin,
     damping_per_mass,
-    keep_extremes,
+    monitored,
+    state_width,
     stiffness_per_mass,
-    watched,
-    width,
+    update_extremes,
 )
-from bearingsim.core.parameters import Bearing, Support, turns
-from bearingsim.core.pits.crossings import spot
+from bearingsim.core.parameters import Bearing, Support, kinematic_angles
+from bearingsim.core.pits.crossings import count_crossings
 
 STIFFNESS, DAMPING, PUSH = 1e8, 1e3, 1.0  # N/m, N s/m, N
 
@@ -27,16 +27,18 @@ class OneMass(NamedTuple):
     support: Support
 
 
-@width.register(OneMass)
-def _width(model):
-    return LANES
+@state_width.register(OneMass)
+def _state_width(model):
+    return lay.FIRST_LANE
 
 
 @accelerations.register(OneMass)
 def _accelerations(model, t, y):
-    theta_c, _, _ = turns(model.bearing, t)
+    theta_c, _, _ = kinematic_angles(model.bearing, t)
     push = PUSH * cos(model.bearing.Z * theta_c)
-    y[ACCELERATION + X] = (push - STIFFNESS * y[POSITION + X] - DAMPING * y[VELOCITY + X]) / model.bearing.m_o
+    y[lay.ACCELERATION + lay.X] = (
+        push - STIFFNESS * y[lay.POSITION + lay.X] - DAMPING * y[lay.VELOCITY + lay.X]
+    ) / model.bearing.m_o
 
 
 @begin.register(OneMass)
@@ -44,18 +46,18 @@ def _begin(model, t, y):
     accelerations(model, t, y)
 
 
-@keep_extremes.register(OneMass)
-def _keep_extremes(model, y):
+@update_extremes.register(OneMass)
+def _update_extremes(model, y):
     return None
 
 
-@spot.register(OneMass)
-def _spot(model, t, y):
+@count_crossings.register(OneMass)
+def _count_crossings(model, t, y):
     return None
 
 
-@watched.register(OneMass)
-def _watched(model):
+@monitored.register(OneMass)
+def _monitored(model):
     return 1
 
 

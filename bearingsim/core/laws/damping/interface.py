@@ -8,8 +8,8 @@ delta: approach (m), positive in contact; v: its total rate (m/s), positive whil
 kink one of its two sides is taken, as Newton's method for semismooth equations may (Qi and Sun, Mathematical
 Programming 58 (1993) 353). K can be negative: a dashpot that holds a contact back does so more the deeper it is.
 
-The bounds are what the watch over explicit steps takes for them: never negative, finite at rest and at touch-down,
-and regardless of the clamp.
+The bounds are what the monitor over explicit steps takes for them: never negative, finite at rest and at
+touch-down, and regardless of the clamp.
 """
 
 from typing import Any

@@ -23,5 +23,5 @@ def mu_slope(law: Any, v: float, u: float) -> tuple[float, float]:
 
 
 @generic(absent=0.0)
-def steepest(law: Any, u: float) -> float:
+def mu_slope_bound(law: Any, u: float) -> float:
     """Largest d(mu)/dv (s/m) at the rolling speed ``u`` (m/s): what limits an explicit step."""

@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
-from bearingsim.core.laws.friction.cubic_step import rise, rise_slope
-from bearingsim.core.laws.friction.interface import mu, mu_slope, steepest
+from bearingsim.core.laws.friction.cubic_step import cubic_step, cubic_step_slope
+from bearingsim.core.laws.friction.interface import mu, mu_slope, mu_slope_bound
 
 
 class StaticDynamic(NamedTuple):
@@ -23,17 +23,17 @@ class StaticDynamic(NamedTuple):
 @mu.register(StaticDynamic)
 def _mu(law, v, u):
     beyond = (abs(v) - law.v_s) * (1.0 / (law.v_d - law.v_s))
-    fall = 0.5 * (law.mu_s - law.mu_d) * (1.0 + rise(2.0 * beyond - 1.0))
-    return law.mu_s * rise(v * (1.0 / law.v_s)) - (fall if v > 0.0 else -fall)
+    fall = 0.5 * (law.mu_s - law.mu_d) * (1.0 + cubic_step(2.0 * beyond - 1.0))
+    return law.mu_s * cubic_step(v * (1.0 / law.v_s)) - (fall if v > 0.0 else -fall)
 
 
 @mu_slope.register(StaticDynamic)
 def _mu_slope(law, v, u):
     per_fall, per_rise = 1.0 / (law.v_d - law.v_s), 1.0 / law.v_s
-    fall = (law.mu_s - law.mu_d) * per_fall * rise_slope(2.0 * (abs(v) - law.v_s) * per_fall - 1.0)
-    return law.mu_s * per_rise * rise_slope(v * per_rise) - fall, 0.0
+    fall = (law.mu_s - law.mu_d) * per_fall * cubic_step_slope(2.0 * (abs(v) - law.v_s) * per_fall - 1.0)
+    return law.mu_s * per_rise * cubic_step_slope(v * per_rise) - fall, 0.0
 
 
-@steepest.register(StaticDynamic)
-def _steepest(law, u):
+@mu_slope_bound.register(StaticDynamic)
+def _mu_slope_bound(law, u):
     return 1.5 * law.mu_s / law.v_s

@@ -5,12 +5,12 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.friction.cubic_step import rise, rise_slope
-from bearingsim.core.laws.friction.interface import mu, mu_slope, steepest
+from bearingsim.core.laws.friction.cubic_step import cubic_step, cubic_step_slope
+from bearingsim.core.laws.friction.interface import mu, mu_slope, mu_slope_bound
 
-SLOWEST_ROLLING = 0.01  # m/s: below it, traction is what it is there; a film needs rolling
-JUMP_WITHIN = 1e-3  # slide-to-roll ratio over which a traction curve that jumps at zero slip is made to rise
-DECAYED = 40.0  # e^-40 is less than rounding
+MIN_ROLLING_SPEED = 0.01  # m/s: below it, traction is what it is there; a film needs rolling
+JUMP_WIDTH = 1e-3  # slide-to-roll ratio over which a traction curve that jumps at zero slip is made to rise
+MAX_EXPONENT = 40.0  # e^-40 is less than rounding
 
 
 class Traction(NamedTuple):
@@ -22,7 +22,7 @@ class Traction(NamedTuple):
     viscosity enters.
 
     The curve starts from a + d, which is 0 in a fluid; otherwise it would jump there, and a cubic step over
-    ``JUMP_WITHIN`` takes the jump's place.
+    ``JUMP_WIDTH`` takes the jump's place.
     """
 
     a: float
@@ -36,30 +36,30 @@ KRAGELSKII = Traction(-0.1, 22.28, 181.46, 0.1)
 
 @mu.register(Traction)
 def _mu(law, v, u):
-    s = abs(v) / max(u, SLOWEST_ROLLING)
-    flowing = min(s, DECAYED / law.c)  # beyond it only d is left
+    s = abs(v) / max(u, MIN_ROLLING_SPEED)
+    flowing = min(s, MAX_EXPONENT / law.c)  # beyond it only d is left
     level = (law.a + law.b * flowing) * exp_minus(law.c * flowing) + law.d
-    level -= (law.a + law.d) * (1.0 - rise(s * (1.0 / JUMP_WITHIN)))
+    level -= (law.a + law.d) * (1.0 - cubic_step(s * (1.0 / JUMP_WIDTH)))
     return level if v > 0.0 else -level
 
 
 @mu_slope.register(Traction)
 def _mu_slope(law, v, u):
-    rolling = max(u, SLOWEST_ROLLING)
+    rolling = max(u, MIN_ROLLING_SPEED)
     s = abs(v) / rolling
-    flowing = min(s, DECAYED / law.c)
+    flowing = min(s, MAX_EXPONENT / law.c)
     slope = (law.b - law.c * (law.a + law.b * flowing)) * exp_minus(law.c * flowing)
-    slope = slope if s < DECAYED / law.c else 0.0
-    slope += (law.a + law.d) * (1.0 / JUMP_WITHIN) * rise_slope(s * (1.0 / JUMP_WITHIN))
+    slope = slope if s < MAX_EXPONENT / law.c else 0.0
+    slope += (law.a + law.d) * (1.0 / JUMP_WIDTH) * cubic_step_slope(s * (1.0 / JUMP_WIDTH))
     by_slip = slope / rolling
     by_rolling = by_slip * v / rolling
-    return by_slip, (-by_rolling if u > SLOWEST_ROLLING else 0.0)
+    return by_slip, (-by_rolling if u > MIN_ROLLING_SPEED else 0.0)
 
 
-@steepest.register(Traction)
-def _steepest(law, u):
-    slope = law.b - law.c * law.a + 1.5 * (law.a + law.d) / JUMP_WITHIN
-    return slope / max(u, SLOWEST_ROLLING)
+@mu_slope_bound.register(Traction)
+def _mu_slope_bound(law, u):
+    slope = law.b - law.c * law.a + 1.5 * (law.a + law.d) / JUMP_WIDTH
+    return slope / max(u, MIN_ROLLING_SPEED)
 
 
 @jit

@@ -7,7 +7,7 @@ from bearingsim.core.jit import generic
 from bearingsim.core.laws.hertz import effective_modulus
 from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
 from bearingsim.core.laws.stiffness.johnson_curve import reduced_curvature, reduced_force, reduced_slope
-from bearingsim.core.laws.stiffness.series import share, share_by_newton
+from bearingsim.core.laws.stiffness.series import series_share, series_share_by_newton
 
 
 class Johnson(NamedTuple):
@@ -55,20 +55,20 @@ def _curvature(law, delta):
 
 
 def _share_unlike(inner, outer, delta):
-    return share_by_newton(outer, inner, delta)
+    return series_share_by_newton(outer, inner, delta)
 
 
 @generic(otherwise=_share_unlike)
-def share_with_johnson(inner: Any, outer: Any, delta: float) -> float:
-    """``share`` where the outer contact is ``Johnson``'s."""
+def series_share_with_johnson(inner: Any, outer: Any, delta: float) -> float:
+    """``series_share`` where the outer contact is ``Johnson``'s."""
 
 
-@share.register(Johnson)
-def _share(outer, inner, delta):
-    return share_with_johnson(inner, outer, delta)
+@series_share.register(Johnson)
+def _series_share(outer, inner, delta):
+    return series_share_with_johnson(inner, outer, delta)
 
 
-@share_with_johnson.register(Johnson)
+@series_share_with_johnson.register(Johnson)
 def _share_alike(inner, outer, delta):
     """Two in series are a third: with P = force/length, delta = Q (1/P_o + 1/P_i) [ln(F/Q) - 1].
 

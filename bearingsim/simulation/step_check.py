@@ -24,27 +24,27 @@ from bearingsim.config.names import LINES
 from bearingsim.core.sampling import RESAMPLE_REACH, TABLE, resampling_kernel
 from bearingsim.simulation import features, time_grid
 from bearingsim.simulation.integration import Setup, integrate, set_up
-from bearingsim.simulation.pilot import pilot, sees_turns
+from bearingsim.simulation.pilot import pilot, sees_pit_turns
 
-HELD = 0.01
+ACCURACY = 0.01
 """What a run holds of its line and its RMS; where the motion is chaotic, of the RMS alone."""
-CHANGED = 0.5 * HELD
+MAX_CHANGE = 0.5 * ACCURACY
 """The most that half the step may change them: an error of first order is twice that."""
 
-LOUD = 1e-3  # a line under this part of the RMS (60 dB below it) is none, and is measured by it
+QUIET_LINE = 1e-3  # a line under this part of the RMS (60 dB below it) is none, and is measured by it
 APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
-NUDGE = 1e-10  # of the ring's displacement at the start; a motion that repeats itself soon forgets it
-SURE = 2.5  # standard deviations, where many passes tell them
-CERTAIN = 0.9938  # the probability that lies below them
+PERTURBATION = 1e-10  # of the ring's displacement at the start; a motion that repeats itself soon forgets it
+CONFIDENCE = 2.5  # standard deviations, where many passes tell them
+CONFIDENCE_PROBABILITY = 0.9938  # the probability that lies below them
 GROWN, PARTED = 3.0, 1e-4  # from the first pass that counts to the last; in any, of the RMS
 NO_LESS = 0.3  # of what half the step, or a tenth of the tolerance, changes
-FEWEST_BLOCKS = 16  # of some passes each, to tell how their RMS scatters
-DOUBTED = 4.0  # times as long is a second pilot, if the first one's twins part without chaos
-MORE = 4.0  # times the CPU time that half the step and a tenth of the tolerance may take
+MIN_BLOCKS = 16  # of some passes each, to tell how their RMS scatters
+SECOND_PILOT = 4.0  # times as long is a second pilot, if the first one's twins part without chaos
+MAX_COST_RATIO = 4.0  # times the CPU time that half the step and a tenth of the tolerance may take
 
 
 @dataclass(frozen=True)
-class Proof:
+class StepCheck:
     """What half the step (and a tenth of the tolerance) changes.
 
     line, rms: relative change of the fault's line (of the worst, if there are several) and of the RMS; chaotic:
@@ -67,67 +67,69 @@ class Proof:
     @property
     def holds(self) -> bool:
         """Whether the step can be trusted: what it changes is small, or no more than chaos does anyway."""
-        return bool(self.error <= max(CHANGED, SURE * self.noise))
+        return bool(self.error <= max(MAX_CHANGE, CONFIDENCE * self.noise))
 
     @property
     def long_enough(self) -> bool:
         """Whether the record holds so much of a chaotic motion that its RMS is worth 1 %."""
-        return bool(self.scatter <= HELD)
+        return bool(self.scatter <= ACCURACY)
 
 
-UNPROVEN = Proof(nan, nan)
+UNCHECKED = StepCheck(nan, nan)
 
 
-class Heard(NamedTuple):
+class VelocityPair(NamedTuple):
     """Velocity (m/s) along the sensor at fine samples, and what the record's low-pass leaves of it."""
 
     fine: np.ndarray
     recorded: np.ndarray
 
 
-def prove(case: Case, part: float) -> Proof:
+def check_step(case: Case, part: float) -> StepCheck:
     """Try a case, its method named, at ``part`` of the automatic step. Raises like ``integrate``."""
     beginning = pilot(case)
-    found, doubtful = tried(case, part, *beginning)
-    more = pilot(case, DOUBTED)
+    found, doubtful = check_on_pilot(case, part, *beginning)
+    more = pilot(case, SECOND_PILOT)
     if doubtful and more != beginning:
-        found, _ = tried(case, part, *more)
+        found, _ = check_on_pilot(case, part, *more)
     return found
 
 
-def tried(case: Case, part: float, short: Case, passes: int) -> tuple[Proof, bool]:
-    """The proof by one pilot, and whether it is doubtful: its twins part, and nothing says that this is chaos."""
-    allowed = time_grid.MOST_CPU * length(short) / length(case)
+def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[StepCheck, bool]:
+    """The step check by one pilot, and whether it is doubtful: its twins part, and nothing says that this is
+    chaos.
+    """
+    allowed = time_grid.MAX_CPU * length(short) / length(case)
     coarse = set_up(short, part, allowed)
-    fine = set_up(finer(short), part * shorter(coarse.cut.decimation), MORE * allowed)
+    fine = set_up(with_finer_tolerance(short), part * shorter(coarse.cut.decimation), MAX_COST_RATIO * allowed)
     one, other = (velocities(setup, passes, recorded=case.antialias) for setup in (coarse, fine))
     found = changes(coarse, fine, passes, one, other)
     scale = float(np.std(other.fine)) or 1.0
-    apart = by_pass(one.fine - later(other.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
+    apart = by_pass(one.fine - shifted(other.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
     if not apart.max() > APART:
         return found, False
     adaptive = assemble.adaptive(case)
     twin, nudged = (fine, other) if adaptive else (coarse, one)
-    third = velocities(twin, passes, recorded=case.antialias, nudge=NUDGE)
+    third = velocities(twin, passes, recorded=case.antialias, nudge=PERTURBATION)
     beside = by_pass(nudged.fine - third.fine, passes) / scale
-    if not leads_elsewhere(beside, apart, adaptive):
+    if not is_chaotic_motion(beside, apart, adaptive):
         return found, True
     # the twins of a pilot have not parted at its start: the wider band, where they part first, tells more
     noise, sure = max((scatter(series, passes) for series in zip(one, other, third, strict=True)), key=np.prod)
-    told = sees_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
+    told = sees_pit_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
     whole = max(1.0, case.duration * coarse.cut.rate)
     worth = sure * noise / sqrt(whole) if told else inf
     return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False
 
 
-def changes(coarse: Setup, fine: Setup, passes: int, one: Heard, other: Heard) -> Proof:
+def changes(coarse: Setup, fine: Setup, passes: int, one: VelocityPair, other: VelocityPair) -> StepCheck:
     """What half the step changes: of the fault's lines the worst, of the wide band and the record the worse."""
-    quiet = LOUD * float(np.std(other.recorded)) or 1.0
+    quiet = QUIET_LINE * float(np.std(other.recorded)) or 1.0
     lines = [
         (amplitudes(coarse, name, passes, one.fine), amplitudes(fine, name, passes, other.fine))
         for name in fault_lines(coarse.case)
     ]
-    return Proof(
+    return StepCheck(
         line=float(max(change(a, b) / max(abs(b.sum()), quiet) for a, b in lines)),
         rms=float(max(abs(np.std(a) / (np.std(b) or 1.0) - 1.0) for a, b in zip(one, other, strict=True))),
     )
@@ -140,7 +142,7 @@ def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:
     degrees of freedom for each pass that tells, since a few strong ones may make up all the rest. Of single passes
     or blocks of them, whichever says more: what is loud may stay loud for a while.
     """
-    sizes = [2**k for k in range(passes.bit_length()) if k == 0 or passes >= FEWEST_BLOCKS * 2**k]
+    sizes = [2**k for k in range(passes.bit_length()) if k == 0 or passes >= MIN_BLOCKS * 2**k]
     return max(_scatter(series, passes // size, size) for size in sizes)
 
 
@@ -151,7 +153,7 @@ def _scatter(series: Sequence[np.ndarray], blocks: int, size: int) -> tuple[floa
     between = np.sum((powers - np.roll(powers, 1, axis=0)) ** 2, axis=0)
     telling = np.sum(between) ** 2 / (np.sum(between**2) or 1.0)
     noise = 0.5 * sqrt(size * np.mean(between) / len(series))
-    return noise, float(stdtrit(2.0 * max(1.0, telling), CERTAIN))
+    return noise, float(stdtrit(2.0 * max(1.0, telling), CONFIDENCE_PROBABILITY))
 
 
 def length(case: Case) -> float:
@@ -164,7 +166,7 @@ def shorter(decimation: int) -> float:
     return decimation / max(2 * decimation + 1, round(sqrt(5.0) * decimation))
 
 
-def finer(case: Case) -> Case:
+def with_finer_tolerance(case: Case) -> Case:
     """The case with a tenth of its tolerance, if it gives one (one that is automatic goes with the step)."""
     return case if case.tolerance == "auto" else case.model_copy(update={"tolerance": 0.1 * case.tolerance})
 
@@ -177,7 +179,7 @@ def fault_lines(case: Case) -> list[str]:
     return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
 
 
-def velocities(setup: Setup, passes: int, recorded: bool, nudge: float = 0.0) -> Heard:
+def velocities(setup: Setup, passes: int, recorded: bool, nudge: float = 0.0) -> VelocityPair:
     """A pilot's velocity over the ball passes that count; recorded: whether the record is low-passed."""
     tape, cut = integrate(setup, nudge), setup.cut
     ratio = cut.fine_rate / setup.case.sampling
@@ -188,7 +190,7 @@ def velocities(setup: Setup, passes: int, recorded: bool, nudge: float = 0.0) ->
     taps = np.interp(
         np.abs(np.arange(-reach, reach + 1)) * TABLE / ratio, np.arange(len(kernel)), kernel, right=0.0
     )
-    return Heard(fine, np.convolve(wide, taps / taps.sum(), "valid") if recorded else fine)
+    return VelocityPair(fine, np.convolve(wide, taps / taps.sum(), "valid") if recorded else fine)
 
 
 def ahead(setup: Setup, other: Setup) -> float:
@@ -196,7 +198,7 @@ def ahead(setup: Setup, other: Setup) -> float:
     return float((setup.model.bearing.theta_0 - other.model.bearing.theta_0) / other.model.bearing.omega_c)
 
 
-def later(series: np.ndarray, part: float) -> np.ndarray:
+def shifted(series: np.ndarray, part: float) -> np.ndarray:
     """A series by a ``part`` of a sample later on, which is much less than one: to first order."""
     return series + part * np.gradient(series)
 
@@ -204,7 +206,7 @@ def later(series: np.ndarray, part: float) -> np.ndarray:
 def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
     """What each ball pass adds to a line's complex amplitude in a series (Hann), its cage at kinematic speed."""
     start = features.first_sample(setup.case, setup.cut)
-    turning = features.turns(setup.model, setup.cut, start, np.zeros(len(series)))
+    turning = features.sample_angles(setup.model, setup.cut, start, np.zeros(len(series)))
     angle = turning.along(LINES[name], setup.case.bearing.rollers)
     window = np.hanning(len(angle))
     turn = 2.0 * window * np.exp(-1j * angle) / window.sum()
@@ -228,7 +230,7 @@ def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:
     return np.sqrt(np.mean(whole**2, axis=1))
 
 
-def leads_elsewhere(beside: np.ndarray, apart: np.ndarray, adaptive: bool) -> bool:
+def is_chaotic_motion(beside: np.ndarray, apart: np.ndarray, adaptive: bool) -> bool:
     """Whether a motion is chaotic, by what a nudge (``beside``) and half the step (``apart``) change by ball pass.
 
     Both over the RMS. A motion that repeats itself forgets a nudge. An adaptive method answers it by other steps,
@@ -237,4 +239,4 @@ def leads_elsewhere(beside: np.ndarray, apart: np.ndarray, adaptive: bool) -> bo
     """
     if adaptive:
         return bool(beside.max() > PARTED and beside.max() > NO_LESS * apart.max())
-    return bool(beside.max() > PARTED or (beside[-1] > 10.0 * NUDGE and beside[-1] > GROWN * beside[0]))
+    return bool(beside.max() > PARTED or (beside[-1] > 10.0 * PERTURBATION and beside[-1] > GROWN * beside[0]))

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
-from bearingsim.simulation import choice, pilot, prices, proof, time_grid
-from bearingsim.simulation.choice import SHORTENED
+from bearingsim.simulation import choice, pilot, prices, step_check, time_grid
+from bearingsim.simulation.choice import STEP_PARTS
 from bearingsim.simulation.integration import TooChaotic, set_up
-from bearingsim.simulation.proof import Proof
 from bearingsim.simulation.simulate import SimulationError, simulate
+from bearingsim.simulation.step_check import StepCheck
 from tests.scenes.short_cases import RATE, SLOT, case
 
 LIGHT = {"contact": {"damping": {"chi": "1 s/m"}}}
@@ -32,21 +32,21 @@ def test_a_good_step_is_proven_and_said() -> None:
 @pytest.mark.parametrize("method", ["verlet", "dop853", "rodas"])
 def test_the_record_is_bit_for_bit_that_of_a_run_without_proof(method: str) -> None:
     given = rollers(method=method)
-    proven, plain = simulate(given), simulate(given.model_copy(update={"prove": False}))
-    for name, series in proven.series.items():
+    checks_step, plain = simulate(given), simulate(given.model_copy(update={"step_check": False}))
+    for name, series in checks_step.series.items():
         assert np.array_equal(series, plain.series[name])
     told = ("step_error.line", "step_error.rms", "chaotic", "rms_scatter")
     for name in plain.features.keys() - set(told):
-        assert plain.features[name] == pytest.approx(proven.features[name], rel=0.0, nan_ok=True)
+        assert plain.features[name] == pytest.approx(checks_step.features[name], rel=0.0, nan_ok=True)
     assert all(math.isnan(plain.features[name]) for name in told)
 
 
 @pytest.mark.parametrize(
     "fields",
-    [{"step": "0.4 us", "prove": False}, {"prove": False}, {"model": "static"}],
+    [{"step": "0.4 us", "step_check": False}, {"step_check": False}, {"model": "static"}],
 )
 def test_nothing_is_proven_where_that_is_forbidden_or_there_is_no_step(fields: dict[str, Any]) -> None:
-    assert not choice.resolved(case(defect=SLOT, **fields)).proven
+    assert not choice.resolved(case(defect=SLOT, **fields)).checks_step
 
 
 FAST_SLOT = {"speed": "6000 rpm", "defect": SLOT | {"width": "0.4 mm"}, "duration": "30 ms", "settle": "10 ms"}
@@ -59,39 +59,41 @@ def test_a_step_that_is_given_is_proven_and_refused_if_it_does_not_hold() -> Non
     with pytest.raises(SimulationError, match="verlet does not hold 1%") as caught:
         simulate(given.model_copy(update={"step": long}))
     assert "take a shorter `step`" in caught.value.advice
-    taken = simulate(given.model_copy(update={"step": long, "prove": False}))
+    taken = simulate(given.model_copy(update={"step": long, "step_check": False}))
     assert math.isnan(taken.features["step_error.line"])
-    assert simulate(given.model_copy(update={"step": 0.2 * long})).features["step_error.line"] < proof.CHANGED
+    assert (
+        simulate(given.model_copy(update={"step": 0.2 * long})).features["step_error.line"] < step_check.MAX_CHANGE
+    )
 
 
 def test_chaos_is_told_from_a_motion_that_repeats_itself() -> None:
     for fields, chaotic in ((LIGHT, True), ({}, False), ({"clearance": "25 um"}, False)):
-        found = proof.prove(choice.resolved(rollers(prove=True, **fields)), 1.0)
+        found = step_check.check_step(choice.resolved(rollers(step_check=True, **fields)), 1.0)
         assert found.chaotic == chaotic
 
 
 def test_where_the_motion_is_chaotic_only_the_rms_counts() -> None:
-    assert Proof(line=0.5, rms=0.003, chaotic=True).holds
-    assert not Proof(line=0.5, rms=0.003, chaotic=False).holds
-    assert not Proof(line=0.0, rms=0.02, chaotic=True).holds
-    assert Proof(line=0.0, rms=0.02, chaotic=True, noise=0.01).holds  # no more than chaos does
-    assert not proof.UNPROVEN.holds
+    assert StepCheck(line=0.5, rms=0.003, chaotic=True).holds
+    assert not StepCheck(line=0.5, rms=0.003, chaotic=False).holds
+    assert not StepCheck(line=0.0, rms=0.02, chaotic=True).holds
+    assert StepCheck(line=0.0, rms=0.02, chaotic=True, noise=0.01).holds  # no more than chaos does
+    assert not step_check.UNCHECKED.holds
 
 
 def test_a_chaotic_record_says_what_its_rms_is_worth() -> None:
     """Done all the same: the step is fine, the motion is what it is."""
     for scatter in (0.02, math.inf):
-        found = Proof(line=0.5, rms=0.003, chaotic=True, noise=0.02, scatter=scatter)
-        with mock.patch.object(proof, "prove", return_value=found):
+        found = StepCheck(line=0.5, rms=0.003, chaotic=True, noise=0.02, scatter=scatter)
+        with mock.patch.object(step_check, "check_step", return_value=found):
             told = simulate(case()).features
         assert (told["chaotic"], told["rms_scatter"]) == (1.0, scatter)
     assert simulate(case()).features["rms_scatter"] == 0.0
 
 
 def test_a_chaotic_record_that_is_too_short_for_its_rms_is_refused_where_strictness_is_asked_for() -> None:
-    found = Proof(line=0.5, rms=0.003, chaotic=True, noise=0.02, scatter=0.02)
-    with mock.patch.object(proof, "prove", return_value=found), pytest.raises(TooChaotic) as caught:
-        simulate(case(prove="strict"))
+    found = StepCheck(line=0.5, rms=0.003, chaotic=True, noise=0.02, scatter=0.02)
+    with mock.patch.object(step_check, "check_step", return_value=found), pytest.raises(TooChaotic) as caught:
+        simulate(case(step_check="strict"))
     assert "the motion is chaotic, and the RMS of 0.08 s of it uncertain by 2.0%" in caught.value.reason
     assert "take a `duration` of 0.32 s" in caught.value.advice
     assert caught.value.duration == pytest.approx(0.32)
@@ -99,14 +101,14 @@ def test_a_chaotic_record_that_is_too_short_for_its_rms_is_refused_where_strictn
 
 def test_chaos_that_has_not_grown_in_the_pilot_is_of_unknown_worth() -> None:
     """Twins that have not parted yet tell nothing of how far they will; the advice is a longer run."""
-    grown = proof.prove(choice.resolved(rollers(**LIGHT)), 1.0)
+    grown = step_check.check_step(choice.resolved(rollers(**LIGHT)), 1.0)
     growing = choice.resolved(rollers(contact={"damping": {"chi": "10 s/m"}}))
-    found = proof.prove(growing, 1.0)
+    found = step_check.check_step(growing, 1.0)
     assert grown.chaotic
     assert math.isfinite(grown.scatter)
     assert found.chaotic
     assert math.isinf(found.scatter)
-    assert pilot.longer(growing) > growing.duration
+    assert pilot.longer_duration(growing) > growing.duration
 
 
 def test_what_chaos_does_to_the_rms_is_less_sure_where_one_pass_tells_it() -> None:
@@ -115,7 +117,8 @@ def test_what_chaos_does_to_the_rms_is_less_sure_where_one_pass_tells_it() -> No
     noise = [rng.normal(0.0, 0.3, 2001) for _ in range(3)]
     one_pass = np.arange(2001) < 100
     everywhere, once = (
-        proof.scatter([a + b * where for a, b in zip(calm, noise, strict=True)], 20) for where in (1.0, one_pass)
+        step_check.scatter([a + b * where for a, b in zip(calm, noise, strict=True)], 20)
+        for where in (1.0, one_pass)
     )
     assert everywhere[1] < 3.0 < 8.0 < once[1]
     powers = np.array(
@@ -140,31 +143,31 @@ def test_what_stays_loud_for_a_while_scatters_more_than_its_passes_do() -> None:
         ]
         for each in (1, 16)
     )
-    assert proof.scatter(lasting, passes)[0] > 2.5 * proof.scatter(alone, passes)[0]
+    assert step_check.scatter(lasting, passes)[0] > 2.5 * step_check.scatter(alone, passes)[0]
 
 
 def test_errors_that_cancel_by_luck_are_not_taken_for_small() -> None:
     calm, errors = np.ones(4, dtype=complex), np.array([0.1, -0.1, 0.1, -0.1])
-    assert proof.change(calm + errors, calm) == pytest.approx(0.2)
-    assert proof.change(calm + np.abs(errors), calm) == pytest.approx(0.4)
+    assert step_check.change(calm + errors, calm) == pytest.approx(0.2)
+    assert step_check.change(calm + np.abs(errors), calm) == pytest.approx(0.4)
 
 
 @pytest.mark.parametrize("louder", ["fine", "recorded"])
 def test_the_rms_of_the_record_and_of_the_wide_band_must_both_hold(louder: str) -> None:
-    heard = proof.Heard(
+    heard = step_check.VelocityPair(
         *np.random.default_rng(1).normal(size=(2, 4 * time_grid.grid(rollers()).fine_per_pass + 1))
     )
     other = heard._replace(**{louder: 1.02 * getattr(heard, louder)})
-    with mock.patch.object(proof, "velocities", side_effect=[other, heard, heard]):
-        assert proof.prove(choice.resolved(rollers()), 1.0).rms == pytest.approx(0.02)
+    with mock.patch.object(step_check, "velocities", side_effect=[other, heard, heard]):
+        assert step_check.check_step(choice.resolved(rollers()), 1.0).rms == pytest.approx(0.02)
 
 
 def test_the_rms_that_is_proven_is_that_of_the_record() -> None:
     """What the record's low-pass takes away may hold most of the velocity, and need not be held."""
     given = choice.resolved(rollers(sampling="1000 Hz", duration="0.3 s"))
     short, passes = pilot.pilot(given)
-    heard = proof.velocities(set_up(short), passes, recorded=True)
-    read = simulate(short.model_copy(update={"prove": False})).features["velocity.rms"]
+    heard = step_check.velocities(set_up(short), passes, recorded=True)
+    read = simulate(short.model_copy(update={"step_check": False})).features["velocity.rms"]
     assert np.std(heard.recorded) == pytest.approx(read, rel=0.05)
     assert np.std(heard.fine) > 1.5 * read
 
@@ -174,34 +177,34 @@ def test_a_step_that_is_too_long_is_halved_until_it_is_proven() -> None:
     given = case(model="rollers", method="verlet", speed="12000 rpm", defect=SLOT | {"width": "0.15 mm"})
     long = choice.limits(given).crossing / 8.5
     first = proof_of(given, long, 1.0)
-    assert first.error > proof.HELD
-    with mock.patch.object(time_grid, "wanted_step", return_value=long):
+    assert first.error > step_check.ACCURACY
+    with mock.patch.object(time_grid, "requested_step", return_value=long):
         found = simulate(given)
-    assert found.info["step_part"] in SHORTENED[1:]
-    assert max(found.features["step_error.line"], found.features["step_error.rms"]) <= proof.HELD
+    assert found.info["step_part"] in STEP_PARTS[1:]
+    assert max(found.features["step_error.line"], found.features["step_error.rms"]) <= step_check.ACCURACY
 
 
-def proof_of(given: Any, step: float, part: float) -> Proof:
-    with mock.patch.object(time_grid, "wanted_step", return_value=step):
-        return proof.prove(given, part)
+def proof_of(given: Any, step: float, part: float) -> StepCheck:
+    with mock.patch.object(time_grid, "requested_step", return_value=step):
+        return step_check.check_step(given, part)
 
 
 def test_a_step_that_is_never_proven_fails_the_job_with_a_reason() -> None:
-    hopeless = Proof(line=0.2, rms=0.05, chaotic=False)
+    hopeless = StepCheck(line=0.2, rms=0.05, chaotic=False)
     with (
-        mock.patch.object(proof, "prove", return_value=hopeless) as tried,
+        mock.patch.object(step_check, "check_step", return_value=hopeless) as tried,
         pytest.raises(SimulationError) as caught,
     ):
         simulate(case(method="verlet"))
-    assert tried.call_count == len(SHORTENED)
+    assert tried.call_count == len(STEP_PARTS)
     assert "verlet does not hold 1%: half the step changes the line of the fault by 20 %" in caught.value.reason
-    assert "prove: false" in caught.value.advice
+    assert "step_check: false" in caught.value.advice
 
 
 def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
-    hopeless = Proof(line=0.2, rms=0.05, chaotic=False)
-    fine = Proof(line=0.001, rms=0.001, chaotic=False)
-    with mock.patch.object(proof, "prove", side_effect=[*[hopeless] * len(SHORTENED), fine]):
+    hopeless = StepCheck(line=0.2, rms=0.05, chaotic=False)
+    fine = StepCheck(line=0.001, rms=0.001, chaotic=False)
+    with mock.patch.object(step_check, "check_step", side_effect=[*[hopeless] * len(STEP_PARTS), fine]):
         found = simulate(case(defect=SLOT))
     assert found.info["method"] != "verlet"
     assert found.info["step_part"] == 1.0
@@ -209,7 +212,7 @@ def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
 
 def test_the_line_of_a_healthy_bearing_is_measured_by_its_rms() -> None:
     """A line that is next to nothing must not fail a run, however much of it changes."""
-    found = proof.prove(choice.resolved(case(model="rollers")), 1.0)
+    found = step_check.check_step(choice.resolved(case(model="rollers")), 1.0)
     assert found.line < 1e-3
 
 
@@ -218,8 +221,8 @@ def test_a_pilot_is_short_but_sees_pits_turn_through_the_load_zone() -> None:
     whole = 4.1 * RATE
     for race, turn in (("outer", 0.0), ("inner", RATE / 30.0), ("roller", 13.0)):
         short, passes = pilot.pilot(choice.resolved(case(defect=SLOT | {"race": race}, **long)))
-        assert passes >= max(pilot.FEWEST, turn)
-        assert 3.0 * (passes + pilot.FORGOTTEN) < 0.25 * whole
+        assert passes >= max(pilot.MIN_PASSES, turn)
+        assert 3.0 * (passes + pilot.UNCOUNTED_PASSES) < 0.25 * whole
         assert short.duration * RATE == pytest.approx(passes + 0.5)
 
 
@@ -247,17 +250,17 @@ def test_the_pilot_of_a_lightly_damped_bearing_settles_as_the_run_does() -> None
 def test_where_strictness_is_asked_for_the_whole_run_is_proven() -> None:
     """Twins of random scenes parted after two thirds of their records."""
     for damping in (LIGHT, {}):
-        assert piloted(prove="strict", **damping) == (pytest.approx(30e-3), int(0.4 * RATE))
-    assert pilot.pilot(choice.resolved(rollers(prove="strict", duration="1 s", settle="50 ms")))[1] == 159
+        assert piloted(step_check="strict", **damping) == (pytest.approx(30e-3), int(0.4 * RATE))
+    assert pilot.pilot(choice.resolved(rollers(step_check="strict", duration="1 s", settle="50 ms")))[1] == 159
 
 
 def test_a_proof_may_take_longer_than_a_run_may() -> None:
     """The finer pilot of a strict proof takes more than twice the CPU time of its run."""
-    given = choice.resolved(rollers(prove="strict"))
+    given = choice.resolved(rollers(step_check="strict"))
     price = (given.settle + given.duration) * prices.per_second(given, time_grid.grid(given).step)
-    begun = mock.patch.object(proof, "velocities", side_effect=InterruptedError)
-    with mock.patch.object(time_grid, "MOST_CPU", 1.3 * price), begun, pytest.raises(InterruptedError):
-        proof.prove(given, 1.0)  # both pilots were let begin
+    begun = mock.patch.object(step_check, "velocities", side_effect=InterruptedError)
+    with mock.patch.object(time_grid, "MAX_CPU", 1.3 * price), begun, pytest.raises(InterruptedError):
+        step_check.check_step(given, 1.0)  # both pilots were let begin
 
 
 def test_twins_that_part_without_chaos_are_followed_for_longer() -> None:
@@ -276,11 +279,11 @@ def test_twins_that_part_without_chaos_are_followed_for_longer() -> None:
             settle="50 ms",
         )
     )
-    first, doubtful = proof.tried(given, 1.0, *pilot.pilot(given))
+    first, doubtful = step_check.check_on_pilot(given, 1.0, *pilot.pilot(given))
     assert doubtful
     assert first.holds
     assert not first.chaotic
-    assert proof.prove(given, 1.0).chaotic
+    assert step_check.check_step(given, 1.0).chaotic
 
 
 def test_friction_is_no_damping_of_what_bounces() -> None:
@@ -305,7 +308,7 @@ def test_adaptive_methods_are_proven_by_a_tenth_of_the_tolerance() -> None:
 
 def test_a_quiet_line_is_held_to_1_percent_too() -> None:
     """A fault's line is a few hundredths of the RMS: only what is next to nothing is excused."""
-    assert proof.LOUD * proof.HELD <= 1e-5
+    assert step_check.QUIET_LINE * step_check.ACCURACY <= 1e-5
 
 
 def test_a_pilot_of_a_ramp_runs_at_its_highest_speed() -> None:
@@ -314,14 +317,14 @@ def test_a_pilot_of_a_ramp_runs_at_its_highest_speed() -> None:
     short, passes = pilot.pilot(given)
     assert short.ramp is None
     assert time_grid.grid(short).rate == time_grid.grid(given).rate == pytest.approx(10.0 * RATE)
-    assert passes == pytest.approx(pilot.SHARE * 2.03 * 10.0 * RATE, abs=1.0)
+    assert passes == pytest.approx(pilot.PILOT_PART * 2.03 * 10.0 * RATE, abs=1.0)
 
 
 def test_a_tolerance_that_is_given_is_proven_by_a_tenth_of_it() -> None:
     given = rollers(method="rodas", tolerance="0.1 %")
-    assert given.proven
+    assert given.checks_step
     assert assemble.method(given, 1e-6, 0.5).rtol == 1e-3
-    assert assemble.method(proof.finer(given), 1e-6).rtol == pytest.approx(1e-4)
+    assert assemble.method(step_check.with_finer_tolerance(given), 1e-6).rtol == pytest.approx(1e-4)
 
 
 def test_a_second_pit_out_of_step_is_seen_by_the_proof() -> None:
@@ -339,8 +342,8 @@ def test_a_second_pit_out_of_step_is_seen_by_the_proof() -> None:
     ]
     fields = {"speed": "12000 rpm", "load": "300 N", "duration": "20 ms", "settle": "6 ms"}
     given = case(model="rollers", defects=pits, method="verlet", **fields)
-    said = proof.prove(given, 1.0)
-    fast = given.model_copy(update={"prove": False})
+    said = step_check.check_step(given, 1.0)
+    fast = given.model_copy(update={"step_check": False})
     true = simulate(fast.model_copy(update={"method": "dop853", "tolerance": 1e-6}))
     found = simulate(fast)
     off = abs(found.features["velocity.rms"] / true.features["velocity.rms"] - 1.0)
