@@ -155,7 +155,7 @@ def aligned_with_cusp(model: Any, steps_per_pass: int, cusp: float) -> Any:
     """The model with the cusp of its first pit ``cusp`` of a step after a step's start.
 
     At the cusp the damping force jumps; where in a step it does so decides whether the error is of first or of
-    second order (docs/methods.md). The rollers start less than a step further on. Of several pits only the first
+    second order (docs/steps.md). The rollers start less than a step further on. Of several pits only the first
     is in step, and only on the outer race at a steady speed: elsewhere cusps fall anywhere in a step, and the
     error averages out.
     """

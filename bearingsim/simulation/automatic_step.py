@@ -1,4 +1,4 @@
-"""The step that ``step: auto`` takes: what was measured to hold 1 % of the fault's line (docs/methods.md)."""
+"""The step that ``step: auto`` takes: what was measured to hold 1 % of the fault's line (docs/steps.md)."""
 
 from math import inf
 
@@ -12,7 +12,7 @@ RECORDED_PER_CROSSING, RECORDED_PER_PERIOD = 40, 10
 
 
 def automatic_step(case: Case, found: Limits) -> float:
-    """The step (s) that was measured to keep the line of the fault within about 1 % (see docs/methods.md).
+    """The step (s) that was measured to keep the line of the fault within about 1 % (see docs/steps.md).
 
     Of an adaptive method, which sees to that itself, the time between recorded instants.
     """

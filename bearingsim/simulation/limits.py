@@ -110,7 +110,7 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
 APPROACH_MARGIN, ENERGY_MARGIN = 10.0, 1000.0
 """How many times what load, speed and pits explain a contact is pressed, and a bearing moves, in no right run.
 
-Measured: docs/methods.md. Far out, since light damping lets a motion add up over many ball passes.
+Measured: docs/step-check.md. Far out, since light damping lets a motion add up over many ball passes.
 """
 
 

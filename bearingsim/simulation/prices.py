@@ -44,7 +44,7 @@ def evaluation(case: Case) -> float:
 
 
 def per_step(method: str, evaluations: int) -> float:
-    """CPU time of a method's step in evaluations of the model, all that goes with it included (docs/methods.md).
+    """CPU time of a method's step in evaluations of the model, all that goes with it included (docs/cost.md).
 
     ``evaluations``: of the model in a step, which is what a method without a row of its own is priced by.
     """

@@ -3,7 +3,7 @@
     q1 = q + h v + h^2 a/2,   a1 = f(q1, v + h a),   v1 = v + h (a + a1)/2
 
 Source: Swope et al. 1982; with velocity-dependent forces, Allen and Tildesley ch. 3. On the oscillator
-q'' = -K q - C q' the root -1 is reached where h^2 K/4 + h C = 1 (docs/methods.md): with heavy damping
+q'' = -K q - C q' the root -1 is reached where h^2 K/4 + h C = 1 (docs/steps.md): with heavy damping
 half the limit of symplectic Euler.
 """
 
