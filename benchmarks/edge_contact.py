@@ -10,11 +10,13 @@ contact and its correction: about 2 CPU minutes. Instead: --answers: what the co
 import argparse
 from collections.abc import Iterable
 from math import inf
+from typing import Any
 from unittest import mock
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 
 from bearingsim import assemble, simulate
 from bearingsim.assemble.rest import largest_load
@@ -46,7 +48,7 @@ def rows_of(slot: Slot, loads: Iterable[float], places: Iterable[float], cut_out
     return rows
 
 
-def row_of(slot: Slot, body: object, load: float, s: float) -> dict:
+def row_of(slot: Slot, body: Any, load: float, s: float) -> dict:
     """What the table says of one contact."""
     force = load / LENGTH
     found = crossed(PAIR, slot, body, force, s)
@@ -96,7 +98,7 @@ def across(width: float, b: float) -> np.ndarray:
 
 def draw(found: pd.DataFrame, png: str) -> None:
     """Four panels: one edge, slots, the chart by edge radius, the force at one approach."""
-    with plt.rc_context(RC):
+    with plt.rc_context(RC):  # type: ignore[arg-type]
         figure, panels = plt.subplots(2, 2, figsize=(11.0, 8.2), layout="constrained")
         edge_panel(panels[0, 0], found)
         slot_panel(panels[0, 1], found)
@@ -106,7 +108,7 @@ def draw(found: pd.DataFrame, png: str) -> None:
         plt.close(figure)
 
 
-def edge_panel(axes: plt.Axes, found: pd.DataFrame) -> None:
+def edge_panel(axes: Axes, found: pd.DataFrame) -> None:
     """One edge, 47 N, 50 um deep: approach over the reduced contact's, by edge radius."""
     b = PAIR.half_width(REFERENCE)
     one = found[np.isinf(found["width (um)"]) & (found["load (N)"] == 47.0)]
@@ -127,7 +129,7 @@ def edge_panel(axes: plt.Axes, found: pd.DataFrame) -> None:
     axes.legend(loc="lower right")
 
 
-def slot_panel(axes: plt.Axes, found: pd.DataFrame) -> None:
+def slot_panel(axes: Axes, found: pd.DataFrame) -> None:
     """Slots, 47 N: the same from rim to middle, by width."""
     b = PAIR.half_width(REFERENCE)
     for k, width in enumerate(WIDTHS[:4]):
@@ -144,7 +146,7 @@ def slot_panel(axes: plt.Axes, found: pd.DataFrame) -> None:
     axes.legend(title="width", loc="upper left")
 
 
-def chart_panel(axes: plt.Axes, found: pd.DataFrame) -> None:
+def chart_panel(axes: Axes, found: pd.DataFrame) -> None:
     """One edge, 3 b behind the rim, 47 N: the ratio by edge radius and depth."""
     b = PAIR.half_width(REFERENCE)
     one = found[np.isinf(found["width (um)"]) & (found["edge radius (um)"] > 0.0) & (found["load (N)"] == 47.0)]
@@ -162,7 +164,7 @@ def chart_panel(axes: plt.Axes, found: pd.DataFrame) -> None:
     axes.legend(title="depth of the pit", loc="upper right")
 
 
-def force_panel(axes: plt.Axes) -> None:
+def force_panel(axes: Axes) -> None:
     """A 0.2 mm slot at the approach that gives 47 N on the race: force across it."""
     slot = Slot(0.2e-3, DEEP, 20e-6)
     body, b = bodies(PAIR, slot), PAIR.half_width(REFERENCE)

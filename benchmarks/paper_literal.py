@@ -33,9 +33,14 @@ SECONDS = {1.0: 8.0, 2.0: 40.0}  # by m3, of what is chaotic
 PARTS = 16
 
 
+def m3_of(case: Case) -> float:
+    """The exponent of its dashpot."""
+    return float(case.contact.damping.model_dump()["indentation_exponent"])
+
+
 def refined(case: Case, seconds: float | None, steps: list[float] | None) -> list[tuple[str, Case]]:
     """The case with each setting, and the setting's name."""
-    m3: float = case.contact.damping.indentation_exponent  # type: ignore[union-attr]
+    m3 = m3_of(case)
     duration = (seconds or SECONDS[m3]) if m3 in SECONDS else case.duration
     fast = case.model_copy(update={"step_check": False, "duration": duration})
     if m3 == UNDAMPED:
@@ -61,7 +66,7 @@ def row(setting: str, case: Case) -> dict[str, Any]:
     found = record.features
     return {
         "load_N": f"{case.load:g}",
-        "m3": case.contact.damping.indentation_exponent,  # type: ignore[union-attr]
+        "m3": m3_of(case),
         "method": case.method,
         "setting": setting,
         "duration_s": f"{case.duration:g}",
@@ -88,8 +93,7 @@ def main() -> None:
     wanted = [
         case
         for case in cases
-        if case.load in (options.load or [case.load])
-        and case.contact.damping.indentation_exponent in (options.m3 or [0.0, 1.0, 2.0])  # type: ignore[union-attr]
+        if case.load in (options.load or [case.load]) and m3_of(case) in (options.m3 or [0.0, 1.0, 2.0])
     ]
     runs = [run for case in wanted for run in refined(case, options.seconds, options.step)]
     rows = []

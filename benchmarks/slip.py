@@ -143,7 +143,7 @@ def chart(folder: str, base: Case) -> pd.DataFrame:
     """One row for each law, speed and load: mean over the seeds, their range, unsteadiness, balance."""
     table = open_results(folder).table()
     grouped = table.groupby(["friction", "speed", "load"], sort=False)
-    found = grouped["cage.slip.mean"].agg(slip="mean", least="min", most="max")
+    found = pd.DataFrame(grouped["cage.slip.mean"].agg(slip="mean", least="min", most="max"))
     found["std_in_time"] = grouped["cage.slip.std"].max()
     found["balance"] = [
         balance(Case.model_validate(given(base) | {"friction": law, "speed": speed, "load": load}))
@@ -161,7 +161,7 @@ def given(case: Case) -> dict[str, Any]:
 
 def draw(found: pd.DataFrame, at: list[dict[str, Any]], target: str) -> None:
     """The chart: simulated (markers, bars over the seeds) and by the balance (lines)."""
-    with plt.rc_context(RC):
+    with plt.rc_context(RC):  # type: ignore[arg-type]
         figure, panels = plt.subplots(1, len(LAWS), figsize=(7.0, 3.4), sharey=True, layout="constrained")
         for axes, law in zip(panels, LAWS, strict=True):
             draw_law(axes, found[found["friction"] == law], [row for row in at if row["friction"] == law])

@@ -106,7 +106,8 @@ def orders() -> Iterator[dict[str, Any]]:
 def fitted_order(rows: list[dict[str, Any]]) -> float:
     """Slope of log error over log step, where it is above rounding."""
     used = [(row["setting"], row["error"]) for row in rows if 3e-13 < row["error"] < 1e-2]
-    return float(np.polyfit(*np.log(np.array(used)).T, 1)[0]) if len(used) > 2 else float("nan")
+    steps, errors = np.log(np.array(used).reshape(-1, 2)).T
+    return float(np.polyfit(steps, errors, 1)[0]) if len(used) > 2 else float("nan")
 
 
 # 2. Gain

@@ -129,12 +129,12 @@ def plain(model):
     return Rollers(model.bearing, model.support, model.outer, model.inner, model.pits)
 
 
-for _type in (LocatedRollers, BlindRollers):
-    state_width.register(_type)(lambda model: state_width(plain(model)))
-    degrees_of_freedom.register(_type)(lambda model: degrees_of_freedom(plain(model)))
-    update_extremes.register(_type)(lambda model, y: update_extremes(plain(model), y))
-    accelerations.register(_type)(lambda model, t, y: accelerations(plain(model), t, y))
-    roller_at_pit.register(_type)(lambda model, d, t, y: roller_at_pit(plain(model), d, t, y))
+for _model in (LocatedRollers, BlindRollers):
+    state_width.register(_model)(lambda model: state_width(plain(model)))
+    degrees_of_freedom.register(_model)(lambda model: degrees_of_freedom(plain(model)))
+    update_extremes.register(_model)(lambda model, y: update_extremes(plain(model), y))
+    accelerations.register(_model)(lambda model, t, y: accelerations(plain(model), t, y))
+    roller_at_pit.register(_model)(lambda model, d, t, y: roller_at_pit(plain(model), d, t, y))
 next_jump.register(BlindRollers)(lambda model, t, y: inf)
 
 

@@ -45,7 +45,7 @@ def test_a_case_is_simulated(study):
 
 
 def test_a_case_can_be_made_in_python():
-    case = bs.Case(bearing="nf308", speed=188.5, load=150.0)
+    case = bs.Case.model_validate({"bearing": "nf308", "speed": 188.5, "load": 150.0})
     assert case.bearing.rollers == 13
 
 

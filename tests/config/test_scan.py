@@ -13,8 +13,10 @@ from bearingsim.assemble.pits import depth_map
 from bearingsim.config import Case
 from bearingsim.config.scan import file as scanfile
 from bearingsim.config.scan import repair
+from bearingsim.config.scan.file import read_file
 from bearingsim.config.scan.repair import ScanError, notes, read_scan
 from bearingsim.core.pits import traced
+from bearingsim.core.pits.envelope import path_over
 from bearingsim.study import load_study
 from bearingsim.study.jobs import case_id
 from bearingsim.study.schema import json_schema
@@ -423,15 +425,15 @@ def test_a_sweep_over_many_scans_reads_and_traces_each_once(
     """A pass over them all does not drive the first ones out, nor what was made of them."""
     files = [gridded(tmp_path / f"{n}.csv", (0.5 + 0.001 * n) * bowl()[::4, ::4], s=S[::4], z=Z[::4]) for n in
              range(100)]  # fmt: skip
-    read, trace, counts = repair.read_file, traced.path_over, {"read": 0, "traced": 0}
+    counts = {"read": 0, "traced": 0}
 
     def reading(path: Path) -> Any:
         counts["read"] += 1
-        return read(path)
+        return read_file(path)
 
     def tracing(*parts: Any) -> Any:
         counts["traced"] += 1
-        return trace(*parts)
+        return path_over(*parts)
 
     monkeypatch.setattr(repair, "read_file", reading)
     monkeypatch.setattr(traced, "path_over", tracing)

@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import Any, NamedTuple
 from unittest import mock
@@ -97,7 +98,7 @@ def test_a_copy_elsewhere_is_the_same_source(copied_core: Path, monkeypatch: pyt
 
 def test_another_numba_gets_another_folder(monkeypatch: pytest.MonkeyPatch) -> None:
     before = jit.source_digest()
-    monkeypatch.setattr(jit.numba, "__version__", "0.0")
+    monkeypatch.setattr(numba, "__version__", "0.0")
     assert jit.source_digest() != before
 
 
@@ -106,7 +107,7 @@ def test_a_cache_that_cannot_be_made_falls_back_to_the_temporary_folder(
 ) -> None:
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("BEARINGSIM_CACHE", str(tmp_path / "file"))
-    monkeypatch.setattr(jit.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     found = jit.cache_folder()
     assert found.is_dir()
     assert found.parent.name == f"bearingsim-{os.getuid()}"
@@ -118,15 +119,15 @@ def test_no_home_is_no_reason_to_fail(tmp_path: Path, monkeypatch: pytest.Monkey
 
     monkeypatch.delenv("BEARINGSIM_CACHE", raising=False)
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
-    monkeypatch.setattr(jit.Path, "home", homeless)
-    monkeypatch.setattr(jit.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(Path, "home", homeless)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     assert tmp_path in jit.cache_folder().parents
 
 
 def test_a_cache_that_cannot_be_written_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BEARINGSIM_CACHE", str(tmp_path / "locked"))
-    monkeypatch.setattr(jit.tempfile, "tempdir", str(tmp_path / "free"))
-    monkeypatch.setattr(jit.os, "access", lambda folder, mode: "locked" not in str(folder))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "free"))
+    monkeypatch.setattr(os, "access", lambda folder, mode: "locked" not in str(folder))
     assert tmp_path / "free" in jit.cache_folder().parents
 
 
@@ -148,7 +149,7 @@ def test_what_others_have_saved_and_took_away_is_compiled_anew() -> None:
     def gone(*given: Any) -> None:
         raise ModuleNotFoundError("No module named 'elsewhere'")
 
-    dispatcher = jit.numba.njit(cache=True)(halve)
+    dispatcher: Any = numba.njit(cache=True)(halve)
     dispatcher._cache._load_overload = dispatcher._cache._save_overload = gone
     assert jit.kept_safely(dispatcher)(3.0) == 1.5
 
@@ -339,7 +340,7 @@ def test_contact_laws_from_python_equal_the_compiled_ones(law: Any, delta: float
 
 
 def test_add_may_reorder_but_nothing_forgets_what_is_not_finite() -> None:
-    @jit.numba.njit(**jit.OPTIONS)
+    @numba.njit(**jit.OPTIONS)
     def total(values: np.ndarray) -> float:
         found = 0.0
         for k in range(len(values)):

@@ -115,8 +115,14 @@ def rest(model, start):
     A minimiser stops where rounding hides the energy's fall: where, differs from one processor to the next.
     Newton's steps on the forces go on to where these vanish. They raise ``LinAlgError`` where there is no minimum.
     """
-    near = minimize(lambda x: 1e6 * energy(model, x), start, jac=lambda x: slopes(model, x), method="BFGS")
-    x = near.x
+
+    def micro(x: np.ndarray) -> float:
+        return float(1e6 * energy(model, x))
+
+    def along(x: np.ndarray) -> np.ndarray:
+        return slopes(model, x)
+
+    x = minimize(micro, start, jac=along, method="BFGS").x
     for _ in range(4):
         x = x - solve(bends(model, x), slopes(model, x), assume_a="pos")
     return x, np.abs(slopes(model, x)).max() / abs(model.support.F)

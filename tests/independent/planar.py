@@ -20,7 +20,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -36,7 +36,7 @@ class Pit(NamedTuple):
     The angle is measured from the load line at t = 0, for a roller from its outward radial direction at t = 0.
     """
 
-    on: object
+    on: Any
     width: float
     depth: float
     angle: float = 0.0
@@ -135,7 +135,7 @@ class Scene:
     c_b: float = 200.0
     torsion: tuple | None = None  # N m/rad, N m s/rad; None: the ring does not turn
     elastic: Power = ROLLER_ON_RACE
-    damping: Callable = LUBRICATED
+    damping: Any = LUBRICATED
     clamp: bool = True
     friction: Callable = frictionless
     friction_tilts: bool = False  # it acts where the edge of a pit touches, and across that; else under the centre
@@ -555,14 +555,14 @@ def motion(scene, anchor, times, y, n):
         contacts = [f.outer.Q, f.inner.Q, f.pocket.N, f.outer.slip, f.inner.slip]
         seen.append([*moves, *contacts, f.stored + kinetic(scene, v)])
     columns = [np.array(c).T for c in zip(*seen, strict=True)]
-    return Motion(times, *columns, dict(zip(LEDGER, y[2 * n :], strict=True)))
+    return Motion._make([times, *columns, dict(zip(LEDGER, y[2 * n :], strict=True))])
 
 
 # --- kept numbers ------------------------------------------------------------
 
 KEPT = Path(__file__).parents[1] / "data" / "reference_planar.npz"
 KEPT_TIMES = np.linspace(0.0, 0.02, 1001)
-RUBBING = {
+RUBBING: dict[str, Any] = {
     "friction": static_dynamic(),
     "friction_tilts": True,
     "pocket_stiffness": 1e7,

@@ -12,6 +12,7 @@ from bearingsim.core.geometry.kinematics import cage_speed
 from bearingsim.plots import PlotError, labels, recorded, series
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import Job, Signal
+from bearingsim.store import Series
 from tests.plots.test_plots import BPFO, STUDY, only, record, results, text_of
 
 __all__ = ["results"]
@@ -137,7 +138,7 @@ def test_what_a_roller_meets_on_its_way_round(planar):
 def job_of(known=(), **channels):
     """A job of the NF308 at 1800 rpm with some series of 1 s."""
     time = np.linspace(0.0, 1.0, 1001)
-    found = SimpleNamespace(time=time, channels={name: np.full(1001, value) for name, value in channels.items()})
+    found = Series(time, {name: np.full(1001, value) for name, value in channels.items()}, {})
     nf308 = {"speed": 60.0 * math.pi, "bearing.rollers": 13.0, "bearing.roller_diameter": 0.012}
     return Job(nf308 | {"bearing.pitch_diameter": 0.065} | dict(known), {"cage_angle_start_rad": 0.1}, found)
 

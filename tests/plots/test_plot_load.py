@@ -2,6 +2,7 @@
 
 import math
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -238,8 +239,8 @@ def test_instants_do_not_need_the_whole_pit_to_be_lifted():
     """Half of the load left over the pit, least in the middle of the stretch."""
     load = np.full((2, 9), 4.0)
     load[1, 3:6] = 2.0
-    pit = SimpleNamespace(z=(0.0, 1.0))
-    one = LoadAlong("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), SimpleNamespace(pit=pit), {})
+    passage: Any = SimpleNamespace(pit=SimpleNamespace(z=(0.0, 1.0)))
+    one = LoadAlong("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
     assert instants(one) == {"before": 0, "over the pit": 4, "largest after": 6, "after": 8}
 
 

@@ -13,7 +13,7 @@ from bearingsim.plots.pit_shape import cut, pits_of
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import Job
 from bearingsim.simulation.simulate import simulate
-from bearingsim.store import flat_parameters
+from bearingsim.store import Series, flat_parameters
 from tests.plots.test_plots import STUDY, results
 from tests.scenes.short_cases import SLOT, case
 
@@ -29,7 +29,7 @@ def job_of(given, **channels):
     angle = -0.6 + 2.0 * math.pi / 13 + OMEGA_C * time
     made = {name: np.broadcast_to(value(angle) if callable(value) else value, time.shape) for name, value in
             channels.items()}  # fmt: skip
-    return Job(flat_parameters(given), {"cage_angle_start_rad": -0.6}, SimpleNamespace(time=time, channels=made))
+    return Job(flat_parameters(given), {"cage_angle_start_rad": -0.6}, Series(time, made, {}))
 
 
 def test_the_path_is_what_the_roller_moves_beyond_play_and_ring():
@@ -90,7 +90,7 @@ def test_a_roller_presses_where_its_path_is_below_the_round_roller_s():
     times = {"sampling": "100 kHz", "duration": "20 ms", "settle": "0 ms", "antialias": False}
     given = case(defect=SLOT, model="rollers", start_angle="-60 deg", record=kept, **times)
     made = simulate(given)
-    job = Job(flat_parameters(given), made.info, SimpleNamespace(time=made.time, channels=made.series))
+    job = Job(flat_parameters(given), made.info, Series(made.time, made.series, {}))
     [pit] = pits_of(given)
     found, passage = roller_path(job, given, pit), first_passage(job, given, 1, "outer")
     over = cut(pit, 0.0)
@@ -117,7 +117,7 @@ def test_the_path_taken_lies_over_the_sections(results, monkeypatch):
     opened = results(text)
     _, canvas = drawn(opened, kind="pit", jobs=opened.jobs[:2])[0]
     taken = [line for ax in canvas.axes for line in ax.lines if line.get_label() == "path it took"]
-    depths = [line.get_ydata() for line in taken]
+    depths = [np.asarray(line.get_ydata()) for line in taken]
     assert [depth.min() for depth in depths] == pytest.approx([1.75] * 3, rel=1e-5)  # clearance 5 um
     titles = [ax.get_title(loc="left") for ax in canvas.axes[1:4]]
     assert titles == [

@@ -27,7 +27,7 @@ from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 ROOT = Path(__file__).parents[2]
 
 
-def compute(study: FakeStudy, out: Path, jobs: int = 1, **options: Any) -> RunSummary:
+def compute(study: Any, out: Path, jobs: int = 1, **options: Any) -> RunSummary:
     return run(study, out, jobs=jobs, progress=False, engine=ENGINE, **options)
 
 
@@ -109,7 +109,7 @@ def test_progress_lines_tell_counts_and_time_left(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("bearingsim.runner.progress.LINE_EVERY_S", 0.0)
-    study = FakeStudy(deeds={1: "raise"}, seconds=0.3)
+    study: Any = FakeStudy(deeds={1: "raise"}, seconds=0.3)
     run(study, tmp_path, jobs=1, engine=ENGINE)
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 2  # units
@@ -261,7 +261,8 @@ def test_refused_case_fails_alone(tmp_path: Path) -> None:
 
 def test_failing_warm_up_costs_nothing_but_time(tmp_path: Path) -> None:
     engine = replace(ENGINE, warm="tests.scenes.fake_studies:fail_to_warm")
-    summary = run(FakeStudy(), tmp_path, jobs=1, progress=False, engine=engine)
+    study: Any = FakeStudy()
+    summary = run(study, tmp_path, jobs=1, progress=False, engine=engine)
     assert (summary.done, summary.failed) == (4, 0)
     assert "warm-up failed" in [line["event"] for line in journal_of(tmp_path)]
 

@@ -48,7 +48,7 @@ def places(model: Sized, matrix: int) -> np.ndarray:
     return where
 
 
-def fill(model: Sized, matrix: int, scatter: np.ndarray, y: np.ndarray) -> np.ndarray:
+def fill(model: Sized, matrix: int, scatter: float | np.ndarray, y: np.ndarray) -> np.ndarray:
     """Put random entries in the arrow at ``matrix``; the same, dense. scatter: () or (n, n), their size."""
     where = places(model, matrix)
     size = np.broadcast_to(scatter, where.shape)

@@ -79,7 +79,7 @@ class FakeStudy:
     figures: tuple[Any, ...] = ()
     notes: tuple[str, ...] = ()
 
-    def jobs(self) -> list[FakeJob]:
+    def jobs(self) -> list[Any]:
         twin = FakeCase(healthy=True, seconds=self.seconds)
         twin_id = case_id(twin)
         cases = [FakeCase(w, self.deeds.get(i, ""), self.seconds) for i, w in enumerate(self.widths)]
@@ -115,7 +115,7 @@ def fail_to_warm(cases: list[FakeCase]) -> None:
     raise FakeError("no case is like this", "none", None)
 
 
-def record_of(case: FakeCase) -> SimpleNamespace:
+def record_of(case: FakeCase) -> Any:
     """A record with a line of amplitude ``width`` (healthy: 1 mm/s) and quarter-turn phase."""
     time_s = np.arange(round(case.duration * case.sampling)) / case.sampling
     amplitude, phase = (1e-3, 0.0) if case.healthy else (case.width, math.pi / 2)
@@ -169,7 +169,7 @@ def simulate(case: FakeCase) -> SimpleNamespace:
 
 def main(out: str, jobs: str, count: str, seconds: str) -> None:
     """Run a study of ``count`` cases: what the tests start as another process, to kill it."""
-    study = FakeStudy([1e-3 * (i + 1) for i in range(int(count))], seconds=float(seconds))
+    study: Any = FakeStudy([1e-3 * (i + 1) for i in range(int(count))], seconds=float(seconds))
     try:
         run(study, out, jobs=int(jobs), progress=False, engine=ENGINE)
     except Interrupted as stop:

@@ -18,11 +18,11 @@ from bearingsim.core.pits.profile import depth_at
 from bearingsim.core.pits.spall import Spall
 
 R_OUTER, R_INNER = outer_reduced_radius(0.006, 0.0385), inner_reduced_radius(0.006, 0.0265)
-SHAPES = (Rectangular, Triangular, Circular, Elliptical)
+SMOOTH = (Rectangular, Triangular, Circular, Elliptical)
 
 radii = st.sampled_from([R_OUTER, R_INNER])
 lengths, widths, depths = st.floats(1e-3, 12e-3), st.floats(5e-5, 4e-3), st.floats(1e-7, 1e-4)
-shapes = st.builds(lambda kind, *sizes: kind(*sizes), st.sampled_from(SHAPES), lengths, widths, depths)
+shapes = st.builds(lambda kind, *sizes: kind(*sizes), st.sampled_from(SMOOTH), lengths, widths, depths)
 spalls = st.builds(Spall, lengths, widths, depths, st.floats(0.0, 1.0), st.integers(0, 1000))
 plain = shapes | spalls
 eased = st.builds(lambda pit, r: Eased(pit, r, 0.0), plain, st.floats(2e-6, 1e-4)) | st.builds(

@@ -94,10 +94,11 @@ def friction(given: Any) -> Any:
 
 def meetings(scene: planar.Scene, pit: planar.Pit) -> list[RollerPitPair]:
     """A box over the full length, as each contact meets it."""
-    on, radius, sides = {
+    rings: dict[Any, tuple[int, float, tuple[int, ...]]] = {
         planar.OUTER: (ON_OUTER, scene.R_o, (OUTER,)),
         planar.INNER: (ON_INNER, scene.R_i, (INNER,)),
-    }.get(pit.on) or (pit.on[1], scene.R_w, (OUTER, INNER))
+    }
+    on, radius, sides = rings.get(pit.on) or (pit.on[1], scene.R_w, (OUTER, INNER))
     reduced = {OUTER: scene.reduced(planar.OUTER), INNER: scene.reduced(planar.INNER)}
     return [
         RollerPitPair(

@@ -42,6 +42,6 @@ def orders(errors):
 
 def begun(**given):
     """A model of the plain kind at static equilibrium."""
-    given = case(model="planar", **given)
-    model = assemble.model(given)
-    return model, assemble.start(given, model)[0]
+    at_hand = case(model="planar", **given)
+    model = assemble.model(at_hand)
+    return model, assemble.start(at_hand, model)[0]

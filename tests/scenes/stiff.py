@@ -110,14 +110,9 @@ def run(model: Scene, method: Any, span: float, q: float, v: float) -> Walk:
     path = np.empty((round(span / method.h), 3))
     set_out(method, model, y)
     walk(method, model, 0, y, path)
-    return Walk(
-        path,
-        *(
-            int(y[cell])
-            for cell in (lay.STEPS_TAKEN, lay.STEPS_REJECTED, lay.EVALUATIONS, lay.NEWTON_ITERATIONS, lay.FAILED)
-        ),
-        y,
-    )
+    cells = [lay.STEPS_TAKEN, lay.STEPS_REJECTED, lay.EVALUATIONS, lay.NEWTON_ITERATIONS, lay.FAILED]
+    taken, rejected, evaluated, iterated, failed = y[cells].astype(int)
+    return Walk(path, taken, rejected, evaluated, iterated, failed, y)
 
 
 def on_path(model: Scene, t: float) -> tuple[float, float]:

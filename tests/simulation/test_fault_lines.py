@@ -1,6 +1,7 @@
 """Where lines of damaged elements stand, found in the recorded velocity by the picker, which knows no model."""
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from tests.scenes.nf308 import SLOT, case
 
 BPFO, BPFI, TWICE_BSF, FTF, SHAFT = 159.0, 231.0, 156.9615385, 12.2307692, 30.0  # Hz: NF308 at 1800 rpm
 FS = 10240.0
-SCENES = {
+SCENES: dict[str, dict[str, Any]] = {
     "inner": {"defect": SLOT | {"race": "inner"}},
     "roller": {"defect": SLOT | {"race": "roller"}},
     "roller-and-outer": {"defects": [SLOT | {"race": "roller"}, SLOT | {"width": "0.3 mm", "angle": "10 deg"}]},

@@ -39,7 +39,7 @@ def test_the_angle_of_a_cage_that_has_slipped_is_told_as_it_is():
     early, late = (simulate(case(settle=settle, **given)) for settle in ("20 ms", "50 ms"))
     speed = early.series["cage.speed"]
     turned = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(early.time))])
-    found = late.info["cage_angle_start_rad"] - early.info["cage_angle_start_rad"]
+    found = float(late.info["cage_angle_start_rad"]) - float(early.info["cage_angle_start_rad"])
     assert found == pytest.approx(np.interp(0.03, early.time, turned), abs=2e-4)
     assert found < 7.0  # and not 7.7, as without slip
 

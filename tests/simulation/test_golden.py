@@ -1,6 +1,7 @@
 """Numbers that must not change unless MODEL_VERSION does: a stored result is taken for what it would be today."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,7 +20,7 @@ SCAN = Path(__file__).parents[2] / "studies" / "scans" / "spall.csv"
 KRAEMER = {"stiffness": "iso16281", "damping": "kraemer"}
 THIRD = {"roller": 3}
 RAW = {"load": "300 N", "clearance": "5 um", "antialias": False}
-SCENES = {
+SCENES: dict[str, dict[str, Any]] = {
     "rollers": {"model": "rollers", "defect": SLOT},
     "ring": {"model": "ring", "method": "rk4", "contact": KRAEMER, "defect": WIDE} | RAW,
     "static": {"model": "static", "defect": GROOVE, "clearance": "-2 um"},

@@ -137,7 +137,7 @@ def test_reason_time_body_and_advice(outcome: int) -> None:
     reason, advice = (SAID | SAID_OF_ADAPTIVE)[outcome]
     caught.match(reason)
     assert caught.value.time == pytest.approx(4000 * time_grid.grid(given).step, rel=1e-9)
-    assert f"{1e3 * caught.value.time:.4g} ms into the run" in caught.value.reason
+    assert f"{1e3 * float(caught.value.time or 0.0):.4g} ms into the run" in caught.value.reason
     assert advice in caught.value.advice
     assert "or `method: " in caught.value.advice
 

@@ -10,7 +10,7 @@ import pytest
 from bearingsim import assemble
 from bearingsim.simulation import choice, pilot, prices, step_check, time_grid
 from bearingsim.simulation.choice import STEP_PARTS
-from bearingsim.simulation.integration import TooChaotic
+from bearingsim.simulation.integration import TooChaotic, set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
 from bearingsim.simulation.step_check import StepCheck
 from tests.scenes.short_cases import RATE, SLOT, case
@@ -166,7 +166,7 @@ def test_the_rms_that_is_proven_is_that_of_the_record() -> None:
     """What the record's low-pass takes away may hold most of the velocity, and need not be held."""
     given = choice.resolved(rollers(sampling="1000 Hz", duration="0.3 s"))
     short, passes = pilot.pilot(given)
-    heard = step_check.velocities(step_check.set_up(short), passes, recorded=True)
+    heard = step_check.velocities(set_up(short), passes, recorded=True)
     read = simulate(short.model_copy(update={"step_check": False})).features["velocity.rms"]
     assert np.std(heard.recorded) == pytest.approx(read, rel=0.05)
     assert np.std(heard.fine) > 1.5 * read

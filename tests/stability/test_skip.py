@@ -47,7 +47,9 @@ def length(scene, name):
     """About how long (s) the method's steps are before the first pit: the longest it can be caught with."""
     if not METHODS[name].adaptive:
         return setting(scene, name)
-    return matrix.scene_tolerances(scene, METHODS[name].tolerance).longest
+    tolerance = METHODS[name].tolerance
+    assert tolerance is not None
+    return matrix.scene_tolerances(scene, tolerance).longest
 
 
 @pytest.fixture(scope="module")

@@ -22,10 +22,10 @@ from bearingsim.store.names import parameter_attributes
 from bearingsim.store.units import columns
 from tests.scenes.fake_studies import FakeCase, FakeJob, FakeStudy, case_id, record_of
 
-PROVENANCE = {"model_version": 1, "study_text": "study: fake\n" + "# long\n" * 20_000}
+PROVENANCE: dict[str, int | str] = {"model_version": 1, "study_text": "study: fake\n" + "# long\n" * 20_000}
 
 
-def seal(root: Path, study: FakeStudy, jobs: list[FakeJob] | None = None) -> list[Path]:
+def seal(root: Path, study: Any, jobs: list[Any] | None = None) -> list[Path]:
     """Store jobs of a study (all by default) as a run would."""
     store.write_plan(root, study, study.jobs())
     return store.write_units(root, [(job, record_of(job.case)) for job in jobs or study.jobs()], PROVENANCE)
@@ -72,7 +72,7 @@ def test_xarray_opens_a_unit_unaided(tmp_path: Path, study: FakeStudy) -> None:
 
 def test_jobs_of_other_time_axes_get_their_own_unit(tmp_path: Path) -> None:
     cases = [FakeCase(duration=0.02), FakeCase(duration=0.04), FakeCase(record=()), FakeCase(width=2e-3)]
-    jobs = [FakeJob(case_id(case), case, {}, None) for case in cases]
+    jobs: list[Any] = [FakeJob(case_id(case), case, {}, None) for case in cases]
     units = store.write_units(tmp_path, [(job, record_of(job.case)) for job in jobs], PROVENANCE)
     assert sorted(len(store.check_unit(unit)) for unit in units) == [1, 1, 2]
     assert store.sealed_jobs(tmp_path) == ({job.id for job in jobs}, 0)
@@ -320,7 +320,7 @@ def test_table_file_opens_in_xarray(tmp_path: Path, study: FakeStudy) -> None:
         assert features["velocity@BPFO"].attrs["units"] == "m/s"
 
 
-def test_plan_tells_what_was_asked(tmp_path: Path, study: FakeStudy) -> None:
+def test_plan_tells_what_was_asked(tmp_path: Path, study: Any) -> None:
     store.write_plan(tmp_path, study, study.jobs())
     plan = store.read_plan(tmp_path)
     assert (tmp_path / "study.yaml").read_text() == study.text
@@ -337,7 +337,7 @@ def test_plan_tells_what_was_asked(tmp_path: Path, study: FakeStudy) -> None:
 # Results
 
 
-def test_a_plan_of_an_older_version_is_refused(tmp_path: Path, study: FakeStudy) -> None:
+def test_a_plan_of_an_older_version_is_refused(tmp_path: Path, study: Any) -> None:
     store.write_plan(tmp_path, study, study.jobs())
     plan = (tmp_path / "plan.json").read_text()
     (tmp_path / "plan.json").write_text(plan.replace('"twin"', '"unknown"'))

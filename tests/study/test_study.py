@@ -185,7 +185,8 @@ def test_what_the_planar_model_takes_shapes_the_id(change: dict[str, Any]) -> No
 
 def test_what_carries_a_pit_and_how_it_is_felt_shape_the_id() -> None:
     pit = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-4}
-    races = [{"race": "outer"}, {"race": "inner"}, {"race": "roller"}, {"race": "roller", "roller": 2}]
+    roller: dict[str, Any] = {"race": "roller"}
+    races = [{"race": "outer"}, {"race": "inner"}, roller, roller | {"roller": 2}]
     ids = {case_id(one(defect=pit | race)) for race in races}
     ids |= {case_id(one(defect=pit, excitation=word)) for word in ("half-sine-pulse", "soft-edge")}
     impulses = {"defect": pit, "model": "impulse"}

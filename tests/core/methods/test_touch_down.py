@@ -33,7 +33,7 @@ def exactly(model, t):
 
 def fitted(method, model, located, some=STEPS):
     """Order of the error's root mean square: touch-downs at 64 places in a step, or at a step's end."""
-    errors = []
+    measured = []
     for steps in some:
         if located:
             found = [at_even_steps(method, model, PRESSED / steps, steps, 0.0, -V)]
@@ -44,8 +44,8 @@ def fitted(method, model, located, some=STEPS):
             flights = FLIGHT + h * (np.arange(PHASES) + 0.5) / PHASES
             found = [at_even_steps(method, model, h, steps, V * t - G * t * t / 2, G * t - V) for t in flights]
             exact = [exactly(model, span - t) for t in flights]
-        errors.append(np.sqrt(np.mean(np.square(np.array(found) * SCALE - exact))))
-    errors = np.array(errors)
+        measured.append(np.sqrt(np.mean(np.square(np.array(found) * SCALE - exact))))
+    errors = np.array(measured)
     kept = errors > 3e-14
     assert kept.sum() > 2
     return -np.polyfit(np.log(np.array(some)[kept]), np.log(errors[kept]), 1)[0]

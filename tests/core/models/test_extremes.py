@@ -10,6 +10,7 @@ from bearingsim.core.advance import Monitor, advance, start_at_rest
 from bearingsim.core.geometry.slices import WEIGHT
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
+from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import accelerations, update_extremes
 from bearingsim.core.models.rest_in_space import rest_in_space
 from bearingsim.core.outcomes import SUCCESS
@@ -25,7 +26,7 @@ def shaken():
     planar = assemble.with_friction_lag(assemble.model(case(model="planar")), 3e-6)
     model = in_space(planar, even(4), mount_o=RigidMount(3e-4, -2e-4), mount_i=RigidMount(0.0, 1e-4))
     y = empty(model)
-    assemble.rest_from_scratch(assemble.static_model(model), 0.0, y)
+    rest_from_scratch(assemble.static_model(model), 0.0, y)
     assert rest_in_space(model, 0.0, y) < 1e-8 * model.support.F
     y[lay.RADIAL : lay.RADIAL + 13] += SHOVED * y[lay.SIN : lay.SIN + 13]
     start_at_rest(model, 0.0, y)

@@ -7,6 +7,7 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.assemble.rest import healthy_rest
+from bearingsim.core.geometry import plane
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.models import planar
 from bearingsim.core.parameters import lanes
@@ -111,9 +112,9 @@ def test_loops_over_rollers_keep_their_lanes():
     of_case = case(**SHAFT, friction="static-dynamic")
     model = assemble.model(of_case)
     b, y, n = model.bearing, assemble.empty_buffer(model), lanes(model.bearing)
-    assert keeps_lanes(compiled(planar.roller_directions.py_func), 0.3, y, n)
+    assert keeps_lanes(compiled(plane.roller_directions.py_func), 0.3, y, n)
     for side in (OuterSide(), InnerSide()):
-        assert keeps_lanes(compiled(planar.approach.py_func), side, b, 1.0, y, n)
+        assert keeps_lanes(compiled(plane.approach.py_func), side, b, 1.0, y, n)
     assert keeps_lanes(compiled(planar.roller_forces.py_func), model, 1.0, 1.0, 1.0, y, n)
     assert keeps_lanes(compiled(cage._pocket_forces_free), model.cage, model, 1.0, 1.0, y, n)
     assert keeps_lanes(compiled(planar.accelerate_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)

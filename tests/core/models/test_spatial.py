@@ -98,7 +98,7 @@ def test_a_kinematic_cage_holds_all_but_the_tilt():
 def test_loops_over_rollers_keep_their_lanes():
     model = in_space(assemble.model(case(model="planar")), even(2))
     y, n = empty(model), lanes(model.bearing)
-    ring, b = Body(*[0.0] * 8, 1.0, *[0.0] * 4), model.bearing
+    ring, b = Body._make([0.0] * 8 + [1.0] + [0.0] * 4), model.bearing
     for side in (OuterSide(), InnerSide()):
         assert keeps_lanes(compiled(races_in_space.race_frame.py_func), side, b, ring, 1.0, y, n)
         assert keeps_lanes(compiled(races_in_space.slice_kinematics.py_func), side, b, ring, 0.0, 0.0, y, n)

@@ -16,6 +16,7 @@ from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
 from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
 from bearingsim.core.methods.rk4 import RungeKutta4
+from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import accelerations, damping_per_mass
 from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_space
 from bearingsim.core.outcomes import SUCCESS
@@ -41,8 +42,8 @@ def crowned(z):
 def between_plates(n, tilt, inwards=2e-6):
     """Load (N) of the outer plate and moment (N m) of both on a roller that tilts, pressed ``inwards`` by each."""
     model = in_space(assemble.model(case(model="planar", friction="none")), even(n))
-    still = {"omega_c": 0.0, "omega_i": 0.0, "omega_b": 0.0, "theta_0": pi / 13}
-    bearing = model.bearing._replace(gap=-inwards, R_o=PLATE, R_i=PLATE, **still)
+    still = model.bearing._replace(omega_c=0.0, omega_i=0.0, omega_b=0.0, theta_0=pi / 13)
+    bearing = still._replace(gap=-inwards, R_o=PLATE, R_i=PLATE)
     law = HuntCrossley(TenNinths(K), 1.0)
     model = model._replace(bearing=bearing, outer=law, inner=law)
     y = empty(model)
@@ -90,7 +91,7 @@ def at_rest(model):
     y = empty(model)
     given = model.bearing
     y[lay.INVERSE_MASS : lay.INVERSE_MASS + given.Z] = 1 / given.m_r
-    assemble.rest_from_scratch(assemble.static_model(model), 0.0, y)
+    rest_from_scratch(assemble.static_model(model), 0.0, y)
     left = rest_in_space(model, 0.0, y)
     return y, left / abs(model.support.F)
 
