@@ -2,8 +2,8 @@
 
     python benchmarks/edge_contact.py [--csv FILE] [--png FILE] [--answers]
 
-Elastic contact of a roller over slots (finite elements; needs the extra `verify`), the reduced contact and its
-correction: about 2 CPU minutes. Instead of that, --answers: what the correction does to the ring's vibration, in
+Elastic contact of a roller over slots by finite elements (they need scikit-fem: `make install-dev`), the reduced
+contact and its correction: about 2 CPU minutes. Instead: --answers: what the correction does to the vibration in
 `rollers`; --stress: pressure and von Mises stress at an edge.
 """
 

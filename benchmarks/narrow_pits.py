@@ -13,7 +13,7 @@ from unittest import mock
 import numpy as np
 
 from bearingsim.config import Case
-from bearingsim.simulation import choose
+from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.simulate import simulate
 
 FEATURES = ("velocity@BPFO", "velocity.rms", "outer_force.max")
@@ -25,16 +25,16 @@ def scene(random: np.random.Generator, method: str) -> Case:
     chi, width = random.uniform(20, 100), 10 ** random.uniform(-4, -3.4)
     slot = {"shape": "rectangular", "length": 0.012, "width": width, "depth": 5e-5}
     settings = {"bearing": "nf308", "model": "rollers", "method": method, "duration": 0.03, "settle": 0.02}
-    settings |= {"prove": False}
+    settings |= {"step_check": False}
     law = {"contact": {"damping": {"chi": chi}}}
     return Case.model_validate(settings | law | {"speed": speed * np.pi / 30, "load": load, "defect": slot})
 
 
 def errors(case: Case) -> list[float]:
     """Relative errors (%) of the features."""
-    found, limits = simulate(case).features, choose.limits(case)
-    fine = min(choose.wanted_step(case), limits.crossing / 50) / 16
-    with mock.patch.object(choose, "wanted_step", return_value=fine):
+    found, limits = simulate(case).features, choice.limits(case)
+    fine = min(time_grid.wanted_step(case), limits.crossing / 50) / 16
+    with mock.patch.object(time_grid, "wanted_step", return_value=fine):
         exact = simulate(case).features
     return [100.0 * abs(found[name] / exact[name] - 1.0) for name in FEATURES]
 

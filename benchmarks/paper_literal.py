@@ -20,7 +20,7 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from bearingsim.config import Case
-from bearingsim.simulation import choose
+from bearingsim.simulation import automatic_step
 from bearingsim.simulation.limits import step_limits
 from bearingsim.simulation.simulate import simulate
 from bearingsim.study import load_study
@@ -37,11 +37,11 @@ def refined(case: Case, seconds: float | None, steps: list[float] | None) -> lis
     """The case with each setting, and the setting's name."""
     m3: float = case.contact.damping.indentation_exponent  # type: ignore[union-attr]
     duration = (seconds or SECONDS[m3]) if m3 in SECONDS else case.duration
-    fast = case.model_copy(update={"prove": False, "duration": duration})
+    fast = case.model_copy(update={"step_check": False, "duration": duration})
     if m3 == UNDAMPED:
         chosen = [1e-6 * step for step in steps] if steps else STEPS
         return [(f"{1e6 * step:g} us", fast.model_copy(update={"step": step})) for step in chosen]
-    often = choose.automatic_step(case, step_limits(case))
+    often = automatic_step.automatic_step(case, step_limits(case))
     found = []
     for k, tolerance in enumerate(TOLERANCES[m3]):
         step = often / 2**k if m3 == JUMPS else often

@@ -3,9 +3,9 @@
     python benchmarks/random_scenes.py [--scenes 300] [--seed 5] [--jobs 2] [--csv FILE]
 
 Scenes are drawn over wide ranges (``draw``): load, clearance, speed, stiffness, damping, pits, models. Each is run
-with ``prove: strict``, for so long that the fault's line can be read (0.15 s at least), and a job may take 20 s of
-CPU time. One that is refused as chaotic and too short is run for the duration it was told, if that is affordable.
-Then it is run again with the method that was chosen, half the step and a tenth of the tolerance; the fault's line
+with ``step_check: strict``, for so long that the fault's line can be read (0.15 s at least), and a job may take
+20 s of CPU time. One that is refused as chaotic and too short is run for the duration it was told, if that is
+affordable. Then it is run again with the method that was chosen, half the step and a tenth of the tolerance; line
 and the RMS are compared. Outcomes:
 
 converged   the line changes by less than 1 % (a line under 1e-3 of the RMS: by less than 1e-5 of the RMS),
@@ -34,7 +34,7 @@ from bearingsim.core.geometry.kinematics import (
     ball_spin_frequency,
     fundamental_train_frequency,
 )
-from bearingsim.simulation import choose
+from bearingsim.simulation import time_grid
 from bearingsim.simulation.integration import TooChaotic
 from bearingsim.simulation.proof import LOUD, fault_lines
 from bearingsim.simulation.simulate import Record, SimulationError, simulate
@@ -111,7 +111,7 @@ def draw(number: int, seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
 
 def case_of(fields: dict[str, Any]) -> Case:
     """A scene in which three balls pass, though the cage slip, and the fault's line can be told from others."""
-    case = Case.model_validate(fields | {"duration": 1.0, "prove": "strict"})
+    case = Case.model_validate(fields | {"duration": 1.0, "step_check": "strict"})
     rate = case.bearing.ball_pass_frequency(case.speed)
     apart = min((spacing(case, name) for name in fault_lines(case) if name != "BPFO"), default=inf)
     return case.model_copy(update={"duration": max(SHORTEST, PASSES / rate, RESOLVED / apart)})
@@ -135,7 +135,7 @@ def spacing(case: Case, name: str) -> float:
 def finer(case: Case, found: Record) -> Case:
     """The case with the method that was chosen, half its step and a tenth of its tolerance."""
     info = found.info
-    update: dict[str, Any] = {"method": info["method"], "step": 0.5 * float(info["step_s"]), "prove": False}
+    update: dict[str, Any] = {"method": info["method"], "step": 0.5 * float(info["step_s"]), "step_check": False}
     if np.isfinite(float(info["tolerance"])):
         update["tolerance"] = 0.1 * float(info["tolerance"])
     return case.model_copy(update=update)
@@ -152,7 +152,7 @@ def changes(case: Case, found: Record, other: Record) -> tuple[float, float]:
 
 def judge(number: int, seed: int) -> dict[str, Any]:
     """A row of the table."""
-    choose.MOST_CPU = LONGEST_JOB
+    time_grid.MOST_CPU = LONGEST_JOB
     told, fields = draw(number, seed)
     case = case_of(fields)
     began = time.process_time()
@@ -167,7 +167,7 @@ def judge(number: int, seed: int) -> dict[str, Any]:
     told |= {"chaotic": int(features["chaotic"]), "cpu_s": time.process_time() - began}
     told |= {"said_line": features["step_error.line"], "said_rms": features["step_error.rms"]}
     try:
-        choose.MOST_CPU = inf
+        time_grid.MOST_CPU = inf
         line, rms = changes(case, found, simulate(finer(case, found)))
     except SimulationError as error:
         return told | {"outcome": "finer run failed", "reason": str(error)}
@@ -181,7 +181,7 @@ def computed(case: Case) -> tuple[Case, Record]:
             return case, simulate(case)
         except TooChaotic as error:
             longer = MARGIN * error.duration
-            if longer / case.duration * choose.estimate(case).cpu_seconds > LONGEST_CHAOS:
+            if longer / case.duration * time_grid.estimate(case).cpu_seconds > LONGEST_CHAOS:
                 raise
             case = case.model_copy(update={"duration": longer})
     return case, simulate(case)

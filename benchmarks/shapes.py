@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim.core.jit import jit
+from bearingsim.core.pits.closed_forms import bowl, box, groove
 from bearingsim.core.pits.depth import (
     Circular,
     Eased,
@@ -26,7 +27,7 @@ from bearingsim.core.pits.depth import (
 )
 from bearingsim.core.pits.envelope import path_over, sinking
 from bearingsim.core.pits.excitations import Envelope, felt
-from bearingsim.core.pits.pairs import B, Meeting, W, bowl, box, groove, outer_reduced_radius, pits
+from bearingsim.core.pits.pairs import B, Meeting, W, outer_reduced_radius, pits
 from bearingsim.core.pits.profile import depth_at
 from bearingsim.core.pits.spall import Spall
 from bearingsim.core.pits.traced import across, grouped, traced_pits

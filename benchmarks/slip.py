@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 
 from bearingsim import assemble, load_study, open_results, simulate
 from bearingsim.config import Case
-from bearingsim.core.laws.friction import mu
+from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.layout import Q_I, Q_O
 from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch
 from bearingsim.core.parts.cage import land_drag, orbit_drag

@@ -24,7 +24,7 @@ from bearingsim.config import Case
 from bearingsim.core.advance import RING, advance
 from bearingsim.core.layout import Q_I, Q_O
 from bearingsim.core.outcomes import FINE
-from bearingsim.simulation import choose
+from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.integration import watch_of
 
 BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
@@ -46,11 +46,11 @@ SLOWER = {"static": 50}  # a balance costs about as much as so many steps
 
 def variant(labels: dict[str, Any], case: Case, model: Any) -> dict[str, Any]:
     """A variant ready to be timed: labels for the table, method, model, state at rest."""
-    cut = choose.grid(case)
+    cut = time_grid.grid(case)
     model = assemble.relaxed(model, cut.step)
     y, _ = assemble.start(case, model)
     row = labels | {"auto_step_us": round(1e6 * cut.step, 3)}
-    watch, method = watch_of(cut, choose.limits(case)), assemble.method(case, cut.step)
+    watch, method = watch_of(cut, choice.limits(case)), assemble.method(case, cut.step)
     return {"row": row, "method": method, "model": model, "watch": watch, "y": y, "at": 0}
 
 

@@ -14,7 +14,7 @@ import sys
 from unittest import mock
 
 from bearingsim.config import Case
-from bearingsim.simulation import choose
+from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.simulate import SimulationError, simulate
 
 FRACTIONS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
@@ -41,9 +41,9 @@ SCENES: dict[str, dict] = {
 
 def features(case: Case, step: float) -> dict[str, float] | str:
     """Features with a step that may be too long, or why the run was stopped."""
-    with mock.patch.object(choose, "wanted_step", return_value=step):
+    with mock.patch.object(time_grid, "wanted_step", return_value=step):
         try:
-            return simulate(case.model_copy(update={"step": step, "prove": False})).features  # not halved
+            return simulate(case.model_copy(update={"step": step, "step_check": False})).features  # not halved
         except SimulationError as error:
             return error.reason
 
@@ -52,13 +52,13 @@ def compare(name: str, model: str) -> list[dict]:
     """Rows of the table for one scene."""
     settings = BASE | SCENES[name] | {"model": model}
     exact_case = Case.model_validate(settings | {"method": "rk4"})
-    exact = features(exact_case, choose.limits(exact_case).at_impact / 20.0)
+    exact = features(exact_case, choice.limits(exact_case).at_impact / 20.0)
     if isinstance(exact, str):
         raise RuntimeError(f"{name}: the reference was stopped: {exact}")
     rows = []
     for method in ("verlet", "rk4"):
         case = Case.model_validate(settings | {"method": method})
-        limit = choose.limits(case).at_impact
+        limit = choice.limits(case).at_impact
         for fraction in FRACTIONS:
             found = features(case, fraction * limit)
             row: dict = {"scene": name, "model": model, "method": method, "fraction": fraction}

@@ -9,44 +9,30 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.assemble import contacts, free, geometry, impulses, pits, scales, space
+from bearingsim.assemble import contacts, free, geometry, pits, scales, space
 from bearingsim.assemble.rest import anchor, statics
+from bearingsim.catalogue import EXPLICIT, METHODS, MODELS, code
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.geometry.motion import steady
 from bearingsim.core.geometry.slices import ZETA
 from bearingsim.core.layout import EPS, Q_O, buffer
-from bearingsim.core.methods import (
-    backward_euler,
-    dop853,
-    dormand_prince,
-    equilibrium,
-    generalised_alpha,
-    nystrom,
-    rk4,
-    rodas,
-    stabilised,
-    symplectic_euler,
-    velocity_implicit,
-    verlet,
-)
-from bearingsim.core.methods import impulses as exact
 from bearingsim.core.methods.interface import MethodKind
-from bearingsim.core.models import impulse, planar, ring, rollers, spatial, static
+from bearingsim.core.models import spatial
 from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch
 from bearingsim.core.models.interface import ModelKind
 from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_space
 from bearingsim.core.parameters import Support
 from bearingsim.core.pits.pairs import ANGLE, CUSP, ON, ON_OUTER, RADIUS, Pits
+from bearingsim.errors import UserError
 
 __all__ = [
-    "METHODS",
-    "MODELS",
-    "OWN_METHODS",
+    "adaptive",
     "empty_buffer",
     "healthy",
     "in_step",
     "kind",
+    "kind_of_method",
     "method",
     "method_kind",
     "model",
@@ -56,30 +42,6 @@ __all__ = [
     "start",
     "statics",
 ]
-
-MODELS: dict[str, ModelKind] = {
-    "impulse": impulse.KIND,
-    "static": static.KIND,
-    "ring": ring.KIND,
-    "rollers": rollers.KIND,
-    "planar": planar.KIND,
-    "spatial": spatial.KIND,
-}
-METHODS: dict[str, MethodKind] = {
-    "verlet": verlet.KIND,
-    "dop853": dop853.KIND,
-    "rodas": rodas.KIND,
-    "backward-euler": backward_euler.KIND,
-    "symplectic-euler": symplectic_euler.KIND,
-    "rk4": rk4.KIND,
-    "dormand-prince": dormand_prince.KIND,
-    "nystrom": nystrom.KIND,
-    "generalized-alpha": generalised_alpha.KIND,
-    "velocity-implicit-euler": velocity_implicit.KIND,
-    "stabilised": stabilised.KIND,
-}
-OWN_METHODS: dict[str, MethodKind] = {"impulse": exact.KIND, "static": equilibrium.KIND}
-"""Of models that are no differential equations: the only way to step them."""
 
 PARTS: dict[str, Any] = {
     "bearing": geometry.bearing,
@@ -106,13 +68,28 @@ PARTS: dict[str, Any] = {
 
 
 def kind(case: Case) -> ModelKind:
-    """What is to be known of the case's model."""
-    return MODELS[case.model]
+    """What belongs to the code of the case's model."""
+    found: ModelKind = code(MODELS[case.model].module).KIND
+    return found
+
+
+def kind_of_method(name: str) -> MethodKind:
+    """What belongs to the code of a method that a case can name."""
+    found: MethodKind = code(METHODS[name].module).KIND
+    return found
 
 
 def method_kind(case: Case) -> MethodKind:
-    """What is to be known of the case's method, which must be named."""
-    return OWN_METHODS[case.model] if case.method is None else METHODS[case.method]
+    """What belongs to the code of the case's method, which must be named, or of its model's own."""
+    if case.method is not None:
+        return kind_of_method(case.method)
+    found: MethodKind = code(MODELS[case.model].own_method).KIND
+    return found
+
+
+def adaptive(case: Case) -> bool:
+    """Whether the case's method, which must be named, chooses its own steps."""
+    return case.method is not None and METHODS[case.method].adaptive
 
 
 def model(case: Case) -> Any:
@@ -121,17 +98,25 @@ def model(case: Case) -> Any:
     So the load is what the bearing carries: a bracket anchored anywhere else would take a share of it.
     Raises ``NoEquilibrium`` if the healthy bearing finds no equilibrium.
     """
-    if not kind(case).loaded:
-        return impulses.model(case, support(case))
-    parameters: Any = kind(case).parameters
+    known, parameters = MODELS[case.model], kind(case).parameters
+    if known.build:
+        return code(known.build)(case, support(case))
+    found = parameters(**{name: PARTS[name](case) for name in _made(parameters)})
+    return statics(found) if known.memoryless else found
+
+
+def _made(parameters: Any) -> list[str]:
+    """The fields of a model's parameters that are made from a case."""
     made = [name for name in parameters._fields if name not in parameters._field_defaults]
-    found = parameters(**{name: PARTS[name](case) for name in made})
-    return statics(found) if parameters is static.Static else found
+    unknown = [name for name in made if name not in PARTS]
+    if unknown:
+        raise UserError(f"{parameters.__name__} asks for `{unknown[0]}`, which nobody makes: {', '.join(PARTS)}")
+    return made
 
 
 def met(case: Case) -> Pits:
     """The case's pits, cut along the roller as its model cuts rollers."""
-    return pits.meetings(case, space.slices(case).table[:, ZETA] if kind(case).sliced else None)
+    return pits.meetings(case, space.slices(case).table[:, ZETA] if MODELS[case.model].sliced else None)
 
 
 def support(case: Case) -> Support:
@@ -143,7 +128,7 @@ def support(case: Case) -> Support:
 def healthy(case: Case) -> Case:
     """The case without what does not touch its load at rest, so that many cases share one."""
     same = {"defects": (), "step": "auto", "record": (), "duration": 1.0, "settle": 0.0, "sampling": 1e4}
-    same |= {"method": "verlet", "tolerance": "auto", "prove": True}
+    same |= {"method": EXPLICIT, "tolerance": "auto", "step_check": True}
     return case.model_copy(update=same | {"excitation": "envelope", "seed": 0})
 
 
@@ -172,7 +157,7 @@ def in_step(model: Any, steps_per_pass: int, cusp: float) -> Any:
     is in step, and only on the outer race at a steady speed: elsewhere cusps fall anywhere in a step, and the
     error averages out.
     """
-    if isinstance(model, impulse.Impulse) or not steady(model):
+    if "pits" not in model._fields or not steady(model):
         return model
     found = model.pits
     if len(found.head) == 0 or found.head[0, ON] != ON_OUTER:
@@ -195,9 +180,9 @@ def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
     With a free cage and a seed, the rollers begin anywhere in their pockets.
     """
     y, residual = empty_buffer(model), 0.0
-    if kind(case).loaded:
+    if MODELS[case.model].loaded:
         residual = settle(model, 0.0, y, from_scratch=True)
-        y[EPS : EPS + model.bearing.Z] = free.scattered(case) if kind(case).slips else 0.0
+        y[EPS : EPS + model.bearing.Z] = free.scattered(case) if MODELS[case.model].slips else 0.0
         start_at_rest(model, 0.0, y)
     return y, residual
 
@@ -229,9 +214,10 @@ def method(case: Case, h: float, part: float = 1.0) -> Any:
     With half of it an adaptive method takes a tenth of its own tolerance; one that the case gives stays.
     """
     parameters: Any = method_kind(case).parameters
-    if not method_kind(case).adaptive:
+    usual = METHODS[case.method].tolerance if case.method is not None else None
+    if usual is None:
         return parameters(h)
-    own = part ** log2(10.0) * scales.TOLERANCE[str(case.method)]
+    own = part ** log2(10.0) * usual
     tolerance = own if case.tolerance == "auto" else case.tolerance
     first = model(case)
     fastest = first if case.ramp is None else model(scales.at_full_speed(case))

@@ -1,13 +1,20 @@
 """The contact law at each race: damping around stiffness."""
 
+from math import isclose
 from typing import Any
 
-from bearingsim import config
 from bearingsim.assemble.geometry import inner_radius, outer_radius
+from bearingsim.catalogue import LAWS, code
 from bearingsim.config import Case
-from bearingsim.core.laws import damping
-from bearingsim.core.laws import stiffness as elastic
+from bearingsim.core.laws.damping import general as multibody
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.damping.kraemer import Kraemer
 from bearingsim.core.laws.hertz import PointContact, ball_on_race
+from bearingsim.core.laws.stiffness import johnson as line_contact
+from bearingsim.core.laws.stiffness import ten_ninths
+from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.stiffness.power_law import PowerLaw
+from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
 
 
 def outer(case: Case) -> Any:
@@ -22,39 +29,81 @@ def inner(case: Case) -> Any:
 
 def powers(case: Case) -> int:
     """How many powers of the law are the library's, which leaves the vector lanes."""
-    return sum(isinstance(part, elastic.PowerLaw | damping.Power) for part in outer(case))
+    return sum(isinstance(part, PowerLaw | multibody.Power) for part in outer(case))
 
 
 def damped(case: Case, stiffness: Any) -> Any:
-    """The case's damping around a stiffness."""
-    match case.contact.damping:
-        case config.HuntCrossley(chi=chi):
-            return damping.HuntCrossley(stiffness, chi)
-        case config.Kraemer(beta=beta):
-            return damping.Kraemer(stiffness, beta)
-        case config.General(coefficient=c, velocity_exponent=m2, indentation_exponent=m3):
-            return damping.general(stiffness, c * 1e3 ** (m2 + m3), m2, m3)  # mm to m
-    raise ValueError(f"no such damping: {case.contact.damping}")
+    """The case's damping around a stiffness: ``build(section, stiffness)`` of the catalogue's law."""
+    section: Any = case.contact.damping
+    return code(LAWS["damping"][section.law].build)(section, stiffness)
+
+
+def hunt_crossley(section: Any, stiffness: Any) -> HuntCrossley:
+    """Damping proportional to the elastic force."""
+    return HuntCrossley(stiffness, section.chi)
+
+
+def kraemer(section: Any, stiffness: Any) -> Kraemer:
+    """Damping proportional to the tangent stiffness."""
+    return Kraemer(stiffness, section.beta)
+
+
+def general(section: Any, stiffness: Any) -> multibody.General:
+    """Damping of the multibody codes, its coefficient in N, mm and s."""
+    m2, m3 = section.velocity_exponent, section.indentation_exponent
+    return multibody.general(stiffness, section.coefficient * 1e3 ** (m2 + m3), m2, m3)
 
 
 def stiffness(case: Case, on_outer: bool) -> Any:
-    """The case's stiffness law at one race."""
-    b, law = case.bearing, case.contact.stiffness
-    L_w = float(b.roller_length or 0.0)  # a ball has none, and no law that asks for it
-    match law:
-        case config.Constant(coefficient=k, exponent=m):
-            return elastic.constant(k * 1e3**m, m)  # mm to m
-        case "palmgren":
-            return elastic.palmgren(L_w)
-        case "iso16281":
-            return elastic.iso16281(L_w)
-        case "johnson":
-            R_w = b.roller_diameter / 2.0
-            dR = outer_radius(case) - R_w if on_outer else inner_radius(case) + R_w
-            return elastic.johnson(b.material.young_modulus, b.material.poisson_ratio, L_w, dR)
-        case "point":
-            return elastic.ThreeHalves(point_contact(case, on_outer).k)
-    raise ValueError(f"no such stiffness: {law}")
+    """The case's stiffness law at one race: ``build(case, section, on_outer)`` of the catalogue's law."""
+    law = LAWS["stiffness"][case.contact.elastic_law]
+    return code(law.build)(case, case.contact.stiffness, on_outer)
+
+
+def constant(case: Case, section: Any, on_outer: bool) -> Any:
+    """k delta^m, the coefficient in N and mm."""
+    return power(section.coefficient * 1e3**section.exponent, section.exponent)
+
+
+FASTER = ((1.0, Linear), (ten_ninths.EXPONENT, ten_ninths.TenNinths), (1.5, ThreeHalves))
+"""The exponents that have a law of their own, without ``pow``."""
+
+
+def power(k: float, m: float) -> Any:
+    """The law k delta^m, k in N/m^m: the fastest that has this exponent."""
+    for exponent, law in FASTER:
+        if isclose(m, exponent, rel_tol=1e-12):
+            return law(k)
+    if m < 1.0:
+        raise ValueError(f"exponent {m}: below 1 a contact is infinitely stiff at touch-down")
+    return PowerLaw(k, m)
+
+
+def palmgren(case: Case, section: Any, on_outer: bool) -> ten_ninths.TenNinths:
+    """Palmgren's line contact."""
+    return ten_ninths.palmgren(roller_length(case))
+
+
+def iso16281(case: Case, section: Any, on_outer: bool) -> ten_ninths.TenNinths:
+    """ISO/TS 16281's line contact."""
+    return ten_ninths.iso16281(roller_length(case))
+
+
+def johnson(case: Case, section: Any, on_outer: bool) -> line_contact.Johnson:
+    """Johnson's line contact of a roller inside, or outside, a race."""
+    b, R_w = case.bearing, case.bearing.roller_diameter / 2.0
+    dR = outer_radius(case) - R_w if on_outer else inner_radius(case) + R_w
+    return line_contact.johnson(b.material.young_modulus, b.material.poisson_ratio, roller_length(case), dR)
+
+
+def point(case: Case, section: Any, on_outer: bool) -> ThreeHalves:
+    """Hertz's point contact of a ball."""
+    return ThreeHalves(point_contact(case, on_outer).k)
+
+
+def roller_length(case: Case) -> float:
+    """Length (m) of a roller; 0 of a ball, which no law of lines is given."""
+    return float(case.bearing.roller_length or 0.0)
 
 
 def point_contact(case: Case, on_outer: bool) -> PointContact:

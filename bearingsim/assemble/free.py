@@ -7,11 +7,14 @@ import numpy as np
 
 from bearingsim import config
 from bearingsim.assemble import geometry
+from bearingsim.catalogue import LAWS, code
 from bearingsim.config import Case
 from bearingsim.core.geometry.motion import Ramp, Steady
-from bearingsim.core.laws import friction as frictions
-from bearingsim.core.laws.damping import HuntCrossley
-from bearingsim.core.laws.stiffness import Linear
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.friction.frictionless import Frictionless
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.friction.traction import Traction
+from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.parts import cage as cages
 from bearingsim.core.parts import shaft as shafts
 
@@ -30,13 +33,24 @@ def motion(case: Case) -> Any:
 
 
 def friction(case: Case) -> Any:
-    """Friction between rollers and races."""
-    match case.friction:
-        case config.StaticDynamic(static=mu_s, dynamic=mu_d, static_speed=v_s, dynamic_speed=v_d):
-            return frictions.StaticDynamic(mu_s, mu_d, v_s, v_d)
-        case config.Traction(a=a, b=b, c=c, d=d):
-            return frictions.Traction(a, b, c, d)
-    return frictions.Frictionless()
+    """Friction between rollers and races: ``build(section)`` of the catalogue's law."""
+    section: Any = case.friction
+    return code(LAWS["friction"][section.law].build)(section) if section else Frictionless()
+
+
+def static_dynamic(section: Any) -> StaticDynamic:
+    """The static-dynamic curve."""
+    return StaticDynamic(section.static, section.dynamic, section.static_speed, section.dynamic_speed)
+
+
+def traction(section: Any) -> Traction:
+    """The traction curve."""
+    return Traction(section.a, section.b, section.c, section.d)
+
+
+def frictionless(section: Any) -> Frictionless:
+    """No friction."""
+    return Frictionless()
 
 
 def cage_mass(case: Case) -> float:
@@ -60,9 +74,7 @@ def cage(case: Case) -> Any:
     if c.motion == "kinematic":
         return cages.KinematicCage()
     m, law = cage_mass(case), HuntCrossley(Linear(c.pocket_stiffness), c.pocket_damping)
-    rubbing = frictions.StaticDynamic(
-        c.friction.static, c.friction.dynamic, c.friction.static_speed, c.friction.dynamic_speed
-    )
+    rubbing = static_dynamic(c.friction)
     return cages.FreeCage(
         m=float(m),
         inertia=float(m * (case.bearing.pitch_diameter / 2.0) ** 2),

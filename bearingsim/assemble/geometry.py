@@ -2,12 +2,10 @@
 
 from math import pi
 
+from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.core.geometry.kinematics import ball_spin_frequency, cage_speed
 from bearingsim.core.parameters import Bearing
-
-MASSLESS = ("impulse", "static", "ring")
-"""Models whose rollers have no inertia."""
 
 
 def outer_radius(case: Case) -> float:
@@ -48,8 +46,8 @@ def bearing(case: Case) -> Bearing:
         R_o=outer_radius(case),
         R_i=inner_radius(case),
         gap=case.clearance / 4.0,
-        m_r=0.0 if case.model in MASSLESS else b.element_mass,
-        I_r=0.0 if case.model in MASSLESS else roller_inertia(case),
+        m_r=b.element_mass if MODELS[case.model].has_inertia else 0.0,
+        I_r=roller_inertia(case) if MODELS[case.model].has_inertia else 0.0,
         m_o=float(ring_mass(case)),
         omega_i=case.speed,
         omega_c=cage_speed(case.speed, b.roller_diameter, b.pitch_diameter),

@@ -8,7 +8,8 @@ import numpy as np
 from bearingsim.assemble import contacts, geometry, pits
 from bearingsim.assemble.rest import healthy_rest
 from bearingsim.config import Case
-from bearingsim.core.laws.stiffness import EXPONENT, exponent
+from bearingsim.core.laws.stiffness.series import as_power
+from bearingsim.core.laws.stiffness.ten_ninths import EXPONENT
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.parameters import Support
 from bearingsim.core.pits.impulse_train import LoadZone, random_train, train
@@ -63,4 +64,4 @@ def load_zone(case: Case, K_x: float, K_y: float) -> LoadZone:
 
 def _exponent(law: Any) -> float:
     """The exponent of a law; of one that is no power of the approach, a line contact's."""
-    return float(exponent(law)) if type(law) in exponent.types else EXPONENT
+    return float(as_power(law)[1] or EXPONENT)

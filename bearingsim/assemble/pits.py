@@ -11,20 +11,18 @@ from bearingsim import config
 from bearingsim.assemble.contacts import point_contact
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.assemble.rest import largest_load
+from bearingsim.catalogue import SHAPES, code
 from bearingsim.config import Case
 from bearingsim.config.scan.repair import REMEMBERED, read_scan
 from bearingsim.config.sections.defect import EDGE_RADIUS, SIMPLE
 from bearingsim.core.pits import excitations as felt
+from bearingsim.core.pits.closed_forms import groups_of, slices_of
 from bearingsim.core.pits.depth import (
-    Circular,
     Eased,
-    Elliptical,
     Merged,
     Mirrored,
     Placed,
-    Rectangular,
     Scanned,
-    Triangular,
     extent,
 )
 from bearingsim.core.pits.edge_contact import EdgeContact, edge_contact
@@ -36,11 +34,9 @@ from bearingsim.core.pits.pairs import (
     OUTER,
     Meeting,
     Pits,
-    groups_of,
     inner_reduced_radius,
     outer_reduced_radius,
     pits,
-    slices_of,
 )
 from bearingsim.core.pits.spall import Spall
 from bearingsim.core.pits.traced import across, burr, grouped, sharpest_cusp, sliced, span_of, traced_pits
@@ -56,13 +52,6 @@ EXCITATIONS: dict[str, Any] = {
     "impulse-train": felt.Envelope(),
     "random-impulses": felt.Envelope(),
 }
-SHAPES: dict[str, Any] = {
-    "rectangular": Rectangular,
-    "triangular": Triangular,
-    "circular": Circular,
-    "elliptical": Elliptical,
-}
-
 
 Places = Sequence[float] | np.ndarray
 """Middles of slices along a roller, m."""
@@ -143,14 +132,21 @@ def contact_length(case: Case, side: int) -> float:
 
 def depth_map(d: config.Defect) -> Any:
     """A defect's depth map around its own middle."""
-    if d.shape == "spall":
-        pit: Any = Spall(d.length, d.width, d.depth, float(d.grown or 0.0), int(d.seed or 0))
-        pit = Mirrored(pit) if d.race == "inner" else pit  # rollers fall back behind it: they come from +s
-    elif d.shape == "scan":
-        return scanned(str(d.file), str(d.digest))
-    else:
-        pit = SHAPES[d.shape](d.length, d.width, d.depth)
+    shape = SHAPES[d.shape]
+    made = code(shape.build)
+    pit = made(d) if shape.of_section else made(d.length, d.width, d.depth)
     return pit if d.edge is None else Eased(pit, d.edge.radius or 0.0, d.edge.ramp or 0.0)
+
+
+def spall(d: config.Defect) -> Any:
+    """A spall; rollers of an inner race come from +s, so that it falls back behind them."""
+    pit = Spall(d.length, d.width, d.depth, float(d.grown or 0.0), int(d.seed or 0))
+    return Mirrored(pit) if d.race == "inner" else pit
+
+
+def scan(d: config.Defect) -> Scanned:
+    """A measured depth map."""
+    return scanned(str(d.file), str(d.digest))
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -272,12 +268,9 @@ def _narrower(d: config.Defect) -> str:
 def cut(case: Case, d: config.Defect, side: int, zetas: Places | None) -> list:
     """The groups along the contact that a pit with a closed form is cut into, or those of given slices."""
     L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
-    chosen = excitation(case)
-    if zetas is None:
-        rows = groups_of(d.shape, d.length, d.width, d.depth, L_w, R, nodes, d.offset)
-    else:
-        rows = slices_of(d.shape, d.length, d.width, d.depth, R, zetas, d.offset)
-    found = felt.groups(chosen, d.shape, rows, R)
+    pit = code(SHAPES[d.shape].build)(d.length, d.width, d.depth)
+    rows = groups_of(pit, L_w, R, nodes, d.offset) if zetas is None else slices_of(pit, R, zetas, d.offset)
+    found = felt.groups(excitation(case), pit, rows, R)
     if zetas is not None and len(found) != len(zetas):
         raise Refused(f"`{case.excitation}` has no form for slices", "take `excitation: envelope`")
     return found

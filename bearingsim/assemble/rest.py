@@ -6,7 +6,7 @@ from typing import Any
 from bearingsim.assemble import contacts, geometry
 from bearingsim.config import Case
 from bearingsim.core.geometry.slices import WEIGHT
-from bearingsim.core.laws.damping import Undamped
+from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.layout import buffer
 from bearingsim.core.models.equilibrium import Rest, mean_rest
 from bearingsim.core.models.spatial import Spatial

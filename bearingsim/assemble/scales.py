@@ -8,14 +8,12 @@ from typing import Any
 
 from bearingsim.assemble import contacts, geometry, rest
 from bearingsim.config import Case
-from bearingsim.core.laws.damping import damping_slope, normal_force, stiffness_slope
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.methods.interface import Tolerances
 from bearingsim.core.pits.excitations import LEAPS
 from bearingsim.core.pits.pairs import DEPTH, REDUCED, SPAN, USED, X_E, B, sliding
 
 FEWEST_PER_CROSSING = 8  # steps; with fewer a method does not see a pit
-TOLERANCE = {"dop853": 1e-4, "dormand-prince": 1e-4, "rodas": 1e-4, "backward-euler": 1e-5}
-"""Of each adaptive method, if not given: docs/methods.md."""
 DASHPOT = 1e-3  # of the force: what an error in velocity may change at a contact's damper
 
 
@@ -72,7 +70,7 @@ def damping_ratio(case: Case, load: float) -> float:
     deep = [approach(law, force) for law, force in zip(laws, (load, inwards), strict=True)]
     C, K = (
         sum(slope(law, at, 0.0) for law, at in zip(laws, deep, strict=True))
-        for slope in (damping_slope, stiffness_slope)
+        for slope in (damping_bound, stiffness_bound)
     )
     return float(C / (2.0 * sqrt(K * b.m_r)))
 
@@ -100,7 +98,7 @@ def tolerances(case: Case, model: Any, fastest: Any, h: float, tolerance: float)
     F = rest.largest_load(case)
     laws = (contacts.outer(case), contacts.inner(case))
     delta = max(approach(law, F) for law in laws)
-    c = max(damping_slope(law, approach(law, F), 0.0) for law in laws)
+    c = max(damping_bound(law, approach(law, F), 0.0) for law in laws)
     speed = max(closing_speed(model), model.bearing.Z * model.bearing.omega_c * delta)
     atol_v = min(tolerance * speed, DASHPOT * F / c if c > 0.0 else inf)
     longest = min(crossing_time(fastest), ball_pass(fastest)) / FEWEST_PER_CROSSING

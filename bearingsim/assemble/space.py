@@ -5,12 +5,13 @@ from typing import Any
 
 from bearingsim import config
 from bearingsim.assemble import free, geometry
+from bearingsim.assemble.contacts import roller_length
+from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
-from bearingsim.config.rules import hierarchy
 from bearingsim.config.rules.slicing import slice_ends
 from bearingsim.core.geometry import slices as cut
-from bearingsim.core.laws.damping import HuntCrossley
-from bearingsim.core.laws.stiffness import Linear
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.parts import flanges as shoulders
 from bearingsim.core.parts.cage import KinematicCage
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
@@ -38,14 +39,9 @@ def drop(case: Case, z: float) -> float:
 
 def uneven(case: Case) -> bool:
     """Whether rollers of the healthy bearing are loaded unevenly along their length."""
-    return case.model in hierarchy.SLICED and (
+    return MODELS[case.model].sliced and (
         case.misalignment is not None or case.bearing.roller_profile.shape != "straight"
     )
-
-
-def roller_length(case: Case) -> float:
-    """Length (m) of a roller."""
-    return float(case.bearing.roller_length or 0.0)
 
 
 def roller_inertia_across(case: Case) -> float:

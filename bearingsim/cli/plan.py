@@ -10,8 +10,9 @@ from bearingsim.cli.screen import console, print_table, significant
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
-    from bearingsim.simulation.choose import Choice, Estimate
+    from bearingsim.simulation.choice import Choice
     from bearingsim.simulation.limits import Limits
+    from bearingsim.simulation.time_grid import Estimate
     from bearingsim.study import Job, Study
 
 __all__ = ["Plan", "as_json", "plan_of", "show"]
@@ -96,12 +97,12 @@ def plan_of(study: "Study", workers: int | None) -> Plan:
 
 
 def _priced(job: "Job") -> Priced:
-    from bearingsim.simulation import choose
+    from bearingsim.simulation import choice, time_grid
 
     case = job.case
-    cut, limits = choose.grid(case), choose.limits(case)
-    price, rubs = choose.estimate(case), rubbing(case, limits.rest_load)
-    return Priced(job, choose.choice(case), cut.step, limits, price, rubs)
+    cut, limits = time_grid.grid(case), choice.limits(case)
+    price, rubs = time_grid.estimate(case), rubbing(case, limits.rest_load)
+    return Priced(job, choice.choice(case), cut.step, limits, price, rubs)
 
 
 def rubbing(case: "Case", force: float) -> tuple[float, float]:
@@ -111,7 +112,7 @@ def rubbing(case: "Case", force: float) -> tuple[float, float]:
     steepest slope of the friction's curve.
     """
     from bearingsim import assemble
-    from bearingsim.core.laws.friction import steepest
+    from bearingsim.core.laws.friction.interface import steepest
 
     if case.friction is None:
         return math.nan, math.inf
@@ -124,7 +125,7 @@ def rubbing(case: "Case", force: float) -> tuple[float, float]:
 
 def most_friction(law: Any, u: float) -> float:
     """The largest friction coefficient of a law at the rolling speed ``u`` (m/s), within 1 %."""
-    from bearingsim.core.laws.friction import mu
+    from bearingsim.core.laws.friction.interface import mu
 
     return max(float(mu(law, u * 10.0 ** (n / SLIPS_PER_DECADE), u)) for n in range(-4 * SLIPS_PER_DECADE, 1))
 
@@ -187,7 +188,7 @@ def show(plan: Plan, verbose: bool) -> None:
     rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
     print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
-    for told in [*choices(plan), *methods(plan), *creeping(plan), *notes(study.cases())]:
+    for told in [*choices(plan), *methods(plan), *creeping(plan), *study.notes, *notes(study.cases())]:
         out.print(told, markup=False)
     if verbose:
         _show_cases(plan)
@@ -198,9 +199,10 @@ def show(plan: Plan, verbose: bool) -> None:
 
 def takes_own_steps(priced: Priced) -> bool:
     """Whether the job's method chooses its steps itself."""
-    from bearingsim.config.rules.hierarchy import ADAPTIVE
+    from bearingsim.catalogue import METHODS
 
-    return priced.choice.method in ADAPTIVE
+    method = priced.choice.method
+    return method is not None and METHODS[method].adaptive
 
 
 def _lines(plan: Plan) -> tuple[Line, ...]:
@@ -214,11 +216,12 @@ def _lines(plan: Plan) -> tuple[Line, ...]:
 
 def choices(plan: Plan) -> list[str]:
     """What `model: least` has chosen, and why no lower model will do: a text for each choice."""
+    from bearingsim.catalogue import LEAST
     from bearingsim.config.rules import hierarchy
 
     asked = _written_model(plan.study)
     found: dict[str, int] = {}
-    for case in (one.job.case for one in plan.cases if one.job.swept.get("model", asked) == "least"):
+    for case in (one.job.case for one in plan.cases if one.job.swept.get("model", asked) == LEAST):
         why = "; ".join(hierarchy.reasons(case)) or "nothing asks for more"
         text = f"`{case.model}` is the least model: {why}"
         found[text] = found.get(text, 0) + 1
@@ -238,7 +241,7 @@ def methods(plan: Plan) -> list[str]:
     ]
     proven = [one.job.case.proven for one in plan.everything]
     if any(proven):
-        whole = all(one.job.case.prove == "strict" for one in plan.everything if one.job.case.proven)
+        whole = all(one.job.case.step_check == "strict" for one in plan.everything if one.job.case.proven)
         where = "all of its run" if whole else "its run's beginning"
         told.append(f"each step is proven on {where}: half of it may change line and RMS by 0.5 %")
     return told
@@ -331,7 +334,7 @@ def as_json(plan: Plan) -> str:
         "bytes": plan.bytes,
         "refused_jobs": len(plan.refusals),
         "refused": list(plan.refused),
-        "notes": notes(plan.study.cases()),
+        "notes": [*plan.study.notes, *notes(plan.study.cases())],
         "jobs": [_job_entry(priced) for priced in plan.everything],
     }
     return json.dumps(found, indent=1)

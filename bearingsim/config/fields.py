@@ -168,29 +168,6 @@ def unless_none(given: Any) -> Any:
     return None if given == "none" else given
 
 
-@dataclass(frozen=True)
-class Laws:
-    """Sections of which a field holds one, told apart by their `law`; a bare word is a law with its defaults.
-
-    `words` are the laws that may be given as a bare word.
-    """
-
-    sections: dict[str, type[Section]]
-    default: str
-    words: tuple[str, ...]
-
-    def tag(self, given: Any) -> Any:
-        """The law of what is given; a mapping without `law` is the default law's."""
-        return given.get("law", self.default) if isinstance(given, dict) else getattr(given, "law", None)
-
-    def spelled(self, given: Any) -> Any:
-        """A word as a mapping; refuses what is no law."""
-        found = {"law": given} if isinstance(given, str) else given
-        if self.tag(found) not in self.sections:
-            raise_unknown_word(self.tag(found), tuple(self.sections))
-        return found
-
-
 def whole(least: int, most: int) -> BeforeValidator:
     """Validator of a whole number between two bounds."""
 

@@ -4,6 +4,8 @@ import re
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from bearingsim import catalogue
+
 
 class Channel(NamedTuple):
     """A recorded quantity: its components (an empty one has no suffix), SI unit and axis label."""
@@ -180,6 +182,7 @@ def _features() -> dict[str, Feature]:
         "step_error.rms": Feature("", "relative change of the RMS with half the step"),
         "chaotic": Feature("", "whether the motion is chaotic (1) or not (0)"),
         "rms_scatter": Feature("", "by how much chaos alone lets the RMS of such a record change"),
+        **{name: Feature(one.unit, one.long_name) for name, one in catalogue.FEATURES.items()},
     }
 
 

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.crossings import spot
 from bearingsim.core.jit import add, jit
 from bearingsim.core.layout import (
     ACCELERATION,
@@ -34,6 +33,7 @@ from bearingsim.core.methods.interface import load_number, prepare, step
 from bearingsim.core.models.interface import begin, damping_per_mass, keep_extremes, stiffness_per_mass, watched
 from bearingsim.core.outcomes import FINE, NOBODY, NOT_FINITE, OUTRUN, TOO_DEEP, TOO_LIVELY
 from bearingsim.core.parameters import lanes
+from bearingsim.core.pits.crossings import spot
 
 RING = tuple(block + axis for block in (POSITION, VELOCITY, ACCELERATION) for axis in (X, Y))
 """Places in the buffer of what every recording begins with: the ring's displacement, velocity, acceleration."""

@@ -1,15 +1,18 @@
 """How the core is compiled: the one place that decides it.
 
-Three words are used everywhere else:
+Four words are used everywhere else:
 
 ``jit``      compiles a function (cached on disk).
 ``generic``  one name, one implementation per parameter type; the choice is made when the caller is compiled,
              so what is not chosen is not there. Called from Python it dispatches like ``singledispatch``.
+``absent``   a type that stands for nothing (no drag, no flange): it needs no implementation of a generic that says
+             what nothing does. Any other type that lacks one is refused by name.
 ``add``      an addition whose order the compiler may change: it lets a sum over rollers use vector lanes, while
              every other operation keeps its IEEE meaning (full ``fastmath`` makes ``isfinite(nan)`` true).
 
-The cache folder is named by a digest of the core's sources, because numba looks only at the file of the
-function itself and would serve stale code after a change in a callee.
+The cache folder is named by a digest of the sources of the core and of the packages that extend it, because numba
+looks only at the file of the function itself and would serve stale code after a change in a callee. (That is all
+that the core asks of the catalogue.)
 """
 
 import hashlib
@@ -17,24 +20,29 @@ import os
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numba
 from filelock import FileLock
 from numba.core import config
 from numba.extending import overload
 
+from bearingsim.catalogue import extension_sources
+
 numba_config: Any = config  # its names are made at run time
 
 CORE = Path(__file__).parent
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
+GENERICS: list[Any] = []
+"""All that ``generic`` has made, in the order of import."""
 
 
 def source_digest() -> str:
-    """First 12 hex digits of SHA-256 over the core's sources and numba's version."""
+    """First 12 hex digits of SHA-256 over numba's version, the core's sources, and those of extensions."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(CORE.rglob("*.py")):
+    for source in (*sorted(CORE.rglob("*.py")), *extension_sources()):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:12]
 
@@ -102,19 +110,63 @@ def kept_safely(dispatcher: Any) -> Any:
     return dispatcher
 
 
-def generic(declaration: Callable) -> Any:
+ABSENT: set[type] = set()
+REFUSED = object()
+Parameters = TypeVar("Parameters", bound=type)
+
+
+def absent(parameters: Parameters) -> Parameters:
+    """Declare a type that stands for nothing."""
+    ABSENT.add(parameters)
+    return parameters
+
+
+def constant(value: Any, name: str) -> Callable:
+    """An implementation of ``name`` that gives ``value``, whatever the arguments."""
+
+    def given(*arguments: Any) -> Any:
+        return value
+
+    given.__qualname__ = f"{name}.constant"  # compiled functions are told apart by it
+    return given
+
+
+def generic(declaration: Callable | None = None, *, absent: Any = REFUSED, otherwise: Any = REFUSED) -> Any:
     """Turn ``declaration`` into a function chosen by the type of its first argument.
 
     The declaration's body is never run; it carries the name, the arguments and the docstring. Implementations
     are added with ``@name.register(ParameterType)`` where ``ParameterType`` is a ``NamedTuple`` class.
+
+    absent, otherwise: a value or an implementation; the first for types declared ``absent``, the second for all
+    that have no implementation of their own. Without them such a type is refused; ``name.serves(type)`` tells.
     """
+    if declaration is None:
+        return partial(generic, absent=absent, otherwise=otherwise)
+    name = declaration.__name__
     implementations: dict[type, Callable] = {}
 
-    def dispatch(*arguments: Any) -> Any:
-        return implementations[type(arguments[0])](*arguments)
+    def fallback(kind: type) -> Any:
+        return absent if kind in ABSENT and absent is not REFUSED else otherwise
 
-    def choose(first: Any, *rest: Any) -> Callable | None:
-        return implementations.get(getattr(first, "instance_class", None))  # type: ignore[arg-type]
+    def serves(kind: type) -> bool:
+        return kind in implementations or fallback(kind) is not REFUSED
+
+    def implementation(kind: type) -> Callable:
+        if kind in implementations:
+            return implementations[kind]
+        given = fallback(kind)
+        if given is REFUSED:
+            raise TypeError(f"`{name}` is not registered for {kind.__name__}: @{name}.register({kind.__name__})")
+        return given if callable(given) else constant(given, name)
+
+    def dispatch(*arguments: Any) -> Any:
+        return implementation(type(arguments[0]))(*arguments)
+
+    def choose(first: Any, *rest: Any) -> Callable:
+        try:
+            return implementation(getattr(first, "instance_class", type(first)))
+        except TypeError as error:
+            raise numba.TypingError(str(error)) from None
 
     def register(parameters: type) -> Callable:
         def keep(implementation: Callable) -> Callable:
@@ -129,7 +181,9 @@ def generic(declaration: Callable) -> Any:
     dispatch.__module__ = declaration.__module__
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
+    dispatch.serves = serves  # type: ignore[attr-defined]
     overload(dispatch, jit_options=OPTIONS, strict=False)(choose)
+    GENERICS.append(dispatch)
     return dispatch
 
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from bearingsim.catalogue import MODELS
 from bearingsim.config.names import Line
-from bearingsim.config.rules.hierarchy import FREE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -66,7 +66,8 @@ def fitting(known: "pd.DataFrame") -> list[str]:
 
 def may_slip(known: "pd.DataFrame") -> bool:
     """Whether the cage of some of the jobs can slip."""
-    return "model" in known and bool(known["model"].isin(FREE).any())
+    free = [model.name for model in MODELS.values() if model.slips]
+    return "model" in known and bool(known["model"].isin(free).any())
 
 
 def frequency(line: Line, known: Mapping[Any, Any]) -> float:

@@ -94,7 +94,7 @@ def pits_of(case: "Case") -> Iterator[Pit]:
 
 def ends_of_slices(case: "Case") -> Reals:
     """Where the slices of the case's rollers end (m, from the middle); empty for a model without slices."""
-    from bearingsim.config.rules.hierarchy import SLICED
+    from bearingsim.catalogue import MODELS
     from bearingsim.config.rules.slicing import slice_ends
 
-    return np.asarray(slice_ends(case) if case.model in SLICED else ())
+    return np.asarray(slice_ends(case) if MODELS[case.model].sliced else ())

@@ -49,7 +49,7 @@ def run(
     name = f"{study.name}-quick" if study.quick else study.name
     root = Path(out if out is not None else Path("results") / name).resolve()
     every = study.jobs()
-    told = load(engine.notes)([job.case for job in every])  # now: files that it reads may go meanwhile
+    told = [*study.notes, *load(engine.notes)([job.case for job in every])]  # now: files that it reads may go
     workers, ours = _workers(jobs), shard_of(every, shard)
     _prepare(root, fresh, shard)
     store.keep_scans(root, [job.case for job in every])

@@ -34,7 +34,7 @@ class Engine:
     """
 
     simulate: str = "bearingsim.simulation:simulate"
-    estimate: str = "bearingsim.simulation.choose:estimate"
+    estimate: str = "bearingsim.simulation.time_grid:estimate"
     warm: str = "bearingsim.simulation:warm"
     notes: str = "bearingsim.config.scan.repair:notes"
 

@@ -6,13 +6,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim import assemble, signals
+from bearingsim import signals
+from bearingsim.catalogue import FEATURES, MODELS, code
 from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
 from bearingsim.core.geometry.motion import elapsed_times, speed_factor
 from bearingsim.core.layout import LINE_MAX, LOADED, Q_I_MAX, Q_MAX, Q_P_MAX, TILT_MAX
 from bearingsim.simulation.channels import BASE, MOTION, PLACES, SPEED_OF_CAGE, TURN_OF_CAGE
-from bearingsim.simulation.choose import Grid
+from bearingsim.simulation.time_grid import Grid
 
 FEWEST_PASSES = 3
 """Ball passes that a record must hold for lines to be read against a free cage: interpolation takes its ends."""
@@ -68,6 +69,11 @@ def features(case: Case, model: Any, cut: Grid, tape: Tape, sampled: np.ndarray)
     }
 
 
+def of_extensions(case: Case, time: np.ndarray, series: dict[str, np.ndarray]) -> dict[str, float]:
+    """Features that other packages read from the record: ``time`` (n,) in s, ``series`` (n,) by name, in SI."""
+    return {name: float(code(one.compute)(case, time, series)) for name, one in FEATURES.items()}
+
+
 def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
     """A quantity of the ring in the direction the sensor looks."""
     x, y = (rows[ROW_OF[PLACES[name]]] for name in dataset_names(f"ring.{quantity}"))
@@ -99,7 +105,7 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
     angle = Z * model.bearing.theta_0
     slip = whole[ROW_OF[TURN_OF_CAGE]]
     rate: Any = cut.rate
-    if assemble.kind(case).slips:  # its passes take what time they take
+    if MODELS[case.model].slips:  # its passes take what time they take
         ball_pass = Z * turns(model, cut, start, slip).cage - angle
         if ball_pass[-1] - ball_pass[0] < 2.0 * pi * FEWEST_PASSES or np.any(np.diff(ball_pass) <= 0.0):
             return dict.fromkeys(_ball_pass_names(), float("nan"))
@@ -116,7 +122,7 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, 
         by_pass["velocity"], velocity[::M], rate, HARMONICS, angle + 2.0 * pi * (start % M) / M
     )
     found = {}
-    beside = assemble.kind(case).slips or any(defect.race != "outer" for defect in case.defects)
+    beside = MODELS[case.model].slips or any(defect.race != "outer" for defect in case.defects)
     for quantity, lines in by_pass.items():
         for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
@@ -163,9 +169,9 @@ def statistics(case: Case, cut: Grid, sampled: np.ndarray) -> dict[str, float]:
 
 def extremes(case: Case, model: Any, y: np.ndarray) -> dict[str, float]:
     """Largest force (N), tilt (rad), line load (N/m) that any roller met; nan for what the model does not know."""
-    rows = {"outer_force.max": Q_MAX, "inner_force.max": Q_I_MAX} if assemble.kind(case).loaded else {}
-    rows |= {"cage_force.max": Q_P_MAX} if assemble.kind(case).slips else {}
-    rows |= {"tilt.max": TILT_MAX, "line_load.max": LINE_MAX} if assemble.kind(case).sliced else {}
+    rows = {"outer_force.max": Q_MAX, "inner_force.max": Q_I_MAX} if MODELS[case.model].loaded else {}
+    rows |= {"cage_force.max": Q_P_MAX} if MODELS[case.model].slips else {}
+    rows |= {"tilt.max": TILT_MAX, "line_load.max": LINE_MAX} if MODELS[case.model].sliced else {}
     found = {name: float(y[row : row + model.bearing.Z].max()) for name, row in rows.items()}
     return dict.fromkeys(EXTREMES, float("nan")) | found
 
@@ -175,9 +181,9 @@ def cage_and_load_zone(case: Case, model: Any, sampled: np.ndarray) -> dict[str,
     time = case.settle + np.arange(sampled.shape[1]) / case.sampling
     slip = -sampled[ROW_OF[SPEED_OF_CAGE]] / (model.bearing.omega_c * speed_factor(model, time))
     extent = float(sampled[ROW_OF[LOADED]].mean()) * 2.0 * pi / model.bearing.Z
-    kind = assemble.kind(case)
+    known = MODELS[case.model]
     return {
-        "load_zone.extent": extent if kind.loaded else float("nan"),
-        "cage.slip.mean": float(slip.mean()) if kind.slips else float("nan"),
-        "cage.slip.std": float(slip.std()) if kind.slips else float("nan"),
+        "load_zone.extent": extent if known.loaded else float("nan"),
+        "cage.slip.mean": float(slip.mean()) if known.slips else float("nan"),
+        "cage.slip.std": float(slip.std()) if known.slips else float("nan"),
     }

@@ -12,16 +12,17 @@ from typing import Any
 import numpy as np
 
 from bearingsim import assemble
+from bearingsim.catalogue import MODELS, lowest
 from bearingsim.config import Case
 from bearingsim.config.rules import hierarchy
 from bearingsim.core import outcomes
 from bearingsim.core.advance import Watch, advance, ready, start_at_rest
-from bearingsim.core.crossings import missed, turned
 from bearingsim.core.layout import LINE_MAX, MAX_ROLLERS, POSITION, Q_I_MAX, Q_MAX, Q_P_MAX, TILT_MAX, X
 from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import keep_extremes, watched
+from bearingsim.core.pits.crossings import missed, turned
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH, decimate, decimation_kernel, pick
-from bearingsim.simulation import channels, choose
+from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.channels import BASE
 from bearingsim.simulation.features import Tape
 from bearingsim.simulation.limits import MOVED, PRESSED, Limits
@@ -67,7 +68,7 @@ class Setup:
 
     case: Case
     part: float
-    cut: choose.Grid
+    cut: time_grid.Grid
     limits: Limits
     model: Any
     method: Any
@@ -77,11 +78,11 @@ class Setup:
 
 def set_up(case: Case, part: float = 1.0, most_cpu: float | None = None) -> Setup:
     """Ready a case whose method is named; it may take ``most_cpu`` (s). Raises ``Refused``."""
-    cut, found = choose.grid(case, part, most_cpu or 0.0), choose.limits(case)
+    cut, found = time_grid.grid(case, part, most_cpu or 0.0), choice.limits(case)
     kind = assemble.method_kind(case)
     lag = kind.lag * cut.step
     model = assemble.relaxed(assemble.model(case), lag)
-    if not kind.adaptive:
+    if not assemble.adaptive(case):
         model = assemble.in_step(model, cut.steps_per_pass, kind.cusp)
     return Setup(
         case,
@@ -91,11 +92,11 @@ def set_up(case: Case, part: float = 1.0, most_cpu: float | None = None) -> Setu
         model,
         assemble.method(case, cut.step, part),
         watch_of(cut, found),
-        most_cpu or choose.MOST_CPU,
+        most_cpu or time_grid.MOST_CPU,
     )
 
 
-def watch_of(cut: choose.Grid, found: Limits) -> Watch:
+def watch_of(cut: time_grid.Grid, found: Limits) -> Watch:
     """Look twice within an impact (half a period of the roller between its contacts), and as a pit is crossed."""
     patience = 0.5 / found.contact_frequency if found.contact_frequency > 0.0 else 1.0
     stride = int(min(patience, found.crossing / 2.0) / (2.0 * cut.step))
@@ -114,13 +115,13 @@ def integrate(setup: Setup, nudge: float = 0.0) -> Tape:
     lead = ceil(RESAMPLE_REACH * cut.fine_rate / case.sampling) + 1  # before t = 0 everything stood still
     fine = np.empty((len(places), lead + cut.passes * M))
     fine[:, :lead] = y[places][:, np.newaxis]
-    picked = np.empty((len(places), 0 if case.antialias else choose.samples(case)))
+    picked = np.empty((len(places), 0 if case.antialias else time_grid.samples(case)))
     clock = [0.0]
     for p, window in enumerate(_ball_passes(setup, y, places, clock)):
         decimate(window, taps, D, fine[:, lead + p * M : lead + (p + 1) * M])
         _pick_pass(case, cut, p, window, picked)
     zero = lead + DECIMATION_REACH - 1
-    if assemble.kind(case).memoryless:  # never at rest: it repeats itself before t = 0 too
+    if MODELS[case.model].memoryless:  # never at rest: it repeats itself before t = 0 too
         fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % M]
     return Tape(places, fine, zero, picked, y, clock[0])
 
@@ -151,21 +152,21 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
     case, cut, model = setup.case, setup.cut, setup.model
     counted, before = _passes_of_record(case, cut), _turns_of_pits(setup, 0.0, y)
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
-    rows = (Q_MAX, Q_I_MAX, Q_P_MAX, *((TILT_MAX, LINE_MAX) if assemble.kind(case).sliced else ()))
+    rows = (Q_MAX, Q_I_MAX, Q_P_MAX, *((TILT_MAX, LINE_MAX) if MODELS[case.model].sliced else ()))
     largest = np.concatenate([np.arange(row, row + MAX_ROLLERS) for row in rows])
     kept = y[largest]
     window = np.empty((len(places), tail + steps))
     window[:] = y[places][:, np.newaxis]
     _load(setup, y, places)
-    if assemble.kind(case).memoryless:  # it was never at rest: what was before t = 0 is known
+    if MODELS[case.model].memoryless:  # it was never at rest: what was before t = 0 is known
         advance(setup.method, model, setup.watch, -tail, y, places, window[:, steps:])
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
-        if p == 0 or not choose.repeats(case):
+        if p == 0 or not time_grid.repeats(case):
             if p == counted.start:
                 y[largest] = 0.0
             _take(setup, p * steps, y, places, window[:, tail:], clock)
-        if assemble.method_kind(case).adaptive:
+        if assemble.adaptive(case):
             differentiate(window, tail, cut.step)
         if p == counted.stop - 1:
             kept = y[largest].copy()
@@ -230,12 +231,12 @@ def differentiate(window: np.ndarray, first: int, h: float) -> None:
 
 def _turns_of_pits(setup: Setup, t: float, y: np.ndarray) -> list[float]:
     """How far each meeting has turned at time ``t`` (s); none of a model without any, or that repeats itself."""
-    if not assemble.kind(setup.case).loaded or assemble.kind(setup.case).memoryless:
+    if not MODELS[setup.case.model].loaded or MODELS[setup.case.model].memoryless:
         return []
     return [turned(setup.model, d, t, y) for d in range(len(setup.model.pits.head))]
 
 
-def _passes_of_record(case: Case, cut: choose.Grid) -> range:
+def _passes_of_record(case: Case, cut: time_grid.Grid) -> range:
     """The ball passes, counted from t = 0, that lie wholly in the record; the first it touches if none does."""
     first = ceil(case.settle * cut.rate - 1e-6)
     return range(first, max(first + 1, floor((case.settle + case.duration) * cut.rate + 1e-6)))
@@ -270,7 +271,7 @@ def stopped(setup: Setup, outcome: int, body: int, t: float) -> Unsound:
         MOVED=MOVED,
     )
     kind = TooSlow if outcome == outcomes.TOO_SLOW else Unsound
-    others = choose.alternatives(setup.case)
+    others = choice.alternatives(setup.case)
     instead = f", or `method: {others[0]}`" if others and not lacks_mass(setup, outcome) else ""
     return kind(f"{told}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t, instead)
 
@@ -278,16 +279,16 @@ def stopped(setup: Setup, outcome: int, body: int, t: float) -> Unsound:
 def lacks_mass(setup: Setup, outcome: int) -> bool:
     """Whether a method has stuck where only rollers with mass would let it go on."""
     stuck = outcome in (outcomes.STEP_FLOOR, outcomes.NEWTON_STALLED, outcomes.STALLED)
-    return stuck and setup.case.model == "ring" and hierarchy.jumps(setup.case)
+    return stuck and not MODELS[setup.case.model].has_inertia and setup.case.contact.jumps
 
 
 def advice(setup: Setup, outcome: int) -> str:
     """Which step, tolerance or model would do."""
-    adaptive = assemble.method_kind(setup.case).adaptive
+    adaptive = assemble.adaptive(setup.case)
     if outcome == outcomes.TOO_SLOW:
         return "take a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
     if lacks_mass(setup, outcome):
-        return f"say `model: rollers`: {hierarchy.MASSLESS}"
+        return f"say `model: {lowest('inertia of rollers')}`: {hierarchy.MASSLESS}"
     if not adaptive:
         return f"take a step under {1e6 * setup.cut.step / 2:.2g} us"
     loose = outcome in (outcomes.STEP_FLOOR, outcomes.STALLED)
@@ -299,7 +300,7 @@ def name_of(model: Any, body: int) -> str:
     return f"roller {body + 1}" if watched(model) > 1 and body >= 0 else "the ring"
 
 
-def _pick_pass(case: Case, cut: choose.Grid, p: int, window: np.ndarray, picked: np.ndarray) -> None:
+def _pick_pass(case: Case, cut: time_grid.Grid, p: int, window: np.ndarray, picked: np.ndarray) -> None:
     """Fill in the raw values whose instants lie in ball pass ``p`` (start excluded, end included)."""
     steps, tail = cut.steps_per_pass, window.shape[1] - cut.steps_per_pass
     ratio = 1.0 / (case.sampling * cut.step)  # steps per sample

@@ -12,9 +12,10 @@ from typing import Any
 
 from bearingsim import assemble
 from bearingsim.assemble.scales import approach, at_full_speed, closing_speed, crossing_time, damping_ratio, sag
+from bearingsim.catalogue import METHODS, MODELS, lowest
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.laws.damping import damping_slope, normal_force, stiffness_slope
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.methods.interface import load_number
 from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.pits.excitations import LEAPS
@@ -68,13 +69,13 @@ def _limits(case: Case) -> Limits:
         deepest=inf,
         liveliest=inf,
     )
-    return _with_pits(case, found, K, C) if assemble.kind(case).loaded else found
+    return _with_pits(case, found, K, C) if MODELS[case.model].loaded else found
 
 
 def damping_ratio_at_rest(case: Case) -> float:
     """The largest damping ratio of a body on its contacts under the load at rest, without friction."""
     rest_load, K, C = loads_at_rest(_healthy(case))
-    if assemble.kind(case).slips:
+    if MODELS[case.model].slips:
         return damping_ratio(case, rest_load)
     return C / (2.0 * sqrt(K)) if K > 0.0 else 0.0
 
@@ -135,7 +136,7 @@ def unbalance_speed(case: Case) -> float:
 def _healthy(case: Case) -> Case:
     """The case without what does not touch its load at rest; what is struck stands as a ring does."""
     same = assemble.healthy(case)
-    return same if assemble.kind(case).loaded else same.model_copy(update={"model": "ring"})
+    return same if MODELS[case.model].loaded else same.model_copy(update={"model": lowest("forces", "damping")})
 
 
 @lru_cache(maxsize=256)
@@ -167,7 +168,7 @@ def leap(model: Any, law: Any, load: float) -> tuple[float, float, float]:
     outwards = b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
     fall = sqrt(load * approach(law, load) / b.m_r) * flight + 0.5 * outwards * flight * flight
     deep = min(fall, float(pits.groups[:, :, DEPTH].max()))
-    K, C = stiffness_slope(law, deep, 0.0), damping_slope(law, deep, 0.0)
+    K, C = stiffness_bound(law, deep, 0.0), damping_bound(law, deep, 0.0)
     return float(normal_force(law, deep, 0.0)), float(K) / b.m_r, float(C) / b.m_r
 
 
@@ -189,12 +190,12 @@ def _impact(m: float, law: Any, named: str, speed: float) -> tuple[float, float,
     """``impact``, remembered; ``named`` tells laws apart that are equal as tuples."""
     if m == 0.0 or speed == 0.0:
         return 0.0, 0.0, 0.0
-    longest = min(1e-7, 1e-3 * pi * sqrt(m / stiffness_slope(law, 1e-7, 0.0)))
+    longest = min(1e-7, 1e-3 * pi * sqrt(m / stiffness_bound(law, 1e-7, 0.0)))
     delta, v, peak, K, C = TOUCHED, speed, 0.0, 0.0, 0.0
     while v > 0.0:
         peak = max(peak, normal_force(law, delta, v))
-        K = max(K, stiffness_slope(law, delta, v))
-        damping = damping_slope(law, delta, v)
+        K = max(K, stiffness_bound(law, delta, v))
+        damping = damping_bound(law, delta, v)
         C = max(C, damping)
         h = min(longest, RESOLVED * m / damping) if damping > 0.0 else longest
         delta += h * v
@@ -204,14 +205,15 @@ def _impact(m: float, law: Any, named: str, speed: float) -> tuple[float, float,
 
 def step_limit(method: str | None, K: float, C: float) -> float:
     """The step (s) at which a method turns unstable; K (1/s^2) and C (1/s) over a body's mass."""
-    if method is None or assemble.METHODS[method].adaptive or (K == 0.0 and C == 0.0):
+    if method is None or METHODS[method].adaptive or (K == 0.0 and C == 0.0):
         return inf
-    if load_number(assemble.METHODS[method].parameters(1.0), K, C) <= 1.0:
+    method_of = assemble.kind_of_method(method).parameters
+    if load_number(method_of(1.0), K, C) <= 1.0:
         return inf
     low, high = 0.0, 1.0
     while high - low > 1e-6 * high:
         h = 0.5 * (low + high)
-        if load_number(assemble.METHODS[method].parameters(h), K, C) > 1.0:
+        if load_number(method_of(h), K, C) > 1.0:
             high = h
         else:
             low = h

@@ -1,4 +1,4 @@
-"""The part of a case on which its step is proven: its beginning, or with `prove: strict` all (``proof``)."""
+"""The part of a case on which its step is proven: its beginning, or with `step_check: strict` all (``proof``)."""
 
 from math import ceil, pi, sqrt
 
@@ -26,7 +26,7 @@ def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
     case = at_full_speed(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
     whole = case.settle + case.duration
-    settles = case.prove == "strict" or remembers(case)
+    settles = case.step_check == "strict" or remembers(case)
     forgotten = max(FORGOTTEN / rate, case.settle if settles else 0.0)
     wanted = times * max(FEWEST / rate, SHORTEST, compared(case) * whole, turns_of_pits(case))
     counted = max(1, min(ceil(wanted * rate - ROUNDING), int((whole - forgotten) * rate + ROUNDING)))
@@ -42,7 +42,7 @@ def remembers(case: Case) -> bool:
 
 def compared(case: Case) -> float:
     """The part of a run that a pilot is to compare: all of it where strictness is asked for."""
-    return 1.0 if case.prove == "strict" else SHARE
+    return 1.0 if case.step_check == "strict" else SHARE
 
 
 def sees_turns(case: Case, passes: int) -> bool:

@@ -22,7 +22,7 @@ from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.config.names import LINES
 from bearingsim.core.sampling import RESAMPLE_REACH, TABLE, resampling_kernel
-from bearingsim.simulation import choose, features
+from bearingsim.simulation import features, time_grid
 from bearingsim.simulation.integration import Setup, integrate, set_up
 from bearingsim.simulation.pilot import pilot, sees_turns
 
@@ -97,7 +97,7 @@ def prove(case: Case, part: float) -> Proof:
 
 def tried(case: Case, part: float, short: Case, passes: int) -> tuple[Proof, bool]:
     """The proof by one pilot, and whether it is doubtful: its twins part, and nothing says that this is chaos."""
-    allowed = choose.MOST_CPU * length(short) / length(case)
+    allowed = time_grid.MOST_CPU * length(short) / length(case)
     coarse = set_up(short, part, allowed)
     fine = set_up(finer(short), part * shorter(coarse.cut.decimation), MORE * allowed)
     one, other = (velocities(setup, passes, recorded=case.antialias) for setup in (coarse, fine))
@@ -106,7 +106,7 @@ def tried(case: Case, part: float, short: Case, passes: int) -> tuple[Proof, boo
     apart = by_pass(one.fine - later(other.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
     if not apart.max() > APART:
         return found, False
-    adaptive = assemble.method_kind(case).adaptive
+    adaptive = assemble.adaptive(case)
     twin, nudged = (fine, other) if adaptive else (coarse, one)
     third = velocities(twin, passes, recorded=case.antialias, nudge=NUDGE)
     beside = by_pass(nudged.fine - third.fine, passes) / scale

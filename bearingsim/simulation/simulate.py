@@ -13,9 +13,9 @@ from bearingsim.config import Case, Section, dataset_names
 from bearingsim.core.layout import CROSSED, ITERATED, OVERRUN_MAX, REFUSED, TAKEN
 from bearingsim.core.sampling import resample, resampling_kernel
 from bearingsim.errors import Refused
-from bearingsim.simulation import channels, choose, proof
+from bearingsim.simulation import channels, choice, proof, time_grid
 from bearingsim.simulation.channels import BASE, TURN_OF_CAGE
-from bearingsim.simulation.features import Tape, features
+from bearingsim.simulation.features import Tape, features, of_extensions
 from bearingsim.simulation.integration import (
     Setup,
     SimulationError,
@@ -95,9 +95,9 @@ def simulate(case: Case) -> Record:
     raise _all_failed(list(failed.values()))
 
 
-def _attempts(case: Case) -> list[choose.Attempt]:
+def _attempts(case: Case) -> list[choice.Attempt]:
     try:
-        return list(choose.attempts(case))
+        return list(choice.attempts(case))
     except Refused as error:
         raise SimulationError(error.reason, error.advice) from error
 
@@ -110,18 +110,20 @@ def _all_failed(errors: list[SimulationError]) -> SimulationError:
     return SimulationError("; ".join(reasons), advice, first.time)
 
 
-def _simulate(attempt: choose.Attempt, began: float) -> Record:
+def _simulate(attempt: choice.Attempt, began: float) -> Record:
     """Compute one case in one way; ``began``: CPU time at the start, s."""
     case, part = attempt
     setup = set_up(case, part)
     proven = _proven(setup)
     tape = integrate(setup)
     sampled = _resampled(case, setup.cut, tape) if case.antialias else tape.picked
-    instants = np.arange(choose.samples(case)) / case.sampling
+    instants = np.arange(time_grid.samples(case)) / case.sampling
+    series = channels.series(case, setup.model, sampled, tape.places, case.settle + instants)
+    found = features(case, setup.model, setup.cut, tape, sampled) | _told(proven)
     return Record(
         time=instants,
-        series=channels.series(case, setup.model, sampled, tape.places, case.settle + instants),
-        features=features(case, setup.model, setup.cut, tape, sampled) | _told(proven),
+        series=series,
+        features=found | of_extensions(case, instants, series),
         info=_info(setup, tape, sampled) | {"cpu_s": time.process_time() - began},
     )
 
@@ -132,22 +134,22 @@ def _proven(setup: Setup) -> Proof:
         return proof.UNPROVEN
     found = proof.prove(setup.case, setup.part)
     if found.holds:
-        if setup.case.prove == "strict":
+        if setup.case.step_check == "strict":
             _long_enough(setup, found)
         return found
-    finer = "half the step" + " and a tenth of the tolerance" * assemble.method_kind(setup.case).adaptive
+    finer = "half the step" + " and a tenth of the tolerance" * assemble.adaptive(setup.case)
     what = "RMS" if found.chaotic else "line of the fault" if found.line > found.rms else "RMS"
     chaotic = ", and the motion is chaotic" if found.chaotic else ""
     changes = f"{finer} changes the {what} by {100.0 * found.error:.2g} %{chaotic}"
     raise Unsound(
         f"{setup.case.method} does not hold {proof.HELD:.0%}: {changes}",
-        "take a longer `duration`" if found.chaotic else f"{_more_exactly(setup)}, or say `prove: false`",
+        "take a longer `duration`" if found.chaotic else f"{_more_exactly(setup)}, or say `step_check: false`",
     )
 
 
 def _more_exactly(setup: Setup) -> str:
     """What a case can ask for that does not hold its line."""
-    if assemble.method_kind(setup.case).adaptive:
+    if assemble.adaptive(setup.case):
         return f"take a tighter `tolerance` than {setup.method.rtol:.2g}"
     return "give a `step` of your own" if setup.case.step == "auto" else "take a shorter `step`"
 
@@ -162,7 +164,7 @@ def _long_enough(setup: Setup, proven: Proof) -> None:
         worth = f"uncertain by {proven.scatter:.1%}"
     raise TooChaotic(
         f"the motion is chaotic, and the RMS of {setup.case.duration:.2g} s of it {worth}",
-        f"take a `duration` of {needed:.2g} s, or say `prove: true`",
+        f"take a `duration` of {needed:.2g} s, or say `step_check: true`",
         needed,
     )
 
@@ -180,7 +182,7 @@ def _told(proven: Proof) -> dict[str, float]:
 def _info(setup: Setup, tape: Tape, sampled: np.ndarray) -> dict[str, float | int | str]:
     """How a run was computed."""
     case, cut, y = setup.case, setup.cut, tape.y
-    adaptive = assemble.method_kind(case).adaptive
+    adaptive = assemble.adaptive(case)
     return {
         "method": case.method or "",
         "step_s": cut.step,
@@ -212,10 +214,11 @@ def warm(cases: Iterable[Case]) -> None:
     """Compile what the cases need (or load it from the cache) by computing one ball pass of each new kind."""
     for case in cases:
         laws = assemble.contacts.outer(case), assemble.contacts.inner(case)
-        kind = _words(choose.resolved(case)), _types(laws)
+        kind = _words(choice.resolved(case)), _types(laws)
         if kind not in _WARM:
             short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
-            simulate(case.model_copy(update={"duration": short, "settle": 0.0, "step": "auto", "prove": False}))
+            plain = {"duration": short, "settle": 0.0, "step": "auto", "step_check": False}
+            simulate(case.model_copy(update=plain))
             _WARM.add(kind)
 
 
@@ -233,9 +236,9 @@ def _types(value: Any) -> Any:
     return (type(value), *map(_types, value)) if isinstance(value, tuple) else type(value)
 
 
-def _resampled(case: Case, cut: choose.Grid, tape: Tape) -> np.ndarray:
+def _resampled(case: Case, cut: time_grid.Grid, tape: Tape) -> np.ndarray:
     """The record's samples (rows kept, n), low-passed from the fine ones."""
-    out = np.empty((len(tape.fine), choose.samples(case)))
+    out = np.empty((len(tape.fine), time_grid.samples(case)))
     ratio = cut.fine_rate / case.sampling
     resample(tape.fine, case.settle * cut.fine_rate + tape.zero, ratio, resampling_kernel(), out)
     return out

@@ -13,8 +13,9 @@ import numpy as np
 
 from bearingsim import assemble
 from bearingsim.assemble import scales
+from bearingsim.catalogue import METHODS, MODELS, USUAL_MODEL, code
 from bearingsim.config import Case
-from bearingsim.core.methods.interface import MethodKind, Tolerances
+from bearingsim.core.methods.interface import Tolerances
 from bearingsim.core.models.interface import freedoms, linearise
 from bearingsim.simulation import limits
 from bearingsim.stability import judge
@@ -63,7 +64,8 @@ QUICK = Grid(
     patience=2.0,
 )
 QUICK_METHODS = ("verlet", "symplectic-euler", "dop853", "rodas", "backward-euler", "scipy-lsoda", "scipy-radau")
-USUAL, QUICK_MODELS = ("ring", "rollers"), ("rollers",)
+USUAL = tuple(model.name for model in MODELS.values() if "damping" in model.abilities and not model.slips)
+QUICK_MODELS = (USUAL_MODEL,)
 
 REFERENCES = (("dop853", 1e-9), ("scipy-lsoda", 1e-9), ("rodas", 1e-8), ("scipy-lsoda", 1e-6))
 """Solutions that are tried in turn until two agree."""
@@ -92,12 +94,12 @@ class Bench(NamedTuple):
 
 def methods_known() -> tuple[str, ...]:
     """Names of all methods that can be mapped."""
-    return (*assemble.METHODS, *SCIPY)
+    return (*METHODS, *SCIPY)
 
 
 def models_known() -> tuple[str, ...]:
     """Names of all models that have equations of motion."""
-    return tuple(name for name, kind in assemble.MODELS.items() if kind.parameters in freedoms.types)
+    return tuple(model.name for model in MODELS.values() if code(model.module).KIND.parameters in freedoms.types)
 
 
 def materials(models: Sequence[str], grid: Grid) -> list[Material]:
@@ -107,7 +109,7 @@ def materials(models: Sequence[str], grid: Grid) -> list[Material]:
 
 def has_step(method: str) -> bool:
     """Whether a method is told a step, not a tolerance."""
-    return method in assemble.METHODS and not assemble.METHODS[method].adaptive
+    return method in METHODS and not METHODS[method].adaptive
 
 
 def cells(method: str, grid: Grid) -> tuple[float, ...]:
@@ -134,18 +136,17 @@ def run(bench: Bench, method: str, setting: float, limit: float) -> Trace:
     """One cell's run: ``setting`` is its step (s) or tolerance."""
     if method in SCIPY:
         return solve(method, bench.model, bench.y, asked(bench, setting)._replace(longest=inf), limit)
-    kind = assemble.METHODS[method]
-    if kind.implicit and type(bench.model) not in linearise.types:
+    if METHODS[method].implicit and type(bench.model) not in linearise.types:
         return nothing(REFUSED, "the model has no derivatives")
-    h = setting if not kind.adaptive else FINE
-    model = assemble.relaxed(bench.model, kind.lag * h)
-    return trace(kind, parameters(bench, kind, setting), model, bench.y, limit)
+    h = setting if has_step(method) else FINE
+    model = assemble.relaxed(bench.model, assemble.kind_of_method(method).lag * h)
+    return trace(method, parameters(bench, method, setting), model, bench.y, limit)
 
 
-def parameters(bench: Bench, kind: MethodKind, setting: float) -> Any:
+def parameters(bench: Bench, method: str, setting: float) -> Any:
     """The core's method."""
-    made: Any = kind.parameters
-    return made(*asked(bench, setting)) if kind.adaptive else made(setting)
+    made: Any = assemble.kind_of_method(method).parameters
+    return made(setting) if has_step(method) else made(*asked(bench, setting))
 
 
 def asked(bench: Bench, tolerance: float) -> Tolerances:

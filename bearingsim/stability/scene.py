@@ -12,7 +12,7 @@ import numpy as np
 
 from bearingsim import assemble
 from bearingsim.config import Case
-from bearingsim.core.laws.stiffness import EXPONENT, PALMGREN_N_MM
+from bearingsim.core.laws.stiffness.ten_ninths import EXPONENT, PALMGREN_N_MM
 from bearingsim.core.pits.pairs import HALF_WIDTH, sliding
 
 SPAN = 2.2e-3  # s

@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bearingsim.assemble import kind_of_method
+from bearingsim.catalogue import METHODS
 from bearingsim.core.advance import Watch, advance, ready
 from bearingsim.core.layout import EVALUATED, ITERATED, POSITION, Q_O, REFUSED, TAKEN, VELOCITY, X, Y
-from bearingsim.core.methods.interface import MethodKind
 from bearingsim.core.outcomes import FINE as WELL
 from bearingsim.core.outcomes import NEWTON_STALLED, NOT_FINITE, STALLED, STEP_FLOOR
 from bearingsim.stability.scene import FINE, SPAN
@@ -51,14 +52,14 @@ def nothing(failure: str, reason: str) -> Trace:
     return Trace(1, np.empty((2, 0)), np.empty((0, 0), dtype=bool), failure, reason)
 
 
-def trace(kind: MethodKind, method: Any, model: Any, y: np.ndarray, limit: float) -> Trace:
+def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Trace:
     """Step a copy of the buffer ``y`` (at rest, t = 0) through the scene, for ``limit`` CPU seconds at most."""
     y, Z = y.copy(), model.bearing.Z
     places = np.array([VELOCITY + X, VELOCITY + Y, POSITION + X, POSITION + Y, *range(Q_O, Q_O + Z)])
     steps, per, every = round(SPAN / method.h), max(1, round(FINE / method.h)), max(1, round(method.h / FINE))
-    at_once = per * (20 if kind.adaptive or kind.implicit else ceil(MOST_AT_ONCE / per))
+    at_once = per * (20 if METHODS[name].adaptive or METHODS[name].implicit else ceil(MOST_AT_ONCE / per))
     # what outruns its limit is to be seen
-    watch = Watch(stride=16, patience=np.inf, most_work=MOST_WORK if kind.adaptive else np.inf)
+    watch = Watch(stride=16, patience=np.inf, most_work=MOST_WORK if METHODS[name].adaptive else np.inf)
     kept: list[np.ndarray] = []
     failure, reason, taken = "", "", 0
     ready(method, model, 0.0, y)
@@ -74,7 +75,7 @@ def trace(kind: MethodKind, method: Any, model: Any, y: np.ndarray, limit: float
         kept.append(out[:, per - 1 : got : per])
     cpu = time.thread_time() - began
     rows = np.concatenate(kept, axis=1)
-    counts = y[TAKEN], y[REFUSED], y[EVALUATED] or taken * kind.evaluations, y[ITERATED]
+    counts = y[TAKEN], y[REFUSED], y[EVALUATED] or taken * kind_of_method(name).evaluations, y[ITERATED]
     own, refused, evaluations, iterations = (int(count) for count in counts)
     return Trace(
         every, rows[:2], rows[4:] > 0.0, failure, reason, own or taken, refused, evaluations, iterations, cpu

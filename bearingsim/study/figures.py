@@ -2,8 +2,8 @@
 
 from collections.abc import Collection
 
+from bearingsim.catalogue import MODELS
 from bearingsim.config import FEATURES
-from bearingsim.config.rules import hierarchy
 from bearingsim.study.jobs import Figure
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import Node, Problem, problem
@@ -11,11 +11,12 @@ from bearingsim.text.yamlfile import Node, Problem, problem
 DRAWN = (*FEATURES, "seconds")
 """Columns of the results table that can stand on a y axis: features, and the CPU time of a job."""
 
-_LOADED = tuple(model for model in hierarchy.LADDER if model != "impulse")
-KNOWN_TO = {
-    "cage": hierarchy.FREE,
-    **dict.fromkeys(("tilt", "line_load"), hierarchy.SLICED),
-    **dict.fromkeys(("outer_force", "inner_force", "load_zone"), _LOADED),
+KNOWN_TO: dict[str, tuple[str, ...]] = {
+    "cage": tuple(model.name for model in MODELS.values() if model.slips),
+    **dict.fromkeys(("tilt", "line_load"), tuple(model.name for model in MODELS.values() if model.sliced)),
+    **dict.fromkeys(
+        ("outer_force", "inner_force", "load_zone"), tuple(model.name for model in MODELS.values() if model.loaded)
+    ),
 }
 """Which models give the features that begin so; all others are every model's."""
 

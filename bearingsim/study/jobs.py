@@ -5,9 +5,9 @@ import json
 from dataclasses import dataclass, field
 from typing import Any
 
+from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
-from bearingsim.config.rules import hierarchy
 from bearingsim.study.used import used
 
 
@@ -41,7 +41,10 @@ class Job:
 
 @dataclass(frozen=True)
 class Study:
-    """A study file, read and checked: `text` as written, `units` of the swept paths as written there."""
+    """A study file, read and checked: `text` as written, `units` of the swept paths as written there.
+
+    notes: what the user is to be told of the file, though it is read.
+    """
 
     name: str
     path: str
@@ -51,6 +54,7 @@ class Study:
     figures: tuple[Figure, ...]
     units: dict[str, str]
     swept_cases: tuple[tuple[Case, dict[str, float | str]], ...] = field(repr=False)
+    notes: tuple[str, ...] = ()
 
     def cases(self) -> list[Case]:
         """The swept cases, in order: the last entry of `sweep` changes fastest."""
@@ -93,10 +97,10 @@ def _canonical(value: Any) -> Any:
 
 
 def _twin(case: Case, swept: dict[str, float | str]) -> Job | None:
-    """The same bearing without its defects; none for the impulse model, which has nothing to say of it."""
-    if not case.defects or case.model == "impulse":
+    """The same bearing without its defects; none for a model that knows pits as impulses only."""
+    if not case.defects or not MODELS[case.model].takes_pits:
         return None
-    dropped = {"defect", "defects", "excitation"} | ({"seed"} if case.model not in hierarchy.FREE else set())
+    dropped = {"defect", "defects", "excitation"} | ({"seed"} if not MODELS[case.model].slips else set())
     plain: dict[str, Any] = {name: Case.model_fields[name].default for name in dropped & Case.model_fields.keys()}
     plain["record"] = tuple(name for name in case.record if slice_number(name) is None)  # it is cut otherwise
     healthy = case.model_copy(update=plain)

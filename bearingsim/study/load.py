@@ -10,6 +10,7 @@ from pathlib import Path as FilePath
 from bearingsim.config import Bearing, Case
 from bearingsim.config.fields import described
 from bearingsim.config.rules.conflicts import Path
+from bearingsim.study import aliases
 from bearingsim.study.diagnose import STUDY_KEYS, Found, case_of
 from bearingsim.study.expand import expanded
 from bearingsim.study.figures import check_known, parse_figures
@@ -48,7 +49,8 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     if not isinstance(root.value, dict):
         raise StudyError([*flaws, problem(root.mark, "expected `key: value` lines, as `bearingsim new` writes")])
     problems = list(flaws)
-    given = _texts(overrides or {})
+    told, root = aliases.notes(root, overrides or {}), aliases.renamed(root)
+    given = {aliases.new_path(path): value for path, value in _texts(overrides or {}).items()}
     # Both are checked, so that a mistake in `quick` is told now and not when it is first used.
     modes = (False, True) if "quick" in root.mapping else (False,)
     plans = [_Plan.of(root, FilePath(path).parent, given, reduced) for reduced in modes]
@@ -64,7 +66,7 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
         raise StudyError(_in_order(problems, str(path)))
     reduced = quick and "quick" in root.mapping
     chosen = -1 if reduced else 0
-    return Study(name, str(path), text, given, reduced, figures, plans[chosen].units(), tuple(cases[chosen]))
+    return Study(name, str(path), text, given, reduced, figures, plans[chosen].units(), tuple(cases[chosen]), told)
 
 
 def _texts(overrides: Mapping[str, str]) -> dict[str, str]:

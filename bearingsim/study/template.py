@@ -39,7 +39,7 @@ sweep:
 # method: auto                    # verlet, dop853, rodas, backward-euler; for comparison rk4, nystrom, ...
 # step: auto                      # or a time such as 0.5 us
 # tolerance: auto                 # of dop853, rodas, backward-euler, dormand-prince: a number such as 1e-4
-# prove: true                     # try the step on the run's beginning; `false` trusts it, `strict`
+# step_check: true                # try the step on the run's beginning; `false` trusts it, `strict`
 #                                 # also refuses a chaotic record too short for its RMS to be worth 1 %
 # contact:
 #   stiffness: palmgren           # or iso16281, johnson; point for balls; {law: constant, ...}

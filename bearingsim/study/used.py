@@ -2,8 +2,9 @@
 
 from typing import Any
 
+from bearingsim import catalogue
 from bearingsim.config import Case
-from bearingsim.config.rules import hierarchy
+from bearingsim.config.case_fields import OLD_WORDS
 from bearingsim.config.rules.conflicts import SPRUNG
 
 IDLE: dict[str, Any] = {
@@ -33,14 +34,11 @@ IN_SPACE: dict[str, tuple[str, ...]] = {
 }
 """Values that only the spatial model looks at."""
 
-ELASTIC = ("johnson", "point")
-"""The contact laws that take the material's elastic constants (and so does the width of any ball's contact)."""
-
 
 def used(case: Case) -> dict[str, Any]:
     """The case as nested values, without what does not shape its numbers."""
-    values: dict[str, Any] = _without(case.model_dump(), IDLE)
-    if case.contact.stiffness not in ELASTIC and case.bearing.element == "roller" and not _by_pressure(case):
+    values: dict[str, Any] = _without(_in_old_words(case.model_dump()), IDLE)
+    if not _by_material(case) and case.bearing.element == "roller" and not _by_pressure(case):
         material = values["bearing"]["material"]
         del material["young_modulus"], material["poisson_ratio"]
     if not case.defects:
@@ -49,15 +47,26 @@ def used(case: Case) -> dict[str, Any]:
         defect.pop("file")  # what is in it counts, not where it lies
     if case.method is None:
         values.pop("prove", None)
-    if case.model not in hierarchy.FREE and case.excitation != "random-impulses":
+    if not catalogue.MODELS[case.model].slips and case.excitation != "random-impulses":
         values.pop("seed", None)
-    if case.model in hierarchy.SLICED:
+    if catalogue.MODELS[case.model].sliced:
         del values["contact"]["length_nodes"]
     else:
         for section, names in IN_SPACE.items():
             for name in names if section in values else ():
                 del values[section][name]
     return values
+
+
+def _in_old_words(values: dict[str, Any]) -> dict[str, Any]:
+    """The values by the words that ids were first made of: a new word must not rename results that exist."""
+    new_to_old = {new: old for old, new in OLD_WORDS.items()}
+    return {new_to_old.get(key, key): value for key, value in values.items()}
+
+
+def _by_material(case: Case) -> bool:
+    """Whether the material's elastic constants enter the contact law (and so they do in any ball's contact)."""
+    return catalogue.LAWS["stiffness"][case.contact.elastic_law].material
 
 
 def _by_pressure(case: Case) -> bool:

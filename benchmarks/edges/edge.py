@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim.core.pits.closed_forms import groups_of
+from bearingsim.core.pits.depth import Rectangular
 from bearingsim.core.pits.edge_contact import EdgeContact
 from bearingsim.core.pits.excitations import felt, groups
-from bearingsim.core.pits.pairs import groups_of
 from benchmarks.edges.pitted import finite_elements, half_planes, on_race, pitted, race_of
 from benchmarks.edges.pressed import Body, Pressed, press, press_to
 from benchmarks.edges.race import Grading, Slot, depth_at, envelope
@@ -83,9 +84,8 @@ def corrected(pair: Pair, slot: Slot, reference: float, s: float) -> tuple[float
     """Share and h (m) of ``EdgeContact`` with the reference load ``reference`` (N/m)."""
     excitation = EdgeContact(reference / (np.pi * pair.E_star), pair.D, slot.rho)
     width = WIDE if slot.width == inf else slot.width
-    (row,) = groups(
-        excitation, "rectangular", groups_of("rectangular", 1.0, width, slot.depth, 1.0, pair.R, 1), pair.R
-    )
+    pit = Rectangular(1.0, width, slot.depth)
+    (row,) = groups(excitation, pit, groups_of(pit, 1.0, pair.R, 1), pair.R)
     share, h, _ = felt(excitation, np.array(row), s - width / 2.0, pair.R)
     return share, h
 

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import numpy as np
 import pytest
 from pydantic import ValidationError
 
@@ -44,6 +45,17 @@ def test_the_line_hardly_changes_and_the_peak_force_falls() -> None:
     elastic, rigid = (simulate(case(excitation=word, **short)).features for word in ("elastic-edge", "envelope"))
     assert elastic["velocity@BPFO"] == pytest.approx(1.025 * rigid["velocity@BPFO"], rel=0.01)
     assert elastic["outer_force.max"] == pytest.approx(0.80 * rigid["outer_force.max"], rel=0.02)
+
+
+@pytest.mark.slow
+def test_an_implicit_method_steps_it() -> None:
+    """A heavy dashpot in `planar` asks for one, which differentiates the force along the pit too."""
+    dashpot = {"law": "general", "coefficient": 1e6, "indentation_exponent": 1.0}
+    short = {"duration": "7 ms", "settle": "1 ms", "defect": SLOT}
+    found = simulate(case(model="planar", contact={"damping": dashpot}, **short))
+    assert found.info["method"] == "rodas"
+    assert found.info["crossings"] == 2
+    assert np.isfinite(found.velocity).all()
 
 
 @pytest.mark.parametrize(

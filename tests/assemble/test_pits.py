@@ -7,9 +7,10 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.assemble.pits import meetings, met
-from bearingsim.core.laws.damping import HuntCrossley
-from bearingsim.core.laws.stiffness import palmgren
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.stiffness.ten_ninths import palmgren
 from bearingsim.core.methods.verlet import Verlet
+from bearingsim.core.pits.closed_forms import groups_of
 from bearingsim.core.pits.depth import Circular, Rectangular, Triangular
 from bearingsim.core.pits.excitations import Envelope, Traced, felt
 from bearingsim.core.pits.on_roller import force_over_pit, mean_sinking
@@ -23,7 +24,6 @@ from bearingsim.core.pits.pairs import (
     B,
     W,
     depression,
-    groups_of,
     sliding,
 )
 from bearingsim.core.pits.traced import across, grouped, traced_pits
@@ -61,7 +61,7 @@ def test_what_hangs_over_the_rollers_end_is_not_felt(offset):
 def test_a_bowls_weights_are_its_overlap_with_the_roller(offset):
     """Against 20000 slices of even length."""
     R, length, width, depth, L_w = 7.1e-3, 3e-3, 8e-4, 5e-5, 12e-3
-    rows = groups_of("circular", length, width, depth, L_w, R, 24, offset)
+    rows = groups_of(Circular(length, width, depth), L_w, R, 24, offset)
     assert sum(row[W] for row in rows) == pytest.approx(1.0, rel=1e-12)
     z = (np.arange(20000) + 0.5) / 20000 * L_w - L_w / 2
     zeta = 2 * (z - offset) / length

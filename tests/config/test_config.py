@@ -1,11 +1,11 @@
 import math
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import pytest
 from pydantic import ValidationError
 
-from bearingsim import assemble
+from bearingsim import catalogue
 from bearingsim.assemble import contacts
 from bearingsim.config import (
     CHANNELS,
@@ -24,9 +24,7 @@ from bearingsim.config import (
     library,
     library_names,
 )
-from bearingsim.config.case import Method, Model
-from bearingsim.config.rules.hierarchy import LADDER, METHODLESS
-from bearingsim.config.sections.contact import StiffnessLaw
+from bearingsim.config.sections.contact import WORDS
 
 SLOT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
 INNER, ON_ROLLER = SLOT | {"race": "inner"}, SLOT | {"race": "roller"}
@@ -99,7 +97,7 @@ def test_damping_is_chosen_by_its_law() -> None:
         ({"step": "fast"}, "expected a time"),
         ({"step": "0 us"}, "above zero"),
         ({"antialias": "no"}, "expected `true` or `false`, got `no`"),
-        ({"prove": "strictly"}, "expected `true`, `strict` or `false`, got `strictly`"),
+        ({"step_check": "strictly"}, "expected `true`, `strict` or `false`, got `strictly`"),
         ({"record": ["ring.speed"]}, "expected `ring.displacement`"),
         ({"record": "ring.velocity"}, "tuple"),
         ({"model": "static", "method": "rk4"}, "the static model has no method, got `rk4`"),
@@ -422,13 +420,17 @@ def test_names_of_channels_and_features() -> None:
 
 
 def test_every_word_offered_is_built() -> None:
-    assert {*get_args(Model)} - {"least"} == set(assemble.MODELS)
-    assert set(LADDER) == set(assemble.MODELS)
-    assert {*get_args(Method)} - {"auto"} == set(assemble.METHODS)
-    assert set(METHODLESS) == set(assemble.OWN_METHODS)
+    for known in (*catalogue.MODELS.values(), *catalogue.METHODS.values()):
+        assert catalogue.code(known.module).KIND.parameters
+    for model in catalogue.MODELS.values():
+        assert not model.own_method or catalogue.code(model.own_method).KIND.parameters
+        assert not model.build or callable(catalogue.code(model.build))
+    for law in (law for laws in catalogue.LAWS.values() for law in laws.values()):
+        assert callable(catalogue.code(law.build))
+    assert all(callable(catalogue.code(shape.build)) for shape in catalogue.SHAPES.values())
 
 
-@pytest.mark.parametrize("law", get_args(StiffnessLaw))
+@pytest.mark.parametrize("law", WORDS)
 def test_every_stiffness_offered_is_built(law: str) -> None:
     bearing = "6205" if law == "point" else "nf308"
     assert contacts.outer(case(bearing=bearing, contact={"stiffness": law}))

@@ -6,8 +6,9 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
+from bearingsim.catalogue import MODELS
 from bearingsim.config import CHANNELS, Case
-from bearingsim.config.rules.hierarchy import ABILITIES, LADDER, least, needs, reasons
+from bearingsim.config.rules.hierarchy import least, needs, reasons
 
 PIT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
 FREE = {"model": "least"}
@@ -95,7 +96,7 @@ def test_what_is_chosen_survives_a_dump(fields: dict[str, Any], model: str, why:
 
 @pytest.mark.parametrize(("fields", "model", "why"), LEAST)
 def test_every_model_above_the_least_will_do(fields: dict[str, Any], model: str, why: str) -> None:
-    above = LADDER[LADDER.index(model) :] if model != "impulse" else ("impulse",)
+    above = [*MODELS][[*MODELS].index(model) :] if model != "impulse" else ("impulse",)
     sliced = "spatial" if fields.get("excitation") == "pressure-share" else ""  # its slices share no pressure
     for higher in (one for one in above if one != sliced):
         assert case(**fields | {"model": higher}).model == higher
@@ -156,16 +157,15 @@ def test_what_planar_fills_in_asks_for_nothing() -> None:
 
 
 def test_every_need_is_somebodys_ability() -> None:
-    known = frozenset[str]().union(*ABILITIES.values())
+    known = frozenset[str]().union(*(model.abilities for model in MODELS.values()))
     found = {need.what for fields, _, _ in LEAST for need in needs(case(**fields | FREE))}
     assert found <= known
-    assert ABILITIES.keys() == set(LADDER)
 
 
 def test_each_rung_can_what_the_one_below_can() -> None:
-    for lower, higher in pairwise(LADDER[1:]):
-        assert ABILITIES[lower] - {"balls", "shared pressure"} < ABILITIES[higher]
-        assert ABILITIES[lower] < ABILITIES[higher] or higher == "spatial"
+    for lower, higher in pairwise([*MODELS.values()][1:]):
+        assert lower.abilities - {"balls", "shared pressure"} < higher.abilities
+        assert lower.abilities < higher.abilities or higher.name == "spatial"
 
 
 STILL = {"ring.rotation": "rig.torsion_stiffness", "inner.displacement": "shaft", "cage.position": "cage.guide"}

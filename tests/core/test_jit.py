@@ -14,7 +14,11 @@ import pytest
 
 from bearingsim.core import advance as driver
 from bearingsim.core import jit
-from bearingsim.core.laws import damping, stiffness
+from bearingsim.core.laws.damping.general import general
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.damping.kraemer import Kraemer
+from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
 
 VARIATIONS = """
 import bearingsim.core.sampling, importlib, pkgutil, bearingsim.core as core
@@ -71,7 +75,7 @@ def copied_core(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return core
 
 
-@pytest.mark.parametrize("source", ["laws/damping.py", "models/ring.py", "__init__.py"])
+@pytest.mark.parametrize("source", ["laws/damping/kraemer.py", "models/ring.py", "__init__.py"])
 def test_a_changed_source_gets_another_folder(
     copied_core: Path, source: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -205,30 +209,133 @@ def test_a_type_without_implementation_is_refused_by_both() -> None:
     class Other(NamedTuple):
         unit: float
 
-    with pytest.raises(KeyError):
+    with pytest.raises(TypeError, match=r"`applied` is not registered for Other: @applied.register\(Other\)"):
         applied(Other(1.0), 2.0)
-    with pytest.raises(numba.TypingError, match="applied"):
+    with pytest.raises(numba.TypingError, match="`applied` is not registered for Other"):
         compiled(Other(1.0), 2.0)
+
+
+# Types that stand for nothing
+
+
+@jit.absent
+class Nothing(NamedTuple):
+    """No rule."""
+
+
+@jit.absent
+class Silence(NamedTuple):
+    """Nothing either, but for the value it has."""
+
+
+class Forgotten(NamedTuple):
+    """As empty, but not declared absent."""
+
+
+@jit.generic(absent=0.5)
+def value(rule: Any, x: float) -> float:
+    """A number."""
+
+
+@value.register(Silence)
+def _value_of_silence(rule: Silence, x: float) -> float:
+    return 10.0 * x
+
+
+@jit.generic(absent=(1.0, 2.0))
+def pair(rule: Any, x: float) -> tuple[float, float]:
+    """Two numbers."""
+
+
+@jit.generic(absent=lambda rule, x: -x)
+def turned(rule: Any, x: float) -> float:
+    """A number that a function gives."""
+
+
+@jit.generic(absent=None)
+def fill(rule: Any, x: float) -> None:
+    """Nothing is returned."""
+
+
+@jit.generic
+def demanded(rule: Any, x: float) -> float:
+    """What even nothing must say."""
+
+
+@jit.generic(absent=0.0, otherwise=lambda rule, x: 3.0 * x)
+def anyhow(rule: Any, x: float) -> float:
+    """What every type has."""
+
+
+@numba.njit
+def everything(rule: Any, x: float) -> Any:
+    return value(rule, x), pair(rule, x), turned(rule, x), fill(rule, x), anyhow(rule, x)
+
+
+def test_a_type_that_stands_for_nothing_says_so_once() -> None:
+    for run in (everything, everything.py_func):
+        assert run(Nothing(), 2.0) == (0.5, (1.0, 2.0), -2.0, None, 0.0)
+        assert run(Silence(), 2.0) == (20.0, (1.0, 2.0), -2.0, None, 0.0)
+
+
+def test_what_every_type_has_needs_no_registration() -> None:
+    assert anyhow(Forgotten(), 2.0) == compiled_anyhow(Forgotten(), 2.0) == 6.0
+
+
+@numba.njit
+def compiled_anyhow(rule: Any, x: float) -> float:
+    return anyhow(rule, x)
+
+
+@pytest.mark.parametrize(("function", "rule"), [(value, Forgotten()), (demanded, Nothing())])
+def test_only_types_declared_absent_fall_back_and_only_where_nothing_has_a_value(function: Any, rule: Any) -> None:
+    @numba.njit
+    def called(rule: Any, x: float) -> float:
+        return function(rule, x)
+
+    refusal = f"`{function.__name__}` is not registered for {type(rule).__name__}"
+    with pytest.raises(TypeError, match=refusal):
+        function(rule, 2.0)
+    with pytest.raises(numba.TypingError, match=refusal):
+        called(rule, 2.0)
+
+
+UNCOMPILED = """
+from bearingsim.core.laws.friction.frictionless import Frictionless
+from bearingsim.core.laws.friction.interface import mu, mu_slope
+from bearingsim.core.methods.verlet import Verlet
+assert mu(Frictionless(), 0.1, 1.0) == 0.0 and mu_slope(Frictionless(), 0.1, 1.0) == (0.0, 0.0)
+try:
+    mu(Verlet(1.0), 0.1, 1.0)
+except TypeError as error:
+    print(error)
+"""
+
+
+def test_types_are_told_apart_without_the_compiler_too() -> None:
+    without = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    run = subprocess.run([sys.executable, "-c", UNCOMPILED], capture_output=True, text=True, env=without)
+    assert run.stdout == "`mu` is not registered for Verlet: @mu.register(Verlet)\n", run.stderr
 
 
 @numba.njit
 def force(law: Any, delta: float, v: float) -> float:
-    return damping.normal_force(law, delta, v)
+    return normal_force(law, delta, v)
 
 
 @pytest.mark.parametrize(
     "law",
     [
-        damping.HuntCrossley(stiffness.TenNinths(1e9), 50.0),
-        damping.Kraemer(stiffness.TenNinths(1e9), 1e-5),
-        damping.general(stiffness.TenNinths(1e9), 1e6, 1.5, 0.7),
+        HuntCrossley(TenNinths(1e9), 50.0),
+        Kraemer(TenNinths(1e9), 1e-5),
+        general(TenNinths(1e9), 1e6, 1.5, 0.7),
     ],
     ids=lambda law: type(law).__name__,
 )
 @pytest.mark.parametrize("delta", [-1e-6, 0.0, 1e-7, 3e-6])
 def test_contact_laws_from_python_equal_the_compiled_ones(law: Any, delta: float) -> None:
     for v in (-0.5, -0.01, 0.0, 0.01, 0.5):
-        assert force(law, delta, v) == pytest.approx(damping.normal_force(law, delta, v), rel=1e-13, abs=1e-15)
+        assert force(law, delta, v) == pytest.approx(normal_force(law, delta, v), rel=1e-13, abs=1e-15)
 
 
 def test_add_may_reorder_but_nothing_forgets_what_is_not_finite() -> None:

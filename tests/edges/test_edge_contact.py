@@ -8,15 +8,17 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from bearingsim.core.jit import jit
+from bearingsim.core.pits.closed_forms import groups_of
 from bearingsim.core.pits.edge_contact import EdgeContact, edge_contact, narrowing, one_edge, two_edges
 from bearingsim.core.pits.excitations import Envelope, felt, groups
-from bearingsim.core.pits.pairs import DEPTH, X_E, B, W, groups_of
+from bearingsim.core.pits.pairs import DEPTH, X_E, B, W
 from benchmarks.edges.edge import bodies, corrected_ratio, crossed
 from benchmarks.edges.half_space import two_half_planes
 from benchmarks.edges.pressed import press
 from benchmarks.edges.race import Grading as Graded
 from benchmarks.edges.race import Slot, graded
 from benchmarks.edges.steel import Pair
+from tests.scenes.pit_maps import SHAPES
 
 PAIR, L_W = Pair(), 0.012
 R, FORCE = PAIR.R, 47.0 / L_W
@@ -30,8 +32,8 @@ places = st.floats(-0.7, 0.7)
 
 
 def rows_of(shape, width, depth, length=L_W, excitation=EDGES):
-    rows = groups_of(shape, length, width, depth, L_W, R, 6)
-    return [np.array(row) for row in groups(excitation, shape, rows, R)]
+    rows = groups_of(SHAPES[shape](length, width, depth), L_W, R, 6)
+    return [np.array(row) for row in groups(excitation, SHAPES[shape](length, width, depth), rows, R)]
 
 
 def test_a_sharp_edge_of_a_half_plane():

@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim.core.geometry.motion import elapsed
-from bearingsim.core.laws.friction import StaticDynamic, Traction
-from bearingsim.core.laws.stiffness import exponent
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.friction.traction import Traction
+from bearingsim.core.laws.stiffness.series import as_power
 from bearingsim.core.layout import LANES, PHI_C, POSITION, PSI, ROW, VELOCITY, X_C, X_I, Y_C, Y_I, X, Y
 from bearingsim.core.parts.cage import FreeCage, OilDrag, RingGuided, RollerGuided
 from bearingsim.core.parts.shaft import ElasticShaft, TorsionSpring
@@ -101,7 +102,7 @@ def mu(law, v, u):
 
 def force(law, delta, rate):
     """Force (N), what of it is elastic (N), and the energy stored (J) of a contact."""
-    k, m, d = law.stiffness.k, exponent(law.stiffness), np.maximum(delta, 0)
+    (k, m), d = as_power(law.stiffness), np.maximum(delta, 0)
     elastic = k * d**m
     return np.maximum(elastic * (1 + law.chi * rate), 0), elastic, k * d ** (m + 1) / (m + 1)
 

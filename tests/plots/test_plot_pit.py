@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from bearingsim import store
+from bearingsim.core.pits.closed_forms import bowl, box, groove
 from bearingsim.core.pits.depth import Circular, Merged, Placed
-from bearingsim.core.pits.pairs import bowl, box, depression, groove
+from bearingsim.core.pits.pairs import depression
 from bearingsim.plots import PlotError, plot
 from bearingsim.plots.pit import SECTION_IN, exaggeration
 from bearingsim.plots.pit_shape import cut, pits_of, told_apart

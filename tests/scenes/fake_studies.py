@@ -77,6 +77,7 @@ class FakeStudy:
     quick: bool = False
     units: dict[str, str] = field(default_factory=lambda: {"defect.width": "mm"})
     figures: tuple[Any, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def jobs(self) -> list[FakeJob]:
         twin = FakeCase(healthy=True, seconds=self.seconds)

@@ -19,7 +19,7 @@ SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "
 
 def case(**given: Any) -> Case:
     """The NF308 at 1800 rpm and 150 N in `rollers`, healthy unless a defect is given, its step taken unproven."""
-    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers", "prove": False}
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers", "step_check": False}
     return Case.model_validate(base | given)
 
 

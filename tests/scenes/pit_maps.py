@@ -52,3 +52,7 @@ def brute(profile, s, R, reach=1e-3):
     t = np.concatenate([t, s, ends, ends - 1e-12, ends + 1e-12])
     p = depth_at(profile, t)
     return np.array([np.min(p + (t - x) ** 2 / (2.0 * R)) for x in s])
+
+
+SHAPES = {"rectangular": Rectangular, "triangular": Triangular, "circular": Circular}
+"""Shapes whose path has a closed form, by their words."""

@@ -7,9 +7,14 @@ import numpy as np
 from bearingsim.assemble.rest import statics, still
 from bearingsim.core.advance import Watch, advance, start_at_rest
 from bearingsim.core.geometry.motion import Steady
-from bearingsim.core.laws.damping import HuntCrossley, damping_slope, normal_force, stiffness_slope
-from bearingsim.core.laws.friction import Frictionless, StaticDynamic, mu, steepest
-from bearingsim.core.laws.stiffness import Linear, TenNinths, elastic, tangent
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
+from bearingsim.core.laws.friction.frictionless import Frictionless
+from bearingsim.core.laws.friction.interface import mu, steepest
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.stiffness.interface import elastic, tangent
+from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
 from bearingsim.core.layout import EPS, PHI_C, POSITION, Q_I, Q_O, VELOCITY, X, Y, buffer
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import mean_rest, rest_from_scratch
@@ -18,8 +23,10 @@ from bearingsim.core.outcomes import FINE
 from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.parts.cage import Centred, FreeCage, OilDrag, RollerGuided
 from bearingsim.core.parts.shaft import FixedRing, RigidShaft, TorsionSpring
+from bearingsim.core.pits.closed_forms import groups_of
+from bearingsim.core.pits.depth import Rectangular
 from bearingsim.core.pits.excitations import Envelope
-from bearingsim.core.pits.pairs import INNER, ON_INNER, ON_OUTER, OUTER, Meeting, groups_of, pits
+from bearingsim.core.pits.pairs import INNER, ON_INNER, ON_OUTER, OUTER, Meeting, pits
 from tests.independent import planar
 
 FAR = 0.01  # m: a pocket that no roller touches
@@ -38,12 +45,12 @@ def _force_unclamped(contact, delta, v):
     return elastic(contact.stiffness, max(delta, 0.0)) * (1.0 + contact.chi * v)
 
 
-@damping_slope.register(Unclamped)
+@damping_bound.register(Unclamped)
 def _damping_unclamped(contact, delta, v):
     return contact.chi * elastic(contact.stiffness, delta)
 
 
-@stiffness_slope.register(Unclamped)
+@stiffness_bound.register(Unclamped)
 def _stiffness_unclamped(contact, delta, v):
     return tangent(contact.stiffness, delta) * max(1.0 + contact.chi * v, 0.0)
 
@@ -89,7 +96,7 @@ def meetings(scene: planar.Scene, pit: planar.Pit) -> list[Meeting]:
             pit.angle,
             radius,
             reduced[side],
-            groups_of("rectangular", scene.L_w, pit.width, pit.depth, scene.L_w, reduced[side], 1),
+            groups_of(Rectangular(scene.L_w, pit.width, pit.depth), scene.L_w, reduced[side], 1),
         )
         for side in sides
     ]

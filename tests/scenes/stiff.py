@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.damping import General, Power, normal_force
-from bearingsim.core.laws.slopes import slopes
-from bearingsim.core.laws.stiffness import PowerLaw
+from bearingsim.core.laws.damping.general import General, Power
+from bearingsim.core.laws.damping.interface import normal_force, slopes
+from bearingsim.core.laws.stiffness.power_law import PowerLaw
 from bearingsim.core.layout import (
     BY_POSITION,
     BY_VELOCITY,

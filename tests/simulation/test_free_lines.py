@@ -6,7 +6,7 @@ import pytest
 from bearingsim import assemble
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.layout import Q_O, SPIN
-from bearingsim.simulation import choose
+from bearingsim.simulation import choice
 from bearingsim.simulation.simulate import simulate
 from bearingsim.study.used import used
 from tests.scenes.nf308 import SLOT, case
@@ -89,8 +89,8 @@ def test_under_preload_the_load_zone_is_the_whole_turn(model):
 )
 def test_what_holds_rings_and_rollers_limits_the_step_too(given, limit):
     """Verlet: h C = 1, or h^2 K/4 = 1, of damper over inertia, or of a pocket over a roller."""
-    assert choose.limits(case(model="planar", method="verlet")).at_rest > 1e-6
-    assert choose.limits(case(model="planar", method="verlet", **given)).at_rest < limit
+    assert choice.limits(case(model="planar", method="verlet")).at_rest > 1e-6
+    assert choice.limits(case(model="planar", method="verlet", **given)).at_rest < limit
 
 
 @pytest.mark.parametrize(

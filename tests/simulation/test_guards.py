@@ -11,24 +11,24 @@ import pytest
 
 from bearingsim.core import outcomes
 from bearingsim.core.advance import Watch, advance
-from bearingsim.core.crossings import missed, turned
 from bearingsim.core.layout import CROSSED, CROSSINGS, EVALUATED, FAILED, FAILED_BODY, Q, V
 from bearingsim.core.methods.verlet import Verlet
+from bearingsim.core.pits.crossings import missed, turned
 from bearingsim.errors import Refused
-from bearingsim.simulation import choose, limits, proof
+from bearingsim.simulation import choice, limits, proof, time_grid
 from bearingsim.simulation.integration import set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
 from tests.scenes.nf308 import PLACES, SLOT, at_rest
 from tests.scenes.short_cases import RATE, case
 
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
-SIMULATION = importlib.import_module("bearingsim.simulation")
-VERLET = {"model": "ring", "method": "verlet", "step": "1 us", "prove": False, "defect": SLOT}
+SIMULATION = importlib.import_module("bearingsim.simulation.simulate")
+VERLET = {"model": "ring", "method": "verlet", "step": "1 us", "step_check": False, "defect": SLOT}
 
 
 def ended(watch: Watch, y: np.ndarray | None = None, steps: int = 100) -> tuple[int, int, int]:
     """How a short run of `ring` ends: steps taken, outcome, body."""
-    model = set_up(choose.resolved(case(**VERLET))).model
+    model = set_up(choice.resolved(case(**VERLET))).model
     out = np.empty((len(PLACES), steps))
     return advance(Verlet(1e-6), model, watch, 0, at_rest(model) if y is None else y, PLACES, out)
 
@@ -37,7 +37,7 @@ def ended(watch: Watch, y: np.ndarray | None = None, steps: int = 100) -> tuple[
 
 
 def test_a_contact_pressed_too_deep_ends_the_run_and_names_the_roller() -> None:
-    given = choose.resolved(case(model="rollers", method="verlet"))
+    given = choice.resolved(case(model="rollers", method="verlet"))
     model = set_up(given).model
     y = at_rest(model)
     y[Q + 4] += 1e-3
@@ -47,7 +47,7 @@ def test_a_contact_pressed_too_deep_ends_the_run_and_names_the_roller() -> None:
 
 
 def test_motion_without_a_cause_ends_the_run() -> None:
-    model = set_up(choose.resolved(case(model="rollers", method="verlet"))).model
+    model = set_up(choice.resolved(case(model="rollers", method="verlet"))).model
     y, out = at_rest(model), np.empty((len(PLACES), 10))
     y[V + 2] = 10.0
     energy = 0.5 * model.bearing.m_r * 100.0
@@ -58,7 +58,7 @@ def test_motion_without_a_cause_ends_the_run() -> None:
 
 @pytest.mark.parametrize("outcome", [outcomes.STEP_FLOOR, outcomes.NEWTON_STALLED, outcomes.STALLED])
 def test_what_a_method_gives_up_ends_the_run_at_once(outcome: int) -> None:
-    model = set_up(choose.resolved(case(**VERLET))).model
+    model = set_up(choice.resolved(case(**VERLET))).model
     y = at_rest(model)
     y[FAILED], y[FAILED_BODY] = outcome, 3
     assert ended(Watch(1000, 1.0), y) == (1, outcome, 3)
@@ -70,7 +70,7 @@ def test_what_a_method_gives_up_ends_the_run_at_once(outcome: int) -> None:
 @pytest.mark.parametrize("race", ["outer", "inner", "roller"])
 @pytest.mark.parametrize("model", ["ring", "rollers"])
 def test_crossings_are_those_of_kinematics(model: str, race: str) -> None:
-    given = case(model=model, defect=SLOT | {"race": race}, prove=False, duration="0.2 s")
+    given = case(model=model, defect=SLOT | {"race": race}, step_check=False, duration="0.2 s")
     info = simulate(given).info
     span = float(info["steps"]) * float(info["step_s"])
     each = {"outer": RATE, "inner": 13 * 30 - RATE, "roller": 30 * (65 / 12 - 12 / 65)}[race]
@@ -78,7 +78,7 @@ def test_crossings_are_those_of_kinematics(model: str, race: str) -> None:
 
 
 def test_a_crossing_that_was_not_seen_is_missed() -> None:
-    setup = set_up(choose.resolved(case(**VERLET)))
+    setup = set_up(choice.resolved(case(**VERLET)))
     y = at_rest(setup.model)
     before = [turned(setup.model, 0, 0.0, y)]
     y[CROSSED] = y[CROSSINGS] = 15.0
@@ -127,7 +127,7 @@ SAID_OF_ADAPTIVE = {
 @pytest.mark.parametrize("outcome", [*SAID, *SAID_OF_ADAPTIVE])
 def test_reason_time_body_and_advice(outcome: int) -> None:
     adaptive = outcome in SAID_OF_ADAPTIVE
-    given = case(model="rollers", defect=SLOT, prove=False, method="dop853" if adaptive else "verlet")
+    given = case(model="rollers", defect=SLOT, step_check=False, method="dop853" if adaptive else "verlet")
     given = given.model_copy(update={"tolerance": 1e-3} if adaptive else {"step": 5e-7})
     with (
         mock.patch.object(INTEGRATION, "advance", return_value=(4000, outcome, 2)),
@@ -136,7 +136,7 @@ def test_reason_time_body_and_advice(outcome: int) -> None:
         simulate(given)
     reason, advice = (SAID | SAID_OF_ADAPTIVE)[outcome]
     caught.match(reason)
-    assert caught.value.time == pytest.approx(4000 * choose.grid(given).step, rel=1e-9)
+    assert caught.value.time == pytest.approx(4000 * time_grid.grid(given).step, rel=1e-9)
     assert f"{1e3 * caught.value.time:.4g} ms into the run" in caught.value.reason
     assert advice in caught.value.advice
     assert "or `method: " in caught.value.advice
@@ -148,7 +148,7 @@ def test_reason_time_body_and_advice(outcome: int) -> None:
 )
 def test_who_is_stuck_on_rollers_without_mass_is_told_of_some_with(outcome, model, m3, advised) -> None:
     damping = {"law": "general", "coefficient": 1e3, "indentation_exponent": m3}
-    given = case(model=model, defect=SLOT, prove=False, method="rodas", contact={"damping": damping})
+    given = case(model=model, defect=SLOT, step_check=False, method="rodas", contact={"damping": damping})
     with (
         mock.patch.object(INTEGRATION, "advance", return_value=(4000, outcome, 0)),
         pytest.raises(SimulationError) as caught,
@@ -166,9 +166,9 @@ def test_bounds_hold_what_a_hard_case_reaches_and_no_more() -> None:
         clearance="60 um",
         defect=SLOT | {"width": "2 mm"},
         contact={"damping": {"chi": "1 s/m"}},
-        prove=False,
+        step_check=False,
     )
-    found = choose.limits(hard)
+    found = choice.limits(hard)
     assert found.deepest < 2e-3
     assert found.liveliest < 1e3
     for name in ("PRESSED", "MOVED"):
@@ -189,11 +189,11 @@ def test_a_bound_that_is_passed_fails_the_job(name: str, reason: str) -> None:
 
 def test_a_job_that_would_take_too_long_is_refused_before_it_runs() -> None:
     given = case(model="rollers", defect=SLOT)
-    with mock.patch.object(choose, "MOST_CPU", 1e-3):
+    with mock.patch.object(time_grid, "MOST_CPU", 1e-3):
         with pytest.raises(Refused, match="h of CPU time, over") as caught:
-            choose.grid(given)
+            time_grid.grid(given)
         assert "shorter `duration`" in caught.value.advice
-        choose.grid(given.model_copy(update={"step": 5e-7}))  # what the study gives is taken
+        time_grid.grid(given.model_copy(update={"step": 5e-7}))  # what the study gives is taken
 
 
 def test_a_method_that_is_too_slow_is_not_tried_with_shorter_steps() -> None:
@@ -205,16 +205,16 @@ def test_a_method_that_is_too_slow_is_not_tried_with_shorter_steps() -> None:
 
 
 def test_a_pilot_may_take_its_part_of_what_a_run_may() -> None:
-    given = choose.resolved(case(method="dop853", defect=SLOT, duration="1 s"))
-    little = mock.patch.object(choose, "MOST_CPU", 0.01)
-    unforeseen = mock.patch.object(choose, "per_second", return_value=0.0)
+    given = choice.resolved(case(method="dop853", defect=SLOT, duration="1 s"))
+    little = mock.patch.object(time_grid, "MOST_CPU", 0.01)
+    unforeseen = mock.patch.object(time_grid, "per_second", return_value=0.0)
     with little, unforeseen, pytest.raises(SIMULATION.TooSlow) as caught:
         proof.prove(given, 1.0)
     assert caught.value.time < 0.02
 
 
 def test_the_clock_is_looked_at_within_a_ball_pass() -> None:
-    setup = set_up(choose.resolved(case(**{**VERLET, "step": "auto", "duration": "20 ms"})))
+    setup = set_up(choice.resolved(case(**{**VERLET, "step": "auto", "duration": "20 ms"})))
     few = mock.patch.object(INTEGRATION, "UNSEEN", 16)
     with few, pytest.raises(SIMULATION.TooSlow) as caught:
         INTEGRATION.integrate(replace(setup, most_cpu=1e-9))
@@ -223,7 +223,7 @@ def test_the_clock_is_looked_at_within_a_ball_pass() -> None:
 
 def test_the_clock_is_looked_at_where_steps_are_much_work() -> None:
     """An adaptive method may take thousands of steps of its own between two recorded instants."""
-    setup = set_up(choose.resolved(case(model="ring", method="dop853", defect=SLOT, duration="20 ms")))
+    setup = set_up(choice.resolved(case(model="ring", method="dop853", defect=SLOT, duration="20 ms")))
     y, places = at_rest(setup.model), PLACES
     INTEGRATION.ready(setup.method, setup.model, 0.0, y)
     hurried = setup.watch._replace(most_work=1000.0)
@@ -235,7 +235,7 @@ def test_the_clock_is_looked_at_where_steps_are_much_work() -> None:
 
 @pytest.mark.parametrize("way", [{"method": "verlet"}, {"method": "dop853"}, {"model": "static"}])
 def test_looks_at_the_clock_change_nothing(way: dict[str, str]) -> None:
-    given = choose.resolved(case(defect=SLOT, duration="20 ms", **way))
+    given = choice.resolved(case(defect=SLOT, duration="20 ms", **way))
     seldom = INTEGRATION.integrate(set_up(given))
     with mock.patch.object(INTEGRATION, "UNSEEN", 7), mock.patch.object(INTEGRATION, "MOST_WORK", 50.0):
         often = INTEGRATION.integrate(set_up(given))
@@ -244,7 +244,7 @@ def test_looks_at_the_clock_change_nothing(way: dict[str, str]) -> None:
 
 
 def test_a_run_asks_to_be_looked_at_where_steps_are_much_work() -> None:
-    given = choose.resolved(case(model="ring", method="dop853", defect=SLOT, duration="20 ms"))
+    given = choice.resolved(case(model="ring", method="dop853", defect=SLOT, duration="20 ms"))
     setup = set_up(given)
     assert setup.watch.most_work == INTEGRATION.MOST_WORK
     with (
@@ -257,7 +257,7 @@ def test_a_run_asks_to_be_looked_at_where_steps_are_much_work() -> None:
 
 
 def test_what_takes_steps_is_compiled_before_the_clock_runs() -> None:
-    setup = set_up(choose.resolved(case(**VERLET)))
+    setup = set_up(choice.resolved(case(**VERLET)))
     layouts = []
 
     def noted(*given: Any) -> Any:
@@ -286,7 +286,7 @@ def test_what_was_wrong_is_said_before_what_shorter_steps_would_cost() -> None:
 
 def test_only_steps_of_fixed_length_are_put_in_step_with_a_pit() -> None:
     fixed, adaptive = (
-        set_up(choose.resolved(case(defect=SLOT, method=name))).model for name in ("verlet", "dop853")
+        set_up(choice.resolved(case(defect=SLOT, method=name))).model for name in ("verlet", "dop853")
     )
     own = case().start_angle
     assert fixed.bearing.theta_0 != pytest.approx(own, rel=1e-12)

@@ -1,6 +1,5 @@
 """The proof of a step on the run's own beginning, and what follows if it does not hold."""
 
-import importlib
 import math
 from typing import Any
 from unittest import mock
@@ -9,14 +8,13 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
-from bearingsim.simulation import choose, pilot, proof
-from bearingsim.simulation.choose import SHORTENED
+from bearingsim.simulation import choice, pilot, prices, proof, time_grid
+from bearingsim.simulation.choice import SHORTENED
 from bearingsim.simulation.integration import TooChaotic
 from bearingsim.simulation.proof import Proof
 from bearingsim.simulation.simulate import SimulationError, simulate
 from tests.scenes.short_cases import RATE, SLOT, case
 
-SIMULATION = importlib.import_module("bearingsim.simulation")
 LIGHT = {"contact": {"damping": {"chi": "1 s/m"}}}
 
 
@@ -34,7 +32,7 @@ def test_a_good_step_is_proven_and_said() -> None:
 @pytest.mark.parametrize("method", ["verlet", "dop853", "rodas"])
 def test_the_record_is_bit_for_bit_that_of_a_run_without_proof(method: str) -> None:
     given = rollers(method=method)
-    proven, plain = simulate(given), simulate(given.model_copy(update={"prove": False}))
+    proven, plain = simulate(given), simulate(given.model_copy(update={"step_check": False}))
     for name, series in proven.series.items():
         assert np.array_equal(series, plain.series[name])
     told = ("step_error.line", "step_error.rms", "chaotic", "rms_scatter")
@@ -45,10 +43,10 @@ def test_the_record_is_bit_for_bit_that_of_a_run_without_proof(method: str) -> N
 
 @pytest.mark.parametrize(
     "fields",
-    [{"step": "0.4 us", "prove": False}, {"prove": False}, {"model": "static"}],
+    [{"step": "0.4 us", "step_check": False}, {"step_check": False}, {"model": "static"}],
 )
 def test_nothing_is_proven_where_that_is_forbidden_or_there_is_no_step(fields: dict[str, Any]) -> None:
-    assert not choose.resolved(case(defect=SLOT, **fields)).proven
+    assert not choice.resolved(case(defect=SLOT, **fields)).proven
 
 
 FAST_SLOT = {"speed": "6000 rpm", "defect": SLOT | {"width": "0.4 mm"}, "duration": "30 ms", "settle": "10 ms"}
@@ -57,18 +55,18 @@ FAST_SLOT = {"speed": "6000 rpm", "defect": SLOT | {"width": "0.4 mm"}, "duratio
 def test_a_step_that_is_given_is_proven_and_refused_if_it_does_not_hold() -> None:
     """At 0.85 of its limit Verlet was 3 % off in a line, and nothing was said."""
     given = case(model="rollers", method="verlet", **FAST_SLOT)
-    long = 0.85 * choose.limits(given).at_impact
+    long = 0.85 * choice.limits(given).at_impact
     with pytest.raises(SimulationError, match="verlet does not hold 1%") as caught:
         simulate(given.model_copy(update={"step": long}))
     assert "take a shorter `step`" in caught.value.advice
-    taken = simulate(given.model_copy(update={"step": long, "prove": False}))
+    taken = simulate(given.model_copy(update={"step": long, "step_check": False}))
     assert math.isnan(taken.features["step_error.line"])
     assert simulate(given.model_copy(update={"step": 0.2 * long})).features["step_error.line"] < proof.CHANGED
 
 
 def test_chaos_is_told_from_a_motion_that_repeats_itself() -> None:
     for fields, chaotic in ((LIGHT, True), ({}, False), ({"clearance": "25 um"}, False)):
-        found = proof.prove(choose.resolved(rollers(prove=True, **fields)), 1.0)
+        found = proof.prove(choice.resolved(rollers(step_check=True, **fields)), 1.0)
         assert found.chaotic == chaotic
 
 
@@ -93,7 +91,7 @@ def test_a_chaotic_record_says_what_its_rms_is_worth() -> None:
 def test_a_chaotic_record_that_is_too_short_for_its_rms_is_refused_where_strictness_is_asked_for() -> None:
     found = Proof(line=0.5, rms=0.003, chaotic=True, noise=0.02, scatter=0.02)
     with mock.patch.object(proof, "prove", return_value=found), pytest.raises(TooChaotic) as caught:
-        simulate(case(prove="strict"))
+        simulate(case(step_check="strict"))
     assert "the motion is chaotic, and the RMS of 0.08 s of it uncertain by 2.0%" in caught.value.reason
     assert "take a `duration` of 0.32 s" in caught.value.advice
     assert caught.value.duration == pytest.approx(0.32)
@@ -101,8 +99,8 @@ def test_a_chaotic_record_that_is_too_short_for_its_rms_is_refused_where_strictn
 
 def test_chaos_that_has_not_grown_in_the_pilot_is_of_unknown_worth() -> None:
     """Twins that have not parted yet tell nothing of how far they will; the advice is a longer run."""
-    grown = proof.prove(choose.resolved(rollers(**LIGHT)), 1.0)
-    growing = choose.resolved(rollers(contact={"damping": {"chi": "10 s/m"}}))
+    grown = proof.prove(choice.resolved(rollers(**LIGHT)), 1.0)
+    growing = choice.resolved(rollers(contact={"damping": {"chi": "10 s/m"}}))
     found = proof.prove(growing, 1.0)
     assert grown.chaotic
     assert math.isfinite(grown.scatter)
@@ -153,18 +151,20 @@ def test_errors_that_cancel_by_luck_are_not_taken_for_small() -> None:
 
 @pytest.mark.parametrize("louder", ["fine", "recorded"])
 def test_the_rms_of_the_record_and_of_the_wide_band_must_both_hold(louder: str) -> None:
-    heard = proof.Heard(*np.random.default_rng(1).normal(size=(2, 4 * choose.grid(rollers()).fine_per_pass + 1)))
+    heard = proof.Heard(
+        *np.random.default_rng(1).normal(size=(2, 4 * time_grid.grid(rollers()).fine_per_pass + 1))
+    )
     other = heard._replace(**{louder: 1.02 * getattr(heard, louder)})
     with mock.patch.object(proof, "velocities", side_effect=[other, heard, heard]):
-        assert proof.prove(choose.resolved(rollers()), 1.0).rms == pytest.approx(0.02)
+        assert proof.prove(choice.resolved(rollers()), 1.0).rms == pytest.approx(0.02)
 
 
 def test_the_rms_that_is_proven_is_that_of_the_record() -> None:
     """What the record's low-pass takes away may hold most of the velocity, and need not be held."""
-    given = choose.resolved(rollers(sampling="1000 Hz", duration="0.3 s"))
+    given = choice.resolved(rollers(sampling="1000 Hz", duration="0.3 s"))
     short, passes = pilot.pilot(given)
     heard = proof.velocities(proof.set_up(short), passes, recorded=True)
-    read = simulate(short.model_copy(update={"prove": False})).features["velocity.rms"]
+    read = simulate(short.model_copy(update={"step_check": False})).features["velocity.rms"]
     assert np.std(heard.recorded) == pytest.approx(read, rel=0.05)
     assert np.std(heard.fine) > 1.5 * read
 
@@ -172,17 +172,17 @@ def test_the_rms_that_is_proven_is_that_of_the_record() -> None:
 def test_a_step_that_is_too_long_is_halved_until_it_is_proven() -> None:
     """Eight steps to a crossing at 12 000 rpm are stable, and 5 % wrong: nothing but the proof notices."""
     given = case(model="rollers", method="verlet", speed="12000 rpm", defect=SLOT | {"width": "0.15 mm"})
-    long = choose.limits(given).crossing / 8.5
+    long = choice.limits(given).crossing / 8.5
     first = proof_of(given, long, 1.0)
     assert first.error > proof.HELD
-    with mock.patch.object(choose, "wanted_step", return_value=long):
+    with mock.patch.object(time_grid, "wanted_step", return_value=long):
         found = simulate(given)
     assert found.info["step_part"] in SHORTENED[1:]
     assert max(found.features["step_error.line"], found.features["step_error.rms"]) <= proof.HELD
 
 
 def proof_of(given: Any, step: float, part: float) -> Proof:
-    with mock.patch.object(choose, "wanted_step", return_value=step):
+    with mock.patch.object(time_grid, "wanted_step", return_value=step):
         return proof.prove(given, part)
 
 
@@ -195,7 +195,7 @@ def test_a_step_that_is_never_proven_fails_the_job_with_a_reason() -> None:
         simulate(case(method="verlet"))
     assert tried.call_count == len(SHORTENED)
     assert "verlet does not hold 1%: half the step changes the line of the fault by 20 %" in caught.value.reason
-    assert "prove: false" in caught.value.advice
+    assert "step_check: false" in caught.value.advice
 
 
 def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
@@ -209,7 +209,7 @@ def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
 
 def test_the_line_of_a_healthy_bearing_is_measured_by_its_rms() -> None:
     """A line that is next to nothing must not fail a run, however much of it changes."""
-    found = proof.prove(choose.resolved(case(model="rollers")), 1.0)
+    found = proof.prove(choice.resolved(case(model="rollers")), 1.0)
     assert found.line < 1e-3
 
 
@@ -217,14 +217,14 @@ def test_a_pilot_is_short_but_sees_pits_turn_through_the_load_zone() -> None:
     long = {"duration": "4 s", "settle": "0.1 s"}
     whole = 4.1 * RATE
     for race, turn in (("outer", 0.0), ("inner", RATE / 30.0), ("roller", 13.0)):
-        short, passes = pilot.pilot(choose.resolved(case(defect=SLOT | {"race": race}, **long)))
+        short, passes = pilot.pilot(choice.resolved(case(defect=SLOT | {"race": race}, **long)))
         assert passes >= max(pilot.FEWEST, turn)
         assert 3.0 * (passes + pilot.FORGOTTEN) < 0.25 * whole
         assert short.duration * RATE == pytest.approx(passes + 0.5)
 
 
 def test_the_pilot_of_a_short_record_is_the_record() -> None:
-    short, passes = pilot.pilot(choose.resolved(case(duration="8 ms", settle="0 s")))
+    short, passes = pilot.pilot(choice.resolved(case(duration="8 ms", settle="0 s")))
     assert passes == 1
     assert short.settle + short.duration <= 3.0 / RATE
     assert simulate(case(duration="8 ms", settle="0 s")).features["step_error.rms"] < 0.01
@@ -232,7 +232,7 @@ def test_the_pilot_of_a_short_record_is_the_record() -> None:
 
 def piloted(**fields: Any) -> tuple[float, int]:
     """What a pilot of `rollers` lets settle (s), and how many ball passes of it are compared."""
-    short, passes = pilot.pilot(choose.resolved(rollers(duration="0.4 s", **fields)))
+    short, passes = pilot.pilot(choice.resolved(rollers(duration="0.4 s", **fields)))
     return short.settle, passes
 
 
@@ -247,16 +247,16 @@ def test_the_pilot_of_a_lightly_damped_bearing_settles_as_the_run_does() -> None
 def test_where_strictness_is_asked_for_the_whole_run_is_proven() -> None:
     """Twins of random scenes parted after two thirds of their records."""
     for damping in (LIGHT, {}):
-        assert piloted(prove="strict", **damping) == (pytest.approx(30e-3), int(0.4 * RATE))
-    assert pilot.pilot(choose.resolved(rollers(prove="strict", duration="1 s", settle="50 ms")))[1] == 159
+        assert piloted(step_check="strict", **damping) == (pytest.approx(30e-3), int(0.4 * RATE))
+    assert pilot.pilot(choice.resolved(rollers(step_check="strict", duration="1 s", settle="50 ms")))[1] == 159
 
 
 def test_a_proof_may_take_longer_than_a_run_may() -> None:
     """The finer pilot of a strict proof takes more than twice the CPU time of its run."""
-    given = choose.resolved(rollers(prove="strict"))
-    price = (given.settle + given.duration) * choose.per_second(given, choose.grid(given).step)
+    given = choice.resolved(rollers(step_check="strict"))
+    price = (given.settle + given.duration) * prices.per_second(given, time_grid.grid(given).step)
     begun = mock.patch.object(proof, "velocities", side_effect=InterruptedError)
-    with mock.patch.object(choose, "MOST_CPU", 1.3 * price), begun, pytest.raises(InterruptedError):
+    with mock.patch.object(time_grid, "MOST_CPU", 1.3 * price), begun, pytest.raises(InterruptedError):
         proof.prove(given, 1.0)  # both pilots were let begin
 
 
@@ -264,7 +264,7 @@ def test_twins_that_part_without_chaos_are_followed_for_longer() -> None:
     """A random scene whose RMS was 3 % off, 0.06 % said: in six ball passes the nudge had not begun to grow."""
     damping = {"law": "kraemer", "beta": 2.2166e-6}
     stiffness = {"law": "constant", "coefficient": 1.50793 * 8.06e4 * 12.0 ** (8.0 / 9.0), "exponent": 10.0 / 9.0}
-    given = choose.resolved(
+    given = choice.resolved(
         case(
             model="rollers",
             load=31.2773,
@@ -288,7 +288,7 @@ def test_friction_is_no_damping_of_what_bounces() -> None:
     stiff = {"cage": {"pocket_stiffness": "1e10 N/m"}}
     for fields in ({}, {"speed": "12000 rpm", "load": "20 N"}):
         plain, planar, pocket = (
-            choose.limits(case(model=model, defect=SLOT, **LIGHT, **fields, **cage)).damping_ratio
+            choice.limits(case(model=model, defect=SLOT, **LIGHT, **fields, **cage)).damping_ratio
             for model, cage in (("rollers", {}), ("planar", {}), ("planar", stiff))
         )
         assert planar == pocket == pytest.approx(plain, rel=1e-3)
@@ -297,7 +297,7 @@ def test_friction_is_no_damping_of_what_bounces() -> None:
 
 def test_adaptive_methods_are_proven_by_a_tenth_of_the_tolerance() -> None:
     given = rollers(method="rodas")
-    h = choose.grid(given).step
+    h = time_grid.grid(given).step
     whole, half = (assemble.method(given, h, part) for part in (1.0, 0.5))
     assert half.rtol == pytest.approx(0.1 * whole.rtol)
     assert half.atol_q == pytest.approx(0.1 * whole.atol_q)
@@ -310,10 +310,10 @@ def test_a_quiet_line_is_held_to_1_percent_too() -> None:
 
 def test_a_pilot_of_a_ramp_runs_at_its_highest_speed() -> None:
     """At the low speed that it begins with, hardly a ball pass would be seen."""
-    given = choose.resolved(case(ramp={"to": "18000 rpm", "time": "1 s"}, model="planar", duration="2 s"))
+    given = choice.resolved(case(ramp={"to": "18000 rpm", "time": "1 s"}, model="planar", duration="2 s"))
     short, passes = pilot.pilot(given)
     assert short.ramp is None
-    assert choose.grid(short).rate == choose.grid(given).rate == pytest.approx(10.0 * RATE)
+    assert time_grid.grid(short).rate == time_grid.grid(given).rate == pytest.approx(10.0 * RATE)
     assert passes == pytest.approx(pilot.SHARE * 2.03 * 10.0 * RATE, abs=1.0)
 
 
@@ -340,7 +340,7 @@ def test_a_second_pit_out_of_step_is_seen_by_the_proof() -> None:
     fields = {"speed": "12000 rpm", "load": "300 N", "duration": "20 ms", "settle": "6 ms"}
     given = case(model="rollers", defects=pits, method="verlet", **fields)
     said = proof.prove(given, 1.0)
-    fast = given.model_copy(update={"prove": False})
+    fast = given.model_copy(update={"step_check": False})
     true = simulate(fast.model_copy(update={"method": "dop853", "tolerance": 1e-6}))
     found = simulate(fast)
     off = abs(found.features["velocity.rms"] / true.features["velocity.rms"] - 1.0)

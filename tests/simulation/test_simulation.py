@@ -17,12 +17,12 @@ from bearingsim.core.layout import POSITION, Q_MAX, VELOCITY, X
 from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import begin
 from bearingsim.core.outcomes import FINE
-from bearingsim.simulation import channels, choose
+from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.features import OTHER_LINES
 from bearingsim.simulation.simulate import simulate, warm
 from tests.scenes.short_cases import FORCES, RATE, RING, SLOT, case
 
-SIMULATION = importlib.import_module("bearingsim.simulation")
+SIMULATION = importlib.import_module("bearingsim.simulation.simulate")
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
 
 
@@ -45,7 +45,7 @@ def driven(given: Case, signal: Callable[[np.ndarray], np.ndarray]) -> Any:
         return out.shape[1], FINE, -1
 
     with mock.patch.object(INTEGRATION, "advance", known):
-        return simulate(given.model_copy(update={"prove": False}))
+        return simulate(given.model_copy(update={"step_check": False}))
 
 
 SAMPLINGS = [200e3, 10240.0, 1024.0, 12345.678]
@@ -126,8 +126,8 @@ def test_the_time_axis(duration: float, sampling: float, count: int) -> None:
 
 def by_hand(given: Case, passes: int) -> tuple[np.ndarray, float]:
     """Recording (8, steps + 1) of every step from the start at rest (the rows of ROW), and the step (s)."""
-    given = choose.resolved(given)
-    cut, model = choose.grid(given), assemble.model(given)
+    given = choice.resolved(given)
+    cut, model = time_grid.grid(given), assemble.model(given)
     y = assemble.empty_buffer(model)
     rest_from_scratch(assemble.statics(model), 0.0, y)
     begin(model, 0.0, y)
@@ -160,7 +160,7 @@ def test_without_antialias_samples_lie_on_lines_between_steps(settle: float) -> 
 def test_lines_equal_those_of_the_raw_steps(model: str) -> None:
     given = case(model=model, defect=SLOT, settle=0.03, duration=0.04, sampling=2048.0)
     raw, h = by_hand(given, 11)
-    cut = choose.grid(given)
+    cut = time_grid.grid(given)
     start = math.ceil(0.03 * cut.fine_rate - 1e-6) * cut.decimation
     steps = start + np.arange(6 * cut.steps_per_pass)
     theta = 13 * given.start_angle + 2 * np.pi * RATE * h * steps
@@ -336,7 +336,7 @@ def test_forces_count_from_the_first_ball_pass_of_the_record(settle: str, counts
 
 def test_info_says_how_it_was_computed() -> None:
     given = case(defect=SLOT)
-    info, cut = simulate(given).info, choose.grid(given)
+    info, cut = simulate(given).info, time_grid.grid(given)
     assert info["step_s"] == cut.step
     assert info["steps"] == cut.passes * cut.steps_per_pass
     cage = 2 * np.pi * RATE / 13
@@ -393,10 +393,10 @@ def test_the_cusp_of_a_narrow_pit_costs_no_first_order_error(method: str, fields
     """Half the step changes the line by less than 0.5 %, wherever the pit lies, at 50 steps a crossing."""
     given = case(model="rollers", method=method, duration="30 ms", settle="20 ms", **fields)
     given = given.model_copy(update={"defects": (given.defects[0].model_copy(update={"angle": radians(angle)}),)})
-    step = choose.limits(given).crossing / 50
+    step = choice.limits(given).crossing / 50
     found = []
     for h in (step, step / 2):
-        with mock.patch.object(choose, "wanted_step", return_value=h):
+        with mock.patch.object(time_grid, "wanted_step", return_value=h):
             found.append(simulate(given).features["velocity@BPFO"])
     assert found[0] == pytest.approx(found[1], rel=5e-3)
 
@@ -408,7 +408,7 @@ def radians(angle: str) -> float:
 @pytest.mark.parametrize("method", ["verlet", "rk4"])
 def test_the_cusp_lies_where_the_method_wants_it(method: str) -> None:
     given = case(model="rollers", method=method, defect=SLOT | {"angle": "7 deg"})
-    cusp, steps = assemble.METHODS[method].cusp, 12345
+    cusp, steps = assemble.kind_of_method(method).cusp, 12345
     moved = assemble.in_step(assemble.model(given), steps, cusp).bearing
     place = (moved.theta_0 - math.radians(7)) * moved.Z * steps / (2 * math.pi)
     assert abs(place + cusp - round(place + cusp)) < 1e-6

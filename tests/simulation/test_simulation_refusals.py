@@ -10,8 +10,8 @@ import pytest
 
 from bearingsim.core.advance import Watch, advance
 from bearingsim.core.layout import POSITION
-from bearingsim.simulation import choose
-from bearingsim.simulation.choose import SHORTENED
+from bearingsim.simulation import choice, time_grid
+from bearingsim.simulation.choice import SHORTENED
 from bearingsim.simulation.simulate import SimulationError, simulate
 from tests.scenes.short_cases import RATE, SLOT, case
 
@@ -28,10 +28,13 @@ def test_a_step_over_the_limit_is_refused_with_advice() -> None:
 @pytest.mark.parametrize("factor", [2.0, 3.0, 10.0, 30.0])
 @pytest.mark.parametrize(("model", "defects"), [("rollers", ()), ("rollers", (SLOT,)), ("ring", ())])
 def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple, factor: float) -> None:
-    """``choose`` would refuse these: whatever slips past it must not come back as a result."""
+    """``time_grid`` would refuse these: whatever slips past it must not come back as a result."""
     given = case(model=model, defects=defects, sampling=100.0, step="0.1 us")
-    forced = min(factor * choose.limits(given).at_impact, 0.99 / RATE / choose.FEWEST_FINE)
-    with mock.patch.object(choose, "wanted_step", return_value=forced), pytest.raises(SimulationError) as caught:
+    forced = min(factor * choice.limits(given).at_impact, 0.99 / RATE / time_grid.FEWEST_FINE)
+    with (
+        mock.patch.object(time_grid, "wanted_step", return_value=forced),
+        pytest.raises(SimulationError) as caught,
+    ):
         simulate(given)
     assert caught.value.time is not None
     assert 0.0 < caught.value.time < 0.12
@@ -44,8 +47,8 @@ def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple,
 def test_an_automatic_step_that_proves_too_long_is_halved_until_it_is_not(factor: float) -> None:
     """The estimate of the impacts forced to be wrong: the run begins again, and its line is 9.30 um/s as ever."""
     given = case(model="rollers", method="verlet", defect=SLOT, sampling=1000.0)
-    forced = factor * choose.limits(given).at_impact
-    with mock.patch.object(choose, "wanted_step", return_value=forced):
+    forced = factor * choice.limits(given).at_impact
+    with mock.patch.object(time_grid, "wanted_step", return_value=forced):
         found = simulate(given)
     assert found.info["step_s"] in [pytest.approx(forced * part, rel=0.05) for part in SHORTENED[1:]]
     assert 1e6 * found.features["velocity@BPFO"] == pytest.approx(9.30, abs=0.05)
@@ -53,8 +56,11 @@ def test_an_automatic_step_that_proves_too_long_is_halved_until_it_is_not(factor
 
 def test_an_automatic_step_is_not_halved_for_ever() -> None:
     given = case(model="rollers", method="verlet", defect=SLOT, sampling=100.0)
-    forced = 30.0 * choose.limits(given).at_impact
-    with mock.patch.object(choose, "wanted_step", return_value=forced), pytest.raises(SimulationError) as caught:
+    forced = 30.0 * choice.limits(given).at_impact
+    with (
+        mock.patch.object(time_grid, "wanted_step", return_value=forced),
+        pytest.raises(SimulationError) as caught,
+    ):
         simulate(given)
     assert "step under" in caught.value.advice
     assert type(pickle.loads(pickle.dumps(caught.value))) is SimulationError

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
-from bearingsim.assemble import scales
-from bearingsim.simulation import choose, limits
+from bearingsim.catalogue import METHODS
+from bearingsim.simulation import automatic_step, choice, limits
 from bearingsim.stability import judge, matrix, references
 from bearingsim.stability.scene import FINE, MIDDLES, TIMES, crossing, crossings
 from bearingsim.stability.traces import trace
 
-AUTOMATIC = [name for name, kind in assemble.METHODS.items() if kind.automatic]
-ADAPTIVE = [name for name in AUTOMATIC if assemble.METHODS[name].adaptive]
+AUTOMATIC = [name for name, method in METHODS.items() if method.automatic]
+ADAPTIVE = [name for name in AUTOMATIC if METHODS[name].adaptive]
 POSITIONS = 50
 
 
@@ -35,17 +35,17 @@ def reference(scene):
 
 def setting(scene, name):
     """The step or tolerance of a run with `auto`; of steps, whole numbers make up a sample."""
-    if assemble.METHODS[name].adaptive:
-        return scales.TOLERANCE[name]
-    named = choose.using(scene.case, name)
-    return FINE / np.ceil(FINE / choose.automatic_step(named, limits.step_limits(named)))
+    if METHODS[name].adaptive:
+        return METHODS[name].tolerance
+    named = choice.using(scene.case, name)
+    return FINE / np.ceil(FINE / automatic_step.automatic_step(named, limits.step_limits(named)))
 
 
 def length(scene, name):
     """About how long (s) the method's steps are before the first pit: the longest it can be caught with."""
-    if not assemble.METHODS[name].adaptive:
+    if not METHODS[name].adaptive:
         return setting(scene, name)
-    return matrix.asked(scene, scales.TOLERANCE[name]).longest
+    return matrix.asked(scene, METHODS[name].tolerance).longest
 
 
 @pytest.fixture(scope="module")
@@ -100,8 +100,7 @@ def test_a_ring_that_does_not_answer_has_seen_no_crossing():
     scene = bench("0.2 mm slot")
     exact, healthy = reference(scene), reference(bench("healthy"))
     still = exact.velocity * 0.0 + healthy.velocity
-    blind = trace(
-        assemble.METHODS["verlet"], assemble.METHODS["verlet"].parameters(5e-7), scene.model, scene.y, np.inf
-    )
+    verlet = assemble.kind_of_method("verlet").parameters(5e-7)
+    blind = trace("verlet", verlet, scene.model, scene.y, np.inf)
     assert judge.crossings_seen(blind, exact, healthy, crossings(scene.model)) == 3
     assert judge.crossings_seen(blind._replace(velocity=still), exact, healthy, crossings(scene.model)) == 0

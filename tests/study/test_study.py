@@ -120,7 +120,7 @@ def _decimal(value: Fraction) -> str:
         (PLANAR, PLANAR | {"friction": "static-dynamic", "cage": {"motion": "free"}}),
         (PLANAR, PLANAR | {"cage": {"radial_pocket_clearance": "0.2 mm"}}),
         ({}, {"start_angle": math.pi / 13}),
-        ({"model": "static"}, {"model": "static", "prove": "strict"}),
+        ({"model": "static"}, {"model": "static", "step_check": "strict"}),
         ({}, {"contact": {"damping": {"law": "hunt-crossley", "chi": "0.05 s/mm"}}}),
     ],
 )
@@ -143,8 +143,8 @@ def test_equal_physics_equal_id(first: dict[str, Any], second: dict[str, Any]) -
         {"method": "rk4"},
         {"step": "1 us"},
         {"tolerance": 1e-5},
-        {"prove": False},  # a step that does not hold is not halved
-        {"prove": "strict"},  # which may refuse what is done else
+        {"step_check": False},  # a step that does not hold is not halved
+        {"step_check": "strict"},  # which may refuse what is done else
         {"duration": "2 s"},
         {"settle": "0 s"},
         {"start_angle": "0 deg"},

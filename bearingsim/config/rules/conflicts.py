@@ -3,18 +3,18 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from bearingsim import catalogue
 from bearingsim.config.channels import plain, roller_number, slice_number
 from bearingsim.config.rules import hierarchy
 from bearingsim.config.rules.conflict import Conflict, Path
 from bearingsim.config.rules.pits import pit_conflicts
 from bearingsim.config.rules.slicing import slice_count
-from bearingsim.config.sections.contact import OF_LINES
 from bearingsim.config.sections.defect import IMPULSES
 from bearingsim.config.sections.free import Frictionless
 from bearingsim.text.units import show
 
 if TYPE_CHECKING:
-    from bearingsim.config.case import Case
+    from bearingsim.config.case_fields import CaseFields
     from bearingsim.config.sections.free import Shaft
     from bearingsim.config.sections.machine import Rig
 
@@ -25,7 +25,7 @@ HELD_BY_CAGE = ("cage.slip", "cage.axial", "cage.lean", "roller.cage_force", "ro
 __all__ = ["Conflict", "Path", "conflicts"]
 
 
-def conflicts(case: "Case") -> Iterator[Conflict]:
+def conflicts(case: "CaseFields") -> Iterator[Conflict]:
     """Everything in a case that does not fit together."""
     yield from pit_conflicts(case)
     yield from _model(case)
@@ -39,7 +39,7 @@ def conflicts(case: "Case") -> Iterator[Conflict]:
 # Model
 
 
-def _model(case: "Case") -> Iterator[Conflict]:
+def _model(case: "CaseFields") -> Iterator[Conflict]:
     found = hierarchy.lacking(case)
     hint = _able(case)
     for need in found:
@@ -48,18 +48,19 @@ def _model(case: "Case") -> Iterator[Conflict]:
     yield from _method(case)
 
 
-def _method(case: "Case") -> Iterator[Conflict]:
+def _method(case: "CaseFields") -> Iterator[Conflict]:
     paths: tuple[Path, ...] = (("method",), ("model",))
-    if case.model in hierarchy.METHODLESS and case.method is not None:
+    if catalogue.MODELS[case.model].own_method and case.method is not None:
         message = f"the {case.model} model has no method, got `{case.method}`"
         yield Conflict("method", paths, message, "leave it out")
-    if case.tolerance != "auto" and case.method not in ("auto", *hierarchy.ADAPTIVE):
+    adaptive = [method.name for method in catalogue.METHODS.values() if method.adaptive]
+    if case.tolerance != "auto" and case.method not in ("auto", *adaptive):
         what = f"`{case.method}` takes steps of fixed length" if case.method else f"{case.model} has no method"
-        hint = "give a `step`, or one of the methods that choose theirs: " + ", ".join(hierarchy.ADAPTIVE)
+        hint = "give a `step`, or one of the methods that choose theirs: " + ", ".join(adaptive)
         yield Conflict("tolerance", (("tolerance",), *paths), f"{what}: a tolerance does nothing", hint)
 
 
-def _able(case: "Case") -> str:
+def _able(case: "CaseFields") -> str:
     least = hierarchy.least(case)
     return f"the least that can is `model: {least}`" if least else "no model can do all that is asked for"
 
@@ -67,9 +68,9 @@ def _able(case: "Case") -> str:
 # Contact
 
 
-def _contact(case: "Case") -> Iterator[Conflict]:
-    law, element = case.contact.stiffness, case.bearing.element
-    if (element == "ball" and law in OF_LINES) or (element == "roller" and law == "point"):
+def _contact(case: "CaseFields") -> Iterator[Conflict]:
+    law, element = case.contact.elastic_law, case.bearing.element
+    if catalogue.LAWS["stiffness"][law].element not in ("", element):
         paths: tuple[Path, ...] = (("contact", "stiffness"), ("bearing",))
         shape, hint = ("a roller's", "say `point`") if element == "ball" else ("a ball's", "say `palmgren`")
         yield Conflict("contact", paths, f"the law `{law}` is {shape} contact, not a {element}'s", hint)
@@ -78,7 +79,7 @@ def _contact(case: "Case") -> Iterator[Conflict]:
 # Free motion
 
 
-def _free_motion(case: "Case") -> Iterator[Conflict]:
+def _free_motion(case: "CaseFields") -> Iterator[Conflict]:
     if case.unbalance is not None and case.shaft is None:
         message = "an unbalance moves nothing while the inner ring is rigid"
         yield Conflict("shaft", (("unbalance",),), message, "give `shaft: {stiffness: 1e8 N/m, mass: 1 kg}`")
@@ -89,7 +90,7 @@ def _free_motion(case: "Case") -> Iterator[Conflict]:
         yield from _kinematic_cage(case)
 
 
-def _kinematic_cage(case: "Case") -> Iterator[Conflict]:
+def _kinematic_cage(case: "CaseFields") -> Iterator[Conflict]:
     assert case.cage is not None
     motion: Path = ("cage", "motion")
     if case.friction is not None and not isinstance(case.friction, Frictionless):
@@ -109,11 +110,11 @@ def _kinematic_cage(case: "Case") -> Iterator[Conflict]:
 # In space
 
 
-def _in_space(case: "Case") -> Iterator[Conflict]:
+def _in_space(case: "CaseFields") -> Iterator[Conflict]:
     for name, section in (("rig", case.rig), ("shaft", case.shaft)):
         yield from _half_sprung(name, section)
     yield from _lean(case)
-    sliced = case.model in hierarchy.SLICED and case.bearing.roller_length is not None
+    sliced = catalogue.MODELS[case.model].sliced and case.bearing.roller_length is not None
     if sliced and slice_count(case) is None:
         paths: tuple[Path, ...] = (("contact", "slices"), ("defects",))
         message = "the pits cut the roller into more than 64 slices"
@@ -132,7 +133,7 @@ def _half_sprung(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]
         yield Conflict("sprung", paths, f"a ring that leans needs {words} too", "give both stiffnesses")
 
 
-def _lean(case: "Case") -> Iterator[Conflict]:
+def _lean(case: "CaseFields") -> Iterator[Conflict]:
     for ring in ("inner", "outer") if case.misalignment else ():
         lean = getattr(case.misalignment, ring)
         if abs(lean) > MOST_LEAN:
@@ -143,7 +144,7 @@ def _lean(case: "Case") -> Iterator[Conflict]:
 # Record, sizes, times
 
 
-def _record(case: "Case") -> Iterator[Conflict]:
+def _record(case: "CaseFields") -> Iterator[Conflict]:
     for index, name in enumerate(case.record):
         at: Path = ("record", index)
         number = roller_number(name)
@@ -151,12 +152,12 @@ def _record(case: "Case") -> Iterator[Conflict]:
             message = f"there is no roller {number}: the bearing has {case.bearing.rollers}"
             yield Conflict("channel", (at, ("bearing", "rollers")), message, "they count from 1")
         yield from _slice_of(at, name, case)
-        still = _still(name, case) if case.model in hierarchy.FREE else None
+        still = _still(name, case) if catalogue.MODELS[case.model].slips else None
         if still:
             yield Conflict("still", (at,), f"`{name}` stays zero: {still[0]}", still[1])
 
 
-def _slice_of(at: Path, name: str, case: "Case") -> Iterator[Conflict]:
+def _slice_of(at: Path, name: str, case: "CaseFields") -> Iterator[Conflict]:
     number = slice_number(name)
     count = slice_count(case)
     if number is not None and count is not None and number > count:
@@ -166,7 +167,7 @@ def _slice_of(at: Path, name: str, case: "Case") -> Iterator[Conflict]:
         )
 
 
-def _still(name: str, case: "Case") -> tuple[str, str] | None:
+def _still(name: str, case: "CaseFields") -> tuple[str, str] | None:
     """Why a channel of rollers and cage that move freely would be a row of zeros, and what would move it."""
     if name == "ring.rotation" and case.rig.torsion_stiffness is None:
         return "the bracket lets no ring rotate", "give `rig.torsion_stiffness`"
@@ -186,7 +187,7 @@ def _still(name: str, case: "Case") -> tuple[str, str] | None:
     return None
 
 
-def _sizes(case: "Case") -> Iterator[Conflict]:
+def _sizes(case: "CaseFields") -> Iterator[Conflict]:
     if not -0.01 <= case.clearance / case.bearing.roller_diameter <= 0.05:
         shown = show(case.clearance, "um")
         message = f"a clearance of {shown} is beyond -1 % to 5 % of the roller diameter"
@@ -196,6 +197,6 @@ def _sizes(case: "Case") -> Iterator[Conflict]:
         shown, needed = show(case.duration, "ms"), show(ball_pass, "ms")
         timing: tuple[Path, ...] = (("duration",), ("speed",), ("bearing",))
         yield Conflict("duration", timing, f"{shown} is shorter than one ball pass ({needed})")
-    if case.excitation in IMPULSES and case.model == "impulse" and not case.defects:
+    if case.excitation in IMPULSES and not catalogue.MODELS[case.model].takes_pits and not case.defects:
         paths: tuple[Path, ...] = (("model",), ("excitation",))
         yield Conflict("silent", paths, "without a defect there are no impulses", "give a `defect`")

@@ -1,4 +1,4 @@
-"""The models from the lowest to the highest, what each can do, and which of them a case needs.
+"""What a case asks of its model, and which is the lowest in the catalogue that can do it.
 
 A need is firm where a model below would compute something else than what the case says: it is refused. A need
 that is not firm is one of quality: a model below computes the case, but what is asked for is not worth much.
@@ -9,40 +9,16 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from bearingsim import catalogue
 from bearingsim.config.channels import plain
 from bearingsim.config.names import LINE_LOADS
-from bearingsim.config.sections.contact import Constant, General, Kraemer
 from bearingsim.config.sections.defect import IMPULSES, WEAKENED
 from bearingsim.config.sections.free import Frictionless
 from bearingsim.core.geometry.kinematics import cage_speed
 from bearingsim.text.units import show
 
 if TYPE_CHECKING:
-    from bearingsim.config.case import Case
-
-LADDER = ("impulse", "static", "ring", "rollers", "planar", "spatial")
-METHODLESS = ("impulse", "static")
-ADAPTIVE = ("dop853", "dormand-prince", "rodas", "backward-euler")
-"""Methods that choose their own steps by a tolerance; a case's `step` is then the time between records."""
-FREE = ("planar", "spatial")
-"""Models whose rollers and cage move freely."""
-SLICED = ("spatial",)
-"""Models whose rollers are cut into slices, and tilt."""
-
-_STATIC = frozenset({"balance", "forces", "a second load", "shapes", "balls"})
-_RING = _STATIC | {"damping", "acceleration", "weakened contact", "shared pressure"}
-_ROLLERS = _RING | {"inertia of rollers"}
-_PLANAR = _ROLLERS | {"ramp", "gravity", "friction", "cage", "drag", "shaft", "ring rotation", "slip"}
-_SPATIAL = _PLANAR - {"balls", "shared pressure"} | {"tilt", "leaning rings", "profile"}
-
-ABILITIES: dict[str, frozenset[str]] = {
-    "impulse": frozenset({"impulses", "acceleration"}),
-    "static": _STATIC,
-    "ring": _RING,
-    "rollers": _ROLLERS,
-    "planar": _PLANAR,
-    "spatial": _SPATIAL,
-}
+    from bearingsim.config.case_fields import CaseFields
 
 STRIBECK = 4.08  # largest load of a roller over the mean: no clearance, line contact (balls: 4.37)
 NOTABLE = 0.1  # share of the largest load at rest from which the rollers' centrifugal force counts
@@ -62,39 +38,41 @@ class Need(NamedTuple):
     firm: bool = True
 
 
-def needs(case: "Case") -> list[Need]:
+def needs(case: "CaseFields") -> list[Need]:
     """All that a case asks of its model."""
     found = [_of_defects, _of_sections, _of_shapes_along, _of_record, _of_masses]
     return [need for of in found for need in of(case)]
 
 
-def least(case: "Case") -> str | None:
+def least(case: "CaseFields") -> str | None:
     """The lowest model that can do all that the case asks for, or else all that is firm; None if there is none."""
     found = needs(case)
     asked, firm = {need.what for need in found}, {need.what for need in found if need.firm}
-    able = [model for wanted in (asked, firm) for model in LADDER if wanted <= ABILITIES[model]]
+    models = catalogue.MODELS.values()
+    able = [model.name for wanted in (asked, firm) for model in models if wanted <= model.abilities]
     return able[0] if able else None
 
 
-def lacking(case: "Case") -> list[Need]:
+def lacking(case: "CaseFields") -> list[Need]:
     """The firm needs that the case's own model cannot meet."""
-    return [need for need in needs(case) if need.firm and need.what not in ABILITIES[case.model]]
+    return [need for need in needs(case) if need.firm and need.what not in catalogue.MODELS[case.model].abilities]
 
 
-def reasons(case: "Case") -> list[str]:
+def reasons(case: "CaseFields") -> list[str]:
     """What the case asks for that the least model can do and the one below it cannot, in words."""
     chosen = least(case)
     if chosen is None:
         return []
-    below = ABILITIES[LADDER[LADDER.index(chosen) - 1]] if chosen != LADDER[0] else frozenset()
-    able = ABILITIES[chosen] - below
+    order = list(catalogue.MODELS)
+    below = catalogue.MODELS[order[order.index(chosen) - 1]].abilities if chosen != order[0] else frozenset()
+    able = catalogue.MODELS[chosen].abilities - below
     return list(dict.fromkeys(need.why for need in needs(case) if need.what in able))
 
 
 # What asks for what
 
 
-def _of_defects(case: "Case") -> Iterator[Need]:
+def _of_defects(case: "CaseFields") -> Iterator[Need]:
     excitation: tuple[Path, ...] = (("excitation",),)
     if case.excitation in IMPULSES and "excitation" not in case.model_fields_set:
         return  # it came with the model
@@ -128,7 +106,7 @@ _SECTIONS: tuple[tuple[str, str, str], ...] = (
 )
 
 
-def _of_sections(case: "Case") -> Iterator[Need]:
+def _of_sections(case: "CaseFields") -> Iterator[Need]:
     for name, what, why in _SECTIONS:
         if _is_said(case, name):
             yield Need(what, why, ((name,),))
@@ -148,7 +126,7 @@ def _of_sections(case: "Case") -> Iterator[Need]:
         yield Need("damping", "`contact.damping` acts on motion", (("contact", "damping"),), firm=False)
 
 
-def _of_shapes_along(case: "Case") -> Iterator[Need]:
+def _of_shapes_along(case: "CaseFields") -> Iterator[Need]:
     if case.bearing.roller_profile.shape != "straight":
         why = "`roller_profile` shapes the load along the roller"
         yield Need("profile", why, (("bearing", "roller_profile"), ("bearing",)))
@@ -156,7 +134,7 @@ def _of_shapes_along(case: "Case") -> Iterator[Need]:
         yield Need("balls", "its elements are balls, which have no axis to tilt", (("bearing",),))
 
 
-def _is_said(case: "Case", name: str) -> bool:
+def _is_said(case: "CaseFields", name: str) -> bool:
     """Whether a section is written: in a planar case some are filled in."""
     found: Any = getattr(case, name)
     return found is not None and not isinstance(found, Frictionless) and name in case.model_fields_set
@@ -194,7 +172,7 @@ _RECORDED = {
 }
 
 
-def _of_record(case: "Case") -> Iterator[Need]:
+def _of_record(case: "CaseFields") -> Iterator[Need]:
     for index, name in enumerate(case.record):
         known = _RECORDED.get(plain(name))
         if known:
@@ -202,14 +180,14 @@ def _of_record(case: "Case") -> Iterator[Need]:
             yield Need(what, why, (("record", index),), firm=what != "acceleration")
 
 
-def _of_masses(case: "Case") -> Iterator[Need]:
+def _of_masses(case: "CaseFields") -> Iterator[Need]:
     """Rollers that do not follow: thrown into a pit, or outwards by their orbit."""
     shown = [plain(name) for name in case.record]
     sharp = any(name.startswith("roller.") or name == "ring.acceleration" for name in shown)
     if case.defects and case.excitation not in IMPULSES and sharp:
         why = "how a roller strikes the far edge of a pit, and its force there, depend on its mass"
         yield Need("inertia of rollers", why, (("record",),), firm=False)
-    if case.defects and case.excitation not in IMPULSES and jumps(case):
+    if case.defects and case.excitation not in IMPULSES and case.contact.jumps:
         yield Need("inertia of rollers", MASSLESS, (("contact", "damping"),), firm=False)
     force = _centrifugal_force(case)
     load = STRIBECK * math.hypot(case.load, case.load_across) / case.bearing.rollers
@@ -221,18 +199,7 @@ def _of_masses(case: "Case") -> Iterator[Need]:
         yield Need("inertia of rollers", why, (("speed",), ("load",)), firm=False)
 
 
-def jumps(case: "Case") -> bool:
-    """Whether contacts are damped in full as soon as they close: their force jumps then."""
-    match case.contact.damping:
-        case General(coefficient=c, indentation_exponent=m3):
-            return c > 0.0 and math.isclose(m3, 0.0, abs_tol=1e-12)
-        case Kraemer(beta=beta):
-            stiffness = case.contact.stiffness
-            return beta > 0.0 and isinstance(stiffness, Constant) and math.isclose(stiffness.exponent, 1.0)
-    return False
-
-
-def _centrifugal_force(case: "Case") -> float:
+def _centrifugal_force(case: "CaseFields") -> float:
     """m omega_c^2 d_m/2 of one rolling element at the highest speed, N."""
     bearing = case.bearing
     speed = max(case.speed, case.ramp.to) if case.ramp else case.speed

@@ -10,7 +10,7 @@ from bearingsim.config.sections.defect import ROLLED, SIMPLE
 from bearingsim.text.units import show
 
 if TYPE_CHECKING:
-    from bearingsim.config.case import Case
+    from bearingsim.config.case_fields import CaseFields
     from bearingsim.config.sections.defect import Defect
     from bearingsim.config.sections.machine import Bearing
 
@@ -46,7 +46,7 @@ def surface(bearing: "Bearing", race: str) -> Surface:
     )
 
 
-def pit_conflicts(case: "Case") -> Iterator[Conflict]:
+def pit_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     """Everything about a case's pits that does not fit together."""
     for number, defect in enumerate(case.defects):
         at = ("defects", number)
@@ -136,7 +136,7 @@ def _depth(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]
         yield Conflict("deep", (*paths, ("bearing", on.key)), message, hint)
 
 
-def _form(at: Path, defect: "Defect", case: "Case") -> Iterator[Conflict]:
+def _form(at: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
     """Excitations other than the envelope have forms for simple shapes only."""
     if case.excitation in ROLLED:
         return
@@ -153,7 +153,7 @@ def _form(at: Path, defect: "Defect", case: "Case") -> Iterator[Conflict]:
         yield Conflict("form", paths, f"`{case.excitation}` knows sharp edges only", hint)
 
 
-def _elastic_edge(at: Path, defect: "Defect", case: "Case") -> Iterator[Conflict]:
+def _elastic_edge(at: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
     """Elastic edges are rounded, those of all pits alike, and line contacts."""
     paths: tuple[Path, ...] = (("excitation",), (*at, "edge"))
     if case.bearing.element == "ball":
@@ -172,7 +172,7 @@ def _distance(a: "Defect", b: "Defect", bearing: "Bearing") -> float:
     return abs(math.remainder(a.angle - b.angle, 2.0 * math.pi)) * surface(bearing, a.race).radius
 
 
-def _overlap(first: int, second: int, case: "Case") -> Iterator[Conflict]:
+def _overlap(first: int, second: int, case: "CaseFields") -> Iterator[Conflict]:
     """Pits that overlap are felt as one, by who follows the path of a roller."""
     a, b = case.defects[first], case.defects[second]
     if a.element != b.element or case.excitation in ROLLED:
@@ -185,7 +185,7 @@ def _overlap(first: int, second: int, case: "Case") -> Iterator[Conflict]:
         yield Conflict("overlap", paths, message, hint)
 
 
-def _too_wide_together(case: "Case") -> Iterator[Conflict]:
+def _too_wide_together(case: "CaseFields") -> Iterator[Conflict]:
     """Pits that overlap, each one the next, may together be too wide."""
     if case.excitation not in ROLLED:
         return
@@ -199,7 +199,7 @@ def _too_wide_together(case: "Case") -> Iterator[Conflict]:
             return
 
 
-def chain_width(number: int, case: "Case") -> float:
+def chain_width(number: int, case: "CaseFields") -> float:
     """Width (m) of a defect and all that overlap it, directly or over others."""
     chain, left = {number}, set(range(len(case.defects))) - {number}
     while touching := {i for i in left if any(_touch(case, i, j) for j in chain)}:
@@ -212,6 +212,6 @@ def chain_width(number: int, case: "Case") -> float:
     return max(middles[i] + case.defects[i].width / 2.0 for i in chain) - low
 
 
-def _touch(case: "Case", first: int, second: int) -> bool:
+def _touch(case: "CaseFields", first: int, second: int) -> bool:
     a, b = case.defects[first], case.defects[second]
     return a.element == b.element and _distance(a, b, case.bearing) < (a.width + b.width) / 2.0

@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING, Any
 
+from bearingsim import catalogue
 from bearingsim.config.channels import line_load_of
-from bearingsim.config.rules import hierarchy
 
 if TYPE_CHECKING:
-    from bearingsim.config.case import Case
+    from bearingsim.config.case_fields import CaseFields
     from bearingsim.config.sections.defect import Defect
 
 
@@ -15,16 +15,16 @@ def reach(defect: "Defect") -> tuple[float, float]:
     return defect.offset - defect.length / 2.0, defect.offset + defect.length / 2.0
 
 
-def slice_ends(case: "Case") -> Any:
+def slice_ends(case: "CaseFields") -> Any:
     """Ends (n + 1,) of the slices of the case's roller, m from its middle. ValueError if they are too many."""
     from bearingsim.core.geometry.slices import edges  # numpy, which only who computes needs
 
     return edges(float(case.bearing.roller_length or 0.0), map(reach, case.defects), case.contact.slices)
 
 
-def slice_count(case: "Case") -> int | None:
+def slice_count(case: "CaseFields") -> int | None:
     """Slices of the case's roller; None if its model has none, or they are too many: then the case is refused."""
-    if case.model not in hierarchy.SLICED or case.bearing.roller_length is None:
+    if not catalogue.MODELS[case.model].sliced or case.bearing.roller_length is None:
         return None
     try:
         return len(slice_ends(case)) - 1
@@ -32,7 +32,7 @@ def slice_count(case: "Case") -> int | None:
         return None
 
 
-def by_slices(channel: str, case: "Case") -> tuple[str, ...]:
+def by_slices(channel: str, case: "CaseFields") -> tuple[str, ...]:
     """The channel; of a line load along the whole roller one channel for each slice, if the model has slices."""
     whole, count = line_load_of(channel), slice_count(case)
     if whole is None or count is None:

@@ -4,17 +4,14 @@ In this order: axes (``scanfile``), spikes, missing cells, level, noise, middle.
 does and why.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from bearingsim.config.scan.file import Grid, ScanError, mm, places, read_file
-
-if TYPE_CHECKING:
-    from bearingsim.config.case import Case
 
 __all__ = ["Scan", "ScanError", "notes", "read_scan"]
 
@@ -80,7 +77,14 @@ def _doubts(width: float, depth: float) -> Iterator[str]:
         yield f"the pit is only {_um(depth)} deep: is the unit right?"
 
 
-def notes(cases: Iterable["Case"]) -> list[str]:
+class Pitted(Protocol):
+    """What has pits: a case."""
+
+    @property
+    def defects(self) -> Sequence[Any]: ...
+
+
+def notes(cases: Iterable[Pitted]) -> list[str]:
     """What was repaired and assumed in the scans of some cases, each thing once. Raises ScanError."""
     files = dict.fromkeys(d.file for case in cases for d in case.defects if d.file is not None)
     return list(dict.fromkeys(f"{Path(file).name}: {note}" for file in files for note in read_scan(file).notes))

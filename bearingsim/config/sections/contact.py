@@ -1,6 +1,7 @@
 """How rolling elements and races press on each other: stiffness and damping."""
 
-from typing import Annotated, Any, Literal, get_args
+from math import isclose
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Tag
 
@@ -8,7 +9,6 @@ from bearingsim.config.fields import (
     Coefficient,
     Delay,
     InverseVelocity,
-    Laws,
     Number,
     PositiveCoefficient,
     PositiveNumber,
@@ -17,11 +17,7 @@ from bearingsim.config.fields import (
     refuse,
     whole,
 )
-
-StiffnessLaw = Literal["palmgren", "iso16281", "johnson", "point"]
-
-OF_LINES: tuple[StiffnessLaw, ...] = ("palmgren", "iso16281", "johnson")
-"""The laws of a roller on a race; `point` is a ball's."""
+from bearingsim.config.sections.laws import laws_of
 
 
 class HuntCrossley(Section):
@@ -37,6 +33,10 @@ class Kraemer(Section):
     law: Literal["kraemer"] = "kraemer"
     beta: Delay = 1e-5
 
+    def jumps(self, touch_down_stiffness: bool) -> bool:
+        """Whether the force jumps as a contact closes: where it is stiff from the start."""
+        return self.beta > 0.0 and touch_down_stiffness
+
 
 class General(Section):
     """c |v|^m2 delta^m3 with the coefficient in N, mm and s, as multibody tools print it."""
@@ -46,6 +46,10 @@ class General(Section):
     velocity_exponent: Number = 1.0
     indentation_exponent: Number
 
+    def jumps(self, touch_down_stiffness: bool) -> bool:
+        """Whether the force jumps as a contact closes: damping that does not grow with the approach."""
+        return self.coefficient > 0.0 and isclose(self.indentation_exponent, 0.0, abs_tol=1e-12)
+
 
 class Constant(Section):
     """k delta^m of one contact, the coefficient in N and mm (N/mm^m), as multibody tools print it."""
@@ -54,52 +58,55 @@ class Constant(Section):
     coefficient: PositiveCoefficient
     exponent: PositiveNumber
 
+    @property
+    def stiff_at_touch_down(self) -> bool:
+        """Whether the contact is stiff as soon as it closes."""
+        return isclose(self.exponent, 1.0)
 
-DAMPING = Laws(
-    {"hunt-crossley": HuntCrossley, "kraemer": Kraemer, "general": General},
-    default="hunt-crossley",
-    words=("hunt-crossley", "kraemer"),
-)
-STIFFNESS = Laws({"constant": Constant}, default="constant", words=get_args(StiffnessLaw))
+
+DAMPING = laws_of("damping", default="hunt-crossley")
+STIFFNESS = laws_of("stiffness", default="constant")
 
 WORD = "word"
 """Tag of a stiffness law that has no numbers."""
 
-STIFFNESS_WORDS = (*get_args(StiffnessLaw), "constant")
+WORDS = tuple(word for word in STIFFNESS.words if word not in STIFFNESS.sections)
+"""Stiffness laws without numbers."""
+
+KNOWN = (*WORDS, *STIFFNESS.sections)
 
 
 def _stiffness(given: Any) -> Any:
-    """A law without numbers as a word; `constant` as a mapping."""
-    law = given.get("law", "constant") if isinstance(given, dict) else getattr(given, "law", given)
-    if law not in STIFFNESS_WORDS:
-        raise_unknown_word(law, STIFFNESS_WORDS)
-    if law != "constant" and isinstance(given, dict):
+    """A law without numbers as a word; one with numbers as a mapping."""
+    law = STIFFNESS.tag(given) if isinstance(given, dict) else getattr(given, "law", given)
+    if law not in KNOWN:
+        raise_unknown_word(law, KNOWN)
+    if law in WORDS and isinstance(given, dict):
         others = [key for key in given if key != "law"]
         if others:
             refuse("unknown", f"the law `{law}` takes no numbers", f"leave out {', '.join(others)}")
         return law
-    if given == "constant":
-        refuse("missing", "the law `constant` needs numbers", "{law: constant, coefficient: 3e5, exponent: 1.1}")
+    if isinstance(given, str) and law not in WORDS:
+        if law in STIFFNESS.words:
+            return {"law": law}
+        refuse("missing", f"the law `{law}` needs numbers", "{law: constant, coefficient: 3e5, exponent: 1.1}")
     return given
 
 
-def _stiffness_tag(given: Any) -> str:
-    return WORD if isinstance(given, str) else "constant"
+def _stiffness_tag(given: Any) -> Any:
+    return WORD if isinstance(given, str) else STIFFNESS.tag(given)
 
 
-Damping = Annotated[
-    Annotated[HuntCrossley, Tag("hunt-crossley")]
-    | Annotated[Kraemer, Tag("kraemer")]
-    | Annotated[General, Tag("general")],
-    Discriminator(DAMPING.tag),
-    BeforeValidator(DAMPING.spelled),
-]
-
-Stiffness = Annotated[
-    Annotated[StiffnessLaw, Tag(WORD)] | Annotated[Constant, Tag("constant")],
-    Discriminator(_stiffness_tag),
-    BeforeValidator(_stiffness),
-]
+if TYPE_CHECKING:
+    Damping = Section
+    Stiffness = str | Section
+else:
+    Damping = DAMPING.field()
+    Stiffness = Annotated[
+        Annotated[Literal[WORDS], Tag(WORD)] | STIFFNESS.union(),
+        Discriminator(_stiffness_tag),
+        BeforeValidator(_stiffness),
+    ]
 
 
 class Contact(Section):
@@ -114,3 +121,14 @@ class Contact(Section):
     damping: Damping = HuntCrossley()
     length_nodes: Annotated[int, whole(1, 64)] = 24
     slices: Annotated[int, whole(1, 48)] = 24
+
+    @property
+    def elastic_law(self) -> str:
+        """The name of the stiffness law."""
+        return str(getattr(self.stiffness, "law", self.stiffness))
+
+    @property
+    def jumps(self) -> bool:
+        """Whether contacts are damped in full as soon as they close: their force jumps then."""
+        jumps = getattr(self.damping, "jumps", None)  # a law that says nothing of it is continuous
+        return bool(jumps and jumps(getattr(self.stiffness, "stiff_at_touch_down", False)))

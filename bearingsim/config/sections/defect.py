@@ -1,10 +1,11 @@
 """A pit, and how it is let act on the rollers."""
 
 from math import isclose
-from typing import Annotated, Any, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from pydantic import BeforeValidator, model_validator
 
+from bearingsim import catalogue
 from bearingsim.config.fields import (
     Angle,
     Length,
@@ -18,7 +19,6 @@ from bearingsim.config.fields import (
     whole,
 )
 
-Shape = Literal["rectangular", "triangular", "circular", "elliptical", "spall", "scan"]
 Race = Literal["outer", "inner", "roller"]
 Excitation = Literal[
     "envelope",
@@ -42,8 +42,13 @@ WEAKENED: tuple[Excitation, ...] = ("pressure-share", "soft-edge", "elastic-edge
 ROLLED: tuple[Excitation, ...] = ("envelope", *IMPULSES)
 """Excitations that know the path of a roller over any pit; the others have forms for a few shapes only."""
 
-SIMPLE: tuple[Shape, ...] = ("rectangular", "triangular", "circular")
+SIMPLE = tuple(shape.name for shape in catalogue.SHAPES.values() if shape.simple)
 """Shapes for which every excitation has a form."""
+
+if TYPE_CHECKING:
+    Shape = str
+else:
+    Shape = Literal[tuple(catalogue.SHAPES)]
 
 EDGE_RADIUS = 20e-6
 """Radius (m) of edges that give way (`elastic-edge`) and are not said to be sharper or rounder: an assumption."""
@@ -82,7 +87,7 @@ class Defect(Section):
 
     race: Annotated[Race, one_of(*get_args(Race))] = "outer"
     roller: Annotated[int, whole(1, 64)] | None = None
-    shape: Annotated[Shape, one_of(*get_args(Shape))]
+    shape: Annotated[Shape, one_of(*catalogue.SHAPES)]
     length: Length
     width: Length
     depth: Length

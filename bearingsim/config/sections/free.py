@@ -1,8 +1,8 @@
 """What moves freely from the `planar` model on: friction, cage, drag, shaft, ramp. Absent sections are None."""
 
-from typing import Annotated, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
-from pydantic import BeforeValidator, Discriminator, Tag, model_validator
+from pydantic import model_validator
 
 from bearingsim.config.fields import (
     Angle,
@@ -10,7 +10,6 @@ from bearingsim.config.fields import (
     Density,
     Duration,
     InverseVelocity,
-    Laws,
     Length,
     Mass,
     MassRadius,
@@ -27,6 +26,7 @@ from bearingsim.config.fields import (
     one_of,
     refuse,
 )
+from bearingsim.config.sections.laws import laws_of
 
 Motion = Literal["free", "kinematic"]
 Guide = Literal["centred", "rollers", "inner-ring", "outer-ring"]
@@ -81,19 +81,12 @@ class Frictionless(Section):
     law: Literal["none"] = "none"
 
 
-FRICTION = Laws(
-    {"static-dynamic": StaticDynamic, "traction": Traction, "none": Frictionless},
-    default="static-dynamic",
-    words=("static-dynamic", "traction", "none"),
-)
+FRICTION = laws_of("friction", default="static-dynamic")
 
-Friction = Annotated[
-    Annotated[StaticDynamic, Tag("static-dynamic")]
-    | Annotated[Traction, Tag("traction")]
-    | Annotated[Frictionless, Tag("none")],
-    Discriminator(FRICTION.tag),
-    BeforeValidator(FRICTION.spelled),
-]
+if TYPE_CHECKING:
+    Friction = Section
+else:
+    Friction = FRICTION.field()
 
 
 class CageFriction(_Curve):

@@ -5,41 +5,23 @@ With rho = |c_j - u| the distance of a roller from a ring's centre, n from there
 
 from math import cos, sin, sqrt
 
+from bearingsim.core.geometry.sides import frame, ring_of, sign, totals
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import (
     CE,
     COS,
     COS_0,
-    DELTA_I,
-    DELTA_O,
     EPS,
     EPS_V,
-    M_R,
-    M_T,
-    N_R,
-    N_T,
     PC,
     POSITION,
     PS,
-    RHO_I,
-    RHO_O,
     SE,
     SIN,
     SIN_0,
-    T_I,
-    T_O,
-    TILT_I,
-    TILT_O,
-    TORQUE,
-    V_I,
-    V_O,
     VELOCITY,
-    X_I,
-    Y_I,
     Q,
     V,
-    X,
-    Y,
 )
 
 
@@ -78,33 +60,23 @@ def from_centre(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
 
 
 @jit
-def approach_outer(bearing, omega_cage, y, n):
-    """Approach, its rate, normal and sideways speed of every outer contact over an undamaged race."""
+def approach(side, bearing, omega_cage, y, n):
+    """Approach, its rate, normal and sideways speed of every contact of one side over an undamaged race.
+
+    The normal points from the ring's centre to the roller.
+    """
     gap, middle = bearing.gap, 0.5 * (bearing.R_o + bearing.R_i)
-    u_x, u_y, v_x, v_y = y[POSITION + X], y[POSITION + Y], y[VELOCITY + X], y[VELOCITY + Y]
+    normal_r, normal_t, distance, across, _ = frame(side)
+    _, approaches, rates, _, tilts = totals(side)
+    sigma, ring = sign(side), ring_of(side)
+    u_x, u_y, v_x, v_y = y[POSITION + ring], y[POSITION + ring + 1], y[VELOCITY + ring], y[VELOCITY + ring + 1]
     for j in range(n):
         rho, n_r, n_t, short, d_r, d_t = from_centre(
             y[COS + j], y[SIN + j], middle + y[Q + j], y[V + j], omega_cage + y[EPS_V + j], u_x, u_y, v_x, v_y
         )
-        y[RHO_O + j], y[N_R + j], y[N_T + j] = rho, n_r, n_t
-        y[DELTA_O + j] = y[Q + j] - gap - short
-        y[V_O + j] = n_r * d_r + n_t * d_t
-        y[T_O + j] = n_r * d_t - n_t * d_r
-        y[TILT_O + j] = 0.0
-        y[TORQUE + j] = 0.0
-
-
-@jit
-def approach_inner(bearing, omega_cage, y, n):
-    """The same of every inner contact; its normal points from the inner ring's centre to the roller."""
-    gap, middle = bearing.gap, 0.5 * (bearing.R_o + bearing.R_i)
-    u_x, u_y, v_x, v_y = y[POSITION + X_I], y[POSITION + Y_I], y[VELOCITY + X_I], y[VELOCITY + Y_I]
-    for j in range(n):
-        rho, n_r, n_t, short, d_r, d_t = from_centre(
-            y[COS + j], y[SIN + j], middle + y[Q + j], y[V + j], omega_cage + y[EPS_V + j], u_x, u_y, v_x, v_y
-        )
-        y[RHO_I + j], y[M_R + j], y[M_T + j] = rho, n_r, n_t
-        y[DELTA_I + j] = short - gap - y[Q + j]
-        y[V_I + j] = -n_r * d_r - n_t * d_t
-        y[T_I + j] = n_r * d_t - n_t * d_r
-        y[TILT_I + j] = 0.0
+        y[distance + j], y[normal_r + j], y[normal_t + j] = rho, n_r, n_t
+        outwards, lost = (y[Q + j], short) if sigma > 0.0 else (short, y[Q + j])
+        y[approaches + j] = outwards - gap - lost
+        y[rates + j] = sigma * n_t * d_t - -sigma * n_r * d_r  # sigma n.d; written otherwise it rounds otherwise
+        y[across + j] = n_r * d_t - n_t * d_r
+        y[tilts + j] = 0.0

@@ -4,18 +4,30 @@ from typing import Any, NamedTuple
 
 from bearingsim.core.jit import generic
 from bearingsim.core.layout import (
+    APART_I,
+    APART_O,
     DELTA_I,
     DELTA_O,
     INNER_SIDE,
+    M_R,
+    M_T,
+    N_R,
+    N_T,
     OUTER_SIDE,
     Q_I,
     Q_O,
+    RHO_I,
+    RHO_O,
     SLIP_I,
     SLIP_O,
+    T_I,
+    T_O,
     TILT_I,
     TILT_O,
     V_I,
     V_O,
+    X_I,
+    X,
 )
 
 
@@ -40,6 +52,16 @@ def rows_of(side: Any) -> int:
 @generic
 def totals(side: Any) -> tuple[int, int, int, int, int]:
     """Rows of what the planar models call force, approach, its rate, slip and tangential force."""
+
+
+@generic
+def frame(side: Any) -> tuple[int, int, int, int, int]:
+    """Rows of n along e_r and e_theta, of rho, of the speed across n, and of rho's rate over a pit."""
+
+
+@generic
+def ring_of(side: Any) -> int:
+    """The first shared coordinate of the race's ring."""
 
 
 @sign.register(OuterSide)
@@ -70,3 +92,23 @@ def _totals_outer(side):
 @totals.register(InnerSide)
 def _totals_inner(side):
     return Q_I, DELTA_I, V_I, SLIP_I, TILT_I
+
+
+@frame.register(OuterSide)
+def _frame_outer(side):
+    return N_R, N_T, RHO_O, T_O, APART_O
+
+
+@frame.register(InnerSide)
+def _frame_inner(side):
+    return M_R, M_T, RHO_I, T_I, APART_I
+
+
+@ring_of.register(OuterSide)
+def _ring_of_outer(side):
+    return X
+
+
+@ring_of.register(InnerSide)
+def _ring_of_inner(side):
+    return X_I

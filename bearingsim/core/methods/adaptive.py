@@ -42,7 +42,7 @@ from bearingsim.core.layout import (
     VELOCITY,
     shared_cell,
 )
-from bearingsim.core.methods.interface import attempt, interpolate, load_number, prepare, step
+from bearingsim.core.methods.interface import attempt, interpolate, load_number, no_limit, prepare, step
 from bearingsim.core.models.interface import accelerations, freedoms, keep_extremes, width
 from bearingsim.core.outcomes import FINE, STALLED, STEP_FLOOR
 from bearingsim.core.pits.jumps import next_cusp
@@ -103,7 +103,7 @@ def drive(
     """
     prepare.register(parameters)(_prepare)
     step.register(parameters)(_step)
-    load_number.register(parameters)(lambda method, K, C: 0.0)  # held by its error, not by a limit
+    load_number.register(parameters)(no_limit)  # it is held by its error
     estimate_order.register(parameters)(lambda method: order)
     complete.register(parameters)(more)
     dead_end.register(parameters)(lambda method: end)

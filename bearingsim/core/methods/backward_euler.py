@@ -99,7 +99,4 @@ KIND = MethodKind(
     cusp=1 / 2,
     order=1,
     lag=0.0,
-    adaptive=True,
-    implicit=True,
-    automatic=True,
 )

@@ -86,6 +86,4 @@ def _interpolate(method, part, h, y, n):
 
 drive(Dop853, float(ORDER), more_stages)
 
-KIND = MethodKind(
-    Dop853, evaluations=12, fraction=1.0, per_period=1, cusp=0.5, order=8, lag=0.0, adaptive=True, automatic=True
-)
+KIND = MethodKind(Dop853, evaluations=12, fraction=1.0, per_period=1, cusp=0.5, order=8, lag=0.0)

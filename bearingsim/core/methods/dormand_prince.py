@@ -68,6 +68,4 @@ def _interpolate(method, part, h, y, n):
 
 drive(DormandPrince, float(ORDER))
 
-KIND = MethodKind(
-    DormandPrince, evaluations=6, fraction=1.0, per_period=1, cusp=0.5, order=5, lag=0.0, adaptive=True
-)
+KIND = MethodKind(DormandPrince, evaluations=6, fraction=1.0, per_period=1, cusp=0.5, order=5, lag=0.0)

@@ -8,7 +8,7 @@ out right.
 from typing import NamedTuple
 
 from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY, X, Y
-from bearingsim.core.methods.interface import MethodKind, load_number, step
+from bearingsim.core.methods.interface import MethodKind, load_number, no_limit, step
 from bearingsim.core.models.equilibrium import find_rest
 
 
@@ -33,9 +33,5 @@ def _step(method, model, t, y):
     y[ACCELERATION + Y] = (y_2 - 2.0 * y_1 + y_0) / (h * h)
 
 
-@load_number.register(Equilibrium)
-def _load_number(method, K, C):
-    return 0.0
-
-
+load_number.register(Equilibrium)(no_limit)
 KIND = MethodKind(Equilibrium, evaluations=3, fraction=1.0, per_period=1, cusp=1 / 2)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, EVALUATED, FAILED, POSITION, VELOCITY
 from bearingsim.core.methods.adaptive import START_Q, START_V, bring_back, fill_levers, keep
-from bearingsim.core.methods.interface import MethodKind, Tolerances, load_number, prepare, step
+from bearingsim.core.methods.interface import MethodKind, Tolerances, load_number, no_limit, prepare, step
 from bearingsim.core.methods.newton import BASE_Q, BASE_V, FREE, OFFSET, SOUGHT, Equation, find
 from bearingsim.core.models.interface import accelerations, width
 from bearingsim.core.outcomes import NEWTON_STALLED
@@ -87,7 +87,7 @@ def _step(method, model, t, y):
 
 prepare.register(GeneralisedAlpha)(_prepare)
 step.register(GeneralisedAlpha)(_step)
-load_number.register(GeneralisedAlpha)(lambda method, K, C: 0.0)
+load_number.register(GeneralisedAlpha)(no_limit)
 
 KIND = MethodKind(
     GeneralisedAlpha,
@@ -97,5 +97,4 @@ KIND = MethodKind(
     cusp=1 / 2,
     order=2,
     lag=0.0,
-    implicit=True,
 )

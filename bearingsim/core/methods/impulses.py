@@ -15,7 +15,7 @@ import numpy as np
 
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import ACCELERATION, POSITION, STAGE, VELOCITY, X, Y
-from bearingsim.core.methods.interface import MethodKind, load_number, step
+from bearingsim.core.methods.interface import MethodKind, load_number, no_limit, step
 from bearingsim.core.models.impulse import swing
 
 SPEED = STAGE  # the true velocity, m/s, from the ring's x on
@@ -60,9 +60,5 @@ def _step(method, model, t, y):
     take(model.m, model.K_y, model.C_y, model.times, model.J_y, t, method.h, y, Y)
 
 
-@load_number.register(Impulses)
-def _load_number(method, K, C):
-    return 0.0
-
-
+load_number.register(Impulses)(no_limit)
 KIND = MethodKind(Impulses, evaluations=1, fraction=1.0, per_period=30, cusp=1 / 2)

@@ -14,9 +14,8 @@ class MethodKind(NamedTuple):
     impact, the most an automatic step takes; per_period: steps of an automatic run in a period of the contact,
     which light damping lets ring; cusp: the part of a step after which a force that jumps is still integrated
     without a first-order error (where the method's weights after it add up to the time after it); order: on smooth
-    motion; lag: of friction, in steps: 1 where steep friction would limit the step, else 0 (``friction.rub``);
-    adaptive: it chooses its steps by an estimate of their error, its parameters are those of ``Tolerances``;
-    implicit: it solves with the model's derivatives; automatic: `method: auto` may choose it.
+    motion; lag: of friction, in steps: 1 where steep friction would limit the step, else 0 (``friction/lag.py``).
+    What a case may ask of it stands in the catalogue; parameters of an adaptive one are those of ``Tolerances``.
     """
 
     parameters: type
@@ -26,9 +25,6 @@ class MethodKind(NamedTuple):
     cusp: float
     order: int = 2
     lag: float = 1.0
-    adaptive: bool = False
-    implicit: bool = False
-    automatic: bool = False
 
 
 class Tolerances(NamedTuple):
@@ -79,3 +75,8 @@ def load_number(method: Any, K: float, C: float) -> float:
 
     K: stiffness over mass (1/s^2), C: damping over mass (1/s) of one body.
     """
+
+
+def no_limit(method, K, C):
+    """``load_number`` of a method whose step needs no such watch."""
+    return 0.0

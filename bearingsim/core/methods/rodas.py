@@ -178,7 +178,4 @@ KIND = MethodKind(
     cusp=1 / 2,
     order=4,
     lag=0.0,
-    adaptive=True,
-    implicit=True,
-    automatic=True,
 )

@@ -57,5 +57,4 @@ KIND = MethodKind(
     cusp=1 / 2,
     order=1,
     lag=0.0,
-    implicit=True,
 )

@@ -54,4 +54,4 @@ def _load_number(method, K, C):
     return method.h * (0.25 * method.h * K + C)
 
 
-KIND = MethodKind(Verlet, evaluations=1, fraction=0.5, per_period=40, cusp=1 / 2, order=2, automatic=True)
+KIND = MethodKind(Verlet, evaluations=1, fraction=0.5, per_period=40, cusp=1 / 2, order=2)

@@ -15,8 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.damping import damping_slope, in_series
-from bearingsim.core.laws.stiffness import share, tangent
+from bearingsim.core.laws.damping.interface import damping_bound, in_series
+from bearingsim.core.laws.stiffness.interface import tangent
+from bearingsim.core.laws.stiffness.series import share
 from bearingsim.core.layout import (
     COS,
     COS_0,
@@ -35,9 +36,10 @@ from bearingsim.core.layout import (
     X,
     Y,
 )
+from bearingsim.core.models.outer_ring import standing_force
 from bearingsim.core.parameters import turns
 from bearingsim.core.pits.on_roller import elastic_over_pit, outdone, standing
-from bearingsim.core.pits.pairs import HALF_WIDTH, SIDE
+from bearingsim.core.pits.pairs import HALF_WIDTH, INNER, OUTER, SIDE
 
 K_SERIES = WORK  # work row: stiffness of the two contacts of a roller in series, N/m
 PIT, ALONG = WORK + ROW, WORK + 3 * ROW  # work rows, two each (outer, inner): the meeting that a roller's contact
@@ -52,24 +54,21 @@ class NoEquilibrium(ArithmeticError):
 
 
 @jit
-def outer_force(model, y, j, delta):
-    """Force (N), slope (N/m) and mean approach (m) of roller ``j``'s outer contact, ``delta`` (m) in the race."""
-    return elastic_over_pit(model.outer.stiffness, model.pits, int(y[PIT + j]), y[ALONG + j], delta)
+def contact_force(contact, side, pits, y, j, delta):
+    """Force (N), slope (N/m) and mean approach (m) of a contact of roller ``j``, ``delta`` (m) in the race.
 
-
-@jit
-def inner_force(model, y, j, delta):
-    """The same for its inner contact."""
-    d, s = int(y[PIT + ROW + j]), y[ALONG + ROW + j]
-    return elastic_over_pit(model.inner.stiffness, model.pits, d, s, delta)
+    side: OUTER or INNER.
+    """
+    d, s = int(y[PIT + side * ROW + j]), y[ALONG + side * ROW + j]
+    return elastic_over_pit(contact.stiffness, pits, d, s, delta)
 
 
 @jit
 def excess_force(model, y, j, touch, q):
     """Net inward force (N) on a roller at ``q`` (m) and its slope; ``touch`` is where it meets the outer race."""
     bearing = model.bearing
-    outer, k_o, _ = outer_force(model, y, j, q - touch)
-    inner, k_i, _ = inner_force(model, y, j, -bearing.gap - q)
+    outer, k_o, _ = contact_force(model.outer, OUTER, model.pits, y, j, q - touch)
+    inner, k_i, _ = contact_force(model.inner, INNER, model.pits, y, j, -bearing.gap - q)
     r = 0.5 * (bearing.R_o + bearing.R_i) + q
     return outer - inner - bearing.m_r * bearing.omega_c * bearing.omega_c * r, k_o + k_i
 
@@ -124,7 +123,7 @@ def find_pits(model, t, y):
 @jit
 def balance_rollers(model, t, y):
     """Balance every roller for the ring position in ``y``; fills its angle, approach, force and K_SERIES rows."""
-    bearing = model.bearing
+    bearing, pits = model.bearing, model.pits
     find_pits(model, t, y)
     theta_c, _, _ = turns(bearing, t)
     C, S = cos(theta_c), sin(theta_c)
@@ -134,8 +133,9 @@ def balance_rollers(model, t, y):
         u_r = y[POSITION + X] * c + y[POSITION + Y] * s
         q = roller_balance(model, y, j, u_r)
         y[COS + j], y[SIN + j], y[Q + j] = c, s, q
-        y[Q_O + j], k_o, y[DELTA_O + j] = outer_force(model, y, j, q - u_r - bearing.gap)
-        y[Q_I + j], k_i, y[DELTA_I + j] = inner_force(model, y, j, -bearing.gap - q)
+        outer, inner = q - u_r - bearing.gap, -bearing.gap - q
+        y[Q_O + j], k_o, y[DELTA_O + j] = contact_force(model.outer, OUTER, pits, y, j, outer)
+        y[Q_I + j], k_i, y[DELTA_I + j] = contact_force(model.inner, INNER, pits, y, j, inner)
         carries = y[Q_O + j] > 0.0 and y[Q_I + j] > 0.0
         y[K_SERIES + j] = k_o * k_i / (k_o + k_i) if carries else 0.0
 
@@ -143,9 +143,7 @@ def balance_rollers(model, t, y):
 @jit
 def net_force(model, y):
     """Net force (N) on the ring, from the rows that ``balance_rollers`` filled."""
-    support = model.support
-    f_x = -support.F - support.k_b * (y[POSITION + X] - support.x_0)
-    f_y = -support.F_across - support.k_b * (y[POSITION + Y] - support.y_0)
+    f_x, f_y = standing_force(model.support, 0.0, 0.0, y)
     for j in range(model.bearing.Z):
         f_x += y[Q_O + j] * y[COS + j]
         f_y += y[Q_O + j] * y[SIN + j]
@@ -281,8 +279,8 @@ def ring_damping(Z, outer, inner, y):
     """Damping (N s/m) that ``Z`` rollers offer the ring along e_0 and e_90: a roller's two contacts in series."""
     c_xx, c_yy = 0.0, 0.0
     for j in range(Z):
-        of_outer = damping_slope(outer, max(y[DELTA_O + j], 0.0), 0.0)
-        of_inner = damping_slope(inner, max(y[DELTA_I + j], 0.0), 0.0)
+        of_outer = damping_bound(outer, max(y[DELTA_O + j], 0.0), 0.0)
+        of_inner = damping_bound(inner, max(y[DELTA_I + j], 0.0), 0.0)
         both = in_series(of_outer, of_inner)
         c_xx += both * y[COS + j] * y[COS + j]
         c_yy += both * y[SIN + j] * y[SIN + j]

@@ -17,16 +17,9 @@ import numpy as np
 
 from bearingsim.core.jit import jit
 from bearingsim.core.layout import LANES
-from bearingsim.core.models.interface import (
-    ModelKind,
-    begin,
-    damping_per_mass,
-    keep_extremes,
-    stiffness_per_mass,
-    watched,
-    width,
-)
+from bearingsim.core.models.interface import ModelKind, keep_extremes, solved, width
 from bearingsim.core.parameters import Bearing
+from bearingsim.core.pits.crossings import spot
 
 
 class Impulse(NamedTuple):
@@ -76,14 +69,12 @@ def swing(m, K, C, t, x, v):
     return x * (c + beta * s) + v * s, v * (c - beta * s) - x * K / m * s
 
 
+solved(Impulse)
+
+
 @width.register(Impulse)
 def _width(model):
     return LANES
-
-
-@begin.register(Impulse)
-def _begin(model, t, y):
-    return None
 
 
 @keep_extremes.register(Impulse)
@@ -91,19 +82,9 @@ def _keep_extremes(model, y):
     return None
 
 
-@watched.register(Impulse)
-def _watched(model):
-    return 0
+@spot.register(Impulse)
+def _spot(model, t, y):
+    return None  # its train was made of every crossing
 
 
-@stiffness_per_mass.register(Impulse)
-def _stiffness_per_mass(model, y, j):
-    return 0.0
-
-
-@damping_per_mass.register(Impulse)
-def _damping_per_mass(model, y, j):
-    return 0.0
-
-
-KIND = ModelKind(Impulse, loaded=False, slips=False, sliced=False, memoryless=False, per_crossing=8, cost=0.3e-6)
+KIND = ModelKind(Impulse, per_crossing=8)

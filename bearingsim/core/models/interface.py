@@ -8,22 +8,13 @@ from bearingsim.core.jit import generic
 
 
 class ModelKind(NamedTuple):
-    """What others must know of a model.
+    """What belongs to a model's code; the rest of what is known of it stands in the catalogue.
 
-    parameters: its ``NamedTuple``; loaded: its rollers carry load, and it starts from their static equilibrium;
-    slips: rollers and cage move freely and can slip; sliced: rollers are cut into slices, and tilt; memoryless:
-    each instant stands alone, so it needs no method; per_crossing: steps of an automatic run over the narrowest
-    pit; cost: CPU s of an evaluation, of a sliced model for each slice (benchmarks/step_cost.py, one core of a
-    2.6 GHz server; for estimates only).
+    parameters: its ``NamedTuple``; per_crossing: steps of an automatic run over the narrowest pit.
     """
 
     parameters: type
-    loaded: bool
-    slips: bool
-    sliced: bool
-    memoryless: bool
     per_crossing: int
-    cost: float
 
 
 @generic
@@ -77,3 +68,11 @@ def linearise(model: Any, t: float, y: np.ndarray) -> None:
     roller feels itself and the shared coordinates only. The rows that ``accelerations`` fills are those of this
     state.
     """
+
+
+def solved(parameters: type) -> None:
+    """Register a model that is solved, not integrated: it needs no beginning, and no body limits its step."""
+    begin.register(parameters)(lambda model, t, y: None)
+    watched.register(parameters)(lambda model: 0)
+    stiffness_per_mass.register(parameters)(lambda model, y, j: 0.0)
+    damping_per_mass.register(parameters)(lambda model, y, j: 0.0)

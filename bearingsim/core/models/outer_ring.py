@@ -1,4 +1,7 @@
-"""What every model with a moving ring shares: angles of the rollers, and the ring's own equation of motion."""
+"""What every model with a moving ring shares: angles of the rollers, and the ring's own equation of motion.
+
+m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)
+"""
 
 from math import cos, sin
 
@@ -9,6 +12,8 @@ from bearingsim.core.layout import (
     BY_VELOCITY,
     COS,
     COS_0,
+    F_X,
+    F_Y,
     POSITION,
     Q_O,
     SIN,
@@ -30,17 +35,43 @@ def turn(theta_c, y, n):
 
 
 @jit
+def standing_force(support, f_x, f_y, y):
+    """``f_x``, ``f_y`` (N), with the load and the bracket's spring: what acts on a ring that stands."""
+    f_x = f_x - support.F - support.k_b * (y[POSITION + X] - support.x_0)
+    f_y = f_y - support.F_across - support.k_b * (y[POSITION + Y] - support.y_0)
+    return f_x, f_y
+
+
+@jit
+def moving_force(support, f_x, f_y, y):
+    """The same with the bracket's damper: what acts on a ring that moves."""
+    f_x, f_y = standing_force(support, f_x, f_y, y)
+    return f_x - support.c_b * y[VELOCITY + X], f_y - support.c_b * y[VELOCITY + Y]
+
+
+@jit
+def accelerate(m_o, f_x, f_y, y):
+    """Write the ring's acceleration under all forces (N)."""
+    y[ACCELERATION + X] = f_x / m_o
+    y[ACCELERATION + Y] = f_y / m_o
+
+
+@jit
 def accelerate_ring(model, y, n):
-    """m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)."""
-    support, m_o = model.support, model.bearing.m_o
+    """The ring's acceleration under contacts whose normals go through the bearing's centre."""
     f_x, f_y = 0.0, 0.0
     for j in range(n):
         f_x = add(f_x, y[Q_O + j] * y[COS + j])
         f_y = add(f_y, y[Q_O + j] * y[SIN + j])
-    f_x += -support.F - support.k_b * (y[POSITION + X] - support.x_0) - support.c_b * y[VELOCITY + X]
-    f_y += -support.F_across - support.k_b * (y[POSITION + Y] - support.y_0) - support.c_b * y[VELOCITY + Y]
-    y[ACCELERATION + X] = f_x / m_o
-    y[ACCELERATION + Y] = f_y / m_o
+    held_x, held_y = moving_force(model.support, 0.0, 0.0, y)
+    accelerate(model.bearing.m_o, f_x + held_x, f_y + held_y, y)
+
+
+@jit
+def move_outer_ring(model, y):
+    """Its acceleration under what the rollers, and a guided cage, have pushed into its cells."""
+    f_x, f_y = moving_force(model.support, y[F_X], y[F_Y], y)
+    accelerate(model.bearing.m_o, f_x, f_y, y)
 
 
 @jit

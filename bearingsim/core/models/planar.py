@@ -19,10 +19,12 @@ from math import atan2, sqrt
 from typing import Any, NamedTuple
 
 from bearingsim.core.geometry.motion import elapsed
-from bearingsim.core.geometry.plane import approach_inner, approach_outer, place
+from bearingsim.core.geometry.plane import approach, place
+from bearingsim.core.geometry.sides import InnerSide, OuterSide, frame, sign, totals
 from bearingsim.core.jit import add, jit
-from bearingsim.core.laws.damping import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.laws.friction import lagged, mu, rub, steepest
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
+from bearingsim.core.laws.friction.interface import mu, steepest
+from bearingsim.core.laws.friction.lag import lagged, rub
 from bearingsim.core.layout import (
     ACCELERATION,
     APART_I,
@@ -73,8 +75,6 @@ from bearingsim.core.layout import (
     A,
     Q,
     V,
-    X,
-    Y,
 )
 from bearingsim.core.models.extremes import keep_forces
 from bearingsim.core.models.interface import (
@@ -89,12 +89,13 @@ from bearingsim.core.models.interface import (
     watched,
     width,
 )
+from bearingsim.core.models.outer_ring import move_outer_ring
 from bearingsim.core.models.planar_derivatives import differentiate
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts.cage import drive_cage, let_go, orbit_drag, pocket_stiffness, pockets
 from bearingsim.core.parts.shaft import held_damping, held_stiffness, move_inner_ring, rotate_ring
 from bearingsim.core.pits.jumps import next_cusp, next_cusp_freely
-from bearingsim.core.pits.on_roller import force_over_pit, outdone, standing
+from bearingsim.core.pits.on_roller import correct_contact, outdone, standing
 from bearingsim.core.pits.pairs import HALF_WIDTH, ON, ON_INNER, OUTER, RADIUS, SIDE, Pits, meeting
 
 AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
@@ -104,8 +105,8 @@ class Planar(NamedTuple):
     """Parameters of the model.
 
     outer, inner: contact laws at the races; motion: ``geometry/motion.py``; friction: at the races
-    (``laws/friction.py``); cage, drag: ``parts/cage.py``; shaft, bracket: ``parts/shaft.py``; gravity: m/s^2 along
-    e_0, on rollers and cage (a ring's weight is part of its load); lag: of friction, s (``friction.rub``).
+    (``laws/friction``); cage, drag: ``parts/cage.py``; shaft, bracket: ``parts/shaft.py``; gravity: m/s^2 along
+    e_0, on rollers and cage (a ring's weight is part of its load); lag: of friction, s (``friction/lag.py``).
     """
 
     bearing: Bearing
@@ -138,7 +139,7 @@ next_cusp.register(Planar)(next_cusp_freely)
 
 @standing.register(Planar)
 def _standing(model, d, t, y):
-    """From where rollers, rings and cage are, and the rows that ``approach_outer`` and ``approach_inner`` fill."""
+    """From where rollers, rings and cage are, and the rows that ``approach`` fills."""
     b, head = model.bearing, model.pits.head[d]
     time, _, _ = elapsed(model.motion, t)
     turned = b.omega_c * time + y[POSITION + PHI_C]
@@ -168,23 +169,27 @@ def over_pits(model, t, omega_i, spin, y):
             elif on == ON_INNER:
                 turning = omega_i
             if outer:
-                speed = radius * (y[T_O + j] / y[RHO_O + j] - turning)
-                y[APART_O + j] = y[V_O + j]
-                y[Q_O + j], sideways, y[DELTA_O + j], y[V_O + j] = force_over_pit(
-                    model.outer, pits, d, s, speed, y[DELTA_O + j], y[V_O + j]
-                )
-                y[TILT_O + j] = sideways * radius / y[RHO_O + j]
+                sideways = tilt_contact(OuterSide(), model.outer, pits, d, j, s, turning, y)
                 torque -= 0.0 if own else sideways * radius
             else:
-                speed = radius * (y[T_I + j] / y[RHO_I + j] - turning)
-                y[APART_I + j] = -y[V_I + j]
-                y[Q_I + j], sideways, y[DELTA_I + j], y[V_I + j] = force_over_pit(
-                    model.inner, pits, d, s, speed, y[DELTA_I + j], y[V_I + j]
-                )
-                y[TILT_I + j] = sideways * radius / y[RHO_I + j]
+                sideways = tilt_contact(InnerSide(), model.inner, pits, d, j, s, turning, y)
             if own:
                 y[TORQUE + j] -= sideways * radius
     return torque
+
+
+@jit
+def tilt_contact(side, law, pits, d, j, s, turning, y):
+    """Correct one contact, whose pit turns at ``turning`` (rad/s), and tilt its normal.
+
+    Returns the sideways part (N) of its force.
+    """
+    (_, _, rho, across, apart), (_, _, rate, _, tilt), radius = frame(side), totals(side), pits.head[d, RADIUS]
+    y[apart + j] = sign(side) * y[rate + j]
+    speed = radius * (y[across + j] / y[rho + j] - turning)
+    sideways = correct_contact(side, law, pits, d, j, s, speed, y)
+    y[tilt + j] = sideways * radius / y[rho + j]
+    return sideways
 
 
 @jit
@@ -237,16 +242,6 @@ def push_rollers(model, omega_cage, omega_i, spin, y, n):
 
 
 @jit
-def move_outer_ring(model, y):
-    """m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + what the rollers (and a guided cage) push."""
-    support, m_o = model.support, model.bearing.m_o
-    f_x = y[F_X] - support.F - support.k_b * (y[POSITION + X] - support.x_0) - support.c_b * y[VELOCITY + X]
-    f_y = y[F_Y] - support.F_across - support.k_b * (y[POSITION + Y] - support.y_0) - support.c_b * y[VELOCITY + Y]
-    y[ACCELERATION + X] = f_x / m_o
-    y[ACCELERATION + Y] = f_y / m_o
-
-
-@jit
 def move_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
     """q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = M/I."""
     b, cage = model.bearing, model.cage
@@ -270,9 +265,10 @@ def _accelerations(model, t, y):
     omega_cage = b.omega_c * rate + y[VELOCITY + PHI_C]
     spin = (b.omega_c - b.omega_b) * rate
     place(b.theta_0 + b.omega_c * time + y[POSITION + PHI_C], y, n)
-    approach_outer(b, omega_cage, y, n)
-    approach_inner(b, omega_cage, y, n)
+    approach(OuterSide(), b, omega_cage, y, n)
+    approach(InnerSide(), b, omega_cage, y, n)
     for j in range(n):
+        y[TORQUE + j] = 0.0
         y[Q_O + j] = normal_force(model.outer, y[DELTA_O + j], y[V_O + j])
         y[Q_I + j] = normal_force(model.inner, y[DELTA_I + j], y[V_I + j])
     torque = 0.0
@@ -299,8 +295,8 @@ keep_extremes.register(Planar)(keep_forces)
 @stiffness_per_mass.register(Planar)
 def _stiffness_per_mass(model, y, j):
     """The roller's between its races, or of its pocket, or of what holds the rings: the largest."""
-    outer = stiffness_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = stiffness_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    outer = stiffness_bound(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = stiffness_bound(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     held = max(held_stiffness(model.shaft), held_stiffness(model.bracket))
     return max(y[INVERSE_MASS + j] * (outer + inner), held, pocket_stiffness(model.cage, y[INVERSE_MASS + j]))
 
@@ -308,8 +304,8 @@ def _stiffness_per_mass(model, y, j):
 @damping_per_mass.register(Planar)
 def _damping_per_mass(model, y, j):
     """Radial damping, or that of what holds the rings, or of friction on slip (see ``rub``): the largest."""
-    outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    outer = damping_bound(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = damping_bound(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     b = model.bearing
     pressed = max(y[Q_O + j], y[Q_I + j]) * 2.0 * b.R_w * b.R_w / b.I_r
     rubbing = steepest(model.friction, b.R_w * b.omega_b) * pressed
@@ -327,4 +323,4 @@ def _linearise(model, t, y):
     differentiate(model, t, y)
 
 
-KIND = ModelKind(Planar, loaded=True, slips=True, sliced=False, memoryless=False, per_crossing=100, cost=0.52e-6)
+KIND = ModelKind(Planar, per_crossing=100)

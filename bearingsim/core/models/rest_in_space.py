@@ -25,8 +25,8 @@ from bearingsim.core.geometry.orientation import body_at
 from bearingsim.core.geometry.plane import place
 from bearingsim.core.geometry.slices import WEIGHT, ZETA
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.damping import stiffness_slope
-from bearingsim.core.laws.stiffness import tangent
+from bearingsim.core.laws.damping.interface import stiffness_bound
+from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.layout import (
     APPROACH_I,
     APPROACH_O,
@@ -71,7 +71,7 @@ from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.models.spatial import hold_rings, orient, pass_on, touch_races
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts.flanges import between_flanges
-from bearingsim.core.parts.mounts import Sprung
+from bearingsim.core.parts.mounts import mount_rates
 
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 STEPS = 100
@@ -109,8 +109,8 @@ def stiffnesses(model, y, k_o, k_i):
         weight = model.slices.table[k, WEIGHT]
         for j in range(model.bearing.Z):
             o, i = y[slice_row(k, APPROACH_O) + j], y[slice_row(k, APPROACH_I) + j]
-            k_o[k, j] = weight * stiffness_slope(model.outer, o, 0.0) if o > 0.0 else 0.0
-            k_i[k, j] = weight * stiffness_slope(model.inner, i, 0.0) if i > 0.0 else 0.0
+            k_o[k, j] = weight * stiffness_bound(model.outer, o, 0.0) if o > 0.0 else 0.0
+            k_i[k, j] = weight * stiffness_bound(model.inner, i, 0.0) if i > 0.0 else 0.0
 
 
 class Statics:
@@ -127,7 +127,7 @@ class Statics:
         self.flung = b.m_r * orbit**2
         self.gyro = orbit * (b.I_r * spin - model.I_t * orbit)
         self.soft = SOFT * tangent(model.outer.stiffness, 1e-7)
-        sprung = [isinstance(model.mount_o, Sprung)] * 3 + [isinstance(model.mount_i, Sprung)] * 3
+        sprung = [mount_rates(mount) is not None for mount in (model.mount_o, model.mount_i) for _ in range(3)]
         self.free = np.array([True, True, *sprung])
         self.cells = POSITION + np.array([X, Y, Z, LEAN_X, LEAN_Y, Z_I, LEAN_X_I, LEAN_Y_I])
         self.unit = np.array([1.0, 1.0, 1.0, self.half, self.half, 1.0, self.half, self.half])  # N per residual
@@ -153,15 +153,17 @@ class Statics:
 
     def mounted(self, held: Any, f_z: float, moment: np.ndarray, cells: np.ndarray) -> tuple[float, float, float]:
         """Residuals along the axis (N) and of the two leans (N m) of a ring in its mount."""
-        if not isinstance(held, Sprung):
+        rates = mount_rates(held)
+        if rates is None:
             return 0.0, 0.0, 0.0
+        k_z, k_lean = rates
         z, b_x, b_y = self.y[cells]
         b_z = np.sqrt(1.0 - b_x**2 - b_y**2)
         turns = np.cross(moment, [b_x, b_y, b_z])
         return (
-            f_z - held.k_z * z,
-            turns[0] - held.k_lean * (b_x - held.lean_x),
-            turns[1] - held.k_lean * (b_y - held.lean_y),
+            f_z - k_z * z,
+            turns[0] - k_lean * (b_x - held.lean_x),
+            turns[1] - k_lean * (b_y - held.lean_y),
         )
 
     def stiffness(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -186,11 +188,8 @@ class Statics:
     def springs(self) -> np.ndarray:
         """What holds the rings besides the rollers (8,): N/m, N m/rad."""
         k_b = self.model.support.k_b + 1e-8 * tangent(self.model.outer.stiffness, 1e-7)
-        held = [
-            k for m in (self.model.mount_o, self.model.mount_i)
-            for k in ((m.k_z, m.k_lean, m.k_lean) if isinstance(m, Sprung) else (1.0, 1.0, 1.0))
-        ]  # fmt: skip
-        return np.array([k_b, k_b, *held])
+        rates = [mount_rates(mount) or (1.0, 1.0) for mount in (self.model.mount_o, self.model.mount_i)]
+        return np.array([k_b, k_b, *(k for k_z, k_lean in rates for k in (k_z, k_lean, k_lean))])
 
     def move_rollers(self, steps: np.ndarray) -> None:
         """Move every roller by its row of ``steps`` (Z, 2), m and rad."""

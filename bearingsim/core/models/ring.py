@@ -18,9 +18,9 @@ the rollers' inertia and centrifugal load.
 from typing import Any, NamedTuple
 
 from bearingsim.core.jit import add, jit
-from bearingsim.core.laws.damping import damping_slope, in_series, normal_force, stiffness_slope
-from bearingsim.core.laws.slopes import slopes
-from bearingsim.core.laws.stiffness import share, tangent
+from bearingsim.core.laws.damping.interface import damping_bound, in_series, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.stiffness.interface import tangent
+from bearingsim.core.laws.stiffness.series import share
 from bearingsim.core.layout import (
     COS,
     DELTA_I,
@@ -166,8 +166,8 @@ def _stiffness_per_mass(model, y, j):
     total = 0.0
     for i in range(lanes(model.bearing)):
         real = y[COS + i] * y[COS + i] + y[SIN + i] * y[SIN + i]  # 1, and 0 in a padded lane
-        outer = stiffness_slope(model.outer, max(y[DELTA_O + i], 0.0), y[V_O + i])
-        inner = stiffness_slope(model.inner, max(y[DELTA_I + i], 0.0), y[V_I + i])
+        outer = stiffness_bound(model.outer, max(y[DELTA_O + i], 0.0), y[V_O + i])
+        inner = stiffness_bound(model.inner, max(y[DELTA_I + i], 0.0), y[V_I + i])
         total = add(total, real * in_series(outer, inner))
     return (total + model.support.k_b) / model.bearing.m_o
 
@@ -177,8 +177,8 @@ def _damping_per_mass(model, y, j):
     total = 0.0
     for i in range(lanes(model.bearing)):
         real = y[COS + i] * y[COS + i] + y[SIN + i] * y[SIN + i]
-        outer = damping_slope(model.outer, max(y[DELTA_O + i], 0.0), y[V_O + i])
-        inner = damping_slope(model.inner, max(y[DELTA_I + i], 0.0), y[V_I + i])
+        outer = damping_bound(model.outer, max(y[DELTA_O + i], 0.0), y[V_O + i])
+        inner = damping_bound(model.inner, max(y[DELTA_I + i], 0.0), y[V_I + i])
         total = add(total, real * in_series(outer, inner))
     return (total + model.support.c_b) / model.bearing.m_o
 
@@ -241,4 +241,4 @@ def _linearise(model, t, y):
     linearise_ring(model, K_RING, C_RING, y, n)
 
 
-KIND = ModelKind(Ring, loaded=True, slips=False, sliced=False, memoryless=False, per_crossing=50, cost=0.19e-6)
+KIND = ModelKind(Ring, per_crossing=50)

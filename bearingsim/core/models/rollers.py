@@ -12,9 +12,9 @@ out: friction, tangential motion, tilt, the bending of the rings.
 
 from typing import Any, NamedTuple
 
+from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.damping import damping_slope, normal_force, stiffness_slope
-from bearingsim.core.laws.slopes import slopes
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
 from bearingsim.core.layout import (
     BY_POSITION,
     BY_VELOCITY,
@@ -57,14 +57,14 @@ from bearingsim.core.models.interface import (
 from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, turn
 from bearingsim.core.parameters import Bearing, Support, lanes, turns
 from bearingsim.core.pits.jumps import next_cusp, next_cusp_evenly
-from bearingsim.core.pits.on_roller import force_over_pit, outdone, slopes_over_pit, standing, standing_evenly
+from bearingsim.core.pits.on_roller import correct_contact, outdone, slopes_over_pit, standing, standing_evenly
 from bearingsim.core.pits.pairs import HALF_WIDTH, OUTER, SIDE, Pits, sliding
 
 K_O, C_O, K_I, C_I = (WORK + n * ROW for n in range(4))  # how a contact's force grows: N/m, N s/m
 
 
 class Rollers(NamedTuple):
-    """Parameters of the model; ``outer``, ``inner``: the contact laws (``laws/damping.py``) at the two races."""
+    """Parameters of the model; ``outer``, ``inner``: the contact laws (``laws/damping``) at the two races."""
 
     bearing: Bearing
     support: Support
@@ -103,23 +103,16 @@ next_cusp.register(Rollers)(next_cusp_evenly)
 
 @jit
 def over_pits(model, t, y):
-    """Correct the contact of each roller that stands over a pit (its force is the sum of its groups).
-
-    The approach and rate kept for the roller are means over what is in contact, for the step watch.
-    """
+    """Correct the contact of each roller that stands over a pit (its force is the sum of its groups)."""
     pits, bearing = model.pits, model.bearing
     for d in range(len(pits.head)):
         j, s = standing(model, d, t, y)
         if abs(s) < pits.head[d, HALF_WIDTH] and not outdone(model, d, j, s, t, y):
             speed = sliding(pits, d, bearing)
             if pits.head[d, SIDE] == OUTER:
-                y[Q_O + j], _, y[DELTA_O + j], y[V_O + j] = force_over_pit(
-                    model.outer, pits, d, s, speed, y[DELTA_O + j], y[V_O + j]
-                )
+                correct_contact(OuterSide(), model.outer, pits, d, j, s, speed, y)
             else:
-                y[Q_I + j], _, y[DELTA_I + j], y[V_I + j] = force_over_pit(
-                    model.inner, pits, d, s, speed, y[DELTA_I + j], y[V_I + j]
-                )
+                correct_contact(InnerSide(), model.inner, pits, d, j, s, speed, y)
 
 
 @accelerations.register(Rollers)
@@ -151,15 +144,15 @@ keep_extremes.register(Rollers)(keep_forces)
 
 @stiffness_per_mass.register(Rollers)
 def _stiffness_per_mass(model, y, j):
-    outer = stiffness_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = stiffness_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    outer = stiffness_bound(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = stiffness_bound(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     return y[INVERSE_MASS + j] * (outer + inner)
 
 
 @damping_per_mass.register(Rollers)
 def _damping_per_mass(model, y, j):
-    outer = damping_slope(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
-    inner = damping_slope(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
+    outer = damping_bound(model.outer, max(y[DELTA_O + j], 0.0), y[V_O + j])
+    inner = damping_bound(model.inner, max(y[DELTA_I + j], 0.0), y[V_I + j])
     return y[INVERSE_MASS + j] * (outer + inner)
 
 
@@ -212,4 +205,4 @@ def _linearise(model, t, y):
 
 
 # at the cusp of a narrow pit the damping force jumps, and decays within 0.2 us: hence more steps over it
-KIND = ModelKind(Rollers, loaded=True, slips=False, sliced=False, memoryless=False, per_crossing=100, cost=0.19e-6)
+KIND = ModelKind(Rollers, per_crossing=100)

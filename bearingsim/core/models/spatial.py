@@ -22,8 +22,9 @@ from bearingsim.core.geometry.plane import place
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA, Slices
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.damping import damping_slope, stiffness_slope
-from bearingsim.core.laws.friction import lagged, steepest
+from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
+from bearingsim.core.laws.friction.interface import steepest
+from bearingsim.core.laws.friction.lag import lagged
 from bearingsim.core.layout import (
     ACCELERATION,
     APPROACH_I,
@@ -111,7 +112,7 @@ from bearingsim.core.models.interface import (
     watched,
     width,
 )
-from bearingsim.core.models.planar import move_outer_ring
+from bearingsim.core.models.outer_ring import move_outer_ring
 from bearingsim.core.models.spatial_derivatives import differentiate_in_space
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts.cage import drive_cage, let_go, orbit_drag, pocket_stiffness
@@ -352,9 +353,9 @@ def along_slices(model, y, j):
         o = max(y[slice_row(i, APPROACH_O) + j], 0.0)
         p = max(y[slice_row(i, APPROACH_I) + j], 0.0)
         stiff = weight * (
-            stiffness_slope(model.outer, o, y[V_O + j]) + stiffness_slope(model.inner, p, y[V_I + j])
+            stiffness_bound(model.outer, o, y[V_O + j]) + stiffness_bound(model.inner, p, y[V_I + j])
         )
-        damp = weight * (damping_slope(model.outer, o, y[V_O + j]) + damping_slope(model.inner, p, y[V_I + j]))
+        damp = weight * (damping_bound(model.outer, o, y[V_O + j]) + damping_bound(model.inner, p, y[V_I + j]))
         k, c = k + stiff, c + damp
         k_tilt, c_tilt = k_tilt + zeta * zeta * stiff, c_tilt + zeta * zeta * damp
     return k, c, k_tilt, c_tilt
@@ -400,4 +401,4 @@ def _linearise(model, t, y):
     differentiate_in_space(model, t, y)
 
 
-KIND = ModelKind(Spatial, loaded=True, slips=True, sliced=True, memoryless=False, per_crossing=100, cost=0.38e-6)
+KIND = ModelKind(Spatial, per_crossing=100)

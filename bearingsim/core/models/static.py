@@ -8,15 +8,7 @@ from typing import Any, NamedTuple
 
 from bearingsim.core.layout import LANES
 from bearingsim.core.models.extremes import keep_forces
-from bearingsim.core.models.interface import (
-    ModelKind,
-    begin,
-    damping_per_mass,
-    keep_extremes,
-    stiffness_per_mass,
-    watched,
-    width,
-)
+from bearingsim.core.models.interface import ModelKind, keep_extremes, solved, width
 from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.pits.on_roller import standing, standing_evenly
 from bearingsim.core.pits.pairs import Pits
@@ -32,7 +24,9 @@ class Static(NamedTuple):
     pits: Pits
 
 
+solved(Static)
 standing.register(Static)(standing_evenly)
+keep_extremes.register(Static)(keep_forces)
 
 
 @width.register(Static)
@@ -40,27 +34,4 @@ def _width(model):
     return LANES
 
 
-@begin.register(Static)
-def _begin(model, t, y):
-    return None
-
-
-keep_extremes.register(Static)(keep_forces)
-
-
-@watched.register(Static)
-def _watched(model):
-    return 0
-
-
-@stiffness_per_mass.register(Static)
-def _stiffness_per_mass(model, y, j):
-    return 0.0
-
-
-@damping_per_mass.register(Static)
-def _damping_per_mass(model, y, j):
-    return 0.0
-
-
-KIND = ModelKind(Static, loaded=True, slips=False, sliced=False, memoryless=True, per_crossing=50, cost=3e-6)
+KIND = ModelKind(Static, per_crossing=50)

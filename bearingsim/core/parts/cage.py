@@ -10,10 +10,10 @@ The walls are flat and radial, so N acts along e_theta; the roller's surface rub
 from math import hypot
 from typing import Any, NamedTuple
 
-from bearingsim.core.jit import add, generic
-from bearingsim.core.laws.damping import normal_force
-from bearingsim.core.laws.friction import mu
-from bearingsim.core.laws.stiffness import tangent
+from bearingsim.core.jit import absent, add, generic
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.friction.interface import mu
+from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.layout import (
     ACCELERATION,
     CE,
@@ -49,6 +49,7 @@ from bearingsim.core.layout import (
 )
 
 
+@absent
 class KinematicCage(NamedTuple):
     """Turns at its kinematic speed about the bearing's centre, every roller in the middle of its pocket."""
 
@@ -68,6 +69,7 @@ class FreeCage(NamedTuple):
     guide: Any
 
 
+@absent
 class Centred(NamedTuple):
     """Its centre stays at the bearing's."""
 
@@ -92,6 +94,7 @@ class RingGuided(NamedTuple):
     friction: Any
 
 
+@absent
 class NoDrag(NamedTuple):
     """Nothing resists."""
 
@@ -107,24 +110,14 @@ class OilDrag(NamedTuple):
     outer: float
 
 
-@generic
+@generic(absent=0.0)
 def orbit_drag(drag: Any, speed: float) -> float:
     """Force (N) on a roller along its orbit at ``speed`` (m/s)."""
 
 
-@generic
+@generic(absent=0.0)
 def land_drag(drag: Any, omega_cage: float, omega_i: float) -> float:
     """Torque (N m) on the cage at its speed and the inner ring's (rad/s)."""
-
-
-@orbit_drag.register(NoDrag)
-def _orbit_drag_none(drag, speed):
-    return 0.0
-
-
-@land_drag.register(NoDrag)
-def _land_drag_none(drag, omega_cage, omega_i):
-    return 0.0
 
 
 @orbit_drag.register(OilDrag)
@@ -137,14 +130,9 @@ def _land_drag_oil(drag, omega_cage, omega_i):
     return -drag.land * (omega_cage - (1.0 - drag.outer) * omega_i)
 
 
-@generic
+@generic(absent=0.0)
 def radial_stop(guide: Any, out: float, speed: float) -> float:
     """Force (N) of a pocket on its roller along e_r, ``out`` (m) and ``speed`` (m/s) outwards from the middle."""
-
-
-@radial_stop.register(Centred)
-def _radial_stop_centred(guide, out, speed):
-    return 0.0
 
 
 @radial_stop.register(RingGuided)
@@ -158,14 +146,9 @@ def _radial_stop_rollers(guide, out, speed):
     return -force if out > 0.0 else force
 
 
-@generic
+@generic(absent=(0.0, 0.0))
 def centre(guide: Any, m: float, y: Any) -> tuple[float, float]:
     """Acceleration (m/s^2) of the cage's centre under the forces gathered in the cells F_X_C, F_Y_C."""
-
-
-@centre.register(Centred)
-def _centre_fixed(guide, m, y):
-    return 0.0, 0.0
 
 
 @centre.register(RollerGuided)
@@ -178,14 +161,9 @@ def _centre_by_ring(guide, m, y):
     return y[F_X_C] / m, y[F_Y_C] / m
 
 
-@generic
+@generic(absent=None)
 def run_on_land(guide: Any, omega_cage: float, omega_i: float, y: Any) -> None:
     """Add the force between cage and guiding land to the cells of the cage and of the ring."""
-
-
-@run_on_land.register(Centred)
-def _run_on_land_centred(guide, omega_cage, omega_i, y):
-    return None
 
 
 @run_on_land.register(RollerGuided)
@@ -221,17 +199,12 @@ def _run_on_land_ring(guide, omega_cage, omega_i, y):
     y[F_Y_I] -= i * f_z
 
 
-@generic
+@generic(absent=None)
 def pockets(cage: Any, model: Any, omega_cage: float, spin: float, y: Any, n: int) -> None:
     """Add the pockets' forces to the rollers' rows PUSH_R, PUSH_T, TORQUE and to the cage's cells; fills Q_P.
 
     omega_cage, spin: the cage's speed and a roller's nominal spin (rad/s).
     """
-
-
-@pockets.register(KinematicCage)
-def _pockets_kinematic(cage, model, omega_cage, spin, y, n):
-    return None
 
 
 @pockets.register(FreeCage)
@@ -288,14 +261,9 @@ def _drive_cage_free(cage, model, omega_cage, omega_i, alpha, y):
     return (y[M_C] + land_drag(model.drag, omega_cage, omega_i)) / cage.inertia
 
 
-@generic
+@generic(absent=0.0)
 def pocket_stiffness(cage: Any, per_mass: float) -> float:
     """Stiffness of a pocket's wall over the mass (1/s^2) of what it parts, a roller's inverse mass being given."""
-
-
-@pocket_stiffness.register(KinematicCage)
-def _pocket_stiffness_kinematic(cage, per_mass):
-    return 0.0
 
 
 @pocket_stiffness.register(FreeCage)
@@ -303,14 +271,9 @@ def _pocket_stiffness_free(cage, per_mass):
     return tangent(cage.pocket.stiffness, cage.play) * (per_mass + 2.0 / cage.m)
 
 
-@generic
+@generic(absent=0.0)
 def let_go(cage: Any, theta_a: float) -> float:
     """A roller's angular acceleration (rad/s^2) under its forces, or none where the cage holds it."""
-
-
-@let_go.register(KinematicCage)
-def _let_go_kinematic(cage, theta_a):
-    return 0.0
 
 
 @let_go.register(FreeCage)

@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 from bearingsim.core.geometry.orientation import Body, body_at, tip, winding_rate
 from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA
 from bearingsim.core.geometry.vectors import across, both, cross, dot, mix, turning
-from bearingsim.core.jit import add, generic, jit
-from bearingsim.core.laws.damping import normal_force
-from bearingsim.core.laws.friction import mu
-from bearingsim.core.laws.stiffness import tangent
+from bearingsim.core.jit import absent, add, generic, jit
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.friction.interface import mu
+from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.layout import (
     ACCELERATION,
     AXIAL,
@@ -78,10 +78,11 @@ from bearingsim.core.layout import (
     Q,
     V,
 )
-from bearingsim.core.parts.cage import FreeCage, KinematicCage, radial_stop
+from bearingsim.core.parts.cage import FreeCage, radial_stop
 from bearingsim.core.parts.races_in_space import AT_REST
 
 
+@absent
 class CageInPlane(NamedTuple):
     """The cage neither leans nor moves along the axis, and does not hold rollers along it."""
 
@@ -114,14 +115,9 @@ def _cage_body_space(cage_z, omega_cage, y):
     return body_at(y, X_C, Z_C, LEAN_X_C, LEAN_Y_C, omega_cage)
 
 
-@generic
+@generic(absent=0.0)
 def axial_stop(cage_z: Any, out: float, speed: float) -> float:
     """Force (N) of a pocket on its roller along the cage's axis, ``out`` (m) and ``speed`` (m/s) outwards."""
-
-
-@axial_stop.register(CageInPlane)
-def _axial_stop_plane(cage_z, out, speed):
-    return 0.0
 
 
 @axial_stop.register(CageInSpace)
@@ -130,14 +126,9 @@ def _axial_stop_space(cage_z, out, speed):
     return -force if out > 0.0 else force
 
 
-@generic
+@generic(absent=0.0)
 def lean_cage(cage_z: Any, cage: Any, body: Body, y: Any) -> float:
     """Write the accelerations of the cage along the axis and of its axis; returns its ``winding_rate``."""
-
-
-@lean_cage.register(CageInPlane)
-def _lean_cage_plane(cage_z, cage, body, y):
-    return 0.0
 
 
 @lean_cage.register(CageInSpace)
@@ -149,14 +140,9 @@ def _lean_cage_space(cage_z, cage, body, y):
     return winding_rate(body, l_x, l_y)
 
 
-@generic
+@generic(absent=0.0)
 def axial_stiffness(cage_z: Any, cage: Any, per_mass: float) -> float:
     """Stiffness of a pocket's end over the mass (1/s^2) of what it parts, a roller's inverse mass being given."""
-
-
-@axial_stiffness.register(CageInPlane)
-def _axial_stiffness_plane(cage_z, cage, per_mass):
-    return 0.0
 
 
 @axial_stiffness.register(CageInSpace)
@@ -164,17 +150,12 @@ def _axial_stiffness_space(cage_z, cage, per_mass):
     return tangent(cage_z.law.stiffness, cage_z.play_z) * (per_mass + 2.0 / cage.m)
 
 
-@generic
+@generic(absent=None)
 def pockets_in_space(cage: Any, model: Any, body: Body, omega_cage: float, spin: float, y: Any, n: int) -> None:
     """Add the pockets' forces to the rollers' PUSH and TURN rows and fill the cage's cells and Q_P.
 
     omega_cage, spin: rate of the cage's angle, and a roller's nominal spin (rad/s).
     """
-
-
-@pockets_in_space.register(KinematicCage)
-def _pockets_kinematic(cage, model, body, omega_cage, spin, y, n):
-    return None
 
 
 @pockets_in_space.register(FreeCage)

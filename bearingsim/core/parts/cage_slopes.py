@@ -4,9 +4,8 @@ from math import hypot
 from typing import Any
 
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.laws.damping import normal_force
-from bearingsim.core.laws.friction import mu, mu_slope
-from bearingsim.core.laws.slopes import slopes
+from bearingsim.core.laws.damping.interface import normal_force, slopes
+from bearingsim.core.laws.friction.interface import mu, mu_slope
 from bearingsim.core.layout import (
     BY_POCKET,
     BY_POSITION,

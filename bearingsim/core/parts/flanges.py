@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 from bearingsim.core.geometry.orientation import Body
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, rows_of, sign
 from bearingsim.core.geometry.vectors import both, cross, dot, mix
-from bearingsim.core.jit import generic, jit
-from bearingsim.core.laws.damping import normal_force
-from bearingsim.core.laws.friction import mu
-from bearingsim.core.laws.stiffness import tangent
+from bearingsim.core.jit import absent, generic, jit
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.friction.interface import mu
+from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.layout import (
     APART_R,
     APART_T,
@@ -56,6 +56,7 @@ from bearingsim.core.layout import (
 from bearingsim.core.parts.races_in_space import AT_REST
 
 
+@absent
 class NoFlanges(NamedTuple):
     """Nothing holds a roller along the axis but friction."""
 
@@ -78,14 +79,9 @@ class Flanges(NamedTuple):
     friction: Any
 
 
-@generic
+@generic(absent=None)
 def guide_axially(flanges: Any, model: Any, outer: Any, inner: Any, y: Any, n: int) -> None:
     """Add what flanges do to the sums of both sides of every roller; outer, inner: the rings."""
-
-
-@guide_axially.register(NoFlanges)
-def _guide_axially_none(flanges, model, outer, inner, y, n):
-    return None
 
 
 @guide_axially.register(Flanges)
@@ -207,7 +203,7 @@ def add_point(at, sigma, N, kappa, g, Y, a, slip, y, j):
     y[RUB_F + j] += kappa
 
 
-@generic
+@generic(absent=0.0)
 def between_flanges(flanges: Any, outer: Body, inner: Body, c: float, s: float, r: float) -> float:
     """Where along the bearing's axis (m) a roller at ``r`` (m), at the angle of c and s, stands among flanges.
 
@@ -215,11 +211,6 @@ def between_flanges(flanges: Any, outer: Body, inner: Body, c: float, s: float, 
     on a ring the roller has its play to either side, with a single one to that one; no flange is pressed unless
     the rings stand further apart than the play.
     """
-
-
-@between_flanges.register(NoFlanges)
-def _between_flanges_none(flanges, outer, inner, c, s, r):
-    return 0.0
 
 
 @between_flanges.register(Flanges)
@@ -230,14 +221,9 @@ def _between_flanges(flanges, outer, inner, c, s, r):
     return (of_outer * z_outer + of_inner * z_inner) / max(of_outer + of_inner, 1.0)
 
 
-@generic
+@generic(absent=0.0)
 def flange_stiffness(flanges: Any, per_mass: float, per_inertia: float, R_w: float) -> float:
     """Stiffness of a flange over what of a roller it moves (1/s^2), its inverse mass and inertia being given."""
-
-
-@flange_stiffness.register(NoFlanges)
-def _flange_stiffness_none(flanges, per_mass, per_inertia, R_w):
-    return 0.0
 
 
 @flange_stiffness.register(Flanges)

@@ -7,10 +7,11 @@ angles of a bearing). A ring that is held with a lean is misaligned.
 from typing import Any, NamedTuple
 
 from bearingsim.core.geometry.orientation import Body, tip, winding_rate
-from bearingsim.core.jit import generic
+from bearingsim.core.jit import absent, generic
 from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY
 
 
+@absent
 class Held(NamedTuple):
     """Does not move along its axis, nor lean further than it was mounted.
 
@@ -62,7 +63,7 @@ def _hold_sprung(held, y, z, lean_x, lean_y):
     return None
 
 
-@generic
+@generic(absent=0.0)
 def move_mounted(
     held: Any, ring: Body, f_z: float, m_x: float, m_y: float, m_z: float, y: Any, z: int, lean_x: int, lean_y: int
 ) -> float:
@@ -70,11 +71,6 @@ def move_mounted(
 
     Returns the torque (N m) that the axis' motion takes up before the ring's angle feels the rest.
     """
-
-
-@move_mounted.register(Held)
-def _move_mounted_held(held, ring, f_z, m_x, m_y, m_z, y, z, lean_x, lean_y):
-    return 0.0
 
 
 @move_mounted.register(Sprung)
@@ -89,24 +85,14 @@ def _move_mounted_sprung(held, ring, f_z, m_x, m_y, m_z, y, z, lean_x, lean_y):
     return held.I_a * winding_rate(b, l_x, l_y)
 
 
-@generic
+@generic(absent=(0.0, 0.0, 0.0))
 def mount_mobility(held: Any) -> tuple[float, float, float]:
     """What a force accelerates the ring by along the axis (1/kg), a moment its axis (1/(kg m^2)); its I_a."""
 
 
-@generic
+@generic(absent=(0.0, 0.0, 0.0, 0.0))
 def mount_springs(held: Any) -> tuple[float, float, float, float]:
     """Springs and dampers over what they hold: along the axis (1/s^2, 1/s), against leaning (1/s^2, 1/s)."""
-
-
-@mount_mobility.register(Held)
-def _mount_mobility_held(held):
-    return 0.0, 0.0, 0.0
-
-
-@mount_springs.register(Held)
-def _mount_springs_held(held):
-    return 0.0, 0.0, 0.0, 0.0
 
 
 @mount_mobility.register(Sprung)
@@ -119,24 +105,24 @@ def _mount_springs_sprung(held):
     return held.k_z / held.m, held.c_z / held.m, held.k_lean / held.I_t, held.c_lean / held.I_t
 
 
-@generic
+@generic(absent=None)
+def mount_rates(held: Any) -> tuple[float, float] | None:
+    """Spring rates along the axis (N/m) and against leaning (N m/rad); None where nothing gives way."""
+
+
+@mount_rates.register(Sprung)
+def _mount_rates_sprung(held):
+    return held.k_z, held.k_lean
+
+
+@generic(absent=0.0)
 def mount_stiffness(held: Any) -> float:
     """The larger stiffness over inertia (1/s^2) of the mount's springs."""
 
 
-@generic
+@generic(absent=0.0)
 def mount_damping(held: Any) -> float:
     """The larger damping over inertia (1/s) of the mount's dampers."""
-
-
-@mount_stiffness.register(Held)
-def _mount_stiffness_held(held):
-    return 0.0
-
-
-@mount_damping.register(Held)
-def _mount_damping_held(held):
-    return 0.0
 
 
 @mount_stiffness.register(Sprung)

@@ -16,9 +16,8 @@ from typing import Any
 from bearingsim.core.geometry.plane import from_centre
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, sign, totals
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.laws.damping import normal_force
-from bearingsim.core.laws.friction import mu, mu_slope
-from bearingsim.core.laws.slopes import slopes
+from bearingsim.core.laws.damping.interface import normal_force, slopes
+from bearingsim.core.laws.friction.interface import mu, mu_slope
 from bearingsim.core.layout import (
     BY_INNER,
     BY_OUTER,

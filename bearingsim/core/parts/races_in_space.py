@@ -13,15 +13,16 @@ acting the arm away from p:
     moment on the roller = a x H + TWIST b + BEND
 
 Friction over slip (KAPPA) is taken with the slip as it is, and acts on the slip as it will be a lag later (see
-``laws/friction.py``, ``rub``), of the mean slips of both contacts, of tilting and of skewing.
+``laws/friction/lag.py``, ``rub``), of the mean slips of both contacts, of tilting and of skewing.
 """
 
 from math import sqrt
 
 from bearingsim.core.geometry.sides import rows_of, sign, totals
 from bearingsim.core.jit import add, jit
-from bearingsim.core.laws.damping import normal_force
-from bearingsim.core.laws.friction import mu, taken
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.friction.interface import mu
+from bearingsim.core.laws.friction.lag import taken
 from bearingsim.core.layout import (
     ALONG_R,
     ALONG_T,

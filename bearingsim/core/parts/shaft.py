@@ -3,10 +3,11 @@
 from math import cos, sin
 from typing import Any, NamedTuple
 
-from bearingsim.core.jit import generic
+from bearingsim.core.jit import absent, generic
 from bearingsim.core.layout import ACCELERATION, F_X_I, F_Y_I, M_RING, POSITION, PSI, VELOCITY, X_I, Y_I
 
 
+@absent
 class RigidShaft(NamedTuple):
     """The inner ring's centre stays where it is."""
 
@@ -25,17 +26,12 @@ class ElasticShaft(NamedTuple):
     angle: float
 
 
-@generic
+@generic(absent=None)
 def move_inner_ring(shaft: Any, model: Any, theta_i: float, omega_i: float, alpha_i: float, y: Any) -> None:
     """Write the inner ring's acceleration from the forces gathered in the cells F_X_I, F_Y_I.
 
     theta_i, omega_i, alpha_i: its angle (rad), speed (rad/s) and angular acceleration (rad/s^2).
     """
-
-
-@move_inner_ring.register(RigidShaft)
-def _move_inner_ring_rigid(shaft, model, theta_i, omega_i, alpha_i, y):
-    return None
 
 
 @move_inner_ring.register(ElasticShaft)
@@ -48,6 +44,7 @@ def _move_inner_ring_elastic(shaft, model, theta_i, omega_i, alpha_i, y):
     y[ACCELERATION + Y_I] = (f_y + shaft.unbalance * (omega_i * omega_i * s - alpha_i * c)) / shaft.m
 
 
+@absent
 class FixedRing(NamedTuple):
     """The bracket does not let the outer ring rotate."""
 
@@ -63,14 +60,9 @@ class TorsionSpring(NamedTuple):
     c: float
 
 
-@generic
+@generic(absent=None)
 def rotate_ring(bracket: Any, y: Any) -> None:
     """Write the outer ring's angular acceleration from the torque gathered in the cell M_RING."""
-
-
-@rotate_ring.register(FixedRing)
-def _rotate_ring_fixed(bracket, y):
-    return None
 
 
 @rotate_ring.register(TorsionSpring)
@@ -79,14 +71,9 @@ def _rotate_ring_spring(bracket, y):
     y[ACCELERATION + PSI] = torque / bracket.inertia
 
 
-@generic
+@generic(absent=0.0)
 def mobility(part: Any) -> float:
     """What a force (N) or torque (N m) accelerates the ring by: 1/kg, 1/(kg m^2); 0 where it is held."""
-
-
-@mobility.register(RigidShaft)
-def _mobility_rigid(part):
-    return 0.0
 
 
 @mobility.register(ElasticShaft)
@@ -94,34 +81,19 @@ def _mobility_shaft(part):
     return 1.0 / part.m
 
 
-@mobility.register(FixedRing)
-def _mobility_fixed(part):
-    return 0.0
-
-
 @mobility.register(TorsionSpring)
 def _mobility_torsion(part):
     return 1.0 / part.inertia
 
 
-@generic
+@generic(absent=0.0)
 def held_stiffness(part: Any) -> float:
     """Stiffness over mass (1/s^2) of the shaft's or the bracket's own spring."""
 
 
-@generic
+@generic(absent=0.0)
 def held_damping(part: Any) -> float:
     """Damping over mass (1/s) of its damper."""
-
-
-@held_stiffness.register(RigidShaft)
-def _held_stiffness_rigid(part):
-    return 0.0
-
-
-@held_damping.register(RigidShaft)
-def _held_damping_rigid(part):
-    return 0.0
 
 
 @held_stiffness.register(ElasticShaft)
@@ -132,16 +104,6 @@ def _held_stiffness_shaft(part):
 @held_damping.register(ElasticShaft)
 def _held_damping_shaft(part):
     return part.c / part.m
-
-
-@held_stiffness.register(FixedRing)
-def _held_stiffness_fixed(part):
-    return 0.0
-
-
-@held_damping.register(FixedRing)
-def _held_damping_fixed(part):
-    return 0.0
 
 
 @held_stiffness.register(TorsionSpring)

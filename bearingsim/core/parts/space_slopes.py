@@ -11,9 +11,8 @@ from bearingsim.core.geometry.sides import rows_of, sign
 from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA
 from bearingsim.core.geometry.vectors import both, cross, dot, mix, turning
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.laws.damping import normal_force
-from bearingsim.core.laws.friction import mu, mu_slope
-from bearingsim.core.laws.slopes import slopes
+from bearingsim.core.laws.damping.interface import normal_force, slopes
+from bearingsim.core.laws.friction.interface import mu, mu_slope
 from bearingsim.core.layout import (
     APPROACH,
     BENT,

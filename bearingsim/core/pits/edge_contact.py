@@ -14,13 +14,14 @@ of itself. f depends on the load through b; it is taken at one reference load. d
 it with finite elements.
 """
 
-from math import e, exp, log, pi, sqrt
+from math import e, exp, inf, log, pi, sqrt
 from typing import NamedTuple
 
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.stiffness import ninth_root
-from bearingsim.core.pits.excitations import felt, groups
-from bearingsim.core.pits.pairs import DEPTH, KAPPA, X_E, B, W, depression
+from bearingsim.core.laws.stiffness.ten_ninths import ninth_root
+from bearingsim.core.pits.depth import Rectangular
+from bearingsim.core.pits.excitations import bend, felt, groups
+from bearingsim.core.pits.pairs import DEPTH, KAPPA, X_E, B, W, depression, depression_bend
 
 REMOVED, AWAY = 0.42, 0.7  # fitted to finite elements: weight of the wall's height, and of the edge's radius
 BEFORE = 2.0  # wall heights before the rim from where the missing material is felt
@@ -138,14 +139,121 @@ def _felt_edge_contact(excitation, group, s, R):
     return kept(f, b, D), h, (slope if s > 0.0 else -slope)
 
 
+# Slopes of the functions above, each along its first argument
+
+
+@jit
+def narrowing_slopes(xi):
+    """Of what ``narrowing`` gives, along ``xi``: of f, and of the place of the pressure's centre (half widths)."""
+    if xi <= -1.0:
+        return 0.0, -1.0
+    root = sqrt(xi * xi + 3.0)
+    c, arm = 2.0 / 3.0 * (root - xi), 2.0 * (root + xi)  # 3 c + 4 xi
+    c_slope, arm_slope = -c / root, arm / root
+    f_slope = c + c_slope * (xi - 2.0 / c) + 4.0 * min(xi, 0.0)
+    centre_slope = (c_slope * (2.0 * c + xi) + c - c * (c + xi) * arm_slope / arm) / arm
+    return f_slope, centre_slope
+
+
+@jit
+def softening_slope(from_rim, wall, rho):
+    """Of ``softening`` (1/m)."""
+    reach = from_rim + AWAY * rho
+    part = REMOVED * wall / reach
+    return -2.0 * part * part / ((1.0 + part * part) * reach)
+
+
+@jit
+def one_edge_slope(x, b, wall, rho, R):
+    """Of ``one_edge`` (1/m)."""
+    (sharp, centre), (sharp_slope, centre_slope) = narrowing(x / b), narrowing_slopes(x / b)
+    blunt = min(rho / R, 1.0)
+    narrow = (1.0 - blunt) * exp(-sharp)
+    slope = narrow / (narrow + blunt) * sharp_slope / b
+    if softening(centre * b, wall, rho) > softening(max(BEFORE * wall, b), wall, rho):
+        slope += softening_slope(centre * b, wall, rho) * centre_slope
+    return slope
+
+
+@jit
+def ridge_slope(x, beyond, b, rho, R):
+    """Of ``ridge`` (1/m), ``x`` and ``beyond`` growing together."""
+    before, after = exp(-one_edge(x, b, 0.0, rho, R)), exp(-one_edge(-beyond, b, 0.0, rho, R))
+    before_slope = -before * one_edge_slope(x, b, 0.0, rho, R)
+    after_slope = after * one_edge_slope(-beyond, b, 0.0, rho, R)
+    either = 1.0 - (1.0 - before) * (1.0 - after)
+    return -(before_slope * (1.0 - after) + after_slope * (1.0 - before)) / either
+
+
+@jit
+def kept_slope(f, b, D):
+    """Of ``kept``."""
+    race = 2.0 * log(2.0 * D / b) + 1.0
+    if 1.0 + f / race <= 0.1:
+        return 0.0
+    return -10.0 / 9.0 * kept(f, b, D) / (race + f)
+
+
+@jit
+def reach_of(group, b):
+    """Height (m) of an upright wall, else 0, and how far (m) before the rim the edge begins to give way."""
+    wall = group[DEPTH] if group[KAPPA] == UPRIGHT else 0.0
+    return wall, max(b, BEFORE * wall)
+
+
+@jit
+def on_one(group, away, b, rho, R):
+    """f on the nearer edge, ``away`` (m) from the pit's middle, and its slope (1/m)."""
+    wall, reach = reach_of(group, b)
+    x = group[B] - reach - away
+    if wall > 0.0:
+        return one_edge(x, b, wall, rho, R), -one_edge_slope(x, b, wall, rho, R)
+    return ridge(x, x - group[X_E], b, rho, R), -ridge_slope(x, x - group[X_E], b, rho, R)
+
+
+@jit
+def on_both(group, away, b, rho, R, D, load):
+    """f on the two edges and its slope (1/m), infinite where a floor or wall is in the middle."""
+    wall, reach = reach_of(group, b)
+    _, in_the_middle = depression(group, reach, R + rho)
+    if in_the_middle >= 0.0:
+        return inf, 0.0
+    least = two_edges(2.0 * min(group[B] - reach, group[X_E]), b, wall, rho, R, D)
+    return least - in_the_middle * away / load, -in_the_middle / load
+
+
+@jit
+def softness(excitation, group, away, R):
+    """f at ``away`` (m) from the pit's middle and its slope (1/m): on one edge, on the floor or on both edges."""
+    b, D, rho, load = half_contact(excitation, R), excitation.D, excitation.rho, excitation.load
+    h, h_slope = depression(group, away + reach_of(group, b)[1], R + rho)
+    f, slope = on_one(group, away, b, rho, R)
+    on_floor = (group[DEPTH] - h) / load
+    if on_floor < f:
+        f, slope = on_floor, -h_slope / load
+    apart, apart_slope = on_both(group, away, b, rho, R, D, load)
+    return (apart, apart_slope) if apart < f else (f, slope)
+
+
+@bend.register(EdgeContact)
+def _bend_edge_contact(excitation, group, s, R):
+    if group[DEPTH] == 0.0 or abs(s) >= group[B]:
+        return 0.0, 0.0
+    b = half_contact(excitation, R)
+    f, f_slope = softness(excitation, group, abs(s), R)
+    share_slope = kept_slope(f, b, excitation.D) * f_slope
+    bent = depression_bend(group, abs(s) + reach_of(group, b)[1], R + excitation.rho)
+    return (share_slope if s > 0.0 else -share_slope), bent
+
+
 @groups.register(EdgeContact)
-def _groups_edge_contact(excitation, shape, rows, R):
+def _groups_edge_contact(excitation, pit, rows, R):
     found = []
     for row in rows:
         b = half_contact(excitation, R)
         if row[DEPTH] == 0.0:
             found.append(row)
-        elif shape == "rectangular":
+        elif isinstance(pit, Rectangular):
             found.append((row[W], row[B] + max(b, BEFORE * row[DEPTH]), row[B], UPRIGHT, row[DEPTH]))
         else:
             found.append((row[W], row[B] + b, *row[X_E:]))

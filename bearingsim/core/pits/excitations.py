@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim.core.jit import generic, jit
+from bearingsim.core.pits.depth import Rectangular
 from bearingsim.core.pits.envelope import bent, looked_up
 from bearingsim.core.pits.pairs import DEPTH, KAPPA, NEVER, X_E, B, W, depression, depression_bend
 
@@ -41,8 +42,8 @@ def bend(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float,
 
 
 @generic
-def groups(excitation: Any, shape: str, rows: list, R: float) -> list:
-    """Rows of a pit as ``felt`` reads them, from the ``rows`` of its envelope. Plain Python."""
+def groups(excitation: Any, pit: Any, rows: list, R: float) -> list:
+    """Rows of a ``pit`` (a depth map) as ``felt`` reads them, from the ``rows`` of its envelope. Plain Python."""
 
 
 class Envelope(NamedTuple):
@@ -64,7 +65,7 @@ def _bend_envelope(excitation, group, s, R):
 
 
 @groups.register(Envelope)
-def _groups_envelope(excitation, shape, rows, R):
+def _groups_envelope(excitation, pit, rows, R):
     return rows
 
 
@@ -115,7 +116,7 @@ def _bend_rectangular(excitation, group, s, R):
 
 
 @groups.register(RectangularPulse)
-def _groups_rectangular(excitation, shape, rows, R):
+def _groups_rectangular(excitation, pit, rows, R):
     return pulses(rows, R)
 
 
@@ -145,7 +146,7 @@ def _bend_half_sine(excitation, group, s, R):
 
 
 @groups.register(HalfSinePulse)
-def _groups_half_sine(excitation, shape, rows, R):
+def _groups_half_sine(excitation, pit, rows, R):
     return pulses(rows, R)
 
 
@@ -182,8 +183,8 @@ def _bend_piecewise(excitation, group, s, R):
 
 
 @groups.register(PiecewisePulse)
-def _groups_piecewise(excitation, shape, rows, R):
-    floors = [sqrt(2.0 * R * row[DEPTH]) if shape == "rectangular" else NEVER for row in rows]
+def _groups_piecewise(excitation, pit, rows, R):
+    floors = [sqrt(2.0 * R * row[DEPTH]) if isinstance(pit, Rectangular) else NEVER for row in rows]
     return [
         (w, b, min(b, floor), 0.0, sag) for (w, b, _, _, sag), floor in zip(pulses(rows, R), floors, strict=True)
     ]
@@ -209,7 +210,7 @@ def _bend_clearance(excitation, group, s, R):
 
 
 @groups.register(ClearanceIncrease)
-def _groups_clearance(excitation, shape, rows, R):
+def _groups_clearance(excitation, pit, rows, R):
     return [(row[W], row[B], NEVER, 0.0, row[DEPTH]) for row in rows]
 
 
@@ -269,7 +270,7 @@ def _bend_pressure_share(excitation, group, s, R):
 
 
 @groups.register(PressureShare)
-def _groups_pressure_share(excitation, shape, rows, R):
+def _groups_pressure_share(excitation, pit, rows, R):
     found = []
     for row in rows:
         if row[DEPTH] == 0.0:
@@ -307,7 +308,7 @@ def _bend_soft_edge(excitation, group, s, R):
 
 
 @groups.register(SoftEdge)
-def _groups_soft_edge(excitation, shape, rows, R):
+def _groups_soft_edge(excitation, pit, rows, R):
     return rows
 
 

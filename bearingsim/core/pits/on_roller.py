@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from bearingsim.core.geometry.sides import totals
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.laws.damping import HuntCrossley, normal_force
-from bearingsim.core.laws.slopes import slopes
-from bearingsim.core.laws.stiffness import elastic, tangent
+from bearingsim.core.laws.damping.interface import normal_force, slopes
+from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from bearingsim.core.parameters import turns
 from bearingsim.core.pits.excitations import felt
 from bearingsim.core.pits.pairs import HALF_WIDTH, REDUCED, SIDE, USED, W, meeting
@@ -53,6 +53,19 @@ def force_over_pit(contact, pits, d, s, speed, delta, v):
 
 
 @jit
+def correct_contact(side, contact, pits, d, j, s, speed, y):
+    """Correct the contact of roller ``j`` that stands in meeting ``d``; returns its force's sideways part (N).
+
+    The approach and rate kept for the roller are means over what is in contact, for the step watch.
+    """
+    force, approach, rate, _, _ = totals(side)
+    y[force + j], sideways, y[approach + j], y[rate + j] = force_over_pit(
+        contact, pits, d, s, speed, y[approach + j], y[rate + j]
+    )
+    return sideways
+
+
+@jit
 def sinking_rate(stiffness, pits, d, s, speed, delta):
     """Mean rate (m/s) at which a contact in meeting ``d`` sinks, weighted by its elastic forces; 0 for no pit."""
     if d < 0:
@@ -83,10 +96,14 @@ def slopes_over_pit(contact, pits, d, s, speed, delta, v):
 @jit
 def stiffness_over_pit(stiffness, pits, d, s, delta):
     """Slope (N/m) of the elastic force of what is in contact; ``d`` = -1: no pit."""
-    undamped = HuntCrossley(stiffness, 0.0)
     if d < 0:
-        return slopes(undamped, delta, 0.0)[0]
-    return slopes_over_pit(undamped, pits, d, s, 0.0, delta, 0.0)[0]
+        return tangent(stiffness, delta) if delta > 0.0 else 0.0
+    slope = 0.0
+    for k in range(int(pits.head[d, USED])):
+        group = pits.groups[d, k]
+        share, h, _ = felt(pits.excitation, group, s, pits.head[d, REDUCED])
+        slope += share * group[W] * (tangent(stiffness, delta - h) if delta > h else 0.0)
+    return slope
 
 
 @jit

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from bearingsim.core.pits.closed_forms import UNTOUCHED
 from bearingsim.core.pits.depth import EVEN, SMOOTH, Merged, Placed, Scanned, cuts, extent, section
 from bearingsim.core.pits.envelope import FLAT, Path, cusp, packed, path_over, steepest
 from bearingsim.core.pits.excitations import Traced
-from bearingsim.core.pits.pairs import KAPPA, UNTOUCHED, Meeting, Pits, pits
+from bearingsim.core.pits.pairs import KAPPA, Meeting, Pits, pits
 from bearingsim.core.pits.profile import Profile, relief
 
 SAME = np.array([1e-12, 1e-18, 1e-12, 1e-6])  # m, m, 1, 1/m: paths whose pieces and ends differ by less are one

@@ -4,21 +4,15 @@ from math import exp
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from bearingsim.core.laws.friction import (
-    JUMP_WITHIN,
-    KRAGELSKII,
-    SLOWEST_ROLLING,
-    Frictionless,
-    StaticDynamic,
-    Traction,
-    exp_minus,
-    mu,
-    steepest,
-)
+from bearingsim.core.laws.friction.frictionless import Frictionless
+from bearingsim.core.laws.friction.interface import mu, mu_slope, steepest
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.friction.traction import JUMP_WITHIN, KRAGELSKII, SLOWEST_ROLLING, Traction, exp_minus
 from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
+from tests.scenes.laws import slope
 
 PAPER = StaticDynamic(0.3, 0.15, 0.02, 0.1)
 BOUNDARY = Traction(-0.02, 15.0, 200.0, 0.08)  # starts from 0.06
@@ -139,7 +133,7 @@ def friction(law, y, width):
 
 
 @compiled
-def slope(law, u):
+def steepest_compiled(law, u):
     return steepest(law, u)
 
 
@@ -149,10 +143,43 @@ def test_friction_from_python_equals_the_compiled_one(law):
     y[:ROW] = np.append(0.0, np.random.default_rng(2).normal(size=ROW - 1) * 10.0 ** np.linspace(-6, 1, ROW - 1))
     friction(law, y, ROW)
     assert y[3 * ROW :] == pytest.approx([2.0 * mu(law, v, 3.0) for v in y[:ROW]], rel=1e-13, abs=1e-16)
-    assert slope(law, 3.0) == pytest.approx(steepest(law, 3.0), rel=1e-15, abs=0.0)
+    assert steepest_compiled(law, 3.0) == pytest.approx(steepest(law, 3.0), rel=1e-15, abs=0.0)
 
 
 @needs_vectors
 @named
 def test_friction_keeps_the_vector_lanes(law):
     assert keeps_lanes(friction, law, rows(0.01, 3.0, 100.0, 0.0), ROW)
+
+
+# Exact slopes
+
+
+@named
+@given(v=slips, u=speeds)
+def test_mu_slope_is_that_of_the_coefficient(law, v, u):
+    """Away from a curve's joints, where its curvature jumps."""
+    ends = [1e-3 * u, 40.0 / getattr(law, "c", 1.0) * u]
+    joints = [law.v_s, law.v_d] if isinstance(law, StaticDynamic) else ends
+    assume(abs(v) > 1e-6 and all(abs(abs(v) - joint) > 1e-3 * joint for joint in joints))
+    by_slip, by_rolling = mu_slope(law, v, u)
+    assert by_slip == pytest.approx(slope(lambda w: mu(law, w, u), v, 2e-4 * abs(v)), rel=1e-6, abs=1e-7)
+    assert by_rolling == pytest.approx(slope(lambda w: mu(law, v, w), u, 2e-4 * u), rel=1e-6, abs=1e-7)
+
+
+@named
+def test_below_the_slowest_rolling_traction_no_longer_depends_on_it(law):
+    assert mu_slope(law, 1e-4, 1e-3)[1] == 0.0
+
+
+@compiled
+def by_slip(law, y, width):
+    for j in range(width):
+        y[2 * ROW + j], y[3 * ROW + j] = mu_slope(law, y[j], y[ROW + j])
+
+
+@needs_vectors
+@named
+def test_friction_s_slopes_keep_the_vector_lanes(law):
+    if not isinstance(law, Frictionless):
+        assert keeps_lanes(by_slip, law, rows(1e-3, 3.0, 0.0, 0.0), ROW)

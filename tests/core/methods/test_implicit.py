@@ -6,7 +6,7 @@ from math import exp, inf, pi
 import numpy as np
 import pytest
 
-from bearingsim.core.laws.stiffness import PowerLaw
+from bearingsim.core.laws.stiffness.power_law import PowerLaw
 from bearingsim.core.layout import FAILED_BODY
 from bearingsim.core.methods import rodas
 from bearingsim.core.methods.backward_euler import BackwardEuler

@@ -5,7 +5,7 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.damping import General, Power
+from bearingsim.core.laws.damping.general import General, Power
 from bearingsim.core.layout import EVALUATED, FAILED, Q_O, VELOCITY, X, Y
 from bearingsim.core.methods.backward_euler import BackwardEuler
 from bearingsim.core.methods.interface import prepare, step

@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
-from bearingsim.core.laws.damping import HuntCrossley, Kraemer, general
-from bearingsim.core.laws.stiffness import TenNinths, ThreeHalves
+from bearingsim.core.laws.damping.general import general
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.damping.kraemer import Kraemer
+from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
+from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
 from bearingsim.core.layout import POSITION, VELOCITY, X
 from bearingsim.core.models.interface import freedoms
 from bearingsim.core.parameters import turns

@@ -10,7 +10,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from bearingsim import assemble
-from bearingsim.core.laws.stiffness import elastic, iso16281
+from bearingsim.core.laws.stiffness.interface import elastic
+from bearingsim.core.laws.stiffness.ten_ninths import iso16281
 from bearingsim.core.layout import POSITION, Q_I, Q_O, X, Y, buffer
 from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.pits.pairs import REDUCED

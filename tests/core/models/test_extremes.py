@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.catalogue import MODELS, code
 from bearingsim.core.advance import Watch, advance, start_at_rest
 from bearingsim.core.geometry.slices import WEIGHT
 from bearingsim.core.layout import (
@@ -48,7 +49,7 @@ def shaken():
 
 
 def test_every_model_keeps_its_extremes():
-    assert {kind.parameters for kind in assemble.MODELS.values()} <= keep_extremes.types
+    assert {code(model.module).KIND.parameters for model in MODELS.values()} <= keep_extremes.types
 
 
 def test_an_evaluation_leaves_state_and_extremes():

@@ -17,6 +17,7 @@ from bearingsim.core.methods.impulses import Impulses
 from bearingsim.core.methods.interface import step
 from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch, ring_stiffness
 from bearingsim.core.models.impulse import Impulse, swing
+from bearingsim.core.pits.closed_forms import groups_of
 from bearingsim.core.pits.excitations import Envelope
 from bearingsim.core.pits.impulse_train import (
     LoadZone,
@@ -34,13 +35,13 @@ from bearingsim.core.pits.pairs import (
     ON_OUTER,
     OUTER,
     Meeting,
-    groups_of,
     inner_reduced_radius,
     meeting,
     outer_reduced_radius,
     pits,
 )
 from tests.scenes.nf308 import case
+from tests.scenes.pit_maps import SHAPES
 
 BEARING = assemble.geometry.bearing(case())
 L_W, DEEP = 0.012, 5e-5
@@ -63,7 +64,9 @@ def pit(race="outer", angle=0.0, width=0.8e-3, depth=DEEP, length=L_W, shape="re
     reduced = (outer_reduced_radius(BEARING.R_w, BEARING.R_o), inner_reduced_radius(BEARING.R_w, BEARING.R_i))[
         side
     ]
-    return Meeting(side, on, angle, radius, reduced, groups_of(shape, length, width, depth, L_W, reduced, 6))
+    return Meeting(
+        side, on, angle, radius, reduced, groups_of(SHAPES[shape](length, width, depth), L_W, reduced, 6)
+    )
 
 
 def ring(times=STRUCK, J_x=PUSHES, J_y=None, C=0.1 * CRITICAL, stiffness=K):

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 from bearingsim import assemble
 from bearingsim.core.advance import Watch, advance
-from bearingsim.core.laws.damping import normal_force
+from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.layout import ACCELERATION, COS, POSITION, Q_I, Q_O, SIN, VELOCITY, A, Q, V, X, Y
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet

@@ -7,6 +7,7 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.assemble.rest import healthy_rest
+from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.models import planar
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts import cage
@@ -111,8 +112,8 @@ def test_loops_over_rollers_keep_their_lanes():
     model = assemble.model(of_case)
     b, y, n = model.bearing, assemble.empty_buffer(model), lanes(model.bearing)
     assert keeps_lanes(compiled(planar.place.py_func), 0.3, y, n)
-    assert keeps_lanes(compiled(planar.approach_outer.py_func), b, 1.0, y, n)
-    assert keeps_lanes(compiled(planar.approach_inner.py_func), b, 1.0, y, n)
+    for side in (OuterSide(), InnerSide()):
+        assert keeps_lanes(compiled(planar.approach.py_func), side, b, 1.0, y, n)
     assert keeps_lanes(compiled(planar.push_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)
     assert keeps_lanes(compiled(cage._pockets_free), model.cage, model, 1.0, 1.0, y, n)
     assert keeps_lanes(compiled(planar.move_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)

@@ -8,7 +8,7 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.laws.friction import StaticDynamic
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
 from bearingsim.core.layout import (
     ACCELERATION,
     EPS,
@@ -96,9 +96,9 @@ def now(model, y, t):
     return bodies.scene(model, np.array([t]), y[bodies.places(model.bearing.Z)][:, np.newaxis])
 
 
-def shaken(way, seed):
+def shaken(way, seed, **given):
     """A model, and a buffer at a random state with everything in contact and accelerations filled in."""
-    model = assemble.model(case(**EVERYTHING, **WAYS[way]))
+    model = assemble.model(case(**EVERYTHING, **WAYS[way], **given))
     y = random_state(model, seed)
     lead_onto_pits(model, y, WHERE, outwards=seed % 2 == 0)
     start_at_rest(model, WHERE, y)

@@ -20,9 +20,9 @@ def kinds(Z):
 
 
 def steps(Z):
-    """Steps of the differences: positions, and velocities (N,) each."""
+    """Steps of the differences: positions, and velocities (N,) each. With a fifth of these, rounding shows."""
     length = np.array([k in LENGTHS for k in range(8)] + [True] * Z + [False] * 2 * Z)
-    return np.where(length, 3e-11, 1e-9), np.where(length, 1e-7, 1e-6)
+    return np.where(length, 1.5e-10, 5e-9), np.where(length, 1e-6, 1e-5)
 
 
 def agree(model, y):
@@ -42,6 +42,13 @@ def agree(model, y):
 def test_derivatives_are_those_of_the_accelerations(way, seed):
     """Contacts open and closed, pits of races and of a roller, traction, every guide, drag, shaft, bracket."""
     model, y = shaken(way, seed)
+    agree(model._replace(lag=0.0), y)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_over_elastic_edges(seed):
+    """Where share and sinking of a pit both change along it."""
+    model, y = shaken("on rollers", seed, excitation="elastic-edge")
     agree(model._replace(lag=0.0), y)
 
 

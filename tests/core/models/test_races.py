@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from bearingsim import assemble
-from bearingsim.core.laws.damping import normal_force
-from bearingsim.core.laws.stiffness import iso16281
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.stiffness.ten_ninths import iso16281
 from bearingsim.core.layout import COS_0, POSITION, Q_I, Q_O, SIN_0, VELOCITY, Q, V, X, buffer
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import rest_from_scratch
@@ -32,7 +32,7 @@ from bearingsim.core.pits.pairs import (
     pits,
     sliding,
 )
-from bearingsim.simulation import choose
+from bearingsim.simulation import time_grid
 from bearingsim.simulation.simulate import simulate
 from tests.independent import rollers
 from tests.scenes.nf308 import SLOT, at_rest, case, drive, light_rollers
@@ -316,8 +316,8 @@ def test_static_repeats_itself_only_with_pits_that_stand(carried):
     """A turning pit is elsewhere in the next ball pass: then all passes are computed, and they differ."""
     given = case(model="static", defect=SLOT | carried, duration="40 ms", settle="0 s", record=["ring.velocity"])
     stands = carried == {}
-    cut, found = choose.grid(given), simulate(given)
-    assert choose.estimate(given).steps == (1 if stands else cut.passes) * cut.steps_per_pass
+    cut, found = time_grid.grid(given), simulate(given)
+    assert time_grid.estimate(given).steps == (1 if stands else cut.passes) * cut.steps_per_pass
     x = found.series["ring.velocity.x"]
     later = np.interp(found.time[:300] + 1 / 159.0, found.time, x)
     assert (np.abs(later - x[:300]).max() < 0.3 * np.ptp(x)) == stands

@@ -11,9 +11,9 @@ import pytest
 from bearingsim import assemble
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.geometry.slices import edges, slices
-from bearingsim.core.laws.damping import HuntCrossley
-from bearingsim.core.laws.friction import StaticDynamic
-from bearingsim.core.laws.stiffness import Linear
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.layout import (
     ACCELERATION,
     AXIAL,

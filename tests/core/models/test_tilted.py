@@ -4,15 +4,16 @@ from math import pi
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
 
 from bearingsim import assemble
 from bearingsim.core.advance import Watch, advance, start_at_rest
 from bearingsim.core.geometry.orientation import Body
 from bearingsim.core.geometry.slices import edges, slices
-from bearingsim.core.laws.damping import HuntCrossley
-from bearingsim.core.laws.friction import Frictionless, StaticDynamic
-from bearingsim.core.laws.stiffness import Linear, TenNinths
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.friction.frictionless import Frictionless
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
 from bearingsim.core.layout import (
     ACCELERATION,
     AXIAL,
@@ -49,8 +50,8 @@ from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_spa
 from bearingsim.core.outcomes import FINE
 from bearingsim.core.parts.flanges import Flanges, NoFlanges, between_flanges, chord
 from bearingsim.core.parts.mounts import Held
-from bearingsim.core.pits.pairs import RADIUS, depression
 from tests.core.models.test_planar_balance import orders
+from tests.independent.energy import CONVERGED, energy, rest, slopes
 from tests.scenes.nf308 import SLOT, case
 from tests.scenes.spatial_bearing import L_W, empty, even, flat, in_space
 
@@ -123,61 +124,8 @@ def at_rest(model):
     return y, left / abs(model.support.F)
 
 
-def sinking(model, u, q):
-    """Sinking (Z, slices) of each slice at the outer race's pit, if there is one."""
-    b, pits = model.bearing, model.pits
-    h = np.zeros((b.Z, len(model.slices.table)))
-    if len(pits.head):
-        theta = b.theta_0 + 2 * pi * np.arange(b.Z) / b.Z
-        for j in range(b.Z):
-            place = (b.R_o + b.R_i) / 2 + q[j]
-            off = place * np.exp(1j * theta[j]) - u
-            s = pits.head[0, RADIUS] * np.angle(off * np.exp(-1j * pits.head[0, 2]))
-            h[j] = [depression(group, s, pits.head[0, 4])[0] for group in pits.groups[0]]
-    return h
-
-
-def energy(model, x):
-    """Elastic energy (J) of the bearing less what load and centrifugal force give, by the rings' circles in space.
-
-    x: the ring's place (2,), then q and tilt (1e-3 rad) of every roller, all in um. Rollers are points and axes in
-    planes through the bearing's axis, rings circles about leaning axes; of the model only its data are used.
-    """
-    b, support = model.bearing, model.support
-    zeta, weight, drop = model.slices.table.T
-    u, q, tilt = np.array([*x[:2], 0.0]) * 1e-6, x[2 : 2 + b.Z] * 1e-6, x[2 + b.Z :] * 1e-3
-    theta = b.theta_0 + 2 * pi * np.arange(b.Z) / b.Z
-    e_r = np.stack([np.cos(theta), np.sin(theta), 0 * theta], axis=1)
-    a = np.sin(tilt)[:, None] * e_r + np.cos(tilt)[:, None] * np.array([0, 0, 1.0])
-    r = (b.R_o + b.R_i) / 2 + q
-    p = r[:, None, None] * e_r[:, None] + zeta[:, None] * a[:, None]
-    stored = 0.0
-    for sign, mount, centre, R, law in (
-        (1, model.mount_o, u, b.R_o, model.outer),
-        (-1, model.mount_i, 0 * u, b.R_i, model.inner),
-    ):
-        axis = np.array([mount.lean_x, mount.lean_y, 0.0])
-        axis[2] = np.sqrt(1 - axis @ axis)
-        away = p - centre
-        rho = np.linalg.norm(np.cross(away, axis), axis=-1)
-        delta = sign * (rho - R) + b.R_w - drop
-        if sign > 0:
-            delta = delta - sinking(model, u[0] + 1j * u[1], q)
-        stored += (weight * law.stiffness.k * np.maximum(delta, 0) ** (19 / 9) * 9 / 19).sum()
-    lifted = u - np.array([support.x_0, support.y_0, 0.0])
-    stored += support.k_b / 2 * (lifted @ lifted) + support.F * u[0] + support.F_across * u[1]
-    gyro = b.omega_c * (b.I_r * (b.omega_c - b.omega_b) - model.I_t * b.omega_c)
-    return stored - (b.m_r * b.omega_c**2 * r**2).sum() / 2 + gyro * (tilt**2).sum() / 2
-
-
-def independent(model, start):
-    """The rest by minimising the energy from ``start``: the same vector as ``energy`` takes."""
-    options = {"gtol": 1e-5, "maxiter": 2000}
-    return minimize(lambda x: 1e6 * energy(model, x), start, method="BFGS", options=options).x
-
-
 def found_by_model(y, Z):
-    """The model's rest as ``energy`` takes it."""
+    """The model's rest as the independent ``energy`` takes it."""
     return np.concatenate([1e6 * y[[POSITION + X, POSITION + Y]], 1e6 * y[Q : Q + Z], 1e3 * y[TILT : TILT + Z]])
 
 
@@ -186,18 +134,30 @@ def along(y, slices_of, row=LOAD_O):
     return np.array([y[slice_row(k, row) : slice_row(k, row) + 13] for k in range(slices_of)])
 
 
+def misaligned():
+    """Both rings leaning, profiled rollers."""
+    cut, planar = slices(np.linspace(-HALF, HALF, 10), crowned), assemble.model(case(model="planar", load="400 N"))
+    return in_space(planar, cut, mount_o=MISALIGNED, mount_i=Held(-2e-4, 0.0))
+
+
+def test_the_independent_forces_are_slopes_of_the_independent_energy():
+    model, step = misaligned(), 1e-3
+    x = np.random.default_rng(3).normal(0.0, 1.0, 28)
+    along = step * np.eye(28)
+    rates = [1e6 * (energy(model, x + e) - energy(model, x - e)) / (2 * step) for e in along]
+    assert slopes(model, x) == pytest.approx(np.array(rates), abs=1e-6 * np.abs(rates).max())
+
+
 def test_the_load_along_rollers_in_a_misaligned_ring():
     """Both rings leaning, profiled rollers: places and tilts of an independent minimum of the energy."""
-    cut = slices(np.linspace(-HALF, HALF, 10), crowned)
-    model = in_space(
-        assemble.model(case(model="planar", load="400 N")), cut, mount_o=MISALIGNED, mount_i=Held(-2e-4, 0.0)
-    )
+    model = misaligned()
     y, left = at_rest(model)
     assert left <= 1e-8
     ours = found_by_model(y, 13)
     away = np.random.default_rng(1).normal(0.0, 0.05, len(ours))
-    theirs = independent(model, ours + away)
-    assert np.abs(theirs - ours).max() < 2e-4  # 0.2 nm, 0.2 urad
+    theirs, unbalanced = rest(model, ours + away)
+    assert unbalanced < CONVERGED
+    assert np.abs(theirs - ours).max() < 1e-6  # 1 pm, 1 nrad
     assert energy(model, ours) <= energy(model, theirs) + 1e-12
     loads = along(y, 9)
     one_end, other_end = loads[:4].sum(axis=0), loads[-4:].sum(axis=0)
@@ -216,14 +176,15 @@ def test_a_straight_bearing_rests_as_in_the_plane():
 
 
 def test_an_off_centre_pit_tilts_a_roller():
-    """A 3 mm pit off the middle under the most loaded roller: its tilt of an independent minimum, to 1 %."""
+    """A 3 mm pit off the middle under the most loaded roller: its tilt of an independent minimum."""
     reach = (1e-3, 4e-3)
     given = case(model="planar", defect=SLOT | {"width": "0.1 mm"}, start_angle=1e-9)
     model = in_space(assemble.model(given), slices(edges(L_W, [reach], 12), flat), (reach,))
     y, left = at_rest(model)
     assert left <= 1e-8
-    theirs = independent(model, found_by_model(y, 13) * 0.9)
-    assert y[TILT] == pytest.approx(1e-3 * theirs[15], rel=1e-2)
+    theirs, unbalanced = rest(model, found_by_model(y, 13) * 0.9)
+    assert unbalanced < CONVERGED
+    assert y[TILT] == pytest.approx(1e-3 * theirs[15], rel=1e-5)
     assert y[TILT] > 3e-6  # the end over the pit sinks outwards
     assert np.abs(y[TILT + 1 : TILT + 13]).max() < 1e-9
     loads = along(y, len(model.slices.table))[:, 0] / model.slices.table[:, 1]

@@ -8,6 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from bearingsim.core.pits import traced
+from bearingsim.core.pits.closed_forms import bowl, box, groove
 from bearingsim.core.pits.depth import (
     Circular,
     Eased,
@@ -21,7 +22,7 @@ from bearingsim.core.pits.depth import (
 )
 from bearingsim.core.pits.envelope import Path, bent, cusp, looked_up, packed, path_over, sinking
 from bearingsim.core.pits.excitations import felt
-from bearingsim.core.pits.pairs import KAPPA, B, Meeting, W, bowl, box, depression, depression_bend, groove
+from bearingsim.core.pits.pairs import KAPPA, B, Meeting, W, depression, depression_bend
 from bearingsim.core.pits.profile import RACE, depth_at
 from bearingsim.core.pits.spall import Spall
 from bearingsim.core.pits.traced import across, grouped, sharpest_cusp, sliced, traced_pits

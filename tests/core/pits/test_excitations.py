@@ -9,7 +9,10 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.stiffness import elastic, palmgren
+from bearingsim.core.laws.stiffness.interface import elastic
+from bearingsim.core.laws.stiffness.ten_ninths import palmgren
+from bearingsim.core.pits.closed_forms import groups_of
+from bearingsim.core.pits.depth import Elliptical
 from bearingsim.core.pits.excitations import (
     ClearanceIncrease,
     Envelope,
@@ -23,7 +26,8 @@ from bearingsim.core.pits.excitations import (
     groups,
     hertz_half_width,
 )
-from bearingsim.core.pits.pairs import DEPTH, GROUP, X_E, B, W, groups_of, outer_reduced_radius
+from bearingsim.core.pits.pairs import DEPTH, GROUP, X_E, B, W, outer_reduced_radius
+from tests.scenes.pit_maps import SHAPES
 
 R_W, R_O, L_W = 0.006, 0.0385, 0.012
 R = outer_reduced_radius(R_W, R_O)
@@ -41,8 +45,8 @@ places = st.floats(-0.6, 0.6)
 
 
 def rows_of(excitation, shape="rectangular", width=WIDE, depth=DEEP, length=L_W):
-    envelope = groups_of(shape, length, width, depth, L_W, R, 6)
-    return [np.array(row) for row in groups(excitation, shape, envelope, R)]
+    envelope = groups_of(SHAPES[shape](length, width, depth), L_W, R, 6)
+    return [np.array(row) for row in groups(excitation, SHAPES[shape](length, width, depth), envelope, R)]
 
 
 def slot(excitation, s, **pit):
@@ -258,9 +262,9 @@ def compiled(excitation, group, s, R):
     return felt(excitation, group, s, R)
 
 
-def test_an_unknown_shape_is_refused():
-    with pytest.raises(ValueError, match="no such shape"):
-        groups_of("round", L_W, WIDE, DEEP, L_W, R, 6)
+def test_a_shape_without_a_closed_form_is_refused():
+    with pytest.raises(TypeError, match="`section_of` is not registered for Elliptical"):
+        groups_of(Elliptical(L_W, WIDE, DEEP), L_W, R, 6)
 
 
 @given(excitation=excitations, shape=shapes, width=widths, depth=depths, place=places)

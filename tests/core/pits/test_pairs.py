@@ -8,19 +8,18 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from bearingsim import assemble
+from bearingsim.core.pits.closed_forms import bowl, box, groove, groups_of
+from bearingsim.core.pits.depth import Circular
 from bearingsim.core.pits.pairs import (
     ANGLE,
     GROUP,
     RADIUS,
-    bowl,
-    box,
     depression,
-    groove,
-    groups_of,
     meeting,
     outer_reduced_radius,
 )
 from tests.scenes.nf308 import SLOT, case
+from tests.scenes.pit_maps import SHAPES
 
 R_W, R_O = 0.006, 0.0385
 R = outer_reduced_radius(R_W, R_O)
@@ -99,7 +98,7 @@ def test_crossing_time_of_a_narrow_slot():
 
 @given(shape=shapes, length=st.floats(1e-4, 12e-3), width=widths, depth=depths, nodes=st.integers(1, 20))
 def test_groups_share_out_the_whole_roller(shape, length, width, depth, nodes):
-    groups = groups_of(shape, length, width, depth, 12e-3, R, nodes)
+    groups = groups_of(SHAPES[shape](length, width, depth), 12e-3, R, nodes)
     assert all(len(group) == GROUP for group in groups)
     assert sum(group[0] for group in groups) == pytest.approx(1.0, rel=1e-12)
 
@@ -108,7 +107,7 @@ def test_a_bowls_mean_depth_converges_with_the_nodes():
     """Mean of h along a bowl: six nodes on the half length are within 0.2 % of sixty."""
 
     def mean(nodes):
-        groups = groups_of("circular", 9e-3, 0.8e-3, 5e-5, 12e-3, R, nodes)
+        groups = groups_of(Circular(9e-3, 0.8e-3, 5e-5), 12e-3, R, nodes)
         return sum(group[0] * depression(np.array(group), 0.0, R)[0] for group in groups)
 
     assert mean(6) == pytest.approx(mean(60), rel=2e-3)

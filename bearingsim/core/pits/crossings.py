@@ -9,24 +9,12 @@ from typing import Any
 import numpy as np
 
 from bearingsim.core.geometry.motion import elapsed_times
-from bearingsim.core.jit import generic, jit
+from bearingsim.core.jit import generic
 from bearingsim.core.layout import CROSSED, CROSSINGS, MET, PHI_C, POSITION, ROW, SPIN
-from bearingsim.core.models.impulse import Impulse
-from bearingsim.core.models.planar import Planar
-from bearingsim.core.models.ring import Ring
-from bearingsim.core.models.rollers import Rollers
-from bearingsim.core.models.spatial import Spatial
-from bearingsim.core.models.static import Static
 from bearingsim.core.pits.on_roller import standing
 from bearingsim.core.pits.pairs import HALF_WIDTH, ON, ON_INNER
 
 
-@generic
-def spot(model: Any, t: float, y: np.ndarray) -> None:
-    """Count the rollers that stand newly over a pit at time ``t`` (s), the state being that in ``y``."""
-
-
-@jit
 def spot_in_meetings(model, t, y):
     """``spot`` of models with pits; of the first meetings, as many as a row has room for."""
     for d in range(min(len(model.pits.head), ROW)):
@@ -38,13 +26,9 @@ def spot_in_meetings(model, t, y):
             y[MET + d] = there
 
 
-for _model in (Static, Ring, Rollers, Planar, Spatial):
-    spot.register(_model)(lambda model, t, y: spot_in_meetings(model, t, y))
-
-
-@spot.register(Impulse)
-def _spot_nothing(model, t, y):
-    return None
+@generic(otherwise=spot_in_meetings)
+def spot(model: Any, t: float, y: np.ndarray) -> None:
+    """Count the rollers that stand newly over a pit at time ``t`` (s), the state being that in ``y``."""
 
 
 def turned(model: Any, d: int, t: float, y: np.ndarray) -> float:

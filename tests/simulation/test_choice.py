@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
-from bearingsim.assemble import scales
+from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
-from bearingsim.config.rules import hierarchy
 from bearingsim.core.layout import ACCELERATION, POSITION, VELOCITY
 from bearingsim.core.methods.interface import Tolerances, step
 from bearingsim.core.models.interface import accelerations, width
 from bearingsim.errors import Refused
-from bearingsim.simulation import choose
+from bearingsim.simulation import choice, prices, time_grid
 from bearingsim.simulation import limits as limiting
-from bearingsim.simulation.choose import grid, limits, wanted_step
+from bearingsim.simulation.choice import limits
+from bearingsim.simulation.time_grid import grid, wanted_step
 
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 NARROW = SLOT | {"width": "0.2 mm"}
@@ -66,7 +66,7 @@ def measured_limit(name: str, K: float, C: float) -> float:
     low, high = 0.0, 4.0 / sqrt(K)
     while high - low > 1e-4 * high:
         h = 0.5 * (low + high)
-        if growth(assemble.METHODS[name].parameters(h), Oscillator(K, C)) > 1.0 + 1e-9:
+        if growth(assemble.kind_of_method(name).parameters(h), Oscillator(K, C)) > 1.0 + 1e-9:
             high = h
         else:
             low = h
@@ -256,16 +256,16 @@ def test_a_record_without_samples_is_refused() -> None:
 
 def test_estimate_counts_steps_and_bytes() -> None:
     given = case(model="ring", duration=0.29, sampling=10000.0, record=["ring.velocity", "roller.outer_force"])
-    found, cut = choose.estimate(given), grid(given)
+    found, cut = time_grid.estimate(given), grid(given)
     assert found.bytes == 3 * 4 * 2900
     assert found.steps == cut.passes * cut.steps_per_pass
-    assert choose.estimate(case(record=[])).bytes == 0
+    assert time_grid.estimate(case(record=[])).bytes == 0
 
 
 def test_static_computes_one_pass_unless_a_roller_is_watched() -> None:
     ring, roller = (case(model="static", record=[name]) for name in ("ring.velocity", "roller.outer_force"))
-    assert choose.estimate(ring).steps == grid(ring).steps_per_pass
-    assert choose.estimate(roller).steps == grid(roller).passes * grid(roller).steps_per_pass
+    assert time_grid.estimate(ring).steps == grid(ring).steps_per_pass
+    assert time_grid.estimate(roller).steps == grid(roller).passes * grid(roller).steps_per_pass
 
 
 def test_a_step_error_survives_pickling() -> None:
@@ -283,25 +283,25 @@ def test_a_contact_too_damped_for_explicit_steps_is_refused_before_memory_is_ask
     assert "contact.damping" in caught.value.advice
 
 
-def test_the_methods_that_keep_a_tolerance_are_the_same_everywhere() -> None:
-    adaptive = {name for name, kind in assemble.METHODS.items() if kind.adaptive}
-    assert adaptive == set(hierarchy.ADAPTIVE) == set(scales.TOLERANCE)
-    assert all(kind.parameters._fields == Tolerances._fields for kind in map(assemble.METHODS.get, adaptive))
+def test_methods_that_keep_a_tolerance_are_told_all_of_it() -> None:
+    for name, method in METHODS.items():
+        parameters: Any = assemble.kind_of_method(name).parameters
+        assert parameters._fields == (Tolerances._fields if method.adaptive else ("h",))
 
 
 def test_a_tolerance_is_kept_by_the_method_that_is_chosen() -> None:
     """Verlet, which is cheapest here, would do nothing with it."""
     given = case(defect=SLOT, duration="0.1 s")
-    assert choose.choice(given).method == "verlet"
-    found = choose.choice(given.model_copy(update={"tolerance": 1e-3}))
-    assert assemble.METHODS[str(found.method)].adaptive
-    assert set(found.prices) <= set(hierarchy.ADAPTIVE)
+    assert choice.choice(given).method == "verlet"
+    found = choice.choice(given.model_copy(update={"tolerance": 1e-3}))
+    assert found.method in found.prices
+    assert all(METHODS[name].adaptive for name in found.prices)
     assert "tolerance" in found.why
 
 
 @pytest.mark.parametrize("model", ["static", "impulse"])
 def test_a_model_without_a_method_has_no_other(model: str) -> None:
-    assert choose.alternatives(case(model=model, defect=SLOT)) == []
+    assert choice.alternatives(case(model=model, defect=SLOT)) == []
 
 
 @pytest.mark.parametrize(("coefficient", "taken"), [(10.0, 13.2e-6), (1e3, 1.71e-6), (1e5, 0.417e-6)])
@@ -309,7 +309,7 @@ def test_dashpots_that_jump_as_contacts_open_shorten_own_steps(coefficient, take
     """Mean step of Rodas over a 0.8 mm slot, counted over 25 ms; unforeseen it was up to 26 times off."""
     damping = {"law": "general", "coefficient": coefficient, "indentation_exponent": 0.0}
     given = case(method="rodas", defect=SLOT, contact={"damping": damping})
-    found = choose.own_step(given, choose.limits(choose.using(given, "verlet")))
+    found = prices.own_step(given, choice.limits(choice.using(given, "verlet")))
     assert found == pytest.approx(taken, rel=0.5)
 
 
@@ -319,22 +319,22 @@ def test_powers_of_the_library_are_priced(m1: float, m3: float, ns: float) -> No
     stiffness = {"law": "constant", "coefficient": 1e6, "exponent": m1}
     damping = {"law": "general", "coefficient": 100.0, "indentation_exponent": m3}
     given = case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
-    assert choose.per_second(given, 1e-6) == pytest.approx(1e-3 * ns, rel=0.2)
+    assert prices.per_second(given, 1e-6) == pytest.approx(1e-3 * ns, rel=0.2)
 
 
 def test_what_repeats_itself_is_priced_as_one_pass_and_refused_by_its_model() -> None:
     given = case(model="static", defect=SLOT, duration="1 s")
     watched = given.model_copy(update={"record": ("roller.outer_force",)})
-    least = mock.patch.object(choose, "MOST_CPU", 0.1 * choose.estimate(given).cpu_seconds)
+    least = mock.patch.object(time_grid, "MOST_CPU", 0.1 * time_grid.estimate(given).cpu_seconds)
     with least, pytest.raises(Refused, match="`static` would take about"):
         grid(watched)
-    one_pass = choose.estimate(given).cpu_seconds - choose.OVERHEAD
-    with mock.patch.object(choose, "MOST_CPU", 2.0 * one_pass):
+    one_pass = time_grid.estimate(given).cpu_seconds - prices.price("job")
+    with mock.patch.object(time_grid, "MOST_CPU", 2.0 * one_pass):
         grid(given)
 
 
 def test_the_price_of_a_job_holds_its_proof() -> None:
-    proven, plain = (choose.estimate(case(defect=SLOT, duration="2 s", prove=prove)) for prove in (True, False))
+    proven, plain = (time_grid.estimate(case(defect=SLOT, duration="2 s", prove=prove)) for prove in (True, False))
     assert plain.proof_seconds == 0.0
     assert proven.proof_seconds == pytest.approx((1 + sqrt(5)) / 16 * plain.cpu_seconds, rel=0.1)
     assert proven.cpu_seconds == pytest.approx(plain.cpu_seconds + proven.proof_seconds)

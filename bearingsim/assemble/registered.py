@@ -1,0 +1,55 @@
+"""Whether model, method and laws of a case bring all that a run calls: an extension may have forgotten some."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from bearingsim.assemble import contacts, free
+from bearingsim.catalogue import AUTO, METHODS, MODELS, code
+from bearingsim.config import Case
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.friction.interface import mu, mu_slope, steepest
+from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
+from bearingsim.core.methods.interface import load_number, step
+from bearingsim.core.models.interface import (
+    accelerations,
+    begin,
+    damping_per_mass,
+    freedoms,
+    keep_extremes,
+    linearise,
+    stiffness_per_mass,
+    watched,
+    width,
+)
+from bearingsim.core.pits.crossings import spot
+
+DAMPING = (normal_force, stiffness_bound, damping_bound), (slopes,)
+STIFFNESS = (elastic, tangent), (curvature,)
+FRICTION = (mu, steepest), (mu_slope,)
+"""Of each kind of law: what every method calls, and the derivatives that an implicit one solves with."""
+MODEL = (width, begin, keep_extremes, watched, stiffness_per_mass, damping_per_mass, spot), (linearise, freedoms)
+METHOD = (step, load_number), ()
+
+
+def missing(case: Case, implicit: bool) -> Iterator[str]:
+    """What model, method and laws of a case do not register, in words; ``implicit``: of derivatives too."""
+    model, contact, damping = code(MODELS[case.model].module).KIND.parameters, case.contact, case.contact.damping
+    yield from _missing(f"model `{case.model}`", model, MODEL, implicit)
+    if not MODELS[case.model].own_method and not accelerations.serves(model):
+        yield f"the model `{case.model}` has no `accelerations`"
+    if case.method not in (None, AUTO):
+        method = code(METHODS[str(case.method)].module).KIND.parameters
+        yield from _missing(f"method `{case.method}`", method, METHOD, implicit)
+    law = contacts.outer(case)
+    yield from _missing(f"stiffness law `{contact.elastic_law}`", type(law.stiffness), STIFFNESS, implicit)
+    yield from _missing(f"damping law `{getattr(damping, 'law', '')}`", type(law), DAMPING, implicit)
+    if case.friction is not None:
+        name = getattr(case.friction, "law", "")
+        yield from _missing(f"friction law `{name}`", type(free.friction(case)), FRICTION, implicit)
+
+
+def _missing(what: str, kind: type, called: tuple[tuple[Any, ...], ...], implicit: bool) -> Iterator[str]:
+    always, solved_with = called
+    for function in (*always, *(solved_with if implicit else ())):
+        if not function.serves(kind):
+            yield f"the {what} has no `{function.__name__}`"

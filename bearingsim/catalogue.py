@@ -1,0 +1,283 @@
+"""What the program knows by name: models, methods, contact laws, shapes of pits, features. One table of each.
+
+An entry is words and numbers: the name that a study file says, what the thing can do, and where its code stands
+(``package.module`` or ``package.module:name``), which is imported when it is first needed. So this file imports
+nothing of the house, and every other room asks it instead of naming a model or a method.
+
+Another package adds its own with one line each in the module that its entry point names:
+
+    # pyproject.toml of the other package:  [project.entry-points."bearingsim.extensions"]
+    #                                       mine = "my_package"
+    # my_package/__init__.py
+    from bearingsim.catalogue import Law, register
+
+    register(Law("viscous", "damping", "my_package.viscous:Viscous", "my_package.viscous:build"))
+
+docs/extending.md says what the module of each kind must define. Compiled code is kept apart for each set of
+extensions (``extension_sources``).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from bearingsim.errors import UserError
+
+GROUP = "bearingsim.extensions"
+"""The group of entry points under which other packages are found."""
+
+
+@dataclass(frozen=True)
+class Model:
+    """A model of the bearing.
+
+    module: holds its ``KIND`` (``core/models/interface.py``); abilities: what a case can ask of it
+    (``config/rules/hierarchy.py`` says what asks for what); slips: rollers and cage move freely and can slip;
+    sliced: rollers are cut into slices, and tilt; memoryless: each instant stands alone; own_method: the module of
+    the only way to step it, if it is no differential equation; build: ``build(case, support)`` makes its
+    parameters, if they are not made field by field (``assemble/__init__.py``).
+    """
+
+    name: str
+    module: str
+    abilities: frozenset[str]
+    slips: bool = False
+    sliced: bool = False
+    memoryless: bool = False
+    own_method: str = ""
+    build: str = ""
+
+    @property
+    def loaded(self) -> bool:
+        """Whether its rollers carry load: it starts from their static equilibrium."""
+        return "forces" in self.abilities
+
+    @property
+    def takes_pits(self) -> bool:
+        """Whether its rollers roll over pits; else a defect is impulses in time."""
+        return "shapes" in self.abilities
+
+    @property
+    def has_inertia(self) -> bool:
+        """Whether its rollers have mass."""
+        return "inertia of rollers" in self.abilities
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to integrate.
+
+    module: holds its ``KIND`` (``core/methods/interface.py``); tolerance: its usual one, relative, if it chooses
+    its steps by an estimate of their error; implicit: it solves with the derivatives of model and laws; automatic:
+    `method: auto` may choose it.
+    """
+
+    name: str
+    module: str
+    tolerance: float | None = None
+    implicit: bool = False
+    automatic: bool = False
+
+    @property
+    def adaptive(self) -> bool:
+        """Whether it chooses its own steps."""
+        return self.tolerance is not None
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law of ``what``: `stiffness`, `damping` or `friction`.
+
+    section: the class of its numbers in a study file, empty for a word without numbers; build: the function that
+    makes the core's law (``assemble/contacts.py`` and ``assemble/free.py`` say from what); bare: its name alone
+    may stand in a study file, its numbers taking their defaults; element: whose contact it is, `roller` or `ball`,
+    or empty; material: the elastic constants of the bearing's material enter it.
+    """
+
+    name: str
+    what: str
+    section: str
+    build: str
+    bare: bool = False
+    element: str = ""
+    material: bool = True
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A shape of pits.
+
+    build: makes its depth map of length, width and depth (m), or of the whole section if ``of_section``;
+    simple: every excitation has a closed form for it.
+    """
+
+    name: str
+    build: str
+    simple: bool = False
+    of_section: bool = False
+
+
+@dataclass(frozen=True)
+class Feature:
+    """A number that another package reads from each record.
+
+    unit: SI, or empty; long_name: an axis label; compute: ``compute(case, time, series)`` gives the number, with
+    ``time`` (n,) in s and ``series`` the recorded arrays (n,) by name, in SI.
+    """
+
+    name: str
+    unit: str
+    long_name: str
+    compute: str
+
+
+MODELS: dict[str, Model] = {}
+"""From the lowest to the highest; those of other packages come last."""
+METHODS: dict[str, Method] = {}
+LAWS: dict[str, dict[str, Law]] = {"stiffness": {}, "damping": {}, "friction": {}}
+SHAPES: dict[str, Shape] = {}
+FEATURES: dict[str, Feature] = {}
+"""Features of other packages; the program's own are in ``config/names.py``."""
+
+Entry = Model | Method | Law | Shape | Feature
+
+
+def register(*entries: Entry) -> None:
+    """Add to the tables. Raises ValueError for a name that is taken, or a law of nothing known."""
+    for entry in entries:
+        table = _table_of(entry)
+        if entry.name in table:
+            raise ValueError(f"`{entry.name}` is registered already: take another name")
+        table[entry.name] = entry
+
+
+def _table_of(entry: Entry) -> dict[str, Any]:
+    match entry:
+        case Model():
+            return MODELS
+        case Method():
+            return METHODS
+        case Shape():
+            return SHAPES
+        case Feature():
+            return FEATURES
+        case Law(what=what) if what in LAWS:
+            return LAWS[what]
+    raise ValueError(f"a law is of {', '.join(LAWS)}, not of `{entry.what}`")
+
+
+def code(where: str) -> Any:
+    """What stands at ``package.module`` or ``package.module:name``."""
+    module, _, name = where.partition(":")
+    found = import_module(module)
+    return getattr(found, name) if name else found
+
+
+def lowest(*abilities: str) -> str:
+    """The name of the lowest model with all these abilities."""
+    return next(model.name for model in MODELS.values() if model.abilities.issuperset(abilities))
+
+
+def most_able() -> str:
+    """The name of the model that can do most."""
+    return max(MODELS.values(), key=lambda model: len(model.abilities)).name
+
+
+# The program's own
+
+_STATIC = frozenset({"balance", "forces", "a second load", "shapes", "balls"})
+_RING = _STATIC | {"damping", "acceleration", "weakened contact", "shared pressure"}
+_ROLLERS = _RING | {"inertia of rollers"}
+_PLANAR = _ROLLERS | {"ramp", "gravity", "friction", "cage", "drag", "shaft", "ring rotation", "slip"}
+_SPATIAL = _PLANAR - {"balls", "shared pressure"} | {"tilt", "leaning rings", "profile"}
+
+_M, _S, _C, _A = (
+    "bearingsim.core.models",
+    "bearingsim.core.methods",
+    "bearingsim.config.sections",
+    "bearingsim.assemble",
+)
+
+register(
+    Model(
+        "impulse",
+        f"{_M}.impulse",
+        frozenset({"impulses", "acceleration"}),
+        own_method=f"{_S}.impulses",
+        build=f"{_A}.impulses:model",
+    ),
+    Model("static", f"{_M}.static", _STATIC, memoryless=True, own_method=f"{_S}.equilibrium"),
+    Model("ring", f"{_M}.ring", _RING),
+    Model("rollers", f"{_M}.rollers", _ROLLERS),
+    Model("planar", f"{_M}.planar", _PLANAR, slips=True),
+    Model("spatial", f"{_M}.spatial", _SPATIAL, slips=True, sliced=True),
+    Method("verlet", f"{_S}.verlet", automatic=True),
+    Method("dop853", f"{_S}.dop853", tolerance=1e-4, automatic=True),
+    Method("rodas", f"{_S}.rodas", tolerance=1e-4, implicit=True, automatic=True),
+    Method("backward-euler", f"{_S}.backward_euler", tolerance=1e-5, implicit=True, automatic=True),
+    Method("symplectic-euler", f"{_S}.symplectic_euler"),
+    Method("rk4", f"{_S}.rk4"),
+    Method("dormand-prince", f"{_S}.dormand_prince", tolerance=1e-4),
+    Method("nystrom", f"{_S}.nystrom"),
+    Method("generalized-alpha", f"{_S}.generalised_alpha", implicit=True),
+    Method("velocity-implicit-euler", f"{_S}.velocity_implicit", implicit=True),
+    Method("stabilised", f"{_S}.stabilised"),
+    Law("palmgren", "stiffness", "", f"{_A}.contacts:palmgren", bare=True, element="roller", material=False),
+    Law("iso16281", "stiffness", "", f"{_A}.contacts:iso16281", bare=True, element="roller", material=False),
+    Law("johnson", "stiffness", "", f"{_A}.contacts:johnson", bare=True, element="roller"),
+    Law("point", "stiffness", "", f"{_A}.contacts:point", bare=True, element="ball"),
+    Law("constant", "stiffness", f"{_C}.contact:Constant", f"{_A}.contacts:constant", material=False),
+    Law("hunt-crossley", "damping", f"{_C}.contact:HuntCrossley", f"{_A}.contacts:hunt_crossley", bare=True),
+    Law("kraemer", "damping", f"{_C}.contact:Kraemer", f"{_A}.contacts:kraemer", bare=True),
+    Law("general", "damping", f"{_C}.contact:General", f"{_A}.contacts:general"),
+    Law("static-dynamic", "friction", f"{_C}.free:StaticDynamic", f"{_A}.free:static_dynamic", bare=True),
+    Law("traction", "friction", f"{_C}.free:Traction", f"{_A}.free:traction", bare=True),
+    Law("none", "friction", f"{_C}.free:Frictionless", f"{_A}.free:frictionless", bare=True),
+    Shape("rectangular", "bearingsim.core.pits.depth:Rectangular", simple=True),
+    Shape("triangular", "bearingsim.core.pits.depth:Triangular", simple=True),
+    Shape("circular", "bearingsim.core.pits.depth:Circular", simple=True),
+    Shape("elliptical", "bearingsim.core.pits.depth:Elliptical"),
+    Shape("spall", f"{_A}.pits:spall", of_section=True),
+    Shape("scan", f"{_A}.pits:scan", of_section=True),
+)
+
+LEAST, AUTO = "least", "auto"
+"""What a case says to leave the choice of model, or of method, to the program."""
+USUAL_MODEL = "rollers"
+"""The model of a case that names none."""
+EXPLICIT = "verlet"
+"""The explicit method that others are measured against: its step limit, its price."""
+
+
+# Other packages
+
+
+def extensions() -> list[EntryPoint]:
+    """The entry points of other packages, by name."""
+    return sorted(entry_points(group=GROUP), key=lambda entry: entry.name)
+
+
+def extension_sources() -> Iterator[Path]:
+    """Every Python file of the packages that add something: what compiled code depends on beside the core."""
+    for package in sorted({entry.module.partition(".")[0] for entry in extensions()}):
+        spec = find_spec(package)
+        if spec is not None and spec.submodule_search_locations:
+            for folder in spec.submodule_search_locations:
+                yield from sorted(Path(folder).rglob("*.py"))
+        elif spec is not None and spec.origin:
+            yield Path(spec.origin)
+
+
+def _load_extensions() -> None:
+    for entry in extensions():
+        try:
+            entry.load()
+        except Exception as error:  # whatever another package does
+            raise UserError(f"the extension `{entry.name}` ({entry.value}) does not load: {error}") from error
+
+
+_load_extensions()

@@ -1,0 +1,103 @@
+"""The fields of a case, as they are written: what one simulation needs to be told."""
+
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
+
+from pydantic import BeforeValidator, Field
+
+from bearingsim import catalogue
+from bearingsim.config.channels import channel
+from bearingsim.config.fields import (
+    Angle,
+    Delay,
+    Duration,
+    Force,
+    Frequency,
+    Proving,
+    Rotation,
+    Section,
+    SignedForce,
+    Step,
+    Switch,
+    Tolerance,
+    one_of,
+    refuse,
+    unless_none,
+    whole,
+)
+from bearingsim.config.sections import free
+from bearingsim.config.sections.clearance import Clearance
+from bearingsim.config.sections.contact import Contact
+from bearingsim.config.sections.defect import Defect, Excitation
+from bearingsim.config.sections.machine import Bearing, Rig, default_rig, named
+from bearingsim.config.sections.space import Misalignment
+
+if TYPE_CHECKING:
+    ModelName = str
+    MethodName = str
+else:
+    ModelName = Literal[(catalogue.LEAST, *catalogue.MODELS)]
+    MethodName = Literal[(catalogue.AUTO, *catalogue.METHODS)]
+
+
+OLD_WORDS = {"prove": "step_check"}
+"""Keys of a case that have been replaced, and the words that stand for them now. Old ones are still read."""
+
+
+def _one_or_many(given: Any) -> Any:
+    if isinstance(given, str):
+        refuse("list", f"expected a list of mappings, got `{given}`")
+    return given
+
+
+class CaseFields(Section):
+    """One simulation, in SI: speed in rad/s, loads in N, lengths in m, angles in rad, times in s.
+
+    `defect` (one mapping) may be given instead of `defects`. What depends on other values is filled in, so that a
+    case says what is computed: `clearance` by class is a length; `model` is never `least`; `method` is None for
+    models without one; `start_angle` is the first roller's angle at t = 0, pi / rollers if not given; `excitation`
+    is `impulse-train` for the impulse model if not given; `contact.stiffness` suits the bearing. `friction` and
+    `cage` are None below the planar model, and never None from it on. `drag`, `ramp`, `shaft`, `unbalance` and
+    `misalignment` are None where absent. A line load in `record` is one channel for each slice of the roller. With
+    `step_check` the step, automatic or given, is tried on the run's beginning before it is trusted; `strict` tries
+    all of the run, and refuses a chaotic record that is too short for its RMS.
+    """
+
+    bearing: Annotated[Bearing, named("bearings")]
+    rig: Annotated[Rig, named("rigs")] = Field(default_factory=default_rig)
+    speed: Rotation
+    ramp: Annotated[free.Ramp | None, BeforeValidator(unless_none)] = None
+    load: Force
+    load_across: SignedForce = 0.0
+    gravity: Switch = False
+    clearance: Clearance = 0.0
+    defects: Annotated[tuple[Defect, ...], BeforeValidator(_one_or_many)] = ()
+    excitation: Annotated[Excitation, one_of(*get_args(Excitation))] = "envelope"
+    contact: Contact = Contact()
+    friction: free.Friction | None = None
+    cage: free.Cage | None = None
+    drag: Annotated[free.Drag | None, BeforeValidator(unless_none)] = None
+    shaft: Annotated[free.Shaft | None, BeforeValidator(unless_none)] = None
+    unbalance: Annotated[free.Unbalance | None, BeforeValidator(unless_none)] = None
+    misalignment: Annotated[Misalignment | None, BeforeValidator(unless_none)] = None
+    model: Annotated[ModelName, one_of(catalogue.LEAST, *catalogue.MODELS)] = catalogue.USUAL_MODEL
+    method: Annotated[MethodName, one_of(catalogue.AUTO, *catalogue.METHODS)] | None = None
+    step: Step = "auto"
+    tolerance: Tolerance = "auto"
+    step_check: Proving = True
+    duration: Duration = 1.0
+    settle: Delay = 0.05
+    start_angle: Angle = 0.0
+    seed: Annotated[int, whole(0, 999_999_999)] = 0
+    sampling: Frequency = 10240.0
+    antialias: Switch = True
+    record: tuple[Annotated[str, BeforeValidator(channel)], ...] = ("ring.velocity",)
+
+    @property
+    def proven(self) -> bool:
+        """Whether the step is to be proven: there is one, and the case does not forbid it."""
+        return bool(self.step_check) and self.method is not None
+
+    @property
+    def automatic(self) -> bool:
+        """Whether there is a step, and it is left to be chosen."""
+        return self.method is not None and self.step == "auto"

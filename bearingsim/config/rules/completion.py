@@ -1,0 +1,66 @@
+"""What a case leaves open and follows from the rest of it is filled in, so that a case says what is computed."""
+
+import math
+
+from bearingsim import catalogue
+from bearingsim.config.case_fields import CaseFields
+from bearingsim.config.rules import hierarchy
+from bearingsim.config.rules.slicing import by_slices
+from bearingsim.config.sections import free
+from bearingsim.config.sections.contact import Contact
+from bearingsim.config.sections.defect import EDGE_RADIUS, Defect, Edge
+
+
+def complete(case: CaseFields) -> None:
+    """Fill in, in this order: model, excitation, method, start angle, contact, defects, what moves, channels."""
+    if case.model == catalogue.LEAST:
+        _fill(case, "model", hierarchy.least(case) or catalogue.most_able())
+    known = catalogue.MODELS[case.model]
+    if not known.takes_pits and "excitation" not in case.model_fields_set:
+        _fill(case, "excitation", "impulse-train")
+    if case.method is None and not known.own_method:
+        _fill(case, "method", catalogue.AUTO)
+    if "start_angle" not in case.model_fields_set:
+        _fill(case, "start_angle", math.pi / case.bearing.rollers)
+    _fill(case, "contact", _suited_contact(case))
+    _fill(case, "defects", tuple(_completed(case, _numbered(defect)) for defect in case.defects))
+    if case.misalignment is not None and case.misalignment.inner == case.misalignment.outer == 0.0:
+        _fill(case, "misalignment", None)
+    _fill_free_motion(case)
+    _fill(case, "record", tuple(name for channel in case.record for name in by_slices(channel, case)))
+
+
+def _fill_free_motion(case: CaseFields) -> None:
+    if not catalogue.MODELS[case.model].slips:
+        if isinstance(case.friction, free.Frictionless):
+            _fill(case, "friction", None)
+        return
+    cage = case.cage or free.Cage()
+    _fill(case, "cage", cage)
+    if case.friction is None:
+        _fill(case, "friction", free.Frictionless() if cage.motion == "kinematic" else free.StaticDynamic())
+
+
+def _completed(case: CaseFields, defect: Defect) -> Defect:
+    """A defect with the edges that its excitation takes it to have."""
+    if case.excitation != "elastic-edge" or defect.edge is not None:
+        return defect
+    return defect.model_copy(update={"edge": Edge(radius=EDGE_RADIUS)})
+
+
+def _numbered(defect: Defect) -> Defect:
+    """A roller's defect with the number of its roller."""
+    if defect.race != "roller" or defect.roller is not None:
+        return defect
+    return defect.model_copy(update={"roller": 1})
+
+
+def _suited_contact(case: CaseFields) -> Contact:
+    if case.contact.stiffness is not None:
+        return case.contact
+    law = "palmgren" if case.bearing.element == "roller" else "point"
+    return case.contact.model_copy(update={"stiffness": law})
+
+
+def _fill(case: CaseFields, name: str, value: object) -> None:
+    object.__setattr__(case, name, value)

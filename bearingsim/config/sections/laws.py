@@ -1,0 +1,48 @@
+"""A field that holds one of several laws, as the catalogue has them."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Union
+
+from pydantic import BeforeValidator, Discriminator, Tag
+
+from bearingsim import catalogue
+from bearingsim.config.fields import Section, raise_unknown_word
+
+
+@dataclass(frozen=True)
+class Laws:
+    """Sections of which a field holds one, told apart by their `law`; a bare word is a law with its defaults.
+
+    `words` are the laws that may be given as a bare word.
+    """
+
+    sections: dict[str, type[Section]]
+    default: str
+    words: tuple[str, ...]
+
+    def tag(self, given: Any) -> Any:
+        """The law of what is given; a mapping without `law` is the default law's."""
+        return given.get("law", self.default) if isinstance(given, dict) else getattr(given, "law", None)
+
+    def spelled(self, given: Any) -> Any:
+        """A word as a mapping; refuses what is no law."""
+        found = {"law": given} if isinstance(given, str) else given
+        if self.tag(found) not in self.sections:
+            raise_unknown_word(self.tag(found), tuple(self.sections))
+        return found
+
+    def field(self) -> Any:
+        """The type of a field that holds one of them."""
+        return Annotated[self.union(), Discriminator(self.tag), BeforeValidator(self.spelled)]
+
+    def union(self) -> Any:
+        """The sections, each with its law as a tag."""
+        tagged = (Annotated[section, Tag(law)] for law, section in self.sections.items())
+        return Union[tuple(tagged)]  # noqa: UP007 (made at run time)
+
+
+def laws_of(what: str, default: str) -> Laws:
+    """The laws of ``what`` (`stiffness`, `damping`, `friction`) in the catalogue; default: of a bare mapping."""
+    known = catalogue.LAWS[what].values()
+    sections = {law.name: catalogue.code(law.section) for law in known if law.section}
+    return Laws(sections, default, tuple(law.name for law in known if law.bare))

@@ -1,0 +1,144 @@
+"""Damping of the multibody codes: a power of the rate times a power of the approach."""
+
+from math import isclose
+from typing import Any, NamedTuple
+
+from bearingsim.core.jit import generic
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.stiffness.interface import SHALLOWEST, elastic, tangent
+
+SLOWEST = 1e-12  # m/s: rate below which a damping force that is infinitely steep at rest is taken there
+
+
+class General(NamedTuple):
+    """Damping of the multibody codes: Q = Q_e + c sgn(v) |v|^m2 delta^m3. c in N (s/m)^m2 / m^m3.
+
+    m2, m3: exponents, each a ``Power0``, ``Power1``, ``Power2`` or ``Power``; see ``general``. The first three are
+    empty tuples, so equal to one another: laws are told apart by their types, not by ``==``.
+    """
+
+    stiffness: Any
+    c: float
+    m2: Any
+    m3: Any
+
+
+@normal_force.register(General)
+def _force(contact, delta, v):
+    d = max(delta, 0.0)
+    drag = contact.c * raised(contact.m2, abs(v)) * raised(contact.m3, d)
+    drag = drag if v > 0.0 else -drag
+    force = max(elastic(contact.stiffness, d) + drag, 0.0)
+    return force if delta > 0.0 else 0.0  # with m3 = 0 the dashpot would act on a roller that is not there
+
+
+@slopes.register(General)
+def _slopes(contact, delta, v):
+    """At 0, |v|^(m2-1) and delta^(m3-1) are infinite if the exponent is below 1: SLOWEST, SHALLOWEST stand in."""
+    d, speed = max(delta, 0.0), abs(v)
+    deep = raised(contact.m3, d)
+    drag = contact.c * raised(contact.m2, speed)
+    drag = drag if v > 0.0 else -drag
+    pressing = 1.0 if delta > 0.0 else 0.0
+    pressing = pressing if elastic(contact.stiffness, d) + drag * deep > 0.0 else 0.0
+    K = tangent(contact.stiffness, d) + drag * raised_slope(contact.m3, max(d, SHALLOWEST))
+    C = contact.c * raised_slope(contact.m2, max(speed, SLOWEST)) * deep
+    return pressing * K, pressing * C
+
+
+@stiffness_bound.register(General)
+def _stiffness_bound(contact, delta, v):
+    growth = contact.c * raised(contact.m2, abs(v)) * raised_slope(contact.m3, max(delta, 1e-12))
+    return tangent(contact.stiffness, delta) + max(growth if v > 0.0 else -growth, 0.0)
+
+
+@damping_bound.register(General)
+def _damping_bound(contact, delta, v):
+    # at rest |v|^(m2-1) is 0 or infinite unless m2 = 1: a thousandth of a metre per second stands for "slow"
+    return contact.c * raised_slope(contact.m2, max(abs(v), 1e-3)) * raised(contact.m3, delta)
+
+
+# Exponents
+
+
+class Power0(NamedTuple):
+    """The exponent 0."""
+
+
+class Power1(NamedTuple):
+    """The exponent 1."""
+
+
+class Power2(NamedTuple):
+    """The exponent 2."""
+
+
+class Power(NamedTuple):
+    """Any exponent m >= 0. Calls ``pow``: a loop over rollers loses its vector lanes."""
+
+    m: float
+
+
+@generic
+def raised(exponent: Any, x: float) -> float:
+    """x^m, for x >= 0."""
+
+
+@generic
+def raised_slope(exponent: Any, x: float) -> float:
+    """Slope of x^m, m x^(m-1), for x > 0."""
+
+
+@raised.register(Power0)
+def _raised_0(exponent, x):
+    return 1.0
+
+
+@raised_slope.register(Power0)
+def _slope_0(exponent, x):
+    return 0.0
+
+
+@raised.register(Power1)
+def _raised_1(exponent, x):
+    return x
+
+
+@raised_slope.register(Power1)
+def _slope_1(exponent, x):
+    return 1.0
+
+
+@raised.register(Power2)
+def _raised_2(exponent, x):
+    return x * x
+
+
+@raised_slope.register(Power2)
+def _slope_2(exponent, x):
+    return 2.0 * x
+
+
+@raised.register(Power)
+def _raised(exponent, x):
+    return x**exponent.m
+
+
+@raised_slope.register(Power)
+def _slope(exponent, x):
+    return exponent.m * x ** (exponent.m - 1.0)
+
+
+WHOLE = ((0.0, Power0), (1.0, Power1), (2.0, Power2))
+"""The exponents that have a type of their own."""
+
+
+def power(m: float) -> Power0 | Power1 | Power2 | Power:
+    """The fastest exponent that is ``m``."""
+    known = [kind for whole, kind in WHOLE if isclose(m, whole, rel_tol=1e-12, abs_tol=1e-12)]
+    return known[0]() if known else Power(float(m))
+
+
+def general(stiffness: Any, c: float, m2: float, m3: float) -> General:
+    """General damping with the fastest exponents that are m2 and m3."""
+    return General(stiffness, c, power(m2), power(m3))

@@ -1,0 +1,42 @@
+"""Damping proportional to the elastic force, after Hunt and Crossley."""
+
+from typing import Any, NamedTuple
+
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.stiffness.interface import elastic, tangent
+
+
+class HuntCrossley(NamedTuple):
+    """Damping proportional to the elastic force: Q = Q_e (1 + chi v). chi in s/m.
+
+    Continuous at touch-down. Source: Hunt and Crossley 1975. chi is the model's largest unknown: dry steel
+    0.1-0.5 s/m, a lubricated contact far more.
+    """
+
+    stiffness: Any
+    chi: float
+
+
+@normal_force.register(HuntCrossley)
+def _force(contact, delta, v):
+    return max(elastic(contact.stiffness, max(delta, 0.0)) * (1.0 + contact.chi * v), 0.0)
+
+
+@slopes.register(HuntCrossley)
+def _slopes(contact, delta, v):
+    d, growth = max(delta, 0.0), 1.0 + contact.chi * v
+    pressing = 1.0 if delta > 0.0 else 0.0
+    pressing = pressing if growth > 0.0 else 0.0
+    return pressing * tangent(contact.stiffness, d) * growth, pressing * elastic(
+        contact.stiffness, d
+    ) * contact.chi
+
+
+@stiffness_bound.register(HuntCrossley)
+def _stiffness_bound(contact, delta, v):
+    return tangent(contact.stiffness, delta) * max(1.0 + contact.chi * v, 0.0)
+
+
+@damping_bound.register(HuntCrossley)
+def _damping_bound(contact, delta, v):
+    return contact.chi * elastic(contact.stiffness, delta)

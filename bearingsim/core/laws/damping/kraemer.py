@@ -1,0 +1,43 @@
+"""Damping proportional to the tangent stiffness, after Kraemer."""
+
+from typing import Any, NamedTuple
+
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
+
+
+class Kraemer(NamedTuple):
+    """Damping proportional to the tangent stiffness: Q = Q_e + beta Q_e' v. beta in s.
+
+    Source: Kraemer, Dynamics of Rotors and Foundations 1993: 0.25e-5 .. 2.5e-5 s for rolling bearings.
+    Jumps (by delta^(1/9)) at touch-down.
+    """
+
+    stiffness: Any
+    beta: float
+
+
+@normal_force.register(Kraemer)
+def _force(contact, delta, v):
+    d = max(delta, 0.0)
+    force = max(elastic(contact.stiffness, d) + contact.beta * tangent(contact.stiffness, d) * v, 0.0)
+    return force if delta > 0.0 else 0.0  # with a stiffness at touch-down (m1 = 1) damping would act across a gap
+
+
+@slopes.register(Kraemer)
+def _slopes(contact, delta, v):
+    d, rate = max(delta, 0.0), contact.beta * v
+    stiffness = tangent(contact.stiffness, d)
+    pressing = 1.0 if delta > 0.0 else 0.0
+    pressing = pressing if elastic(contact.stiffness, d) + stiffness * rate > 0.0 else 0.0
+    return pressing * (stiffness + curvature(contact.stiffness, d) * rate), pressing * stiffness * contact.beta
+
+
+@stiffness_bound.register(Kraemer)
+def _stiffness_bound(contact, delta, v):
+    return tangent(contact.stiffness, delta)  # without the curvature, which is infinite at touch-down
+
+
+@damping_bound.register(Kraemer)
+def _damping_bound(contact, delta, v):
+    return contact.beta * tangent(contact.stiffness, delta)

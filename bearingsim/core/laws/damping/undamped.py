@@ -1,0 +1,33 @@
+"""A contact that only springs."""
+
+from typing import Any, NamedTuple
+
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.stiffness.interface import elastic, tangent
+
+
+class Undamped(NamedTuple):
+    """No damping, Q = Q_e: the law of what stands still, which so is compiled once for all damping laws."""
+
+    stiffness: Any
+
+
+@normal_force.register(Undamped)
+def _force(contact, delta, v):
+    return elastic(contact.stiffness, max(delta, 0.0))
+
+
+@slopes.register(Undamped)
+def _slopes(contact, delta, v):
+    pressing = 1.0 if delta > 0.0 else 0.0
+    return pressing * tangent(contact.stiffness, max(delta, 0.0)), 0.0
+
+
+@stiffness_bound.register(Undamped)
+def _stiffness_bound(contact, delta, v):
+    return tangent(contact.stiffness, delta)
+
+
+@damping_bound.register(Undamped)
+def _damping_bound(contact, delta, v):
+    return 0.0

@@ -1,0 +1,27 @@
+"""What every friction law gives: the coefficient mu(v, u) and its slopes.
+
+mu is odd in the slip speed v (m/s) of one surface over the other: the friction force on the first is -mu(v, u) Q.
+u > 0 (m/s) is the mean of the speeds at which the two surfaces pass through the contact. Every law has a finite
+slope at v = 0 and so no sticking: under a steady force less than mu Q a contact creeps.
+
+All laws keep the vector lanes of a loop over rollers.
+"""
+
+from typing import Any
+
+from bearingsim.core.jit import generic
+
+
+@generic(absent=0.0)
+def mu(law: Any, v: float, u: float) -> float:
+    """Friction coefficient, of the sign of the slip speed ``v`` (m/s), at the rolling speed ``u`` > 0 (m/s)."""
+
+
+@generic(absent=(0.0, 0.0))
+def mu_slope(law: Any, v: float, u: float) -> tuple[float, float]:
+    """Exact d(mu)/dv and d(mu)/du (s/m) at the slip speed ``v`` and the rolling speed ``u`` > 0 (m/s)."""
+
+
+@generic(absent=0.0)
+def steepest(law: Any, u: float) -> float:
+    """Largest d(mu)/dv (s/m) at the rolling speed ``u`` (m/s): what limits an explicit step."""

@@ -1,0 +1,38 @@
+"""Friction with a lag: that of the slips as they will be, so that steep friction limits no explicit step."""
+
+from bearingsim.core.jit import jit
+
+
+@jit
+def taken(t):
+    """Part of a lag that is taken where slip would die out ``t`` times within it, t/(1 + t).
+
+    Friction that is slow beside the lag hardly needs it: so its error is of second order in the lag, t^2. Slip
+    still dies out no faster than within the lag: at the rate t (1 + t)/(1 + t + t^2) of it.
+    """
+    return t / (1.0 + t)
+
+
+@jit
+def lagged(rate, lag):
+    """Rate (1/s) at which slip dies out with the lag (s), ``rate`` being that without."""
+    t = lag * rate
+    return rate / (1.0 + taken(t) * t)
+
+
+@jit
+def rub(k_o, k_i, s_o, s_i, a, b):
+    """Friction (N) at a roller's two contacts: that of the slips as they will be a lag later.
+
+    k_o, k_i: friction over slip at either contact (N s/m); s_o, s_i: slip (m/s). A force F_o changes the slips at
+    the rates -(1/m + R_w^2/I) F_o and -(1/m - R_w^2/I) F_o, crosswise F_i; a, b: these factors times the lag
+    (s/kg), of which a part is ``taken``. The new slips follow from forces k s with the new s, in closed form. So
+    slip never dies out faster than within the lag, however steep the friction's curve, and an explicit step as
+    long as the lag is stable; without lag the force is k s.
+    """
+    part = taken(a * (k_o + k_i))
+    a, b = part * a, part * b
+    determinant = (1.0 + a * k_o) * (1.0 + a * k_i) - b * b * k_o * k_i
+    f_o = k_o * ((1.0 + a * k_i) * s_o - b * k_i * s_i) / determinant
+    f_i = k_i * ((1.0 + a * k_o) * s_i - b * k_o * s_o) / determinant
+    return f_o, f_i

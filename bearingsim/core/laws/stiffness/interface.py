@@ -1,0 +1,26 @@
+"""What every elastic law gives: the force Q_e = k delta^m1, or one like it, and its derivatives.
+
+delta: approach (m), positive in contact. All laws keep the vector lanes of a loop over rollers, but ``PowerLaw``,
+which calls the library's power.
+"""
+
+from typing import Any
+
+from bearingsim.core.jit import generic
+
+SHALLOWEST = 1e-12  # m: approach below which a slope that is infinite at touch-down is taken there
+
+
+@generic
+def elastic(law: Any, delta: float) -> float:
+    """Elastic force (N) at approach ``delta`` >= 0 (m)."""
+
+
+@generic
+def tangent(law: Any, delta: float) -> float:
+    """Slope of the elastic force (N/m) at approach ``delta`` >= 0 (m)."""
+
+
+@generic
+def curvature(law: Any, delta: float) -> float:
+    """Slope of the tangent stiffness, d2Q/d(delta)2 (N/m^2), at approach ``delta`` >= 0 (m)."""

@@ -1,0 +1,46 @@
+"""Two contacts in series, a roller without mass between the races: how they share an approach."""
+
+from typing import Any
+
+from bearingsim.core.jit import generic, jit
+from bearingsim.core.laws.stiffness.interface import elastic, tangent
+
+NEWTONS = 4  # from the secants at delta/2: 1e-10 of the force for exponents 1 to 1.5 and k a hundred times apart
+NO_POWER = (0.0, 0.0)
+
+
+@generic(otherwise=NO_POWER)
+def as_power(law: Any) -> tuple[float, float]:
+    """k (N/m^m) and m of a power law k delta^m; two zeros of a law that is none."""
+
+
+@jit
+def share_by_newton(outer, inner, delta):
+    """``share`` of any two laws."""
+    d = max(delta, 0.0)
+    of_outer, of_inner = elastic(outer, 0.5 * d), elastic(inner, 0.5 * d)
+    part = d * of_outer / max(of_outer + of_inner, 1e-300)
+    for _ in range(NEWTONS):
+        excess = elastic(inner, part) - elastic(outer, d - part)
+        slope = tangent(inner, part) + tangent(outer, d - part)
+        part = min(max(part - excess / max(slope, 1e-300), 0.0), d)
+    return part
+
+
+def share_of_powers(outer, inner, delta):
+    """``share`` of two power laws of one exponent, in closed form; of any other two by Newton's method."""
+    (k_outer, m), (k_inner, m_inner) = as_power(outer), as_power(inner)
+    if m != m_inner or m == 0.0:  # known when this is compiled, but for ``PowerLaw``
+        return share_by_newton(outer, inner, delta)
+    ratio = (k_outer / k_inner) ** (1.0 / m)
+    return max(delta, 0.0) * (ratio / (1.0 + ratio))
+
+
+@generic(otherwise=share_of_powers)
+def share(outer: Any, inner: Any, delta: float) -> float:
+    """The inner contact's part (m) of the approach ``delta`` >= 0 (m) of two contacts in series.
+
+    It balances the elastic forces, E_outer(delta - part) = E_inner(part). Closed for two power laws of one
+    exponent and for two of Johnson's; delta/2, exactly, if both contacts are equal. Any other pair takes Newton
+    steps, in a function of their own, whose call costs a loop over rollers its lanes.
+    """

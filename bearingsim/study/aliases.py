@@ -1,0 +1,37 @@
+"""Words of study files that have been replaced: the old ones are still read, and a note says the new one."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from bearingsim.config.case_fields import OLD_WORDS
+from bearingsim.text.yamlfile import Node
+
+PATHS = ("x", "by", "panels")
+"""Keys of a figure whose values are paths of the study."""
+
+
+def renamed(node: Node, is_path: bool = False) -> Node:
+    """The file with every replaced word in its new form: keys, paths of a sweep, and paths of figures."""
+    if isinstance(node.value, dict):
+        entries = {new_path(key): renamed(inner, key in PATHS) for key, inner in node.value.items()}
+        return replace(node, value=entries)
+    if isinstance(node.value, tuple):
+        return replace(node, value=tuple(renamed(inner, is_path) for inner in node.value))
+    return replace(node, value=new_path(node.value)) if is_path else node
+
+
+def new_path(path: str) -> str:
+    """A path such as `defect.width`, its first word in its new form."""
+    first, dot, rest = path.partition(".")
+    return OLD_WORDS.get(first, first) + dot + rest
+
+
+def notes(root: Node, overrides: Mapping[str, str]) -> tuple[str, ...]:
+    """What a file and its overrides say in old words: a line for each word."""
+    said = {*_keys(root), *overrides}
+    found = {old: new for old, new in OLD_WORDS.items() if old in said}
+    return tuple(f"`{old}` is now `{new}`; the old word is still read" for old, new in found.items())
+
+
+def _keys(node: Node) -> set[str]:
+    return set(node.mapping).union(*map(_keys, [*node.mapping.values(), *node.items]))

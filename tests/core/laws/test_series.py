@@ -1,0 +1,101 @@
+"""Two contacts in series: every pair of laws, one of them known to nothing but this file."""
+
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bearingsim.core.laws.stiffness.interface import elastic, tangent
+from bearingsim.core.laws.stiffness.johnson import johnson
+from bearingsim.core.laws.stiffness.power_law import PowerLaw
+from bearingsim.core.laws.stiffness.series import as_power, share, share_by_newton
+from bearingsim.core.laws.stiffness.ten_ninths import EXPONENT
+from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
+from tests.scenes.laws import LINE, STEEL, STIFFNESSES, every_stiffness
+
+
+class Hardening(NamedTuple):
+    """Q = k delta (1 + delta/d), no power: a law that gives ``elastic`` and ``tangent`` and no more."""
+
+    k: float
+    d: float
+
+
+@elastic.register(Hardening)
+def _elastic(law, delta):
+    return law.k * delta * (1.0 + delta / law.d)
+
+
+@tangent.register(Hardening)
+def _tangent(law, delta):
+    return law.k * (1.0 + 2.0 * delta / law.d)
+
+
+PAIRS = [
+    pytest.param(outer, inner, id=f"{type(outer).__name__}-{type(inner).__name__}")
+    for outer, inner in product([*STIFFNESSES, Hardening(3e8, 1e-5)], repeat=2)
+]
+
+
+def softer(law, factor):
+    """The law with its stiffness times ``factor``."""
+    return law._replace(**{law._fields[0]: factor * law[0]})
+
+
+@pytest.mark.parametrize(("outer", "inner"), PAIRS)
+@pytest.mark.parametrize("factor", [1.0, 0.7, 30.0])
+@given(delta=st.floats(1e-9, 1e-5))
+def test_a_share_balances_the_two_forces(outer, inner, factor, delta):
+    inner = softer(inner, factor)
+    part = share(outer, inner, delta)
+    assert 0.0 <= part <= delta
+    assert elastic(inner, part) == pytest.approx(elastic(outer, delta - part), rel=3e-9, abs=0.0)
+
+
+@every_stiffness
+@pytest.mark.parametrize("delta", [0.0, 1e-9, 1.234e-7, 1e-5])
+def test_equal_contacts_share_alike(law, delta):
+    assert share(law, law, delta) == delta / 2.0
+
+
+def test_johnson_s_share_is_that_of_newton():
+    inner = johnson(150e9, 0.3, 0.009, 0.020)
+    for delta in np.geomspace(1e-10, 1e-4, 50):
+        assert share(LINE, inner, delta) == pytest.approx(share_by_newton(LINE, inner, delta), rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize(("outer", "inner"), PAIRS)
+def test_nothing_is_shared_where_nothing_touches_and_not_a_number_is_passed_on(outer, inner):
+    assert share(outer, inner, 0.0) == 0.0
+    assert share(outer, inner, -1e-6) == 0.0
+    assert np.isnan(share(outer, inner, float("nan")))
+
+
+@compiled
+def shares(outer, inner, y, width):
+    for j in range(width):
+        y[ROW + j] = share(outer, inner, y[j])
+
+
+@pytest.mark.parametrize(("outer", "inner"), PAIRS)
+def test_shares_from_python_equal_the_compiled_ones(outer, inner):
+    y = rows(0.0, 0.0)
+    y[:ROW] = np.append(0.0, np.geomspace(1e-12, 1e-5, ROW - 1))
+    shares(outer, softer(inner, 2.0), y, ROW)
+    expected = [share(outer, softer(inner, 2.0), delta) for delta in y[:ROW]]
+    assert y[ROW:] == pytest.approx(expected, rel=1e-12, abs=0.0)
+
+
+@needs_vectors
+@pytest.mark.parametrize("law", [law for law in STIFFNESSES if not isinstance(law, PowerLaw)])
+def test_shares_of_like_contacts_keep_the_vector_lanes(law):
+    assert keeps_lanes(shares, law, softer(law, 2.0), rows(1e-7, 0.0), ROW)
+
+
+def test_a_law_says_itself_whether_it_is_a_power():
+    assert as_power(STEEL) == (STEEL.k, EXPONENT)
+    assert as_power(PowerLaw(5e9, 1.2)) == (5e9, 1.2)
+    assert as_power(LINE) == as_power(Hardening(3e8, 1e-5)) == (0.0, 0.0)

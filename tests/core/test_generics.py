@@ -1,0 +1,193 @@
+"""Every generic function has an implementation for every type that can reach it.
+
+Nobody lists the families of types: generics that have a type in common range over the same family, which is all
+the types that any of them is implemented for. What is missing on purpose stands in ``EXCEPTIONS``.
+"""
+
+import importlib
+import pkgutil
+from typing import Any
+
+import pytest
+
+import bearingsim.core
+from bearingsim.core import jit
+from bearingsim.core.laws.damping.interface import normal_force, slopes
+from bearingsim.core.laws.friction.frictionless import Frictionless
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.stiffness.interface import elastic
+from bearingsim.core.laws.stiffness.series import as_power
+from bearingsim.core.methods.adaptive import beyond, complete, dead_end, estimate_order
+from bearingsim.core.methods.equilibrium import Equilibrium
+from bearingsim.core.methods.impulses import Impulses
+from bearingsim.core.methods.interface import attempt, interpolate, prepare, step
+from bearingsim.core.models.impulse import Impulse
+from bearingsim.core.models.interface import accelerations, freedoms, linearise
+from bearingsim.core.models.static import Static
+from bearingsim.core.parts.cage import Centred, FreeCage, KinematicCage, NoDrag, OilDrag, RingGuided
+from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
+from bearingsim.core.parts.flanges import Flanges, NoFlanges, View
+from bearingsim.core.parts.mounts import Held, Sprung, hold
+from bearingsim.core.parts.shaft import (
+    ElasticShaft,
+    FixedRing,
+    RigidShaft,
+    TorsionSpring,
+    mobility,
+    move_inner_ring,
+    rotate_ring,
+)
+from bearingsim.core.pits.closed_forms import section_of
+from bearingsim.core.pits.crossings import spot
+from bearingsim.core.pits.depth import Eased, Elliptical, Merged, Mirrored, Placed, Scanned
+from bearingsim.core.pits.excitations import Traced, bend, groups
+from bearingsim.core.pits.jumps import next_cusp
+from bearingsim.core.pits.on_roller import standing
+from bearingsim.core.pits.spall import Spall
+
+Found = dict[Any, frozenset[type]]
+"""Generics and the types that each is implemented for."""
+
+MODULES = [
+    importlib.import_module(module.name)
+    for module in pkgutil.walk_packages(bearingsim.core.__path__, "bearingsim.core.")
+]
+ADAPTIVE = (attempt, interpolate, estimate_order, dead_end, beyond, complete)
+
+
+def ours(types: Any) -> frozenset[type]:
+    """Those of the package: tests register types of their own."""
+    return frozenset(one for one in types if one.__module__.startswith("bearingsim."))
+
+
+FOUND: Found = {one: ours(one.types) for one in jit.GENERICS if one.__module__.startswith("bearingsim.")}
+STEPPED_EVENLY = FOUND[step].difference(*(FOUND[one] for one in ADAPTIVE))
+IN_PLACE_OF: dict[type, type] = {
+    Frictionless: StaticDynamic,
+    RigidShaft: ElasticShaft,
+    FixedRing: TorsionSpring,
+    Held: Sprung,
+    NoFlanges: Flanges,
+    KinematicCage: FreeCage,
+    CageInPlane: CageInSpace,
+    Centred: RingGuided,
+    NoDrag: OilDrag,
+}
+"""Types that stand for nothing, and one of the family that each belongs to: some need no implementation at all."""
+
+EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
+    ((groups,), {Traced}, "its groups are made with its table, from paths: `pits/traced.py`"),
+    ((section_of,), {Elliptical, Eased, Mirrored, Placed, Merged, Spall, Scanned}, "their paths are traced"),
+    ((standing,), {Impulse}, "it has no pits"),
+    ((accelerations, freedoms, linearise, next_cusp), {Static, Impulse}, "`Equilibrium`, `Impulses` step them"),
+    ((prepare,), {Equilibrium, Impulses}, "they evaluate no accelerations, and start from the state alone"),
+    (ADAPTIVE, STEPPED_EVENLY, "`adaptive.py` does not drive them"),
+    ((move_inner_ring,), {TorsionSpring}, "a bracket holds the outer ring"),
+    ((rotate_ring,), {ElasticShaft}, "a shaft carries the inner ring"),
+]
+"""Generics, the types that they have no implementation for, and why."""
+
+BESIDE = {View}
+"""Tuples that no generic is chosen by, though they stand in one module with types of a family."""
+
+
+class Anything:
+    """A type that nobody has heard of."""
+
+
+@jit.absent
+class Nothing:
+    """And one that stands for nothing."""
+
+
+def excepted(of: Any) -> set[type]:
+    return {one for generics, types, _ in EXCEPTIONS if of in generics for one in types}
+
+
+def served(of: Any, types: frozenset[type]) -> set[type]:
+    """Those that need no implementation: all if there is one for any type, else those that stand for nothing."""
+    nothing = jit.ABSENT if of.serves(Nothing) else set()
+    return {one for one in types if of.serves(Anything) or one in nothing}
+
+
+def linked(types: frozenset[type]) -> frozenset[type]:
+    """With those that stand for nothing in place of them, and the other way round."""
+    return types.union(*(pair for pair in IN_PLACE_OF.items() if types.intersection(pair)))
+
+
+def families(found: Found) -> list[tuple[list[Any], frozenset[type]]]:
+    """Generics that share types, and all the types of each such family."""
+    merged: list[tuple[list[Any], frozenset[type]]] = []
+    for generic, types in ((one, linked(types)) for one, types in found.items()):
+        joined = [family for family in merged if family[1] & types]
+        merged = [family for family in merged if not family[1] & types]
+        members = [generic, *(member for family in joined for member in family[0])]
+        merged.append((members, types.union(*(family[1] for family in joined))))
+    return merged
+
+
+def is_tuple(of: Any) -> bool:
+    return isinstance(of, type) and issubclass(of, tuple) and hasattr(of, "_fields")
+
+
+def missing(found: Found) -> list[str]:
+    """Generics without an implementation that a type of their family needs; and exceptions that are none."""
+    said = []
+    for generics, types in families(found):
+        for one in generics:
+            lacking, left_out = types - found[one] - served(one, types), excepted(one)
+            said += [f"{one.__name__} has none for {kind.__name__}" for kind in lacking - left_out]
+            said += [f"{one.__name__} needs no exception of {kind.__name__}" for kind in left_out - lacking]
+    return said
+
+
+def lost(found: Found) -> set[type]:
+    """Types in no family: tuples beside others that are in one, and types that stand for nothing."""
+    known = frozenset().union(*(types for _, types in families(found)))
+    homes = {kind.__module__ for kind in known}
+    tuples = {kind for module in MODULES for kind in vars(module).values() if is_tuple(kind)}
+    beside = {kind for kind in tuples if kind.__module__ in homes}
+    return ((beside - BESIDE) | ours(jit.ABSENT)) - known
+
+
+def complaints(found: Found) -> list[str]:
+    """All that is not as it must be, in words."""
+    empty = [f"{one.__name__} has no implementation" for one, types in found.items() if not types]
+    return empty + missing(found) + [f"no generic is chosen by {kind.__name__}" for kind in lost(found)]
+
+
+def test_nothing_is_missing() -> None:
+    assert complaints(FOUND) == []
+
+
+def test_any_one_that_is_taken_away_is_missed() -> None:
+    """But of generics that say what holds for all other types."""
+    pairs = [(one, kind) for one, types in FOUND.items() for kind in types if not one.serves(Anything)]
+    unnoticed = [
+        (one.__name__, kind.__name__) for one, kind in pairs if not complaints(FOUND | {one: FOUND[one] - {kind}})
+    ]
+    assert unnoticed == []
+    assert len(pairs) > 290
+
+
+def test_a_type_that_is_taken_away_from_one_is_named() -> None:
+    assert complaints(FOUND | {bend: FOUND[bend] - {Traced}}) == ["bend has none for Traced"]
+    assert complaints(FOUND | {hold: frozenset({Sprung})}) == ["hold has none for Held"]
+
+
+def test_a_new_type_is_wanted_everywhere() -> None:
+    class New:
+        pass
+
+    said = complaints(FOUND | {normal_force: FOUND[normal_force] | {New}})
+    assert sorted(said) == [f"{name} has none for New" for name in ("damping_bound", "slopes", "stiffness_bound")]
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [(normal_force, slopes), (mobility, rotate_ring), (spot, linearise), (elastic, as_power)],
+)
+def test_generics_of_one_family_are_found_together(one: Any, other: Any) -> None:
+    (family,) = (generics for generics, _ in families(FOUND) if one in generics)
+    assert other in family
+    assert bend not in family

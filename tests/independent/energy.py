@@ -1,0 +1,122 @@
+"""Rest of a bearing in space by its energy alone: rings are circles about leaning axes, rollers points with axes.
+
+Of the model only its data are used. The state x holds the ring's place (2,) and q (Z,) in um, then the tilts (Z,)
+in 1e-3 rad; so ``slopes`` are forces in N and moments in N mm. The pit stays where it is under its
+roller: the model too leaves out the force along the race that its slope would give.
+"""
+
+from math import pi
+
+import numpy as np
+from scipy.linalg import solve
+from scipy.optimize import minimize
+
+from bearingsim.core.pits.pairs import RADIUS, depression
+
+STEP = 1e-6  # of a state, for the slopes of forces
+CONVERGED = 1e-8  # of the load; rounding of places leaves 1e-10 of it
+
+
+def parted(model, x):
+    """The ring's place (2,) and q (Z,) in m, tilts (Z,) in rad."""
+    Z = model.bearing.Z
+    return x[:2] * 1e-6, x[2 : 2 + Z] * 1e-6, x[2 + Z :] * 1e-3
+
+
+def angles(model):
+    """Where the rollers stand (Z,), rad."""
+    return model.bearing.theta_0 + 2 * pi * np.arange(model.bearing.Z) / model.bearing.Z
+
+
+def sinking(model):
+    """Sinking (Z, slices) of each slice at the outer race's pit, if there is one."""
+    pits, h = model.pits, np.zeros((model.bearing.Z, len(model.slices.table)))
+    if len(pits.head):
+        away = pits.head[0, RADIUS] * np.angle(np.exp(1j * (angles(model) - pits.head[0, 2])))
+        for row, s in zip(h, away, strict=True):
+            row[:] = [depression(group, s, pits.head[0, 4])[0] for group in pits.groups[0]]
+    return h
+
+
+def cuts(model, q, tilt):
+    """Places (Z, slices, 3) of the slices, and how they move along with q and with the tilt."""
+    theta, zeta = angles(model), model.slices.table[:, 0, None]
+    e_r = np.stack([np.cos(theta), np.sin(theta), 0 * theta], axis=1)[:, None]
+    e_z, tilt = np.array([0.0, 0.0, 1.0]), tilt[:, None, None]
+    axis, turned = np.sin(tilt) * e_r + np.cos(tilt) * e_z, np.cos(tilt) * e_r - np.sin(tilt) * e_z
+    middle = (model.bearing.R_o + model.bearing.R_i) / 2
+    return (middle + q[:, None, None]) * e_r + zeta * axis, e_r + 0 * zeta, zeta * turned
+
+
+def outward(away, mount):
+    """Distance (Z, slices) of places from a ring's axis, and the direction (Z, slices, 3) away from it."""
+    axis = np.array([mount.lean_x, mount.lean_y, 0.0])
+    axis[2] = np.sqrt(1 - axis @ axis)
+    across = away - (away @ axis)[..., None] * axis
+    rho = np.linalg.norm(across, axis=-1)
+    return rho, across / rho[..., None]
+
+
+def contacts(model, x):
+    """Law, approach (Z, slices) and its slopes (4, Z, slices), along the ring's place, q, tilt, of either race."""
+    b, drop = model.bearing, model.slices.table[:, 2]
+    u, q, tilt = parted(model, x)
+    p, by_q, by_tilt = cuts(model, q, tilt)
+    rho, n = outward(p - np.append(u, 0.0), model.mount_o)
+    along = np.stack([-n[..., 0], -n[..., 1], (n * by_q).sum(axis=-1), (n * by_tilt).sum(axis=-1)])
+    outer = model.outer.stiffness, rho - b.R_o + b.R_w - drop - sinking(model), along
+    rho, n = outward(p, model.mount_i)
+    along = np.stack([0 * rho, 0 * rho, -(n * by_q).sum(axis=-1), -(n * by_tilt).sum(axis=-1)])
+    return outer, (model.inner.stiffness, b.R_i - rho + b.R_w - drop, along)
+
+
+def gyration(model):
+    """What tilts an axis that goes round with the cage and turns about itself, per tilt (N m)."""
+    b = model.bearing
+    return b.omega_c * (b.I_r * (b.omega_c - b.omega_b) - model.I_t * b.omega_c)
+
+
+def energy(model, x):
+    """Elastic energy (J) of the bearing less what load and centrifugal force give."""
+    b, support, weight = model.bearing, model.support, model.slices.table[:, 1]
+    u, q, tilt = parted(model, x)
+    r, lifted = (b.R_o + b.R_i) / 2 + q, u - np.array([support.x_0, support.y_0])
+    pressed = [
+        9 / 19 * (weight * law.k * np.maximum(delta, 0) ** (19 / 9)).sum() for law, delta, _ in contacts(model, x)
+    ]
+    held = support.k_b / 2 * (lifted @ lifted) + support.F * u[0] + support.F_across * u[1]
+    flung = (b.m_r * b.omega_c**2 * r**2).sum() / 2
+    return sum(pressed) + held - flung + gyration(model) * (tilt**2).sum() / 2
+
+
+def slopes(model, x):
+    """Of the energy along x, in N and N mm."""
+    b, support, weight = model.bearing, model.support, model.slices.table[:, 1]
+    u, q, tilt = parted(model, x)
+    r, lifted = (b.R_o + b.R_i) / 2 + q, u - np.array([support.x_0, support.y_0])
+    pressed = sum(
+        (weight * law.k * np.maximum(delta, 0) ** (10 / 9) * along).sum(axis=-1)
+        for law, delta, along in contacts(model, x)
+    )
+    by_u = pressed[:2].sum(axis=1) + support.k_b * lifted + np.array([support.F, support.F_across])
+    by_q, by_tilt = pressed[2] - b.m_r * b.omega_c**2 * r, pressed[3] + gyration(model) * tilt
+    return np.concatenate([by_u, by_q, 1e3 * by_tilt])
+
+
+def bends(model, x):
+    """Slopes of ``slopes`` (N, N), by differences."""
+    columns = [(slopes(model, x + e) - slopes(model, x - e)) / (2 * STEP) for e in STEP * np.eye(len(x))]
+    return (np.array(columns) + np.array(columns).T) / 2
+
+
+def rest(model, start):
+    """The least energy that lies near ``start``, and what is left of the load (1) there.
+
+    A minimiser stops where rounding hides the energy's fall: where, differs from one processor to the next.
+    Newton's steps on the forces go on to where these vanish. They raise ``LinAlgError`` where there is no minimum.
+    """
+    near = minimize(lambda x: 1e6 * energy(model, x), start, jac=lambda x: slopes(model, x), method="BFGS")
+    x = near.x
+    for _ in range(4):
+        x = x - solve(bends(model, x), slopes(model, x), assume_a="pos")
+    return x, np.abs(slopes(model, x)).max() / abs(model.support.F)

@@ -1,0 +1,30 @@
+"""Elastic laws to test with, one of each; forces of a row of contacts; derivatives by differences."""
+
+from collections.abc import Callable
+
+import pytest
+
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.stiffness.johnson import johnson
+from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.stiffness.power_law import PowerLaw
+from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
+from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
+from tests.scenes.lanes import ROW, compiled
+
+STEEL = TenNinths(1.58e9)
+LINE = johnson(207e9, 0.3, 0.012, 0.0325)  # NF308: 12 mm roller, R_i + R_w = R_o - R_w = 32.5 mm
+STIFFNESSES = [STEEL, ThreeHalves(2.7e10), Linear(3e8), PowerLaw(5e9, 1.2), LINE]
+every_stiffness = pytest.mark.parametrize("law", STIFFNESSES, ids=lambda law: type(law).__name__)
+
+
+@compiled
+def force_of_lanes(law, y, width):
+    for j in range(width):
+        y[2 * ROW + j] = normal_force(law, y[j], y[ROW + j])
+
+
+def slope(function: Callable[[float], float], x: float, h: float) -> float:
+    """Central difference of fourth order."""
+    near, far = function(x + h) - function(x - h), function(x + 2.0 * h) - function(x - 2.0 * h)
+    return (8.0 * near - far) / (12.0 * h)

@@ -1,0 +1,50 @@
+"""The model, method and step that every study's jobs are given, as they were when they were last looked at.
+
+They rest on measured prices and limits, and a change of either changes them unseen. After one that is meant:
+``python -m tests.simulation.test_automatic`` writes the table anew.
+"""
+
+import csv
+from itertools import groupby
+from pathlib import Path
+
+import pytest
+
+from bearingsim.simulation import choice, time_grid
+from bearingsim.study import load_study
+
+ROOT = Path(__file__).parents[2]
+TABLE = ROOT / "tests" / "data" / "automatic.csv"
+STUDIES = sorted((ROOT / "studies").glob("*.yaml"))
+
+
+def taken(study: Path) -> list[tuple[str, str, str]]:
+    """Model, method and step (s) of every job; jobs beside each other that are given the same stand once."""
+    cases = [job.case for job in load_study(study).jobs()]
+    found = [(case.model, choice.choice(case).method or "", f"{time_grid.grid(case).step:.10g}") for case in cases]
+    return [given for given, _ in groupby(found)]
+
+
+def kept(study: Path) -> list[tuple[str, str, str]]:
+    with TABLE.open(newline="") as file:
+        return [(r["model"], r["method"], r["step_s"]) for r in csv.DictReader(file) if r["study"] == study.stem]
+
+
+@pytest.mark.parametrize("study", STUDIES, ids=lambda path: path.stem)
+def test_every_job_of_a_study_is_given_the_method_and_step_it_was_given(study: Path) -> None:
+    found, before = taken(study), kept(study)
+    assert [one[:2] for one in found] == [one[:2] for one in before]
+    steps = [float(one[2]) for one in found]
+    assert steps == pytest.approx([float(one[2]) for one in before], rel=1e-8)  # processors differ in rounding
+
+
+def main() -> None:
+    """Write the table."""
+    with TABLE.open("w", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(("study", "model", "method", "step_s"))
+        table.writerows((study.stem, *one) for study in STUDIES for one in taken(study))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,47 @@
+"""A results folder written before the house was redrawn is read: shown, drawn, exported."""
+
+import tarfile
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import bearingsim as bs
+from tests.scenes.commands import type_
+
+KEPT = Path(__file__).parents[1] / "data" / "results_of_model_4.tar.gz"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """The folder, as it was."""
+    with tarfile.open(KEPT) as kept:
+        kept.extractall(tmp_path, filter="data")
+    return tmp_path / "kept"
+
+
+def test_it_is_shown(folder: Path) -> None:
+    said, _ = type_("show", folder)
+    assert said.count("static") >= 2
+    assert said.count("ring") >= 2
+
+
+def test_it_is_drawn(folder: Path) -> None:
+    type_("plot", folder)
+    assert list((folder / "figures").glob("*.png"))
+    type_("plot", folder, "--kind", "series", "--job", "all")
+
+
+def test_it_is_exported(folder: Path) -> None:
+    type_("export", folder, "--features", folder / "features.csv")
+    written = pd.read_csv(folder / "features.csv", comment="#")
+    before = pd.read_csv(folder / "results.csv", comment="#")
+    assert (written["velocity@BPFO"] == before["velocity@BPFO"]).all()
+
+
+def test_its_series_are_read(folder: Path) -> None:
+    results = bs.open_results(folder)
+    table = results.table()
+    series = results.series(table["job"].iloc[0])
+    assert len(series.time) == 100  # 20 ms at 5 kHz
+    assert table["velocity@BPFO"].notna().all()

@@ -1,0 +1,55 @@
+"""Words that have been replaced are still read, with a note, and rename no result."""
+
+import json
+
+import pytest
+
+from bearingsim.config import Case
+from bearingsim.config.case_fields import OLD_WORDS
+from bearingsim.study import load_study
+from bearingsim.study.jobs import case_id
+from tests.scenes.commands import type_
+from tests.scenes.study_text import BASE, Write
+
+ID = "df5557800a744221"  # of BASE with `prove: strict`, as it was before the word was replaced
+
+
+def test_the_old_word_is_read_and_the_new_one_told(write: Write) -> None:
+    study = load_study(write(BASE + "prove: strict\n"))
+    assert study.cases()[0].step_check == "strict"
+    assert study.notes == ("`prove` is now `step_check`; the old word is still read",)
+    assert load_study(write(BASE + "step_check: strict\n")).notes == ()
+
+
+def test_both_words_name_the_same_result(write: Write) -> None:
+    old, new = (load_study(write(BASE + f"{word}: strict\n")).cases()[0] for word in ("prove", "step_check"))
+    assert case_id(old) == case_id(new) == ID
+    assert case_id(load_study(write(BASE)).cases()[0]) != ID
+
+
+def test_a_sweep_and_a_figure_may_use_the_old_word(write: Write) -> None:
+    more = (
+        "sweep: {prove: [true, false], load: [100 N, 200 N]}\nfigures: [{y: velocity.rms, x: load, by: prove}]\n"
+    )
+    study = load_study(write(BASE.replace("load: 150 N\n", "") + more))
+    assert [case.step_check for case in study.cases()] == [True, True, False, False]
+    assert study.figures[0].by == ("step_check",)
+
+
+def test_an_override_may_use_the_old_word(write: Write) -> None:
+    assert load_study(write(BASE), {"prove": "false"}).cases()[0].step_check is False
+
+
+def test_python_may_use_the_old_word() -> None:
+    given = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
+    assert Case.model_validate(given | {"prove": False}).step_check is False
+
+
+def test_check_says_so(write: Write) -> None:
+    found, _ = type_("check", write(BASE + "prove: false\n"), "--json")
+    assert json.loads(found)["notes"] == ["`prove` is now `step_check`; the old word is still read"]
+
+
+@pytest.mark.parametrize("old", OLD_WORDS)
+def test_an_old_word_is_no_field(old: str) -> None:
+    assert old not in Case.model_fields

@@ -1,0 +1,78 @@
+"""What is known of a model, a method or a law stands in the catalogue and in its own module, nowhere else."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from bearingsim import catalogue
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.friction.interface import mu
+from bearingsim.core.laws.stiffness.interface import elastic
+
+PACKAGE = Path(catalogue.__file__).parent
+FILES = sorted(PACKAGE.rglob("*.py"))
+OTHER_MEANINGS = {
+    ("assemble/free.py", "rollers"): "a guide of the cage",
+    ("config/sections/free.py", "rollers"): "a guide of the cage",
+    ("config/sections/machine.py", "rollers"): "a field of the bearing",
+    ("config/rules/conflicts.py", "rollers"): "a field of the bearing",
+    ("config/rules/pits.py", "rollers"): "a field of the bearing",
+    ("plots/passage.py", "ring"): "the outer ring's channels",
+}
+SCHEMES = ("stability/matrix.py", "study/template.py", "catalogue.py")
+"""Where a person has chosen the names: the methods of the map, the template of a study, the table itself."""
+
+
+def place(file: Path) -> str:
+    return file.relative_to(PACKAGE).as_posix()
+
+
+def words(file: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+
+
+@pytest.mark.parametrize("file", FILES, ids=place)
+def test_no_model_or_method_is_named_outside_the_catalogue(file: Path) -> None:
+    if place(file) in SCHEMES:
+        return
+    names = catalogue.MODELS.keys() | catalogue.METHODS.keys()
+    meant = {word for at, word in OTHER_MEANINGS if at == place(file)}
+    assert not {word for word in words(file) if word in names} - meant
+
+
+def test_every_other_meaning_is_still_there() -> None:
+    for at, word in OTHER_MEANINGS:
+        assert word in words(PACKAGE / at), at
+
+
+def classes() -> dict[str, set[str]]:
+    """The classes of models, methods and laws, by the module that defines each."""
+    known = [*catalogue.MODELS.values(), *catalogue.METHODS.values()]
+    for law in (law for laws in catalogue.LAWS.values() for law in laws.values()):
+        catalogue.code(law.build)
+    found = {catalogue.code(one.module).KIND.parameters for one in known}
+    found |= {*elastic.types, *normal_force.types, *mu.types}
+    modules: dict[str, set[str]] = {}
+    for one in found:
+        modules.setdefault(one.__module__, set()).add(one.__name__)
+    return modules
+
+
+SHARED = {"Undamped", "Frictionless", "Linear"}
+"""Laws that other parts are made with: no damping, no friction, a plain spring."""
+
+
+@pytest.mark.parametrize("file", FILES, ids=place)
+def test_no_class_of_theirs_is_imported_outside_assemble(file: Path) -> None:
+    if place(file).startswith("assemble/") or place(file) == "catalogue.py":
+        return
+    here = "bearingsim." + place(file).removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+    known = classes()
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.module in known and not str(node.module).startswith(here):
+            taken = {alias.name for alias in node.names} & known[str(node.module)] - SHARED
+            assert not taken, f"line {node.lineno}"
