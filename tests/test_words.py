@@ -1,8 +1,8 @@
 """The field's words for things: names that ``docs/data/words.csv`` has replaced do not come back.
 
 A row: the old name, the new one, what it names, and where it had that meaning (modules or folders of the package;
-empty: everywhere). Words of study files and of what scripts read are in the table too; they keep their old form as an
-alias, so they are not looked for.
+empty: everywhere). Words of study files and of what scripts read are in the table too; they keep their old form as
+an alias, so they are not looked for.
 """
 
 import ast
