@@ -1,7 +1,7 @@
 """The field's words for things: names that ``docs/data/words.csv`` has replaced do not come back.
 
 A row: the old name, the new one, what it names, and where it had that meaning (modules or folders of the package;
-empty: everywhere). Words of study files and columns of results are in the table too; they keep their old form as
+empty: everywhere). Words of study files and of what scripts read are in the table too; they keep their old form as
 an alias, so they are not looked for.
 """
 
@@ -14,6 +14,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+
+from bearingsim.cli import plan
+from bearingsim.config import case_fields
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "bearingsim"
@@ -182,3 +185,8 @@ def test_the_table_is_of_one_piece(kind: str) -> None:
 
 def test_kinds_are_known() -> None:
     assert {word.kind for word in WORDS} == {*OF_CODE, *OF_FILES}
+
+
+@pytest.mark.parametrize(("kind", "aliases"), [("yaml", case_fields.OLD_WORDS), ("column", plan.FORMER)])
+def test_words_of_files_keep_their_old_form_as_an_alias(kind: str, aliases: dict[str, str]) -> None:
+    assert {word.old: word.new for word in WORDS if word.kind == kind} == aliases
