@@ -10,7 +10,7 @@ from bearingsim.assemble.pits import packed_pits, roller_pit_pairs
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.stiffness.ten_ninths import palmgren
 from bearingsim.core.methods.verlet import Verlet
-from bearingsim.core.pits.closed_forms import groups_of
+from bearingsim.core.pits.closed_forms import groups_of, roller_drop
 from bearingsim.core.pits.depth import Circular, Rectangular, Triangular
 from bearingsim.core.pits.excitations import Envelope, Traced, pit_response
 from bearingsim.core.pits.on_roller import force_over_pit, mean_roller_drop
@@ -24,7 +24,6 @@ from bearingsim.core.pits.pairs import (
     REDUCED_RADIUS,
     SPAN,
     passing_speed,
-    roller_drop,
 )
 from bearingsim.core.pits.traced import cut_along_roller, grouped, traced_pits
 from bearingsim.errors import Refused

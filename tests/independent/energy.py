@@ -11,7 +11,8 @@ import numpy as np
 from scipy.linalg import solve
 from scipy.optimize import minimize
 
-from bearingsim.core.pits.pairs import RADIUS, roller_drop
+from bearingsim.core.pits.closed_forms import roller_drop
+from bearingsim.core.pits.pairs import RADIUS
 
 STEP = 1e-6  # of a state, for the slopes of forces
 CONVERGED = 1e-8  # of the load; rounding of places leaves 1e-10 of it

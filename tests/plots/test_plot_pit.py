@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from bearingsim import store
-from bearingsim.core.pits.closed_forms import bowl, box, groove
+from bearingsim.core.pits.closed_forms import bowl, box, groove, roller_drop
 from bearingsim.core.pits.depth import Circular, Merged, Placed
-from bearingsim.core.pits.pairs import roller_drop
 from bearingsim.plots import PlotError, plot
 from bearingsim.plots.pit import SECTION_IN, exaggeration
 from bearingsim.plots.pit_shape import cut, distinct_sections, pits_of

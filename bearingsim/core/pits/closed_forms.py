@@ -1,8 +1,22 @@
-"""Pits whose roller's path has a closed form: boxes, V grooves and parabolic bowls, cut into groups.
+"""The path of a roller over a box, a V groove or a parabolic bowl: closed forms, group by group.
 
-A group is a part of the contact over one section of the pit: its weight w, half width b (m), the distance x_e (m)
-from the rim at which the roller meets wall or floor, the path's curvature kappa there beyond the rim's, and its
-depth (m); ``pairs.py`` says how the path follows from them.
+A roller is round and cannot follow a narrow pit: its centre moves along the envelope of the roller over the
+profile p(t) of the pit,
+
+    h(s) = min over t of [ p(t) + (t - s)^2 / (2 R) ],
+
+s being the distance along rolling from the pit's middle, and 1/R the curvature of roller and race relative to each
+other: R = R_w R_o / (R_o - R_w) on the outer race, R_w R_i / (R_i + R_w) on the inner. For these three shapes the
+minimum has one closed form. With x = max(b - |s|, 0), the distance from the rim, split at x_e into
+x_1 = min(x, x_e) and x_2 = x - x_1,
+
+    h = min(d, x_1^2 / (2 R) + x_1 x_2 / R - kappa x_2^2 / 2)
+
+that is: first the roller hangs on the rim, then (beyond x_e) it touches the wall, whose curvature relative to
+the roller's gives kappa, and at depth d it touches the floor.
+
+Along the roller the pit is cut into groups of weight w (their sum is 1), each with its own b, x_e, kappa and d:
+one group for the untouched length, one for a box or a V (exact), Gauss nodes for a bowl.
 """
 
 from collections.abc import Sequence
@@ -11,9 +25,33 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.core.jit import generic
+from bearingsim.core.jit import generic, jit
 from bearingsim.core.pits.depth import Circular, Rectangular, Triangular
-from bearingsim.core.pits.pairs import NO_WALL
+from bearingsim.core.pits.pairs import DEPTH, GROUP_HALF_WIDTH, KAPPA, NO_WALL, X_E
+
+
+@jit
+def roller_drop(group, s, R):
+    """Envelope h (m) of one group at ``s`` (m) from the pit's middle, and its slope dh/ds."""
+    x = max(group[GROUP_HALF_WIDTH] - abs(s), 0.0)
+    x_1 = min(x, group[X_E])
+    x_2 = x - x_1
+    h = x_1 * x_1 / (2.0 * R) + x_1 * x_2 / R - group[KAPPA] * x_2 * x_2 / 2.0
+    slope = x_1 / R - group[KAPPA] * x_2  # against |s|, downwards
+    if h >= group[DEPTH]:
+        return group[DEPTH], 0.0
+    return h, (-slope if s > 0.0 else slope)
+
+
+@jit
+def roller_drop_curvature(group, s, R):
+    """How the slope of ``roller_drop`` grows along ``s`` (1/m): 1/R on a rim, -kappa on a wall, none on a
+    floor.
+    """
+    x = max(group[GROUP_HALF_WIDTH] - abs(s), 0.0)
+    if x == 0.0 or roller_drop(group, s, R)[0] >= group[DEPTH]:
+        return 0.0
+    return 1.0 / R if x <= group[X_E] else -group[KAPPA]
 
 
 def box(width: float, depth: float) -> tuple[float, float, float, float]:

@@ -19,17 +19,10 @@ from typing import NamedTuple
 
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.stiffness.ten_ninths import ninth_root
+from bearingsim.core.pits.closed_forms import roller_drop, roller_drop_curvature
 from bearingsim.core.pits.depth import Rectangular
 from bearingsim.core.pits.excitations import pit_response, pit_response_gradient, response_groups
-from bearingsim.core.pits.pairs import (
-    DEPTH,
-    GROUP_HALF_WIDTH,
-    GROUP_WEIGHT,
-    KAPPA,
-    X_E,
-    roller_drop,
-    roller_drop_curvature,
-)
+from bearingsim.core.pits.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, X_E
 
 # fitted to finite elements: weight of the wall's height, and of the edge's radius
 HEIGHT_WEIGHT, RADIUS_WEIGHT = 0.42, 0.7

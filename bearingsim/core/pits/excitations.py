@@ -1,7 +1,7 @@
 """What a roller feels of a pit: the models of the literature side by side.
 
-A pit is cut along the roller into groups (``pits/pairs.py``). At the distance s (m) along rolling from the pit's
-middle a group of weight w carries
+A pit is cut along the roller into groups (``pits/closed_forms.py``). At the distance s (m) along rolling from the
+pit's middle a group of weight w carries
 
     w share elastic(delta - h(s))      (delta: approach of the contact to the undamaged race)
 
@@ -21,18 +21,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim.core.jit import generic, jit
+from bearingsim.core.pits.closed_forms import roller_drop, roller_drop_curvature
 from bearingsim.core.pits.depth import Rectangular
 from bearingsim.core.pits.envelope import drop_at, drop_curvature_at
-from bearingsim.core.pits.pairs import (
-    DEPTH,
-    GROUP_HALF_WIDTH,
-    GROUP_WEIGHT,
-    KAPPA,
-    NO_WALL,
-    X_E,
-    roller_drop,
-    roller_drop_curvature,
-)
+from bearingsim.core.pits.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, NO_WALL, X_E
 
 REMAINING, UNLOADED = -1.0, 1.0  # in column KAPPA of ``PressureShare``: which part of the pressure a group is
 
@@ -60,7 +52,7 @@ def response_groups(excitation: Any, pit: Any, rows: list, R: float) -> list:
 
 
 class Envelope(NamedTuple):
-    """The path of a round, rigid roller over the pit's profile: ``pits/pairs.py``. The default.
+    """The path of a round, rigid roller over the pit's profile: ``pits/closed_forms.py``. The default.
 
     Left out: that an edge is softer than the race, and the tilt of the contact's normal.
     """

@@ -26,8 +26,9 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core.parameters import Bearing
+from bearingsim.core.pits.closed_forms import roller_drop
 from bearingsim.core.pits.envelope import path_drop
-from bearingsim.core.pits.pairs import GROUP_WEIGHT, INNER, ON_INNER, RollerPitPair, roller_drop
+from bearingsim.core.pits.pairs import GROUP_WEIGHT, INNER, ON_INNER, RollerPitPair
 
 SHED_SAMPLES = 200  # at which the load shed is summed, over half a pit
 NEWTON_STEPS = 8  # steps; the function is convex and they start above its root

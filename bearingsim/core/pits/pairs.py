@@ -1,22 +1,7 @@
-"""Pits, and how far a roller sinks into them.
+"""Roller-pit pairs: which roller stands over which pit, and how the pits of a case are packed for compiled code.
 
-A roller is round and cannot follow a narrow pit: what its centre feels is the envelope of the roller over the
-profile p(t) of the pit,
-
-    h(s) = min over t of [ p(t) + (t - s)^2 / (2 R) ],
-
-s being the distance along rolling from the pit's middle, and 1/R the curvature of roller and race relative to each
-other: R = R_w R_o / (R_o - R_w) on the outer race, R_w R_i / (R_i + R_w) on the inner. For a box, a V groove and a
-parabolic bowl the minimum has one closed form. With x = max(b - |s|, 0), the distance from the rim, split at x_e
-into x_1 = min(x, x_e) and x_2 = x - x_1,
-
-    h = min(d, x_1^2 / (2 R) + x_1 x_2 / R - kappa x_2^2 / 2)
-
-that is: first the roller hangs on the rim, then (beyond x_e) it touches the wall, whose curvature relative to
-the roller's gives kappa, and at depth d it touches the floor.
-
-Along the roller the pit is cut into groups of weight w (their sum is 1), each with its own four numbers: one
-group for the untouched length, one for a box or a V (exact), Gauss nodes for a bowl.
+A pit of a race makes one pair, with the rollers' contacts on that race. A pit of a roller makes two, one with each
+race. ``head`` holds what a pair is, ``groups`` the path over it (``pits/closed_forms.py``, ``pits/traced.py``).
 """
 
 from collections.abc import Sequence
@@ -119,31 +104,7 @@ def inner_reduced_radius(R_w: float, R_i: float) -> float:
 
 
 @jit
-def roller_drop(group, s, R):
-    """Envelope h (m) of one group at ``s`` (m) from the pit's middle, and its slope dh/ds."""
-    x = max(group[GROUP_HALF_WIDTH] - abs(s), 0.0)
-    x_1 = min(x, group[X_E])
-    x_2 = x - x_1
-    h = x_1 * x_1 / (2.0 * R) + x_1 * x_2 / R - group[KAPPA] * x_2 * x_2 / 2.0
-    slope = x_1 / R - group[KAPPA] * x_2  # against |s|, downwards
-    if h >= group[DEPTH]:
-        return group[DEPTH], 0.0
-    return h, (-slope if s > 0.0 else slope)
-
-
-@jit
-def roller_drop_curvature(group, s, R):
-    """How the slope of ``roller_drop`` grows along ``s`` (1/m): 1/R on a rim, -kappa on a wall, none on a
-    floor.
-    """
-    x = max(group[GROUP_HALF_WIDTH] - abs(s), 0.0)
-    if x == 0.0 or roller_drop(group, s, R)[0] >= group[DEPTH]:
-        return 0.0
-    return 1.0 / R if x <= group[X_E] else -group[KAPPA]
-
-
-@jit
-def nearest_roller(pack_pits, d, theta_c, theta_i, roll, Z):
+def nearest_roller(pits, d, theta_c, theta_i, roll, Z):
     """Which roller is nearest to roller-pit pair ``d``, and its distance s (m) along rolling from the pit's
     middle.
 
@@ -151,7 +112,7 @@ def nearest_roller(pack_pits, d, theta_c, theta_i, roll, Z):
     far a roller has turned backwards relative to the line through its centre and the bearing's. Where motion has
     blown up, and angles are not finite or too large to tell rollers apart, it is roller 0: no index is ever wild.
     """
-    head = pack_pits.head[d]
+    head = pits.head[d]
     on = head[CARRIER]
     if on >= 0.0:
         turn = (roll - head[ANGLE]) / (2.0 * pi) - 0.5 * head[SIDE]
@@ -165,9 +126,9 @@ def nearest_roller(pack_pits, d, theta_c, theta_i, roll, Z):
 
 
 @jit
-def passing_speed(pack_pits, d, bearing):
+def passing_speed(pits, d, bearing):
     """How fast (m/s) rollers move past the pit, ds/dt, at kinematic speeds."""
-    on = pack_pits.head[d, CARRIER]
+    on = pits.head[d, CARRIER]
     if on >= 0.0:
-        return pack_pits.head[d, RADIUS] * bearing.omega_b
-    return pack_pits.head[d, RADIUS] * (bearing.omega_c - (bearing.omega_i if on == ON_INNER else 0.0))
+        return pits.head[d, RADIUS] * bearing.omega_b
+    return pits.head[d, RADIUS] * (bearing.omega_c - (bearing.omega_i if on == ON_INNER else 0.0))

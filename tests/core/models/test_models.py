@@ -14,7 +14,8 @@ from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations
 from bearingsim.core.outcomes import NOT_FINITE
-from bearingsim.core.pits.pairs import GROUP_COUNT, GROUP_WEIGHT, REDUCED_RADIUS, roller_drop
+from bearingsim.core.pits.closed_forms import roller_drop
+from bearingsim.core.pits.pairs import GROUP_COUNT, GROUP_WEIGHT, REDUCED_RADIUS
 from bearingsim.simulation.simulate import simulate
 from tests.independent import rollers
 from tests.scenes.nf308 import PLACES, SLOT, at_rest, case, drive, light_rollers

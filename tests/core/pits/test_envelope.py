@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from bearingsim.core.pits import traced
-from bearingsim.core.pits.closed_forms import bowl, box, groove
+from bearingsim.core.pits.closed_forms import bowl, box, groove, roller_drop, roller_drop_curvature
 from bearingsim.core.pits.depth import (
     Circular,
     Eased,
@@ -22,14 +22,7 @@ from bearingsim.core.pits.depth import (
 )
 from bearingsim.core.pits.envelope import Path, cusp, drop_at, drop_curvature_at, packed, path_drop, path_over
 from bearingsim.core.pits.excitations import pit_response
-from bearingsim.core.pits.pairs import (
-    GROUP_HALF_WIDTH,
-    GROUP_WEIGHT,
-    KAPPA,
-    RollerPitPair,
-    roller_drop,
-    roller_drop_curvature,
-)
+from bearingsim.core.pits.pairs import GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, RollerPitPair
 from bearingsim.core.pits.profile import RACE, depth_at
 from bearingsim.core.pits.spall import Spall
 from bearingsim.core.pits.traced import cut_along_roller, grouped, sharpest_cusp, sliced, traced_pits

@@ -8,16 +8,9 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from bearingsim import assemble
-from bearingsim.core.pits.closed_forms import bowl, box, groove, groups_of
+from bearingsim.core.pits.closed_forms import bowl, box, groove, groups_of, roller_drop
 from bearingsim.core.pits.depth import Circular
-from bearingsim.core.pits.pairs import (
-    ANGLE,
-    GROUP,
-    RADIUS,
-    nearest_roller,
-    outer_reduced_radius,
-    roller_drop,
-)
+from bearingsim.core.pits.pairs import ANGLE, GROUP, RADIUS, nearest_roller, outer_reduced_radius
 from tests.scenes.nf308 import SLOT, case
 from tests.scenes.pit_maps import SHAPES
 
