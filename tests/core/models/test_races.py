@@ -61,7 +61,7 @@ def wrapped(angle):
     theta_i=ANGLES,
     angle=ANGLES,
     Z=st.integers(3, 64),
-    carrier=st.sampled_from([ON_OUTER, ON_INNER]),
+    on=st.sampled_from([ON_OUTER, ON_INNER]),
 )
 def test_the_roller_nearest_to_a_races_pit_is_met(theta_c, theta_i, angle, Z, on):
     """Over all rollers: the arc from the pit (turning with the ring, if on the inner race) to each contact."""
@@ -73,7 +73,7 @@ def test_the_roller_nearest_to_a_races_pit_is_met(theta_c, theta_i, angle, Z, on
     assert s == pytest.approx(arcs[j], abs=1e-14) or abs(abs(s) - 0.01 * pi / Z) < 1e-12
 
 
-@given(roll=ANGLES, angle=ANGLES, side=st.sampled_from([OUTER, INNER]), carrier=st.integers(0, 12))
+@given(roll=ANGLES, angle=ANGLES, side=st.sampled_from([OUTER, INNER]), on=st.integers(0, 12))
 def test_a_rollers_pit_is_met_where_it_faces_the_race(roll, angle, side, on):
     """The pit stands at ``angle - roll`` from the outermost point; the races touch at 0 and at half a turn."""
     j, s = nearest_roller(one_pit(side, on, angle), 0, 0.7, 0.2, roll, 13)
