@@ -2,7 +2,7 @@
 
 An entry is words and numbers: the name that a study file says, what the thing can do, and where its code stands
 (``package.module`` or ``package.module:name``), which is imported when it is first needed. So this file imports
-nothing of the house, and every other room asks it instead of naming a model or a method.
+nothing of the house but its errors, and every other room asks it instead of naming a model or a method.
 
 Another package adds its own with one line each in the module that its entry point names:
 
@@ -17,8 +17,10 @@ docs/extending.md says what the module of each kind must define. Compiled code i
 extensions (``extension_sources``).
 """
 
+import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
@@ -135,6 +137,9 @@ class Feature:
     compute: str
 
 
+LEAST, AUTO = "least", "auto"
+"""What a case says to leave the choice of model, or of method, to the program."""
+
 MODELS: dict[str, Model] = {}
 """From the lowest to the highest; those of other packages come last."""
 METHODS: dict[str, Method] = {}
@@ -147,9 +152,13 @@ Entry = Model | Method | Law | Shape | Feature
 
 
 def register(*entries: Entry) -> None:
-    """Add to the tables. Raises ValueError for a name that is taken, or a law of nothing known."""
+    """Add to the tables. Raises ValueError for a name that is taken, or a law of nothing known or without section."""
     for entry in entries:
         table = _table_of(entry)
+        if entry.name in (LEAST, AUTO):
+            raise ValueError(f"`{entry.name}` leaves the choice to the program: take another name")
+        if isinstance(entry, Law) and not entry.section and entry.what != "stiffness":
+            raise ValueError(f"the {entry.what} law `{entry.name}` needs a section")
         if entry.name in table:
             raise ValueError(f"`{entry.name}` is registered already: take another name")
         table[entry.name] = entry
@@ -171,10 +180,13 @@ def _table_of(entry: Entry) -> dict[str, Any]:
 
 
 def code(where: str) -> Any:
-    """What stands at ``package.module`` or ``package.module:name``."""
+    """What stands at ``package.module`` or ``package.module:name``. Raises UserError if it cannot be loaded."""
     module, _, name = where.partition(":")
-    found = import_module(module)
-    return getattr(found, name) if name else found
+    try:
+        found = import_module(module)
+        return getattr(found, name) if name else found
+    except (ImportError, AttributeError) as error:
+        raise UserError(f"`{where}` of the catalogue does not load: {error}") from error
 
 
 def lowest(*abilities: str) -> str:
@@ -245,8 +257,6 @@ register(
     Shape("scan", f"{_A}.pits:scan", of_section=True),
 )
 
-LEAST, AUTO = "least", "auto"
-"""What a case says to leave the choice of model, or of method, to the program."""
 USUAL_MODEL = "rollers"
 """The model of a case that names none."""
 EXPLICIT = "verlet"
@@ -270,6 +280,15 @@ def extension_sources() -> Iterator[Path]:
                 yield from sorted(Path(folder).rglob("*.py"))
         elif spec is not None and spec.origin:
             yield Path(spec.origin)
+
+
+@cache
+def extension_digest() -> str:
+    """First 12 hex digits of SHA-256 over every Python file of the packages that add something."""
+    digest = hashlib.sha256()
+    for source in extension_sources():
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:12]
 
 
 def _load_extensions() -> None:

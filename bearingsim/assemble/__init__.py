@@ -22,6 +22,7 @@ from bearingsim.core.models import spatial
 from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch
 from bearingsim.core.models.interface import ModelKind
 from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_space
+from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Support
 from bearingsim.core.pits.pairs import ANGLE, CARRIER, CUSP, ON_OUTER, RADIUS, Pits
 from bearingsim.errors import UserError
@@ -102,7 +103,7 @@ def model(case: Case) -> Any:
     if known.build:
         return code(known.build)(case, support(case))
     found = parameters(**{name: PARAMETER_BUILDERS[name](case) for name in _made(parameters)})
-    return static_model(found) if known.memoryless else found
+    return static_model(found) if isinstance(found, Static) else found
 
 
 def _made(parameters: Any) -> list[str]:

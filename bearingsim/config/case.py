@@ -30,6 +30,9 @@ class Case(CaseFields):
     def _single_defect(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
+        for old, new in OLD_WORDS.items():
+            if old in data and new in data:
+                refuse("twice", f"`{old}` is the old word for `{new}`", "say one of them", at=old)
         data = {OLD_WORDS.get(key, key): value for key, value in data.items()}
         if "defect" not in data:
             return data

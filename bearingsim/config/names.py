@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from bearingsim import catalogue
+from bearingsim.errors import UserError
 
 
 class Channel(NamedTuple):
@@ -165,6 +166,15 @@ def _statistics(quantity: str, unit: str) -> dict[str, Feature]:
     }
 
 
+def _of_extensions(own: Mapping[str, Feature]) -> dict[str, Feature]:
+    for name in catalogue.FEATURES:
+        if name in own:
+            raise UserError(
+                f"an extension registers the feature `{name}`, which the program has: take another name"
+            )
+    return {name: Feature(one.unit, one.long_name) for name, one in catalogue.FEATURES.items()}
+
+
 def _features() -> dict[str, Feature]:
     found: dict[str, Feature] = {}
     for quantity, unit in {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}.items():
@@ -182,9 +192,9 @@ def _features() -> dict[str, Feature]:
         "step_error.rms": Feature("", "relative change of the RMS with half the step"),
         "chaotic": Feature("", "whether the motion is chaotic (1) or not (0)"),
         "rms_scatter": Feature("", "by how much chaos alone lets the RMS of such a record change"),
-        **{name: Feature(one.unit, one.long_name) for name, one in catalogue.FEATURES.items()},
     }
 
 
-FEATURES: dict[str, Feature] = _features()
+_OWN = _features()
+FEATURES: dict[str, Feature] = _OWN | _of_extensions(_OWN)
 """Columns of the results table that are computed, along the sensor's direction."""

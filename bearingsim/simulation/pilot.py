@@ -1,4 +1,4 @@
-"""The part of a case on which its step is proven: its beginning, or with `step_check: strict` all (``proof``)."""
+"""The part of a case on which its step is checked: its beginning, or with `step_check: strict` all (``step_check.py``)."""
 
 from math import ceil, pi, sqrt
 

@@ -28,8 +28,8 @@ class Figure:
 class Job:
     """One simulation of a study: its id, its swept values (SI, or words), and its healthy baseline's id.
 
-    `healthy` is None for a bearing without defects, which is its own twin; `twin` tells a job that is there only
-    to be compared with.
+    `healthy` is None for a bearing without defects, which is its own baseline; `is_baseline` tells a
+    job that is there only to be compared with.
     """
 
     id: str

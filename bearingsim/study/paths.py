@@ -6,6 +6,7 @@ from functools import cache
 from typing import Any, get_args
 
 from bearingsim.config import Case
+from bearingsim.config.case_fields import OLD_WORDS
 from bearingsim.config.fields import Quantity, Section
 from bearingsim.config.rules.conflicts import Path
 from bearingsim.text.units import Dimension, suggestion
@@ -20,7 +21,10 @@ def known_paths() -> dict[str, Dimension | None]:
 
 def dimension(path: str) -> Dimension | None:
     """The dimension of the values at a path; KeyError if there is no such path."""
-    return known_paths()[_without_number(path)]
+    first, dot, rest = _without_number(path).partition(".")
+    return known_paths()[
+        OLD_WORDS.get(first, first) + dot + rest
+    ]  # results name what they swept in the words of then
 
 
 def parse_path(text: str, defects: int) -> Path:

@@ -55,7 +55,20 @@ def used(case: Case) -> dict[str, Any]:
         for section, names in IN_SPACE.items():
             for name in names if section in values else ():
                 del values[section][name]
-    return values
+    return values | _extensions(case)
+
+
+def _extensions(case: Case) -> dict[str, str]:
+    """What the code of other packages was, if the case uses any: an edited law must not be taken for the old one."""
+    method = catalogue.METHODS.get(str(case.method))
+    entries = [catalogue.MODELS[case.model], *([method] if method else [])]
+    code = [entry.module for entry in entries]
+    laws = {"stiffness": case.contact.elastic_law, "damping": getattr(case.contact.damping, "law", "")}
+    laws |= {"friction": getattr(case.friction, "law", "none")}
+    code += [catalogue.LAWS[what][name].build for what, name in laws.items()]
+    code += [catalogue.SHAPES[defect.shape].build for defect in case.defects]
+    foreign = any(not where.startswith("bearingsim.") for where in code)
+    return {"extensions": catalogue.extension_digest()} if foreign else {}
 
 
 def _in_old_words(values: dict[str, Any]) -> dict[str, Any]:

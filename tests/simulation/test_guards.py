@@ -176,7 +176,9 @@ def test_bounds_hold_what_a_hard_case_reaches_and_no_more() -> None:
             simulate(hard)
 
 
-@pytest.mark.parametrize(("name", "reason"), [("APPROACH_MARGIN", "is pressed over"), ("ENERGY_MARGIN", "move with over")])
+@pytest.mark.parametrize(
+    ("name", "reason"), [("APPROACH_MARGIN", "is pressed over"), ("ENERGY_MARGIN", "move with over")]
+)
 def test_a_bound_that_is_passed_fails_the_job(name: str, reason: str) -> None:
     given = case(model="rollers", method="verlet", step="0.4 us", defect=SLOT)
     with mock.patch.object(limits, name, 1e-9), pytest.raises(SimulationError, match=reason) as caught:

@@ -104,7 +104,7 @@ def inner_reduced_radius(R_w: float, R_i: float) -> float:
 
 
 @jit
-def nearest_roller(pits, d, theta_c, theta_i, roll, Z):
+def nearest_roller(packed, d, theta_c, theta_i, roll, Z):
     """Which roller is nearest to roller-pit pair ``d``, and its distance s (m) along rolling from the pit's
     middle.
 
@@ -112,7 +112,7 @@ def nearest_roller(pits, d, theta_c, theta_i, roll, Z):
     far a roller has turned backwards relative to the line through its centre and the bearing's. Where motion has
     blown up, and angles are not finite or too large to tell rollers apart, it is roller 0: no index is ever wild.
     """
-    head = pits.head[d]
+    head = packed.head[d]
     on = head[CARRIER]
     if on >= 0.0:
         turn = (roll - head[ANGLE]) / (2.0 * pi) - 0.5 * head[SIDE]
@@ -126,9 +126,9 @@ def nearest_roller(pits, d, theta_c, theta_i, roll, Z):
 
 
 @jit
-def passing_speed(pits, d, bearing):
+def passing_speed(packed, d, bearing):
     """How fast (m/s) rollers move past the pit, ds/dt, at kinematic speeds."""
-    on = pits.head[d, CARRIER]
+    on = packed.head[d, CARRIER]
     if on >= 0.0:
-        return pits.head[d, RADIUS] * bearing.omega_b
-    return pits.head[d, RADIUS] * (bearing.omega_c - (bearing.omega_i if on == ON_INNER else 0.0))
+        return packed.head[d, RADIUS] * bearing.omega_b
+    return packed.head[d, RADIUS] * (bearing.omega_c - (bearing.omega_i if on == ON_INNER else 0.0))
