@@ -152,7 +152,7 @@ Entry = Model | Method | Law | Shape | Feature
 
 
 def register(*entries: Entry) -> None:
-    """Add to the tables. Raises ValueError for a name that is taken, or a law of nothing known or without section."""
+    """Add to the tables. Raises ValueError for a name that is taken, and for a law of nothing known."""
     for entry in entries:
         table = _table_of(entry)
         if entry.name in (LEAST, AUTO):

@@ -32,7 +32,7 @@ class Monitor(NamedTuple):
     """What a run must keep to.
 
     stride: steps between looks; patience: seconds a body may be over the method's step limit; approach_bound:
-    approach of a contact (m) and energy_bound: energy of radial motion (J) that nothing in the case can bring about;
+    approach of a contact (m), energy_bound: energy of radial motion (J), that nothing in the case can bring about;
     max_evaluations: evaluations of the model, by a method that counts them, after which its caller is to look.
     """
 

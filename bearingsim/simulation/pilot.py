@@ -1,4 +1,4 @@
-"""The part of a case on which its step is checked: its beginning, or with `step_check: strict` all (``step_check.py``)."""
+"""The part of a case on which its step is checked: its beginning, or all with `step_check: strict`."""
 
 from math import ceil, pi, sqrt
 

@@ -22,9 +22,8 @@ def known_paths() -> dict[str, Dimension | None]:
 def dimension(path: str) -> Dimension | None:
     """The dimension of the values at a path; KeyError if there is no such path."""
     first, dot, rest = _without_number(path).partition(".")
-    return known_paths()[
-        OLD_WORDS.get(first, first) + dot + rest
-    ]  # results name what they swept in the words of then
+    in_new_words = OLD_WORDS.get(first, first) + dot + rest  # results keep the words of their time
+    return known_paths()[in_new_words]
 
 
 def parse_path(text: str, defects: int) -> Path:

@@ -59,10 +59,9 @@ def used(case: Case) -> dict[str, Any]:
 
 
 def _extensions(case: Case) -> dict[str, str]:
-    """What the code of other packages was, if the case uses any: an edited law must not be taken for the old one."""
-    method = catalogue.METHODS.get(str(case.method))
-    entries = [catalogue.MODELS[case.model], *([method] if method else [])]
-    code = [entry.module for entry in entries]
+    """What the code of other packages was, if the case uses any: results of an edited law are others."""
+    code = [catalogue.MODELS[case.model].module]
+    code += [method.module for method in catalogue.METHODS.values() if method.name == case.method]
     laws = {"stiffness": case.contact.elastic_law, "damping": getattr(case.contact.damping, "law", "")}
     laws |= {"friction": getattr(case.friction, "law", "none")}
     code += [catalogue.LAWS[what][name].build for what, name in laws.items()]

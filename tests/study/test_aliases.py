@@ -3,10 +3,11 @@
 import json
 
 import pytest
+from pydantic import ValidationError
 
 from bearingsim.config import Case
 from bearingsim.config.case_fields import OLD_WORDS
-from bearingsim.study import load_study
+from bearingsim.study import dimension, load_study
 from bearingsim.study.jobs import case_id
 from tests.scenes.commands import type_
 from tests.scenes.study_text import BASE, Write
@@ -43,6 +44,17 @@ def test_an_override_may_use_the_old_word(write: Write) -> None:
 def test_python_may_use_the_old_word() -> None:
     given = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
     assert Case.model_validate(given | {"prove": False}).step_check is False
+
+
+def test_results_that_swept_the_old_word_know_its_dimension() -> None:
+    assert dimension("prove") == dimension("step_check")
+
+
+def test_both_words_at_once_are_refused(write: Write) -> None:
+    with pytest.raises(ValidationError, match="`prove` is the old word for `step_check`"):
+        Case.model_validate(
+            {"bearing": "nf308", "speed": "1 Hz", "load": "1 N", "prove": True, "step_check": False}
+        )
 
 
 def test_check_says_so(write: Write) -> None:
