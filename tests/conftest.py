@@ -21,7 +21,16 @@ settings.load_profile("bearingsim")
 
 
 LONGEST = ["spatial_derivatives", "free_lines", "adaptive", "spatial", "implicit_bearing", "planar_derivatives"]
-LONGEST += ["spatial_balance", "space_trends", "tilted", "exudyn", "slip", "elastic_edge", "finite_elements"]
+LONGEST += [
+    "extensions",
+    "spatial_balance",
+    "space_trends",
+    "tilted",
+    "exudyn",
+    "slip",
+    "elastic_edge",
+    "finite_elements",
+]
 assert {f"test_{name}" for name in LONGEST} <= {path.stem for path in Path(__file__).parent.rglob("test_*.py")}
 
 
