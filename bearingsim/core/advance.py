@@ -4,13 +4,14 @@ Time is counted in steps from the start, so a million steps add no rounding to i
 the same run in one piece bit for bit.
 """
 
-from typing import NamedTuple
+from math import floor
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import add, jit
-from bearingsim.core.methods.interface import prepare, stability_ratio, step
+from bearingsim.core.jit import absent, add, generic, jit
+from bearingsim.core.methods.interface import prepare, reach, stability_ratio, step
 from bearingsim.core.models.interface import (
     begin,
     damping_per_mass,
@@ -135,15 +136,55 @@ def check_state(method, model, monitor, t, y):
     return SUCCESS, NO_BODY
 
 
+@absent
+class NoSamples(NamedTuple):
+    """Nothing is recorded but after each step."""
+
+
+class Samples(NamedTuple):
+    """Instants at which the state is recorded as an adaptive method knows it there, between its steps.
+
+    first: s, the time of number 0; rate: 1/s; out: (C, n) what is recorded.
+    """
+
+    first: float
+    rate: float
+    out: np.ndarray
+
+
+@generic(absent=None)
+def take_samples(
+    samples: Any, method: Any, model: Any, t: float, until: float, y: np.ndarray, places: Any
+) -> None:
+    """Record ``places`` of the buffer at all instants after ``t`` and not after ``until`` (s)."""
+
+
+@take_samples.register(Samples)
+def _take_samples(samples, method, model, t, until, y, places):
+    first = max(0, floor((t - samples.first) * samples.rate) + 1)
+    end = min(samples.out.shape[1], floor((until - samples.first) * samples.rate) + 1)
+    for k in range(first, end):
+        reach(method, model, samples.first + k / samples.rate, y)
+        record(y, places, k, samples.out)
+
+
 @jit
 def advance(method, model, monitor, start, y, places, out):
+    """``advance_and_sample`` without samples."""
+    return advance_and_sample(method, model, monitor, start, y, places, out, NoSamples())
+
+
+@jit
+def advance_and_sample(method, model, monitor, start, y, places, out, samples):
     """Take ``out.shape[1]`` steps from step number ``start``, recording ``places`` of the buffer after each.
 
-    places: (C,) integers; out: (C, n). Returns (steps taken, outcome, body): all steps and SUCCESS, or the step at
-    which the method gave up or the monitor stopped the run; fewer steps and SUCCESS once they were much work.
+    places: (C,) integers; out: (C, n); samples: ``NoSamples`` or ``Samples``. Returns (steps taken, outcome,
+    body): all steps and SUCCESS, or the step at which the method gave up or the monitor stopped the run; fewer
+    steps and SUCCESS once they were much work.
     """
     before = y[lay.EVALUATIONS]
     for n in range(out.shape[1]):
+        take_samples(samples, method, model, (start + n) * method.h, (start + n + 1) * method.h, y, places)
         step(method, model, (start + n) * method.h, y)
         update_extremes(model, y)
         record(y, places, n, out)

@@ -73,6 +73,8 @@ RHO_V_O, RHO_V_I = (WORK + n * ROW for n in range(17, 19))  # rates of RHO_O, RH
 # cells, not rows: forces (N) and torques (N m) on ring, cage and inner ring
 F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = range(WORK + 19 * ROW, WORK + 19 * ROW + 8)
 F_Z, M_X, M_Y, F_Z_C, M_X_C, M_Y_C, F_Z_I, M_X_I, M_Y_I = range(WORK + 19 * ROW + 8, WORK + 19 * ROW + 17)
+M_INNER = WORK + 19 * ROW + 17
+LOADS = 18  # how many cells these are
 WORK_ROWS = 20
 JACOBIAN_WORK = WORK + WORK_ROWS * ROW  # rows that ``linearise`` may use, within one call
 JACOBIAN_WORK_ROWS = 86
@@ -121,7 +123,9 @@ STEP_RATIO = LOADED_ROLLERS + 2 * VECTOR_WIDTH + 2 * ROW
 ) = (JACOBIAN_WORK + FIRST_LANE + n * ROW for n in range(12))
 # rows of contacts
 OUTER_CONTACT, INNER_CONTACT, POCKET_CONTACT = (JACOBIAN_WORK + FIRST_LANE + n * ROW for n in (19, 43, 67))
-WRENCHES = JACOBIAN_WORK + 4 * ROW  # in ``spatial``: matrices of each roller (``parts/wrench.py``)
+# of differences (``models/differences.py``): the state about which they are taken (three blocks), rows of what
+# each roller adds to the cells F_X to M_INNER, now and there; cells: their sums there, whether a coordinate moves
+HERE, ROLLER_LOADS, ROLLER_LOADS_HERE, LOADS_HERE = (JACOBIAN_WORK + n * ROW for n in (0, 18, 36, 54))
 
 # a matrix of the arrow's shape (``methods/arrow.py``): rows of the rollers' own blocks, of what the border does to
 # a roller, of what a roller does to the border; cells of the border's own block
@@ -241,6 +245,12 @@ def shared_cell(k):
     CAGE_TILT_Y, INNER_TILT_Y.
     """
     return k if k < FIRST_LANE else (3 + (k - FIRST_LANE) // 3) * ROW + (k - FIRST_LANE) % 3
+
+
+@jit
+def roller_load(cell):
+    """Where the lanes of ROLLER_LOADS begin that belong to one of the cells F_X to M_INNER."""
+    return ROLLER_LOADS + (cell - F_X) * ROW + FIRST_LANE
 
 
 @jit

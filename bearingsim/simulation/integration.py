@@ -17,7 +17,7 @@ from bearingsim.config import Case
 from bearingsim.config.rules import hierarchy
 from bearingsim.core import layout as lay
 from bearingsim.core import outcomes
-from bearingsim.core.advance import Monitor, advance, ready, start_at_rest
+from bearingsim.core.advance import Monitor, NoSamples, Samples, advance_and_sample, ready, start_at_rest
 from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import monitored, update_extremes
 from bearingsim.core.pits.crossings import missed_crossings, passages
@@ -116,14 +116,27 @@ def integrate(setup: Setup, nudge: float = 0.0) -> RawRecord:
     fine = np.empty((len(places), lead + cut.passes * M))
     fine[:, :lead] = y[places][:, np.newaxis]
     picked = np.empty((len(places), 0 if case.antialias else time_grid.samples(case)))
+    picked[:, :1] = y[places][:, np.newaxis]  # at t = 0, should the record begin there
+    samples = _samples_between_steps(case, picked)
     clock = [0.0]
-    for p, window in enumerate(_ball_passes(setup, y, places, clock)):
+    for p, window in enumerate(_ball_passes(setup, samples, y, places, clock)):
         decimate(window, taps, D, fine[:, lead + p * M : lead + (p + 1) * M])
-        _pick_pass(case, cut, p, window, picked)
+        if type(samples) is NoSamples:
+            _pick_pass(case, cut, p, window, picked)
     zero = lead + DECIMATION_REACH - 1
     if MODELS[case.model].memoryless:  # never at rest: it repeats itself before t = 0 too
         fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % M]
     return RawRecord(places, fine, zero, picked, y, clock[0])
+
+
+def _samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples:
+    """What an adaptive method is to record at the raw record's own instants, into ``picked``.
+
+    The steps of any other are so short that a value between two is taken from both.
+    """
+    if case.antialias or not assemble.adaptive(case):
+        return NoSamples()
+    return Samples(case.settle, case.sampling, picked)
 
 
 def _start(setup: Setup, nudge: float) -> np.ndarray:
@@ -143,7 +156,9 @@ def _start(setup: Setup, nudge: float) -> np.ndarray:
     return y
 
 
-def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[float]) -> Iterator[np.ndarray]:
+def _ball_passes(
+    setup: Setup, samples: NoSamples | Samples, y: np.ndarray, places: np.ndarray, clock: list[float]
+) -> Iterator[np.ndarray]:
     """The recording, a ball pass at a time: (C, tail + steps) with the end of the pass before in front.
 
     The same array every time. The largest forces are those of the record's whole passes; ``clock[0]`` gathers the
@@ -162,15 +177,15 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
     kept = y[largest]
     window = np.empty((len(places), tail + steps))
     window[:] = y[places][:, np.newaxis]
-    _warm_up(setup, y, places)
+    _warm_up(setup, samples, y, places)
     if MODELS[case.model].memoryless:  # it was never at rest: what was before t = 0 is known
-        advance(setup.method, model, setup.monitor, -tail, y, places, window[:, steps:])
+        advance_and_sample(setup.method, model, setup.monitor, -tail, y, places, window[:, steps:], NoSamples())
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
         if p == 0 or not time_grid.is_periodic(case):
             if p == counted.start:
                 y[largest] = 0.0
-            _record_steps(setup, p * steps, y, places, window[:, tail:], clock)
+            _record_steps(setup, samples, p * steps, y, places, window[:, tail:], clock)
         if assemble.adaptive(case):
             differentiate(window, tail, cut.step)
         if p == counted.stop - 1:
@@ -185,10 +200,10 @@ def _ball_passes(setup: Setup, y: np.ndarray, places: np.ndarray, clock: list[fl
         raise stopped(setup, outcomes.SKIPPED, unseen, end)
 
 
-def _warm_up(setup: Setup, y: np.ndarray, places: np.ndarray) -> None:
+def _warm_up(setup: Setup, samples: NoSamples | Samples, y: np.ndarray, places: np.ndarray) -> None:
     """Compile or load what takes steps, before the clock runs: a step that is thrown away."""
     part = np.empty((len(places), 2))[:, :1]  # laid out as parts of a recording: another layout is other code
-    advance(setup.method, setup.model, setup.monitor, 0, y.copy(), places, part)
+    advance_and_sample(setup.method, setup.model, setup.monitor, 0, y.copy(), places, part, samples)
 
 
 STEPS_PER_CALL = 4000  # steps, or recorded instants of an adaptive method, between two looks at the clock
@@ -196,14 +211,21 @@ MAX_EVALUATIONS = 1e5  # evaluations of the model after which it is looked at ea
 
 
 def _record_steps(
-    setup: Setup, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray, clock: list[float]
+    setup: Setup,
+    samples: NoSamples | Samples,
+    start: int,
+    y: np.ndarray,
+    places: np.ndarray,
+    out: np.ndarray,
+    clock: list[float],
 ) -> None:
     """Take and record all steps of ``out`` from number ``start``, a while at a time; raises if it must stop."""
     n = 0
     while n < out.shape[1]:
         began = time.thread_time()
-        taken, outcome, body = advance(
-            setup.method, setup.model, setup.monitor, start + n, y, places, out[:, n : n + STEPS_PER_CALL]
+        part = out[:, n : n + STEPS_PER_CALL]
+        taken, outcome, body = advance_and_sample(
+            setup.method, setup.model, setup.monitor, start + n, y, places, part, samples
         )
         n += taken
         clock[0] += time.thread_time() - began

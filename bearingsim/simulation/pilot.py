@@ -31,7 +31,7 @@ def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
     wanted = times * max(MIN_PASSES / rate, MIN_DURATION, compared_part(case) * whole, turns_of_pits(case))
     counted = max(1, min(ceil(wanted * rate - ROUNDING), int((whole - forgotten) * rate + ROUNDING)))
     settle = min(forgotten, max(0.0, whole - counted / rate))
-    short = {"settle": settle, "duration": (counted + 0.5) / rate, "record": (), "antialias": True}
+    short = {"settle": settle, "duration": (counted + 0.5) / rate}
     return case.model_copy(update=short), counted
 
 

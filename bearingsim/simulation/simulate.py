@@ -174,6 +174,7 @@ def _check_features(checks_step: StepCheck) -> dict[str, float]:
     return {
         "step_error.line": checks_step.line,
         "step_error.rms": checks_step.rms,
+        "step_error.record": checks_step.record,
         "chaotic": nan if checks_step is step_check.UNCHECKED else float(checks_step.chaotic),
         "rms_scatter": nan if checks_step is step_check.UNCHECKED else checks_step.scatter,
     }

@@ -12,7 +12,7 @@ does not, that is doubtful: all is tried again on a longer beginning, if there i
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil, inf, nan, sqrt
+from math import ceil, floor, inf, nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +23,7 @@ from bearingsim.config import Case
 from bearingsim.config.names import LINES
 from bearingsim.core.sampling import RESAMPLE_REACH, TABLE, resampling_kernel
 from bearingsim.simulation import features, time_grid
+from bearingsim.simulation.channels import BASE, MOTION
 from bearingsim.simulation.integration import Setup, integrate, set_up
 from bearingsim.simulation.pilot import pilot, sees_pit_turns
 
@@ -47,7 +48,8 @@ MAX_COST_RATIO = 4.0  # times the CPU time that half the step and a tenth of the
 class StepCheck:
     """What half the step (and a tenth of the tolerance) changes.
 
-    line, rms: relative change of the fault's line (of the worst, if there are several) and of the RMS; chaotic:
+    line, rms: relative change of the fault's line (of the worst, if there are several) and of the RMS; record: of
+    what is recorded the worst; chaotic:
     whether a start 1e-10 beside leads elsewhere; noise: standard deviation of the RMS's relative change over the
     pilot that chaos alone brings about; scatter: what that surely stays under over the whole record, inf if the
     pilot was too short to tell.
@@ -55,6 +57,7 @@ class StepCheck:
 
     line: float
     rms: float
+    record: float = 0.0
     chaotic: bool = False
     noise: float = 0.0
     scatter: float = 0.0
@@ -75,14 +78,19 @@ class StepCheck:
         return bool(self.scatter <= ACCURACY)
 
 
-UNCHECKED = StepCheck(nan, nan)
+UNCHECKED = StepCheck(nan, nan, nan)
 
 
-class VelocityPair(NamedTuple):
-    """Velocity (m/s) along the sensor at fine samples, and what the record's low-pass leaves of it."""
+class Heard(NamedTuple):
+    """What is read of a pilot over the ball passes that count.
+
+    fine: (n,) velocity (m/s) along the sensor at fine samples; recorded: (m,) the same as it is recorded,
+    low-passed or raw; rest: (C, m) all that is recorded: the motion along the sensor, the channels asked for.
+    """
 
     fine: np.ndarray
     recorded: np.ndarray
+    rest: np.ndarray
 
 
 def check_step(case: Case, part: float) -> StepCheck:
@@ -102,7 +110,7 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
     allowed = time_grid.MAX_CPU * length(short) / length(case)
     coarse = set_up(short, part, allowed)
     fine = set_up(with_finer_tolerance(short), part * shorter(coarse.cut.decimation), MAX_COST_RATIO * allowed)
-    one, other = (velocities(setup, passes, recorded=case.antialias) for setup in (coarse, fine))
+    one, other = (heard(setup, passes) for setup in (coarse, fine))
     found = changes(coarse, fine, passes, one, other)
     scale = float(np.std(other.fine)) or 1.0
     apart = by_pass(one.fine - shifted(other.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
@@ -110,19 +118,21 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
         return found, False
     adaptive = assemble.adaptive(case)
     twin, nudged = (fine, other) if adaptive else (coarse, one)
-    third = velocities(twin, passes, recorded=case.antialias, nudge=PERTURBATION)
+    third = heard(twin, passes, nudge=PERTURBATION)
     beside = by_pass(nudged.fine - third.fine, passes) / scale
     if not is_chaotic_motion(beside, apart, adaptive):
         return found, True
     # the twins of a pilot have not parted at its start: the wider band, where they part first, tells more
-    noise, sure = max((scatter(series, passes) for series in zip(one, other, third, strict=True)), key=np.prod)
+    noise, sure = max(
+        (scatter(series, passes) for series in zip(one[:2], other[:2], third[:2], strict=True)), key=np.prod
+    )
     told = sees_pit_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
     whole = max(1.0, case.duration * coarse.cut.rate)
     worth = sure * noise / sqrt(whole) if told else inf
     return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False
 
 
-def changes(coarse: Setup, fine: Setup, passes: int, one: VelocityPair, other: VelocityPair) -> StepCheck:
+def changes(coarse: Setup, fine: Setup, passes: int, one: Heard, other: Heard) -> StepCheck:
     """What half the step changes: of the fault's lines the worst, of the wide band and the record the worse."""
     quiet = QUIET_LINE * float(np.std(other.recorded)) or 1.0
     lines = [
@@ -131,8 +141,15 @@ def changes(coarse: Setup, fine: Setup, passes: int, one: VelocityPair, other: V
     ]
     return StepCheck(
         line=float(max(change(a, b) / max(abs(b.sum()), quiet) for a, b in lines)),
-        rms=float(max(abs(np.std(a) / (np.std(b) or 1.0) - 1.0) for a, b in zip(one, other, strict=True))),
+        rms=max(rms_change(a, b) for a, b in zip(one[:2], other[:2], strict=True)),
+        record=max(rms_change(a, b) for a, b in zip(one.rest, other.rest, strict=True)),
     )
+
+
+def rms_change(one: np.ndarray, other: np.ndarray) -> float:
+    """Relative change of an RMS about the mean; of what hardly changes at all, relative to its size."""
+    size = max(float(np.std(other)), QUIET_LINE * float(np.abs(other).max()))
+    return float(abs(np.std(one) - np.std(other)) / (size or 1.0))
 
 
 def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:
@@ -179,18 +196,30 @@ def fault_lines(case: Case) -> list[str]:
     return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
 
 
-def velocities(setup: Setup, passes: int, recorded: bool, nudge: float = 0.0) -> VelocityPair:
-    """A pilot's velocity over the ball passes that count; recorded: whether the record is low-passed."""
-    tape, cut = integrate(setup, nudge), setup.cut
-    ratio = cut.fine_rate / setup.case.sampling
-    start, reach = tape.zero + features.first_sample(setup.case, cut), ceil(RESAMPLE_REACH * ratio)
-    rows = tape.fine[:, start - reach : start + passes * cut.fine_per_pass + 1 + reach]
-    wide = features.along_sensor(setup.case, rows, "velocity")
-    fine, kernel = wide[reach:-reach], resampling_kernel()
+def heard(setup: Setup, passes: int, nudge: float = 0.0) -> Heard:
+    """What is read of a pilot."""
+    tape, case, cut = integrate(setup, nudge), setup.case, setup.cut
+    start, length = tape.zero + features.first_sample(case, cut), passes * cut.fine_per_pass + 1
+    fine = features.along_sensor(case, tape.fine[:, start : start + length], "velocity")
+    rows = low_passed(setup, tape.fine, start, length) if case.antialias else raw(setup, tape.picked, passes)
+    along = {quantity: features.along_sensor(case, rows, quantity) for quantity in MOTION}
+    return Heard(fine, along["velocity"], np.stack([*along.values(), *rows[len(BASE) :]]))
+
+
+def low_passed(setup: Setup, fine: np.ndarray, start: int, length: int) -> np.ndarray:
+    """Rows (C, ``length``) at fine samples from column ``start`` of ``fine``, low-passed as the record is."""
+    ratio, kernel = setup.cut.fine_rate / setup.case.sampling, resampling_kernel()
+    reach = ceil(RESAMPLE_REACH * ratio)
     taps = np.interp(
         np.abs(np.arange(-reach, reach + 1)) * TABLE / ratio, np.arange(len(kernel)), kernel, right=0.0
     )
-    return VelocityPair(fine, np.convolve(wide, taps / taps.sum(), "valid") if recorded else fine)
+    wide = fine[:, start - reach : start + length + reach]
+    return np.stack([np.convolve(row, taps / taps.sum(), "valid") for row in wide])
+
+
+def raw(setup: Setup, picked: np.ndarray, passes: int) -> np.ndarray:
+    """Rows (C, n) of raw values in so many ball passes."""
+    return picked[:, : floor(passes / setup.cut.rate * setup.case.sampling) + 1]
 
 
 def ahead(setup: Setup, other: Setup) -> float:

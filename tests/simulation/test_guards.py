@@ -11,7 +11,7 @@ import pytest
 
 from bearingsim.core import layout as lay
 from bearingsim.core import outcomes
-from bearingsim.core.advance import Monitor, advance
+from bearingsim.core.advance import Monitor, advance, advance_and_sample
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.pits.crossings import missed_crossings, passages
 from bearingsim.errors import Refused
@@ -89,9 +89,9 @@ def test_a_crossing_that_was_not_seen_is_missed() -> None:
 
 def test_crossings_stepped_over_fail_the_run() -> None:
     def blind(method: Any, model: Any, monitor: Monitor, *rest: Any) -> tuple:
-        return advance(method, model, monitor._replace(stride=10**9), *rest)
+        return advance_and_sample(method, model, monitor._replace(stride=10**9), *rest)
 
-    with mock.patch.object(INTEGRATION, "advance", blind), pytest.raises(SimulationError) as caught:
+    with mock.patch.object(INTEGRATION, "advance_and_sample", blind), pytest.raises(SimulationError) as caught:
         simulate(case(**VERLET))
     assert "crossings of pits were stepped over" in caught.value.reason
     assert caught.value.time == pytest.approx(0.11, abs=0.02)
@@ -130,7 +130,7 @@ def test_reason_time_body_and_advice(outcome: int) -> None:
     given = case(model="rollers", defect=SLOT, step_check=False, method="dop853" if adaptive else "verlet")
     given = given.model_copy(update={"tolerance": 1e-3} if adaptive else {"step": 5e-7})
     with (
-        mock.patch.object(INTEGRATION, "advance", return_value=(4000, outcome, 2)),
+        mock.patch.object(INTEGRATION, "advance_and_sample", return_value=(4000, outcome, 2)),
         pytest.raises(SimulationError) as caught,
     ):
         simulate(given)
@@ -150,7 +150,7 @@ def test_who_is_stuck_on_rollers_without_mass_is_told_of_some_with(outcome, mode
     damping = {"law": "general", "coefficient": 1e3, "indentation_exponent": m3}
     given = case(model=model, defect=SLOT, step_check=False, method="rodas", contact={"damping": damping})
     with (
-        mock.patch.object(INTEGRATION, "advance", return_value=(4000, outcome, 0)),
+        mock.patch.object(INTEGRATION, "advance_and_sample", return_value=(4000, outcome, 0)),
         pytest.raises(SimulationError) as caught,
     ):
         simulate(given)
@@ -254,7 +254,7 @@ def test_a_run_asks_to_be_looked_at_where_steps_are_much_work() -> None:
     assert setup.monitor.max_evaluations == INTEGRATION.MAX_EVALUATIONS
     with (
         mock.patch.object(INTEGRATION, "MAX_EVALUATIONS", 1000.0),
-        mock.patch.object(INTEGRATION, "advance", wraps=advance) as spied,
+        mock.patch.object(INTEGRATION, "advance_and_sample", wraps=advance_and_sample) as spied,
     ):
         INTEGRATION.integrate(set_up(given))
     columns = sum(call.args[6].shape[1] for call in spied.call_args_list)
@@ -267,9 +267,9 @@ def test_what_takes_steps_is_compiled_before_the_clock_runs() -> None:
 
     def noted(*given: Any) -> Any:
         layouts.append(numba.typeof(given[6]))
-        return advance(*given)
+        return advance_and_sample(*given)
 
-    with mock.patch.object(INTEGRATION, "advance", noted):
+    with mock.patch.object(INTEGRATION, "advance_and_sample", noted):
         INTEGRATION.integrate(setup)
     assert len(layouts) > 1
     assert len(set(layouts)) == 1

@@ -13,7 +13,7 @@ from scipy.optimize import root
 from bearingsim import assemble
 from bearingsim.config import FEATURES, Case, dataset_names
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance, record
+from bearingsim.core.advance import Monitor, advance, advance_and_sample, record
 from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import begin
 from bearingsim.core.outcomes import SUCCESS
@@ -38,13 +38,20 @@ def driven(given: Case, signal: Callable[[np.ndarray], np.ndarray]) -> Any:
     """The record of a ring whose velocity along the load line is ``signal`` (of the time since the start)."""
 
     def known(
-        method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
+        method: Any,
+        model: Any,
+        monitor: Monitor,
+        start: int,
+        y: np.ndarray,
+        places: np.ndarray,
+        out: np.ndarray,
+        samples: Any,
     ) -> tuple:
         out[:] = 0.0
         out[places.tolist().index(lay.VELOCITY + lay.X)] = signal((start + 1 + np.arange(out.shape[1])) * method.h)
         return out.shape[1], SUCCESS, -1
 
-    with mock.patch.object(INTEGRATION, "advance", known):
+    with mock.patch.object(INTEGRATION, "advance_and_sample", known):
         return simulate(given.model_copy(update={"step_check": False}))
 
 
@@ -321,15 +328,13 @@ def test_peak_force_of_static_equals_the_load_sharing() -> None:
 
 @pytest.mark.parametrize(("settle", "counts"), [("0 ms", True), ("1 ms", False), ("30 ms", False)])
 def test_forces_count_from_the_first_ball_pass_of_the_record(settle: str, counts: bool) -> None:
-    def knocked(
-        method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
-    ) -> tuple:
-        found = advance(method, model, monitor, start, y, places, out)
+    def knocked(method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, *rest: Any) -> tuple:
+        found = advance_and_sample(method, model, monitor, start, y, *rest)
         if start == 0:
             y[lay.Q_O_MAX + 3] = 1e6
         return found
 
-    with mock.patch.object(INTEGRATION, "advance", knocked):
+    with mock.patch.object(INTEGRATION, "advance_and_sample", knocked):
         largest = simulate(case(settle=settle)).features["outer_force.max"]
     assert largest == 1e6 if counts else 40.0 < largest < 60.0
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance
+from bearingsim.core.advance import Monitor, advance_and_sample
 from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.choice import STEP_PARTS
 from bearingsim.simulation.simulate import SimulationError, simulate
@@ -67,13 +67,11 @@ def test_an_automatic_step_is_not_halved_for_ever() -> None:
 
 
 def test_a_motion_that_is_not_finite_is_stopped() -> None:
-    def broken(
-        method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
-    ) -> tuple:
+    def broken(method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, *rest: Any) -> tuple:
         y[lay.POSITION] = np.nan
-        return advance(method, model, monitor, start, y, places, out)
+        return advance_and_sample(method, model, monitor, start, y, *rest)
 
-    with mock.patch.object(MODULE, "advance", broken), pytest.raises(SimulationError, match="finite"):
+    with mock.patch.object(MODULE, "advance_and_sample", broken), pytest.raises(SimulationError, match="finite"):
         simulate(case(method="verlet"))
 
 

@@ -22,7 +22,8 @@ from typing import Any
 
 from bearingsim.core import layout as lay
 from bearingsim.core.jit import add, generic, jit
-from bearingsim.core.methods.interface import attempt, interpolate, no_limit, prepare, stability_ratio, step
+from bearingsim.core.methods.interface import attempt, interpolate, no_limit, prepare, reach, stability_ratio, step
+from bearingsim.core.models.arms import roller_arms, shared_arms
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, state_width, update_extremes
 from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
 from bearingsim.core.pits.jumps import next_jump
@@ -83,6 +84,7 @@ def register_adaptive(
     """
     prepare.register(parameters)(_prepare)
     step.register(parameters)(_step)
+    reach.register(parameters)(_reach)
     stability_ratio.register(parameters)(no_limit)  # it is held by its error
     estimate_order.register(parameters)(lambda method: order)
     complete_dense_output.register(parameters)(more)
@@ -128,27 +130,7 @@ def fill_length_scales(model, y):
     """LENGTH_SCALE: 1 of lengths; of angles and axes the radius at which they are felt."""
     b = model.bearing
     own, shared = degrees_of_freedom(model)
-    middle = 0.5 * (b.R_o + b.R_i)
-    of_shared = (
-        1.0,
-        1.0,
-        b.R_o,
-        middle,
-        1.0,
-        1.0,
-        1.0,
-        1.0,
-        1.0,
-        1.0,
-        1.0,
-        b.R_o,
-        middle,
-        b.R_i,
-        b.R_o,
-        middle,
-        b.R_i,
-    )
-    of_roller = (1.0, middle, b.R_w, 1.0, b.R_w, b.R_w)
+    of_shared, of_roller = shared_arms(b), roller_arms(b)
     for j in range(lay.STATE):
         y[LENGTH_SCALE + j] = 0.0
     for k in range(shared):
@@ -335,12 +317,16 @@ def _prepare(method, model, t, y):
 
 
 def _step(method, model, t, y):
-    """``step`` of every adaptive method: up to the recorded instant or past it, then back by dense output."""
-    until = t + method.h
+    """``step`` of every adaptive method."""
+    reach(method, model, t + method.h, y)
+
+
+def _reach(method, model, t, y):
+    """``reach`` of every adaptive method: up to the instant or past it, then back by dense output."""
     tries = 0
-    while y[lay.FAILED] == SUCCESS and y[lay.T_END] < until - TIME_TOLERANCE * method.h:
+    while y[lay.FAILED] == SUCCESS and y[lay.T_END] < t - TIME_TOLERANCE * method.h:
         tries += advance_once(method, model, y)
         if tries > MAX_ATTEMPTS and y[lay.FAILED] == SUCCESS:
             y[lay.FAILED] = TOO_MANY_STEPS
     if y[lay.FAILED] == SUCCESS:
-        show_instant(method, model, until, y)
+        show_instant(method, model, t, y)

@@ -70,6 +70,14 @@ def step(method: Any, model: Any, t: float, y: np.ndarray) -> None:
 
 
 @generic
+def reach(method: Any, model: Any, t: float, y: np.ndarray) -> None:
+    """Take the buffer ``y`` to any time ``t`` (s) not before the last, where an adaptive method's steps let it.
+
+    Its own steps do not depend on where it is looked at: they run ahead, and dense output shows the state.
+    """
+
+
+@generic
 def stability_ratio(method: Any, K: float, C: float) -> float:
     """How much of the method's linear stability limit a step takes up: above 1 it grows.
 

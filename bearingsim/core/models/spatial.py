@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_time
-from bearingsim.core.geometry.orientation import axis_acceleration, axis_precession, axis_z, body_at
+from bearingsim.core.geometry.orientation import Body, axis_acceleration, axis_precession, axis_z, body_at
 from bearingsim.core.geometry.plane import roller_directions
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA, Slices
@@ -26,6 +26,12 @@ from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
 from bearingsim.core.laws.friction.interface import mu_slope_bound
 from bearingsim.core.laws.friction.lag import lagged
+from bearingsim.core.models.differences import (
+    accelerate_bodies,
+    difference_jacobian,
+    roller_moves,
+    share_loads,
+)
 from bearingsim.core.models.extremes import update_largest_forces
 from bearingsim.core.models.interface import (
     ModelKind,
@@ -40,7 +46,6 @@ from bearingsim.core.models.interface import (
     update_extremes,
 )
 from bearingsim.core.models.outer_ring import accelerate_outer_ring
-from bearingsim.core.models.spatial_derivatives import spatial_jacobian
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts.cage import accelerate_cage, cage_constraint, orbit_drag, pocket_stiffness
 from bearingsim.core.parts.cage_in_space import (
@@ -48,6 +53,7 @@ from bearingsim.core.parts.cage_in_space import (
     axial_stiffness,
     cage_body,
     pocket_forces_in_space,
+    share_pocket_loads,
 )
 from bearingsim.core.parts.flanges import flange_forces, flange_stiffness
 from bearingsim.core.parts.mounts import accelerate_mounted_ring, hold_mounted_ring, mount_damping, mount_stiffness
@@ -57,6 +63,7 @@ from bearingsim.core.parts.races_in_space import (
     keep_slice,
     race_frame,
     relax_friction,
+    side_load,
     side_loads,
     slice_force,
     slice_kinematics,
@@ -179,17 +186,24 @@ def race_contacts(model, t, steep, outer, inner, omega_cage, y, n):
 
 @jit
 def ring_loads(bearing, outer, inner, y, n):
-    """Add the sums of both sides to what acts on the rollers, and fill the rings' cells.
-
-    Returns the moment (N m) about e_z on the inner ring.
-    """
+    """Add the sums of both sides to what acts on the rollers, and fill the rings' cells."""
     y[lay.F_X], y[lay.F_Y], y[lay.F_Z], y[lay.M_X], y[lay.M_Y], y[lay.M_RING] = side_loads(
         OuterSide(), bearing, outer, y, n
     )
-    y[lay.F_X_I], y[lay.F_Y_I], y[lay.F_Z_I], y[lay.M_X_I], y[lay.M_Y_I], turn = side_loads(
+    y[lay.F_X_I], y[lay.F_Y_I], y[lay.F_Z_I], y[lay.M_X_I], y[lay.M_Y_I], y[lay.M_INNER] = side_loads(
         InnerSide(), bearing, inner, y, n
     )
-    return turn
+
+
+@jit
+def share_side_loads(side, bearing, ring, plane, space, turn, y):
+    """Fill the rows ROLLER_LOADS of a ring, given the first of its cells in the plane, beyond it, and its turn."""
+    for j in range(bearing.Z):
+        _, _, force, moment = side_load(side, bearing, ring, y, j)
+        y[lay.roller_load(plane) + j], y[lay.roller_load(plane + 1) + j] = force[0], force[1]
+        y[lay.roller_load(space) + j] = force[2]
+        y[lay.roller_load(space + 1) + j], y[lay.roller_load(space + 2) + j] = moment[0], moment[1]
+        y[lay.roller_load(turn) + j] = moment[2]
 
 
 @jit
@@ -222,31 +236,68 @@ def accelerate_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
         y[lay.SPIN_A + j] = cage_constraint(cage, real * (omega_a - wound - alpha_spin))
 
 
+class Bodies(NamedTuple):
+    """The bodies that all rollers touch, as they stand and move.
+
+    time: s, the motion's own; growth: how fast speeds grow with it (1/s); theta_i, omega_i: the inner ring's angle
+    (rad) and speed (rad/s); omega_cage: the cage's speed, spin: a roller's nominal one (rad/s).
+    """
+
+    outer: Body
+    inner: Body
+    cage: Body
+    time: float
+    growth: float
+    theta_i: float
+    omega_i: float
+    omega_cage: float
+    spin: float
+
+
+@jit
+def bodies(model, t, y):
+    """``Bodies`` at time ``t`` (s)."""
+    b = model.bearing
+    time, rate, growth = kinematic_time(model.motion, t)
+    omega_i, omega_cage = b.omega_i * rate, b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C]
+    return Bodies(
+        outer=body_at(y, lay.X, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, y[lay.VELOCITY + lay.PSI]),
+        inner=body_at(y, lay.X_I, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y, omega_i),
+        cage=cage_body(model.cage_z, omega_cage, y),
+        time=time,
+        growth=growth,
+        theta_i=b.omega_i * time,
+        omega_i=omega_i,
+        omega_cage=omega_cage,
+        spin=(b.omega_c - b.omega_b) * rate,
+    )
+
+
 @accelerations.register(Spatial)
 def _accelerations(model, t, y):
     b = model.bearing
     n = lanes(b)
-    time, rate, growth = kinematic_time(model.motion, t)
-    theta_i, omega_i = b.omega_i * time, b.omega_i * rate
-    omega_cage = b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C]
-    spin = (b.omega_c - b.omega_b) * rate
-    outer = body_at(y, lay.X, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, y[lay.VELOCITY + lay.PSI])
-    inner = body_at(y, lay.X_I, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y, omega_i)
-    cage = cage_body(model.cage_z, omega_cage, y)
+    at = bodies(model, t, y)
+    roller_directions(b.theta_0 + b.omega_c * at.time + y[lay.POSITION + lay.PHI_C], y, n)
+    roller_axes(at.spin, at.omega_cage, b.R_w, y, n)
+    external_loads(model, at.omega_cage, y, n)
+    race_contacts(model, t, 1.0, at.outer, at.inner, at.omega_cage, y, n)
+    flange_forces(model.flanges, model, at.outer, at.inner, y, n)
+    ring_loads(b, at.outer, at.inner, y, n)
+    pocket_forces_in_space(model.cage, model, at.cage, at.omega_cage, at.spin, y, n)
+    alpha_cage = accelerate_bodies_of(model, at, y)
+    accelerate_rollers(model, at.omega_cage, alpha_cage, (b.omega_c - b.omega_b) * at.growth, y, n)
 
-    roller_directions(b.theta_0 + b.omega_c * time + y[lay.POSITION + lay.PHI_C], y, n)
-    roller_axes(spin, omega_cage, b.R_w, y, n)
-    external_loads(model, omega_cage, y, n)
-    race_contacts(model, t, 1.0, outer, inner, omega_cage, y, n)
-    flange_forces(model.flanges, model, outer, inner, y, n)
-    turn = ring_loads(b, outer, inner, y, n)
-    pocket_forces_in_space(model.cage, model, cage, omega_cage, spin, y, n)
 
-    wound = accelerate_cage_axis(model.cage_z, model.cage, cage, y)
-    y[lay.M_C] = y[lay.M_X_C] * cage.a_x + y[lay.M_Y_C] * cage.a_y + y[lay.M_C] * cage.a_z
+@jit
+def accelerate_bodies_of(model, at, y):
+    """Write the accelerations of rings and cage from the cells of their loads; returns the cage's angular one."""
+    b = model.bearing
+    wound = accelerate_cage_axis(model.cage_z, model.cage, at.cage, y)
+    y[lay.M_C] = y[lay.M_X_C] * at.cage.a_x + y[lay.M_Y_C] * at.cage.a_y + y[lay.M_C] * at.cage.a_z
     taken = accelerate_mounted_ring(
         model.mount_o,
-        outer,
+        at.outer,
         y[lay.F_Z],
         y[lay.M_X],
         y[lay.M_Y],
@@ -256,26 +307,27 @@ def _accelerations(model, t, y):
         lay.RING_TILT_X,
         lay.RING_TILT_Y,
     )
-    y[lay.M_RING] = y[lay.M_X] * outer.a_x + y[lay.M_Y] * outer.a_y + y[lay.M_RING] * outer.a_z - taken
+    y[lay.M_RING] = y[lay.M_X] * at.outer.a_x + y[lay.M_Y] * at.outer.a_y + y[lay.M_RING] * at.outer.a_z - taken
     accelerate_mounted_ring(
         model.mount_i,
-        inner,
+        at.inner,
         y[lay.F_Z_I],
         y[lay.M_X_I],
         y[lay.M_Y_I],
-        turn,
+        y[lay.M_INNER],
         y,
         lay.Z_I,
         lay.INNER_TILT_X,
         lay.INNER_TILT_Y,
     )
 
-    alpha_cage = accelerate_cage(model.cage, model, omega_cage, omega_i, b.omega_c * growth, y) - wound
-    y[lay.ACCELERATION + lay.PHI_C] = alpha_cage - b.omega_c * growth
-    accelerate_rollers(model, omega_cage, alpha_cage, (b.omega_c - b.omega_b) * growth, y, n)
+    kinematic = b.omega_c * at.growth
+    alpha_cage = accelerate_cage(model.cage, model, at.omega_cage, at.omega_i, kinematic, y) - wound
+    y[lay.ACCELERATION + lay.PHI_C] = alpha_cage - kinematic
     accelerate_outer_ring(model, y)
     accelerate_ring_rotation(model.bracket, y)
-    accelerate_inner_ring(model.shaft, model, theta_i, omega_i, b.omega_i * growth, y)
+    accelerate_inner_ring(model.shaft, model, at.theta_i, at.omega_i, b.omega_i * at.growth, y)
+    return alpha_cage
 
 
 @jit
@@ -375,7 +427,26 @@ def _degrees_of_freedom(model):
 
 @linearise.register(Spatial)
 def _linearise(model, t, y):
-    spatial_jacobian(model, t, y)
+    difference_jacobian(model, t, y)
+
+
+@roller_moves.register(Spatial)
+def _roller_moves(model, i):
+    """A kinematic cage leaves a roller its radial motion and its tilt."""
+    return i == 0 or i > 3 or cage_constraint(model.cage, 1.0) > 0.0
+
+
+@share_loads.register(Spatial)
+def _share_loads(model, t, y):
+    at = bodies(model, t, y)
+    share_side_loads(OuterSide(), model.bearing, at.outer, lay.F_X, lay.F_Z, lay.M_RING, y)
+    share_side_loads(InnerSide(), model.bearing, at.inner, lay.F_X_I, lay.F_Z_I, lay.M_INNER, y)
+    share_pocket_loads(model.cage, model, at.cage, at.omega_cage, y)
+
+
+@accelerate_bodies.register(Spatial)
+def _accelerate_bodies(model, t, y):
+    accelerate_bodies_of(model, bodies(model, t, y), y)
 
 
 KIND = ModelKind(Spatial, per_crossing=100)

@@ -27,28 +27,32 @@ def arms(b):
     return np.array(shared + [s for s in (1.0, r, b.R_w, 1.0, L_W / 2, L_W / 2) for _ in range(b.Z)])
 
 
+def compared(model, t, y):
+    """What ``linearise`` finds less what it should find, and that, in metres: columns of all that can move."""
+    arm = arms(model.bearing)
+    found, expected = derivatives(model, t, y), differences(model, t, y, steps(model.bearing.Z))
+    moves = np.any(expected[0] != 0.0, axis=1) | np.any(expected[1] != 0.0, axis=1)
+    for one, other in zip(found, expected, strict=True):
+        yield [(matrix * arm[:, None] / arm)[:, moves] for matrix in (one - other, other)]
+
+
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize(("lean", "own"), STATES)
 @pytest.mark.parametrize("seed", range(3))
 def test_derivatives_are_those_of_the_accelerations(way, lean, own, seed):
     """Pits, flanges, pockets, rings on springs, traction; all lengths in metres at the arms of the turns.
 
-    By velocity to 1e-6 of the whole; by position to 5e-5, or 5e-4 where axes lean by 2 mrad (at forces a hundred
-    times those of a load: what is left out are forces over radii), and every row that is not small to 1 %.
+    To 1e-5 of the whole, and every row that is not small to 1e-4: differences go forward.
     """
     model, y = shaken(way, seed, lean, own)
-    model = model._replace(lag=0.0)
-    arm = arms(model.bearing)
-    found, expected = derivatives(model, WHERE, y), differences(model, WHERE, y, steps(model.bearing.Z))
-    for one, other, bound in zip(found, expected, (5e-5 if lean < 1e-3 else 5e-4, 1e-6), strict=True):
-        errors, full = ((matrix * arm[:, None] / arm) for matrix in (one - other, other))
-        assert np.linalg.norm(errors) <= bound * np.linalg.norm(full)
+    for errors, full in compared(model._replace(lag=0.0), WHERE, y):
+        assert np.linalg.norm(errors) <= 1e-5 * np.linalg.norm(full)
         rows = np.linalg.norm(full, axis=1)
-        assert np.all(np.linalg.norm(errors, axis=1) <= 1e-2 * rows + 1e-6 * rows.max())
+        assert np.all(np.linalg.norm(errors, axis=1) <= 1e-4 * rows + 1e-7 * rows.max())
 
 
-def test_of_a_kinematic_cage_nothing_is_left_out():
-    """To 1e-7: rings held, axes that lean by 0.1 mrad. But for columns of angles, which the cage keeps."""
+def test_of_a_kinematic_cage_only_what_moves_is_derived():
+    """Rings held, axes that lean by 0.1 mrad."""
     given = case(model="spatial", cage={"motion": "kinematic"})
     model = assemble.model(given)
     y, _ = assemble.start(given, model)
@@ -57,10 +61,8 @@ def test_of_a_kinematic_cage_nothing_is_left_out():
         y[row : row + Z] += random.normal(0.0, size, Z)
     start_at_rest(model, 0.0, y)
     model = model._replace(lag=0.0)
-    found, expected = derivatives(model, 0.0, y), differences(model, 0.0, y, steps(Z))
-    angles = np.arange(17 + Z, 17 + 2 * Z)
-    arm = arms(model.bearing)
-    for one, other in zip(found, expected, strict=True):
-        errors, full = (np.delete(matrix * arm[:, None] / arm, angles, axis=1) for matrix in (one - other, other))
-        assert np.linalg.norm(errors) <= 1e-7 * np.linalg.norm(full)
+    for errors, full in compared(model, 0.0, y):
+        assert np.linalg.norm(errors) <= 3e-5 * np.linalg.norm(full)
+        assert full.shape == (17 + 6 * Z, 2 + 3 * Z)
+    for one in derivatives(model, 0.0, y):
         assert np.abs(one[17 + Z : 17 + 4 * Z]).max() == 0.0
