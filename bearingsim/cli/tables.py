@@ -21,7 +21,7 @@ __all__ = ["show_failures", "show_jobs", "usual_features"]
 
 Column = tuple[str, list[str]]  # head and cells
 STATISTICS = ("velocity.rms", "outer_force.max")
-PROOF = ("step_error.line", "step_error.rms", "chaotic")
+PROOF = ("step_error.line", "step_error.rms", "step_error.record", "chaotic")
 
 
 def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json: bool) -> None:

@@ -13,7 +13,7 @@ from bearingsim.runner.packing import Cost, pack, shard_of
 from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import getting_ready
 from bearingsim.runner.progress import progress as shown_progress
-from bearingsim.runner.summary import Interrupted, RunSummary, chaos, grouped
+from bearingsim.runner.summary import Interrupted, RunSummary, chaos, grouped, record_errors
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def run(
     frame = store.build_table(root)
     seconds = time.perf_counter() - started
     left_out = len((earlier & plan.sealed) - {job.id for job in every})
-    notes = (*_notes(left_out, plan.damaged), *told, *chaos(frame))
+    notes = (*_notes(left_out, plan.damaged), *told, *chaos(frame), *record_errors(frame))
     summary = tally.summary(study.name, len(ours), plan.resumed, seconds, interrupted, notes)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
     if interrupted:

@@ -8,12 +8,13 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from bearingsim.simulation.step_check import ACCURACY
 from bearingsim.store import Failure
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["FailureGroup", "Interrupted", "RunSummary", "chaos", "grouped", "kind_of"]
+__all__ = ["FailureGroup", "Interrupted", "RunSummary", "chaos", "grouped", "kind_of", "record_errors"]
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,20 @@ def chaos(frame: "pd.DataFrame") -> Iterator[str]:
     if 0 < len(known) < len(scatter):
         worth += f", but that of {len(scatter) - len(known)} was not seen for long enough to tell"
     yield f"{jobs} chaotic: a line is one draw of many; {worth} (`chaotic`, `rms_scatter`)"
+
+
+def record_errors(frame: "pd.DataFrame") -> Iterator[str]:
+    """What is to be known of jobs whose line and RMS hold, but not all that they record."""
+    if "features/step_error.record" not in frame:
+        return
+    calm = frame["features/chaotic"] == 0.0
+    error = frame["features/step_error.record"][calm & (frame["features/step_error.record"] > ACCURACY)]
+    if len(error):
+        jobs = f"of {len(error)} jobs" if len(error) > 1 else "of 1 job"
+        yield (
+            f"{jobs} line and RMS hold, but half the step changes the RMS of something else that is recorded"
+            f" by up to {100.0 * error.max():.2g} % (`step_error.record`)"
+        )
 
 
 def kind_of(reason: str) -> str:

@@ -81,7 +81,7 @@ class StepCheck:
 UNCHECKED = StepCheck(nan, nan, nan)
 
 
-class Heard(NamedTuple):
+class PilotRecord(NamedTuple):
     """What is read of a pilot over the ball passes that count.
 
     fine: (n,) velocity (m/s) along the sensor at fine samples; recorded: (m,) the same as it is recorded,
@@ -110,7 +110,7 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
     allowed = time_grid.MAX_CPU * length(short) / length(case)
     coarse = set_up(short, part, allowed)
     fine = set_up(with_finer_tolerance(short), part * shorter(coarse.cut.decimation), MAX_COST_RATIO * allowed)
-    one, other = (heard(setup, passes) for setup in (coarse, fine))
+    one, other = (pilot_record(setup, passes) for setup in (coarse, fine))
     found = changes(coarse, fine, passes, one, other)
     scale = float(np.std(other.fine)) or 1.0
     apart = by_pass(one.fine - shifted(other.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
@@ -118,7 +118,7 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
         return found, False
     adaptive = assemble.adaptive(case)
     twin, nudged = (fine, other) if adaptive else (coarse, one)
-    third = heard(twin, passes, nudge=PERTURBATION)
+    third = pilot_record(twin, passes, nudge=PERTURBATION)
     beside = by_pass(nudged.fine - third.fine, passes) / scale
     if not is_chaotic_motion(beside, apart, adaptive):
         return found, True
@@ -132,7 +132,7 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
     return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False
 
 
-def changes(coarse: Setup, fine: Setup, passes: int, one: Heard, other: Heard) -> StepCheck:
+def changes(coarse: Setup, fine: Setup, passes: int, one: PilotRecord, other: PilotRecord) -> StepCheck:
     """What half the step changes: of the fault's lines the worst, of the wide band and the record the worse."""
     quiet = QUIET_LINE * float(np.std(other.recorded)) or 1.0
     lines = [
@@ -196,14 +196,14 @@ def fault_lines(case: Case) -> list[str]:
     return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
 
 
-def heard(setup: Setup, passes: int, nudge: float = 0.0) -> Heard:
+def pilot_record(setup: Setup, passes: int, nudge: float = 0.0) -> PilotRecord:
     """What is read of a pilot."""
     tape, case, cut = integrate(setup, nudge), setup.case, setup.cut
     start, length = tape.zero + features.first_sample(case, cut), passes * cut.fine_per_pass + 1
     fine = features.along_sensor(case, tape.fine[:, start : start + length], "velocity")
     rows = low_passed(setup, tape.fine, start, length) if case.antialias else raw(setup, tape.picked, passes)
     along = {quantity: features.along_sensor(case, rows, quantity) for quantity in MOTION}
-    return Heard(fine, along["velocity"], np.stack([*along.values(), *rows[len(BASE) :]]))
+    return PilotRecord(fine, along["velocity"], np.stack([*along.values(), *rows[len(BASE) :]]))
 
 
 def low_passed(setup: Setup, fine: np.ndarray, start: int, length: int) -> np.ndarray:

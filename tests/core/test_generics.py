@@ -12,6 +12,7 @@ import pytest
 
 import bearingsim.core
 from bearingsim.core import jit
+from bearingsim.core.advance import Monitor, NoSamples, Samples
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
 from bearingsim.core.laws.friction.frictionless import Frictionless
 from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
@@ -20,9 +21,14 @@ from bearingsim.core.laws.stiffness.series import as_power
 from bearingsim.core.methods.adaptive import complete_dense_output, estimate_order, failure_outcome, jump_weight
 from bearingsim.core.methods.equilibrium import Equilibrium
 from bearingsim.core.methods.impulses import Impulses
-from bearingsim.core.methods.interface import attempt, interpolate, prepare, step
+from bearingsim.core.methods.interface import attempt, interpolate, prepare, reach, step
+from bearingsim.core.models.differences import accelerate_bodies, roller_moves, share_loads
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, linearise
+from bearingsim.core.models.planar import Planar
+from bearingsim.core.models.ring import Ring
+from bearingsim.core.models.rollers import Rollers
+from bearingsim.core.models.spatial import Bodies
 from bearingsim.core.models.static import Static
 from bearingsim.core.parts.cage import Centred, FreeCage, KinematicCage, NoDrag, OilDrag, RingGuided
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
@@ -52,7 +58,7 @@ MODULES = [
     importlib.import_module(module.name)
     for module in pkgutil.walk_packages(bearingsim.core.__path__, "bearingsim.core.")
 ]
-ADAPTIVE = (attempt, interpolate, estimate_order, failure_outcome, jump_weight, complete_dense_output)
+ADAPTIVE = (attempt, interpolate, reach, estimate_order, failure_outcome, jump_weight, complete_dense_output)
 
 
 def ours(types: Any) -> frozenset[type]:
@@ -72,6 +78,7 @@ IN_PLACE_OF: dict[type, type] = {
     CageInPlane: CageInSpace,
     Centred: RingGuided,
     NoDrag: OilDrag,
+    NoSamples: Samples,
 }
 """Types that stand for nothing, and one of the family that each belongs to: some need no implementation at all."""
 
@@ -85,13 +92,18 @@ EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
         "`Equilibrium`, `Impulses` step them",
     ),
     ((prepare,), {Equilibrium, Impulses}, "they evaluate no accelerations, and start from the state alone"),
+    (
+        (accelerate_bodies, roller_moves, share_loads),
+        {Static, Impulse, Ring, Rollers, Planar},
+        "their derivatives are exact, or not needed",
+    ),
     (ADAPTIVE, STEPPED_EVENLY, "`adaptive.py` does not drive them"),
     ((accelerate_inner_ring,), {TorsionSpring}, "a bracket holds the outer ring"),
     ((accelerate_ring_rotation,), {ElasticShaft}, "a shaft carries the inner ring"),
 ]
 """Generics, the types that they have no implementation for, and why."""
 
-BESIDE = {RollerInRing}
+BESIDE = {RollerInRing, Bodies, Monitor}
 """Tuples that no generic is chosen by, though they stand in one module with types of a family."""
 
 

@@ -50,7 +50,7 @@ CASES = [Case.model_validate(BASE | {"model": "ring"} | more) for more in (
 )]
 warm(CASES)
 before = compiled()
-assert before["bearingsim.core.advance.advance"] == 1, before
+assert before["bearingsim.core.advance.advance_and_sample"] == 1, before
 for case in CASES:
     simulate(case)
     assert compiled() == before, (case, {k: v for k, v in compiled().items() if v != before.get(k)})

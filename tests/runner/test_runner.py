@@ -21,7 +21,7 @@ import pytest
 from bearingsim import store
 from bearingsim.runner import Interrupted, RunSummary, progress, run
 from bearingsim.runner.packing import Cost, pack, shard_of, unit_seconds
-from bearingsim.runner.summary import chaos, grouped
+from bearingsim.runner.summary import chaos, grouped, record_errors
 from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 
 ROOT = Path(__file__).parents[2]
@@ -69,6 +69,19 @@ def test_chaotic_jobs_are_told_of(scatter: list[float], told: list[str]) -> None
     assert len(found) == len(told)
     assert all(part in whole for part, whole in zip(told, found, strict=True))
     assert not list(chaos(pd.DataFrame({"status": ["failed"]})))
+
+
+@pytest.mark.parametrize(
+    ("errors", "said"), [([0.009, math.nan], []), ([0.02, 0.035], ["of 2 jobs", "up to 3.5 %"])]
+)
+def test_what_half_the_step_changes_of_a_record_is_told_of_jobs_that_are_not_chaotic(
+    errors: list[float], said: list[str]
+) -> None:
+    columns = {"features/step_error.record": [*errors, 0.5], "features/chaotic": [0.0, 0.0, 1.0]}
+    found = list(record_errors(pd.DataFrame(columns)))
+    assert len(found) == bool(said)
+    assert all(part in found[0] for part in said)
+    assert not list(record_errors(pd.DataFrame({"status": ["failed"]})))
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
