@@ -30,11 +30,12 @@ from numba.core import config
 from numba.extending import overload
 
 from bearingsim.catalogue import extension_sources
+from bearingsim.core import linking
 
 numba_config: Any = config  # its names are made at run time
 
 CORE = Path(__file__).parent
-OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
+OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}, **linking.OPTIONS}
 GENERICS: list[Any] = []
 """All that ``generic`` has made, in the order of import."""
 
@@ -95,10 +96,12 @@ def kept_safely(dispatcher: Any) -> Any:
     """
     if not hasattr(dispatcher, "_cache"):  # plain Python, which NUMBA_DISABLE_JIT asks for
         return dispatcher
-    cache = dispatcher._cache
+    cache = linking.ready_when_called(dispatcher)._cache
     save, load = cache.save_overload, cache.load_overload
 
     def save_in_turn(signature: Any, code: Any) -> None:
+        if linking.is_linked(code):
+            return
         with suppress(OSError, NotImplementedError, *UNREADABLE), _SAVING:  # without locks nothing is kept
             save(signature, code)
 
@@ -187,7 +190,7 @@ def generic(declaration: Callable | None = None, *, absent: Any = REFUSED, other
     return dispatch
 
 
-@numba.njit(error_model="numpy", fastmath={"reassoc", "contract"})
+@numba.njit(**(OPTIONS | {"fastmath": {"reassoc", "contract"}}))
 def add(a: float, b: float) -> float:
     """a + b, in whatever order suits the vector unit when it accumulates."""
     return a + b

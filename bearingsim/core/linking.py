@@ -1,0 +1,89 @@
+"""What is compiled for a caller gets no machine code of its own: that saves a third of all compiling.
+
+numba makes every function ready to be called from Python: it wraps it, and generates machine code of it and of all
+that it calls, again at each level. But most functions of the core are called by others only, into which their
+optimised code is linked. So a function is made ready when Python calls it, and not when a caller is compiled. The
+code that runs is the same, to the last instruction.
+
+This reaches into numba's compiler, more than it promises to keep. If a part is not there, ``OPTIONS`` is empty and
+``ready_when_called`` does nothing: functions are then compiled as numba does it.
+"""
+
+from typing import Any
+
+try:
+    from numba.core import compiler, sigutils
+    from numba.core.codegen import JITCodeLibrary
+    from numba.core.compiler_lock import global_compiler_lock
+
+    FOUND = True
+except ImportError:  # another numba
+    FOUND = False
+
+OPTIONS: dict[str, Any] = {}
+"""Of every function of the core, for ``numba.njit``."""
+
+if FOUND:
+
+    class LinkedLibrary(JITCodeLibrary):
+        """Optimised code that callers link, and nobody runs."""
+
+        def _finalize_final_module(self) -> None:
+            self._finalize_dynamic_globals()
+            self._finalized = True
+
+    class Compiler(compiler.Compiler):
+        """Compiles what Python calls as numba does, and what is compiled meanwhile into a ``LinkedLibrary``."""
+
+        depth = 0  # of compilations in each other; numba compiles in one thread at a time
+
+        def compile_extra(self, function: Any) -> Any:
+            """The compiled ``function``."""
+            linked = Compiler.depth > 0
+            if linked:
+                flags = self.state.flags
+                flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+                self.state.library = LinkedLibrary(self.state.targetctx.codegen(), function.__qualname__)
+            Compiler.depth += 1
+            try:
+                found = super().compile_extra(function)
+            finally:
+                Compiler.depth -= 1
+            return self._known_to_callers(found) if linked else found
+
+        def _known_to_callers(self, found: Any) -> Any:
+            """Callers find code by its entry point, which must be a builtin: here any that is like no other."""
+            entry = object().__reduce_ex__
+            self.state.targetctx.insert_user_function(entry, found.fndesc, [found.library])
+            return found._replace(entry_point=entry)
+
+    OPTIONS = {"pipeline_class": Compiler}
+
+
+def is_linked(compiled: Any) -> bool:
+    """Whether a compiled function has no machine code of its own."""
+    return FOUND and isinstance(compiled.library, LinkedLibrary)
+
+
+def ready_when_called(dispatcher: Any) -> Any:
+    """Let a function that Python calls be compiled anew, whole, if only callers know it so far."""
+    if not FOUND:
+        return dispatcher
+    add_overload, compile_for = dispatcher.add_overload, dispatcher.compile
+
+    def add(compiled: Any) -> None:
+        if is_linked(compiled):  # not to where Python looks
+            dispatcher.overloads[tuple(compiled.signature.args)] = compiled
+        else:
+            add_overload(compiled)
+
+    def compile_whole(signature: Any) -> Any:
+        with global_compiler_lock:
+            arguments, _ = sigutils.normalize_signature(signature)
+            known = dispatcher.overloads.get(tuple(arguments))
+            if known is not None and is_linked(known) and Compiler.depth == 0:
+                del dispatcher.overloads[tuple(arguments)]
+            return compile_for(signature)
+
+    dispatcher.add_overload, dispatcher.compile = add, compile_whole
+    return dispatcher
