@@ -26,11 +26,14 @@ from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.models.differences import accelerate_bodies, difference_jacobian, roller_moves, share_loads
-from bearingsim.core.models.interface import linearise
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.friction.interface import mu
+from bearingsim.core.models import planar
+from bearingsim.core.models.differences import accelerate_bodies, difference_jacobian, roller_moves
+from bearingsim.core.models.interface import accelerations, linearise
 from bearingsim.core.models.outer_ring import accelerate_outer_ring
 from bearingsim.core.models.planar import Planar
-from bearingsim.core.parts.cage import FreeCage, accelerate_cage, cage_constraint, pocket_force
+from bearingsim.core.parts.cage import FreeCage, accelerate_cage, cage_constraint, radial_stop
 from bearingsim.core.parts.shaft import accelerate_inner_ring, accelerate_ring_rotation
 from bearingsim.simulation import choice
 from bearingsim.simulation.integration import integrate, set_up
@@ -94,6 +97,32 @@ def on_race(side, rub, y, j):
     return -f_r * c + f_t * s, -f_r * s - f_t * c
 
 
+@jit
+def pocket_force(cage, bearing, omega_cage, spin, y, j):
+    """What a pocket does to roller ``j``, and the roller to the cage: forces (N), torques (N m).
+
+    The first along the pocket's own directions, the other along e_0 and e_90.
+    """
+    middle, R_w, real = 0.5 * (bearing.R_o + bearing.R_i), bearing.R_w, bearing.m_r * y[lay.INVERSE_MASS + j]
+    x, z = y[lay.POSITION + lay.X_C], y[lay.POSITION + lay.Y_C]
+    v_x, v_z = y[lay.VELOCITY + lay.X_C], y[lay.VELOCITY + lay.Y_C]
+    pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
+    r, v = middle + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
+    w = r * (omega_cage + y[lay.EPS_V + j])
+    e = r * se + x * ps - z * pc
+    rho = r * ce - x * pc - z * ps
+    v_r = v * ce - w * se - v_x * pc - v_z * ps  # of the roller less the cage's centre, in the pocket's frame
+    v_t = v * se + w * ce + v_x * ps - v_z * pc
+    side = 1.0 if e > 0.0 else -1.0
+    N = normal_force(cage.pocket, abs(e) - cage.play, side * (v_t - omega_cage * rho))
+    slip = v_r - side * R_w * (spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
+    f = mu(cage.friction, slip, R_w * abs(spin)) * N
+    stop = radial_stop(cage.guide, rho - middle, v_r + omega_cage * e)
+    push_r, push_t, twist = real * (stop - f), -real * side * N, real * side * R_w * f
+    on_cage = -push_r * pc + push_t * ps, -push_r * ps - push_t * pc, e * push_r - rho * push_t - twist
+    return push_r, push_t, twist, on_cage
+
+
 @generic(absent=None)
 def share_pocket_loads(cage: Any, bearing: Any, omega_cage: float, spin: float, y: Any) -> None:
     """Fill the rows of what each roller does to the cage."""
@@ -107,7 +136,12 @@ def _share_pocket_loads(cage, bearing, omega_cage, spin, y):
         y[lay.roller_load(lay.M_C) + j] = torque
 
 
-def _share_loads(model, t, y):
+exact_accelerations = jit(planar._accelerations)
+
+
+def _accelerations(model, t, y):
+    """Those of ``planar``, and what each roller does to rings and cage."""
+    exact_accelerations(model, t, y)
     b = model.bearing
     _, rate, _ = kinematic_time(model.motion, t)
     omega_cage, spin = b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C], (b.omega_c - b.omega_b) * rate
@@ -132,7 +166,7 @@ def _accelerate_bodies(model, t, y):
 
 def take_differences() -> None:
     """From now on ``planar`` is derived by differences."""
-    share_loads.register(Planar)(_share_loads)
+    accelerations.register(Planar)(_accelerations)
     accelerate_bodies.register(Planar)(_accelerate_bodies)
     roller_moves.register(Planar)(lambda model, i: i == 0 or cage_constraint(model.cage, 1.0) > 0.0)
     linearise.register(Planar)(lambda model, t, y: difference_jacobian(model, t, y))

@@ -77,12 +77,12 @@ UNREADABLE = (ImportError, AttributeError)  # a type of another module, which is
 _SAVING = FileLock(Path(_CACHE) / "saving.lock")
 
 
-def jit(function: Callable) -> Any:
-    """Compile ``function`` on first call, or load it from the cache."""
+def jit(function: Callable, **options: Any) -> Any:
+    """Compile ``function`` on first call, or load it from the cache; options: of ``numba.njit``, besides ours."""
     before = numba_config.CACHE_DIR
     numba_config.CACHE_DIR = _CACHE  # read while the decorator runs, so other users of numba keep their own
     try:
-        return kept_safely(numba.njit(cache=True, **OPTIONS)(function))
+        return kept_safely(numba.njit(cache=True, **(OPTIONS | options))(function))
     finally:
         numba_config.CACHE_DIR = before
 
@@ -190,7 +190,7 @@ def generic(declaration: Callable | None = None, *, absent: Any = REFUSED, other
     return dispatch
 
 
-@numba.njit(**(OPTIONS | {"fastmath": {"reassoc", "contract"}}))
+@partial(jit, fastmath={"reassoc", "contract"})
 def add(a: float, b: float) -> float:
     """a + b, in whatever order suits the vector unit when it accumulates."""
     return a + b

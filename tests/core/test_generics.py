@@ -22,7 +22,7 @@ from bearingsim.core.methods.adaptive import complete_dense_output, estimate_ord
 from bearingsim.core.methods.equilibrium import Equilibrium
 from bearingsim.core.methods.impulses import Impulses
 from bearingsim.core.methods.interface import attempt, interpolate, prepare, reach, step
-from bearingsim.core.models.differences import accelerate_bodies, roller_moves, share_loads
+from bearingsim.core.models.differences import accelerate_bodies, roller_moves
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, linearise
 from bearingsim.core.models.planar import Planar
@@ -93,7 +93,7 @@ EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
     ),
     ((prepare,), {Equilibrium, Impulses}, "they evaluate no accelerations, and start from the state alone"),
     (
-        (accelerate_bodies, roller_moves, share_loads),
+        (accelerate_bodies, roller_moves),
         {Static, Impulse, Ring, Rollers, Planar},
         "their derivatives are exact, or not needed",
     ),

@@ -35,8 +35,23 @@ def normal_rows(side: Any) -> tuple[int, int, int, int, int]:
 
 
 @generic
+def load_cells(side: Any) -> tuple[int, int, int]:
+    """Cells of a ring's loads: the first in the plane, the first of those beyond it, the moment about the axis."""
+
+
+@generic
 def ring_of(side: Any) -> int:
     """The first shared coordinate of the race's ring."""
+
+
+@load_cells.register(OuterSide)
+def _load_cells_outer(side):
+    return lay.F_X, lay.F_Z, lay.M_RING
+
+
+@load_cells.register(InnerSide)
+def _load_cells_inner(side):
+    return lay.F_X_I, lay.F_Z_I, lay.M_INNER
 
 
 @sign.register(OuterSide)

@@ -26,11 +26,6 @@ def roller_moves(model: Any, i: int) -> bool:
 
 
 @generic
-def share_loads(model: Any, t: float, y: Any) -> None:
-    """Fill the rows ROLLER_LOADS: what each roller adds to the cells F_X to M_INNER, from its rows as they are."""
-
-
-@generic
 def accelerate_bodies(model: Any, t: float, y: Any) -> None:
     """Write the accelerations of the shared coordinates from these cells, which may be spent on the way."""
 
@@ -60,10 +55,6 @@ def keep_here(own, shared, model, t, y):
     for j in range(model.bearing.Z):
         y[lay.HERE + lay.EPS_A + j] += y[lay.ACCELERATION + lay.PHI_C] if own > ORBIT else 0.0
     for c in range(lay.LOADS):
-        for j in range(model.bearing.Z):
-            y[lay.roller_load(lay.F_X + c) + j] = 0.0
-    share_loads(model, t, y)
-    for c in range(lay.LOADS):
         row, total = lay.roller_load(lay.F_X + c), 0.0
         for j in range(model.bearing.Z):
             y[row + lay.ROLLER_LOADS_HERE - lay.ROLLER_LOADS + j] = y[row + j]
@@ -89,7 +80,6 @@ def roller_column(model, t, matrix, i, own, shared, y, cell):
     """The column of coordinate ``i`` of every roller, displaced in the row at ``cell`` of the state."""
     Z = model.bearing.Z
     accelerations(model, t, y)
-    share_loads(model, t, y)
     for k in range(own):
         turned = y[lay.ACCELERATION + lay.PHI_C] if k == ORBIT else 0.0
         row = lay.ACCELERATION + k * lay.ROW + lay.FIRST_LANE

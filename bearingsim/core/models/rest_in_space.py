@@ -24,15 +24,17 @@ from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.orientation import body_at
 from bearingsim.core.geometry.plane import roller_directions
+from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.geometry.slices import WEIGHT, ZETA
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import stiffness_bound
 from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.models.equilibrium import NoEquilibrium
-from bearingsim.core.models.spatial import hold_mounted_rings, race_contacts, ring_loads, roller_axes
+from bearingsim.core.models.spatial import hold_mounted_rings, race_contacts, roller_axes, sum_loads
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts.flanges import axial_position
 from bearingsim.core.parts.mounts import mount_rates
+from bearingsim.core.parts.races_in_space import side_loads
 
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 MAX_STEPS = 100
@@ -43,10 +45,7 @@ OUTER, INNER = slice(0, 5), slice(5, 8)  # coordinates of the rings: x, y, z, le
 
 @jit
 def contacts_at_rest(model, t, y, n):
-    """All contacts with everything standing still at time ``t`` (s): what presses on rollers and rings.
-
-    Returns the moment (N m) about e_z on the inner ring.
-    """
+    """All contacts with everything standing still at time ``t`` (s): what presses on rollers and rings."""
     b, middle = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
     time, _, _ = kinematic_time(model.motion, t)
     outer = body_at(y, lay.X, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, 0.0)
@@ -60,7 +59,9 @@ def contacts_at_rest(model, t, y, n):
         y[lay.FORCE_R + j], y[lay.MOMENT_T + j] = 0.0, 0.0
     roller_axes(0.0, 0.0, b.R_w, y, n)
     race_contacts(model, t, 0.0, outer, inner, 0.0, y, n)
-    return ring_loads(b, outer, inner, y, n)
+    side_loads(OuterSide(), b, outer, y, n)
+    side_loads(InnerSide(), b, inner, y, n)
+    sum_loads(y, n)
 
 
 @jit
@@ -101,7 +102,7 @@ class Statics:
 
     def press(self) -> tuple[np.ndarray, np.ndarray]:
         """Residuals of the rollers (Z, 2), N and N m, and of the rings (8,): forces, and N m against lean."""
-        turn = contacts_at_rest(self.model, self.t, self.y, self.n)
+        contacts_at_rest(self.model, self.t, self.y, self.n)
         b, y = self.model.bearing, self.y
         out = self.row(lay.FORCE_R) + self.flung * ((b.R_o + b.R_i) / 2.0 + self.row(lay.RADIAL))
         tilting = self.row(lay.MOMENT_T) - self.gyro * self.row(lay.TILT)
@@ -112,7 +113,7 @@ class Statics:
                 y[lay.F_Y] - support.F_across - support.k_b * (y[lay.POSITION + lay.Y] - support.y_0),
                 *self.mounted(self.model.mount_o, y[lay.F_Z], y[[lay.M_X, lay.M_Y, lay.M_RING]], self.cells[2:5]),
                 *self.mounted(
-                    self.model.mount_i, y[lay.F_Z_I], np.array([y[lay.M_X_I], y[lay.M_Y_I], turn]), self.cells[5:8]
+                    self.model.mount_i, y[lay.F_Z_I], y[[lay.M_X_I, lay.M_Y_I, lay.M_INNER]], self.cells[5:8]
                 ),
             ]
         )

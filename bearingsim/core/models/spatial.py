@@ -22,7 +22,7 @@ from bearingsim.core.geometry.orientation import Body, axis_acceleration, axis_p
 from bearingsim.core.geometry.plane import roller_directions
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA, Slices
-from bearingsim.core.jit import jit
+from bearingsim.core.jit import add, jit
 from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
 from bearingsim.core.laws.friction.interface import mu_slope_bound
 from bearingsim.core.laws.friction.lag import lagged
@@ -30,7 +30,6 @@ from bearingsim.core.models.differences import (
     accelerate_bodies,
     difference_jacobian,
     roller_moves,
-    share_loads,
 )
 from bearingsim.core.models.extremes import update_largest_forces
 from bearingsim.core.models.interface import (
@@ -53,7 +52,6 @@ from bearingsim.core.parts.cage_in_space import (
     axial_stiffness,
     cage_body,
     pocket_forces_in_space,
-    share_pocket_loads,
 )
 from bearingsim.core.parts.flanges import flange_forces, flange_stiffness
 from bearingsim.core.parts.mounts import accelerate_mounted_ring, hold_mounted_ring, mount_damping, mount_stiffness
@@ -63,7 +61,6 @@ from bearingsim.core.parts.races_in_space import (
     keep_slice,
     race_frame,
     relax_friction,
-    side_load,
     side_loads,
     slice_force,
     slice_kinematics,
@@ -185,25 +182,13 @@ def race_contacts(model, t, steep, outer, inner, omega_cage, y, n):
 
 
 @jit
-def ring_loads(bearing, outer, inner, y, n):
-    """Add the sums of both sides to what acts on the rollers, and fill the rings' cells."""
-    y[lay.F_X], y[lay.F_Y], y[lay.F_Z], y[lay.M_X], y[lay.M_Y], y[lay.M_RING] = side_loads(
-        OuterSide(), bearing, outer, y, n
-    )
-    y[lay.F_X_I], y[lay.F_Y_I], y[lay.F_Z_I], y[lay.M_X_I], y[lay.M_Y_I], y[lay.M_INNER] = side_loads(
-        InnerSide(), bearing, inner, y, n
-    )
-
-
-@jit
-def share_side_loads(side, bearing, ring, plane, space, turn, y):
-    """Fill the rows ROLLER_LOADS of a ring, given the first of its cells in the plane, beyond it, and its turn."""
-    for j in range(bearing.Z):
-        _, _, force, moment = side_load(side, bearing, ring, y, j)
-        y[lay.roller_load(plane) + j], y[lay.roller_load(plane + 1) + j] = force[0], force[1]
-        y[lay.roller_load(space) + j] = force[2]
-        y[lay.roller_load(space + 1) + j], y[lay.roller_load(space + 2) + j] = moment[0], moment[1]
-        y[lay.roller_load(turn) + j] = moment[2]
+def sum_loads(y, n):
+    """Fill the cells of the loads on rings and cage with the sums of what the rollers do to them."""
+    for c in range(lay.LOADS):
+        row, total = lay.roller_load(lay.F_X + c), 0.0
+        for j in range(n):
+            total = add(total, y[row + j])
+        y[lay.F_X + c] = total
 
 
 @jit
@@ -283,8 +268,10 @@ def _accelerations(model, t, y):
     external_loads(model, at.omega_cage, y, n)
     race_contacts(model, t, 1.0, at.outer, at.inner, at.omega_cage, y, n)
     flange_forces(model.flanges, model, at.outer, at.inner, y, n)
-    ring_loads(b, at.outer, at.inner, y, n)
+    side_loads(OuterSide(), b, at.outer, y, n)
+    side_loads(InnerSide(), b, at.inner, y, n)
     pocket_forces_in_space(model.cage, model, at.cage, at.omega_cage, at.spin, y, n)
+    sum_loads(y, n)
     alpha_cage = accelerate_bodies_of(model, at, y)
     accelerate_rollers(model, at.omega_cage, alpha_cage, (b.omega_c - b.omega_b) * at.growth, y, n)
 
@@ -434,14 +421,6 @@ def _linearise(model, t, y):
 def _roller_moves(model, i):
     """A kinematic cage leaves a roller its radial motion and its tilt."""
     return i == 0 or i > 3 or cage_constraint(model.cage, 1.0) > 0.0
-
-
-@share_loads.register(Spatial)
-def _share_loads(model, t, y):
-    at = bodies(model, t, y)
-    share_side_loads(OuterSide(), model.bearing, at.outer, lay.F_X, lay.F_Z, lay.M_RING, y)
-    share_side_loads(InnerSide(), model.bearing, at.inner, lay.F_X_I, lay.F_Z_I, lay.M_INNER, y)
-    share_pocket_loads(model.cage, model, at.cage, at.omega_cage, y)
 
 
 @accelerate_bodies.register(Spatial)

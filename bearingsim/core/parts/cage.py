@@ -11,7 +11,7 @@ from math import hypot
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import absent, add, generic, jit
+from bearingsim.core.jit import absent, add, generic
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.stiffness.interface import tangent
@@ -175,43 +175,37 @@ def pocket_forces(cage: Any, model: Any, omega_cage: float, spin: float, y: Any,
     """
 
 
-@jit
-def pocket_force(cage, bearing, omega_cage, spin, y, j):
-    """What a pocket does to roller ``j``, and the roller to the cage: forces (N), torques (N m).
-
-    The first along the pocket's own directions, the other along e_0 and e_90.
-    """
-    middle, R_w, real = 0.5 * (bearing.R_o + bearing.R_i), bearing.R_w, bearing.m_r * y[lay.INVERSE_MASS + j]
-    x, z = y[lay.POSITION + lay.X_C], y[lay.POSITION + lay.Y_C]
-    v_x, v_z = y[lay.VELOCITY + lay.X_C], y[lay.VELOCITY + lay.Y_C]
-    pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
-    r, v = middle + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
-    w = r * (omega_cage + y[lay.EPS_V + j])
-    e = r * se + x * ps - z * pc
-    rho = r * ce - x * pc - z * ps
-    v_r = v * ce - w * se - v_x * pc - v_z * ps  # of the roller less the cage's centre, in the pocket's frame
-    v_t = v * se + w * ce + v_x * ps - v_z * pc
-    side = 1.0 if e > 0.0 else -1.0
-    N = normal_force(cage.pocket, abs(e) - cage.play, side * (v_t - omega_cage * rho))
-    slip = v_r - side * R_w * (spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
-    f = mu(cage.friction, slip, R_w * abs(spin)) * N
-    stop = radial_stop(cage.guide, rho - middle, v_r + omega_cage * e)
-    push_r, push_t, twist = real * (stop - f), -real * side * N, real * side * R_w * f
-    on_cage = -push_r * pc + push_t * ps, -push_r * ps - push_t * pc, e * push_r - rho * push_t - twist
-    return push_r, push_t, twist, on_cage
-
-
 @pocket_forces.register(FreeCage)
 def _pocket_forces_free(cage, model, omega_cage, spin, y, n):
+    b = model.bearing
+    middle, R_w = 0.5 * (b.R_o + b.R_i), b.R_w
+    x = y[lay.POSITION + lay.X_C]
+    z = y[lay.POSITION + lay.Y_C]
+    v_x = y[lay.VELOCITY + lay.X_C]
+    v_z = y[lay.VELOCITY + lay.Y_C]
     f_x, f_y, torque = 0.0, 0.0, 0.0
     for j in range(n):
-        push_r, push_t, twist, on_cage = pocket_force(cage, model.bearing, omega_cage, spin, y, j)
-        ce, se = y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
+        real = b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
+        pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
+        r, v = middle + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
+        w = r * (omega_cage + y[lay.EPS_V + j])
+        e = r * se + x * ps - z * pc
+        rho = r * ce - x * pc - z * ps
+        v_r = v * ce - w * se - v_x * pc - v_z * ps  # of the roller less the cage's centre, in the pocket's frame
+        v_t = v * se + w * ce + v_x * ps - v_z * pc
+        side = 1.0 if e > 0.0 else -1.0
+        N = normal_force(cage.pocket, abs(e) - cage.play, side * (v_t - omega_cage * rho))
+        slip = v_r - side * R_w * (spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
+        f = mu(cage.friction, slip, R_w * abs(spin)) * N
+        stop = radial_stop(cage.guide, rho - middle, v_r + omega_cage * e)
+        push_r, push_t = real * (stop - f), -real * side * N  # on the roller, in the pocket's frame
         y[lay.Q_P + j] = push_t
         y[lay.FORCE_R + j] += push_r * ce + push_t * se
         y[lay.FORCE_T + j] += push_t * ce - push_r * se
-        y[lay.TORQUE + j] += twist
-        f_x, f_y, torque = add(f_x, on_cage[0]), add(f_y, on_cage[1]), add(torque, on_cage[2])
+        y[lay.TORQUE + j] += real * side * R_w * f
+        f_x = add(f_x, -push_r * pc + push_t * ps)
+        f_y = add(f_y, -push_r * ps - push_t * pc)
+        torque = add(torque, e * push_r - rho * push_t - real * side * R_w * f)
     y[lay.F_X_C] = f_x
     y[lay.F_Y_C] = f_y
     y[lay.M_C] = torque

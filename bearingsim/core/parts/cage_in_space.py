@@ -112,7 +112,7 @@ def _axial_stiffness_space(cage_z, cage, per_mass):
 def pocket_forces_in_space(
     cage: Any, model: Any, body: Body, omega_cage: float, spin: float, y: Any, n: int
 ) -> None:
-    """Add the pockets' forces to the rollers' FORCE and MOMENT rows and fill the cage's cells and Q_P.
+    """Add the pockets' forces to the rollers' FORCE and MOMENT rows, fill their rows of loads on the cage and Q_P.
 
     omega_cage, spin: rate of the cage's angle, and a roller's nominal spin (rad/s).
     """
@@ -270,19 +270,10 @@ def pocket_load(cage, model, body, omega_cage, y, j):
 
 
 @jit
-def on_cage(F, M, d, y, j):
-    """What roller ``j`` does to the cage, along e_0, e_90, e_z; the moment about the cage's centre."""
-    c = y[lay.COS_POCKET + j] * y[lay.COS_EPS + j] - y[lay.SIN_POCKET + j] * y[lay.SIN_EPS + j]
-    s = y[lay.SIN_POCKET + j] * y[lay.COS_EPS + j] + y[lay.COS_POCKET + j] * y[lay.SIN_EPS + j]
-    N = combine(1.0, M, 1.0, cross(d, F))
-    force = -F[0] * c + F[1] * s, -F[0] * s - F[1] * c, -F[2]
-    return force, (-N[0] * c + N[1] * s, -N[0] * s - N[1] * c, -N[2])
-
-
-@jit
 def pocket_loads(cage, model, body, omega_cage, y, n):
-    """Add what pockets do to the rollers, stops included, and fill the cage's cells with the opposite."""
-    f_x, f_y, f_z, m_x, m_y, m_z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    """Add what pockets do to the rollers, stops included, and fill their rows of the opposite, on the cage."""
+    f_x, f_y, f_z = lay.roller_load(lay.F_X_C), lay.roller_load(lay.F_Y_C), lay.roller_load(lay.F_Z_C)
+    m_x, m_y, m_z = lay.roller_load(lay.M_X_C), lay.roller_load(lay.M_Y_C), lay.roller_load(lay.M_C)
     for j in range(n):
         F, M, d = pocket_load(cage, model, body, omega_cage, y, j)
         y[lay.Q_P + j] = y[lay.POCKET_FORCE_W + j]
@@ -292,23 +283,8 @@ def pocket_loads(cage, model, body, omega_cage, y, n):
         y[lay.MOMENT_R + j] += M[0]
         y[lay.MOMENT_T + j] += M[1]
         y[lay.MOMENT_Z + j] += M[2]
-        force, moment = on_cage(F, M, d, y, j)
-        f_x, f_y, f_z = add(f_x, force[0]), add(f_y, force[1]), add(f_z, force[2])
-        m_x, m_y, m_z = add(m_x, moment[0]), add(m_y, moment[1]), add(m_z, moment[2])
-    y[lay.F_X_C], y[lay.F_Y_C], y[lay.F_Z_C] = f_x, f_y, f_z
-    y[lay.M_X_C], y[lay.M_Y_C], y[lay.M_C] = m_x, m_y, m_z
-
-
-@generic(absent=None)
-def share_pocket_loads(cage: Any, model: Any, body: Body, omega_cage: float, y: Any) -> None:
-    """Fill the rows ROLLER_LOADS of the cage's cells: what each roller adds, from the rows of its pocket."""
-
-
-@share_pocket_loads.register(FreeCage)
-def _share_pocket_loads_free(cage, model, body, omega_cage, y):
-    for j in range(model.bearing.Z):
-        F, M, d = pocket_load(cage, model, body, omega_cage, y, j)
-        force, moment = on_cage(F, M, d, y, j)
-        y[lay.roller_load(lay.F_X_C) + j], y[lay.roller_load(lay.F_Y_C) + j] = force[0], force[1]
-        y[lay.roller_load(lay.M_X_C) + j], y[lay.roller_load(lay.M_Y_C) + j] = moment[0], moment[1]
-        y[lay.roller_load(lay.F_Z_C) + j], y[lay.roller_load(lay.M_C) + j] = force[2], moment[2]
+        c = y[lay.COS_POCKET + j] * y[lay.COS_EPS + j] - y[lay.SIN_POCKET + j] * y[lay.SIN_EPS + j]
+        s = y[lay.SIN_POCKET + j] * y[lay.COS_EPS + j] + y[lay.COS_POCKET + j] * y[lay.SIN_EPS + j]
+        N = combine(1.0, M, 1.0, cross(d, F))  # about the cage's centre
+        y[f_x + j], y[f_y + j], y[f_z + j] = -F[0] * c + F[1] * s, -F[0] * s - F[1] * c, -F[2]
+        y[m_x + j], y[m_y + j], y[m_z + j] = -N[0] * c + N[1] * s, -N[0] * s - N[1] * c, -N[2]

@@ -19,8 +19,8 @@ Friction over slip (KAPPA) is taken with the slip as it is, and acts on the slip
 from math import sqrt
 
 from bearingsim.core import layout as lay
-from bearingsim.core.geometry.sides import contact_rows, side_rows, sign
-from bearingsim.core.jit import add, jit
+from bearingsim.core.geometry.sides import contact_rows, load_cells, side_rows, sign
+from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.friction.lag import implicit_fraction
@@ -301,48 +301,38 @@ def relax_friction(side, ring, y, n):
 
 
 @jit
-def side_load(side, bearing, ring, y, j):
-    """What the sums over slices do to roller ``j``, and it to the ring: the opposite, at the same points.
+def side_loads(side, bearing, ring, y, n):
+    """Add the sums over slices to what acts on each roller, and fill its rows of what it does to the ring.
 
-    Force (N) and moment (N m) on the roller along e_r, e_theta, e_z; force and moment about its centre on the ring
-    along e_0, e_90, e_z.
+    Force (N) and moment about the ring's centre (N m), both along e_0, e_90, e_z. What a roller feels, the ring
+    feels at the same points: minus the force, and minus its moment about the ring's centre.
     """
     at, middle = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
-    c, s, real = y[lay.COS + j], y[lay.SIN + j], bearing.m_r * y[lay.INVERSE_MASS + j]
-    a_r, a_t, a_z = y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j]
-    G_r = y[at + lay.CONTACT_FORCE_R + j]
-    G_t = y[at + lay.CONTACT_FORCE_T + j]
-    G_z = y[at + lay.CONTACT_FORCE_Z + j]
-    h_r = y[at + lay.CONTACT_ZETA_FORCE_R + j]
-    h_t = y[at + lay.CONTACT_ZETA_FORCE_T + j]
-    h_z = y[at + lay.CONTACT_ZETA_FORCE_Z + j]
-    twist = y[at + lay.COUPLE_AXIAL + j]
-    M_r = a_t * h_z - a_z * h_t + twist * y[at + lay.RING_AXIS_R + j] + y[at + lay.COUPLE_R + j]
-    M_t = a_z * h_r - a_r * h_z + twist * y[at + lay.RING_AXIS_T + j] + y[at + lay.COUPLE_T + j]
-    M_z = a_r * h_t - a_t * h_r + twist * ring.a_z + y[at + lay.COUPLE_Z + j]
-    d_r = middle + y[lay.RADIAL + j] - ring.x * c - ring.y * s
-    d_t, d_z = ring.x * s - ring.y * c, y[lay.AXIAL + j] - ring.z
-    N_r, N_t = M_r + d_t * G_z - d_z * G_t, M_t + d_z * G_r - d_r * G_z
-    on_ring = -G_r * c + G_t * s, -G_r * s - G_t * c, -real * G_z
-    about_ring = -N_r * c + N_t * s, -N_r * s - N_t * c, -real * (M_z + d_r * G_t - d_t * G_r)
-    return (G_r, G_t, G_z), (M_r, M_t, M_z), on_ring, about_ring
-
-
-@jit
-def side_loads(side, bearing, ring, y, n):
-    """Add the sums over slices to what acts on each roller; returns force (N) and moment (N m) on the ring.
-
-    Both along e_0, e_90, e_z; the moment is about the ring's centre.
-    """
-    f_x, f_y, f_z, m_x, m_y, m_z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    plane, space, turn = load_cells(side)
+    f_x, f_y, f_z = lay.roller_load(plane), lay.roller_load(plane + 1), lay.roller_load(space)
+    m_x, m_y, m_z = lay.roller_load(space + 1), lay.roller_load(space + 2), lay.roller_load(turn)
     for j in range(n):
-        G, M, on_ring, about_ring = side_load(side, bearing, ring, y, j)
-        y[lay.FORCE_R + j] += G[0]
-        y[lay.FORCE_T + j] += G[1]
-        y[lay.FORCE_Z + j] += G[2]
-        y[lay.MOMENT_R + j] += M[0]
-        y[lay.MOMENT_T + j] += M[1]
-        y[lay.MOMENT_Z + j] += M[2]
-        f_x, f_y, f_z = add(f_x, on_ring[0]), add(f_y, on_ring[1]), add(f_z, on_ring[2])
-        m_x, m_y, m_z = add(m_x, about_ring[0]), add(m_y, about_ring[1]), add(m_z, about_ring[2])
-    return f_x, f_y, f_z, m_x, m_y, m_z
+        c, s, real = y[lay.COS + j], y[lay.SIN + j], bearing.m_r * y[lay.INVERSE_MASS + j]
+        a_r, a_t, a_z = y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j]
+        G_r = y[at + lay.CONTACT_FORCE_R + j]
+        G_t = y[at + lay.CONTACT_FORCE_T + j]
+        G_z = y[at + lay.CONTACT_FORCE_Z + j]
+        h_r = y[at + lay.CONTACT_ZETA_FORCE_R + j]
+        h_t = y[at + lay.CONTACT_ZETA_FORCE_T + j]
+        h_z = y[at + lay.CONTACT_ZETA_FORCE_Z + j]
+        twist = y[at + lay.COUPLE_AXIAL + j]
+        M_r = a_t * h_z - a_z * h_t + twist * y[at + lay.RING_AXIS_R + j] + y[at + lay.COUPLE_R + j]
+        M_t = a_z * h_r - a_r * h_z + twist * y[at + lay.RING_AXIS_T + j] + y[at + lay.COUPLE_T + j]
+        M_z = a_r * h_t - a_t * h_r + twist * ring.a_z + y[at + lay.COUPLE_Z + j]
+        y[lay.FORCE_R + j] += G_r
+        y[lay.FORCE_T + j] += G_t
+        y[lay.FORCE_Z + j] += G_z
+        y[lay.MOMENT_R + j] += M_r
+        y[lay.MOMENT_T + j] += M_t
+        y[lay.MOMENT_Z + j] += M_z
+        d_r = middle + y[lay.RADIAL + j] - ring.x * c - ring.y * s
+        d_t, d_z = ring.x * s - ring.y * c, y[lay.AXIAL + j] - ring.z
+        N_r, N_t = M_r + d_t * G_z - d_z * G_t, M_t + d_z * G_r - d_r * G_z
+        y[f_x + j], y[f_y + j], y[f_z + j] = -G_r * c + G_t * s, -G_r * s - G_t * c, -real * G_z
+        y[m_x + j], y[m_y + j] = -N_r * c + N_t * s, -N_r * s - N_t * c
+        y[m_z + j] = -real * (M_z + d_r * G_t - d_t * G_r)
