@@ -38,6 +38,8 @@ def missing(case: Case, implicit: bool) -> Iterator[str]:
     """What model, method and laws of a case do not register, in words; ``implicit``: of derivatives too."""
     model, contact, damping = code(MODELS[case.model].module).KIND.parameters, case.contact, case.contact.damping
     yield from _missing(f"model `{case.model}`", model, MODEL, implicit)
+    if "pits" not in model._fields and model not in count_crossings.types:
+        yield f"the model `{case.model}` has neither `pits` nor a `count_crossings` of its own"
     if not MODELS[case.model].own_method and not accelerations.serves(model):
         yield f"the model `{case.model}` has no `accelerations`"
     if case.method not in (None, AUTO):
