@@ -2,7 +2,7 @@
 
 An entry is words and numbers: the name that a study file says, what the thing can do, and where its code stands
 (``package.module`` or ``package.module:name``), which is imported when it is first needed. So this file imports
-nothing of the house but its errors, and every other room asks it instead of naming a model or a method.
+nothing of the program but its errors, and every other package asks it instead of naming a model or a method.
 
 Another package adds its own with one line each in the module that its entry point names:
 
