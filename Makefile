@@ -1,5 +1,5 @@
 # make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's figures
-# make test    all tests                               make excitations | inner_race | roller_defect | slip
+# make test    all tests (test-quick: not the long)     make excitations | inner_race | roller_defect | slip
 # make check   tests, lint, types, import contract     make length | offset | tilt | misalignment | shapes
 # make stability   where each method fails             make paper_literal   (add QUICK=1 for a reduced grid)
 PYTHON ?= python3
@@ -12,7 +12,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test check lint studies $(STUDIES) stability lock bench clean
+.PHONY: help install install-dev demo test test-quick check lint studies $(STUDIES) stability lock bench clean
 
 help:
 	@sed -n '1,4s/^# //p' Makefile
@@ -61,6 +61,9 @@ studies: $(FIGURES)
 
 test: install-dev
 	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
+
+test-quick: install-dev
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -m "not slow"
 
 lint: install-dev
 	$(BIN)/ruff check .

@@ -20,24 +20,18 @@ settings.register_profile("bearingsim", deadline=None, derandomize=bool(os.envir
 settings.load_profile("bearingsim")
 
 
-LONGEST = ["spatial_derivatives", "free_lines", "adaptive", "spatial", "implicit_bearing", "planar_derivatives"]
-LONGEST += [
-    "extensions",
-    "spatial_balance",
-    "space_trends",
-    "tilted",
-    "exudyn",
-    "slip",
-    "elastic_edge",
-    "finite_elements",
-]
-assert {f"test_{name}" for name in LONGEST} <= {path.stem for path in Path(__file__).parent.rglob("test_*.py")}
+LONG = (ROOT / "tests/long.txt").read_text().split()
+"""Files that compile or compute for more than about 6 s, the longest first."""
+assert {f"test_{name}" for name in LONG} <= {path.stem for path in Path(__file__).parent.rglob("test_*.py")}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The files that compile or compute most come first, so that no process is left alone with one of them."""
-    order = {f"test_{name}": place for place, name in enumerate(LONGEST)}
+    """The long files come first, so that no process is left alone with one of them; all of them are slow."""
+    order = {f"test_{name}": place for place, name in enumerate(LONG)}
     items.sort(key=lambda item: order.get(item.path.stem, len(order)))
+    for item in items:
+        if item.path.stem in order:
+            item.add_marker("slow")
 
 
 @pytest.fixture

@@ -49,7 +49,7 @@ def roller_drop_curvature(group, s, R):
     floor.
     """
     x = max(group[GROUP_HALF_WIDTH] - abs(s), 0.0)
-    on_floor = group[KAPPA] == 0.0 and roller_drop(group, s, R)[0] >= group[DEPTH]  # a bowl has none
+    on_floor = group[KAPPA] <= 0.0 and roller_drop(group, s, R)[0] >= group[DEPTH]  # a bowl has none
     if x == 0.0 or on_floor:
         return 0.0
     return 1.0 / R if x <= group[X_E] else -group[KAPPA]
