@@ -31,7 +31,7 @@ def cut_along_roller(pit: Any, L_w: float, nodes: int) -> list[RollerSlice]:
     return [
         ((b - a) / L_w * float(weight) / 2.0, (a + b) / 2.0 + (b - a) / 2.0 * float(x))
         for a, b, kind in stretches
-        for x, weight in zip(*_rule(kind, ceil(nodes * (b - a) / longest - 1e-9)), strict=True)
+        for x, weight in zip(*_rule(kind, max(1, ceil(nodes * (b - a) / longest - 1e-9))), strict=True)
     ]
 
 
