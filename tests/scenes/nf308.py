@@ -7,9 +7,8 @@ import numpy as np
 from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import RING_MOTION, Monitor, NoSamples, advance_and_sample
+from bearingsim.core.advance import RING_MOTION, Monitor, NoSamples, advance_and_sample, start_at_rest
 from bearingsim.core.models.equilibrium import rest_from_scratch
-from bearingsim.core.models.interface import begin
 from bearingsim.core.outcomes import SUCCESS
 
 ON_INNER_RACE, ON_A_ROLLER = {"race": "inner"}, {"race": "roller"}  # of a defect: what carries it
@@ -35,7 +34,7 @@ def at_rest(model: Any, t: float = 0.0) -> np.ndarray:
     """A buffer with the model at static equilibrium."""
     y = assemble.empty_buffer(model)
     assert rest_from_scratch(assemble.static_model(model), t, y) <= 1e-8 * model.support.F
-    begin(model, t, y)
+    start_at_rest(model, t, y)
     return y
 
 
