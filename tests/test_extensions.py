@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from math import hypot, pi, sqrt
 from pathlib import Path
 
 import pandas as pd
@@ -18,119 +19,188 @@ speed: 1800 rpm
 load: 150 N
 duration: 20 ms
 settle: 10 ms
+clearance: 0 um
 step_check: false
-defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 50 um}
 """
+PIT = "defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 50 um}\n"
+QUADRATIC = "stiffness: {law: quadratic, coefficient: 1e7}"
+DASHPOTS = f"contact: {{{QUADRATIC}, damping: {{law: viscous, c: 200 N s/m}}}}\n{PIT}"
+WIDE = DASHPOTS.replace("0.8 mm, depth: 50 um", "2 mm, depth: 20 um")  # a roller touches its floor
+STATIC = "model: static\n"
+PUSHED = "model: one-mass\nrig: {ring_mass: 1 kg}\n"
+RING = "model: ring\nsweep: {contact.damping.c: [200 N s/m, 400 N s/m]}\n"
 ADDED = {
-    "contact law": "contact: {stiffness: {law: quadratic, coefficient: 1e7}}",
-    "damping law": "contact: {damping: {law: viscous, c: 200 N s/m}}",
-    "damping law, implicit": "contact: {damping: viscous}\nmethod: rodas",
-    "method": "method: leapfrog",
-    "model": "model: one-mass",
-    "shape": "defect: {shape: wedge, length: 12 mm, width: 0.8 mm, depth: 50 um}",
+    "contact law": f"contact: {{{QUADRATIC}}}\n{STATIC}sweep: {{contact.stiffness.coefficient: [1e7, 4e7]}}",
+    "damping law": f"{DASHPOTS}{RING}method: leapfrog",
+    "damping law, implicit": f"{DASHPOTS}{RING}method: velocity-implicit-euler",
+    "method and model": f"{DASHPOTS}{PUSHED}sweep: {{method: [leapfrog, verlet]}}",
+    "shape": f"{WIDE}{STATIC}sweep: {{defect.shape: [wedge, rectangular]}}",
+    "figure": f"{DASHPOTS}{STATIC}sweep: {{load: [150 N, 200 N]}}\nfigures: [{{y: velocity.span, x: load}}]",
 }
+"""Studies of the toys. All have the same contact, whatever they are about: another one would be compiled anew."""
+WRONG = {
+    "word": "method: leapfrogg",
+    "unfinished": "contact: {damping: unfinished}",
+    "unfinished, implicit": "contact: {damping: unfinished}\nmethod: rodas",
+}
+TYPE = """\
+import json, sys
+from typer.testing import CliRunner
+from bearingsim.cli import app
+said = []
+for words in json.load(sys.stdin):
+    done = CliRunner().invoke(app, words)
+    said.append((done.exit_code, done.stdout, done.stderr))
+print(json.dumps(said))
+"""
+Said = dict[tuple[str, ...], tuple[int, str, str]]
+"""Of commands: exit code, stdout and stderr."""
+
+
+def started(site: Path, *words: str, given: str = "") -> subprocess.CompletedProcess[str]:
+    """A process where the toys are installed."""
+    path = os.pathsep.join([str(site), os.environ["PYTHONPATH"]])
+    environment = os.environ | {"PYTHONPATH": path, "BEARINGSIM_CACHE": str(site / "cache"), "COLUMNS": "200"}
+    return subprocess.run(
+        [sys.executable, *words], env=environment, capture_output=True, text=True, cwd=site, input=given
+    )
+
+
+def typed(site: Path, *commands: tuple[str, ...]) -> Said:
+    """What commands say that are typed in one new process, one after the other."""
+    done = started(site, "-c", TYPE, given=json.dumps(commands))
+    assert done.returncode == 0, done.stdout + done.stderr
+    return {words: tuple(said) for words, said in zip(commands, json.loads(done.stdout), strict=True)}
+
+
+def run(name: str, jobs: int = 1) -> tuple[str, ...]:
+    """The command that runs a study."""
+    return ("run", f"{name}.yaml", "--jobs", str(jobs), "--out", f"out/{name}")
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the toys as an installed package."""
+    """A folder with the toys as an installed package, and studies of them."""
     folder = tmp_path_factory.mktemp("site")
     shutil.copytree(TOYS, folder, dirs_exist_ok=True)
+    for name, more in (ADDED | WRONG).items():
+        (folder / f"{name}.yaml").write_text(f"{STUDY}{more}\n")
     return folder
 
 
-def type_(site: Path, *words: str | Path) -> subprocess.CompletedProcess[str]:
-    """Run a command where the toys are installed."""
-    path = os.pathsep.join([str(site), os.environ["PYTHONPATH"]])
-    environment = os.environ | {"PYTHONPATH": path, "BEARINGSIM_CACHE": str(site / "cache"), "COLUMNS": "200"}
-    command = [sys.executable, "-m", "bearingsim", *map(str, words)]
-    return subprocess.run(command, env=environment, capture_output=True, text=True, cwd=site)
+@pytest.fixture(scope="module")
+def said(site: Path) -> Said:
+    """What most commands of this file say; they are typed in one process, which starts and compiles once."""
+    checks = [("check", f"{name}.yaml") for name in ADDED | WRONG]
+    return typed(site, *checks, ("check", "--schema"), *(run(name) for name in ADDED if name != "figure"))
 
 
-def write(site: Path, more: str) -> Path:
-    """A study of the toys; what ``more`` says stands instead of the same key."""
-    keys = {line.split(":")[0] for line in more.splitlines()}
-    lines = [line for line in STUDY.splitlines() if line.split(":")[0] not in keys]
-    path = site / "toys.yaml"
-    path.write_text("\n".join([*lines, more, ""]))
-    return path
+def results(site: Path, name: str) -> pd.DataFrame:
+    """The table that a run leaves."""
+    return pd.read_csv(site / "out" / name / "results.csv", comment="#")
 
 
-def table(site: Path, more: str) -> pd.DataFrame:
-    """The results of a study of the toys."""
-    shutil.rmtree(site / "out", ignore_errors=True)
-    done = type_(site, "run", write(site, more), "--jobs", "1", "--out", "out")
-    assert done.returncode == 0, done.stdout + done.stderr
-    return pd.read_csv(site / "out" / "results.csv", comment="#")
+def table(site: Path, said: Said, name: str) -> pd.DataFrame:
+    """The results of a study of the toys that was checked and run."""
+    for command in (("check", f"{name}.yaml"), run(name)):
+        code, *words = said[command]
+        assert code == 0, words
+    found = results(site, name)
+    assert (found["status"] == "done").all()
+    assert (found["velocity.span"] > 0.0).all()
+    return found
 
 
 @pytest.fixture(scope="module")
-def usual(site: Path) -> float:
-    """The RMS without any of the toys."""
-    return float(table(site, "")["velocity.rms"][0])
+def before(site: Path, said: Said) -> pd.DataFrame:
+    """The results with the contact law as it is."""
+    return table(site, said, "contact law")
 
 
-@pytest.mark.parametrize("what", ADDED)
-def test_a_study_runs_with_each(site: Path, usual: float, what: str) -> None:
-    checked = type_(site, "check", write(site, ADDED[what]))
-    assert checked.returncode == 0, checked.stdout + checked.stderr
-    found = table(site, ADDED[what])
-    assert (found["velocity.span"] > 0.0).all()
-    assert found["velocity.rms"][0] != usual  # it is not the program's own that has run
+def test_a_study_runs_with_a_contact_law(before: pd.DataFrame) -> None:
+    """Four times the coefficient halves the approach, but for what the rig carries: no other law does that."""
+    soft, stiff = before["velocity.rms"]
+    assert soft / stiff == pytest.approx(2.0, rel=0.1)
 
 
-def test_the_schema_knows_them(site: Path) -> None:
-    schema = type_(site, "check", "--schema").stdout
+def test_a_study_runs_with_a_damping_law(site: Path, said: Said) -> None:
+    """An explicit and an implicit method call different parts of it, and find the same."""
+    explicit, implicit = (
+        table(site, said, name)["velocity.rms"][:2] for name in ("damping law", "damping law, implicit")
+    )
+    assert abs(explicit[1] / explicit[0] - 1.0) > 0.03
+    assert list(implicit) == pytest.approx(list(explicit), rel=0.01)
+
+
+def test_a_study_runs_with_a_method_and_a_model(site: Path, said: Said) -> None:
+    """The push of 1 N once a ball pass has an answer that is known; another method is not wholly the same."""
+    leapfrog, verlet = table(site, said, "method and model")["velocity.rms"][:2]
+    omega = 2.0 * pi * 30.0 * 13 / 2 * (1.0 - 12.0 / 65.0)
+    assert leapfrog == pytest.approx(omega / sqrt(2.0) / hypot(1e8 - omega**2, 1e3 * omega), rel=0.01)
+    assert leapfrog != verlet
+    assert leapfrog == pytest.approx(verlet, rel=1e-3)
+
+
+def test_a_study_runs_with_a_shape(site: Path, said: Said) -> None:
+    """Its pit is neither the program's own nor none at all."""
+    wedge, rectangular, healthy = table(site, said, "shape")["velocity.rms"]
+    assert wedge != pytest.approx(rectangular, rel=0.01)
+    assert wedge > 2.0 * healthy
+
+
+def test_the_schema_knows_them(said: Said) -> None:
+    _, schema, _ = said["check", "--schema"]
     assert json.loads(schema)["properties"]["model"]["enum"][-1] == "one-mass"
     assert all(word in schema for word in ("quadratic", "viscous", "leapfrog", "wedge", "velocity.span"))
 
 
-def test_a_wrong_word_is_answered_with_them(site: Path) -> None:
-    said = type_(site, "check", write(site, "method: leapfrogg")).stderr
-    assert "leapfrog" in said
+def test_a_wrong_word_is_answered_with_them(said: Said) -> None:
+    code, _, answer = said["check", "word.yaml"]
+    assert code != 0
+    assert "leapfrog" in answer
 
 
-def test_a_figure_draws_a_feature(site: Path) -> None:
-    """Its jobs are computed by two processes, which find the extension too."""
-    more = "sweep: {load: [150 N, 200 N]}\nfigures: [{y: velocity.span, x: load}]\nmodel: one-mass"
-    shutil.rmtree(site / "out", ignore_errors=True)
-    done = type_(site, "run", write(site, more), "--jobs", "2", "--out", "out")
-    assert done.returncode == 0, done.stdout + done.stderr
-    drawn = type_(site, "plot", "out")
-    assert drawn.returncode == 0, drawn.stderr
-    assert list((site / "out" / "figures").glob("*.png"))
+def test_a_law_without_its_derivatives_is_refused_by_name(said: Said) -> None:
+    code, *refused = said["check", "unfinished, implicit.yaml"]
+    assert code != 0
+    assert "the damping law `unfinished` has no `slopes`, which rodas solves with" in "".join(refused)
+    assert said["check", "unfinished.yaml"][0] == 0
 
 
-def test_a_law_without_its_derivatives_is_refused_by_name(site: Path) -> None:
-    study = write(site, "contact: {damping: unfinished}\nmethod: rodas")
-    refused = type_(site, "check", study)
-    assert refused.returncode != 0
-    assert (
-        "the damping law `unfinished` has no `slopes`, which rodas solves with" in refused.stdout + refused.stderr
-    )
-    assert type_(site, "check", write(site, "contact: {damping: unfinished}")).returncode == 0
-
-
-def test_an_edited_law_gives_its_new_number(site: Path) -> None:
-    """Compiled code and results are kept between processes, but not beyond a change of anybody's law."""
-    before = table(site, ADDED["damping law"])["velocity.rms"]
-    study = write(site, ADDED["damping law"])
-    law = site / "toy_bearing" / "viscous.py"
+@pytest.fixture(scope="module")
+def edited(site: Path, before: pd.DataFrame) -> Said:
+    """What a second process says while a law is edited: it runs a study again, and another one by two workers."""
+    law = site / "toy_bearing" / "quadratic.py"
     text = law.read_text()
     try:
-        law.write_text(text.replace("SHARE = 1.0", "SHARE = 3.0"))
-        assert "2 done of 2 jobs" in type_(site, "run", study, "--jobs", "1", "--out", "out").stdout
-        after = pd.read_csv(site / "out" / "results.csv", comment="#")["velocity.rms"]
+        law.write_text(text.replace("return law.k", "return 4.0 * law.k").replace("2.0 * law.k", "8.0 * law.k"))
+        return typed(site, run("contact law"), run("figure", jobs=2), ("plot", "out/figure"))
     finally:
         law.write_text(text)
-    assert abs(after / before - 1.0).max() > 0.01
+
+
+def test_an_edited_law_gives_its_new_number(site: Path, before: pd.DataFrame, edited: Said) -> None:
+    """Compiled code and results are kept between processes, but not beyond a change of anybody's law."""
+    assert "2 done of 2 jobs" in edited[run("contact law")][1]
+    after = results(site, "contact law")["velocity.rms"]
+    assert after[0] == pytest.approx(before["velocity.rms"][1])
+    assert after[0] != pytest.approx(before["velocity.rms"][0], rel=0.1)
+
+
+def test_a_figure_draws_a_feature(site: Path, edited: Said) -> None:
+    """Its jobs are computed by two workers, which find the extension too."""
+    for command in (run("figure", jobs=2), ("plot", "out/figure")):
+        code, *words = edited[command]
+        assert code == 0, words
+    assert list((site / "out" / "figure" / "figures").glob("*.png"))
 
 
 def test_an_extension_that_does_not_load_is_told_in_one_line(site: Path, tmp_path: Path) -> None:
     broken = tmp_path / "site"
     shutil.copytree(TOYS, broken)
     (broken / "toy_bearing" / "__init__.py").write_text("import nothing_of_that_name\n")
-    said = type_(broken, "check", write(broken, ""))
+    (broken / "study.yaml").write_text(STUDY + PIT)
+    said = started(broken, "-m", "bearingsim", "check", "study.yaml")
     assert said.returncode == 2
     assert "the extension `toys` (toy_bearing) does not load" in said.stderr
     assert "Traceback" not in said.stderr

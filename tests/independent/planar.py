@@ -421,9 +421,11 @@ def squeezed(scene, side, centre, angle, r, j):
     e_r = direction(angle)
     apart = r * e_r - centre
     rho = abs(apart)
-    everywhere, still = np.full(scene.Z, np.angle(apart)), np.zeros(scene.Z)
-    pits = sinking(scene, side, everywhere, still, (still, still), (scene.angles, still))
-    return scene.R_w + side * (rho - scene.radius(side)) - pits.depth[j], dot(apart, e_r) / rho
+    sunk_by = 0.0
+    if scene.pits:
+        everywhere, still = np.full(scene.Z, np.angle(apart)), np.zeros(scene.Z)
+        sunk_by = sinking(scene, side, everywhere, still, (still, still), (scene.angles, still)).depth[j]
+    return scene.R_w + side * (rho - scene.radius(side)) - sunk_by, dot(apart, e_r) / rho
 
 
 def roller_at_rest(scene, u, angle, j):

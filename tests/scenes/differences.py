@@ -1,20 +1,19 @@
-"""A model's derivatives, written out in full, beside central differences of its accelerations."""
+"""A model's derivatives, written out in full, beside central differences of its accelerations.
+
+The accelerations are what ``start_at_rest`` leaves: the models' tests need that compiled anyway.
+"""
 
 from typing import Any
 
 import numpy as np
 
 from bearingsim.core import layout as lay
-from bearingsim.core.models.interface import accelerations, degrees_of_freedom, linearise
+from bearingsim.core.advance import start_at_rest
+from bearingsim.core.models.interface import degrees_of_freedom, linearise
 from tests.scenes.lanes import compiled
 
 ORBIT = 1  # a roller's coordinate that counts absolutely: its angle
 MATRICES = ((lay.POSITION_JACOBIAN, lay.POSITION), (lay.VELOCITY_JACOBIAN, lay.VELOCITY))
-
-
-@compiled
-def evaluate(model, t, y):
-    accelerations(model, t, y)
 
 
 @compiled
@@ -49,7 +48,7 @@ def in_full(model: Any, matrix: int, y: np.ndarray) -> np.ndarray:
 def derivatives(model: Any, t: float, y: np.ndarray) -> list[np.ndarray]:
     """d(acceleration)/d(position) and /d(velocity) (N, N) of the model."""
     y = y.copy()
-    evaluate(model, t, y)
+    start_at_rest(model, t, y)
     y[lay.POSITION_JACOBIAN : lay.SYSTEM] = np.nan  # nothing may survive
     derive(model, t, y)
     return [in_full(model, matrix, y) for matrix, _ in MATRICES]
@@ -83,7 +82,7 @@ def differences(model: Any, t: float, y: np.ndarray, steps: tuple[np.ndarray, np
             values = []
             for part in (-2.0, -1.0, 1.0, 2.0):
                 shifted = moved(model, y, block, cell, part * h)
-                evaluate(model, t, shifted)
+                start_at_rest(model, t, shifted)
                 values.append(absolutely(model, shifted, lay.ACCELERATION))
             columns.append((8.0 * (values[2] - values[1]) - (values[3] - values[0])) / (12.0 * h))
         full.append(np.array(columns).T)

@@ -3,7 +3,7 @@
 Each is the radial coordinate ``RADIAL`` of one roller of 1 kg.
 """
 
-from math import cos, exp, inf, pi, sqrt
+from math import cos, exp, inf, nan, pi, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,82 +25,67 @@ UNIT = Bearing(1, 1.0, 3.0, 1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0)
 
 
 class Oscillator(NamedTuple):
-    """q'' = -K q - C q' + P cos(w t)."""
+    """q'' = -K (q - B q^3) - C v (1 + D v^2) + P cos(w t) - g + floor <-q>^n, with v = q', up to ``until`` (s).
+
+    From then on q'' = ``after``. foreseen: when (s) ``next_jump`` tells of. One type for all the scenes below: so
+    each method is compiled once.
+    """
 
     K: float
     C: float
     P: float = 0.0
     w: float = 0.0
+    B: float = 0.0
+    D: float = 0.0
+    g: float = 0.0
+    floor: float = 0.0
+    n: float = 1.0
+    until: float = inf
+    after: float = 0.0
+    foreseen: float = inf
     bearing: Bearing = UNIT
 
 
-class Swing(NamedTuple):
-    """q'' = -K (q - q^3/6) - C q' (1 + q'^2) + P cos t: smooth, and bent in all it depends on."""
-
-    K: float
-    C: float
-    P: float
-    bearing: Bearing = UNIT
+def swing(K: float, C: float, P: float) -> Oscillator:
+    """q'' = -K (q - q^3/6) - C v (1 + v^2) + P cos t: smooth, and bent in all it depends on."""
+    return Oscillator(K, C, P, w=1.0, B=1.0 / 6.0, D=1.0)
 
 
-class Bounce(NamedTuple):
+def bounce(g: float, K: float, n: float) -> Oscillator:
     """q'' = -g + K <-q>^n: a roller on a floor that it may leave."""
-
-    g: float
-    K: float
-    n: float
-    bearing: Bearing = UNIT
+    return Oscillator(0.0, 0.0, g=g, floor=K, n=n)
 
 
-class Switched(NamedTuple):
-    """q'' = P (1 + q') up to the time ``at``, -P after it: a jump, of which ``next_jump`` tells."""
-
-    P: float
-    at: float
-    bearing: Bearing = UNIT
+def switched(P: float, at: float) -> Oscillator:
+    """q'' = P (1 + v) up to the time ``at``, -P after it: a jump, of which ``next_jump`` tells."""
+    return Oscillator(0.0, -P, g=-P, until=at, after=-P, foreseen=at)
 
 
-class Unfinished(NamedTuple):
+def unfinished(end: float) -> Oscillator:
     """q'' = 1 up to the time ``end`` (s), and no number after it."""
-
-    end: float
-    bearing: Bearing = UNIT
+    return Oscillator(0.0, 0.0, g=-1.0, until=end, after=nan)
 
 
-for _model in (Oscillator, Swing, Bounce, Switched, Unfinished):
-    state_width.register(_model)(lambda model: lay.FIRST_LANE + 8)
-    monitored.register(_model)(lambda model: 1)
-    degrees_of_freedom.register(_model)(lambda model: (1, 0))
-    update_extremes.register(_model)(lambda model, y: None)
-    if _model is not Switched:
-        next_jump.register(_model)(lambda model, t, y: inf)
-next_jump.register(Switched)(lambda model, t, y: model.at if t < model.at else inf)
+Swing, Bounce = swing, bounce  # as some tests call them
+
+state_width.register(Oscillator)(lambda model: lay.FIRST_LANE + 8)
+monitored.register(Oscillator)(lambda model: 1)
+degrees_of_freedom.register(Oscillator)(lambda model: (1, 0))
+update_extremes.register(Oscillator)(lambda model, y: None)
+next_jump.register(Oscillator)(lambda model, t, y: model.foreseen if t < model.foreseen else inf)
 
 
 @accelerations.register(Oscillator)
-def _accelerations_oscillator(model, t, y):
-    y[lay.RADIAL_A] = -model.K * y[lay.RADIAL] - model.C * y[lay.RADIAL_V] + model.P * cos(model.w * t)
-
-
-@accelerations.register(Swing)
-def _accelerations_swing(model, t, y):
+def _accelerations(model, t, y):
     q, v = y[lay.RADIAL], y[lay.RADIAL_V]
-    y[lay.RADIAL_A] = -model.K * (q - q * q * q / 6.0) - model.C * v * (1.0 + v * v) + model.P * cos(t)
-
-
-@accelerations.register(Bounce)
-def _accelerations_bounce(model, t, y):
-    y[lay.RADIAL_A] = -model.g + model.K * max(-y[lay.RADIAL], 0.0) ** model.n
-
-
-@accelerations.register(Switched)
-def _accelerations_switched(model, t, y):
-    y[lay.RADIAL_A] = model.P * (1.0 + y[lay.RADIAL_V]) if t < model.at else -model.P
-
-
-@accelerations.register(Unfinished)
-def _accelerations_unfinished(model, t, y):
-    y[lay.RADIAL_A] = 1.0 if t < model.end else np.nan
+    pulled = model.K * q if model.B == 0.0 else model.K * (q - model.B * q * q * q)
+    damped = model.C * v if model.D == 0.0 else model.C * v * (1.0 + model.D * v * v)
+    a = -pulled - damped - model.g
+    if model.P != 0.0:
+        a += model.P * cos(model.w * t)
+    if model.floor != 0.0:
+        a += model.floor * max(-q, 0.0) ** model.n
+    y[lay.RADIAL_A] = a if t < model.until else model.after
 
 
 @jit
@@ -168,7 +153,7 @@ def swung(K: float, C: float, t: float, q: float, v: float) -> np.ndarray:
     return e * np.array([q * co + (v + c * q) / w * si, v * co - (K * q + c * v) / w * si])
 
 
-def bounce_period(model: Bounce, v: float) -> float:
+def bounce_period(model: Oscillator, v: float) -> float:
     """Period (s) of a roller thrown up from the floor with ``v`` (m/s), its contact linear (n = 1)."""
-    w = sqrt(model.K)
+    w = sqrt(model.floor)
     return 2.0 * v / model.g + 2.0 / w * (pi - np.arctan2(v * w, model.g))

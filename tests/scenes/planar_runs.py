@@ -3,9 +3,10 @@
 import numpy as np
 
 from bearingsim import assemble
-from bearingsim.core.advance import Monitor, advance
+from bearingsim.core.advance import Monitor
 from bearingsim.core.outcomes import SUCCESS
 from tests.independent import planar_bodies as bodies
+from tests.scenes import nf308
 from tests.scenes.nf308 import case
 
 
@@ -14,7 +15,7 @@ def recorded(model, method, span, y):
     at, n = bodies.places(model.bearing.Z), round(span / method.h)
     y, out = y.copy(), np.empty((len(at), n + 1))
     out[:, 0], later = y[at], np.empty((len(at), n))
-    taken, outcome, _ = advance(method, model, Monitor(8, 1.0), 0, y, at, later)
+    taken, outcome, _ = nf308.recorded(method, model, Monitor(8, 1.0), 0, y, at, later)
     assert (taken, outcome) == (n, SUCCESS)
     out[:, 1:] = later
     return method.h * np.arange(n + 1), out

@@ -1,4 +1,8 @@
-"""A bearing of `planar` in space: the same fields, a roller cut into slices, and what holds the rings and cage."""
+"""A bearing of `planar` in space: the same fields, a roller cut into slices, and what holds the rings and cage.
+
+Flanges, and how the cage moves out of the plane, are given by numbers of a part that does nothing: so the bearing
+has the types of one of a case, and what is compiled for these serves it.
+"""
 
 from typing import Any
 
@@ -6,14 +10,21 @@ import numpy as np
 
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.slices import Slices, slices
+from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.models.spatial import Spatial
-from bearingsim.core.parts.cage_in_space import CageInPlane
-from bearingsim.core.parts.flanges import NoFlanges
+from bearingsim.core.parts.cage import KinematicCage
+from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
+from bearingsim.core.parts.flanges import Flanges
 from bearingsim.core.parts.mounts import RigidMount
 from bearingsim.core.pits.pairs import GROUP_COUNT, GROUP_HALF_WIDTH, GROUP_WEIGHT, HALF_WIDTH
 
 L_W = 12e-3
 STRAIGHT = RigidMount(0.0, 0.0)
+LIMP, SLIPPERY = HuntCrossley(Linear(0.0), 0.0), StaticDynamic(0.0, 0.0, 0.02, 0.1)
+WITHOUT_FLANGES = Flanges(0.0, 0.0, 0.0, 0.0, 1.0, 1e-3, LIMP, SLIPPERY)
+UPRIGHT = CageInSpace(1e9, 1.0, LIMP)  # too inert to lean
 
 
 def flat(z):
@@ -58,8 +69,8 @@ def in_space(model: Any, cut: Slices, reach: Any = None, **given: Any) -> Spatia
         "I_t": b.m_r * (b.R_w**2 / 4 + L_W**2 / 12),
         "mount_o": STRAIGHT,
         "mount_i": STRAIGHT,
-        "flanges": NoFlanges(),
-        "cage_z": CageInPlane(),
+        "flanges": WITHOUT_FLANGES,
+        "cage_z": CageInPlane() if isinstance(model.cage, KinematicCage) else UPRIGHT,
         "lag": lag,
     }
     return Spatial(**fields | rest | given)

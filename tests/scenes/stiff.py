@@ -77,18 +77,13 @@ def _linearise(model, t, y):
 
 
 @jit
-def walk(method, model, start, y, path):
-    """Steps from number ``start``; q, v and a after each into ``path`` (n, 3)."""
-    for n in range(len(path)):
-        step(method, model, (start + n) * method.h, y)
-        path[n, 0], path[n, 1], path[n, 2] = y[lay.RADIAL], y[lay.RADIAL_V], y[lay.RADIAL_A]
-
-
-@jit
-def set_out(method, model, y):
-    """Accelerations at t = 0, and what the method needs."""
+def walk(method, model, y, path):
+    """Make ready what a method needs at t = 0, and take steps; q, v and a after each into ``path`` (n, 3)."""
     accelerations(model, 0.0, y)
     prepare(method, model, 0.0, y)
+    for n in range(len(path)):
+        step(method, model, n * method.h, y)
+        path[n, 0], path[n, 1], path[n, 2] = y[lay.RADIAL], y[lay.RADIAL_V], y[lay.RADIAL_A]
 
 
 class Walk(NamedTuple):
@@ -108,8 +103,7 @@ def run(model: Scene, method: Any, span: float, q: float, v: float) -> Walk:
     y = lay.buffer(1, 1.0)
     y[lay.RADIAL], y[lay.RADIAL_V] = q, v
     path = np.empty((round(span / method.h), 3))
-    set_out(method, model, y)
-    walk(method, model, 0, y, path)
+    walk(method, model, y, path)
     cells = [lay.STEPS_TAKEN, lay.STEPS_REJECTED, lay.EVALUATIONS, lay.NEWTON_ITERATIONS, lay.FAILED]
     taken, rejected, evaluated, iterated, failed = y[cells].astype(int)
     return Walk(path, taken, rejected, evaluated, iterated, failed, y)

@@ -21,8 +21,8 @@ SCENES: dict[str, dict[str, Any]] = {
 
 @cache
 def record(name: str, seconds: float = 2.0) -> Record:
-    """2 s of a scene: Hann's window, under which features are read, leaks 0.5 % of 2 BSF into BPFO."""
-    return simulate(case(duration=seconds, **SCENES[name]))
+    """2 s of a scene in `ring`: Hann's window, under which features are read, leaks 0.5 % of 2 BSF into BPFO."""
+    return simulate(case(model="ring", duration=seconds, **SCENES[name]))
 
 
 def picked(name: str, hertz: float) -> PickedLine | None:

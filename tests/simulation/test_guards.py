@@ -11,14 +11,14 @@ import pytest
 
 from bearingsim.core import layout as lay
 from bearingsim.core import outcomes
-from bearingsim.core.advance import Monitor, advance, advance_and_sample
+from bearingsim.core.advance import Monitor, advance_and_sample
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.pits.crossings import missed_crossings, passages
 from bearingsim.errors import Refused
 from bearingsim.simulation import choice, limits, step_check, time_grid
 from bearingsim.simulation.integration import set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
-from tests.scenes.nf308 import PLACES, SLOT, at_rest
+from tests.scenes.nf308 import PLACES, SLOT, at_rest, recorded
 from tests.scenes.short_cases import RATE, case
 
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
@@ -30,7 +30,7 @@ def ended(monitor: Monitor, y: np.ndarray | None = None, steps: int = 100) -> tu
     """How a short run of `ring` ends: steps taken, outcome, body."""
     model = set_up(choice.resolved(case(**VERLET))).model
     out = np.empty((len(PLACES), steps))
-    return advance(Verlet(1e-6), model, monitor, 0, at_rest(model) if y is None else y, PLACES, out)
+    return recorded(Verlet(1e-6), model, monitor, 0, at_rest(model) if y is None else y, PLACES, out)
 
 
 # In the core
@@ -42,7 +42,7 @@ def test_a_contact_pressed_too_deep_ends_the_run_and_names_the_roller() -> None:
     y = at_rest(model)
     y[lay.RADIAL + 4] += 1e-3
     out = np.empty((len(PLACES), 10))
-    found = advance(Verlet(1e-9), model, Monitor(1, 1.0, approach_bound=5e-4), 0, y, PLACES, out)
+    found = recorded(Verlet(1e-9), model, Monitor(1, 1.0, approach_bound=5e-4), 0, y, PLACES, out)
     assert found == (1, outcomes.TOO_DEEP, 4)
 
 
@@ -52,7 +52,7 @@ def test_motion_without_a_cause_ends_the_run() -> None:
     y[lay.RADIAL_V + 2] = 10.0
     energy = 0.5 * model.bearing.m_r * 100.0
     for bound, ends in ((0.9 * energy, True), (1.1 * energy, False)):
-        found = advance(Verlet(1e-12), model, Monitor(1, 1.0, energy_bound=bound), 0, y.copy(), PLACES, out)
+        found = recorded(Verlet(1e-12), model, Monitor(1, 1.0, energy_bound=bound), 0, y.copy(), PLACES, out)
         assert found == ((1, outcomes.TOO_MUCH_ENERGY, outcomes.NO_BODY) if ends else (10, outcomes.SUCCESS, -1))
 
 
@@ -150,6 +150,7 @@ def test_who_is_stuck_on_rollers_without_mass_is_told_of_some_with(outcome, mode
     damping = {"law": "general", "coefficient": 1e3, "indentation_exponent": m3}
     given = case(model=model, defect=SLOT, step_check=False, method="rodas", contact={"damping": damping})
     with (
+        mock.patch.object(INTEGRATION, "ready"),
         mock.patch.object(INTEGRATION, "advance_and_sample", return_value=(4000, outcome, 0)),
         pytest.raises(SimulationError) as caught,
     ):
@@ -207,7 +208,7 @@ def test_a_method_that_is_too_slow_is_not_tried_with_shorter_steps() -> None:
 
 
 def test_a_pilot_may_take_its_part_of_what_a_run_may() -> None:
-    given = choice.resolved(case(method="dop853", defect=SLOT, duration="1 s"))
+    given = choice.resolved(case(model="rollers", method="dop853", defect=SLOT, duration="1 s"))
     little = mock.patch.object(time_grid, "MAX_CPU", 0.01)
     unforeseen = mock.patch.object(time_grid, "per_second", return_value=0.0)
     with little, unforeseen, pytest.raises(SIMULATION.TooSlow) as caught:
@@ -225,17 +226,19 @@ def test_the_clock_is_looked_at_within_a_ball_pass() -> None:
 
 def test_the_clock_is_looked_at_where_steps_are_much_work() -> None:
     """An adaptive method may take thousands of steps of its own between two recorded instants."""
-    setup = set_up(choice.resolved(case(model="ring", method="dop853", defect=SLOT, duration="20 ms")))
+    setup = set_up(choice.resolved(case(model="rollers", method="dop853", defect=SLOT, duration="20 ms")))
     y, places = at_rest(setup.model), PLACES
     INTEGRATION.ready(setup.method, setup.model, 0.0, y)
     hurried = setup.monitor._replace(max_evaluations=1000.0)
-    taken, outcome, _ = advance(setup.method, setup.model, hurried, 0, y, places, np.empty((len(PLACES), 10_000)))
+    taken, outcome, _ = recorded(setup.method, setup.model, hurried, 0, y, places, np.empty((len(PLACES), 10_000)))
     assert outcome == outcomes.SUCCESS
     assert taken < 1000
     assert 1000 < y[lay.EVALUATIONS] < 1200
 
 
-@pytest.mark.parametrize("way", [{"method": "verlet"}, {"method": "dop853"}, {"model": "static"}])
+@pytest.mark.parametrize(
+    "way", [{"method": "verlet"}, {"model": "rollers", "method": "dop853"}, {"model": "static"}]
+)
 def test_looks_at_the_clock_change_nothing(way: dict[str, str]) -> None:
     given = choice.resolved(case(defect=SLOT, duration="20 ms", **way))
     seldom = INTEGRATION.integrate(set_up(given))
@@ -249,7 +252,7 @@ def test_looks_at_the_clock_change_nothing(way: dict[str, str]) -> None:
 
 
 def test_a_run_asks_to_be_looked_at_where_steps_are_much_work() -> None:
-    given = choice.resolved(case(model="ring", method="dop853", defect=SLOT, duration="20 ms"))
+    given = choice.resolved(case(model="rollers", method="dop853", defect=SLOT, duration="20 ms"))
     setup = set_up(given)
     assert setup.monitor.max_evaluations == INTEGRATION.MAX_EVALUATIONS
     with (

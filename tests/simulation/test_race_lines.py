@@ -1,5 +1,6 @@
 """The lines of a pit that turns: at BPFI with sidebands of the shaft, at 2 BSF with sidebands of the cage."""
 
+from functools import lru_cache
 from math import pi
 
 import numpy as np
@@ -22,12 +23,19 @@ def lines(names, quantity="velocity", **given):
     return np.array([features[name] * np.exp(1j * features[f"{name}.phase"]) for name in found])
 
 
+@lru_cache
+def healthy():
+    """Features of a second of the healthy bearing."""
+    return simulate(case(duration="1 s")).features
+
+
 # What they are made of
 
 
 def turning(model, **given):
     """Displacement lines of a slot on the inner race and of one on a roller."""
     usual = {"model": model, "settle": "30 ms", "quantity": "displacement"} | given
+    usual |= {"step": "16 us"} if model == "static" else {}  # moves its lines by 0.1 %
     inner = lines(OF_THE_INNER_RACE, duration="0.2 s", defect=SLOT | ON_INNER_RACE, **usual)
     return inner, lines(OF_A_ROLLER, duration="1 s", defect=SLOT | ON_A_ROLLER, **usual)
 
@@ -67,12 +75,11 @@ PINNED = {  # um/s, `rollers`, 0.8 mm slot, 150 N, 1 s; less than `ring`'s 5.189
 
 def test_lines_of_one_second():
     """Each pit's own lines are there, the other's are not, nor in a healthy bearing."""
-    healthy = simulate(case(duration="1 s")).features
     for race, expected in PINNED.items():
         found = simulate(case(duration="1 s", defect=SLOT | {"race": race})).features
         for name, value in expected.items():
             assert 1e6 * found[f"velocity@{name}"] == pytest.approx(value, abs=2e-3), name
-            assert healthy[f"velocity@{name}"] < 2e-3 * found[f"velocity@{name}"], name
+            assert healthy()[f"velocity@{name}"] < 2e-3 * found[f"velocity@{name}"], name
         for other in set(PINNED) - {race}:
             for name in list(PINNED[other])[:2]:
                 assert found[f"velocity@{name}"] < 0.01 * max(expected.values()) * 1e-6, name
@@ -84,9 +91,8 @@ def test_lines_of_one_second():
 
 def test_a_healthy_bearing_has_nothing_there():
     """Its only motion is at the multiples of BPFO, the 0.6 um/s of which leak less than 0.01 um/s, 2 Hz away."""
-    found = simulate(case(duration="1 s")).features
     for name in (*OF_THE_INNER_RACE, *OF_A_ROLLER, "2BPFI", "4BSF", "FTF", "fr"):
-        assert found[f"velocity@{name}"] < 1e-8, name
+        assert healthy()[f"velocity@{name}"] < 1e-8, name
 
 
 @pytest.mark.parametrize(
@@ -134,14 +140,14 @@ def test_rollers_without_mass_are_a_ring(carried, names, duration, shape):
 
 @pytest.mark.parametrize(
     ("carried", "names", "duration"),
-    [(ON_INNER_RACE, OF_THE_INNER_RACE, "8 s"), (ON_A_ROLLER, OF_A_ROLLER[2:], "20 s")],
+    [(ON_INNER_RACE, OF_THE_INNER_RACE, "4 s"), (ON_A_ROLLER, OF_A_ROLLER[2:], "10 s")],
 )
 def test_slow_rotation_is_static(carried, names, duration):
-    """At 15 rpm inertia and damping have nothing to do: displacement lines within 0.1 %."""
-    usual = {"speed": "15 rpm", "duration": duration, "settle": "2 s", "sampling": "500 Hz"}
+    """At 30 rpm inertia and damping have nothing to do: displacement lines within 0.1 %."""
+    usual = {"speed": "30 rpm", "duration": duration, "settle": "0.5 s", "sampling": "500 Hz"}
     usual |= {"defect": SLOT | carried, "quantity": "displacement"}
     ring = lines(names, model="ring", step="20 us", **usual)
-    static = lines(names, model="static", step="400 us", **usual)
+    static = lines(names, model="static", step="200 us", **usual)
     assert np.abs(ring / static - 1.0).max() < 1e-3
 
 

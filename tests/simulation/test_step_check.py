@@ -219,7 +219,7 @@ def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
     hopeless = StepCheck(line=0.2, rms=0.05, chaotic=False)
     fine = StepCheck(line=0.001, rms=0.001, chaotic=False)
     with mock.patch.object(step_check, "check_step", side_effect=[*[hopeless] * len(STEP_PARTS), fine]):
-        found = simulate(case(defect=SLOT))
+        found = simulate(rollers())
     assert found.info["method"] != "verlet"
     assert found.info["step_part"] == 1.0
 

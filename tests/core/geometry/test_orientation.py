@@ -5,15 +5,14 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance, start_at_rest
+from bearingsim.core.advance import Monitor, start_at_rest
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.outcomes import SUCCESS
-from bearingsim.core.parts.cage import Centred
 from tests.core.models.test_planar_balance import orders
 from tests.independent.spatial_bodies import leant
-from tests.scenes.nf308 import case
-from tests.scenes.spatial_bearing import empty, even, in_space
+from tests.scenes.nf308 import case, recorded
+from tests.scenes.spatial_bearing import SLIPPERY, empty, even, in_space
 
 APART = 1e-3  # m: how far from the races
 SPEED = 3000.0  # rad/s
@@ -23,10 +22,9 @@ ROWS = np.array([lay.AXIS_X, lay.AXIS_Y, lay.AXIS_X_V, lay.AXIS_Y_V, lay.SPIN, l
 
 def flying():
     """A bearing that does not turn, its rollers off both races; they spin at SPEED."""
-    model = in_space(assemble.model(case(model="planar", friction="none")), even(2))
+    model = in_space(assemble.model(case(model="planar")), even(2))
     bearing = model.bearing._replace(gap=APART, omega_c=0.0, omega_i=0.0, omega_b=-SPEED)
-    cage = model.cage._replace(guide=Centred(), play=APART)
-    return model._replace(bearing=bearing, cage=cage)
+    return model._replace(bearing=bearing, cage=model.cage._replace(play=APART), friction=SLIPPERY)
 
 
 def flight(model, h, span, make=RungeKutta4):
@@ -39,9 +37,7 @@ def flight(model, h, span, make=RungeKutta4):
     n = round(span / h)
     out = np.empty((6, n + 1))
     out[:, 0] = y[ROWS]
-    later = np.empty((6, n))
-    assert advance(make(h), model, Monitor(1000, 1.0), 0, y, ROWS, later)[1] == SUCCESS
-    out[:, 1:] = later
+    assert recorded(make(h), model, Monitor(1000, 1.0), 0, y, ROWS, out[:, 1:])[1] == SUCCESS
     return out
 
 

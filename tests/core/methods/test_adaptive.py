@@ -12,23 +12,23 @@ from bearingsim.core.methods.dop853 import Dop853
 from bearingsim.core.methods.dormand_prince import DormandPrince
 from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
 from tests.scenes.oscillators import (
-    Bounce,
     Oscillator,
-    Swing,
-    Switched,
-    Unfinished,
+    bounce,
     bounce_period,
     counts,
     go,
     run,
     start,
+    swing,
+    switched,
     swung,
     tight,
     tolerant,
+    unfinished,
 )
 
 METHODS = (Dop853, DormandPrince)
-SWING = Swing(4.0, 0.3, 0.7)
+SWING = swing(4.0, 0.3, 0.7)
 
 
 def peer(model, times, q, v):
@@ -103,7 +103,7 @@ def test_order_of_dense_output(method, order):
 def test_a_known_jump_is_stopped_on(method):
     """q'' = 1 + q' up to a time, -1 after it: exact to tolerance without a refusal, in a few steps."""
     at = 0.6180339887
-    out, y = run(tight(method, 0.1, 1e-10), Switched(1.0, at), 20, q=0.0, v=0.0)
+    out, y = run(tight(method, 0.1, 1e-10), switched(1.0, at), 20, q=0.0, v=0.0)
     t = 0.1 * np.arange(1, 21)
     v = np.where(t < at, np.expm1(t), np.expm1(at) - (t - at))
     q = np.where(t < at, np.expm1(t) - t, np.expm1(at) - at + np.expm1(at) * (t - at) - (t - at) ** 2 / 2)
@@ -117,7 +117,7 @@ def test_a_bouncing_roller_comes_back(method):
 
     docs/touch_down.md says why: the estimate is made for smooth forces.
     """
-    model = Bounce(10.0, 1e4, 1.0)
+    model = bounce(10.0, 1e4, 1.0)
     period = bounce_period(model, 1.0)
     for tolerance, allowed in ((1e-8, 1e-4), (1e-10, 1e-5), (1e-12, 1e-8)):
         out, _ = run(tight(method, 7.0 * period, tolerance), model, 1, q=0.0, v=1.0)
@@ -127,7 +127,7 @@ def test_a_bouncing_roller_comes_back(method):
 @pytest.mark.parametrize("method", METHODS)
 def test_a_force_that_is_no_number_ends_on_the_floor(method):
     """The run goes on to where it stops making sense, then fails, and stays failed."""
-    out, y = run(tight(method, 0.1, 1e-6), Unfinished(0.55), 10, q=0.0, v=0.0)
+    out, y = run(tight(method, 0.1, 1e-6), unfinished(0.55), 10, q=0.0, v=0.0)
     assert y[lay.FAILED] == STEP_TOO_SMALL
     assert y[lay.T_END] == pytest.approx(0.55, abs=1e-12)
     assert out[4] == pytest.approx([0.125, 0.5], rel=1e-9)

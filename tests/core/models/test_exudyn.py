@@ -15,8 +15,8 @@ from tests.scenes import planar_bearing
 
 
 def reference(scene, times):
-    """Ring displacement (2, n), m, by the independent solution."""
-    return planar.simulate(scene, times).displacement
+    """Ring displacement (2, n), m, by the independent solution, at a tolerance that changes it by 0.1 %."""
+    return planar.simulate(scene, times, rtol=1e-4).displacement
 
 
 def product(scene, times):
@@ -27,12 +27,15 @@ def product(scene, times):
 
 STEP = 1e-6
 # what is compared, and for how long: the independent solution is slow
-CODES = [pytest.param(product, 20e-3), pytest.param(reference, 5e-3, marks=pytest.mark.slow)]
+CODES = [pytest.param(product, 20e-3), pytest.param(reference, 4e-3, marks=pytest.mark.slow)]
 
 
 @pytest.mark.parametrize(("code", "duration"), CODES)
 def test_the_healthy_ring_moves_as_in_exudyn(code, duration):
-    """Within 0.5 % of its range at every instant of 20 ms (reference: 0.003 %; planar: 0.2 %, at the start)."""
+    """Within 0.5 % of its range at every instant.
+
+    Found: 0.2 % over 20 ms for `planar`, at the start; 0.001 % over 4 ms for the independent solution.
+    """
     times, theirs = exudyn_planar.kept("healthy")
     theirs, times = theirs[:, times <= duration], times[times <= duration]
     ours = code(exudyn_planar.HEALTHY, times)
@@ -41,7 +44,7 @@ def test_the_healthy_ring_moves_as_in_exudyn(code, duration):
 
 @pytest.mark.parametrize(("code", "duration"), CODES)
 def test_the_ring_over_a_spall_moves_as_in_exudyn(code, duration):
-    """2 mm, three rollers cross it in 20 ms: along the load they correlate to 0.999 (measured: 0.9999)."""
+    """2 mm, one roller crosses it in 4 ms, three in 20: along the load both correlate to 0.999 (found: 0.9999)."""
     times, theirs = exudyn_planar.kept("spall")
     theirs, times = theirs[:, times <= duration], times[times <= duration]
     ours = code(exudyn_planar.SPALL, times)
@@ -98,6 +101,6 @@ class TestReference:
     @pytest.mark.slow
     def test_energy_closes_over_pits_of_all_three_bodies(self):
         scene = replace(self.FREE, theta_0=np.pi / 13 - 0.02)
-        m = planar.simulate(scene, np.linspace(0.0, 5e-4, 26))
+        m = planar.simulate(scene, np.linspace(0.0, 5e-4, 26), rtol=1e-4)
         assert m.works["contact"][-1] > 1e-6
         assert np.ptp(m.imbalance) < 1e-6 * m.works["contact"][-1]

@@ -7,25 +7,24 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance, start_at_rest
+from bearingsim.core.advance import Monitor, start_at_rest
 from bearingsim.core.geometry.orientation import Body
 from bearingsim.core.geometry.slices import slice_edges, slices
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
-from bearingsim.core.laws.friction.frictionless import Frictionless
 from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
 from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import rest_from_scratch
-from bearingsim.core.models.interface import accelerations, damping_per_mass
+from bearingsim.core.models.interface import damping_per_mass
 from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_space
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parts.flanges import Flanges, NoFlanges, axial_position, half_chord
 from bearingsim.core.parts.mounts import RigidMount
 from tests.core.models.test_planar_balance import orders
 from tests.independent.energy import CONVERGED, energy, rest, slopes
-from tests.scenes.nf308 import SLOT, case
-from tests.scenes.spatial_bearing import L_W, empty, even, flat, in_space
+from tests.scenes.nf308 import SLOT, case, recorded
+from tests.scenes.spatial_bearing import L_W, SLIPPERY, empty, even, flat, in_space
 
 HALF, PLATE = L_W / 2, 1e3  # m: how far off the plates' axes are
 K = 4e8  # N/m^(10/9)
@@ -41,11 +40,11 @@ def crowned(z):
 
 def between_plates(n, tilt, inwards=2e-6):
     """Load (N) of the outer plate and moment (N m) of both on a roller that tilts, pressed ``inwards`` by each."""
-    model = in_space(assemble.model(case(model="planar", friction="none")), even(n))
+    model = in_space(assemble.model(case(model="planar")), even(n))
     still = model.bearing._replace(omega_c=0.0, omega_i=0.0, omega_b=0.0, theta_0=pi / 13)
     bearing = still._replace(gap=-inwards, R_o=PLATE, R_i=PLATE)
     law = HuntCrossley(TenNinths(K), 1.0)
-    model = model._replace(bearing=bearing, outer=law, inner=law)
+    model = model._replace(bearing=bearing, outer=law, inner=law, friction=SLIPPERY)
     y = empty(model)
     y[lay.AXIS_X : lay.AXIS_X + 13], y[lay.AXIS_Y : lay.AXIS_Y + 13] = tilt * np.cos(ANGLES), tilt * np.sin(ANGLES)
     start_at_rest(model, 0.0, y)
@@ -205,7 +204,7 @@ def body_of_ring(z, lean):
 # skewed
 
 PLAY = 5e-6
-FLANGES = Flanges(0.0, 0.0, 1.0, 1.0, PLAY, 1e-3, HuntCrossley(Linear(1e7), 5.0), Frictionless())
+FLANGES = Flanges(0.0, 0.0, 1.0, 1.0, PLAY, 1e-3, HuntCrossley(Linear(1e7), 5.0), SLIPPERY)
 SKEWED = 2e-3
 
 
@@ -249,7 +248,7 @@ def test_a_flange_stops_a_skewed_roller():
     for name, given in (("free", {}), ("held", {"flanges": FLANGES})):
         model, y = skewed(given)
         out = np.empty((4, 2000))
-        assert advance(RungeKutta4(1e-6), model, Monitor(1000, 1.0), 0, y, places, out)[1] == SUCCESS
+        assert recorded(RungeKutta4(1e-6), model, Monitor(1000, 1.0), 0, y, places, out)[1] == SUCCESS
         far[name] = out
     speed = -model.bearing.omega_b * model.bearing.R_w * far["free"][3, -1]
     assert far["free"][1, -1] == pytest.approx(speed, rel=0.05)
@@ -260,17 +259,18 @@ def test_a_flange_stops_a_skewed_roller():
     assert far["held"][2].max() > 0.1
 
 
-SLIPPERY = StaticDynamic(0.1, 0.1, 50.0, 60.0)  # as good as proportional to the slip
+RUBBING = StaticDynamic(0.1, 0.1, 50.0, 60.0)  # as good as proportional to the slip
 ROLLER = np.array([lay.RADIAL_V, lay.EPS_V, lay.SPIN_V, lay.AXIAL_V, lay.AXIS_X_V, lay.AXIS_Y_V])
 
 
 def pressed(where):
     """A roller that no load presses on the races, but its flange or its pocket, both with friction."""
     law = HuntCrossley(Linear(1e8), 0.0)
-    model = in_space(assemble.model(case(model="planar", friction="none")), even(6), flanges=FLANGES)
+    model = in_space(assemble.model(case(model="planar")), even(6), flanges=FLANGES)
     model = model._replace(
-        flanges=FLANGES._replace(law=law, friction=SLIPPERY),
-        cage=model.cage._replace(pocket=law, friction=SLIPPERY),
+        friction=SLIPPERY,
+        flanges=FLANGES._replace(law=law, friction=RUBBING),
+        cage=model.cage._replace(pocket=law, friction=RUBBING),
         lag=1e-6,
     )
     y, _ = at_rest(model)
@@ -296,7 +296,7 @@ def test_the_watch_sees_friction_on_flanges_and_pockets(where):
         for step in (1e-4, -1e-4):
             x = y.copy()
             x[place] += step
-            accelerations(model, 0.0, x)
+            start_at_rest(model, 0.0, x)
             ends.append(x[ROLLER + 6 + lay.ACCELERATION - lay.VELOCITY])
         slopes[:, k] = (ends[0] - ends[1]) / 2e-4
     fastest = -np.linalg.eigvals(slopes).real.min()

@@ -29,12 +29,11 @@ def level(h):
 
 def standing_over(depths):
     """A bearing whose first roller stands over pits of these depths (m) at once, and its buffer."""
-    model = in_space(assemble.model(case(model="planar", friction="none")), even(2))
-    bearing = model.bearing._replace(theta_0=AT / 0.0385)
-    model = model._replace(bearing=bearing, pits=traced_pits([level(h) for h in depths]))
+    model = in_space(assemble.model(case(model="planar")), even(2))
+    model = model._replace(bearing=model.bearing._replace(theta_0=AT / 0.0385))
     y = empty(model)
     start_at_rest(model, 0.0, y)
-    return model, y
+    return model._replace(pits=traced_pits([level(h) for h in depths])), y
 
 
 def felt(depths):
