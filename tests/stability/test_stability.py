@@ -156,8 +156,8 @@ def test_a_small_map_has_a_row_for_each_cell(small):
 def test_each_exponent_and_kind_of_pit_is_made_ready(monkeypatch):
     """No run is made here, nor the rest before it: only what would be run counts."""
     ready = []
-    monkeypatch.setattr(matrix.assemble, "start", lambda case, model: (None, None))
-    monkeypatch.setattr(matrix.limits, "loads_at_rest", lambda healthy: (0.0, 0.0, 0.0))
+    monkeypatch.setattr("bearingsim.stability.matrix.assemble.start", lambda case, model: (None, None))
+    monkeypatch.setattr("bearingsim.stability.matrix.limits.loads_at_rest", lambda healthy: (0.0, 0.0, 0.0))
     monkeypatch.setattr(matrix, "run", lambda bench, method, setting, limit: ready.append(bench.case))
     matrix.warm("ring", "verlet", matrix.FULL)
     kinds = {(one.contact.damping.indentation_exponent, one.excitation) for one in ready}
