@@ -8,7 +8,6 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearingsim.simulation.step_check import ACCURACY
 from bearingsim.store import Failure
 
 if TYPE_CHECKING:
@@ -58,6 +57,8 @@ def chaos(frame: "pd.DataFrame") -> Iterator[str]:
 
 def record_errors(frame: "pd.DataFrame") -> Iterator[str]:
     """What is to be known of jobs whose line and RMS hold, but not all that they record."""
+    from bearingsim.simulation.step_check import ACCURACY  # imports the core, which takes a second
+
     if "features/step_error.record" not in frame:
         return
     calm = frame["features/chaotic"] == 0.0
