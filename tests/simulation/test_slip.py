@@ -33,10 +33,15 @@ class Pocket(dict):
 
 
 @lru_cache
-def slip(rpm: float, load: float, settle: float = 0.5, **changes) -> float:
-    """Mean slip of the cage over 0.2 s."""
-    given = {"settle": f"{settle} s", "duration": "0.2 s"} | changes
+def slip(rpm: float, load: float, **changes) -> float:
+    """Mean slip of the cage over 0.2 s, after 0.5 s."""
+    given = {"settle": "0.5 s", "duration": "0.2 s"} | changes
     return simulate(oiled(rpm, load, **given)).features["cage.slip.mean"]
+
+
+def early(rpm: float, load: float, **changes) -> float:
+    """Mean slip over 0.1 s, after 0.3 s: gross slip is there, but still grows."""
+    return slip(rpm, load, settle="0.3 s", duration="0.1 s", **changes)
 
 
 @pytest.mark.parametrize(("rpm", "load", "friction"), [(600, 300, "static-dynamic"), (3000, 5, "traction")])
@@ -75,7 +80,7 @@ def test_the_floor_is_the_pockets_clearance_over_the_load_zone():
 
 
 def test_slip_grows_as_load_falls_and_speed_rises():
-    found = [[slip(rpm, load) for load in (150, 10)] for rpm in (600, 1800, 6000)]
+    found = [[early(rpm, load) for load in (150, 10)] for rpm in (600, 1800, 6000)]
     for row in found:
         assert row[0] < row[1]
     for column in list(zip(*found, strict=True))[1:]:
@@ -98,11 +103,12 @@ def test_gross_slip_is_where_the_forces_balance(rpm, load, friction):
 def test_the_onset_of_gross_slip_is_where_drag_exceeds_friction(rpm, friction):
     """Within 20 % in load, from rolling."""
     onset = onset_by_balance(oiled(rpm, 20, friction=friction))
-    assert slip(rpm, onset * 1.2, friction=friction) < GROSS < slip(rpm, onset / 1.2, friction=friction)
+    assert early(rpm, onset * 1.2, friction=friction) < GROSS < early(rpm, onset / 1.2, friction=friction)
 
 
 def test_seeds_agree_on_the_mean():
     """The motion is chaotic, the mean is not."""
-    found = [slip(3000, 10, seed=seed) for seed in (1, 2, 3)]
+    first = slip(3000, 10, friction="static-dynamic")
+    found = [first, *(slip(3000, 10, friction="static-dynamic", seed=seed) for seed in (2, 3))]
     assert len(set(found)) == 3
     assert max(found) - min(found) < 0.02 * max(found)
