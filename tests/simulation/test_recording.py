@@ -59,13 +59,13 @@ WIDE = {"load": "240 N", "defect": SLOT | {"width": "1.3 mm"}, "duration": "20 m
 @pytest.mark.parametrize("method", ["dop853", "rodas"])
 def test_raw_values_are_the_methods_own(method):
     """On lines between recorded instants accelerations were 20 % off, and the step check did not see it."""
-    given = case(model="rollers", method=method, antialias=False, tolerance=1e-4, **WIDE)
+    given = case(model="rollers", method=method, antialias=False, tolerance=1e-5, **WIDE)
     found, fine = (
         simulate(given.model_copy(update=one)) for one in ({}, {"step_check": False, "tolerance": 1e-7})
     )
-    for name in ("velocity.rms", "acceleration.rms", "acceleration.peak"):
-        assert found.features[name] == pytest.approx(fine.features[name], rel=5e-3)
-    assert 0.0 < found.features["step_error.record"] < 5e-3
+    for name, bound in (("velocity.rms", 5e-3), ("acceleration.rms", 0.02), ("acceleration.peak", 0.02)):
+        assert found.features[name] == pytest.approx(fine.features[name], rel=bound)
+    assert 0.0 < found.features["step_error.record"] < 0.02
     smooth = simulate(given.model_copy(update={"step_check": False, "antialias": True})).features
     assert smooth["velocity@BPFO"] == found.features["velocity@BPFO"]  # no step depends on where it is looked at
 
