@@ -101,7 +101,8 @@ def on_race(side, rub, y, j):
 def pocket_force(cage, bearing, omega_cage, spin, y, j):
     """What a pocket does to roller ``j``, and the roller to the cage: forces (N), torques (N m).
 
-    The first along the pocket's own directions, the other along e_0 and e_90.
+    The first along the pocket's own directions, the other along e_0 and e_90. Written out as in ``parts/cage.py``:
+    a loop there that calls such a function loses its lanes.
     """
     middle, R_w, real = 0.5 * (bearing.R_o + bearing.R_i), bearing.R_w, bearing.m_r * y[lay.INVERSE_MASS + j]
     x, z = y[lay.POSITION + lay.X_C], y[lay.POSITION + lay.Y_C]

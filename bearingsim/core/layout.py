@@ -73,8 +73,8 @@ RHO_V_O, RHO_V_I = (WORK + n * ROW for n in range(17, 19))  # rates of RHO_O, RH
 # cells, not rows: forces (N) and torques (N m) on ring, cage and inner ring
 F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = range(WORK + 19 * ROW, WORK + 19 * ROW + 8)
 F_Z, M_X, M_Y, F_Z_C, M_X_C, M_Y_C, F_Z_I, M_X_I, M_Y_I = range(WORK + 19 * ROW + 8, WORK + 19 * ROW + 17)
-M_INNER = WORK + 19 * ROW + 17
-LOADS = 18  # how many cells these are
+M_INNER = WORK + 19 * ROW + 17  # about the axis, on the inner ring (N m)
+LOADS = 18  # cells from F_X to M_INNER
 WORK_ROWS = 20
 JACOBIAN_WORK = WORK + WORK_ROWS * ROW  # rows that ``linearise`` may use, within one call
 JACOBIAN_WORK_ROWS = 86

@@ -2,8 +2,8 @@
 
 numba makes every function ready to be called from Python: it wraps it, and generates machine code of it and of all
 that it calls, again at each level. But most functions of the core are called by others only, into which their
-optimised code is linked. So a function is made ready when Python calls it, and not when a caller is compiled. The
-code that runs is the same, to the last instruction.
+optimised code is linked. So a function is made ready when Python calls it, and not when a caller is compiled.
+Results are the same, bit for bit.
 
 This reaches into numba's compiler, more than it promises to keep. If a part is not there, ``OPTIONS`` is empty and
 ``ready_when_called`` does nothing: functions are then compiled as numba does it.

@@ -22,13 +22,13 @@ from bearingsim.core.methods.adaptive import complete_dense_output, estimate_ord
 from bearingsim.core.methods.equilibrium import Equilibrium
 from bearingsim.core.methods.impulses import Impulses
 from bearingsim.core.methods.interface import attempt, interpolate, prepare, reach, step
+from bearingsim.core.models.bodies_in_space import Bodies
 from bearingsim.core.models.differences import accelerate_bodies, roller_moves
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, linearise
 from bearingsim.core.models.planar import Planar
 from bearingsim.core.models.ring import Ring
 from bearingsim.core.models.rollers import Rollers
-from bearingsim.core.models.spatial import Bodies
 from bearingsim.core.models.static import Static
 from bearingsim.core.parts.cage import Centred, FreeCage, KinematicCage, NoDrag, OilDrag, RingGuided
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace

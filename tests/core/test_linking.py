@@ -4,12 +4,9 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
-import pytest
 
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.linking import FOUND, is_linked
-
-pytestmark = pytest.mark.skipif(not FOUND, reason="this numba is made otherwise")
 
 
 class Scaled(NamedTuple):
@@ -51,6 +48,11 @@ def code(function: Any) -> Any:
     """What the function has been compiled to, of one signature."""
     (found,) = function.overloads.values()
     return found
+
+
+def test_the_numba_of_the_lock_file_is_made_as_is_expected_of_it() -> None:
+    """With another one nothing is linked only; then ``linking.py`` is to be looked at."""
+    assert FOUND
 
 
 def test_only_what_python_calls_is_made_ready() -> None:

@@ -66,8 +66,6 @@ def unfinished(end: float) -> Oscillator:
     return Oscillator(0.0, 0.0, g=-1.0, until=end, after=nan)
 
 
-Swing, Bounce = swing, bounce  # as some tests call them
-
 state_width.register(Oscillator)(lambda model: lay.FIRST_LANE + 8)
 monitored.register(Oscillator)(lambda model: 1)
 degrees_of_freedom.register(Oscillator)(lambda model: (1, 0))

@@ -63,9 +63,9 @@ def test_raw_values_are_the_methods_own(method):
     found, fine = (
         simulate(given.model_copy(update=one)) for one in ({}, {"step_check": False, "tolerance": 1e-7})
     )
-    for name, bound in (("velocity.rms", 5e-3), ("acceleration.rms", 0.02), ("acceleration.peak", 0.02)):
+    for name, bound in (("velocity.rms", 1e-3), ("acceleration.rms", 3e-3), ("acceleration.peak", 3e-3)):
         assert found.features[name] == pytest.approx(fine.features[name], rel=bound)
-    assert 0.0 < found.features["step_error.record"] < 0.02
+    assert 0.0 < found.features["step_error.record"] < 3e-3
     smooth = simulate(given.model_copy(update={"step_check": False, "antialias": True})).features
     assert smooth["velocity@BPFO"] == found.features["velocity@BPFO"]  # no step depends on where it is looked at
 

@@ -3,8 +3,8 @@
 A roller feels itself and the shared coordinates only. So one evaluation, with the same coordinate of all rollers
 displaced, gives a column of every roller; what each of them does to rings and cage follows from its own loads on
 them (Curtis, Powell and Reid 1974, On the estimation of sparse Jacobian matrices, J. Inst. Maths Applics 13, 117).
-Differences go forward, so their error is of first order: about 1e-4 of a light contact's stiffness, less of
-others. A coordinate that nothing accelerates stands still: its column is left empty, and saves its evaluation.
+Differences go forward, so their error is of first order: under 1e-5 of all derivatives (a test). A coordinate that
+nothing accelerates stands still: its column is left empty, and saves its evaluation.
 """
 
 from typing import Any
@@ -27,7 +27,10 @@ def roller_moves(model: Any, i: int) -> bool:
 
 @generic
 def accelerate_bodies(model: Any, t: float, y: Any) -> None:
-    """Write the accelerations of the shared coordinates from these cells, which may be spent on the way."""
+    """Write the accelerations of the shared coordinates from the cells F_X to M_INNER; it may spend them.
+
+    Beside it, ``accelerations`` of such a model fills the rows ROLLER_LOADS: what each roller adds to these cells.
+    """
 
 
 @jit
@@ -48,7 +51,7 @@ def clear_arrows(own, shared, y, n):
 
 
 @jit
-def keep_here(own, shared, model, t, y):
+def keep_here(own, model, y):
     """Keep the state about which differences are taken, accelerations absolute, and the rollers' loads there."""
     for c in range(3 * lay.STATE):
         y[lay.HERE + c] = y[lay.POSITION + c]
@@ -131,7 +134,7 @@ def difference_jacobian(model, t, y):
     own, shared = degrees_of_freedom(model)
     b = model.bearing
     clear_arrows(own, shared, y, lanes(b))
-    keep_here(own, shared, model, t, y)
+    keep_here(own, model, y)
     by_roller, by_shared = roller_arms(b), shared_arms(b)
     for c in range(lay.LOADS):
         y[lay.F_X + c] = y[lay.LOADS_HERE + c] + 1.0

@@ -29,8 +29,9 @@ from bearingsim.core.geometry.slices import WEIGHT, ZETA
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import stiffness_bound
 from bearingsim.core.laws.stiffness.interface import tangent
+from bearingsim.core.models.bodies_in_space import hold_mounted_rings, sum_loads
 from bearingsim.core.models.equilibrium import NoEquilibrium
-from bearingsim.core.models.spatial import hold_mounted_rings, race_contacts, roller_axes, sum_loads
+from bearingsim.core.models.spatial import race_contacts, roller_axes
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts.flanges import axial_position
 from bearingsim.core.parts.mounts import mount_rates

@@ -17,15 +17,15 @@ Left out: the bending of rollers, rings and cage; that a tilted slice is an elli
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.geometry.motion import kinematic_time
-from bearingsim.core.geometry.orientation import Body, axis_acceleration, axis_precession, axis_z, body_at
+from bearingsim.core.geometry.orientation import axis_acceleration, axis_precession, axis_z
 from bearingsim.core.geometry.plane import roller_directions
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA, Slices
-from bearingsim.core.jit import add, jit
+from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
 from bearingsim.core.laws.friction.interface import mu_slope_bound
 from bearingsim.core.laws.friction.lag import lagged
+from bearingsim.core.models.bodies_in_space import accelerate_bodies_of, bodies, hold_mounted_rings, sum_loads
 from bearingsim.core.models.differences import (
     accelerate_bodies,
     difference_jacobian,
@@ -44,17 +44,14 @@ from bearingsim.core.models.interface import (
     stiffness_per_mass,
     update_extremes,
 )
-from bearingsim.core.models.outer_ring import accelerate_outer_ring
 from bearingsim.core.parameters import Bearing, Support, lanes
-from bearingsim.core.parts.cage import accelerate_cage, cage_constraint, orbit_drag, pocket_stiffness
+from bearingsim.core.parts.cage import cage_constraint, orbit_drag, pocket_stiffness
 from bearingsim.core.parts.cage_in_space import (
-    accelerate_cage_axis,
     axial_stiffness,
-    cage_body,
     pocket_forces_in_space,
 )
 from bearingsim.core.parts.flanges import flange_forces, flange_stiffness
-from bearingsim.core.parts.mounts import accelerate_mounted_ring, hold_mounted_ring, mount_damping, mount_stiffness
+from bearingsim.core.parts.mounts import mount_damping, mount_stiffness
 from bearingsim.core.parts.races_in_space import (
     clear_sums,
     keep_line_load,
@@ -68,8 +65,6 @@ from bearingsim.core.parts.races_in_space import (
     sum_slices,
 )
 from bearingsim.core.parts.shaft import (
-    accelerate_inner_ring,
-    accelerate_ring_rotation,
     damper_per_mass,
     spring_per_mass,
 )
@@ -182,16 +177,6 @@ def race_contacts(model, t, steep, outer, inner, omega_cage, y, n):
 
 
 @jit
-def sum_loads(y, n):
-    """Fill the cells of the loads on rings and cage with the sums of what the rollers do to them."""
-    for c in range(lay.LOADS):
-        row, total = lay.roller_load(lay.F_X + c), 0.0
-        for j in range(n):
-            total = add(total, y[row + j])
-        y[lay.F_X + c] = total
-
-
-@jit
 def accelerate_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
     """Newton's equations for the centre of every roller, Euler's for its axis and the turning about it."""
     b, cage = model.bearing, model.cage
@@ -221,43 +206,6 @@ def accelerate_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
         y[lay.SPIN_A + j] = cage_constraint(cage, real * (omega_a - wound - alpha_spin))
 
 
-class Bodies(NamedTuple):
-    """The bodies that all rollers touch, as they stand and move.
-
-    time: s, the motion's own; growth: how fast speeds grow with it (1/s); theta_i, omega_i: the inner ring's angle
-    (rad) and speed (rad/s); omega_cage: the cage's speed, spin: a roller's nominal one (rad/s).
-    """
-
-    outer: Body
-    inner: Body
-    cage: Body
-    time: float
-    growth: float
-    theta_i: float
-    omega_i: float
-    omega_cage: float
-    spin: float
-
-
-@jit
-def bodies(model, t, y):
-    """``Bodies`` at time ``t`` (s)."""
-    b = model.bearing
-    time, rate, growth = kinematic_time(model.motion, t)
-    omega_i, omega_cage = b.omega_i * rate, b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C]
-    return Bodies(
-        outer=body_at(y, lay.X, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, y[lay.VELOCITY + lay.PSI]),
-        inner=body_at(y, lay.X_I, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y, omega_i),
-        cage=cage_body(model.cage_z, omega_cage, y),
-        time=time,
-        growth=growth,
-        theta_i=b.omega_i * time,
-        omega_i=omega_i,
-        omega_cage=omega_cage,
-        spin=(b.omega_c - b.omega_b) * rate,
-    )
-
-
 @accelerations.register(Spatial)
 def _accelerations(model, t, y):
     b = model.bearing
@@ -274,54 +222,6 @@ def _accelerations(model, t, y):
     sum_loads(y, n)
     alpha_cage = accelerate_bodies_of(model, at, y)
     accelerate_rollers(model, at.omega_cage, alpha_cage, (b.omega_c - b.omega_b) * at.growth, y, n)
-
-
-@jit
-def accelerate_bodies_of(model, at, y):
-    """Write the accelerations of rings and cage from the cells of their loads; returns the cage's angular one."""
-    b = model.bearing
-    wound = accelerate_cage_axis(model.cage_z, model.cage, at.cage, y)
-    y[lay.M_C] = y[lay.M_X_C] * at.cage.a_x + y[lay.M_Y_C] * at.cage.a_y + y[lay.M_C] * at.cage.a_z
-    taken = accelerate_mounted_ring(
-        model.mount_o,
-        at.outer,
-        y[lay.F_Z],
-        y[lay.M_X],
-        y[lay.M_Y],
-        y[lay.M_RING],
-        y,
-        lay.Z,
-        lay.RING_TILT_X,
-        lay.RING_TILT_Y,
-    )
-    y[lay.M_RING] = y[lay.M_X] * at.outer.a_x + y[lay.M_Y] * at.outer.a_y + y[lay.M_RING] * at.outer.a_z - taken
-    accelerate_mounted_ring(
-        model.mount_i,
-        at.inner,
-        y[lay.F_Z_I],
-        y[lay.M_X_I],
-        y[lay.M_Y_I],
-        y[lay.M_INNER],
-        y,
-        lay.Z_I,
-        lay.INNER_TILT_X,
-        lay.INNER_TILT_Y,
-    )
-
-    kinematic = b.omega_c * at.growth
-    alpha_cage = accelerate_cage(model.cage, model, at.omega_cage, at.omega_i, kinematic, y) - wound
-    y[lay.ACCELERATION + lay.PHI_C] = alpha_cage - kinematic
-    accelerate_outer_ring(model, y)
-    accelerate_ring_rotation(model.bracket, y)
-    accelerate_inner_ring(model.shaft, model, at.theta_i, at.omega_i, b.omega_i * at.growth, y)
-    return alpha_cage
-
-
-@jit
-def hold_mounted_rings(model, y):
-    """Put the rings where they are held."""
-    hold_mounted_ring(model.mount_o, y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y)
-    hold_mounted_ring(model.mount_i, y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
 
 
 @begin.register(Spatial)

@@ -21,7 +21,7 @@ from bearingsim.core.methods.tableau import runge_kutta
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations, damping_per_mass, stiffness_per_mass
 from tests.scenes.nf308 import at_rest, case
-from tests.scenes.oscillators import Bounce, Oscillator, Swing, at_even_steps, run
+from tests.scenes.oscillators import Oscillator, at_even_steps, bounce, run, swing
 
 EIGHTH = runge_kutta(dop853.a[:12, :12], dop853.b[:12])
 RUNGE_KUTTA = {
@@ -99,7 +99,7 @@ def test_the_stabilised_table_is_the_recurrence():
 )
 def test_order_on_a_smooth_problem(method, order, steps):
     """A bent oscillator with a force that sees place, speed and time, against the finest of DOP853."""
-    model, span = Swing(4.0, 0.3, 0.7), 4.0
+    model, span = swing(4.0, 0.3, 0.7), 4.0
     exact = at_even_steps(Dop853, model, span / 400, 400, 0.5, 0.2)
     errors = [np.abs(at_even_steps(method, model, span / n, n, 0.5, 0.2) - exact).max() for n in steps]
     assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.3)
@@ -248,7 +248,7 @@ def test_verlet_keeps_the_energy_of_a_contact():
     """
     for v, allowed in ((0.3, 1e-4), (3.0, 0.03)):  # of the speed at which it leaves the floor
         K, n, g = 1e4, 10.0 / 9.0, 100.0
-        model = Bounce(g, K, n)
+        model = bounce(g, K, n)
         pressed = (g / K) ** (1.0 / n)
         h = 2.0 * np.pi / sqrt(n * K * pressed ** (n - 1.0)) / 52.0
         out, _ = run(Verlet(h), model, 38_000 * 52, q=-pressed, v=v * sqrt(g * pressed))

@@ -11,7 +11,7 @@ from bearingsim.core.methods.dop853 import Dop853
 from bearingsim.core.methods.dormand_prince import DormandPrince
 from bearingsim.core.methods.nystrom import Nystrom
 from bearingsim.core.methods.rk4 import RungeKutta4
-from tests.scenes.oscillators import Bounce, at_even_steps, run
+from tests.scenes.oscillators import at_even_steps, bounce, run
 
 METHODS = (RungeKutta4, Nystrom, DormandPrince, Dop853)
 G, V, FLIGHT, PRESSED, PHASES = 10.0, 1.0, 0.02, 0.012, 64
@@ -21,7 +21,7 @@ SCALE = np.array([100.0, 1.0])
 
 def floor(m):
     """As stiff as a spring of 1e4 1/s^2 at 5 mm."""
-    return Bounce(G, 1e4 * 5e-3 ** (1.0 - m), m)
+    return bounce(G, 1e4 * 5e-3 ** (1.0 - m), m)
 
 
 def exactly(model, t):
