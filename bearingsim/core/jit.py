@@ -22,7 +22,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numba
 from filelock import FileLock
@@ -134,7 +134,13 @@ def constant(value: Any, name: str) -> Callable:
     return given
 
 
-def generic(declaration: Callable | None = None, *, absent: Any = REFUSED, otherwise: Any = REFUSED) -> Any:
+def generic(
+    declaration: Callable | None = None,
+    *,
+    absent: Any = REFUSED,
+    otherwise: Any = REFUSED,
+    inline: Literal["always", "never"] = "never",
+) -> Any:
     """Turn ``declaration`` into a function chosen by the type of its first argument.
 
     The declaration's body is never run; it carries the name, the arguments and the docstring. Implementations
@@ -142,9 +148,13 @@ def generic(declaration: Callable | None = None, *, absent: Any = REFUSED, other
 
     absent, otherwise: a value or an implementation; the first for types declared ``absent``, the second for all
     that have no implementation of their own. Without them such a type is refused; ``name.serves(type)`` tells.
+
+    inline: "always" puts the implementation's body in the caller before that is compiled. Places in the buffer
+    that a type names are then constants, of which the compiler sees that none is negative, so that a loop over
+    rollers keeps its lanes.
     """
     if declaration is None:
-        return partial(generic, absent=absent, otherwise=otherwise)
+        return partial(generic, absent=absent, otherwise=otherwise, inline=inline)
     name = declaration.__name__
     implementations: dict[type, Callable] = {}
 
@@ -185,7 +195,7 @@ def generic(declaration: Callable | None = None, *, absent: Any = REFUSED, other
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
     dispatch.serves = serves  # type: ignore[attr-defined]
-    overload(dispatch, jit_options=OPTIONS, strict=False)(choose)
+    overload(dispatch, jit_options=OPTIONS, strict=False, inline=inline)(choose)
     GENERICS.append(dispatch)
     return dispatch
 

@@ -97,7 +97,7 @@ def flange_point_force(side, flanges, model, ring, sigma, t, y, n):
         N = b.m_r * y[lay.INVERSE_MASS + j] * normal_force(flanges.law, half - sigma * dot(Y, view.a), rate)
         slip, rolls = slip_at(view, ring, Y, tips, y[lay.OMEGA + j])
         kappa = mu(flanges.friction, slip[3], b.R_w * rolls) * N / slip[3]
-        add_point(side_rows(side), sigma, N, kappa, g, Y, view.a, slip, y, j)
+        add_point(side, sigma, N, kappa, g, Y, view.a, slip, y, j)
 
 
 class RollerInRing(NamedTuple):
@@ -166,8 +166,9 @@ def slip_at(view, ring, Y, tips, omega):
 
 
 @jit
-def add_point(at, sigma, N, kappa, g, Y, a, slip, y, j):
+def add_point(side, sigma, N, kappa, g, Y, a, slip, y, j):
     """Add force and friction at ``Y`` (m) to the sums of roller ``j``: g is the approach's slope, a the axis."""
+    at = side_rows(side)
     G = combine(-kappa, slip, -N, g)
     M = cross(Y, combine(-kappa, slip, -N * sigma, a))  # sigma a x Y = Y x -sigma a
     y[at + lay.CONTACT_FORCE_R + j] += G[0]

@@ -13,7 +13,7 @@ from bearingsim.core.models import spatial
 from bearingsim.core.models.rest_in_space import rest_in_space
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parameters import lanes
-from bearingsim.core.parts import cage_in_space, races_in_space
+from bearingsim.core.parts import cage_in_space, flanges, races_in_space
 from bearingsim.core.parts.flanges import NoFlanges
 from bearingsim.core.parts.mounts import ElasticMount, RigidMount
 from tests.core.models.test_planar_balance import EVERYTHING, WAYS, WHERE, lead_onto_pits, random_state
@@ -115,3 +115,15 @@ def test_loops_over_rollers_keep_their_lanes():
     assert keeps_lanes(compiled(cage_in_space.pocket_slice_force.py_func), model.cage, b, 1.0, 0.0, 0.5, 0.0, y, n)
     assert keeps_lanes(compiled(spatial.roller_axes.py_func), 1.0, 1.0, 1.0, y, n)
     assert keeps_lanes(compiled(spatial.accelerate_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)
+
+
+@needs_vectors
+@pytest.mark.parametrize("side", [OuterSide(), InnerSide()])
+def test_loops_over_rollers_at_flanges_keep_their_lanes(side):
+    model = assemble.model(case(model="spatial", contact={"slices": 8}))
+    y, n = empty(model), lanes(model.bearing)
+    ring = Body._make([0.0] * 8 + [1.0] + [0.0] * 4)
+    point = compiled(flanges.flange_point_force.py_func)
+    assert keeps_lanes(point, side, model.flanges, model, ring, 1.0, 1e-3, y, n)
+    assert keeps_lanes(compiled(races_in_space.relax_friction.py_func), side, ring, y, n)
+    assert keeps_lanes(compiled(races_in_space.clear_sums.py_func), side, y, n)
