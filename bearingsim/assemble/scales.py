@@ -8,7 +8,7 @@ from typing import Any
 
 from bearingsim.assemble import contacts, geometry, rest
 from bearingsim.config import Case
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
 from bearingsim.core.methods.interface import Tolerances
 from bearingsim.core.pits.excitations import STEP_EXCITATIONS
 from bearingsim.core.pits.pairs import (
@@ -77,10 +77,22 @@ def damping_ratio(case: Case, load: float) -> float:
     inwards = max(0.0, load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i))
     deep = [approach(law, force) for law, force in zip(laws, (load, inwards), strict=True)]
     C, K = (
-        sum(slope(law, at, 0.0) for law, at in zip(laws, deep, strict=True))
-        for slope in (damping_bound, stiffness_bound)
+        sum(bound(law, at, 0.0) for law, at in zip(laws, deep, strict=True))
+        for bound in (damping_bound, stiffness_bound)
     )
     return float(C / (2.0 * sqrt(K * b.m_r)))
+
+
+def damping_time(case: Case, load: float) -> float:
+    """c/k (s) of a contact at rest under ``load`` (N): dQ/dv over dQ/d(delta), the larger of both races'."""
+    laws = contacts.outer(case), contacts.inner(case)
+    return float(max(damping_over_stiffness(law, approach(law, load)) for law in laws))
+
+
+def damping_over_stiffness(law: Any, delta: float) -> float:
+    """c/k (s) of a contact at rest at the approach ``delta`` (m)."""
+    K, C = slopes(law, delta, 0.0)
+    return float(C / K) if K > 0.0 else 0.0
 
 
 def largest_roller_drop(model: Any) -> float:

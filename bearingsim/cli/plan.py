@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -156,6 +156,7 @@ LINES: tuple[Line, ...] = (
     ("step limit at impact (us)", lambda p: 1e6 * p.limits.at_impact),
     ("crossing of the pit (us)", lambda p: 1e6 * p.limits.crossing),
     ("contact frequency (kHz)", lambda p: 1e-3 * p.limits.contact_frequency),
+    ("damping c/k at rest (us)", lambda p: 1e6 * p.limits.damping_time),
     ("damping ratio", lambda p: p.limits.damping_ratio),
     ("largest force at rest (N)", lambda p: p.limits.rest_load),
     ("closing speed (mm/s)", lambda p: 1e3 * p.limits.closing_speed),
@@ -188,7 +189,14 @@ def show(plan: Plan, verbose: bool) -> None:
     rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
     print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
-    for told in [*choices(plan), *methods(plan), *creeping(plan), *study.notes, *notes(study.cases())]:
+    for told in [
+        *choices(plan),
+        *methods(plan),
+        *damping(plan),
+        *creeping(plan),
+        *study.notes,
+        *notes(study.cases()),
+    ]:
         out.print(told, markup=False)
     if verbose:
         _show_cases(plan)
@@ -245,6 +253,15 @@ def methods(plan: Plan) -> list[str]:
         where = "all of its run" if whole else "its run's beginning"
         told.append(f"each step is proven on {where}: half of it may change line and RMS by 0.5 %")
     return told
+
+
+def damping(plan: Plan) -> Iterator[str]:
+    """How the contacts are damped, beside what is plausible; nothing of jobs whose model has no damping."""
+    from bearingsim.catalogue import MODELS
+    from bearingsim.config.rules.damping import Damped, sentences
+
+    acts = [one.limits for one in plan.everything if "damping" in MODELS[one.job.case.model].abilities]
+    yield from sentences([Damped(each.damping_time, each.damping_ratio, each.crossing) for each in acts])
 
 
 def creeping(plan: Plan) -> list[str]:

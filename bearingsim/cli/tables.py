@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from bearingsim.cli.screen import needed_width, print_table, significant, terminal_width
+from bearingsim.config.rules import damping
 from bearingsim.errors import UserError
 
 if TYPE_CHECKING:
@@ -40,6 +41,8 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     kept = found if columns else _fitting(found, [name in features for name in ["job", *chosen]])
     print_table([head for head, _ in kept], list(zip(*(cells for _, cells in kept), strict=True)))
     typer.echo(_counts(table))
+    for told in damping.of_jobs(results.info()):
+        typer.echo(told)
     if len(kept) < len(found):
         heads = {_stacked(head) for head, _ in kept}
         left = ", ".join(head for head, _ in found if _stacked(head) not in heads)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
+from bearingsim.config.rules import damping
 from bearingsim.runner.packing import Cost, pack, shard_of
 from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import getting_ready
@@ -71,7 +72,13 @@ def run(
     frame = store.build_table(root)
     seconds = time.perf_counter() - started
     left_out = len((earlier & plan.sealed) - {job.id for job in every})
-    notes = (*_notes(left_out, plan.damaged), *told, *chaos(frame), *record_errors(frame))
+    notes = (
+        *_notes(left_out, plan.damaged),
+        *told,
+        *damping.of_jobs(store.info(frame)),
+        *chaos(frame),
+        *record_errors(frame),
+    )
     summary = tally.summary(study.name, len(ours), plan.resumed, seconds, interrupted, notes)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
     if interrupted:

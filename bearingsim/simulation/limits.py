@@ -17,6 +17,7 @@ from bearingsim.assemble.scales import (
     closing_speed,
     crossing_time,
     damping_ratio,
+    damping_time,
     largest_roller_drop,
 )
 from bearingsim.catalogue import METHODS, MODELS, lowest
@@ -27,6 +28,7 @@ from bearingsim.core.methods.interface import stability_ratio
 from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.pits.excitations import STEP_EXCITATIONS
 from bearingsim.core.pits.pairs import DEPTH
+from bearingsim.core.pits.passage import passage_peak
 from bearingsim.errors import Refused
 
 LONGEST = 20e-6  # s: a step nobody needs to exceed, for the models without a limit
@@ -38,7 +40,8 @@ class Limits:
     """What a case's step must respect. Times in s, forces in N, frequencies in Hz; inf where there is no limit.
 
     The limits are the method's own, on the linearised bearing; ``impact_force`` is an estimate of the peak.
-    damping_ratio is that of a roller (in `ring`, of the ring) on its contacts, without friction.
+    damping_ratio is that of a roller (in `ring`, of the ring) on its contacts, without friction; damping_time (s)
+    is c/k of the most loaded contact at rest.
     approach_bound (m), energy_bound (J): approach of a contact and radial energy of motion that no right run
     exceeds.
     """
@@ -46,6 +49,7 @@ class Limits:
     rest_load: float
     contact_frequency: float
     damping_ratio: float
+    damping_time: float
     at_rest: float
     closing_speed: float
     impact_force: float
@@ -69,6 +73,7 @@ def _limits(case: Case) -> Limits:
         rest_load=rest_load,
         contact_frequency=sqrt(K) / (2.0 * pi) if K > 0.0 else inf,
         damping_ratio=damping_ratio_at_rest(case),
+        damping_time=damping_time(case, rest_load),
         at_rest=step_limit(case.method, K, C),
         closing_speed=0.0,
         impact_force=rest_load,
@@ -94,17 +99,30 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
     speed = closing_speed(model)
     hits = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
     hits += [step_impact(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
-    peak, K_more, C_more = (max(values) for values in zip(*hits, strict=True))
+    K_more, C_more = (max(values) for values in list(zip(*hits, strict=True))[1:])
     deepest, energy_bound = bounds(case, model, healthy)
     return replace(
         healthy,
         closing_speed=speed,
-        impact_force=peak + healthy.rest_load,
+        impact_force=impact_force(model, healthy.rest_load),
         at_impact=min(healthy.at_rest, step_limit(case.method, K + K_more, C + C_more)),
         crossing=crossing_time(model),
         approach_bound=deepest,
         energy_bound=energy_bound,
     )
+
+
+def impact_force(model: Any, load: float) -> float:
+    """Estimate of the largest contact force (N), of a roller that passes the pits under ``load`` (N).
+
+    ``core/pits/passage.py`` says what is left out. Rollers without mass follow a pit without an impact.
+    """
+    b = model.bearing
+    if b.m_r == 0.0:
+        return load
+    inwards = max(load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i), 0.0)
+    deep = approach(model.outer, load), approach(model.inner, inwards)
+    return max([load, *(float(passage_peak(model, d, *deep)) for d in range(len(model.pits.head)))])
 
 
 APPROACH_MARGIN, ENERGY_MARGIN = 10.0, 1000.0

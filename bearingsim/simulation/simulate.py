@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim import assemble
+from bearingsim.catalogue import MODELS
 from bearingsim.config import Case, Section, dataset_names
 from bearingsim.core import layout as lay
 from bearingsim.core.sampling import resample, resampling_kernel
@@ -193,6 +194,7 @@ def _info(setup: Setup, tape: RawRecord, sampled: np.ndarray) -> dict[str, float
         "own_steps": int(y[lay.STEPS_TAKEN]) if adaptive else cut.passes * cut.steps_per_pass,
         "own_steps_refused": int(y[lay.STEPS_REJECTED]),
         "newton_iterations": int(y[lay.NEWTON_ITERATIONS]),
+        **_damping(setup),
         "step_limit_at_rest_s": setup.limits.at_rest,
         "step_limit_at_impact_s": setup.limits.at_impact,
         "longest_overrun_s": float(y[lay.OVERRUN_MAX : lay.OVERRUN_MAX + setup.model.bearing.Z].max()),
@@ -200,6 +202,17 @@ def _info(setup: Setup, tape: RawRecord, sampled: np.ndarray) -> dict[str, float
         "cage_angle_start_rad": _cage_angle(case, setup.model, sampled),
         "integrator_cpu_s": tape.integrator_cpu_s,
     }
+
+
+def _damping(setup: Setup) -> dict[str, float]:
+    """The damping of the contacts, where the model has any (``config/rules/damping.py``)."""
+    found = setup.limits
+    values = {
+        "damping_time_s": found.damping_time,
+        "damping_ratio": found.damping_ratio,
+        "crossing_s": found.crossing,
+    }
+    return values if "damping" in MODELS[setup.case.model].abilities else dict.fromkeys(values, nan)
 
 
 def _cage_angle(case: Case, model: Any, sampled: np.ndarray) -> float:

@@ -12,7 +12,7 @@ from bearingsim.store.names import flat_parameters
 from bearingsim.store.provenance import provenance
 from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs
 from bearingsim.store.scans import keep_scans
-from bearingsim.store.table import build_table, read_plan, write_plan
+from bearingsim.store.table import build_table, info, read_plan, write_plan
 from bearingsim.store.units import DamagedUnit, Series, check_unit, read_series, unit_name, unit_path, write_units
 
 __all__ = [
@@ -28,6 +28,7 @@ __all__ = [
     "clear_failure",
     "discard",
     "flat_parameters",
+    "info",
     "keep_scans",
     "lock",
     "log",

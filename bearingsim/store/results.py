@@ -11,7 +11,7 @@ import numpy as np
 from bearingsim.errors import UserError
 from bearingsim.store.journal import Failure, read_failures
 from bearingsim.store.names import channel_attributes, feature_attributes, parameter_attributes
-from bearingsim.store.table import job_frame, read_plan, table
+from bearingsim.store.table import info, job_frame, read_plan, table
 from bearingsim.store.units import Series, read_series, unit_path
 
 if TYPE_CHECKING:
@@ -83,8 +83,7 @@ class Results:
 
     def info(self) -> "pd.DataFrame":
         """What the solver said of each finished job (step, CPU time, error estimates), indexed by job."""
-        done = self._frame[self._frame["status"] == "done"]
-        return done.filter(regex="^info/").rename(columns=lambda name: name.partition("/")[2])
+        return info(self._frame)
 
     def failures(self) -> dict[str, Failure]:
         """Planned jobs that failed, by id, with reason, advice and traceback."""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from bearingsim.study import Job, Study
 
-__all__ = ["build_table", "job_frame", "read_plan", "table", "write_plan"]
+__all__ = ["build_table", "info", "job_frame", "read_plan", "table", "write_plan"]
 
 PER_JOB = ("status", "reason", "healthy", "unit")
 
@@ -97,6 +97,12 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     jobs = pd.DataFrame({"job": frame.index}, index=frame.index)
     whole = pd.concat([jobs, swept, features, rest, frame[["healthy", "unit"]]], axis=1)
     return whole.reset_index(drop=True)
+
+
+def info(frame: "pd.DataFrame") -> "pd.DataFrame":
+    """What the solver said of each finished job, indexed by job; ``frame``: of ``job_frame``."""
+    done = frame[frame["status"] == "done"]
+    return done.filter(regex="^info/").rename(columns=lambda name: name.partition("/")[2])
 
 
 # Making the frame

@@ -99,8 +99,9 @@ def _unknown_key(name: str, path: Path, tree: Node) -> tuple[str, str]:
 def _keys_at(path: Path, tree: Node) -> list[str]:
     """The keys that a section may have."""
     if path in LAWS:
-        law = _nearest_node(tree, path).mapping.get("law")
-        return list(LAWS[path].sections[law.text if law else LAWS[path].default].model_fields)
+        given = _nearest_node(tree, path).mapping
+        law = given["law"].text if "law" in given else LAWS[path].told_by(given)
+        return list(LAWS[path].sections[law].model_fields)
     prefix = label(path, 0) + "." if path else ""
     inner = [known.removeprefix(prefix) for known in known_paths() if known.startswith(prefix)]
     extra = ["name", "source"] if path[:1] in (("bearing",), ("rig",)) else [] if path else list(STUDY_KEYS)

@@ -43,7 +43,7 @@ sweep:
 #                                 # also refuses a chaotic record too short for its RMS to be worth 1 %
 # contact:
 #   stiffness: palmgren           # or iso16281, johnson; point for balls; {law: constant, ...}
-#   damping: {law: hunt-crossley, chi: 50 s/m}      # or {law: kraemer, beta: 10 us}
+#   damping: {law: kraemer, beta: 2.5 us}      # or {law: hunt-crossley, chi: 50 s/m}, film, loss-factor, general
 
 # What only the planar model can: slip, cage, changing speed
 # friction: static-dynamic        # or traction, none, or {law: static-dynamic, static: 0.3, dynamic: 0.15}

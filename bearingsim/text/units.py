@@ -32,6 +32,8 @@ Dimension = Literal[
     "density",
     "pressure",
     "viscosity",
+    "pressure coefficient",
+    "temperature",
     "unbalance",
     "torsional stiffness",
     "torsional damping",
@@ -43,10 +45,11 @@ Dimension = Literal[
 
 
 class Factor(NamedTuple):
-    """SI value of one unit: an exact fraction, times pi where `pi` is set."""
+    """SI value of one unit: an exact fraction, times pi where `pi` is set; zero: of 0 of it, as of 0 C."""
 
     exact: Fraction
     pi: bool = False
+    zero: Fraction = Fraction(0)
 
 
 def _decimal(**powers: int) -> dict[str, Factor]:
@@ -81,6 +84,12 @@ UNITS: dict[Dimension, dict[str, Factor]] = {
     "density": _decimal(**{"kg/m^3": 0, "g/cm^3": 3}),
     "pressure": _decimal(Pa=0, MPa=6, GPa=9) | {"N/mm^2": Factor(Fraction(10) ** 6)},
     "viscosity": _decimal(**{"Pa s": 0, "mPa s": -3}),
+    "pressure coefficient": _decimal(**{"1/Pa": 0, "1/MPa": -6, "1/GPa": -9}),
+    "temperature": {
+        "K": Factor(Fraction(1)),
+        "C": Factor(Fraction(1), zero=Fraction(27315, 100)),
+        "degC": Factor(Fraction(1), zero=Fraction(27315, 100)),
+    },
     "unbalance": _decimal(**{"kg m": 0, "kg mm": -3, "g m": -3, "g mm": -6}),
     "torsional stiffness": _decimal(**{"N m/rad": 0, "N mm/rad": -3}),
     "torsional damping": _decimal(**{"N m s/rad": 0, "N mm s/rad": -3}),
@@ -105,6 +114,8 @@ EXPECTED: dict[Dimension, str] = {
     "density": "a density such as `7850 kg/m^3`",
     "pressure": "a pressure such as `207 GPa`",
     "viscosity": "a dynamic viscosity such as `0.05 Pa s`",
+    "pressure coefficient": "a pressure coefficient of viscosity such as `20 1/GPa`",
+    "temperature": "a temperature such as `55 C`",
     "unbalance": "an unbalance such as `100 g mm`",
     "torsional stiffness": "a torsional stiffness such as `1e4 N m/rad`",
     "torsional damping": "a torsional damping such as `0.1 N m s/rad`",
@@ -129,6 +140,8 @@ DISPLAY: dict[Dimension, str] = {
     "density": "kg/m^3",
     "pressure": "GPa",
     "viscosity": "Pa s",
+    "pressure coefficient": "1/GPa",
+    "temperature": "C",
     "unbalance": "g mm",
     "torsional stiffness": "N m/rad",
     "torsional damping": "N m s/rad",
@@ -237,10 +250,10 @@ def _torsional(found: re.Match[str]) -> str:
 def _convert(text: str, number: str, factor: Factor, dimension: Dimension) -> float:
     rough = float(number)
     if rough == 0.0 or math.isinf(rough):  # also keeps 1e999999999 away from exact arithmetic
-        value = abs(rough)
+        value = abs(rough) + float(factor.zero)
     else:
         try:
-            value = float(Fraction(number) * factor.exact) * (math.pi if factor.pi else 1.0)
+            value = float(Fraction(number) * factor.exact + factor.zero) * (math.pi if factor.pi else 1.0)
         except OverflowError:
             value = math.inf
     if math.isinf(value):
@@ -249,7 +262,7 @@ def _convert(text: str, number: str, factor: Factor, dimension: Dimension) -> fl
 
 
 def _in_unit(value: float, factor: Factor) -> float:
-    turns = value / math.pi if factor.pi else value
+    turns = value / math.pi if factor.pi else value - float(factor.zero)
     return turns * factor.exact.denominator / factor.exact.numerator
 
 

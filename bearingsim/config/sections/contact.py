@@ -1,6 +1,6 @@
 """How rolling elements and races press on each other: stiffness and damping."""
 
-from math import isclose
+from math import isclose, pi
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Tag
@@ -8,8 +8,10 @@ from pydantic import BeforeValidator, Discriminator, Tag
 from bearingsim.config.fields import (
     Coefficient,
     Delay,
+    Frequency,
     InverseVelocity,
     Number,
+    Percentage,
     PositiveCoefficient,
     PositiveNumber,
     Section,
@@ -31,7 +33,24 @@ class Kraemer(Section):
     """Damping proportional to the tangent stiffness, by the time `beta` (s)."""
 
     law: Literal["kraemer"] = "kraemer"
-    beta: Delay = 1e-5
+    beta: Delay = 2.5e-6
+
+    def jumps(self, touch_down_stiffness: bool) -> bool:
+        """Whether the force jumps as a contact closes: where it is stiff from the start."""
+        return self.beta > 0.0 and touch_down_stiffness
+
+
+class LossFactor(Section):
+    """Damping that loses the same part of the elastic energy, c = `loss_factor` k / (2 pi `frequency`)."""
+
+    law: Literal["loss-factor"] = "loss-factor"
+    loss_factor: Percentage
+    frequency: Frequency
+
+    @property
+    def beta(self) -> float:
+        """c/k (s)."""
+        return self.loss_factor / (2.0 * pi * self.frequency)
 
     def jumps(self, touch_down_stiffness: bool) -> bool:
         """Whether the force jumps as a contact closes: where it is stiff from the start."""
@@ -64,7 +83,7 @@ class Constant(Section):
         return isclose(self.exponent, 1.0)
 
 
-DAMPING = laws_of("damping", default="hunt-crossley")
+DAMPING = laws_of("damping", default="kraemer")
 STIFFNESS = laws_of("stiffness", default="constant")
 
 WORD = "word"
@@ -118,7 +137,7 @@ class Contact(Section):
     """
 
     stiffness: Stiffness | None = None
-    damping: Damping = HuntCrossley()
+    damping: Damping = Kraemer()
     length_nodes: Annotated[int, whole(1, 64)] = 24
     slices: Annotated[int, whole(1, 48)] = 24
 

@@ -1,5 +1,6 @@
 """A field that holds one of several laws, as the catalogue has them."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any, Union
 
@@ -21,8 +22,15 @@ class Laws:
     words: tuple[str, ...]
 
     def tag(self, given: Any) -> Any:
-        """The law of what is given; a mapping without `law` is the default law's."""
-        return given.get("law", self.default) if isinstance(given, dict) else getattr(given, "law", None)
+        """The law of what is given."""
+        if not isinstance(given, dict):
+            return getattr(given, "law", None)
+        return given["law"] if "law" in given else self.told_by(given)
+
+    def told_by(self, keys: Iterable[str]) -> str:
+        """The law of a mapping without `law`: the only one that has all its keys, else the default."""
+        fitting = [law for law, section in self.sections.items() if section.model_fields.keys() >= set(keys)]
+        return fitting[0] if len(fitting) == 1 else self.default
 
     def spelled(self, given: Any) -> Any:
         """A word as a mapping; refuses what is no law."""
@@ -42,7 +50,10 @@ class Laws:
 
 
 def laws_of(what: str, default: str) -> Laws:
-    """The laws of ``what`` (`stiffness`, `damping`, `friction`) in the catalogue; default: of a bare mapping."""
+    """The laws of ``what`` (`stiffness`, `damping`, `friction`) in the catalogue.
+
+    default: of a mapping that could be of several.
+    """
     known = catalogue.LAWS[what].values()
     sections = {law.name: catalogue.code(law.section) for law in known if law.section}
     return Laws(sections, default, tuple(law.name for law in known if law.bare))

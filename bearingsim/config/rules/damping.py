@@ -1,0 +1,71 @@
+"""What is known of the damping of rolling contacts, and what is to be said of a choice beside it.
+
+docs/damping.md has the sources. c/k is the damping over the stiffness of a contact at rest: the time in which it
+creeps to rest, if it is heavily damped.
+"""
+
+from collections.abc import Iterator, Sequence
+from math import inf, isfinite
+from typing import Any, NamedTuple
+
+PLAUSIBLE = (0.3e-6, 25e-6)
+"""Least and largest c/k (s) that measurement and theory make likely, of a lubricated contact."""
+PART_OF_CROSSING = 0.1
+"""Of the time in which a pit is crossed: what c/k stays under, if the roller is to follow the pit."""
+SLACK = 1.0 + 1e-6
+"""A default at the very end of the range is not beside it."""
+
+
+class Damped(NamedTuple):
+    """A job's damping: c/k (s), damping ratio, and the time (s) in which its shortest pit is crossed, or inf."""
+
+    time: float
+    ratio: float
+    crossing: float = inf
+
+    @property
+    def too_heavy(self) -> bool:
+        """Whether the roller cannot follow the pit."""
+        return self.time > SLACK * PLAUSIBLE[1] or self.time > PART_OF_CROSSING * self.crossing
+
+    @property
+    def too_light(self) -> bool:
+        """Whether the contact is damped like dry steel."""
+        return self.time * SLACK < PLAUSIBLE[0]
+
+
+def sentences(jobs: Sequence[Damped]) -> Iterator[str]:
+    """What is to be said of the damping of some jobs: its range beside the plausible one, then warnings."""
+    if not jobs:
+        return
+    pits = [job.crossing for job in jobs if isfinite(job.crossing)]
+    crossing = f"; the shortest pit is crossed in {1e6 * min(pits):.3g} us" if pits else ""
+    times, ratios = _range([1e6 * job.time for job in jobs]), _range([job.ratio for job in jobs])
+    low, high = (f"{1e6 * end:g}" for end in PLAUSIBLE)
+    yield f"damping: c/k {times} us (plausible: {low} to {high} us), damping ratio {ratios}{crossing}"
+    heavy, light = [job for job in jobs if job.too_heavy], [job for job in jobs if job.too_light]
+    if heavy:
+        found = _range([1e6 * job.time for job in heavy])
+        yield (
+            f"warning: {_counted(heavy, jobs)}c/k of {found} us is over {high} us or a tenth of the crossing:"
+            " the roller cannot follow the pit; damping rules this result"
+        )
+    if light:
+        found = _range([1e6 * job.time for job in light])
+        yield f"warning: {_counted(light, jobs)}c/k of {found} us is under {low} us, near dry steel: expect chaos"
+
+
+def of_jobs(info: Any) -> Iterator[str]:
+    """``sentences`` of finished jobs; info: a frame of what their solver said (``Results.info``)."""
+    columns = ["damping_time_s", "damping_ratio", "crossing_s"]
+    if all(name in info for name in columns):
+        yield from sentences([Damped(*row) for row in info[columns].dropna().to_numpy().tolist()])
+
+
+def _range(values: Sequence[float]) -> str:
+    low, high = (f"{float(f"{pick(values):.2g}"):g}" for pick in (min, max))
+    return low if low == high else f"{low} to {high}"
+
+
+def _counted(some: Sequence[Damped], every: Sequence[Damped]) -> str:
+    return "" if len(some) == len(every) else f"{len(some)} of {len(every)} jobs: "

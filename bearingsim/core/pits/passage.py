@@ -1,0 +1,54 @@
+"""One roller, held between two rings that stand still, as it passes a pit: the largest force of its contacts.
+
+    m x'' = Q_i(delta_i - x) - Q_o(delta_o + x) + C
+
+x: how far (m) the roller has moved outwards; delta_o, delta_i: approaches at rest; C: what holds it at rest. The
+other rollers and the rings' masses are left out, so this is an estimate: how hard it may get, before a run.
+"""
+
+from math import sqrt
+
+from bearingsim.core.jit import jit
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
+from bearingsim.core.pits.on_roller import force_over_pit
+from bearingsim.core.pits.pairs import HALF_WIDTH, OUTER, SIDE, passing_speed
+
+STEPS_OF_A_PASSAGE = 400  # at least, from rim to rim
+STEP_OF_A_PERIOD = 0.1  # of the time in which a contact turns by one radian
+AFTERWARDS = 10.0  # such times, and the passage once more, that are looked at behind the pit
+
+
+@jit
+def passage_peak(model, d, delta_o, delta_i):
+    """The largest contact force (N) as a roller passes roller-pit pair ``d``.
+
+    delta_o, delta_i: the approaches (m) of its contacts at rest.
+    """
+    outer, inner, pits, m = model.outer, model.inner, model.pits, model.bearing.m_r
+    speed, half = passing_speed(pits, d, model.bearing), pits.head[d, HALF_WIDTH]
+    on_outer = pits.head[d, SIDE] == OUTER
+    balance = normal_force(outer, delta_o, 0.0) - normal_force(inner, delta_i, 0.0)
+    resting = sqrt((stiffness_bound(outer, delta_o, 0.0) + stiffness_bound(inner, delta_i, 0.0)) / m)
+    longest, end = 2.0 * half / (abs(speed) * STEPS_OF_A_PASSAGE), 3.0 * half / abs(speed) + AFTERWARDS / resting
+    t, x, v, peak = -half / abs(speed), 0.0, 0.0, normal_force(outer, delta_o, 0.0)
+    while t < end:
+        s = speed * t
+        over_pit = abs(s) < half
+        d_o, d_i = delta_o + x, delta_i - x
+        if over_pit and on_outer:
+            Q_o, _, d_o, v_o = force_over_pit(outer, pits, d, s, speed, d_o, v)
+        else:
+            Q_o, v_o = normal_force(outer, d_o, v), v
+        if over_pit and not on_outer:
+            Q_i, _, d_i, v_i = force_over_pit(inner, pits, d, s, speed, d_i, -v)
+        else:
+            Q_i, v_i = normal_force(inner, d_i, -v), -v
+        peak = max(peak, max(Q_o, Q_i))
+        d_o, d_i = max(d_o, 0.0), max(d_i, 0.0)
+        K = stiffness_bound(outer, d_o, v_o) + stiffness_bound(inner, d_i, v_i)
+        C = damping_bound(outer, d_o, v_o) + damping_bound(inner, d_i, v_i)
+        h = min(longest, STEP_OF_A_PERIOD * sqrt(m / max(K, 1e-300)))
+        v += h * (Q_i - Q_o + balance - h * K * v) / (m + h * (C + h * K))  # implicit: a dashpot may be stiff
+        x += h * v
+        t += h
+    return peak
