@@ -63,7 +63,7 @@ def of_jobs(info: Any) -> Iterator[str]:
 
 
 def _range(values: Sequence[float]) -> str:
-    low, high = (f"{float(f"{pick(values):.2g}"):g}" for pick in (min, max))
+    low, high = (f"{pick(values):.3g}" for pick in (min, max))
     return low if low == high else f"{low} to {high}"
 
 
