@@ -3,12 +3,14 @@
 from math import isclose
 from typing import Any
 
+from bearingsim.assemble import film as oil
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.catalogue import LAWS, code
 from bearingsim.config import Case
 from bearingsim.core.laws.damping import general as multibody
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.kraemer import Kraemer
+from bearingsim.core.laws.damping.tabulated import Tabulated
 from bearingsim.core.laws.hertz import PointContact, ball_on_race
 from bearingsim.core.laws.stiffness import johnson as line_contact
 from bearingsim.core.laws.stiffness import ten_ninths
@@ -19,12 +21,12 @@ from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
 
 def outer(case: Case) -> Any:
     """The law at the outer race."""
-    return damped(case, stiffness(case, on_outer=True))
+    return damped(case, on_outer=True)
 
 
 def inner(case: Case) -> Any:
     """The law at the inner race."""
-    return damped(case, stiffness(case, on_outer=False))
+    return damped(case, on_outer=False)
 
 
 def powers(case: Case) -> int:
@@ -32,26 +34,32 @@ def powers(case: Case) -> int:
     return sum(isinstance(part, PowerLaw | multibody.Power) for part in outer(case))
 
 
-def damped(case: Case, stiffness: Any) -> Any:
-    """The case's damping around a stiffness: ``build(section, stiffness)`` of the catalogue's law."""
+def damped(case: Case, on_outer: bool) -> Any:
+    """The case's law at one race: ``build(case, section, stiffness, on_outer)`` of the catalogue's damping law."""
     section: Any = case.contact.damping
-    return code(LAWS["damping"][section.law].build)(section, stiffness)
+    return code(LAWS["damping"][section.law].build)(case, section, stiffness(case, on_outer), on_outer)
 
 
-def hunt_crossley(section: Any, stiffness: Any) -> HuntCrossley:
+def hunt_crossley(case: Case, section: Any, stiffness: Any, on_outer: bool) -> HuntCrossley:
     """Damping proportional to the elastic force."""
     return HuntCrossley(stiffness, section.chi)
 
 
-def kraemer(section: Any, stiffness: Any) -> Kraemer:
+def kraemer(case: Case, section: Any, stiffness: Any, on_outer: bool) -> Kraemer:
     """Damping proportional to the tangent stiffness."""
     return Kraemer(stiffness, section.beta)
 
 
-def general(section: Any, stiffness: Any) -> multibody.General:
+def general(case: Case, section: Any, stiffness: Any, on_outer: bool) -> multibody.General:
     """Damping of the multibody codes, its coefficient in N, mm and s."""
     m2, m3 = section.velocity_exponent, section.indentation_exponent
     return multibody.general(stiffness, section.coefficient * 1e3 ** (m2 + m3), m2, m3)
+
+
+def film(case: Case, section: Any, elastic: Any, on_outer: bool) -> Tabulated:
+    """An oil film, and hysteresis."""
+    point = point_contact(case, on_outer) if case.bearing.element == "ball" else None
+    return oil.film(case, elastic, stiffness(case, not on_outer), point, on_outer)
 
 
 def stiffness(case: Case, on_outer: bool) -> Any:

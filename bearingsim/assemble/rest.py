@@ -47,7 +47,7 @@ def largest_load(case: Case) -> float:
 
 def healthy_rest(case: Case) -> Rest:
     """The healthy, unsupported bearing at rest, averaged over a ball pass."""
-    laws = contacts.outer(case), contacts.inner(case)
+    laws = [Undamped(contacts.stiffness(case, on_outer)) for on_outer in (True, False)]
     return _rest(geometry.bearing(case), *laws, repr(laws), case.load, case.load_across)
 
 

@@ -8,7 +8,16 @@ from bearingsim.config.case import Case
 from bearingsim.config.fields import Section
 from bearingsim.config.library import library_names
 from bearingsim.config.names import CHANNELS, FEATURES, Channel, Feature, dataset_names
-from bearingsim.config.sections.contact import Constant, Contact, Damping, General, HuntCrossley, Kraemer
+from bearingsim.config.sections.contact import (
+    Constant,
+    Contact,
+    Damping,
+    Film,
+    General,
+    HuntCrossley,
+    Kraemer,
+    LossFactor,
+)
 from bearingsim.config.sections.defect import PATH_EXCITATIONS, Defect, Edge
 from bearingsim.config.sections.free import (
     Cage,
@@ -40,11 +49,13 @@ __all__ = [
     "Drag",
     "Edge",
     "Feature",
+    "Film",
     "Friction",
     "Frictionless",
     "General",
     "HuntCrossley",
     "Kraemer",
+    "LossFactor",
     "Material",
     "Ramp",
     "Rig",

@@ -62,6 +62,8 @@ LINES: dict[str, Line] = {
 }
 """Lines that are read: a pit of the inner race stands at BPFI with sidebands of the shaft, a roller's at 2 BSF
 with sidebands of the cage, an unbalance at fr."""
+FAULT_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2BSF"}
+"""The line of a defect, by what carries it."""
 
 ROLLER = {
     "radial": Channel(("",), "m", "displacement of roller {} outwards"),
@@ -175,6 +177,20 @@ def _of_extensions(own: Mapping[str, Feature]) -> dict[str, Feature]:
     return {name: Feature(one.unit, one.long_name) for name, one in catalogue.FEATURES.items()}
 
 
+UNKNOWNS = ("damping", "clearance", "bracket")
+"""What a study can call uncertain."""
+ERRORS = {"": "the fault's line", ".rms": "the velocity's RMS", ".force": "the largest force on the outer race"}
+"""Of what the table says how far the unknown moves it, by the ending of the column."""
+
+
+def _errors() -> dict[str, Feature]:
+    return {
+        f"error.{what}{ending}": Feature("", f"range of {of} over what is not known of the {what}, over its value")
+        for what in UNKNOWNS
+        for ending, of in ERRORS.items()
+    }
+
+
 def _features() -> dict[str, Feature]:
     found: dict[str, Feature] = {}
     for quantity, unit in {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}.items():
@@ -193,6 +209,7 @@ def _features() -> dict[str, Feature]:
         "step_error.record": Feature("", "the same of what is recorded, of the quantity that changes most"),
         "chaotic": Feature("", "whether the motion is chaotic (1) or not (0)"),
         "rms_scatter": Feature("", "by how much chaos alone lets the RMS of such a record change"),
+        **_errors(),
     }
 
 

@@ -9,6 +9,7 @@ from bearingsim.config import FEATURES
 from bearingsim.plots.labels import COST, PlotError, described, unit_of, value_text
 from bearingsim.plots.lines import fitting, may_slip, races_of_all
 from bearingsim.study import Figure, dimension
+from bearingsim.study.uncertainty import UNKNOWNS
 from bearingsim.text.units import UnitError, parse, suggestion
 
 if TYPE_CHECKING:
@@ -30,9 +31,11 @@ __all__ = [
     "phases",
     "planned",
     "splits",
+    "spread_said",
     "values",
     "varied",
     "with_defect_phases",
+    "with_spread",
     "x_unit",
 ]
 
@@ -150,6 +153,30 @@ def with_defect_phases(results: "Results", rows: "pd.DataFrame") -> "pd.DataFram
         twin = amplitude.reindex(rows["healthy"]).to_numpy()
         found[f"{line}{HEALTHY_PHASE}"] = np.angle(amplitude.reindex(rows["job"]).to_numpy() - twin)
     return pd.concat([rows, pd.DataFrame(found, index=rows.index)], axis=1)
+
+
+def with_spread(results: "Results", rows: "pd.DataFrame", features: Sequence[str]) -> "pd.DataFrame":
+    """The rows with ``least NAME`` and ``largest NAME`` (SI) of features that the unknown moves, where tried."""
+    import pandas as pd
+
+    found = {name: results.spread(name) for name in features}
+    columns = {
+        f"{end} {name}": spread[end].reindex(rows["job"]).to_numpy()
+        for name, spread in found.items()
+        for end in ("least", "largest")
+        if len(spread)
+    }
+    return pd.concat([rows, pd.DataFrame(columns, index=rows.index)], axis=1)
+
+
+def spread_said(results: "Results", rows: "pd.DataFrame") -> list[str]:
+    """What the bands of a figure stand for, if it has any: `band: damping 0.5 to 10 us`."""
+    if not any(str(column).startswith("least ") for column in rows):
+        return []
+    tried: dict[str, list[float]] = {}
+    for one in results.plan["variations"]:
+        tried.setdefault(one["what"], []).append(one["value"])
+    return ["band: " + " and ".join(f"{what} {UNKNOWNS[what].range_text(all_)}" for what, all_ in tried.items())]
 
 
 def completed(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> tuple[Figure, "pd.DataFrame"]:

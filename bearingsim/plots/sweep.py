@@ -40,6 +40,7 @@ LABEL_LETTERS = 34  # of an axis label, in a line
 CHARACTER_IN = 0.066  # width of a letter of the legend
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
+BAND_ALPHA, BAR_POINTS = 0.18, 4.0
 EVEN = 3.0  # ratio of the ends of a log axis up to which its ticks are as even as a plain one's
 TICKS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)))
 """Digits at which a log axis has ticks, by the ratio of the ends up to which they find room."""
@@ -167,10 +168,25 @@ def _panel(
     for curve in curves:
         x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)
         ax.plot(*_broken(x, y, name), **curve.look.keywords())
+        mark_spread(ax, x, curve, name, factor)
         mark_chaotic(ax, x, y, curve.rows)
         mark_lost(ax, x, curve.rows["status"])
     _x_axis(ax, figure, rows, units)
     _y_axis(ax, name, figure)
+
+
+def mark_spread(ax: "Axes", x: Sequence[float], curve: Curve, name: str, factor: float) -> None:
+    """What is not known moves a point that far: a band where all points have one, else bars."""
+    ends = [f"{end} {name}" for end in ("least", "largest")]
+    if not all(end in curve.rows for end in ends):
+        return
+    low, high = (list(curve.rows[end] * factor) for end in ends)
+    has = [math.isfinite(value) for value in low]
+    if all(has) and len(x) > 1:
+        ax.fill_between(x, low, high, color=curve.look.colour, alpha=BAND_ALPHA, lw=0.0)
+    elif any(has):
+        at, least, largest = ([v for v, is_one in zip(a, has, strict=True) if is_one] for a in (x, low, high))
+        ax.vlines(at, least, largest, color=curve.look.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
 
 
 def positions(x: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping[str, str]) -> list[float]:

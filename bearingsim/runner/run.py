@@ -15,6 +15,7 @@ from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import getting_ready
 from bearingsim.runner.progress import progress as shown_progress
 from bearingsim.runner.summary import Interrupted, RunSummary, chaos, grouped, record_errors
+from bearingsim.runner.unknowns import examined
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
 
 if TYPE_CHECKING:
@@ -76,6 +77,7 @@ def run(
         *_notes(left_out, plan.damaged),
         *told,
         *damping.of_jobs(store.info(frame)),
+        *examined(store.read_plan(root), frame),
         *chaos(frame),
         *record_errors(frame),
     )

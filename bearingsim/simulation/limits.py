@@ -28,7 +28,7 @@ from bearingsim.core.methods.interface import stability_ratio
 from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.pits.excitations import STEP_EXCITATIONS
 from bearingsim.core.pits.pairs import DEPTH
-from bearingsim.core.pits.passage import passage_peak
+from bearingsim.core.pits.passage import free_impact, passage_peak
 from bearingsim.errors import Refused
 
 LONGEST = 20e-6  # s: a step nobody needs to exceed, for the models without a limit
@@ -198,34 +198,15 @@ def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]
     return float(normal_force(law, deep, 0.0)), float(K) / b.m_r, float(C) / b.m_r
 
 
-FIRST_APPROACH = 1e-15  # m: approach at which an impact begins; a dashpot that jumps acts there
-IMPACT_STEP = 0.2  # of the time in which damping alone would stop a roller: a step of its impact
-
-
 def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
     """A free roller of mass ``m`` (kg) thrown at one race with ``speed`` (m/s): peak force, largest slopes over m.
 
     Returns (N, stiffness/mass in 1/s^2, damping/mass in 1/s). Models whose rollers have no mass have no such
     impact: zeros.
     """
-    return _impact(m, law, repr(law), speed)
-
-
-@lru_cache(maxsize=1024)
-def _impact(m: float, law: Any, named: str, speed: float) -> tuple[float, float, float]:
-    """``impact``, remembered; ``named`` tells laws apart that are equal as tuples."""
     if m == 0.0 or speed == 0.0:
         return 0.0, 0.0, 0.0
-    longest = min(1e-7, 1e-3 * pi * sqrt(m / stiffness_bound(law, 1e-7, 0.0)))
-    delta, v, peak, K, C = FIRST_APPROACH, speed, 0.0, 0.0, 0.0
-    while v > 0.0:
-        peak = max(peak, normal_force(law, delta, v))
-        K = max(K, stiffness_bound(law, delta, v))
-        damping = damping_bound(law, delta, v)
-        C = max(C, damping)
-        h = min(longest, IMPACT_STEP * m / damping) if damping > 0.0 else longest
-        delta += h * v
-        v -= h * normal_force(law, delta, v) / m
+    peak, K, C = free_impact(m, law, speed)
     return float(peak), float(K) / m, float(C) / m
 
 

@@ -20,7 +20,7 @@ from scipy.special import stdtrit
 
 from bearingsim import assemble
 from bearingsim.config import Case
-from bearingsim.config.names import LINES
+from bearingsim.config.names import FAULT_LINES, LINES
 from bearingsim.core.sampling import RESAMPLE_REACH, TABLE, resampling_kernel
 from bearingsim.simulation import features, time_grid
 from bearingsim.simulation.channels import BASE, MOTION
@@ -186,9 +186,6 @@ def shorter(decimation: int) -> float:
 def with_finer_tolerance(case: Case) -> Case:
     """The case with a tenth of its tolerance, if it gives one (one that is automatic goes with the step)."""
     return case if case.tolerance == "auto" else case.model_copy(update={"tolerance": 0.1 * case.tolerance})
-
-
-FAULT_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2BSF"}
 
 
 def fault_lines(case: Case) -> list[str]:

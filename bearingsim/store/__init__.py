@@ -12,6 +12,7 @@ from bearingsim.store.names import flat_parameters
 from bearingsim.store.provenance import provenance
 from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs
 from bearingsim.store.scans import keep_scans
+from bearingsim.store.spread import errors, spread
 from bearingsim.store.table import build_table, info, read_plan, write_plan
 from bearingsim.store.units import DamagedUnit, Series, check_unit, read_series, unit_name, unit_path, write_units
 
@@ -27,6 +28,7 @@ __all__ = [
     "check_unit",
     "clear_failure",
     "discard",
+    "errors",
     "flat_parameters",
     "info",
     "keep_scans",
@@ -40,6 +42,7 @@ __all__ = [
     "read_plan",
     "read_series",
     "sealed_jobs",
+    "spread",
     "start_marker",
     "sweep",
     "take_suspects",

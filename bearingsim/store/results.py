@@ -11,6 +11,7 @@ import numpy as np
 from bearingsim.errors import UserError
 from bearingsim.store.journal import Failure, read_failures
 from bearingsim.store.names import channel_attributes, feature_attributes, parameter_attributes
+from bearingsim.store.spread import spread
 from bearingsim.store.table import info, job_frame, read_plan, table
 from bearingsim.store.units import Series, read_series, unit_path
 
@@ -84,6 +85,10 @@ class Results:
     def info(self) -> "pd.DataFrame":
         """What the solver said of each finished job (step, CPU time, error estimates), indexed by job."""
         return info(self._frame)
+
+    def spread(self, feature: str) -> "pd.DataFrame":
+        """``least`` and ``largest`` (SI) of a feature over what is not known (`uncertainty:`), by job."""
+        return spread(self.plan, self._frame, feature)
 
     def failures(self) -> dict[str, Failure]:
         """Planned jobs that failed, by id, with reason, advice and traceback."""

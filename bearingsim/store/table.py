@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from bearingsim.store.files import lock, sealing, unit_files, write_text
 from bearingsim.store.journal import read_failures
 from bearingsim.store.names import in_feature_order
+from bearingsim.store.spread import errors
 from bearingsim.store.units import GROUPS, LIBVER, TEXT, UNREADABLE, read_columns, write_columns, write_jobs
 
 if TYPE_CHECKING:
@@ -44,8 +45,17 @@ def write_plan(root: Path, study: "Study", jobs: Iterable["Job"]) -> None:
         "units": dict(study.units),
         "figures": [asdict(figure) for figure in study.figures],
         "jobs": [
-            {"job": job.id, "healthy": job.healthy, "twin": job.is_baseline, "swept": dict(job.swept)}
+            {
+                "job": job.id,
+                "healthy": job.healthy,
+                "twin": job.is_baseline,
+                "variation": job.is_variation,
+                "swept": dict(job.swept),
+            }
             for job in jobs
+        ],
+        "variations": [
+            {"of": one.of, "what": one.what, "value": one.value, "job": one.job.id} for one in study.variations()
         ],
     }
     write_text(root / "study.yaml", study.text)
@@ -86,11 +96,18 @@ def build_table(root: Path) -> "pd.DataFrame":
 
 
 def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
-    """One row per job: ``job``, swept paths (SI), features, status, reason, seconds, healthy, unit."""
+    """One row per job: ``job``, swept paths (SI), features, status, reason, seconds, healthy, unit.
+
+    Variations (``store/spread.py``) have no row: they are in the columns `error.*` of those they vary.
+    """
     import pandas as pd
 
-    swept = pd.DataFrame([entry["swept"] for entry in plan["jobs"]], index=frame.index)
+    ours = [entry for entry in plan["jobs"] if not entry.get("variation")]
+    spreads = errors(plan, frame)
+    frame = frame.loc[[entry["job"] for entry in ours]]
+    swept = pd.DataFrame([entry["swept"] for entry in ours], index=frame.index)
     features = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
+    features = pd.concat([features, spreads.reindex(frame.index)], axis=1)
     features = features[in_feature_order(features.columns)]
     seconds = frame["info/cpu_s"] if "info/cpu_s" in frame else pd.Series(np.nan, frame.index)
     rest = pd.DataFrame({"status": frame["status"], "reason": frame["reason"], "seconds": seconds})

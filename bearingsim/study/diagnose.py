@@ -14,7 +14,7 @@ from bearingsim.study.paths import known_paths, label
 from bearingsim.text.units import EXPECTED, suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, plain, problem
 
-STUDY_KEYS = ("study", "figures", "sweep", "quick")
+STUDY_KEYS = ("study", "figures", "sweep", "quick", "uncertainty")
 
 Found = dict[tuple[Mark, str, str], Problem]
 """Problems by place, path and kind: of the same one met in many cases the first is kept."""

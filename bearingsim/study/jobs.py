@@ -8,6 +8,7 @@ from typing import Any
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
+from bearingsim.study.uncertainty import USUAL, Uncertain, sampled, variations
 from bearingsim.study.used import used
 
 
@@ -29,7 +30,7 @@ class Job:
     """One simulation of a study: its id, its swept values (SI, or words), and its healthy baseline's id.
 
     `healthy` is None for a bearing without defects, which is its own baseline; `is_baseline` tells a
-    job that is there only to be compared with.
+    job that is there only to be compared with, `is_variation` one that shows what the unknown does to another.
     """
 
     id: str
@@ -37,6 +38,17 @@ class Job:
     swept: dict[str, float | str]
     healthy: str | None
     is_baseline: bool = False
+    is_variation: bool = False
+
+
+@dataclass(frozen=True)
+class Variation:
+    """A job with another value (SI) of what is not known; `of`: the id of the job it is compared with."""
+
+    of: str
+    what: str
+    value: float
+    job: Job
 
 
 @dataclass(frozen=True)
@@ -55,13 +67,20 @@ class Study:
     units: dict[str, str]
     swept_cases: tuple[tuple[Case, dict[str, float | str]], ...] = field(repr=False)
     notes: tuple[str, ...] = ()
+    uncertainty: tuple[Uncertain, ...] | None = None
 
     def cases(self) -> list[Case]:
         """The swept cases, in order: the last entry of `sweep` changes fastest."""
         return [case for case, _ in self.swept_cases]
 
     def jobs(self) -> list[Job]:
-        """Every job once: the cases first, then the healthy baselines they are compared with."""
+        """Every job once: the cases, the healthy baselines they are compared with, then what is varied of them."""
+        found = {job.id: job for job in self.planned()}
+        varied = {one.job.id: one.job for one in self.variations()}
+        return [*found.values(), *(job for key, job in varied.items() if key not in found)]
+
+    def planned(self) -> list[Job]:
+        """The cases, then the healthy baselines they are compared with."""
         jobs: dict[str, Job] = {}
         twins: dict[str, Job] = {}
         for case, swept in self.swept_cases:
@@ -71,6 +90,18 @@ class Study:
             if twin:
                 twins.setdefault(twin.id, twin)
         return list((jobs | {key: twin for key, twin in twins.items() if key not in jobs}).values())
+
+    def variations(self) -> list[Variation]:
+        """What is varied of the cases: of all by `uncertainty`, or of a few if the study does not speak of it."""
+        if self.uncertainty is not None:
+            cases, uncertain = self.cases(), self.uncertainty
+        else:
+            cases, uncertain = sampled(self.cases(), len(self.planned())), (USUAL,)
+        return [
+            Variation(case_id(case), what, value, Job(case_id(varied), varied, {}, None, is_variation=True))
+            for case in cases
+            for what, value, varied in variations(case, uncertain)
+        ]
 
 
 def case_id(case: Case) -> str:

@@ -17,6 +17,7 @@ from bearingsim.study.figures import check_known, parse_figures
 from bearingsim.study.jobs import Study, case_id
 from bearingsim.study.paths import dimension, parse_path, put, value_at
 from bearingsim.study.sweep import Axis, is_sweep, parse_sweep, replaced, rows_of, single_axis, written_paths
+from bearingsim.study.uncertainty import parse_uncertainty
 from bearingsim.text.units import UnitError, split
 from bearingsim.text.units import parse as quantity
 from bearingsim.text.yamlfile import (
@@ -56,6 +57,7 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     plans = [_Plan.of(root, FilePath(path).parent, given, reduced) for reduced in modes]
     cases = [plan.cases() for plan in plans]
     swept = {path: None for plan in plans for axis in plan.axes for path in axis.paths}
+    uncertain = parse_uncertainty(root.mapping.get("uncertainty"), problems)
     figures = parse_figures(root.mapping.get("figures"), swept, problems)
     name = _name(root, problems)
     if all(cases):
@@ -66,7 +68,8 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
         raise StudyError(_in_order(problems, str(path)))
     reduced = quick and "quick" in root.mapping
     chosen = -1 if reduced else 0
-    return Study(name, str(path), text, given, reduced, figures, plans[chosen].units(), tuple(cases[chosen]), told)
+    units, swept_cases = plans[chosen].units(), tuple(cases[chosen])
+    return Study(name, str(path), text, given, reduced, figures, units, swept_cases, told, uncertain)
 
 
 def _texts(overrides: Mapping[str, str]) -> dict[str, str]:

@@ -6,6 +6,7 @@ from bearingsim.config import Case
 from bearingsim.config.case import LAWS
 from bearingsim.study.figures import DRAWN
 from bearingsim.study.sweep import GENERATORS
+from bearingsim.study.uncertainty import NONE, UNKNOWNS
 
 _WORDS = {"type": ["string", "array"], "items": {"type": "string"}}
 
@@ -18,6 +19,7 @@ def json_schema() -> dict[str, Any]:
         "study": {"type": "string", "description": "name of the study: letters, digits, - _ ."},
         "figures": {"type": "array", "items": _figure()},
         "sweep": _sweep(),
+        "uncertainty": _uncertainty(),
         "quick": {"type": "object", "properties": fields | {"sweep": _sweep()}},
     }
     return {
@@ -45,6 +47,16 @@ def _case_fields(case: dict[str, Any]) -> dict[str, Any]:
     for name in ("ramp", "drag", "shaft", "unbalance"):
         fields[name] = {"anyOf": [{"const": "none"}, fields[name]]}
     return fields | {"defect": {"$ref": "#/$defs/Defect"}}
+
+
+def _uncertainty() -> dict[str, Any]:
+    values = {"type": "array", "items": {"type": ["string", "number"]}, "minItems": 2}
+    return {
+        "anyOf": [
+            {"const": NONE},
+            {"type": "object", "properties": dict.fromkeys(UNKNOWNS, values), "additionalProperties": False},
+        ]
+    }
 
 
 def _figure() -> dict[str, Any]:

@@ -78,7 +78,9 @@ def _in_old_words(values: dict[str, Any]) -> dict[str, Any]:
 
 def _by_material(case: Case) -> bool:
     """Whether the material's elastic constants enter the contact law (and so they do in any ball's contact)."""
-    return catalogue.LAWS["stiffness"][case.contact.elastic_law].material
+    damping = getattr(case.contact.damping, "law", "")
+    used = catalogue.LAWS["stiffness"][case.contact.elastic_law], catalogue.LAWS["damping"][damping]
+    return any(law.material for law in used)
 
 
 def _by_pressure(case: Case) -> bool:

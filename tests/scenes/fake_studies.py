@@ -63,6 +63,7 @@ class FakeJob:
     swept: dict[str, float | str]
     healthy: str | None
     is_baseline: bool = False
+    is_variation: bool = False
 
 
 @dataclass
@@ -85,6 +86,9 @@ class FakeStudy:
         cases = [FakeCase(w, self.deeds.get(i, ""), self.seconds) for i, w in enumerate(self.widths)]
         jobs = [FakeJob(case_id(case), case, {"defect.width": case.width}, twin_id) for case in cases]
         return [*jobs, FakeJob(twin_id, twin, {}, None, is_baseline=True)]
+
+    def variations(self) -> list[Any]:
+        return []
 
 
 def case_id(case: FakeCase) -> str:

@@ -3,7 +3,7 @@
 from math import isclose, pi
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Tag
+from pydantic import BeforeValidator, Discriminator, Tag, model_validator
 
 from bearingsim.config.fields import (
     Coefficient,
@@ -14,12 +14,29 @@ from bearingsim.config.fields import (
     Percentage,
     PositiveCoefficient,
     PositiveNumber,
+    PressureCoefficient,
     Section,
+    Temperature,
+    Viscosity,
+    described,
+    one_of,
     raise_unknown_word,
     refuse,
     whole,
 )
 from bearingsim.config.sections.laws import laws_of
+from bearingsim.core.laws.oil_viscosity import COLDEST, GRADES, HOTTEST, iso_viscosity
+
+ZERO_CELSIUS = 273.15
+
+
+def _oil(given: Any) -> str:
+    """`VG 68`, whatever its spelling."""
+    word = str(given).upper().replace("ISO", "").replace("VG", "").strip()
+    if not word.isdecimal() or int(word) not in GRADES:
+        known = ", ".join(f"VG {grade}" for grade in GRADES)
+        refuse("word", f"expected an ISO grade such as `VG 68`, got {described(given)}", f"there are {known}")
+    return f"VG {int(word)}"
 
 
 class HuntCrossley(Section):
@@ -38,6 +55,47 @@ class Kraemer(Section):
     def jumps(self, touch_down_stiffness: bool) -> bool:
         """Whether the force jumps as a contact closes: where it is stiff from the start."""
         return self.beta > 0.0 and touch_down_stiffness
+
+
+class Film(Section):
+    """An oil film, and hysteresis in the steel.
+
+    `viscosity` (Pa s) at the inlet, or `oil`, an ISO grade such as `VG 68`, at a `temperature` (K);
+    `pressure_coefficient` of the viscosity (1/Pa); `loss_factor` of the steel. `at`: `low` frequencies, or the
+    rolling element's `own`, of which theory gives an order of magnitude.
+    """
+
+    law: Literal["film"] = "film"
+    viscosity: Viscosity | None = None
+    oil: Annotated[str, BeforeValidator(_oil)] | None = None
+    temperature: Temperature | None = None
+    pressure_coefficient: PressureCoefficient = 2e-8
+    loss_factor: Percentage = 0.015
+    at: Annotated[Literal["low", "own"], one_of("low", "own")] = "low"
+
+    @model_validator(mode="after")
+    def _knows_its_oil(self) -> "Film":
+        if self.viscosity is not None:
+            for name in ("oil", "temperature"):
+                if getattr(self, name) is not None:
+                    refuse("twice", "`viscosity` says it already", "leave one of them out", at=name)
+        elif self.oil is None:
+            hint = "say `viscosity: 30 mPa s`, or `oil: VG 68, temperature: 55 C`"
+            refuse("missing", "`film` needs the oil", hint)
+        elif self.temperature is None:
+            refuse("missing", "an oil needs its temperature, such as `temperature: 55 C`", at="oil")
+        elif not COLDEST <= self.temperature - ZERO_CELSIUS <= HOTTEST:
+            given, known = f"{self.temperature - ZERO_CELSIUS:g} C", f"{COLDEST:g} C to {HOTTEST:g} C"
+            told = f"the viscosity of oils is known from {known}, not at {given}"
+            refuse("bound", told, "say `viscosity`", at="temperature")
+        return self
+
+    @property
+    def inlet_viscosity(self) -> float:
+        """Viscosity (Pa s) of the oil as it comes to the contact."""
+        if self.viscosity is not None:
+            return self.viscosity
+        return iso_viscosity(int(str(self.oil).split()[1]), float(self.temperature or 0.0) - ZERO_CELSIUS)
 
 
 class LossFactor(Section):

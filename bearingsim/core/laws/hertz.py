@@ -5,7 +5,7 @@ Source: K. L. Johnson, Contact Mechanics, Cambridge 1985, sections 4.1 and 4.2.
 """
 
 from math import exp, log, pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 LONGEST_ELLIPSE = 1e4  # ratio of the axes; a longer contact is a line
 
@@ -44,8 +44,8 @@ class PointContact(NamedTuple):
     a: float
     b: float
 
-    def semi_axes(self, Q: float) -> tuple[float, float]:
-        """The longer and the shorter semi-axis (m) of the ellipse under the force ``Q`` (N)."""
+    def semi_axes(self, Q: Any) -> tuple[Any, Any]:
+        """The longer and the shorter semi-axis (m) of the ellipse under the force ``Q`` (N, or an array)."""
         return self.a * Q ** (1.0 / 3.0), self.b * Q ** (1.0 / 3.0)
 
     def pressure(self, Q: float) -> float:

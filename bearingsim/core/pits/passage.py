@@ -1,4 +1,4 @@
-"""One roller, held between two rings that stand still, as it passes a pit: the largest force of its contacts.
+"""One roller, held between two rings that stand still, as it passes a pit, or thrown at one of them.
 
     m x'' = Q_i(delta_i - x) - Q_o(delta_o + x) + C
 
@@ -6,7 +6,7 @@ x: how far (m) the roller has moved outwards; delta_o, delta_i: approaches at re
 other rollers and the rings' masses are left out, so this is an estimate: how hard it may get, before a run.
 """
 
-from math import sqrt
+from math import pi, sqrt
 
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
@@ -52,3 +52,26 @@ def passage_peak(model, d, delta_o, delta_i):
         x += h * v
         t += h
     return peak
+
+
+FIRST_APPROACH = 1e-15  # m: approach at which an impact begins; a dashpot that jumps acts there
+LONGEST_IMPACT_STEP = 1e-7  # s
+IMPACT_STEP = 0.2  # of the time in which damping alone would stop a roller: a step of its impact
+
+
+@jit
+def free_impact(m, law, speed):
+    """A free roller of mass ``m`` (kg) thrown at one race with ``speed`` (m/s).
+
+    Returns the peak force (N) and the largest stiffness (N/m) and damping (N s/m) until it stands still.
+    """
+    longest = min(LONGEST_IMPACT_STEP, 1e-3 * pi * sqrt(m / stiffness_bound(law, 1e-7, 0.0)))
+    delta, v, peak, K, C = FIRST_APPROACH, speed, 0.0, 0.0, 0.0
+    while v > 0.0:
+        peak = max(peak, normal_force(law, delta, v))
+        damping = damping_bound(law, delta, v)
+        K, C = max(K, stiffness_bound(law, delta, v)), max(C, damping)
+        h = min(longest, IMPACT_STEP * m / damping) if damping > 0.0 else longest
+        delta += h * v
+        v -= h * normal_force(law, delta, v) / m
+    return peak, K, C

@@ -11,8 +11,8 @@ from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
 from bearingsim.core.laws.damping.kraemer import Kraemer
 from bearingsim.core.laws.damping.undamped import Undamped
+from bearingsim.core.laws.octaves import cell
 from bearingsim.core.laws.stiffness.interface import elastic
-from bearingsim.core.laws.stiffness.johnson_curve import cell
 from bearingsim.core.laws.stiffness.linear import Linear
 from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
 from tests.scenes.laws import LINE, STEEL, force_of_lanes, slope

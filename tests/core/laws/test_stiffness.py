@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from bearingsim.assemble.contacts import power
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
+from bearingsim.core.laws.octaves import cell
 from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
-from bearingsim.core.laws.stiffness.johnson_curve import cell
 from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.laws.stiffness.power_law import PowerLaw
 from bearingsim.core.laws.stiffness.ten_ninths import TenNinths, iso16281, ninth_root, palmgren

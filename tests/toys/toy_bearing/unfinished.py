@@ -38,5 +38,5 @@ def _damping_bound(contact, delta, v):
     return contact.c
 
 
-def build(section, stiffness):
+def build(case, section, stiffness, on_outer):
     return Unfinished(stiffness, section.c)

@@ -47,5 +47,5 @@ def _damping_bound(contact, delta, v):
     return SHARE * contact.c
 
 
-def build(section, stiffness):
+def build(case, section, stiffness, on_outer):
     return Viscous(stiffness, section.c)

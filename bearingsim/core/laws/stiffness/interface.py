@@ -6,7 +6,9 @@ which calls the library's power.
 
 from typing import Any
 
-from bearingsim.core.jit import generic
+import numpy as np
+
+from bearingsim.core.jit import generic, jit
 
 SHALLOWEST = 1e-12  # m: approach below which a slope that is infinite at touch-down is taken there
 
@@ -24,3 +26,12 @@ def tangent(law: Any, delta: float) -> float:
 @generic
 def curvature(law: Any, delta: float) -> float:
     """Slope of the tangent stiffness, d2Q/d(delta)2 (N/m^2), at approach ``delta`` >= 0 (m)."""
+
+
+@jit
+def curve(law: Any, delta: Any) -> tuple[Any, Any]:
+    """Elastic forces (N) and stiffnesses (N/m) at approaches ``delta`` (n,) > 0 (m)."""
+    Q, k = np.empty_like(delta), np.empty_like(delta)
+    for i in range(len(delta)):
+        Q[i], k[i] = elastic(law, delta[i]), tangent(law, delta[i])
+    return Q, k

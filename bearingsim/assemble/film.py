@@ -1,0 +1,97 @@
+"""The damping law `film`: an oil film between rolling element and race, and hysteresis, as a table.
+
+``core/laws/oil_film.py`` says what a film does under a load; here that becomes a damping over the approach, with
+the elastic law in use. Speeds are those of the case at its start, without slip.
+"""
+
+from functools import lru_cache
+from math import pi
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+
+from bearingsim.assemble.geometry import inner_radius, outer_radius
+from bearingsim.config import Case, Film
+from bearingsim.core.laws.damping.tabulated import Tabulated
+from bearingsim.core.laws.hertz import PointContact, effective_modulus
+from bearingsim.core.laws.octaves import tabulate
+from bearingsim.core.laws.oil_film import OiledLine, ball_as_strip, entrainment_speed, film_damping, hysteresis
+from bearingsim.core.laws.stiffness.interface import curve
+from bearingsim.core.pits.pairs import inner_reduced_radius, outer_reduced_radius
+
+DEEPEST = 1e-4  # m: beyond it the damping is that at this approach; no bearing is pressed so far
+DIFFERENCE = 1e-5  # of the approach, over which the slope is taken
+LINE, STRIP = 0.5, 1.0 / 3.0  # powers of the load with which the half widths of rollers and of balls grow
+
+
+class OiledContact(NamedTuple):
+    """What the damping of one contact depends on.
+
+    stiffness, other: the elastic laws of this race and of the other; point: of a ball, else None; line: of a
+    roller (for a ball its length and radius are not used); mass: of the element (kg).
+    """
+
+    stiffness: Any
+    other: Any
+    point: PointContact | None
+    line: OiledLine
+    mass: float
+    loss_factor: float
+    own_frequency: bool
+
+
+def film(case: Case, stiffness: Any, other: Any, point: PointContact | None, on_outer: bool) -> Tabulated:
+    """The law of one race; point: the contact of a ball, None of a roller."""
+    b, section = case.bearing, cast(Film, case.contact.damping)
+    reduced, race = (outer_reduced_radius, outer_radius) if on_outer else (inner_reduced_radius, inner_radius)
+    line = OiledLine(
+        L=float(b.roller_length or 0.0),
+        R=reduced(b.roller_diameter / 2.0, race(case)),
+        E_star=effective_modulus(b.material.young_modulus, b.material.poisson_ratio),
+        eta=section.inlet_viscosity,
+        alpha=section.pressure_coefficient,
+        u=entrainment_speed(case.speed, b.pitch_diameter, b.roller_diameter),
+    )
+    own = section.at == "own"
+    contact = OiledContact(stiffness, other, point, line, b.element_mass, section.loss_factor, own)
+    return Tabulated(stiffness, table(contact, repr(contact)))
+
+
+@lru_cache(maxsize=64)
+def table(contact: OiledContact, named: str) -> np.ndarray:
+    """Table of c (N s/m) over the approach (m), remembered; ``named`` tells equal tuples apart."""
+
+    def with_slope(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        delta = np.minimum(y, DEEPEST)
+        less, more = (damping(contact, delta * (1.0 + sign * DIFFERENCE)) for sign in (-1.0, 1.0))
+        flat = y > DEEPEST
+        return damping(contact, delta), np.where(flat, 0.0, (more - less) / (2.0 * DIFFERENCE * delta))
+
+    found = tabulate(with_slope)
+    found.flags.writeable = False
+    return found
+
+
+def damping(contact: OiledContact, delta: np.ndarray) -> np.ndarray:
+    """c (N s/m) at approaches ``delta`` (m): of the film at the load there, and of hysteresis."""
+    Q, k = curve(contact.stiffness, delta)
+    omega = own_frequency(contact, Q, k)
+    line, growth = oiled_line(contact, Q)
+    c = film_damping(Q, k, line, omega if contact.own_frequency else 0.0, growth)
+    return c + hysteresis(k, omega, contact.loss_factor)
+
+
+def own_frequency(contact: OiledContact, Q: np.ndarray, k: np.ndarray) -> np.ndarray:
+    """Angular frequency (rad/s) of the element between its races, both under the loads ``Q`` (N)."""
+    loads, stiffnesses = curve(contact.other, np.logspace(-12.0, -3.0, 400))
+    beyond = np.exp(np.interp(np.log(Q), np.log(loads), np.log(stiffnesses)))
+    return np.sqrt((k + beyond) / contact.mass)
+
+
+def oiled_line(contact: OiledContact, Q: np.ndarray) -> tuple[OiledLine, float]:
+    """The oiled line of the contact under the loads ``Q`` (N), and the power with which its half width grows."""
+    if contact.point is None:
+        return contact.line, LINE
+    a, b = contact.point.semi_axes(Q)
+    L, R = ball_as_strip(a, b, 1.5 * Q / (pi * a * b), contact.line.E_star)
+    return contact.line._replace(L=L, R=R), STRIP

@@ -1,0 +1,45 @@
+"""Damping that is any function of the approach: Q = Q_e + c(delta) v."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.octaves import slope, value
+from bearingsim.core.laws.stiffness.interface import elastic, tangent
+
+
+class Tabulated(NamedTuple):
+    """Damping c (N s/m) by a table over the approach (``laws/octaves.py``), for 15 pm to 16 mm.
+
+    c goes to zero with the approach: the force does not jump as a contact closes. Loops over rollers lose their
+    vector lanes, since the compiler cannot know that a table is not written to.
+    """
+
+    stiffness: Any
+    table: np.ndarray
+
+
+@normal_force.register(Tabulated)
+def _force(contact, delta, v):
+    d = max(delta, 0.0)
+    return max(elastic(contact.stiffness, d) + value(contact.table, d) * v, 0.0)
+
+
+@slopes.register(Tabulated)
+def _slopes(contact, delta, v):
+    d = max(delta, 0.0)
+    c = value(contact.table, d)
+    pressing = 1.0 if delta > 0.0 else 0.0
+    pressing = pressing if elastic(contact.stiffness, d) + c * v > 0.0 else 0.0
+    return pressing * (tangent(contact.stiffness, d) + slope(contact.table, d) * v), pressing * c
+
+
+@stiffness_bound.register(Tabulated)
+def _stiffness_bound(contact, delta, v):
+    return tangent(contact.stiffness, delta) + max(slope(contact.table, delta) * v, 0.0)
+
+
+@damping_bound.register(Tabulated)
+def _damping_bound(contact, delta, v):
+    return value(contact.table, delta)

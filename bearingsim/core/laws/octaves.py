@@ -1,0 +1,67 @@
+"""Tables of a function of one positive number: cubic pieces on a grid of 32 cells to the octave.
+
+The cell of a number is read off its exponent bits: no logarithm, no search. A table is flat: the four coefficients
+of each cell in turn, in powers of the distance from the cell's left end. Below FLOOR there is one cell, from the
+origin (where the function is 0) on; above CEILING a straight line.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from bearingsim.core.jit import jit
+
+FIRST, LAST = -36, -6  # octaves of the table
+CELL_BITS = 5
+CELLS = 1 << CELL_BITS  # to an octave
+FLOOR, CEILING = 2.0**FIRST, 2.0**LAST
+COEFFICIENTS = 4
+_SHIFT = 52 - CELL_BITS  # bits of a double below those that name its cell
+_BELOW_FLOOR = ((1023 + FIRST) << CELL_BITS) - 1  # cell 0 reaches from the origin to FLOOR
+
+
+def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
+    """The table of a function that gives values and slopes at many numbers: Hermite's cubics between them."""
+    octaves = 2.0 ** np.arange(FIRST, LAST)
+    y = np.append(np.outer(octaves, 1.0 + np.arange(CELLS) / CELLS).ravel(), CEILING)
+    x, slope = function(y)
+    h, rise = np.diff(y), np.diff(x)
+    second = (3.0 * rise / h - 2.0 * slope[:-1] - slope[1:]) / h
+    third = (slope[:-1] + slope[1:] - 2.0 * rise / h) / h**2
+    inside = np.stack([x[:-1], slope[:-1], second, third], axis=1)
+    mean = x[0] / y[0]
+    first = [0.0, 2.0 * mean - slope[0], (slope[0] - mean) / y[0], 0.0]
+    last = [x[-1], slope[-1], 0.0, 0.0]
+    return np.vstack([first, inside, last]).ravel()
+
+
+@jit
+def cell(y):
+    """Where the coefficients of the cell of ``y`` begin, and the distance of ``y`` from the cell's left end."""
+    inside = min(max(FLOOR, y), CEILING)  # in this order NaN finds a cell, and stays in the distance
+    number = np.float64(inside).view(np.int64) >> _SHIFT
+    left = np.int64(number << _SHIFT).view(np.float64)
+    low = y < FLOOR
+    first = 0 if low else COEFFICIENTS * (number - _BELOW_FLOOR)
+    return first, y - (0.0 if low else left)
+
+
+@jit
+def value(table, y):
+    """The function at ``y`` >= 0."""
+    k, s = cell(y)
+    return table[k] + s * (table[k + 1] + s * (table[k + 2] + s * table[k + 3]))
+
+
+@jit
+def slope(table, y):
+    """The slope of ``value``."""
+    k, s = cell(y)
+    return table[k + 1] + s * (2.0 * table[k + 2] + s * (3.0 * table[k + 3]))
+
+
+@jit
+def bend(table, y):
+    """The slope of ``slope``; it jumps a little from cell to cell."""
+    k, s = cell(y)
+    return 2.0 * table[k + 2] + s * (6.0 * table[k + 3])

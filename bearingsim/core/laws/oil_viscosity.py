@@ -1,0 +1,65 @@
+"""Viscosity of mineral oils by ISO grade and temperature. Plain Python, nothing compiled.
+
+Sources: ISO 3448 (grades), ISO 2909 (viscosity index), ASTM D341 (viscosity over temperature), API MPMS 11.1
+(density over temperature).
+"""
+
+from math import exp, log10
+
+GRADES = {  # ISO 3448: kinematic viscosity, mm2/s, at 40 C (its middle) and at 100 C with viscosity index 95
+    2: (2.2, 0.98),
+    3: (3.2, 1.26),
+    5: (4.6, 1.60),
+    7: (6.8, 2.064),
+    10: (10.0, 2.637),
+    15: (15.0, 3.381),
+    22: (22.0, 4.254),
+    32: (32.0, 5.289),
+    46: (46.0, 6.645),
+    68: (68.0, 8.530),
+    100: (100.0, 11.07),
+    150: (150.0, 14.55),
+    220: (220.0, 18.75),
+    320: (320.0, 23.96),
+    460: (460.0, 30.35),
+    680: (680.0, 39.06),
+    1000: (1000.0, 49.84),
+    1500: (1500.0, 64.22),
+    2200: (2200.0, 81.18),
+    3200: (3200.0, 101.6),
+}
+COLDEST, HOTTEST = -20.0, 150.0  # C
+DENSITY_15 = 880.0  # kg/m3 at 15 C
+
+
+def iso_viscosity(grade: int, celsius: float) -> float:
+    """Viscosity (Pa s) of a mineral oil of the ISO VG ``grade`` and viscosity index 95 at a temperature in C.
+
+    Walther's equation as in ASTM D341, log10 log10(nu + 0.7) = A - B log10 T, nu in mm2/s, T in K, through the
+    grade's viscosity at 40 C and the one at 100 C that ISO 2909 (ASTM D2270, procedure A) gives the index 95 by
+    linear interpolation of its table. Under 2 mm2/s there is no index: the values of VG 2, 3 and 5 at 100 C go on
+    with the slope B of VG 7 and 10, and nu + 0.7 is 2 % short. An oil may differ from the middle of its grade by
+    10 %. Raises ValueError for other grades and outside -20 .. 150 C: colder, wax and the pour point make oils
+    depart from the straight line, hotter they do not last.
+    """
+    if grade not in GRADES:
+        raise ValueError(f"ISO VG {grade} is no grade of ISO 3448, which has {', '.join(map(str, GRADES))}")
+    if not COLDEST <= celsius <= HOTTEST:
+        raise ValueError(f"viscosity at {celsius} C: known from {COLDEST:g} to {HOTTEST:g} C")
+    return walther(*GRADES[grade], celsius) * 1e-6 * oil_density(celsius)
+
+
+def walther(nu_40: float, nu_100: float, celsius: float) -> float:
+    """Kinematic viscosity (mm2/s) at a temperature on the line of ASTM D341 through those at 40 and 100 C."""
+    at_40, at_100 = (log10(log10(nu + 0.7)) for nu in (nu_40, nu_100))
+    T, T_40, T_100 = (log10(c + 273.15) for c in (celsius, 40.0, 100.0))
+    return float(10.0**10.0 ** (at_40 + (at_100 - at_40) * (T - T_40) / (T_100 - T_40)) - 0.7)
+
+
+def oil_density(celsius: float) -> float:
+    """Density (kg/m3) of a mineral oil that has 880 at 15 C (oils: 850 to 900).
+
+    API MPMS 11.1 (ASTM D1250), lubricating oils: rho_15 exp(-a t (1 + 0.8 a t)), a = 0.6278/rho_15 per K.
+    """
+    a_t = 0.6278 / DENSITY_15 * (celsius - 15.0)
+    return DENSITY_15 * exp(-a_t * (1.0 + 0.8 * a_t))

@@ -1,0 +1,49 @@
+"""What is said at the end of a run of what is not known of the bearing: how far it moves the results."""
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from bearingsim.runner.progress import duration
+from bearingsim.store import errors
+from bearingsim.study.uncertainty import UNKNOWNS, USUAL
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["examined"]
+
+BRIEFLY = {"": "the line", ".rms": "the RMS", ".force": "the largest force"}
+
+
+def examined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
+    """How far the unknown moves the results of some jobs; of damping, if it was not tried, what that would take.
+
+    plan: of ``store.read_plan``; frame: of ``store.build_table``.
+    """
+    found, values = errors(plan, frame), dict[str, list[float]]()
+    for one in plan["variations"]:
+        values.setdefault(one["what"], []).append(one["value"])
+    for what, tried in values.items():
+        columns = {text: f"error.{what}{ending}" for ending, text in BRIEFLY.items()}
+        known = {text: found[name].dropna() for text, name in columns.items() if name in found}
+        moved = ", ".join(f"{text} by {100.0 * column.max():.2g} %" for text, column in known.items())
+        if moved:
+            jobs = max(len(column) for column in known.values())
+            most = f" (at most, of {jobs} jobs)" if jobs > 1 else ""
+            yield f"{what} of {UNKNOWNS[what].range_text(tried)} moves {moved}{most}"
+    if "damping" not in values:
+        yield from _unexamined(plan, frame)
+
+
+def _unexamined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
+    cases = [entry["job"] for entry in plan["jobs"] if not entry["twin"] and not entry["variation"]]
+    if "info/damping_time_s" not in frame or "info/cpu_s" not in frame:
+        return
+    damped = frame.loc[cases][frame.loc[cases]["info/damping_time_s"].notna()]
+    if len(damped):
+        tried = len(USUAL.values)
+        time = duration(tried * float(damped["info/cpu_s"].sum()))
+        yield (
+            f"damping not examined: `uncertainty: {{damping: {UNKNOWNS['damping'].example}}}` would, with"
+            f" {tried * len(damped)} jobs more and {time} of CPU time"
+        )

@@ -1,0 +1,95 @@
+"""What is not known of a bearing, and what it does to its results: the jobs of `uncertainty:` beside their own.
+
+A value found in a chaotic motion is one draw of many: it counts with its standard error to both sides.
+"""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from bearingsim.config.names import ERRORS, FAULT_LINES
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["errors", "spread"]
+
+STANDARD_DEVIATIONS = 2.5  # that `rms_scatter` stands for
+
+
+def spread(
+    plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str, what: str | None = None
+) -> "pd.DataFrame":
+    """``least`` and ``largest`` of a feature (SI) among a job and its variations of ``what`` (or of all).
+
+    frame: of ``job_frame``. Indexed by the jobs that have a variation with a result; ``chaotic``: whether one of
+    the motions is.
+    """
+    import pandas as pd
+
+    columns = ["least", "largest", "chaotic"]
+    entries = [one for one in plan.get("variations", ()) if what is None or one["what"] == what]
+    name = f"features/{feature}"
+    if not entries or name not in frame:
+        return pd.DataFrame(columns=columns)
+    pairs = pd.DataFrame([(one["of"], one["job"]) for one in entries], columns=["of", "job"])
+    pairs = pairs[frame[name].reindex(pairs["job"]).notna().to_numpy()]
+    own = pd.DataFrame({"of": pairs["of"].unique(), "job": pairs["of"].unique()})
+    pairs = pd.concat([own, pairs], ignore_index=True)
+    value = frame[name].reindex(pairs["job"]).to_numpy()
+    beside = standard_error(frame, feature).reindex(pairs["job"]).to_numpy()
+    pairs = pairs.assign(least=value - beside, largest=value + beside)
+    pairs["chaotic"] = _chaotic(frame).reindex(pairs["job"]).to_numpy()
+    found = pairs.groupby("of", sort=False).agg({"least": "min", "largest": "max", "chaotic": "any"})
+    return found.assign(least=found["least"].clip(lower=0.0)) if value.min() >= 0.0 else found
+
+
+def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
+    """How far off one draw of a chaotic motion may be (SI); 0 where it is not chaotic, or nothing tells."""
+    import numpy as np
+    import pandas as pd
+
+    found = pd.Series(0.0, frame.index)
+    if f"features/{feature}-scatter" in frame:
+        found = frame[f"features/{feature}-scatter"]
+    elif feature.endswith(".rms") and "features/rms_scatter" in frame:
+        found = frame["features/rms_scatter"] / STANDARD_DEVIATIONS * frame[f"features/{feature}"]
+    return found.where(_chaotic(frame) & np.isfinite(found), 0.0)
+
+
+def _chaotic(frame: "pd.DataFrame") -> "pd.Series[bool]":
+    import pandas as pd
+
+    return frame["features/chaotic"] == 1.0 if "features/chaotic" in frame else pd.Series(False, frame.index)
+
+
+def errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
+    """(largest - least)/value by job: `error.damping` of the line, `.rms`, `.force`, and so on for all varied."""
+    import pandas as pd
+
+    found = pd.DataFrame(index=frame.index)
+    for what in dict.fromkeys(one["what"] for one in plan.get("variations", ())):
+        for ending in ERRORS:
+            features = _features(frame, ending)
+            parts = [_relative(plan, frame, name, what)[features == name] for name in features.unique()]
+            found[f"error.{what}{ending}"] = pd.concat(parts)
+    return found.dropna(how="all", axis=1)
+
+
+def _features(frame: "pd.DataFrame", ending: str) -> "pd.Series[str]":
+    """Which feature a column of ``ERRORS`` is of, by job: the line that of its first defect."""
+    import pandas as pd
+
+    if ending:
+        return pd.Series({".rms": "velocity.rms", ".force": "outer_force.max"}[ending], frame.index)
+    races = frame.get("parameters/defects.1.race", pd.Series("", frame.index))
+    return "velocity@" + races.map(FAULT_LINES).fillna(FAULT_LINES["outer"])
+
+
+def _relative(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str, what: str) -> "pd.Series[float]":
+    """(largest - least)/value of a feature, NaN for jobs that were not varied."""
+    import numpy as np
+    import pandas as pd
+
+    between = spread(plan, frame, feature, what).reindex(frame.index)
+    value = frame.get(f"features/{feature}", pd.Series(np.nan, frame.index))
+    return (between["largest"] - between["least"]) / value.abs()

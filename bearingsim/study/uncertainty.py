@@ -1,0 +1,147 @@
+"""The `uncertainty:` section: what is not known of a bearing, and jobs that show what it does to the results.
+
+    uncertainty: {damping: [0.5 us, 10 us], clearance: [0 um, 10 um], bracket: [0.5, 2]}
+
+Each job is computed again for each value, all else being equal: `damping` as c/k of `kraemer`, `clearance` as it
+is written, `bracket` as a factor on the stiffness of the bracket. Two values stand for a range, of which three
+are tried. What comes out need not be monotone: the least and the largest result found are no bounds.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import sqrt
+from random import Random
+from typing import Any
+
+from bearingsim.catalogue import MODELS
+from bearingsim.config import Case, Kraemer
+from bearingsim.text.units import Dimension, UnitError, display, parse, suggestion
+from bearingsim.text.yamlfile import Node, Problem, problem
+
+Values = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """Something that is not known: `damping` (s), `clearance` (m) or `bracket` (1), and the values to try."""
+
+    what: str
+    values: Values
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """How a kind of uncertainty is written, and what it does to a case."""
+
+    dimension: Dimension
+    unit: str
+    example: str
+    positive: bool
+    varied: Callable[[Case, float], Case]
+
+    def between(self, low: float, high: float) -> float:
+        """The value between the ends of a range: by ratio where all are positive."""
+        return sqrt(low * high) if self.positive else 0.5 * (low + high)
+
+    def range_text(self, values: Sequence[float]) -> str:
+        """`0.5 to 10 us`."""
+        low, high = (display(pick(values), self.unit, self.dimension) for pick in (min, max))
+        return f"{low:.3g} to {high:.3g} {self.unit}".strip()
+
+
+def _with_damping(case: Case, beta: float) -> Case:
+    contact = case.contact.model_copy(update={"damping": Kraemer(beta=beta)})
+    return case.model_copy(update={"contact": contact})
+
+
+def _with_clearance(case: Case, clearance: float) -> Case:
+    return case.model_copy(update={"clearance": clearance})
+
+
+def _with_bracket(case: Case, factor: float) -> Case:
+    rig = case.rig.model_copy(update={"bracket_stiffness": factor * case.rig.bracket_stiffness})
+    return case.model_copy(update={"rig": rig})
+
+
+UNKNOWNS = {
+    "damping": Unknown("time", "us", "[0.5 us, 10 us]", True, _with_damping),
+    "clearance": Unknown("length", "um", "[0 um, 10 um]", False, _with_clearance),
+    "bracket": Unknown("number", "", "[0.5, 2]", True, _with_bracket),
+}
+NONE = "none"
+USUAL = Uncertain("damping", (0.5e-6, sqrt(5.0) * 1e-6, 10e-6))
+"""What is tried on a few jobs of a study that says nothing: c/k of a lubricated contact, without its extremes."""
+SAMPLED_JOBS = 3
+LARGEST_PART = 0.1
+"""Of a study's jobs: what may be added without being asked for."""
+
+
+def parse_uncertainty(section: Node | None, problems: list[Problem]) -> tuple[Uncertain, ...] | None:
+    """What a study says is not known; None if it says nothing."""
+    if section is None:
+        return None
+    if section.value == NONE:
+        return ()
+    if not isinstance(section.value, dict):
+        message = "uncertainty: expected a mapping such as `{damping: [0.5 us, 10 us]}`, or `none`"
+        problems.append(problem(section.mark, message))
+    found = [_uncertain(what, node, problems) for what, node in section.mapping.items()]
+    return tuple(one for one in found if one is not None)
+
+
+def _uncertain(what: str, node: Node, problems: list[Problem]) -> Uncertain | None:
+    known = UNKNOWNS.get(what)
+    if known is None:
+        near = suggestion(what, list(UNKNOWNS)) or f"known: {', '.join(UNKNOWNS)}"
+        problems.append(problem(node.key or node.mark, f"uncertainty: unknown key `{what}`", near))
+        return None
+    if len(node.items) < 2:
+        message = f"uncertainty.{what}: expected a list of two values or more, such as `{known.example}`"
+        problems.append(problem(node.mark, message))
+        return None
+    values = [_value(what, known, item, problems) for item in node.items]
+    if any(value is None for value in values):
+        return None
+    ends = sorted(value for value in values if value is not None)
+    if ends[0] == ends[-1]:
+        problems.append(problem(node.mark, f"uncertainty.{what}: the values are all the same"))
+        return None
+    if len(ends) == 2:
+        ends.insert(1, known.between(*ends))
+    return Uncertain(what, tuple(ends))
+
+
+def _value(what: str, known: Unknown, item: Node, problems: list[Problem]) -> float | None:
+    try:
+        value = parse(item.text, known.dimension)
+    except UnitError as error:
+        problems.append(problem(item.mark, f"uncertainty.{what}: {error}"))
+        return None
+    if known.positive and value <= 0.0:
+        problems.append(problem(item.mark, f"uncertainty.{what}: expected a value above zero, got `{item.text}`"))
+        return None
+    return value
+
+
+def sampled(cases: Sequence[Case], jobs: int) -> list[Case]:
+    """The cases of a study of so many ``jobs`` on which ``USUAL`` is tried unasked: a few by seed, or none."""
+    able = [case for case in cases if acts("damping", case)]
+    if len(able) < SAMPLED_JOBS or SAMPLED_JOBS * len(USUAL.values) > LARGEST_PART * jobs:
+        return []
+    return Random(able[0].seed).sample(able, SAMPLED_JOBS)
+
+
+def acts(what: str, case: Case) -> bool:
+    """Whether a case can depend on it."""
+    model: Any = MODELS[case.model]
+    return model.loaded and (what != "damping" or "damping" in model.abilities)
+
+
+def variations(case: Case, uncertain: Sequence[Uncertain]) -> list[tuple[str, float, Case]]:
+    """The case with each value of what is uncertain, one at a time; none of what it cannot depend on."""
+    return [
+        (one.what, value, UNKNOWNS[one.what].varied(case, value))
+        for one in uncertain
+        if acts(one.what, case)
+        for value in one.values
+    ]
