@@ -1,0 +1,308 @@
+"""An independent solution of a lubricated line contact, and of its answer to an oscillation: no code is shared.
+
+The equations (isothermal, Newtonian, smooth, flooded; both surfaces roll at the mean speed u, x along u, so the
+oil comes in at negative x). q is the flow per length, V the rate at which the bodies approach:
+
+    Reynolds      q = u rho h - rho h^3/(12 eta) dp/dx,    dq/dx + d(rho h)/dt = 0
+    gap           h = h_0(t) + x^2/(2 R) - 2/(pi E*) int p(x') ln|x - x'| dx'    (two half-spaces in plane strain)
+    load          int p dx = Q/L
+    ends          p = 0 far upstream; p = dp/dx = 0 where the oil leaves, at a place that is unknown
+    viscosity     Roelands, with the slope alpha at p = 0; density after Dowson and Higginson
+
+Lengths along the film are in half widths b of Hertz's dry strip, gaps in b^2/R, pressures in Hertz's largest.
+
+**Discretisation.** Pressure is linear between nodes, zero at both ends; elastic deformation of such a hat is exact.
+The flow is taken at the middles of the cells. At rest it is the same through all of them, so that the equations
+are "flow through each cell = q" with q unknown. All nodes are scaled with the unknown place of the exit. Newton's
+method solves for pressures, h_0, q and the exit at once.
+
+**Oscillation.** To first order of a small amplitude the condition p = dp/dx = 0 at a moving exit is dp = 0 at the
+exit at rest: there p, its slope and so its change with the exit's place vanish. So the perturbed flow obeys
+
+    d(q)/dx = -i omega d(rho h)
+
+on the cells about the inner nodes with dp = 0 at both ends, a linear system of the complex amplitudes of pressure.
+
+**Series.** The film's approach of two half-spaces has no datum in plane strain. Only the difference to a dry
+contact (Hertz) of the same datum has a meaning: film less dry is a compliance that is put in series with the dry
+contact's 1/k, k from the elastic law in use.
+
+**Convergence.** ``cells`` in the contact against 4 times as many: see the table in tests/core/laws/test_oil_film.py.
+"""
+
+from math import log, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+FAR, GROWTH = 30.0, 1.04  # the inlet, in exits upstream; of the cells towards it
+MARTIN = 4.896  # h_0 = 4.896 eta u R/(Q/L) of rigid cylinders and an isoviscous oil
+EXIT = 0.47541  # and its exit over sqrt(2 R h_0)
+STIFF = 500.0
+GAUSS = np.polynomial.legendre.leggauss(6)
+P_0 = 1.962e8  # Pa, of Roelands' law
+ROELANDS = 9.67  # ln of the viscosity (Pa s) at P_0's pole, changed in sign
+
+
+class Contact(NamedTuple):
+    """What is pressed and what is between: SI units; ``E_star`` = E/(2 (1 - nu^2)), ``u`` mean of both surfaces."""
+
+    Q: float
+    L: float
+    R: float
+    E_star: float
+    eta: float
+    alpha: float
+    u: float
+
+    @property
+    def b(self):
+        return sqrt(4.0 * self.Q * self.R / (pi * self.L * self.E_star))
+
+    @property
+    def hertz(self):
+        return 2.0 * self.Q / (pi * self.b * self.L)
+
+    @property
+    def compliance(self):
+        """Of the scaled approach over the scaled load (pi/2), in m/N."""
+        return self.b / (self.R * self.hertz * self.L)
+
+    @property
+    def gap(self):
+        """Unit of the gap, m."""
+        return self.b**2 / self.R
+
+
+class Film(NamedTuple):
+    """A solution at rest: ``x`` (nodes, m), ``p`` (Pa), ``h`` (m, at the nodes), ``flow`` = rho h/rho_0 at the
+    exit (m: the film that is carried through), and what the oscillation needs."""
+
+    contact: Contact
+    unit: np.ndarray  # nodes over the exit's place
+    unknown: np.ndarray
+    x: np.ndarray
+    p: np.ndarray
+    h: np.ndarray
+    flow: float
+
+    @property
+    def thinnest(self):
+        return self.h.min()
+
+    @property
+    def central(self):
+        """Gap where the pressure is largest: there the flow is u rho h."""
+        return self.h[np.argmax(self.p)]
+
+
+def nodes(cells, far=FAR, growth=GROWTH):
+    """Nodes from ``-far`` to 1, the exit: ``cells`` of even length between -1 and 1, upstream of -1.25 growing."""
+    step, place = 2.0 / cells, [1.0]
+    while place[-1] > -far:
+        step *= growth if place[-1] < -1.25 else 1.0
+        place.append(place[-1] - step)
+    return np.array(place[::-1])
+
+
+def deformation(at, node):
+    """-(1/pi) int ln|x - x'| of each hat of unit height at the inner nodes (a column each), at the places ``at``."""
+
+    def twice(d):  # second integral of ln|d| over d
+        safe = np.where(d == 0.0, 1.0, np.abs(d))
+        return d * d * (0.5 * np.log(safe) - 0.75)
+
+    G = twice(at[:, None] - node[None, :])
+    slope = np.diff(G, axis=1) / np.diff(node)[None, :]
+    return -np.diff(slope, axis=1) / pi
+
+
+class Mesh(NamedTuple):
+    """Matrices on the scaled nodes."""
+
+    unit: np.ndarray
+    middle: np.ndarray
+    at_nodes: np.ndarray  # deformation at the inner nodes
+    at_middles: np.ndarray
+    weight: np.ndarray  # of the inner nodes, for integrals
+
+
+def mesh(unit):
+    middle = (unit[1:] + unit[:-1]) / 2.0
+    weight = (unit[2:] - unit[:-2]) / 2.0
+    return Mesh(unit, middle, deformation(unit[1:-1], unit), deformation(middle, unit), weight)
+
+
+def fluidity(contact, P):
+    """1/eta over 1/eta_0, and d(ln eta)/dP, at the scaled pressure P; negative pressures have the oil's at rest."""
+    p = np.maximum(P, 0.0) * contact.hertz
+    thick = log(contact.eta) + ROELANDS
+    z = contact.alpha * P_0 / thick
+    exponent = thick * (np.power(1.0 + p / P_0, z) - 1.0)
+    slope = thick * z * np.power(1.0 + p / P_0, z - 1.0) * contact.hertz / P_0
+    return np.exp(-np.minimum(exponent, 60.0)), np.where(P > 0.0, slope, 0.0)
+
+
+def mean_fluidity(contact, full):
+    """Mean of 1/eta over each cell, where pressure is linear, and its derivatives by the pressures at its ends."""
+    mean, left, right = 0.0, 0.0, 0.0
+    for place, weight in zip((GAUSS[0] + 1.0) / 2.0, GAUSS[1] / 2.0, strict=True):
+        thin, slope = fluidity(contact, full[:-1] + place * np.diff(full))
+        mean, left, right = (
+            mean + weight * thin,
+            left - weight * (1.0 - place) * thin * slope,
+            right - weight * place * thin * slope,
+        )
+    return mean, left, right
+
+
+def density(contact, P):
+    """rho over rho_0 and its derivative by P: (5.9e8 + 1.34 p)/(5.9e8 + p)."""
+    p = np.maximum(P, 0.0) * contact.hertz
+    slope = 0.34 * 5.9e8 / (5.9e8 + p) ** 2 * contact.hertz
+    return (5.9e8 + 1.34 * p) / (5.9e8 + p), np.where(P > 0.0, slope, 0.0)
+
+
+def gaps(matrix, unit, weight, P, H_0, exit):
+    """Gap at the scaled places ``unit`` of a pressure on a mesh stretched by ``exit``: ln(x s) = ln x + ln s."""
+    return H_0 + (exit * unit) ** 2 / 2.0 + exit * (matrix @ P) - exit * log(exit) / pi * (weight @ P)
+
+
+def flows(contact, m, P, H_0, exit):
+    """Flow through each cell over u b^2/R, with its derivatives by the inner pressures, H_0 and the exit."""
+    lam = 12.0 * contact.eta * contact.u * contact.R**2 / (contact.b**3 * contact.hertz)
+    full = np.concatenate([[0.0], P, [0.0]])
+    cell = np.diff(m.unit)
+    mean, gradient = (full[1:] + full[:-1]) / 2.0, np.diff(full) / (exit * cell)
+    H = gaps(m.at_middles, m.middle, m.weight, P, H_0, exit)
+    thin, thin_left, thin_right = mean_fluidity(contact, full)
+    rho, rho_slope = density(contact, mean)
+    cube = rho * H**3 * thin / lam
+    q = rho * H - cube * gradient
+
+    by_H = rho - 3.0 * rho * H**2 * thin / lam * gradient
+    by_mean = (rho_slope * H - cube * rho_slope / rho * gradient) / 2.0
+    by_left = by_mean - cube / thin * thin_left * gradient + cube / (exit * cell)
+    by_right = by_mean - cube / thin * thin_right * gradient - cube / (exit * cell)
+    n = len(P)
+    by_P = by_H[:, None] * (exit * m.at_middles - exit * log(exit) / pi * m.weight[None, :])
+    i = np.arange(n)
+    by_P[i, i] += by_right[:-1]
+    by_P[i + 1, i] += by_left[1:]
+    H_by_exit = exit * m.middle**2 + m.at_middles @ P - (log(exit) + 1.0) / pi * (m.weight @ P)
+    by_exit = by_H * H_by_exit + cube * gradient / exit
+    return q, by_P, by_H, by_exit
+
+
+def newton(contact, m, P, H_0, q_in, exit, tolerance=1e-9, steps=25):
+    """Pressures, H_0, flow and exit from a first guess; None if it does not converge."""
+    n, load = len(P), pi / 2.0
+    for _ in range(steps):
+        q, by_P, by_H, by_exit = flows(contact, m, P, H_0, exit)
+        end = (m.unit[-1:],)
+        row = deformation(end[0], m.unit)[0]
+        H_end = gaps(row[None, :], m.unit[-1:], m.weight, P, H_0, exit)[0]
+        A, f = np.zeros((n + 3, n + 3)), np.zeros(n + 3)
+        A[: n + 1, :n], A[: n + 1, n], A[: n + 1, n + 1], A[: n + 1, n + 2] = by_P, by_H, -1.0, by_exit
+        f[: n + 1] = q - q_in
+        A[n + 1, :n] = exit * row - exit * log(exit) / pi * m.weight
+        A[n + 1, n], A[n + 1, n + 1] = 1.0, -1.0
+        A[n + 1, n + 2] = exit * m.unit[-1] ** 2 + row @ P - (log(exit) + 1.0) / pi * (m.weight @ P)
+        f[n + 1] = H_end - q_in  # dp/dx = 0
+        A[n + 2, :n], A[n + 2, n + 2] = exit * m.weight, m.weight @ P
+        f[n + 2] = exit * (m.weight @ P) - load
+        try:
+            d = np.linalg.solve(A, -f)
+        except np.linalg.LinAlgError:
+            return None
+        if not np.all(np.isfinite(d)):
+            return None
+        damp = min(
+            1.0,
+            0.3 / np.abs(d[:n]).max(),
+            0.2 * exit / max(abs(d[n + 2]), 1e-300),
+            0.5 * max(q_in, 1e-6) / max(abs(d[n + 1]), 1e-300),
+        )
+        P, H_0, q_in, exit = P + damp * d[:n], H_0 + damp * d[n], q_in + damp * d[n + 1], exit + damp * d[n + 2]
+        if damp == 1.0 and np.abs(d).max() < tolerance * (1 + abs(H_0)):
+            return P, H_0, q_in, exit
+    return None
+
+
+def light(contact):
+    """The contact under a load so small that its bodies stay rigid: the gap is ``STIFF`` b^2/R."""
+    return contact._replace(
+        Q=contact.L * sqrt(MARTIN * contact.eta * contact.u * contact.R * pi * contact.E_star / (4.0 * STIFF))
+    )
+
+
+def rigid(contact, m):
+    """Guess of a rigid contact: P, H_0, flow and exit from dp/dx = 12 eta u (h - h_exit)/h^3, h = h_0 + x^2/(2 R)."""
+    H = STIFF
+    exit = EXIT * sqrt(2.0 * H)
+    gap = H + (exit * m.middle) ** 2 / 2.0
+    slope = (gap - H * (1.0 + EXIT**2)) / gap**3
+    P = np.cumsum(exit * np.diff(m.unit) * slope)[:-1]
+    return P * pi / 2.0 / (exit * m.weight @ P), H, H * (1.0 + EXIT**2), exit
+
+
+def at_rest(contact, cells=100, far=FAR, growth=GROWTH):
+    """The film at rest, by steps of load from a rigid contact; each step is extrapolated from the two before it."""
+    m = mesh(nodes(cells, far, growth))
+    state = light(contact)
+    if contact.Q < state.Q:
+        raise ValueError("so light a contact is rigid")
+    found = newton(state, m, *rigid(state, m))
+    if found is None:
+        raise ArithmeticError("no rigid film")
+    before, ratio, last = None, 1.5, 1.0
+    while state.Q < contact.Q:
+        factor = min(ratio, contact.Q / state.Q)
+        trial = state._replace(Q=contact.Q if factor == contact.Q / state.Q else state.Q * factor)
+        guess = found
+        if before is not None:
+            share = log(factor) / log(last)
+            guess = tuple(new + share * (new - old) for new, old in zip(found, before, strict=True))
+        result = newton(trial, m, *guess)
+        if result is None:
+            ratio = 1.0 + (factor - 1.0) / 2.0
+            before = None if ratio < 1.02 else before
+            if ratio < 1.001:
+                raise ArithmeticError(f"no film at {trial}")
+            continue
+        before, found, last, state = found, result, factor, trial
+        ratio = min(1.0 + 1.5 * (ratio - 1.0), 2.0)
+    return finish(contact, m.unit, found)
+
+
+def finish(contact, unit, found):
+    P, H_0, q, exit = found
+    m = mesh(unit)
+    full = np.concatenate([[0.0], P, [0.0]])
+    h = gaps(deformation(unit, unit), unit, m.weight, P, H_0, exit)
+    return Film(contact, unit, np.append(P, [H_0, exit]), exit * unit * contact.b, full * contact.hertz,
+                h * contact.gap, q * contact.gap)
+
+
+def film_less_dry(film, omega):
+    """Complex compliance (m/N) of the film less that of the dry contact, at each of ``omega`` (rad/s)."""
+    contact, m = film.contact, mesh(film.unit)
+    P, H_0, exit = film.unknown[:-2], film.unknown[-2], film.unknown[-1]
+    _, by_P, by_H, _ = flows(contact, m, P, H_0, exit)
+    H = gaps(m.at_nodes, m.unit[1:-1], m.weight, P, H_0, exit)
+    rho, rho_slope = density(contact, P)
+    H_by_P = exit * m.at_nodes - exit * log(exit) / pi * m.weight[None, :]
+    stored_by_P = exit * m.weight[:, None] * (rho[:, None] * H_by_P + np.diag(rho_slope * H))
+    stored_by_H = exit * m.weight * rho
+    answers = []
+    for w in np.atleast_1d(omega):
+        rate = 1j * w * contact.b / contact.u
+        change = np.linalg.solve(np.diff(by_P, axis=0) + rate * stored_by_P,
+                                 -(np.diff(by_H) + rate * stored_by_H))
+        answers.append(-1.0 / (exit * m.weight @ change) - log(2.0) / pi)
+    return contact.compliance * np.array(answers)
+
+
+def stiffness(film, k, omega):
+    """Complex stiffness (N/m) of the film in series with the dry contact's slope ``k`` (N/m): K + i omega c."""
+    return 1.0 / (1.0 / k + film_less_dry(film, omega))
