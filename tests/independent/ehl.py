@@ -122,7 +122,7 @@ class Mesh(NamedTuple):
 
     unit: np.ndarray
     middle: np.ndarray
-    at_nodes: np.ndarray  # deformation at the inner nodes
+    at_nodes: np.ndarray  # deformation, a row each for all nodes, a column each for the inner ones
     at_middles: np.ndarray
     weight: np.ndarray  # of the inner nodes, for integrals
 
@@ -130,7 +130,15 @@ class Mesh(NamedTuple):
 def mesh(unit):
     middle = (unit[1:] + unit[:-1]) / 2.0
     weight = (unit[2:] - unit[:-2]) / 2.0
-    return Mesh(unit, middle, deformation(unit[1:-1], unit), deformation(middle, unit), weight)
+    return Mesh(unit, middle, deformation(unit, unit), deformation(middle, unit), weight)
+
+
+def carried(m, values):
+    """From all nodes to the middles, by the two nodes upstream of each (the first: by its ends); rows may be long."""
+    cell = np.diff(m.unit)
+    share = (cell[1:] / cell[:-1] / 2.0).reshape((-1,) + (1,) * (values.ndim - 1))
+    first = (values[:1] + values[1:2]) / 2.0
+    return np.concatenate([first, values[1:-1] + share * (values[1:-1] - values[:-2])])
 
 
 def fluidity(contact, P):
@@ -164,68 +172,71 @@ def density(contact, P):
 
 
 def gaps(matrix, unit, weight, P, H_0, exit):
-    """Gap at the scaled places ``unit`` of a pressure on a mesh stretched by ``exit``: ln(x s) = ln x + ln s."""
-    return H_0 + (exit * unit) ** 2 / 2.0 + exit * (matrix @ P) - exit * log(exit) / pi * (weight @ P)
+    """Gap at the places ``unit`` of a mesh stretched by ``exit``, ln(s x) = ln s + ln x, with its derivatives by
+    the pressures and the exit."""
+    by_P = exit * matrix - exit * log(exit) / pi * weight[None, :]
+    by_exit = exit * unit**2 + matrix @ P - (log(exit) + 1.0) / pi * (weight @ P)
+    return H_0 + (exit * unit) ** 2 / 2.0 + by_P @ P, by_P, by_exit
+
+
+class Flow(NamedTuple):
+    """Flow q through each cell over u b^2/R, and what is carried, rho H at the nodes, with their derivatives."""
+
+    q: np.ndarray
+    by_P: np.ndarray
+    by_H: np.ndarray  # by H_0
+    by_exit: np.ndarray
+    held: np.ndarray
+    held_by_P: np.ndarray
+    held_by_H: np.ndarray
+    held_by_exit: np.ndarray
 
 
 def flows(contact, m, P, H_0, exit):
-    """Flow through each cell over u b^2/R, with its derivatives by the inner pressures, H_0 and the exit."""
     lam = 12.0 * contact.eta * contact.u * contact.R**2 / (contact.b**3 * contact.hertz)
     full = np.concatenate([[0.0], P, [0.0]])
-    cell = np.diff(m.unit)
-    mean, gradient = (full[1:] + full[:-1]) / 2.0, np.diff(full) / (exit * cell)
-    H = gaps(m.at_middles, m.middle, m.weight, P, H_0, exit)
+    inner = np.arange(len(P))
+
+    H, H_by_P, H_by_exit = gaps(m.at_nodes, m.unit, m.weight, P, H_0, exit)
+    rho, rho_slope = density(contact, full)
+    held, held_by_P, held_by_exit = rho * H, rho[:, None] * H_by_P, rho * H_by_exit
+    held_by_P[inner + 1, inner] += (rho_slope * H)[1:-1]
+
+    H, H_by_P, H_by_exit = gaps(m.at_middles, m.middle, m.weight, P, H_0, exit)
     thin, thin_left, thin_right = mean_fluidity(contact, full)
-    rho, rho_slope = density(contact, mean)
-    cube = rho * H**3 * thin / lam
-    q = rho * H - cube * gradient
+    dense, dense_slope = density(contact, (full[1:] + full[:-1]) / 2.0)
+    length = exit * np.diff(m.unit)
+    cube, gradient = dense * H**3 * thin / lam, np.diff(full) / length
+    q = carried(m, held) - cube * gradient
+    by_H = -3.0 * cube / H * gradient  # of the pressure's part
+    by_P = carried(m, held_by_P) + by_H[:, None] * H_by_P
+    compress = dense_slope / dense / 2.0
+    by_P[inner, inner] -= (cube * (gradient * (compress + thin_right / thin) + 1.0 / length))[:-1]
+    by_P[inner + 1, inner] -= (cube * (gradient * (compress + thin_left / thin) - 1.0 / length))[1:]
+    by_exit = carried(m, held_by_exit) + by_H * H_by_exit + cube * gradient / exit
+    return Flow(q, by_P, carried(m, rho) + by_H, by_exit, held, held_by_P, rho, held_by_exit)
 
-    by_H = rho - 3.0 * rho * H**2 * thin / lam * gradient
-    by_mean = (rho_slope * H - cube * rho_slope / rho * gradient) / 2.0
-    by_left = by_mean - cube / thin * thin_left * gradient + cube / (exit * cell)
-    by_right = by_mean - cube / thin * thin_right * gradient - cube / (exit * cell)
+
+def newton(contact, m, P, H_0, q, exit, tolerance=1e-9, steps=25):
+    """Pressures, H_0, flow and exit from a guess; None if it does not converge."""
     n = len(P)
-    by_P = by_H[:, None] * (exit * m.at_middles - exit * log(exit) / pi * m.weight[None, :])
-    i = np.arange(n)
-    by_P[i, i] += by_right[:-1]
-    by_P[i + 1, i] += by_left[1:]
-    H_by_exit = exit * m.middle**2 + m.at_middles @ P - (log(exit) + 1.0) / pi * (m.weight @ P)
-    by_exit = by_H * H_by_exit + cube * gradient / exit
-    return q, by_P, by_H, by_exit
-
-
-def newton(contact, m, P, H_0, q_in, exit, tolerance=1e-9, steps=25):
-    """Pressures, H_0, flow and exit from a first guess; None if it does not converge."""
-    n, load = len(P), pi / 2.0
+    A, f = np.zeros((n + 3, n + 3)), np.zeros(n + 3)
+    A[: n + 2, n + 1] = -1.0
     for _ in range(steps):
-        q, by_P, by_H, by_exit = flows(contact, m, P, H_0, exit)
-        end = (m.unit[-1:],)
-        row = deformation(end[0], m.unit)[0]
-        H_end = gaps(row[None, :], m.unit[-1:], m.weight, P, H_0, exit)[0]
-        A, f = np.zeros((n + 3, n + 3)), np.zeros(n + 3)
-        A[: n + 1, :n], A[: n + 1, n], A[: n + 1, n + 1], A[: n + 1, n + 2] = by_P, by_H, -1.0, by_exit
-        f[: n + 1] = q - q_in
-        A[n + 1, :n] = exit * row - exit * log(exit) / pi * m.weight
-        A[n + 1, n], A[n + 1, n + 1] = 1.0, -1.0
-        A[n + 1, n + 2] = exit * m.unit[-1] ** 2 + row @ P - (log(exit) + 1.0) / pi * (m.weight @ P)
-        f[n + 1] = H_end - q_in  # dp/dx = 0
+        flow = flows(contact, m, P, H_0, exit)
+        A[: n + 1, :n], A[: n + 1, n], A[: n + 1, n + 2] = flow.by_P, flow.by_H, flow.by_exit
+        f[: n + 1] = flow.q - q
+        A[n + 1, :n], A[n + 1, n], A[n + 1, n + 2] = flow.held_by_P[-1], 1.0, flow.held_by_exit[-1]
+        f[n + 1] = flow.held[-1] - q  # dp/dx = 0 where the oil leaves
         A[n + 2, :n], A[n + 2, n + 2] = exit * m.weight, m.weight @ P
-        f[n + 2] = exit * (m.weight @ P) - load
-        try:
-            d = np.linalg.solve(A, -f)
-        except np.linalg.LinAlgError:
-            return None
+        f[n + 2] = exit * (m.weight @ P) - pi / 2.0
+        d = np.linalg.solve(A, -f)
         if not np.all(np.isfinite(d)):
             return None
-        damp = min(
-            1.0,
-            0.3 / np.abs(d[:n]).max(),
-            0.2 * exit / max(abs(d[n + 2]), 1e-300),
-            0.5 * max(q_in, 1e-6) / max(abs(d[n + 1]), 1e-300),
-        )
-        P, H_0, q_in, exit = P + damp * d[:n], H_0 + damp * d[n], q_in + damp * d[n + 1], exit + damp * d[n + 2]
-        if damp == 1.0 and np.abs(d).max() < tolerance * (1 + abs(H_0)):
-            return P, H_0, q_in, exit
+        largest = max(np.abs(d[:n]).max() / 0.3, abs(d[n + 2]) / (0.2 * exit), abs(d[n + 1]) / (0.5 * abs(q)), 1.0)
+        P, H_0, q, exit = P + d[:n] / largest, H_0 + d[n] / largest, q + d[n + 1] / largest, exit + d[n + 2] / largest
+        if largest == 1.0 and np.abs(d).max() < tolerance * (1.0 + abs(H_0)):
+            return P, H_0, q, exit
     return None
 
 
@@ -279,27 +290,31 @@ def finish(contact, unit, found):
     P, H_0, q, exit = found
     m = mesh(unit)
     full = np.concatenate([[0.0], P, [0.0]])
-    h = gaps(deformation(unit, unit), unit, m.weight, P, H_0, exit)
-    return Film(contact, unit, np.append(P, [H_0, exit]), exit * unit * contact.b, full * contact.hertz,
-                h * contact.gap, q * contact.gap)
+    h, _, _ = gaps(m.at_nodes, unit, m.weight, P, H_0, exit)
+    return Film(
+        contact,
+        unit,
+        np.append(P, [H_0, exit]),
+        exit * unit * contact.b,
+        full * contact.hertz,
+        h * contact.gap,
+        q * contact.gap,
+    )
 
 
 def film_less_dry(film, omega):
     """Complex compliance (m/N) of the film less that of the dry contact, at each of ``omega`` (rad/s)."""
     contact, m = film.contact, mesh(film.unit)
     P, H_0, exit = film.unknown[:-2], film.unknown[-2], film.unknown[-1]
-    _, by_P, by_H, _ = flows(contact, m, P, H_0, exit)
-    H = gaps(m.at_nodes, m.unit[1:-1], m.weight, P, H_0, exit)
-    rho, rho_slope = density(contact, P)
-    H_by_P = exit * m.at_nodes - exit * log(exit) / pi * m.weight[None, :]
-    stored_by_P = exit * m.weight[:, None] * (rho[:, None] * H_by_P + np.diag(rho_slope * H))
-    stored_by_H = exit * m.weight * rho
+    flow, length = flows(contact, m, P, H_0, exit), exit * m.weight
+    stored_by_P = length[:, None] * flow.held_by_P[1:-1]
+    stored_by_H = length * flow.held_by_H[1:-1]
     answers = []
     for w in np.atleast_1d(omega):
         rate = 1j * w * contact.b / contact.u
-        change = np.linalg.solve(np.diff(by_P, axis=0) + rate * stored_by_P,
-                                 -(np.diff(by_H) + rate * stored_by_H))
-        answers.append(-1.0 / (exit * m.weight @ change) - log(2.0) / pi)
+        left = np.diff(flow.by_P, axis=0) + rate * stored_by_P
+        change = np.linalg.solve(left, -np.diff(flow.by_H) - rate * stored_by_H)
+        answers.append(-1.0 / (length @ change) - log(2.0) / pi)
     return contact.compliance * np.array(answers)
 
 
