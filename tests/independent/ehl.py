@@ -11,23 +11,30 @@ oil comes in at negative x). q is the flow per length, V the rate at which the b
 
 Lengths along the film are in half widths b of Hertz's dry strip, gaps in b^2/R, pressures in Hertz's largest.
 
-**Discretisation.** Pressure is linear between nodes, zero at both ends; elastic deformation of such a hat is exact.
-The flow is taken at the middles of the cells. At rest it is the same through all of them, so that the equations
-are "flow through each cell = q" with q unknown. All nodes are scaled with the unknown place of the exit. Newton's
-method solves for pressures, h_0, q and the exit at once.
+**Discretisation.** Pressure is linear between nodes and zero at both ends, the deformation is exact. Flow is taken
+at the middles of the cells. What the oil carries there, rho h, is extrapolated from the two nodes upstream (rho h
+at the middles themselves would not see a pressure that alternates from node to node); the pressure's part takes
+the mean of 1/eta over the cell. At rest the flow is the same through all cells, q: "flow = q" with q unknown. All
+nodes are scaled with the unknown place of the exit. Newton's method solves for pressures, h_0, q and exit at once.
 
 **Oscillation.** To first order of a small amplitude the condition p = dp/dx = 0 at a moving exit is dp = 0 at the
-exit at rest: there p, its slope and so its change with the exit's place vanish. So the perturbed flow obeys
-
-    d(q)/dx = -i omega d(rho h)
-
-on the cells about the inner nodes with dp = 0 at both ends, a linear system of the complex amplitudes of pressure.
+exit at rest, where p and its slope vanish. The perturbed flow obeys d(q)/dx = -i omega d(rho h) over the cells
+about the inner nodes, dp = 0 at both ends: a linear system of the complex amplitudes of pressure.
 
 **Series.** The film's approach of two half-spaces has no datum in plane strain. Only the difference to a dry
 contact (Hertz) of the same datum has a meaning: film less dry is a compliance that is put in series with the dry
 contact's 1/k, k from the elastic law in use.
 
-**Convergence.** ``cells`` in the contact against 4 times as many: see the table in tests/core/laws/test_oil_film.py.
+**Convergence.** c (N s/m) of slow oscillations and film carried (um) over ``cells``, 12 mm of R = 7.1 mm, 0.03 Pa s,
+20 1/GPa, 2.96 m/s:
+
+    cells    150 N            500 N            3500 N
+    100      941.6  0.6380    1054.5 0.5972    615.4 0.5009
+    200      942.3  0.6382    1053.6 0.5975    612.4 0.5020
+    400      942.2  0.6383    1053.3 0.5976
+
+At 1.7 to 2.0 GPa 100, 200 and 400 cells differ by 1 to 7 %, 0.3 to 1 %. Oscillations whose wave in the film, 2 pi
+u/omega, is shorter than 20 cells are not resolved.
 """
 
 from math import log, pi, sqrt
@@ -37,7 +44,7 @@ import numpy as np
 
 FAR, GROWTH = 30.0, 1.04  # the inlet, in exits upstream; of the cells towards it
 MARTIN = 4.896  # h_0 = 4.896 eta u R/(Q/L) of rigid cylinders and an isoviscous oil
-EXIT = 0.47541  # and its exit over sqrt(2 R h_0)
+EXIT = 0.47513  # and its exit over sqrt(2 R h_0)
 STIFF = 500.0
 GAUSS = np.polynomial.legendre.leggauss(6)
 P_0 = 1.962e8  # Pa, of Roelands' law
@@ -45,7 +52,7 @@ ROELANDS = 9.67  # ln of the viscosity (Pa s) at P_0's pole, changed in sign
 
 
 class Contact(NamedTuple):
-    """What is pressed and what is between: SI units; ``E_star`` = E/(2 (1 - nu^2)), ``u`` mean of both surfaces."""
+    """Bodies and oil, SI units; ``E_star`` = E/(2 (1 - nu^2)), ``u`` mean of both surfaces."""
 
     Q: float
     L: float
@@ -106,7 +113,7 @@ def nodes(cells, far=FAR, growth=GROWTH):
 
 
 def deformation(at, node):
-    """-(1/pi) int ln|x - x'| of each hat of unit height at the inner nodes (a column each), at the places ``at``."""
+    """-(1/pi) int ln|x - x'| of unit hats on the inner nodes (a column each), at the places ``at``."""
 
     def twice(d):  # second integral of ln|d| over d
         safe = np.where(d == 0.0, 1.0, np.abs(d))
@@ -134,7 +141,7 @@ def mesh(unit):
 
 
 def carried(m, values):
-    """From all nodes to the middles, by the two nodes upstream of each (the first: by its ends); rows may be long."""
+    """From all nodes to the middles, by the two nodes upstream of each (the first: by its ends)."""
     cell = np.diff(m.unit)
     share = (cell[1:] / cell[:-1] / 2.0).reshape((-1,) + (1,) * (values.ndim - 1))
     first = (values[:1] + values[1:2]) / 2.0
@@ -142,7 +149,7 @@ def carried(m, values):
 
 
 def fluidity(contact, P):
-    """1/eta over 1/eta_0, and d(ln eta)/dP, at the scaled pressure P; negative pressures have the oil's at rest."""
+    """1/eta over 1/eta_0, and d(ln eta)/dP, at the scaled pressure P; below zero as at zero."""
     p = np.maximum(P, 0.0) * contact.hertz
     thick = log(contact.eta) + ROELANDS
     z = contact.alpha * P_0 / thick
@@ -234,7 +241,12 @@ def newton(contact, m, P, H_0, q, exit, tolerance=1e-9, steps=25):
         if not np.all(np.isfinite(d)):
             return None
         largest = max(np.abs(d[:n]).max() / 0.3, abs(d[n + 2]) / (0.2 * exit), abs(d[n + 1]) / (0.5 * abs(q)), 1.0)
-        P, H_0, q, exit = P + d[:n] / largest, H_0 + d[n] / largest, q + d[n + 1] / largest, exit + d[n + 2] / largest
+        P, H_0, q, exit = (
+            P + d[:n] / largest,
+            H_0 + d[n] / largest,
+            q + d[n + 1] / largest,
+            exit + d[n + 2] / largest,
+        )
         if largest == 1.0 and np.abs(d).max() < tolerance * (1.0 + abs(H_0)):
             return P, H_0, q, exit
     return None
@@ -248,7 +260,7 @@ def light(contact):
 
 
 def rigid(contact, m):
-    """Guess of a rigid contact: P, H_0, flow and exit from dp/dx = 12 eta u (h - h_exit)/h^3, h = h_0 + x^2/(2 R)."""
+    """Guess of a rigid contact: P, H_0, flow, exit: dp/dx = 12 eta u (h - h_exit)/h^3, h = h_0 + x^2/(2 R)."""
     H = STIFF
     exit = EXIT * sqrt(2.0 * H)
     gap = H + (exit * m.middle) ** 2 / 2.0
@@ -258,7 +270,7 @@ def rigid(contact, m):
 
 
 def at_rest(contact, cells=100, far=FAR, growth=GROWTH):
-    """The film at rest, by steps of load from a rigid contact; each step is extrapolated from the two before it."""
+    """The film at rest, by steps of load from a rigid contact; each is extrapolated from the two before."""
     m = mesh(nodes(cells, far, growth))
     state = light(contact)
     if contact.Q < state.Q:
@@ -316,6 +328,38 @@ def film_less_dry(film, omega):
         change = np.linalg.solve(left, -np.diff(flow.by_H) - rate * stored_by_H)
         answers.append(-1.0 / (length @ change) - log(2.0) / pi)
     return contact.compliance * np.array(answers)
+
+
+def loss_in_time(film, omega, amplitude, steps=120, cycles=2):
+    """Energy (J) that the film takes up in the last of ``cycles`` when h_0 swings by ``amplitude`` (m), in time.
+
+    The nonlinear equations by the trapezium rule, exit as at rest, so of a small amplitude.
+    """
+    contact, m = film.contact, mesh(film.unit)
+    P, H_0, exit = film.unknown[:-2], film.unknown[-2], film.unknown[-1]
+    length, half = exit * m.weight, np.pi / omega / steps * contact.u / contact.b
+    rest = flows(contact, m, P, H_0, exit)
+    inverse = np.linalg.inv(length[:, None] * rest.held_by_P[1:-1] + half * np.diff(rest.by_P, axis=0))
+    swing = amplitude / contact.gap
+    held, out, load, loss = rest.held, np.diff(rest.q), length @ P, 0.0
+    for step in range(1, steps * cycles + 1):
+        phase = 2.0 * np.pi * step / steps
+        for _ in range(4):
+            flow = flows(contact, m, P, H_0 + swing * np.sin(phase), exit)
+            P = P - inverse @ (length * (flow.held - held)[1:-1] + half * (np.diff(flow.q) + out))
+        flow = flows(contact, m, P, H_0 + swing * np.sin(phase), exit)
+        before, load = load, length @ P
+        held, out = flow.held, np.diff(flow.q)
+        if step > steps * (cycles - 1):
+            opened = swing * (np.sin(phase) - np.sin(phase - 2.0 * np.pi / steps))
+            loss -= (load + before) / 2.0 * opened
+    return loss * contact.gap * contact.hertz * contact.b * contact.L
+
+
+def damping_of_film(film, omega):
+    """Damping (N s/m) of the force against h_0 itself, deformation by the film's own pressure with it."""
+    with_datum = film_less_dry(film, omega) + film.contact.compliance * log(2.0) / pi
+    return (1.0 / with_datum).imag / omega
 
 
 def stiffness(film, k, omega):
