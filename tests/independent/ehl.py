@@ -25,8 +25,8 @@ about the inner nodes, dp = 0 at both ends: a linear system of the complex ampli
 contact (Hertz) of the same datum has a meaning: film less dry is a compliance that is put in series with the dry
 contact's 1/k, k from the elastic law in use.
 
-**Convergence.** c (N s/m) of slow oscillations and film carried (um) over ``cells``, 12 mm of R = 7.1 mm, 0.03 Pa s,
-20 1/GPa, 2.96 m/s:
+**Convergence.** c (N s/m) of slow oscillations and film carried (um) over ``cells``; L = 12 mm, R = 7.1 mm,
+0.03 Pa s, 20 1/GPa, 2.96 m/s:
 
     cells    150 N            500 N            3500 N
     100      941.6  0.6380    1054.5 0.5972    615.4 0.5009
@@ -330,36 +330,30 @@ def film_less_dry(film, omega):
     return contact.compliance * np.array(answers)
 
 
-def loss_in_time(film, omega, amplitude, steps=120, cycles=2):
-    """Energy (J) that the film takes up in the last of ``cycles`` when h_0 swings by ``amplitude`` (m), in time.
+def loss_in_time(film, k, omega, amplitude, steps=120, cycles=2):
+    """Energy (J) that film and dry contact ``k`` take up together in the last of ``cycles``, in time.
 
-    The nonlinear equations by the trapezium rule, exit as at rest, so of a small amplitude.
+    Their approach swings by ``amplitude`` (m), which must be small: the nonlinear equations, but the exit as at
+    rest, by the trapezium rule. Of the approach the bodies take Q/k, less what the dry contact's datum gave.
     """
     contact, m = film.contact, mesh(film.unit)
     P, H_0, exit = film.unknown[:-2], film.unknown[-2], film.unknown[-1]
-    length, half = exit * m.weight, np.pi / omega / steps * contact.u / contact.b
+    length, half = exit * m.weight, pi / omega / steps * contact.u / contact.b
     rest = flows(contact, m, P, H_0, exit)
-    inverse = np.linalg.inv(length[:, None] * rest.held_by_P[1:-1] + half * np.diff(rest.by_P, axis=0))
-    swing = amplitude / contact.gap
-    held, out, load, loss = rest.held, np.diff(rest.q), length @ P, 0.0
+    bodies = 1.0 / (k * contact.compliance) - log(2.0) / pi
+    by_H = (length * rest.held_by_H[1:-1] + half * np.diff(rest.by_H))[:, None] * bodies * length[None, :]
+    inverse = np.linalg.inv(length[:, None] * rest.held_by_P[1:-1] + half * np.diff(rest.by_P, axis=0) + by_H)
+    swing, at_rest_load = amplitude / contact.gap, length @ P
+    held, out, load, loss, nearer = rest.held, np.diff(rest.q), at_rest_load, 0.0, 0.0
     for step in range(1, steps * cycles + 1):
-        phase = 2.0 * np.pi * step / steps
+        before, last, nearer = load, nearer, swing * np.sin(2.0 * pi * step / steps)
         for _ in range(4):
-            flow = flows(contact, m, P, H_0 + swing * np.sin(phase), exit)
+            flow = flows(contact, m, P, H_0 - nearer + bodies * (length @ P - at_rest_load), exit)
             P = P - inverse @ (length * (flow.held - held)[1:-1] + half * (np.diff(flow.q) + out))
-        flow = flows(contact, m, P, H_0 + swing * np.sin(phase), exit)
-        before, load = load, length @ P
-        held, out = flow.held, np.diff(flow.q)
+        held, out, load = flow.held, np.diff(flow.q), length @ P
         if step > steps * (cycles - 1):
-            opened = swing * (np.sin(phase) - np.sin(phase - 2.0 * np.pi / steps))
-            loss -= (load + before) / 2.0 * opened
+            loss += (load + before - 2.0 * at_rest_load) / 2.0 * (nearer - last)
     return loss * contact.gap * contact.hertz * contact.b * contact.L
-
-
-def damping_of_film(film, omega):
-    """Damping (N s/m) of the force against h_0 itself, deformation by the film's own pressure with it."""
-    with_datum = film_less_dry(film, omega) + film.contact.compliance * log(2.0) / pi
-    return (1.0 / with_datum).imag / omega
 
 
 def stiffness(film, k, omega):

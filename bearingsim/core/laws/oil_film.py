@@ -113,7 +113,7 @@ def film_damping(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, gro
     """Damping c (N s/m) of the contact, beside its elastic law: Q + k x + c dx/dt for a small approach x.
 
     ``Q``: load (N); ``k``: dQ/d(delta) (N/m) there of the elastic law in use; ``omega``: of the oscillation
-    (rad/s), 0 for a slow one. ``growth``: of the half width with the load, b ~ Q^growth, 1/2 for lines, 1/3 for balls
+    (rad/s), 0 for a slow one. ``growth``: of the half width, b ~ Q^growth, 1/2 for lines, 1/3 for balls
     (``ball_as_strip``). Smooth in Q; tends to zero as Q^(3/2) without load.
 
     The sum of ``squeezed`` and ``carried``. Of slow oscillations it is within a factor 1.25 of 9 in 10 solutions.
@@ -196,7 +196,7 @@ def roll_off(omega_T: Number) -> Number:
 
 
 def hysteresis(k: Number, omega: Number, loss_factor: float) -> Number:
-    """Damping (N s/m) of the bodies: c = loss_factor k/omega, a loss of pi loss_factor k X^2 a cycle at any rate."""
+    """Damping (N s/m) of the bodies: c = loss_factor k/omega, losing pi loss_factor k X^2 a cycle at any rate."""
     return loss_factor * k / omega
 
 
@@ -252,10 +252,14 @@ def iso_viscosity(grade: int, celsius: float) -> float:
         raise ValueError(f"ISO VG {grade} is no grade of ISO 3448, which has {', '.join(map(str, GRADES))}")
     if not COLDEST <= celsius <= HOTTEST:
         raise ValueError(f"viscosity at {celsius} C: known from {COLDEST:g} to {HOTTEST:g} C")
-    at_40, at_100 = (log10(log10(nu + 0.7)) for nu in GRADES[grade])
+    return walther(*GRADES[grade], celsius) * 1e-6 * oil_density(celsius)
+
+
+def walther(nu_40: float, nu_100: float, celsius: float) -> float:
+    """Kinematic viscosity (mm2/s) at a temperature on the line of ASTM D341 through those at 40 and 100 C."""
+    at_40, at_100 = (log10(log10(nu + 0.7)) for nu in (nu_40, nu_100))
     T, T_40, T_100 = (log10(c + 273.15) for c in (celsius, 40.0, 100.0))
-    nu = 10.0**10.0 ** (at_40 + (at_100 - at_40) * (T - T_40) / (T_100 - T_40)) - 0.7
-    return nu * 1e-6 * oil_density(celsius)
+    return float(10.0**10.0 ** (at_40 + (at_100 - at_40) * (T - T_40) / (T_100 - T_40)) - 0.7)
 
 
 def oil_density(celsius: float) -> float:

@@ -1,4 +1,4 @@
-"""The closed forms of the oil film against integrals, printed numbers and the solutions of tests/independent/ehl.py."""
+"""The closed forms of the oil film against integrals, printed numbers and solutions (tests/independent/ehl.py)."""
 
 from math import pi, sqrt
 
@@ -26,9 +26,9 @@ from bearingsim.core.laws.oil_film import (
     oil_density,
     roll_off,
     squeezed,
-    transition,
+    walther,
 )
-from tests.independent.ehl import Contact, at_rest, damping_of_film, light, loss_in_time, stiffness
+from tests.independent.ehl import Contact, at_rest, light, loss_in_time, stiffness
 
 STEEL = effective_modulus(207e9, 0.3)
 NF308 = OiledLine(0.012, 7.1e-3, STEEL, 0.03, 2.0e-8, 2.96)
@@ -79,12 +79,12 @@ def test_squeezing_rigid_cylinders():
 
 def test_the_solution_meets_rigid_cylinders():
     line = NF308._replace(alpha=1e-10)
-    Q = 2.0 * light(Contact(1.0, *line)).Q
+    Q = 1.2 * light(Contact(1.0, *line)).Q
     film = solved(Q, line)
     h = MARTIN * line.eta * line.u * line.R * line.L / Q
     assert film.thinnest == pytest.approx(h, rel=0.02, abs=0.0)
     assert film_thickness(Q, line).least == pytest.approx(h, rel=0.02, abs=0.0)
-    assert damping_of_film(film, 1.0)[0] == pytest.approx(inlet_squeeze(h, line), rel=0.03, abs=0.0)
+    assert stiffness(film, 1e15, 1.0)[0].imag == pytest.approx(inlet_squeeze(h, line), rel=0.05, abs=0.0)
 
 
 def test_a_soft_film_has_the_damping_of_rigid_cylinders():
@@ -121,7 +121,6 @@ def test_film_and_damping_against_solutions(Q):
     assert film_thickness(Q, NF308).central == pytest.approx(film.flow, rel=0.07, abs=0.0)
     assert film_thickness(Q, NF308).least == pytest.approx(film.thinnest, rel=0.07, abs=0.0)
     c = stiffness(film, k, omega)[0].imag / omega
-    print(Q, c, film_damping(Q, k, NF308), transition(Q, NF308))
     assert 0.8 * c < film_damping(Q, k, NF308) < 1.25 * c
 
 
@@ -134,10 +133,10 @@ def test_the_solution_converges():
 @pytest.mark.parametrize(("Q", "omega_T"), [(47.0, 0.1), (500.0, 1.0)])
 def test_a_swing_of_a_nanometre_loses_pi_c_omega_X2(Q, omega_T):
     """The equations in time against those in frequency."""
-    film = solved(Q, NF308, 60)
+    film, k = solved(Q, NF308, 60), palmgren(Q, NF308)
     omega = omega_T * NF308.u / (2.0 * film.contact.b)
-    lost = pi * damping_of_film(film, omega)[0] * omega * 1e-9**2
-    assert loss_in_time(film, omega, 1e-9) == pytest.approx(lost, rel=0.01, abs=0.0)
+    lost = pi * stiffness(film, k, omega)[0].imag * 1e-9**2
+    assert loss_in_time(film, k, omega, 1e-9) == pytest.approx(lost, rel=0.01, abs=0.0)
 
 
 # Damping
@@ -187,7 +186,9 @@ def test_the_roll_off():
 
 
 def test_hysteresis_loses_the_same_at_any_rate():
-    assert hysteresis(3e8, 1e3, 0.015) * 1e3 == pytest.approx(hysteresis(3e8, 7.0, 0.015) * 7.0, rel=1e-12, abs=0.0)
+    assert hysteresis(3e8, 1e3, 0.015) * 1e3 == pytest.approx(
+        hysteresis(3e8, 7.0, 0.015) * 7.0, rel=1e-12, abs=0.0
+    )
     assert hysteresis(3e8, 1e3, 0.015) == pytest.approx(4500.0, rel=1e-12, abs=0.0)
 
 
@@ -239,9 +240,8 @@ def test_an_oil_of_vg_68():
 
 
 def test_walthers_line_through_printed_viscosities():
-    """An oil of 404 mm2/s at 40 C and 28 at 100 C has 132.1 at 60 C: the ratio of VG 460 (30.35) is close by."""
-    ratio = iso_viscosity(460, 60.0) / oil_density(60.0) / 460e-6
-    assert ratio == pytest.approx(132.126 / 404.0, rel=0.02, abs=0.0)
+    """SAE 140 gear oil: 404 mm2/s at 40 C, 28 at 100 C, so 132.1 at 60 C (olezol.com, calculator of ASTM D341)."""
+    assert walther(404.0, 28.0, 60.0) == pytest.approx(132.126, rel=1e-3, abs=0.0)
 
 
 def test_density():
