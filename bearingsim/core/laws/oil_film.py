@@ -112,8 +112,8 @@ def film_damping(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, gro
     (``ball_as_strip``). Smooth in Q; tends to zero as Q^(3/2) without load.
 
     The sum of ``squeezed`` and ``carried``. Of slow oscillations it is within a factor 1.25 of 9 in 10 solutions.
-    The rest are too high, up to ten times, close to z = 1 (``transition``), where the film hardly damps. At the
-    element's own frequency on its contacts it is an order of magnitude.
+    The rest have z from 1 to 1.8 (``transition``), where the film hardly damps: 0.7 to 11 times the solution. At
+    the element's own frequency on its contacts it is an order of magnitude.
     """
     load = np.maximum(Q, NOTHING)
     c = squeezed(load, k, line, omega) + carried(load, k, line, omega, growth)
