@@ -1,7 +1,7 @@
 """c/k of the contacts that are built: in the plausible range by default and of a film, far beyond it with chi.
 
-c/k is dQ/dv over dQ/d(delta) of a contact at rest. Loads are shares of that at which the largest pressure is the one
-of the static load rating, 4.0 GPa of rollers and 4.2 GPa of balls.
+c/k is dQ/dv over dQ/d(delta) of a contact at rest. Loads are shares of that at which the largest pressure is the
+one of the static load rating, 4.0 GPa of rollers and 4.2 GPa of balls.
 """
 
 from math import pi
@@ -62,12 +62,12 @@ CHI_AT_A_TENTH = {
     "nu209": (317, 240),
     "nu210": (351, 265),
 }
-"""c/k (us) with chi = 50 s/m at a tenth of the static load, outer and inner race: 7 to 26 times what is plausible."""
+"""c/k (us) with chi = 50 s/m at a tenth of the static load, outer and inner race: 7 to 26 times the plausible."""
 
 
 @pytest.mark.parametrize("bearing", BEARINGS)
 def test_chi_is_far_from_plausible(bearing: str) -> None:
-    """It grows with the approach: at 1e-3 of the static load 2.7 to 30 us, at half of it over half a millisecond."""
+    """It grows with the approach: at 1e-3 of the static load 2.7 to 30 us, at half of it over 500 us."""
     given, known = case(bearing, CHI), CHI_AT_A_TENTH[bearing]
     for on_outer, expected in zip((True, False), known, strict=True):
         k, c = at_shares(given, on_outer, np.array([0.1]))

@@ -1,4 +1,4 @@
-"""Damping by a table, and the oil film that is built as one: derivatives, touch-down, and the film it stands for."""
+"""Damping by a table, and the oil film built as one: derivatives, touch-down, and the film it stands for."""
 
 from math import pi
 from typing import Any
