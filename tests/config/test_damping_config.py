@@ -52,7 +52,9 @@ def test_a_law_is_told_by_its_keys(keys: dict[str, str], law: str) -> None:
 
 def test_words_of_laws_have_numbers_of_their_own() -> None:
     assert damping("hunt-crossley") == HuntCrossley(chi=50.0)
-    assert damping({"law": "loss-factor", "loss_factor": 0.015, "frequency": 1e4}).beta == pytest.approx(2.387e-7, rel=1e-3)
+    assert damping({"law": "loss-factor", "loss_factor": 0.015, "frequency": 1e4}).beta == pytest.approx(
+        2.387e-7, rel=1e-3
+    )
 
 
 @pytest.mark.parametrize("grade", ["VG 68", "vg68", "ISO VG 68", "68", 68])
@@ -79,28 +81,90 @@ TEMPERATURE = "expected a temperature such as `55 C`"
 @pytest.mark.parametrize(
     ("keys", "caret", "message"),
     [
-        (f"{OIL}, viscosity: 30 mPa s", "VG 68", "damping.oil: `viscosity` says it already (leave one of them out)"),
-        ("law: film, viscosity: 30 mPa s, temperature: 55 C", "55 C", "damping.temperature: `viscosity` says it already (leave one of them out)"),
-        ("law: film", None, "damping: `film` needs the oil (say `viscosity: 30 mPa s`, or `oil: VG 68, temperature: 55 C`)"),
-        ("law: film, temperature: 55 C", None, "damping: `film` needs the oil (say `viscosity: 30 mPa s`, or `oil: VG 68, temperature: 55 C`)"),
-        ("law: film, oil: VG 68", "VG 68", "damping.oil: an oil needs its temperature, such as `temperature: 55 C`"),
-        ("law: film, oil: VG 70, temperature: 55 C", "VG 70", "damping.oil: expected an ISO grade such as `VG 68`, got `VG 70` (there are VG 2, VG 3, VG 5,"),
-        ("law: film, oil: SAE 30, temperature: 55 C", "SAE 30", "damping.oil: expected an ISO grade such as `VG 68`, got `SAE 30`"),
-        ("law: film, oil: VG 68, temperature: 55", "55", f"damping.temperature: {TEMPERATURE}, got `55` (the unit is missing)"),
-        ("law: film, oil: VG 68, temperature: 55 deg", "55 deg", f"damping.temperature: {TEMPERATURE}, got `55 deg` (`deg` is a unit of angle)"),
-        ("law: film, oil: VG 68, temperature: 400 C", "400 C", "damping.temperature: the viscosity of oils is known from -20 C to 150 C, not at 400 C (say `viscosity`)"),
-        ("law: film, oil: VG 68, temperature: -300 C", "-300 C", "damping.temperature: expected a temperature above zero"),
-        ("law: film, viscosity: -30 mPa s", "-30 mPa s", "damping.viscosity: expected a dynamic viscosity above zero, such as `0.05 Pa s`, got `-30 mPa s`"),
-        ("law: film, viscosity: 30 mPa", "30 mPa", "damping.viscosity: expected a dynamic viscosity such as `0.05 Pa s`, got `30 mPa`"),
-        ("law: film, viscosity: 30 mPa s, pressure_coefficient: 20 GPa", "20 GPa", "damping.pressure_coefficient: expected a pressure coefficient of viscosity such as `20 1/GPa`, got `20 GPa` (`GPa` is a unit of pressure)"),
+        (
+            f"{OIL}, viscosity: 30 mPa s",
+            "VG 68",
+            "damping.oil: `viscosity` says it already (leave one of them out)",
+        ),
+        (
+            "law: film, viscosity: 30 mPa s, temperature: 55 C",
+            "55 C",
+            "damping.temperature: `viscosity` says it already (leave one of them out)",
+        ),
+        (
+            "law: film",
+            None,
+            "damping: `film` needs the oil (say `viscosity: 30 mPa s`, or `oil: VG 68, temperature: 55 C`)",
+        ),
+        (
+            "law: film, temperature: 55 C",
+            None,
+            "damping: `film` needs the oil (say `viscosity: 30 mPa s`, or `oil: VG 68, temperature: 55 C`)",
+        ),
+        (
+            "law: film, oil: VG 68",
+            "VG 68",
+            "damping.oil: an oil needs its temperature, such as `temperature: 55 C`",
+        ),
+        (
+            "law: film, oil: VG 70, temperature: 55 C",
+            "VG 70",
+            "damping.oil: expected an ISO grade such as `VG 68`, got `VG 70` (there are VG 2, VG 3, VG 5,",
+        ),
+        (
+            "law: film, oil: SAE 30, temperature: 55 C",
+            "SAE 30",
+            "damping.oil: expected an ISO grade such as `VG 68`, got `SAE 30`",
+        ),
+        (
+            "law: film, oil: VG 68, temperature: 55",
+            "55",
+            f"damping.temperature: {TEMPERATURE}, got `55` (the unit is missing)",
+        ),
+        (
+            "law: film, oil: VG 68, temperature: 55 deg",
+            "55 deg",
+            f"damping.temperature: {TEMPERATURE}, got `55 deg` (`deg` is a unit of angle)",
+        ),
+        (
+            "law: film, oil: VG 68, temperature: 400 C",
+            "400 C",
+            "damping.temperature: the viscosity of oils is known from -20 C to 150 C, not at 400 C (say `viscosity`)",
+        ),
+        (
+            "law: film, oil: VG 68, temperature: -300 C",
+            "-300 C",
+            "damping.temperature: expected a temperature above zero",
+        ),
+        (
+            "law: film, viscosity: -30 mPa s",
+            "-30 mPa s",
+            "damping.viscosity: expected a dynamic viscosity above zero, such as `0.05 Pa s`, got `-30 mPa s`",
+        ),
+        (
+            "law: film, viscosity: 30 mPa",
+            "30 mPa",
+            "damping.viscosity: expected a dynamic viscosity such as `0.05 Pa s`, got `30 mPa`",
+        ),
+        (
+            "law: film, viscosity: 30 mPa s, pressure_coefficient: 20 GPa",
+            "20 GPa",
+            "damping.pressure_coefficient: expected a pressure coefficient of viscosity such as `20 1/GPa`, got `20 GPa` (`GPa` is a unit of pressure)",
+        ),
         ("law: film, viscosity: 30 mPa s, at: high", "high", "damping.at: expected `low` or `own`, got `high`"),
         ("law: loss-factor, loss_factor: 1.5 %", None, "damping: `frequency` is missing"),
-        ("law: kramer", "{law: kramer", "damping: expected `kraemer`, `hunt-crossley`, `film`, `loss-factor` or `general`, got `kramer` (did you mean `kraemer`?)"),
+        (
+            "law: kramer",
+            "{law: kramer",
+            "damping: expected `kraemer`, `hunt-crossley`, `film`, `loss-factor` or `general`, got `kramer` (did you mean `kraemer`?)",
+        ),
         ("chi: 50 s/m, beta: 10 us", "chi", "damping: unknown key `chi` (known: law, beta)"),
         ("beta: -1 us", "-1 us", "damping.beta: expected a time"),
     ],
 )
-def test_what_makes_no_sense_is_refused_at_its_place(write: Write, keys: str, caret: str | None, message: str) -> None:
+def test_what_makes_no_sense_is_refused_at_its_place(
+    write: Write, keys: str, caret: str | None, message: str
+) -> None:
     path = write(f"{BASE}contact: {{damping: {{{keys}}}}}\n")
     out, told = type_("check", path, code=2)
     first, source, pointer, *_ = told.splitlines()
