@@ -256,11 +256,12 @@ def methods(plan: Plan) -> list[str]:
 
 
 def damping(plan: Plan) -> Iterator[str]:
-    """How the contacts are damped, beside what is plausible; nothing of jobs whose model has no damping."""
+    """How the study's own contacts are damped, beside what is plausible; nothing of models without damping."""
     from bearingsim.catalogue import MODELS
     from bearingsim.config.rules.damping import Damped, sentences
 
-    acts = [one.limits for one in plan.everything if "damping" in MODELS[one.job.case.model].abilities]
+    own = [one for one in plan.everything if not one.job.is_variation]
+    acts = [one.limits for one in own if "damping" in MODELS[one.job.case.model].abilities]
     yield from sentences([Damped(each.damping_time, each.damping_ratio, each.crossing) for each in acts])
 
 
