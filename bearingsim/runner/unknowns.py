@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim.runner.progress import duration
 from bearingsim.store import errors
-from bearingsim.study.uncertainty import UNKNOWNS, USUAL
+from bearingsim.study.uncertainty import UNKNOWNS, unexamined
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,9 +41,4 @@ def _unexamined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]
         return
     damped = frame.loc[cases][frame.loc[cases]["info/damping_time_s"].notna()]
     if len(damped):
-        tried = len(USUAL.values)
-        time = duration(tried * float(damped["info/cpu_s"].sum()))
-        yield (
-            f"damping not examined: `uncertainty: {{damping: {UNKNOWNS['damping'].example}}}` would, with"
-            f" {tried * len(damped)} jobs more and {time} of CPU time"
-        )
+        yield unexamined(len(damped), duration, float(damped["info/cpu_s"].sum()))
