@@ -177,6 +177,7 @@ FRICTION: tuple[Line, ...] = (
 )
 """Said where there is friction. It lags by a step, so it limits none; a step under the time resolves it."""
 SLIPS_PER_DECADE = 50
+OPENS = 2.0  # times the force at rest: an impact by which contacts have opened
 SETTLED = 4.0  # such times after which what was at the start is forgotten, but for 2 %
 
 
@@ -270,6 +271,14 @@ def damping(plan: Plan) -> Iterator[str]:
 
     acts = [one.limits for one in plan.cases + plan.baselines if "damping" in MODELS[one.job.case.model].abilities]
     yield from sentences([Damped(each.damping_time, each.damping_ratio, each.crossing) for each in acts])
+    yield from dict.fromkeys(filter(None, map(caveat, plan.cases)))
+
+
+def caveat(priced: Priced) -> str:
+    """What is to be kept in mind of a case's damping law; nothing of one that has nothing to say."""
+    limits, law = priced.limits, priced.job.case.contact.damping
+    opens = limits.impact_force > OPENS * limits.rest_load
+    return str(law.caveat(opens)) if hasattr(law, "caveat") else ""
 
 
 def varied(plan: Plan) -> Iterator[str]:

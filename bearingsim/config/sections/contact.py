@@ -46,6 +46,12 @@ class HuntCrossley(Section):
     chi: InverseVelocity = 50.0
 
 
+NEARLY_JUMPS = (
+    "where contacts open and close, the largest force is partly the law's: damping by stiffness nearly jumps as"
+    " they close"
+)
+
+
 class Kraemer(Section):
     """Damping proportional to the tangent stiffness, by the time `beta` (s)."""
 
@@ -55,6 +61,10 @@ class Kraemer(Section):
     def jumps(self, touch_down_stiffness: bool) -> bool:
         """Whether the force jumps as a contact closes: where it is stiff from the start."""
         return self.beta > 0.0 and touch_down_stiffness
+
+    def caveat(self, opens: bool) -> str:
+        """What is to be kept in mind of the results; ``opens``: contacts open and close again."""
+        return NEARLY_JUMPS if opens and self.beta > 0.0 else ""
 
 
 class Film(Section):
@@ -90,6 +100,15 @@ class Film(Section):
             refuse("bound", told, "say `viscosity`", at="temperature")
         return self
 
+    def caveat(self, opens: bool) -> str:
+        """What is to be kept in mind of the results; ``opens``: contacts open and close again."""
+        if self.at == "own":
+            return "`film` at the element's own frequency is an order of magnitude; flooded, isothermal contacts"
+        return (
+            "`film` is of slow motion, flooded and isothermal; at the element's own frequency it damps less, balls"
+            " up to a hundred times (`at: own`)"
+        )
+
     @property
     def inlet_viscosity(self) -> float:
         """Viscosity (Pa s) of the oil as it comes to the contact."""
@@ -113,6 +132,10 @@ class LossFactor(Section):
     def jumps(self, touch_down_stiffness: bool) -> bool:
         """Whether the force jumps as a contact closes: where it is stiff from the start."""
         return self.beta > 0.0 and touch_down_stiffness
+
+    def caveat(self, opens: bool) -> str:
+        """What is to be kept in mind of the results; ``opens``: contacts open and close again."""
+        return NEARLY_JUMPS if opens and self.beta > 0.0 else ""
 
 
 class General(Section):
