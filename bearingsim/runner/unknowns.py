@@ -26,13 +26,26 @@ def examined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     for what, tried in values.items():
         columns = {text: f"error.{what}{ending}" for ending, text in BRIEFLY.items()}
         known = {text: found[name].dropna() for text, name in columns.items() if name in found}
-        moved = ", ".join(f"{text} by {100.0 * column.max():.2g} %" for text, column in known.items())
+        moved = ", ".join(f"{text} by {_percent(column.max())}" for text, column in known.items())
         if moved:
             jobs = max(len(column) for column in known.values())
             most = f" (at most, of {jobs} jobs)" if jobs > 1 else ""
-            yield f"{what} of {UNKNOWNS[what].range_text(tried)} moves {moved}{most}"
+            yield f"{what} of {UNKNOWNS[what].range_text(tried)} moves {moved}{most}{_chaotic(plan, frame, what)}"
     if "damping" not in values:
         yield from _unexamined(plan, frame)
+
+
+def _percent(part: float) -> str:
+    return f"{100.0 * part:.0f} %" if part >= 0.1 else f"{100.0 * part:.2g} %"
+
+
+def _chaotic(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> str:
+    """How many of the variations are chaotic, if any is."""
+    jobs = {one["job"] for one in plan["variations"] if one["what"] == what}
+    if "features/chaotic" not in frame:
+        return ""
+    count = int((frame["features/chaotic"][frame.index.isin(jobs)] == 1.0).sum())
+    return f"; {count} of {len(jobs)} variations moved chaotically: their standard error counts" * bool(count)
 
 
 def _unexamined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
