@@ -5,12 +5,12 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance, start_at_rest
+from bearingsim.core.advance import Monitor, start_at_rest
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parts.cage import OilDrag
 from bearingsim.simulation.simulate import simulate
-from tests.scenes.nf308 import SLOT, case
+from tests.scenes.nf308 import SLOT, case, recorded
 
 RECORD = ["cage.slip", "cage.speed", "roller.cage_force"]
 STILL = {
@@ -25,7 +25,7 @@ STILL = {
 def follow(model, y, seconds, places):
     """Recording (places, n) at every step of 0.4 us."""
     out = np.empty((len(places), round(seconds / 4e-7)))
-    assert advance(Verlet(4e-7), model, Monitor(8, 1.0), 0, y, np.array(places), out)[1] == SUCCESS
+    assert recorded(Verlet(4e-7), model, Monitor(8, 1.0), 0, y, np.array(places), out)[1] == SUCCESS
     return out
 
 

@@ -11,7 +11,6 @@ from bearingsim.core.laws.damping.general import general
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.kraemer import Kraemer
 from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
-from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
 from bearingsim.core.models.interface import degrees_of_freedom
 from bearingsim.core.parameters import kinematic_angles
 from bearingsim.core.pits.on_roller import roller_at_pit
@@ -23,7 +22,7 @@ PIT = {"shape": "rectangular", "length": "6 mm", "width": "0.8 mm", "depth": "0.
 BOWL = PIT | {"shape": "circular", "width": "3 mm", "depth": "0.02 mm"}
 LAWS = {
     "hunt-crossley": lambda k: HuntCrossley(TenNinths(k), 20.0),
-    "kraemer": lambda k: Kraemer(ThreeHalves(20.0 * k), 2e-6),
+    "kraemer": lambda k: Kraemer(TenNinths(k), 2e-6),
     "general": lambda k: general(TenNinths(k), 1e9, 1.0, 1.0),
 }
 
