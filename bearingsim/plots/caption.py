@@ -29,6 +29,10 @@ CAPTION_FIELDS = (  # parameters worth saying, in order, with the word that intr
     ("contact.damping.law", "damping"),
     ("contact.damping.chi", "chi"),
     ("contact.damping.beta", "beta"),
+    ("contact.damping.oil", ""),
+    ("contact.damping.temperature", "at"),
+    ("contact.damping.viscosity", "viscosity"),
+    ("contact.damping.loss_factor", "loss factor"),
     ("contact.damping.coefficient", "coefficient"),
     ("contact.damping.velocity_exponent", "m2"),
     ("contact.damping.indentation_exponent", "m3"),
@@ -49,7 +53,12 @@ USUAL = {
 }  # not worth saying
 SIZES = ("grown", "seed", "file", "length", "width", "depth", "angle", "offset", "edge.radius", "edge.ramp")
 DEFECT = ("shape", *SIZES)
-SMALL = {"clearance": "um", "misalignment.inner": "mrad", "misalignment.outer": "mrad"}
+SMALL = {
+    "clearance": "um",
+    "contact.damping.beta": "us",
+    "misalignment.inner": "mrad",
+    "misalignment.outer": "mrad",
+}
 
 
 def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
