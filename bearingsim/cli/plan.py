@@ -265,13 +265,14 @@ def methods(plan: Plan) -> list[str]:
 
 
 def damping(plan: Plan) -> Iterator[str]:
-    """How the contacts are damped, beside what is plausible; nothing of jobs whose model has no damping."""
+    """How the study's own contacts are damped, beside what is plausible; nothing of models without damping."""
     from bearingsim.catalogue import MODELS
     from bearingsim.config.rules.damping import Damped, sentences
 
-    acts = [one.limits for one in plan.cases + plan.baselines if "damping" in MODELS[one.job.case.model].abilities]
-    yield from sentences([Damped(each.damping_time, each.damping_ratio, each.crossing) for each in acts])
-    yield from dict.fromkeys(filter(None, map(caveat, plan.cases)))
+    acts = [one for one in plan.cases + plan.baselines if "damping" in MODELS[one.job.case.model].abilities]
+    found = [one.limits for one in acts]
+    yield from sentences([Damped(each.damping_time, each.damping_ratio, each.crossing) for each in found])
+    yield from dict.fromkeys(filter(None, map(caveat, acts)))
 
 
 def caveat(priced: Priced) -> str:

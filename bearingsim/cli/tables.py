@@ -41,7 +41,7 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     kept = found if columns else _fitting(found, [name in features for name in ["job", *chosen]])
     print_table([head for head, _ in kept], list(zip(*(cells for _, cells in kept), strict=True)))
     typer.echo(_counts(table))
-    for told in damping.of_jobs(results.info()):
+    for told in damping.of_jobs(results.info().reindex(table["job"])):
         typer.echo(told)
     if len(kept) < len(found):
         heads = {_stacked(head) for head, _ in kept}

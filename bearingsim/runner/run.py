@@ -73,13 +73,14 @@ def run(
     frame = store.build_table(root)
     seconds = time.perf_counter() - started
     left_out = len((earlier & plan.sealed) - {job.id for job in every})
+    own = frame.loc[[job.id for job in every if not job.is_variation]]
     notes = (
         *_notes(left_out, plan.damaged),
         *told,
-        *damping.of_jobs(store.info(frame)),
+        *damping.of_jobs(store.info(own)),
         *examined(store.read_plan(root), frame),
-        *chaos(frame),
-        *record_errors(frame),
+        *chaos(own),
+        *record_errors(own),
     )
     summary = tally.summary(study.name, len(ours), plan.resumed, seconds, interrupted, notes)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)

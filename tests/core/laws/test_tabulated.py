@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from bearingsim.assemble import contacts
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.assemble.scales import approach
-from bearingsim.config import Case
+from bearingsim.config import Case, Film
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
 from bearingsim.core.laws.damping.tabulated import Tabulated
 from bearingsim.core.laws.hertz import effective_modulus
@@ -70,7 +70,8 @@ def test_the_force_does_not_jump_as_a_contact_closes(law: Tabulated) -> None:
 @LAWS
 @given(delta=st.floats(0.0, 1e-4), v=st.floats(-0.3, 0.3))
 def test_bounds_are_those_of_the_slopes(law: Tabulated, delta: float, v: float) -> None:
-    """Never negative, finite at touch-down, and no less than the slopes."""
+    """Never negative, finite at touch-down, and no less than the slopes; nor does the contact pull."""
+    assert normal_force(law, delta, v) >= 0.0
     K, C = slopes(law, delta, v)
     assert np.isfinite([stiffness_bound(law, delta, v), damping_bound(law, delta, v)]).all()
     assert stiffness_bound(law, delta, v) >= max(K, 0.0) * (1.0 - 1e-12)
@@ -90,13 +91,14 @@ LOADS = np.geomspace(0.5, 5000.0, 25)
 def expected(given: Case, on_outer: bool, Q: float) -> tuple[float, float]:
     """Damping (N s/m) of film and of hysteresis of one contact at a load, from the closed forms alone."""
     b, film = given.bearing, given.contact.damping
+    assert isinstance(film, Film)
     this, other = (contacts.stiffness(given, side) for side in (on_outer, not on_outer))
     k = _tangent(this, Q)
     omega = np.sqrt((k + _tangent(other, Q)) / b.element_mass)
     E_star = effective_modulus(b.material.young_modulus, b.material.poisson_ratio)
     u = entrainment_speed(given.speed, b.pitch_diameter, b.roller_diameter)
     R_w, race = b.roller_diameter / 2.0, outer_radius(given) if on_outer else inner_radius(given)
-    L, R, growth = b.roller_length, 1.0 / (1.0 / R_w + (-1.0 if on_outer else 1.0) / race), 0.5
+    L, R, growth = float(b.roller_length or 0.0), 1.0 / (1.0 / R_w + (-1.0 if on_outer else 1.0) / race), 0.5
     if b.element == "ball":
         point = contacts.point_contact(given, on_outer)
         a, short = point.semi_axes(Q)
@@ -155,7 +157,8 @@ def test_more_oil_and_more_loss_damp_more() -> None:
 def test_an_oil_is_the_viscosity_of_its_grade() -> None:
     """VG 68 at 55 C has 29.8 mPa s."""
     by_grade = contacts.outer(case(viscosity=None, oil="VG 68", temperature="55 C"))
-    number = case(viscosity=None, oil="ISO VG 68", temperature="328.15 K").contact.damping.inlet_viscosity
+    film: Any = case(viscosity=None, oil="ISO VG 68", temperature="328.15 K").contact.damping
+    number = film.inlet_viscosity
     assert contacts.outer(case(viscosity=number)).table == pytest.approx(by_grade.table, rel=1e-12)
     assert number == pytest.approx(0.0298, rel=0.02)
 
