@@ -374,4 +374,7 @@ def test_one_job_is_told_without_at_most() -> None:
     plan, frame = made_up(**CHAOTIC)
     plan["jobs"] = [SimpleNamespace(job=name) for name in "abc"]
     (told,) = examined(plan, frame)
-    assert told == "damping of 1 to 10 us moves the line by 37 %, the RMS by 24 %, the largest force by 10 %"
+    moved = "damping of 1 to 10 us moves the line by 37 %, the RMS by 24 %, the largest force by 10 %"
+    assert told == f"{moved}; 1 of 2 variations moved chaotically: their standard error counts"
+    frame["features/chaotic"] = 0.0
+    assert list(examined(plan, frame)) == [moved.replace("37", "30").replace("24", "15")]
