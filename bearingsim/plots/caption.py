@@ -49,7 +49,12 @@ USUAL = {
 }  # not worth saying
 SIZES = ("grown", "seed", "file", "length", "width", "depth", "angle", "offset", "edge.radius", "edge.ramp")
 DEFECT = ("shape", *SIZES)
-SMALL = {"clearance": "um", "misalignment.inner": "mrad", "misalignment.outer": "mrad"}
+SMALL = {
+    "clearance": "um",
+    "contact.damping.beta": "us",
+    "misalignment.inner": "mrad",
+    "misalignment.outer": "mrad",
+}
 
 
 def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
