@@ -53,6 +53,10 @@ class Crossing(NamedTuple):
     strike: float
 
 
+CONTACT: dict[str, Any] = {"contact": {"damping": {"law": "hunt-crossley", "chi": "50 s/m"}}}
+"""Continuous at touch-down: the force on an edge is read as it rises."""
+
+
 class Reading(NamedTuple):
     """Means over the crossings of a record: places (m), their spacing and the whole crossing (s)."""
 
@@ -64,7 +68,7 @@ class Reading(NamedTuple):
 
 def scene(bearing: str, rpm: float, width: float, depth: float, passes: float = 5, **changes: Any) -> Case:
     """A slot (m) over the whole of an element's track at phi = 0 and 150 N; every element's outer force, raw."""
-    base = {"bearing": bearing, "speed": rpm * pi / 30.0, "load": "150 N", "model": "rollers"} | changes
+    base = {"bearing": bearing, "speed": rpm * pi / 30.0, "load": "150 N", "model": "rollers"} | CONTACT | changes
     b = Case.model_validate(base).bearing
     ball_pass = 1.0 / b.ball_pass_frequency(rpm * pi / 30.0)
     slot = {"shape": "rectangular", "width": width, "depth": depth, "length": b.roller_length or b.roller_diameter}

@@ -203,6 +203,7 @@ def case(width: float, excitation: str) -> Case:
     """The NF308 in `rollers` over a full-length slot of ``width`` (m)."""
     slot = {"shape": "rectangular", "length": LENGTH, "width": width, "depth": DEEP}
     scene = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers", "defect": slot}
+    scene |= {"contact": {"damping": {"law": "hunt-crossley", "chi": "50 s/m"}}}
     return Case.model_validate(scene | {"duration": 0.5, "settle": 0.1, "excitation": excitation})
 
 

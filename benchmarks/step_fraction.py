@@ -35,7 +35,8 @@ SCENES: dict[str, dict] = {
     "0.8 mm bowl": {"defect": PIT | {"shape": "circular"}},
     "0.8 mm groove, 5 um": {"defect": PIT | {"shape": "triangular", "depth": "5 um"}},
     "0.8 mm slot, chi 5 s/m": {"defect": PIT, "contact": {"damping": {"chi": "5 s/m"}}},
-    "0.8 mm slot, kraemer": {"defect": PIT, "contact": {"damping": "kraemer"}},
+    "0.8 mm slot, chi 50 s/m": {"defect": PIT, "contact": {"damping": {"chi": "50 s/m"}}},
+    "0.8 mm slot, beta 10 us": {"defect": PIT, "contact": {"damping": {"beta": "10 us"}}},
 }
 
 

@@ -21,7 +21,7 @@ settings.load_profile("bearingsim")
 
 
 LONG = (ROOT / "tests/long.txt").read_text().split()
-"""Files that compile or compute for more than about 6 s, the longest first."""
+"""Files that take more than about 2 s, most of it to compile, the longest first."""
 assert {f"test_{name}" for name in LONG} <= {path.stem for path in Path(__file__).parent.rglob("test_*.py")}
 
 

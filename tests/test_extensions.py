@@ -26,6 +26,7 @@ PIT = "defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 50 um}\
 QUADRATIC = "stiffness: {law: quadratic, coefficient: 1e7}"
 DASHPOTS = f"contact: {{{QUADRATIC}, damping: {{law: viscous, c: 200 N s/m}}}}\n{PIT}"
 WIDE = DASHPOTS.replace("0.8 mm, depth: 50 um", "2 mm, depth: 20 um")  # a roller touches its floor
+UNFINISHED = f"contact: {{{QUADRATIC}, damping: unfinished}}\n"
 STATIC = "model: static\n"
 PUSHED = "model: one-mass\nrig: {ring_mass: 1 kg}\n"
 RING = "model: ring\nsweep: {contact.damping.c: [200 N s/m, 400 N s/m]}\n"
@@ -40,8 +41,8 @@ ADDED = {
 """Studies of the toys. All have the same contact, whatever they are about: another one would be compiled anew."""
 WRONG = {
     "word": "method: leapfrogg",
-    "unfinished": "contact: {damping: unfinished}",
-    "unfinished, implicit": "contact: {damping: unfinished}\nmethod: rodas",
+    "unfinished": UNFINISHED,
+    "unfinished, implicit": f"{UNFINISHED}method: rodas",
 }
 TYPE = """\
 import json, sys

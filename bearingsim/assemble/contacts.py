@@ -47,7 +47,7 @@ def hunt_crossley(case: Case, section: Any, stiffness: Any, on_outer: bool) -> H
 
 def kraemer(case: Case, section: Any, stiffness: Any, on_outer: bool) -> Kraemer:
     """Damping proportional to the tangent stiffness."""
-    return Kraemer(stiffness, section.beta)
+    return Kraemer(stiffness, section.damping_time)
 
 
 def general(case: Case, section: Any, stiffness: Any, on_outer: bool) -> multibody.General:

@@ -36,11 +36,15 @@ class Priced:
 
 @dataclass(frozen=True)
 class Plan:
-    """A study's cases and their healthy baselines, priced; ``refusals``: those that cannot be run, and why."""
+    """A study's cases, their healthy baselines and what is varied of them, priced.
+
+    refusals: those that cannot be run, and why.
+    """
 
     study: "Study"
     cases: tuple[Priced, ...]
     baselines: tuple[Priced, ...]
+    variations: tuple[Priced, ...]
     refusals: tuple[tuple["Job", str], ...]
     workers: int
 
@@ -50,15 +54,17 @@ class Plan:
         return tuple(_grouped(self.refusals, self.study))
 
     @property
-    def counted(self) -> tuple[int, int]:
-        """How many cases and twins the study has, refused ones too."""
+    def counted(self) -> tuple[int, int, int]:
+        """How many cases, twins and variations the study has, refused ones too."""
         twins = sum(job.is_baseline for job, _ in self.refusals)
-        return len(self.cases) + len(self.refusals) - twins, len(self.baselines) + twins
+        varied = sum(job.is_variation for job, _ in self.refusals)
+        cases = len(self.cases) + len(self.refusals) - twins - varied
+        return cases, len(self.baselines) + twins, len(self.variations) + varied
 
     @property
     def everything(self) -> tuple[Priced, ...]:
-        """Cases and twins."""
-        return self.cases + self.baselines
+        """Cases, twins and variations."""
+        return self.cases + self.baselines + self.variations
 
     @property
     def cpu_seconds(self) -> float:
@@ -89,8 +95,9 @@ def plan_of(study: "Study", workers: int | None) -> Plan:
             refusals.append((job, str(error)))
     return Plan(
         study=study,
-        cases=tuple(one for one in priced if not one.job.is_baseline),
+        cases=tuple(one for one in priced if not one.job.is_baseline and not one.job.is_variation),
         baselines=tuple(one for one in priced if one.job.is_baseline),
+        variations=tuple(one for one in priced if one.job.is_variation),
         refusals=tuple(refusals),
         workers=workers or cpu_count(),
     )
@@ -170,6 +177,7 @@ FRICTION: tuple[Line, ...] = (
 )
 """Said where there is friction. It lags by a step, so it limits none; a step under the time resolves it."""
 SLIPS_PER_DECADE = 50
+OPENS = 2.0  # times the force at rest: an impact by which contacts have opened
 SETTLED = 4.0  # such times after which what was at the start is forgotten, but for 2 %
 
 
@@ -193,6 +201,7 @@ def show(plan: Plan, verbose: bool) -> None:
         *choices(plan),
         *methods(plan),
         *damping(plan),
+        *varied(plan),
         *creeping(plan),
         *study.notes,
         *notes(study.cases()),
@@ -260,8 +269,34 @@ def damping(plan: Plan) -> Iterator[str]:
     from bearingsim.catalogue import MODELS
     from bearingsim.config.rules.damping import Damped, sentences
 
-    acts = [one.limits for one in plan.everything if "damping" in MODELS[one.job.case.model].abilities]
+    acts = [one.limits for one in plan.cases + plan.baselines if "damping" in MODELS[one.job.case.model].abilities]
     yield from sentences([Damped(each.damping_time, each.damping_ratio, each.crossing) for each in acts])
+    yield from dict.fromkeys(filter(None, map(caveat, plan.cases)))
+
+
+def caveat(priced: Priced) -> str:
+    """What is to be kept in mind of a case's damping law; nothing of one that has nothing to say."""
+    limits, law = priced.limits, priced.job.case.contact.damping
+    opens = limits.impact_force > OPENS * limits.rest_load
+    return str(law.caveat(opens)) if hasattr(law, "caveat") else ""
+
+
+def varied(plan: Plan) -> Iterator[str]:
+    """What the study varies of what is not known; what it would take to vary the damping, if it does not."""
+    from bearingsim.runner.progress import duration
+    from bearingsim.study.uncertainty import UNKNOWNS, acts, unexamined
+
+    tried: dict[str, list[float]] = {}
+    for one in plan.study.variations():
+        tried.setdefault(one.what, []).append(one.value)
+    for what, values in tried.items():
+        jobs = sorted({one.of for one in plan.study.variations() if one.what == what})
+        of = f"{len(jobs)} of {len(plan.cases)} cases" if len(jobs) < len(plan.cases) else "each case"
+        yield f"`uncertainty`: {what} of {UNKNOWNS[what].range_text(values)}, in {of}"
+    if "damping" not in tried:
+        damped = [one for one in plan.cases if acts("damping", one.job.case)]
+        if damped:
+            yield unexamined(len(damped), duration, sum(one.estimate.cpu_seconds for one in damped))
 
 
 def creeping(plan: Plan) -> list[str]:
@@ -295,10 +330,12 @@ def _written_model(study: "Study") -> str | None:
 
 def _counts(plan: Plan) -> str:
     refused = len(plan.refusals)
-    cases, twins = plan.counted
-    jobs = f"{cases + twins} job{'s' * (cases + twins != 1)}"
+    cases, twins, varied = plan.counted
+    every = cases + twins + varied
+    kinds = [f"{cases} case{'s' * (cases != 1)}", f"{twins} healthy twin{'s' * (twins != 1)}"]
+    kinds += [f"{varied} variation{'s' * (varied != 1)}"] if varied else []
     told = f", {refused} refused" if refused else ""
-    return f"{jobs} ({cases} case{'s' * (cases != 1)}, {twins} healthy twin{'s' * (twins != 1)}){told}"
+    return f"{every} job{'s' * (every != 1)} ({', '.join(kinds)}){told}"
 
 
 def _groups(priced: Sequence[Priced]) -> dict[str, list[Priced]]:
@@ -343,11 +380,12 @@ def as_json(plan: Plan) -> str:
     """The plan for a script: SI, null where there is no limit."""
     from bearingsim.config.scan.repair import notes
 
-    cases, twins = plan.counted
+    cases, twins, varied = plan.counted
     found = {
         "study": plan.study.name,
         "cases": cases,
         "twins": twins,
+        "variations": varied,
         "cpu_seconds": plan.cpu_seconds,
         "wall_seconds": plan.wall_seconds,
         "workers": plan.workers,

@@ -51,13 +51,14 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
 
 
 def usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
-    """The fault's line, the cage's slip if it can slip, what the defects have made, statistics, what is proven."""
+    """The fault's line, the cage's slip if it can slip, what the defects have made, statistics, errors."""
     from bearingsim.plots import lines
 
     known = results.parameters()
     shown = [f"velocity@{line}" for line in lines.fitting(known)]
     slip = ["cage.slip.mean"] if lines.may_slip(known) else []
-    wanted = (*shown, *slip, *(f"{line}-healthy" for line in shown), *STATISTICS, *PROOF)
+    moved = [name for name in map(str, table) if name.startswith("error.")]
+    wanted = (*shown, *slip, *(f"{line}-healthy" for line in shown), *STATISTICS, *moved, *PROOF)
     told = [name for name in wanted if name in table and table[name].notna().any()]
     return [name for name in told if name != "chaotic" or (table[name] > 0.0).any()]
 

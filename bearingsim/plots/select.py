@@ -156,14 +156,14 @@ def with_defect_phases(results: "Results", rows: "pd.DataFrame") -> "pd.DataFram
 
 
 def with_spread(results: "Results", rows: "pd.DataFrame", features: Sequence[str]) -> "pd.DataFrame":
-    """The rows with ``least NAME`` and ``largest NAME`` (SI) of features that the unknown moves, where tried."""
+    """The rows with ``least NAME``, ``largest NAME`` (SI), ``chaotic NAME`` of features that the unknown moves."""
     import pandas as pd
 
     found = {name: results.spread(name) for name in features}
     columns = {
         f"{end} {name}": spread[end].reindex(rows["job"]).to_numpy()
         for name, spread in found.items()
-        for end in ("least", "largest")
+        for end in ("least", "largest", "chaotic")
         if len(spread)
     }
     return pd.concat([rows, pd.DataFrame(columns, index=rows.index)], axis=1)
@@ -176,7 +176,9 @@ def spread_said(results: "Results", rows: "pd.DataFrame") -> list[str]:
     tried: dict[str, list[float]] = {}
     for one in results.plan["variations"]:
         tried.setdefault(one["what"], []).append(one["value"])
-    return ["band: " + " and ".join(f"{what} {UNKNOWNS[what].range_text(all_)}" for what, all_ in tried.items())]
+    band = " and ".join(f"{what} {UNKNOWNS[what].range_text(values)}" for what, values in tried.items())
+    chaotic = any((rows[name] == True).any() for name in rows if str(name).startswith("chaotic "))  # noqa: E712
+    return [f"band: {band}" + ", in part chaotic (with its standard error)" * chaotic]
 
 
 def completed(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> tuple[Figure, "pd.DataFrame"]:

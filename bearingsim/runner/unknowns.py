@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim.runner.progress import duration
 from bearingsim.store import errors
-from bearingsim.study.uncertainty import UNKNOWNS, USUAL
+from bearingsim.study.uncertainty import UNKNOWNS, unexamined
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,13 +26,26 @@ def examined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     for what, tried in values.items():
         columns = {text: f"error.{what}{ending}" for ending, text in BRIEFLY.items()}
         known = {text: found[name].dropna() for text, name in columns.items() if name in found}
-        moved = ", ".join(f"{text} by {100.0 * column.max():.2g} %" for text, column in known.items())
+        moved = ", ".join(f"{text} by {_percent(column.max())}" for text, column in known.items())
         if moved:
             jobs = max(len(column) for column in known.values())
             most = f" (at most, of {jobs} jobs)" if jobs > 1 else ""
-            yield f"{what} of {UNKNOWNS[what].range_text(tried)} moves {moved}{most}"
+            yield f"{what} of {UNKNOWNS[what].range_text(tried)} moves {moved}{most}{_chaotic(plan, frame, what)}"
     if "damping" not in values:
         yield from _unexamined(plan, frame)
+
+
+def _percent(part: float) -> str:
+    return f"{100.0 * part:.0f} %" if part >= 0.1 else f"{100.0 * part:.2g} %"
+
+
+def _chaotic(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> str:
+    """How many of the variations are chaotic, if any is."""
+    jobs = {one["job"] for one in plan["variations"] if one["what"] == what}
+    if "features/chaotic" not in frame:
+        return ""
+    count = int((frame["features/chaotic"][frame.index.isin(jobs)] == 1.0).sum())
+    return f"; {count} of {len(jobs)} variations moved chaotically: their standard error counts" * bool(count)
 
 
 def _unexamined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
@@ -41,9 +54,4 @@ def _unexamined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]
         return
     damped = frame.loc[cases][frame.loc[cases]["info/damping_time_s"].notna()]
     if len(damped):
-        tried = len(USUAL.values)
-        time = duration(tried * float(damped["info/cpu_s"].sum()))
-        yield (
-            f"damping not examined: `uncertainty: {{damping: {UNKNOWNS['damping'].example}}}` would, with"
-            f" {tried * len(damped)} jobs more and {time} of CPU time"
-        )
+        yield unexamined(len(damped), duration, float(damped["info/cpu_s"].sum()))

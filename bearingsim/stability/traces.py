@@ -9,7 +9,7 @@ import numpy as np
 from bearingsim.assemble import kind_of_method
 from bearingsim.catalogue import METHODS
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance, ready
+from bearingsim.core.advance import Monitor, NoSamples, advance_and_sample, ready
 from bearingsim.core.outcomes import NEWTON_FAILED, NOT_FINITE, STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
 from bearingsim.stability.scene import SAMPLE_INTERVAL, SPAN
 
@@ -74,11 +74,11 @@ def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Tr
     kept: list[np.ndarray] = []
     failure, reason, taken = "", "", 0
     ready(method, model, 0.0, y)
-    advance(method, model, monitor, 0, y, places, np.empty((len(places), 0)))  # compiled, or loaded
+    advance_and_sample(method, model, monitor, 0, y, places, _room(places, 0), NoSamples())  # compiled, or loaded
     began = time.thread_time()
     while taken < steps and not failure:
-        out = np.empty((len(places), min(at_once, steps - taken)))
-        got, outcome, _ = advance(method, model, monitor, taken, y, places, out)
+        out = _room(places, min(at_once, steps - taken))
+        got, outcome, _ = advance_and_sample(method, model, monitor, taken, y, places, out, NoSamples())
         taken += got
         failure, reason = WHY[outcome] if outcome != SUCCESS else _beyond(out[:, :got])
         if not failure and taken < steps and time.thread_time() - began > limit:
@@ -96,6 +96,11 @@ def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Tr
     return Trace(
         every, rows[:2], rows[4:] > 0.0, failure, reason, own or taken, refused, evaluations, iterations, cpu
     )
+
+
+def _room(places: np.ndarray, steps: int) -> np.ndarray:
+    """Room for a record, a part of a larger one as in a simulation: so both run the same compiled code."""
+    return np.empty((len(places), steps + 1))[:, 1:]
 
 
 def _beyond(out: np.ndarray) -> tuple[str, str]:

@@ -145,3 +145,13 @@ def variations(case: Case, uncertain: Sequence[Uncertain]) -> list[tuple[str, fl
         if acts(one.what, case)
         for value in one.values
     ]
+
+
+def unexamined(cases: int, duration: Callable[[float], str], seconds: float) -> str:
+    """What is said where damping is not varied: what it would take.
+
+    cases: how many depend on it; seconds: their CPU time; duration: how a time is written.
+    """
+    jobs, time = len(USUAL.values) * cases, duration(len(USUAL.values) * seconds)
+    would = f"`uncertainty: {{damping: {UNKNOWNS['damping'].example}}}` would, with {jobs} jobs more"
+    return f"damping not examined: {would} and {time} of CPU time"

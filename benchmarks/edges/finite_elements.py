@@ -98,7 +98,7 @@ def race(mesh: Block, carries: np.ndarray, breaks: tuple[int, ...], steel: Steel
         free=free,
         to_held=stiffness[free][:, held],
         down=np.asarray(basis.nodal_dofs[1][carries]),
-        solve=splu(stiffness[free][:, free]).solve,
+        solve=splu(stiffness[free][:, free], permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve,
     )
 
 

@@ -91,11 +91,17 @@ def quadtree(left: float, right: float, bottom: float, top: float, wanted: Wante
 
 def inside(outline: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Which ``points`` lie within the closed ``outline``: an odd number of its sides pass above."""
-    found = np.zeros(len(points), bool)
-    for (x_1, y_1), (x_2, y_2) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+    order = np.argsort(points[:, 0])
+    x, y = points[order].T
+    odd = np.zeros(len(points), bool)
+    reached = np.searchsorted(x, outline[:, 0])  # by each corner: how many points lie left of it
+    for k, (x_2, y_2) in enumerate(outline):
+        x_1, y_1 = outline[k - 1]
+        across = slice(*sorted((reached[k - 1], reached[k])))
         if x_1 != x_2:
-            across = (x_1 > points[:, 0]) != (x_2 > points[:, 0])
-            found ^= across & (y_1 + (y_2 - y_1) * (points[:, 0] - x_1) / (x_2 - x_1) > points[:, 1])
+            odd[across] ^= y_1 + (y_2 - y_1) * (x[across] - x_1) / (x_2 - x_1) > y[across]
+    found = np.empty(len(points), bool)
+    found[order] = odd
     return found
 
 

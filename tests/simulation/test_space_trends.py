@@ -12,7 +12,7 @@ from bearingsim.simulation.simulate import Record, simulate
 
 SLOT = {"shape": "rectangular", "width": "0.8 mm", "depth": "50 um"}
 SHORT: dict[str, Any] = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "step_check": False}
-SHORT |= {"duration": "20 ms", "settle": "12 ms", "contact": {"slices": 12}}
+SHORT |= {"duration": "20 ms", "settle": "12 ms", "contact": {"slices": 8}}
 LEAN = ["roller.10.tilt", "roller.10.outer_line_load", "roller.10.outer_force"]  # it crosses the pit at 22 ms
 
 

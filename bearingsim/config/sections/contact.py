@@ -46,15 +46,39 @@ class HuntCrossley(Section):
     chi: InverseVelocity = 50.0
 
 
-class Kraemer(Section):
+NEARLY_JUMPS = (
+    "where contacts open and close, the largest force is partly the law's: damping by stiffness nearly jumps as"
+    " they close"
+)
+
+
+class _ByStiffness(Section):
+    """Damping proportional to the tangent stiffness."""
+
+    @property
+    def damping_time(self) -> float:
+        """c/k (s)."""
+        raise NotImplementedError
+
+    def jumps(self, touch_down_stiffness: bool) -> bool:
+        """Whether the force jumps as a contact closes: where it is stiff from the start."""
+        return self.damping_time > 0.0 and touch_down_stiffness
+
+    def caveat(self, opens: bool) -> str:
+        """What is to be kept in mind of the results; ``opens``: contacts open and close again."""
+        return NEARLY_JUMPS if opens and self.damping_time > 0.0 else ""
+
+
+class Kraemer(_ByStiffness):
     """Damping proportional to the tangent stiffness, by the time `beta` (s)."""
 
     law: Literal["kraemer"] = "kraemer"
     beta: Delay = 2.5e-6
 
-    def jumps(self, touch_down_stiffness: bool) -> bool:
-        """Whether the force jumps as a contact closes: where it is stiff from the start."""
-        return self.beta > 0.0 and touch_down_stiffness
+    @property
+    def damping_time(self) -> float:
+        """c/k (s)."""
+        return self.beta
 
 
 class Film(Section):
@@ -90,6 +114,15 @@ class Film(Section):
             refuse("bound", told, "say `viscosity`", at="temperature")
         return self
 
+    def caveat(self, opens: bool) -> str:
+        """What is to be kept in mind of the results; ``opens``: contacts open and close again."""
+        if self.at == "own":
+            return "`film` at the element's own frequency is an order of magnitude; flooded, isothermal contacts"
+        return (
+            "`film` is of slow motion, flooded and isothermal; at the element's own frequency it damps less, balls"
+            " up to a hundred times (`at: own`)"
+        )
+
     @property
     def inlet_viscosity(self) -> float:
         """Viscosity (Pa s) of the oil as it comes to the contact."""
@@ -98,7 +131,7 @@ class Film(Section):
         return iso_viscosity(int(str(self.oil).split()[1]), float(self.temperature or 0.0) - ZERO_CELSIUS)
 
 
-class LossFactor(Section):
+class LossFactor(_ByStiffness):
     """Damping that loses the same part of the elastic energy, c = `loss_factor` k / (2 pi `frequency`)."""
 
     law: Literal["loss-factor"] = "loss-factor"
@@ -106,13 +139,9 @@ class LossFactor(Section):
     frequency: Frequency
 
     @property
-    def beta(self) -> float:
+    def damping_time(self) -> float:
         """c/k (s)."""
         return self.loss_factor / (2.0 * pi * self.frequency)
-
-    def jumps(self, touch_down_stiffness: bool) -> bool:
-        """Whether the force jumps as a contact closes: where it is stiff from the start."""
-        return self.beta > 0.0 and touch_down_stiffness
 
 
 class General(Section):

@@ -6,7 +6,7 @@ import pytest
 from bearingsim import assemble
 from bearingsim.catalogue import MODELS, code
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance, start_at_rest
+from bearingsim.core.advance import Monitor, start_at_rest
 from bearingsim.core.geometry.slices import WEIGHT
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
@@ -15,7 +15,7 @@ from bearingsim.core.models.interface import accelerations, update_extremes
 from bearingsim.core.models.rest_in_space import rest_in_space
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parts.mounts import RigidMount
-from tests.scenes.nf308 import case
+from tests.scenes.nf308 import case, recorded
 from tests.scenes.spatial_bearing import L_W, empty, even, in_space
 
 SHOVED = 8e-7  # m: how far rollers stand off their rest
@@ -59,7 +59,7 @@ def test_extremes_are_those_of_whole_steps(method):
     widths = np.repeat(model.slices.table[:, WEIGHT], 2) * L_W
     places = np.concatenate([row + np.arange(13) for row in (lay.TILT, lay.Q_O, *slices)])
     out = np.empty((len(places), 1000))
-    assert advance(method, model, Monitor(1000, 1.0), 0, y, places, out)[1] == SUCCESS
+    assert recorded(method, model, Monitor(1000, 1.0), 0, y, places, out)[1] == SUCCESS
     found = np.abs(out).reshape(-1, 13, 1000).max(axis=2)
     assert (y[lay.TILT_MAX : lay.TILT_MAX + 13] == found[0]).all()
     assert (y[lay.Q_O_MAX : lay.Q_O_MAX + 13] == found[1]).all()

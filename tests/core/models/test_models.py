@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance
+from bearingsim.core.advance import Monitor
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
@@ -18,7 +18,7 @@ from bearingsim.core.pits.closed_forms import roller_drop
 from bearingsim.core.pits.pairs import GROUP_COUNT, GROUP_WEIGHT, REDUCED_RADIUS
 from bearingsim.simulation.simulate import simulate
 from tests.independent import rollers
-from tests.scenes.nf308 import PLACES, SLOT, at_rest, case, drive, light_rollers
+from tests.scenes.nf308 import PLACES, SLOT, at_rest, case, drive, light_rollers, recorded
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def test_verlet_meets_an_independent_solution_and_converges(independent):
 def test_the_step_that_is_refused_would_be_wrong(independent):
     """Verlet at 2 us on the 0.8 mm slot, unwatched: not finite, or off by a tenth of the range and more."""
     out, model = np.empty((len(PLACES), 10_000)), assemble.model(case(defect=SLOT))
-    taken, outcome, _ = advance(Verlet(2e-6), model, Monitor(1, 1.0), 0, at_rest(model), PLACES, out)
+    taken, outcome, _ = recorded(Verlet(2e-6), model, Monitor(1, 1.0), 0, at_rest(model), PLACES, out)
     wrong = out[2, 4:taken:5]
     assert outcome == NOT_FINITE or np.abs(wrong - independent[0]).max() > 0.1 * np.ptp(independent[0])
 
