@@ -1,5 +1,5 @@
 # make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's figures
-# make test    all tests (test-quick: not the long)     make excitations | inner_race | roller_defect | slip
+# make test    all tests (test-quick: not the long)     make excitations | inner_race | roller_defect | slip | damping
 # make check   tests, lint, types, import contract     make length | offset | tilt | misalignment | shapes
 # make stability   where each method fails             make paper_literal   (add QUICK=1 for a reduced grid)
 PYTHON ?= python3
@@ -7,7 +7,7 @@ VENV ?= .venv
 JOBS ?= 2
 BIN := $(VENV)/bin
 FIGURES := fig14 fig15 fig16
-STUDIES := $(FIGURES) excitations inner_race roller_defect slip length offset tilt misalignment shapes paper_literal
+STUDIES := $(FIGURES) damping excitations inner_race roller_defect slip length offset tilt misalignment shapes paper_literal
 REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 

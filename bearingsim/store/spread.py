@@ -33,7 +33,7 @@ def spread(
         return pd.DataFrame(columns=columns)
     pairs = pd.DataFrame([(one["of"], one["job"]) for one in entries], columns=["of", "job"])
     pairs = pairs[frame[name].reindex(pairs["job"]).notna().to_numpy()]
-    if pairs.empty:
+    if pairs.empty:  # not computed yet; a change against the healthy baseline has none
         return pd.DataFrame(columns=columns)
     own = pd.DataFrame({"of": pairs["of"].unique(), "job": pairs["of"].unique()})
     pairs = pd.concat([own, pairs], ignore_index=True)
