@@ -17,7 +17,7 @@ from bearingsim.study.figures import check_known, parse_figures
 from bearingsim.study.jobs import Study, case_id
 from bearingsim.study.paths import dimension, parse_path, put, value_at
 from bearingsim.study.sweep import Axis, is_sweep, parse_sweep, replaced, rows_of, single_axis, written_paths
-from bearingsim.study.uncertainty import parse_uncertainty
+from bearingsim.study.uncertainty import check_possible, parse_uncertainty
 from bearingsim.text.units import UnitError, split
 from bearingsim.text.units import parse as quantity
 from bearingsim.text.yamlfile import (
@@ -63,6 +63,7 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     if all(cases):
         models = {case.model for found in cases for case, _ in found}
         check_known(root.mapping.get("figures"), models, problems)
+        check_possible(root.mapping.get("uncertainty"), [case for case, _ in cases[0]], uncertain or (), problems)
     problems += [found for plan in plans for found in plan.all_problems()]
     if problems:
         raise StudyError(_in_order(problems, str(path)))

@@ -15,6 +15,7 @@ from typing import Any
 
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case, Kraemer
+from bearingsim.config.rules.conflicts import conflicts
 from bearingsim.text.units import Dimension, UnitError, display, parse, suggestion
 from bearingsim.text.yamlfile import Node, Problem, problem
 
@@ -121,6 +122,18 @@ def _value(what: str, known: Unknown, item: Node, problems: list[Problem]) -> fl
         problems.append(problem(item.mark, f"uncertainty.{what}: expected a value above zero, got `{item.text}`"))
         return None
     return value
+
+
+def check_possible(
+    section: Node | None, cases: Sequence[Case], uncertain: Sequence[Uncertain], problems: list[Problem]
+) -> None:
+    """Note the values with which a case of the study could not be: one problem for each kind."""
+    for one in uncertain:
+        varied = (case for whole in cases for _, _, case in variations(whole, [one]))
+        wrong = next((found for case in varied for found in conflicts(case)), None)
+        if wrong is not None and section is not None:
+            mark = section.mapping[one.what].mark
+            problems.append(problem(mark, f"uncertainty.{one.what}: {wrong.message}", wrong.hint))
 
 
 def sampled(cases: Sequence[Case], jobs: int) -> list[Case]:

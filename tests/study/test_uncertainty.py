@@ -16,7 +16,7 @@ from bearingsim.plots.plot import drawn
 from bearingsim.runner.unknowns import examined
 from bearingsim.store.spread import errors, spread, standard_error
 from bearingsim.store.table import job_frame
-from bearingsim.study import case_id, json_schema, load_study
+from bearingsim.study import StudyError, case_id, json_schema, load_study
 from bearingsim.study.uncertainty import LARGEST_PART, SAMPLED_JOBS, USUAL, Uncertain, sampled
 from tests.scenes.commands import type_
 from tests.scenes.study_text import BASE, Write
@@ -378,3 +378,9 @@ def test_one_job_is_told_without_at_most() -> None:
     assert told == f"{moved}; 1 of 2 variations moved chaotically: their standard error counts"
     frame["features/chaotic"] = 0.0
     assert list(examined(plan, frame)) == [moved.replace("37", "30").replace("24", "15")]
+
+
+def test_a_value_with_which_no_case_could_be_is_refused(write: Write) -> None:
+    with pytest.raises(StudyError) as error:
+        load_study(write(BASE + "uncertainty: {clearance: [0 um, 5 mm]}\n"))
+    assert "uncertainty.clearance: a clearance of 2500 um is beyond" in str(error.value)
