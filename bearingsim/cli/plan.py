@@ -294,7 +294,7 @@ def varied(plan: Plan) -> Iterator[str]:
         jobs = sorted({one.of for one in plan.study.variations() if one.what == what})
         of = f"{len(jobs)} of {len(plan.cases)} cases" if len(jobs) < len(plan.cases) else "each case"
         yield f"`uncertainty`: {what} of {UNKNOWNS[what].range_text(values)}, in {of}"
-    if "damping" not in tried:
+    if "damping" not in tried and plan.study.uncertainty != ():
         damped = [one for one in plan.cases if acts("damping", one.job.case)]
         if damped:
             yield unexamined(len(damped), duration, sum(one.estimate.cpu_seconds for one in damped))

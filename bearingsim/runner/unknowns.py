@@ -31,7 +31,7 @@ def examined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
             jobs = max(len(column) for column in known.values())
             most = f" (at most, of {jobs} jobs)" if jobs > 1 else ""
             yield f"{what} of {UNKNOWNS[what].range_text(tried)} moves {moved}{most}{_chaotic(plan, frame, what)}"
-    if "damping" not in values:
+    if "damping" not in values and not plan["nothing_uncertain"]:
         yield from _unexamined(plan, frame)
 
 

@@ -79,6 +79,7 @@ class FakeStudy:
     units: dict[str, str] = field(default_factory=lambda: {"defect.width": "mm"})
     figures: tuple[Any, ...] = ()
     notes: tuple[str, ...] = ()
+    uncertainty: Any = None
 
     def jobs(self) -> list[Any]:
         twin = FakeCase(healthy=True, seconds=self.seconds)

@@ -262,6 +262,10 @@ def test_a_run_without_it_says_what_it_would_take(here: Path) -> None:
     said, _ = type_("run", "small.yaml", "--jobs", "1")
     told = " ".join(said.split())
     assert "damping not examined: `uncertainty: {damping: [0.5 us, 10 us]}` would, with 6 jobs more and" in told
+    with Path("small.yaml").open("a") as file:
+        file.write("uncertainty: none\n")
+    for command in (("check", "small.yaml"), ("run", "small.yaml", "--jobs", "1")):
+        assert "not examined" not in type_(*command)[0]
 
 
 def test_nothing_is_computed_twice(ran: tuple[Path, str]) -> None:
