@@ -1,7 +1,8 @@
 """The damping law `film`: an oil film between rolling element and race, and hysteresis, as a table.
 
 ``core/laws/oil_film.py`` says what a film does under a load; here that becomes a damping over the approach, with
-the elastic law in use. Speeds are those of the case at its start, without slip.
+the elastic law in use. Rollers roll without slip at the speed
+of the case, which has no ramp.
 """
 
 from functools import lru_cache

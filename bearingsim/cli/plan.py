@@ -294,7 +294,8 @@ def varied(plan: Plan) -> Iterator[str]:
         jobs = sorted({one.of for one in plan.study.variations() if one.what == what})
         of = f"{len(jobs)} of {len(plan.cases)} cases" if len(jobs) < len(plan.cases) else "each case"
         yield f"`uncertainty`: {what} of {UNKNOWNS[what].range_text(values)}, in {of}"
-    if "damping" not in tried and plan.study.uncertainty != ():
+    swept = any(path.startswith("contact.damping") for path in plan.study.units)
+    if "damping" not in tried and plan.study.uncertainty != () and not swept:
         damped = [one for one in plan.cases if acts("damping", one.job.case)]
         if damped:
             yield unexamined(len(damped), duration, sum(one.estimate.cpu_seconds for one in damped))
@@ -415,6 +416,8 @@ def _job_entry(priced: Priced) -> dict[str, Any]:
     return {
         "job": job.id,
         "healthy": job.healthy,
+        "twin": job.is_baseline,
+        "variation": job.is_variation,
         "swept": job.swept,
         "model": job.case.model,
         "method": priced.choice.method,

@@ -40,7 +40,7 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     found = [("job", [job[:8] for job in rows["job"]]), *(_column(results, rows, name) for name in chosen)]
     kept = found if columns else _fitting(found, [name in features for name in ["job", *chosen]])
     print_table([head for head, _ in kept], list(zip(*(cells for _, cells in kept), strict=True)))
-    typer.echo(_counts(table))
+    typer.echo(_counts(table) + _varied(results))
     for told in damping.of_jobs(results.info().reindex(table["job"])):
         typer.echo(told)
     if len(kept) < len(found):
@@ -103,6 +103,13 @@ def _plain(row: Mapping[Any, Any]) -> dict[str, Any]:
     }
 
 
+def _varied(results: "Results") -> str:
+    """How many variations stand beside the jobs, and how many of them have no result."""
+    jobs = {one["job"] for one in results.variations} - set(results.table()["job"])
+    lacking = len(jobs - set(results.info().index))
+    return f", and {len(jobs)} variations{f' ({lacking} without a result)' * bool(lacking)}" if jobs else ""
+
+
 def _counts(table: "pd.DataFrame") -> str:
     counts = table["status"].value_counts()
     return f"{len(table)} jobs: " + ", ".join(f"{count} {status}" for status, count in counts.items())
@@ -136,8 +143,9 @@ def show_failures(folder: Path, tracebacks: bool = False) -> None:
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
     known = results.failures()
     failures = {job: known[job] for job in results.jobs if job in known}
+    varied = {one["job"]: f"{one['what']} {one['value']:.3g} (SI) of {one['of']}" for one in results.variations}
     for job, failure in failures.items():
-        typer.echo(f"{job}  {described(swept[job], results.plan['units'])}")
+        typer.echo(f"{job}  {varied.get(job) or described(swept[job], results.plan['units'])}")
         told = failure.time is None or "into the run" in failure.reason
         when = "" if told else f", {1e3 * (failure.time or 0.0):.4g} ms into the run"
         typer.echo(f"    {failure.reason}{when}" + (f" ({failure.advice})" if failure.advice else ""))

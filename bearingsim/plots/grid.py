@@ -151,4 +151,5 @@ def _baselines(results: "Results", jobs: Iterable[str]) -> dict[str, str]:
     """The healthy baselines of some jobs, as far as they are done."""
     table = results.table().set_index("job")
     done = set(table.index[table["status"] == "done"])
-    return {job: twin for job in jobs if (twin := str(table.loc[job, "healthy"])) in done}
+    healthy = {entry["job"]: entry["healthy"] for entry in results.plan["jobs"]}
+    return {job: twin for job in jobs if (twin := str(healthy.get(job))) in done}

@@ -117,10 +117,10 @@ def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple
     units = results.plan["units"]
     figure, part = select.completed(wanted, rows, units)
     caption = fixed_values(results, part, {figure.x, *select.varied(part, [*figure.by, *figure.panels])})
+    if categories.are_many(figure, part, units):
+        return categories.draw(figure, part, units, caption), figure
     part = select.with_spread(results, part, figure.y)
-    caption = [*caption, *select.spread_said(results, part)]
-    draw = categories.draw if categories.are_many(figure, part, units) else sweep.draw
-    return draw(figure, part, units, caption), figure
+    return sweep.draw(figure, part, units, [*caption, *select.spread_said(results, part)]), figure
 
 
 def _wanted(

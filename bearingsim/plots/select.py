@@ -170,15 +170,16 @@ def with_spread(results: "Results", rows: "pd.DataFrame", features: Sequence[str
 
 
 def spread_said(results: "Results", rows: "pd.DataFrame") -> list[str]:
-    """What the bands of a figure stand for, if it has any: `band: damping 0.5 to 10 us`."""
+    """What the bands of a figure stand for, if it has any: `bands and bars: damping 0.5 to 10 us`."""
     if not any(str(column).startswith("least ") for column in rows):
         return []
     tried: dict[str, list[float]] = {}
-    for one in results.plan["variations"]:
-        tried.setdefault(one["what"], []).append(one["value"])
+    for one in results.variations:
+        if one["of"] in set(rows["job"]):
+            tried.setdefault(one["what"], []).append(one["value"])
     band = " and ".join(f"{what} {UNKNOWNS[what].range_text(values)}" for what, values in tried.items())
     chaotic = any((rows[name] == True).any() for name in rows if str(name).startswith("chaotic "))  # noqa: E712
-    return [f"band: {band}" + ", in part chaotic (with its standard error)" * chaotic]
+    return [f"bands and bars: {band}" + ", in part chaotic (with its standard error)" * chaotic]
 
 
 def completed(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> tuple[Figure, "pd.DataFrame"]:

@@ -26,12 +26,17 @@ def examined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     for what, tried in values.items():
         columns = {text: f"error.{what}{ending}" for ending, text in BRIEFLY.items()}
         known = {text: found[name].dropna() for text, name in columns.items() if name in found}
+        jobs_of = {one["job"] for one in plan["variations"] if one["what"] == what}
+        lacking = int((frame["status"].reindex(list(jobs_of)) != "done").sum()) if "status" in frame else 0
+        if lacking:
+            yield f"{lacking} of {len(jobs_of)} variations of the {what} have no result, and their jobs no range"
         moved = ", ".join(f"{text} by {_percent(column.max())}" for text, column in known.items())
         if moved:
             jobs = max(len(column) for column in known.values())
             most = f" (at most, of {jobs} jobs)" if jobs > 1 else ""
             yield f"{what} of {UNKNOWNS[what].range_text(tried)} moves {moved}{most}{_chaotic(plan, frame, what)}"
-    if "damping" not in values and not plan["nothing_uncertain"]:
+    swept = any(path.startswith("contact.damping") for path in plan["units"])
+    if "damping" not in values and not plan["nothing_uncertain"] and not swept:
         yield from _unexamined(plan, frame)
 
 
@@ -45,7 +50,10 @@ def _chaotic(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> str:
     if "features/chaotic" not in frame:
         return ""
     count = int((frame["features/chaotic"][frame.index.isin(jobs)] == 1.0).sum())
-    return f"; {count} of {len(jobs)} variations moved chaotically: their standard error counts" * bool(count)
+    return (
+        f"; {count} of {len(jobs)} variations moved chaotically: the standard error of line and RMS counts"
+        * bool(count)
+    )
 
 
 def _unexamined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:

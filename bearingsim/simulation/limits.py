@@ -41,7 +41,7 @@ class Limits:
 
     The limits are the method's own, on the linearised bearing; ``impact_force`` is an estimate of the peak.
     damping_ratio is that of a roller (in `ring`, of the ring) on its contacts, without friction; damping_time (s)
-    is c/k of the most loaded contact at rest.
+    is c/k of a contact under the largest load at rest, the larger of both races'.
     approach_bound (m), energy_bound (J): approach of a contact and radial energy of motion that no right run
     exceeds.
     """

@@ -66,8 +66,13 @@ class Results:
 
     @cached_property
     def jobs(self) -> tuple[str, ...]:
-        """Ids of all planned jobs, cases first, then healthy baselines."""
+        """Ids of all planned jobs: cases, then healthy baselines, then variations."""
         return tuple(entry["job"] for entry in self.plan["jobs"])
+
+    @cached_property
+    def variations(self) -> list[dict[str, Any]]:
+        """What was varied of which job (`uncertainty:`): `of`, `what`, `value` (SI), `job`."""
+        return list(self.plan.get("variations", ()))
 
     @cached_property
     def _frame(self) -> "pd.DataFrame":
@@ -114,6 +119,9 @@ class Results:
         except ModuleNotFoundError:
             raise ResultsError("to_xarray needs the package xarray: pip install xarray h5netcdf") from None
         rows = self.table().set_index("job")
+        unknown = sorted(set(jobs or ()) - set(rows.index))
+        if unknown:
+            raise ResultsError(f"no row of the table: {', '.join(unknown)}")
         done = rows[rows["status"] == "done"] if jobs is None else rows.loc[list(jobs)]
         swept = {path for entry in self.plan["jobs"] for path in entry["swept"]}
         columns = {

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["errors", "spread"]
 
-STANDARD_DEVIATIONS = 2.5  # that `rms_scatter` stands for
+STANDARD_DEVIATIONS = 2.5  # that `rms_scatter` stands for, or more: it counts how few passes tell
 
 
 def spread(
@@ -21,19 +21,21 @@ def spread(
 ) -> "pd.DataFrame":
     """``least`` and ``largest`` of a feature (SI) among a job and its variations of ``what`` (or of all).
 
-    frame: of ``job_frame``. Indexed by the jobs that have a variation with a result; ``chaotic``: whether one of
-    the motions is.
+    frame: of ``job_frame``. Indexed by the jobs whose variations all have a result; ``chaotic``: whether one of
+    the motions is. None of a phase, which has no least value.
     """
+    import numpy as np
     import pandas as pd
 
     columns = ["least", "largest", "chaotic"]
     entries = [one for one in plan.get("variations", ()) if what is None or one["what"] == what]
     name = f"features/{feature}"
-    if not entries or name not in frame:
+    if not entries or name not in frame or name.endswith(".phase"):
         return pd.DataFrame(columns=columns)
     pairs = pd.DataFrame([(one["of"], one["job"]) for one in entries], columns=["of", "job"])
-    pairs = pairs[frame[name].reindex(pairs["job"]).notna().to_numpy()]
-    if pairs.empty:  # not computed yet; a change against the healthy baseline has none
+    lacking = frame[name].reindex(pairs["job"]).isna().to_numpy()
+    pairs = pairs[~pairs["of"].isin(pairs["of"][lacking])]  # a part of the range would look like all of it
+    if pairs.empty:
         return pd.DataFrame(columns=columns)
     own = pd.DataFrame({"of": pairs["of"].unique(), "job": pairs["of"].unique()})
     pairs = pd.concat([own, pairs], ignore_index=True)
@@ -42,11 +44,16 @@ def spread(
     pairs = pairs.assign(least=value - beside, largest=value + beside)
     pairs["chaotic"] = _chaotic(frame).reindex(pairs["job"]).to_numpy()
     found = pairs.groupby("of", sort=False).agg({"least": "min", "largest": "max", "chaotic": "any"})
+    unknown = pairs["of"][np.isnan(beside)]  # chaotic, and not seen for long enough
+    found = found[~found.index.isin(unknown)]
     return found if (value < 0.0).any() else found.assign(least=found["least"].clip(lower=0.0))
 
 
 def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """How far off one draw of a chaotic motion may be (SI); 0 where it is not chaotic, or nothing tells."""
+    """How far off one draw of a chaotic motion may be (SI); 0 where it is not chaotic, or no feature tells.
+
+    NaN where the motion was not seen for long enough to tell.
+    """
     import numpy as np
     import pandas as pd
 
@@ -55,7 +62,7 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
         found = frame[f"features/{feature}-scatter"]
     elif feature.endswith(".rms") and "features/rms_scatter" in frame:
         found = frame["features/rms_scatter"] / STANDARD_DEVIATIONS * frame[f"features/{feature}"]
-    return found.where(_chaotic(frame) & np.isfinite(found), 0.0)
+    return found.replace(np.inf, np.nan).where(_chaotic(frame), 0.0)
 
 
 def _chaotic(frame: "pd.DataFrame") -> "pd.Series[bool]":

@@ -97,7 +97,7 @@ def build_table(root: Path) -> "pd.DataFrame":
 
 
 def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
-    """One row per job: ``job``, swept paths (SI), features, status, reason, seconds, healthy, unit.
+    """One row per case and twin: ``job``, swept paths (SI), features, status, reason, seconds, healthy, unit.
 
     Variations (``store/spread.py``) have no row: they are in the columns `error.*` of those they vary.
     """

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from bearingsim.catalogue import MODELS
@@ -93,6 +94,10 @@ class Study:
 
     def variations(self) -> list[Variation]:
         """What is varied of the cases: of all by `uncertainty`, or of a few if the study does not speak of it."""
+        return self._variations
+
+    @cached_property
+    def _variations(self) -> list[Variation]:
         if self.uncertainty is not None:
             cases, uncertain = self.cases(), self.uncertainty
         else:

@@ -14,7 +14,7 @@ from random import Random
 from typing import Any
 
 from bearingsim.catalogue import MODELS
-from bearingsim.config import Case, Kraemer
+from bearingsim.config import Case, Kraemer, names
 from bearingsim.config.rules.conflicts import conflicts
 from bearingsim.text.units import Dimension, UnitError, display, parse, suggestion
 from bearingsim.text.yamlfile import Node, Problem, problem
@@ -69,6 +69,7 @@ UNKNOWNS = {
     "clearance": Unknown("length", "um", "[0 um, 10 um]", False, _with_clearance),
     "bracket": Unknown("number", "", "[0.5, 2]", True, _with_bracket),
 }
+assert tuple(UNKNOWNS) == names.UNKNOWNS, "each has its columns in the table"
 NONE = "none"
 USUAL = Uncertain("damping", (0.5e-6, sqrt(5.0) * 1e-6, 10e-6))
 """What is tried on a few jobs of a study that says nothing: c/k of a lubricated contact, without its extremes."""
@@ -145,7 +146,7 @@ def sampled(cases: Sequence[Case], jobs: int) -> list[Case]:
 
 
 def acts(what: str, case: Case) -> bool:
-    """Whether a case can depend on it."""
+    """Whether a case's model knows it."""
     model: Any = MODELS[case.model]
     return model.loaded and (what != "damping" or "damping" in model.abilities)
 

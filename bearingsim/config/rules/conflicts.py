@@ -192,6 +192,9 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
         shown = show(case.clearance, "um")
         message = f"a clearance of {shown} is beyond -1 % to 5 % of the roller diameter"
         yield Conflict("clearance", (("clearance",), ("bearing",)), message, "is the unit right?")
+    if case.ramp is not None and getattr(case.contact.damping, "of_one_speed", False):
+        message = f"the damping law `{getattr(case.contact.damping, 'law', '')}` is that of one speed"
+        yield Conflict("film", (("ramp",), ("contact", "damping")), message, "take another law, or no ramp")
     ball_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
     if case.duration < ball_pass:
         shown, needed = show(case.duration, "ms"), show(ball_pass, "ms")

@@ -1,7 +1,7 @@
 """How rolling elements and races press on each other: stiffness and damping."""
 
 from math import isclose, pi
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Tag, model_validator
 
@@ -96,6 +96,8 @@ class Film(Section):
     pressure_coefficient: PressureCoefficient = 2e-8
     loss_factor: Percentage = 0.015
     at: Annotated[Literal["low", "own"], one_of("low", "own")] = "low"
+
+    of_one_speed: ClassVar[bool] = True
 
     @model_validator(mode="after")
     def _knows_its_oil(self) -> "Film":

@@ -35,7 +35,8 @@ class Laws:
     def spelled(self, given: Any) -> Any:
         """A word as a mapping; refuses what is no law."""
         found = {"law": given} if isinstance(given, str) else given
-        if self.tag(found) not in self.sections:
+        law = self.tag(found)
+        if not isinstance(law, str) or law not in self.sections:
             raise_unknown_word(self.tag(found), tuple(self.sections))
         return found
 
