@@ -90,7 +90,7 @@ def crossings(case: Case, record: Record) -> Iterator[Crossing]:
         turned = record.info["cage_angle_start_rad"] + b.omega_c * record.time + 2.0 * pi * j / b.Z
         along = b.R_o * ((turned - case.defects[0].angle + pi) % (2.0 * pi) - pi) + width / 2.0
         force = record.series[f"roller.{j + 1}.outer_force"]
-        near = np.flatnonzero((along > -0.1 * width) & (along < 1.1 * width))
+        near = np.flatnonzero((along > -0.15 * width) & (along < 1.15 * width))
         for one in np.split(near, np.flatnonzero(np.diff(near) > 1) + 1):
             if len(one) and along[one[0]] < -0.09 * width and along[one[-1]] > 1.09 * width:
                 yield crossed(along[one], force[one], width - EARLY * x)

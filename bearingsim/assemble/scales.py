@@ -8,7 +8,7 @@ from typing import Any
 
 from bearingsim.assemble import contacts, geometry, rest
 from bearingsim.config import Case
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.methods.interface import Tolerances
 from bearingsim.core.pits.excitations import STEP_EXCITATIONS
 from bearingsim.core.pits.pairs import (
@@ -91,7 +91,7 @@ def damping_time(case: Case, load: float) -> float:
 
 def damping_over_stiffness(law: Any, delta: float) -> float:
     """c/k (s) of a contact at rest at the approach ``delta`` (m)."""
-    K, C = slopes(law, delta, 0.0)
+    K, C = stiffness_bound(law, delta, 0.0), damping_bound(law, delta, 0.0)  # which laws without slopes have too
     return float(C / K) if K > 0.0 else 0.0
 
 

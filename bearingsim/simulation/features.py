@@ -122,7 +122,8 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: RawRecord) -> dict[
     rate: Any = cut.rate
     if MODELS[case.model].slips:  # its passes take what time they take
         ball_pass = Z * sample_angles(model, cut, start, slip).cage - angle
-        if ball_pass[-1] - ball_pass[0] < 2.0 * pi * MIN_PASSES or np.any(np.diff(ball_pass) <= 0.0):
+        enough = 2.0 * pi * MIN_PASSES * (1.0 - 1e-9)  # a record of just so many passes may be short by rounding
+        if ball_pass[-1] - ball_pass[0] < enough or np.any(np.diff(ball_pass) <= 0.0):
             return dict.fromkeys(_ball_pass_names(), float("nan"))
         M *= ceil(2.0 * pi / (M * np.diff(ball_pass).min()))  # the longest pass keeps all its samples
         time, (whole, first) = np.arange(length) / cut.fine_rate, signals.at_equal_angles(whole, ball_pass, M)

@@ -33,7 +33,7 @@ def spread(
         return pd.DataFrame(columns=columns)
     pairs = pd.DataFrame([(one["of"], one["job"]) for one in entries], columns=["of", "job"])
     pairs = pairs[frame[name].reindex(pairs["job"]).notna().to_numpy()]
-    if pairs.empty:  # not computed yet; a change against the healthy baseline has none
+    if pairs.empty:
         return pd.DataFrame(columns=columns)
     own = pd.DataFrame({"of": pairs["of"].unique(), "job": pairs["of"].unique()})
     pairs = pd.concat([own, pairs], ignore_index=True)
@@ -42,7 +42,7 @@ def spread(
     pairs = pairs.assign(least=value - beside, largest=value + beside)
     pairs["chaotic"] = _chaotic(frame).reindex(pairs["job"]).to_numpy()
     found = pairs.groupby("of", sort=False).agg({"least": "min", "largest": "max", "chaotic": "any"})
-    return found.assign(least=found["least"].clip(lower=0.0)) if value.min() >= 0.0 else found
+    return found if (value < 0.0).any() else found.assign(least=found["least"].clip(lower=0.0))
 
 
 def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":

@@ -11,13 +11,14 @@ from bearingsim.config import Case
 from bearingsim.core.pits.edge_contact import EdgeContact
 from bearingsim.simulation.simulate import simulate
 from bearingsim.study.jobs import case_id
+from tests.scenes.nf308 import CHI
 
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "50 um"}
 
 
 def case(**fields: Any) -> Case:
     base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "excitation": "elastic-edge"}
-    return Case.model_validate(base | fields)
+    return Case.model_validate(base | {"contact": {"damping": CHI}} | fields)
 
 
 def test_it_takes_load_radii_and_steel_from_the_case() -> None:

@@ -88,7 +88,10 @@ def test_check_prints_the_plan(here):
     assert rows["crossing of the pit (us)"][-2:] == ["270", "270"]  # 0.8 mm at 2.959 m/s
     assert rows["step limit at rest (us)"][5] == "-"  # the static model has none
     assert "2 workers" in said
-    assert len(max(said.splitlines(), key=len)) < 100
+    table = [line for line in said.splitlines() if "  " in line]
+    assert len(max(table, key=len)) < 100
+    assert rows["damping c/k at rest (us)"][-2:] == ["2.5", "2.5"]
+    assert "\ndamping: c/k 2.5 us (plausible: 0.3 to 25 us), damping ratio 0.0765 to 0.0789;" in said
 
 
 @pytest.mark.parametrize(
@@ -188,7 +191,7 @@ def test_contacts_that_creep_longer_than_the_run_settles_are_told(here, coeffici
 
 def test_refused_jobs_are_counted_for_a_script(here):
     """The step is too long for `ring` over a pit; its healthy twins and `static` take it."""
-    words = ["--set", "step=20 us", "--json"]
+    words = ["--set", "step=20 us", "--set", "contact.damping={chi: 50 s/m}", "--json"]
     found = json.loads(type_("check", "small.yaml", *words, code=2)[0])
     assert (found["cases"], found["twins"], found["refused_jobs"]) == (4, 4, 2)
     assert len(found["jobs"]) == 6

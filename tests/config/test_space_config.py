@@ -16,6 +16,7 @@ from bearingsim.core.parts.flanges import NoFlanges
 from bearingsim.core.parts.mounts import ElasticMount, RigidMount
 from bearingsim.simulation import limits
 from bearingsim.study.jobs import _baseline, case_id
+from tests.scenes.nf308 import CHI
 
 PIT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
 SPRUNG = {"axial_stiffness": "1e7 N/m", "tilting_stiffness": "1e4 N m/rad"}
@@ -189,15 +190,20 @@ def test_a_flange_force_without_flanges_stays_zero() -> None:
 
 def test_loads_at_rest_know_that_a_ring_leans() -> None:
     """A lean of 1 mrad at 1 kN loads the ends of rollers: 455 N where the plane has 316."""
-    leaning, straight = (
-        limits.loads_at_rest(
-            assemble.healthy(case(load="1 kN", misalignment={"inner": lean}, contact={"slices": 12}))
-        )
-        for lean in ("1 mrad", "0 mrad")
-    )
+
+    def at_rest(lean: str, **damping: Any) -> tuple[float, float, float]:
+        given = {"load": "1 kN", "misalignment": {"inner": lean}, "contact": {"slices": 12} | damping}
+        return limits.loads_at_rest(assemble.healthy(case(**given)))
+
+    leaning, straight = (at_rest(lean, damping=CHI) for lean in ("1 mrad", "0 mrad"))
     assert straight[0] == pytest.approx(316, rel=0.01)
     assert leaning[0] == pytest.approx(455, rel=0.01)
-    assert leaning[2] > 1.3 * straight[2]  # damping goes with the force, stiffness with the length that carries
+    assert (
+        leaning[2] > 1.3 * straight[2]
+    )  # this damping goes with the force, stiffness with the length that carries
+    leaning, straight = (at_rest(lean) for lean in ("1 mrad", "0 mrad"))  # the default goes with the stiffness
+    assert straight[2] == pytest.approx(2.5e-6 * straight[1], rel=1e-9)
+    assert leaning[2] == pytest.approx(2.39e-6 * leaning[1], rel=0.01)  # flanges hold, and are not damped so
 
 
 def test_what_is_the_same_has_one_id() -> None:

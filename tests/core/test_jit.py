@@ -41,7 +41,7 @@ CASES = [Case.model_validate(BASE | {"model": "ring"} | more) for more in (
     {"defect": SLOT, "start_angle": 0},
     {"defects": [SLOT | {"race": "inner"}, SLOT | {"race": "roller", "roller": 3, "angle": 1}, SLOT]},
     {"load": 200, "speed": 100, "clearance": 0, "start_angle": 0, "duration": 1, "sampling": 1000, "settle": 0},
-    {"contact": {"stiffness": "iso16281", "damping": {"chi": 10}}},
+    {"contact": {"stiffness": "iso16281", "damping": {"beta": 1e-5}}},
     {"record": ["roller.outer_force"], "sampling": 50e3},
     {"sampling": 300e3, "step": "1 us"},
     {"rig": {"name": "x", "ring_mass": 1, "bracket_stiffness": 10000000, "bracket_damping": 0}},

@@ -1,5 +1,8 @@
 """The model, method and step that every study's jobs are given, as they were when they were last looked at.
 
+That was when contacts came to be damped by c/k = 2.5 us (model version 6): without impacts that damping makes
+heavy, Verlet is cheapest but for `paper_literal`, and its steps in `rollers` are those of the contact frequency.
+
 They rest on measured prices and limits, and a change of either changes them unseen. After one that is meant:
 ``python -m tests.simulation.test_automatic`` writes the table anew.
 """

@@ -20,10 +20,15 @@ from bearingsim.simulation import choice, prices, time_grid
 from bearingsim.simulation import limits as limiting
 from bearingsim.simulation.choice import limits
 from bearingsim.simulation.time_grid import grid, requested_step
+from tests.scenes.nf308 import CHI
 
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 NARROW = SLOT | {"width": "0.2 mm"}
 SLOTS = [pytest.param((), id="healthy"), pytest.param((SLOT,), id="0.8 mm"), pytest.param((NARROW,), id="0.2 mm")]
+
+
+HEAVY = {"contact": {"damping": CHI}}
+"""Damping that grows with the load."""
 
 
 def case(**fields: Any) -> Case:
@@ -90,10 +95,13 @@ def test_nothing_to_hold_or_damp_has_no_limit() -> None:
 @pytest.mark.parametrize("model", ["ring", "rollers"])
 @pytest.mark.parametrize(("method", "rise"), [("verlet", 1.0), ("rk4", 1.07)])
 @pytest.mark.parametrize("defects", SLOTS)
-def test_limits_fall_with_the_load(model: str, method: str, rise: float, defects: tuple) -> None:
+def test_limits_fall_with_the_load_where_damping_grows_with_it(
+    model: str, method: str, rise: float, defects: tuple
+) -> None:
     """Those of RK4 but for a twentieth: damping of more than half the critical widens its stability a little."""
     found = [
-        limits(case(model=model, method=method, defects=defects, load=load)) for load in (50, 150, 300, 1000, 5000)
+        limits(case(model=model, method=method, defects=defects, load=load, **HEAVY))
+        for load in (50, 150, 300, 1000, 5000)
     ]
     for name in ("at_rest", "at_impact"):
         series = [getattr(one, name) for one in found]
@@ -102,6 +110,16 @@ def test_limits_fall_with_the_load(model: str, method: str, rise: float, defects
         assert len(set(series)) == len(series)
     assert all(one.at_impact <= one.at_rest for one in found)
     assert [one.rest_load for one in found] == sorted(one.rest_load for one in found)
+
+
+@pytest.mark.parametrize("model", ["ring", "rollers"])
+def test_default_damping_goes_with_the_stiffness_at_every_load(model: str) -> None:
+    """c/k is 2.5 us; 100 times the load makes a contact 1.58 times as stiff, and the damping ratio 1.26 times."""
+    light, heavy = (limits(case(model=model, method="verlet", load=load)) for load in (50, 5000))
+    assert light.damping_time == pytest.approx(2.5e-6, rel=1e-9)
+    assert heavy.damping_time == pytest.approx(2.5e-6, rel=1e-9)
+    assert heavy.damping_ratio == pytest.approx(100**0.05 * light.damping_ratio, rel=0.03)
+    assert 0.7 * light.at_rest < heavy.at_rest < 0.8 * light.at_rest
 
 
 def test_limits_do_not_depend_on_what_is_recorded_or_for_how_long() -> None:
@@ -186,9 +204,9 @@ def test_laws_with_the_same_numbers_are_not_taken_for_each_other() -> None:
 @pytest.mark.parametrize("defect", [SLOT, NARROW])
 def test_two_microseconds_are_too_long_for_verlet(defect: dict) -> None:
     with pytest.raises(Refused, match=r"a step of 2 us is over [\d.]+ us, 90% of the method's limit") as caught:
-        requested_step(case(defect=defect, step="2 us"))
+        requested_step(case(defect=defect, step="2 us", **HEAVY))
     assert "step: auto" in caught.value.advice
-    assert f"{1e6 * requested_step(case(defect=defect)):.2g} us" in caught.value.advice
+    assert f"{1e6 * requested_step(case(defect=defect, **HEAVY)):.2g} us" in caught.value.advice
 
 
 @pytest.mark.parametrize("method", ["verlet", "rk4"])
@@ -272,7 +290,7 @@ def test_static_computes_one_pass_unless_a_roller_is_watched() -> None:
 
 def test_a_step_error_survives_pickling() -> None:
     with pytest.raises(Refused) as caught:
-        requested_step(case(defect=SLOT, step="2 us"))
+        requested_step(case(defect=SLOT, step="2 us", **HEAVY))
     again = pickle.loads(pickle.dumps(caught.value))
     assert (again.reason, again.advice) == (caught.value.reason, caught.value.advice)
 

@@ -107,7 +107,7 @@ def test_parameters_carry_their_si_unit() -> None:
     case = Case.model_validate({"bearing": bearing | sizes, "speed": 100.0, "load": 50.0, "defects": defects})
     units = {name: parameter_attributes(name).get("units") for name in store.flat_parameters(case)}
     expected = {"bearing.roller_diameter": "m", "bearing.material.density": "kg/m^3", "defects.1.angle": "rad"}
-    expected |= {"speed": "rad/s", "load": "N", "contact.damping.chi": "s/m", "rig.bracket_damping": "N s/m"}
+    expected |= {"speed": "rad/s", "load": "N", "contact.damping.beta": "s", "rig.bracket_damping": "N s/m"}
     assert {name: units[name] for name in expected} == expected
     assert units["model"] is None
     assert units["bearing.rollers"] is None
@@ -329,6 +329,7 @@ def test_plan_tells_what_was_asked(tmp_path: Path, study: Any) -> None:
         "job": study.jobs()[0].id,
         "healthy": study.jobs()[3].id,
         "twin": False,
+        "variation": False,
         "swept": {"defect.width": 1e-3},
     }
     assert [entry["twin"] for entry in plan["jobs"]] == [False, False, False, True]

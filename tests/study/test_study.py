@@ -71,6 +71,7 @@ def test_the_templates_lines_for_the_spatial_model_are_right(write: Write) -> No
 
 
 PLANAR = {"model": "planar"}
+HEAVY = {"contact": {"damping": {"chi": "50 s/m"}}}
 
 
 def one(**fields: Any) -> Case:
@@ -116,12 +117,14 @@ def _decimal(value: Fraction) -> str:
         ({}, {"seed": 3}),  # nothing random
         ({}, {"friction": "none", "drag": "none"}),  # which is so in this model
         ({"clearance": "CN"}, {"clearance": "37.5 um"}),
-        ({"model": "ring"}, {"model": "least", "contact": {"damping": "hunt-crossley"}}),
+        ({"model": "ring"}, {"model": "least", "contact": {"damping": "kraemer"}}),
         (PLANAR, PLANAR | {"friction": "static-dynamic", "cage": {"motion": "free"}}),
         (PLANAR, PLANAR | {"cage": {"radial_pocket_clearance": "0.2 mm"}}),
         ({}, {"start_angle": math.pi / 13}),
         ({"model": "static"}, {"model": "static", "step_check": "strict"}),
-        ({}, {"contact": {"damping": {"law": "hunt-crossley", "chi": "0.05 s/mm"}}}),
+        ({}, {"contact": {"damping": {"beta": "0.0025 ms"}}}),
+        (HEAVY, {"contact": {"damping": {"law": "hunt-crossley", "chi": "0.05 s/mm"}}}),
+        (HEAVY, {"contact": {"damping": "hunt-crossley"}}),
     ],
 )
 def test_equal_physics_equal_id(first: dict[str, Any], second: dict[str, Any]) -> None:
@@ -135,8 +138,10 @@ def test_equal_physics_equal_id(first: dict[str, Any], second: dict[str, Any]) -
         {"speed": "1801 rpm"},
         {"clearance": "1 um"},
         {"rig": {"sensor_angle": "1 deg"}},
-        {"contact": {"damping": {"chi": "51 s/m"}}},
-        {"contact": {"damping": "kraemer"}},
+        {"contact": {"damping": {"beta": "2.6 us"}}},
+        {"contact": {"damping": {"chi": "2.5e-6 s/m"}}},
+        {"contact": {"damping": "hunt-crossley"}},
+        {"contact": {"damping": {"law": "film", "viscosity": "30 mPa s"}}},
         {"contact": {"stiffness": "iso16281"}},
         {"contact": {"length_nodes": 7}},
         {"model": "ring"},
@@ -207,21 +212,23 @@ def test_elastic_constants_shape_the_id_where_they_are_used() -> None:
 
     assert len(ids()) == 1
     assert len(ids(contact={"stiffness": "johnson"})) == 2
+    assert len(ids(contact={"damping": {"law": "film", "viscosity": "30 mPa s"}})) == 2
 
 
 def test_a_field_that_is_new_renames_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ids as the first version of the model gave them, before these fields were, its method being Verlet's."""
+    """Ids as the first version of the model gave them, before these fields were, its method being Verlet's.
+
+    Its damping was chi = 50 s/m by default, and beta = 10 us that of a bare `kraemer`.
+    """
     monkeypatch.setattr("bearingsim.core.MODEL_VERSION", 1)
     pit = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-3}
-    assert case_id(one(method="verlet")) == "974269e6f84a60ad"
-    assert case_id(one(model="static")) == "2510496c4be94656"
-    assert case_id(one(method="verlet", defect=pit)) == "4a0348f94d255097"
+    assert case_id(one(method="verlet", **HEAVY)) == "974269e6f84a60ad"
+    assert case_id(one(model="static", **HEAVY)) == "2510496c4be94656"
+    assert case_id(one(method="verlet", defect=pit, **HEAVY)) == "4a0348f94d255097"
     several = {"method": "verlet", "model": "ring", "defects": [pit, pit | {"angle": 1.0}]}
-    assert case_id(one(**several)) == "7f2b9e8f07decf70"
-    assert (
-        case_id(one(method="verlet", contact={"stiffness": "iso16281", "damping": "kraemer"}))
-        == "00aa2375f74ec272"
-    )
+    assert case_id(one(**several, **HEAVY)) == "7f2b9e8f07decf70"
+    kraemer = {"stiffness": "iso16281", "damping": {"beta": "10 us"}}
+    assert case_id(one(method="verlet", contact=kraemer)) == "00aa2375f74ec272"
 
 
 def test_names_do_not_shape_the_id_but_the_models_version_does(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -241,7 +248,9 @@ def test_names_do_not_shape_the_id_but_the_models_version_does(monkeypatch: pyte
 def test_the_schema_knows_what_a_study_may_say() -> None:
     schema = json.loads(json.dumps(json_schema()))
     assert schema["required"] == ["study"]
-    assert {"study", "sweep", "figures", "quick", "defect", *Case.model_fields} == schema["properties"].keys()
+    assert {"study", "sweep", "figures", "quick", "uncertainty", "defect", *Case.model_fields} == schema[
+        "properties"
+    ].keys()
     assert schema["$defs"]["Defect"]["properties"]["shape"]["enum"] == [*get_args(Shape)]
     assert schema["properties"]["friction"]["anyOf"][0]["enum"] == ["static-dynamic", "traction", "none"]
     assert schema["properties"]["drag"]["anyOf"][0] == {"const": "none"}

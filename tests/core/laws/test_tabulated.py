@@ -1,0 +1,166 @@
+"""Damping by a table, and the oil film built as one: derivatives, touch-down, and the film it stands for."""
+
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from bearingsim.assemble import contacts
+from bearingsim.assemble.geometry import inner_radius, outer_radius
+from bearingsim.assemble.scales import approach
+from bearingsim.config import Case
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.damping.tabulated import Tabulated
+from bearingsim.core.laws.hertz import effective_modulus
+from bearingsim.core.laws.octaves import FLOOR, tabulate, value
+from bearingsim.core.laws.oil_film import OiledLine, ball_as_strip, entrainment_speed, film_damping, hysteresis
+from bearingsim.core.laws.stiffness.interface import elastic, tangent
+from tests.scenes.laws import STEEL
+
+RISING = Tabulated(STEEL, tabulate(lambda y: (1e6 * np.sqrt(y), 0.5e6 / np.sqrt(y))))
+"""c = 1e6 sqrt(delta) N s/m."""
+FALLING = Tabulated(STEEL, tabulate(lambda y: (1e3 * np.exp(-y / 1e-5), -1e8 * np.exp(-y / 1e-5))))
+"""c = 1000 exp(-delta/10 um) N s/m, but for the first 15 pm."""
+
+
+def case(bearing: str = "nf308", **film: Any) -> Case:
+    damping = {"law": "film", "viscosity": "30 mPa s"} | film
+    base = {"bearing": bearing, "speed": "1800 rpm", "load": "150 N", "model": "rollers"}
+    return Case.model_validate(base | {"contact": {"damping": damping}})
+
+
+FILM = contacts.outer(case())
+LAWS = pytest.mark.parametrize("law", [RISING, FALLING, FILM], ids=["rising", "falling", "film"])
+
+
+def test_the_table_is_the_function() -> None:
+    for delta in np.geomspace(1e-10, 2e-5, 300):
+        assert value(RISING.table, delta) == pytest.approx(1e6 * np.sqrt(delta), rel=1e-7)
+        assert value(FALLING.table, delta) == pytest.approx(1e3 * np.exp(-delta / 1e-5), rel=1e-6)
+
+
+@LAWS
+@given(delta=st.floats(1e-9, 5e-5), v=st.floats(-0.3, 0.3))
+def test_slopes_are_derivatives_of_the_force(law: Tabulated, delta: float, v: float) -> None:
+    """By central differences; at the clamp, which the differences straddle, they are left out."""
+    h, step = 1e-4 * delta, 1e-5
+    near = [normal_force(law, delta + i * h, v + k * step) for i in (-2, 0, 2) for k in (-2, 0, 2)]
+    assume(min(near) > 0.0 or max(near) == 0.0)
+    K, C = slopes(law, delta, v)
+    by_approach = (normal_force(law, delta + h, v) - normal_force(law, delta - h, v)) / (2.0 * h)
+    by_rate = (normal_force(law, delta, v + step) - normal_force(law, delta, v - step)) / (2.0 * step)
+    assert pytest.approx(by_approach, rel=1e-4, abs=1e-4 * tangent(law.stiffness, delta)) == K
+    assert pytest.approx(by_rate, rel=1e-7, abs=1e-9) == C
+
+
+@LAWS
+def test_the_force_does_not_jump_as_a_contact_closes(law: Tabulated) -> None:
+    for v in (-0.3, 0.0, 0.3):
+        assert normal_force(law, 0.0, v) == 0.0
+        assert normal_force(law, -1e-9, v) == 0.0
+        assert slopes(law, -1e-9, v) == (0.0, 0.0)
+        heights = [normal_force(law, FLOOR / 2.0**n, v) for n in range(1, 30)]
+        assert heights[-1] < 1e-6 * max(heights[0], 1e-3)
+    assert elastic(law.stiffness, 1e-9) < normal_force(law, 1e-9, 0.3)
+
+
+@LAWS
+@given(delta=st.floats(0.0, 1e-4), v=st.floats(-0.3, 0.3))
+def test_bounds_are_those_of_the_slopes(law: Tabulated, delta: float, v: float) -> None:
+    """Never negative, finite at touch-down, and no less than the slopes."""
+    K, C = slopes(law, delta, v)
+    assert np.isfinite([stiffness_bound(law, delta, v), damping_bound(law, delta, v)]).all()
+    assert stiffness_bound(law, delta, v) >= max(K, 0.0) * (1.0 - 1e-12)
+    assert damping_bound(law, delta, v) >= max(C, 0.0) * (1.0 - 1e-12)
+
+
+def test_not_a_number_is_not_hidden() -> None:
+    assert np.isnan(normal_force(FILM, float("nan"), 0.1))
+
+
+# The film that is built
+
+
+LOADS = np.geomspace(0.5, 5000.0, 25)
+
+
+def expected(given: Case, on_outer: bool, Q: float) -> tuple[float, float]:
+    """Damping (N s/m) of film and of hysteresis of one contact at a load, from the closed forms alone."""
+    b, film = given.bearing, given.contact.damping
+    this, other = (contacts.stiffness(given, side) for side in (on_outer, not on_outer))
+    k = _tangent(this, Q)
+    omega = np.sqrt((k + _tangent(other, Q)) / b.element_mass)
+    E_star = effective_modulus(b.material.young_modulus, b.material.poisson_ratio)
+    u = entrainment_speed(given.speed, b.pitch_diameter, b.roller_diameter)
+    R_w, race = b.roller_diameter / 2.0, outer_radius(given) if on_outer else inner_radius(given)
+    L, R, growth = b.roller_length, 1.0 / (1.0 / R_w + (-1.0 if on_outer else 1.0) / race), 0.5
+    if b.element == "ball":
+        point = contacts.point_contact(given, on_outer)
+        a, short = point.semi_axes(Q)
+        (L, R), growth = ball_as_strip(a, short, 1.5 * Q / (pi * a * short), E_star), 1.0 / 3.0
+    line = OiledLine(L, R, E_star, film.inlet_viscosity, film.pressure_coefficient, u)
+    oil = film_damping(Q, k, line, omega if film.at == "own" else 0.0, growth)
+    return float(oil), float(hysteresis(k, omega, film.loss_factor))
+
+
+def _tangent(stiffness: Any, Q: float) -> float:
+    low, high = 0.0, 1e-3
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if elastic(stiffness, middle) < Q else (low, middle)
+    return float(tangent(stiffness, high))
+
+
+@pytest.mark.parametrize("at", ["low", "own"])
+@pytest.mark.parametrize("bearing", ["nf308", "6205"])
+@pytest.mark.parametrize("on_outer", [True, False], ids=["outer", "inner"])
+def test_the_built_film_is_that_of_the_closed_forms(bearing: str, on_outer: bool, at: str) -> None:
+    given = case(bearing, at=at)
+    law = contacts.damped(given, on_outer)
+    found = np.array([slopes(law, approach(law, Q), 0.0)[1] for Q in LOADS])
+    off = np.abs(found / [sum(expected(given, on_outer, Q)) for Q in LOADS] - 1.0)
+    assert np.sort(off)[-4] < 1e-6
+    assert off.max() < 1e-5  # where pressure begins to thicken the oil: at 157 N in the NF308, 1.4 N in the 6205
+
+
+def test_each_race_has_its_own_film() -> None:
+    """Balls press with another stiffness too: at 300 N the inner race damps the 6205 more."""
+    for bearing in ("nf308", "6205"):
+        laws = [contacts.damped(case(bearing), on_outer) for on_outer in (True, False)]
+        outer, inner = (slopes(law, approach(law, 300.0), 0.0)[1] for law in laws)
+        assert outer != pytest.approx(inner, rel=0.02)
+
+
+def test_at_the_elements_own_frequency_a_film_damps_less() -> None:
+    low, own = (contacts.outer(case(at=at)) for at in ("low", "own"))
+    for Q in LOADS:
+        assert slopes(own, approach(own, Q), 0.0)[1] < slopes(low, approach(low, Q), 0.0)[1]
+
+
+def test_more_oil_and_more_loss_damp_more() -> None:
+    def damping(**film: Any) -> float:
+        law = contacts.outer(case(**film))
+        return float(slopes(law, approach(law, 100.0), 0.0)[1])
+
+    usual = damping()
+    assert damping(viscosity="60 mPa s") > 1.05 * usual
+    assert damping(loss_factor="3 %") - usual == pytest.approx(usual - damping(loss_factor="0 %"), rel=1e-6)
+    assert damping(loss_factor="0 %") < usual
+    assert damping(pressure_coefficient="10 1/GPa") != pytest.approx(usual, rel=1e-3)
+
+
+def test_an_oil_is_the_viscosity_of_its_grade() -> None:
+    """VG 68 at 55 C has 29.8 mPa s."""
+    by_grade = contacts.outer(case(viscosity=None, oil="VG 68", temperature="55 C"))
+    number = case(viscosity=None, oil="ISO VG 68", temperature="328.15 K").contact.damping.inlet_viscosity
+    assert contacts.outer(case(viscosity=number)).table == pytest.approx(by_grade.table, rel=1e-12)
+    assert number == pytest.approx(0.0298, rel=0.02)
+
+
+def test_beyond_any_approach_of_a_bearing_the_damping_stays() -> None:
+    law = contacts.outer(case())
+    deepest = slopes(law, 1e-4, 0.0)[1]
+    assert slopes(law, 1e-3, 0.0)[1] == pytest.approx(deepest, rel=1e-3)

@@ -1,0 +1,365 @@
+"""`uncertainty:` in a study: what it says, the jobs it adds, and what the results then tell."""
+
+import json
+import math
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.collections import LineCollection, PolyCollection
+
+from bearingsim import store
+from bearingsim.plots.plot import drawn
+from bearingsim.runner.unknowns import examined
+from bearingsim.store.spread import errors, spread, standard_error
+from bearingsim.store.table import job_frame
+from bearingsim.study import case_id, json_schema, load_study
+from bearingsim.study.uncertainty import LARGEST_PART, SAMPLED_JOBS, USUAL, Uncertain, sampled
+from tests.scenes.commands import type_
+from tests.scenes.study_text import BASE, Write
+
+US = 1e-6
+
+
+def uncertain(write: Write, said: str, more: str = "") -> tuple[Uncertain, ...] | None:
+    return load_study(write(f"{BASE}uncertainty: {said}\n{more}")).uncertainty
+
+
+# What is written
+
+
+def test_two_values_stand_for_a_range_of_three(write: Write) -> None:
+    """The one between is the geometric mean of what is positive, the mean of clearances."""
+    damping, clearance, bracket = uncertain(
+        write, "{damping: [10 us, 0.5 us], clearance: [-2 um, 10 um], bracket: [0.5, 2]}"
+    )
+    assert damping == Uncertain("damping", (0.5e-6, pytest.approx(math.sqrt(5.0) * US), 1e-5))
+    assert clearance == Uncertain("clearance", (-2e-6, pytest.approx(4e-6), 1e-5))
+    assert bracket == Uncertain("bracket", (0.5, 1.0, 2.0))
+
+
+def test_more_values_are_taken_as_they_are_in_order(write: Write) -> None:
+    (damping,) = uncertain(write, "{damping: [4 us, 1 us, 2 us, 3 us]}")
+    assert damping.values == pytest.approx((1.0 * US, 2.0 * US, 3.0 * US, 4.0 * US))
+
+
+def test_nothing_said_is_not_the_same_as_none(write: Write) -> None:
+    assert load_study(write(BASE)).uncertainty is None
+    assert uncertain(write, "none") == ()
+    assert uncertain(write, "{}") == ()
+
+
+@pytest.mark.parametrize(
+    ("said", "caret", "message"),
+    [
+        ("{dampin: [1 us, 2 us]}", "dampin", "uncertainty: unknown key `dampin` (did you mean `damping`?)"),
+        ("{load: [1 N, 2 N]}", "load", "uncertainty: unknown key `load` (known: damping, clearance, bracket)"),
+        ("some", "some", "uncertainty: expected a mapping such as `{damping: [0.5 us, 10 us]}`, or `none`"),
+        ("[damping]", "[damping]", "uncertainty: expected a mapping"),
+        ("{damping: 1 us}", "1 us", "uncertainty.damping: expected a list of two values or more"),
+        ("{damping: [1 us]}", "[1 us]", "uncertainty.damping: expected a list of two values or more, such as"),
+        ("{damping: [1 us, 2]}", "2]", "uncertainty.damping: expected a time such as `50 ms`, got `2`"),
+        ("{damping: [1 us, 2 um]}", "2 um]", "uncertainty.damping: expected a time such as `50 ms`, got `2 um`"),
+        ("{damping: [0 us, 2 us]}", "0 us", "uncertainty.damping: expected a value above zero, got `0 us`"),
+        ("{damping: [2 us, 0.002 ms]}", "[2 us", "uncertainty.damping: the values are all the same"),
+        ("{clearance: [CN, C3]}", "CN", "uncertainty.clearance: expected a length such as `0.8 mm`, got `CN`"),
+        ("{bracket: [-1, 2]}", "-1", "uncertainty.bracket: expected a value above zero, got `-1`"),
+        ("{bracket: [50 %, 200 %]}", "50 %", "uncertainty.bracket: expected a plain number"),
+    ],
+)
+def test_a_mistake_is_told_at_its_place(write: Write, said: str, caret: str, message: str) -> None:
+    path = write(f"{BASE}uncertainty: {said}\n")
+    out, told = type_("check", path, code=2)
+    first, source, pointer, *_ = told.splitlines()
+    assert out == ""
+    assert first.startswith(f"{path}:6:")
+    assert f": {message}" in first
+    assert source[pointer.index("^") :].startswith(caret)
+
+
+def test_every_mistake_is_told_at_once(write: Write) -> None:
+    _, told = type_("check", write(f"{BASE}uncertainty: {{damping: [1 us, x], bracket: [0, 1]}}\n"), code=2)
+    assert told.count("^") == 2
+
+
+def test_the_schema_knows_it() -> None:
+    words, mapping = json_schema()["properties"]["uncertainty"]["anyOf"]
+    assert words == {"const": "none"}
+    assert mapping["properties"].keys() == {"damping", "clearance", "bracket"}
+    assert mapping["additionalProperties"] is False
+    assert mapping["properties"]["damping"]["minItems"] == 2
+
+
+# Jobs
+
+SWEPT = BASE.replace("load: 150 N\n", "sweep: {load: [150 N, 300 N]}\nmodel: ring\nclearance: 4 um\n")
+BOTH = "uncertainty: {damping: [0.5 us, 10 us], clearance: [0 um, 8 um]}\n"
+
+
+def test_each_job_is_computed_for_each_value_one_at_a_time(write: Write) -> None:
+    study = load_study(write(SWEPT + BOTH))
+    cases, found = study.cases(), study.variations()
+    assert len(found) == 2 * (3 + 3)
+    for one in found:
+        (original,) = [case for case in cases if case_id(case) == one.of]
+        varied = one.job.case
+        if one.what == "damping":
+            assert varied.contact.damping.model_dump() == {"law": "kraemer", "beta": one.value}
+            assert varied.clearance == original.clearance
+        else:
+            assert varied.clearance == one.value
+            assert varied.contact == original.contact
+        assert one.job.id == case_id(varied)
+        assert one.job.healthy is None
+    # 4 um is what the study has: that variation is the job itself
+    assert [one.job.id == one.of for one in found if one.value == pytest.approx(4.0 * US)] == [True, True]
+    jobs = study.jobs()
+    assert [job.is_variation for job in jobs] == [False] * 4 + [True] * 10
+    assert len({job.id for job in jobs}) == len(jobs)
+
+
+def test_the_bracket_is_varied_by_a_factor(write: Write) -> None:
+    found = load_study(write(SWEPT + "uncertainty: {bracket: [0.5, 2]}\n")).variations()
+    assert [one.job.case.rig.bracket_stiffness for one in found] == [5e6, 1e7, 2e7] * 2
+
+
+def test_a_case_is_not_varied_by_what_it_cannot_depend_on(write: Write) -> None:
+    text = SWEPT.replace("model: ring", "model: static") + BOTH
+    assert {one.what for one in load_study(write(text)).variations()} == {"clearance"}
+
+
+def test_a_variation_is_named_as_the_same_case_that_is_written(write: Write) -> None:
+    study = load_study(write(SWEPT + "uncertainty: {damping: [0.5 us, 10 us]}\n"))
+    written = load_study(write(SWEPT + "contact: {damping: {beta: 10 us}}\n"))
+    assert {one.job.id for one in study.variations() if one.value == 1e-5} == {
+        case_id(case) for case in written.cases()
+    }
+
+
+# What is tried unasked
+
+
+def many(write: Write, loads: int, said: str = "", model: str = "ring") -> Any:
+    """A study of so many cases and as many twins."""
+    sweep = f"sweep: {{load: {{linspace: [100 N, 400 N, {loads}]}}}}\nmodel: {model}\n"
+    return load_study(write(BASE.replace("load: 150 N\n", sweep) + said))
+
+
+def test_a_large_study_tries_the_usual_damping_on_three_of_its_cases(write: Write) -> None:
+    """45 cases and 45 twins: nine jobs more are a tenth."""
+    study = many(write, 45)
+    found = study.variations()
+    assert len(study.planned()) == 90
+    assert len({one.of for one in found}) == SAMPLED_JOBS == 3
+    assert [one.value for one in found] == list(USUAL.values) * 3
+    assert len(found) <= LARGEST_PART * 90
+    assert [one.job.id for one in many(write, 45).variations()] == [one.job.id for one in found]
+    seeded = sampled([case.model_copy(update={"seed": 1}) for case in study.cases()], 90)
+    assert {case.load for case in seeded} != {case.load for case in sampled(study.cases(), 90)}
+
+
+@pytest.mark.parametrize(
+    ("loads", "said", "model"), [(44, "", "ring"), (45, "uncertainty: none\n", "ring"), (60, "", "static")]
+)
+def test_nothing_is_tried_unasked_in_a_small_study_or_if_that_is_forbidden(
+    write: Write, loads: int, said: str, model: str
+) -> None:
+    assert many(write, loads, said, model).variations() == []
+
+
+# Results
+
+RUN = """\
+study: unsure
+bearing: nf308
+speed: 1800 rpm
+model: ring
+defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 0.05 mm}
+sweep: {load: [150 N, 300 N]}
+duration: 30 ms
+settle: 10 ms
+step_check: false
+figures: [{y: [velocity@BPFO, velocity.rms], x: load}]
+uncertainty: {damping: [0.5 us, 10 us]}
+"""
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """The folder of a small study that was run, and what the run said."""
+    folder = tmp_path_factory.mktemp("unsure")
+    (folder / "unsure.yaml").write_text(RUN)
+    said, _ = type_("run", folder / "unsure.yaml", "--jobs", "1", "--out", folder / "out")
+    return folder, said
+
+
+def test_the_plan_names_the_variations(ran: tuple[Path, str]) -> None:
+    plan = json.loads((ran[0] / "out" / "plan.json").read_text())
+    assert [job["variation"] for job in plan["jobs"]] == [False] * 4 + [True] * 6
+    cases = [job["job"] for job in plan["jobs"][:2]]
+    assert [one["of"] for one in plan["variations"]] == [cases[0]] * 3 + [cases[1]] * 3
+    assert [one["what"] for one in plan["variations"]] == ["damping"] * 6
+    tried = [0.5 * US, math.sqrt(5.0) * US, 10.0 * US]
+    assert [one["value"] for one in plan["variations"]] == pytest.approx(tried * 2)
+
+
+def test_the_error_is_the_range_over_the_value(ran: tuple[Path, str]) -> None:
+    """By hand: of a job and its three variations the largest less the least, over the job's own."""
+    results = store.open_results(ran[0] / "out")
+    table, plan = results.table().set_index("job"), results.plan
+    features = job_frame(ran[0] / "out").filter(regex="^features/")
+    columns = {
+        "error.damping": "velocity@BPFO",
+        "error.damping.rms": "velocity.rms",
+        "error.damping.force": "outer_force.max",
+    }
+    for job in {one["of"] for one in plan["variations"]}:
+        jobs = [job, *(one["job"] for one in plan["variations"] if one["of"] == job)]
+        assert len(jobs) == 4
+        for column, feature in columns.items():
+            values = features[f"features/{feature}"][jobs]
+            assert values.nunique() == 4
+            expected = (values.max() - values.min()) / values[job]
+            assert table.loc[job, column] == pytest.approx(expected, rel=1e-12)
+    assert table["error.damping"].notna().sum() == 2  # of the cases, not of their twins
+
+
+def test_variations_have_no_row_of_their_own(ran: tuple[Path, str]) -> None:
+    assert len(store.open_results(ran[0] / "out").table()) == 4
+    assert len(pd.read_csv(ran[0] / "out" / "results.csv")) == 4
+
+
+def test_a_run_says_how_far_the_unknown_moves_the_results(ran: tuple[Path, str]) -> None:
+    folder, said = ran
+    assert "10 done of 10 jobs" in said
+    table = store.open_results(folder / "out").table()
+    line, rms, force = (
+        f"{100.0 * table[name].max():.2g} %"
+        for name in ("error.damping", "error.damping.rms", "error.damping.force")
+    )
+    assert (
+        f"damping of 0.5 to 10 us moves the line by {line}, the RMS by {rms}, the largest force by {force}"
+        " (at most, of 2 jobs)"
+    ) in " ".join(said.split())
+    assert "damping not examined" not in said
+
+
+def test_a_run_without_it_says_what_it_would_take(here: Path) -> None:
+    said, _ = type_("run", "small.yaml", "--jobs", "1")
+    told = " ".join(said.split())
+    assert "damping not examined: `uncertainty: {damping: [0.5 us, 10 us]}` would, with 6 jobs more and" in told
+
+
+def test_nothing_is_computed_twice(ran: tuple[Path, str]) -> None:
+    folder, _ = ran
+    again, _ = type_("run", folder / "unsure.yaml", "--jobs", "1", "--out", folder / "out")
+    assert "0 done, 10 done before of 10 jobs" in again
+
+
+def test_figures_have_bands(ran: tuple[Path, str]) -> None:
+    """Their edges are the least and the largest of each point's four results."""
+    results = store.open_results(ran[0] / "out")
+    [(_, canvas)] = drawn(results)
+    for ax, feature in zip(canvas.axes, ("velocity@BPFO", "velocity.rms"), strict=True):
+        (band,) = [one for one in ax.collections if isinstance(one, PolyCollection)]
+        heights = band.get_paths()[0].vertices[:, 1]
+        ends = results.spread(feature)
+        assert heights.min() == pytest.approx(1e6 * ends["least"].min(), rel=1e-9)
+        assert heights.max() == pytest.approx(1e6 * ends["largest"].max(), rel=1e-9)
+    assert "band:" in canvas._supxlabel.get_text()
+    assert "0.5" in canvas._supxlabel.get_text()
+
+
+def test_where_only_some_points_were_tried_they_have_bars(ran: tuple[Path, str], tmp_path: Path) -> None:
+    results = store.open_results(ran[0] / "out")
+    one = results.plan["variations"][0]["of"]
+    results.plan["variations"][:] = [each for each in results.plan["variations"] if each["of"] == one]
+    [(_, canvas)] = drawn(results)
+    found = canvas.axes[0].collections
+    assert not any(isinstance(each, PolyCollection) for each in found)
+    (bars,) = [each for each in found if isinstance(each, LineCollection)]
+    assert len(bars.get_segments()) == 1
+
+
+# Chaos
+
+
+def made_up(**columns: Any) -> tuple[dict[str, Any], pd.DataFrame]:
+    """A plan of job `a` with the variations `b` and `c` of damping, and a frame of their features."""
+    plan = {
+        "variations": [{"of": "a", "what": "damping", "value": v, "job": j} for v, j in ((1e-6, "b"), (1e-5, "c"))]
+    }
+    return plan, pd.DataFrame({f"features/{name}": values for name, values in columns.items()}, index=list("abc"))
+
+
+CHAOTIC = {
+    "velocity@BPFO": [10.0, 12.0, 9.0],
+    "velocity@BPFO-scatter": [0.5, 0.7, 0.1],
+    "velocity.rms": [100.0, 90.0, 105.0],
+    "outer_force.max": [200.0, 220.0, 210.0],
+    "chaotic": [0.0, 1.0, 0.0],
+    "rms_scatter": [0.0, 0.25, 0.0],
+}
+
+
+def test_a_chaotic_value_counts_with_its_standard_error() -> None:
+    """Of `b` alone: 12 +- 0.7, and 90 +- 9, since the scatter stands for 2.5 standard deviations."""
+    plan, frame = made_up(**CHAOTIC)
+    assert list(standard_error(frame, "velocity@BPFO")) == [0.0, 0.7, 0.0]
+    assert list(standard_error(frame, "velocity.rms")) == pytest.approx([0.0, 9.0, 0.0])
+    assert spread(plan, frame, "velocity@BPFO").loc["a"].to_dict() == {
+        "least": 9.0,
+        "largest": 12.7,
+        "chaotic": True,
+    }
+    found = errors(plan, frame).loc["a"]
+    assert found["error.damping"] == pytest.approx((12.7 - 9.0) / 10.0)
+    assert found["error.damping.rms"] == pytest.approx((105.0 - 81.0) / 100.0)
+    assert found["error.damping.force"] == pytest.approx(20.0 / 200.0)
+
+
+def test_what_chaos_is_worth_may_be_unknown() -> None:
+    plan, frame = made_up(**CHAOTIC | {"rms_scatter": [0.0, math.inf, 0.0]})
+    assert errors(plan, frame).loc["a", "error.damping.rms"] == pytest.approx((105.0 - 90.0) / 100.0)
+
+
+def test_a_range_of_what_cannot_be_negative_ends_at_zero() -> None:
+    plan, frame = made_up(**CHAOTIC | {"velocity@BPFO-scatter": [0.0, 20.0, 0.0]})
+    assert spread(plan, frame, "velocity@BPFO").loc["a", "least"] == 0.0
+
+
+def test_a_variation_that_failed_is_left_out() -> None:
+    plan, frame = made_up(**CHAOTIC)
+    frame.loc["b"] = np.nan
+    assert spread(plan, frame, "velocity@BPFO").loc["a"].to_dict() == {
+        "least": 9.0,
+        "largest": 10.0,
+        "chaotic": False,
+    }
+    frame.loc["c"] = np.nan
+    assert spread(plan, frame, "velocity@BPFO").empty
+    assert "error.damping" not in errors(plan, frame)
+
+
+def test_a_job_that_failed_itself_has_no_error() -> None:
+    plan, frame = made_up(**CHAOTIC)
+    frame.loc["a"] = np.nan
+    assert spread(plan, frame, "velocity@BPFO").loc["a", ["least", "largest"]].to_list() == [9.0, 12.7]
+    assert "error.damping" not in errors(plan, frame)
+
+
+def test_the_line_is_that_of_what_carries_the_pit() -> None:
+    columns = CHAOTIC | {"velocity@BPFI": [1.0, 2.0, 3.0], "chaotic": [0.0] * 3}
+    plan, frame = made_up(**columns)
+    frame["parameters/defects.1.race"] = "inner"
+    assert errors(plan, frame).loc["a", "error.damping"] == pytest.approx(2.0)
+
+
+def test_one_job_is_told_without_at_most() -> None:
+    plan, frame = made_up(**CHAOTIC)
+    plan["jobs"] = [SimpleNamespace(job=name) for name in "abc"]
+    (told,) = examined(plan, frame)
+    assert told == "damping of 1 to 10 us moves the line by 37 %, the RMS by 24 %, the largest force by 10 %"
