@@ -131,6 +131,8 @@ def _make_frame(root: Path, known: "pd.DataFrame | None") -> "pd.DataFrame":
 
     plan, failures = read_plan(root), read_failures(root)
     ids = [entry["job"] for entry in plan["jobs"]]
+    if known is not None and known.index.isin(ids).sum() < len(ids):
+        known = None  # of a narrower plan: it lacks some jobs of the units that it has read
     stored = _collect(unit_files(root), known).reindex(ids)
     done = stored["unit"].notna()
     reasons = pd.Series({job: failure.reason for job, failure in failures.items()}, dtype=object)

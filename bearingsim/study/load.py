@@ -70,7 +70,8 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     reduced = quick and "quick" in root.mapping
     chosen = -1 if reduced else 0
     units, swept_cases = plans[chosen].units(), tuple(cases[chosen])
-    return Study(name, str(path), text, given, reduced, figures, units, swept_cases, told, uncertain)
+    tried = () if reduced and uncertain else uncertain  # a first look tries nothing else
+    return Study(name, str(path), text, given, reduced, figures, units, swept_cases, told, tried)
 
 
 def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
