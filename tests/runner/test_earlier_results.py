@@ -52,6 +52,16 @@ def test_jobs_that_leave_the_table_are_told_and_come_back(tmp_path):
     assert "earlier plan" not in str(back)
 
 
+def test_jobs_of_one_unit_come_back_after_a_narrower_run(tmp_path):
+    """Of a unit whose jobs a narrower plan names in part only, all are read again."""
+    for widths in ([1e-3, 2e-3, 3e-3], [2e-3], [1e-3, 2e-3, 3e-3]):
+        compute(FakeStudy(widths), tmp_path)
+        table = store.open_results(tmp_path).table()
+        assert len(table) == len(widths) + 1
+        assert set(table["status"]) == {"done"}
+    assert len(list(tmp_path.glob("units/??/*.h5"))) == 1
+
+
 def test_a_damaged_earlier_plan_is_written_anew(tmp_path):
     compute(FakeStudy(), tmp_path)
     (tmp_path / "plan.json").write_text("{")
