@@ -2,11 +2,11 @@
 
 import json
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.cli.screen import console, print_table, significant
+from bearingsim.cli.screen import console, print_table, significant, span
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
@@ -177,12 +177,11 @@ FRICTION: tuple[Line, ...] = (
 )
 """Said where there is friction. It lags by a step, so it limits none; a step under the time resolves it."""
 SLIPS_PER_DECADE = 50
-OPENS = 2.0  # times the force at rest: an impact by which contacts have opened
-SETTLED = 4.0  # such times after which what was at the start is forgotten, but for 2 %
 
 
 def show(plan: Plan, verbose: bool) -> None:
     """Print the plan; verbose: a line for each case, too."""
+    from bearingsim.cli.remarks import remarks
     from bearingsim.config.scan.repair import notes
     from bearingsim.runner.progress import duration
 
@@ -197,15 +196,7 @@ def show(plan: Plan, verbose: bool) -> None:
     rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
     print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
-    for told in [
-        *choices(plan),
-        *methods(plan),
-        *damping(plan),
-        *varied(plan),
-        *creeping(plan),
-        *study.notes,
-        *notes(study.cases()),
-    ]:
+    for told in [*remarks(plan), *study.notes, *notes(study.cases())]:
         out.print(told, markup=False)
     if verbose:
         _show_cases(plan)
@@ -231,105 +222,6 @@ def _lines(plan: Plan) -> tuple[Line, ...]:
     return (*steps, *LINES, *(FRICTION if rubs else ()), COST, *((PROOF,) if proves else ()))
 
 
-def choices(plan: Plan) -> list[str]:
-    """What `model: least` has chosen, and why no lower model will do: a text for each choice."""
-    from bearingsim.catalogue import LEAST
-    from bearingsim.config.rules import hierarchy
-
-    asked = _written_model(plan.study)
-    found: dict[str, int] = {}
-    for case in (one.job.case for one in plan.cases if one.job.swept.get("model", asked) == LEAST):
-        why = "; ".join(hierarchy.reasons(case)) or "nothing asks for more"
-        text = f"`{case.model}` is the least model: {why}"
-        found[text] = found.get(text, 0) + 1
-    count = len(plan.cases)
-    return [text if n == count else f"{n} of {count} cases: {text}" for text, n in found.items()]
-
-
-def methods(plan: Plan) -> list[str]:
-    """Which methods `method: auto` has chosen, and why: a text for each; and how their steps are proven."""
-    automatic = [one for one in plan.everything if one.job.case.method == "auto"]
-    found: dict[str, list[str]] = {}
-    for one in automatic:
-        found.setdefault(str(one.choice.method), []).append(one.choice.why)
-    told = [
-        f"`{name}`{f' in {len(why)} of {len(automatic)} jobs' if len(found) > 1 else ''}: {why[0]}"
-        for name, why in found.items()
-    ]
-    checks_step = [one.job.case.checks_step for one in plan.everything]
-    if any(checks_step):
-        whole = all(one.job.case.step_check == "strict" for one in plan.everything if one.job.case.checks_step)
-        where = "all of its run" if whole else "its run's beginning"
-        told.append(f"each step is proven on {where}: half of it may change line and RMS by 0.5 %")
-    return told
-
-
-def damping(plan: Plan) -> Iterator[str]:
-    """How the study's own contacts are damped, beside what is plausible; nothing of models without damping."""
-    from bearingsim.catalogue import MODELS
-    from bearingsim.config.rules.damping import Damped, sentences
-
-    acts = [one for one in plan.cases + plan.baselines if "damping" in MODELS[one.job.case.model].abilities]
-    found = [one.limits for one in acts]
-    yield from sentences([Damped(each.damping_time, each.damping_ratio, each.crossing) for each in found])
-    yield from dict.fromkeys(filter(None, map(caveat, acts)))
-
-
-def caveat(priced: Priced) -> str:
-    """What is to be kept in mind of a case's damping law; nothing of one that has nothing to say."""
-    limits, law = priced.limits, priced.job.case.contact.damping
-    opens = limits.impact_force > OPENS * limits.rest_load
-    return str(law.caveat(opens)) if hasattr(law, "caveat") else ""
-
-
-def varied(plan: Plan) -> Iterator[str]:
-    """What the study varies of what is not known; what it would take to vary the damping, if it does not."""
-    from bearingsim.runner.progress import duration
-    from bearingsim.study.uncertainty import UNKNOWNS, acts, unexamined
-
-    tried: dict[str, list[float]] = {}
-    for one in plan.study.variations():
-        tried.setdefault(one.what, []).append(one.value)
-    for what, values in tried.items():
-        jobs = sorted({one.of for one in plan.study.variations() if one.what == what})
-        of = f"{len(jobs)} of {len(plan.cases)} cases" if len(jobs) < len(plan.cases) else "each case"
-        yield f"`uncertainty`: {what} of {UNKNOWNS[what].range_text(values)}, in {of}"
-    swept = any(path.startswith("contact.damping") for path in plan.study.units)
-    if "damping" not in tried and plan.study.uncertainty != () and not swept:
-        damped = [one for one in plan.cases if acts("damping", one.job.case)]
-        if damped:
-            yield unexamined(len(damped), duration, sum(one.estimate.cpu_seconds for one in damped))
-
-
-def creeping(plan: Plan) -> list[str]:
-    """Where dashpots are so stiff that contacts come to rest more slowly than the run settles: a text, or none."""
-    slow = [one for one in plan.everything if SETTLED * creep(one.limits) > one.job.case.settle]
-    if not slow:
-        return []
-    every = len(plan.everything)
-    jobs = "" if len(slow) == every else f"{len(slow)} of {every} jobs: "
-    times = span(1e3 * creep(one.limits) for one in slow)
-    return [
-        f"{jobs}damping is so heavy that contacts creep to rest, in about {times} ms; with a `settle` under"
-        f" {SETTLED:g} times that a record, of a healthy twin above all, shows the start of its run"
-    ]
-
-
-def creep(limits: "Limits") -> float:
-    """The time (s) in which a contact with a heavy dashpot comes to rest, C/K; 0 where it is not heavy."""
-    return limits.damping_ratio / (math.pi * limits.contact_frequency) if limits.damping_ratio > 1.0 else 0.0
-
-
-def _written_model(study: "Study") -> str | None:
-    """The model as the study says it where it does not sweep it; the cases know only which one it came to."""
-    from bearingsim.text.yamlfile import parse
-
-    root = parse(study.text, study.path).root.mapping
-    quick = root["quick"].mapping if study.quick else {}
-    written = [section["model"].text for section in (quick, root) if "model" in section]
-    return study.overrides.get("model", written[0] if written else None)
-
-
 def _counts(plan: Plan) -> str:
     refused = len(plan.refusals)
     cases, twins, varied = plan.counted
@@ -345,13 +237,6 @@ def _groups(priced: Sequence[Priced]) -> dict[str, list[Priced]]:
     for one in priced:
         groups.setdefault(" ".join(filter(None, [one.job.case.model, one.choice.method])), []).append(one)
     return groups
-
-
-def span(found: Iterable[float]) -> str:
-    """`0.31` or `0.31 .. 0.42`; a dash where there is no number."""
-    known = [value for value in found if math.isfinite(value) and value > 0.0]
-    low, high = (significant(pick(known, default=math.nan)) for pick in (min, max))
-    return low if low == high else f"{low} .. {high}"
 
 
 def _show_cases(plan: Plan) -> None:

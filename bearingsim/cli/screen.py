@@ -1,5 +1,6 @@
 """Tables on the terminal, plain and as wide as they need to be when piped."""
 
+import math
 import sys
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
@@ -7,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.console import Console
 
-__all__ = ["print_table", "significant"]
+__all__ = ["print_table", "significant", "span"]
 
 PIPED_WIDTH = 1000
 LONGEST_WORDS = 24  # longer texts are folded where the terminal is narrow; shorter ones and numbers never are
@@ -59,3 +60,10 @@ def significant(value: float, digits: int = 3) -> str:
     if value != value or value in (float("inf"), float("-inf")):
         return "-"
     return f"{value:.{digits}g}" if abs(value) < 10**digits or abs(value) >= 1e6 else f"{value:.0f}"
+
+
+def span(found: Iterable[float]) -> str:
+    """`0.31` or `0.31 .. 0.42`; a dash where there is no number."""
+    known = [value for value in found if math.isfinite(value) and value > 0.0]
+    low, high = (significant(pick(known, default=math.nan)) for pick in (min, max))
+    return low if low == high else f"{low} .. {high}"

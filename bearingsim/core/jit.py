@@ -158,16 +158,15 @@ def generic(
     name = declaration.__name__
     implementations: dict[type, Callable] = {}
 
-    def fallback(kind: type) -> Any:
-        return absent if kind in ABSENT and absent is not REFUSED else otherwise
+    def found(kind: type) -> Any:
+        given = absent if kind in ABSENT and absent is not REFUSED else otherwise
+        return implementations.get(kind, given)
 
     def serves(kind: type) -> bool:
-        return kind in implementations or fallback(kind) is not REFUSED
+        return found(kind) is not REFUSED
 
     def implementation(kind: type) -> Callable:
-        if kind in implementations:
-            return implementations[kind]
-        given = fallback(kind)
+        given = found(kind)
         if given is REFUSED:
             raise TypeError(f"`{name}` is not registered for {kind.__name__}: @{name}.register({kind.__name__})")
         return given if callable(given) else constant(given, name)

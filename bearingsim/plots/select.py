@@ -9,7 +9,7 @@ from bearingsim.config import FEATURES
 from bearingsim.plots.labels import COST, PlotError, described, unit_of, value_text
 from bearingsim.plots.lines import fitting, may_slip, races_of_all
 from bearingsim.study import Figure, dimension
-from bearingsim.study.uncertainty import UNKNOWNS
+from bearingsim.study.uncertainty import UNKNOWNS, by_kind
 from bearingsim.text.units import UnitError, parse, suggestion
 
 if TYPE_CHECKING:
@@ -173,10 +173,8 @@ def spread_said(results: "Results", rows: "pd.DataFrame") -> list[str]:
     """What the bands of a figure stand for, if it has any: `bands and bars: damping 0.5 to 10 us`."""
     if not any(str(column).startswith("least ") for column in rows):
         return []
-    tried: dict[str, list[float]] = {}
-    for one in results.variations:
-        if one["of"] in set(rows["job"]):
-            tried.setdefault(one["what"], []).append(one["value"])
+    drawn = set(rows["job"])
+    tried = by_kind((one["what"], one["value"]) for one in results.variations if one["of"] in drawn)
     band = " and ".join(f"{what} {UNKNOWNS[what].range_text(values)}" for what, values in tried.items())
     chaotic = any((rows[name] == True).any() for name in rows if str(name).startswith("chaotic "))  # noqa: E712
     return [f"bands and bars: {band}" + ", in part chaotic (with its standard error)" * chaotic]

@@ -19,6 +19,8 @@ from bearingsim.runner.unknowns import examined
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from bearingsim.study import Job, Study
 
 __all__ = ["run"]
@@ -73,15 +75,7 @@ def run(
     frame = store.build_table(root)
     seconds = time.perf_counter() - started
     left_out = len((earlier & plan.sealed) - {job.id for job in every})
-    own = frame.loc[[job.id for job in every if not job.is_variation]]
-    notes = (
-        *_notes(left_out, plan.damaged),
-        *told,
-        *damping.of_jobs(store.info(own)),
-        *examined(store.read_plan(root), frame),
-        *chaos(own),
-        *record_errors(own),
-    )
+    notes = (*_notes(left_out, plan.damaged), *told, *_of_results(root, every, frame))
     summary = tally.summary(study.name, len(ours), plan.resumed, seconds, interrupted, notes)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
     if interrupted:
@@ -98,6 +92,15 @@ def _notes(left_out: int, damaged: int) -> Iterator[str]:
     if damaged:
         units = f"{damaged} damaged unit{'s' * (damaged > 1)}"
         yield f"{units} found and set aside (units/*/*.damaged): their jobs are computed again"
+
+
+def _of_results(root: Path, jobs: Sequence["Job"], frame: "pd.DataFrame") -> Iterator[str]:
+    """What is worth knowing of the results: of the jobs asked for, and of what was varied of them."""
+    own = frame.loc[[job.id for job in jobs if not job.is_variation]]
+    yield from damping.of_jobs(store.info(own))
+    yield from examined(store.read_plan(root), frame)
+    yield from chaos(own)
+    yield from record_errors(own)
 
 
 def _workers(asked: int | None) -> int:

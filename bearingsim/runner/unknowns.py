@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim.runner.progress import duration
 from bearingsim.store import errors
-from bearingsim.study.uncertainty import UNKNOWNS, unexamined
+from bearingsim.study.uncertainty import UNKNOWNS, by_kind, sweeps_damping, unexamined
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,23 +20,18 @@ def examined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
 
     plan: of ``store.read_plan``; frame: of ``store.build_table``.
     """
-    found, values = errors(plan, frame), dict[str, list[float]]()
-    for one in plan["variations"]:
-        values.setdefault(one["what"], []).append(one["value"])
+    found = errors(plan, frame)
+    values = by_kind((one["what"], one["value"]) for one in plan["variations"])
     for what, tried in values.items():
         columns = {text: f"error.{what}{ending}" for ending, text in BRIEFLY.items()}
         known = {text: found[name].dropna() for text, name in columns.items() if name in found}
-        jobs_of = {one["job"] for one in plan["variations"] if one["what"] == what}
-        lacking = int((frame["status"].reindex(list(jobs_of)) != "done").sum()) if "status" in frame else 0
-        if lacking:
-            yield f"{lacking} of {len(jobs_of)} variations of the {what} have no result, and their jobs no range"
+        yield from _lacking(plan, frame, what)
         moved = ", ".join(f"{text} by {_percent(column.max())}" for text, column in known.items())
         if moved:
             jobs = max(len(column) for column in known.values())
             most = f" (at most, of {jobs} jobs)" if jobs > 1 else ""
             yield f"{what} of {UNKNOWNS[what].range_text(tried)} moves {moved}{most}{_chaotic(plan, frame, what)}"
-    swept = any(path.startswith("contact.damping") for path in plan["units"])
-    if "damping" not in values and not plan["nothing_uncertain"] and not swept:
+    if "damping" not in values and not plan["nothing_uncertain"] and not sweeps_damping(plan["units"]):
         yield from _unexamined(plan, frame)
 
 
@@ -44,9 +39,22 @@ def _percent(part: float) -> str:
     return f"{100.0 * part:.0f} %" if part >= 0.1 else f"{100.0 * part:.2g} %"
 
 
+def _variations(plan: Mapping[str, Any], what: str) -> list[str]:
+    """Ids of the jobs in which it was varied."""
+    return list({one["job"]: None for one in plan["variations"] if one["what"] == what})
+
+
+def _lacking(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> Iterator[str]:
+    """How many of the variations have no result, if any has none."""
+    jobs = _variations(plan, what)
+    count = int((frame["status"].reindex(jobs) != "done").sum()) if "status" in frame else 0
+    if count:
+        yield f"{count} of {len(jobs)} variations of the {what} have no result, and their jobs no range"
+
+
 def _chaotic(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> str:
     """How many of the variations are chaotic, if any is."""
-    jobs = {one["job"] for one in plan["variations"] if one["what"] == what}
+    jobs = _variations(plan, what)
     if "features/chaotic" not in frame:
         return ""
     count = int((frame["features/chaotic"][frame.index.isin(jobs)] == 1.0).sum())

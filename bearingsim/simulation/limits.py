@@ -99,7 +99,7 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
     speed = closing_speed(model)
     hits = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
     hits += [step_impact(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
-    K_more, C_more = (max(values) for values in list(zip(*hits, strict=True))[1:])
+    _, K_more, C_more = (max(values) for values in zip(*hits, strict=True))
     deepest, energy_bound = bounds(case, model, healthy)
     return replace(
         healthy,

@@ -7,7 +7,7 @@ is written, `bracket` as a factor on the stiffness of the bracket. Two values st
 are tried. What comes out need not be monotone: the least and the largest result found are no bounds.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from random import Random
@@ -143,6 +143,19 @@ def sampled(cases: Sequence[Case], jobs: int) -> list[Case]:
     if len(able) < SAMPLED_JOBS or SAMPLED_JOBS * len(USUAL.values) > LARGEST_PART * jobs:
         return []
     return Random(able[0].seed).sample(able, SAMPLED_JOBS)
+
+
+def by_kind(tried: Iterable[tuple[str, float]]) -> dict[str, list[float]]:
+    """The values (SI) that were tried of each kind of uncertainty, from pairs of both."""
+    found: dict[str, list[float]] = {}
+    for what, value in tried:
+        found.setdefault(what, []).append(value)
+    return found
+
+
+def sweeps_damping(paths: Iterable[str]) -> bool:
+    """Whether a study sweeps the damping, so that nobody need be told to try it."""
+    return any(path.startswith("contact.damping") for path in paths)
 
 
 def acts(what: str, case: Case) -> bool:

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from bearingsim import __version__
-from bearingsim.cli import app, plan
+from bearingsim.cli import app, screen
 from bearingsim.core.models.equilibrium import NoEquilibrium
 from tests.scenes.commands import STUDY, type_
 
@@ -99,7 +99,7 @@ def test_check_prints_the_plan(here):
     [([0.2, 0.35], "0.2 .. 0.35"), ([2.0, 2.001], "2"), ([math.inf, 2.0, 0.0], "2"), ([math.inf], "-")],
 )
 def test_a_quantity_of_many_cases_is_a_span(found, text):
-    assert plan.span(found) == text
+    assert screen.span(found) == text
 
 
 LEAST = "`planar` is the least model: a `ramp` changes the speed under way; `drag` brakes rollers and cage"

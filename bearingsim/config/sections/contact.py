@@ -1,5 +1,6 @@
 """How rolling elements and races press on each other: stiffness and damping."""
 
+from abc import abstractmethod
 from math import isclose, pi
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
@@ -25,9 +26,7 @@ from bearingsim.config.fields import (
     whole,
 )
 from bearingsim.config.sections.laws import laws_of
-from bearingsim.core.laws.oil_viscosity import COLDEST, GRADES, HOTTEST, iso_viscosity
-
-ZERO_CELSIUS = 273.15
+from bearingsim.core.laws.oil_viscosity import COLDEST, GRADES, HOTTEST, ZERO_CELSIUS, iso_viscosity
 
 
 def _oil(given: Any) -> str:
@@ -56,9 +55,9 @@ class _ByStiffness(Section):
     """Damping proportional to the tangent stiffness."""
 
     @property
+    @abstractmethod
     def damping_time(self) -> float:
         """c/k (s)."""
-        raise NotImplementedError
 
     def jumps(self, touch_down_stiffness: bool) -> bool:
         """Whether the force jumps as a contact closes: where it is stiff from the start."""

@@ -28,6 +28,7 @@ GRADES = {  # ISO 3448: kinematic viscosity, mm2/s, at 40 C (its middle) and at 
     2200: (2200.0, 81.18),
     3200: (3200.0, 101.6),
 }
+ZERO_CELSIUS = 273.15  # K
 COLDEST, HOTTEST = -20.0, 150.0  # C
 DENSITY_15 = 880.0  # kg/m3 at 15 C
 
@@ -52,7 +53,7 @@ def iso_viscosity(grade: int, celsius: float) -> float:
 def walther(nu_40: float, nu_100: float, celsius: float) -> float:
     """Kinematic viscosity (mm2/s) at a temperature on the line of ASTM D341 through those at 40 and 100 C."""
     at_40, at_100 = (log10(log10(nu + 0.7)) for nu in (nu_40, nu_100))
-    T, T_40, T_100 = (log10(c + 273.15) for c in (celsius, 40.0, 100.0))
+    T, T_40, T_100 = (log10(c + ZERO_CELSIUS) for c in (celsius, 40.0, 100.0))
     return float(10.0**10.0 ** (at_40 + (at_100 - at_40) * (T - T_40) / (T_100 - T_40)) - 0.7)
 
 

@@ -1,0 +1,122 @@
+"""What `bearingsim check` says in words below its table: what was chosen and why, and what to keep in mind."""
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from bearingsim.cli.screen import span
+
+if TYPE_CHECKING:
+    from bearingsim.cli.plan import Plan, Priced
+    from bearingsim.simulation.limits import Limits
+    from bearingsim.study import Study
+
+__all__ = ["remarks"]
+
+OPENS = 2.0  # times the force at rest: an impact by which contacts have opened
+SETTLED = 4.0  # such times after which what was at the start is forgotten, but for 2 %
+
+
+def remarks(plan: "Plan") -> Iterator[str]:
+    """All that is said, one text each."""
+    yield from choices(plan)
+    yield from methods(plan)
+    yield from damping(plan)
+    yield from varied(plan)
+    yield from creeping(plan)
+
+
+def choices(plan: "Plan") -> list[str]:
+    """What `model: least` has chosen, and why no lower model will do: a text for each choice."""
+    from bearingsim.catalogue import LEAST
+    from bearingsim.config.rules import hierarchy
+
+    asked = _written_model(plan.study)
+    found: dict[str, int] = {}
+    for case in (one.job.case for one in plan.cases if one.job.swept.get("model", asked) == LEAST):
+        why = "; ".join(hierarchy.reasons(case)) or "nothing asks for more"
+        text = f"`{case.model}` is the least model: {why}"
+        found[text] = found.get(text, 0) + 1
+    count = len(plan.cases)
+    return [text if n == count else f"{n} of {count} cases: {text}" for text, n in found.items()]
+
+
+def methods(plan: "Plan") -> list[str]:
+    """Which methods `method: auto` has chosen, and why: a text for each; and how their steps are proven."""
+    automatic = [one for one in plan.everything if one.job.case.method == "auto"]
+    found: dict[str, list[str]] = {}
+    for one in automatic:
+        found.setdefault(str(one.choice.method), []).append(one.choice.why)
+    told = [
+        f"`{name}`{f' in {len(why)} of {len(automatic)} jobs' if len(found) > 1 else ''}: {why[0]}"
+        for name, why in found.items()
+    ]
+    checks_step = [one.job.case.checks_step for one in plan.everything]
+    if any(checks_step):
+        whole = all(one.job.case.step_check == "strict" for one in plan.everything if one.job.case.checks_step)
+        where = "all of its run" if whole else "its run's beginning"
+        told.append(f"each step is proven on {where}: half of it may change line and RMS by 0.5 %")
+    return told
+
+
+def damping(plan: "Plan") -> Iterator[str]:
+    """How the study's own contacts are damped, beside what is plausible; nothing of models without damping."""
+    from bearingsim.catalogue import MODELS
+    from bearingsim.config.rules.damping import Damped, sentences
+
+    acts = [one for one in plan.cases + plan.baselines if "damping" in MODELS[one.job.case.model].abilities]
+    found = [one.limits for one in acts]
+    yield from sentences([Damped(each.damping_time, each.damping_ratio, each.crossing) for each in found])
+    yield from dict.fromkeys(filter(None, map(caveat, acts)))
+
+
+def caveat(priced: "Priced") -> str:
+    """What is to be kept in mind of a case's damping law; nothing of one that has nothing to say."""
+    limits, law = priced.limits, priced.job.case.contact.damping
+    opens = limits.impact_force > OPENS * limits.rest_load
+    return str(law.caveat(opens)) if hasattr(law, "caveat") else ""
+
+
+def varied(plan: "Plan") -> Iterator[str]:
+    """What the study varies of what is not known; what it would take to vary the damping, if it does not."""
+    from bearingsim.runner.progress import duration
+    from bearingsim.study.uncertainty import UNKNOWNS, acts, by_kind, sweeps_damping, unexamined
+
+    tried = by_kind((one.what, one.value) for one in plan.study.variations())
+    for what, values in tried.items():
+        jobs = {one.of for one in plan.study.variations() if one.what == what}
+        of = f"{len(jobs)} of {len(plan.cases)} cases" if len(jobs) < len(plan.cases) else "each case"
+        yield f"`uncertainty`: {what} of {UNKNOWNS[what].range_text(values)}, in {of}"
+    if "damping" not in tried and plan.study.uncertainty != () and not sweeps_damping(plan.study.units):
+        damped = [one for one in plan.cases if acts("damping", one.job.case)]
+        if damped:
+            yield unexamined(len(damped), duration, sum(one.estimate.cpu_seconds for one in damped))
+
+
+def creeping(plan: "Plan") -> list[str]:
+    """Where dashpots are so stiff that contacts come to rest more slowly than the run settles: a text, or none."""
+    slow = [one for one in plan.everything if SETTLED * creep(one.limits) > one.job.case.settle]
+    if not slow:
+        return []
+    every = len(plan.everything)
+    jobs = "" if len(slow) == every else f"{len(slow)} of {every} jobs: "
+    times = span(1e3 * creep(one.limits) for one in slow)
+    return [
+        f"{jobs}damping is so heavy that contacts creep to rest, in about {times} ms; with a `settle` under"
+        f" {SETTLED:g} times that a record, of a healthy twin above all, shows the start of its run"
+    ]
+
+
+def creep(limits: "Limits") -> float:
+    """The time (s) in which a contact with a heavy dashpot comes to rest, C/K; 0 where it is not heavy."""
+    return limits.damping_ratio / (math.pi * limits.contact_frequency) if limits.damping_ratio > 1.0 else 0.0
+
+
+def _written_model(study: "Study") -> str | None:
+    """The model as the study says it where it does not sweep it; the cases know only which one it came to."""
+    from bearingsim.text.yamlfile import parse
+
+    root = parse(study.text, study.path).root.mapping
+    quick = root["quick"].mapping if study.quick else {}
+    written = [section["model"].text for section in (quick, root) if "model" in section]
+    return study.overrides.get("model", written[0] if written else None)
