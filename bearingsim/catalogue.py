@@ -39,9 +39,11 @@ class Model:
 
     module: holds its ``KIND`` (``core/models/interface.py``); abilities: what a case can ask of it
     (``config/rules/hierarchy.py`` says what asks for what); slips: rollers and cage move freely and can slip;
-    sliced: rollers are cut into slices, and tilt; memoryless: each instant stands alone; own_method: the module of
-    the only way to step it, if it is no differential equation; build: ``build(case, support)`` makes its
-    parameters, if they are not made field by field (``assemble/__init__.py``).
+    sliced: rollers are cut into slices, and tilt; memoryless: each instant stands alone; repeats: nothing in it
+    changes from ball pass to ball pass but what a case's fields say, and its whole state lies in its coordinates,
+    so its motion may repeat itself (``simulation/repetition.py``); own_method: the module of the only way to step
+    it, if it is no differential equation; build: ``build(case, support)`` makes its parameters, if they are not
+    made field by field (``assemble/__init__.py``).
     """
 
     name: str
@@ -50,6 +52,7 @@ class Model:
     slips: bool = False
     sliced: bool = False
     memoryless: bool = False
+    repeats: bool = False
     own_method: str = ""
     build: str = ""
 
@@ -222,11 +225,11 @@ register(
         own_method=f"{_S}.impulses",
         build=f"{_A}.impulses:model",
     ),
-    Model("static", f"{_M}.static", _STATIC, memoryless=True, own_method=f"{_S}.equilibrium"),
-    Model("ring", f"{_M}.ring", _RING),
-    Model("rollers", f"{_M}.rollers", _ROLLERS),
-    Model("planar", f"{_M}.planar", _PLANAR, slips=True),
-    Model("spatial", f"{_M}.spatial", _SPATIAL, slips=True, sliced=True),
+    Model("static", f"{_M}.static", _STATIC, memoryless=True, repeats=True, own_method=f"{_S}.equilibrium"),
+    Model("ring", f"{_M}.ring", _RING, repeats=True),
+    Model("rollers", f"{_M}.rollers", _ROLLERS, repeats=True),
+    Model("planar", f"{_M}.planar", _PLANAR, slips=True, repeats=True),
+    Model("spatial", f"{_M}.spatial", _SPATIAL, slips=True, sliced=True, repeats=True),
     Method("verlet", f"{_S}.verlet", automatic=True),
     Method("dop853", f"{_S}.dop853", tolerance=1e-4, automatic=True),
     Method("rodas", f"{_S}.rodas", tolerance=1e-4, implicit=True, automatic=True),

@@ -59,7 +59,8 @@ class CaseFields(Section):
     `cage` are None below the planar model, and never None from it on. `drag`, `ramp`, `shaft`, `unbalance` and
     `misalignment` are None where absent. A line load in `record` is one channel for each slice of the roller. With
     `step_check` the step, automatic or given, is tried on the run's beginning before it is trusted; `strict` tries
-    all of the run, and refuses a chaotic record that is too short for its RMS.
+    all of the run, and refuses a chaotic record that is too short for its RMS. With `periodic` a motion that
+    repeats itself is computed until it does, and its record made of that; without, all of it is computed.
     """
 
     bearing: Annotated[Bearing, named("bearings")]
@@ -84,6 +85,7 @@ class CaseFields(Section):
     step: Step = "auto"
     tolerance: Tolerance = "auto"
     step_check: StepCheckMode = True
+    periodic: Switch = True
     duration: Duration = 1.0
     settle: Delay = 0.05
     start_angle: Angle = 0.0

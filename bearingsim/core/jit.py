@@ -35,7 +35,10 @@ from bearingsim.core import linking
 numba_config: Any = config  # its names are made at run time
 
 CORE = Path(__file__).parent
-OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}, **linking.OPTIONS}
+OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}, "_nrt": False, **linking.OPTIONS}
+"""Of every function of the core, for ``numba.njit``. ``_nrt`` off: no function allocates, so none counts the
+references to the arrays that it is handed, which takes up to half of a step. What a function fills, its caller
+brings."""
 GENERICS: list[Any] = []
 """All that ``generic`` has made, in the order of import."""
 

@@ -133,7 +133,7 @@ MAX_OWN, MAX_SHARED = 6, 17  # coordinates of a roller, and shared ones
 DIAGONAL_BLOCK, BORDER_COLUMN, BORDER_ROW = 0, MAX_OWN * MAX_OWN * ROW, MAX_OWN * (MAX_OWN + MAX_SHARED) * ROW
 CORNER_BLOCK = MAX_OWN * (MAX_OWN + 2 * MAX_SHARED) * ROW
 ARROW_SIZE = CORNER_BLOCK + -(-MAX_SHARED * (MAX_SHARED + 2) // ROW) * ROW
-POSITION_JACOBIAN = LOADED_ROLLERS + 2 * VECTOR_WIDTH + 3 * ROW  # d(acceleration)/d(position)
+POSITION_JACOBIAN = LOADED_ROLLERS + 4 * ROW  # d(acceleration)/d(position)
 VELOCITY_JACOBIAN = POSITION_JACOBIAN + ARROW_SIZE  # d(acceleration)/d(velocity)
 SYSTEM = VELOCITY_JACOBIAN + ARROW_SIZE  # the matrix that a method solves with
 BUFFER_SIZE = SYSTEM + ARROW_SIZE
@@ -257,6 +257,13 @@ def roller_load(cell):
 def slice_row(k, i):
     """Where the lanes of row ``i`` of slice ``k`` begin."""
     return SLICES + (k * SLICE_ROWS + i) * ROW + FIRST_LANE
+
+
+def lane_of(places: np.ndarray) -> np.ndarray:
+    """Which roller's lane (from 0) each of ``places`` of the buffer lies in; -1 for what is shared."""
+    of_contacts = (places >= COS_0) & (places < LOADED_ROLLERS)  # rows whose lanes stand first
+    lane = places % ROW - np.where(of_contacts, 0, FIRST_LANE)
+    return np.where((lane >= 0) & (lane < MAX_ROLLERS), lane, -1)
 
 
 def buffer(Z: int, m_r: float, slices: int = 0) -> np.ndarray:

@@ -1,9 +1,10 @@
 """From integrator steps to samples: linear-phase low-pass filters whose delay is taken out.
 
-Two stages. ``decimate`` brings the recording of one ball pass from thousands of steps to ``M`` fine samples (M
-divides the steps, so that lines are read over whole passes without leakage). ``resample`` brings the fine
-samples to the user's sampling, whose instants fall anywhere between them. Both are Kaiser-windowed sincs
-(Kaiser 1974); ``pick`` is the raw alternative, which lets impacts alias.
+Three stages. ``decimate`` brings the recording of one ball pass from thousands of steps to ``M`` fine samples (M
+divides the steps, so that lines are read over whole passes without leakage). ``low_pass`` takes from the fine
+samples what the user's sampling cannot show. ``interpolate`` reads that motion at the user's instants, which fall
+anywhere between fine samples. All are Kaiser-windowed sincs (Kaiser 1974); ``pick`` is the raw alternative, which
+lets impacts alias.
 """
 
 import numpy as np
@@ -13,7 +14,10 @@ from bearingsim.core.jit import add, jit
 DECIMATION_REACH = 4  # fine samples on each side: flat to 1e-4 below 0.15 of the fine rate, which is all that the
 # second stage lets through (0.6 of a sampling at most a quarter as fast), and 85 dB above 0.85, which folds there
 RESAMPLE_REACH = 13  # samples on each side: flat to 0.4 of the sampling, 80 dB above 0.6
-TABLE = 512  # entries of the resampling kernel per sample
+INTERPOLATION_REACH = (
+    6  # fine samples on each side: exact to 1e-6 below 0.15 of the fine rate, which is all there is
+)
+TABLE = 1024  # entries of the interpolation kernel per fine sample
 
 
 def kaiser_sinc(t: np.ndarray, cutoff: float, reach: float, decibels: float) -> np.ndarray:
@@ -31,10 +35,17 @@ def decimation_kernel(D: int) -> np.ndarray:
     return taps / taps.sum()
 
 
-def resampling_kernel() -> np.ndarray:
-    """One side of the second stage's kernel, TABLE entries per sample, with a zero after the end."""
-    t = np.arange(RESAMPLE_REACH * TABLE + 2) / TABLE
-    return kaiser_sinc(t, 0.5, RESAMPLE_REACH, 80.0)
+def sampling_kernel(ratio: float) -> np.ndarray:
+    """Taps (odd) of the second stage, at ``ratio`` (4 or more) fine samples per sample; their sum is 1."""
+    reach = int(np.ceil(RESAMPLE_REACH * ratio))
+    taps = kaiser_sinc(np.arange(-reach, reach + 1) / ratio, 0.5, RESAMPLE_REACH, 80.0)
+    return taps / taps.sum()
+
+
+def interpolation_kernel() -> np.ndarray:
+    """One side of the third stage's kernel, TABLE entries per fine sample, with a zero after the end."""
+    t = np.arange(INTERPOLATION_REACH * TABLE + 2) / TABLE
+    return kaiser_sinc(t, 0.5, INTERPOLATION_REACH, 120.0)
 
 
 @jit
@@ -61,26 +72,32 @@ def decimate(raw, taps, D, out):
 
 
 @jit
-def resample(fine, first, ratio, kernel, out):
-    """Samples ``out`` (C, n) at fine positions first + n ratio of ``fine`` (C, m), low-passed to the new rate.
+def low_pass(fine, taps, out):
+    """Filter ``fine`` (C, n + len(taps) - 1) into ``out`` (C, n), sample m centred on m + len(taps)//2."""
+    length = len(taps)
+    for c in range(out.shape[0]):
+        for m in range(out.shape[1]):
+            out[c, m] = dot(taps, fine[c, m : m + length], length)
 
-    ``ratio``: fine samples per sample, at least 1. The kernel is normalised at every sample, so a constant stays
-    what it is.
+
+@jit
+def interpolate(fine, first, ratio, kernel, weights, out, begin, end):
+    """Values out[:, n] at places first + n ratio of ``fine`` (C, m), begin <= n < end.
+
+    fine: has nothing above 0.15 of its rate; weights: (2 INTERPOLATION_REACH,) to work with. They are normalised,
+    so a constant stays what it is.
     """
-    reach = RESAMPLE_REACH * ratio
-    weights = np.empty(int(2.0 * reach) + 3)
-    for n in range(out.shape[1]):
-        centre = first + n * ratio
-        low = int(np.ceil(centre - reach))
-        count = int(np.floor(centre + reach)) - low + 1
+    for n in range(begin, end):
+        place = first + n * ratio
+        low = int(np.floor(place)) - INTERPOLATION_REACH + 1
         total = 0.0
-        for k in range(count):
-            place = abs(low + k - centre) / ratio * TABLE
-            i = int(place)
-            weights[k] = kernel[i] + (place - i) * (kernel[i + 1] - kernel[i])
-            total = add(total, weights[k])
+        for k in range(2 * INTERPOLATION_REACH):
+            at = abs(low + k - place) * TABLE
+            i = int(at)
+            weights[k] = kernel[i] + (at - i) * (kernel[i + 1] - kernel[i])
+            total += weights[k]
         for c in range(out.shape[0]):
-            out[c, n] = dot(weights, fine[c, low : low + count], count) / total
+            out[c, n] = dot(weights, fine[c, low : low + 2 * INTERPOLATION_REACH], 2 * INTERPOLATION_REACH) / total
 
 
 @jit

@@ -1,7 +1,15 @@
 """From series to numbers: lines, spectra, events and the usual statistics. NumPy in, numbers out."""
 
 from bearingsim.signals.events import spacing
-from bearingsim.signals.lines import derivative_lines, line, line_at, lines_at, lines_by_pass, resolvable
+from bearingsim.signals.lines import (
+    derivative_lines,
+    line,
+    line_at,
+    lines_at,
+    lines_by_pass,
+    lines_of_windows,
+    resolvable,
+)
 from bearingsim.signals.moments import statistics
 from bearingsim.signals.passes import at_equal_angles
 from bearingsim.signals.picker import PickedLine, pick_from, pick_line
@@ -17,6 +25,7 @@ __all__ = [
     "line_at",
     "lines_at",
     "lines_by_pass",
+    "lines_of_windows",
     "pick_from",
     "pick_line",
     "resolvable",

@@ -70,6 +70,42 @@ def line_at(series: np.ndarray, angle: np.ndarray) -> np.ndarray:
     return 2.0 * (series @ (kernel - weight * kernel.sum()))  # less the mean, which can be a thousand times a line
 
 
+def lines_of_windows(
+    windows: np.ndarray, index: np.ndarray, rest: np.ndarray, angle: np.ndarray, turn: np.ndarray
+) -> np.ndarray:
+    """``line_at`` of L lines at constant speed, in a series made of windows that may occur again and again.
+
+    windows: (..., W, M); the series is windows[index] (K,), side by side, and ``rest`` (..., r) at the end. angle:
+    (L,) rad of each line at the first sample; turn: (L,) rad from sample to sample. Hann's window is three
+    exponentials, so that each window counts by three sums a line wherever it stands. Returns (..., L) complex.
+    """
+    M, K = windows.shape[-1], len(index)
+    N = K * M + rest.shape[-1]
+    to_window = 2.0 * pi / (N - 1) * np.array([0.0, -1.0, 1.0])
+    frequency = (np.append(turn, 0.0)[:, np.newaxis] + to_window).ravel()  # the last for the mean
+    each = windows @ _turns(np.arange(M), frequency)
+    total = np.einsum("...kf,kf->...f", each[..., index, :], _turns(M * np.arange(K), frequency))
+    total += rest @ _turns(np.arange(K * M, N), frequency)
+    hann = np.array([0.5, -0.25, -0.25]) / (0.5 * (N - 1))
+    sums = total.reshape(*total.shape[:-1], -1, 3) @ hann
+    kernel = _sum_of_turns(frequency, N).reshape(-1, 3) @ hann
+    found = 2.0 * np.exp(-1j * angle) * (sums[..., :-1] - sums[..., -1:] * kernel[:-1])
+    return np.where(np.abs(turn) * (N - 1) >= 4.0 * pi, found, complex(np.nan, np.nan))
+
+
+def _turns(n: np.ndarray, frequency: np.ndarray) -> np.ndarray:
+    """exp(-i f n): (n, f)."""
+    angle = np.multiply.outer(n, frequency)
+    return np.cos(angle) - 1j * np.sin(angle)
+
+
+def _sum_of_turns(frequency: np.ndarray, N: int) -> np.ndarray:
+    """Sum of exp(-i f n) over n = 0 ... N - 1: (f,)."""
+    half = 0.5 * frequency
+    ratio = np.divide(np.sin(N * half), np.sin(half), out=np.full(len(half), float(N)), where=np.sin(half) != 0.0)
+    return np.exp(-1j * (N - 1) * half) * ratio
+
+
 def lines_at(series: np.ndarray, angles: Iterable[np.ndarray]) -> np.ndarray:
     """``line_at`` for each of L angles (n,): (L, ...) complex for series (..., n)."""
     return np.array([line_at(series, angle) for angle in angles])

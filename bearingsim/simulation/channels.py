@@ -10,6 +10,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.advance import RING_MOTION
 from bearingsim.core.geometry.motion import speed_factor
 from bearingsim.core.geometry.slices import WEIGHT
+from bearingsim.simulation.repetition import may_repeat
 
 MOTION = ("displacement", "velocity", "acceleration")
 CAGE_ANGLE, CAGE_SPEED = lay.POSITION + lay.PHI_C, lay.VELOCITY + lay.PHI_C
@@ -65,9 +66,23 @@ def place(name: str) -> int:
 
 
 def recorded(case: Case) -> np.ndarray:
-    """Places (C,) in the buffer that a run of the case records: ``BASE``, then what else it asks for."""
-    asked = [place(name) for channel in case.record for name in dataset_names(channel)]
-    return np.array([*BASE, *dict.fromkeys(p for p in asked if p not in BASE)], dtype=np.int64)
+    """Places (C,) in the buffer that a run of the case records: ``BASE``, then what else it asks for.
+
+    Of a roller whose motion may repeat, those of all rollers: what it does later, others have done before it.
+    """
+    asked = np.array([place(name) for channel in case.record for name in dataset_names(channel)], dtype=np.int64)
+    if may_repeat(case):
+        of_roller = asked[lay.lane_of(asked) >= 0]
+        rows = np.unique(of_roller - lay.lane_of(of_roller))
+        asked = np.concatenate([asked, np.add.outer(rows, np.arange(case.bearing.rollers)).ravel()])
+    return np.array([*BASE, *dict.fromkeys(p for p in asked.tolist() if p not in BASE)], dtype=np.int64)
+
+
+def asked(case: Case, places: np.ndarray) -> np.ndarray:
+    """The rows of ``recorded`` that the case's own channels lie in."""
+    row_of = {int(p): row for row, p in enumerate(places)}
+    found = [row_of[place(name)] for channel in case.record for name in dataset_names(channel)]
+    return np.array([*dict.fromkeys(found)], dtype=np.int64)
 
 
 def series(

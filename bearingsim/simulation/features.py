@@ -1,6 +1,5 @@
 """Numbers read from a run: lines at characteristic frequencies, statistics, what rollers and cage did."""
 
-from dataclasses import dataclass
 from math import ceil, cos, floor, pi, sin
 from typing import Any, NamedTuple
 
@@ -11,34 +10,21 @@ from bearingsim.catalogue import FEATURES, MODELS, Feature, code
 from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
 from bearingsim.core import layout as lay
-from bearingsim.core.geometry.motion import kinematic_times, speed_factor
+from bearingsim.core.geometry.motion import kinematic_times, speed_factor, steady
+from bearingsim.core.sampling import low_pass, sampling_kernel
 from bearingsim.errors import UserError
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE, CAGE_SPEED, MOTION, PLACES
+from bearingsim.simulation.record_windows import first_sample, whole_passes, windows
+from bearingsim.simulation.repetition import EXTREMES
+from bearingsim.simulation.tape import Tape
 from bearingsim.simulation.time_grid import Grid
 
 MIN_PASSES = 3
 """Ball passes that a record must hold for lines to be read against a free cage: interpolation takes its ends."""
 
-EXTREMES = ("outer_force.max", "inner_force.max", "cage_force.max", "tilt.max", "line_load.max")
-
 ROW_OF = {place: row for row, place in enumerate(BASE)}
+OF_BASE = np.arange(len(BASE))
 OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
-
-
-@dataclass(frozen=True)
-class RawRecord:
-    """What the integrator leaves behind, before it is sampled.
-
-    places: (C,) of the buffer, recorded; fine: (C, n) fine samples of them, number 0 (t = 0) in column ``zero``;
-    picked: (C, m) raw values at the record's instants, empty with the low-pass on; y: the buffer at the end.
-    """
-
-    places: np.ndarray
-    fine: np.ndarray
-    zero: int
-    picked: np.ndarray
-    y: np.ndarray
-    integrator_cpu_s: float
 
 
 class SampleAngles(NamedTuple):
@@ -59,14 +45,14 @@ class SampleAngles(NamedTuple):
         )
 
 
-def features(case: Case, model: Any, cut: Grid, tape: RawRecord, sampled: np.ndarray) -> dict[str, float]:
-    """Every feature of a run; ``sampled``: (C, n) the record."""
+def features(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
+    """Every feature of a run."""
     return {
         **ball_pass_lines(case, model, cut, tape),
         **other_lines(case, model, cut, tape),
-        **statistics(case, cut, sampled),
-        **extremes(case, model, tape.y),
-        **cage_and_load_zone(case, model, sampled),
+        **statistics(case, cut, tape),
+        **extremes(case, cut, tape),
+        **cage_and_load_zone(case, model, cut, tape),
     }
 
 
@@ -93,14 +79,9 @@ def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
     return cos(case.rig.sensor_angle) * x + sin(case.rig.sensor_angle) * y
 
 
-def whole_passes(case: Case, cut: Grid) -> int:
-    """Ball passes that lie wholly in the record."""
-    return floor(case.duration * cut.rate + 1e-6)
-
-
-def first_sample(case: Case, cut: Grid) -> int:
-    """The number of the record's first fine sample, counted from t = 0."""
-    return ceil(case.settle * cut.fine_rate - 1e-6)
+def slips(case: Case) -> bool:
+    """Whether the cage may turn otherwise than it does without slip."""
+    return MODELS[case.model].slips and not (case.cage is not None and case.cage.motion == "kinematic")
 
 
 def sample_angles(model: Any, cut: Grid, start: int, slip: np.ndarray) -> SampleAngles:
@@ -112,37 +93,56 @@ def sample_angles(model: Any, cut: Grid, start: int, slip: np.ndarray) -> Sample
     )
 
 
-def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: RawRecord) -> dict[str, float]:
+def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
     """Amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
-    M, start, Z = cut.fine_per_pass, first_sample(case, cut), case.bearing.rollers
-    length = whole_passes(case, cut) * M + 1
-    whole = tape.fine[: len(BASE), start + tape.zero : start + tape.zero + length]
-    angle = Z * model.bearing.theta_0
-    slip = whole[ROW_OF[CAGE_ANGLE]]
-    rate: Any = cut.rate
-    if MODELS[case.model].slips:  # its passes take what time they take
-        ball_pass = Z * sample_angles(model, cut, start, slip).cage - angle
-        enough = 2.0 * pi * MIN_PASSES * (1.0 - 1e-9)  # a record of just so many passes may be short by rounding
-        if ball_pass[-1] - ball_pass[0] < enough or np.any(np.diff(ball_pass) <= 0.0):
-            return dict.fromkeys(_ball_pass_names(), float("nan"))
-        M *= ceil(2.0 * pi / (M * np.diff(ball_pass).min()))  # the longest pass keeps all its samples
-        time, (whole, first) = np.arange(length) / cut.fine_rate, signals.at_equal_angles(whole, ball_pass, M)
-        passes = first + np.arange((whole.shape[1] - 1) // M + 1)
-        rate, start = 1.0 / np.diff(np.interp(2.0 * pi * passes, ball_pass, time)), 0
-    velocity = along_sensor(case, whole, "velocity")
-    by_pass = {
-        quantity: signals.lines_by_pass(along_sensor(case, whole, quantity)[:-1], M, HARMONICS, start, angle)
-        for quantity in ("displacement", "velocity")
-    }
-    by_pass["acceleration"] = signals.derivative_lines(
-        by_pass["velocity"], velocity[::M], rate, HARMONICS, angle + 2.0 * pi * (start % M) / M
-    )
+    by_pass = _lines_at_equal_angles if slips(case) else _lines_at_equal_times
     found = {}
-    beside = MODELS[case.model].slips or any(defect.race != "outer" for defect in case.defects)
-    for quantity, lines in by_pass.items():
+    beside = slips(case) or any(defect.race != "outer" for defect in case.defects)
+    for quantity, lines in by_pass(case, model, cut, tape).items():
         for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
             found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values, beside)
+    return found or dict.fromkeys(_ball_pass_names(), float("nan"))
+
+
+def _lines_at_equal_times(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, np.ndarray]:
+    """The lines (harmonics, passes) of each quantity: a kinematic cage passes at equal times."""
+    of_record = windows(case, cut, tape, reach=1)
+    M, start = of_record.M, of_record.start
+    whole = tape.read(start, of_record.distinct * M + 1, OF_BASE)
+    lines = _lines_of_passes(case, whole, M, start, cut.rate, case.bearing.rollers * model.bearing.theta_0)
+    return {quantity: found[:, of_record.index] for quantity, found in lines.items()}
+
+
+def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, np.ndarray]:
+    """The same where the cage slips: its passes take what time they take. None of a record that is too short."""
+    M, start, Z = cut.fine_per_pass, first_sample(case, cut), case.bearing.rollers
+    length = whole_passes(case, cut) * M + 1
+    whole = tape.read(start, length, OF_BASE)
+    angle = Z * model.bearing.theta_0
+    ball_pass = Z * sample_angles(model, cut, start, whole[ROW_OF[CAGE_ANGLE]]).cage - angle
+    enough = 2.0 * pi * MIN_PASSES * (1.0 - 1e-9)  # a record of just so many passes may be short by rounding
+    if ball_pass[-1] - ball_pass[0] < enough or np.any(np.diff(ball_pass) <= 0.0):
+        return {}
+    M *= ceil(2.0 * pi / (M * np.diff(ball_pass).min()))  # the longest pass keeps all its samples
+    time, (whole, first) = np.arange(length) / cut.fine_rate, signals.at_equal_angles(whole, ball_pass, M)
+    passes = first + np.arange((whole.shape[1] - 1) // M + 1)
+    rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, ball_pass, time))
+    return _lines_of_passes(case, whole, M, 0, rate, angle)
+
+
+def _lines_of_passes(
+    case: Case, whole: np.ndarray, M: int, start: int, rate: Any, Z_theta_0: float
+) -> dict[str, np.ndarray]:
+    """Lines (harmonics, passes) of each quantity along the sensor, from whole passes and a sample more."""
+    velocity = along_sensor(case, whole, "velocity")
+    found = {
+        quantity: signals.lines_by_pass(along_sensor(case, whole, quantity)[:-1], M, HARMONICS, start, Z_theta_0)
+        for quantity in ("displacement", "velocity")
+    }
+    found["acceleration"] = signals.derivative_lines(
+        found["velocity"], velocity[::M], rate, HARMONICS, Z_theta_0 + 2.0 * pi * (start % M) / M
+    )
     return found
 
 
@@ -151,55 +151,120 @@ def _ball_pass_names() -> list[str]:
     return [f"{line}{ending}" for line in lines for ending in ("", ".phase", "-scatter")]
 
 
-def other_lines(case: Case, model: Any, cut: Grid, tape: RawRecord) -> dict[str, float]:
+def other_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
     """Amplitude and phase of lines whose periods do not divide the record; nan where it is too short to tell."""
-    start = first_sample(case, cut)
     length = max(2, floor(case.duration * cut.fine_rate + 1e-6))
-    fine = tape.fine[: len(BASE), start + tape.zero : start + tape.zero + length]
-    turning = sample_angles(model, cut, start, fine[ROW_OF[CAGE_ANGLE]])
-    angles = {name: turning.along(line, case.bearing.rollers) for name, line in LINES.items()}
-    frequencies = [(angle[-1] - angle[0]) / (2.0 * pi * (length - 1)) * cut.fine_rate for angle in angles.values()]
-    told = dict(zip(LINES, signals.resolvable(np.array(frequencies), case.duration), strict=True))
+    read = _lines_as_they_turn if slips(case) or not steady(model) else _lines_at_constant_speed
+    lines, frequencies = read(case, model, cut, tape, length)
+    told = dict(zip(LINES, signals.resolvable(frequencies, case.duration), strict=True))
     found: dict[str, float] = {}
-    for name in OTHER_LINES:
-        for quantity in ("displacement", "velocity"):
-            A = complex(signals.line_at(along_sensor(case, fine, quantity), angles[name]) if told[name] else "nan")
-            found[f"{quantity}@{name}"], found[f"{quantity}@{name}.phase"] = float(abs(A)), float(np.angle(A))
-        # by parts from the velocity, which has fewer impacts to fold into the line than an acceleration
-        speed = np.gradient(angles[name]) * cut.fine_rate
-        A = 1j * complex(signals.line_at(speed * along_sensor(case, fine, "velocity"), angles[name]))
-        A = A if told[name] else complex("nan")
-        found[f"acceleration@{name}"], found[f"acceleration@{name}.phase"] = float(abs(A)), float(np.angle(A))
+    for quantity, values in lines.items():
+        for name, value in zip(LINES, values, strict=True):
+            if name in OTHER_LINES:
+                A = value if told[name] else complex("nan")
+                found[f"{quantity}@{name}"], found[f"{quantity}@{name}.phase"] = float(abs(A)), float(np.angle(A))
     return found
 
 
-def statistics(case: Case, cut: Grid, sampled: np.ndarray) -> dict[str, float]:
-    """RMS, peak, crest factor and kurtosis of the record's whole ball passes, along the sensor."""
-    whole = sampled[:, : round(whole_passes(case, cut) / cut.rate * case.sampling)]
+def _lines_at_constant_speed(
+    case: Case, model: Any, cut: Grid, tape: Tape, length: int
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Complex amplitudes (lines,) of each quantity, and the lines' frequencies (Hz)."""
+    of_record = windows(case, cut, tape, reach=0)
+    M, start, index = of_record.M, of_record.start, of_record.index[: length // of_record.M]
+    series = [along_sensor(case, tape.read(start, of_record.distinct * M, OF_BASE), q) for q in MOTION[:2]]
+    rest = tape.read(start + len(index) * M, length - len(index) * M, OF_BASE)
+    turning = sample_angles(model, cut, start, np.zeros(2))
+    angle = np.array([turning.along(line, case.bearing.rollers) for line in LINES.values()])
+    turn = np.diff(angle)[:, 0]
+    of_rest = np.stack([along_sensor(case, rest, q) for q in MOTION[:2]])
+    displacement, velocity = signals.lines_of_windows(
+        np.stack(series).reshape(2, -1, M), index, of_rest, angle[:, 0], turn
+    )
+    # by parts from the velocity, which has fewer impacts to fold into the line than an acceleration
+    acceleration = 1j * turn * cut.fine_rate * velocity
+    lines = dict(zip(MOTION, (displacement, velocity, acceleration), strict=True))
+    return lines, turn / (2.0 * pi) * cut.fine_rate
+
+
+def _lines_as_they_turn(
+    case: Case, model: Any, cut: Grid, tape: Tape, length: int
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """The same of bodies whose speeds change."""
+    start = first_sample(case, cut)
+    fine = tape.read(start, length, OF_BASE)
+    turning = sample_angles(model, cut, start, fine[ROW_OF[CAGE_ANGLE]])
+    angles = [turning.along(line, case.bearing.rollers) for line in LINES.values()]
+    place, speed = (along_sensor(case, fine, quantity) for quantity in MOTION[:2])
+    by_parts = [1j * signals.line_at(np.gradient(angle) * cut.fine_rate * speed, angle) for angle in angles]
+    lines = {
+        "displacement": signals.lines_at(place, angles),
+        "velocity": signals.lines_at(speed, angles),
+        "acceleration": np.array(by_parts),
+    }
+    turns = [(angle[-1] - angle[0]) / (2.0 * pi * (length - 1)) for angle in angles]
+    return lines, np.array(turns) * cut.fine_rate
+
+
+def statistics(case: Case, cut: Grid, tape: Tape) -> dict[str, float]:
+    """RMS, peak, crest factor and kurtosis of the record's whole ball passes, along the sensor.
+
+    Of the low-passed motion at fine samples: a peak between two samples of the record counts. Of a raw record, of
+    its samples.
+    """
+    if case.antialias:
+        motion, weights = _low_passed_motion(case, cut, tape)
+    else:
+        raw = tape.picked[:, : round(whole_passes(case, cut) / cut.rate * case.sampling)]
+        motion, weights = {quantity: along_sensor(case, raw, quantity) for quantity in MOTION}, None
     return {
         f"{quantity}.{name}": value
         for quantity in MOTION
-        for name, value in signals.statistics(along_sensor(case, whole, quantity)).items()
+        for name, value in signals.statistics(motion[quantity], weights).items()
     }
 
 
-def extremes(case: Case, model: Any, y: np.ndarray) -> dict[str, float]:
-    """Largest force (N), tilt (rad), line load (N/m) that any roller met; nan for what the model does not know."""
-    rows = {"outer_force.max": lay.Q_O_MAX, "inner_force.max": lay.Q_I_MAX} if MODELS[case.model].loaded else {}
-    rows |= {"cage_force.max": lay.Q_P_MAX} if MODELS[case.model].slips else {}
-    rows |= {"tilt.max": lay.TILT_MAX, "line_load.max": lay.LINE_LOAD_MAX} if MODELS[case.model].sliced else {}
-    found = {name: float(y[row : row + model.bearing.Z].max()) for name, row in rows.items()}
-    return dict.fromkeys(EXTREMES, float("nan")) | found
+def _low_passed_motion(case: Case, cut: Grid, tape: Tape) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """The motion along the sensor (n,) in the record's distinct passes, and how often each sample occurs."""
+    taps = sampling_kernel(cut.fine_rate / case.sampling)
+    of_record = windows(case, cut, tape, reach=len(taps) // 2)
+    reach, n = len(taps) // 2, of_record.distinct * of_record.M
+    rows = tape.read(of_record.start - reach, n + 2 * reach, OF_BASE)
+    along = np.stack([along_sensor(case, rows, quantity) for quantity in MOTION])
+    out = np.empty((len(MOTION), n))
+    low_pass(along, taps, out)
+    return dict(zip(MOTION, out, strict=True)), np.repeat(of_record.weights, of_record.M)
 
 
-def cage_and_load_zone(case: Case, model: Any, sampled: np.ndarray) -> dict[str, float]:
+def extremes(case: Case, cut: Grid, tape: Tape) -> dict[str, float]:
+    """Largest force (N), tilt (rad), line load (N/m) that any roller met in the record's whole passes.
+
+    Of the first pass that the record touches, if none is whole; nan for what the model does not know.
+    """
+    known = MODELS[case.model]
+    told = (known.loaded, known.loaded, known.slips, known.sliced, known.sliced)
+    first = ceil(case.settle * cut.rate - 1e-6)
+    passes = np.arange(first, max(first + 1, floor((case.settle + case.duration) * cut.rate + 1e-6)))
+    largest = tape.peaks[np.unique(tape.repetition.source(passes))].max(axis=0)
+    return {
+        name: float(value) if is_told else float("nan")
+        for name, value, is_told in zip(EXTREMES, largest, told, strict=True)
+    }
+
+
+def cage_and_load_zone(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
     """Mean extent of the load zone (rad), and the cage's slip; nan for what the model does not know."""
-    time = case.settle + np.arange(sampled.shape[1]) / case.sampling
-    slip = -sampled[ROW_OF[CAGE_SPEED]] / (model.bearing.omega_c * speed_factor(model, time))
-    extent = float(sampled[ROW_OF[lay.LOADED_ROLLERS]].mean()) * 2.0 * pi / model.bearing.Z
+    of_record = windows(case, cut, tape, reach=0)
+    weights = np.repeat(of_record.weights, of_record.M)
+    loaded, speed = tape.read(
+        of_record.start, len(weights), np.array([ROW_OF[lay.LOADED_ROLLERS], ROW_OF[CAGE_SPEED]])
+    )
+    time = (of_record.start + np.arange(len(weights))) / cut.fine_rate
+    slip = -speed / (model.bearing.omega_c * speed_factor(model, time))
+    extent = float(np.average(loaded, weights=weights)) * 2.0 * pi / model.bearing.Z
     known = MODELS[case.model]
     return {
         "load_zone.extent": extent if known.loaded else float("nan"),
-        "cage.slip.mean": float(slip.mean()) if known.slips else float("nan"),
+        "cage.slip.mean": float(np.average(slip, weights=weights)) if known.slips else float("nan"),
         "cage.slip.std": float(slip.std()) if known.slips else float("nan"),
     }

@@ -21,11 +21,19 @@ from bearingsim.core.advance import Monitor, NoSamples, Samples, advance_and_sam
 from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import monitored, update_extremes
 from bearingsim.core.pits.crossings import missed_crossings, passages
-from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH, decimate, decimation_kernel, pick
+from bearingsim.core.sampling import (
+    DECIMATION_REACH,
+    INTERPOLATION_REACH,
+    RESAMPLE_REACH,
+    decimate,
+    decimation_kernel,
+    pick,
+)
 from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.channels import BASE
-from bearingsim.simulation.features import RawRecord
 from bearingsim.simulation.limits import APPROACH_MARGIN, ENERGY_MARGIN, Limits
+from bearingsim.simulation.repetition import EXTREMES, Repetition, Search, may_repeat
+from bearingsim.simulation.tape import Tape
 
 
 class SimulationError(Exception):
@@ -103,30 +111,61 @@ def monitor_of(cut: time_grid.Grid, found: Limits) -> Monitor:
     return Monitor(min(32, max(1, stride)), patience, found.approach_bound, found.energy_bound, MAX_EVALUATIONS)
 
 
-def integrate(setup: Setup, nudge: float = 0.0) -> RawRecord:
-    """Step through all ball passes, keeping fine samples (and raw picks where the case wants them).
+def integrate(setup: Setup, nudge: float = 0.0) -> Tape:
+    """Step through the ball passes, keeping fine samples (and raw picks where the case wants them).
 
-    nudge: share of its displacement by which the ring is moved at the start.
+    All of them, or until the motion repeats itself. nudge: share of its displacement by which the ring is moved at
+    the start.
     """
-    case, cut = setup.case, setup.cut
+    case, cut, Z = setup.case, setup.cut, setup.model.bearing.Z
     y, places = _start(setup, nudge), channels.recorded(case)
     M, D = cut.fine_per_pass, cut.decimation
     taps = decimation_kernel(D)
-    lead = ceil(RESAMPLE_REACH * cut.fine_rate / case.sampling) + 1  # before t = 0 everything stood still
+    lead = ceil(RESAMPLE_REACH * cut.fine_rate / case.sampling) + INTERPOLATION_REACH + 1
     fine = np.empty((len(places), lead + cut.passes * M))
-    fine[:, :lead] = y[places][:, np.newaxis]
+    fine[:, :lead] = y[places][:, np.newaxis]  # before t = 0 everything stood still
     picked = np.empty((len(places), 0 if case.antialias else time_grid.samples(case)))
     picked[:, :1] = y[places][:, np.newaxis]  # at t = 0, should the record begin there
+    peaks = np.empty((cut.passes, len(EXTREMES)))
     samples = _samples_between_steps(case, picked)
-    clock = [0.0]
+    search = Search(places, cut.steps_per_pass, setup.model, MODELS[case.model].memoryless)
+    searches, clock, passes, period = may_repeat(case), [0.0], 0, 0
+    began_at = _pit_passages(setup, 0.0, y)
     for p, window in enumerate(_ball_passes(setup, samples, y, places, clock)):
-        decimate(window, taps, D, fine[:, lead + p * M : lead + (p + 1) * M])
+        passes = p + 1
+        decimate(window, taps, D, fine[:, lead + p * M : lead + passes * M])
         if type(samples) is NoSamples:
             _pick_pass(case, cut, p, window, picked)
+        peaks[p] = _take_peaks(y)
+        if searches:
+            period = search.period(window, y, peaks[p])
+        if period > 0:
+            break
+    _check_end(setup, began_at, y, passes)
+    repetition = Repetition(passes, period, search.difference(period))
     zero = lead + DECIMATION_REACH - 1
-    if MODELS[case.model].memoryless:  # never at rest: it repeats itself before t = 0 too
-        fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % M]
-    return RawRecord(places, fine, zero, picked, y, clock[0])
+    tape = Tape(
+        places, fine[:, : lead + passes * M], lead, zero, M, Z, repetition, picked, peaks[:passes], y, clock[0]
+    )
+    if period > 0 and not case.antialias:
+        for p in range(passes, cut.passes):
+            _pick_pass(case, cut, p, search.recording(p, repetition), picked)
+    if MODELS[case.model].memoryless:  # it was never at rest
+        _extend_back(tape)
+    return tape
+
+
+def _extend_back(tape: Tape) -> None:
+    """Write what was before t = 0: a revolution of the cage before it was the same.
+
+    With pits that turn it was not, and the ring's motion alone is extended, by its first pass: filters reach so
+    far, no feature does.
+    """
+    fine, zero, turn = tape.fine, tape.zero, tape.Z * tape.M
+    if tape.repetition.period > 0:
+        fine[:, :zero] = tape.read(-zero % turn, zero)
+    else:
+        fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % tape.M]
 
 
 def _samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples:
@@ -161,41 +200,39 @@ def _ball_passes(
 ) -> Iterator[np.ndarray]:
     """The recording, a ball pass at a time: (C, tail + steps) with the end of the pass before in front.
 
-    The same array every time. The largest forces are those of the record's whole passes; ``clock[0]`` gathers the
-    CPU seconds spent in the integrator.
+    The same array every time. ``clock[0]`` gathers the CPU seconds spent in the integrator.
     """
-    case, cut, model = setup.case, setup.cut, setup.model
-    counted, before = _passes_of_record(case, cut), _pit_passages(setup, 0.0, y)
+    case, cut = setup.case, setup.cut
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
-    rows = (
-        lay.Q_O_MAX,
-        lay.Q_I_MAX,
-        lay.Q_P_MAX,
-        *((lay.TILT_MAX, lay.LINE_LOAD_MAX) if MODELS[case.model].sliced else ()),
-    )
-    largest = np.concatenate([np.arange(row, row + lay.MAX_ROLLERS) for row in rows])
-    kept = y[largest]
     window = np.empty((len(places), tail + steps))
     window[:] = y[places][:, np.newaxis]
     _warm_up(setup, samples, y, places)
     if MODELS[case.model].memoryless:  # it was never at rest: what was before t = 0 is known
-        advance_and_sample(setup.method, model, setup.monitor, -tail, y, places, window[:, steps:], NoSamples())
+        before = window[:, steps:]
+        advance_and_sample(setup.method, setup.model, setup.monitor, -tail, y, places, before, NoSamples())
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
-        if p == 0 or not time_grid.is_periodic(case):
-            if p == counted.start:
-                y[largest] = 0.0
-            _record_steps(setup, samples, p * steps, y, places, window[:, tail:], clock)
+        _record_steps(setup, samples, p * steps, y, places, window[:, tail:], clock)
         if assemble.adaptive(case):
             differentiate(window, tail, cut.step)
-        if p == counted.stop - 1:
-            kept = y[largest].copy()
         yield window
-    y[largest] = kept
-    end = cut.passes * steps * cut.step
-    if not np.isfinite(_pit_passages(setup, end, y)).all():  # since the monitor has looked last
+
+
+def _take_peaks(y: np.ndarray) -> list[float]:
+    """The largest of each of ``EXTREMES`` that any roller has met since they were last taken."""
+    rows = [y[row : row + lay.MAX_ROLLERS] for row in EXTREMES.values()]  # empty: of a model that knows of none
+    found = [float(row.max(initial=0.0)) for row in rows]
+    for row in rows:
+        row[:] = 0.0
+    return found
+
+
+def _check_end(setup: Setup, began_at: list[float], y: np.ndarray, passes: int) -> None:
+    """Raise ``MethodFailure`` if something went wrong since the monitor last looked, or pits were stepped over."""
+    end = passes * setup.cut.steps_per_pass * setup.cut.step
+    if not np.isfinite(_pit_passages(setup, end, y)).all():
         raise stopped(setup, outcomes.NOT_FINITE, outcomes.NO_BODY, end)
-    unseen = missed_crossings(model, end, before, y) if before else 0
+    unseen = missed_crossings(setup.model, end, began_at, y) if began_at else 0
     if unseen > 0:
         raise stopped(setup, outcomes.SKIPPED, unseen, end)
 
@@ -263,12 +300,6 @@ def _pit_passages(setup: Setup, t: float, y: np.ndarray) -> list[float]:
     if not MODELS[setup.case.model].loaded or MODELS[setup.case.model].memoryless:
         return []
     return [passages(setup.model, d, t, y) for d in range(len(setup.model.pits.head))]
-
-
-def _passes_of_record(case: Case, cut: time_grid.Grid) -> range:
-    """The ball passes, counted from t = 0, that lie wholly in the record; the first it touches if none does."""
-    first = ceil(case.settle * cut.rate - 1e-6)
-    return range(first, max(first + 1, floor((case.settle + case.duration) * cut.rate + 1e-6)))
 
 
 WHY = {

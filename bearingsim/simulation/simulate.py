@@ -3,7 +3,7 @@
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import ceil, floor, isfinite, nan
 from typing import Any
 
 import numpy as np
@@ -12,11 +12,11 @@ from bearingsim import assemble
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case, Section, dataset_names
 from bearingsim.core import layout as lay
-from bearingsim.core.sampling import resample, resampling_kernel
+from bearingsim.core.sampling import INTERPOLATION_REACH, interpolate, interpolation_kernel, sampling_kernel
 from bearingsim.errors import Refused
 from bearingsim.simulation import channels, choice, step_check, time_grid
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE
-from bearingsim.simulation.features import RawRecord, features, of_extensions
+from bearingsim.simulation.features import features, of_extensions
 from bearingsim.simulation.integration import (
     MethodFailure,
     Setup,
@@ -28,6 +28,7 @@ from bearingsim.simulation.integration import (
 )
 from bearingsim.simulation.pilot import longer_duration
 from bearingsim.simulation.step_check import StepCheck
+from bearingsim.simulation.tape import Tape
 
 __all__ = ["Record", "SimulationError", "simulate", "warm"]
 
@@ -117,15 +118,16 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     setup = set_up(case, part)
     checks_step = _checked_step(setup)
     tape = integrate(setup)
-    sampled = _resampled(case, setup.cut, tape) if case.antialias else tape.picked
+    rows = channels.asked(case, tape.places)
+    sampled = _sampled(case, setup.cut, tape, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
-    series = channels.series(case, setup.model, sampled, tape.places, case.settle + instants)
-    found = features(case, setup.model, setup.cut, tape, sampled) | _check_features(checks_step)
+    series = channels.series(case, setup.model, sampled, tape.places[rows], case.settle + instants)
+    found = features(case, setup.model, setup.cut, tape) | _check_features(checks_step)
     return Record(
         time=instants,
         series=series,
         features=found | of_extensions(case, instants, series),
-        info=_info(setup, tape, sampled) | {"cpu_s": time.process_time() - began},
+        info=_info(setup, tape) | {"cpu_s": time.process_time() - began},
     )
 
 
@@ -181,17 +183,22 @@ def _check_features(checks_step: StepCheck) -> dict[str, float]:
     }
 
 
-def _info(setup: Setup, tape: RawRecord, sampled: np.ndarray) -> dict[str, float | int | str]:
+def _info(setup: Setup, tape: Tape) -> dict[str, float | int | str]:
     """How a run was computed."""
     case, cut, y = setup.case, setup.cut, tape.y
+    steps = tape.repetition.computed * cut.steps_per_pass
     adaptive = assemble.adaptive(case)
     return {
         "method": case.method or "",
         "step_s": cut.step,
         "step_part": setup.part,
-        "steps": cut.passes * cut.steps_per_pass,
+        "passes": cut.passes,
+        "passes_computed": tape.repetition.computed,
+        "period_passes": tape.repetition.period,
+        "last_difference": tape.repetition.difference,
+        "steps": steps,
         "tolerance": float(setup.method.rtol) if adaptive else float("nan"),
-        "own_steps": int(y[lay.STEPS_TAKEN]) if adaptive else cut.passes * cut.steps_per_pass,
+        "own_steps": int(y[lay.STEPS_TAKEN]) if adaptive else steps,
         "own_steps_refused": int(y[lay.STEPS_REJECTED]),
         "newton_iterations": int(y[lay.NEWTON_ITERATIONS]),
         **_damping(setup),
@@ -199,7 +206,7 @@ def _info(setup: Setup, tape: RawRecord, sampled: np.ndarray) -> dict[str, float
         "step_limit_at_impact_s": setup.limits.at_impact,
         "longest_overrun_s": float(y[lay.OVERRUN_MAX : lay.OVERRUN_MAX + setup.model.bearing.Z].max()),
         "crossings": int(y[lay.PIT_CROSSINGS]),
-        "cage_angle_start_rad": _cage_angle(case, setup.model, sampled),
+        "cage_angle_start_rad": _cage_angle(setup, tape),
         "integrator_cpu_s": tape.integrator_cpu_s,
     }
 
@@ -215,10 +222,12 @@ def _damping(setup: Setup) -> dict[str, float]:
     return values if "damping" in MODELS[setup.case.model].abilities else dict.fromkeys(values, nan)
 
 
-def _cage_angle(case: Case, model: Any, sampled: np.ndarray) -> float:
+def _cage_angle(setup: Setup, tape: Tape) -> float:
     """Where the first roller's pocket is as the record starts, rad; what the cage has slipped is taken off."""
-    slipped = float(sampled[BASE.index(CAGE_ANGLE), 0])
-    return float(model.bearing.theta_0 + model.bearing.omega_c * case.settle + slipped)
+    bearing, place = setup.model.bearing, setup.case.settle * setup.cut.fine_rate
+    before, after = tape.read(floor(place), 2, np.array([BASE.index(CAGE_ANGLE)]))[0]
+    slipped = before + (place - floor(place)) * (after - before)
+    return float(bearing.theta_0 + bearing.omega_c * setup.case.settle + slipped)
 
 
 _WARM: set[tuple] = set()  # kinds of case that this process has compiled or loaded
@@ -250,9 +259,22 @@ def _types(value: Any) -> Any:
     return (type(value), *map(_types, value)) if isinstance(value, tuple) else type(value)
 
 
-def _resampled(case: Case, cut: time_grid.Grid, tape: RawRecord) -> np.ndarray:
-    """The record's samples (rows kept, n), low-passed from the fine ones."""
-    out = np.empty((len(tape.fine), time_grid.samples(case)))
-    ratio = cut.fine_rate / case.sampling
-    resample(tape.fine, case.settle * cut.fine_rate + tape.zero, ratio, resampling_kernel(), out)
+BLOCK = 1 << 15  # fine samples that are made into a series at a time
+
+
+def _sampled(case: Case, cut: time_grid.Grid, tape: Tape, rows: np.ndarray) -> np.ndarray:
+    """The record's samples (R, n) of the tape's ``rows``, a block at a time."""
+    if not case.antialias:
+        return tape.picked[rows]
+    out = np.empty((len(rows), time_grid.samples(case)))
+    ratio, kernel = cut.fine_rate / case.sampling, interpolation_kernel()
+    taps, weights = sampling_kernel(ratio), np.empty(2 * INTERPOLATION_REACH)
+    block = max(1, int(BLOCK / ratio))
+    start = case.settle * cut.fine_rate
+    for n in range(0, out.shape[1], block):
+        end = min(n + block, out.shape[1])
+        first = floor(start + n * ratio) - INTERPOLATION_REACH
+        count = ceil((end - n) * ratio) + 2 * INTERPOLATION_REACH + 1
+        fine = tape.low_passed(first, count, taps, rows)
+        interpolate(fine, start - first, ratio, kernel, weights, out, n, end)
     return out

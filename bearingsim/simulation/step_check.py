@@ -12,7 +12,7 @@ does not, that is doubtful: all is tried again on a longer beginning, if there i
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil, floor, inf, nan, sqrt
+from math import floor, inf, nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -21,11 +21,12 @@ from scipy.special import stdtrit
 from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES, LINES
-from bearingsim.core.sampling import RESAMPLE_REACH, TABLE, resampling_kernel
-from bearingsim.simulation import features, time_grid
+from bearingsim.core.sampling import sampling_kernel
+from bearingsim.simulation import channels, features, record_windows, time_grid
 from bearingsim.simulation.channels import BASE, MOTION
 from bearingsim.simulation.integration import Setup, integrate, set_up
 from bearingsim.simulation.pilot import pilot, sees_pit_turns
+from bearingsim.simulation.tape import Tape
 
 ACCURACY = 0.01
 """What a run holds of its line and its RMS; where the motion is chaotic, of the RMS alone."""
@@ -196,22 +197,18 @@ def fault_lines(case: Case) -> list[str]:
 def pilot_record(setup: Setup, passes: int, nudge: float = 0.0) -> PilotRecord:
     """What is read of a pilot."""
     tape, case, cut = integrate(setup, nudge), setup.case, setup.cut
-    start, length = tape.zero + features.first_sample(case, cut), passes * cut.fine_per_pass + 1
-    fine = features.along_sensor(case, tape.fine[:, start : start + length], "velocity")
-    rows = low_passed(setup, tape.fine, start, length) if case.antialias else raw(setup, tape.picked, passes)
+    start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
+    fine = features.along_sensor(case, tape.read(start, length, features.OF_BASE), "velocity")
+    rows = low_passed(setup, tape, start, length) if case.antialias else raw(setup, tape.picked, passes)
     along = {quantity: features.along_sensor(case, rows, quantity) for quantity in MOTION}
-    return PilotRecord(fine, along["velocity"], np.stack([*along.values(), *rows[len(BASE) :]]))
+    asked = [row for row in channels.asked(case, tape.places) if row >= len(BASE)]
+    return PilotRecord(fine, along["velocity"], np.stack([*along.values(), *rows[asked]]))
 
 
-def low_passed(setup: Setup, fine: np.ndarray, start: int, length: int) -> np.ndarray:
-    """Rows (C, ``length``) at fine samples from column ``start`` of ``fine``, low-passed as the record is."""
-    ratio, kernel = setup.cut.fine_rate / setup.case.sampling, resampling_kernel()
-    reach = ceil(RESAMPLE_REACH * ratio)
-    taps = np.interp(
-        np.abs(np.arange(-reach, reach + 1)) * TABLE / ratio, np.arange(len(kernel)), kernel, right=0.0
-    )
-    wide = fine[:, start - reach : start + length + reach]
-    return np.stack([np.convolve(row, taps / taps.sum(), "valid") for row in wide])
+def low_passed(setup: Setup, tape: Tape, start: int, length: int) -> np.ndarray:
+    """Rows (C, ``length``) at fine samples from number ``start``, low-passed as the record is."""
+    taps = sampling_kernel(setup.cut.fine_rate / setup.case.sampling)
+    return tape.low_passed(start, length, taps, np.arange(len(tape.places)))
 
 
 def raw(setup: Setup, picked: np.ndarray, passes: int) -> np.ndarray:
@@ -231,7 +228,7 @@ def shifted(series: np.ndarray, part: float) -> np.ndarray:
 
 def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
     """What each ball pass adds to a line's complex amplitude in a series (Hann), its cage at kinematic speed."""
-    start = features.first_sample(setup.case, setup.cut)
+    start = record_windows.first_sample(setup.case, setup.cut)
     turning = features.sample_angles(setup.model, setup.cut, start, np.zeros(len(series)))
     angle = turning.along(LINES[name], setup.case.bearing.rollers)
     window = np.hanning(len(angle))

@@ -7,13 +7,14 @@ from bearingsim import assemble
 from bearingsim.assemble.scales import MIN_STEPS_PER_CROSSING, at_full_speed
 from bearingsim.catalogue import MODELS
 from bearingsim.config import CHANNELS, Case
-from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
+from bearingsim.core.sampling import DECIMATION_REACH, INTERPOLATION_REACH, RESAMPLE_REACH
 from bearingsim.errors import Refused
 from bearingsim.simulation.automatic_step import automatic_step
 from bearingsim.simulation.choice import resolved
 from bearingsim.simulation.limits import Limits, step_limits
 from bearingsim.simulation.pilot import check_cost
 from bearingsim.simulation.prices import per_second, price
+from bearingsim.simulation.repetition import may_repeat
 
 SAFETY = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
 FINE_PER_SAMPLE, MIN_FINE = 4, 64
@@ -84,13 +85,9 @@ def _advice(case: Case, found: Limits) -> str:
     return f"say `step: auto` ({1e6 * automatic_step(case, found):.2g} us)"
 
 
-def is_periodic(case: Case) -> bool:
-    """Whether each ball pass equals the one before: nothing has memory, no pit turns, no roller is recorded."""
-    return (
-        MODELS[case.model].memoryless
-        and all(defect.race == "outer" for defect in case.defects)
-        and not any(name.startswith("roller") for name in case.record)
-    )
+def solved_once(case: Case) -> bool:
+    """Whether one ball pass is all that is computed: each instant stands alone, and each pass is the same."""
+    return MODELS[case.model].memoryless and may_repeat(case)
 
 
 def samples(case: Case) -> int:
@@ -119,7 +116,7 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
             if case.step == "auto"
             else "take a longer `step`, or say `step: auto`",
         )
-    computed = 1.0 / rate if is_periodic(case) else case.settle + case.duration
+    computed = 1.0 / rate if solved_once(case) else case.settle + case.duration
     cost = computed * per_second(case, 1.0 / (rate * fine * decimation))
     adaptive = assemble.adaptive(case)
     most = max(max_cpu, MAX_CPU)
@@ -130,7 +127,7 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
             "take a shorter `duration`, lower `contact.damping`"
             + (other if adaptive else ", or give a `step` of your own"),
         )
-    beyond = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + 2) / (rate * fine)
+    beyond = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + INTERPOLATION_REACH + 2) / (rate * fine)
     passes = ceil((case.settle + case.duration + beyond) * rate)
     return Grid(rate, 1.0 / (rate * fine * decimation), fine, decimation, passes)
 
@@ -139,7 +136,7 @@ def estimate(case: Case) -> Estimate:
     """What the case will take. Raises ``Refused`` like ``requested_step``."""
     case = resolved(case)
     cut = grid(case)
-    computed = 1 if is_periodic(case) else cut.passes
+    computed = 1 if solved_once(case) else cut.passes
     steps = computed * cut.steps_per_pass
     seconds = computed / cut.rate * per_second(case, cut.step)
     proof = check_cost(case) * seconds if case.checks_step else 0.0

@@ -6,12 +6,14 @@ from scipy.signal import firwin, kaiser_beta
 
 from bearingsim.core.sampling import (
     DECIMATION_REACH,
-    RESAMPLE_REACH,
+    INTERPOLATION_REACH,
     decimate,
     decimation_kernel,
+    interpolate,
+    interpolation_kernel,
+    low_pass,
     pick,
-    resample,
-    resampling_kernel,
+    sampling_kernel,
 )
 
 PASS, STOP = 1.2e-4, 10 ** (-80 / 20)
@@ -27,10 +29,12 @@ def decimated(raw: np.ndarray, D: int) -> tuple[np.ndarray, np.ndarray]:
 
 def resampled(fine: np.ndarray, ratio: float, count: int = 40) -> tuple[np.ndarray, np.ndarray]:
     """Samples of fine ones (C, n), and the fine positions at which they should be."""
-    first = RESAMPLE_REACH * ratio + 1.3
-    out = np.empty((len(fine), count))
-    resample(fine, first, ratio, resampling_kernel(), out)
-    return out, first + ratio * np.arange(count)
+    taps = sampling_kernel(ratio)
+    low = np.empty((len(fine), fine.shape[1] - len(taps) + 1))
+    low_pass(fine, taps, low)
+    first, out = INTERPOLATION_REACH + 1.3, np.empty((len(fine), count))
+    interpolate(low, first, ratio, interpolation_kernel(), np.empty(2 * INTERPOLATION_REACH), out, 0, count)
+    return out, first + len(taps) // 2 + ratio * np.arange(count)
 
 
 def waves(frequency: float, places: np.ndarray) -> np.ndarray:

@@ -282,10 +282,10 @@ def test_estimate_counts_steps_and_bytes() -> None:
     assert time_grid.estimate(case(record=[])).bytes == 0
 
 
-def test_static_computes_one_pass_unless_a_roller_is_watched() -> None:
-    ring, roller = (case(model="static", record=[name]) for name in ("ring.velocity", "roller.outer_force"))
-    assert time_grid.estimate(ring).steps == grid(ring).steps_per_pass
-    assert time_grid.estimate(roller).steps == grid(roller).passes * grid(roller).steps_per_pass
+def test_static_computes_one_pass_unless_a_pit_turns() -> None:
+    outer, inner = (case(model="static", defect=SLOT | {"race": race}) for race in ("outer", "inner"))
+    assert time_grid.estimate(outer).steps == grid(outer).steps_per_pass
+    assert time_grid.estimate(inner).steps == grid(inner).passes * grid(inner).steps_per_pass
 
 
 def test_a_step_error_survives_pickling() -> None:

@@ -119,7 +119,9 @@ def continuous_extension(b: np.ndarray, last: int, higher: np.ndarray) -> np.nda
 def dense_state(F_q, F_v, part, h, y, n):
     """The state's block at ``part`` (0 to 1) of the step of ``h`` (s) from START, by a continuous extension."""
     rows, stages = F_v.shape
-    weights_q, weights_v = np.zeros(stages), np.zeros(stages)
+    weights_q, weights_v = y[ERROR_Q : ERROR_Q + stages], y[ERROR_V : ERROR_V + stages]
+    for j in range(stages):
+        weights_q[j], weights_v[j] = 0.0, 0.0
     for i in range(rows - 1, -1, -1):
         factor = part if i % 2 == 0 else 1.0 - part
         for j in range(stages):

@@ -109,7 +109,9 @@ def takeover(left, right, R):
     The excess never falls, and is quadratic between the ends of contact.
     """
     before = -inf
-    for end in np.sort(np.array([left[LOW], left[HIGH], right[LOW], right[HIGH]])):
+    inner, outer = min(left[HIGH], right[HIGH]), max(left[LOW], right[LOW])
+    first, last = min(left[LOW], right[LOW]), max(left[HIGH], right[HIGH])
+    for end in (first, min(inner, outer), max(inner, outer), last):
         D, rate = excess(left, right, end, R)
         if D >= 0.0:
             return root(left, right, before, end, R)
@@ -131,10 +133,12 @@ def root(left, right, low, high, R):
 
 
 @jit
-def touched_parts(parts, R):
-    """Which of the parts (n, 8) are felt, and from which s (m) on: two rows (2, n), of which a number is used."""
-    touched = np.zeros((2, len(parts)))
-    touched[1, 0] = -inf
+def touched_parts(parts, R, touched):
+    """Which of the parts (n, 8) the roller touches, and from which s (m) on: fills ``touched`` (2, n).
+
+    Returns how many of its columns are used.
+    """
+    touched[0, 0], touched[1, 0] = 0.0, -inf
     last = 0
     for n in range(1, len(parts)):
         start = takeover(parts[int(touched[0, last])], parts[n], R)
@@ -144,13 +148,14 @@ def touched_parts(parts, R):
         if start < inf:
             last = last if start == -inf else last + 1
             touched[0, last], touched[1, last] = n, start
-    return touched, last + 1
+    return last + 1
 
 
 def path_over(profile: Profile, R: float) -> Path:
     """The path h(s) of a roller of relative radius ``R`` (m) over a profile, exact."""
     parts = parts_of(profile, R)
-    found, count = touched_parts(parts, R)
+    found = np.empty((2, len(parts)))
+    count = touched_parts(parts, R, found)
     touched, starts = parts[found[0, :count].astype(int)], found[1, :count].tolist()
     rows = [
         _row(part, s, R)

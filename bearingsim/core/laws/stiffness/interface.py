@@ -29,9 +29,14 @@ def curvature(law: Any, delta: float) -> float:
 
 
 @jit
-def curve(law: Any, delta: Any) -> tuple[Any, Any]:
-    """Elastic forces (N) and stiffnesses (N/m) at approaches ``delta`` (n,) > 0 (m)."""
-    Q, k = np.empty_like(delta), np.empty_like(delta)
+def fill_curve(law: Any, delta: Any, Q: Any, k: Any) -> None:
+    """``curve``, into given arrays."""
     for i in range(len(delta)):
         Q[i], k[i] = elastic(law, delta[i]), tangent(law, delta[i])
+
+
+def curve(law: Any, delta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Elastic forces (N) and stiffnesses (N/m) at approaches ``delta`` (n,) > 0 (m)."""
+    Q, k = np.empty_like(delta), np.empty_like(delta)
+    fill_curve(law, delta, Q, k)
     return Q, k

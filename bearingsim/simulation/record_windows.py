@@ -1,0 +1,55 @@
+"""The record in windows of a ball pass each: those that differ from each other, and how often each occurs."""
+
+from dataclasses import dataclass
+from math import ceil, floor
+
+import numpy as np
+
+from bearingsim.config import Case
+from bearingsim.simulation.tape import Tape
+from bearingsim.simulation.time_grid import Grid
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Windows of ``M`` fine samples, side by side from fine sample ``start`` on, the record's first.
+
+    index: (K,) which of the first ``distinct`` windows each of the record's equals.
+    """
+
+    start: int
+    M: int
+    index: np.ndarray
+
+    @property
+    def distinct(self) -> int:
+        """How many windows are to be read: the first so many."""
+        return int(self.index.max(initial=-1)) + 1
+
+    @property
+    def weights(self) -> np.ndarray:
+        """(distinct,) how often each occurs."""
+        return np.bincount(self.index, minlength=self.distinct)
+
+
+def first_sample(case: Case, cut: Grid) -> int:
+    """The number of the record's first fine sample, counted from t = 0."""
+    return ceil(case.settle * cut.fine_rate - 1e-6)
+
+
+def whole_passes(case: Case, cut: Grid) -> int:
+    """Ball passes that lie wholly in the record."""
+    return floor(case.duration * cut.rate + 1e-6)
+
+
+def windows(case: Case, cut: Grid, tape: Tape, reach: int) -> Windows:
+    """The whole ball passes of the record.
+
+    reach: fine samples beyond both ends of a window that what is read of it depends on.
+    """
+    K, M, start = whole_passes(case, cut), cut.fine_per_pass, first_sample(case, cut)
+    k = np.arange(K)
+    if tape.repeats_from is None:
+        return Windows(start, M, k)
+    first, period = max(0, ceil((tape.repeats_from + reach - start) / M)), tape.repetition.period
+    return Windows(start, M, np.where(k < first, k, first + (k - first) % period))

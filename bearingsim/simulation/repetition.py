@@ -1,0 +1,218 @@
+"""Motion that repeats itself, ball pass by ball pass: what may do so, and the pass from which on it does.
+
+By the end of a pass every roller stands where the next one stood at its start. So two instants, or two passes, are
+compared by place: roller j now with roller j + m of m passes ago. What repeats need not be computed again
+(docs/repetition.md).
+"""
+
+from collections import deque
+from collections.abc import Callable
+from math import inf, isfinite, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim.catalogue import METHODS, MODELS
+from bearingsim.config import Case
+from bearingsim.core import layout as lay
+from bearingsim.core.models.interface import state_width
+
+CONSTANT = frozenset(
+    {
+        *("bearing", "rig", "speed", "load", "load_across", "gravity", "clearance", "contact", "friction", "drag"),
+        *("shaft", "misalignment", "step", "tolerance", "step_check", "duration", "settle", "start_angle", "seed"),
+        *("sampling", "antialias", "record"),
+    }
+)
+"""Fields of a case that bring nothing into its motion which one ball pass has and the next has not."""
+
+CONDITIONS: dict[str, Callable[[Case], bool]] = {
+    "ramp": lambda case: case.ramp is None,
+    "unbalance": lambda case: case.unbalance is None,
+    "defects": lambda case: all(defect.race == "outer" for defect in case.defects),
+    "excitation": lambda case: case.excitation != "random-impulses",
+    "cage": lambda case: case.cage is None or case.cage.motion == "kinematic",
+    "model": lambda case: MODELS[case.model].repeats,
+    "method": lambda case: case.method is None or not METHODS[case.method].adaptive,
+    "periodic": lambda case: case.periodic,
+}
+"""What the other fields must be."""
+
+
+def may_repeat(case: Case) -> bool:
+    """Whether the motion of a case, its method named, may become the same in each ball pass.
+
+    A case with a field that this page does not know is computed in full.
+    """
+    known = CONSTANT | CONDITIONS.keys()
+    return known.issuperset(type(case).model_fields) and all(holds(case) for holds in CONDITIONS.values())
+
+
+EXTREMES = {
+    "outer_force.max": lay.Q_O_MAX,
+    "inner_force.max": lay.Q_I_MAX,
+    "cage_force.max": lay.Q_P_MAX,
+    "tilt.max": lay.TILT_MAX,
+    "line_load.max": lay.LINE_LOAD_MAX,
+}
+"""Largest values that any roller met, by feature, and the rows in which the buffer keeps them."""
+
+
+class Repetition(NamedTuple):
+    """From where on a motion repeats itself.
+
+    computed: ball passes that were computed; period: after so many passes it is the same again, 0 if it is not;
+    difference: the largest of the last pass to the one a period before, over the range of what differs (nan if
+    none was looked for).
+    """
+
+    computed: int
+    period: int
+    difference: float
+
+    def source(self, p: np.ndarray | int) -> np.ndarray:
+        """The computed pass that pass ``p`` (any shape) equals, by place."""
+        p = np.asarray(p)
+        first = self.computed - self.period
+        return np.where(p < self.computed, p, first + (p - first) % max(1, self.period))
+
+
+LONGEST_PERIOD = 4  # ball passes; longer ones have not been seen
+CLOSE, EXACT = 1e-7, 1e-10  # differences over the range: with, and without, a look at how fast they shrink
+SLOWEST = 0.98  # shrinking by less from pass to pass is not believed
+NEAR = 1e-4  # of their ranges: so close ends of two passes must be, before all of the passes is compared
+MOST_HELD = 256e6  # bytes of recordings held to compare with
+LEAST_RANGE = 1e-3  # of the wider of a pair's ranges: the least by which x and y are measured
+
+
+class Search:
+    """Looks for a repetition, a ball pass at a time.
+
+    Two passes are compared through all their steps, in the ring's place and velocity and in whatever else is
+    recorded, in the largest forces (and tilt), and in the whole state at their ends. Each difference is taken over
+    the range of its kind within a pass. It must be small twice in a row, and what it can still add up to as well:
+    with a ratio rho from pass to pass that is rho/(1 - rho) of it.
+    """
+
+    def __init__(self, places: np.ndarray, steps: int, model: Any, memoryless: bool) -> None:
+        """places: (C,) of the buffer, the first four the ring's place and velocity; steps: in a pass; memoryless:
+        nothing is to be waited for.
+        """
+        self.places, self.memoryless, self.Z = places, memoryless, model.bearing.Z
+        self.weights = np.zeros(12 * lay.ROW) if memoryless else _lengths(model)
+        self.least_peaks = np.array([name == "tilt.max" for name in EXTREMES]) / model.bearing.R_o
+        held = int(MOST_HELD // (8 * len(places) * steps))
+        self.periods = range(1, 1 + min(LONGEST_PERIOD, held))
+        self.recordings: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
+        self.ends: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
+        self.peaks: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
+        self.differences: dict[int, list[float]] = {period: [] for period in self.periods}
+
+    def period(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> int:
+        """The period (passes) with which the motion is found to repeat at the end of a pass; 0 if it is not.
+
+        window: (C, steps) the pass's recording; y: the buffer at its end; peaks: ``EXTREMES`` within it.
+        """
+        if not self.periods:
+            return 0
+        self.recordings.append(window.copy())
+        self.ends.append(y[lay.POSITION : lay.POSITION + 2 * lay.STATE] * self.weights)
+        self.peaks.append(peaks)
+        if self.memoryless:
+            return 1
+        ranges = self._ranges(window)
+        for period in self.periods:
+            if period < len(self.ends):
+                found = self.differences[period]
+                found.append(self._difference(period, ranges))
+                if _settled(found) and _settled(found[:-1]):
+                    return period
+        return 0
+
+    def recording(self, p: int, repetition: Repetition) -> np.ndarray:
+        """The recording of a pass that was not computed, as `period` was given it; the motion repeats."""
+        source = int(repetition.source(p))
+        held = self.recordings[source - repetition.computed]
+        return held[turned(self.places, self.Z, p - source)]
+
+    def difference(self, period: int) -> float:
+        """The last difference of passes so many passes apart; the least of any if ``period`` is 0."""
+        told = [self.differences[period]] if period > 0 else self.differences.values()
+        return min((d[-1] for d in told if d), default=nan)
+
+    def _ranges(self, window: np.ndarray) -> np.ndarray:
+        """The range of the kind of each recorded row (C,)."""
+        high, low = window.max(axis=1), window.min(axis=1)
+        found = high - low
+        for pair in (found[:2], found[2:4]):
+            pair[:] = np.maximum(pair, LEAST_RANGE * pair.max())
+        lane = lay.lane_of(self.places)
+        for kind in set((self.places - lane)[lane >= 0].tolist()):  # all rollers' rows of a quantity have one
+            rows = (lane >= 0) & (self.places - lane == kind)
+            found[rows] = high[rows].max() - low[rows].min()
+        return found
+
+    def _difference(self, period: int, ranges: np.ndarray) -> float:
+        """The largest difference to ``period`` passes ago; inf if their ends are not even near."""
+        at_end = self._end_difference(period, ranges)
+        if not at_end <= NEAR:
+            return inf
+        partner = turned(self.places, self.Z, period)
+        compared = np.r_[0:4, 9 : len(self.places)]  # the acceleration jumps, and what cages do is of the state
+        apart = np.abs(self.recordings[-1][compared] - self.recordings[-1 - period][partner[compared]]).max(axis=1)
+        least = self.least_peaks * ranges[:2].max()
+        largest = np.abs(self.peaks[-1] - self.peaks[-1 - period])
+        of_peaks = _over(largest, np.maximum(self.peaks[-1], least))
+        return max(at_end, _over(apart, ranges[compared]), of_peaks)
+
+    def _end_difference(self, period: int, ranges: np.ndarray) -> float:
+        """The largest difference of the states at the passes' ends, as lengths and speeds."""
+        now, before = (self.ends[-1 - n].reshape(12, lay.ROW).copy() for n in (0, period))
+        lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + self.Z)
+        before[:, lanes] = np.roll(before[:, lanes], -period, axis=1)
+        of_ring = np.repeat([ranges[:2].max(), ranges[2:4].max()], 6)
+        of_rollers = now[:, lanes].max(axis=1) - now[:, lanes].min(axis=1)
+        return _over(np.abs(now - before).max(axis=1), np.maximum(of_ring, of_rollers))
+
+
+def turned(places: np.ndarray, Z: int, m: int) -> np.ndarray:
+    """The row (C,) of a recording of ``places`` in which, ``m`` passes before, stands what each row holds now."""
+    lane = lay.lane_of(places)
+    partner = np.where(lane >= 0, places - lane + (lane + m) % Z, places)
+    row_of = {int(place): row for row, place in enumerate(places)}
+    return np.array([row_of[int(place)] for place in partner])
+
+
+def _lengths(model: Any) -> np.ndarray:
+    """By what (m, or 1) positions and velocities are multiplied to become lengths and speeds (2 STATE,).
+
+    A roller's own rotation, which grows without end, counts by its speed alone; what is no state of the model does
+    not.
+    """
+    cells = np.full((2, 6, lay.ROW), model.bearing.R_o)
+    cells[:, 0, lay.FIRST_LANE :] = 1.0
+    cells[:, 3] = 1.0
+    cells[:, 0, [lay.X, lay.Y, lay.X_C, lay.Y_C, lay.X_I, lay.Y_I]] = 1.0
+    cells[0, 2, lay.FIRST_LANE :] = 0.0
+    cells.reshape(2, -1)[:, state_width(model) :] = 0.0
+    return cells.ravel()
+
+
+def _over(differences: np.ndarray, ranges: np.ndarray) -> float:
+    """The largest of differences over their ranges; what does not differ counts as 0 whatever its range."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return float(np.max(np.where(differences == 0.0, 0.0, differences / ranges), initial=0.0))
+
+
+def _settled(differences: list[float]) -> bool:
+    """Whether the last of differences, and all that is to come, is small."""
+    if not differences or not isfinite(differences[-1]):
+        return False
+    last = differences[-1]
+    if last <= EXACT:
+        return True
+    if len(differences) < 3 or not isfinite(differences[-3]):
+        return False
+    before, further = differences[-2], differences[-3]
+    rho = max(last / before, before / further)
+    return last <= CLOSE and rho < SLOWEST and last * rho / (1.0 - rho) <= CLOSE

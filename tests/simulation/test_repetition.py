@@ -1,0 +1,164 @@
+"""Motion that repeats itself: what may, when it is found to, and what is made of it."""
+
+import importlib
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bearingsim import simulate
+from bearingsim.catalogue import MODELS
+from bearingsim.config import Case
+from bearingsim.core import layout as lay
+from bearingsim.simulation import channels, choice
+from bearingsim.simulation.repetition import Repetition, Search, may_repeat, turned
+from tests.scenes.short_cases import FORCES, RING, SLOT, case
+
+KINEMATIC = {"cage": {"motion": "kinematic"}}
+SHAFT: dict[str, Any] = {"shaft": {"stiffness": "1e8 N/m", "damping": "1e3 N s/m", "mass": "2 kg"}, **KINEMATIC}
+WIDE = SLOT | {"depth": "5 um", "angle": "20 deg"}
+INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
+
+
+def resolved(**fields: Any) -> Case:
+    return choice.resolved(case(**fields))
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"model": "static", "defect": SLOT},
+        {"model": "ring"},
+        {"model": "rollers", "defects": [SLOT, SLOT | {"angle": "20 deg"}], "clearance": "10 um"},
+        {"model": "planar", "defect": SLOT, "method": "rk4", **KINEMATIC},
+        {"model": "spatial", "defect": SLOT, "gravity": True, "method": "verlet", **KINEMATIC},
+    ],
+)
+def test_what_may_repeat(fields: dict[str, Any]) -> None:
+    assert may_repeat(resolved(**fields))
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"model": "rollers", "defect": SLOT | {"race": "inner"}},
+        {"model": "rollers", "defects": [SLOT, SLOT | {"race": "roller"}]},
+        {"model": "planar", "method": "verlet"},
+        {"model": "planar", "method": "verlet", "ramp": {"to": "2000 rpm", "time": "0.1 s"}, **KINEMATIC},
+        {"model": "planar", "method": "verlet", "unbalance": {"mass_radius": "1e-4 kg m"}, **SHAFT},
+        {"model": "impulse", "defect": SLOT},
+        {"model": "rollers", "method": "dop853"},
+        {"model": "rollers", "periodic": False},
+    ],
+)
+def test_what_may_not(fields: dict[str, Any]) -> None:
+    assert not may_repeat(resolved(**fields))
+
+
+def test_a_field_that_nobody_thought_of_is_computed_in_full() -> None:
+    class Later(Case):
+        wear: float = 0.0
+
+    given = resolved(model="ring")
+    assert may_repeat(given)
+    assert not may_repeat(Later.model_construct(**dict(given)))
+
+
+def test_a_model_of_another_package_is_computed_in_full(monkeypatch: pytest.MonkeyPatch) -> None:
+    from dataclasses import replace
+
+    given = resolved(model="ring")
+    monkeypatch.setitem(MODELS, "ring", replace(MODELS["ring"], repeats=False))
+    assert not may_repeat(given)
+
+
+def test_passes_are_those_of_the_last_period() -> None:
+    found = Repetition(computed=7, period=3, difference=0.0)
+    assert found.source(np.arange(14)).tolist() == [0, 1, 2, 3, 4, 5, 6, 4, 5, 6, 4, 5, 6, 4]
+    assert Repetition(4, 0, 0.0).source(np.arange(4)).tolist() == [0, 1, 2, 3]
+
+
+def test_a_roller_stands_where_the_next_stood_a_pass_before() -> None:
+    rows = channels.recorded(resolved(model="rollers", record=["roller.3.outer_force", "ring.velocity"]))
+    before = turned(rows, 13, 1)
+    assert np.array_equal(before[: len(channels.BASE)], np.arange(len(channels.BASE)))
+    assert [int(rows[before[list(rows).index(lay.Q_O + j)]]) - lay.Q_O for j in (2, 12)] == [3, 0]
+
+
+@pytest.mark.parametrize("antialias", [True, False])
+@pytest.mark.parametrize("clearance", ["0 um", "10 um"])
+@pytest.mark.parametrize("model", ["static", "ring", "rollers", "planar"])
+def test_what_repeats_is_as_if_it_had_been_computed(model: str, clearance: str, antialias: bool) -> None:
+    fields: dict[str, Any] = KINEMATIC if model == "planar" else {}
+    fields |= {"model": model, "clearance": clearance, "antialias": antialias, "record": RING + FORCES}
+    fields |= {"defect": WIDE, "duration": 0.25, "settle": 0.041, "step_check": False}
+    short, whole = simulate(case(**fields)), simulate(case(**fields, periodic=False))
+    assert float(short.info["passes_computed"]) < 0.5 * float(whole.info["passes_computed"])
+    assert (short.info["period_passes"], whole.info["period_passes"]) == (1, 0)
+    for name, series in whole.series.items():
+        assert np.abs(short.series[name] - series).max() < 1e-6 * np.ptp(series), name
+    for name, value in whole.features.items():
+        size = 1e-3 * whole.features.get(f"{name.partition('@')[0]}.rms", 0.0)
+        if not name.endswith((".phase", "-scatter")):
+            assert short.features[name] == pytest.approx(value, rel=1e-6, abs=1e-6 * size, nan_ok=True), name
+
+
+def test_a_motion_that_never_repeats_is_computed_in_full() -> None:
+    """Unloaded rollers chatter at this speed."""
+    found = simulate(case(model="rollers", defect=WIDE, speed="600 rpm", clearance="10 um", step_check=False))
+    assert found.info["passes_computed"] == found.info["passes"]
+    assert found.info["period_passes"] == 0
+    assert float(found.info["last_difference"]) > 1e-7
+
+
+# The search alone
+
+STEPS = 40
+
+
+def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[int, int]:
+    """The period found of ``motion`` (of a pass's number: (9, STEPS)), and after how many passes."""
+    setup = INTEGRATION.set_up(resolved(model="ring"))
+    search, y = Search(channels.recorded(setup.case), STEPS, setup.model, memoryless=False), lay.buffer(13, 0.0)
+    for p in range(passes):
+        window = motion(p)
+        y[[lay.POSITION + lay.X, lay.POSITION + lay.Y, lay.VELOCITY + lay.X, lay.VELOCITY + lay.Y]] = window[
+            :4, -1
+        ]
+        found = search.period(window, y, np.ones(5))
+        if found:
+            return found, p + 1
+    return 0, passes
+
+
+def waves(p: int, period: int = 1) -> np.ndarray:
+    return np.sin(2.0 * np.pi * (p + np.linspace(0.0, 1.0, STEPS)) / period + np.arange(9)[:, np.newaxis])
+
+
+@pytest.mark.parametrize("period", [1, 2, 3, 4])
+def test_the_shortest_period_is_found(period: int) -> None:
+    assert period_of(lambda p: waves(p, period)) == (period, period + 2)
+
+
+def test_a_period_of_five_passes_is_none() -> None:
+    assert period_of(lambda p: waves(p, 5)) == (0, 40)
+
+
+@pytest.mark.parametrize("rho", [0.1, 0.5, 0.9])
+def test_what_settles_is_waited_for(rho: float) -> None:
+    """What is left to come when it is found is under 1e-7 of the range."""
+    period, passes = period_of(lambda p: (1.0 + rho**p) * waves(p), passes=400)
+    assert period == 1
+    assert rho ** (passes - 1) < 2e-7
+
+
+def test_what_settles_hardly_at_all_is_not_believed() -> None:
+    assert period_of(lambda p: (1.0 + 1e-7 * 0.99**p) * waves(p), passes=60) == (0, 60)
+
+
+def test_what_is_forgotten_by_the_end_of_a_pass_is_seen() -> None:
+    def chatters(p: int) -> np.ndarray:
+        return waves(p) + 1e-5 * np.random.default_rng(p).normal(size=STEPS) * (np.arange(STEPS) < 30)
+
+    assert period_of(chatters) == (0, 40)
