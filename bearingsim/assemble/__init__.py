@@ -99,9 +99,26 @@ def model(case: Case) -> Any:
     So the load is what the bearing carries: a bracket anchored anywhere else would take a share of it.
     Raises ``NoEquilibrium`` if the healthy bearing finds no equilibrium.
     """
-    known, parameters = MODELS[case.model], kind(case).parameters
+    known = MODELS[case.model]
     if known.build:
         return code(known.build)(case, support(case))
+    return _made_by_field(bearing_of(case))
+
+
+OF_A_RUN = {"method": EXPLICIT, "step": "auto", "tolerance": "auto", "step_check": True, "periodic": True}
+OF_A_RUN |= {"duration": 1.0, "settle": 0.0}
+"""Fields that say how, and how long, a bearing is computed, each with some value."""
+
+
+def bearing_of(case: Case) -> Case:
+    """The case without what does not touch its bearing, so that all ways to compute it share its parameters."""
+    return case.model_copy(update=OF_A_RUN)
+
+
+@lru_cache(maxsize=64)
+def _made_by_field(case: Case) -> Any:
+    """The core's model, made once for all that ask for it: nobody writes into its arrays."""
+    parameters = kind(case).parameters
     found = parameters(**{name: PARAMETER_BUILDERS[name](case) for name in _made(parameters)})
     return static_model(found) if isinstance(found, Static) else found
 
@@ -130,9 +147,8 @@ def support(case: Case) -> Support:
 
 def healthy(case: Case) -> Case:
     """The case without what does not touch its load at rest, so that many cases share one."""
-    same = {"defects": (), "step": "auto", "record": (), "duration": 1.0, "settle": 0.0, "sampling": 1e4}
-    same |= {"method": EXPLICIT, "tolerance": "auto", "step_check": True}
-    return case.model_copy(update=same | {"excitation": "envelope", "seed": 0})
+    same = {"defects": (), "record": (), "sampling": 1e4, "excitation": "envelope", "seed": 0}
+    return case.model_copy(update=OF_A_RUN | same)
 
 
 def _at_rest(case: Case) -> Case:

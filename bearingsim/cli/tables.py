@@ -12,6 +12,7 @@ import typer
 from bearingsim.cli.screen import needed_width, print_table, significant, terminal_width
 from bearingsim.config.rules import damping
 from bearingsim.errors import UserError
+from bearingsim.runner.summary import repetitions
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,7 +42,8 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     kept = found if columns else _fitting(found, [name in features for name in ["job", *chosen]])
     print_table([head for head, _ in kept], list(zip(*(cells for _, cells in kept), strict=True)))
     typer.echo(_counts(table) + _varied(results))
-    for told in damping.of_jobs(results.info().reindex(table["job"])):
+    info = results.info().reindex(table["job"])
+    for told in (*repetitions(info), *damping.of_jobs(info)):
         typer.echo(told)
     if len(kept) < len(found):
         heads = {_stacked(head) for head, _ in kept}

@@ -14,7 +14,7 @@ from bearingsim.runner.packing import Cost, pack, shard_of
 from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import getting_ready
 from bearingsim.runner.progress import progress as shown_progress
-from bearingsim.runner.summary import Interrupted, RunSummary, chaos, grouped, record_errors
+from bearingsim.runner.summary import Interrupted, RunSummary, chaos, grouped, record_errors, repetitions
 from bearingsim.runner.unknowns import examined
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
 
@@ -97,6 +97,7 @@ def _notes(left_out: int, damaged: int) -> Iterator[str]:
 def _of_results(root: Path, jobs: Sequence["Job"], frame: "pd.DataFrame") -> Iterator[str]:
     """What is worth knowing of the results: of the jobs asked for, and of what was varied of them."""
     own = frame.loc[[job.id for job in jobs if not job.is_variation]]
+    yield from repetitions(store.info(own))
     yield from damping.of_jobs(store.info(own))
     yield from examined(store.read_plan(root), frame)
     yield from chaos(own)

@@ -71,6 +71,31 @@ def record_errors(frame: "pd.DataFrame") -> Iterator[str]:
         )
 
 
+def repetitions(info: "pd.DataFrame") -> Iterator[str]:
+    """How much was computed of jobs that repeat themselves, or might; ``info``: of finished jobs, a row each."""
+    if "period_passes" not in info:
+        return
+    told = info[info["period_passes"].notna()]
+    repeating = told[told["period_passes"] > 0]
+    if len(repeating):
+        passes = _span(repeating["passes_computed"], "{:.0f}")
+        yield (
+            f"{len(repeating)} of {len(told)} jobs repeat themselves: {passes} ball passes were computed of"
+            f" {_span(repeating['passes'], '{:.0f}')} (`periodic: false` computes all)"
+        )
+    others = told[(told["period_passes"] == 0) & told["last_difference"].notna()]
+    if len(others):
+        yield (
+            f"{len(others)} of {len(told)} jobs do not repeat themselves, and are computed in full: their passes"
+            f" differ by {_span(others['last_difference'], '{:.2g}')} of the range (`last_difference`)"
+        )
+
+
+def _span(values: "pd.Series[float]", form: str) -> str:
+    low, high = form.format(values.min()), form.format(values.max())
+    return low if low == high else f"{low} to {high}"
+
+
 def kind_of(reason: str) -> str:
     """A reason without its numbers: the same for all that failed alike."""
     return re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", reason)

@@ -32,7 +32,7 @@ from bearingsim.core.sampling import (
 from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.channels import BASE
 from bearingsim.simulation.limits import APPROACH_MARGIN, ENERGY_MARGIN, Limits
-from bearingsim.simulation.repetition import EXTREMES, Repetition, Search, may_repeat
+from bearingsim.simulation.repetition import EXTREMES, OF_A_RECORD, Closeness, Repetition, Search, may_repeat
 from bearingsim.simulation.tape import Tape
 
 
@@ -111,14 +111,17 @@ def monitor_of(cut: time_grid.Grid, found: Limits) -> Monitor:
     return Monitor(min(32, max(1, stride)), patience, found.approach_bound, found.energy_bound, MAX_EVALUATIONS)
 
 
-def integrate(setup: Setup, nudge: float = 0.0) -> Tape:
+def integrate(
+    setup: Setup, nudge: float = 0.0, start: np.ndarray | None = None, close: Closeness = OF_A_RECORD
+) -> Tape:
     """Step through the ball passes, keeping fine samples (and raw picks where the case wants them).
 
-    All of them, or until the motion repeats itself. nudge: share of its displacement by which the ring is moved at
-    the start.
+    All of them, or until the motion repeats itself, as ``close`` as asked. nudge: share of its
+    displacement by which the ring is moved at the start; start: positions and velocities there (2, 6, ROW), if not
+    those at rest.
     """
     case, cut, Z = setup.case, setup.cut, setup.model.bearing.Z
-    y, places = _start(setup, nudge), channels.recorded(case)
+    y, places = _start(setup, nudge, start), channels.recorded(case)
     M, D = cut.fine_per_pass, cut.decimation
     taps = decimation_kernel(D)
     lead = ceil(RESAMPLE_REACH * cut.fine_rate / case.sampling) + INTERPOLATION_REACH + 1
@@ -128,7 +131,7 @@ def integrate(setup: Setup, nudge: float = 0.0) -> Tape:
     picked[:, :1] = y[places][:, np.newaxis]  # at t = 0, should the record begin there
     peaks = np.empty((cut.passes, len(EXTREMES)))
     samples = _samples_between_steps(case, picked)
-    search = Search(places, cut.steps_per_pass, setup.model, MODELS[case.model].memoryless)
+    search = Search(places, cut.steps_per_pass, setup.model, MODELS[case.model].memoryless, close)
     searches, clock, passes, period = may_repeat(case), [0.0], 0, 0
     began_at = _pit_passages(setup, 0.0, y)
     for p, window in enumerate(_ball_passes(setup, samples, y, places, clock)):
@@ -178,16 +181,18 @@ def _samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Sample
     return Samples(case.settle, case.sampling, picked)
 
 
-def _start(setup: Setup, nudge: float) -> np.ndarray:
-    """A buffer at static equilibrium at t = 0, its accelerations filled in and its method ready."""
+def _start(setup: Setup, nudge: float, given: np.ndarray | None = None) -> np.ndarray:
+    """A buffer at t = 0, at static equilibrium or as given, its accelerations filled in and its method ready."""
     case, model = setup.case, setup.model
     y, residual = assemble.start(case, model)
     if not residual <= 1e-8 * hypot(case.load, case.load_across):
         raise SimulationError(
             f"no static equilibrium at the start: {residual:.3g} N left", "check load and clearance"
         )
-    if nudge != 0.0:
-        y[lay.POSITION + lay.X] *= 1.0 + nudge
+    if given is not None:
+        y[lay.POSITION : lay.POSITION + 2 * lay.STATE] = given.ravel()
+    y[lay.POSITION + lay.X] *= 1.0 + nudge
+    if nudge != 0.0 or given is not None:
         start_at_rest(model, 0.0, y)
     update_extremes(model, y)
     if type(setup.method) in prepare.types:

@@ -8,7 +8,7 @@ steepest pit. What loads, speeds and pits can do at most bounds what a run may b
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import hypot, inf, pi, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 from bearingsim import assemble
 from bearingsim.assemble.scales import (
@@ -59,30 +59,44 @@ class Limits:
     energy_bound: float
 
 
+class Slopes(NamedTuple):
+    """How stiff and damped a body is over its mass: K in 1/s^2, C in 1/s, at rest and at most."""
+
+    K_rest: float
+    C_rest: float
+    K_most: float
+    C_most: float
+
+
 def step_limits(case: Case) -> Limits:
     """Limits of the case's step, its method being named. Raises ``Refused`` if nothing holds the ring."""
     try:
-        return _limits(at_full_speed(case))
+        found, slopes = _without_method(assemble.bearing_of(at_full_speed(case)))
     except NoEquilibrium as error:
         raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
+    at_rest = step_limit(case.method, slopes.K_rest, slopes.C_rest)
+    at_impact = step_limit(case.method, slopes.K_most, slopes.C_most)
+    return replace(found, at_rest=at_rest, at_impact=min(at_rest, at_impact))
 
 
-def _limits(case: Case) -> Limits:
+@lru_cache(maxsize=64)
+def _without_method(case: Case) -> tuple[Limits, Slopes]:
+    """The limits but for those of a method, and the slopes that these follow from."""
     rest_load, K, C = loads_at_rest(_healthy(case))
     found = Limits(
         rest_load=rest_load,
         contact_frequency=sqrt(K) / (2.0 * pi) if K > 0.0 else inf,
         damping_ratio=damping_ratio_at_rest(case),
         damping_time=damping_time(case, rest_load),
-        at_rest=step_limit(case.method, K, C),
+        at_rest=inf,
         closing_speed=0.0,
         impact_force=rest_load,
-        at_impact=step_limit(case.method, K, C),
+        at_impact=inf,
         crossing=inf,
         approach_bound=inf,
         energy_bound=inf,
     )
-    return _with_pits(case, found, K, C) if MODELS[case.model].loaded else found
+    return _with_pits(case, found, K, C) if MODELS[case.model].loaded else (found, Slopes(K, C, K, C))
 
 
 def damping_ratio_at_rest(case: Case) -> float:
@@ -93,7 +107,7 @@ def damping_ratio_at_rest(case: Case) -> float:
     return C / (2.0 * sqrt(K)) if K > 0.0 else 0.0
 
 
-def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
+def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits, Slopes]:
     """The limits with what pits do to them."""
     model = assemble.model(case)
     speed = closing_speed(model)
@@ -101,15 +115,15 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> Limits:
     hits += [step_impact(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
     _, K_more, C_more = (max(values) for values in zip(*hits, strict=True))
     deepest, energy_bound = bounds(case, model, healthy)
-    return replace(
+    found = replace(
         healthy,
         closing_speed=speed,
         impact_force=impact_force(model, healthy.rest_load),
-        at_impact=min(healthy.at_rest, step_limit(case.method, K + K_more, C + C_more)),
         crossing=crossing_time(model),
         approach_bound=deepest,
         energy_bound=energy_bound,
     )
+    return found, Slopes(K, C, K + K_more, C + C_more)
 
 
 def impact_force(model: Any, load: float) -> float:

@@ -78,9 +78,19 @@ class Repetition(NamedTuple):
 
 
 LONGEST_PERIOD = 4  # ball passes; longer ones have not been seen
-CLOSE, EXACT = 1e-7, 1e-10  # differences over the range: with, and without, a look at how fast they shrink
+
+
+class Closeness(NamedTuple):
+    """Differences over the range that are small: with, and without, a look at how fast they shrink."""
+
+    shrinking: float
+    anyhow: float
+
+
+OF_A_RECORD = Closeness(1e-7, 1e-10)
+"""What a record is made from that is computed once."""
 SLOWEST = 0.98  # shrinking by less from pass to pass is not believed
-NEAR = 1e-4  # of their ranges: so close ends of two passes must be, before all of the passes is compared
+NEAR = 1e3  # times as far apart the ends of two passes may be for all of the passes to be compared
 MOST_HELD = 256e6  # bytes of recordings held to compare with
 LEAST_RANGE = 1e-3  # of the wider of a pair's ranges: the least by which x and y are measured
 
@@ -94,11 +104,11 @@ class Search:
     with a ratio rho from pass to pass that is rho/(1 - rho) of it.
     """
 
-    def __init__(self, places: np.ndarray, steps: int, model: Any, memoryless: bool) -> None:
+    def __init__(self, places: np.ndarray, steps: int, model: Any, memoryless: bool, close: Closeness) -> None:
         """places: (C,) of the buffer, the first four the ring's place and velocity; steps: in a pass; memoryless:
-        nothing is to be waited for.
+        nothing is to be waited for; close: differences that are small.
         """
-        self.places, self.memoryless, self.Z = places, memoryless, model.bearing.Z
+        self.places, self.memoryless, self.close, self.Z = places, memoryless, close, model.bearing.Z
         self.weights = np.zeros(12 * lay.ROW) if memoryless else _lengths(model)
         self.least_peaks = np.array([name == "tilt.max" for name in EXTREMES]) / model.bearing.R_o
         held = int(MOST_HELD // (8 * len(places) * steps))
@@ -125,7 +135,7 @@ class Search:
             if period < len(self.ends):
                 found = self.differences[period]
                 found.append(self._difference(period, ranges))
-                if _settled(found) and _settled(found[:-1]):
+                if _settled(found, self.close) and _settled(found[:-1], self.close):
                     return period
         return 0
 
@@ -137,6 +147,8 @@ class Search:
 
     def difference(self, period: int) -> float:
         """The last difference of passes so many passes apart; the least of any if ``period`` is 0."""
+        if self.memoryless:
+            return 0.0 if period else nan
         told = [self.differences[period]] if period > 0 else self.differences.values()
         return min((d[-1] for d in told if d), default=nan)
 
@@ -155,7 +167,7 @@ class Search:
     def _difference(self, period: int, ranges: np.ndarray) -> float:
         """The largest difference to ``period`` passes ago; inf if their ends are not even near."""
         at_end = self._end_difference(period, ranges)
-        if not at_end <= NEAR:
+        if not at_end <= NEAR * self.close.shrinking:
             return inf
         partner = turned(self.places, self.Z, period)
         compared = np.r_[0:4, 9 : len(self.places)]  # the acceleration jumps, and what cages do is of the state
@@ -204,15 +216,15 @@ def _over(differences: np.ndarray, ranges: np.ndarray) -> float:
         return float(np.max(np.where(differences == 0.0, 0.0, differences / ranges), initial=0.0))
 
 
-def _settled(differences: list[float]) -> bool:
+def _settled(differences: list[float], close: Closeness) -> bool:
     """Whether the last of differences, and all that is to come, is small."""
     if not differences or not isfinite(differences[-1]):
         return False
     last = differences[-1]
-    if last <= EXACT:
+    if last <= close.anyhow:
         return True
     if len(differences) < 3 or not isfinite(differences[-3]):
         return False
     before, further = differences[-2], differences[-3]
     rho = max(last / before, before / further)
-    return last <= CLOSE and rho < SLOWEST and last * rho / (1.0 - rho) <= CLOSE
+    return rho < SLOWEST and last * max(1.0, rho / (1.0 - rho)) <= close.shrinking

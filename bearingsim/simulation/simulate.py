@@ -27,6 +27,7 @@ from bearingsim.simulation.integration import (
     set_up,
 )
 from bearingsim.simulation.pilot import longer_duration
+from bearingsim.simulation.repetition import may_repeat
 from bearingsim.simulation.step_check import StepCheck
 from bearingsim.simulation.tape import Tape
 
@@ -116,8 +117,12 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     """Compute one case in one way; ``began``: CPU time at the start, s."""
     case, part = attempt
     setup = set_up(case, part)
-    checks_step = _checked_step(setup)
-    tape = integrate(setup)
+    if may_repeat(case):  # which the run itself shows, and soon
+        tape = integrate(setup)
+        checks_step = _checked_step(setup, tape)
+    else:
+        checks_step = _checked_step(setup)
+        tape = integrate(setup)
     rows = channels.asked(case, tape.places)
     sampled = _sampled(case, setup.cut, tape, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
@@ -131,11 +136,12 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     )
 
 
-def _checked_step(setup: Setup) -> StepCheck:
+def _checked_step(setup: Setup, tape: Tape | None = None) -> StepCheck:
     """The step check of a setup's step, where one is wanted. Raises ``MethodFailure`` if it does not hold."""
     if not setup.case.checks_step:
         return step_check.UNCHECKED
-    found = step_check.check_step(setup.case, setup.part)
+    repeats = tape is not None and tape.repetition.period > 0
+    found = step_check.check_step(setup, tape if repeats else None)
     if found.holds:
         if setup.case.step_check == "strict":
             _refuse_short_record(setup, found)

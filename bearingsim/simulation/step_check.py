@@ -1,6 +1,7 @@
 """Is a step short enough? Tried on the run's own beginning, or on all of it, before the run is trusted.
 
-A pilot of some ball passes is stepped twice from the same start: as the run will be, and with half the step (and
+A motion that repeats itself is compared with its like at half the step, a period with a period. Of any other, a
+pilot of some ball passes is stepped twice from the same start: as the run will be, and with half the step (and
 a tenth of the tolerance). What the line of the fault and the RMS change by is the error that the run is said to
 have. Half the step is 1/sqrt(5) of it: where in a step a pit's cusp falls sets size and sign of an error of first
 order, and with half of it exactly a second pit's would fall in the same place again, and its error be unseen.
@@ -12,20 +13,22 @@ does not, that is doubtful: all is tried again on a longer beginning, if there i
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import floor, inf, nan, sqrt
+from math import ceil, floor, inf, nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
 from scipy.special import stdtrit
 
-from bearingsim import assemble
+from bearingsim import assemble, signals
 from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES, LINES
+from bearingsim.core import layout as lay
 from bearingsim.core.sampling import sampling_kernel
 from bearingsim.simulation import channels, features, record_windows, time_grid
 from bearingsim.simulation.channels import BASE, MOTION
 from bearingsim.simulation.integration import Setup, integrate, set_up
 from bearingsim.simulation.pilot import pilot, sees_pit_turns
+from bearingsim.simulation.repetition import Closeness
 from bearingsim.simulation.tape import Tape
 
 ACCURACY = 0.01
@@ -42,6 +45,8 @@ GROWN, PARTED = 3.0, 1e-4  # from the first pass that counts to the last; in any
 NO_LESS = 0.3  # of what half the step, or a tenth of the tolerance, changes
 MIN_BLOCKS = 16  # of some passes each, to tell how their RMS scatters
 SECOND_PILOT = 4.0  # times as long is a second pilot, if the first one's twins part without chaos
+CLOSE_TO_ORBIT = Closeness(1e-5, 1e-6)
+"""How close the finer run must come to repeating itself: changes by less count as none."""
 MAX_COST_RATIO = 4.0  # times the CPU time that half the step and a tenth of the tolerance may take
 
 
@@ -82,26 +87,73 @@ class StepCheck:
 UNCHECKED = StepCheck(nan, nan, nan)
 
 
-class PilotRecord(NamedTuple):
-    """What is read of a pilot over the ball passes that count.
+class Compared(NamedTuple):
+    """What is compared of two runs, over the ball passes that count.
 
     fine: (n,) velocity (m/s) along the sensor at fine samples; recorded: (m,) the same as it is recorded,
-    low-passed or raw; rest: (C, m) all that is recorded: the motion along the sensor, the channels asked for.
+    low-passed or raw; rest: (C, m) all that is recorded: the motion along the sensor, the channels asked for;
+    lines: (L, parts) what each part of it adds to the complex amplitudes of the fault's lines.
     """
 
     fine: np.ndarray
     recorded: np.ndarray
     rest: np.ndarray
+    lines: np.ndarray
 
 
-def check_step(case: Case, part: float) -> StepCheck:
-    """Try a case, its method named, at ``part`` of the automatic step. Raises like ``integrate``."""
+def check_step(setup: Setup, tape: Tape | None = None) -> StepCheck:
+    """Try a case's step. ``tape``: of its run, if that is known to repeat itself. Raises like ``integrate``."""
+    if tape is not None:
+        found = check_on_orbit(setup, tape)
+        if found is not None:
+            return found
+    case, part = setup.case, setup.part
     beginning = pilot(case)
-    found, doubtful = check_on_pilot(case, part, *beginning)
+    told, doubtful = check_on_pilot(case, part, *beginning)
     more = pilot(case, SECOND_PILOT)
     if doubtful and more != beginning:
-        found, _ = check_on_pilot(case, part, *more)
-    return found
+        told, _ = check_on_pilot(case, part, *more)
+    return told
+
+
+def check_on_orbit(coarse: Setup, tape: Tape) -> StepCheck | None:
+    """The step check of a motion that repeats itself: one period of it against one with half the step.
+
+    The finer run starts where the other ended, so it soon repeats itself too; None if it does not.
+    """
+    cut = coarse.cut
+    fine = set_up(coarse.case, coarse.part * shorter(cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
+    other = integrate(fine, start=by_place(tape), close=CLOSE_TO_ORBIT)
+    if other.repetition.period == 0:
+        return None
+    return changes(*(of_orbit(setup, one) for setup, one in ((coarse, tape), (fine, other))))
+
+
+def by_place(tape: Tape) -> np.ndarray:
+    """The state at the end of a run whose motion repeats itself, as if it were t = 0: (2, 6, ROW)."""
+    state = tape.y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW).copy()
+    lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + tape.Z)
+    state[:, :, lanes] = np.roll(state[:, :, lanes], tape.repetition.computed, axis=2)
+    return state
+
+
+def of_orbit(setup: Setup, tape: Tape) -> Compared:
+    """What is compared of a motion that repeats itself: its last period."""
+    case, cut, model = setup.case, setup.cut, setup.model
+    M, period = cut.fine_per_pass, tape.repetition.period
+    taps = sampling_kernel(cut.fine_rate / case.sampling)
+    start = (tape.repetition.computed + ceil(len(taps) / M)) * M
+    whole = tape.read(start, period * M)
+    fine = features.along_sensor(case, whole, "velocity")
+    rows = tape.low_passed(start, period * M, taps, np.arange(len(tape.places))) if case.antialias else whole
+    lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
+    return _compared(case, tape, fine, rows, lines.mean(axis=1, keepdims=True))
+
+
+def _compared(case: Case, tape: Tape, fine: np.ndarray, rows: np.ndarray, lines: np.ndarray) -> Compared:
+    along = {quantity: features.along_sensor(case, rows, quantity) for quantity in MOTION}
+    asked = [row for row in channels.asked(case, tape.places) if row >= len(BASE)]
+    return Compared(fine, along["velocity"], np.stack([*along.values(), *rows[asked]]), lines)
 
 
 def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[StepCheck, bool]:
@@ -109,17 +161,18 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
     chaos.
     """
     allowed = time_grid.MAX_CPU * length(short) / length(case)
+    short = short.model_copy(update={"periodic": False})
     coarse = set_up(short, part, allowed)
     fine = set_up(with_finer_tolerance(short), part * shorter(coarse.cut.decimation), MAX_COST_RATIO * allowed)
-    one, other = (pilot_record(setup, passes) for setup in (coarse, fine))
-    found = changes(coarse, fine, passes, one, other)
+    one, other = (of_pilot(setup, passes) for setup in (coarse, fine))
+    found = changes(one, other)
     scale = float(np.std(other.fine)) or 1.0
     apart = by_pass(one.fine - shifted(other.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
     if not apart.max() > APART:
         return found, False
     adaptive = assemble.adaptive(case)
     twin, nudged = (fine, other) if adaptive else (coarse, one)
-    third = pilot_record(twin, passes, nudge=PERTURBATION)
+    third = of_pilot(twin, passes, nudge=PERTURBATION)
     beside = by_pass(nudged.fine - third.fine, passes) / scale
     if not is_chaotic_motion(beside, apart, adaptive):
         return found, True
@@ -133,15 +186,13 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
     return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False
 
 
-def changes(coarse: Setup, fine: Setup, passes: int, one: PilotRecord, other: PilotRecord) -> StepCheck:
+def changes(one: Compared, other: Compared) -> StepCheck:
     """What half the step changes: of the fault's lines the worst, of the wide band and the record the worse."""
     quiet = QUIET_LINE * float(np.std(other.recorded)) or 1.0
-    lines = [
-        (amplitudes(coarse, name, passes, one.fine), amplitudes(fine, name, passes, other.fine))
-        for name in fault_lines(coarse.case)
-    ]
     return StepCheck(
-        line=float(max(change(a, b) / max(abs(b.sum()), quiet) for a, b in lines)),
+        line=float(
+            max(change(a, b) / max(abs(b.sum()), quiet) for a, b in zip(one.lines, other.lines, strict=True))
+        ),
         rms=max(rms_change(a, b) for a, b in zip(one[:2], other[:2], strict=True)),
         record=max(rms_change(a, b) for a, b in zip(one.rest, other.rest, strict=True)),
     )
@@ -194,15 +245,14 @@ def fault_lines(case: Case) -> list[str]:
     return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
 
 
-def pilot_record(setup: Setup, passes: int, nudge: float = 0.0) -> PilotRecord:
-    """What is read of a pilot."""
+def of_pilot(setup: Setup, passes: int, nudge: float = 0.0) -> Compared:
+    """What is compared of a pilot."""
     tape, case, cut = integrate(setup, nudge), setup.case, setup.cut
     start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
     fine = features.along_sensor(case, tape.read(start, length, features.OF_BASE), "velocity")
     rows = low_passed(setup, tape, start, length) if case.antialias else raw(setup, tape.picked, passes)
-    along = {quantity: features.along_sensor(case, rows, quantity) for quantity in MOTION}
-    asked = [row for row in channels.asked(case, tape.places) if row >= len(BASE)]
-    return PilotRecord(fine, along["velocity"], np.stack([*along.values(), *rows[asked]]))
+    lines = np.stack([amplitudes(setup, name, passes, fine) for name in fault_lines(case)])
+    return _compared(case, tape, fine, rows, lines)
 
 
 def low_passed(setup: Setup, tape: Tape, start: int, length: int) -> np.ndarray:

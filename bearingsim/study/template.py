@@ -41,6 +41,7 @@ sweep:
 # tolerance: auto                 # of dop853, rodas, backward-euler, dormand-prince: a number such as 1e-4
 # step_check: true                # try the step on the run's beginning; `false` trusts it, `strict`
 #                                 # also refuses a chaotic record too short for its RMS to be worth 1 %
+# periodic: true                  # a motion that repeats itself is computed once; `false` computes all of it
 # contact:
 #   stiffness: palmgren           # or iso16281, johnson; point for balls; {law: constant, ...}
 #   damping: {law: kraemer, beta: 2.5 us}      # or {law: hunt-crossley, chi: 50 s/m}, film, loss-factor, general

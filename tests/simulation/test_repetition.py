@@ -12,7 +12,7 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, choice
-from bearingsim.simulation.repetition import Repetition, Search, may_repeat, turned
+from bearingsim.simulation.repetition import OF_A_RECORD, Repetition, Search, may_repeat, turned
 from tests.scenes.short_cases import FORCES, RING, SLOT, case
 
 KINEMATIC = {"cage": {"motion": "kinematic"}}
@@ -120,7 +120,7 @@ STEPS = 40
 def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[int, int]:
     """The period found of ``motion`` (of a pass's number: (9, STEPS)), and after how many passes."""
     setup = INTEGRATION.set_up(resolved(model="ring"))
-    search, y = Search(channels.recorded(setup.case), STEPS, setup.model, memoryless=False), lay.buffer(13, 0.0)
+    search, y = Search(channels.recorded(setup.case), STEPS, setup.model, False, OF_A_RECORD), lay.buffer(13, 0.0)
     for p in range(passes):
         window = motion(p)
         y[[lay.POSITION + lay.X, lay.POSITION + lay.Y, lay.VELOCITY + lay.X, lay.VELOCITY + lay.Y]] = window[

@@ -10,7 +10,7 @@ import pytest
 from bearingsim import assemble
 from bearingsim.simulation import choice, pilot, prices, step_check, time_grid
 from bearingsim.simulation.choice import STEP_PARTS
-from bearingsim.simulation.integration import TooChaotic, set_up
+from bearingsim.simulation.integration import TooChaotic, integrate, set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
 from bearingsim.simulation.step_check import StepCheck
 from tests.scenes.short_cases import RATE, SLOT, case
@@ -68,7 +68,7 @@ def test_a_step_that_is_given_is_proven_and_refused_if_it_does_not_hold() -> Non
 
 def test_chaos_is_told_from_a_motion_that_repeats_itself() -> None:
     for fields, chaotic in ((LIGHT, True), ({}, False), ({"clearance": "25 um"}, False)):
-        found = step_check.check_step(choice.resolved(rollers(step_check=True, **fields)), 1.0)
+        found = step_check.check_step(set_up(choice.resolved(rollers(step_check=True, **fields)), 1.0))
         assert found.chaotic == chaotic
 
 
@@ -101,9 +101,9 @@ def test_a_chaotic_record_that_is_too_short_for_its_rms_is_refused_where_strictn
 
 def test_chaos_that_has_not_grown_in_the_pilot_is_of_unknown_worth() -> None:
     """Twins that have not parted yet tell nothing of how far they will; the advice is a longer run."""
-    grown = step_check.check_step(choice.resolved(rollers(**LIGHT)), 1.0)
+    grown = step_check.check_step(set_up(choice.resolved(rollers(**LIGHT)), 1.0))
     growing = choice.resolved(rollers(contact={"damping": {"chi": "10 s/m"}}))
-    found = step_check.check_step(growing, 1.0)
+    found = step_check.check_step(set_up(growing, 1.0))
     assert grown.chaotic
     assert math.isfinite(grown.scatter)
     assert found.chaotic
@@ -155,32 +155,47 @@ def test_errors_that_cancel_by_luck_are_not_taken_for_small() -> None:
 @pytest.mark.parametrize("louder", ["fine", "recorded"])
 def test_the_rms_of_the_record_and_of_the_wide_band_must_both_hold(louder: str) -> None:
     fine, recorded = np.random.default_rng(1).normal(size=(2, 4 * time_grid.grid(rollers()).fine_per_pass + 1))
-    heard = step_check.PilotRecord(fine, recorded, recorded[np.newaxis])
+    heard = step_check.Compared(fine, recorded, recorded[np.newaxis], np.ones((1, 4), dtype=complex))
     other = heard._replace(**{louder: 1.02 * getattr(heard, louder)})
-    with mock.patch.object(step_check, "pilot_record", side_effect=[other, heard, heard]):
-        assert step_check.check_step(choice.resolved(rollers()), 1.0).rms == pytest.approx(0.02)
+    with mock.patch.object(step_check, "of_pilot", side_effect=[other, heard, heard]):
+        assert step_check.check_step(set_up(choice.resolved(rollers()), 1.0)).rms == pytest.approx(0.02)
 
 
 def test_all_that_is_recorded_is_compared_but_does_not_decide() -> None:
     given = choice.resolved(rollers(record=["ring.velocity", "roller.1.outer_force", "roller.3.radial"]))
     short, passes = pilot.pilot(given)
-    heard = step_check.pilot_record(set_up(short), passes)
+    heard = step_check.of_pilot(set_up(short), passes)
     assert heard.rest.shape == (3 + 2, len(heard.recorded))
     assert np.array_equal(heard.rest[1], heard.recorded)
     for row in range(5):
         other = heard._replace(rest=heard.rest * np.where(np.arange(5) == row, 1.03, 1.0)[:, np.newaxis])
-        with mock.patch.object(step_check, "pilot_record", side_effect=[other, heard, heard]):
-            found = step_check.check_step(given, 1.0)
+        with mock.patch.object(step_check, "of_pilot", side_effect=[other, heard, heard]):
+            found = step_check.check_step(set_up(given, 1.0))
         assert found.record == pytest.approx(0.03)
         assert found.rms == 0.0
         assert found.holds
+
+
+@pytest.mark.parametrize("model", ["ring", "rollers"])
+@pytest.mark.parametrize("clearance", ["0 um", "10 um"])
+def test_a_period_tells_of_the_step_what_a_pilot_does(model: str, clearance: str) -> None:
+    """And what halving the step changes of the record."""
+    given = case(model=model, defect=SLOT | {"depth": "5 um", "angle": "20 deg"}, clearance=clearance, settle=0.05)
+    setup = set_up(choice.resolved(given))
+    tape = integrate(setup)
+    assert tape.repetition.period == 1
+    on_orbit, on_pilot = step_check.check_step(setup, tape), step_check.check_step(setup)
+    assert on_orbit.line == pytest.approx(on_pilot.line, rel=0.1, abs=1e-5)
+    assert on_orbit.rms == pytest.approx(on_pilot.rms, rel=0.1, abs=1e-5)
+    assert on_orbit.record == pytest.approx(on_pilot.record, rel=0.1, abs=1e-5)
+    assert not on_orbit.chaotic
 
 
 def test_the_rms_that_is_proven_is_that_of_the_record() -> None:
     """What the record's low-pass takes away may hold most of the velocity, and need not be held."""
     given = choice.resolved(rollers(sampling="1000 Hz", duration="0.3 s"))
     short, passes = pilot.pilot(given)
-    heard = step_check.pilot_record(set_up(short), passes)
+    heard = step_check.of_pilot(set_up(short), passes)
     read = simulate(short.model_copy(update={"step_check": False})).features["velocity.rms"]
     assert np.std(heard.recorded) == pytest.approx(read, rel=0.05)
     assert np.std(heard.fine) > 1.5 * read
@@ -200,7 +215,7 @@ def test_a_step_that_is_too_long_is_halved_until_it_is_proven() -> None:
 
 def proof_of(given: Any, step: float, part: float) -> StepCheck:
     with mock.patch.object(time_grid, "requested_step", return_value=step):
-        return step_check.check_step(given, part)
+        return step_check.check_step(set_up(given, part))
 
 
 def test_a_step_that_is_never_proven_fails_the_job_with_a_reason() -> None:
@@ -226,7 +241,7 @@ def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
 
 def test_the_line_of_a_healthy_bearing_is_measured_by_its_rms() -> None:
     """A line that is next to nothing must not fail a run, however much of it changes."""
-    found = step_check.check_step(choice.resolved(case(model="rollers")), 1.0)
+    found = step_check.check_step(set_up(choice.resolved(case(model="rollers")), 1.0))
     assert found.line < 1e-3
 
 
@@ -272,9 +287,9 @@ def test_a_proof_may_take_longer_than_a_run_may() -> None:
     """The finer pilot of a strict proof takes more than twice the CPU time of its run."""
     given = choice.resolved(rollers(step_check="strict"))
     price = (given.settle + given.duration) * prices.per_second(given, time_grid.grid(given).step)
-    begun = mock.patch.object(step_check, "pilot_record", side_effect=InterruptedError)
+    begun = mock.patch.object(step_check, "of_pilot", side_effect=InterruptedError)
     with mock.patch.object(time_grid, "MAX_CPU", 1.3 * price), begun, pytest.raises(InterruptedError):
-        step_check.check_step(given, 1.0)  # both pilots were let begin
+        step_check.check_step(set_up(given, 1.0))  # both pilots were let begin
 
 
 def test_twins_that_part_without_chaos_are_followed_for_longer() -> None:
@@ -297,7 +312,7 @@ def test_twins_that_part_without_chaos_are_followed_for_longer() -> None:
     assert doubtful
     assert first.holds
     assert not first.chaotic
-    assert step_check.check_step(given, 1.0).chaotic
+    assert step_check.check_step(set_up(given, 1.0)).chaotic
 
 
 def test_friction_is_no_damping_of_what_bounces() -> None:
@@ -356,7 +371,7 @@ def test_a_second_pit_out_of_step_is_seen_by_the_proof() -> None:
     ]
     fields = {"speed": "12000 rpm", "load": "300 N", "duration": "20 ms", "settle": "6 ms"}
     given = case(model="rollers", defects=pits, method="verlet", **fields)
-    said = step_check.check_step(given, 1.0)
+    said = step_check.check_step(set_up(given, 1.0))
     fast = given.model_copy(update={"step_check": False})
     true = simulate(fast.model_copy(update={"method": "dop853", "tolerance": 1e-6}))
     found = simulate(fast)
