@@ -187,8 +187,8 @@ def compute() -> list[tuple[float, int, float]]:
     for cage, contact, method, tolerance in runs():
         fields = SHORT | CAGES[cage] | {"contact": {"damping": CONTACTS[contact]}}
         case = Case.model_validate(fields | {"method": method, "tolerance": tolerance})
-        tape = integrate(set_up(choice.resolved(case)))
-        found.append((tape.integrator_cpu_s, int(tape.y[lay.STEPS_TAKEN]), float(tape.fine[2].std())))
+        raw = integrate(set_up(choice.resolved(case)))
+        found.append((raw.integrator_cpu_s, int(raw.y[lay.STEPS_TAKEN]), float(raw.fine[2].std())))
     return found
 
 

@@ -14,9 +14,9 @@ from bearingsim.core.geometry.motion import kinematic_times, speed_factor, stead
 from bearingsim.core.sampling import low_pass, sampling_kernel
 from bearingsim.errors import UserError
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE, CAGE_SPEED, MOTION, PLACES
+from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.record_windows import first_sample, whole_passes, windows
 from bearingsim.simulation.repetition import EXTREMES
-from bearingsim.simulation.tape import Tape
 from bearingsim.simulation.time_grid import Grid
 
 MIN_PASSES = 3
@@ -45,14 +45,14 @@ class SampleAngles(NamedTuple):
         )
 
 
-def features(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
+def features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Every feature of a run."""
     return {
-        **ball_pass_lines(case, model, cut, tape),
-        **other_lines(case, model, cut, tape),
-        **statistics(case, cut, tape),
-        **extremes(case, cut, tape),
-        **cage_and_load_zone(case, model, cut, tape),
+        **ball_pass_lines(case, model, cut, raw),
+        **other_lines(case, model, cut, raw),
+        **statistics(case, cut, raw),
+        **extremes(case, cut, raw),
+        **cage_and_load_zone(case, model, cut, raw),
     }
 
 
@@ -93,32 +93,32 @@ def sample_angles(model: Any, cut: Grid, start: int, slip: np.ndarray) -> Sample
     )
 
 
-def ball_pass_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
+def ball_pass_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
     by_pass = _lines_at_equal_angles if slips(case) else _lines_at_equal_times
     found = {}
     beside = slips(case) or any(defect.race != "outer" for defect in case.defects)
-    for quantity, lines in by_pass(case, model, cut, tape).items():
+    for quantity, lines in by_pass(case, model, cut, raw).items():
         for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
             found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values, beside)
     return found or dict.fromkeys(_ball_pass_names(), float("nan"))
 
 
-def _lines_at_equal_times(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, np.ndarray]:
+def _lines_at_equal_times(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
     """The lines (harmonics, passes) of each quantity: a kinematic cage passes at equal times."""
-    of_record = windows(case, cut, tape, reach=1)
+    of_record = windows(case, cut, raw, reach=1)
     M, start = of_record.M, of_record.start
-    whole = tape.read(start, of_record.distinct * M + 1, OF_BASE)
+    whole = raw.read(start, of_record.distinct * M + 1, OF_BASE)
     lines = _lines_of_passes(case, whole, M, start, cut.rate, case.bearing.rollers * model.bearing.theta_0)
     return {quantity: found[:, of_record.index] for quantity, found in lines.items()}
 
 
-def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, np.ndarray]:
+def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
     """The same where the cage slips: its passes take what time they take. None of a record that is too short."""
     M, start, Z = cut.fine_per_pass, first_sample(case, cut), case.bearing.rollers
     length = whole_passes(case, cut) * M + 1
-    whole = tape.read(start, length, OF_BASE)
+    whole = raw.read(start, length, OF_BASE)
     angle = Z * model.bearing.theta_0
     ball_pass = Z * sample_angles(model, cut, start, whole[ROW_OF[CAGE_ANGLE]]).cage - angle
     enough = 2.0 * pi * MIN_PASSES * (1.0 - 1e-9)  # a record of just so many passes may be short by rounding
@@ -151,11 +151,11 @@ def _ball_pass_names() -> list[str]:
     return [f"{line}{ending}" for line in lines for ending in ("", ".phase", "-scatter")]
 
 
-def other_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
+def other_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Amplitude and phase of lines whose periods do not divide the record; nan where it is too short to tell."""
     length = max(2, floor(case.duration * cut.fine_rate + 1e-6))
     read = _lines_as_they_turn if slips(case) or not steady(model) else _lines_at_constant_speed
-    lines, frequencies = read(case, model, cut, tape, length)
+    lines, frequencies = read(case, model, cut, raw, length)
     told = dict(zip(LINES, signals.resolvable(frequencies, case.duration), strict=True))
     found: dict[str, float] = {}
     for quantity, values in lines.items():
@@ -167,13 +167,13 @@ def other_lines(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, floa
 
 
 def _lines_at_constant_speed(
-    case: Case, model: Any, cut: Grid, tape: Tape, length: int
+    case: Case, model: Any, cut: Grid, raw: RawRecord, length: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Complex amplitudes (lines,) of each quantity, and the lines' frequencies (Hz)."""
-    of_record = windows(case, cut, tape, reach=0)
+    of_record = windows(case, cut, raw, reach=0)
     M, start, index = of_record.M, of_record.start, of_record.index[: length // of_record.M]
-    series = [along_sensor(case, tape.read(start, of_record.distinct * M, OF_BASE), q) for q in MOTION[:2]]
-    rest = tape.read(start + len(index) * M, length - len(index) * M, OF_BASE)
+    series = [along_sensor(case, raw.read(start, of_record.distinct * M, OF_BASE), q) for q in MOTION[:2]]
+    rest = raw.read(start + len(index) * M, length - len(index) * M, OF_BASE)
     turning = sample_angles(model, cut, start, np.zeros(2))
     angle = np.array([turning.along(line, case.bearing.rollers) for line in LINES.values()])
     turn = np.diff(angle)[:, 0]
@@ -188,11 +188,11 @@ def _lines_at_constant_speed(
 
 
 def _lines_as_they_turn(
-    case: Case, model: Any, cut: Grid, tape: Tape, length: int
+    case: Case, model: Any, cut: Grid, raw: RawRecord, length: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """The same of bodies whose speeds change."""
     start = first_sample(case, cut)
-    fine = tape.read(start, length, OF_BASE)
+    fine = raw.read(start, length, OF_BASE)
     turning = sample_angles(model, cut, start, fine[ROW_OF[CAGE_ANGLE]])
     angles = [turning.along(line, case.bearing.rollers) for line in LINES.values()]
     place, speed = (along_sensor(case, fine, quantity) for quantity in MOTION[:2])
@@ -206,17 +206,17 @@ def _lines_as_they_turn(
     return lines, np.array(turns) * cut.fine_rate
 
 
-def statistics(case: Case, cut: Grid, tape: Tape) -> dict[str, float]:
+def statistics(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """RMS, peak, crest factor and kurtosis of the record's whole ball passes, along the sensor.
 
     Of the low-passed motion at fine samples: a peak between two samples of the record counts. Of a raw record, of
     its samples.
     """
     if case.antialias:
-        motion, weights = _low_passed_motion(case, cut, tape)
+        motion, weights = _low_passed_motion(case, cut, raw)
     else:
-        raw = tape.picked[:, : round(whole_passes(case, cut) / cut.rate * case.sampling)]
-        motion, weights = {quantity: along_sensor(case, raw, quantity) for quantity in MOTION}, None
+        picked = raw.picked[:, : round(whole_passes(case, cut) / cut.rate * case.sampling)]
+        motion, weights = {quantity: along_sensor(case, picked, quantity) for quantity in MOTION}, None
     return {
         f"{quantity}.{name}": value
         for quantity in MOTION
@@ -224,19 +224,19 @@ def statistics(case: Case, cut: Grid, tape: Tape) -> dict[str, float]:
     }
 
 
-def _low_passed_motion(case: Case, cut: Grid, tape: Tape) -> tuple[dict[str, np.ndarray], np.ndarray]:
+def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """The motion along the sensor (n,) in the record's distinct passes, and how often each sample occurs."""
     taps = sampling_kernel(cut.fine_rate / case.sampling)
-    of_record = windows(case, cut, tape, reach=len(taps) // 2)
+    of_record = windows(case, cut, raw, reach=len(taps) // 2)
     reach, n = len(taps) // 2, of_record.distinct * of_record.M
-    rows = tape.read(of_record.start - reach, n + 2 * reach, OF_BASE)
+    rows = raw.read(of_record.start - reach, n + 2 * reach, OF_BASE)
     along = np.stack([along_sensor(case, rows, quantity) for quantity in MOTION])
     out = np.empty((len(MOTION), n))
     low_pass(along, taps, out)
     return dict(zip(MOTION, out, strict=True)), np.repeat(of_record.weights, of_record.M)
 
 
-def extremes(case: Case, cut: Grid, tape: Tape) -> dict[str, float]:
+def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Largest force (N), tilt (rad), line load (N/m) that any roller met in the record's whole passes.
 
     Of the first pass that the record touches, if none is whole; nan for what the model does not know.
@@ -245,18 +245,18 @@ def extremes(case: Case, cut: Grid, tape: Tape) -> dict[str, float]:
     told = (known.loaded, known.loaded, known.slips, known.sliced, known.sliced)
     first = ceil(case.settle * cut.rate - 1e-6)
     passes = np.arange(first, max(first + 1, floor((case.settle + case.duration) * cut.rate + 1e-6)))
-    largest = tape.peaks[np.unique(tape.repetition.source(passes))].max(axis=0)
+    largest = raw.peaks[np.unique(raw.repetition.source(passes))].max(axis=0)
     return {
         name: float(value) if is_told else float("nan")
         for name, value, is_told in zip(EXTREMES, largest, told, strict=True)
     }
 
 
-def cage_and_load_zone(case: Case, model: Any, cut: Grid, tape: Tape) -> dict[str, float]:
+def cage_and_load_zone(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Mean extent of the load zone (rad), and the cage's slip; nan for what the model does not know."""
-    of_record = windows(case, cut, tape, reach=0)
+    of_record = windows(case, cut, raw, reach=0)
     weights = np.repeat(of_record.weights, of_record.M)
-    loaded, speed = tape.read(
+    loaded, speed = raw.read(
         of_record.start, len(weights), np.array([ROW_OF[lay.LOADED_ROLLERS], ROW_OF[CAGE_SPEED]])
     )
     time = (of_record.start + np.arange(len(weights))) / cut.fine_rate

@@ -1,4 +1,4 @@
-"""A case stepped through time: from its setup to the tape that features and series are read from.
+"""A case stepped through time: from its setup to the raw record that features and series are read from.
 
 Every run is monitored (``core/advance.py``): what it gives up, and why, is a ``MethodFailure``.
 """
@@ -32,8 +32,8 @@ from bearingsim.core.sampling import (
 from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.channels import BASE
 from bearingsim.simulation.limits import APPROACH_MARGIN, ENERGY_MARGIN, Limits
+from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.repetition import EXTREMES, OF_A_RECORD, Closeness, Repetition, Search, may_repeat
-from bearingsim.simulation.tape import Tape
 
 
 class SimulationError(Exception):
@@ -113,7 +113,7 @@ def monitor_of(cut: time_grid.Grid, found: Limits) -> Monitor:
 
 def integrate(
     setup: Setup, nudge: float = 0.0, start: np.ndarray | None = None, close: Closeness = OF_A_RECORD
-) -> Tape:
+) -> RawRecord:
     """Step through the ball passes, keeping fine samples (and raw picks where the case wants them).
 
     All of them, or until the motion repeats itself, as ``close`` as asked. nudge: share of its
@@ -147,28 +147,28 @@ def integrate(
     _check_end(setup, began_at, y, passes)
     repetition = Repetition(passes, period, search.difference(period))
     zero = lead + DECIMATION_REACH - 1
-    tape = Tape(
+    raw = RawRecord(
         places, fine[:, : lead + passes * M], lead, zero, M, Z, repetition, picked, peaks[:passes], y, clock[0]
     )
     if period > 0 and not case.antialias:
         for p in range(passes, cut.passes):
             _pick_pass(case, cut, p, search.recording(p, repetition), picked)
     if MODELS[case.model].memoryless:  # it was never at rest
-        _extend_back(tape)
-    return tape
+        _extend_back(raw)
+    return raw
 
 
-def _extend_back(tape: Tape) -> None:
+def _extend_back(raw: RawRecord) -> None:
     """Write what was before t = 0: a revolution of the cage before it was the same.
 
     With pits that turn it was not, and the ring's motion alone is extended, by its first pass: filters reach so
     far, no feature does.
     """
-    fine, zero, turn = tape.fine, tape.zero, tape.Z * tape.M
-    if tape.repetition.period > 0:
-        fine[:, :zero] = tape.read(-zero % turn, zero)
+    fine, zero, turn = raw.fine, raw.zero, raw.Z * raw.M
+    if raw.repetition.period > 0:
+        fine[:, :zero] = raw.read(-zero % turn, zero)
     else:
-        fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % tape.M]
+        fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % raw.M]
 
 
 def _samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples:

@@ -6,7 +6,7 @@ from math import ceil, floor
 import numpy as np
 
 from bearingsim.config import Case
-from bearingsim.simulation.tape import Tape
+from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.time_grid import Grid
 
 
@@ -42,14 +42,14 @@ def whole_passes(case: Case, cut: Grid) -> int:
     return floor(case.duration * cut.rate + 1e-6)
 
 
-def windows(case: Case, cut: Grid, tape: Tape, reach: int) -> Windows:
+def windows(case: Case, cut: Grid, raw: RawRecord, reach: int) -> Windows:
     """The whole ball passes of the record.
 
     reach: fine samples beyond both ends of a window that what is read of it depends on.
     """
     K, M, start = whole_passes(case, cut), cut.fine_per_pass, first_sample(case, cut)
     k = np.arange(K)
-    if tape.repeats_from is None:
+    if raw.repeats_from is None:
         return Windows(start, M, k)
-    first, period = max(0, ceil((tape.repeats_from + reach - start) / M)), tape.repetition.period
+    first, period = max(0, ceil((raw.repeats_from + reach - start) / M)), raw.repetition.period
     return Windows(start, M, np.where(k < first, k, first + (k - first) % period))

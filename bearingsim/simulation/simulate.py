@@ -27,9 +27,9 @@ from bearingsim.simulation.integration import (
     set_up,
 )
 from bearingsim.simulation.pilot import longer_duration
+from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.repetition import may_repeat
 from bearingsim.simulation.step_check import StepCheck
-from bearingsim.simulation.tape import Tape
 
 __all__ = ["Record", "SimulationError", "simulate", "warm"]
 
@@ -118,30 +118,30 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     case, part = attempt
     setup = set_up(case, part)
     if may_repeat(case):  # which the run itself shows, and soon
-        tape = integrate(setup)
-        checks_step = _checked_step(setup, tape)
+        raw = integrate(setup)
+        checks_step = _checked_step(setup, raw)
     else:
         checks_step = _checked_step(setup)
-        tape = integrate(setup)
-    rows = channels.asked(case, tape.places)
-    sampled = _sampled(case, setup.cut, tape, rows)
+        raw = integrate(setup)
+    rows = channels.asked(case, raw.places)
+    sampled = _sampled(case, setup.cut, raw, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
-    series = channels.series(case, setup.model, sampled, tape.places[rows], case.settle + instants)
-    found = features(case, setup.model, setup.cut, tape) | _check_features(checks_step)
+    series = channels.series(case, setup.model, sampled, raw.places[rows], case.settle + instants)
+    found = features(case, setup.model, setup.cut, raw) | _check_features(checks_step)
     return Record(
         time=instants,
         series=series,
         features=found | of_extensions(case, instants, series),
-        info=_info(setup, tape) | {"cpu_s": time.process_time() - began},
+        info=_info(setup, raw) | {"cpu_s": time.process_time() - began},
     )
 
 
-def _checked_step(setup: Setup, tape: Tape | None = None) -> StepCheck:
+def _checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
     """The step check of a setup's step, where one is wanted. Raises ``MethodFailure`` if it does not hold."""
     if not setup.case.checks_step:
         return step_check.UNCHECKED
-    repeats = tape is not None and tape.repetition.period > 0
-    found = step_check.check_step(setup, tape if repeats else None)
+    repeats = raw is not None and raw.repetition.period > 0
+    found = step_check.check_step(setup, raw if repeats else None)
     if found.holds:
         if setup.case.step_check == "strict":
             _refuse_short_record(setup, found)
@@ -189,19 +189,19 @@ def _check_features(checks_step: StepCheck) -> dict[str, float]:
     }
 
 
-def _info(setup: Setup, tape: Tape) -> dict[str, float | int | str]:
+def _info(setup: Setup, raw: RawRecord) -> dict[str, float | int | str]:
     """How a run was computed."""
-    case, cut, y = setup.case, setup.cut, tape.y
-    steps = tape.repetition.computed * cut.steps_per_pass
+    case, cut, y = setup.case, setup.cut, raw.y
+    steps = raw.repetition.computed * cut.steps_per_pass
     adaptive = assemble.adaptive(case)
     return {
         "method": case.method or "",
         "step_s": cut.step,
         "step_part": setup.part,
         "passes": cut.passes,
-        "passes_computed": tape.repetition.computed,
-        "period_passes": tape.repetition.period,
-        "last_difference": tape.repetition.difference,
+        "passes_computed": raw.repetition.computed,
+        "period_passes": raw.repetition.period,
+        "last_difference": raw.repetition.difference,
         "steps": steps,
         "tolerance": float(setup.method.rtol) if adaptive else float("nan"),
         "own_steps": int(y[lay.STEPS_TAKEN]) if adaptive else steps,
@@ -212,8 +212,8 @@ def _info(setup: Setup, tape: Tape) -> dict[str, float | int | str]:
         "step_limit_at_impact_s": setup.limits.at_impact,
         "longest_overrun_s": float(y[lay.OVERRUN_MAX : lay.OVERRUN_MAX + setup.model.bearing.Z].max()),
         "crossings": int(y[lay.PIT_CROSSINGS]),
-        "cage_angle_start_rad": _cage_angle(setup, tape),
-        "integrator_cpu_s": tape.integrator_cpu_s,
+        "cage_angle_start_rad": _cage_angle(setup, raw),
+        "integrator_cpu_s": raw.integrator_cpu_s,
     }
 
 
@@ -228,10 +228,10 @@ def _damping(setup: Setup) -> dict[str, float]:
     return values if "damping" in MODELS[setup.case.model].abilities else dict.fromkeys(values, nan)
 
 
-def _cage_angle(setup: Setup, tape: Tape) -> float:
+def _cage_angle(setup: Setup, raw: RawRecord) -> float:
     """Where the first roller's pocket is as the record starts, rad; what the cage has slipped is taken off."""
     bearing, place = setup.model.bearing, setup.case.settle * setup.cut.fine_rate
-    before, after = tape.read(floor(place), 2, np.array([BASE.index(CAGE_ANGLE)]))[0]
+    before, after = raw.read(floor(place), 2, np.array([BASE.index(CAGE_ANGLE)]))[0]
     slipped = before + (place - floor(place)) * (after - before)
     return float(bearing.theta_0 + bearing.omega_c * setup.case.settle + slipped)
 
@@ -268,10 +268,10 @@ def _types(value: Any) -> Any:
 BLOCK = 1 << 15  # fine samples that are made into a series at a time
 
 
-def _sampled(case: Case, cut: time_grid.Grid, tape: Tape, rows: np.ndarray) -> np.ndarray:
-    """The record's samples (R, n) of the tape's ``rows``, a block at a time."""
+def _sampled(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
+    """The record's samples (R, n) of the raw's ``rows``, a block at a time."""
     if not case.antialias:
-        return tape.picked[rows]
+        return raw.picked[rows]
     out = np.empty((len(rows), time_grid.samples(case)))
     ratio, kernel = cut.fine_rate / case.sampling, interpolation_kernel()
     taps, weights = sampling_kernel(ratio), np.empty(2 * INTERPOLATION_REACH)
@@ -281,6 +281,6 @@ def _sampled(case: Case, cut: time_grid.Grid, tape: Tape, rows: np.ndarray) -> n
         end = min(n + block, out.shape[1])
         first = floor(start + n * ratio) - INTERPOLATION_REACH
         count = ceil((end - n) * ratio) + 2 * INTERPOLATION_REACH + 1
-        fine = tape.low_passed(first, count, taps, rows)
+        fine = raw.low_passed(first, count, taps, rows)
         interpolate(fine, start - first, ratio, kernel, weights, out, n, end)
     return out

@@ -28,8 +28,8 @@ from bearingsim.simulation import channels, features, record_windows, time_grid
 from bearingsim.simulation.channels import BASE, MOTION
 from bearingsim.simulation.integration import Setup, integrate, set_up
 from bearingsim.simulation.pilot import pilot, sees_pit_turns
+from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.repetition import Closeness
-from bearingsim.simulation.tape import Tape
 
 ACCURACY = 0.01
 """What a run holds of its line and its RMS; where the motion is chaotic, of the RMS alone."""
@@ -101,10 +101,10 @@ class Compared(NamedTuple):
     lines: np.ndarray
 
 
-def check_step(setup: Setup, tape: Tape | None = None) -> StepCheck:
-    """Try a case's step. ``tape``: of its run, if that is known to repeat itself. Raises like ``integrate``."""
-    if tape is not None:
-        found = check_on_orbit(setup, tape)
+def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
+    """Try a case's step. ``raw``: its run, if that is known to repeat itself. Raises like ``integrate``."""
+    if raw is not None:
+        found = check_on_orbit(setup, raw)
         if found is not None:
             return found
     case, part = setup.case, setup.part
@@ -116,43 +116,43 @@ def check_step(setup: Setup, tape: Tape | None = None) -> StepCheck:
     return told
 
 
-def check_on_orbit(coarse: Setup, tape: Tape) -> StepCheck | None:
+def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
     """The step check of a motion that repeats itself: one period of it against one with half the step.
 
     The finer run starts where the other ended, so it soon repeats itself too; None if it does not.
     """
     cut = coarse.cut
     fine = set_up(coarse.case, coarse.part * shorter(cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
-    other = integrate(fine, start=by_place(tape), close=CLOSE_TO_ORBIT)
+    other = integrate(fine, start=by_place(raw), close=CLOSE_TO_ORBIT)
     if other.repetition.period == 0:
         return None
-    return changes(*(of_orbit(setup, one) for setup, one in ((coarse, tape), (fine, other))))
+    return changes(*(of_orbit(setup, one) for setup, one in ((coarse, raw), (fine, other))))
 
 
-def by_place(tape: Tape) -> np.ndarray:
+def by_place(raw: RawRecord) -> np.ndarray:
     """The state at the end of a run whose motion repeats itself, as if it were t = 0: (2, 6, ROW)."""
-    state = tape.y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW).copy()
-    lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + tape.Z)
-    state[:, :, lanes] = np.roll(state[:, :, lanes], tape.repetition.computed, axis=2)
+    state = raw.y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW).copy()
+    lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + raw.Z)
+    state[:, :, lanes] = np.roll(state[:, :, lanes], raw.repetition.computed, axis=2)
     return state
 
 
-def of_orbit(setup: Setup, tape: Tape) -> Compared:
+def of_orbit(setup: Setup, raw: RawRecord) -> Compared:
     """What is compared of a motion that repeats itself: its last period."""
     case, cut, model = setup.case, setup.cut, setup.model
-    M, period = cut.fine_per_pass, tape.repetition.period
+    M, period = cut.fine_per_pass, raw.repetition.period
     taps = sampling_kernel(cut.fine_rate / case.sampling)
-    start = (tape.repetition.computed + ceil(len(taps) / M)) * M
-    whole = tape.read(start, period * M)
+    start = (raw.repetition.computed + ceil(len(taps) / M)) * M
+    whole = raw.read(start, period * M)
     fine = features.along_sensor(case, whole, "velocity")
-    rows = tape.low_passed(start, period * M, taps, np.arange(len(tape.places))) if case.antialias else whole
+    rows = raw.low_passed(start, period * M, taps, np.arange(len(raw.places))) if case.antialias else whole
     lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
-    return _compared(case, tape, fine, rows, lines.mean(axis=1, keepdims=True))
+    return _compared(case, raw, fine, rows, lines.mean(axis=1, keepdims=True))
 
 
-def _compared(case: Case, tape: Tape, fine: np.ndarray, rows: np.ndarray, lines: np.ndarray) -> Compared:
+def _compared(case: Case, raw: RawRecord, fine: np.ndarray, rows: np.ndarray, lines: np.ndarray) -> Compared:
     along = {quantity: features.along_sensor(case, rows, quantity) for quantity in MOTION}
-    asked = [row for row in channels.asked(case, tape.places) if row >= len(BASE)]
+    asked = [row for row in channels.asked(case, raw.places) if row >= len(BASE)]
     return Compared(fine, along["velocity"], np.stack([*along.values(), *rows[asked]]), lines)
 
 
@@ -247,21 +247,21 @@ def fault_lines(case: Case) -> list[str]:
 
 def of_pilot(setup: Setup, passes: int, nudge: float = 0.0) -> Compared:
     """What is compared of a pilot."""
-    tape, case, cut = integrate(setup, nudge), setup.case, setup.cut
+    raw, case, cut = integrate(setup, nudge), setup.case, setup.cut
     start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
-    fine = features.along_sensor(case, tape.read(start, length, features.OF_BASE), "velocity")
-    rows = low_passed(setup, tape, start, length) if case.antialias else raw(setup, tape.picked, passes)
+    fine = features.along_sensor(case, raw.read(start, length, features.OF_BASE), "velocity")
+    rows = low_passed(setup, raw, start, length) if case.antialias else raw_values(setup, raw.picked, passes)
     lines = np.stack([amplitudes(setup, name, passes, fine) for name in fault_lines(case)])
-    return _compared(case, tape, fine, rows, lines)
+    return _compared(case, raw, fine, rows, lines)
 
 
-def low_passed(setup: Setup, tape: Tape, start: int, length: int) -> np.ndarray:
+def low_passed(setup: Setup, raw: RawRecord, start: int, length: int) -> np.ndarray:
     """Rows (C, ``length``) at fine samples from number ``start``, low-passed as the record is."""
     taps = sampling_kernel(setup.cut.fine_rate / setup.case.sampling)
-    return tape.low_passed(start, length, taps, np.arange(len(tape.places)))
+    return raw.low_passed(start, length, taps, np.arange(len(raw.places)))
 
 
-def raw(setup: Setup, picked: np.ndarray, passes: int) -> np.ndarray:
+def raw_values(setup: Setup, picked: np.ndarray, passes: int) -> np.ndarray:
     """Rows (C, n) of raw values in so many ball passes."""
     return picked[:, : floor(passes / setup.cut.rate * setup.case.sampling) + 1]
 

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 from bearingsim import __version__
 from bearingsim.cli import app, screen
 from bearingsim.core.models.equilibrium import NoEquilibrium
+from bearingsim.simulation import limits
 from tests.scenes.commands import STUDY, type_
 
 # The program
@@ -203,6 +204,7 @@ def test_a_case_without_equilibrium_is_refused(here, monkeypatch):
         raise NoEquilibrium(f"no equilibrium at {case.load} N")
 
     monkeypatch.setattr("bearingsim.simulation.limits.loads_at_rest", nothing_holds)
+    limits._without_method.cache_clear()
     _, told = type_("check", "small.yaml", code=2)
     first = "8 jobs refused, the first at load 150 N, model static"
     assert (

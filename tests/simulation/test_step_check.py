@@ -182,9 +182,9 @@ def test_a_period_tells_of_the_step_what_a_pilot_does(model: str, clearance: str
     """And what halving the step changes of the record."""
     given = case(model=model, defect=SLOT | {"depth": "5 um", "angle": "20 deg"}, clearance=clearance, settle=0.05)
     setup = set_up(choice.resolved(given))
-    tape = integrate(setup)
-    assert tape.repetition.period == 1
-    on_orbit, on_pilot = step_check.check_step(setup, tape), step_check.check_step(setup)
+    raw = integrate(setup)
+    assert raw.repetition.period == 1
+    on_orbit, on_pilot = step_check.check_step(setup, raw), step_check.check_step(setup)
     assert on_orbit.line == pytest.approx(on_pilot.line, rel=0.1, abs=1e-5)
     assert on_orbit.rms == pytest.approx(on_pilot.rms, rel=0.1, abs=1e-5)
     assert on_orbit.record == pytest.approx(on_pilot.record, rel=0.1, abs=1e-5)

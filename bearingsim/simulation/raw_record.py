@@ -10,7 +10,7 @@ from bearingsim.simulation.repetition import Repetition, turned
 
 
 @dataclass(frozen=True)
-class Tape:
+class RawRecord:
     """Fine samples of a run.
 
     places: (C,) of the buffer, recorded; fine: (C, n) fine samples of them over the computed passes, number 0

@@ -1,0 +1,166 @@
+"""Does a motion that is said to repeat itself do so, and is its record what the whole run would have given?
+
+    python benchmarks/repetition.py [--seed 1] [--ring 40] [--rollers 40] [--planar 20] [--spatial 20] [--jobs 2]
+
+Random scenes that may repeat (healthy or pits of the outer race, kinematic cage) are computed until they do, and
+in full, 60 ball passes at least. Told of each model:
+
+stopped   of the scenes whose full run repeats (to 1e-8 through its last ten passes): how many were stopped early
+wrong     stopped, though the full run does not repeat, or with a feature further off than 1e-6: of itself, or of a
+          thousandth of the RMS of its quantity if that is more (phases: of lines over that, in rad)
+passes    computed until it stopped: median and largest; the median of the full run
+worst     the largest error of a feature, of all scenes that stopped
+"""
+
+import argparse
+from collections.abc import Iterator
+from math import inf, pi
+from typing import Any
+from unittest import mock
+
+import numpy as np
+from joblib import Parallel, delayed
+
+from bearingsim.config import Case
+from bearingsim.simulation import SimulationError, integration, simulate
+from bearingsim.simulation.repetition import Search
+
+PASSES, LAST = 60, 10
+REPEATS, HELD = 1e-8, 1e-6
+ROUNDING = {"tilt.max": 1e-12}  # rad: what is under it is zero
+
+
+def draw(model: str, number: int, seed: int) -> Case:
+    """A scene of the model; its record begins after 50 ms and holds 60 ball passes."""
+    rng = np.random.default_rng([seed, number, len(model)])
+
+    def log(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    ball = model in ("ring", "rollers") and rng.random() < 0.15
+    laws = [{"law": "kraemer", "beta": log(1e-6, 3e-5)}, {"law": "hunt-crossley", "chi": log(2.0, 80.0)}]
+
+    def pit(low: float, high: float) -> dict[str, Any]:
+        long = rng.random() < 0.5
+        length = (3e-3 if ball else 12e-3) if long else (2e-3 if ball else 4e-3)
+        found = {"shape": str(rng.choice(["rectangular", "triangular", "circular"])), "length": length}
+        found |= {"width": 1e-3 * log(0.1, 3.0), "depth": 1e-6 * log(0.5, 50.0)}
+        return found | {"angle": float(rng.uniform(low, high)) * pi / 180.0}
+
+    many = rng.random()
+    pits = [pit(0.0, 60.0)] * (many > 0.1) + [pit(-60.0, 0.0)] * (many > 0.85)
+    fields = {
+        "bearing": "6205" if ball else "nf308",
+        "model": model,
+        "method": "verlet",
+        "speed": log(300.0, 6000.0) * pi / 30.0,
+        "load": log(10.0, 1000.0),
+        "clearance": 1e-6 * float(rng.uniform(-5.0, 30.0)),
+        "contact": {"damping": laws[int(rng.random() < 0.5)]},
+        "defects": pits,
+        "step_check": False,
+        "record": [],
+    } | ({"cage": {"motion": "kinematic"}} if model in ("planar", "spatial") else {})
+    case = Case.model_validate(fields)
+    return case.model_copy(update={"duration": (PASSES + 0.5) / case.bearing.ball_pass_frequency(case.speed)})
+
+
+class Onlooker(Search):
+    """Sees how passes differ, and stops nothing."""
+
+    last: list[float]
+
+    def period(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> int:
+        """Never."""
+        super().period(window, y, peaks)
+        self.last = [max(d[-LAST:]) for d in self.differences.values() if len(d) >= LAST]
+        return 0
+
+
+def in_full(case: Case) -> tuple[Any, float]:
+    """The record of all passes, and how its last ones differ at the period that suits them best."""
+    seen: list[Onlooker] = []
+
+    def made(*given: Any) -> Onlooker:
+        seen.append(Onlooker(*given))
+        return seen[-1]
+
+    with mock.patch.object(integration, "Search", made):
+        record = simulate(case)
+    return record, min(seen[-1].last, default=inf)
+
+
+def errors(found: dict[str, float], right: dict[str, float]) -> Iterator[tuple[float, str]]:
+    """How far each feature is off, as the page's head says."""
+    for name, value in right.items():
+        if np.isnan(value) or name.endswith("-scatter"):
+            continue
+        rms = right.get(f"{name.partition('@')[0].partition('.')[0]}.rms", 0.0)
+        if name.endswith(".phase"):
+            if right[name.removesuffix(".phase")] > 1e-3 * rms:
+                turn = found[name] - value
+                yield abs((turn + pi) % (2.0 * pi) - pi), name
+        elif max(abs(value), abs(found[name])) > ROUNDING.get(name, 0.0):
+            yield abs(found[name] - value) / max(abs(value), 1e-3 * rms), name
+
+
+def tried(model: str, number: int, seed: int) -> dict[str, Any]:
+    """One scene both ways."""
+    case = draw(model, number, seed)
+    try:
+        short, (whole, last) = simulate(case), in_full(case)
+    except SimulationError as error:
+        return {"model": model, "scene": number, "failed": str(error)}
+    worst, name = max(errors(short.features, whole.features))
+    computed, passes, period = (short.info[key] for key in ("passes_computed", "passes", "period_passes"))
+    stopped = bool(period)
+    return {
+        "model": model,
+        "scene": number,
+        "failed": "",
+        "computed": computed,
+        "passes": passes,
+        "period": period,
+        "last": last,
+        "stopped": stopped,
+        "repeats": last <= REPEATS,
+        "wrong": stopped and (worst > HELD or (last > REPEATS and worst > HELD)),
+        "worst": worst if stopped else 0.0,
+        "name": name,
+    }
+
+
+def main() -> None:
+    """Try the scenes and print what the head of this file announces."""
+    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    asked.add_argument("--seed", type=int, default=1)
+    asked.add_argument("--jobs", type=int, default=2)
+    asked.add_argument("--each", action="store_true", help="a line for each scene")
+    for model, count in (("ring", 40), ("rollers", 40), ("planar", 20), ("spatial", 20)):
+        asked.add_argument(f"--{model}", type=int, default=count)
+    given = asked.parse_args()
+    scenes = [
+        (model, n) for model in ("spatial", "planar", "rollers", "ring") for n in range(getattr(given, model))
+    ]
+    found = Parallel(n_jobs=given.jobs, batch_size=1)(delayed(tried)(*scene, given.seed) for scene in scenes)
+    for model in ("ring", "rollers", "planar", "spatial"):
+        rows = [row for row in found if row["model"] == model and not row["failed"]]
+        failed = sum(row["model"] == model for row in found) - len(rows)
+        stops = [row for row in rows if row["stopped"]]
+        right = [row for row in rows if row["repeats"]]
+        worst = max(stops, key=lambda row: row["worst"], default={"worst": 0.0, "name": "-", "scene": "-"})
+        passes = sorted(row["computed"] for row in stops)
+        print(
+            f"{model:8} {len(rows)} scenes ({failed} failed): {len(right)} repeat,"
+            f" {sum(row['stopped'] for row in right)} of them stopped; {len(stops)} stopped,"
+            f" {sum(row['wrong'] for row in stops)} wrong; passes {np.median(passes or [0]):.0f}"
+            f" (most {max(passes, default=0)}) of {np.median([row['passes'] for row in rows] or [0]):.0f};"
+            f" worst {worst['worst']:.1e} ({worst['name']}, scene {worst['scene']})"
+        )
+    for row in found:
+        if row["failed"] or row["wrong"] or (row["repeats"] and not row["stopped"]) or given.each:
+            print(row)
+
+
+if __name__ == "__main__":
+    main()
