@@ -7,6 +7,7 @@ from pydantic import BeforeValidator, Field
 from bearingsim import catalogue
 from bearingsim.config.channels import channel
 from bearingsim.config.fields import (
+    Accuracy,
     Angle,
     Delay,
     Duration,
@@ -60,7 +61,8 @@ class CaseFields(Section):
     `misalignment` are None where absent. A line load in `record` is one channel for each slice of the roller. With
     `step_check` the step, automatic or given, is tried on the run's beginning before it is trusted; `strict` tries
     all of the run, and refuses a chaotic record that is too short for its RMS. With `periodic` a motion that
-    repeats itself is computed until it does, and its record made of that; without, all of it is computed.
+    repeats itself is computed until it does, and its record made of that; without, all of it is computed. A record
+    `until` a share ends when the standard errors of line and RMS are under it, at the latest after `duration`.
     """
 
     bearing: Annotated[Bearing, named("bearings")]
@@ -86,6 +88,7 @@ class CaseFields(Section):
     tolerance: Tolerance = "auto"
     step_check: StepCheckMode = True
     periodic: Switch = True
+    until: Accuracy | None = None
     duration: Duration = 1.0
     settle: Delay = 0.05
     start_angle: Angle = 0.0

@@ -94,6 +94,7 @@ PositiveNumber = Annotated[float, Quantity("number", above=0.0)]
 SignedNumber = Annotated[float, Quantity("number")]
 Share = Annotated[float, Quantity("number", least=0.0, most=1.0)]
 Percentage = Annotated[float, Quantity("share", least=0.0, most=1.0)]
+Accuracy = Annotated[float, Quantity("share", least=1e-6, most=0.5)]
 PoissonRatio = Annotated[float, Quantity("number", above=0.0, most=0.5)]
 
 

@@ -154,9 +154,12 @@ def _ball_pass_names() -> list[str]:
 def other_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Amplitude and phase of lines whose periods do not divide the record; nan where it is too short to tell."""
     length = max(2, floor(case.duration * cut.fine_rate + 1e-6))
+    length = length if raw.end is None else min(length, raw.end - first_sample(case, cut))
     read = _lines_as_they_turn if slips(case) or not steady(model) else _lines_at_constant_speed
     lines, frequencies = read(case, model, cut, raw, length)
-    told = dict(zip(LINES, signals.resolvable(frequencies, case.duration), strict=True))
+    told = dict(
+        zip(LINES, signals.resolvable(frequencies, min(case.duration, length / cut.fine_rate)), strict=True)
+    )
     found: dict[str, float] = {}
     for quantity, values in lines.items():
         for name, value in zip(LINES, values, strict=True):
@@ -202,8 +205,8 @@ def _lines_as_they_turn(
         "velocity": signals.lines_at(speed, angles),
         "acceleration": np.array(by_parts),
     }
-    turns = [(angle[-1] - angle[0]) / (2.0 * pi * (length - 1)) for angle in angles]
-    return lines, np.array(turns) * cut.fine_rate
+    mean = [(angle[-1] - angle[0]) / (2.0 * pi * (length - 1)) for angle in angles]
+    return lines, np.array(mean) * cut.fine_rate
 
 
 def statistics(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
@@ -215,7 +218,8 @@ def statistics(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
     if case.antialias:
         motion, weights = _low_passed_motion(case, cut, raw)
     else:
-        picked = raw.picked[:, : round(whole_passes(case, cut) / cut.rate * case.sampling)]
+        passes = len(windows(case, cut, raw, reach=0).index)
+        picked = raw.picked[:, : round(passes / cut.rate * case.sampling)]
         motion, weights = {quantity: along_sensor(case, picked, quantity) for quantity in MOTION}, None
     return {
         f"{quantity}.{name}": value
@@ -245,6 +249,8 @@ def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
     told = (known.loaded, known.loaded, known.slips, known.sliced, known.sliced)
     first = ceil(case.settle * cut.rate - 1e-6)
     passes = np.arange(first, max(first + 1, floor((case.settle + case.duration) * cut.rate + 1e-6)))
+    if raw.repetition.period == 0:
+        passes = passes[passes < raw.repetition.computed]
     largest = raw.peaks[np.unique(raw.repetition.source(passes))].max(axis=0)
     return {
         name: float(value) if is_told else float("nan")

@@ -29,7 +29,7 @@ from bearingsim.core.sampling import (
     decimation_kernel,
     pick,
 )
-from bearingsim.simulation import channels, choice, time_grid
+from bearingsim.simulation import accuracy, channels, choice, time_grid
 from bearingsim.simulation.channels import BASE
 from bearingsim.simulation.limits import APPROACH_MARGIN, ENERGY_MARGIN, Limits
 from bearingsim.simulation.raw_record import RawRecord
@@ -111,48 +111,81 @@ def monitor_of(cut: time_grid.Grid, found: Limits) -> Monitor:
     return Monitor(min(32, max(1, stride)), patience, found.approach_bound, found.energy_bound, MAX_EVALUATIONS)
 
 
+class Recording:
+    """What is kept of a run as its passes are computed."""
+
+    def __init__(self, setup: Setup, y: np.ndarray) -> None:
+        """y: the buffer at t = 0, before which everything stood still."""
+        self.case, self.cut, self.Z = setup.case, setup.cut, setup.model.bearing.Z
+        self.places = channels.recorded(self.case)
+        self.lead = ceil(RESAMPLE_REACH * self.cut.fine_rate / self.case.sampling) + INTERPOLATION_REACH + 1
+        self.taps = decimation_kernel(self.cut.decimation)
+        self.fine = np.empty((len(self.places), self.lead + self.cut.passes * self.cut.fine_per_pass))
+        self.fine[:, : self.lead] = y[self.places][:, np.newaxis]
+        self.picked = np.empty((len(self.places), 0 if self.case.antialias else time_grid.samples(self.case)))
+        self.picked[:, :1] = y[self.places][:, np.newaxis]  # at t = 0, should the record begin there
+        self.peaks = np.empty((self.cut.passes, len(EXTREMES)))
+        self.samples = _samples_between_steps(self.case, self.picked)
+
+    def keep(self, p: int, window: np.ndarray, y: np.ndarray) -> None:
+        """Keep what is wanted of pass ``p``; window: as ``_ball_passes`` gives it."""
+        M, D = self.cut.fine_per_pass, self.cut.decimation
+        start = self.lead + p * M
+        decimate(window, self.taps, D, self.fine[:, start : start + M])
+        if type(self.samples) is NoSamples:
+            _pick_pass(self.case, self.cut, p, window, self.picked)
+        self.peaks[p] = _take_peaks(y)
+
+    def raw(self, repetition: Repetition, y: np.ndarray, cpu_s: float) -> RawRecord:
+        """The record as far as it has been computed."""
+        M, passes = self.cut.fine_per_pass, repetition.computed
+        return RawRecord(
+            places=self.places,
+            fine=self.fine[:, : self.lead + passes * M],
+            lead=self.lead,
+            zero=self.lead + DECIMATION_REACH - 1,
+            M=M,
+            Z=self.Z,
+            repetition=repetition,
+            picked=self.picked,
+            peaks=self.peaks[:passes],
+            y=y,
+            integrator_cpu_s=cpu_s,
+        )
+
+
 def integrate(
     setup: Setup, nudge: float = 0.0, start: np.ndarray | None = None, close: Closeness = OF_A_RECORD
 ) -> RawRecord:
     """Step through the ball passes, keeping fine samples (and raw picks where the case wants them).
 
-    All of them, or until the motion repeats itself, as ``close`` as asked. nudge: share of its
-    displacement by which the ring is moved at the start; start: positions and velocities there (2, 6, ROW), if not
-    those at rest.
+    All of them, or until the motion repeats itself, as ``close`` as asked, or its line and RMS are known well
+    enough. nudge: share of its displacement by which the ring is moved at the start; start: positions and
+    velocities there (2, 6, ROW), if not those at rest.
     """
-    case, cut, Z = setup.case, setup.cut, setup.model.bearing.Z
-    y, places = _start(setup, nudge, start), channels.recorded(case)
-    M, D = cut.fine_per_pass, cut.decimation
-    taps = decimation_kernel(D)
-    lead = ceil(RESAMPLE_REACH * cut.fine_rate / case.sampling) + INTERPOLATION_REACH + 1
-    fine = np.empty((len(places), lead + cut.passes * M))
-    fine[:, :lead] = y[places][:, np.newaxis]  # before t = 0 everything stood still
-    picked = np.empty((len(places), 0 if case.antialias else time_grid.samples(case)))
-    picked[:, :1] = y[places][:, np.newaxis]  # at t = 0, should the record begin there
-    peaks = np.empty((cut.passes, len(EXTREMES)))
-    samples = _samples_between_steps(case, picked)
-    search = Search(places, cut.steps_per_pass, setup.model, MODELS[case.model].memoryless, close)
-    searches, clock, passes, period = may_repeat(case), [0.0], 0, 0
+    case, cut = setup.case, setup.cut
+    y = _start(setup, nudge, start)
+    kept, clock = Recording(setup, y), [0.0]
+    search = Search(kept.places, cut.steps_per_pass, setup.model, MODELS[case.model].memoryless, close)
+    searches, period, passes, look_at = may_repeat(case), 0, 0, accuracy.MIN_PASSES
     began_at = _pit_passages(setup, 0.0, y)
-    for p, window in enumerate(_ball_passes(setup, samples, y, places, clock)):
+    for p, window in enumerate(_ball_passes(setup, kept.samples, y, kept.places, clock)):
+        kept.keep(p, window, y)
         passes = p + 1
-        decimate(window, taps, D, fine[:, lead + p * M : lead + passes * M])
-        if type(samples) is NoSamples:
-            _pick_pass(case, cut, p, window, picked)
-        peaks[p] = _take_peaks(y)
         if searches:
-            period = search.period(window, y, peaks[p])
+            period = search.period(window, y, kept.peaks[p])
         if period > 0:
             break
+        if case.until is not None and passes >= look_at:
+            look_at = ceil(accuracy.LOOK_AGAIN * passes)
+            so_far = kept.raw(Repetition(passes, 0, nan), y, clock[0])
+            if accuracy.standard_errors(case, setup.model, cut, so_far).largest <= case.until:
+                break
     _check_end(setup, began_at, y, passes)
-    repetition = Repetition(passes, period, search.difference(period))
-    zero = lead + DECIMATION_REACH - 1
-    raw = RawRecord(
-        places, fine[:, : lead + passes * M], lead, zero, M, Z, repetition, picked, peaks[:passes], y, clock[0]
-    )
+    raw = kept.raw(Repetition(passes, period, search.difference(period)), y, clock[0])
     if period > 0 and not case.antialias:
         for p in range(passes, cut.passes):
-            _pick_pass(case, cut, p, search.recording(p, repetition), picked)
+            _pick_pass(case, cut, p, search.recording(p, raw.repetition), kept.picked)
     if MODELS[case.model].memoryless:  # it was never at rest
         _extend_back(raw)
     return raw

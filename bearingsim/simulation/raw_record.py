@@ -38,6 +38,11 @@ class RawRecord:
             return None
         return (self.repetition.computed - self.repetition.period) * self.M + self.lead - self.zero
 
+    @property
+    def end(self) -> int | None:
+        """The number of fine samples from t = 0 on that there are; None of a motion that repeats: any."""
+        return None if self.repetition.period else self.lead - self.zero + self.repetition.computed * self.M
+
     def read(self, first: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
         """Fine samples (R, count) from number ``first`` on, of all rows or those of the indices ``rows`` (R,)."""
         rows = np.arange(len(self.places)) if rows is None else np.asarray(rows)

@@ -48,6 +48,8 @@ def windows(case: Case, cut: Grid, raw: RawRecord, reach: int) -> Windows:
     reach: fine samples beyond both ends of a window that what is read of it depends on.
     """
     K, M, start = whole_passes(case, cut), cut.fine_per_pass, first_sample(case, cut)
+    if raw.end is not None:  # which the record may end before
+        K = min(K, (raw.end - reach - start) // M)
     k = np.arange(K)
     if raw.repeats_from is None:
         return Windows(start, M, k)

@@ -7,13 +7,14 @@ compared by place: roller j now with roller j + m of m passes ago. What repeats 
 
 from collections import deque
 from collections.abc import Callable
-from math import inf, isfinite, nan
+from math import isfinite, nan
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from bearingsim.catalogue import METHODS, MODELS
 from bearingsim.config import Case
+from bearingsim.config.rules.passes import ALIKE
 from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import state_width
 
@@ -21,17 +22,13 @@ CONSTANT = frozenset(
     {
         *("bearing", "rig", "speed", "load", "load_across", "gravity", "clearance", "contact", "friction", "drag"),
         *("shaft", "misalignment", "step", "tolerance", "step_check", "duration", "settle", "start_angle", "seed"),
-        *("sampling", "antialias", "record"),
+        *("sampling", "antialias", "record", "until"),
     }
 )
 """Fields of a case that bring nothing into its motion which one ball pass has and the next has not."""
 
 CONDITIONS: dict[str, Callable[[Case], bool]] = {
-    "ramp": lambda case: case.ramp is None,
-    "unbalance": lambda case: case.unbalance is None,
-    "defects": lambda case: all(defect.race == "outer" for defect in case.defects),
-    "excitation": lambda case: case.excitation != "random-impulses",
-    "cage": lambda case: case.cage is None or case.cage.motion == "kinematic",
+    **{name: alike.holds for name, alike in ALIKE.items()},
     "model": lambda case: MODELS[case.model].repeats,
     "method": lambda case: case.method is None or not METHODS[case.method].adaptive,
     "periodic": lambda case: case.periodic,
@@ -165,10 +162,10 @@ class Search:
         return found
 
     def _difference(self, period: int, ranges: np.ndarray) -> float:
-        """The largest difference to ``period`` passes ago; inf if their ends are not even near."""
+        """The largest difference to ``period`` passes ago; that of their ends if not even these are near."""
         at_end = self._end_difference(period, ranges)
         if not at_end <= NEAR * self.close.shrinking:
-            return inf
+            return at_end
         partner = turned(self.places, self.Z, period)
         compared = np.r_[0:4, 9 : len(self.places)]  # the acceleration jumps, and what cages do is of the state
         apart = np.abs(self.recordings[-1][compared] - self.recordings[-1 - period][partner[compared]]).max(axis=1)

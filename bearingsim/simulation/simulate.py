@@ -14,7 +14,7 @@ from bearingsim.config import Case, Section, dataset_names
 from bearingsim.core import layout as lay
 from bearingsim.core.sampling import INTERPOLATION_REACH, interpolate, interpolation_kernel, sampling_kernel
 from bearingsim.errors import Refused
-from bearingsim.simulation import channels, choice, step_check, time_grid
+from bearingsim.simulation import accuracy, channels, choice, step_check, time_grid
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE
 from bearingsim.simulation.features import features, of_extensions
 from bearingsim.simulation.integration import (
@@ -140,8 +140,8 @@ def _checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
     """The step check of a setup's step, where one is wanted. Raises ``MethodFailure`` if it does not hold."""
     if not setup.case.checks_step:
         return step_check.UNCHECKED
-    repeats = raw is not None and raw.repetition.period > 0
-    found = step_check.check_step(setup, raw if repeats else None)
+    orbit = raw if raw is not None and raw.repetition.period > 0 else None
+    found = step_check.check_step(setup, orbit)
     if found.holds:
         if setup.case.step_check == "strict":
             _refuse_short_record(setup, found)
@@ -202,6 +202,7 @@ def _info(setup: Setup, raw: RawRecord) -> dict[str, float | int | str]:
         "passes_computed": raw.repetition.computed,
         "period_passes": raw.repetition.period,
         "last_difference": raw.repetition.difference,
+        **_standard_errors(setup, raw),
         "steps": steps,
         "tolerance": float(setup.method.rtol) if adaptive else float("nan"),
         "own_steps": int(y[lay.STEPS_TAKEN]) if adaptive else steps,
@@ -215,6 +216,14 @@ def _info(setup: Setup, raw: RawRecord) -> dict[str, float | int | str]:
         "cage_angle_start_rad": _cage_angle(setup, raw),
         "integrator_cpu_s": raw.integrator_cpu_s,
     }
+
+
+def _standard_errors(setup: Setup, raw: RawRecord) -> dict[str, float]:
+    """Those of line and RMS that a record ``until`` an accuracy has reached, relative."""
+    errors = accuracy.StandardErrors(nan, nan)
+    if setup.case.until is not None:
+        errors = accuracy.standard_errors(setup.case, setup.model, setup.cut, raw)
+    return {"standard_error_line": errors.line, "standard_error_rms": errors.rms}
 
 
 def _damping(setup: Setup) -> dict[str, float]:

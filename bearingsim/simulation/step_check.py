@@ -122,7 +122,8 @@ def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
     The finer run starts where the other ended, so it soon repeats itself too; None if it does not.
     """
     cut = coarse.cut
-    fine = set_up(coarse.case, coarse.part * shorter(cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
+    whole = coarse.case.model_copy(update={"until": None})
+    fine = set_up(whole, coarse.part * shorter(cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
     other = integrate(fine, start=by_place(raw), close=CLOSE_TO_ORBIT)
     if other.repetition.period == 0:
         return None
@@ -161,7 +162,7 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
     chaos.
     """
     allowed = time_grid.MAX_CPU * length(short) / length(case)
-    short = short.model_copy(update={"periodic": False})
+    short = short.model_copy(update={"periodic": False, "until": None})
     coarse = set_up(short, part, allowed)
     fine = set_up(with_finer_tolerance(short), part * shorter(coarse.cut.decimation), MAX_COST_RATIO * allowed)
     one, other = (of_pilot(setup, passes) for setup in (coarse, fine))

@@ -42,6 +42,7 @@ sweep:
 # step_check: true                # try the step on the run's beginning; `false` trusts it, `strict`
 #                                 # also refuses a chaotic record too short for its RMS to be worth 1 %
 # periodic: true                  # a motion that repeats itself is computed once; `false` computes all of it
+# until: 0.5 %                    # with `record: []`: end as soon as line and RMS are known so well
 # contact:
 #   stiffness: palmgren           # or iso16281, johnson; point for balls; {law: constant, ...}
 #   damping: {law: kraemer, beta: 2.5 us}      # or {law: hunt-crossley, chi: 50 s/m}, film, loss-factor, general

@@ -21,6 +21,7 @@ INACTIVE: dict[str, Any] = {
     "tolerance": "auto",
     "prove": True,
     "periodic": True,
+    "until": None,
     "bearing": {"element": "roller", "inner_groove_radius": None, "outer_groove_radius": None},
     "rig": {"torsion_stiffness": None, "torsion_damping": None, **dict.fromkeys(MOUNT_FIELDS)},
     "defects": {"roller": None, "offset": 0.0, "edge": None, "grown": None, "seed": None, "digest": None},

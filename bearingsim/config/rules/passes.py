@@ -1,0 +1,39 @@
+"""Whether all ball passes of a case are alike but for the motion itself: what makes one differ from the next."""
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+from bearingsim.config.rules.conflict import Conflict
+
+if TYPE_CHECKING:
+    from bearingsim.config.case_fields import CaseFields
+
+
+class Alike(NamedTuple):
+    """What a field must be for passes to be alike, and why they are not if it is not."""
+
+    holds: Callable[["CaseFields"], bool]
+    why_not: str
+
+
+ALIKE: dict[str, Alike] = {
+    "ramp": Alike(lambda case: case.ramp is None, "the speed changes"),
+    "unbalance": Alike(lambda case: case.unbalance is None, "an unbalance turns with the shaft"),
+    "defects": Alike(lambda case: all(d.race == "outer" for d in case.defects), "a pit turns"),
+    "excitation": Alike(lambda case: case.excitation != "random-impulses", "impulses are random"),
+    "cage": Alike(lambda case: case.cage is None or case.cage.motion == "kinematic", "the cage is free"),
+}
+"""By the fields of a case; what all others say is the same in each pass."""
+
+
+def until_conflicts(case: "CaseFields") -> Iterator[Conflict]:
+    """Cases that cannot be computed until a scatter is small."""
+    if case.until is None:
+        return
+    if case.record:
+        message = "a record that ends as soon as it is accurate enough has no series"
+        yield Conflict("until", (("until",), ("record",)), message, "say `record: []`, or leave `until` out")
+    for name, alike in ALIKE.items():
+        if not alike.holds(case):
+            message = f"`until` compares ball passes, which are not alike: {alike.why_not}"
+            yield Conflict("until", (("until",), (name,)), message, "leave it out")

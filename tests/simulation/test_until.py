@@ -1,0 +1,70 @@
+"""Records that end as soon as line and RMS are known well enough."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from bearingsim import simulate
+from bearingsim.simulation.accuracy import MIN_PASSES, standard_error
+from tests.scenes.short_cases import SLOT, case
+
+CHATTERS: dict[str, Any] = {"model": "rollers", "defect": SLOT | {"depth": "5 um", "angle": "20 deg"}}
+CHATTERS |= {"speed": "1200 rpm", "clearance": "10 um", "record": [], "duration": "1 s", "step_check": False}
+CHATTERS |= {"contact": {"damping": {"law": "kraemer", "beta": "1 us"}}}
+
+
+@pytest.mark.parametrize("antialias", [True, False])
+def test_a_record_ends_when_it_is_accurate_enough(antialias: bool) -> None:
+    whole, short = (
+        simulate(case(**CHATTERS, antialias=antialias)),
+        simulate(case(**CHATTERS, antialias=antialias, until="2 %")),
+    )
+    assert whole.info["passes_computed"] == whole.info["passes"]
+    assert MIN_PASSES < float(short.info["passes_computed"]) < 0.5 * float(whole.info["passes_computed"])
+    for name, error in (("velocity@BPFO", "standard_error_line"), ("velocity.rms", "standard_error_rms")):
+        stated = float(short.info[error])
+        assert 0.0 < stated <= 0.02
+        assert abs(short.features[name] / whole.features[name] - 1.0) < 3.0 * stated
+    assert short.features["load_zone.extent"] == pytest.approx(whole.features["load_zone.extent"], rel=0.01)
+    assert np.isfinite(short.features["outer_force.max"])
+
+
+def test_what_is_not_accurate_enough_takes_its_whole_duration() -> None:
+    found = simulate(case(**CHATTERS | {"duration": "0.2 s"}, until="0.01 %"))
+    assert found.info["passes_computed"] == found.info["passes"]
+    assert float(found.info["standard_error_rms"]) > 1e-4
+
+
+def test_what_repeats_is_known_exactly() -> None:
+    found = simulate(case(defect=SLOT, record=[], until="0.5 %"))
+    assert (found.info["standard_error_line"], found.info["standard_error_rms"]) == (0.0, 0.0)
+    assert float(found.info["passes_computed"]) < MIN_PASSES
+
+
+@pytest.mark.parametrize("alike", [0.0, 0.9])
+def test_the_standard_error_of_a_mean(alike: float) -> None:
+    """Of a chain in which each value is like the one before: as far as the mean of many chains scatters."""
+    rng = np.random.default_rng(3)
+    chains = rng.normal(size=(400, 512)) * (1.0 - alike**2) ** 0.5
+    for n in range(1, 512):
+        chains[:, n] += alike * chains[:, n - 1]
+    right = chains.mean(axis=1).std()
+    told = np.array([standard_error(chain) for chain in chains])
+    assert 0.85 * right < np.median(told) < 1.5 * right
+
+
+@pytest.mark.parametrize(
+    ("fields", "reason"),
+    [
+        ({"record": ["ring.velocity"]}, "has no series"),
+        ({"record": [], "model": "rollers", "defect": SLOT | {"race": "inner"}}, "a pit turns"),
+        ({"record": [], "model": "planar"}, "the cage is free"),
+    ],
+)
+def test_it_is_refused_where_passes_are_not_alike_or_series_are_wanted(
+    fields: dict[str, Any], reason: str
+) -> None:
+    with pytest.raises(ValidationError, match=reason):
+        case(**fields, until="1 %")
