@@ -70,11 +70,11 @@ class Onlooker(Search):
 
     last: list[float]
 
-    def period(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> int:
+    def period(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
         """Never."""
         super().period(window, y, peaks)
         self.last = [max(d[-LAST:]) for d in self.differences.values() if len(d) >= LAST]
-        return 0
+        return 0, 0.0
 
 
 def in_full(case: Case) -> tuple[Any, float]:

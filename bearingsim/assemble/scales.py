@@ -6,6 +6,8 @@ The tolerances of adaptive methods are parts of these.
 from math import inf, pi, sqrt
 from typing import Any
 
+from scipy.optimize import brentq
+
 from bearingsim.assemble import contacts, geometry, rest
 from bearingsim.config import Case
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
@@ -57,15 +59,10 @@ def closing_speed(model: Any) -> float:
 
 
 def approach(law: Any, load: float) -> float:
-    """The approach (m) of a contact at rest under ``load`` (N), by bisection."""
-    low, high = 0.0, 1e-3
-    while high - low > 1e-9 * high:
-        middle = 0.5 * (low + high)
-        if normal_force(law, middle, 0.0) > load:
-            high = middle
-        else:
-            low = middle
-    return high
+    """The approach (m) of a contact at rest under ``load`` (N)."""
+    if load <= 0.0:
+        return 0.0
+    return float(brentq(lambda delta: normal_force(law, delta, 0.0) - load, 0.0, 1e-3, xtol=1e-18, rtol=1e-12))
 
 
 def damping_ratio(case: Case, load: float) -> float:

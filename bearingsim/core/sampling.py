@@ -7,6 +7,8 @@ anywhere between fine samples. All are Kaiser-windowed sincs (Kaiser 1974); ``pi
 lets impacts alias.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from bearingsim.core.jit import add, jit
@@ -28,6 +30,7 @@ def kaiser_sinc(t: np.ndarray, cutoff: float, reach: float, decibels: float) -> 
     return 2.0 * cutoff * np.sinc(2.0 * cutoff * t) * window
 
 
+@lru_cache(maxsize=64)
 def decimation_kernel(D: int) -> np.ndarray:
     """Taps (2 D DECIMATION_REACH + 1,) of the first stage, one in D kept; their sum is 1."""
     t = np.arange(-D * DECIMATION_REACH, D * DECIMATION_REACH + 1) / D
@@ -35,6 +38,7 @@ def decimation_kernel(D: int) -> np.ndarray:
     return taps / taps.sum()
 
 
+@lru_cache(maxsize=64)
 def sampling_kernel(ratio: float) -> np.ndarray:
     """Taps (odd) of the second stage, at ``ratio`` (4 or more) fine samples per sample; their sum is 1."""
     reach = int(np.ceil(RESAMPLE_REACH * ratio))
@@ -42,6 +46,7 @@ def sampling_kernel(ratio: float) -> np.ndarray:
     return taps / taps.sum()
 
 
+@lru_cache(maxsize=1)
 def interpolation_kernel() -> np.ndarray:
     """One side of the third stage's kernel, TABLE entries per fine sample, with a zero after the end."""
     t = np.arange(INTERPOLATION_REACH * TABLE + 2) / TABLE

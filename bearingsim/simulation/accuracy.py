@@ -44,7 +44,7 @@ def standard_errors(case: Case, model: Any, cut: Grid, raw: RawRecord) -> Standa
         0
     ]
     if case.antialias:
-        low = raw.low_passed(of_record.start, n * M, taps, OF_BASE)
+        low = raw.through(taps).read(of_record.start, n * M, OF_BASE)
         velocity = along_sensor(case, low, "velocity")
     power = np.mean(velocity.reshape(n, M) ** 2, axis=1)
     mean, rms = lines.mean(), np.sqrt(power.mean())

@@ -11,7 +11,7 @@ from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_times, speed_factor, steady
-from bearingsim.core.sampling import low_pass, sampling_kernel
+from bearingsim.core.sampling import sampling_kernel
 from bearingsim.errors import UserError
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE, CAGE_SPEED, MOTION, PLACES
 from bearingsim.simulation.raw_record import RawRecord
@@ -24,6 +24,7 @@ MIN_PASSES = 3
 
 ROW_OF = {place: row for row, place in enumerate(BASE)}
 OF_BASE = np.arange(len(BASE))
+OF_RING = OF_BASE[:6]  # its displacement, velocity, acceleration
 OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
 
 
@@ -232,12 +233,9 @@ def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> tuple[dict[str,
     """The motion along the sensor (n,) in the record's distinct passes, and how often each sample occurs."""
     taps = sampling_kernel(cut.fine_rate / case.sampling)
     of_record = windows(case, cut, raw, reach=len(taps) // 2)
-    reach, n = len(taps) // 2, of_record.distinct * of_record.M
-    rows = raw.read(of_record.start - reach, n + 2 * reach, OF_BASE)
-    along = np.stack([along_sensor(case, rows, quantity) for quantity in MOTION])
-    out = np.empty((len(MOTION), n))
-    low_pass(along, taps, out)
-    return dict(zip(MOTION, out, strict=True)), np.repeat(of_record.weights, of_record.M)
+    rows = raw.through(taps).read(of_record.start, of_record.distinct * of_record.M, OF_RING)
+    motion = {quantity: along_sensor(case, rows, quantity) for quantity in MOTION}
+    return motion, np.repeat(of_record.weights, of_record.M)
 
 
 def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:

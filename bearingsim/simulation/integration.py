@@ -4,6 +4,7 @@ Every run is monitored (``core/advance.py``): what it gives up, and why, is a ``
 """
 
 import time
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import ceil, floor, hypot, nan
@@ -33,7 +34,16 @@ from bearingsim.simulation import accuracy, channels, choice, time_grid
 from bearingsim.simulation.channels import BASE
 from bearingsim.simulation.limits import APPROACH_MARGIN, ENERGY_MARGIN, Limits
 from bearingsim.simulation.raw_record import RawRecord
-from bearingsim.simulation.repetition import EXTREMES, OF_A_RECORD, Closeness, Repetition, Search, may_repeat
+from bearingsim.simulation.repetition import (
+    EXTREMES,
+    LONGEST_PERIOD,
+    OF_A_RECORD,
+    Closeness,
+    Repetition,
+    Search,
+    may_repeat,
+    turned,
+)
 
 
 class SimulationError(Exception):
@@ -126,6 +136,7 @@ class Recording:
         self.picked[:, :1] = y[self.places][:, np.newaxis]  # at t = 0, should the record begin there
         self.peaks = np.empty((self.cut.passes, len(EXTREMES)))
         self.samples = _samples_between_steps(self.case, self.picked)
+        self.last: deque[np.ndarray] = deque(maxlen=0 if self.case.antialias else LONGEST_PERIOD)  # to pick from
 
     def keep(self, p: int, window: np.ndarray, y: np.ndarray) -> None:
         """Keep what is wanted of pass ``p``; window: as ``_ball_passes`` gives it."""
@@ -134,7 +145,15 @@ class Recording:
         decimate(window, self.taps, D, self.fine[:, start : start + M])
         if type(self.samples) is NoSamples:
             _pick_pass(self.case, self.cut, p, window, self.picked)
+            self.last.append(window.copy())
         self.peaks[p] = _take_peaks(y)
+
+    def pick_repeated(self, repetition: Repetition) -> None:
+        """Pick what a raw record holds of the passes that were not computed."""
+        for p in range(repetition.computed, self.cut.passes):
+            source = int(repetition.source(p))
+            window = self.last[source - repetition.computed]
+            _pick_pass(self.case, self.cut, p, window[turned(self.places, self.Z, p - source)], self.picked)
 
     def raw(self, repetition: Repetition, y: np.ndarray, cpu_s: float) -> RawRecord:
         """The record as far as it has been computed."""
@@ -166,14 +185,14 @@ def integrate(
     case, cut = setup.case, setup.cut
     y = _start(setup, nudge, start)
     kept, clock = Recording(setup, y), [0.0]
-    search = Search(kept.places, cut.steps_per_pass, setup.model, MODELS[case.model].memoryless, close)
-    searches, period, passes, look_at = may_repeat(case), 0, 0, accuracy.MIN_PASSES
+    search, period, difference = _search(setup, kept.places, close), 0, nan
+    passes, look_at = 0, accuracy.MIN_PASSES
     began_at = _pit_passages(setup, 0.0, y)
     for p, window in enumerate(_ball_passes(setup, kept.samples, y, kept.places, clock)):
         kept.keep(p, window, y)
         passes = p + 1
-        if searches:
-            period = search.period(window, y, kept.peaks[p])
+        if search is not None:
+            period, difference = search.period(window, y, kept.peaks[p])
         if period > 0:
             break
         if case.until is not None and passes >= look_at:
@@ -182,13 +201,18 @@ def integrate(
             if accuracy.standard_errors(case, setup.model, cut, so_far).largest <= case.until:
                 break
     _check_end(setup, began_at, y, passes)
-    raw = kept.raw(Repetition(passes, period, search.difference(period)), y, clock[0])
+    raw = kept.raw(Repetition(passes, period, difference), y, clock[0])
     if period > 0 and not case.antialias:
-        for p in range(passes, cut.passes):
-            _pick_pass(case, cut, p, search.recording(p, raw.repetition), kept.picked)
+        kept.pick_repeated(raw.repetition)
     if MODELS[case.model].memoryless:  # it was never at rest
         _extend_back(raw)
     return raw
+
+
+def _search(setup: Setup, places: np.ndarray, close: Closeness) -> Search | None:
+    if not may_repeat(setup.case):
+        return None
+    return Search(places, setup.cut.steps_per_pass, setup.model, MODELS[setup.case.model].memoryless, close)
 
 
 def _extend_back(raw: RawRecord) -> None:

@@ -224,6 +224,7 @@ def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
     return float(peak), float(K) / m, float(C) / m
 
 
+@lru_cache(maxsize=1024)
 def step_limit(method: str | None, K: float, C: float) -> float:
     """The step (s) at which a method turns unstable; K (1/s^2) and C (1/s) over a body's mass."""
     if method is None or METHODS[method].adaptive or (K == 0.0 and C == 0.0):

@@ -1,7 +1,8 @@
 """What the integrator leaves behind, before it is sampled: the computed ball passes, and what repeats them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from math import ceil
 
 import numpy as np
 
@@ -46,23 +47,53 @@ class RawRecord:
     def read(self, first: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
         """Fine samples (R, count) from number ``first`` on, of all rows or those of the indices ``rows`` (R,)."""
         rows = np.arange(len(self.places)) if rows is None else np.asarray(rows)
-        start = self.zero + first
-        if start + count <= self.lead + self.repetition.computed * self.M:
+        start, computed = self.zero + first, self.lead + self.repetition.computed * self.M
+        if start + count <= computed:
             return self.fine[rows, start : start + count]
-        column = np.arange(start, start + count) - self.lead
-        passes = column // self.M
-        source = np.where(passes < 0, passes, self.repetition.source(passes))
-        partners = self._partners[(passes - source) % self.Z][:, rows].T
-        return self.fine[partners, self.lead + column + (source - passes) * self.M]
+        known = self.fine[rows, start:computed]
+        return np.concatenate([known, self._repeated(max(start, computed), start + count, rows)], axis=1)
+
+    def _repeated(self, start: int, end: int, rows: np.ndarray) -> np.ndarray:
+        """The columns from ``start`` to ``end``, all after the computed ones, as they would have been computed."""
+        first, last = ((column - self.lead) // self.M for column in (start, end - 1))
+        found = []
+        for p in range(first, last + 1):
+            source = int(self.repetition.source(p))
+            at = self.lead + source * self.M
+            found.append(self.fine[self._partners[(p - source) % self.Z][rows], at : at + self.M])
+        skipped = start - self.lead - first * self.M
+        return np.concatenate(found, axis=1)[:, skipped : skipped + end - start]
 
     @cached_property
     def _partners(self) -> np.ndarray:
         """(Z, C) which row holds, m passes before, what row c holds now."""
         return np.array([turned(self.places, self.Z, m) for m in range(self.Z)])
 
-    def low_passed(self, first: int, count: int, taps: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """The same, through the low-pass ``taps`` of the record's sampling."""
-        reach = len(taps) // 2
-        out = np.empty((len(rows), count))
-        low_pass(np.ascontiguousarray(self.read(first - reach, count + 2 * reach, rows)), taps, out)
+    def through(self, taps: np.ndarray) -> "RawRecord | LowPassed":
+        """What the low-pass ``taps`` (odd) let through, to be read in the same way.
+
+        Of a motion that repeats itself the computed passes are filtered, and some that follow: as many as the
+        filter reaches. Of any other, what is asked for, as it is asked for.
+        """
+        if self.repetition.period == 0:
+            return LowPassed(self, taps)
+        reach, computed = len(taps) // 2, self.repetition.computed + ceil(len(taps) / self.M)
+        fine = LowPassed(self, taps).read(reach - self.zero, self.lead + computed * self.M - reach)
+        repetition = self.repetition._replace(computed=computed)
+        return replace(self, fine=fine, lead=self.lead - reach, zero=self.zero - reach, repetition=repetition)
+
+
+@dataclass(frozen=True)
+class LowPassed:
+    """A raw record, seen through the low-pass ``taps``."""
+
+    raw: RawRecord
+    taps: np.ndarray
+
+    def read(self, first: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
+        """As ``RawRecord.read``."""
+        reach = len(self.taps) // 2
+        wide = np.ascontiguousarray(self.raw.read(first - reach, count + 2 * reach, rows))
+        out = np.empty((len(wide), count))
+        low_pass(wide, self.taps, out)
         return out

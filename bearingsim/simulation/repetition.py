@@ -106,6 +106,7 @@ class Search:
         nothing is to be waited for; close: differences that are small.
         """
         self.places, self.memoryless, self.close, self.Z = places, memoryless, close, model.bearing.Z
+        self.compared = np.r_[0:4, 9 : len(places)]  # the acceleration jumps, and what cages do is of the state
         self.weights = np.zeros(12 * lay.ROW) if memoryless else _lengths(model)
         self.least_peaks = np.array([name == "tilt.max" for name in EXTREMES]) / model.bearing.R_o
         held = int(MOST_HELD // (8 * len(places) * steps))
@@ -113,45 +114,38 @@ class Search:
         self.recordings: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
         self.ends: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
         self.peaks: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
+        of_compared = places[self.compared]
+        self.partners = {period: turned(of_compared, self.Z, period) for period in self.periods}
         self.differences: dict[int, list[float]] = {period: [] for period in self.periods}
 
-    def period(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> int:
-        """The period (passes) with which the motion is found to repeat at the end of a pass; 0 if it is not.
+    def period(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
+        """The period (passes) with which the motion is found to repeat at the end of a pass, 0 if it is not.
+
+        And the difference of passes a period apart; the least of any if it is not found.
 
         window: (C, steps) the pass's recording; y: the buffer at its end; peaks: ``EXTREMES`` within it.
         """
         if not self.periods:
-            return 0
-        self.recordings.append(window.copy())
+            return 0, nan
+        self.recordings.append(window[self.compared])
         self.ends.append(y[lay.POSITION : lay.POSITION + 2 * lay.STATE] * self.weights)
         self.peaks.append(peaks)
         if self.memoryless:
-            return 1
+            return 1, 0.0
         ranges = self._ranges(window)
         for period in self.periods:
             if period < len(self.ends):
                 found = self.differences[period]
                 found.append(self._difference(period, ranges))
                 if _settled(found, self.close) and _settled(found[:-1], self.close):
-                    return period
-        return 0
-
-    def recording(self, p: int, repetition: Repetition) -> np.ndarray:
-        """The recording of a pass that was not computed, as `period` was given it; the motion repeats."""
-        source = int(repetition.source(p))
-        held = self.recordings[source - repetition.computed]
-        return held[turned(self.places, self.Z, p - source)]
-
-    def difference(self, period: int) -> float:
-        """The last difference of passes so many passes apart; the least of any if ``period`` is 0."""
-        if self.memoryless:
-            return 0.0 if period else nan
-        told = [self.differences[period]] if period > 0 else self.differences.values()
-        return min((d[-1] for d in told if d), default=nan)
+                    return period, found[-1]
+        return 0, min((found[-1] for found in self.differences.values() if found), default=nan)
 
     def _ranges(self, window: np.ndarray) -> np.ndarray:
         """The range of the kind of each recorded row (C,)."""
-        high, low = window.max(axis=1), window.min(axis=1)
+        high, low = np.zeros(len(window)), np.zeros(len(window))
+        for c in self.compared:
+            high[c], low[c] = window[c].max(), window[c].min()
         found = high - low
         for pair in (found[:2], found[2:4]):
             pair[:] = np.maximum(pair, LEAST_RANGE * pair.max())
@@ -166,13 +160,12 @@ class Search:
         at_end = self._end_difference(period, ranges)
         if not at_end <= NEAR * self.close.shrinking:
             return at_end
-        partner = turned(self.places, self.Z, period)
-        compared = np.r_[0:4, 9 : len(self.places)]  # the acceleration jumps, and what cages do is of the state
-        apart = np.abs(self.recordings[-1][compared] - self.recordings[-1 - period][partner[compared]]).max(axis=1)
+        now, before = self.recordings[-1], self.recordings[-1 - period]
+        apart = np.array([np.abs(a - before[c]).max() for a, c in zip(now, self.partners[period], strict=True)])
         least = self.least_peaks * ranges[:2].max()
         largest = np.abs(self.peaks[-1] - self.peaks[-1 - period])
         of_peaks = _over(largest, np.maximum(self.peaks[-1], least))
-        return max(at_end, _over(apart, ranges[compared]), of_peaks)
+        return max(at_end, _over(apart, ranges[self.compared]), of_peaks)
 
     def _end_difference(self, period: int, ranges: np.ndarray) -> float:
         """The largest difference of the states at the passes' ends, as lengths and speeds."""

@@ -278,18 +278,17 @@ BLOCK = 1 << 15  # fine samples that are made into a series at a time
 
 
 def _sampled(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
-    """The record's samples (R, n) of the raw's ``rows``, a block at a time."""
+    """The record's samples (R, n) of ``rows`` of the raw one, a block at a time."""
     if not case.antialias:
         return raw.picked[rows]
     out = np.empty((len(rows), time_grid.samples(case)))
     ratio, kernel = cut.fine_rate / case.sampling, interpolation_kernel()
-    taps, weights = sampling_kernel(ratio), np.empty(2 * INTERPOLATION_REACH)
+    low, weights = raw.through(sampling_kernel(ratio)), np.empty(2 * INTERPOLATION_REACH)
     block = max(1, int(BLOCK / ratio))
     start = case.settle * cut.fine_rate
     for n in range(0, out.shape[1], block):
         end = min(n + block, out.shape[1])
         first = floor(start + n * ratio) - INTERPOLATION_REACH
         count = ceil((end - n) * ratio) + 2 * INTERPOLATION_REACH + 1
-        fine = raw.low_passed(first, count, taps, rows)
-        interpolate(fine, start - first, ratio, kernel, weights, out, n, end)
+        interpolate(low.read(first, count, rows), start - first, ratio, kernel, weights, out, n, end)
     return out

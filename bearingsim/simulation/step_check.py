@@ -146,7 +146,7 @@ def of_orbit(setup: Setup, raw: RawRecord) -> Compared:
     start = (raw.repetition.computed + ceil(len(taps) / M)) * M
     whole = raw.read(start, period * M)
     fine = features.along_sensor(case, whole, "velocity")
-    rows = raw.low_passed(start, period * M, taps, np.arange(len(raw.places))) if case.antialias else whole
+    rows = raw.through(taps).read(start, period * M) if case.antialias else whole
     lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
     return _compared(case, raw, fine, rows, lines.mean(axis=1, keepdims=True))
 
@@ -259,7 +259,7 @@ def of_pilot(setup: Setup, passes: int, nudge: float = 0.0) -> Compared:
 def low_passed(setup: Setup, raw: RawRecord, start: int, length: int) -> np.ndarray:
     """Rows (C, ``length``) at fine samples from number ``start``, low-passed as the record is."""
     taps = sampling_kernel(setup.cut.fine_rate / setup.case.sampling)
-    return raw.low_passed(start, length, taps, np.arange(len(raw.places)))
+    return raw.through(taps).read(start, length)
 
 
 def raw_values(setup: Setup, picked: np.ndarray, passes: int) -> np.ndarray:

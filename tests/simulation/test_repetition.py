@@ -126,7 +126,7 @@ def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[in
         y[[lay.POSITION + lay.X, lay.POSITION + lay.Y, lay.VELOCITY + lay.X, lay.VELOCITY + lay.Y]] = window[
             :4, -1
         ]
-        found = search.period(window, y, np.ones(5))
+        found, _ = search.period(window, y, np.ones(5))
         if found:
             return found, p + 1
     return 0, passes
