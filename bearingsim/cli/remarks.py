@@ -21,6 +21,7 @@ def remarks(plan: "Plan") -> Iterator[str]:
     """All that is said, one text each."""
     yield from choices(plan)
     yield from methods(plan)
+    yield from repeating(plan)
     yield from damping(plan)
     yield from varied(plan)
     yield from creeping(plan)
@@ -57,6 +58,19 @@ def methods(plan: "Plan") -> list[str]:
         where = "all of its run" if whole else "its run's beginning"
         told.append(f"each step is proven on {where}: half of it may change line and RMS by 0.5 %")
     return told
+
+
+def repeating(plan: "Plan") -> Iterator[str]:
+    """How many jobs may repeat themselves, and what they would take if none did."""
+    from bearingsim.runner.progress import duration
+
+    found = [one for one in plan.everything if one.estimate.most_seconds > one.estimate.cpu_seconds]
+    if found:
+        most = plan.cpu_seconds + sum(one.estimate.most_seconds - one.estimate.cpu_seconds for one in found)
+        yield (
+            f"{len(found)} of {len(plan.everything)} jobs may repeat themselves, and are priced as if they did:"
+            f" if none does, about {duration(most)} of CPU time"
+        )
 
 
 def damping(plan: "Plan") -> Iterator[str]:

@@ -78,13 +78,17 @@ LONGEST_PERIOD = 4  # ball passes; longer ones have not been seen
 
 
 class Closeness(NamedTuple):
-    """Differences over the range that are small: with, and without, a look at how fast they shrink."""
+    """Differences over the range that are small: with, and without, a look at how fast they shrink.
+
+    times: in a row that they must be.
+    """
 
     shrinking: float
     anyhow: float
+    times: int
 
 
-OF_A_RECORD = Closeness(1e-7, 1e-10)
+OF_A_RECORD = Closeness(1e-7, 1e-10, times=2)
 """What a record is made from that is computed once."""
 SLOWEST = 0.98  # shrinking by less from pass to pass is not believed
 NEAR = 1e3  # times as far apart the ends of two passes may be for all of the passes to be compared
@@ -137,7 +141,7 @@ class Search:
             if period < len(self.ends):
                 found = self.differences[period]
                 found.append(self._difference(period, ranges))
-                if _settled(found, self.close) and _settled(found[:-1], self.close):
+                if all(_settled(found[: len(found) - n], self.close) for n in range(self.close.times)):
                     return period, found[-1]
         return 0, min((found[-1] for found in self.differences.values() if found), default=nan)
 

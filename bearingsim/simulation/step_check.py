@@ -45,7 +45,7 @@ GROWN, PARTED = 3.0, 1e-4  # from the first pass that counts to the last; in any
 NO_LESS = 0.3  # of what half the step, or a tenth of the tolerance, changes
 MIN_BLOCKS = 16  # of some passes each, to tell how their RMS scatters
 SECOND_PILOT = 4.0  # times as long is a second pilot, if the first one's twins part without chaos
-CLOSE_TO_ORBIT = Closeness(1e-5, 1e-6)
+CLOSE_TO_ORBIT = Closeness(1e-5, 1e-5, times=1)
 """How close the finer run must come to repeating itself: changes by less count as none."""
 MAX_COST_RATIO = 4.0  # times the CPU time that half the step and a tenth of the tolerance may take
 

@@ -1,7 +1,7 @@
 """A case cut in time, and what it will take: known before anything runs, and printed by ``bearingsim check``."""
 
 from dataclasses import dataclass
-from math import ceil, floor
+from math import ceil, floor, sqrt
 
 from bearingsim import assemble
 from bearingsim.assemble.scales import MIN_STEPS_PER_CROSSING, at_full_speed
@@ -51,13 +51,15 @@ class Grid:
 class Estimate:
     """What a job will take: CPU seconds on one core, bytes on disk before compression, steps of the run itself.
 
-    check_seconds: of ``cpu_seconds``, to prove its step.
+    check_seconds: of ``cpu_seconds``, to prove its step; most_seconds: as ``cpu_seconds``, of a motion that might
+    repeat itself and does not.
     """
 
     cpu_seconds: float
     bytes: int
     steps: int
     check_seconds: float = 0.0
+    most_seconds: float = 0.0
 
 
 def requested_step(case: Case) -> float:
@@ -136,14 +138,18 @@ def estimate(case: Case) -> Estimate:
     """What the case will take. Raises ``Refused`` like ``requested_step``."""
     case = resolved(case)
     cut = grid(case)
-    computed = 1 if solved_once(case) else cut.passes
-    steps = computed * cut.steps_per_pass
-    seconds = computed / cut.rate * per_second(case, cut.step)
-    proof = check_cost(case) * seconds if case.checks_step else 0.0
+    one_pass = per_second(case, cut.step) / cut.rate
+    whole = 1 if solved_once(case) else cut.passes
+    computed, proof, most_proof = whole, 0.0, check_cost(case) * whole if case.checks_step else 0.0
+    if may_repeat(case):
+        computed = min(whole, int(price("passes")))
+    if case.checks_step:
+        proof = price("finer passes") * sqrt(5.0) if may_repeat(case) else most_proof
     columns = sum(len(CHANNELS[name].components) for name in case.record)
     return Estimate(
-        cpu_seconds=price("job") + seconds + proof,
+        cpu_seconds=price("job") + one_pass * (computed + proof),
         bytes=4 * columns * samples(case),
-        steps=steps,
-        check_seconds=proof,
+        steps=computed * cut.steps_per_pass,
+        check_seconds=one_pass * proof,
+        most_seconds=price("job") + one_pass * (whole + most_proof),
     )

@@ -275,7 +275,8 @@ def test_a_record_without_samples_is_refused() -> None:
 
 
 def test_estimate_counts_steps_and_bytes() -> None:
-    given = case(model="ring", duration=0.29, sampling=10000.0, record=["ring.velocity", "roller.outer_force"])
+    asked = {"duration": 0.29, "sampling": 10000.0, "record": ["ring.velocity", "roller.outer_force"]}
+    given = case(model="ring", periodic=False, **asked)
     found, cut = time_grid.estimate(given), grid(given)
     assert found.bytes == 3 * 4 * 2900
     assert found.steps == cut.passes * cut.steps_per_pass
@@ -342,9 +343,9 @@ def test_powers_of_the_library_are_priced(m1: float, m3: float, ns: float) -> No
     assert prices.per_second(given, 1e-6) == pytest.approx(1e-3 * ns, rel=0.2)
 
 
-def test_what_repeats_itself_is_priced_as_one_pass_and_refused_by_its_model() -> None:
+def test_static_is_priced_as_one_pass_and_refused_by_its_model() -> None:
     given = case(model="static", defect=SLOT, duration="1 s")
-    watched = given.model_copy(update={"record": ("roller.outer_force",)})
+    watched = given.model_copy(update={"periodic": False})
     least = mock.patch.object(time_grid, "MAX_CPU", 0.1 * time_grid.estimate(given).cpu_seconds)
     with least, pytest.raises(Refused, match="`static` would take about"):
         grid(watched)
@@ -355,11 +356,20 @@ def test_what_repeats_itself_is_priced_as_one_pass_and_refused_by_its_model() ->
 
 def test_the_price_of_a_job_holds_its_proof() -> None:
     checks_step, plain = (
-        time_grid.estimate(case(defect=SLOT, duration="2 s", prove=prove)) for prove in (True, False)
+        time_grid.estimate(case(defect=SLOT, duration="2 s", periodic=False, prove=prove))
+        for prove in (True, False)
     )
     assert plain.check_seconds == 0.0
     assert checks_step.check_seconds == pytest.approx((1 + sqrt(5)) / 16 * plain.cpu_seconds, rel=0.1)
     assert checks_step.cpu_seconds == pytest.approx(plain.cpu_seconds + checks_step.check_seconds)
+
+
+def test_what_may_repeat_is_priced_by_the_passes_that_are_expected() -> None:
+    long, short = (time_grid.estimate(case(defect=SLOT, duration=duration)) for duration in ("20 s", "1 s"))
+    whole = time_grid.estimate(case(defect=SLOT, duration="20 s", periodic=False))
+    assert long.cpu_seconds == short.cpu_seconds < 0.05 * whole.cpu_seconds
+    assert long.most_seconds == whole.cpu_seconds == whole.most_seconds
+    assert 0.0 < long.check_seconds < long.cpu_seconds
 
 
 def test_adaptive_steps_are_bounded_by_the_highest_speed_of_a_ramp() -> None:
