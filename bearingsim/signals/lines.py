@@ -71,24 +71,28 @@ def line_at(series: np.ndarray, angle: np.ndarray) -> np.ndarray:
 
 
 def lines_of_windows(
-    windows: np.ndarray, index: np.ndarray, rest: np.ndarray, angle: np.ndarray, turn: np.ndarray
+    windows: np.ndarray, count: int, period: int, rest: np.ndarray, angle: np.ndarray, turn: np.ndarray
 ) -> np.ndarray:
-    """``line_at`` of L lines at constant speed, in a series made of windows that may occur again and again.
+    """``line_at`` of L lines at constant speed, in a series made of windows of which the last occur again.
 
-    windows: (..., W, M); the series is windows[index] (K,), side by side, and ``rest`` (..., r) at the end. angle:
-    (L,) rad of each line at the first sample; turn: (L,) rad from sample to sample. Hann's window is three
-    exponentials, so that each window counts by three sums a line wherever it stands. Returns (..., L) complex.
+    windows: (..., W, M); the series is ``count`` windows side by side, those after the first W being the last
+    ``period`` of them again and again, and ``rest`` (..., r) at the end. angle: (L,) rad of each line at the first
+    sample; turn: (L,) rad from sample to sample. Hann's window is three exponentials, so that each window counts
+    by three sums a line wherever, and however often, it stands. Returns (..., L) complex.
     """
-    M, K = windows.shape[-1], len(index)
-    N = K * M + rest.shape[-1]
+    W, M = windows.shape[-2:]
+    N = count * M + rest.shape[-1]
     to_window = 2.0 * pi / (N - 1) * np.array([0.0, -1.0, 1.0])
     frequency = (np.append(turn, 0.0)[:, np.newaxis] + to_window).ravel()  # the last for the mean
-    each = windows @ _turns(np.arange(M), frequency)
-    total = np.einsum("...kf,kf->...f", each[..., index, :], _turns(M * np.arange(K), frequency))
-    total += rest @ _turns(np.arange(K * M, N), frequency)
+    w = np.arange(W)
+    again = w >= W - period
+    times = np.where(again, (count - 1 - w) // max(1, period) + 1, 1)
+    occurs = _turns(M * w, frequency) * _sum_of_turns(M * period * frequency, times[:, np.newaxis])
+    total = np.einsum("...wf,wf->...f", windows @ _turns(np.arange(M), frequency), occurs)
+    total += rest @ _turns(np.arange(count * M, N), frequency)
     hann = np.array([0.5, -0.25, -0.25]) / (0.5 * (N - 1))
     sums = total.reshape(*total.shape[:-1], -1, 3) @ hann
-    kernel = _sum_of_turns(frequency, N).reshape(-1, 3) @ hann
+    kernel = _sum_of_turns(frequency, np.array(N)).reshape(-1, 3) @ hann
     found = 2.0 * np.exp(-1j * angle) * (sums[..., :-1] - sums[..., -1:] * kernel[:-1])
     return np.where(np.abs(turn) * (N - 1) >= 4.0 * pi, found, complex(np.nan, np.nan))
 
@@ -99,10 +103,11 @@ def _turns(n: np.ndarray, frequency: np.ndarray) -> np.ndarray:
     return np.cos(angle) - 1j * np.sin(angle)
 
 
-def _sum_of_turns(frequency: np.ndarray, N: int) -> np.ndarray:
-    """Sum of exp(-i f n) over n = 0 ... N - 1: (f,)."""
-    half = 0.5 * frequency
-    ratio = np.divide(np.sin(N * half), np.sin(half), out=np.full(len(half), float(N)), where=np.sin(half) != 0.0)
+def _sum_of_turns(frequency: np.ndarray, N: np.ndarray) -> np.ndarray:
+    """Sum of exp(-i f n) over n = 0 ... N - 1, for frequencies and numbers N that broadcast."""
+    half = 0.5 * np.remainder(frequency + pi, 2.0 * pi) - 0.5 * pi  # whole turns taken out: at them it is N
+    sine = np.sin(half)
+    ratio = np.where(sine == 0.0, N, np.sin(N * half) / np.where(sine == 0.0, 1.0, sine))
     return np.exp(-1j * (N - 1) * half) * ratio
 
 

@@ -175,15 +175,17 @@ def _lines_at_constant_speed(
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Complex amplitudes (lines,) of each quantity, and the lines' frequencies (Hz)."""
     of_record = windows(case, cut, raw, reach=0)
-    M, start, index = of_record.M, of_record.start, of_record.index[: length // of_record.M]
-    series = [along_sensor(case, raw.read(start, of_record.distinct * M, OF_BASE), q) for q in MOTION[:2]]
-    rest = raw.read(start + len(index) * M, length - len(index) * M, OF_BASE)
+    M, start = of_record.M, of_record.start
+    count = min(len(of_record.index), length // M)
+    W = min(of_record.distinct, count)
+    series = [along_sensor(case, raw.read(start, W * M, OF_BASE), q) for q in MOTION[:2]]
+    rest = raw.read(start + count * M, length - count * M, OF_BASE)
     turning = sample_angles(model, cut, start, np.zeros(2))
     angle = np.array([turning.along(line, case.bearing.rollers) for line in LINES.values()])
     turn = np.diff(angle)[:, 0]
     of_rest = np.stack([along_sensor(case, rest, q) for q in MOTION[:2]])
     displacement, velocity = signals.lines_of_windows(
-        np.stack(series).reshape(2, -1, M), index, of_rest, angle[:, 0], turn
+        np.stack(series).reshape(2, W, M), count, of_record.period, of_rest, angle[:, 0], turn
     )
     # by parts from the velocity, which has fewer impacts to fold into the line than an acceleration
     acceleration = 1j * turn * cut.fine_rate * velocity

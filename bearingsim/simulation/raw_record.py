@@ -56,11 +56,12 @@ class RawRecord:
     def _repeated(self, start: int, end: int, rows: np.ndarray) -> np.ndarray:
         """The columns from ``start`` to ``end``, all after the computed ones, as they would have been computed."""
         first, last = ((column - self.lead) // self.M for column in (start, end - 1))
-        found = []
-        for p in range(first, last + 1):
-            source = int(self.repetition.source(p))
-            at = self.lead + source * self.M
-            found.append(self.fine[self._partners[(p - source) % self.Z][rows], at : at + self.M])
+        passes = np.arange(first, last + 1)
+        sources = self.repetition.source(passes)
+        starts, shifts = self.lead + sources * self.M, (passes - sources) % self.Z
+        found = [
+            self.fine[self._partners[m][rows], at : at + self.M] for m, at in zip(shifts, starts, strict=True)
+        ]
         skipped = start - self.lead - first * self.M
         return np.concatenate(found, axis=1)[:, skipped : skipped + end - start]
 

@@ -14,12 +14,14 @@ from bearingsim.simulation.time_grid import Grid
 class Windows:
     """Windows of ``M`` fine samples, side by side from fine sample ``start`` on, the record's first.
 
-    index: (K,) which of the first ``distinct`` windows each of the record's equals.
+    index: (K,) which of the first ``distinct`` windows each of the record's equals: beyond them it is the one
+    ``period`` before.
     """
 
     start: int
     M: int
     index: np.ndarray
+    period: int
 
     @property
     def distinct(self) -> int:
@@ -52,6 +54,6 @@ def windows(case: Case, cut: Grid, raw: RawRecord, reach: int) -> Windows:
         K = min(K, (raw.end - reach - start) // M)
     k = np.arange(K)
     if raw.repeats_from is None:
-        return Windows(start, M, k)
+        return Windows(start, M, k, 0)
     first, period = max(0, ceil((raw.repeats_from + reach - start) / M)), raw.repetition.period
-    return Windows(start, M, np.where(k < first, k, first + (k - first) % period))
+    return Windows(start, M, np.where(k < first, k, first + (k - first) % period), period)

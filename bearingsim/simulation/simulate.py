@@ -282,6 +282,8 @@ def _sampled(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) 
     if not case.antialias:
         return raw.picked[rows]
     out = np.empty((len(rows), time_grid.samples(case)))
+    if len(rows) == 0:
+        return out
     ratio, kernel = cut.fine_rate / case.sampling, interpolation_kernel()
     low, weights = raw.through(sampling_kernel(ratio)), np.empty(2 * INTERPOLATION_REACH)
     block = max(1, int(BLOCK / ratio))

@@ -15,6 +15,7 @@ from bearingsim.signals import (
     line_at,
     lines_at,
     lines_by_pass,
+    lines_of_windows,
     pick_from,
     pick_line,
     resolvable,
@@ -400,3 +401,21 @@ def test_what_has_no_events_has_no_spacing() -> None:
 def test_spacing_refuses_too_little(n: int, fs: float) -> None:
     with pytest.raises(ValueError, match="two passes"):
         spacing(np.zeros(n), fs, 1 / 159)
+
+
+@pytest.mark.parametrize(
+    ("W", "period", "count", "rest"), [(6, 0, 6, 17), (5, 1, 40, 0), (7, 3, 42, 11), (4, 4, 23, 1)]
+)
+def test_lines_of_windows_that_occur_again_are_those_of_the_whole_series(
+    W: int, period: int, count: int, rest: int
+) -> None:
+    """Also at a whole number of turns to a window, where a geometric series has no ratio."""
+    rng, M = np.random.default_rng(W), 60
+    windows = rng.normal(size=(2, W, M)) + 100.0
+    index = [k if k < W else W - period + (k - W) % max(1, period) for k in range(count)]
+    series = np.concatenate([windows[:, index].reshape(2, -1), rng.normal(size=(2, rest)) + 100.0], axis=1)
+    angle, turn = np.array([0.3, -1.0, 2.0, 0.0]), np.array([2.0 * np.pi / M, 0.21, -0.4, 0.001])
+    found = lines_of_windows(windows, count, period, series[:, count * M :], angle, turn)
+    for n in range(4):
+        right = line_at(series, angle[n] + turn[n] * np.arange(series.shape[1]))
+        assert found[:, n] == pytest.approx(right, rel=1e-9, abs=1e-12, nan_ok=True)
