@@ -58,11 +58,17 @@ def closing_speed(model: Any) -> float:
     return float(max(speeds, default=0.0))
 
 
+SOFTEST = 1e9  # m: no contact is pressed so deep
+
+
 def approach(law: Any, load: float) -> float:
     """The approach (m) of a contact at rest under ``load`` (N)."""
     if load <= 0.0:
         return 0.0
-    return float(brentq(lambda delta: normal_force(law, delta, 0.0) - load, 0.0, 1e-3, xtol=1e-18, rtol=1e-12))
+    deep = 1e-3
+    while normal_force(law, deep, 0.0) < load and deep < SOFTEST:
+        deep *= 10.0
+    return float(brentq(lambda delta: normal_force(law, delta, 0.0) - load, 0.0, deep, xtol=1e-18, rtol=1e-12))
 
 
 def damping_ratio(case: Case, load: float) -> float:

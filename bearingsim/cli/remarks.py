@@ -55,7 +55,7 @@ def methods(plan: "Plan") -> list[str]:
     checks_step = [one.job.case.checks_step for one in plan.everything]
     if any(checks_step):
         whole = all(one.job.case.step_check == "strict" for one in plan.everything if one.job.case.checks_step)
-        where = "all of its run" if whole else "its run's beginning"
+        where = "all of its run" if whole else "a period of its motion, or its run's beginning"
         told.append(f"each step is proven on {where}: half of it may change line and RMS by 0.5 %")
     return told
 

@@ -83,7 +83,11 @@ def repetitions(info: "pd.DataFrame") -> Iterator[str]:
             f"{len(repeating)} of {len(told)} jobs repeat themselves: {passes} ball passes were computed of"
             f" {_span(repeating['passes'], '{:.0f}')} (`periodic: false` computes all)"
         )
-    others = told[(told["period_passes"] == 0) & told["last_difference"].notna()]
+    ended = told[(told["period_passes"] == 0) & (told["passes_computed"] < told["passes"])]
+    if len(ended):
+        passes = _span(ended["passes_computed"], "{:.0f}")
+        yield f"{len(ended)} of {len(told)} jobs ended after {passes} ball passes, accurate enough"
+    others = told[(told["passes_computed"] == told["passes"]) & (told["last_difference"] > 0.0)]
     if len(others):
         yield (
             f"{len(others)} of {len(told)} jobs do not repeat themselves, and are computed in full: their passes"

@@ -15,7 +15,7 @@ from bearingsim.simulation.time_grid import Grid
 MIN_BLOCKS = 8  # of passes: fewer do not tell how they scatter
 MIN_PASSES = 16
 LOOK_AGAIN = 1.1  # times as many passes: so seldom the errors are looked at
-QUIET_LINE = 1e-3  # a line under this part of the RMS is none, and is measured by it
+QUIET_LINE = 1e-3  # a line under this part of the RMS (60 dB below it) is none, and is measured by it
 
 
 class StandardErrors(NamedTuple):
@@ -43,15 +43,13 @@ def standard_errors(case: Case, model: Any, cut: Grid, raw: RawRecord) -> Standa
     lines = signals.lines_by_pass(velocity, M, [1], of_record.start, case.bearing.rollers * model.bearing.theta_0)[
         0
     ]
-    if case.antialias:
-        low = raw.through(taps).read(of_record.start, n * M, OF_BASE)
-        velocity = along_sensor(case, low, "velocity")
-    power = np.mean(velocity.reshape(n, M) ** 2, axis=1)
+    low = raw.through(taps).read(of_record.start, n * M, OF_BASE)
+    power = np.mean(along_sensor(case, low, "velocity").reshape(n, M) ** 2, axis=1)
     mean, rms = lines.mean(), np.sqrt(power.mean())
     along = (lines * np.exp(-1j * np.angle(mean))).real
     return StandardErrors(
-        standard_error(along) / (max(abs(mean), QUIET_LINE * rms) or 1.0),
-        0.5 * standard_error(power) / (power.mean() or 1.0),
+        float(standard_error(along) / (max(abs(mean), QUIET_LINE * rms) or 1.0)),
+        float(0.5 * standard_error(power) / (power.mean() or 1.0)),
     )
 
 

@@ -180,9 +180,10 @@ def _lines_at_constant_speed(
     W = min(of_record.distinct, count)
     series = [along_sensor(case, raw.read(start, W * M, OF_BASE), q) for q in MOTION[:2]]
     rest = raw.read(start + count * M, length - count * M, OF_BASE)
-    turning = sample_angles(model, cut, start, np.zeros(2))
+    turning = sample_angles(model, cut, start, np.zeros(1))
     angle = np.array([turning.along(line, case.bearing.rollers) for line in LINES.values()])
-    turn = np.diff(angle)[:, 0]
+    from_zero = sample_angles(model, cut, 0, np.zeros(2))  # where angles have all their digits
+    turn = np.diff([from_zero.along(line, case.bearing.rollers) for line in LINES.values()])[:, 0]
     of_rest = np.stack([along_sensor(case, rest, q) for q in MOTION[:2]])
     displacement, velocity = signals.lines_of_windows(
         np.stack(series).reshape(2, W, M), count, of_record.period, of_rest, angle[:, 0], turn

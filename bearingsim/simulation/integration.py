@@ -136,7 +136,8 @@ class Recording:
         self.picked[:, :1] = y[self.places][:, np.newaxis]  # at t = 0, should the record begin there
         self.peaks = np.empty((self.cut.passes, len(EXTREMES)))
         self.samples = _samples_between_steps(self.case, self.picked)
-        self.last: deque[np.ndarray] = deque(maxlen=0 if self.case.antialias else LONGEST_PERIOD)  # to pick from
+        keeps = not self.case.antialias and may_repeat(self.case)  # passes to pick from
+        self.last: deque[np.ndarray] = deque(maxlen=LONGEST_PERIOD if keeps else 0)
 
     def keep(self, p: int, window: np.ndarray, y: np.ndarray) -> None:
         """Keep what is wanted of pass ``p``; window: as ``_ball_passes`` gives it."""
@@ -145,7 +146,8 @@ class Recording:
         decimate(window, self.taps, D, self.fine[:, start : start + M])
         if type(self.samples) is NoSamples:
             _pick_pass(self.case, self.cut, p, window, self.picked)
-            self.last.append(window.copy())
+            if self.last.maxlen:
+                self.last.append(window.copy())
         self.peaks[p] = _take_peaks(y)
 
     def pick_repeated(self, repetition: Repetition) -> None:
@@ -272,6 +274,7 @@ def _ball_passes(
     if MODELS[case.model].memoryless:  # it was never at rest: what was before t = 0 is known
         before = window[:, steps:]
         advance_and_sample(setup.method, setup.model, setup.monitor, -tail, y, places, before, NoSamples())
+        _take_peaks(y)
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
         _record_steps(setup, samples, p * steps, y, places, window[:, tail:], clock)

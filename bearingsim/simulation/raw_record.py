@@ -48,6 +48,8 @@ class RawRecord:
         """Fine samples (R, count) from number ``first`` on, of all rows or those of the indices ``rows`` (R,)."""
         rows = np.arange(len(self.places)) if rows is None else np.asarray(rows)
         start, computed = self.zero + first, self.lead + self.repetition.computed * self.M
+        if start < 0 or (start + count > computed and self.repetition.period == 0):
+            raise IndexError(f"fine samples {first} to {first + count} were not computed")
         if start + count <= computed:
             return self.fine[rows, start : start + count]
         known = self.fine[rows, start:computed]

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.catalogue import METHODS, MODELS
+from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
 from bearingsim.config.rules.passes import ALIKE
 from bearingsim.core import layout as lay
@@ -29,7 +29,6 @@ CONSTANT = frozenset(
 
 CONDITIONS: dict[str, Callable[[Case], bool]] = {
     **{name: alike.holds for name, alike in ALIKE.items()},
-    "model": lambda case: MODELS[case.model].repeats,
     "method": lambda case: case.method is None or not METHODS[case.method].adaptive,
     "periodic": lambda case: case.periodic,
 }
@@ -127,15 +126,16 @@ class Search:
 
         And the difference of passes a period apart; the least of any if it is not found.
 
-        window: (C, steps) the pass's recording; y: the buffer at its end; peaks: ``EXTREMES`` within it.
+        window: (C, n) the pass's recording, with the end of the one before in front; y: the buffer at its end;
+        peaks: ``EXTREMES`` within it.
         """
+        if self.memoryless:
+            return 1, 0.0
         if not self.periods:
             return 0, nan
         self.recordings.append(window[self.compared])
         self.ends.append(y[lay.POSITION : lay.POSITION + 2 * lay.STATE] * self.weights)
         self.peaks.append(peaks)
-        if self.memoryless:
-            return 1, 0.0
         ranges = self._ranges(window)
         for period in self.periods:
             if period < len(self.ends):

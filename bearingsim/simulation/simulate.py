@@ -3,7 +3,7 @@
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import ceil, floor, isfinite, nan
+from math import ceil, floor, isfinite, nan, sqrt
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from bearingsim.config import Case, Section, dataset_names
 from bearingsim.core import layout as lay
 from bearingsim.core.sampling import INTERPOLATION_REACH, interpolate, interpolation_kernel, sampling_kernel
 from bearingsim.errors import Refused
-from bearingsim.simulation import accuracy, channels, choice, step_check, time_grid
+from bearingsim.simulation import accuracy, channels, choice, record_windows, step_check, time_grid
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE
 from bearingsim.simulation.features import features, of_extensions
 from bearingsim.simulation.integration import (
@@ -117,7 +117,7 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     """Compute one case in one way; ``began``: CPU time at the start, s."""
     case, part = attempt
     setup = set_up(case, part)
-    if may_repeat(case):  # which the run itself shows, and soon
+    if may_repeat(case) and case.step_check != "strict":  # the run itself shows whether it does, and soon
         raw = integrate(setup)
         checks_step = _checked_step(setup, raw)
     else:
@@ -127,7 +127,7 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     sampled = _sampled(case, setup.cut, raw, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
     series = channels.series(case, setup.model, sampled, raw.places[rows], case.settle + instants)
-    found = features(case, setup.model, setup.cut, raw) | _check_features(checks_step)
+    found = features(case, setup.model, setup.cut, raw) | _check_features(checks_step, _kept(setup, raw))
     return Record(
         time=instants,
         series=series,
@@ -178,14 +178,20 @@ def _refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
     )
 
 
-def _check_features(checks_step: StepCheck) -> dict[str, float]:
-    """A step check as features."""
+def _kept(setup: Setup, raw: RawRecord) -> float:
+    """The share of its ball passes that a record holds, if it ended as it was accurate enough."""
+    whole = record_windows.whole_passes(setup.case, setup.cut)
+    return len(record_windows.windows(setup.case, setup.cut, raw, reach=0).index) / whole
+
+
+def _check_features(checks_step: StepCheck, kept: float) -> dict[str, float]:
+    """A step check as features, of a record that holds the share ``kept`` of its passes."""
     return {
         "step_error.line": checks_step.line,
         "step_error.rms": checks_step.rms,
         "step_error.record": checks_step.record,
         "chaotic": nan if checks_step is step_check.UNCHECKED else float(checks_step.chaotic),
-        "rms_scatter": nan if checks_step is step_check.UNCHECKED else checks_step.scatter,
+        "rms_scatter": nan if checks_step is step_check.UNCHECKED else checks_step.scatter / sqrt(kept),
     }
 
 

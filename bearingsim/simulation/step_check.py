@@ -25,6 +25,7 @@ from bearingsim.config.names import FAULT_LINES, LINES
 from bearingsim.core import layout as lay
 from bearingsim.core.sampling import sampling_kernel
 from bearingsim.simulation import channels, features, record_windows, time_grid
+from bearingsim.simulation.accuracy import QUIET_LINE
 from bearingsim.simulation.channels import BASE, MOTION
 from bearingsim.simulation.integration import Setup, integrate, set_up
 from bearingsim.simulation.pilot import pilot, sees_pit_turns
@@ -36,7 +37,6 @@ ACCURACY = 0.01
 MAX_CHANGE = 0.5 * ACCURACY
 """The most that half the step may change them: an error of first order is twice that."""
 
-QUIET_LINE = 1e-3  # a line under this part of the RMS (60 dB below it) is none, and is measured by it
 APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
 PERTURBATION = 1e-10  # of the ring's displacement at the start; a motion that repeats itself soon forgets it
 CONFIDENCE = 2.5  # standard deviations, where many passes tell them
@@ -47,6 +47,7 @@ MIN_BLOCKS = 16  # of some passes each, to tell how their RMS scatters
 SECOND_PILOT = 4.0  # times as long is a second pilot, if the first one's twins part without chaos
 CLOSE_TO_ORBIT = Closeness(1e-5, 1e-5, times=1)
 """How close the finer run must come to repeating itself: changes by less count as none."""
+MOST_FINER_PASSES = 4, 16  # times those of the run, and some more: then it is not waited for any longer
 MAX_COST_RATIO = 4.0  # times the CPU time that half the step and a tenth of the tolerance may take
 
 
@@ -119,11 +120,14 @@ def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
 def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
     """The step check of a motion that repeats itself: one period of it against one with half the step.
 
-    The finer run starts where the other ended, so it soon repeats itself too; None if it does not.
+    The finer run starts where the other ended, so it soon repeats itself too; None if it does not. Where it stops,
+    what it may still change rests on how fast the coarse run has settled.
     """
     cut = coarse.cut
     whole = coarse.case.model_copy(update={"until": None})
     fine = set_up(whole, coarse.part * shorter(cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
+    most = MOST_FINER_PASSES[0] * raw.repetition.computed + MOST_FINER_PASSES[1]
+    fine = replace(fine, cut=replace(fine.cut, passes=min(fine.cut.passes, most)))
     other = integrate(fine, start=by_place(raw), close=CLOSE_TO_ORBIT)
     if other.repetition.period == 0:
         return None
@@ -139,14 +143,16 @@ def by_place(raw: RawRecord) -> np.ndarray:
 
 
 def of_orbit(setup: Setup, raw: RawRecord) -> Compared:
-    """What is compared of a motion that repeats itself: its last period."""
+    """What is compared of a motion that repeats itself: a period of it, and of rollers a turn of the cage."""
     case, cut, model = setup.case, setup.cut, setup.model
     M, period = cut.fine_per_pass, raw.repetition.period
     taps = sampling_kernel(cut.fine_rate / case.sampling)
-    start = (raw.repetition.computed + ceil(len(taps) / M)) * M
+    turns = ceil((raw.repetition.computed + ceil(len(taps) / M)) / raw.Z)  # of the cage: each roller in its place
+    start = turns * raw.Z * M
     whole = raw.read(start, period * M)
     fine = features.along_sensor(case, whole, "velocity")
-    rows = raw.through(taps).read(start, period * M) if case.antialias else whole
+    low = raw.through(taps) if case.antialias else raw
+    rows = low.read(start, raw.Z * M if np.any(lay.lane_of(raw.places) >= 0) else period * M)
     lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
     return _compared(case, raw, fine, rows, lines.mean(axis=1, keepdims=True))
 
