@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 
-__all__ = ["Report", "duration", "getting_ready", "progress"]
+__all__ = ["Patience", "Report", "duration", "getting_ready", "progress"]
 
 LINE_EVERY_S = 10.0
 PATIENCE_S = 2.0  # without a word
@@ -23,18 +23,42 @@ def progress(shown: bool | None, jobs: int, seconds: float) -> AbstractContextMa
     return _bar(jobs, seconds) if sys.stderr.isatty() else _lines(jobs, seconds)
 
 
+class Patience:
+    """Says what is being done, if it takes long."""
+
+    def __init__(self, shown: bool | None) -> None:
+        """shown: False says nothing."""
+        self.shown = shown is not False
+        self.timer = threading.Timer(0.0, lambda: None)
+
+    def begin(self, what: str) -> None:
+        """From now on ``what`` is done; it is said if it takes over ``PATIENCE_S``."""
+        self.end()
+        self.timer = threading.Timer(PATIENCE_S, lambda: print(what, file=sys.stderr, flush=True))
+        self.timer.daemon = True
+        if self.shown:
+            self.timer.start()
+
+    def compile(self, number: int, count: int, seconds: float) -> None:
+        """From now on kind ``number`` of ``count`` is compiled, which takes ``seconds``."""
+        self.begin(
+            f"compiling {number} of {count}, about {duration(seconds)}:"
+            " once for each kind of model, method and contact law"
+        )
+
+    def end(self) -> None:
+        """All is done."""
+        self.timer.cancel()
+
+
 @contextmanager
-def getting_ready(shown: bool | None) -> Iterator[None]:
-    """Say what takes so long, if it does, before the first job runs; ``shown`` False says nothing."""
-    told = "compiling what these jobs need: once for each kind of model, method and contact law"
-    timer = threading.Timer(PATIENCE_S, lambda: print(told, file=sys.stderr, flush=True))
-    timer.daemon = True
-    if shown is not False:
-        timer.start()
+def getting_ready(shown: bool | None) -> Iterator[Patience]:
+    """What is said before the first job runs, if it takes long; ``shown`` False says nothing."""
+    patience = Patience(shown)
     try:
-        yield
+        yield patience
     finally:
-        timer.cancel()
+        patience.end()
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from bearingsim import store
 from bearingsim.config.rules import damping
 from bearingsim.runner.packing import Cost, pack, shard_of
 from bearingsim.runner.pool import outcomes
-from bearingsim.runner.progress import getting_ready
+from bearingsim.runner.progress import Patience, getting_ready
 from bearingsim.runner.progress import progress as shown_progress
 from bearingsim.runner.summary import Interrupted, RunSummary, chaos, grouped, record_errors, repetitions
 from bearingsim.runner.unknowns import examined
@@ -65,9 +65,10 @@ def run(
     interrupted = False
     try:
         if plan.todo:
-            with getting_ready(progress):
+            with getting_ready(progress) as patience:
+                patience.begin("estimating what the jobs take")
                 works = _works(root, study, plan.todo, workers, engine)
-                _warm(root, engine, plan.todo)
+                _warm(root, engine, plan.todo, patience)
             _compute(works, workers, tally, progress)
     except KeyboardInterrupt:
         interrupted = True
@@ -215,10 +216,10 @@ def _works(root: Path, study: "Study", todo: Sequence["Job"], workers: int, engi
     ]
 
 
-def _warm(root: Path, engine: Engine, todo: Sequence["Job"]) -> None:
+def _warm(root: Path, engine: Engine, todo: Sequence["Job"], patience: Patience) -> None:
     """Compile before workers start; a case that fails here fails as a job too, and is told there."""
     try:
-        load(engine.warm)([job.case for job in todo])
+        load(engine.warm)([job.case for job in todo], patience.compile)
     except Exception as error:
         store.log(root, "warm-up failed", reason=f"{type(error).__name__}: {error}")
 

@@ -1,7 +1,7 @@
 """One case, computed: the integrator's steps become series and features."""
 
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import ceil, floor, isfinite, nan, sqrt
 from typing import Any
@@ -27,6 +27,7 @@ from bearingsim.simulation.integration import (
     set_up,
 )
 from bearingsim.simulation.pilot import longer_duration
+from bearingsim.simulation.prices import price
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.repetition import may_repeat
 from bearingsim.simulation.step_check import StepCheck
@@ -254,16 +255,24 @@ def _cage_angle(setup: Setup, raw: RawRecord) -> float:
 _WARM: set[tuple] = set()  # kinds of case that this process has compiled or loaded
 
 
-def warm(cases: Iterable[Case]) -> None:
-    """Compile what the cases need (or load it from the cache) by computing one ball pass of each new kind."""
+def warm(cases: Iterable[Case], about_to: Callable[[int, int, float], None] | None = None) -> None:
+    """Compile what the cases need (or load it from the cache) by computing one ball pass of each new kind.
+
+    about_to: told the number of the kind that comes next, from 1, how many there are, and the CPU time (s) that it
+    takes to compile.
+    """
+    kinds: dict[tuple, Case] = {}
     for case in cases:
         laws = assemble.contacts.outer(case), assemble.contacts.inner(case)
-        kind = _words(choice.resolved(case)), _types(laws)
-        if kind not in _WARM:
-            short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
-            plain = {"duration": short, "settle": 0.0, "step": "auto", "step_check": False}
-            simulate(case.model_copy(update=plain))
-            _WARM.add(kind)
+        kinds.setdefault((_words(choice.resolved(case)), _types(laws)), case)
+    new = {kind: case for kind, case in kinds.items() if kind not in _WARM}
+    for number, (kind, case) in enumerate(new.items(), 1):
+        if about_to is not None:
+            about_to(number, len(new), price("compile", case.model))
+        short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
+        plain = {"duration": short, "settle": 0.0, "step": "auto", "step_check": False}
+        simulate(case.model_copy(update=plain))
+        _WARM.add(kind)
 
 
 def _words(value: Any) -> Any:

@@ -135,10 +135,14 @@ def test_a_long_start_is_explained(
     shown: bool | None, said: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(progress, "PATIENCE_S", 0.05)
-    with progress.getting_ready(shown):
+    with progress.getting_ready(shown) as patience:
+        patience.compile(1, 5, 7.0)
+        patience.compile(2, 5, 22.0)
         assert "compiling" not in capsys.readouterr().err
         time.sleep(0.3)
-    assert ("compiling what these jobs need" in capsys.readouterr().err) == said
+    told = capsys.readouterr().err
+    assert ("compiling 2 of 5, about 22 s" in told) == said
+    assert "compiling 1 of 5" not in told
 
 
 def test_bar_counts_jobs_and_failures(capsys: pytest.CaptureFixture[str]) -> None:
