@@ -73,17 +73,30 @@ def ready(method, model, t, y):
 
 
 @jit
-def largest_approach(bearing, y, n):
-    """Largest approach (m) of a roller to an undamaged race, as the bodies stand, and the roller's number."""
-    gap, deepest, body = bearing.gap, -1.0, 0
+def first_over(row, bound, y, n):
+    """The first lane (of n) of the buffer's ``row`` that is not at most ``bound``, or NO_BODY.
+
+    They are counted first: a count keeps its vector lanes, a search does not, and mostly there is nothing to find.
+    """
+    count = 0.0
+    for j in range(n):
+        count = add(count, 0.0 if y[row + j] <= bound else 1.0)
+    if count > 0.0:
+        for j in range(n):
+            if not y[row + j] <= bound:
+                return j
+    return NO_BODY
+
+
+@jit
+def approaches_of_bodies(bearing, y, n):
+    """The larger approach (m) of each roller to an undamaged race, as the bodies stand: row APPROACH_NOW."""
+    gap = bearing.gap
     u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     i_x, i_y = y[lay.POSITION + lay.X_I], y[lay.POSITION + lay.Y_I]
     for j in range(n):
-        outer = y[lay.RADIAL + j] - (u_x * y[lay.COS + j] + u_y * y[lay.SIN + j]) - gap
-        inner = i_x * y[lay.COS + j] + i_y * y[lay.SIN + j] - gap - y[lay.RADIAL + j]
-        if max(outer, inner) > deepest:
-            deepest, body = max(outer, inner), j
-    return deepest, body
+        c, s, r = y[lay.COS + j], y[lay.SIN + j], y[lay.RADIAL + j]
+        y[lay.APPROACH_NOW + j] = max(r - (u_x * c + u_y * s) - gap, i_x * c + i_y * s - gap - r)
 
 
 @jit
@@ -100,18 +113,15 @@ def radial_energy(bearing, y, n):
 def exceeded_limit(method, model, monitor, y):
     """The body that has been over the method's step limit for longer than allowed, or NO_BODY."""
     elapsed, bodies = monitor.stride * method.h, monitored(model)
+    bodies = lanes(model.bearing) if bodies > 1 else bodies  # a padded lane has no stiffness over its mass
     for j in range(bodies):
         y[lay.STEP_RATIO + j] = stability_ratio(
             method, stiffness_per_mass(model, y, j), damping_per_mass(model, y, j)
         )
-    found = NO_BODY
     for j in range(bodies):
-        over = 0.0 if y[lay.STEP_RATIO + j] <= 1.0 else y[lay.OVERRUN + j] + elapsed
-        y[lay.OVERRUN + j] = over
-        y[lay.OVERRUN_MAX + j] = max(y[lay.OVERRUN_MAX + j], over)
-        if over > monitor.patience and found == NO_BODY:
-            found = j
-    return found
+        y[lay.OVERRUN + j] = 0.0 if y[lay.STEP_RATIO + j] <= 1.0 else y[lay.OVERRUN + j] + elapsed
+        y[lay.OVERRUN_MAX + j] = max(y[lay.OVERRUN_MAX + j], y[lay.OVERRUN + j])
+    return first_over(lay.OVERRUN, monitor.patience, y, bodies)
 
 
 @jit
@@ -127,8 +137,9 @@ def check_state(method, model, monitor, t, y):
         return NOT_FINITE, NO_BODY
     if slow != NO_BODY:
         return STEP_LIMIT_EXCEEDED, slow
-    deepest, body = largest_approach(model.bearing, y, n)
-    if deepest > monitor.approach_bound:
+    approaches_of_bodies(model.bearing, y, n)
+    body = first_over(lay.APPROACH_NOW, monitor.approach_bound, y, n)
+    if body != NO_BODY:
         return TOO_DEEP, body
     if energy > monitor.energy_bound:
         return TOO_MUCH_ENERGY, NO_BODY
