@@ -70,9 +70,9 @@ class Onlooker(Search):
 
     last: list[float]
 
-    def period(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
+    def after_pass(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
         """Never."""
-        super().period(window, y, peaks)
+        super().after_pass(window, y, peaks)
         self.last = [max(d[-LAST:]) for d in self.differences.values() if len(d) >= LAST]
         return 0, 0.0
 

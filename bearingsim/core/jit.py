@@ -152,9 +152,8 @@ def generic(
     absent, otherwise: a value or an implementation; the first for types declared ``absent``, the second for all
     that have no implementation of their own. Without them such a type is refused; ``name.serves(type)`` tells.
 
-    inline: "always" puts the implementation's body in the caller before that is compiled. Places in the buffer
-    that a type names are then constants, of which the compiler sees that none is negative, so that a loop over
-    rollers keeps its lanes.
+    inline: "always" puts the implementation's body in the caller before that is compiled. The compiler then sees
+    that no place in the buffer is negative, so that a loop over rollers keeps its lanes.
     """
     if declaration is None:
         return partial(generic, absent=absent, otherwise=otherwise, inline=inline)
@@ -190,10 +189,8 @@ def generic(
 
         return keep
 
-    dispatch.__name__ = declaration.__name__
-    dispatch.__qualname__ = declaration.__qualname__
-    dispatch.__doc__ = declaration.__doc__
-    dispatch.__module__ = declaration.__module__
+    for given in ("__name__", "__qualname__", "__doc__", "__module__"):
+        setattr(dispatch, given, getattr(declaration, given))
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
     dispatch.serves = serves  # type: ignore[attr-defined]

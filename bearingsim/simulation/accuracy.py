@@ -40,9 +40,8 @@ def standard_errors(case: Case, model: Any, cut: Grid, raw: RawRecord) -> Standa
     if n < MIN_PASSES:
         return StandardErrors(np.inf, np.inf)
     velocity = along_sensor(case, raw.read(of_record.start, n * M, OF_BASE), "velocity")
-    lines = signals.lines_by_pass(velocity, M, [1], of_record.start, case.bearing.rollers * model.bearing.theta_0)[
-        0
-    ]
+    angle = case.bearing.rollers * model.bearing.theta_0
+    (lines,) = signals.lines_by_pass(velocity, M, [1], of_record.start, angle)
     low = raw.through(taps).read(of_record.start, n * M, OF_BASE)
     power = np.mean(along_sensor(case, low, "velocity").reshape(n, M) ** 2, axis=1)
     mean, rms = lines.mean(), np.sqrt(power.mean())

@@ -4,10 +4,9 @@ Every run is monitored (``core/advance.py``): what it gives up, and why, is a ``
 """
 
 import time
-from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import ceil, floor, hypot, nan
+from math import ceil, hypot, nan
 from typing import Any
 
 import numpy as np
@@ -24,25 +23,17 @@ from bearingsim.core.models.interface import monitored, update_extremes
 from bearingsim.core.pits.crossings import missed_crossings, passages
 from bearingsim.core.sampling import (
     DECIMATION_REACH,
-    INTERPOLATION_REACH,
-    RESAMPLE_REACH,
-    decimate,
-    decimation_kernel,
-    pick,
 )
-from bearingsim.simulation import accuracy, channels, choice, time_grid
-from bearingsim.simulation.channels import BASE
+from bearingsim.simulation import accuracy, choice, time_grid
 from bearingsim.simulation.limits import APPROACH_MARGIN, ENERGY_MARGIN, Limits
 from bearingsim.simulation.raw_record import RawRecord
+from bearingsim.simulation.recording import Recording, extend_back, take_peaks
 from bearingsim.simulation.repetition import (
-    EXTREMES,
-    LONGEST_PERIOD,
     OF_A_RECORD,
     Closeness,
     Repetition,
     Search,
     may_repeat,
-    turned,
 )
 
 
@@ -121,60 +112,6 @@ def monitor_of(cut: time_grid.Grid, found: Limits) -> Monitor:
     return Monitor(min(32, max(1, stride)), patience, found.approach_bound, found.energy_bound, MAX_EVALUATIONS)
 
 
-class Recording:
-    """What is kept of a run as its passes are computed."""
-
-    def __init__(self, setup: Setup, y: np.ndarray) -> None:
-        """y: the buffer at t = 0, before which everything stood still."""
-        self.case, self.cut, self.Z = setup.case, setup.cut, setup.model.bearing.Z
-        self.places = channels.recorded(self.case)
-        self.lead = ceil(RESAMPLE_REACH * self.cut.fine_rate / self.case.sampling) + INTERPOLATION_REACH + 1
-        self.taps = decimation_kernel(self.cut.decimation)
-        self.fine = np.empty((len(self.places), self.lead + self.cut.passes * self.cut.fine_per_pass))
-        self.fine[:, : self.lead] = y[self.places][:, np.newaxis]
-        self.picked = np.empty((len(self.places), 0 if self.case.antialias else time_grid.samples(self.case)))
-        self.picked[:, :1] = y[self.places][:, np.newaxis]  # at t = 0, should the record begin there
-        self.peaks = np.empty((self.cut.passes, len(EXTREMES)))
-        self.samples = _samples_between_steps(self.case, self.picked)
-        keeps = not self.case.antialias and may_repeat(self.case)  # passes to pick from
-        self.last: deque[np.ndarray] = deque(maxlen=LONGEST_PERIOD if keeps else 0)
-
-    def keep(self, p: int, window: np.ndarray, y: np.ndarray) -> None:
-        """Keep what is wanted of pass ``p``; window: as ``_ball_passes`` gives it."""
-        M, D = self.cut.fine_per_pass, self.cut.decimation
-        start = self.lead + p * M
-        decimate(window, self.taps, D, self.fine[:, start : start + M])
-        if type(self.samples) is NoSamples:
-            _pick_pass(self.case, self.cut, p, window, self.picked)
-            if self.last.maxlen:
-                self.last.append(window.copy())
-        self.peaks[p] = _take_peaks(y)
-
-    def pick_repeated(self, repetition: Repetition) -> None:
-        """Pick what a raw record holds of the passes that were not computed."""
-        for p in range(repetition.computed, self.cut.passes):
-            source = int(repetition.source(p))
-            window = self.last[source - repetition.computed]
-            _pick_pass(self.case, self.cut, p, window[turned(self.places, self.Z, p - source)], self.picked)
-
-    def raw(self, repetition: Repetition, y: np.ndarray, cpu_s: float) -> RawRecord:
-        """The record as far as it has been computed."""
-        M, passes = self.cut.fine_per_pass, repetition.computed
-        return RawRecord(
-            places=self.places,
-            fine=self.fine[:, : self.lead + passes * M],
-            lead=self.lead,
-            zero=self.lead + DECIMATION_REACH - 1,
-            M=M,
-            Z=self.Z,
-            repetition=repetition,
-            picked=self.picked,
-            peaks=self.peaks[:passes],
-            y=y,
-            integrator_cpu_s=cpu_s,
-        )
-
-
 def integrate(
     setup: Setup, nudge: float = 0.0, start: np.ndarray | None = None, close: Closeness = OF_A_RECORD
 ) -> RawRecord:
@@ -186,7 +123,7 @@ def integrate(
     """
     case, cut = setup.case, setup.cut
     y = _start(setup, nudge, start)
-    kept, clock = Recording(setup, y), [0.0]
+    kept, clock = Recording(case, cut, setup.model.bearing.Z, y), [0.0]
     search, period, difference = _search(setup, kept.places, close), 0, nan
     passes, look_at = 0, accuracy.MIN_PASSES
     began_at = _pit_passages(setup, 0.0, y)
@@ -194,7 +131,7 @@ def integrate(
         kept.keep(p, window, y)
         passes = p + 1
         if search is not None:
-            period, difference = search.period(window, y, kept.peaks[p])
+            period, difference = search.after_pass(window, y, kept.peaks[p])
         if period > 0:
             break
         if case.until is not None and passes >= look_at:
@@ -207,7 +144,7 @@ def integrate(
     if period > 0 and not case.antialias:
         kept.pick_repeated(raw.repetition)
     if MODELS[case.model].memoryless:  # it was never at rest
-        _extend_back(raw)
+        extend_back(raw)
     return raw
 
 
@@ -215,29 +152,6 @@ def _search(setup: Setup, places: np.ndarray, close: Closeness) -> Search | None
     if not may_repeat(setup.case):
         return None
     return Search(places, setup.cut.steps_per_pass, setup.model, MODELS[setup.case.model].memoryless, close)
-
-
-def _extend_back(raw: RawRecord) -> None:
-    """Write what was before t = 0: a revolution of the cage before it was the same.
-
-    With pits that turn it was not, and the ring's motion alone is extended, by its first pass: filters reach so
-    far, no feature does.
-    """
-    fine, zero, turn = raw.fine, raw.zero, raw.Z * raw.M
-    if raw.repetition.period > 0:
-        fine[:, :zero] = raw.read(-zero % turn, zero)
-    else:
-        fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % raw.M]
-
-
-def _samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples:
-    """What an adaptive method is to record at the raw record's own instants, into ``picked``.
-
-    The steps of any other are so short that a value between two is taken from both.
-    """
-    if case.antialias or not assemble.adaptive(case):
-        return NoSamples()
-    return Samples(case.settle, case.sampling, picked)
 
 
 def _start(setup: Setup, nudge: float, given: np.ndarray | None = None) -> np.ndarray:
@@ -274,22 +188,13 @@ def _ball_passes(
     if MODELS[case.model].memoryless:  # it was never at rest: what was before t = 0 is known
         before = window[:, steps:]
         advance_and_sample(setup.method, setup.model, setup.monitor, -tail, y, places, before, NoSamples())
-        _take_peaks(y)
+        take_peaks(y)
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
         _record_steps(setup, samples, p * steps, y, places, window[:, tail:], clock)
         if assemble.adaptive(case):
             differentiate(window, tail, cut.step)
         yield window
-
-
-def _take_peaks(y: np.ndarray) -> list[float]:
-    """The largest of each of ``EXTREMES`` that any roller has met since they were last taken."""
-    rows = [y[row : row + lay.MAX_ROLLERS] for row in EXTREMES.values()]  # empty: of a model that knows of none
-    found = [float(row.max(initial=0.0)) for row in rows]
-    for row in rows:
-        row[:] = 0.0
-    return found
 
 
 def _check_end(setup: Setup, began_at: list[float], y: np.ndarray, passes: int) -> None:
@@ -425,15 +330,3 @@ def advice(setup: Setup, outcome: int) -> str:
 def name_of(model: Any, body: int) -> str:
     """What a monitored body is called."""
     return f"roller {body + 1}" if monitored(model) > 1 and body >= 0 else "the ring"
-
-
-def _pick_pass(case: Case, cut: time_grid.Grid, p: int, window: np.ndarray, picked: np.ndarray) -> None:
-    """Fill in the raw values whose instants lie in ball pass ``p`` (start excluded, end included)."""
-    steps, tail = cut.steps_per_pass, window.shape[1] - cut.steps_per_pass
-    ratio = 1.0 / (case.sampling * cut.step)  # steps per sample
-    start = case.settle / cut.step
-    first, end = (max(0, floor((q * steps - start) / ratio) + 1) for q in (p, p + 1))
-    first = 0 if p == 0 else min(first, picked.shape[1])
-    end = min(end, picked.shape[1])
-    if end > first:
-        pick(window, start - p * steps + tail - 1, ratio, picked, first, end)

@@ -121,7 +121,7 @@ class Search:
         self.partners = {period: turned(of_compared, self.Z, period) for period in self.periods}
         self.differences: dict[int, list[float]] = {period: [] for period in self.periods}
 
-    def period(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
+    def after_pass(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
         """The period (passes) with which the motion is found to repeat at the end of a pass, 0 if it is not.
 
         And the difference of passes a period apart; the least of any if it is not found.
@@ -220,5 +220,7 @@ def _settled(differences: list[float], close: Closeness) -> bool:
     if len(differences) < 3 or not isfinite(differences[-3]):
         return False
     before, further = differences[-2], differences[-3]
+    if before == 0.0 or further == 0.0:  # it does not shrink
+        return False
     rho = max(last / before, before / further)
     return rho < SLOWEST and last * max(1.0, rho / (1.0 - rho)) <= close.shrinking

@@ -1,0 +1,122 @@
+"""What is kept of a run as it is stepped: fine samples, raw picks, the largest values of each ball pass."""
+
+from collections import deque
+from math import ceil, floor
+
+import numpy as np
+
+from bearingsim import assemble
+from bearingsim.config import Case
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import NoSamples, Samples
+from bearingsim.core.sampling import (
+    DECIMATION_REACH,
+    INTERPOLATION_REACH,
+    RESAMPLE_REACH,
+    decimate,
+    decimation_kernel,
+    pick,
+)
+from bearingsim.simulation import channels
+from bearingsim.simulation.channels import BASE
+from bearingsim.simulation.raw_record import RawRecord
+from bearingsim.simulation.repetition import EXTREMES, LONGEST_PERIOD, Repetition, may_repeat, turned
+from bearingsim.simulation.time_grid import Grid, samples
+
+
+class Recording:
+    """What is kept of a run as its passes are computed."""
+
+    def __init__(self, case: Case, cut: Grid, Z: int, y: np.ndarray) -> None:
+        """y: the buffer at t = 0, before which everything stood still."""
+        self.case, self.cut, self.Z = case, cut, Z
+        self.places = channels.recorded(self.case)
+        self.lead = ceil(RESAMPLE_REACH * self.cut.fine_rate / self.case.sampling) + INTERPOLATION_REACH + 1
+        self.taps = decimation_kernel(self.cut.decimation)
+        self.fine = np.empty((len(self.places), self.lead + self.cut.passes * self.cut.fine_per_pass))
+        self.fine[:, : self.lead] = y[self.places][:, np.newaxis]
+        self.picked = np.empty((len(self.places), 0 if self.case.antialias else samples(self.case)))
+        self.picked[:, :1] = y[self.places][:, np.newaxis]  # at t = 0, should the record begin there
+        self.peaks = np.empty((self.cut.passes, len(EXTREMES)))
+        self.samples = samples_between_steps(self.case, self.picked)
+        keeps = not self.case.antialias and may_repeat(self.case)  # passes to pick from
+        self.last: deque[np.ndarray] = deque(maxlen=LONGEST_PERIOD if keeps else 0)
+
+    def keep(self, p: int, window: np.ndarray, y: np.ndarray) -> None:
+        """Keep what is wanted of pass ``p``; window: as ``_ball_passes`` gives it."""
+        M, D = self.cut.fine_per_pass, self.cut.decimation
+        start = self.lead + p * M
+        decimate(window, self.taps, D, self.fine[:, start : start + M])
+        if type(self.samples) is NoSamples:
+            _pick_pass(self.case, self.cut, p, window, self.picked)
+            if self.last.maxlen:
+                self.last.append(window.copy())
+        self.peaks[p] = take_peaks(y)
+
+    def pick_repeated(self, repetition: Repetition) -> None:
+        """Pick what a raw record holds of the passes that were not computed."""
+        for p in range(repetition.computed, self.cut.passes):
+            source = int(repetition.source(p))
+            window = self.last[source - repetition.computed]
+            _pick_pass(self.case, self.cut, p, window[turned(self.places, self.Z, p - source)], self.picked)
+
+    def raw(self, repetition: Repetition, y: np.ndarray, cpu_s: float) -> RawRecord:
+        """The record as far as it has been computed."""
+        M, passes = self.cut.fine_per_pass, repetition.computed
+        return RawRecord(
+            places=self.places,
+            fine=self.fine[:, : self.lead + passes * M],
+            lead=self.lead,
+            zero=self.lead + DECIMATION_REACH - 1,
+            M=M,
+            Z=self.Z,
+            repetition=repetition,
+            picked=self.picked,
+            peaks=self.peaks[:passes],
+            y=y,
+            integrator_cpu_s=cpu_s,
+        )
+
+
+def samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples:
+    """What an adaptive method is to record at the raw record's own instants, into ``picked``.
+
+    The steps of any other are so short that a value between two is taken from both.
+    """
+    if case.antialias or not assemble.adaptive(case):
+        return NoSamples()
+    return Samples(case.settle, case.sampling, picked)
+
+
+def take_peaks(y: np.ndarray) -> list[float]:
+    """The largest of each of ``EXTREMES`` that any roller has met since they were last taken."""
+    rows = [y[row : row + lay.MAX_ROLLERS] for row in EXTREMES.values()]  # empty: of a model that knows of none
+    found = [float(row.max(initial=0.0)) for row in rows]
+    for row in rows:
+        row[:] = 0.0
+    return found
+
+
+def extend_back(raw: RawRecord) -> None:
+    """Write what was before t = 0: a revolution of the cage before it was the same.
+
+    With pits that turn it was not, and the ring's motion alone is extended, by its first pass: filters reach so
+    far, no feature does.
+    """
+    fine, zero, turn = raw.fine, raw.zero, raw.Z * raw.M
+    if raw.repetition.period > 0:
+        fine[:, :zero] = raw.read(-zero % turn, zero)
+    else:
+        fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % raw.M]
+
+
+def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, picked: np.ndarray) -> None:
+    """Fill in the raw values whose instants lie in ball pass ``p`` (start excluded, end included)."""
+    steps, tail = cut.steps_per_pass, window.shape[1] - cut.steps_per_pass
+    ratio = 1.0 / (case.sampling * cut.step)  # steps per sample
+    start = case.settle / cut.step
+    first, end = (max(0, floor((q * steps - start) / ratio) + 1) for q in (p, p + 1))
+    first = 0 if p == 0 else min(first, picked.shape[1])
+    end = min(end, picked.shape[1])
+    if end > first:
+        pick(window, start - p * steps + tail - 1, ratio, picked, first, end)
