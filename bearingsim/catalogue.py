@@ -236,7 +236,7 @@ register(
     Method("backward-euler", f"{_S}.backward_euler", tolerance=1e-5, implicit=True, automatic=True),
     Method("symplectic-euler", f"{_S}.symplectic_euler"),
     Method("rk4", f"{_S}.rk4"),
-    Method("dormand-prince", f"{_S}.dormand_prince", tolerance=1e-4),
+    Method("dormand-prince", f"{_S}.dormand_prince", tolerance=1e-4, automatic=True),
     Method("nystrom", f"{_S}.nystrom"),
     Method("generalized-alpha", f"{_S}.generalised_alpha", implicit=True),
     Method("velocity-implicit-euler", f"{_S}.velocity_implicit", implicit=True),

@@ -36,9 +36,9 @@ from bearingsim.core.geometry.kinematics import (
 )
 from bearingsim.simulation import time_grid
 from bearingsim.simulation.accuracy import QUIET_LINE
+from bearingsim.simulation.comparison import fault_lines
 from bearingsim.simulation.integration import TooChaotic
 from bearingsim.simulation.simulate import Record, SimulationError, simulate
-from bearingsim.simulation.step_check import fault_lines
 
 HELD = 0.01
 RESOLVED = 2.1  # spacings of lines, times the duration: what tells them apart, and some slip

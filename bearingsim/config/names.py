@@ -206,6 +206,7 @@ def _features() -> dict[str, Feature]:
         "cage.slip.std": Feature("", "standard deviation of the cage's slip"),
         "step_error.line": Feature("", "relative change of the fault's line with half the step"),
         "step_error.rms": Feature("", "relative change of the RMS with half the step"),
+        "step_error.force": Feature("", "relative change of the largest outer force with half the step"),
         "step_error.record": Feature("", "the same of what is recorded, of the quantity that changes most"),
         "chaotic": Feature("", "whether the motion is chaotic (1) or not (0)"),
         "rms_scatter": Feature("", "by how much chaos alone lets the RMS of such a record change"),

@@ -7,7 +7,7 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.simulation.limits import LONGEST, Limits
 
-RECORDED_PER_CROSSING, RECORDED_PER_PERIOD = 40, 10
+RECORDED_PER_CROSSING, RECORDED_PER_PERIOD = 25, 4
 """Recorded instants of an adaptive method over a pit, and in a period of contacts that ring."""
 
 

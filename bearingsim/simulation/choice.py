@@ -1,4 +1,8 @@
-"""Which method steps a case: the cheapest that holds 1 %, by the limits of its step and by what a step costs."""
+"""Which method steps a case: the cheapest that holds 1 %, by the limits of its step and by what a step costs.
+
+A motion that may repeat itself is stepped by Verlet's method until it does. If it has not done so after some ball
+passes, and another method would take less for all of the run than Verlet's for the rest, that one takes over.
+"""
 
 from collections.abc import Iterator
 from functools import lru_cache
@@ -9,27 +13,38 @@ from bearingsim.catalogue import AUTO, EXPLICIT, METHODS
 from bearingsim.config import Case
 from bearingsim.errors import Refused
 from bearingsim.simulation.automatic_step import automatic_step
+from bearingsim.simulation.cost import Cost, cost
 from bearingsim.simulation.limits import Limits, step_limits
-from bearingsim.simulation.prices import per_second
+from bearingsim.simulation.prices import price
+from bearingsim.simulation.repetition import may_repeat
 
 STEP_PARTS = (1.0, 0.5, 0.25, 0.125)
 """Parts of an automatic step that are tried in turn; with half of it goes a tenth of the tolerance."""
-MIN_SAVING = 3.0  # what an implicit method must save: an explicit one's price is certain, its own an estimate
+MIN_SAVING = 1.25  # what another method must save: an explicit one's price is certain, its own an estimate
 
 
 class Choice(NamedTuple):
-    """A method for a case, why in words, and what each able one would cost (CPU s), the cheapest first."""
+    """A method for a case, why in words, and what each able one would cost (CPU s), the cheapest first.
+
+    patience: ball passes after which a motion that does not repeat itself is left to the next method; 0 if it is
+    not.
+    """
 
     method: str | None
     why: str
     prices: dict[str, float]
+    patience: int = 0
 
 
 class Attempt(NamedTuple):
-    """One way to compute a case: its method named, and the part of the automatic step (or tolerance) to take."""
+    """One way to compute a case: its method named, and the part of the automatic step (or tolerance) to take.
+
+    patience: as of ``Choice``.
+    """
 
     case: Case
     part: float
+    patience: int = 0
 
 
 def resolved(case: Case) -> Case:
@@ -49,14 +64,28 @@ def with_method(case: Case, method: str | None) -> Case:
 
 
 def attempts(case: Case) -> Iterator[Attempt]:
-    """What to try in turn until a run proves right: shorter automatic steps, then (with `auto`) other methods."""
-    first = resolved(case)
+    """What to try in turn until a run proves right: shorter automatic steps, then (with `auto`) other methods.
+
+    At last the first method without its patience, if it was left for that.
+    """
+    first, patience = resolved(case), choice(case).patience
     parts = STEP_PARTS if case.automatic and case.tolerance == "auto" else (1.0,)
     for part in parts:
-        yield Attempt(first, part)
-    if case.method == AUTO and case.automatic:
-        for name in alternatives(first):
-            yield from (Attempt(with_method(case, name), part) for part in parts)
+        yield Attempt(first, part, patience)
+    for name in tried(case)[1:]:
+        yield from (Attempt(with_method(case, name), part) for part in parts)
+    if patience > 0:
+        yield from (Attempt(first, part) for part in parts)
+
+
+def tried(case: Case) -> list[str | None]:
+    """The methods that a case is computed with, each if those before it fail; its own word if it is refused."""
+    try:
+        first = choice(case).method
+    except Refused:
+        return [case.method]
+    others = alternatives(with_method(case, first)) if case.method == AUTO and case.automatic else []
+    return [first, *others]
 
 
 def alternatives(case: Case) -> list[str]:
@@ -66,27 +95,33 @@ def alternatives(case: Case) -> list[str]:
     return [name for name in choice(with_method(case, AUTO)).prices if name != case.method]
 
 
-@lru_cache(maxsize=1024)
+@lru_cache(maxsize=1 << 17)
 def choice(case: Case) -> Choice:
-    """The cheapest method that holds 1 % of the fault's line. Raises ``Refused`` like ``limits``.
-
-    DOP853 costs what Verlet does where contacts are soft and little damped, and is kept for what Verlet fails at.
-    """
+    """The cheapest method that holds 1 % of the fault's line. Raises ``Refused`` like ``limits``."""
     _refuse_incomplete(case)
     if case.method != AUTO:
         return Choice(case.method, "the case says so" if case.method else f"{case.model} has no method", {})
     able = [name for name in METHODS if METHODS[name].automatic and can_step(case, name)]
     if case.tolerance != "auto":  # only those that keep one
         able = [name for name in able if METHODS[name].adaptive]
-    prices = dict(
-        sorted(((name, _integration_cost(with_method(case, name))) for name in able), key=lambda pair: pair[1])
-    )
-    found = step_limits(with_method(case, EXPLICIT))
+    costs = {name: _cost(with_method(case, name)) for name in able}
+    prices = dict(sorted(((name, one.whole) for name, one in costs.items()), key=lambda pair: pair[1]))
+    cheapest = next(iter(prices))
     if EXPLICIT not in prices:
-        return Choice(next(iter(prices)), "the cheapest of those that keep a tolerance", prices)
-    implicit = [name for name in prices if METHODS[name].implicit]
-    chosen = implicit[0] if implicit and MIN_SAVING * prices[implicit[0]] < prices[EXPLICIT] else EXPLICIT
-    return Choice(chosen, _reason(chosen, prices, found), prices)
+        return Choice(cheapest, "the cheapest of those that keep a tolerance", prices)
+    if MIN_SAVING * prices[cheapest] < prices[EXPLICIT]:
+        return Choice(cheapest, _saving(cheapest, prices, step_limits(with_method(case, EXPLICIT))), prices)
+    if not may_repeat(with_method(case, EXPLICIT)):
+        return Choice(EXPLICIT, "no other method would take much less CPU time", prices)
+    return Choice(EXPLICIT, "each ball pass may repeat the last", prices, _patience(case, costs))
+
+
+def _patience(case: Case, costs: dict[str, Cost]) -> int:
+    """Ball passes after which another method would take less for all of the run than Verlet's for the rest."""
+    others = [one.whole for name, one in costs.items() if name != EXPLICIT]
+    patience = int(price("patience"))
+    rest = costs[EXPLICIT].at_most - patience * costs[EXPLICIT].one_pass
+    return patience if case.until is None and others and MIN_SAVING * min(others) < rest else 0
 
 
 def can_step(case: Case, name: str) -> bool:
@@ -104,13 +139,11 @@ def _refuse_incomplete(case: Case) -> None:
         raise Refused(found + why, advice)
 
 
-def _reason(chosen: str, prices: dict[str, float], found: Limits) -> str:
-    if chosen == EXPLICIT:
-        return "no implicit method would take less than a third of its CPU time"
+def _saving(chosen: str, prices: dict[str, float], found: Limits) -> str:
     saved = prices[EXPLICIT] / prices[chosen]
-    return f"explicit steps are limited to {1e6 * found.at_impact:.2g} us: about {saved:.0f} times the CPU time"
+    return f"explicit steps are limited to {1e6 * found.at_impact:.2g} us: about {saved:.2g} times the CPU time"
 
 
-def _integration_cost(case: Case) -> float:
-    """CPU time (s) of all steps of a case whose method is named, at the automatic step."""
-    return (case.settle + case.duration) * per_second(case, automatic_step(case, step_limits(case)))
+def _cost(case: Case) -> Cost:
+    """What a case whose method is named takes at the automatic step."""
+    return cost(case, automatic_step(case, step_limits(case)))

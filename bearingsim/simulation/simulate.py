@@ -19,6 +19,7 @@ from bearingsim.simulation.channels import BASE, CAGE_ANGLE
 from bearingsim.simulation.features import features, of_extensions
 from bearingsim.simulation.integration import (
     MethodFailure,
+    NotRepeating,
     Setup,
     SimulationError,
     TooChaotic,
@@ -85,15 +86,19 @@ def simulate(case: Case) -> Record:
     """
     began = time.process_time()
     failed: dict[str, SimulationError] = {}
-    dear: set[str | None] = set()
+    left: set[tuple[str | None, int]] = set()  # methods that shorter steps do not help, with their patience
     for attempt in _attempts(case):
-        if attempt.case.method in dear:
+        named = attempt.case.method, attempt.patience
+        if named in left:
             continue
         try:
             return _simulate(attempt, began)
+        except NotRepeating:
+            left.add(named)
         except MethodFailure as error:
             failed[str(attempt.case.method)] = error
-            dear |= {attempt.case.method} if isinstance(error, TooSlow) else set()
+            if isinstance(error, TooSlow):
+                left |= {named, (attempt.case.method, 0)}
         except Refused as error:  # shorter steps may be too many: what was wrong with longer ones tells more
             failed.setdefault(str(attempt.case.method), SimulationError(error.reason, error.advice))
     raise _all_failed(list(failed.values()))
@@ -116,10 +121,10 @@ def _all_failed(errors: list[SimulationError]) -> SimulationError:
 
 def _simulate(attempt: choice.Attempt, began: float) -> Record:
     """Compute one case in one way; ``began``: CPU time at the start, s."""
-    case, part = attempt
+    case, part, patience = attempt
     setup = set_up(case, part)
     if may_repeat(case) and case.step_check != "strict":  # the run itself shows whether it does, and soon
-        raw = integrate(setup)
+        raw = integrate(setup, patience=patience)
         checks_step = _checked_step(setup, raw)
     else:
         checks_step = _checked_step(setup)
@@ -190,6 +195,7 @@ def _check_features(checks_step: StepCheck, kept: float) -> dict[str, float]:
     return {
         "step_error.line": checks_step.line,
         "step_error.rms": checks_step.rms,
+        "step_error.force": checks_step.force,
         "step_error.record": checks_step.record,
         "chaotic": nan if checks_step is step_check.UNCHECKED else float(checks_step.chaotic),
         "rms_scatter": nan if checks_step is step_check.UNCHECKED else checks_step.scatter / sqrt(kept),

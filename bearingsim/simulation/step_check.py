@@ -13,20 +13,16 @@ does not, that is doubtful: all is tried again on a longer beginning, if there i
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil, floor, inf, nan, sqrt
-from typing import NamedTuple
+from math import inf, nan, sqrt
 
 import numpy as np
 from scipy.special import stdtrit
 
-from bearingsim import assemble, signals
+from bearingsim import assemble
 from bearingsim.config import Case
-from bearingsim.config.names import FAULT_LINES, LINES
 from bearingsim.core import layout as lay
-from bearingsim.core.sampling import sampling_kernel
-from bearingsim.simulation import channels, features, record_windows, time_grid
-from bearingsim.simulation.accuracy import QUIET_LINE
-from bearingsim.simulation.channels import BASE, MOTION
+from bearingsim.simulation import time_grid
+from bearingsim.simulation.comparison import Compared, compare, of_orbit, of_pilot
 from bearingsim.simulation.integration import Setup, integrate, set_up
 from bearingsim.simulation.pilot import pilot, sees_pit_turns
 from bearingsim.simulation.raw_record import RawRecord
@@ -64,6 +60,7 @@ class StepCheck:
 
     line: float
     rms: float
+    force: float = 0.0
     record: float = 0.0
     chaotic: bool = False
     noise: float = 0.0
@@ -85,21 +82,7 @@ class StepCheck:
         return bool(self.scatter <= ACCURACY)
 
 
-UNCHECKED = StepCheck(nan, nan, nan)
-
-
-class Compared(NamedTuple):
-    """What is compared of two runs, over the ball passes that count.
-
-    fine: (n,) velocity (m/s) along the sensor at fine samples; recorded: (m,) the same as it is recorded,
-    low-passed or raw; rest: (C, m) all that is recorded: the motion along the sensor, the channels asked for;
-    lines: (L, parts) what each part of it adds to the complex amplitudes of the fault's lines.
-    """
-
-    fine: np.ndarray
-    recorded: np.ndarray
-    rest: np.ndarray
-    lines: np.ndarray
+UNCHECKED = StepCheck(nan, nan, nan, nan)
 
 
 def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
@@ -131,7 +114,7 @@ def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
     other = integrate(fine, start=by_place(raw), close=CLOSE_TO_ORBIT)
     if other.repetition.period == 0:
         return None
-    return changes(*(of_orbit(setup, one) for setup, one in ((coarse, raw), (fine, other))))
+    return StepCheck(*compare(*(of_orbit(setup, one) for setup, one in ((coarse, raw), (fine, other)))))
 
 
 def by_place(raw: RawRecord) -> np.ndarray:
@@ -142,27 +125,6 @@ def by_place(raw: RawRecord) -> np.ndarray:
     return state
 
 
-def of_orbit(setup: Setup, raw: RawRecord) -> Compared:
-    """What is compared of a motion that repeats itself: a period of it, and of rollers a turn of the cage."""
-    case, cut, model = setup.case, setup.cut, setup.model
-    M, period = cut.fine_per_pass, raw.repetition.period
-    taps = sampling_kernel(cut.fine_rate / case.sampling)
-    turns = ceil((raw.repetition.computed + ceil(len(taps) / M)) / raw.Z)  # of the cage: each roller in its place
-    start = turns * raw.Z * M
-    whole = raw.read(start, period * M)
-    fine = features.along_sensor(case, whole, "velocity")
-    low = raw.through(taps) if case.antialias else raw
-    rows = low.read(start, raw.Z * M if np.any(lay.lane_of(raw.places) >= 0) else period * M)
-    lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
-    return _compared(case, raw, fine, rows, lines.mean(axis=1, keepdims=True))
-
-
-def _compared(case: Case, raw: RawRecord, fine: np.ndarray, rows: np.ndarray, lines: np.ndarray) -> Compared:
-    along = {quantity: features.along_sensor(case, rows, quantity) for quantity in MOTION}
-    asked = [row for row in channels.asked(case, raw.places) if row >= len(BASE)]
-    return Compared(fine, along["velocity"], np.stack([*along.values(), *rows[asked]]), lines)
-
-
 def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[StepCheck, bool]:
     """The step check by one pilot, and whether it is doubtful: its twins part, and nothing says that this is
     chaos.
@@ -171,15 +133,15 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
     short = short.model_copy(update={"periodic": False, "until": None})
     coarse = set_up(short, part, allowed)
     fine = set_up(with_finer_tolerance(short), part * shorter(coarse.cut.decimation), MAX_COST_RATIO * allowed)
-    one, other = (of_pilot(setup, passes) for setup in (coarse, fine))
-    found = changes(one, other)
+    one, other = (run_pilot(setup, passes) for setup in (coarse, fine))
+    found = StepCheck(*compare(one, other))
     scale = float(np.std(other.fine)) or 1.0
     apart = by_pass(one.fine - shifted(other.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
     if not apart.max() > APART:
         return found, False
     adaptive = assemble.adaptive(case)
     twin, nudged = (fine, other) if adaptive else (coarse, one)
-    third = of_pilot(twin, passes, nudge=PERTURBATION)
+    third = run_pilot(twin, passes, nudge=PERTURBATION)
     beside = by_pass(nudged.fine - third.fine, passes) / scale
     if not is_chaotic_motion(beside, apart, adaptive):
         return found, True
@@ -193,22 +155,9 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
     return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False
 
 
-def changes(one: Compared, other: Compared) -> StepCheck:
-    """What half the step changes: of the fault's lines the worst, of the wide band and the record the worse."""
-    quiet = QUIET_LINE * float(np.std(other.recorded)) or 1.0
-    return StepCheck(
-        line=float(
-            max(change(a, b) / max(abs(b.sum()), quiet) for a, b in zip(one.lines, other.lines, strict=True))
-        ),
-        rms=max(rms_change(a, b) for a, b in zip(one[:2], other[:2], strict=True)),
-        record=max(rms_change(a, b) for a, b in zip(one.rest, other.rest, strict=True)),
-    )
-
-
-def rms_change(one: np.ndarray, other: np.ndarray) -> float:
-    """Relative change of an RMS about the mean; of what hardly changes at all, relative to its size."""
-    size = max(float(np.std(other)), QUIET_LINE * float(np.abs(other).max()))
-    return float(abs(np.std(one) - np.std(other)) / (size or 1.0))
+def run_pilot(setup: Setup, passes: int, nudge: float = 0.0) -> Compared:
+    """A pilot, and of it what is compared."""
+    return of_pilot(setup, integrate(setup, nudge), passes)
 
 
 def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:
@@ -247,32 +196,6 @@ def with_finer_tolerance(case: Case) -> Case:
     return case if case.tolerance == "auto" else case.model_copy(update={"tolerance": 0.1 * case.tolerance})
 
 
-def fault_lines(case: Case) -> list[str]:
-    """The lines of the case's pits; BPFO, at which a healthy bearing vibrates too, without any."""
-    return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
-
-
-def of_pilot(setup: Setup, passes: int, nudge: float = 0.0) -> Compared:
-    """What is compared of a pilot."""
-    raw, case, cut = integrate(setup, nudge), setup.case, setup.cut
-    start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
-    fine = features.along_sensor(case, raw.read(start, length, features.OF_BASE), "velocity")
-    rows = low_passed(setup, raw, start, length) if case.antialias else raw_values(setup, raw.picked, passes)
-    lines = np.stack([amplitudes(setup, name, passes, fine) for name in fault_lines(case)])
-    return _compared(case, raw, fine, rows, lines)
-
-
-def low_passed(setup: Setup, raw: RawRecord, start: int, length: int) -> np.ndarray:
-    """Rows (C, ``length``) at fine samples from number ``start``, low-passed as the record is."""
-    taps = sampling_kernel(setup.cut.fine_rate / setup.case.sampling)
-    return raw.through(taps).read(start, length)
-
-
-def raw_values(setup: Setup, picked: np.ndarray, passes: int) -> np.ndarray:
-    """Rows (C, n) of raw values in so many ball passes."""
-    return picked[:, : floor(passes / setup.cut.rate * setup.case.sampling) + 1]
-
-
 def ahead(setup: Setup, other: Setup) -> float:
     """By how long (s) the rollers of one setup are ahead of another's: each begins in step with its first pit."""
     return float((setup.model.bearing.theta_0 - other.model.bearing.theta_0) / other.model.bearing.omega_c)
@@ -281,27 +204,6 @@ def ahead(setup: Setup, other: Setup) -> float:
 def shifted(series: np.ndarray, part: float) -> np.ndarray:
     """A series by a ``part`` of a sample later on, which is much less than one: to first order."""
     return series + part * np.gradient(series)
-
-
-def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
-    """What each ball pass adds to a line's complex amplitude in a series (Hann), its cage at kinematic speed."""
-    start = record_windows.first_sample(setup.case, setup.cut)
-    turning = features.sample_angles(setup.model, setup.cut, start, np.zeros(len(series)))
-    angle = turning.along(LINES[name], setup.case.bearing.rollers)
-    window = np.hanning(len(angle))
-    turn = 2.0 * window * np.exp(-1j * angle) / window.sum()
-    each = turn * (series - window @ series / window.sum())
-    return np.add.reduceat(each, np.arange(0, len(each) - 1, (len(each) - 1) // passes)[:passes])
-
-
-def change(one: np.ndarray, other: np.ndarray) -> float:
-    """How much two lines differ, given what each pass adds.
-
-    Errors that differ in sign from pass to pass may cancel in a few of them by luck: not less than their root of
-    the sum of squares, which is what is left of them on average.
-    """
-    difference = one - other
-    return float(max(abs(difference.sum()), np.linalg.norm(difference)))
 
 
 def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:

@@ -1,20 +1,18 @@
 """A case cut in time, and what it will take: known before anything runs, and printed by ``bearingsim check``."""
 
 from dataclasses import dataclass
-from math import ceil, floor, sqrt
+from math import ceil, floor
 
 from bearingsim import assemble
 from bearingsim.assemble.scales import MIN_STEPS_PER_CROSSING, at_full_speed
-from bearingsim.catalogue import MODELS
 from bearingsim.config import CHANNELS, Case
 from bearingsim.core.sampling import DECIMATION_REACH, INTERPOLATION_REACH, RESAMPLE_REACH
 from bearingsim.errors import Refused
 from bearingsim.simulation.automatic_step import automatic_step
 from bearingsim.simulation.choice import resolved
+from bearingsim.simulation.cost import cost, solved_once
 from bearingsim.simulation.limits import Limits, step_limits
-from bearingsim.simulation.pilot import check_cost
 from bearingsim.simulation.prices import per_second, price
-from bearingsim.simulation.repetition import may_repeat
 
 SAFETY = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
 FINE_PER_SAMPLE, MIN_FINE = 4, 64
@@ -87,11 +85,6 @@ def _advice(case: Case, found: Limits) -> str:
     return f"say `step: auto` ({1e6 * automatic_step(case, found):.2g} us)"
 
 
-def solved_once(case: Case) -> bool:
-    """Whether one ball pass is all that is computed: each instant stands alone, and each pass is the same."""
-    return MODELS[case.model].memoryless and may_repeat(case)
-
-
 def samples(case: Case) -> int:
     """Samples of the record."""
     return floor(case.duration * case.sampling + 1e-6)
@@ -119,11 +112,11 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
             else "take a longer `step`, or say `step: auto`",
         )
     computed = 1.0 / rate if solved_once(case) else case.settle + case.duration
-    cost = computed * per_second(case, 1.0 / (rate * fine * decimation))
+    seconds = computed * per_second(case, 1.0 / (rate * fine * decimation))
     adaptive = assemble.adaptive(case)
     most = max(max_cpu, MAX_CPU)
-    if cost > most and (case.step == "auto" or adaptive):
-        what, hours = case.method or f"`{case.model}`", cost / 3600.0
+    if seconds > most and (case.step == "auto" or adaptive):
+        what, hours = case.method or f"`{case.model}`", seconds / 3600.0
         raise Refused(
             f"{what} would take about {hours:.2g} h of CPU time, over {most / 3600.0:.2g} h",
             "take a shorter `duration`, lower `contact.damping`"
@@ -138,18 +131,12 @@ def estimate(case: Case) -> Estimate:
     """What the case will take. Raises ``Refused`` like ``requested_step``."""
     case = resolved(case)
     cut = grid(case)
-    one_pass = per_second(case, cut.step) / cut.rate
-    whole = 1 if solved_once(case) else cut.passes
-    computed, proof, most_proof = whole, 0.0, check_cost(case) * whole if case.checks_step else 0.0
-    if may_repeat(case):
-        computed = min(whole, int(price("passes")))
-    if case.checks_step:
-        proof = price("finer passes") * sqrt(5.0) if may_repeat(case) else most_proof
+    found = cost(case, cut.step, cut.passes)
     columns = sum(len(CHANNELS[name].components) for name in case.record)
     return Estimate(
-        cpu_seconds=price("job") + one_pass * (computed + proof),
+        cpu_seconds=price("job") + found.whole,
         bytes=4 * columns * samples(case),
-        steps=computed * cut.steps_per_pass,
-        check_seconds=one_pass * proof,
-        most_seconds=price("job") + one_pass * (whole + most_proof),
+        steps=found.passes * cut.steps_per_pass,
+        check_seconds=found.proof,
+        most_seconds=price("job") + found.at_most,
     )

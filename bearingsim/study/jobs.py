@@ -2,11 +2,12 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from bearingsim.catalogue import MODELS
+from bearingsim.catalogue import AUTO, MODELS
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
 from bearingsim.study.uncertainty import USUAL, Uncertain, sampled, variations
@@ -112,12 +113,25 @@ class Study:
 def case_id(case: Case) -> str:
     """16 hex digits that name a result: equal for equal physics, however it was written.
 
-    Covers all that shapes the numbers (12 significant digits) and the model's version; not the names and
-    sources of bearing, rig and material, nor what the case does not use.
+    `auto` counts as the methods that it tries, in their order: a price that changes them gives other numbers, and
+    so another id.
+    """
+    if case.method != AUTO:
+        return identity(case)
+    from bearingsim.simulation.choice import tried
+
+    return identity(case, {"method": tried(case)})
+
+
+def identity(case: Case, found: Mapping[str, Any] | None = None) -> str:
+    """16 hex digits, equal for cases that ask for the same, whatever that may come to.
+
+    Covers all that shapes the numbers (12 significant digits), what was found for it besides, and the model's
+    version; not the names and sources of bearing, rig and material, nor what the case does not use.
     """
     from bearingsim.core import MODEL_VERSION
 
-    values = used(case) | {"record": sorted(set(case.record)), "model_version": MODEL_VERSION}
+    values = used(case) | {"record": sorted(set(case.record)), "model_version": MODEL_VERSION} | dict(found or {})
     text = json.dumps(_canonical(values), sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 

@@ -14,7 +14,7 @@ from bearingsim.study import aliases
 from bearingsim.study.diagnose import STUDY_KEYS, Found, case_of
 from bearingsim.study.expand import expanded
 from bearingsim.study.figures import check_known, parse_figures
-from bearingsim.study.jobs import Study, case_id
+from bearingsim.study.jobs import Study, identity
 from bearingsim.study.paths import dimension, parse_path, put, value_at
 from bearingsim.study.sweep import Axis, is_sweep, parse_sweep, replaced, rows_of, single_axis, written_paths
 from bearingsim.study.uncertainty import check_possible, parse_uncertainty
@@ -209,7 +209,7 @@ class _Plan:
         for row in rows_of(self.axes):
             case = self.case(row)
             if case is not None:
-                cases.setdefault(case_id(case), (case, self.swept(case, row)))
+                cases.setdefault(identity(case), (case, self.swept(case, row)))
         return list(cases.values())
 
     def case(self, row: list[tuple[str, Node]]) -> Case | None:

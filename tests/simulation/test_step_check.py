@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
-from bearingsim.simulation import choice, pilot, prices, step_check, time_grid
+from bearingsim.simulation import choice, comparison, pilot, prices, step_check, time_grid
 from bearingsim.simulation.accuracy import QUIET_LINE
 from bearingsim.simulation.choice import STEP_PARTS
 from bearingsim.simulation.integration import TooChaotic, integrate, set_up
@@ -36,8 +36,8 @@ def test_the_record_is_bit_for_bit_that_of_a_run_without_proof(method: str) -> N
     checks_step, plain = simulate(given), simulate(given.model_copy(update={"step_check": False}))
     for name, series in checks_step.series.items():
         assert np.array_equal(series, plain.series[name])
-    told = ("step_error.line", "step_error.rms", "step_error.record", "chaotic", "rms_scatter")
-    for name in plain.features.keys() - set(told):
+    told = {"chaotic", "rms_scatter", *(f"step_error.{what}" for what in ("line", "rms", "force", "record"))}
+    for name in plain.features.keys() - told:
         assert plain.features[name] == pytest.approx(checks_step.features[name], rel=0.0, nan_ok=True)
     assert all(math.isnan(plain.features[name]) for name in told)
 
@@ -149,28 +149,28 @@ def test_what_stays_loud_for_a_while_scatters_more_than_its_passes_do() -> None:
 
 def test_errors_that_cancel_by_luck_are_not_taken_for_small() -> None:
     calm, errors = np.ones(4, dtype=complex), np.array([0.1, -0.1, 0.1, -0.1])
-    assert step_check.change(calm + errors, calm) == pytest.approx(0.2)
-    assert step_check.change(calm + np.abs(errors), calm) == pytest.approx(0.4)
+    assert comparison.line_change(calm + errors, calm) == pytest.approx(0.2)
+    assert comparison.line_change(calm + np.abs(errors), calm) == pytest.approx(0.4)
 
 
 @pytest.mark.parametrize("louder", ["fine", "recorded"])
 def test_the_rms_of_the_record_and_of_the_wide_band_must_both_hold(louder: str) -> None:
     fine, recorded = np.random.default_rng(1).normal(size=(2, 4 * time_grid.grid(rollers()).fine_per_pass + 1))
-    heard = step_check.Compared(fine, recorded, recorded[np.newaxis], np.ones((1, 4), dtype=complex))
+    heard = comparison.Compared(fine, recorded, recorded[np.newaxis], np.ones((1, 4), dtype=complex), 1.0)
     other = heard._replace(**{louder: 1.02 * getattr(heard, louder)})
-    with mock.patch.object(step_check, "of_pilot", side_effect=[other, heard, heard]):
+    with mock.patch.object(step_check, "run_pilot", side_effect=[other, heard, heard]):
         assert step_check.check_step(set_up(choice.resolved(rollers()), 1.0)).rms == pytest.approx(0.02)
 
 
 def test_all_that_is_recorded_is_compared_but_does_not_decide() -> None:
     given = choice.resolved(rollers(record=["ring.velocity", "roller.1.outer_force", "roller.3.radial"]))
     short, passes = pilot.pilot(given)
-    heard = step_check.of_pilot(set_up(short), passes)
+    heard = step_check.run_pilot(set_up(short), passes)
     assert heard.rest.shape == (3 + 2, len(heard.recorded))
     assert np.array_equal(heard.rest[1], heard.recorded)
     for row in range(5):
         other = heard._replace(rest=heard.rest * np.where(np.arange(5) == row, 1.03, 1.0)[:, np.newaxis])
-        with mock.patch.object(step_check, "of_pilot", side_effect=[other, heard, heard]):
+        with mock.patch.object(step_check, "run_pilot", side_effect=[other, heard, heard]):
             found = step_check.check_step(set_up(given, 1.0))
         assert found.record == pytest.approx(0.03)
         assert found.rms == 0.0
@@ -211,7 +211,7 @@ def test_the_rms_that_is_proven_is_that_of_the_record() -> None:
     """What the record's low-pass takes away may hold most of the velocity, and need not be held."""
     given = choice.resolved(rollers(sampling="1000 Hz", duration="0.3 s"))
     short, passes = pilot.pilot(given)
-    heard = step_check.of_pilot(set_up(short), passes)
+    heard = step_check.run_pilot(set_up(short), passes)
     read = simulate(short.model_copy(update={"step_check": False})).features["velocity.rms"]
     assert np.std(heard.recorded) == pytest.approx(read, rel=0.05)
     assert np.std(heard.fine) > 1.5 * read
@@ -303,7 +303,7 @@ def test_a_proof_may_take_longer_than_a_run_may() -> None:
     """The finer pilot of a strict proof takes more than twice the CPU time of its run."""
     given = choice.resolved(rollers(step_check="strict"))
     price = (given.settle + given.duration) * prices.per_second(given, time_grid.grid(given).step)
-    begun = mock.patch.object(step_check, "of_pilot", side_effect=InterruptedError)
+    begun = mock.patch.object(step_check, "run_pilot", side_effect=InterruptedError)
     with mock.patch.object(time_grid, "MAX_CPU", 1.3 * price), begun, pytest.raises(InterruptedError):
         step_check.check_step(set_up(given, 1.0))  # both pilots were let begin
 

@@ -12,8 +12,8 @@ from bearingsim.study.jobs import case_id
 from tests.scenes.commands import type_
 from tests.scenes.study_text import BASE, Write
 
-DAMPED = "contact: {damping: {chi: 50 s/m}}\n"  # which was the default then
-ID = "df5557800a744221"  # of BASE with `prove: strict` in model version 4, before the word was replaced
+DAMPED = "contact: {damping: {chi: 50 s/m}}\nmethod: verlet\n"  # the damping was the default then
+ID = "ce2149882a252c52"  # of BASE with `prove: strict` in model version 4, before the word was replaced
 
 
 def test_the_old_word_is_read_and_the_new_one_told(write: Write) -> None:

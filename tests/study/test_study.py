@@ -13,7 +13,10 @@ from hypothesis import strategies as st
 
 from bearingsim.config import Cage, Case, Drag, StaticDynamic
 from bearingsim.config.sections.defect import Shape
+from bearingsim.errors import Refused
+from bearingsim.simulation import choice
 from bearingsim.study import NEW_STUDY, case_id, dimension, json_schema, load_study
+from bearingsim.study.jobs import identity
 from tests.scenes.study_text import Write
 
 
@@ -281,10 +284,31 @@ def test_dimensions_of_paths() -> None:
     assert dimension("model") is None
 
 
+def test_the_id_names_the_methods_that_auto_tries(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Other prices that change them give other numbers; what a case names is tried alone."""
+    case, named = one(), one(method="verlet")
+    before = choice.tried(case)
+    assert before[0] == "verlet"
+    assert case_id(case) == identity(case, {"method": before}) != case_id(named)
+    monkeypatch.setattr(choice, "tried", lambda case: before[::-1])
+    assert case_id(case) == identity(case, {"method": before[::-1]}) != identity(case, {"method": before})
+    assert case_id(named) == identity(named)
+
+
+def test_a_case_that_is_refused_has_an_id(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is a job, which fails."""
+
+    def refuse(case: Case) -> None:
+        raise Refused("nothing holds the ring", "give it a load")
+
+    monkeypatch.setattr(choice, "choice", refuse)
+    assert case_id(one()) == identity(one(), {"method": ["auto"]})
+
+
 def test_reading_a_study_imports_nothing_heavy(write: Write) -> None:
     path = write(NEW_STUDY)
     code = (
-        "import sys; from bearingsim.study import load_study; load_study(sys.argv[1]).jobs();"
+        "import sys; from bearingsim.study import load_study; load_study(sys.argv[1]).cases();"
         "print({'numpy', 'numba', 'scipy', 'pandas', 'h5py', 'matplotlib'} & sys.modules.keys())"
     )
     run = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True)
