@@ -6,10 +6,11 @@ passes, and another method would take less for all of the run than Verlet's for 
 
 from collections.abc import Iterator
 from functools import lru_cache
+from math import inf
 from typing import NamedTuple
 
 from bearingsim.assemble.registered import missing
-from bearingsim.catalogue import AUTO, EXPLICIT, METHODS
+from bearingsim.catalogue import AUTO, EXPLICIT, METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.errors import Refused
 from bearingsim.simulation.automatic_step import automatic_step
@@ -20,11 +21,12 @@ from bearingsim.simulation.repetition import may_repeat
 
 STEP_PARTS = (1.0, 0.5, 0.25, 0.125)
 """Parts of an automatic step that are tried in turn; with half of it goes a tenth of the tolerance."""
-MIN_SAVING = 1.25  # what another method must save: an explicit one's price is certain, its own an estimate
+ADAPTIVE_MARGIN, IMPLICIT_MARGIN = 1.2, 2.0
+"""How many times its estimate an adaptive method may cost: more where accuracy bounds its steps, not stability."""
 
 
 class Choice(NamedTuple):
-    """A method for a case, why in words, and what each able one would cost (CPU s), the cheapest first.
+    """A method for a case, why in words, and what each able one would cost (CPU s), the surely cheapest first.
 
     patience: ball passes after which a motion that does not repeat itself is left to the next method; 0 if it is
     not.
@@ -105,28 +107,44 @@ def choice(case: Case) -> Choice:
     if case.tolerance != "auto":  # only those that keep one
         able = [name for name in able if METHODS[name].adaptive]
     costs = {name: _cost(with_method(case, name)) for name in able}
-    prices = dict(sorted(((name, one.whole) for name, one in costs.items()), key=lambda pair: pair[1]))
-    cheapest = next(iter(prices))
+    safe = sorted(able, key=lambda name: margin(name) * costs[name].whole)
+    prices = {name: costs[name].whole for name in safe}
     if EXPLICIT not in prices:
-        return Choice(cheapest, "the cheapest of those that keep a tolerance", prices)
-    if MIN_SAVING * prices[cheapest] < prices[EXPLICIT]:
-        return Choice(cheapest, _saving(cheapest, prices, step_limits(with_method(case, EXPLICIT))), prices)
+        return Choice(safe[0], "the cheapest of those that keep a tolerance", prices)
+    if safe[0] != EXPLICIT:
+        return Choice(safe[0], _saving(safe[0], prices, step_limits(with_method(case, EXPLICIT))), prices)
     if not may_repeat(with_method(case, EXPLICIT)):
         return Choice(EXPLICIT, "no other method would take much less CPU time", prices)
     return Choice(EXPLICIT, "each ball pass may repeat the last", prices, _patience(case, costs))
 
 
+def margin(name: str) -> float:
+    """How many times its estimate a method may cost."""
+    return IMPLICIT_MARGIN if METHODS[name].implicit else ADAPTIVE_MARGIN if METHODS[name].adaptive else 1.0
+
+
 def _patience(case: Case, costs: dict[str, Cost]) -> int:
     """Ball passes after which another method would take less for all of the run than Verlet's for the rest."""
-    others = [one.whole for name, one in costs.items() if name != EXPLICIT]
+    others = [margin(name) * one.whole for name, one in costs.items() if name != EXPLICIT]
     patience = int(price("patience"))
     rest = costs[EXPLICIT].at_most - patience * costs[EXPLICIT].one_pass
-    return patience if case.until is None and others and MIN_SAVING * min(others) < rest else 0
+    return patience if case.until is None and min(others, default=inf) < rest else 0
 
 
 def can_step(case: Case, name: str) -> bool:
-    """Whether a method can step the case's model: an implicit one needs its derivatives."""
-    return not METHODS[name].implicit or not any(missing(case, implicit=True))
+    """Whether a method can step the case's model: an implicit one needs its derivatives.
+
+    Friction is steep: at its rate the steps of an explicit adaptive method would go, others let it lag.
+    """
+    if METHODS[name].implicit:
+        return not any(missing(case, implicit=True))
+    return not METHODS[name].adaptive or not MODELS[case.model].slips or is_frictionless(case)
+
+
+def is_frictionless(case: Case) -> bool:
+    """Whether nothing rubs in a case whose model knows of friction."""
+    on_races = getattr(case.friction, "law", "none") != "none"
+    return not on_races and (case.cage is None or case.cage.motion == "kinematic")
 
 
 def _refuse_incomplete(case: Case) -> None:

@@ -6,7 +6,7 @@ on them. ``benchmarks/step_cost.py`` measures them.
 
 import csv
 from functools import cache
-from math import inf
+from math import inf, pi, sqrt
 from pathlib import Path
 
 from bearingsim import assemble
@@ -19,9 +19,8 @@ from bearingsim.simulation.limits import LONGEST, Limits, step_limits
 TABLE = Path(__file__).with_name("prices.csv")
 USUAL = ""
 """The name in the table of what has no row of its own, such as another package's model."""
-OWN_PER_PERIOD = 25.0  # steps of an adaptive method in a period of contacts that ring
-EXPLICIT_REACH = 3.0  # step of an explicit adaptive method over the explicit one's limit
-RINGING_RATIO = 0.3  # damping ratio under which contacts ring
+OWN_PER_PERIOD = 10.0  # steps of an adaptive method in a period of contacts that ring
+RINGING_RATIO = 0.1  # damping ratio under which contacts ring
 # power of the damping ratio, over 1, by which it shortens own steps (Rodas, m3 = 0; others roughly)
 DAMPING_POWER = 0.37
 
@@ -43,13 +42,14 @@ def evaluation(case: Case) -> float:
     return (price("evaluation", case.model) + price("power") * powers(case)) * (slice_count(case) or 1)
 
 
-def per_step(method: str, evaluations: int) -> float:
+def per_step(method: str, model: str, evaluations: int) -> float:
     """CPU time of a method's step in evaluations of the model, all that goes with it included (docs/cost.md).
 
     ``evaluations``: of the model in a step, which is what a method without a row of its own is priced by.
     """
     usual = price("adaptive step") if METHODS[method].adaptive else 1.0
-    return prices().get(("step", method), usual * evaluations)
+    of_any = prices().get(("step", method), usual * evaluations)
+    return prices().get(("step", f"{method} {model}"), of_any)
 
 
 def per_second(case: Case, step: float) -> float:
@@ -57,7 +57,7 @@ def per_second(case: Case, step: float) -> float:
     kind = assemble.method_kind(case)
     if case.method is None:
         return evaluation(case) / step * kind.evaluations
-    one = per_step(case.method, kind.evaluations)
+    one = per_step(case.method, case.model, kind.evaluations)
     if not METHODS[case.method].adaptive:
         return evaluation(case) / step * one
     own = adaptive_step(case, step_limits(case.model_copy(update={"method": EXPLICIT})))
@@ -65,11 +65,21 @@ def per_second(case: Case, step: float) -> float:
 
 
 def adaptive_step(case: Case, found: Limits) -> float:
-    """About how long (s) the steps of an adaptive method are: what rings, is crossed, or opens sets them."""
+    """About how long (s) the steps of an adaptive method are.
+
+    An explicit one's are bounded by its stability on contacts at rest; an implicit one's by what is crossed,
+    rings, or opens.
+    """
     usual, name = price("own steps"), str(case.method)
     steps = price("own steps", name)
     smooth = min(found.crossing, LONGEST * usual) / steps
+    if not METHODS[name].implicit:
+        return min(smooth, price("stable step", name) / fastest_rate(found))
     rings = 1.0 / found.contact_frequency / OWN_PER_PERIOD if found.damping_ratio < RINGING_RATIO else inf
-    limit = inf if METHODS[name].implicit else EXPLICIT_REACH * found.at_impact
-    opens = LONGEST * usual / steps / max(1.0, found.damping_ratio) ** DAMPING_POWER
-    return min(smooth, rings, limit, opens)
+    return min(smooth, rings, LONGEST * usual / steps / max(1.0, found.damping_ratio) ** DAMPING_POWER)
+
+
+def fastest_rate(found: Limits) -> float:
+    """The largest eigenvalue (1/s) of a body on its contacts at rest: what an explicit method's step follows."""
+    zeta = found.damping_ratio
+    return 2.0 * pi * found.contact_frequency * (zeta + sqrt(zeta * zeta - 1.0) if zeta > 1.0 else 1.0)

@@ -153,7 +153,7 @@ def _checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
             _refuse_short_record(setup, found)
         return found
     finer = "half the step" + " and a tenth of the tolerance" * assemble.adaptive(setup.case)
-    what = "RMS" if found.chaotic else "line of the fault" if found.line > found.rms else "RMS"
+    what = max(found.changes, key=found.changes.__getitem__)
     chaotic = ", and the motion is chaotic" if found.chaotic else ""
     changes = f"{finer} changes the {what} by {100.0 * found.error:.2g} %{chaotic}"
     raise MethodFailure(
@@ -193,10 +193,10 @@ def _kept(setup: Setup, raw: RawRecord) -> float:
 def _check_features(checks_step: StepCheck, kept: float) -> dict[str, float]:
     """A step check as features, of a record that holds the share ``kept`` of its passes."""
     return {
-        "step_error.line": checks_step.line,
-        "step_error.rms": checks_step.rms,
-        "step_error.force": checks_step.force,
-        "step_error.record": checks_step.record,
+        "step_error.line": checks_step.bound(checks_step.line),
+        "step_error.rms": checks_step.bound(checks_step.rms),
+        "step_error.force": checks_step.bound(checks_step.force),
+        "step_error.record": checks_step.bound(checks_step.record),
         "chaotic": nan if checks_step is step_check.UNCHECKED else float(checks_step.chaotic),
         "rms_scatter": nan if checks_step is step_check.UNCHECKED else checks_step.scatter / sqrt(kept),
     }

@@ -29,9 +29,13 @@ from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.repetition import Closeness
 
 ACCURACY = 0.01
-"""What a run holds of its line and its RMS; where the motion is chaotic, of the RMS alone."""
-MAX_CHANGE = 0.5 * ACCURACY
-"""The most that half the step may change them: an error of first order is twice that."""
+"""What a run holds of its line, RMS and largest force; where the motion is chaotic, of the RMS alone."""
+TIMES_CHANGE, LEAST_SHARE, RESOLVED = 2.5, 0.3, 1e-5
+"""An error stays under so many times the change by half the step: of first order it is 1.8 times it, of second 1.25.
+What changes little by luck counts for a share of what changes most. Calibrated on random scenes, and tested on
+others (docs/step-check.md)."""
+MAX_CHANGE = ACCURACY / TIMES_CHANGE
+"""The most that half the step may change them."""
 
 APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
 PERTURBATION = 1e-10  # of the ring's displacement at the start; a motion that repeats itself soon forgets it
@@ -49,13 +53,11 @@ MAX_COST_RATIO = 4.0  # times the CPU time that half the step and a tenth of the
 
 @dataclass(frozen=True)
 class StepCheck:
-    """What half the step (and a tenth of the tolerance) changes.
+    """What half the step (and a tenth of the tolerance) changes, and what follows from it.
 
-    line, rms: relative change of the fault's line (of the worst, if there are several) and of the RMS; record: of
-    what is recorded the worst; chaotic:
-    whether a start 1e-10 beside leads elsewhere; noise: standard deviation of the RMS's relative change over the
-    pilot that chaos alone brings about; scatter: what that surely stays under over the whole record, inf if the
-    pilot was too short to tell.
+    line, rms, force, record: as of ``Changes``; chaotic: whether a start 1e-10 beside leads elsewhere; noise:
+    standard deviation of the RMS's relative change over the pilot that chaos alone brings about; scatter: what
+    that surely stays under over the whole record, inf if the pilot was too short to tell.
     """
 
     line: float
@@ -67,9 +69,15 @@ class StepCheck:
     scatter: float = 0.0
 
     @property
+    def changes(self) -> dict[str, float]:
+        """The changes that count, by what changes."""
+        every = {"line of the fault": self.line, "RMS": self.rms, "largest force": self.force}
+        return {"RMS": self.rms} if self.chaotic else every
+
+    @property
     def error(self) -> float:
-        """The change that counts."""
-        return self.rms if self.chaotic else max(self.line, self.rms)
+        """The largest change that counts."""
+        return max(self.changes.values())
 
     @property
     def holds(self) -> bool:
@@ -80,6 +88,11 @@ class StepCheck:
     def long_enough(self) -> bool:
         """Whether the record holds so much of a chaotic motion that its RMS is worth 1 %."""
         return bool(self.scatter <= ACCURACY)
+
+    def bound(self, change: float) -> float:
+        """What the step's error of a quantity stays under, from the ``change`` of it (docs/step-check.md)."""
+        least = 0.0 if self.chaotic else LEAST_SHARE * self.error
+        return TIMES_CHANGE * max(change, least) + RESOLVED
 
 
 UNCHECKED = StepCheck(nan, nan, nan, nan)
