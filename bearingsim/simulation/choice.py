@@ -163,5 +163,5 @@ def _saving(chosen: str, prices: dict[str, float], found: Limits) -> str:
 
 
 def _cost(case: Case) -> Cost:
-    """What a case whose method is named takes at the automatic step."""
-    return cost(case, automatic_step(case, step_limits(case)))
+    """What a case whose method is named takes at its own step, or the automatic one."""
+    return cost(case, automatic_step(case, step_limits(case)) if case.step == "auto" else case.step)

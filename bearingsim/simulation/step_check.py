@@ -31,9 +31,9 @@ from bearingsim.simulation.repetition import Closeness
 ACCURACY = 0.01
 """What a run holds of its line, RMS and largest force; where the motion is chaotic, of the RMS alone."""
 TIMES_CHANGE, LEAST_SHARE, RESOLVED = 2.5, 0.3, 1e-5
-"""An error stays under so many times the change by half the step: of first order it is 1.8 times it, of second 1.25.
-What changes little by luck counts for a share of what changes most. Calibrated on random scenes, and tested on
-others (docs/step-check.md)."""
+"""An error stays under so many times the change by half the step. (Of first order it is 1.8 times it, of second
+1.25.) What changes little by luck counts for a share of what changes most. Calibrated on random scenes, and tested
+on others (docs/step-check.md)."""
 MAX_CHANGE = ACCURACY / TIMES_CHANGE
 """The most that half the step may change them."""
 

@@ -365,8 +365,9 @@ def test_the_price_of_a_job_holds_its_proof() -> None:
 
 
 def test_what_may_repeat_is_priced_by_the_passes_that_are_expected() -> None:
-    long, short = (time_grid.estimate(case(defect=SLOT, duration=duration)) for duration in ("20 s", "1 s"))
-    whole = time_grid.estimate(case(defect=SLOT, duration="20 s", periodic=False))
+    given = case(defect=SLOT, method="verlet")
+    long, short = (time_grid.estimate(given.model_copy(update={"duration": s})) for s in (20.0, 1.0))
+    whole = time_grid.estimate(given.model_copy(update={"duration": 20.0, "periodic": False}))
     assert long.cpu_seconds == short.cpu_seconds < 0.05 * whole.cpu_seconds
     assert long.most_seconds == whole.cpu_seconds == whole.most_seconds
     assert 0.0 < long.check_seconds < long.cpu_seconds

@@ -155,11 +155,12 @@ def test_errors_that_cancel_by_luck_are_not_taken_for_small() -> None:
 
 @pytest.mark.parametrize("louder", ["fine", "recorded"])
 def test_the_rms_of_the_record_and_of_the_wide_band_must_both_hold(louder: str) -> None:
-    fine, recorded = np.random.default_rng(1).normal(size=(2, 4 * time_grid.grid(rollers()).fine_per_pass + 1))
+    given = rollers(method="verlet")
+    fine, recorded = np.random.default_rng(1).normal(size=(2, 4 * time_grid.grid(given).fine_per_pass + 1))
     heard = comparison.Compared(fine, recorded, recorded[np.newaxis], np.ones((1, 4), dtype=complex), 1.0)
     other = heard._replace(**{louder: 1.02 * getattr(heard, louder)})
     with mock.patch.object(step_check, "run_pilot", side_effect=[other, heard, heard]):
-        assert step_check.check_step(set_up(choice.resolved(rollers()), 1.0)).rms == pytest.approx(0.02)
+        assert step_check.check_step(set_up(given, 1.0)).rms == pytest.approx(0.02)
 
 
 def test_all_that_is_recorded_is_compared_but_does_not_decide() -> None:
@@ -251,7 +252,7 @@ def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
     fine = StepCheck(line=0.001, rms=0.001, chaotic=False)
     with mock.patch.object(step_check, "check_step", side_effect=[*[hopeless] * len(STEP_PARTS), fine]):
         found = simulate(rollers())
-    assert found.info["method"] != "verlet"
+    assert found.info["method"] != choice.choice(rollers()).method
     assert found.info["step_part"] == 1.0
 
 
