@@ -1,15 +1,16 @@
 """CPU time at equal error: our methods and the peers', computed in full.
 
-`rollers`: a tenth of a second of the scene, the ring's velocity at 240 instants of each ball pass, against DOP853 at
-1e-10. Fixed steps are taken as a run takes them: the slot's cusp falls where it should in a step (docs/steps.md). That
-turns the rollers by less than a step, so each step has a reference that starts where it does.
+`rollers`: a tenth of a second of the scene, the ring's velocity at 240 instants of each ball pass, against DOP853
+at 1e-10. Fixed steps are taken as a run takes them: the slot's cusp falls where it should in a step
+(docs/steps.md). That turns the rollers by less than a step, so each step has a reference that starts where it does.
 
-`planar`: EXUDYN's healthy bearing without friction, 20 ms, the ring's displacement about its mean. Each code is held
-against its own finest run; how far those two lie apart is told.
+`planar`: EXUDYN's healthy bearing without friction, 20 ms, the ring's displacement about its mean. Each code is
+held against its own finest run; how far those two lie apart is told.
 """
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import groupby
 from math import nan
 from typing import Any
@@ -27,7 +28,7 @@ from bearingsim.simulation.integration import monitor_of
 from benchmarks.speed import peers
 from benchmarks.speed.report import Curve, Section, Target
 from benchmarks.speed.scenes import case
-from benchmarks.speed.timing import Measure, clocked, cost_at, measured
+from benchmarks.speed.timing import clocked, cost_at, measured
 from tests.independent import exudyn_planar
 from tests.independent.planar import frictionless
 from tests.scenes import planar_bearing
@@ -111,13 +112,14 @@ def section(found: Section) -> None:
 def costs_of(runs: list[Run], scene: str, duration: float, found: Section) -> list[Curve]:
     """Let all runs take turns, and give the curve of each method (s for a simulated second)."""
     took = measured({f"{scene}/{run.method}/{run.setting:g}": run for run in runs}, ROUNDS)
-    noisy = max(one.noise for one in took.values() if np.isfinite(one.noise))
+    found.measures |= {name: one for name, one in took.items() if np.isfinite(one.seconds)}
     points = [(run, one) for run, one in zip(runs, took.values(), strict=True) if np.isfinite(run.error)]
     curves = []
     for method, group in groupby(points, key=lambda point: point[0].method):
         kept = list(group)
         settings, errors = [run.setting for run, _ in kept], [run.error for run, _ in kept]
-        curves.append(Curve(scene, method, kept[0][0].ours, settings, errors, [m.seconds / duration for _, m in kept]))
+        cpu_s = [one.seconds / duration for _, one in kept]
+        curves.append(Curve(scene, method, kept[0][0].ours, settings, errors, cpu_s))
     found.curves += curves
     return curves
 
@@ -162,25 +164,23 @@ def rollers_runs() -> Iterator[Run]:
         for per in numbers:
             start = rollers_start(name, h / per, kind.cusp, PER_PASS * per)
             method = kind.parameters(h / per)
-            fixed = lambda start=start, method=method, per=per: start.run(method, velocity, instants, per)  # noqa: E731
-            yield Run(name, per, fixed, against(right(start)))
+            yield Run(name, per, partial(start.run, method, velocity, instants, per), against(right(start)))
     start = rollers_start(REFERENCE, h)
     error = against(right(start))
     for name in ADAPTIVE:
         for tolerance in TOLERANCES:
-            own = lambda method=adaptive(name, h, tolerance): start.run(method, velocity, instants)  # noqa: E731
-            yield Run(name, tolerance, own, error)
+            method = adaptive(name, h, tolerance)
+            yield Run(name, tolerance, partial(start.run, method, velocity, instants), error)
     problem = peers.problem(start.model, start.y, h * np.arange(1, instants + 1))
     for name, solve in peers.solvers(problem):
         for tolerance in peers.TOLERANCES:
-            theirs = lambda solve=solve, tolerance=tolerance: peers.timed(problem, solve, tolerance)  # noqa: E731
-            yield Run(name, tolerance, theirs, error, ours=False)
+            yield Run(name, tolerance, partial(peers.timed, problem, solve, tolerance), error, ours=False)
 
 
 def of_rollers(found: Section) -> None:
     """CPU time at equal error, and what the best automatic method saves."""
     curves = costs_of(list(rollers_runs()), "rollers", DURATION, found)
-    rows = {one.method: [one.method] for one in curves}
+    rows: dict[str, list[Any]] = {one.method: [one.method] for one in curves}
     for error in ERRORS:
         costs = at_equal_error(curves, error)
         for name, cost in costs.items():
@@ -192,7 +192,9 @@ def of_rollers(found: Section) -> None:
                 what = f"rollers at {error:g}: {best[1]}, the best automatic method, over {peer}"
                 found.targets.append(Target(what, best[0] / min(theirs), at_most=most))
     head = ["method", *(f"at {error:g}" for error in ERRORS)]
-    found.table("`rollers`, CPU s for a simulated second, at an error of the ring's velocity", head, list(rows.values()))
+    found.table(
+        "`rollers`, CPU s for a simulated second, at an error of the ring's velocity", head, list(rows.values())
+    )
 
 
 # `planar`
@@ -217,12 +219,11 @@ def planar_runs(found: Section) -> Iterator[Run]:
         for per in numbers:
             steps = assemble.kind_of_method(name).parameters(SAMPLING / per)
             look = replace(start, monitor=Monitor(32, 1.0))
-            fixed = lambda look=look, steps=steps, per=per: look.run(steps, place, instants, per)  # noqa: E731
-            yield Run(name, per, fixed, about_its_mean(right))
+            yield Run(name, per, partial(look.run, steps, place, instants, per), about_its_mean(right))
     for name in ADAPTIVE:
         for tolerance in PLANAR_TOLERANCES:
-            own = lambda steps=method(name, tolerance): start.run(steps, place, instants)  # noqa: E731
-            yield Run(name, tolerance, own, about_its_mean(right))
+            run = partial(start.run, method(name, tolerance), place, instants)
+            yield Run(name, tolerance, run, about_its_mean(right))
     if "exudyn" in found.missing:
         return
     _, finest = peers.exudyn(EXUDYN_FINEST, "RK44", PLANAR_DURATION, SAMPLING)
@@ -230,7 +231,7 @@ def planar_runs(found: Section) -> Iterator[Run]:
     found.table("`planar`: EXUDYN's finest run and ours", ["apart, of the displacement about its mean"], [[apart]])
     for name, steps_s in EXUDYN.items():
         for h in steps_s:
-            theirs = lambda h=h, name=name: peers.exudyn(h, name, PLANAR_DURATION, SAMPLING)  # noqa: E731
+            theirs = partial(peers.exudyn, h, name, PLANAR_DURATION, SAMPLING)
             yield Run(f"EXUDYN {name}", h, theirs, about_its_mean(finest), ours=False)
 
 
@@ -238,7 +239,9 @@ def of_planar(found: Section) -> None:
     """CPU time at equal error, and how far EXUDYN is behind."""
     curves = costs_of(list(planar_runs(found)), "planar", PLANAR_DURATION, found)
     costs = at_equal_error(curves, PLANAR_ERROR)
-    title = f"`planar`, CPU s for a simulated second, at {PLANAR_ERROR:g} of the ring's displacement about its mean"
+    title = (
+        f"`planar`, CPU s for a simulated second, at {PLANAR_ERROR:g} of the ring's displacement about its mean"
+    )
     found.table(title, ["method", "CPU s"], [[name, cost] for name, cost in costs.items()])
     theirs = [cost for name, cost in costs.items() if name.startswith("EXUDYN")]
     best = min((cost, name) for name, cost in costs.items() if name in METHODS and METHODS[name].automatic)

@@ -1,8 +1,8 @@
 """The peers: other people's integrators on the right-hand side of our own `rollers`, and EXUDYN.
 
-Each integrator is handed the same compiled function, the same start, the same instants. It counts micrometres, metres
-a second and microseconds, so that one absolute tolerance suits all that it steps. EXUDYN carries the bearing of
-tests/independent/exudyn_planar.py with its own bodies and contacts. A peer that is not installed is named, and why.
+Each integrator is handed the same compiled function, the same start, the same instants. It counts micrometres,
+metres a second and microseconds, so that one absolute tolerance suits all that it steps. EXUDYN carries the bearing
+of tests/independent/exudyn_planar.py with its own bodies and contacts. A peer that is not installed is named.
 """
 
 import os
@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 import numba
 import numpy as np
+from numba.np.numpy_support import carray
 
 from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import accelerations
@@ -36,7 +37,7 @@ def absent() -> dict[str, str]:
         try:
             import_module(module)
         except (ImportError, OSError) as error:  # a wheel may be here, and not load
-            found[name] = f"{error}; `pip install --group peers` would bring it, numbalsoda with gfortran and cmake"
+            found[name] = f"{error} (`make bench-peers`)"
     return found
 
 
@@ -146,11 +147,12 @@ def _numbalsoda(given: Problem) -> Iterator[tuple[str, Solver]]:
 
     @numba.cfunc(numbalsoda.lsoda_sig)
     def rhs(t, u, du, y):
-        derivatives(t, numba.carray(u, (n,)), numba.carray(du, (n,)), numba.carray(y, (size,)))
+        derivatives(t, carray(u, (n,)), carray(du, (n,)), carray(y, (size,)))
 
     for name in ("lsoda", "dop853"):
 
-        def solve(tolerance: float, integrate: Any = getattr(numbalsoda, name)) -> np.ndarray:
+        def solve(tolerance: float, name: str = name) -> np.ndarray:
+            integrate = getattr(numbalsoda, name)
             times = np.concatenate([[0.0], given.instants])
             with silence():  # Fortran tells on the standard output that the problem may be stiff
                 found, success = integrate(

@@ -26,7 +26,12 @@ class Target(NamedTuple):
 
     def __str__(self) -> str:
         bound = f"at most {self.at_most:g}" if self.at_most is not None else f"at least {self.at_least:g}"
-        return f"{'met   ' if self.met else 'MISSED'} {self.name}: {self.found:.3g} ({bound}){self.doubt and '; '}{self.doubt}"
+        doubt = f"; {self.doubt}" if self.doubt else ""
+        return f"{'met' if self.met else 'MISSED'}: {self.name}: {self.found:.3g} ({bound}{doubt})"
+
+
+Prices = dict[tuple[str, str], float]
+"""Numbers for rows of ``bearingsim/simulation/prices.csv``, by what and name."""
 
 
 class Curve(NamedTuple):
@@ -45,7 +50,7 @@ class Section:
     """What a section finds.
 
     measures: what ``compare.py`` looks at; targets: what is to be reached; curves, bars: what the chart shows;
-    missing: peers that are not here, and why; lines: the report.
+    missing: peers that are not here, and why; prices: what is proposed.
     """
 
     measures: dict[str, Measure] = field(default_factory=dict)
@@ -53,6 +58,7 @@ class Section:
     curves: list[Curve] = field(default_factory=list)
     tables: list[tuple[str, list[str], list[list[Any]]]] = field(default_factory=list)
     missing: dict[str, str] = field(default_factory=dict)
+    prices: Prices = field(default_factory=dict)
 
     def table(self, title: str, head: list[str], rows: list[list[Any]]) -> None:
         """Add a table; numbers are told to three digits."""

@@ -21,7 +21,7 @@ from bearingsim.core.parameters import lanes
 from bearingsim.simulation import time_grid
 from benchmarks.speed.report import Section, Target
 from benchmarks.speed.scenes import DAMPING, case
-from benchmarks.speed.timing import Task, clocked, exponent, measured
+from benchmarks.speed.timing import Task, clocked, measured
 
 MOST = {"ring": 3.0, "rollers": 1.6, "planar": 6.0, "spatial": 5.0}
 """Models, and what a step of each may cost, over its contact forces."""
@@ -102,7 +102,11 @@ class Bare:
     @property
     def contacts(self) -> int:
         """Contacts whose force an evaluation asks for."""
-        return self.model.bearing.Z * (1 if isinstance(self.model, Ring) else 2) * (assemble.slices_of(self.model) or 1)
+        return (
+            self.model.bearing.Z
+            * (1 if isinstance(self.model, Ring) else 2)
+            * (assemble.slices_of(self.model) or 1)
+        )
 
 
 def section(found: Section) -> None:
@@ -118,7 +122,9 @@ def section(found: Section) -> None:
         ratio = step_s / forces_s
         rows.append([name, one.contacts, 1e9 * step_s, 1e9 * forces_s, 1e9 * forces_s / one.contacts, ratio])
         found.targets.append(Target(f"{name}: a Verlet step over its contact forces", ratio, at_most=MOST[name]))
-    found.table("A Verlet step", ["model", "contacts", "step, ns", "forces, ns", "ns a contact", "step/forces"], rows)
+    found.table(
+        "A Verlet step", ["model", "contacts", "step, ns", "forces, ns", "ns a contact", "step/forces"], rows
+    )
     numbers = [Bare("rollers", rollers=Z, clearance="-1 um", defects=[]) for Z in ROLLERS]
     growth(found, "rollers", [one.model.bearing.Z for one in numbers], numbers)
     cuts = [Bare("spatial", contact={"slices": n, "damping": DAMPING}) for n in SLICES]

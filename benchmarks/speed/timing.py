@@ -1,8 +1,8 @@
 """Timing by turns: least CPU time and noise, beside a yardstick that the program has no part in.
 
 A machine is never quiet. So what is to be compared takes turns, round after round, and the least of each counts.
-The yardstick is a loop of this file, timed in the same rounds: what the clock or a neighbour does to one, it does to
-the other. Measures over their yardstick are what ``compare.py`` compares, not seconds.
+The yardstick is a loop of this file, timed in the same rounds: what the clock or a neighbour does to one, it does
+to the other. Measures over their yardstick are what ``compare.py`` compares, not seconds.
 """
 
 import time
@@ -72,8 +72,8 @@ def exponent(sizes: Sequence[float], costs: Sequence[float]) -> float:
 def cost_at(error: float, errors: Sequence[float], costs: Sequence[float]) -> float:
     """What a method costs at an error, between the points of its work-precision curve; inf if it never came to it.
 
-    Only points count that nothing cheaper beats. Between two of them the curve is straight in log-log; where all are
-    below the error, the cheapest counts.
+    Only points count that nothing cheaper beats. Between two of them the curve is straight in log-log; where all
+    are below the error, the cheapest counts.
     """
     front: list[tuple[float, float]] = []
     for cost, found in sorted(zip(costs, errors, strict=True)):
