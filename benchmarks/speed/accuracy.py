@@ -2,7 +2,7 @@
 
 `rollers`: a tenth of a second of the scene, the ring's velocity at 240 instants of each ball pass, against DOP853
 at 1e-10. Fixed steps are taken as a run takes them: the slot's cusp falls where it should in a step
-(docs/steps.md). That turns the rollers by less than a step, so each step has a reference that starts where it does.
+(docs/steps.md). That turns the rollers by less than a step, so each step has a reference that starts as it does.
 
 `planar`: EXUDYN's healthy bearing without friction, 20 ms, the ring's displacement about its mean. Each code is
 held against its own finest run; how far those two lie apart is told.
@@ -11,8 +11,8 @@ held against its own finest run; how far those two lie apart is told.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import groupby
-from math import nan
+from itertools import groupby, product
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,7 @@ from bearingsim.simulation.integration import monitor_of
 from benchmarks.speed import peers
 from benchmarks.speed.report import Curve, Section, Target
 from benchmarks.speed.scenes import case
-from benchmarks.speed.timing import clocked, cost_at, measured
+from benchmarks.speed.timing import Measure, clocked, cost_at, measured
 from tests.independent import exudyn_planar
 from tests.independent.planar import frictionless
 from tests.scenes import planar_bearing
@@ -53,6 +53,7 @@ EXUDYN_FINEST = 0.5e-6
 
 Found = tuple[float, np.ndarray]
 """CPU time (s) of a run, and what it gives (2, n); neither finite if it failed."""
+FAILED: Found = nan, np.full((2, 1), nan)
 
 
 @dataclass
@@ -99,7 +100,7 @@ class Start:
             ready(method, self.model, 0.0, y)
         ended: list[tuple] = []
         took = clocked(lambda: ended.append(advance(method, self.model, self.monitor, 0, y, places, out)))
-        return (took, out[:, per - 1 :: per]) if ended[0][1] == SUCCESS else (nan, out[:, per - 1 :: per] * nan)
+        return (took, out[:, per - 1 :: per]) if ended[0][1] == SUCCESS else FAILED
 
 
 def section(found: Section) -> None:
@@ -109,25 +110,33 @@ def section(found: Section) -> None:
     of_planar(found)
 
 
-def costs_of(runs: list[Run], scene: str, duration: float, found: Section) -> list[Curve]:
-    """Let all runs take turns, and give the curve of each method (s for a simulated second)."""
-    took = measured({f"{scene}/{run.method}/{run.setting:g}": run for run in runs}, ROUNDS)
-    found.measures |= {name: one for name, one in took.items() if np.isfinite(one.seconds)}
+def costs_of(
+    runs: list[Run], scene: str, duration: float, errors: tuple[float, ...], found: Section
+) -> list[dict[str, float]]:
+    """Let all runs take turns; CPU s for a simulated second of each method, the cheapest first, at each error."""
+    took = measured({f"{run.method} {run.setting:g}": run for run in runs}, ROUNDS)
     points = [(run, one) for run, one in zip(runs, took.values(), strict=True) if np.isfinite(run.error)]
-    curves = []
+    curves, noise = [], {}
     for method, group in groupby(points, key=lambda point: point[0].method):
         kept = list(group)
-        settings, errors = [run.setting for run, _ in kept], [run.error for run, _ in kept]
+        settings, own_errors = [run.setting for run, _ in kept], [run.error for run, _ in kept]
         cpu_s = [one.seconds / duration for _, one in kept]
-        curves.append(Curve(scene, method, kept[0][0].ours, settings, errors, cpu_s))
+        curves.append(Curve(scene, method, kept[0][0].ours, settings, own_errors, cpu_s))
+        noise[method] = float(np.median([one.noise for _, one in kept]))
     found.curves += curves
-    return curves
+    yardstick = points[0][1].yardstick
+    for curve, error in product(curves, errors):
+        cost = duration * cost_at(error, curve.errors, curve.cpu_s)
+        if curve.ours and np.isfinite(cost):  # what a peer takes is its own affair
+            name = f"{scene}/{curve.method} at {error:g}"
+            found.measures[name] = Measure(cost, yardstick, noise[curve.method], ROUNDS)
+    at_errors = [{one.method: cost_at(error, one.errors, one.cpu_s) for one in curves} for error in errors]
+    return [dict(sorted(costs.items(), key=lambda pair: pair[1])) for costs in at_errors]
 
 
-def at_equal_error(curves: list[Curve], error: float) -> dict[str, float]:
-    """What each method costs at an error: CPU seconds for a simulated second, the cheapest first."""
-    costs = {one.method: cost_at(error, one.errors, one.cpu_s) for one in curves}
-    return dict(sorted(costs.items(), key=lambda pair: pair[1]))
+def best_automatic(costs: dict[str, float]) -> tuple[str, float]:
+    """The cheapest of the methods that `auto` may choose, and its cost."""
+    return next((name, cost) for name, cost in costs.items() if name in METHODS and METHODS[name].automatic)
 
 
 # `rollers`
@@ -179,22 +188,17 @@ def rollers_runs() -> Iterator[Run]:
 
 def of_rollers(found: Section) -> None:
     """CPU time at equal error, and what the best automatic method saves."""
-    curves = costs_of(list(rollers_runs()), "rollers", DURATION, found)
-    rows: dict[str, list[Any]] = {one.method: [one.method] for one in curves}
-    for error in ERRORS:
-        costs = at_equal_error(curves, error)
-        for name, cost in costs.items():
-            rows[name].append(cost)
-        best = min((cost, name) for name, cost in costs.items() if name in METHODS and METHODS[name].automatic)
+    at_errors = costs_of(list(rollers_runs()), "rollers", DURATION, ERRORS, found)
+    for error, costs in zip(ERRORS, at_errors, strict=True):
+        name, cost = best_automatic(costs)
         for peer, most in MOST.items():
-            theirs = [cost for name, cost in costs.items() if name.startswith(peer)]
-            if np.isfinite(theirs).any():
-                what = f"rollers at {error:g}: {best[1]}, the best automatic method, over {peer}"
-                found.targets.append(Target(what, best[0] / min(theirs), at_most=most))
-    head = ["method", *(f"at {error:g}" for error in ERRORS)]
-    found.table(
-        "`rollers`, CPU s for a simulated second, at an error of the ring's velocity", head, list(rows.values())
-    )
+            theirs = min((one for other, one in costs.items() if other.startswith(peer)), default=inf)
+            if theirs < inf:
+                what = f"rollers at {error:g}: {name}, the best automatic method, over {peer}"
+                found.targets.append(Target(what, cost / theirs, at_most=most))
+    rows = [[name, *(costs[name] for costs in at_errors)] for name in at_errors[0]]
+    title = "`rollers`, CPU s for a simulated second, at an error of the ring's velocity"
+    found.table(title, ["method", *(f"at {error:g}" for error in ERRORS)], rows)
 
 
 # `planar`
@@ -237,14 +241,13 @@ def planar_runs(found: Section) -> Iterator[Run]:
 
 def of_planar(found: Section) -> None:
     """CPU time at equal error, and how far EXUDYN is behind."""
-    curves = costs_of(list(planar_runs(found)), "planar", PLANAR_DURATION, found)
-    costs = at_equal_error(curves, PLANAR_ERROR)
+    (costs,) = costs_of(list(planar_runs(found)), "planar", PLANAR_DURATION, (PLANAR_ERROR,), found)
     title = (
         f"`planar`, CPU s for a simulated second, at {PLANAR_ERROR:g} of the ring's displacement about its mean"
     )
     found.table(title, ["method", "CPU s"], [[name, cost] for name, cost in costs.items()])
-    theirs = [cost for name, cost in costs.items() if name.startswith("EXUDYN")]
-    best = min((cost, name) for name, cost in costs.items() if name in METHODS and METHODS[name].automatic)
-    if np.isfinite(theirs).any():
-        what = f"planar: EXUDYN's best over {best[1]}, the best automatic method"
-        found.targets.append(Target(what, min(theirs) / best[0], at_least=AS_FAST))
+    name, cost = best_automatic(costs)
+    theirs = min((one for other, one in costs.items() if other.startswith("EXUDYN")), default=inf)
+    if theirs < inf:
+        what = f"planar: EXUDYN's best over {name}, the best automatic method"
+        found.targets.append(Target(what, theirs / cost, at_least=AS_FAST))

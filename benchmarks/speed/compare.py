@@ -51,13 +51,8 @@ def changes(new: dict[str, Any], old: dict[str, Any]) -> list[Change]:
 
 
 def measures(run: dict[str, Any]) -> dict[str, Any]:
-    """All that a run has measured of the program; a peer's speed is its own affair."""
-    parts = run["sections"].values()
-    peers = tuple(
-        f"{one['scene']}/{one['method']}/" for part in parts for one in part["curves"] if not one["ours"]
-    )
-    every = {name: one for part in parts for name, one in part["measures"].items()}
-    return {name: one for name, one in every.items() if not name.startswith(peers)}
+    """All that a run has measured."""
+    return {name: one for part in run["sections"].values() for name, one in part["measures"].items()}
 
 
 def cost(one: dict[str, float]) -> float:

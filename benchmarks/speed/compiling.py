@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
+from typing import Any
 
 from benchmarks.speed.report import Section, Target
 
@@ -21,7 +22,7 @@ print(time.process_time())
 
 def section(found: Section) -> None:
     """Each model twice, in an empty cache of its own."""
-    rows = []
+    rows: list[list[Any]] = []
     for model, most in MOST.items():
         with tempfile.TemporaryDirectory() as cache:
             first, warm = (process_time(model, {"BEARINGSIM_CACHE": cache}) for _ in range(2))

@@ -1,8 +1,8 @@
 """The peers: other people's integrators on the right-hand side of our own `rollers`, and EXUDYN.
 
 Each integrator is handed the same compiled function, the same start, the same instants. It counts micrometres,
-metres a second and microseconds, so that one absolute tolerance suits all that it steps. EXUDYN carries the bearing
-of tests/independent/exudyn_planar.py with its own bodies and contacts. A peer that is not installed is named.
+metres a second and microseconds, so that one absolute tolerance suits all that it steps. EXUDYN carries the
+bearing of tests/independent/exudyn_planar.py with its own bodies and contacts. A peer that is not here is named.
 """
 
 import os
@@ -102,23 +102,23 @@ def solvers(given: Problem) -> Iterator[tuple[str, Solver]]:
 
 
 def _scipy(given: Problem) -> Iterator[tuple[str, Solver]]:
-    from scipy.integrate import solve_ivp
+    from scipy.integrate import DOP853, LSODA, RK45, solve_ivp
 
     def rhs(t: float, u: np.ndarray) -> np.ndarray:
         du = np.empty_like(u)
         given.derivatives(t, u, du, given.y)
         return du
 
-    for name in ("LSODA", "DOP853", "RK45"):
+    for method in (LSODA, DOP853, RK45):
 
-        def solve(tolerance: float, name: str = name) -> np.ndarray:
-            end = (0.0, given.instants[-1])
-            found = solve_ivp(rhs, end, given.u, name, given.instants, rtol=tolerance, atol=tolerance)
+        def solve(tolerance: float, method: Any = method) -> np.ndarray:
+            end = (0.0, float(given.instants[-1]))
+            found = solve_ivp(rhs, end, given.u, method, given.instants, rtol=tolerance, atol=tolerance)
             if not found.success:
                 raise RuntimeError(found.message)
             return found.y.T
 
-        yield f"SciPy {name}", solve
+        yield f"SciPy {method.__name__}", solve
 
 
 def _sundae(given: Problem) -> Iterator[tuple[str, Solver]]:

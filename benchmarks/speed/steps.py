@@ -1,7 +1,7 @@
 """A step against its contact forces, and how it grows with rollers and slices.
 
-The ceiling is the model's contact law in a bare loop: as many calls of ``normal_force`` as one evaluation makes, and
-nothing else. A Verlet step is timed bare, too: no monitor, no recording.
+The ceiling is the model's contact law in a bare loop: as many calls of ``normal_force`` as one evaluation makes,
+and nothing else. A Verlet step is timed bare, too: no monitor, no recording.
 """
 
 from typing import Any
@@ -27,7 +27,7 @@ MOST = {"ring": 3.0, "rollers": 1.6, "planar": 6.0, "spatial": 5.0}
 """Models, and what a step of each may cost, over its contact forces."""
 LONG = {"ring": 20_000, "rollers": 20_000, "planar": 10_000, "spatial": 1000}  # steps, or times all forces, a turn
 ROLLERS, SLICES = (8, 16, 32, 64), (6, 12, 24, 48)
-ROUNDS = 15
+ROUNDS = 80  # of some milliseconds: neighbours come and go within a second
 
 
 @generic

@@ -64,7 +64,7 @@ def _roots(x, times):
             x[16 + j] = np.sqrt(x[j] + x[16 + j] / (1.0 + x[j]))
 
 
-def exponent(sizes: Sequence[float], costs: Sequence[float]) -> float:
+def exponent(sizes: Sequence[float] | np.ndarray, costs: Sequence[float] | np.ndarray) -> float:
     """The power of the size that the cost grows with: the slope of the straight line through their logarithms."""
     return float(np.polyfit(np.log(sizes), np.log(costs), 1)[0])
 

@@ -99,7 +99,7 @@ def assembled(scene) -> Bearing:
             bodyNumber=system.AddObject(eu.ObjectGround()), localPosition=[anchor.real, anchor.imag, 0.0]
         )
     )
-    bracket = {"stiffness": [scene.k_b, scene.k_b, 0.0], "damping": [scene.c_b, scene.c_b, 0.0]}
+    bracket: Any = {"stiffness": [scene.k_b, scene.k_b, 0.0], "damping": [scene.c_b, scene.c_b, 0.0]}
     system.AddObject(eu.CartesianSpringDamper(markerNumbers=[ground, on_ring], **bracket))
     load = complex(scene.load)
     system.AddLoad(eu.Force(markerNumber=on_ring, loadVector=[-load.real, -load.imag, 0.0]))
