@@ -12,7 +12,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick check lint studies $(STUDIES) stability lock bench clean
+.PHONY: help install install-dev demo test test-quick check lint studies $(STUDIES) stability lock clean bench bench-compare bench-peers
 
 help:
 	@sed -n '1,4s/^# //p' Makefile
@@ -73,10 +73,16 @@ lint: install-dev
 
 check: lint test
 
+# ONLY=peers, or other sections (benchmarks/speed/__main__.py); the rest of what a peer needs is in docs/benchmarks.md
 bench: install-dev
-	$(BIN)/python benchmarks/step_cost.py
-	$(BIN)/python benchmarks/step_fraction.py
-	$(BIN)/python benchmarks/narrow_pits.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.speed $(ONLY) --out results/bench
+
+bench-compare: install-dev
+	$(BIN)/python -m benchmarks.speed.compare
+
+bench-peers: install-dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group peers
+	-$(BIN)/python -m pip install --quiet --disable-pip-version-check --group peers-from-source
 
 lock: install-dev
 	$(BIN)/python -m pip install --quiet uv

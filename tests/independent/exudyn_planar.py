@@ -99,7 +99,7 @@ def assembled(scene) -> Bearing:
             bodyNumber=system.AddObject(eu.ObjectGround()), localPosition=[anchor.real, anchor.imag, 0.0]
         )
     )
-    bracket = {"stiffness": [scene.k_b, scene.k_b, 0.0], "damping": [scene.c_b, scene.c_b, 0.0]}
+    bracket: Any = {"stiffness": [scene.k_b, scene.k_b, 0.0], "damping": [scene.c_b, scene.c_b, 0.0]}
     system.AddObject(eu.CartesianSpringDamper(markerNumbers=[ground, on_ring], **bracket))
     load = complex(scene.load)
     system.AddLoad(eu.Force(markerNumber=on_ring, loadVector=[-load.real, -load.imag, 0.0]))
@@ -157,8 +157,27 @@ def bridged(bearing, scene):
     return before_step
 
 
-def simulate(scene, step, duration=DURATION, sampling=SAMPLING):
-    """(time (n,), ring displacement (2, n), m) by RK44, at the times at which EXUDYN gave its results."""
+class Run(NamedTuple):
+    """A bearing ready to be stepped, how, and its sensor of the ring's displacement."""
+
+    bearing: Bearing
+    settings: Any
+    sensor: Any
+
+    def solve(self, solver="RK44"):
+        """Step through all of it with one of ``exudyn.DynamicSolverType``."""
+        import exudyn as exu
+
+        self.bearing.system.SolveDynamic(self.settings, solverType=getattr(exu.DynamicSolverType, solver))
+
+    def displacement(self):
+        """(time (n,), ring displacement (2, n), m), at the times at which EXUDYN gave its results."""
+        seen = self.bearing.system.GetSensorStoredData(self.sensor)
+        return seen[:, 0], seen[:, 1:3].T
+
+
+def prepared(scene, step, duration=DURATION, sampling=SAMPLING) -> Run:
+    """A scene assembled, to be solved with a fixed step."""
     import exudyn as exu
     from exudyn import utilities as eu
 
@@ -180,9 +199,14 @@ def simulate(scene, step, duration=DURATION, sampling=SAMPLING):
     integration.discontinuous.iterationTolerance = 1e30  # a fixed step, never repeated
     settings.solution.sensors.writePeriod = sampling
     settings.solution.file.write = False
-    system.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
-    seen = system.GetSensorStoredData(sensor)
-    return seen[:, 0], seen[:, 1:3].T
+    return Run(bearing, settings, sensor)
+
+
+def simulate(scene, step, duration=DURATION, sampling=SAMPLING):
+    """(time (n,), ring displacement (2, n), m) by RK44, at the times at which EXUDYN gave its results."""
+    run = prepared(scene, step, duration, sampling)
+    run.solve()
+    return run.displacement()
 
 
 def kept(name):

@@ -160,14 +160,20 @@ def carried(scene: planar.Scene) -> Planar:
     )
 
 
-def simulate(scene: planar.Scene, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times (n + 1,) s and the rows PLACES (7, n + 1), from the static start by RK4, friction without lag."""
+def at_rest(scene: planar.Scene) -> tuple[Planar, np.ndarray]:
+    """The scene as the package's model, and a buffer in its static start."""
     model = carried(scene)
     y = lay.buffer(scene.Z, scene.m_r)
     assert rest_from_scratch(static_model(model), 0.0, y) <= 1e-8 * abs(scene.load)
     if len(scene.eps):
         y[lay.EPS : lay.EPS + scene.Z] = scene.eps
     start_at_rest(model, 0.0, y)
+    return model, y
+
+
+def simulate(scene: planar.Scene, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n + 1,) s and the rows PLACES (7, n + 1), from the static start by RK4, friction without lag."""
+    model, y = at_rest(scene)
     steps = round(duration / step)
     out = np.empty((len(PLACES), steps + 1))
     out[:, 0] = y[PLACES]

@@ -1,0 +1,222 @@
+"""What the benchmarks of speed make of their numbers: exponents, costs at an error, losses, prices. No times."""
+
+import json
+from functools import partial
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import numpy as np
+import pytest
+
+from bearingsim import assemble
+from bearingsim.core import layout as lay
+from bearingsim.core.models.interface import accelerations
+from bearingsim.simulation.prices import TABLE
+from benchmarks.speed import accuracy, compare, peers, prices, timing
+from benchmarks.speed.report import Section, Target
+from benchmarks.speed.scenes import case
+from benchmarks.speed.timing import Measure
+
+
+def run(processor: str = "one", **measures: Measure) -> dict[str, Any]:
+    """A run as its file is read back."""
+    part = Section(measures=measures)
+    whole = {"machine": {"processor": processor}, "sections": {"steps": part.as_json()}}
+    read: dict[str, Any] = json.loads(json.dumps(whole))
+    return read
+
+
+def measure(seconds: float, yardstick: float = 1.0, noise: float = 0.01) -> Measure:
+    return Measure(seconds, yardstick, noise, 9)
+
+
+class TestCompare:
+    """A loss is one beyond noise, over the yardstick of its own run."""
+
+    def test_a_loss_beyond_noise_is_flagged(self) -> None:
+        (change,) = compare.changes(run(step=measure(1.15)), run(step=measure(1.0)))
+        assert change.lost
+        assert not change.won
+        assert str(change).startswith("LOSS  step: 1.15")
+
+    def test_noise_is_not(self) -> None:
+        (change,) = compare.changes(run(step=measure(1.15, noise=0.06)), run(step=measure(1.0, noise=0.06)))
+        assert not change.lost
+
+    def test_a_change_that_is_too_small_is_not(self) -> None:
+        (change,) = compare.changes(run(step=measure(1.07, noise=0.0)), run(step=measure(1.0, noise=0.0)))
+        assert not change.lost
+
+    def test_a_gain_is_told(self) -> None:
+        (change,) = compare.changes(run(step=measure(0.8)), run(step=measure(1.0)))
+        assert change.won
+        assert not change.lost
+
+    def test_a_slower_machine_is_no_loss(self) -> None:
+        (change,) = compare.changes(run(step=measure(2.0, yardstick=2.0)), run(step=measure(1.0)))
+        assert change.ratio == pytest.approx(1.0)
+        assert not change.lost
+
+    def test_a_loss_on_a_faster_machine_is_one(self) -> None:
+        (change,) = compare.changes(run(step=measure(0.8, yardstick=0.5)), run(step=measure(1.0)))
+        assert change.lost
+
+    def test_a_measure_that_is_gone_is_told(self) -> None:
+        assert compare.gone(run(step=measure(1.0)), run(step=measure(1.0), forces=measure(1.0))) == ["forces"]
+
+    def test_the_exit_status_tells_of_a_loss(self, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+        old, slow, same = (tmp_path / f"{name}.json" for name in ("old", "slow", "same"))
+        old.write_text(json.dumps(run(step=measure(1.0), forces=measure(1.0))))
+        slow.write_text(json.dumps(run("another", step=measure(1.3), forces=measure(1.0))))
+        same.write_text(json.dumps(run(step=measure(1.02), forces=measure(0.98))))
+        assert compare.main([str(slow), str(old)]) == 1
+        told = capsys.readouterr().out
+        assert "another processor" in told
+        assert "2 measures: 1 lost, 0 won" in told
+        assert compare.main([str(same), str(old)]) == 0
+
+    def test_the_committed_baseline_has_lost_nothing_against_itself(self) -> None:
+        assert compare.main([str(compare.BASELINE), str(compare.BASELINE)]) == 0
+        assert len(compare.measures(json.loads(compare.BASELINE.read_text()))) > 50
+
+
+class TestNumbers:
+    """What is made of the times."""
+
+    @pytest.mark.parametrize("power", [0.5, 1.0, 2.0])
+    def test_the_exponent_is_that_of_the_law(self, power: float) -> None:
+        sizes = np.array([8.0, 16.0, 32.0, 64.0])
+        assert timing.exponent(sizes, 3e-7 * sizes**power) == pytest.approx(power)
+
+    def test_the_exponent_of_noisy_times_is_near(self) -> None:
+        sizes = np.array([8.0, 16.0, 32.0, 64.0])
+        assert timing.exponent(sizes, sizes * np.array([1.02, 0.98, 1.01, 0.99])) == pytest.approx(1.0, abs=0.03)
+
+    def test_growth_over_the_bound_is_missed(self) -> None:
+        section = Section()
+        section.grows("a step", "rollers", [8, 16, 32], [1.0, 2.2, 4.84])
+        (target,) = section.targets
+        assert not target.met
+        assert target.found == pytest.approx(np.log2(2.2))
+
+    def test_a_cost_between_two_points_is_straight_in_log_log(self) -> None:
+        assert timing.cost_at(1e-3, [1e-2, 1e-4], [1.0, 100.0]) == pytest.approx(10.0)
+
+    def test_a_point_that_a_cheaper_one_beats_does_not_count(self) -> None:
+        assert timing.cost_at(1e-3, [1e-2, 5e-2, 1e-4], [1.0, 5.0, 100.0]) == pytest.approx(10.0)
+
+    def test_all_points_below_the_error_cost_the_cheapest(self) -> None:
+        assert timing.cost_at(1e-1, [1e-4, 1e-2], [100.0, 1.0]) == 1.0
+
+    def test_an_error_that_was_not_reached_has_no_cost(self) -> None:
+        assert timing.cost_at(1e-5, [1e-2, 1e-4], [1.0, 100.0]) == np.inf
+
+    def test_noise_is_how_far_the_least_times_lie_apart(self) -> None:
+        assert timing.noise(np.array([1.0, 1.1, 9.0, 1.0])) == pytest.approx(0.0)
+        assert timing.noise(np.array([1.3, 1.0, 9.0])) == pytest.approx(0.3)
+        assert timing.noise(np.array([1.0])) == 0.0
+
+    def test_each_task_takes_its_turn_beside_the_yardstick(self) -> None:
+        turns: list[str] = []
+        times = iter([9.0, 5.0, 3.0, 4.0])  # the first is not counted
+
+        def one() -> float:
+            turns.append("one")
+            return next(times)
+
+        def other() -> float:
+            turns.append("other")
+            return 1.0
+
+        with mock.patch.object(timing, "yardstick", return_value=0.5):
+            found = timing.measured({"one": one, "other": other}, rounds=3)
+        assert turns == ["one", "other"] * 4
+        assert (found["one"].seconds, found["one"].yardstick, found["one"].rounds) == (3.0, 0.5, 3)
+
+    def test_targets_are_bounds(self) -> None:
+        assert Target("ratio", 0.7, at_most=0.75).met
+        assert not Target("ratio", 0.8, at_most=0.75).met
+        assert Target("ratio", 120.0, at_least=100.0).met
+        assert not Target("ratio", 90.0, at_least=100.0).met
+        assert not Target("ratio", float("nan"), at_most=0.75).met
+
+
+class TestAccuracy:
+    """What is made of runs at several settings."""
+
+    @staticmethod
+    def runs(method: str, errors: list[float], seconds: list[float], ours: bool) -> list[accuracy.Run]:
+        def found(error: float, took: float) -> accuracy.Found:
+            return took, np.array(error)
+
+        each = enumerate(zip(errors, seconds, strict=True))
+        return [accuracy.Run(method, k, partial(found, *point), float, ours) for k, point in each]
+
+    def test_costs_are_told_at_equal_error_and_a_peers_are_not_kept(self) -> None:
+        section = Section()
+        runs = self.runs("verlet", [1e-2, 1e-4], [1.0, 4.0], True) + self.runs("peer", [1e-3], [9.0], False)
+        (costs,) = accuracy.costs_of(runs, "scene", 0.5, (1e-3,), section)
+        assert costs == {"verlet": pytest.approx(4.0), "peer": pytest.approx(18.0)}
+        assert list(section.measures) == ["scene/verlet at 0.001"]
+        assert section.measures["scene/verlet at 0.001"].seconds == pytest.approx(2.0)
+        assert [curve.method for curve in section.curves] == ["verlet", "peer"]
+
+    def test_a_run_that_failed_is_no_point(self) -> None:
+        section = Section()
+        accuracy.costs_of(self.runs("verlet", [np.nan, 1e-4], [np.nan, 4.0], True), "scene", 1.0, (1e-3,), section)
+        assert section.curves[0].errors == [1e-4]
+
+    def test_the_best_automatic_method_is_neither_a_peer_nor_one_that_auto_never_takes(self) -> None:
+        assert accuracy.best_automatic({"SciPy LSODA": 1.0, "rk4": 2.0, "verlet": 3.0}) == ("verlet", 3.0)
+
+
+class TestPeers:
+    """All step the same equations; one that is not here is named."""
+
+    def test_they_are_handed_the_accelerations_of_the_model(self) -> None:
+        model = assemble.model(case("rollers"))
+        y, _ = assemble.start(case("rollers"), model)
+        y[lay.RADIAL_V : lay.RADIAL_V + 13] = np.linspace(-0.01, 0.01, 13)
+        problem = peers.problem(model, y, np.array([1e-5]))
+        du = np.empty_like(problem.u)
+        problem.derivatives(3.0, problem.u, du, problem.y)
+        accelerations(model, 3e-6, y)
+        assert problem.instants == pytest.approx([10.0])
+        assert du[:13] == pytest.approx(np.linspace(-0.01, 0.01, 13), rel=1e-12)
+        assert du[15:28] == pytest.approx(1e-6 * y[lay.RADIAL_A : lay.RADIAL_A + 13], rel=1e-9)
+        right = 1e-6 * y[lay.ACCELERATION : lay.ACCELERATION + 2]
+        assert du[problem.ring] == pytest.approx(right, rel=1e-9)
+        assert np.abs(du[15:]).min() > 0.0
+
+    def test_a_missing_one_is_named_and_the_others_run(self) -> None:
+        def gone(name: str) -> Any:
+            raise ImportError(f"No module named '{name}'")
+
+        with mock.patch.object(peers, "import_module", gone):
+            found = Section(missing=peers.absent())
+            model = assemble.model(case("rollers"))
+            y, _ = assemble.start(case("rollers"), model)
+            names = [name for name, _ in peers.solvers(peers.problem(model, y, np.array([1e-5])))]
+        assert list(found.missing) == list(peers.PACKAGES)
+        assert any("numbalsoda is not here: No module named 'numbalsoda'" in line for line in found.lines())
+        assert names == ["SciPy LSODA", "SciPy DOP853", "SciPy RK45"]
+
+
+class TestPrices:
+    """A proposal stands beside the table, which stays as it is."""
+
+    def test_a_proposal_has_new_numbers_and_keeps_the_rest(self, tmp_path: Path) -> None:
+        before = TABLE.read_bytes()
+        rows = prices.proposal({("evaluation", "ring"): 1e-7, ("step", "new"): 3.0})
+        prices.write(rows, tmp_path / "prices.csv")
+        found = {(row["what"], row["name"]): row for row in rows}
+        assert found["evaluation", "ring"]["value"] == "1e-07"
+        assert found["passes", ""]["new/old"] == "not measured"
+        assert found["step", "new"]["new/old"] == "new row"
+        assert TABLE.read_bytes() == before
+
+    def test_its_ratio_is_to_the_committed_number(self) -> None:
+        committed = {(row["what"], row["name"]): float(row["value"]) for row in prices.proposal({})}
+        twice = prices.proposal({key: 2.0 * value for key, value in committed.items()})
+        assert {row["new/old"] for row in twice} == {"2.00"}
