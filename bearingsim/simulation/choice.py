@@ -99,21 +99,25 @@ def alternatives(case: Case) -> list[str]:
 
 @lru_cache(maxsize=1 << 17)
 def choice(case: Case) -> Choice:
-    """The cheapest method that holds 1 % of the fault's line. Raises ``Refused`` like ``limits``."""
+    """The cheapest method that holds 1 % of the fault's line. Raises ``Refused`` like ``limits``.
+
+    `periodic: false` is given the method that it is to check.
+    """
     _refuse_incomplete(case)
     if case.method != AUTO:
         return Choice(case.method, "the case says so" if case.method else f"{case.model} has no method", {})
     able = [name for name in METHODS if METHODS[name].automatic and can_step(case, name)]
     if case.tolerance != "auto":  # only those that keep one
         able = [name for name in able if METHODS[name].adaptive]
-    costs = {name: _cost(with_method(case, name)) for name in able}
+    as_usual = case.model_copy(update={"periodic": True})
+    costs = {name: _cost(with_method(as_usual, name)) for name in able}
     safe = sorted(able, key=lambda name: margin(name) * costs[name].whole)
     prices = {name: costs[name].whole for name in safe}
     if EXPLICIT not in prices:
         return Choice(safe[0], "the cheapest of those that keep a tolerance", prices)
     if safe[0] != EXPLICIT:
         return Choice(safe[0], _saving(safe[0], prices, step_limits(with_method(case, EXPLICIT))), prices)
-    if not may_repeat(with_method(case, EXPLICIT)):
+    if not may_repeat(with_method(as_usual, EXPLICIT)):
         return Choice(EXPLICIT, "no other method would take much less CPU time", prices)
     return Choice(EXPLICIT, "each ball pass may repeat the last", prices, _patience(case, costs))
 
@@ -128,7 +132,7 @@ def _patience(case: Case, costs: dict[str, Cost]) -> int:
     others = [margin(name) * one.whole for name, one in costs.items() if name != EXPLICIT]
     patience = int(price("patience"))
     rest = costs[EXPLICIT].at_most - patience * costs[EXPLICIT].one_pass
-    return patience if case.until is None and min(others, default=inf) < rest else 0
+    return patience if case.periodic and case.until is None and min(others, default=inf) < rest else 0
 
 
 def can_step(case: Case, name: str) -> bool:

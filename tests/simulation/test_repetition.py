@@ -18,11 +18,14 @@ from tests.scenes.short_cases import FORCES, RING, SLOT, case
 KINEMATIC = {"cage": {"motion": "kinematic"}}
 SHAFT: dict[str, Any] = {"shaft": {"stiffness": "1e8 N/m", "damping": "1e3 N s/m", "mass": "2 kg"}, **KINEMATIC}
 WIDE = SLOT | {"depth": "5 um", "angle": "20 deg"}
+SIMULATION = importlib.import_module("bearingsim.simulation.simulate")
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
 
 
 def resolved(**fields: Any) -> Case:
-    return choice.resolved(case(**fields))
+    """A case whose method is named: Verlet's, if it does not say and the model has any."""
+    usual = {} if fields["model"] in ("static", "impulse") else {"method": "verlet"}
+    return choice.resolved(case(**usual | fields))
 
 
 @pytest.mark.parametrize(
@@ -106,7 +109,10 @@ def test_what_repeats_is_as_if_it_had_been_computed(model: str, clearance: str, 
 
 def test_a_motion_that_never_repeats_is_computed_in_full() -> None:
     """Unloaded rollers chatter at this speed."""
-    found = simulate(case(model="rollers", defect=WIDE, speed="600 rpm", clearance="10 um", step_check=False))
+    given = case(
+        model="rollers", defect=WIDE, speed="600 rpm", clearance="10 um", method="verlet", step_check=False
+    )
+    found = simulate(given)
     assert found.info["passes_computed"] == found.info["passes"]
     assert found.info["period_passes"] == 0
     assert float(found.info["last_difference"]) > 1e-7
@@ -134,6 +140,53 @@ def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[in
 
 def waves(p: int, period: int = 1) -> np.ndarray:
     return np.sin(2.0 * np.pi * (p + np.linspace(0.0, 1.0, STEPS)) / period + np.arange(9)[:, np.newaxis])
+
+
+LONG: dict[str, Any] = {"model": "rollers", "defect": SLOT, "duration": "0.6 s", "record": []}
+
+
+@pytest.fixture
+def nothing_repeats(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Search, "after_pass", lambda *given: (0, 0.1))
+
+
+@pytest.mark.usefixtures("nothing_repeats")
+def test_what_has_not_repeated_itself_is_handed_to_another_method() -> None:
+    given = case(**LONG)
+    found = choice.choice(given)
+    assert found.method == "verlet"
+    assert 0 < found.patience < 30
+    record = simulate(given)
+    assert record.info["method"] == next(name for name in found.prices if name != "verlet")
+    assert record.info["passes_computed"] == record.info["passes"]
+    whole = simulate(given.model_copy(update={"method": "verlet"}))
+    assert whole.info["passes_computed"] == whole.info["passes"]
+    assert record.features["velocity@BPFO"] == pytest.approx(whole.features["velocity@BPFO"], rel=0.01)
+    assert record.features["outer_force.max"] == pytest.approx(whole.features["outer_force.max"], rel=0.01)
+
+
+@pytest.mark.usefixtures("nothing_repeats")
+def test_it_comes_back_if_the_others_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried, real = [], SIMULATION._simulate
+
+    def simulated(attempt: choice.Attempt, began: float) -> Any:
+        tried.append((attempt.case.method, attempt.patience))
+        if attempt.case.method != "verlet":
+            raise INTEGRATION.TooSlow("too slow", "wait")
+        return real(attempt, began)
+
+    monkeypatch.setattr(SIMULATION, "_simulate", simulated)
+    record = simulate(case(**LONG))
+    assert tried[0] == ("verlet", choice.choice(case(**LONG)).patience)
+    assert tried[-1] == ("verlet", 0)
+    assert len(tried) == len(set(tried)) > 2
+    assert record.info["method"] == "verlet"
+
+
+@pytest.mark.parametrize("change", [{"until": "1 %"}, {"duration": "40 ms"}, {"method": "verlet"}])
+def test_what_is_not_handed_over(change: dict[str, Any]) -> None:
+    """A record that ends early, one that is over soon, a method that was asked for."""
+    assert choice.choice(case(**LONG | change)).patience == 0
 
 
 @pytest.mark.parametrize("period", [1, 2, 3, 4])
