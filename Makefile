@@ -2,6 +2,7 @@
 # make test    all tests (test-quick: not the long)     make excitations | inner_race | roller_defect | slip | damping
 # make check   tests, lint, types, import contract     make length | offset | tilt | misalignment | shapes
 # make stability   where each method fails             make paper_literal   (add QUICK=1 for a reduced grid)
+# make bench       how fast, beside peers                make bench-compare   whether speed was lost
 PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
@@ -15,7 +16,7 @@ RESULTS = results/$@$(if $(QUICK),-quick)
 .PHONY: help install install-dev demo test test-quick check lint studies $(STUDIES) stability lock clean bench bench-compare bench-peers
 
 help:
-	@sed -n '1,4s/^# //p' Makefile
+	@sed -n '1,5s/^# //p' Makefile
 
 install: $(VENV)/installed
 install-dev: $(VENV)/installed-dev
@@ -73,7 +74,7 @@ lint: install-dev
 
 check: lint test
 
-# ONLY=peers, or other sections (benchmarks/speed/__main__.py); the rest of what a peer needs is in docs/benchmarks.md
+# ONLY=peers, or other sections: docs/benchmarks.md
 bench: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.speed $(ONLY) --out results/bench
 
@@ -81,8 +82,9 @@ bench-compare: install-dev
 	$(BIN)/python -m benchmarks.speed.compare
 
 bench-peers: install-dev
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group peers
-	-$(BIN)/python -m pip install --quiet --disable-pip-version-check --group peers-from-source
+	$(BIN)/python -m pip install --quiet uv
+	$(BIN)/uv pip install --quiet --python $(BIN)/python --group peers
+	-$(BIN)/uv pip install --quiet --python $(BIN)/python --group peers-from-source
 
 lock: install-dev
 	$(BIN)/python -m pip install --quiet uv

@@ -48,7 +48,7 @@ PLANAR_ERROR, AS_FAST = 1e-3, 100.0
 PLANAR_DURATION, SAMPLING = exudyn_planar.DURATION, exudyn_planar.SAMPLING
 PLANAR_FIXED = {"verlet": (6, 8, 12, 16, 24, 40), "rk4": (2, 3, 4, 5, 8)}
 PLANAR_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5)
-EXUDYN = {"RK44": (5e-6, 4e-6, 2.5e-6, 2e-6), "VelocityVerlet": (4e-6, 2e-6, 1e-6, 0.5e-6, 0.25e-6)}  # steps, s
+EXUDYN = {"RK44": (5e-6, 4e-6, 2.5e-6, 2e-6), "VelocityVerlet": (4e-6, 2e-6, 1e-6, 0.5e-6)}  # steps, s
 EXUDYN_FINEST = 0.5e-6
 
 Found = tuple[float, np.ndarray]

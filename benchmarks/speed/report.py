@@ -25,7 +25,7 @@ class Target(NamedTuple):
         return low and (self.at_most is None or self.found <= self.at_most)
 
     def __str__(self) -> str:
-        bound = f"at most {self.at_most:g}" if self.at_most is not None else f"at least {self.at_least:g}"
+        bound = f"at most {self.at_most:.3g}" if self.at_most is not None else f"at least {self.at_least:.3g}"
         doubt = f"; {self.doubt}" if self.doubt else ""
         return f"{'met' if self.met else 'MISSED'}: {self.name}: {self.found:.3g} ({bound}{doubt})"
 
