@@ -2,8 +2,8 @@
 
     python benchmarks/step_error.py [--scenes 40] [--seed 1] [--jobs 2] [--each]
 
-Random scenes in `ring`, `rollers` and `planar` (``draw``) are run as the default does, and again with an eighth of the
-step that it took (of an adaptive method: a thousandth of the tolerance). Of line, RMS and largest force it is told
+Random scenes in `ring`, `rollers` and `planar` (``draw``) are run as the default does, and again with an eighth of
+the step that it took (of an adaptive method: a thousandth of the tolerance). Told of line, RMS and largest force:
 
 within    of the scenes that are no chaos: how many change by no more than `step_error.line`, `.rms`, `.force` said
 ratio     the change over what was said: median, nineteen in twenty, largest

@@ -66,7 +66,7 @@ def record_errors(frame: "pd.DataFrame") -> Iterator[str]:
     if len(error):
         jobs = f"of {len(error)} jobs" if len(error) > 1 else "of 1 job"
         yield (
-            f"{jobs} line and RMS hold, but half the step changes the RMS of something else that is recorded"
+            f"{jobs} line, RMS and force hold, but the RMS of something else that is recorded may be off"
             f" by up to {100.0 * error.max():.2g} % (`step_error.record`)"
         )
 

@@ -1,0 +1,80 @@
+"""Is a record that ends `until` an accuracy as accurate as it says, and how much does it save?
+
+    python benchmarks/until.py [--scenes 40] [--seed 1] [--accuracy 0.005] [--jobs 2]
+
+Random scenes of `rollers` that may repeat (``benchmarks/repetition.py``), 2 s long, are drawn until so many of
+them end early because line and RMS are known. Each is computed in full as well. Told are
+
+within   how many have the full record's line and RMS within three of the standard errors that were said
+late     how many took more than twice the passes that were needed: as many as the scatter of the full record asks
+         for, and at least the fewest that are looked at
+saved    the part of the ball passes that was not computed: median
+"""
+
+import argparse
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+from repetition import draw
+
+from bearingsim.simulation import SimulationError, accuracy, simulate
+
+DURATION, MOST = 2.0, 600
+ERRORS = {"standard_error_line": "velocity@BPFO", "standard_error_rms": "velocity.rms"}
+
+
+def tried(number: int, seed: int, wanted: float) -> dict[str, Any]:
+    """One scene: ended as soon as it may, and in full."""
+    case = draw("rollers", number, seed).model_copy(update={"duration": DURATION, "method": "auto"})
+    try:
+        short = simulate(case.model_copy(update={"until": wanted}))
+        computed, passes = int(short.info["passes_computed"]), int(short.info["passes"])
+        if short.info["period_passes"] or computed == passes:
+            return {"scene": number, "early": False}
+        whole = simulate(case.model_copy(update={"until": 1e-9, "method": short.info["method"]}))
+    except SimulationError as error:
+        return {"scene": number, "early": False, "failed": str(error)}
+    off = {
+        error: abs(short.features[name] / whole.features[name] - 1.0) / float(short.info[error])
+        for error, name in ERRORS.items()
+    }
+    scatter = max(float(whole.info[error]) for error in ERRORS)
+    settled = int(case.settle * passes / (case.settle + case.duration))
+    needed = settled + max(accuracy.MIN_PASSES, (passes - settled) * (scatter / wanted) ** 2)
+    return {"scene": number, "early": True, "off": off, "computed": computed, "needed": needed, "passes": passes}
+
+
+def main() -> None:
+    """Draw until enough end early, and print what the head of this file announces."""
+    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    asked.add_argument("--scenes", type=int, default=40)
+    asked.add_argument("--seed", type=int, default=1)
+    asked.add_argument("--accuracy", type=float, default=0.005)
+    asked.add_argument("--jobs", type=int, default=2)
+    given = asked.parse_args()
+    found: list[dict[str, Any]] = []
+    drawn = 0
+    while len(found) < given.scenes and drawn < MOST:
+        some = range(drawn, drawn + 8 * given.jobs)
+        each = (delayed(tried)(n, given.seed, given.accuracy) for n in some)
+        rows = Parallel(n_jobs=given.jobs, batch_size=1)(each)
+        found += [row for row in rows if row["early"]]
+        drawn += len(some)
+    found = found[: given.scenes]
+    worst = np.array([max(row["off"].values()) for row in found])
+    late = np.array([row["computed"] / row["needed"] for row in found])
+    saved = np.array([1.0 - row["computed"] / row["passes"] for row in found])
+    print(f"{drawn} drawn, {len(found)} end early")
+    print(f"within three standard errors: {np.sum(worst <= 3.0)} (largest {worst.max():.2f})")
+    print(
+        f"over twice the passes needed: {np.sum(late > 2.0)} (median {np.median(late):.2f}, most {late.max():.2f})"
+    )
+    print(f"saved: {np.median(saved):.0%}")
+    for row, off in zip(found, worst, strict=True):
+        if off > 3.0 or row["computed"] > 2.0 * row["needed"]:
+            print(row)
+
+
+if __name__ == "__main__":
+    main()
