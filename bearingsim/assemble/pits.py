@@ -243,13 +243,19 @@ def _pair(case: Case, found: PitCluster, on: int, side: int, zetas: Places | Non
     radius, R = carrier_radius(case, found.first), reduced_radius(case, side)
     if found.pit is None:
         rows = closed_form_groups(case, found.first, side, zetas)
-        jumps = jumps_of(excitation(case), rows, (), R)
+        jumps = closed_form_jumps(excitation(case), tuple(map(tuple, rows)), R)
         return _checked_pair(case, found.first, RollerPitPair(side, on, found.angle, radius, R, rows, jumps=jumps))
     rows, paths = traced_groups(case, found.pit, side, zetas)
     cusp, span, jumps = sharpest_cusp(rows, paths), span_of(found.pit, R), jumps_of(None, rows, paths, R)
     return _checked_pair(
         case, found.first, RollerPitPair(side, on, found.angle, radius, R, rows, paths, cusp, span, jumps)
     )
+
+
+@lru_cache(maxsize=64, typed=True)  # excitations without parameters are all equal
+def closed_form_jumps(excitation: Any, groups: tuple[tuple[float, ...], ...], R: float) -> list[float]:
+    """``jumps_of`` a pit with a closed form: alike wherever the pit is, and under any load."""
+    return jumps_of(excitation, groups, (), R)
 
 
 def _checked_pair(case: Case, d: config.Defect, one: RollerPitPair) -> RollerPitPair:

@@ -3,6 +3,7 @@
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.special import stdtrit
 
 from bearingsim import signals
 from bearingsim.config import Case
@@ -14,6 +15,7 @@ from bearingsim.simulation.time_grid import Grid
 
 MIN_BLOCKS = 8  # of passes: fewer do not tell how they scatter
 MIN_PASSES = 16
+THREE_SIGMA = 0.99865  # the probability of no more than that
 LOOK_AGAIN = 1.1  # times as many passes: so seldom the errors are looked at
 QUIET_LINE = 1e-3  # a line under this part of the RMS (60 dB below it) is none, and is measured by it
 
@@ -55,11 +57,13 @@ def standard_errors(case: Case, model: Any, cut: Grid, raw: RawRecord) -> Standa
 def standard_error(values: np.ndarray) -> float:
     """The standard error of the mean of ``values`` (n,), of which neighbours may be alike.
 
-    From blocks of 1, 2, 4 ... of them, whichever says more: what is loud may stay loud for a while.
+    From blocks of 1, 2, 4 ... of them, whichever says more: what is loud may stay loud for a while. Few blocks
+    tell little of how they scatter, so by Student's t it is such that three of it hold as surely as three sigma.
     """
     found, size = 0.0, 1
     while len(values) // size >= MIN_BLOCKS:
         blocks = values[: len(values) // size * size].reshape(-1, size).mean(axis=1)
-        found = max(found, float(blocks.std(ddof=1)) / len(blocks) ** 0.5)
+        n = len(blocks)
+        found = max(found, float(stdtrit(n - 1.0, THREE_SIGMA) / 3.0 * blocks.std(ddof=1)) / n**0.5)
         size *= 2
     return found

@@ -50,11 +50,16 @@ class SimulationError(Exception):
 
 
 class MethodFailure(SimulationError):
-    """The method or its step was not up to what happened: another (``instead``, in words) may be."""
+    """The method or its step was not up to what happened: another (``instead``, in words) may be.
 
-    def __init__(self, reason: str, advice: str, time: float | None = None, instead: str = "") -> None:
+    part: of the automatic step that may be short enough, if that is known.
+    """
+
+    def __init__(
+        self, reason: str, advice: str, time: float | None = None, instead: str = "", part: float = 1.0
+    ) -> None:
         super().__init__(reason, advice + instead, time)
-        self.method_advice = advice
+        self.method_advice, self.part = advice, part
 
 
 class TooSlow(MethodFailure):

@@ -6,6 +6,7 @@ from math import ceil
 
 import numpy as np
 
+from bearingsim.core import layout as lay
 from bearingsim.core.sampling import low_pass
 from bearingsim.simulation.repetition import Repetition, turned
 
@@ -70,6 +71,8 @@ class RawRecord:
     @cached_property
     def _partners(self) -> np.ndarray:
         """(Z, C) which row holds, m passes before, what row c holds now."""
+        if np.all(lay.lane_of(self.places) < 0):  # nothing of a roller
+            return np.broadcast_to(np.arange(len(self.places)), (self.Z, len(self.places)))
         return np.array([turned(self.places, self.Z, m) for m in range(self.Z)])
 
     def through(self, taps: np.ndarray) -> "RawRecord | LowPassed":

@@ -87,9 +87,10 @@ def simulate(case: Case) -> Record:
     began = time.process_time()
     failed: dict[str, SimulationError] = {}
     left: set[tuple[str | None, int]] = set()  # methods that shorter steps do not help, with their patience
+    enough: dict[str, float] = {}  # of a method, the part of its step that may do
     for attempt in _attempts(case):
         named = attempt.case.method, attempt.patience
-        if named in left:
+        if named in left or attempt.part > max(enough.get(str(attempt.case.method), 1.0), choice.STEP_PARTS[-1]):
             continue
         try:
             return _simulate(attempt, began)
@@ -97,6 +98,7 @@ def simulate(case: Case) -> Record:
             left.add(named)
         except MethodFailure as error:
             failed[str(attempt.case.method)] = error
+            enough[str(attempt.case.method)] = error.part
             if isinstance(error, TooSlow):
                 left |= {named, (attempt.case.method, 0)}
         except Refused as error:  # shorter steps may be too many: what was wrong with longer ones tells more
@@ -159,6 +161,7 @@ def _checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
     raise MethodFailure(
         f"{setup.case.method} does not hold {step_check.ACCURACY:.0%}: {changes}",
         "take a longer `duration`" if found.chaotic else f"{_tighter_advice(setup)}, or say `step_check: false`",
+        part=setup.part if found.chaotic else setup.part * found.shorter,
     )
 
 

@@ -85,6 +85,11 @@ class StepCheck:
         return bool(self.error <= max(MAX_CHANGE, CONFIDENCE * self.noise))
 
     @property
+    def shorter(self) -> float:
+        """The part of the step that may hold, if its error is between first and second order."""
+        return (MAX_CHANGE / self.error) ** (2.0 / 3.0)
+
+    @property
     def long_enough(self) -> bool:
         """Whether the record holds so much of a chaotic motion that its RMS is worth 1 %."""
         return bool(self.scatter <= ACCURACY)

@@ -242,15 +242,26 @@ def test_a_step_that_is_never_proven_fails_the_job_with_a_reason() -> None:
         pytest.raises(SimulationError) as caught,
     ):
         simulate(case(method="verlet"))
-    assert tried.call_count == len(STEP_PARTS)
+    assert tried.call_args_list[-1].args[0].part == STEP_PARTS[-1]
     assert "verlet does not hold 1%: half the step changes the line of the fault by 20 %" in caught.value.reason
     assert "step_check: false" in caught.value.advice
+
+
+@pytest.mark.parametrize(
+    ("change", "parts"), [(0.005, [1.0, 0.5, 0.25, 0.125]), (0.02, [1.0, 0.25, 0.125]), (0.2, [1.0, 0.125])]
+)
+def test_a_step_that_is_far_too_long_is_not_tried_with_half(change: float, parts: list[float]) -> None:
+    """An error between first and second order says how much shorter a step must be."""
+    found = StepCheck(line=0.0, rms=0.0, force=change)
+    with mock.patch.object(step_check, "check_step", return_value=found) as tried, pytest.raises(SimulationError):
+        simulate(case(method="verlet"))
+    assert [call.args[0].part for call in tried.call_args_list] == parts
 
 
 def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
     hopeless = StepCheck(line=0.2, rms=0.05, chaotic=False)
     fine = StepCheck(line=0.001, rms=0.001, chaotic=False)
-    with mock.patch.object(step_check, "check_step", side_effect=[*[hopeless] * len(STEP_PARTS), fine]):
+    with mock.patch.object(step_check, "check_step", side_effect=[hopeless, hopeless, fine]):
         found = simulate(rollers())
     assert found.info["method"] != choice.choice(rollers()).method
     assert found.info["step_part"] == 1.0
