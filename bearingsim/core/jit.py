@@ -22,7 +22,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 import numba
 from filelock import FileLock
@@ -142,7 +142,7 @@ def generic(
     *,
     absent: Any = REFUSED,
     otherwise: Any = REFUSED,
-    inline: Literal["always", "never"] = "never",
+    inlined: bool = False,
 ) -> Any:
     """Turn ``declaration`` into a function chosen by the type of its first argument.
 
@@ -152,11 +152,10 @@ def generic(
     absent, otherwise: a value or an implementation; the first for types declared ``absent``, the second for all
     that have no implementation of their own. Without them such a type is refused; ``name.serves(type)`` tells.
 
-    inline: "always" puts the implementation's body in the caller before that is compiled. The compiler then sees
-    that no place in the buffer is negative, so that a loop over rollers keeps its lanes.
+    inlined: the implementation's code is put into its caller (see ``inlined``).
     """
     if declaration is None:
-        return partial(generic, absent=absent, otherwise=otherwise, inline=inline)
+        return partial(generic, absent=absent, otherwise=otherwise, inlined=inlined)
     name = declaration.__name__
     implementations: dict[type, Callable] = {}
 
@@ -194,9 +193,14 @@ def generic(
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
     dispatch.serves = serves  # type: ignore[attr-defined]
-    overload(dispatch, jit_options=OPTIONS, strict=False, inline=inline)(choose)
+    overload(dispatch, jit_options=OPTIONS | {"forceinline": inlined}, strict=False)(choose)
     GENERICS.append(dispatch)
     return dispatch
+
+
+inlined = partial(jit, forceinline=True)
+"""``jit`` of a function whose code the compiler is to put into its caller, however long it is: a loop over rollers
+keeps its vector lanes only if it calls nothing, and a model costs 60 numbers to hand over."""
 
 
 @partial(jit, fastmath={"reassoc", "contract"})

@@ -22,10 +22,22 @@ from bearingsim.core.methods.adaptive import complete_dense_output, estimate_ord
 from bearingsim.core.methods.equilibrium import Equilibrium
 from bearingsim.core.methods.impulses import Impulses
 from bearingsim.core.methods.interface import attempt, interpolate, prepare, reach, step
+from bearingsim.core.methods.symplectic_euler import SymplecticEuler
+from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.bodies_in_space import Bodies
+from bearingsim.core.models.by_roller import (
+    Still,
+    accelerate_roller,
+    accelerate_shared,
+    drift,
+    kick,
+    load_roller,
+    shared,
+)
 from bearingsim.core.models.differences import accelerate_bodies, roller_moves
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, linearise
+from bearingsim.core.models.outer_ring import Turning
 from bearingsim.core.models.planar import Planar
 from bearingsim.core.models.ring import Ring
 from bearingsim.core.models.rollers import Rollers
@@ -58,6 +70,7 @@ MODULES = [
     importlib.import_module(module.name)
     for module in pkgutil.walk_packages(bearingsim.core.__path__, "bearingsim.core.")
 ]
+BY_ROLLER = (shared, load_roller, accelerate_shared, accelerate_roller)
 ADAPTIVE = (attempt, interpolate, reach, estimate_order, failure_outcome, jump_weight, complete_dense_output)
 
 
@@ -79,6 +92,7 @@ IN_PLACE_OF: dict[type, type] = {
     Centred: RingGuided,
     NoDrag: OilDrag,
     NoSamples: Samples,
+    Still: Verlet,
 }
 """Types that stand for nothing, and one of the family that each belongs to: some need no implementation at all."""
 
@@ -87,7 +101,7 @@ EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
     ((section_of,), {Elliptical, Eased, Mirrored, Placed, Merged, Spall, Scanned}, "their paths are traced"),
     ((roller_at_pit,), {Impulse}, "it has no pits"),
     (
-        (accelerations, degrees_of_freedom, linearise, next_jump),
+        (accelerations, degrees_of_freedom, linearise, next_jump, *BY_ROLLER),
         {Static, Impulse},
         "`Equilibrium`, `Impulses` step them",
     ),
@@ -98,12 +112,13 @@ EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
         "their derivatives are exact, or not needed",
     ),
     (ADAPTIVE, STEPPED_EVENLY, "`adaptive.py` does not drive them"),
+    ((drift, kick), FOUND[step] - {Verlet, SymplecticEuler}, "their stages are more than a drift and a kick"),
     ((accelerate_inner_ring,), {TorsionSpring}, "a bracket holds the outer ring"),
     ((accelerate_ring_rotation,), {ElasticShaft}, "a shaft carries the inner ring"),
 ]
 """Generics, the types that they have no implementation for, and why."""
 
-BESIDE = {RollerInRing, Bodies, Monitor}
+BESIDE = {RollerInRing, Bodies, Monitor, Turning}
 """Tuples that no generic is chosen by, though they stand in one module with types of a family."""
 
 

@@ -19,27 +19,27 @@ def sign(side: Any) -> float:
     """1 where the roller lies inside the race, -1 where outside."""
 
 
-@generic(inline="always")
+@generic(inlined=True)
 def side_rows(side: Any) -> int:
     """Where the rows of this side of the rollers begin."""
 
 
-@generic(inline="always")
+@generic(inlined=True)
 def contact_rows(side: Any) -> tuple[int, int, int, int, int]:
     """Rows of what the planar models call force, approach, its rate, slip and tangential force."""
 
 
-@generic(inline="always")
+@generic(inlined=True)
 def normal_rows(side: Any) -> tuple[int, int, int, int, int]:
     """Rows of n along e_r and e_theta, of rho, of the speed across n, and of rho's rate over a pit."""
 
 
-@generic(inline="always")
+@generic(inlined=True)
 def load_cells(side: Any) -> tuple[int, int, int]:
     """Cells of a ring's loads: the first in the plane, the first of those beyond it, the moment about the axis."""
 
 
-@generic(inline="always")
+@generic(inlined=True)
 def ring_of(side: Any) -> int:
     """The first shared coordinate of the race's ring."""
 
