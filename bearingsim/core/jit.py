@@ -22,7 +22,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numba
 from filelock import FileLock
@@ -142,7 +142,7 @@ def generic(
     *,
     absent: Any = REFUSED,
     otherwise: Any = REFUSED,
-    inlined: bool = False,
+    inline: Literal["never", "late", "early"] = "never",
 ) -> Any:
     """Turn ``declaration`` into a function chosen by the type of its first argument.
 
@@ -152,10 +152,11 @@ def generic(
     absent, otherwise: a value or an implementation; the first for types declared ``absent``, the second for all
     that have no implementation of their own. Without them such a type is refused; ``name.serves(type)`` tells.
 
-    inlined: the implementation's code is put into its caller (see ``inlined``).
+    inline: "late" puts the implementation's code into its caller (see ``inlined``), "early" its source, before that
+    is compiled: rows are then constants, of which the compiler sees that no lane of them has a negative place.
     """
     if declaration is None:
-        return partial(generic, absent=absent, otherwise=otherwise, inlined=inlined)
+        return partial(generic, absent=absent, otherwise=otherwise, inline=inline)
     name = declaration.__name__
     implementations: dict[type, Callable] = {}
 
@@ -193,7 +194,8 @@ def generic(
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
     dispatch.serves = serves  # type: ignore[attr-defined]
-    overload(dispatch, jit_options=OPTIONS | {"forceinline": inlined}, strict=False)(choose)
+    options, early = OPTIONS | {"forceinline": inline == "late"}, "always" if inline == "early" else "never"
+    overload(dispatch, jit_options=options, strict=False, inline=early)(choose)
     GENERICS.append(dispatch)
     return dispatch
 

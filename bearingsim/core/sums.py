@@ -22,3 +22,10 @@ def lane_sum(row, y, n):
         g += y[row + j + 6]
         h += y[row + j + 7]
     return ((a + e) + (c + g)) + ((b + f) + (d + h))
+
+
+@inlined
+def sum_loads(first, last, y, n):
+    """Fill the cells ``first`` to ``last`` of the loads on rings and cage with what the rollers do to them."""
+    for cell in range(first, last + 1):
+        y[cell] = lane_sum(lay.roller_load(cell), y, n)

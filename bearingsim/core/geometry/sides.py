@@ -19,29 +19,24 @@ def sign(side: Any) -> float:
     """1 where the roller lies inside the race, -1 where outside."""
 
 
-@generic(inlined=True)
+@generic(inline="early")
 def side_rows(side: Any) -> int:
     """Where the rows of this side of the rollers begin."""
 
 
-@generic(inlined=True)
+@generic(inline="early")
 def contact_rows(side: Any) -> tuple[int, int, int, int, int]:
     """Rows of what the planar models call force, approach, its rate, slip and tangential force."""
 
 
-@generic(inlined=True)
+@generic(inline="early")
 def normal_rows(side: Any) -> tuple[int, int, int, int, int]:
     """Rows of n along e_r and e_theta, of rho, of the speed across n, and of rho's rate over a pit."""
 
 
-@generic(inlined=True)
+@generic(inline="early")
 def load_cells(side: Any) -> tuple[int, int, int]:
     """Cells of a ring's loads: the first in the plane, the first of those beyond it, the moment about the axis."""
-
-
-@generic(inlined=True)
-def ring_of(side: Any) -> int:
-    """The first shared coordinate of the race's ring."""
 
 
 @load_cells.register(OuterSide)
@@ -92,13 +87,3 @@ def _normal_rows_outer(side):
 @normal_rows.register(InnerSide)
 def _normal_rows_inner(side):
     return lay.NORMAL_I_R, lay.NORMAL_I_T, lay.RHO_I, lay.TANGENTIAL_V_I, lay.RHO_V_I
-
-
-@ring_of.register(OuterSide)
-def _ring_of_outer(side):
-    return lay.X
-
-
-@ring_of.register(InnerSide)
-def _ring_of_inner(side):
-    return lay.X_I

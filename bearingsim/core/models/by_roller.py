@@ -19,15 +19,14 @@ from bearingsim.core import layout as lay
 from bearingsim.core.jit import absent, generic, inlined
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, state_width
 from bearingsim.core.parameters import lanes
-from bearingsim.core.sums import lane_sum
 
 
-@generic(inlined=True)
+@generic(inline="late")
 def shared(model: Any, t: float, y: np.ndarray) -> Any:
     """What all rollers share at time ``t`` (s), as numbers: where rings and cage are, what turns with time."""
 
 
-@generic(inlined=True)
+@generic(inline="late")
 def load_roller(model: Any, at: Any, y: np.ndarray, j: int) -> None:
     """Fill the contact rows of roller ``j``, and of its ``layout.roller_load`` those that the model sums.
 
@@ -35,7 +34,7 @@ def load_roller(model: Any, at: Any, y: np.ndarray, j: int) -> None:
     """
 
 
-@generic(inlined=True)
+@generic(inline="late")
 def accelerate_shared(model: Any, at: Any, t: float, y: np.ndarray) -> Any:
     """Correct the rollers that stand over a pit, sum up, and accelerate rings and cage.
 
@@ -43,7 +42,7 @@ def accelerate_shared(model: Any, at: Any, t: float, y: np.ndarray) -> Any:
     """
 
 
-@generic(inlined=True)
+@generic(inline="late")
 def accelerate_roller(model: Any, at: Any, felt: Any, y: np.ndarray, j: int) -> None:
     """Write the acceleration of roller ``j``; felt: from ``accelerate_shared``. A lane, as in ``load_roller``."""
 
@@ -53,12 +52,12 @@ class Still(NamedTuple):
     """The state stays as it is, and is evaluated there."""
 
 
-@generic(inlined=True, absent=None)
+@generic(inline="late", absent=None)
 def drift(motion: Any, y: np.ndarray, i: int) -> None:
     """Take coordinate ``i`` of the state to where it is evaluated."""
 
 
-@generic(inlined=True, absent=None)
+@generic(inline="late", absent=None)
 def kick(motion: Any, y: np.ndarray, i: int) -> None:
     """Take the velocity of coordinate ``i`` on, by its acceleration there."""
 
@@ -73,7 +72,7 @@ def as_a_whole(model, motion, t, y):
         kick(motion, y, i)
 
 
-@generic(inlined=True, otherwise=as_a_whole)
+@generic(inline="late", otherwise=as_a_whole)
 def evaluate(model: Any, motion: Any, t: float, y: np.ndarray) -> None:
     """Drift, fill the rows that ``accelerations`` fills at time ``t`` (s), and kick."""
 
@@ -84,7 +83,7 @@ ROWS = tuple(i * lay.ROW + lay.FIRST_LANE for i in range(6))
 
 @inlined
 def drift_roller(motion, own, y, j):
-    """``drift`` of the ``own`` coordinates of roller ``j``: one by one, for rows that are counted lose their lanes."""
+    """``drift`` of the ``own`` coordinates of roller ``j``: one by one, since rows that are counted lose lanes."""
     if own > 0:
         drift(motion, y, ROWS[0] + j)
     if own > 1:
@@ -110,22 +109,35 @@ def kick_roller(motion, own, y, j):
         kick(motion, y, ROWS[5] + j)
 
 
-def roller_by_roller(model, motion, t, y):
-    """``evaluate`` of a model whose functions are those above."""
-    n = lanes(model.bearing)
-    own, common = degrees_of_freedom(model)
-    for k in range(common):
-        drift(motion, y, lay.shared_cell(k))
-    at = shared(model, t, y)
+@inlined
+def load_rollers(model, motion, at, y, n):
+    """The first loop over rollers."""
+    own, _ = degrees_of_freedom(model)
     for j in range(n):
         drift_roller(motion, own, y, j)
         load_roller(model, at, y, j)
-    felt = accelerate_shared(model, at, t, y)
-    for k in range(common):
-        kick(motion, y, lay.shared_cell(k))
+
+
+@inlined
+def accelerate_rollers(model, motion, at, felt, y, n):
+    """The second."""
+    own, _ = degrees_of_freedom(model)
     for j in range(n):
         accelerate_roller(model, at, felt, y, j)
         kick_roller(motion, own, y, j)
+
+
+def roller_by_roller(model, motion, t, y):
+    """``evaluate`` of a model whose functions are those above."""
+    n, (_, common) = lanes(model.bearing), degrees_of_freedom(model)
+    for k in range(common):
+        drift(motion, y, lay.shared_cell(k))
+    at = shared(model, t, y)
+    load_rollers(model, motion, at, y, n)
+    felt = accelerate_shared(model, at, t, y)
+    for k in range(common):
+        kick(motion, y, lay.shared_cell(k))
+    accelerate_rollers(model, motion, at, felt, y, n)
 
 
 def accelerations_by_roller(model, t, y):
@@ -137,10 +149,3 @@ def by_roller(parameters: type) -> None:
     """Register a model that gives ``shared``, ``load_roller``, ``accelerate_shared`` and ``accelerate_roller``."""
     evaluate.register(parameters)(roller_by_roller)
     accelerations.register(parameters)(accelerations_by_roller)
-
-
-@inlined
-def sum_loads(first, last, y, n):
-    """Fill the cells ``first`` to ``last`` of the loads on rings and cage with what the rollers do to them."""
-    for cell in range(first, last + 1):
-        y[cell] = lane_sum(lay.roller_load(cell), y, n)

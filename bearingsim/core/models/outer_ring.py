@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from bearingsim.core import layout as lay
 from bearingsim.core.jit import add, inlined, jit
-from bearingsim.core.models.by_roller import sum_loads
 from bearingsim.core.parameters import kinematic_angles, lanes
+from bearingsim.core.sums import sum_loads
 
 
 class Turning(NamedTuple):

@@ -53,16 +53,14 @@ from bearingsim.core.parts.cage_in_space import (
 from bearingsim.core.parts.flanges import flange_forces, flange_stiffness
 from bearingsim.core.parts.mounts import mount_damping, mount_stiffness
 from bearingsim.core.parts.races_in_space import (
+    add_slice,
     clear_sums,
     keep_line_load,
     keep_slice,
     race_frame,
     relax_friction,
     side_loads,
-    slice_force,
-    slice_kinematics,
     slip_relaxation,
-    sum_slices,
 )
 from bearingsim.core.parts.shaft import (
     damper_per_mass,
@@ -162,12 +160,8 @@ def race_contacts(model, t, steep, outer, inner, omega_cage, y, n):
         zeta, weight, drop = table[k, ZETA], table[k, WEIGHT], table[k, DROP]
         if met > 0:
             slice_pit_response(model, t, k, steep, outer.a_z, inner.a_z, y)
-        slice_kinematics(OuterSide(), b, outer, zeta, drop, y, n)
-        slice_kinematics(InnerSide(), b, inner, zeta, drop, y, n)
-        slice_force(OuterSide(), model.outer, model.friction, weight, y, n)
-        slice_force(InnerSide(), model.inner, model.friction, weight, y, n)
-        sum_slices(OuterSide(), b, outer, zeta, weight, drop, y, n)
-        sum_slices(InnerSide(), b, inner, zeta, weight, drop, y, n)
+        add_slice(OuterSide(), model.outer, model.friction, b, outer, zeta, weight, drop, y, n)
+        add_slice(InnerSide(), model.inner, model.friction, b, inner, zeta, weight, drop, y, n)
         keep_slice(lay.slice_row(k, 0), y, n)
     if met > 0:
         clear_pit_response(model, y)
