@@ -152,8 +152,8 @@ def generic(
     absent, otherwise: a value or an implementation; the first for types declared ``absent``, the second for all
     that have no implementation of their own. Without them such a type is refused; ``name.serves(type)`` tells.
 
-    inline: "late" puts the implementation's code into its caller (see ``inlined``), "early" its source, before that
-    is compiled: rows are then constants, of which the compiler sees that no lane of them has a negative place.
+    inline: "late" puts the implementation's code into its caller (see ``inlined``), "early" its source: rows are
+    then constants while the caller is compiled, and it is seen that no lane of them has a negative place.
     """
     if declaration is None:
         return partial(generic, absent=absent, otherwise=otherwise, inline=inline)

@@ -201,11 +201,10 @@ ROLL_SPEED, AXIAL_SLIP, AXIAL_SLIP_SLOPE, AXIAL_SLIP_ARM_R, AXIAL_SLIP_ARM_T, AX
 KAPPA_0, KAPPA_1, KAPPA_2, KAPPA_SLIP_0, KAPPA_SLIP_1, KAPPA_SLIP_Z = (n * ROW for n in range(30, 36))
 # ...; over a pit?
 KAPPA_ARM, KAPPA_R, KAPPA_T, KAPPA_Z, SLIP_CHANGE, SLIP_CHANGE_Z, PIT_REACH = (n * ROW for n in range(36, 43))
-# and what the slice at hand feels of a pit: depth (m), tangent of the normal's tilt, 1 - its cosine, stiffness lost,
-# own?
+# of a pit, as the slice at hand feels it: depth (m), tangent of the normal's tilt, 1 - its cosine, stiffness lost;
+# is it the roller's own?
 ROLLER_DROP, NORMAL_SLOPE, NORMAL_VERSINE, STIFFNESS_LOSS, OWN_PIT = (n * ROW for n in range(43, 48))
-LOAD, APPROACH = (n * ROW for n in range(48, 50))  # of the slice at hand: force (N), approach (m)
-SIDE_ROWS = 50
+SIDE_ROWS = 48
 INNER_SIDE = OUTER_SIDE + SIDE_ROWS * ROW
 
 SLICES = BUFFER_SIZE + (_SPACE_ROWS + 2 * SIDE_ROWS) * ROW

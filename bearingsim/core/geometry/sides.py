@@ -39,6 +39,21 @@ def load_cells(side: Any) -> tuple[int, int, int]:
     """Cells of a ring's loads: the first in the plane, the first of those beyond it, the moment about the axis."""
 
 
+@generic(inline="early")
+def slice_rows(side: Any) -> tuple[int, int]:
+    """Rows of the load and the approach on this side, among those of a slice."""
+
+
+@slice_rows.register(OuterSide)
+def _slice_rows_outer(side):
+    return lay.LOAD_O * lay.ROW, lay.APPROACH_O * lay.ROW
+
+
+@slice_rows.register(InnerSide)
+def _slice_rows_inner(side):
+    return lay.LOAD_I * lay.ROW, lay.APPROACH_I * lay.ROW
+
+
 @load_cells.register(OuterSide)
 def _load_cells_outer(side):
     return lay.F_X, lay.F_Z, lay.M_RING

@@ -49,7 +49,7 @@ from bearingsim.core.pits.on_roller import (
     slopes_over_pit,
     stiffness_over_pit,
 )
-from bearingsim.core.pits.pairs import Pits, passing_speed
+from bearingsim.core.pits.pairs import HALF_WIDTH, Pits, passing_speed
 
 # how a roller's force grows with its series' approach: N/m, N s/m
 K_RING, C_RING = lay.WORK + 5 * lay.ROW, lay.WORK + 6 * lay.ROW
@@ -130,9 +130,18 @@ def correct_for_pit(model, y, j):
         y[lay.V_O + j] = y[lay.V_I + j]
 
 
+@inlined
+def any_over_pit(model, t, y):
+    """Whether any roller stands over a pit."""
+    for d in range(len(model.pits.head)):
+        if abs(roller_at_pit(model, d, t, y)[1]) < model.pits.head[d, HALF_WIDTH]:
+            return True
+    return False
+
+
 @jit
 def correct_for_pits(model, t, y):
-    """The same of all rollers, where there are pits."""
+    """The same of all rollers that stand over one."""
     locate_pits(model, t, y)
     for j in range(model.bearing.Z):
         if y[PAIR + j] >= 0.0 or y[PAIR + lay.ROW + j] >= 0.0:
@@ -143,7 +152,7 @@ def correct_for_pits(model, t, y):
 
 @accelerate_shared.register(Ring)
 def _accelerate_shared(model, at, t, y):
-    if len(model.pits.head) > 0:
+    if any_over_pit(model, t, y):
         correct_for_pits(model, t, y)
     accelerate_ring(model, at, y)
 

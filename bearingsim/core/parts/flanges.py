@@ -59,9 +59,13 @@ def flange_forces(flanges: Any, model: Any, outer: Any, inner: Any, y: Any, n: i
 def _flange_forces(flanges, model, outer, inner, y, n):
     for j in range(n):
         y[lay.Q_F + j], y[lay.KAPPA_F + j] = 0.0, 0.0
-    if flanges.outer_minus + flanges.outer_plus > 0.0 and any_near_flange(OuterSide(), flanges, model, outer, y, n):
+    if flanges.outer_minus + flanges.outer_plus > 0.0 and any_near_flange(
+        OuterSide(), flanges, model, outer, y, n
+    ):
         side_flanges(OuterSide(), flanges, flanges.outer_minus, flanges.outer_plus, model, outer, y, n)
-    if flanges.inner_minus + flanges.inner_plus > 0.0 and any_near_flange(InnerSide(), flanges, model, inner, y, n):
+    if flanges.inner_minus + flanges.inner_plus > 0.0 and any_near_flange(
+        InnerSide(), flanges, model, inner, y, n
+    ):
         side_flanges(InnerSide(), flanges, flanges.inner_minus, flanges.inner_plus, model, inner, y, n)
 
 

@@ -19,7 +19,8 @@ Friction over slip (KAPPA) is taken with the slip as it is, and acts on the slip
 from math import sqrt
 
 from bearingsim.core import layout as lay
-from bearingsim.core.geometry.sides import contact_rows, load_cells, side_rows, sign
+from bearingsim.core.geometry.sides import contact_rows, load_cells, side_rows, sign, slice_rows
+from bearingsim.core.geometry.slices import MAX_SLICES
 from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
@@ -27,6 +28,7 @@ from bearingsim.core.laws.friction.lag import implicit_fraction
 
 AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
 NONNEGATIVE = 0x7FFFFFFF  # tells the compiler that a place in the buffer is none from its end
+FEW = 127  # tells it that there are no more rollers, and so that a slice's rows lie behind all others
 
 
 @jit
@@ -98,19 +100,25 @@ def clear_sums(side, y, n):
 
 
 @inlined
-def add_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, n):
-    """Add what acts on one slice of every roller to the sums of this side.
+def add_slice(side, law, friction, bearing, ring, zeta, weight, drop, k, y, n):
+    """Add what acts on slice ``k`` of every roller to the sums of this side; keep its loads and approaches.
 
-    zeta, drop: m; weight: part of the contact. The side's rows ROLLER_DROP to OWN_PIT say what the slice feels of a
-    pit.
+    zeta, drop: m; weight: part of the contact. The side's rows ROLLER_DROP to OWN_PIT say what it feels of a pit.
     """
-    for j in range(n):
-        load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j)
+    load_row, approach_row = slice_rows(side)
+    row = lay.SLICES + lay.FIRST_LANE + (k & (MAX_SLICES - 1)) * (lay.SLICE_ROWS * lay.ROW)
+    for j in range(n & FEW):
+        load, approach = load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j)
+        y[row + (load_row + j)] = load
+        y[row + (approach_row + j)] = approach
 
 
 @inlined
 def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
-    """The slice of roller ``j``: where it stands and moves, its force and friction, and what these add up to."""
+    """The slice of roller ``j``: where it stands and moves, its force and friction, and what these add up to.
+
+    Returns its load (N) and approach (m).
+    """
     at, sigma, middle = side_rows(side), sign(side), 0.5 * (bearing.R_o + bearing.R_i)
     lacking, radius, b_z, turning = bearing.gap + drop, bearing.R_w - drop, ring.a_z, ring.omega
     short = y[at + lay.OFFSET_R + j] + zeta * y[at + lay.DIRECTION_R + j]
@@ -179,18 +187,7 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
     y[all_across + j] += shove
     y[all_slip + j] += weight * slip
     y[all_approach + j] += weight * max(delta, 0.0)
-    y[at + lay.LOAD + j], y[at + lay.APPROACH + j] = force, delta
-
-
-@jit
-def keep_slice(row, y, n):
-    """Keep the loads and approaches of one slice, whose rows begin at ``row``."""
-    row &= NONNEGATIVE
-    for j in range(n):
-        y[row + lay.LOAD_O * lay.ROW + j] = y[lay.OUTER_SIDE + lay.LOAD + j]
-        y[row + lay.LOAD_I * lay.ROW + j] = y[lay.INNER_SIDE + lay.LOAD + j]
-        y[row + lay.APPROACH_O * lay.ROW + j] = y[lay.OUTER_SIDE + lay.APPROACH + j]
-        y[row + lay.APPROACH_I * lay.ROW + j] = y[lay.INNER_SIDE + lay.APPROACH + j]
+    return force, delta
 
 
 @jit
