@@ -142,7 +142,7 @@ def generic(
     *,
     absent: Any = REFUSED,
     otherwise: Any = REFUSED,
-    inline: Literal["always", "never"] = "never",
+    inline: Literal["never", "late", "early"] = "never",
 ) -> Any:
     """Turn ``declaration`` into a function chosen by the type of its first argument.
 
@@ -152,8 +152,8 @@ def generic(
     absent, otherwise: a value or an implementation; the first for types declared ``absent``, the second for all
     that have no implementation of their own. Without them such a type is refused; ``name.serves(type)`` tells.
 
-    inline: "always" puts the implementation's body in the caller before that is compiled. The compiler then sees
-    that no place in the buffer is negative, so that a loop over rollers keeps its lanes.
+    inline: "late" puts the implementation's code into its caller (see ``inlined``), "early" its source: rows are
+    then constants while the caller is compiled, and it is seen that no lane of them has a negative place.
     """
     if declaration is None:
         return partial(generic, absent=absent, otherwise=otherwise, inline=inline)
@@ -194,9 +194,15 @@ def generic(
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
     dispatch.serves = serves  # type: ignore[attr-defined]
-    overload(dispatch, jit_options=OPTIONS, strict=False, inline=inline)(choose)
+    options, early = OPTIONS | {"forceinline": inline == "late"}, "always" if inline == "early" else "never"
+    overload(dispatch, jit_options=options, strict=False, inline=early)(choose)
     GENERICS.append(dispatch)
     return dispatch
+
+
+inlined = partial(jit, forceinline=True)
+"""``jit`` of a function whose code the compiler is to put into its caller, however long it is: a loop over rollers
+keeps its vector lanes only if it calls nothing, and a model costs 60 numbers to hand over."""
 
 
 @partial(jit, fastmath={"reassoc", "contract"})

@@ -75,7 +75,8 @@ F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = range(WORK + 19 * ROW, WORK 
 F_Z, M_X, M_Y, F_Z_C, M_X_C, M_Y_C, F_Z_I, M_X_I, M_Y_I = range(WORK + 19 * ROW + 8, WORK + 19 * ROW + 17)
 M_INNER = WORK + 19 * ROW + 17  # about the axis, on the inner ring (N m)
 LOADS = 18  # cells from F_X to M_INNER
-WORK_ROWS = 20
+PIT_TORQUE = WORK + 20 * ROW  # of the pits of a roller, on itself (N m)
+WORK_ROWS = 21
 JACOBIAN_WORK = WORK + WORK_ROWS * ROW  # rows that ``linearise`` may use, within one call
 JACOBIAN_WORK_ROWS = 86
 STAGE = JACOBIAN_WORK + JACOBIAN_WORK_ROWS * ROW  # states a method may use, between evaluations
@@ -200,13 +201,10 @@ ROLL_SPEED, AXIAL_SLIP, AXIAL_SLIP_SLOPE, AXIAL_SLIP_ARM_R, AXIAL_SLIP_ARM_T, AX
 KAPPA_0, KAPPA_1, KAPPA_2, KAPPA_SLIP_0, KAPPA_SLIP_1, KAPPA_SLIP_Z = (n * ROW for n in range(30, 36))
 # ...; over a pit?
 KAPPA_ARM, KAPPA_R, KAPPA_T, KAPPA_Z, SLIP_CHANGE, SLIP_CHANGE_Z, PIT_REACH = (n * ROW for n in range(36, 43))
-# of the slice at hand: force, approach, its rate; slips along the race and the axis, friction over slip; n, rho
-LOAD, APPROACH, APPROACH_V, SLIP_T, SLIP_Z, KAPPA, NORMAL_R, NORMAL_T, NORMAL_Z, RHO = (
-    n * ROW for n in range(43, 53)
-)
-# and what it feels of a pit: depth (m), tangent of the normal's tilt, 1 - its cosine, stiffness lost, own?
-ROLLER_DROP, NORMAL_SLOPE, NORMAL_VERSINE, STIFFNESS_LOSS, OWN_PIT = (n * ROW for n in range(53, 58))
-SIDE_ROWS = 58
+# of a pit, as the slice at hand feels it: depth (m), tangent of the normal's tilt, 1 - its cosine, stiffness lost;
+# is it the roller's own?
+ROLLER_DROP, NORMAL_SLOPE, NORMAL_VERSINE, STIFFNESS_LOSS, OWN_PIT = (n * ROW for n in range(43, 48))
+SIDE_ROWS = 48
 INNER_SIDE = OUTER_SIDE + SIDE_ROWS * ROW
 
 SLICES = BUFFER_SIZE + (_SPACE_ROWS + 2 * SIDE_ROWS) * ROW

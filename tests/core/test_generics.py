@@ -21,14 +21,27 @@ from bearingsim.core.laws.stiffness.series import as_power
 from bearingsim.core.methods.adaptive import complete_dense_output, estimate_order, failure_outcome, jump_weight
 from bearingsim.core.methods.equilibrium import Equilibrium
 from bearingsim.core.methods.impulses import Impulses
-from bearingsim.core.methods.interface import attempt, interpolate, prepare, reach, step
+from bearingsim.core.methods.interface import attempt, interpolate, prepare, reach, stability_ratio, step
+from bearingsim.core.methods.symplectic_euler import SymplecticEuler
+from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.bodies_in_space import Bodies
+from bearingsim.core.models.by_roller import (
+    Still,
+    accelerate_roller,
+    accelerate_shared,
+    drift,
+    kick,
+    load_roller,
+    shared,
+)
 from bearingsim.core.models.differences import accelerate_bodies, roller_moves
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, linearise
-from bearingsim.core.models.planar import Planar
+from bearingsim.core.models.outer_ring import Turning
+from bearingsim.core.models.planar import Planar, Plane
 from bearingsim.core.models.ring import Ring
 from bearingsim.core.models.rollers import Rollers
+from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.static import Static
 from bearingsim.core.parts.cage import Centred, FreeCage, KinematicCage, NoDrag, OilDrag, RingGuided
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
@@ -58,6 +71,7 @@ MODULES = [
     importlib.import_module(module.name)
     for module in pkgutil.walk_packages(bearingsim.core.__path__, "bearingsim.core.")
 ]
+BY_ROLLER = (shared, load_roller, accelerate_shared, accelerate_roller)
 ADAPTIVE = (attempt, interpolate, reach, estimate_order, failure_outcome, jump_weight, complete_dense_output)
 
 
@@ -79,6 +93,7 @@ IN_PLACE_OF: dict[type, type] = {
     Centred: RingGuided,
     NoDrag: OilDrag,
     NoSamples: Samples,
+    Still: Verlet,
 }
 """Types that stand for nothing, and one of the family that each belongs to: some need no implementation at all."""
 
@@ -91,6 +106,7 @@ EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
         {Static, Impulse},
         "`Equilibrium`, `Impulses` step them",
     ),
+    (BY_ROLLER, {Static, Impulse, Spatial}, "they have no accelerations, or roll by slices"),
     ((prepare,), {Equilibrium, Impulses}, "they evaluate no accelerations, and start from the state alone"),
     (
         (accelerate_bodies, roller_moves),
@@ -98,12 +114,14 @@ EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
         "their derivatives are exact, or not needed",
     ),
     (ADAPTIVE, STEPPED_EVENLY, "`adaptive.py` does not drive them"),
+    ((*ADAPTIVE, step, prepare, stability_ratio), {Still}, "it is no method, but how none moves the state"),
+    ((drift, kick), FOUND[step] - {Verlet, SymplecticEuler}, "their stages are more than a drift and a kick"),
     ((accelerate_inner_ring,), {TorsionSpring}, "a bracket holds the outer ring"),
     ((accelerate_ring_rotation,), {ElasticShaft}, "a shaft carries the inner ring"),
 ]
 """Generics, the types that they have no implementation for, and why."""
 
-BESIDE = {RollerInRing, Bodies, Monitor}
+BESIDE = {RollerInRing, Bodies, Monitor, Plane, Turning}
 """Tuples that no generic is chosen by, though they stand in one module with types of a family."""
 
 

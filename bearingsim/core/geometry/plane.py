@@ -4,29 +4,51 @@ With rho = |c_j - u| the distance of a roller from a ring's centre, n from there
 """
 
 from math import cos, sin, sqrt
+from typing import NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.geometry.sides import contact_rows, normal_rows, ring_of, sign
-from bearingsim.core.jit import jit
+from bearingsim.core.geometry.sides import contact_rows, normal_rows, sign
+from bearingsim.core.jit import inlined, jit
+
+
+class Centre(NamedTuple):
+    """Where a ring's or the cage's centre stands (m), and its velocity (m/s), along e_0 and e_90."""
+
+    x: float
+    y: float
+    v_x: float
+    v_y: float
+
+
+@inlined
+def centre_at(cell, y):
+    """The centre whose coordinates are the shared ones ``cell`` and ``cell`` + 1."""
+    p, v = lay.POSITION + cell, lay.VELOCITY + cell
+    return Centre(y[p], y[p + 1], y[v], y[v + 1])
+
+
+@inlined
+def roller_direction(C, S, y, j):
+    """Directions of the pocket of roller ``j`` and of itself; C, S: cosine and sine of the first pocket's angle.
+
+    |EPS| stays under a hundredth, where the series are exact to rounding.
+    """
+    pc = C * y[lay.COS_0 + j] - S * y[lay.SIN_0 + j]
+    ps = S * y[lay.COS_0 + j] + C * y[lay.SIN_0 + j]
+    e = y[lay.EPS + j]
+    e2 = e * e
+    ce = 1.0 - e2 * (0.5 - e2 * (1.0 / 24.0 - e2 * (1.0 / 720.0)))
+    se = e * (1.0 - e2 * (1.0 / 6.0 - e2 * (1.0 / 120.0 - e2 * (1.0 / 5040.0))))
+    y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j] = pc, ps, ce, se
+    y[lay.COS + j], y[lay.SIN + j] = pc * ce - ps * se, ps * ce + pc * se
 
 
 @jit
 def roller_directions(theta_c, y, n):
-    """Directions of pockets and rollers, the first pocket standing at ``theta_c`` (rad).
-
-    |EPS| stays under a hundredth, where the series are exact to rounding.
-    """
+    """The same of all rollers, the first pocket standing at ``theta_c`` (rad)."""
     C, S = cos(theta_c), sin(theta_c)
     for j in range(n):
-        pc = C * y[lay.COS_0 + j] - S * y[lay.SIN_0 + j]
-        ps = S * y[lay.COS_0 + j] + C * y[lay.SIN_0 + j]
-        e = y[lay.EPS + j]
-        e2 = e * e
-        ce = 1.0 - e2 * (0.5 - e2 * (1.0 / 24.0 - e2 / 720.0))
-        se = e * (1.0 - e2 * (1.0 / 6.0 - e2 * (1.0 / 120.0 - e2 / 5040.0)))
-        y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j] = pc, ps, ce, se
-        y[lay.COS + j] = pc * ce - ps * se
-        y[lay.SIN + j] = ps * ce + pc * se
+        roller_direction(C, S, y, j)
 
 
 @jit
@@ -40,39 +62,41 @@ def relative_to_ring(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
     u_r, u_t = u_x * c + u_y * s, u_y * c - u_x * s
     x = r - u_r
     rho = sqrt(x * x + u_t * u_t)
-    short = u_r - u_t * u_t / (rho + x)
-    return rho, x / rho, -u_t / rho, short, v - (v_x * c + v_y * s), r * theta_v - (v_y * c - v_x * s)
+    per_both = 1.0 / (rho * (rho + x))
+    per_rho, short = per_both * (rho + x), u_r - u_t * u_t * (per_both * rho)
+    return rho, x * per_rho, -u_t * per_rho, short, v - (v_x * c + v_y * s), r * theta_v - (v_y * c - v_x * s)
 
 
-@jit
-def approach(side, bearing, omega_cage, y, n):
-    """Approach, its rate, normal and sideways speed of every contact of one side over an undamaged race.
+@inlined
+def approach(side, bearing, ring, omega_cage, y, j):
+    """Approach, its rate, normal and sideways speed of one contact of roller ``j`` over an undamaged race.
 
-    The normal points from the ring's centre to the roller.
+    ring: its ``Centre``. The normal points from there to the roller.
     """
-    gap, middle = bearing.gap, 0.5 * (bearing.R_o + bearing.R_i)
     normal_r, normal_t, distance, across, _ = normal_rows(side)
     _, approaches, rates, _, tilts = contact_rows(side)
-    sigma, ring = sign(side), ring_of(side)
-    u_x = y[lay.POSITION + ring]
-    u_y = y[lay.POSITION + ring + 1]
-    v_x = y[lay.VELOCITY + ring]
-    v_y = y[lay.VELOCITY + ring + 1]
-    for j in range(n):
-        rho, n_r, n_t, short, d_r, d_t = relative_to_ring(
-            y[lay.COS + j],
-            y[lay.SIN + j],
-            middle + y[lay.RADIAL + j],
-            y[lay.RADIAL_V + j],
-            omega_cage + y[lay.EPS_V + j],
-            u_x,
-            u_y,
-            v_x,
-            v_y,
-        )
-        y[distance + j], y[normal_r + j], y[normal_t + j] = rho, n_r, n_t
-        outwards, lost = (y[lay.RADIAL + j], short) if sigma > 0.0 else (short, y[lay.RADIAL + j])
-        y[approaches + j] = outwards - gap - lost
-        y[rates + j] = sigma * n_t * d_t - -sigma * n_r * d_r  # sigma n.d; written otherwise it rounds otherwise
-        y[across + j] = n_r * d_t - n_t * d_r
-        y[tilts + j] = 0.0
+    sigma, q = sign(side), y[lay.RADIAL + j]
+    rho, n_r, n_t, short, d_r, d_t = relative_to_ring(
+        y[lay.COS + j],
+        y[lay.SIN + j],
+        0.5 * (bearing.R_o + bearing.R_i) + q,
+        y[lay.RADIAL_V + j],
+        omega_cage + y[lay.EPS_V + j],
+        ring.x,
+        ring.y,
+        ring.v_x,
+        ring.v_y,
+    )
+    y[distance + j], y[normal_r + j], y[normal_t + j] = rho, n_r, n_t
+    outwards, lost = (q, short) if sigma > 0.0 else (short, q)
+    y[approaches + j] = outwards - bearing.gap - lost
+    y[rates + j] = sigma * n_t * d_t - -sigma * n_r * d_r  # sigma n.d; written otherwise it rounds otherwise
+    y[across + j] = n_r * d_t - n_t * d_r
+    y[tilts + j] = 0.0
+
+
+@inlined
+def small_angle(sine):
+    """The angle (rad) of this sine: its series, exact to rounding below a fiftieth."""
+    z = sine * sine
+    return sine * (1.0 + z * (1.0 / 6.0 + z * (3.0 / 40.0 + z * (15.0 / 336.0 + z * (105.0 / 3456.0)))))

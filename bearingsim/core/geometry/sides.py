@@ -19,29 +19,39 @@ def sign(side: Any) -> float:
     """1 where the roller lies inside the race, -1 where outside."""
 
 
-@generic(inline="always")
+@generic(inline="early")
 def side_rows(side: Any) -> int:
     """Where the rows of this side of the rollers begin."""
 
 
-@generic(inline="always")
+@generic(inline="early")
 def contact_rows(side: Any) -> tuple[int, int, int, int, int]:
     """Rows of what the planar models call force, approach, its rate, slip and tangential force."""
 
 
-@generic(inline="always")
+@generic(inline="early")
 def normal_rows(side: Any) -> tuple[int, int, int, int, int]:
     """Rows of n along e_r and e_theta, of rho, of the speed across n, and of rho's rate over a pit."""
 
 
-@generic(inline="always")
+@generic(inline="early")
 def load_cells(side: Any) -> tuple[int, int, int]:
     """Cells of a ring's loads: the first in the plane, the first of those beyond it, the moment about the axis."""
 
 
-@generic(inline="always")
-def ring_of(side: Any) -> int:
-    """The first shared coordinate of the race's ring."""
+@generic(inline="early")
+def slice_rows(side: Any) -> tuple[int, int]:
+    """Rows of the load and the approach on this side, among those of a slice."""
+
+
+@slice_rows.register(OuterSide)
+def _slice_rows_outer(side):
+    return lay.LOAD_O * lay.ROW, lay.APPROACH_O * lay.ROW
+
+
+@slice_rows.register(InnerSide)
+def _slice_rows_inner(side):
+    return lay.LOAD_I * lay.ROW, lay.APPROACH_I * lay.ROW
 
 
 @load_cells.register(OuterSide)
@@ -92,13 +102,3 @@ def _normal_rows_outer(side):
 @normal_rows.register(InnerSide)
 def _normal_rows_inner(side):
     return lay.NORMAL_I_R, lay.NORMAL_I_T, lay.RHO_I, lay.TANGENTIAL_V_I, lay.RHO_V_I
-
-
-@ring_of.register(OuterSide)
-def _ring_of_outer(side):
-    return lay.X
-
-
-@ring_of.register(InnerSide)
-def _ring_of_inner(side):
-    return lay.X_I

@@ -64,7 +64,7 @@ def interpolate(method: Any, part: float, h: float, y: np.ndarray, n: int) -> No
     """Positions and velocities (``n`` entries) at ``part`` (0 to 1) of the step of ``h`` (s) taken last."""
 
 
-@generic
+@generic(inline="late")
 def step(method: Any, model: Any, t: float, y: np.ndarray) -> None:
     """Take the buffer ``y`` from time ``t`` to ``t + method.h`` (s), accelerations and contacts included."""
 

@@ -10,9 +10,8 @@ Verlet's limit. Source: Hairer, Lubich and Wanner, Geometric Numerical Integrati
 from typing import NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import jit
 from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
-from bearingsim.core.models.interface import accelerations, state_width
+from bearingsim.core.models.by_roller import drift, evaluate, kick
 
 
 class SymplecticEuler(NamedTuple):
@@ -21,21 +20,20 @@ class SymplecticEuler(NamedTuple):
     h: float
 
 
-@jit
-def kick_and_drift(h, y, n):
-    """Velocities by the accelerations found last, then positions by the new velocities."""
-    for j in range(n):
-        y[lay.VELOCITY + j] += h * y[lay.ACCELERATION + j]
-        y[lay.POSITION + j] += h * y[lay.VELOCITY + j]
+@drift.register(SymplecticEuler)
+def _drift(method, y, i):
+    """Velocity by the acceleration found last, then position by the new velocity."""
+    y[lay.VELOCITY + i] += method.h * y[lay.ACCELERATION + i]
+    y[lay.POSITION + i] += method.h * y[lay.VELOCITY + i]
 
 
+kick.register(SymplecticEuler)(lambda method, y, i: None)
 prepare.register(SymplecticEuler)(no_preparation)
 
 
 @step.register(SymplecticEuler)
 def _step(method, model, t, y):
-    kick_and_drift(method.h, y, state_width(model))
-    accelerations(model, t + method.h, y)
+    evaluate(model, method, t + method.h, y)
 
 
 @stability_ratio.register(SymplecticEuler)

@@ -10,9 +10,8 @@ half the limit of symplectic Euler.
 from typing import NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import jit
 from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
-from bearingsim.core.models.interface import accelerations, state_width
+from bearingsim.core.models.by_roller import drift, evaluate, kick
 
 
 class Verlet(NamedTuple):
@@ -21,21 +20,20 @@ class Verlet(NamedTuple):
     h: float
 
 
-@jit
-def drift(h, y, n):
-    """Positions to the end of the step, velocities to their prediction; half-kicked velocities are kept."""
-    for j in range(n):
-        kicked = y[lay.VELOCITY + j] + 0.5 * h * y[lay.ACCELERATION + j]
-        y[lay.STAGE + j] = kicked
-        y[lay.POSITION + j] += h * kicked
-        y[lay.VELOCITY + j] += h * y[lay.ACCELERATION + j]
+@drift.register(Verlet)
+def _drift(method, y, i):
+    """Position to the end of the step, velocity to its prediction; the half-kicked velocity is kept."""
+    h, v, a = method.h, y[lay.VELOCITY + i], y[lay.ACCELERATION + i]
+    kicked = v + 0.5 * h * a
+    y[lay.STAGE + i] = kicked
+    y[lay.POSITION + i] += h * kicked
+    y[lay.VELOCITY + i] = v + h * a
 
 
-@jit
-def kick(h, y, n):
-    """The second half of the kick, with the new accelerations."""
-    for j in range(n):
-        y[lay.VELOCITY + j] = y[lay.STAGE + j] + 0.5 * h * y[lay.ACCELERATION + j]
+@kick.register(Verlet)
+def _kick(method, y, i):
+    """The second half of the kick, with the new acceleration."""
+    y[lay.VELOCITY + i] = y[lay.STAGE + i] + 0.5 * method.h * y[lay.ACCELERATION + i]
 
 
 prepare.register(Verlet)(no_preparation)
@@ -43,10 +41,7 @@ prepare.register(Verlet)(no_preparation)
 
 @step.register(Verlet)
 def _step(method, model, t, y):
-    n = state_width(model)
-    drift(method.h, y, n)
-    accelerations(model, t + method.h, y)
-    kick(method.h, y, n)
+    evaluate(model, method, t + method.h, y)
 
 
 @stability_ratio.register(Verlet)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.orientation import Body, body_at
-from bearingsim.core.jit import add, jit
+from bearingsim.core.jit import jit
 from bearingsim.core.models.outer_ring import accelerate_outer_ring
 from bearingsim.core.parts.cage import accelerate_cage
 from bearingsim.core.parts.cage_in_space import accelerate_cage_axis, cage_body
@@ -55,16 +55,6 @@ def hold_mounted_rings(model, y):
     """Put the rings where they are held."""
     hold_mounted_ring(model.mount_o, y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y)
     hold_mounted_ring(model.mount_i, y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
-
-
-@jit
-def sum_loads(y, n):
-    """Fill the cells of the loads on rings and cage with the sums of what the rollers do to them."""
-    for c in range(lay.LOADS):
-        row, total = lay.roller_load(lay.F_X + c), 0.0
-        for j in range(n):
-            total = add(total, y[row + j])
-        y[lay.F_X + c] = total
 
 
 @jit

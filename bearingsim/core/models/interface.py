@@ -37,12 +37,12 @@ def update_extremes(model: Any, y: np.ndarray) -> None:
     """Take the state of ``y``, at which a step has ended, into the running maxima; count who carries load."""
 
 
-@generic(inline="always")
+@generic(inline="late")
 def stiffness_per_mass(model: Any, y: np.ndarray, j: int) -> float:
     """Stiffness over mass (1/s^2) of monitored body ``j`` as it stands now."""
 
 
-@generic(inline="always")
+@generic(inline="late")
 def damping_per_mass(model: Any, y: np.ndarray, j: int) -> float:
     """Damping over mass (1/s) of monitored body ``j`` as it stands now."""
 

@@ -4,21 +4,59 @@ m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(thet
 """
 
 from math import cos, sin
+from typing import NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import add, jit
+from bearingsim.core.jit import add, inlined, jit
+from bearingsim.core.parameters import kinematic_angles, lanes
+from bearingsim.core.sums import sum_loads
 
 
-@jit
-def turn_rollers(theta_c, y, n):
-    """Cosine and sine of every roller's angle, the first roller standing at ``theta_c`` (rad)."""
-    C, S = cos(theta_c), sin(theta_c)
-    for j in range(n):
-        y[lay.COS + j] = C * y[lay.COS_0 + j] - S * y[lay.SIN_0 + j]
-        y[lay.SIN + j] = S * y[lay.COS_0 + j] + C * y[lay.SIN_0 + j]
+class Turning(NamedTuple):
+    """What rollers share that a kinematic cage leads past a ring that moves.
+
+    C, S: cosine and sine of the first roller's angle; u_x, u_y: the ring's centre (m); w_x, w_y: its velocity as
+    the cage sees it, u' - omega_c x u, so that w.e_r = d(u.e_r)/dt (m/s); held_x, held_y: force on the ring (N) by
+    all but the rollers.
+    """
+
+    C: float
+    S: float
+    u_x: float
+    u_y: float
+    w_x: float
+    w_y: float
+    held_x: float
+    held_y: float
 
 
-@jit
+@inlined
+def turning(model, t, y):
+    """``Turning`` at time ``t`` (s)."""
+    theta_c, omega_c = kinematic_angles(model.bearing, t)[0], model.bearing.omega_c
+    u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
+    w_x, w_y = y[lay.VELOCITY + lay.X] + omega_c * u_y, y[lay.VELOCITY + lay.Y] - omega_c * u_x
+    held_x, held_y = dynamic_force(model.support, 0.0, 0.0, y)
+    return Turning(cos(theta_c), sin(theta_c), u_x, u_y, w_x, w_y, held_x, held_y)
+
+
+@inlined
+def turn_roller(at, y, j):
+    """Cosine and sine of the angle of roller ``j``."""
+    c = at.C * y[lay.COS_0 + j] - at.S * y[lay.SIN_0 + j]
+    s = at.S * y[lay.COS_0 + j] + at.C * y[lay.SIN_0 + j]
+    y[lay.COS + j], y[lay.SIN + j] = c, s
+    return c, s
+
+
+@inlined
+def push_ring(y, j):
+    """What roller ``j`` does to the ring, its normal going through the bearing's centre."""
+    y[lay.roller_load(lay.F_X) + j] = y[lay.Q_O + j] * y[lay.COS + j]
+    y[lay.roller_load(lay.F_Y) + j] = y[lay.Q_O + j] * y[lay.SIN + j]
+
+
+@inlined
 def static_force(support, f_x, f_y, y):
     """``f_x``, ``f_y`` (N), with the load and the bracket's spring: what acts on a ring that stands."""
     f_x = f_x - support.F - support.k_b * (y[lay.POSITION + lay.X] - support.x_0)
@@ -26,29 +64,25 @@ def static_force(support, f_x, f_y, y):
     return f_x, f_y
 
 
-@jit
+@inlined
 def dynamic_force(support, f_x, f_y, y):
     """The same with the bracket's damper: what acts on a ring that moves."""
     f_x, f_y = static_force(support, f_x, f_y, y)
     return f_x - support.c_b * y[lay.VELOCITY + lay.X], f_y - support.c_b * y[lay.VELOCITY + lay.Y]
 
 
-@jit
+@inlined
 def accelerate(m_o, f_x, f_y, y):
     """Write the ring's acceleration under all forces (N)."""
     y[lay.ACCELERATION + lay.X] = f_x / m_o
     y[lay.ACCELERATION + lay.Y] = f_y / m_o
 
 
-@jit
-def accelerate_ring(model, y, n):
-    """The ring's acceleration under contacts whose normals go through the bearing's centre."""
-    f_x, f_y = 0.0, 0.0
-    for j in range(n):
-        f_x = add(f_x, y[lay.Q_O + j] * y[lay.COS + j])
-        f_y = add(f_y, y[lay.Q_O + j] * y[lay.SIN + j])
-    held_x, held_y = dynamic_force(model.support, 0.0, 0.0, y)
-    accelerate(model.bearing.m_o, f_x + held_x, f_y + held_y, y)
+@inlined
+def accelerate_ring(model, at, y):
+    """The ring's acceleration under what ``push_ring`` says of all rollers."""
+    sum_loads(lay.F_X, lay.F_Y, y, lanes(model.bearing))
+    accelerate(model.bearing.m_o, y[lay.F_X] + at.held_x, y[lay.F_Y] + at.held_y, y)
 
 
 @jit

@@ -15,17 +15,18 @@ so no digits are lost.
 Left out: tilt, skew and axial motion of rollers, the bending of rings and cage, oil films as springs.
 """
 
-from math import atan2, sqrt
+from math import cos, sin, sqrt
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_time
-from bearingsim.core.geometry.plane import approach, roller_directions
+from bearingsim.core.geometry.plane import Centre, approach, centre_at, roller_direction, small_angle
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
-from bearingsim.core.jit import add, jit
+from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.laws.friction.interface import mu, mu_slope_bound
 from bearingsim.core.laws.friction.lag import lagged, lagged_friction
+from bearingsim.core.models.by_roller import accelerate_roller, accelerate_shared, by_roller, load_roller, shared
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import (
     ModelKind,
@@ -46,8 +47,9 @@ from bearingsim.core.parts.cage import (
     accelerate_cage,
     cage_constraint,
     orbit_drag,
-    pocket_forces,
+    pocket_force,
     pocket_stiffness,
+    sum_pocket_forces,
 )
 from bearingsim.core.parts.shaft import (
     accelerate_inner_ring,
@@ -58,6 +60,7 @@ from bearingsim.core.parts.shaft import (
 from bearingsim.core.pits.jumps import next_jump, next_jump_freely
 from bearingsim.core.pits.on_roller import correct_contact, is_masked, roller_at_pit
 from bearingsim.core.pits.pairs import CARRIER, HALF_WIDTH, ON_INNER, OUTER, RADIUS, SIDE, Pits, nearest_roller
+from bearingsim.core.sums import sum_loads
 
 AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
 
@@ -107,42 +110,148 @@ def _roller_at_pit(model, d, t, y):
     own, outer = head[CARRIER] >= 0.0, head[SIDE] == OUTER
     roll = turned - (b.omega_c - b.omega_b) * time - (y[lay.SPIN + int(head[CARRIER])] if own else 0.0)
     j, s = nearest_roller(model.pits, d, b.theta_0 + turned, b.omega_i * time, roll, b.Z)
-    tilted = (
-        atan2(y[lay.NORMAL_O_T + j], y[lay.NORMAL_O_R + j])
-        if outer
-        else atan2(y[lay.NORMAL_I_T + j], y[lay.NORMAL_I_R + j])
-    )
+    tilted = small_angle(y[lay.NORMAL_O_T + j] if outer else y[lay.NORMAL_I_T + j])
     return j, s + head[RADIUS] * (
         y[lay.EPS + j] + tilted - (y[lay.POSITION + lay.PSI] if outer and not own else 0.0)
     )
 
 
-@jit
-def correct_for_pits(model, t, omega_i, spin, y):
-    """Correct the contact of each roller that stands over a pit: force, tilt of the normal, torques.
+class Plane(NamedTuple):
+    """What all rollers share.
 
-    spin: a roller's nominal spin (rad/s). Returns the torque (N m) of the pits on the outer ring.
+    time: s, the motion's own; growth: how fast speeds grow with it (1/s); C, S: cosine and sine of the first
+    pocket's angle; omega_cage, omega_i: speeds of the cage and the inner ring, spin: a roller's nominal one,
+    turning: the outer ring's (rad/s).
     """
-    pits = model.pits
+
+    time: float
+    growth: float
+    C: float
+    S: float
+    omega_cage: float
+    omega_i: float
+    spin: float
+    turning: float
+    outer: Centre
+    inner: Centre
+    cage: Centre
+
+
+by_roller(Planar)
+
+
+@shared.register(Planar)
+def _shared(model, t, y):
+    b = model.bearing
+    time, rate, growth = kinematic_time(model.motion, t)
+    theta_c = b.theta_0 + b.omega_c * time + y[lay.POSITION + lay.PHI_C]
+    return Plane(
+        time=time,
+        growth=growth,
+        C=cos(theta_c),
+        S=sin(theta_c),
+        omega_cage=b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C],
+        omega_i=b.omega_i * rate,
+        spin=(b.omega_c - b.omega_b) * rate,
+        turning=y[lay.VELOCITY + lay.PSI],
+        outer=centre_at(lay.X, y),
+        inner=centre_at(lay.X_I, y),
+        cage=centre_at(lay.X_C, y),
+    )
+
+
+@load_roller.register(Planar)
+def _load_roller(model, at, y, j):
+    roller_direction(at.C, at.S, y, j)
+    approach(OuterSide(), model.bearing, at.outer, at.omega_cage, y, j)
+    approach(InnerSide(), model.bearing, at.inner, at.omega_cage, y, j)
+    y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
+    y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
+    y[lay.PIT_TORQUE + j] = 0.0
+    move_sideways(model, at, 0.0, 0.0, y, j)
+
+
+@inlined
+def move_sideways(model, at, lean_o, lean_i, y, j):
+    """Slip, friction, drag and pocket of roller ``j``: fills FORCE_R, FORCE_T, TORQUE and its loads on the rings.
+
+    lean_o, lean_i: tangent of the angle of the contacts' normals against n, in a pit.
+    """
+    b, friction, drag = model.bearing, model.friction, model.drag
+    R_w, per_m, turned = b.R_w, 1.0 / b.m_r, b.R_w * b.R_w / b.I_r
+    along, across = model.lag * (per_m + turned), model.lag * (per_m - turned)
+    c, s = y[lay.COS + j], y[lay.SIN + j]
+    real = b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
+    beta_v = at.spin + y[lay.SPIN_V + j]
+    theta_v = at.omega_cage + y[lay.EPS_V + j]
+    u = R_w * abs(theta_v - beta_v)  # surfaces through a contact that moves with the roller's centre
+
+    arm_o, arm_i = R_w - 0.5 * y[lay.DELTA_O + j], R_w - 0.5 * y[lay.DELTA_I + j]
+    cos_o, cos_i = 1.0 / sqrt(1.0 + lean_o * lean_o), 1.0 / sqrt(1.0 + lean_i * lean_i)
+    sin_o, sin_i = lean_o * cos_o, lean_i * cos_i
+    on_o, on_i = y[lay.RHO_O + j] * cos_o + arm_o, y[lay.RHO_I + j] * cos_i - arm_i  # arms on the rings
+    s_o = y[lay.TANGENTIAL_V_O + j] * cos_o + y[lay.RHO_V_O + j] * sin_o + beta_v * arm_o - at.turning * on_o
+    s_i = y[lay.TANGENTIAL_V_I + j] * cos_i - y[lay.RHO_V_I + j] * sin_i - beta_v * arm_i - at.omega_i * on_i
+    y[lay.SLIP_O + j], y[lay.SLIP_I + j] = s_o, s_i
+    s_o += AT_REST if s_o > 0.0 else -AT_REST
+    s_i += AT_REST if s_i > 0.0 else -AT_REST
+    per = 1.0 / (s_o * s_i)
+    k_o, k_i = mu(friction, s_o, u) * y[lay.Q_O + j] * s_i * per, mu(friction, s_i, u) * y[lay.Q_I + j] * s_o * per
+    f_o, f_i = lagged_friction(k_o, k_i, s_o, s_i, along, across)
+
+    along_n, across_n = -y[lay.Q_O + j] - f_o * sin_o, y[lay.PIT_FORCE_O + j] - f_o * cos_o
+    o_r = along_n * y[lay.NORMAL_O_R + j] - across_n * y[lay.NORMAL_O_T + j]
+    o_t = along_n * y[lay.NORMAL_O_T + j] + across_n * y[lay.NORMAL_O_R + j]
+    along_n, across_n = y[lay.Q_I + j] + f_i * sin_i, y[lay.PIT_FORCE_I + j] - f_i * cos_i
+    i_r = along_n * y[lay.NORMAL_I_R + j] - across_n * y[lay.NORMAL_I_T + j]
+    i_t = along_n * y[lay.NORMAL_I_T + j] + across_n * y[lay.NORMAL_I_R + j]
+    y[lay.FRICTION_O + j], y[lay.FRICTION_I + j] = f_o, f_i
+
+    weight, r = model.gravity * b.m_r, 0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j]
+    y[lay.FORCE_R + j] = o_r + i_r + weight * c
+    y[lay.FORCE_T + j] = o_t + i_t - weight * s + orbit_drag(drag, theta_v * r)
+    y[lay.TORQUE + j] = y[lay.PIT_TORQUE + j] + f_i * arm_i - f_o * arm_o
+    y[lay.roller_load(lay.F_X) + j] = -o_r * c + o_t * s
+    y[lay.roller_load(lay.F_Y) + j] = -o_r * s - o_t * c
+    y[lay.roller_load(lay.M_RING) + j] = real * f_o * on_o
+    y[lay.roller_load(lay.F_X_I) + j] = -i_r * c + i_t * s
+    y[lay.roller_load(lay.F_Y_I) + j] = -i_r * s - i_t * c
+    pocket_force(model.cage, model, at, y, j)
+
+
+@inlined
+def correct_for_pits(model, at, t, y):
+    """Correct each roller that stands over a pit; returns the torque (N m) of the pits on the outer ring."""
     torque = 0.0
-    for d in range(len(pits.head)):
-        on, radius = pits.head[d, CARRIER], pits.head[d, RADIUS]
-        own, outer = on >= 0.0, pits.head[d, SIDE] == OUTER
+    for d in range(len(model.pits.head)):
         j, s = roller_at_pit(model, d, t, y)
-        if abs(s) < pits.head[d, HALF_WIDTH] and not is_masked(model, d, j, s, t, y):
-            turning = y[lay.VELOCITY + lay.PSI]
-            if own:
-                turning = spin + y[lay.SPIN_V + j]
-            elif on == ON_INNER:
-                turning = omega_i
-            if outer:
-                sideways = tilt_contact(OuterSide(), model.outer, pits, d, j, s, turning, y)
-                torque -= 0.0 if own else sideways * radius
-            else:
-                sideways = tilt_contact(InnerSide(), model.inner, pits, d, j, s, turning, y)
-            if own:
-                y[lay.TORQUE + j] -= sideways * radius
+        if abs(s) < model.pits.head[d, HALF_WIDTH]:
+            torque += correct_for_pit(model, at, d, j, s, t, y)
     return torque
+
+
+@jit
+def correct_for_pit(model, at, d, j, s, t, y):
+    """Force, tilt of the normal and torque of roller ``j`` over roller-pit pair ``d``, and what follows from them.
+
+    Returns the torque (N m) of the pit on the outer ring.
+    """
+    if is_masked(model, d, j, s, t, y):
+        return 0.0
+    pits, on = model.pits, model.pits.head[d, CARRIER]
+    own, outer = on >= 0.0, pits.head[d, SIDE] == OUTER
+    turning = at.omega_i if on == ON_INNER else at.turning
+    turning = at.spin + y[lay.SPIN_V + j] if own else turning
+    if outer:
+        sideways = tilt_contact(OuterSide(), model.outer, pits, d, j, s, turning, y)
+    else:
+        sideways = tilt_contact(InnerSide(), model.inner, pits, d, j, s, turning, y)
+    torque = sideways * pits.head[d, RADIUS]
+    y[lay.PIT_TORQUE + j] -= torque if own else 0.0
+    lean_o = y[lay.PIT_FORCE_O + j] / max(y[lay.Q_O + j], 1e-300)
+    lean_i = y[lay.PIT_FORCE_I + j] / max(y[lay.Q_I + j], 1e-300)
+    move_sideways(model, at, lean_o, lean_i, y, j)
+    return -torque if outer and not own else 0.0
 
 
 @jit
@@ -163,97 +272,33 @@ def tilt_contact(side, law, pits, d, j, s, turning, y):
     return sideways
 
 
-@jit
-def roller_forces(model, omega_cage, omega_i, spin, y, n):
-    """Slip, friction and drag of every roller: fills FORCE_R, FORCE_T, TORQUE and the cells of both rings."""
-    b, friction, drag, g = model.bearing, model.friction, model.drag, model.gravity
-    R_w, middle, psi_v = b.R_w, 0.5 * (b.R_o + b.R_i), y[lay.VELOCITY + lay.PSI]
-    along, across = model.lag * (1.0 / b.m_r + R_w * R_w / b.I_r), model.lag * (1.0 / b.m_r - R_w * R_w / b.I_r)
-    f_x, f_y, torque, i_x, i_y = 0.0, 0.0, 0.0, 0.0, 0.0
-    for j in range(n):
-        c, s = y[lay.COS + j], y[lay.SIN + j]
-        real = b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
-        beta_v = spin + y[lay.SPIN_V + j]
-        theta_v = omega_cage + y[lay.EPS_V + j]
-        u = R_w * abs(theta_v - beta_v)  # surfaces through a contact that moves with the roller's centre
-
-        arm_o, arm_i = R_w - 0.5 * y[lay.DELTA_O + j], R_w - 0.5 * y[lay.DELTA_I + j]
-        # of the normal against n, in a pit; its sine and cosine
-        lean_o = y[lay.PIT_FORCE_O + j] / max(y[lay.Q_O + j], 1e-300)
-        lean_i = y[lay.PIT_FORCE_I + j] / max(y[lay.Q_I + j], 1e-300)
-        cos_o, cos_i = 1.0 / sqrt(1.0 + lean_o * lean_o), 1.0 / sqrt(1.0 + lean_i * lean_i)
-        sin_o, sin_i = lean_o * cos_o, lean_i * cos_i
-        on_o, on_i = y[lay.RHO_O + j] * cos_o + arm_o, y[lay.RHO_I + j] * cos_i - arm_i  # arms on the rings
-        s_o = y[lay.TANGENTIAL_V_O + j] * cos_o + y[lay.RHO_V_O + j] * sin_o + beta_v * arm_o - psi_v * on_o
-        s_i = y[lay.TANGENTIAL_V_I + j] * cos_i - y[lay.RHO_V_I + j] * sin_i - beta_v * arm_i - omega_i * on_i
-        y[lay.SLIP_O + j], y[lay.SLIP_I + j] = s_o, s_i
-        s_o += AT_REST if s_o > 0.0 else -AT_REST
-        s_i += AT_REST if s_i > 0.0 else -AT_REST
-        k_o, k_i = mu(friction, s_o, u) * y[lay.Q_O + j] / s_o, mu(friction, s_i, u) * y[lay.Q_I + j] / s_i
-        f_o, f_i = lagged_friction(k_o, k_i, s_o, s_i, along, across)
-
-        along_n, across_n = -y[lay.Q_O + j] - f_o * sin_o, y[lay.PIT_FORCE_O + j] - f_o * cos_o
-        o_r = along_n * y[lay.NORMAL_O_R + j] - across_n * y[lay.NORMAL_O_T + j]
-        o_t = along_n * y[lay.NORMAL_O_T + j] + across_n * y[lay.NORMAL_O_R + j]
-        along_n, across_n = y[lay.Q_I + j] + f_i * sin_i, y[lay.PIT_FORCE_I + j] - f_i * cos_i
-        i_r = along_n * y[lay.NORMAL_I_R + j] - across_n * y[lay.NORMAL_I_T + j]
-        i_t = along_n * y[lay.NORMAL_I_T + j] + across_n * y[lay.NORMAL_I_R + j]
-        y[lay.FRICTION_O + j], y[lay.FRICTION_I + j] = f_o, f_i
-        torque = add(torque, real * f_o * on_o)
-
-        weight = g * b.m_r
-        y[lay.FORCE_R + j] = o_r + i_r + weight * c
-        y[lay.FORCE_T + j] = o_t + i_t - weight * s + orbit_drag(drag, theta_v * (middle + y[lay.RADIAL + j]))
-        y[lay.TORQUE + j] += f_i * arm_i - f_o * arm_o
-        f_x = add(f_x, -o_r * c + o_t * s)
-        f_y = add(f_y, -o_r * s - o_t * c)
-        i_x = add(i_x, -i_r * c + i_t * s)
-        i_y = add(i_y, -i_r * s - i_t * c)
-    y[lay.F_X], y[lay.F_Y], y[lay.F_X_I], y[lay.F_Y_I] = f_x, f_y, i_x, i_y
-    return torque
-
-
-@jit
-def accelerate_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
-    """q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = M/I."""
-    b, cage = model.bearing, model.cage
-    middle = 0.5 * (b.R_o + b.R_i)
-    for j in range(n):
-        per_mass = y[lay.INVERSE_MASS + j]
-        real = b.m_r * per_mass
-        r, theta_v = middle + y[lay.RADIAL + j], omega_cage + y[lay.EPS_V + j]
-        y[lay.RADIAL_A + j] = real * r * theta_v * theta_v + per_mass * y[lay.FORCE_R + j]
-        theta_a = (per_mass * y[lay.FORCE_T + j] - 2.0 * y[lay.RADIAL_V + j] * theta_v) / r
-        y[lay.EPS_A + j] = cage_constraint(cage, real * (theta_a - alpha_cage))
-        y[lay.SPIN_A + j] = cage_constraint(cage, real * (y[lay.TORQUE + j] / b.I_r - alpha_spin))
-
-
-@accelerations.register(Planar)
-def _accelerations(model, t, y):
+@accelerate_shared.register(Planar)
+def _accelerate_shared(model, at, t, y):
     b = model.bearing
-    n = lanes(b)
-    time, rate, growth = kinematic_time(model.motion, t)
-    theta_i, omega_i = b.omega_i * time, b.omega_i * rate
-    omega_cage = b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C]
-    spin = (b.omega_c - b.omega_b) * rate
-    roller_directions(b.theta_0 + b.omega_c * time + y[lay.POSITION + lay.PHI_C], y, n)
-    approach(OuterSide(), b, omega_cage, y, n)
-    approach(InnerSide(), b, omega_cage, y, n)
-    for j in range(n):
-        y[lay.TORQUE + j] = 0.0
-        y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
-        y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
-    torque = 0.0
-    if len(model.pits.head) > 0:
-        torque = correct_for_pits(model, t, omega_i, spin, y)
-    y[lay.M_RING] = torque + roller_forces(model, omega_cage, omega_i, spin, y, n)
-    pocket_forces(model.cage, model, omega_cage, spin, y, n)
-    alpha_cage = accelerate_cage(model.cage, model, omega_cage, omega_i, b.omega_c * growth, y)
-    y[lay.ACCELERATION + lay.PHI_C] = alpha_cage - b.omega_c * growth
-    accelerate_rollers(model, omega_cage, alpha_cage, (b.omega_c - b.omega_b) * growth, y, n)
+    n, kinematic = lanes(b), b.omega_c * at.growth
+    torque = correct_for_pits(model, at, t, y)
+    sum_loads(lay.F_X, lay.M_RING, y, n)
+    sum_loads(lay.F_X_I, lay.F_Y_I, y, n)
+    sum_pocket_forces(model.cage, y, n)
+    y[lay.M_RING] += torque
+    alpha_cage = accelerate_cage(model.cage, model, at.omega_cage, at.omega_i, kinematic, y)
+    y[lay.ACCELERATION + lay.PHI_C] = alpha_cage - kinematic
     accelerate_outer_ring(model, y)
     accelerate_ring_rotation(model.bracket, y)
-    accelerate_inner_ring(model.shaft, model, theta_i, omega_i, b.omega_i * growth, y)
+    accelerate_inner_ring(model.shaft, model, b.omega_i * at.time, at.omega_i, b.omega_i * at.growth, y)
+    return alpha_cage
+
+
+@accelerate_roller.register(Planar)
+def _accelerate_roller(model, at, alpha_cage, y, j):
+    """q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = M/I."""
+    b, cage, per_mass = model.bearing, model.cage, y[lay.INVERSE_MASS + j]
+    real, alpha_spin = b.m_r * per_mass, (b.omega_c - b.omega_b) * at.growth
+    r, theta_v = 0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j], at.omega_cage + y[lay.EPS_V + j]
+    y[lay.RADIAL_A + j] = real * r * theta_v * theta_v + per_mass * y[lay.FORCE_R + j]
+    theta_a = (per_mass * y[lay.FORCE_T + j] - 2.0 * y[lay.RADIAL_V + j] * theta_v) / r
+    y[lay.EPS_A + j] = cage_constraint(cage, real * (theta_a - alpha_cage))
+    y[lay.SPIN_A + j] = cage_constraint(cage, real * (y[lay.TORQUE + j] * (1.0 / b.I_r) - alpha_spin))
 
 
 @begin.register(Planar)

@@ -29,13 +29,14 @@ from bearingsim.core.geometry.slices import WEIGHT, ZETA
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import stiffness_bound
 from bearingsim.core.laws.stiffness.interface import tangent
-from bearingsim.core.models.bodies_in_space import hold_mounted_rings, sum_loads
+from bearingsim.core.models.bodies_in_space import hold_mounted_rings
 from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.models.spatial import race_contacts, roller_axes
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts.flanges import axial_position
 from bearingsim.core.parts.mounts import mount_rates
 from bearingsim.core.parts.races_in_space import side_loads
+from bearingsim.core.sums import sum_loads
 
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 MAX_STEPS = 100
@@ -62,7 +63,7 @@ def contacts_at_rest(model, t, y, n):
     race_contacts(model, t, 0.0, outer, inner, 0.0, y, n)
     side_loads(OuterSide(), b, outer, y, n)
     side_loads(InnerSide(), b, inner, y, n)
-    sum_loads(y, n)
+    sum_loads(lay.F_X, lay.M_INNER, y, n)
 
 
 @jit

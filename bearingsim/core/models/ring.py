@@ -18,10 +18,11 @@ the rollers' inertia and centrifugal load.
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import add, jit
+from bearingsim.core.jit import add, inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, in_series, normal_force, slopes, stiffness_bound
 from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.laws.stiffness.series import series_share
+from bearingsim.core.models.by_roller import accelerate_roller, accelerate_shared, by_roller, load_roller, shared
 from bearingsim.core.models.equilibrium import DISTANCE, PAIR, locate_pits, roller_balance
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import (
@@ -36,8 +37,8 @@ from bearingsim.core.models.interface import (
     stiffness_per_mass,
     update_extremes,
 )
-from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, turn_rollers
-from bearingsim.core.parameters import Bearing, Support, kinematic_angles, lanes
+from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, push_ring, turn_roller, turning
+from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.pits.jumps import next_jump, next_jump_evenly
 from bearingsim.core.pits.on_roller import (
     force_over_pit,
@@ -48,7 +49,7 @@ from bearingsim.core.pits.on_roller import (
     slopes_over_pit,
     stiffness_over_pit,
 )
-from bearingsim.core.pits.pairs import Pits, passing_speed
+from bearingsim.core.pits.pairs import HALF_WIDTH, Pits, passing_speed
 
 # how a roller's force grows with its series' approach: N/m, N s/m
 K_RING, C_RING = lay.WORK + 5 * lay.ROW, lay.WORK + 6 * lay.ROW
@@ -76,25 +77,30 @@ def _monitored(model):
 
 roller_at_pit.register(Ring)(roller_at_pit_evenly)
 next_jump.register(Ring)(next_jump_evenly)
+by_roller(Ring)
 
 
-@jit
-def series_approaches(model, y, n):
-    """The two contacts of every roller over undamaged races: approaches, and half of the rate to each."""
-    omega_c, gap = model.bearing.omega_c, model.bearing.gap
-    u_x = y[lay.POSITION + lay.X]
-    u_y = y[lay.POSITION + lay.Y]
-    v_x = y[lay.VELOCITY + lay.X]
-    v_y = y[lay.VELOCITY + lay.Y]
-    w_x, w_y = v_x + omega_c * u_y, v_y - omega_c * u_x
-    for j in range(n):
-        c, s = y[lay.COS + j], y[lay.SIN + j]
-        delta = -(u_x * c + u_y * s) - 2.0 * gap
-        inner = series_share(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
-        y[lay.DELTA_O + j] = delta - inner
-        y[lay.DELTA_I + j] = inner
-        y[lay.V_O + j] = -0.5 * (w_x * c + w_y * s)
-        y[lay.V_I + j] = y[lay.V_O + j]
+@shared.register(Ring)
+def _shared(model, t, y):
+    return turning(model, t, y)
+
+
+@inlined
+def share_approach(model, at, c, s, y, j):
+    """The two contacts of roller ``j`` over undamaged races: approaches, and half of the rate to each."""
+    delta = -(at.u_x * c + at.u_y * s) - 2.0 * model.bearing.gap
+    inner = series_share(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
+    y[lay.DELTA_O + j], y[lay.DELTA_I + j] = delta - inner, inner
+    y[lay.V_O + j] = y[lay.V_I + j] = -0.5 * (at.w_x * c + at.w_y * s)
+
+
+@load_roller.register(Ring)
+def _load_roller(model, at, y, j):
+    c, s = turn_roller(at, y, j)
+    share_approach(model, at, c, s, y, j)
+    y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
+    y[lay.Q_I + j] = y[lay.Q_O + j]
+    push_ring(y, j)
 
 
 @jit
@@ -124,22 +130,36 @@ def correct_for_pit(model, y, j):
         y[lay.V_O + j] = y[lay.V_I + j]
 
 
-@accelerations.register(Ring)
-def _accelerations(model, t, y):
-    bearing = model.bearing
-    n = lanes(bearing)
-    turn_rollers(kinematic_angles(bearing, t)[0], y, n)
-    series_approaches(model, y, n)
-    for j in range(n):
-        y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
-    if len(model.pits.head) > 0:
-        locate_pits(model, t, y)
-        for j in range(bearing.Z):
-            if y[PAIR + j] >= 0.0 or y[PAIR + lay.ROW + j] >= 0.0:
-                correct_for_pit(model, y, j)
-    for j in range(n):
-        y[lay.Q_I + j] = y[lay.Q_O + j]
-    accelerate_ring(model, y, n)
+@inlined
+def any_over_pit(model, t, y):
+    """Whether any roller stands over a pit."""
+    for d in range(len(model.pits.head)):
+        if abs(roller_at_pit(model, d, t, y)[1]) < model.pits.head[d, HALF_WIDTH]:
+            return True
+    return False
+
+
+@jit
+def correct_for_pits(model, t, y):
+    """The same of all rollers that stand over one."""
+    locate_pits(model, t, y)
+    for j in range(model.bearing.Z):
+        if y[PAIR + j] >= 0.0 or y[PAIR + lay.ROW + j] >= 0.0:
+            correct_for_pit(model, y, j)
+            y[lay.Q_I + j] = y[lay.Q_O + j]
+            push_ring(y, j)
+
+
+@accelerate_shared.register(Ring)
+def _accelerate_shared(model, at, t, y):
+    if any_over_pit(model, t, y):
+        correct_for_pits(model, t, y)
+    accelerate_ring(model, at, y)
+
+
+@accelerate_roller.register(Ring)
+def _accelerate_roller(model, at, felt, y, j):
+    """A roller without mass has none."""
 
 
 @begin.register(Ring)
@@ -220,8 +240,9 @@ def slopes_over_pit_in_series(model, y, j):
 
 @linearise.register(Ring)
 def _linearise(model, t, y):
-    n = lanes(model.bearing)
-    series_approaches(model, y, n)
+    n, at = lanes(model.bearing), shared(model, t, y)
+    for j in range(n):
+        share_approach(model, at, y[lay.COS + j], y[lay.SIN + j], y, j)
     slopes_in_series(model, y, n)
     if len(model.pits.head) > 0:
         locate_pits(model, t, y)

@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
-from bearingsim.core.jit import jit
+from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.models.by_roller import accelerate_roller, accelerate_shared, by_roller, load_roller, shared
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import (
     ModelKind,
@@ -29,8 +30,8 @@ from bearingsim.core.models.interface import (
     stiffness_per_mass,
     update_extremes,
 )
-from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, turn_rollers
-from bearingsim.core.parameters import Bearing, Support, kinematic_angles, lanes
+from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, push_ring, turn_roller, turning
+from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.pits.jumps import next_jump, next_jump_evenly
 from bearingsim.core.pits.on_roller import (
     correct_contact,
@@ -64,58 +65,68 @@ def _monitored(model):
     return model.bearing.Z
 
 
-@jit
-def approaches(bearing, y, n):
-    """Approaches and their rates of both contacts of every roller over an undamaged race."""
-    omega_c, gap = bearing.omega_c, bearing.gap
-    u_x = y[lay.POSITION + lay.X]
-    u_y = y[lay.POSITION + lay.Y]
-    v_x = y[lay.VELOCITY + lay.X]
-    v_y = y[lay.VELOCITY + lay.Y]
-    w_x, w_y = v_x + omega_c * u_y, v_y - omega_c * u_x  # u' - omega_c x u, so that w.e_r = d(u.e_r)/dt
-    for j in range(n):
-        c, s = y[lay.COS + j], y[lay.SIN + j]
-        y[lay.DELTA_O + j] = y[lay.RADIAL + j] - (u_x * c + u_y * s) - gap
-        y[lay.V_O + j] = y[lay.RADIAL_V + j] - (w_x * c + w_y * s)
-        y[lay.DELTA_I + j] = -gap - y[lay.RADIAL + j]
-        y[lay.V_I + j] = -y[lay.RADIAL_V + j]
-
-
 roller_at_pit.register(Rollers)(roller_at_pit_evenly)
 next_jump.register(Rollers)(next_jump_evenly)
+by_roller(Rollers)
+
+
+@shared.register(Rollers)
+def _shared(model, t, y):
+    return turning(model, t, y)
+
+
+@inlined
+def approach_races(bearing, at, c, s, y, j):
+    """Approaches and their rates of both contacts of roller ``j`` over an undamaged race."""
+    r, v = y[lay.RADIAL + j], y[lay.RADIAL_V + j]
+    y[lay.DELTA_O + j] = r - (at.u_x * c + at.u_y * s) - bearing.gap
+    y[lay.V_O + j] = v - (at.w_x * c + at.w_y * s)
+    y[lay.DELTA_I + j] = -bearing.gap - r
+    y[lay.V_I + j] = -v
+
+
+@load_roller.register(Rollers)
+def _load_roller(model, at, y, j):
+    c, s = turn_roller(at, y, j)
+    approach_races(model.bearing, at, c, s, y, j)
+    y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
+    y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
+    push_ring(y, j)
+
+
+@inlined
+def correct_for_pits(model, t, y):
+    """Correct the contact of each roller that stands over a pit (its force is the sum of its groups)."""
+    for d in range(len(model.pits.head)):
+        j, s = roller_at_pit(model, d, t, y)
+        if abs(s) < model.pits.head[d, HALF_WIDTH]:
+            correct_for_pit(model, d, j, s, t, y)
 
 
 @jit
-def correct_for_pits(model, t, y):
-    """Correct the contact of each roller that stands over a pit (its force is the sum of its groups)."""
-    pits, bearing = model.pits, model.bearing
-    for d in range(len(pits.head)):
-        j, s = roller_at_pit(model, d, t, y)
-        if abs(s) < pits.head[d, HALF_WIDTH] and not is_masked(model, d, j, s, t, y):
-            speed = passing_speed(pits, d, bearing)
-            if pits.head[d, SIDE] == OUTER:
-                correct_contact(OuterSide(), model.outer, pits, d, j, s, speed, y)
-            else:
-                correct_contact(InnerSide(), model.inner, pits, d, j, s, speed, y)
+def correct_for_pit(model, d, j, s, t, y):
+    """The same of roller ``j`` over roller-pit pair ``d``, unless it feels another one."""
+    if is_masked(model, d, j, s, t, y):
+        return
+    pits, speed = model.pits, passing_speed(model.pits, d, model.bearing)
+    if pits.head[d, SIDE] == OUTER:
+        correct_contact(OuterSide(), model.outer, pits, d, j, s, speed, y)
+        push_ring(y, j)
+    else:
+        correct_contact(InnerSide(), model.inner, pits, d, j, s, speed, y)
 
 
-@accelerations.register(Rollers)
-def _accelerations(model, t, y):
-    bearing = model.bearing
-    n = lanes(bearing)
-    turn_rollers(kinematic_angles(bearing, t)[0], y, n)
-    approaches(bearing, y, n)
-    for j in range(n):
-        y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
-        y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
+@accelerate_shared.register(Rollers)
+def _accelerate_shared(model, at, t, y):
     correct_for_pits(model, t, y)
+    accelerate_ring(model, at, y)
 
-    omega_2 = bearing.omega_c * bearing.omega_c
-    middle = 0.5 * (bearing.R_o + bearing.R_i)
-    for j in range(n):
-        centrifugal = bearing.m_r * omega_2 * (middle + y[lay.RADIAL + j])
-        y[lay.RADIAL_A + j] = y[lay.INVERSE_MASS + j] * (centrifugal + y[lay.Q_I + j] - y[lay.Q_O + j])
-    accelerate_ring(model, y, n)
+
+@accelerate_roller.register(Rollers)
+def _accelerate_roller(model, at, felt, y, j):
+    b = model.bearing
+    centrifugal = b.m_r * b.omega_c * b.omega_c * (0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j])
+    y[lay.RADIAL_A + j] = y[lay.INVERSE_MASS + j] * (centrifugal + y[lay.Q_I + j] - y[lay.Q_O + j])
 
 
 @begin.register(Rollers)
@@ -164,9 +175,9 @@ def slopes_over_pits(model, t, y):
 @linearise.register(Rollers)
 def _linearise(model, t, y):
     bearing = model.bearing
-    n = lanes(bearing)
-    approaches(bearing, y, n)
+    n, at = lanes(bearing), shared(model, t, y)
     for j in range(n):
+        approach_races(bearing, at, y[lay.COS + j], y[lay.SIN + j], y, j)
         y[K_O + j], y[C_O + j] = slopes(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
         y[K_I + j], y[C_I + j] = slopes(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
     slopes_over_pits(model, t, y)

@@ -25,7 +25,7 @@ from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
 from bearingsim.core.laws.friction.interface import mu_slope_bound
 from bearingsim.core.laws.friction.lag import lagged
-from bearingsim.core.models.bodies_in_space import accelerate_bodies_of, bodies, hold_mounted_rings, sum_loads
+from bearingsim.core.models.bodies_in_space import accelerate_bodies_of, bodies, hold_mounted_rings
 from bearingsim.core.models.differences import (
     accelerate_bodies,
     difference_jacobian,
@@ -53,16 +53,13 @@ from bearingsim.core.parts.cage_in_space import (
 from bearingsim.core.parts.flanges import flange_forces, flange_stiffness
 from bearingsim.core.parts.mounts import mount_damping, mount_stiffness
 from bearingsim.core.parts.races_in_space import (
+    add_slice,
     clear_sums,
     keep_line_load,
-    keep_slice,
     race_frame,
     relax_friction,
     side_loads,
-    slice_force,
-    slice_kinematics,
     slip_relaxation,
-    sum_slices,
 )
 from bearingsim.core.parts.shaft import (
     damper_per_mass,
@@ -78,6 +75,7 @@ from bearingsim.core.pits.on_slices import (
     slice_polar_position,
 )
 from bearingsim.core.pits.pairs import OUTER, RADIUS, SIDE, Pits
+from bearingsim.core.sums import sum_loads
 
 
 class Spatial(NamedTuple):
@@ -162,13 +160,8 @@ def race_contacts(model, t, steep, outer, inner, omega_cage, y, n):
         zeta, weight, drop = table[k, ZETA], table[k, WEIGHT], table[k, DROP]
         if met > 0:
             slice_pit_response(model, t, k, steep, outer.a_z, inner.a_z, y)
-        slice_kinematics(OuterSide(), b, outer, zeta, drop, y, n)
-        slice_kinematics(InnerSide(), b, inner, zeta, drop, y, n)
-        slice_force(OuterSide(), model.outer, model.friction, weight, y, n)
-        slice_force(InnerSide(), model.inner, model.friction, weight, y, n)
-        sum_slices(OuterSide(), b, outer, zeta, weight, drop, y, n)
-        sum_slices(InnerSide(), b, inner, zeta, weight, drop, y, n)
-        keep_slice(lay.slice_row(k, 0), y, n)
+        add_slice(OuterSide(), model.outer, model.friction, b, outer, zeta, weight, drop, k, y, n)
+        add_slice(InnerSide(), model.inner, model.friction, b, inner, zeta, weight, drop, k, y, n)
     if met > 0:
         clear_pit_response(model, y)
     slip_relaxation(model.lag, b.m_r, b.I_r, model.I_t, b.R_w, y, n)
@@ -219,7 +212,7 @@ def _accelerations(model, t, y):
     side_loads(OuterSide(), b, at.outer, y, n)
     side_loads(InnerSide(), b, at.inner, y, n)
     pocket_forces_in_space(model.cage, model, at.cage, at.omega_cage, at.spin, y, n)
-    sum_loads(y, n)
+    sum_loads(lay.F_X, lay.M_INNER, y, n)
     alpha_cage = accelerate_bodies_of(model, at, y)
     accelerate_rollers(model, at.omega_cage, alpha_cage, (b.omega_c - b.omega_b) * at.growth, y, n)
 

@@ -11,10 +11,11 @@ from math import hypot
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import absent, add, generic
+from bearingsim.core.jit import absent, generic
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.stiffness.interface import tangent
+from bearingsim.core.sums import sum_loads
 
 
 @absent
@@ -167,48 +168,49 @@ def _land_contact_ring(guide, omega_cage, omega_i, y):
     y[lay.F_Y_I] -= i * f_z
 
 
-@generic(absent=None)
-def pocket_forces(cage: Any, model: Any, omega_cage: float, spin: float, y: Any, n: int) -> None:
-    """Add the pockets' forces to the rollers' rows FORCE_R, FORCE_T, TORQUE and to the cage's cells; fills Q_P.
+@generic(inline="late", absent=None)
+def pocket_force(cage: Any, model: Any, at: Any, y: Any, j: int) -> None:
+    """Add the pocket's force to the rows FORCE_R, FORCE_T, TORQUE of roller ``j``; fill its loads on the cage.
 
-    omega_cage, spin: the cage's speed and a roller's nominal spin (rad/s).
+    at: its fields ``cage`` (a ``Centre``), ``omega_cage``, ``spin``: the cage's speed, a roller's nominal spin
+    (rad/s).
     """
 
 
-@pocket_forces.register(FreeCage)
-def _pocket_forces_free(cage, model, omega_cage, spin, y, n):
-    b = model.bearing
-    middle, R_w = 0.5 * (b.R_o + b.R_i), b.R_w
-    x = y[lay.POSITION + lay.X_C]
-    z = y[lay.POSITION + lay.Y_C]
-    v_x = y[lay.VELOCITY + lay.X_C]
-    v_z = y[lay.VELOCITY + lay.Y_C]
-    f_x, f_y, torque = 0.0, 0.0, 0.0
-    for j in range(n):
-        real = b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
-        pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
-        r, v = middle + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
-        w = r * (omega_cage + y[lay.EPS_V + j])
-        e = r * se + x * ps - z * pc
-        rho = r * ce - x * pc - z * ps
-        v_r = v * ce - w * se - v_x * pc - v_z * ps  # of the roller less the cage's centre, in the pocket's frame
-        v_t = v * se + w * ce + v_x * ps - v_z * pc
-        side = 1.0 if e > 0.0 else -1.0
-        N = normal_force(cage.pocket, abs(e) - cage.play, side * (v_t - omega_cage * rho))
-        slip = v_r - side * R_w * (spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
-        f = mu(cage.friction, slip, R_w * abs(spin)) * N
-        stop = radial_stop(cage.guide, rho - middle, v_r + omega_cage * e)
-        push_r, push_t = real * (stop - f), -real * side * N  # on the roller, in the pocket's frame
-        y[lay.Q_P + j] = push_t
-        y[lay.FORCE_R + j] += push_r * ce + push_t * se
-        y[lay.FORCE_T + j] += push_t * ce - push_r * se
-        y[lay.TORQUE + j] += real * side * R_w * f
-        f_x = add(f_x, -push_r * pc + push_t * ps)
-        f_y = add(f_y, -push_r * ps - push_t * pc)
-        torque = add(torque, e * push_r - rho * push_t - real * side * R_w * f)
-    y[lay.F_X_C] = f_x
-    y[lay.F_Y_C] = f_y
-    y[lay.M_C] = torque
+@pocket_force.register(FreeCage)
+def _pocket_force_free(cage, model, at, y, j):
+    b, omega_cage = model.bearing, at.omega_cage
+    middle, R_w, real = 0.5 * (b.R_o + b.R_i), b.R_w, b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
+    pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
+    r, v = middle + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
+    w = r * (omega_cage + y[lay.EPS_V + j])
+    e = r * se + at.cage.x * ps - at.cage.y * pc
+    rho = r * ce - at.cage.x * pc - at.cage.y * ps
+    v_r = v * ce - w * se - at.cage.v_x * pc - at.cage.v_y * ps  # less the cage's centre, in the pocket's frame
+    v_t = v * se + w * ce + at.cage.v_x * ps - at.cage.v_y * pc
+    side = 1.0 if e > 0.0 else -1.0
+    N = normal_force(cage.pocket, abs(e) - cage.play, side * (v_t - omega_cage * rho))
+    slip = v_r - side * R_w * (at.spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
+    f = mu(cage.friction, slip, R_w * abs(at.spin)) * N
+    stop = radial_stop(cage.guide, rho - middle, v_r + omega_cage * e)
+    push_r, push_t = real * (stop - f), -real * side * N  # on the roller, in the pocket's frame
+    y[lay.Q_P + j] = push_t
+    y[lay.FORCE_R + j] += push_r * ce + push_t * se
+    y[lay.FORCE_T + j] += push_t * ce - push_r * se
+    y[lay.TORQUE + j] += real * side * R_w * f
+    y[lay.roller_load(lay.F_X_C) + j] = -push_r * pc + push_t * ps
+    y[lay.roller_load(lay.F_Y_C) + j] = -push_r * ps - push_t * pc
+    y[lay.roller_load(lay.M_C) + j] = e * push_r - rho * push_t - real * side * R_w * f
+
+
+@generic(inline="late", absent=None)
+def sum_pocket_forces(cage: Any, y: Any, n: int) -> None:
+    """Fill the cage's cells with what all pockets do to it in the plane."""
+
+
+@sum_pocket_forces.register(FreeCage)
+def _sum_pocket_forces_free(cage, y, n):
+    sum_loads(lay.F_X_C, lay.M_C, y, n)
 
 
 @generic

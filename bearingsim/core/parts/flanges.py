@@ -20,7 +20,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.geometry.orientation import Body
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, side_rows, sign
 from bearingsim.core.geometry.vectors import combine, combine_three, cross, dot
-from bearingsim.core.jit import absent, generic, jit
+from bearingsim.core.jit import absent, add, generic, jit
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.stiffness.interface import tangent
@@ -59,14 +59,44 @@ def flange_forces(flanges: Any, model: Any, outer: Any, inner: Any, y: Any, n: i
 def _flange_forces(flanges, model, outer, inner, y, n):
     for j in range(n):
         y[lay.Q_F + j], y[lay.KAPPA_F + j] = 0.0, 0.0
-    if flanges.outer_minus > 0.0:
-        flange_force(OuterSide(), flanges, model, outer, -1.0, y, n)
-    if flanges.outer_plus > 0.0:
-        flange_force(OuterSide(), flanges, model, outer, 1.0, y, n)
-    if flanges.inner_minus > 0.0:
-        flange_force(InnerSide(), flanges, model, inner, -1.0, y, n)
-    if flanges.inner_plus > 0.0:
-        flange_force(InnerSide(), flanges, model, inner, 1.0, y, n)
+    if flanges.outer_minus + flanges.outer_plus > 0.0 and any_near_flange(
+        OuterSide(), flanges, model, outer, y, n
+    ):
+        side_flanges(OuterSide(), flanges, flanges.outer_minus, flanges.outer_plus, model, outer, y, n)
+    if flanges.inner_minus + flanges.inner_plus > 0.0 and any_near_flange(
+        InnerSide(), flanges, model, inner, y, n
+    ):
+        side_flanges(InnerSide(), flanges, flanges.inner_minus, flanges.inner_plus, model, inner, y, n)
+
+
+@jit
+def any_near_flange(side, flanges, model, ring, y, n):
+    """Whether any roller may touch a flange of this ring: mostly none does, and all the rest is spared.
+
+    The approach at the point X is half (1 - a.b) - play a.b + sigma off a.b - sigma (X - c).(a - (a.b) b), so at
+    most |off| + (R_w + t + half) lean - play (1 - lean), lean being the sine of the angle between the axes.
+    """
+    at, middle = side_rows(side), 0.5 * (model.bearing.R_o + model.bearing.R_i)
+    play, reach = flanges.play, 2.0 * model.bearing.R_w + 0.5 * model.L_w + flanges.play
+    near = 0.0
+    for j in range(n):
+        c, s = y[lay.COS + j], y[lay.SIN + j]
+        d_r, d_t = middle + y[lay.RADIAL + j] - ring.x * c - ring.y * s, ring.x * s - ring.y * c
+        off = d_r * y[at + lay.RING_AXIS_R + j] + d_t * y[at + lay.RING_AXIS_T + j]
+        off += (y[lay.AXIAL + j] - ring.z) * ring.a_z
+        a_r, a_t, a_z = y[at + lay.DIRECTION_R + j], y[at + lay.DIRECTION_T + j], y[at + lay.DIRECTION_Z + j]
+        closest = abs(off) + reach * sqrt(a_r * a_r + a_t * a_t + a_z * a_z)
+        near = add(near, 0.0 if closest < play else 1.0)  # what is no number counts as near
+    return near > 0.0
+
+
+@jit
+def side_flanges(side, flanges, minus, plus, model, ring, y, n):
+    """The flanges of one ring."""
+    if minus > 0.0:
+        flange_force(side, flanges, model, ring, -1.0, y, n)
+    if plus > 0.0:
+        flange_force(side, flanges, model, ring, 1.0, y, n)
 
 
 @jit

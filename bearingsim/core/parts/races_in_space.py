@@ -19,14 +19,16 @@ Friction over slip (KAPPA) is taken with the slip as it is, and acts on the slip
 from math import sqrt
 
 from bearingsim.core import layout as lay
-from bearingsim.core.geometry.sides import contact_rows, load_cells, side_rows, sign
-from bearingsim.core.jit import jit
+from bearingsim.core.geometry.sides import contact_rows, load_cells, side_rows, sign, slice_rows
+from bearingsim.core.geometry.slices import MAX_SLICES
+from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.friction.lag import implicit_fraction
 
 AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
 NONNEGATIVE = 0x7FFFFFFF  # tells the compiler that a place in the buffer is none from its end
+FEW = 127  # tells it that there are no more rollers, and so that a slice's rows lie behind all others
 
 
 @jit
@@ -97,120 +99,95 @@ def clear_sums(side, y, n):
         y[at + lay.KAPPA_Z + j] = 0.0
 
 
-@jit
-def slice_kinematics(side, bearing, ring, zeta, drop, y, n):
-    """Where one slice of every roller stands and how it moves: approach, its rate, slip.
+@inlined
+def add_slice(side, law, friction, bearing, ring, zeta, weight, drop, k, y, n):
+    """Add what acts on slice ``k`` of every roller to the sums of this side; keep its loads and approaches.
 
-    zeta, drop: m. The side's rows ROLLER_DROP to OWN_PIT say what the slice feels of a pit.
+    zeta, drop: m; weight: part of the contact. The side's rows ROLLER_DROP to OWN_PIT say what it feels of a pit.
+    """
+    load_row, approach_row = slice_rows(side)
+    row = lay.SLICES + lay.FIRST_LANE + (k & (MAX_SLICES - 1)) * (lay.SLICE_ROWS * lay.ROW)
+    for j in range(n & FEW):
+        load, approach = load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j)
+        y[row + (load_row + j)] = load
+        y[row + (approach_row + j)] = approach
+
+
+@inlined
+def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
+    """The slice of roller ``j``: where it stands and moves, its force and friction, and what these add up to.
+
+    Returns its load (N) and approach (m).
     """
     at, sigma, middle = side_rows(side), sign(side), 0.5 * (bearing.R_o + bearing.R_i)
     lacking, radius, b_z, turning = bearing.gap + drop, bearing.R_w - drop, ring.a_z, ring.omega
-    for j in range(n):
-        short = y[at + lay.OFFSET_R + j] + zeta * y[at + lay.DIRECTION_R + j]
-        X_r = middle + y[lay.RADIAL + j] + short
-        X_t = y[at + lay.OFFSET_T + j] + zeta * y[at + lay.DIRECTION_T + j]
-        X_z = y[at + lay.OFFSET_Z + j] + zeta * y[at + lay.DIRECTION_Z + j]
-        aside = X_t * X_t + X_z * X_z
-        rho = sqrt(X_r * X_r + aside)
-        per_rho = 1.0 / rho
-        n_r, n_t, n_z = X_r * per_rho, X_t * per_rho, X_z * per_rho
-        b_r, b_t = y[at + lay.RING_AXIS_R + j], y[at + lay.RING_AXIS_T + j]
-        t_r, t_t, t_z = b_t * n_z - b_z * n_t, b_z * n_r - b_r * n_z, b_r * n_t - b_t * n_r
-        v_r = y[at + lay.OFFSET_V_R + j] + zeta * y[at + lay.DIRECTION_V_R + j]
-        v_t = y[at + lay.OFFSET_V_T + j] + zeta * y[at + lay.DIRECTION_V_T + j]
-        v_z = y[at + lay.OFFSET_V_Z + j] + zeta * y[at + lay.DIRECTION_V_Z + j]
-        apart = n_r * v_r + n_t * v_t + n_z * v_z
-        across = t_r * v_r + t_t * v_t + t_z * v_z
+    short = y[at + lay.OFFSET_R + j] + zeta * y[at + lay.DIRECTION_R + j]
+    X_r = middle + y[lay.RADIAL + j] + short
+    X_t = y[at + lay.OFFSET_T + j] + zeta * y[at + lay.DIRECTION_T + j]
+    X_z = y[at + lay.OFFSET_Z + j] + zeta * y[at + lay.DIRECTION_Z + j]
+    aside = X_t * X_t + X_z * X_z
+    rho = sqrt(X_r * X_r + aside)
+    per_both = 1.0 / (rho * (rho + X_r))
+    per_rho = per_both * (rho + X_r)
+    n_r, n_t, n_z = X_r * per_rho, X_t * per_rho, X_z * per_rho
+    b_r, b_t = y[at + lay.RING_AXIS_R + j], y[at + lay.RING_AXIS_T + j]
+    t_r, t_t, t_z = b_t * n_z - b_z * n_t, b_z * n_r - b_r * n_z, b_r * n_t - b_t * n_r
+    v_r = y[at + lay.OFFSET_V_R + j] + zeta * y[at + lay.DIRECTION_V_R + j]
+    v_t = y[at + lay.OFFSET_V_T + j] + zeta * y[at + lay.DIRECTION_V_T + j]
+    v_z = y[at + lay.OFFSET_V_Z + j] + zeta * y[at + lay.DIRECTION_V_Z + j]
+    apart = n_r * v_r + n_t * v_t + n_z * v_z
+    across = t_r * v_r + t_t * v_t + t_z * v_z
 
-        lean, cosine = y[at + lay.NORMAL_SLOPE + j], 1.0 - y[at + lay.NORMAL_VERSINE + j]
-        own, rolls, sine = y[at + lay.OWN_PIT + j], y[at + lay.ROLL_SPEED + j], sigma * lean * cosine
-        delta = sigma * (y[lay.RADIAL + j] + short + aside / (rho + X_r)) - lacking - y[at + lay.ROLLER_DROP + j]
-        arm = sigma * (radius - 0.5 * delta)
-        o_r, o_t, o_z = n_r * cosine - t_r * sine, n_t * cosine - t_t * sine, n_z * cosine - t_z * sine
-        drift = y[at + lay.AXIAL_SLIP + j] + zeta * y[at + lay.AXIAL_SLIP_SLOPE + j]
-        drift += arm * (
-            o_r * y[at + lay.AXIAL_SLIP_ARM_R + j]
-            + o_t * y[at + lay.AXIAL_SLIP_ARM_T + j]
-            + o_z * y[at + lay.AXIAL_SLIP_ARM_Z + j]
-        )
-        y[at + lay.NORMAL_R + j] = n_r
-        y[at + lay.NORMAL_T + j] = n_t
-        y[at + lay.NORMAL_Z + j] = n_z
-        y[at + lay.RHO + j] = rho
-        y[at + lay.APPROACH + j], y[at + lay.SLIP_Z + j] = delta, drift
-        y[at + lay.APPROACH_V + j] = sigma * apart - lean * (across - (turning + own * (rolls - turning)) * rho)
-        y[at + lay.SLIP_T + j] = across * cosine + apart * sine + arm * rolls - turning * (rho * cosine + arm)
+    lean, cosine = y[at + lay.NORMAL_SLOPE + j], 1.0 - y[at + lay.NORMAL_VERSINE + j]
+    own, rolls, sine = y[at + lay.OWN_PIT + j], y[at + lay.ROLL_SPEED + j], sigma * lean * cosine
+    short += aside * (per_both * rho)
+    delta = sigma * (y[lay.RADIAL + j] + short) - lacking - y[at + lay.ROLLER_DROP + j]
+    arm = sigma * (radius - 0.5 * delta)
+    o_r, o_t, o_z = n_r * cosine - t_r * sine, n_t * cosine - t_t * sine, n_z * cosine - t_z * sine
+    e_r, e_t, e_z = t_r * cosine + n_r * sine, t_t * cosine + n_t * sine, t_z * cosine + n_z * sine
+    drift = y[at + lay.AXIAL_SLIP + j] + zeta * y[at + lay.AXIAL_SLIP_SLOPE + j]
+    drift += arm * (
+        o_r * y[at + lay.AXIAL_SLIP_ARM_R + j]
+        + o_t * y[at + lay.AXIAL_SLIP_ARM_T + j]
+        + o_z * y[at + lay.AXIAL_SLIP_ARM_Z + j]
+    )
+    slip = across * cosine + apart * sine + arm * rolls - turning * (rho * cosine + arm)
+    rate = sigma * apart - lean * (across - (turning + own * (rolls - turning)) * rho)
 
-
-@jit
-def slice_force(side, law, friction, weight, y, n):
-    """Force of one slice of every roller, and its friction over slip; weight: part of the contact."""
-    at = side_rows(side)
-    for j in range(n):
-        force = (
-            weight
-            * (1.0 - y[at + lay.STIFFNESS_LOSS + j])
-            * normal_force(law, y[at + lay.APPROACH + j], y[at + lay.APPROACH_V + j])
-        )
-        slip, drift = y[at + lay.SLIP_T + j], y[at + lay.SLIP_Z + j]
-        speed = sqrt(slip * slip + drift * drift + AT_REST * AT_REST)
-        y[at + lay.LOAD + j] = force
-        y[at + lay.KAPPA + j] = mu(friction, speed, y[lay.ROLLING_SPEED + j]) * force / speed
-
-
-@jit
-def sum_slices(side, bearing, ring, zeta, weight, drop, y, n):
-    """Add what acts on one slice of every roller to the sums."""
-    at, sigma, radius, b_z = side_rows(side), sign(side), bearing.R_w - drop, ring.a_z
+    force = weight * (1.0 - y[at + lay.STIFFNESS_LOSS + j]) * normal_force(law, delta, rate)
+    speed = sqrt(slip * slip + drift * drift + AT_REST * AT_REST)
+    kappa = mu(friction, speed, y[lay.ROLLING_SPEED + j]) * force / speed
+    push, shove, f, f_b = -sigma * force, lean * force, kappa * slip, kappa * drift
+    g_r = push * n_r + shove * t_r - f * e_r - f_b * b_r
+    g_t = push * n_t + shove * t_t - f * e_t - f_b * b_t
+    g_z = push * n_z + shove * t_z - f * e_z - f_b * b_z
+    bend, moment = arm * f_b, zeta * kappa
+    y[at + lay.CONTACT_FORCE_R + j] += g_r
+    y[at + lay.CONTACT_FORCE_T + j] += g_t
+    y[at + lay.CONTACT_FORCE_Z + j] += g_z
+    y[at + lay.CONTACT_ZETA_FORCE_R + j] += zeta * g_r
+    y[at + lay.CONTACT_ZETA_FORCE_T + j] += zeta * g_t
+    y[at + lay.CONTACT_ZETA_FORCE_Z + j] += zeta * g_z
+    y[at + lay.COUPLE_AXIAL + j] -= arm * f + own * shove * rho
+    y[at + lay.COUPLE_R + j] += bend * e_r
+    y[at + lay.COUPLE_T + j] += bend * e_t
+    y[at + lay.COUPLE_Z + j] += bend * e_z
+    y[at + lay.KAPPA_0 + j] += kappa
+    y[at + lay.KAPPA_1 + j] += moment
+    y[at + lay.KAPPA_2 + j] += zeta * moment
+    y[at + lay.KAPPA_SLIP_0 + j] += f
+    y[at + lay.KAPPA_SLIP_1 + j] += zeta * f
+    y[at + lay.KAPPA_SLIP_Z + j] += f_b
+    y[at + lay.KAPPA_ARM + j] += kappa * arm
+    y[at + lay.KAPPA_R + j] += kappa * e_r
+    y[at + lay.KAPPA_T + j] += kappa * e_t
+    y[at + lay.KAPPA_Z + j] += kappa * e_z
     all_force, all_approach, _, all_slip, all_across = contact_rows(side)
-    for j in range(n):
-        n_r, n_t, n_z = y[at + lay.NORMAL_R + j], y[at + lay.NORMAL_T + j], y[at + lay.NORMAL_Z + j]
-        b_r, b_t = y[at + lay.RING_AXIS_R + j], y[at + lay.RING_AXIS_T + j]
-        t_r, t_t, t_z = b_t * n_z - b_z * n_t, b_z * n_r - b_r * n_z, b_r * n_t - b_t * n_r
-        lean, cosine = y[at + lay.NORMAL_SLOPE + j], 1.0 - y[at + lay.NORMAL_VERSINE + j]
-        sine, delta, slip = sigma * lean * cosine, y[at + lay.APPROACH + j], y[at + lay.SLIP_T + j]
-        e_r, e_t, e_z = t_r * cosine + n_r * sine, t_t * cosine + n_t * sine, t_z * cosine + n_z * sine
-        force, kappa, arm = y[at + lay.LOAD + j], y[at + lay.KAPPA + j], sigma * (radius - 0.5 * delta)
-        push, shove, f, f_b = -sigma * force, lean * force, kappa * slip, kappa * y[at + lay.SLIP_Z + j]
-        g_r = push * n_r + shove * t_r - f * e_r - f_b * b_r
-        g_t = push * n_t + shove * t_t - f * e_t - f_b * b_t
-        g_z = push * n_z + shove * t_z - f * e_z - f_b * b_z
-        y[at + lay.CONTACT_FORCE_R + j] += g_r
-        y[at + lay.CONTACT_FORCE_T + j] += g_t
-        y[at + lay.CONTACT_FORCE_Z + j] += g_z
-        y[at + lay.CONTACT_ZETA_FORCE_R + j] += zeta * g_r
-        y[at + lay.CONTACT_ZETA_FORCE_T + j] += zeta * g_t
-        y[at + lay.CONTACT_ZETA_FORCE_Z + j] += zeta * g_z
-        y[at + lay.COUPLE_AXIAL + j] -= arm * f + y[at + lay.OWN_PIT + j] * shove * y[at + lay.RHO + j]
-        bend, moment = arm * f_b, zeta * kappa
-        y[at + lay.COUPLE_R + j] += bend * e_r
-        y[at + lay.COUPLE_T + j] += bend * e_t
-        y[at + lay.COUPLE_Z + j] += bend * e_z
-        y[at + lay.KAPPA_0 + j] += kappa
-        y[at + lay.KAPPA_1 + j] += moment
-        y[at + lay.KAPPA_2 + j] += zeta * moment
-        y[at + lay.KAPPA_SLIP_0 + j] += f
-        y[at + lay.KAPPA_SLIP_1 + j] += zeta * f
-        y[at + lay.KAPPA_SLIP_Z + j] += f_b
-        y[at + lay.KAPPA_ARM + j] += kappa * arm
-        y[at + lay.KAPPA_R + j] += kappa * e_r
-        y[at + lay.KAPPA_T + j] += kappa * e_t
-        y[at + lay.KAPPA_Z + j] += kappa * e_z
-        y[all_force + j] += force
-        y[all_across + j] += shove
-        y[all_slip + j] += weight * slip
-        y[all_approach + j] += weight * max(delta, 0.0)
-
-
-@jit
-def keep_slice(row, y, n):
-    """Keep the loads and approaches of one slice, whose rows begin at ``row``."""
-    row &= NONNEGATIVE
-    for j in range(n):
-        y[row + lay.LOAD_O * lay.ROW + j] = y[lay.OUTER_SIDE + lay.LOAD + j]
-        y[row + lay.LOAD_I * lay.ROW + j] = y[lay.INNER_SIDE + lay.LOAD + j]
-        y[row + lay.APPROACH_O * lay.ROW + j] = y[lay.OUTER_SIDE + lay.APPROACH + j]
-        y[row + lay.APPROACH_I * lay.ROW + j] = y[lay.INNER_SIDE + lay.APPROACH + j]
+    y[all_force + j] += force
+    y[all_across + j] += shove
+    y[all_slip + j] += weight * slip
+    y[all_approach + j] += weight * max(delta, 0.0)
+    return force, delta
 
 
 @jit

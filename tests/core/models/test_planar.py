@@ -8,10 +8,9 @@ import pytest
 from bearingsim import assemble
 from bearingsim.assemble.rest import healthy_rest
 from bearingsim.core.geometry import plane
-from bearingsim.core.geometry.sides import InnerSide, OuterSide
-from bearingsim.core.models import planar
+from bearingsim.core.methods.verlet import Verlet
+from bearingsim.core.models import by_roller
 from bearingsim.core.parameters import lanes
-from bearingsim.core.parts import cage
 from bearingsim.simulation.simulate import simulate
 from tests.scenes.lanes import compiled, keeps_lanes, needs_vectors
 from tests.scenes.nf308 import SLOT, case
@@ -107,21 +106,13 @@ def test_without_unbalance_there_is_no_such_line():
 
 
 @needs_vectors
-def test_loops_over_rollers_keep_their_lanes():
-    """Each of the model's loops; of the generic ones those that do most."""
-    of_case = case(**SHAFT, friction="static-dynamic")
-    model = assemble.model(of_case)
-    b, y, n = model.bearing, assemble.empty_buffer(model), lanes(model.bearing)
+@pytest.mark.parametrize(
+    "given", [SHAFT | {"friction": "static-dynamic"}, {"model": "planar", "friction": "traction"}]
+)
+def test_loops_over_rollers_keep_their_lanes(given):
+    model = assemble.model(case(**given))
+    y, n, motion = assemble.empty_buffer(model), lanes(model.bearing), Verlet(1e-7)
+    at = by_roller.shared(model, 0.0, y)
+    assert keeps_lanes(compiled(by_roller.load_rollers.py_func), model, motion, at, y, n)
+    assert keeps_lanes(compiled(by_roller.accelerate_rollers.py_func), model, motion, at, 0.0, y, n)
     assert keeps_lanes(compiled(plane.roller_directions.py_func), 0.3, y, n)
-    for side in (OuterSide(), InnerSide()):
-        assert keeps_lanes(compiled(plane.approach.py_func), side, b, 1.0, y, n)
-    assert keeps_lanes(compiled(planar.roller_forces.py_func), model, 1.0, 1.0, 1.0, y, n)
-    assert keeps_lanes(compiled(cage._pocket_forces_free), model.cage, model, 1.0, 1.0, y, n)
-    assert keeps_lanes(compiled(planar.accelerate_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)
-
-
-@needs_vectors
-def test_traction_keeps_the_lanes():
-    model = assemble.model(case(model="planar", friction="traction"))
-    y = assemble.empty_buffer(model)
-    assert keeps_lanes(compiled(planar.roller_forces.py_func), model, 1.0, 1.0, 1.0, y, lanes(model.bearing))

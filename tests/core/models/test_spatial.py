@@ -104,11 +104,8 @@ def test_loops_over_rollers_keep_their_lanes():
     ring, b = Body._make([0.0] * 8 + [1.0] + [0.0] * 4), model.bearing
     for side in (OuterSide(), InnerSide()):
         assert keeps_lanes(compiled(races_in_space.race_frame.py_func), side, b, ring, 1.0, y, n)
-        assert keeps_lanes(compiled(races_in_space.slice_kinematics.py_func), side, b, ring, 0.0, 0.0, y, n)
-        assert keeps_lanes(
-            compiled(races_in_space.slice_force.py_func), side, model.outer, model.friction, 0.5, y, n
-        )
-        assert keeps_lanes(compiled(races_in_space.sum_slices.py_func), side, b, ring, 0.0, 0.5, 0.0, y, n)
+        slice_of = compiled(races_in_space.add_slice.py_func)
+        assert keeps_lanes(slice_of, side, model.outer, model.friction, b, ring, 0.0, 0.5, 0.0, 1, y, n)
         assert keeps_lanes(compiled(races_in_space.side_loads.py_func), side, b, ring, y, n)
     assert keeps_lanes(compiled(races_in_space.slip_relaxation.py_func), 1e-6, 1.0, 1.0, 1.0, 1.0, y, n)
     assert keeps_lanes(compiled(races_in_space.keep_line_load.py_func), lay.slice_row(1, 0), 1e-3, y, n)
@@ -125,5 +122,6 @@ def test_loops_over_rollers_at_flanges_keep_their_lanes(side):
     ring = Body._make([0.0] * 8 + [1.0] + [0.0] * 4)
     point = compiled(flanges.flange_point_force.py_func)
     assert keeps_lanes(point, side, model.flanges, model, ring, 1.0, 1e-3, y, n)
+    assert keeps_lanes(compiled(flanges.any_near_flange.py_func), side, model.flanges, model, ring, y, n)
     assert keeps_lanes(compiled(races_in_space.relax_friction.py_func), side, ring, y, n)
     assert keeps_lanes(compiled(races_in_space.clear_sums.py_func), side, y, n)

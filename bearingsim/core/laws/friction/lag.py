@@ -30,9 +30,9 @@ def lagged_friction(k_o, k_i, s_o, s_i, a, b):
     closed form. So slip never dies out faster than within the lag, however steep the friction's curve, and an
     explicit step as long as the lag is stable; without lag the force is k s.
     """
-    part = implicit_fraction(a * (k_o + k_i))
-    a, b = part * a, part * b
-    determinant = (1.0 + a * k_o) * (1.0 + a * k_i) - b * b * k_o * k_i
-    f_o = k_o * ((1.0 + a * k_i) * s_o - b * k_i * s_i) / determinant
-    f_i = k_i * ((1.0 + a * k_o) * s_i - b * k_o * s_o) / determinant
-    return f_o, f_i
+    t = a * (k_o + k_i)
+    D, a, b = 1.0 + t, t * a, t * b  # the part is t/D; D is multiplied out, for one division in place of two
+    per = D / ((D + a * k_o) * (D + a * k_i) - b * b * k_o * k_i)
+    f_o = k_o * ((D + a * k_i) * s_o - b * k_i * s_i)
+    f_i = k_i * ((D + a * k_o) * s_i - b * k_o * s_o)
+    return f_o * per, f_i * per

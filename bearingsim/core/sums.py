@@ -1,0 +1,31 @@
+"""Sums over rollers, whose bits do not depend on the width of a processor's vectors."""
+
+from bearingsim.core import layout as lay
+from bearingsim.core.jit import inlined
+
+
+@inlined
+def lane_sum(row, y, n):
+    """Sum of the ``n`` lanes (a multiple of VECTOR_WIDTH) of the buffer's ``row``.
+
+    Lane j belongs to partial sum j mod 8; these are added by halves. The order is that of the source.
+    """
+    a, b, c, d = y[row], y[row + 1], y[row + 2], y[row + 3]
+    e, f, g, h = y[row + 4], y[row + 5], y[row + 6], y[row + 7]
+    for j in range(lay.VECTOR_WIDTH, n, lay.VECTOR_WIDTH):
+        a += y[row + j]
+        b += y[row + j + 1]
+        c += y[row + j + 2]
+        d += y[row + j + 3]
+        e += y[row + j + 4]
+        f += y[row + j + 5]
+        g += y[row + j + 6]
+        h += y[row + j + 7]
+    return ((a + e) + (c + g)) + ((b + f) + (d + h))
+
+
+@inlined
+def sum_loads(first, last, y, n):
+    """Fill the cells ``first`` to ``last`` of the loads on rings and cage with what the rollers do to them."""
+    for cell in range(first, last + 1):
+        y[cell] = lane_sum(lay.roller_load(cell), y, n)
