@@ -31,7 +31,7 @@ SHORT, MANY, SHORT_JOB = "10 ms", (125, 1000, 400, 125), 15e-3  # record, jobs o
 SHARED, TWO_WORKERS = 200, 1.9  # jobs, and by how much two workers are to be faster
 DURATIONS = (0.5, 1.0, 2.0, 4.0)  # s, computed in full
 LONG, LONG_CPU, LONG_MEMORY = 60.0, 1.5, 60e6  # s; over the CPU time and the peak memory (B) of 1 s
-ROUNDS, ONCE = 3, 0.1  # and the noise of what is timed once, of itself
+ROUNDS, SHORT_ROUNDS, ONCE = 6, 40, 0.1  # of jobs; of those of 0.05 s; noise of what is timed once
 STUDY = """\
 study: benchmark
 bearing: nf308
@@ -134,7 +134,8 @@ def growth_in_time(found: Section) -> None:
 def long_record(found: Section) -> None:
     """A motion that repeats itself: a long record against one of 1 s."""
     cases = [case("rollers", duration=duration, record=[]) for duration in (1.0, LONG)]
-    took = measured({f"job/repeats, {one.duration:g} s": partial(clocked, simulate, one) for one in cases}, 5)
+    tasks = {f"job/repeats, {one.duration:g} s": partial(clocked, simulate, one) for one in cases}
+    took = measured(tasks, SHORT_ROUNDS)
     found.measures |= took
     short, long = (one.seconds for one in took.values())
     peaks = [peak_memory(duration) for duration in (1.0, LONG)]

@@ -40,7 +40,7 @@ def measured(tasks: Mapping[str, Task], rounds: int) -> dict[str, Measure]:
 
 
 def noise(times: np.ndarray) -> float:
-    """How far the least of some times can be trusted: by how much the lower quartile is over it; inf of failures."""
+    """How far the least of some times can be trusted: by how much the lower quartile is over it; inf if none."""
     ordered = np.sort(times)
     if len(ordered) == 1:
         return 0.0
