@@ -41,11 +41,11 @@ class TestCompare:
         assert str(change).startswith("LOSS  step: 1.15")
 
     def test_noise_is_not(self) -> None:
-        (change,) = compare.changes(run(step=measure(1.15, noise=0.06)), run(step=measure(1.0, noise=0.06)))
+        (change,) = compare.changes(run(step=measure(1.15, noise=0.04)), run(step=measure(1.0, noise=0.04)))
         assert not change.lost
 
     def test_a_change_that_is_too_small_is_not(self) -> None:
-        (change,) = compare.changes(run(step=measure(1.07, noise=0.0)), run(step=measure(1.0, noise=0.0)))
+        (change,) = compare.changes(run(step=measure(1.09, noise=0.0)), run(step=measure(1.0, noise=0.0)))
         assert not change.lost
 
     def test_a_gain_is_told(self) -> None:

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 RESULT, BASELINE = Path("results/bench/bench.json"), Path(__file__).with_name("baseline.json")
-LEAST = 0.08  # a smaller change is none: so much a loop depends on where it comes to lie in memory
-DOUBT = 1.5  # of the noise of both runs
+LEAST = 0.1  # a smaller change is none: so much a loop depends on where it comes to lie in memory
+DOUBT = 2.0  # of the noise of both runs
 
 
 class Change(NamedTuple):

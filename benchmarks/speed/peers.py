@@ -26,6 +26,7 @@ from tests.independent.planar import Coulomb
 
 PACKAGES = {"scipy": "scipy", "scikit-sundae": "sksundae", "numbalsoda": "numbalsoda", "exudyn": "exudyn"}
 """Peers, and what is imported of each."""
+os.environ.setdefault("GFORTRAN_UNBUFFERED_ALL", "y")  # so that what Fortran tells is told, and silenced, at once
 TOLERANCES = (1e-4, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7, 3e-8)
 MICRO = 1e-6
 

@@ -40,9 +40,11 @@ def measured(tasks: Mapping[str, Task], rounds: int) -> dict[str, Measure]:
 
 
 def noise(times: np.ndarray) -> float:
-    """How far the least of some times can be trusted: by how much the lower quartile is over it."""
+    """How far the least of some times can be trusted: by how much the lower quartile is over it; inf if none."""
     ordered = np.sort(times)
-    return float(ordered[max(1, len(ordered) // 4)] / ordered[0] - 1.0) if len(ordered) > 1 else 0.0
+    if len(ordered) == 1:
+        return 0.0
+    return float(ordered[max(1, len(ordered) // 4)] / ordered[0] - 1.0) if np.isfinite(ordered[0]) else np.inf
 
 
 def clocked(function: Callable, *given: Any) -> float:
