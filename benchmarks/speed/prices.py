@@ -100,6 +100,7 @@ def section(found: Section) -> None:
     adaptive = {name: [Steps(name, instants=n) for n in INSTANTS] for name in STEPPED if METHODS[name].adaptive}
     tasks: dict[str, Task] = {f"evaluation/{name}": one for name, one in evaluated.items()}
     tasks |= {"run/static": balance, "run/verlet": verlet, "power/without": plain[0], "power/with": powered[0]}
+    tasks["run/rodas planar"] = in_planar = Steps("rodas", "planar", cage={"motion": "kinematic"})
     tasks |= {
         f"run/{name}, {n}": one for name, both in adaptive.items() for n, one in zip(INSTANTS, both, strict=True)
     }
@@ -119,6 +120,9 @@ def section(found: Section) -> None:
         records.append((more - less) / (many.count - few.count) / one)
         new["step", name] = (less - records[-1] * few.count * one) / few.own_steps / one
     new["record", ""] = float(np.median(records))
+    recorded = new["record", ""] * new["evaluation", "planar"] * in_planar.count
+    new["step", "rodas planar"] = (seconds["run/rodas planar"] - recorded) / in_planar.own_steps
+    new["step", "rodas planar"] /= new["evaluation", "planar"]
     new["job", ""] = job_overhead()
     found.prices |= new
 
