@@ -15,7 +15,6 @@ import os
 import subprocess
 import sys
 from itertools import product
-from math import sqrt
 from statistics import median
 from typing import Any
 
@@ -24,16 +23,11 @@ import own_cache  # noqa: F401  (before the core)
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_time
-from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
-from bearingsim.core.jit import generic, jit
-from bearingsim.core.laws.damping.interface import normal_force
-from bearingsim.core.laws.friction.interface import mu
-from bearingsim.core.models import planar
 from bearingsim.core.models.differences import accelerate_bodies, difference_jacobian, roller_moves
-from bearingsim.core.models.interface import accelerations, linearise
+from bearingsim.core.models.interface import linearise
 from bearingsim.core.models.outer_ring import accelerate_outer_ring
 from bearingsim.core.models.planar import Planar
-from bearingsim.core.parts.cage import FreeCage, accelerate_cage, cage_constraint, radial_stop
+from bearingsim.core.parts.cage import accelerate_cage, cage_constraint
 from bearingsim.core.parts.shaft import accelerate_inner_ring, accelerate_ring_rotation
 from bearingsim.simulation import choice
 from bearingsim.simulation.integration import integrate, set_up
@@ -85,75 +79,6 @@ CONTACTS: dict[str, Any] = {
 # What differences need of ``planar``
 
 
-@jit
-def on_race(side, rub, y, j):
-    """Force (N) of roller ``j`` on a race along e_0 and e_90, from its rows; rub: friction (N)."""
-    force, _, _, _, tilt = contact_rows(side)
-    normal, _, _, _, _ = normal_rows(side)
-    n_r, n_t, lean = y[normal + j], y[normal + lay.ROW + j], y[tilt + j] / max(y[force + j], 1e-300)
-    cosine = 1.0 / sqrt(1.0 + lean * lean)
-    along, across = -sign(side) * (y[force + j] + rub * lean * cosine), y[tilt + j] - rub * cosine
-    f_r, f_t, c, s = along * n_r - across * n_t, along * n_t + across * n_r, y[lay.COS + j], y[lay.SIN + j]
-    return -f_r * c + f_t * s, -f_r * s - f_t * c
-
-
-@jit
-def pocket_force(cage, bearing, omega_cage, spin, y, j):
-    """What a pocket does to roller ``j``, and the roller to the cage: forces (N), torques (N m).
-
-    The first along the pocket's own directions, the other along e_0 and e_90. Written out as in ``parts/cage.py``:
-    a loop there that calls such a function loses its lanes.
-    """
-    middle, R_w, real = 0.5 * (bearing.R_o + bearing.R_i), bearing.R_w, bearing.m_r * y[lay.INVERSE_MASS + j]
-    x, z = y[lay.POSITION + lay.X_C], y[lay.POSITION + lay.Y_C]
-    v_x, v_z = y[lay.VELOCITY + lay.X_C], y[lay.VELOCITY + lay.Y_C]
-    pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
-    r, v = middle + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
-    w = r * (omega_cage + y[lay.EPS_V + j])
-    e = r * se + x * ps - z * pc
-    rho = r * ce - x * pc - z * ps
-    v_r = v * ce - w * se - v_x * pc - v_z * ps  # of the roller less the cage's centre, in the pocket's frame
-    v_t = v * se + w * ce + v_x * ps - v_z * pc
-    side = 1.0 if e > 0.0 else -1.0
-    N = normal_force(cage.pocket, abs(e) - cage.play, side * (v_t - omega_cage * rho))
-    slip = v_r - side * R_w * (spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
-    f = mu(cage.friction, slip, R_w * abs(spin)) * N
-    stop = radial_stop(cage.guide, rho - middle, v_r + omega_cage * e)
-    push_r, push_t, twist = real * (stop - f), -real * side * N, real * side * R_w * f
-    on_cage = -push_r * pc + push_t * ps, -push_r * ps - push_t * pc, e * push_r - rho * push_t - twist
-    return push_r, push_t, twist, on_cage
-
-
-@generic(absent=None)
-def share_pocket_loads(cage: Any, bearing: Any, omega_cage: float, spin: float, y: Any) -> None:
-    """Fill the rows of what each roller does to the cage."""
-
-
-@share_pocket_loads.register(FreeCage)
-def _share_pocket_loads(cage, bearing, omega_cage, spin, y):
-    for j in range(bearing.Z):
-        _, _, _, (f_x, f_y, torque) = pocket_force(cage, bearing, omega_cage, spin, y, j)
-        y[lay.roller_load(lay.F_X_C) + j], y[lay.roller_load(lay.F_Y_C) + j] = f_x, f_y
-        y[lay.roller_load(lay.M_C) + j] = torque
-
-
-exact_accelerations = jit(planar._accelerations)
-
-
-def _accelerations(model, t, y):
-    """Those of ``planar``, and what each roller does to rings and cage."""
-    exact_accelerations(model, t, y)
-    b = model.bearing
-    _, rate, _ = kinematic_time(model.motion, t)
-    omega_cage, spin = b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C], (b.omega_c - b.omega_b) * rate
-    for j in range(b.Z):
-        f_x, f_y = on_race(OuterSide(), y[lay.FRICTION_O + j], y, j)
-        y[lay.roller_load(lay.F_X) + j], y[lay.roller_load(lay.F_Y) + j] = f_x, f_y
-        f_x, f_y = on_race(InnerSide(), y[lay.FRICTION_I + j], y, j)
-        y[lay.roller_load(lay.F_X_I) + j], y[lay.roller_load(lay.F_Y_I) + j] = f_x, f_y
-    share_pocket_loads(model.cage, model.bearing, omega_cage, spin, y)
-
-
 def _accelerate_bodies(model, t, y):
     b = model.bearing
     time, rate, growth = kinematic_time(model.motion, t)
@@ -167,7 +92,6 @@ def _accelerate_bodies(model, t, y):
 
 def take_differences() -> None:
     """From now on ``planar`` is derived by differences."""
-    accelerations.register(Planar)(_accelerations)
     accelerate_bodies.register(Planar)(_accelerate_bodies)
     roller_moves.register(Planar)(lambda model, i: i == 0 or cage_constraint(model.cage, 1.0) > 0.0)
     linearise.register(Planar)(lambda model, t, y: difference_jacobian(model, t, y))

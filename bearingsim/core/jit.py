@@ -1,14 +1,16 @@
 """How the core is compiled: the one place that decides it.
 
-Four words are used everywhere else:
+Five words are used everywhere else:
 
 ``jit``      compiles a function (cached on disk).
+``inlined``  compiles a function into its callers: what a loop over rollers calls.
 ``generic``  one name, one implementation per parameter type; the choice is made when the caller is compiled,
              so what is not chosen is not there. Called from Python it dispatches like ``singledispatch``.
 ``absent``   a type that stands for nothing (no drag, no flange): it needs no implementation of a generic that says
              what nothing does. Any other type that lacks one is refused by name.
-``add``      an addition whose order the compiler may change: it lets a sum over rollers use vector lanes, while
-             every other operation keeps its IEEE meaning (full ``fastmath`` makes ``isfinite(nan)`` true).
+``add``      an addition whose order the compiler may change: it lets a sum use vector lanes, while every other
+             operation keeps its IEEE meaning (full ``fastmath`` makes ``isfinite(nan)`` true). What moves a state
+             is summed in an order of its own: ``sums.py``.
 
 The cache folder is named by a digest of the sources of the core and of the packages that extend it, because numba
 looks only at the file of the function itself and would serve stale code after a change in a callee. (That is all
@@ -194,8 +196,8 @@ def generic(
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
     dispatch.serves = serves  # type: ignore[attr-defined]
-    options, early = OPTIONS | {"forceinline": inline == "late"}, "always" if inline == "early" else "never"
-    overload(dispatch, jit_options=options, strict=False, inline=early)(choose)
+    early: Literal["always", "never"] = "always" if inline == "early" else "never"
+    overload(dispatch, jit_options=OPTIONS | {"forceinline": inline == "late"}, strict=False, inline=early)(choose)
     GENERICS.append(dispatch)
     return dispatch
 
