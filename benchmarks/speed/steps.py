@@ -27,7 +27,7 @@ MOST = {"ring": 3.0, "rollers": 1.6, "planar": 6.0, "spatial": 5.0}
 """Models, and what a step of each may cost, over its contact forces."""
 LONG = {"ring": 20_000, "rollers": 20_000, "planar": 10_000, "spatial": 1000}  # steps, or times all forces, a turn
 ROLLERS, SLICES = (8, 16, 32, 64), (6, 12, 24, 48)
-ROUNDS = 80  # of some milliseconds: neighbours come and go within a second
+ROUNDS = 150  # of some milliseconds: neighbours come and go within a second
 
 
 @generic
@@ -110,29 +110,29 @@ class Bare:
 
 
 def section(found: Section) -> None:
-    """Time all models, then other numbers of rollers and slices."""
+    """Time all models, and other numbers of rollers and slices, in one group: a neighbour stays for seconds."""
     bare = {name: Bare(name) for name in MOST}
+    numbers = {Z: Bare("rollers", rollers=Z, clearance="-1 um", defects=[]) for Z in ROLLERS}
+    cuts = [Bare("spatial", contact={"slices": n, "damping": DAMPING}) for n in SLICES]
+    sliced = {assemble.slices_of(one.model): one for one in cuts}
     tasks: dict[str, Task] = {}
     for name, one in bare.items():
         tasks |= {f"step/{name}": one.steps, f"forces/{name}": one.forces}
+    tasks |= {f"step/{Z} rollers": one.steps for Z, one in numbers.items()}
+    tasks |= {f"step/{n} slices": one.steps for n, one in sliced.items()}
     found.measures |= measured(tasks, ROUNDS)
+    over_forces(found, bare)
+    for what, sizes in (("rollers", list(numbers)), ("slices", list(sliced))):
+        found.grows("a step", what, sizes, [found.measures[f"step/{n} {what}"].seconds for n in sizes])
+
+
+def over_forces(found: Section, bare: dict[str, Bare]) -> None:
+    """Each model's step over its contact forces."""
     rows = []
     for name, one in bare.items():
         step_s, forces_s = (found.measures[f"{what}/{name}"].seconds for what in ("step", "forces"))
         ratio = step_s / forces_s
         rows.append([name, one.contacts, 1e9 * step_s, 1e9 * forces_s, 1e9 * forces_s / one.contacts, ratio])
         found.targets.append(Target(f"{name}: a Verlet step over its contact forces", ratio, at_most=MOST[name]))
-    found.table(
-        "A Verlet step", ["model", "contacts", "step, ns", "forces, ns", "ns a contact", "step/forces"], rows
-    )
-    numbers = [Bare("rollers", rollers=Z, clearance="-1 um", defects=[]) for Z in ROLLERS]
-    growth(found, "rollers", [one.model.bearing.Z for one in numbers], numbers)
-    cuts = [Bare("spatial", contact={"slices": n, "damping": DAMPING}) for n in SLICES]
-    growth(found, "slices", [assemble.slices_of(one.model) for one in cuts], cuts)
-
-
-def growth(found: Section, what: str, sizes: list[int], bare: list[Bare]) -> None:
-    """How a step's cost grows with the size."""
-    took = measured({f"step/{n} {what}": one.steps for n, one in zip(sizes, bare, strict=True)}, ROUNDS)
-    found.measures |= took
-    found.grows("a step", what, sizes, [one.seconds for one in took.values()])
+    head = ["model", "contacts", "step, ns", "forces, ns", "ns a contact", "step/forces"]
+    found.table("A Verlet step", head, rows)
