@@ -12,16 +12,18 @@ import numpy as np
 
 from bearingsim.core import layout as lay
 from bearingsim.core.methods.adaptive import METHOD_STATES, START_A, error_norm, register_adaptive
-from bearingsim.core.methods.dop853_table import B_3, DENSE_ROWS, E_5, STAGE_ROWS
+from bearingsim.core.methods.dop853_table import B_3, E_5, EXTENSION_ROWS, STAGE_ROWS
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
 from bearingsim.core.methods.tableau import (
     continuous_extension,
     dense_state,
     estimate,
     evaluate_stages,
+    rows_of,
     runge_kutta,
     save_accelerations,
     stage_state,
+    weights,
 )
 from bearingsim.core.models.interface import accelerations, state_width
 
@@ -37,12 +39,14 @@ def full(rows: dict[int, dict[int, float]], count: int, columns: int) -> np.ndar
 
 
 TABLE = runge_kutta(full(STAGE_ROWS, DENSE_STAGES, DENSE_STAGES), np.zeros(DENSE_STAGES))
-c, a, A, _, _ = TABLE
-b, B = a[STAGES], A[STAGES]
-E_5_V = full({0: E_5}, 1, DENSE_STAGES)[0]
-E_3_V = b - full({0: B_3}, 1, DENSE_STAGES)[0]
-E_5_Q, E_3_Q = E_5_V @ a, E_3_V @ a
-EXTENSION_V = continuous_extension(b, STAGES, full(DENSE_ROWS, len(DENSE_ROWS), DENSE_STAGES))
+_, a, A, _, _ = TABLE
+ROWS, DENSE_ROWS = rows_of(TABLE, 1, STAGES), rows_of(TABLE, STAGES + 1, DENSE_STAGES)
+b, B = weights(a[STAGES, :STAGES]), weights(A[STAGES, :STAGES])
+FIFTH = full({0: E_5}, 1, DENSE_STAGES)[0]
+THIRD = a[STAGES] - full({0: B_3}, 1, DENSE_STAGES)[0]
+E_5_V, E_5_Q = weights(FIFTH[:STAGES]), weights((FIFTH @ a)[:STAGES])
+E_3_V, E_3_Q = weights(THIRD[:STAGES]), weights((THIRD @ a)[:STAGES])
+EXTENSION_V = continuous_extension(a[STAGES], STAGES, full(EXTENSION_ROWS, len(EXTENSION_ROWS), DENSE_STAGES))
 EXTENSION_Q = EXTENSION_V @ a
 
 
@@ -61,10 +65,10 @@ def _attempt(method, model, t, h, y):
     n = state_width(model)
     for k in range(n):
         y[METHOD_STATES + k] = y[START_A + k]
-    evaluate_stages(c, A, a, 1, STAGES, model, t, h, y, n)
-    stage_state(1.0, B, b, STAGES, h, y, n)
-    fifth = error_norm(method, *estimate(E_5_Q, E_5_V, STAGES, h, y, n), y, n)
-    third = error_norm(method, *estimate(E_3_Q, E_3_V, STAGES, h, y, n), y, n)
+    evaluate_stages(ROWS, model, t, h, y, n)
+    stage_state(1.0, B, b, h, y, n)
+    fifth = error_norm(method, *estimate(E_5_Q, E_5_V, h, y, n), y, n)
+    third = error_norm(method, *estimate(E_3_Q, E_3_V, h, y, n), y, n)
     scale = sqrt(fifth * fifth + 0.01 * third * third)
     error = fifth * fifth / scale if scale != 0.0 else 0.0
     if error <= 1.0:
@@ -76,9 +80,7 @@ def _attempt(method, model, t, h, y):
 
 def more_stages(method, model, y):
     """``complete_dense_output``: the stages of the continuous extension."""
-    evaluate_stages(
-        c, A, a, STAGES + 1, DENSE_STAGES, model, y[lay.T_START], y[lay.H_TAKEN], y, state_width(model)
-    )
+    evaluate_stages(DENSE_ROWS, model, y[lay.T_START], y[lay.H_TAKEN], y, state_width(model))
 
 
 @interpolate.register(Dop853)

@@ -2,7 +2,7 @@
 
 Row: {column: number}, zeros left out. STAGE_ROWS: stages 1 to 11; 12, the weights of order 8, at the end of the
 step; 13 to 15, for dense output only. B_3: weights of the embedded method of order 3. E_5: those of order 8 less
-those of order 5. DENSE_ROWS: the upper four of the continuous extension's rows, of order 7.
+those of order 5. EXTENSION_ROWS: the upper four of the continuous extension's rows, of order 7.
 """
 
 STAGE_ROWS = {
@@ -113,7 +113,7 @@ E_5 = {
     10: 0.08192320648511571,
     11: -0.022355307863886294,
 }
-DENSE_ROWS = {
+EXTENSION_ROWS = {
     0: {
         0: -8.428938276109013,
         5: 0.5667149535193777,

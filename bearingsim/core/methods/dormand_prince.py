@@ -15,7 +15,9 @@ from bearingsim.core.methods.tableau import (
     dense_state,
     estimate,
     evaluate_stages,
+    rows_of,
     runge_kutta,
+    weights,
 )
 from bearingsim.core.models.interface import state_width
 
@@ -29,10 +31,9 @@ a[4, :4] = 19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729
 a[5, :5] = 9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656
 a[6, :6] = 35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84
 TABLE = runge_kutta(a, a[6])
-c, _, A, b, _ = TABLE
+ROWS, b = rows_of(TABLE, 1, STAGES), TABLE.b  # the last stage is the new state
 EMBEDDED = np.array([5179 / 57600, 0.0, 7571 / 16695, 393 / 640, -92097 / 339200, 187 / 2100, 1 / 40])
-E_V = b - EMBEDDED
-E_Q = E_V @ a
+E_V, E_Q = weights(b - EMBEDDED), weights((b - EMBEDDED) @ a)
 MIDDLE = np.array(
     [
         -12715105075 / 11282082432,
@@ -63,8 +64,8 @@ def _attempt(method, model, t, h, y):
     n = state_width(model)
     for k in range(n):
         y[METHOD_STATES + k] = y[START_A + k]
-    evaluate_stages(c, A, a, 1, STAGES, model, t, h, y, n)  # the last stage is the new state
-    return error_norm(method, *estimate(E_Q, E_V, STAGES, h, y, n), y, n)
+    evaluate_stages(ROWS, model, t, h, y, n)
+    return error_norm(method, *estimate(E_Q, E_V, h, y, n), y, n)
 
 
 @interpolate.register(DormandPrince)

@@ -12,9 +12,10 @@ A step ends with the accelerations at its end, with which the next begins.
 from typing import NamedTuple
 
 import numpy as np
+from numba import literal_unroll
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import jit
+from bearingsim.core.jit import inlined, jit
 from bearingsim.core.methods.adaptive import METHOD_STATES, START_Q, START_V
 from bearingsim.core.methods.interface import no_preparation, prepare, stability_ratio, step
 from bearingsim.core.methods.limit import limit_over_h_c, step_over_limit
@@ -32,6 +33,21 @@ class Tableau(NamedTuple):
     A: np.ndarray
     b: np.ndarray
     B: np.ndarray
+
+
+Row = tuple[float, tuple[float, ...], tuple[float, ...]]
+"""A stage: c_i, and the weights A_ij and a_ij of those before it."""
+
+
+def rows_of(tableau: Tableau, first: int, last: int) -> tuple[Row, ...]:
+    """Stages ``first`` to ``last`` (excluded) of a table, as the compiler writes them out."""
+    c, a, A, _, _ = tableau
+    return tuple((float(c[i]), weights(A[i, :i]), weights(a[i, :i])) for i in range(first, last))
+
+
+def weights(values: np.ndarray) -> tuple[float, ...]:
+    """Weights (n,) as a tuple, which the compiler knows the length of."""
+    return tuple(float(value) for value in values)
 
 
 def runge_kutta(a: np.ndarray, b: np.ndarray) -> Tableau:
@@ -68,14 +84,28 @@ def add_accelerations(weights_q, weights_v, count, h, q, v, y, n):
             y[v + k] += V_0 * y[at + k]
 
 
-@jit
-def stage_state(c, weights_q, weights_v, count, h, y, n):
+@inlined
+def weighted_accelerations(weights_q, weights_v, y, k):
+    """sum_j weights_q[j] f_j and sum_j weights_v[j] f_j of entry ``k`` of the state; weights: tuples.
+
+    As many as the weights are, so that the compiler writes the sum out and a loop over entries keeps its lanes.
+    """
+    sum_q, sum_v, at = 0.0, 0.0, METHOD_STATES + k
+    for j in range(len(weights_v)):
+        sum_q += weights_q[j] * y[at]
+        sum_v += weights_v[j] * y[at]
+        at += lay.STATE
+    return sum_q, sum_v
+
+
+@inlined
+def stage_state(c, weights_q, weights_v, h, y, n):
     """The state's block: from START over ``c`` of the step by the slopes found so far."""
-    ahead = c * h
+    ahead, h_2 = c * h, h * h
     for k in range(n):
-        y[lay.POSITION + k] = y[START_Q + k] + ahead * y[START_V + k]
-        y[lay.VELOCITY + k] = y[START_V + k]
-    add_accelerations(weights_q, weights_v, count, h, lay.POSITION, lay.VELOCITY, y, n)
+        sum_q, sum_v = weighted_accelerations(weights_q, weights_v, y, k)
+        y[lay.POSITION + k] = y[START_Q + k] + ahead * y[START_V + k] + h_2 * sum_q
+        y[lay.VELOCITY + k] = y[START_V + k] + h * sum_v
 
 
 @jit
@@ -86,22 +116,23 @@ def save_accelerations(block, y, n):
 
 
 @jit
-def evaluate_stages(c, A, a, first, last, model, t, h, y, n):
-    """Stages ``first`` to ``last`` (excluded) of the step of ``h`` (s) from ``t`` (s)."""
-    for i in range(first, last):
-        stage_state(c[i], A[i], a[i], i, h, y, n)
-        accelerations(model, t + c[i] * h, y)
-        save_accelerations(METHOD_STATES + i * lay.STATE, y, n)
-    y[lay.EVALUATIONS] += last - first
+def evaluate_stages(rows, model, t, h, y, n):
+    """The stages of ``rows`` (``rows_of``) of the step of ``h`` (s) from ``t`` (s)."""
+    for row in literal_unroll(rows):
+        stage_state(row[0], row[1], row[2], h, y, n)
+        accelerations(model, t + row[0] * h, y)
+        save_accelerations(METHOD_STATES + len(row[1]) * lay.STATE, y, n)
+    y[lay.EVALUATIONS] += len(rows)
 
 
-@jit
-def estimate(weights_q, weights_v, count, h, y, n):
-    """Errors of positions and velocities by their weights; returns the blocks in which they lie."""
+@inlined
+def estimate(weights_q, weights_v, h, y, n):
+    """Errors of positions and velocities by their weights (tuples); returns the blocks in which they lie."""
+    h_2 = h * h
     for k in range(n):
-        y[ERROR_Q + k] = 0.0
-        y[ERROR_V + k] = 0.0
-    add_accelerations(weights_q, weights_v, count, h, ERROR_Q, ERROR_V, y, n)
+        sum_q, sum_v = weighted_accelerations(weights_q, weights_v, y, k)
+        y[ERROR_Q + k] = h_2 * sum_q
+        y[ERROR_V + k] = h * sum_v
     return ERROR_Q, ERROR_V
 
 
@@ -127,7 +158,10 @@ def dense_state(F_q, F_v, part, h, y, n):
         for j in range(stages):
             weights_q[j] = (weights_q[j] + F_q[i, j]) * factor
             weights_v[j] = (weights_v[j] + F_v[i, j]) * factor
-    stage_state(part, weights_q, weights_v, stages, h, y, n)
+    for k in range(n):
+        y[lay.POSITION + k] = y[START_Q + k] + part * h * y[START_V + k]
+        y[lay.VELOCITY + k] = y[START_V + k]
+    add_accelerations(weights_q, weights_v, stages, h, lay.POSITION, lay.VELOCITY, y, n)
 
 
 def cusp_of(tableau: Tableau) -> float:
@@ -143,8 +177,8 @@ def cusp_of(tableau: Tableau) -> float:
 
 def register_fixed_step(parameters: type, tableau: Tableau) -> None:
     """Make a method of a table: parameters: its ``NamedTuple`` (h,)."""
-    c, a, A, b, B = tableau
-    stages, limits = len(c), limit_over_h_c(tableau)
+    rows, limits = rows_of(tableau, 1, len(tableau.c)), limit_over_h_c(tableau)
+    b, B = weights(tableau.b), weights(tableau.B)
 
     def take(method, model, t, y):
         h, n = method.h, state_width(model)
@@ -152,8 +186,8 @@ def register_fixed_step(parameters: type, tableau: Tableau) -> None:
             y[START_Q + k] = y[lay.POSITION + k]
             y[START_V + k] = y[lay.VELOCITY + k]
         save_accelerations(METHOD_STATES, y, n)
-        evaluate_stages(c, A, a, 1, stages, model, t, h, y, n)
-        stage_state(1.0, B, b, stages, h, y, n)
+        evaluate_stages(rows, model, t, h, y, n)
+        stage_state(1.0, B, b, h, y, n)
         accelerations(model, t + h, y)
         y[lay.EVALUATIONS] += 1.0
 
