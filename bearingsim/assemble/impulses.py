@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim.assemble import contacts, geometry, pits
-from bearingsim.assemble.rest import healthy_rest
+from bearingsim.assemble.rest import healthy_damping, healthy_rest
 from bearingsim.config import Case
 from bearingsim.core.laws.stiffness.series import as_power
 from bearingsim.core.laws.stiffness.ten_ninths import EXPONENT
@@ -22,6 +22,7 @@ LEAD = 4  # ball passes by which a run may go on after its record and what filte
 def model(case: Case, support: Support) -> Impulse:
     """The ring as two oscillators, on the healthy bearing's mean stiffness and damping at rest."""
     rest, b = healthy_rest(case), geometry.bearing(case)
+    c_x, c_y = healthy_damping(case)
     filters = RESAMPLE_REACH / case.sampling
     end = case.settle + case.duration + filters + LEAD / case.bearing.ball_pass_frequency(case.speed)
     found = pits.roller_pit_pairs(case)
@@ -32,8 +33,8 @@ def model(case: Case, support: Support) -> Impulse:
         m=b.m_o,
         K_x=zone.K_x,
         K_y=zone.K_y,
-        C_x=rest.C_x + support.c_b,
-        C_y=rest.C_y + support.c_b,
+        C_x=c_x + support.c_b,
+        C_y=c_y + support.c_b,
         times=blows.times,
         J_x=blows.J_x,
         J_y=blows.J_y,

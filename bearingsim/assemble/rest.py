@@ -8,7 +8,7 @@ from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.slices import WEIGHT
 from bearingsim.core.laws.damping.undamped import Undamped
-from bearingsim.core.models.equilibrium import Rest, mean_rest
+from bearingsim.core.models.equilibrium import Rest, mean_rest, mean_ring_damping
 from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Bearing, Support
@@ -56,4 +56,12 @@ def _rest(of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_acro
     """``healthy_rest``, remembered; ``named`` tells laws apart that are equal as tuples."""
     free = Support(F, F_across, 0.0, 0.0, 0.0, 0.0)
     model = static_bearing(of_case, free, outer, inner, pack_pits([], Envelope()))
-    return mean_rest(model, outer, inner, lay.buffer(of_case.Z, of_case.m_r))
+    return mean_rest(model, lay.buffer(of_case.Z, of_case.m_r))
+
+
+def healthy_damping(case: Case) -> tuple[float, float]:
+    """Damping (N s/m) that the healthy, unsupported bearing at rest offers its ring along x and y, on average."""
+    of_case, free = geometry.bearing(case), Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
+    outer, inner = contacts.outer(case), contacts.inner(case)
+    model = static_bearing(of_case, free, outer, inner, pack_pits([], Envelope()))
+    return mean_ring_damping(model, outer, inner, lay.buffer(of_case.Z, of_case.m_r))

@@ -260,24 +260,24 @@ def _record_steps(
 
 
 RING_POSITION, RING_VELOCITY, RING_ACCELERATION = slice(0, 2), slice(2, 4), slice(4, 6)  # rows of BASE
-REACH = 4  # columns on each side of a difference
+NEIGHBOURS = 4  # columns on each side of a difference
 
 
 def differentiate(window: np.ndarray, first: int, h: float) -> None:
-    """Write the ring's velocity and acceleration from column ``first`` - REACH on as differences of its places.
+    """Write the ring's velocity and acceleration from column ``first`` - NEIGHBOURS on as differences of its places.
 
     window: (C, n) in SI, its first rows those of ``BASE``, ``h`` s from column to column; ``first``: at least
-    2 REACH.
+    2 NEIGHBOURS.
 
     An adaptive method takes steps of its own between recorded instants: of a velocity that jumps there, samples
     have a wrong mean; differences of places add up to the way gone. They are of eighth order: up to 0.15 of the
-    rate of the columns, above which nothing is kept, their velocity is right to 1e-3. The last REACH columns,
+    rate of the columns, above which nothing is kept, their velocity is right to 1e-3. The last NEIGHBOURS columns,
     whose neighbours are not all known yet, are written anew by the next pass.
     """
     place, velocity, push = window[RING_POSITION], window[RING_VELOCITY], window[RING_ACCELERATION]
     n = window.shape[1]
-    whole = slice(first - REACH, n - REACH), REACH
-    for columns, reach in whole, *((slice(n - 1 - r, n - r), r) for r in range(REACH - 1, 0, -1)):
+    whole = slice(first - NEIGHBOURS, n - NEIGHBOURS), NEIGHBOURS
+    for columns, reach in whole, *((slice(n - 1 - r, n - r), r) for r in range(NEIGHBOURS - 1, 0, -1)):
         slopes, bends = difference_weights(reach)
         velocity[:, columns], push[:, columns] = 0.0, 0.0
         for k in range(1, reach + 1):

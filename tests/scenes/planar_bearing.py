@@ -134,7 +134,7 @@ def carried(scene: planar.Scene) -> Planar:
     healthy = static_bearing(
         bearing, Support(load.real, load.imag, 0.0, 0.0, 0.0, 0.0), law, law, pack_pits([], Envelope())
     )
-    rest = mean_rest(healthy, law, law, lay.buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference
+    rest = mean_rest(healthy, lay.buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference
     wall = HuntCrossley(Linear(max(scene.pocket_stiffness, 1.0)), scene.pocket_chi)
     free = FreeCage(
         m=scene.cage_mass,

@@ -5,7 +5,7 @@ import pytest
 
 from bearingsim.simulation import automatic_step, limits
 from bearingsim.simulation.integration import (
-    REACH,
+    NEIGHBOURS,
     RING_ACCELERATION,
     RING_POSITION,
     RING_VELOCITY,
@@ -27,7 +27,7 @@ def recorded(place, passes=3):
         t = H * np.arange(p * STEPS - TAIL, (p + 1) * STEPS)
         window[RING_POSITION, TAIL:] = place(t[TAIL:])
         differentiate(window, TAIL, H)
-        whole = slice(TAIL - REACH, TAIL + STEPS - REACH)
+        whole = slice(TAIL - NEIGHBOURS, TAIL + STEPS - NEIGHBOURS)
         found.append((t[whole], window[RING_VELOCITY, whole].copy(), window[RING_ACCELERATION, whole].copy()))
     return (np.concatenate(one, axis=-1) for one in zip(*found, strict=True))
 

@@ -248,7 +248,7 @@ class Rest(NamedTuple):
     """A bearing at rest, averaged over a ball pass.
 
     x, y: place of the ring (m); load: largest force on a roller (N), and approach, that of its two contacts
-    together (m), at any time; K_x, K_y, C_x, C_y: stiffness (N/m) and damping (N s/m) that rollers offer the ring.
+    together (m), at any time; K_x, K_y: stiffness (N/m) that rollers offer the ring.
     """
 
     x: float
@@ -257,8 +257,6 @@ class Rest(NamedTuple):
     approach: float
     K_x: float
     K_y: float
-    C_x: float
-    C_y: float
 
 
 def ring_damping(Z, outer, inner, y):
@@ -273,26 +271,36 @@ def ring_damping(Z, outer, inner, y):
     return c_xx, c_yy
 
 
-def mean_rest(model, outer, inner, y, samples=32):
-    """``Rest`` of a bearing with the contact laws ``outer`` and ``inner``, from ``samples`` of a ball pass.
+def rests_of_a_pass(model, y, samples):
+    """Take the buffer ``y`` from rest to rest, evenly spaced over a ball pass: a loop's worth of them.
 
     Raises ``NoEquilibrium`` if one is not found to 1e-8 of the load.
     """
-    Z = model.bearing.Z
-    pass_time = 2.0 * pi / (Z * model.bearing.omega_c)
-    found, loads = [], []
+    pass_time, load = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c), hypot(*model.support[:2])
     for n in range(samples):
         find = rest_from_scratch if n == 0 else find_rest
         residual = find(model, (n + 0.5) / samples * pass_time, y)
-        load = hypot(model.support.F, model.support.F_across)
         if not residual <= 1e-8 * load:
             raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {load:g} N")
+        yield n
+
+
+def mean_rest(model, y, samples=32):
+    """``Rest`` of a bearing, from ``samples`` of a ball pass. Raises ``NoEquilibrium``."""
+    Z, found, loads = model.bearing.Z, [], []
+    for _ in rests_of_a_pass(model, y, samples):
         k_xx, _, k_yy = ring_stiffness(model, y)
-        found.append(
-            (y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], k_xx, k_yy, *ring_damping(Z, outer, inner, y))
-        )
+        found.append((y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], k_xx, k_yy))
         most = int(np.argmax(y[lay.Q_I : lay.Q_I + Z]))
         loads.append((y[lay.Q_O + most], y[lay.DELTA_O + most] + y[lay.DELTA_I + most]))
-    x, z, k_x, k_y, c_x, c_y = (float(value) for value in np.mean(found, axis=0))
+    x, z, k_x, k_y = (float(value) for value in np.mean(found, axis=0))
     load, approach = (float(value) for value in max(loads))
-    return Rest(x, z, load, approach, k_x, k_y, c_x, c_y)
+    return Rest(x, z, load, approach, k_x, k_y)
+
+
+def mean_ring_damping(model, outer, inner, y, samples=32):
+    """``ring_damping`` of a bearing with the contact laws ``outer`` and ``inner``, averaged over a ball pass."""
+    Z = model.bearing.Z
+    found = [ring_damping(Z, outer, inner, y) for _ in rests_of_a_pass(model, y, samples)]
+    c_x, c_y = np.mean(found, axis=0)
+    return float(c_x), float(c_y)

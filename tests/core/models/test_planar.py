@@ -23,7 +23,7 @@ IDLE = {"model": "planar", "cage": {"motion": "kinematic"}, "friction": "none"}
 
 def pair(**given):
     """The same case in `rollers` and in an idle `planar`."""
-    given = SHORT | given
+    given = SHORT | {"method": "verlet"} | given
     return simulate(case(**given)), simulate(case(**given | IDLE))
 
 
