@@ -105,6 +105,8 @@ ROLLER_IN_PIT, PAIR_CROSSINGS = LOADED_ROLLERS + 2 * VECTOR_WIDTH, LOADED_ROLLER
 # part of the method's step limit that each monitored body takes up
 STEP_RATIO = LOADED_ROLLERS + 2 * VECTOR_WIDTH + 2 * ROW
 APPROACH_NOW = STEP_RATIO + ROW  # larger approach of each roller to a race without pits, as the monitor looks (m)
+# forces Q_O, Q_I, |Q_P| (N) at the start and at the end of an adaptive method's step
+FORCES_AT_START, FORCES_AT_END = APPROACH_NOW + ROW, APPROACH_NOW + 4 * ROW
 
 # what forces and torques accelerate a roller by, and (cells) the bodies of the shared coordinates X to Y_I (1/kg,
 # 1/(kg m^2)); how the place (m) and velocity (m/s) of each roller, as a body sees it, change along e_r, e_theta;
@@ -135,7 +137,7 @@ MAX_OWN, MAX_SHARED = 6, 17  # coordinates of a roller, and shared ones
 DIAGONAL_BLOCK, BORDER_COLUMN, BORDER_ROW = 0, MAX_OWN * MAX_OWN * ROW, MAX_OWN * (MAX_OWN + MAX_SHARED) * ROW
 CORNER_BLOCK = MAX_OWN * (MAX_OWN + 2 * MAX_SHARED) * ROW
 ARROW_SIZE = CORNER_BLOCK + -(-MAX_SHARED * (MAX_SHARED + 2) // ROW) * ROW
-POSITION_JACOBIAN = LOADED_ROLLERS + 5 * ROW  # d(acceleration)/d(position)
+POSITION_JACOBIAN = LOADED_ROLLERS + 11 * ROW  # d(acceleration)/d(position)
 VELOCITY_JACOBIAN = POSITION_JACOBIAN + ARROW_SIZE  # d(acceleration)/d(velocity)
 SYSTEM = VELOCITY_JACOBIAN + ARROW_SIZE  # the matrix that a method solves with
 BUFFER_SIZE = SYSTEM + ARROW_SIZE

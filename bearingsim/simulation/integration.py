@@ -264,7 +264,7 @@ NEIGHBOURS = 4  # columns on each side of a difference
 
 
 def differentiate(window: np.ndarray, first: int, h: float) -> None:
-    """Write the ring's velocity and acceleration from column ``first`` - NEIGHBOURS on as differences of its places.
+    """Write the ring's velocity and acceleration as differences of its places, from column ``first`` - NEIGHBOURS.
 
     window: (C, n) in SI, its first rows those of ``BASE``, ``h`` s from column to column; ``first``: at least
     2 NEIGHBOURS.

@@ -6,7 +6,6 @@ from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.simulation.limits import loads_at_rest
 
-
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "impulse", "defect": SLOT}
 

@@ -24,8 +24,10 @@ from bearingsim.core import layout as lay
 from bearingsim.core.jit import add, generic, jit
 from bearingsim.core.methods.interface import attempt, interpolate, no_limit, prepare, reach, stability_ratio, step
 from bearingsim.core.models.arms import roller_arms, shared_arms
+from bearingsim.core.models.extremes import copy_forces, update_forces_within
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, state_width, update_extremes
 from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
+from bearingsim.core.parameters import lanes
 from bearingsim.core.pits.jumps import next_jump
 
 START_Q, START_V, START_A = (lay.STAGE + n * lay.STATE for n in range(3))  # the state a step begins from
@@ -274,34 +276,52 @@ def take_step(method, model, y, n):
 @jit
 def advance_once(method, model, y):
     """One accepted step, or the hop over a jump; returns the attempts made."""
-    n = state_width(model)
-    tries = 1
+    n, rollers = state_width(model), lanes(model.bearing)
     if y[lay.NEXT_STOP] - y[lay.T_END] <= JUMP_GAP:
         cross_jump(method, model, y, n)
-    else:
-        tries = take_step(method, model, y, n)
-        if y[lay.FAILED] != SUCCESS:
-            return tries
+        arrive(model, y, n)
+        copy_forces(lay.FORCES_AT_START, y, rollers)
+        return 1
+    tries = take_step(method, model, y, n)
+    if y[lay.FAILED] == SUCCESS:
+        arrive(model, y, n)
+        copy_forces(lay.FORCES_AT_END, y, rollers)
+        show(method, model, 0.5, y, n)
+        update_forces_within(y, rollers)
+        for k in range(3 * lay.ROW):
+            y[lay.FORCES_AT_START + k] = y[lay.FORCES_AT_END + k]
+    return tries
+
+
+@jit
+def arrive(model, y, n):
+    """Take in the end of a step, or of the hop over a jump."""
     save_state(y, END_Q, n)
     update_extremes(model, y)
     y[lay.NEXT_STOP] = next_jump(model, y[lay.T_END], y)
-    return tries
+
+
+@jit
+def show(method, model, part, y, n):
+    """The state at ``part`` (0 to 1) of the step taken last, contacts included."""
+    if y[lay.DENSE_READY] == 0.0:
+        complete_dense_output(method, model, y)
+        y[lay.DENSE_READY] = 1.0
+    interpolate(method, part, y[lay.H_TAKEN], y, n)
+    accelerations(model, y[lay.T_START] + part * y[lay.H_TAKEN], y)
+    y[lay.EVALUATIONS] += 1.0
 
 
 @jit
 def show_instant(method, model, t, y):
     """The state at a recorded instant ``t`` (s) within the step taken last, contacts included."""
     n = state_width(model)
-    part = (t - y[lay.T_START]) / y[lay.H_TAKEN] if y[lay.H_TAKEN] > 0.0 else 1.0
-    if abs(t - y[lay.T_END]) <= TIME_TOLERANCE * method.h:
-        restore_state(y, END_Q, n)
+    if y[lay.H_TAKEN] > 0.0 and abs(t - y[lay.T_END]) > TIME_TOLERANCE * method.h:
+        show(method, model, (t - y[lay.T_START]) / y[lay.H_TAKEN], y, n)
     else:
-        if y[lay.DENSE_READY] == 0.0:
-            complete_dense_output(method, model, y)
-            y[lay.DENSE_READY] = 1.0
-        interpolate(method, part, y[lay.H_TAKEN], y, n)
-    accelerations(model, t, y)
-    y[lay.EVALUATIONS] += 1.0
+        restore_state(y, END_Q, n)
+        accelerations(model, t, y)
+        y[lay.EVALUATIONS] += 1.0
 
 
 def _prepare(method, model, t, y):
@@ -311,6 +331,7 @@ def _prepare(method, model, t, y):
     y[lay.T_START], y[lay.T_END], y[lay.H_TAKEN], y[lay.DENSE_READY], y[lay.LAST_ERROR] = t, t, 0.0, 0.0, 1.0
     y[lay.FAILED] = SUCCESS
     save_state(y, START_Q, n)
+    copy_forces(lay.FORCES_AT_START, y, lanes(model.bearing))
     y[lay.H_NEXT] = min(first_step(method, model, t, y, n), method.longest)
     save_state(y, END_Q, n)
     y[lay.NEXT_STOP] = next_jump(model, t, y)

@@ -1,4 +1,8 @@
-"""Running maxima of what rollers meet, kept once a step: what a method tries within one does not count."""
+"""Running maxima of what rollers meet, kept once a step: what a method tries within one does not count.
+
+The steps of an adaptive method are so long that a force is largest between their ends. There it is taken from a
+parabola through a step's start, middle and end, if the force is smooth.
+"""
 
 from bearingsim.core import layout as lay
 from bearingsim.core.jit import add, jit
@@ -16,6 +20,40 @@ def update_largest_forces(y, n):
         real = y[lay.COS + j] * y[lay.COS + j] + y[lay.SIN + j] * y[lay.SIN + j]  # 1, and 0 in a padded lane
         loaded = add(loaded, real if y[lay.Q_I + j] > 0.0 else 0.0)
     y[lay.LOADED_ROLLERS] = loaded
+
+
+SMOOTH = 0.7  # of the top: where a value is less, a parabola would guess
+
+
+@jit
+def copy_forces(row, y, n):
+    """Every roller's forces Q_O, Q_I, |Q_P| into the three rows from ``row`` on."""
+    for j in range(n):
+        y[row + j] = y[lay.Q_O + j]
+        y[row + lay.ROW + j] = y[lay.Q_I + j]
+        y[row + 2 * lay.ROW + j] = abs(y[lay.Q_P + j])
+
+
+@jit
+def largest_within(start, middle, end):
+    """The largest of three evenly spaced values, and of the parabola through them if its top lies between."""
+    bend, growth = 2.0 * middle - start - end, end - start
+    top = middle + growth * growth / (8.0 * max(bend, 1e-300))
+    smooth = min(min(start, end), middle) > SMOOTH * top
+    return top if smooth and abs(growth) < 2.0 * bend else max(max(start, end), middle)
+
+
+@jit
+def update_forces_within(y, n):
+    """Take a step into the running maxima: the rows of forces hold its middle, FORCES_AT_* its ends."""
+    a, b = lay.FORCES_AT_START, lay.FORCES_AT_END
+    for j in range(n):
+        outer = largest_within(y[a + j], y[lay.Q_O + j], y[b + j])
+        inner = largest_within(y[a + lay.ROW + j], y[lay.Q_I + j], y[b + lay.ROW + j])
+        pocket = largest_within(y[a + 2 * lay.ROW + j], abs(y[lay.Q_P + j]), y[b + 2 * lay.ROW + j])
+        y[lay.Q_O_MAX + j] = max(y[lay.Q_O_MAX + j], outer)
+        y[lay.Q_I_MAX + j] = max(y[lay.Q_I_MAX + j], inner)
+        y[lay.Q_P_MAX + j] = max(y[lay.Q_P_MAX + j], pocket)
 
 
 def update_forces(model, y):
