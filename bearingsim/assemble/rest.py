@@ -15,6 +15,9 @@ from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.pits.excitations import Envelope
 from bearingsim.core.pits.pairs import GROUP_WEIGHT, Pits, pack_pits
 
+OF_A_STUDY = 1 << 14
+"""Cases that are remembered: a run looks at all jobs of a study several times, one after the other."""
+
 
 def static_model(model: Any) -> Static:
     """What of a model stands still: all that the equilibrium is found from, whatever else it knows.
@@ -51,7 +54,7 @@ def healthy_rest(case: Case) -> Rest:
     return _rest(geometry.bearing(case), *laws, repr(laws), case.load, case.load_across)
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=OF_A_STUDY)
 def _rest(of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_across: float) -> Rest:
     """``healthy_rest``, remembered; ``named`` tells laws apart that are equal as tuples."""
     free = Support(F, F_across, 0.0, 0.0, 0.0, 0.0)

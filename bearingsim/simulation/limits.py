@@ -11,6 +11,7 @@ from math import hypot, inf, pi, sqrt
 from typing import Any, NamedTuple
 
 from bearingsim import assemble
+from bearingsim.assemble.rest import OF_A_STUDY
 from bearingsim.assemble.scales import (
     approach,
     at_full_speed,
@@ -79,7 +80,7 @@ def step_limits(case: Case) -> Limits:
     return replace(found, at_rest=at_rest, at_impact=min(at_rest, at_impact))
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=OF_A_STUDY)
 def _without_method(case: Case) -> tuple[Limits, Slopes]:
     """The limits but for those of a method, and the slopes that these follow from."""
     rest_load, K, C = loads_at_rest(_healthy(case))
@@ -179,7 +180,7 @@ def _healthy(case: Case) -> Case:
     return same if MODELS[case.model].loaded else same.model_copy(update={"model": lowest("forces", "damping")})
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=OF_A_STUDY)
 def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Largest outer contact force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
