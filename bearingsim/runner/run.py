@@ -14,7 +14,7 @@ from bearingsim.runner.packing import Cost, pack, shard_of
 from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import Patience, getting_ready
 from bearingsim.runner.progress import progress as shown_progress
-from bearingsim.runner.summary import Interrupted, RunSummary, chaos, grouped, record_errors, repetitions
+from bearingsim.runner.summary import Interrupted, RunSummary, chaos, grouped, repetitions, step_errors
 from bearingsim.runner.unknowns import examined
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
 
@@ -102,7 +102,7 @@ def _of_results(root: Path, jobs: Sequence["Job"], frame: "pd.DataFrame") -> Ite
     yield from damping.of_jobs(store.info(own))
     yield from examined(store.read_plan(root), frame)
     yield from chaos(own)
-    yield from record_errors(own)
+    yield from step_errors(own)
 
 
 def _workers(asked: int | None) -> int:

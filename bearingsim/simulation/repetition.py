@@ -79,7 +79,7 @@ LONGEST_PERIOD = 4  # ball passes; longer ones have not been seen
 class Closeness(NamedTuple):
     """Differences over the range that are small: with, and without, a look at how fast they shrink.
 
-    times: in a row that they must be.
+    times: in a row that they must be, with a period of one pass; with others so many more that each is seen.
     """
 
     shrinking: float
@@ -141,7 +141,8 @@ class Search:
             if period < len(self.ends):
                 found = self.differences[period]
                 found.append(self._difference(period, ranges))
-                if all(_settled(found[: len(found) - n], self.close) for n in range(self.close.times)):
+                passes = self.close.times + period - 1  # each of a period
+                if all(_settled(found[: len(found) - n], self.close) for n in range(passes)):
                     return period, found[-1]
         return 0, min((found[-1] for found in self.differences.values() if found), default=nan)
 

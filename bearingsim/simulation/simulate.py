@@ -150,7 +150,8 @@ def _checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
         return step_check.UNCHECKED
     orbit = raw if raw is not None and raw.repetition.period > 0 else None
     found = step_check.check_step(setup, orbit)
-    if found.holds:
+    shortest = setup.part <= choice.STEP_PARTS[-1] or not setup.case.automatic or setup.case.tolerance != "auto"
+    if found.holds or (shortest and found.holds_but_for_force):
         if setup.case.step_check == "strict":
             _refuse_short_record(setup, found)
         return found

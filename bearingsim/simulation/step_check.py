@@ -85,6 +85,11 @@ class StepCheck:
         return bool(self.error <= max(MAX_CHANGE, CONFIDENCE * self.noise))
 
     @property
+    def holds_but_for_force(self) -> bool:
+        """Whether line and RMS can be trusted: a peak of a force may need steps that nobody takes."""
+        return replace(self, force=0.0).holds
+
+    @property
     def shorter(self) -> float:
         """The part of the step that may hold, if its error is between first and second order."""
         return (MAX_CHANGE / self.error) ** (2.0 / 3.0)

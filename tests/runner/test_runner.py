@@ -21,7 +21,7 @@ import pytest
 from bearingsim import store
 from bearingsim.runner import Interrupted, RunSummary, progress, run
 from bearingsim.runner.packing import Cost, pack, shard_of, unit_seconds
-from bearingsim.runner.summary import chaos, grouped, record_errors
+from bearingsim.runner.summary import chaos, grouped, step_errors
 from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 
 ROOT = Path(__file__).parents[2]
@@ -78,10 +78,10 @@ def test_what_half_the_step_changes_of_a_record_is_told_of_jobs_that_are_not_cha
     errors: list[float], said: list[str]
 ) -> None:
     columns = {"features/step_error.record": [*errors, 0.5], "features/chaotic": [0.0, 0.0, 1.0]}
-    found = list(record_errors(pd.DataFrame(columns)))
+    found = list(step_errors(pd.DataFrame(columns)))
     assert len(found) == bool(said)
     assert all(part in found[0] for part in said)
-    assert not list(record_errors(pd.DataFrame({"status": ["failed"]})))
+    assert not list(step_errors(pd.DataFrame({"status": ["failed"]})))
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

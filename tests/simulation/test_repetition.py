@@ -191,7 +191,7 @@ def test_what_is_not_handed_over(change: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("period", [1, 2, 3, 4])
 def test_the_shortest_period_is_found(period: int) -> None:
-    assert period_of(lambda p: waves(p, period)) == (period, period + 2)
+    assert period_of(lambda p: waves(p, period)) == (period, 2 * period + 1)
 
 
 def test_a_period_of_five_passes_is_none() -> None:

@@ -252,10 +252,21 @@ def test_a_step_that_is_never_proven_fails_the_job_with_a_reason() -> None:
 )
 def test_a_step_that_is_far_too_long_is_not_tried_with_half(change: float, parts: list[float]) -> None:
     """An error between first and second order says how much shorter a step must be."""
-    found = StepCheck(line=0.0, rms=0.0, force=change)
+    found = StepCheck(line=change, rms=0.0)
     with mock.patch.object(step_check, "check_step", return_value=found) as tried, pytest.raises(SimulationError):
         simulate(case(method="verlet"))
     assert [call.args[0].part for call in tried.call_args_list] == parts
+
+
+def test_a_force_that_no_step_holds_is_told_and_fails_no_job() -> None:
+    """Steps get shorter for it, and the shortest is taken."""
+    found = StepCheck(line=1e-4, rms=1e-4, force=0.05)
+    with mock.patch.object(step_check, "check_step", return_value=found):
+        record = simulate(case(method="verlet"))
+        given = simulate(case(method="verlet", step=2e-7))
+    assert record.info["step_part"] == STEP_PARTS[-1]
+    assert record.features["step_error.force"] > 0.1
+    assert given.features["step_error.force"] == record.features["step_error.force"]
 
 
 def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
