@@ -286,7 +286,7 @@ def advance_once(method, model, y):
     if y[lay.FAILED] == SUCCESS:
         arrive(model, y, n)
         copy_forces(lay.FORCES_AT_END, y, rollers)
-        show(method, model, 0.5, y, n)
+        show_middle(model, y, n)
         update_forces_within(y, rollers)
         for k in range(3 * lay.ROW):
             y[lay.FORCES_AT_START + k] = y[lay.FORCES_AT_END + k]
@@ -299,6 +299,23 @@ def arrive(model, y, n):
     save_state(y, END_Q, n)
     update_extremes(model, y)
     y[lay.NEXT_STOP] = next_jump(model, y[lay.T_END], y)
+
+
+@jit
+def show_middle(model, y, n):
+    """The middle of the step taken last, contacts included: on Hermite's quintic through both ends.
+
+    It fits places, velocities and accelerations there, so no method's dense output is to be completed for it.
+    """
+    h = y[lay.H_TAKEN]
+    per_h = 1.0 / h
+    for k in range(n):
+        q_0, v_0, a_0 = y[START_Q + k], y[START_V + k], y[START_A + k]
+        q_1, v_1, a_1 = y[END_Q + k], y[END_V + k], y[END_A + k]
+        y[lay.POSITION + k] = 0.5 * (q_0 + q_1) + h * (5 / 32 * (v_0 - v_1) + h / 64.0 * (a_0 + a_1))
+        y[lay.VELOCITY + k] = 15 / 8 * per_h * (q_1 - q_0) - 7 / 16 * (v_0 + v_1) + h / 32.0 * (a_1 - a_0)
+    accelerations(model, y[lay.T_START] + 0.5 * h, y)
+    y[lay.EVALUATIONS] += 1.0
 
 
 @jit
