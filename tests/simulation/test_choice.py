@@ -334,13 +334,13 @@ def test_dashpots_that_jump_as_contacts_open_shorten_own_steps(coefficient, take
     assert found == pytest.approx(taken, rel=0.5)
 
 
-@pytest.mark.parametrize(("m1", "m3", "ns"), [(1.0, 1.0, 230), (1.0, 1.5, 570), (1.2, 1.0, 450), (1.2, 1.5, 755)])
+@pytest.mark.parametrize(("m1", "m3", "ns"), [(1.0, 1.0, 97), (1.0, 1.5, 413), (1.2, 1.0, 578), (1.2, 1.5, 625)])
 def test_powers_of_the_library_are_priced(m1: float, m3: float, ns: float) -> None:
-    """A Verlet step of `rollers`, timed by benchmarks/step_cost.py; powers without a price were 3.3 times off."""
+    """A Verlet step of `rollers`, timed by benchmarks/step_cost.py, to a third; without a price they were 4 to 6 times off."""
     stiffness = {"law": "constant", "coefficient": 1e6, "exponent": m1}
     damping = {"law": "general", "coefficient": 100.0, "indentation_exponent": m3}
     given = case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
-    assert prices.per_second(given, 1e-6) == pytest.approx(1e-3 * ns, rel=0.2)
+    assert prices.per_second(given, 1e-6) == pytest.approx(1e-3 * ns, rel=0.35)
 
 
 def test_static_is_priced_as_one_pass_and_refused_by_its_model() -> None:
