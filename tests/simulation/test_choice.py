@@ -336,7 +336,7 @@ def test_dashpots_that_jump_as_contacts_open_shorten_own_steps(coefficient, take
 
 @pytest.mark.parametrize(("m1", "m3", "ns"), [(1.0, 1.0, 97), (1.0, 1.5, 413), (1.2, 1.0, 578), (1.2, 1.5, 625)])
 def test_powers_of_the_library_are_priced(m1: float, m3: float, ns: float) -> None:
-    """A Verlet step of `rollers`, timed by benchmarks/step_cost.py, to a third; without a price 4 to 6 times off."""
+    """A Verlet step of `rollers`, timed by benchmarks/step_cost.py: to a third; unpriced 4 to 6 times off."""
     stiffness = {"law": "constant", "coefficient": 1e6, "exponent": m1}
     damping = {"law": "general", "coefficient": 100.0, "indentation_exponent": m3}
     given = case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
