@@ -286,7 +286,7 @@ def advance_once(method, model, y):
     if y[lay.FAILED] == SUCCESS:
         arrive(model, y, n)
         copy_forces(lay.FORCES_AT_END, y, rollers)
-        show_middle(model, y, n)
+        middle_state(model, y, n)
         update_forces_within(y, rollers)
         for k in range(3 * lay.ROW):
             y[lay.FORCES_AT_START + k] = y[lay.FORCES_AT_END + k]
@@ -302,7 +302,7 @@ def arrive(model, y, n):
 
 
 @jit
-def show_middle(model, y, n):
+def middle_state(model, y, n):
     """The middle of the step taken last, contacts included: on Hermite's quintic through both ends.
 
     It fits places, velocities and accelerations there, so no method's dense output is to be completed for it.
@@ -319,7 +319,7 @@ def show_middle(model, y, n):
 
 
 @jit
-def show(method, model, part, y, n):
+def state_within(method, model, part, y, n):
     """The state at ``part`` (0 to 1) of the step taken last, contacts included."""
     if y[lay.DENSE_READY] == 0.0:
         complete_dense_output(method, model, y)
@@ -334,7 +334,7 @@ def show_instant(method, model, t, y):
     """The state at a recorded instant ``t`` (s) within the step taken last, contacts included."""
     n = state_width(model)
     if y[lay.H_TAKEN] > 0.0 and abs(t - y[lay.T_END]) > TIME_TOLERANCE * method.h:
-        show(method, model, (t - y[lay.T_START]) / y[lay.H_TAKEN], y, n)
+        state_within(method, model, (t - y[lay.T_START]) / y[lay.H_TAKEN], y, n)
     else:
         restore_state(y, END_Q, n)
         accelerations(model, t, y)
