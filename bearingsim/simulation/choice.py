@@ -26,7 +26,7 @@ ADAPTIVE_MARGIN, IMPLICIT_MARGIN = 1.2, 2.0
 
 
 class Choice(NamedTuple):
-    """A method for a case, why in words, and what each able one would cost (CPU s), the surely cheapest first.
+    """A method for a case, why in words, and what each able one would cost (CPU s), in the order of ``margin``.
 
     patience: ball passes after which a motion that does not repeat itself is left to the next method; 0 if it is
     not.

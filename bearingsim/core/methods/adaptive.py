@@ -305,7 +305,8 @@ def arrive(model, y, n):
 def middle_state(model, y, n):
     """The middle of the step taken last, contacts included: on Hermite's quintic through both ends.
 
-    It fits places, velocities and accelerations there, so no method's dense output is to be completed for it.
+    It fits places (m, rad), velocities and accelerations there, to sixth order in the step, so no method's dense
+    output is to be completed for it. Coefficients: those six conditions solved at one half.
     """
     h = y[lay.H_TAKEN]
     per_h = 1.0 / h

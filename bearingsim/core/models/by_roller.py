@@ -38,7 +38,7 @@ def load_roller(model: Any, at: Any, y: np.ndarray, j: int) -> None:
 def accelerate_shared(model: Any, at: Any, t: float, y: np.ndarray) -> Any:
     """Correct the rollers that stand over a pit, sum up, and accelerate rings and cage.
 
-    Returns what rollers feel of it, as numbers.
+    Returns what the rollers' own acceleration needs of it, as numbers.
     """
 
 
