@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.assemble import contacts, free, geometry, pits, scales, space
+from bearingsim.assemble import bending, contacts, free, geometry, pits, scales, space
 from bearingsim.assemble.rest import bracket_anchor, static_model
 from bearingsim.catalogue import EXPLICIT, METHODS, MODELS, code
 from bearingsim.config import Case
@@ -50,6 +50,7 @@ PARAMETER_BUILDERS: dict[str, Any] = {
     "outer": contacts.outer,
     "inner": contacts.inner,
     "pits": lambda case: pits_of_case(case),
+    "bending": bending.bending,
     "motion": free.motion,
     "friction": free.friction,
     "cage": free.cage,

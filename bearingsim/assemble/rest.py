@@ -3,7 +3,7 @@
 from functools import lru_cache
 from typing import Any
 
-from bearingsim.assemble import contacts, geometry
+from bearingsim.assemble import bending, contacts, geometry
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.slices import WEIGHT
@@ -12,6 +12,7 @@ from bearingsim.core.models.equilibrium import Rest, mean_rest, mean_ring_dampin
 from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Bearing, Support
+from bearingsim.core.parts.bending import Stiff
 from bearingsim.core.pits.excitations import Envelope
 from bearingsim.core.pits.pairs import GROUP_WEIGHT, Pits, pack_pits
 
@@ -29,12 +30,15 @@ def static_model(model: Any) -> Static:
         groups = found.groups.copy()
         groups[:, :, GROUP_WEIGHT] *= model.slices.table[:, WEIGHT] if len(groups) else 1.0
         found = found._replace(groups=groups)
-    return static_bearing(model.bearing, model.support, model.outer, model.inner, found)
+    bending = model.bending if "bending" in model._fields else Stiff()
+    return static_bearing(model.bearing, model.support, model.outer, model.inner, found, bending)
 
 
-def static_bearing(bearing: Bearing, support: Support, outer: Any, inner: Any, found: Pits) -> Static:
+def static_bearing(
+    bearing: Bearing, support: Support, outer: Any, inner: Any, found: Pits, bending: Any = Stiff()
+) -> Static:
     """A bearing that stands still: of its contact laws only the stiffness."""
-    return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), found)
+    return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), found, bending)
 
 
 def bracket_anchor(case: Case) -> tuple[float, float]:
@@ -51,14 +55,18 @@ def largest_load(case: Case) -> float:
 def healthy_rest(case: Case) -> Rest:
     """The healthy, unsupported bearing at rest, averaged over a ball pass."""
     laws = [Undamped(contacts.stiffness(case, on_outer)) for on_outer in (True, False)]
-    return _rest(geometry.bearing(case), *laws, repr(laws), case.load, case.load_across)
+    ring = None if case.rig.ring is None else bending.of_ring(case)
+    return _rest(geometry.bearing(case), *laws, repr(laws), case.load, case.load_across, ring)
 
 
 @lru_cache(maxsize=OF_A_STUDY)
-def _rest(of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_across: float) -> Rest:
+def _rest(
+    of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_across: float, ring: bending.OfRing | None
+) -> Rest:
     """``healthy_rest``, remembered; ``named`` tells laws apart that are equal as tuples."""
     free = Support(F, F_across, 0.0, 0.0, 0.0, 0.0)
-    model = static_bearing(of_case, free, outer, inner, pack_pits([], Envelope()))
+    bent = Stiff() if ring is None else bending.made(ring)
+    model = static_bearing(of_case, free, outer, inner, pack_pits([], Envelope()), bent)
     return mean_rest(model, lay.buffer(of_case.Z, of_case.m_r))
 
 

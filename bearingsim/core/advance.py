@@ -14,8 +14,10 @@ from bearingsim.core.jit import absent, add, generic, jit
 from bearingsim.core.methods.interface import prepare, reach, stability_ratio, step
 from bearingsim.core.models.interface import (
     begin,
+    bend_at,
     damping_per_mass,
     monitored,
+    read_sensor,
     stiffness_per_mass,
     update_extremes,
 )
@@ -89,14 +91,14 @@ def first_over(row, bound, y, n):
 
 
 @jit
-def approaches_of_bodies(bearing, y, n):
+def approaches_of_bodies(model, y, n):
     """The larger approach (m) of each roller to an undamaged race, as the bodies stand: row APPROACH_NOW."""
-    gap = bearing.gap
+    gap = model.bearing.gap
     u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     i_x, i_y = y[lay.POSITION + lay.X_I], y[lay.POSITION + lay.Y_I]
     for j in range(n):
         c, s, r = y[lay.COS + j], y[lay.SIN + j], y[lay.RADIAL + j]
-        y[lay.APPROACH_NOW + j] = max(r - (u_x * c + u_y * s) - gap, i_x * c + i_y * s - gap - r)
+        y[lay.APPROACH_NOW + j] = max(r - (u_x * c + u_y * s) - gap - bend_at(model, y, j), i_x * c + i_y * s - gap - r)
 
 
 @jit
@@ -137,7 +139,7 @@ def check_state(method, model, monitor, t, y):
         return NOT_FINITE, NO_BODY
     if slow != NO_BODY:
         return STEP_LIMIT_EXCEEDED, slow
-    approaches_of_bodies(model.bearing, y, n)
+    approaches_of_bodies(model, y, n)
     body = first_over(lay.APPROACH_NOW, monitor.approach_bound, y, n)
     if body != NO_BODY:
         return TOO_DEEP, body
@@ -176,6 +178,7 @@ def _take_samples(samples, method, model, t, until, y, places):
     end = min(samples.out.shape[1], floor((until - samples.first) * samples.rate) + 1)
     for k in range(first, end):
         reach(method, model, samples.first + k / samples.rate, y)
+        read_sensor(model, y)
         record(y, places, k, samples.out)
 
 
@@ -198,6 +201,7 @@ def advance_and_sample(method, model, monitor, start, y, places, out, samples):
         take_samples(samples, method, model, (start + n) * method.h, (start + n + 1) * method.h, y, places)
         step(method, model, (start + n) * method.h, y)
         update_extremes(model, y)
+        read_sensor(model, y)
         record(y, places, n, out)
         if y[lay.FAILED] != SUCCESS:
             return n + 1, int(y[lay.FAILED]), int(y[lay.FAILED_BODY])

@@ -34,6 +34,10 @@ Z, Z_C, Z_I = (3 * ROW + n for n in range(3))  # along the bearing's axis: outer
 RING_TILT_X, CAGE_TILT_X, INNER_TILT_X = (4 * ROW + n for n in range(3))  # components of their axes along e_0 (1)
 RING_TILT_Y, CAGE_TILT_Y, INNER_TILT_Y = (5 * ROW + n for n in range(3))  # and along e_90
 POSITION, VELOCITY, ACCELERATION = 0 * STATE, 1 * STATE, 2 * STATE
+# how far the outer ring bends (m): amplitudes of its harmonics, of cosine and of sine; where nothing but the
+# radial motion of the rollers is known, since rollers have these rows elsewhere
+MODES_C, MODES_S = ROW, 2 * ROW
+MAX_MODES = ROW
 
 # rollers, radially (m)
 RADIAL, RADIAL_V, RADIAL_A = (block + FIRST_LANE for block in (POSITION, VELOCITY, ACCELERATION))
@@ -68,6 +72,8 @@ NORMAL_O_R, NORMAL_O_T, RHO_O, TANGENTIAL_V_O = (WORK + n * ROW for n in range(4
 NORMAL_I_R, NORMAL_I_T, RHO_I, TANGENTIAL_V_I = (WORK + n * ROW for n in range(8, 12))
 # on a roller: along e_r, e_theta (N), spin (N m)
 FORCE_R, FORCE_T, TORQUE = (WORK + n * ROW for n in range(12, 15))
+# how far the outer race is bent outwards at each roller (m), and how fast that grows as the roller goes on (m/s)
+BEND, BEND_V = (WORK + n * ROW for n in range(7, 9))
 FRICTION_O, FRICTION_I = (WORK + n * ROW for n in range(15, 17))  # friction at the two contacts (N)
 RHO_V_O, RHO_V_I = (WORK + n * ROW for n in range(17, 19))  # rates of RHO_O, RHO_I of rollers over a pit (m/s)
 # cells, not rows: forces (N) and torques (N m) on ring, cage and inner ring
@@ -75,6 +81,8 @@ F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = range(WORK + 19 * ROW, WORK 
 F_Z, M_X, M_Y, F_Z_C, M_X_C, M_Y_C, F_Z_I, M_X_I, M_Y_I = range(WORK + 19 * ROW + 8, WORK + 19 * ROW + 17)
 M_INNER = WORK + 19 * ROW + 17  # about the axis, on the inner ring (N m)
 LOADS = 18  # cells from F_X to M_INNER
+# cells: radial motion of a ring that bends where its sensor sits: place (m), velocity (m/s), acceleration (m/s^2)
+SENSOR, SENSOR_V, SENSOR_A = range(WORK + 19 * ROW + 18, WORK + 19 * ROW + 21)
 PIT_TORQUE = WORK + 20 * ROW  # of the pits of a roller, on itself (N m)
 WORK_ROWS = 21
 JACOBIAN_WORK = WORK + WORK_ROWS * ROW  # rows that ``linearise`` may use, within one call
@@ -130,6 +138,10 @@ OUTER_CONTACT, INNER_CONTACT, POCKET_CONTACT = (JACOBIAN_WORK + FIRST_LANE + n *
 # of differences (``models/differences.py``): the state about which they are taken (three blocks), rows of what
 # each roller adds to the cells F_X to M_INNER, now and there; cells: their sums there, whether a coordinate moves
 HERE, ROLLER_LOADS, ROLLER_LOADS_HERE, LOADS_HERE = (JACOBIAN_WORK + n * ROW for n in (0, 18, 36, 54))
+
+# of a ring that bends: cosine and sine of each harmonic's angle as the first roller has it; amplitudes (m), and
+# their rates (m/s), as the rollers see them; forces (N) on the amplitudes, as the rollers make them
+TURN_C, TURN_S, SEEN_C, SEEN_S, SEEN_V_C, SEEN_V_S, PUSH_C, PUSH_S = (JACOBIAN_WORK + n * ROW for n in range(54, 62))
 
 # a matrix of the arrow's shape (``methods/arrow.py``): rows of the rollers' own blocks, of what the border does to
 # a roller, of what a roller does to the border; cells of the border's own block

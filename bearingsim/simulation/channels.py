@@ -52,6 +52,13 @@ OF_ROLLER = {
 OF_SLICE = {"outer_line_load": lay.LOAD_O, "inner_line_load": lay.LOAD_I}
 BASE = (*RING_MOTION, lay.LOADED_ROLLERS, CAGE_ANGLE, CAGE_SPEED)
 """What features are computed from, whether it is recorded or not: the first rows of every recording."""
+AT_SENSOR = (lay.SENSOR, lay.SENSOR_V, lay.SENSOR_A)
+"""Of a ring that bends the rows after them: its radial displacement, velocity, acceleration at the sensor."""
+
+
+def base(case: Case) -> tuple[int, ...]:
+    """Places in the buffer of the first rows of the case's recording, which features are computed from."""
+    return BASE if case.rig.ring is None else BASE + AT_SENSOR
 
 
 def place(name: str) -> int:
@@ -66,7 +73,7 @@ def place(name: str) -> int:
 
 
 def recorded(case: Case) -> np.ndarray:
-    """Places (C,) in the buffer that a run of the case records: ``BASE``, then what else it asks for.
+    """Places (C,) in the buffer that a run of the case records: ``base``, then what else it asks for.
 
     Of a roller whose motion may repeat, those of all rollers: what it does later, others have done before it.
     """
@@ -75,7 +82,8 @@ def recorded(case: Case) -> np.ndarray:
         of_roller = asked[lay.lane_of(asked) >= 0]
         rows = np.unique(of_roller - lay.lane_of(of_roller))
         asked = np.concatenate([asked, np.add.outer(rows, np.arange(case.bearing.rollers)).ravel()])
-    return np.array([*BASE, *dict.fromkeys(p for p in asked.tolist() if p not in BASE)], dtype=np.int64)
+    first = base(case)
+    return np.array([*first, *dict.fromkeys(p for p in asked.tolist() if p not in first)], dtype=np.int64)
 
 
 def asked(case: Case, places: np.ndarray) -> np.ndarray:

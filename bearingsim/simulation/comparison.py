@@ -15,7 +15,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.sampling import sampling_kernel
 from bearingsim.simulation import channels, features, record_windows
 from bearingsim.simulation.accuracy import QUIET_LINE
-from bearingsim.simulation.channels import BASE, MOTION
+from bearingsim.simulation.channels import MOTION
 from bearingsim.simulation.integration import Setup
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.repetition import EXTREMES
@@ -111,7 +111,7 @@ def _compared(
     case: Case, raw: RawRecord, fine: np.ndarray, rows: np.ndarray, lines: np.ndarray, peaks: np.ndarray
 ) -> Compared:
     along = {quantity: features.along_sensor(case, rows, quantity) for quantity in MOTION}
-    asked = [row for row in channels.asked(case, raw.places) if row >= len(BASE)]
+    asked = [row for row in channels.asked(case, raw.places) if row >= len(channels.base(case))]
     rest, force = np.stack([*along.values(), *rows[asked]]), peaks[:, FORCE].max()
     return Compared(fine, along["velocity"], rest, lines, float(force))
 
@@ -125,7 +125,7 @@ def of_pilot(setup: Setup, raw: RawRecord, passes: int) -> Compared:
     """What is compared of a pilot: its last so many ball passes."""
     case, cut = setup.case, setup.cut
     start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
-    fine = features.along_sensor(case, raw.read(start, length, features.OF_BASE), "velocity")
+    fine = features.along_sensor(case, raw.read(start, length, features.of_base(case)), "velocity")
     rows = low_passed(setup, raw, start, length) if case.antialias else raw_values(setup, raw.picked, passes)
     lines = np.stack([amplitudes(setup, name, passes, fine) for name in fault_lines(case)])
     before = floor(case.settle * cut.rate + 1e-6)

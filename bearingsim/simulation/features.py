@@ -10,10 +10,11 @@ from bearingsim.catalogue import FEATURES, MODELS, Feature, code
 from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
 from bearingsim.core import layout as lay
+from bearingsim.core.advance import RING_MOTION
 from bearingsim.core.geometry.motion import kinematic_times, speed_factor, steady
 from bearingsim.core.sampling import sampling_kernel
 from bearingsim.errors import UserError
-from bearingsim.simulation.channels import BASE, CAGE_ANGLE, CAGE_SPEED, MOTION, PLACES
+from bearingsim.simulation.channels import AT_SENSOR, BASE, CAGE_ANGLE, CAGE_SPEED, MOTION, PLACES, base
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.record_windows import first_sample, whole_passes, windows
 from bearingsim.simulation.repetition import EXTREMES
@@ -22,9 +23,7 @@ from bearingsim.simulation.time_grid import Grid
 MIN_PASSES = 3
 """Ball passes that a record must hold for lines to be read against a free cage: interpolation takes its ends."""
 
-ROW_OF = {place: row for row, place in enumerate(BASE)}
-OF_BASE = np.arange(len(BASE))
-OF_RING = OF_BASE[:6]  # its displacement, velocity, acceleration
+ROW_OF = {place: row for row, place in enumerate(BASE + AT_SENSOR)}
 OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
 
 
@@ -74,8 +73,20 @@ def _of_extension(one: Feature, case: Case, time: np.ndarray, series: dict[str, 
         raise UserError(f"the feature `{one.name}` of another package ({one.compute}) fails: {error}") from error
 
 
+def of_base(case: Case) -> np.ndarray:
+    """The rows of a recording that features are computed from."""
+    return np.arange(len(base(case)))
+
+
+def of_ring(case: Case) -> np.ndarray:
+    """Those of them that ``along_sensor`` takes."""
+    return np.arange(len(RING_MOTION)) if case.rig.ring is None else of_base(case)
+
+
 def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
-    """A quantity of the ring in the direction the sensor looks."""
+    """A quantity of the ring in the direction the sensor looks; of a ring that bends, where the sensor sits."""
+    if case.rig.ring is not None:
+        return rows[ROW_OF[AT_SENSOR[MOTION.index(quantity)]]]
     x, y = (rows[ROW_OF[PLACES[name]]] for name in dataset_names(f"ring.{quantity}"))
     return cos(case.rig.sensor_angle) * x + sin(case.rig.sensor_angle) * y
 
@@ -110,7 +121,7 @@ def _lines_at_equal_times(case: Case, model: Any, cut: Grid, raw: RawRecord) -> 
     """The lines (harmonics, passes) of each quantity: a kinematic cage passes at equal times."""
     of_record = windows(case, cut, raw, reach=1)
     M, start = of_record.M, of_record.start
-    whole = raw.read(start, of_record.distinct * M + 1, OF_BASE)
+    whole = raw.read(start, of_record.distinct * M + 1, of_base(case))
     lines = _lines_of_passes(case, whole, M, start, cut.rate, case.bearing.rollers * model.bearing.theta_0)
     return {quantity: found[:, of_record.index] for quantity, found in lines.items()}
 
@@ -119,7 +130,7 @@ def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) ->
     """The same where the cage slips: its passes take what time they take. None of a record that is too short."""
     M, start, Z = cut.fine_per_pass, first_sample(case, cut), case.bearing.rollers
     length = whole_passes(case, cut) * M + 1
-    whole = raw.read(start, length, OF_BASE)
+    whole = raw.read(start, length, of_base(case))
     angle = Z * model.bearing.theta_0
     ball_pass = Z * sample_angles(model, cut, start, whole[ROW_OF[CAGE_ANGLE]]).cage - angle
     enough = 2.0 * pi * MIN_PASSES * (1.0 - 1e-9)  # a record of just so many passes may be short by rounding
@@ -178,8 +189,8 @@ def _lines_at_constant_speed(
     M, start = of_record.M, of_record.start
     count = min(len(of_record.index), length // M)
     W = min(of_record.distinct, count)
-    series = [along_sensor(case, raw.read(start, W * M, OF_BASE), q) for q in MOTION[:2]]
-    rest = raw.read(start + count * M, length - count * M, OF_BASE)
+    series = [along_sensor(case, raw.read(start, W * M, of_base(case)), q) for q in MOTION[:2]]
+    rest = raw.read(start + count * M, length - count * M, of_base(case))
     turning = sample_angles(model, cut, start, np.zeros(1))
     angle = np.array([turning.along(line, case.bearing.rollers) for line in LINES.values()])
     from_zero = sample_angles(model, cut, 0, np.zeros(2))  # where angles have all their digits
@@ -199,7 +210,7 @@ def _lines_as_they_turn(
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """The same of bodies whose speeds change."""
     start = first_sample(case, cut)
-    fine = raw.read(start, length, OF_BASE)
+    fine = raw.read(start, length, of_base(case))
     turning = sample_angles(model, cut, start, fine[ROW_OF[CAGE_ANGLE]])
     angles = [turning.along(line, case.bearing.rollers) for line in LINES.values()]
     place, speed = (along_sensor(case, fine, quantity) for quantity in MOTION[:2])
@@ -236,7 +247,7 @@ def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> tuple[dict[str,
     """The motion along the sensor (n,) in the record's distinct passes, and how often each sample occurs."""
     taps = sampling_kernel(cut.fine_rate / case.sampling)
     of_record = windows(case, cut, raw, reach=len(taps) // 2)
-    rows = raw.through(taps).read(of_record.start, of_record.distinct * of_record.M, OF_RING)
+    rows = raw.through(taps).read(of_record.start, of_record.distinct * of_record.M, of_ring(case))
     motion = {quantity: along_sensor(case, rows, quantity) for quantity in MOTION}
     return motion, np.repeat(of_record.weights, of_record.M)
 

@@ -26,6 +26,7 @@ from bearingsim.core.sampling import (
     DECIMATION_REACH,
 )
 from bearingsim.simulation import accuracy, choice, time_grid
+from bearingsim.simulation.channels import BASE
 from bearingsim.simulation.limits import APPROACH_MARGIN, ENERGY_MARGIN, Limits
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.recording import Recording, extend_back, take_peaks
@@ -161,7 +162,7 @@ def integrate(
     if period > 0 and not case.antialias:
         kept.pick_repeated(raw.repetition)
     if MODELS[case.model].memoryless:  # it was never at rest
-        extend_back(raw)
+        extend_back(case, raw)
     return raw
 
 
@@ -210,7 +211,8 @@ def _ball_passes(
         window[:, :tail] = window[:, steps:].copy()
         _record_steps(setup, samples, p * steps, y, places, window[:, tail:], clock)
         if assemble.adaptive(case):
-            differentiate(window, tail, cut.step)
+            for motion in MOTIONS if case.rig.ring is not None else MOTIONS[:1]:
+                differentiate(window, motion, tail, cut.step)
         yield window
 
 
@@ -259,14 +261,18 @@ def _record_steps(
             raise stopped(setup, outcome, body, (start + n) * setup.cut.step)
 
 
-RING_POSITION, RING_VELOCITY, RING_ACCELERATION = slice(0, 2), slice(2, 4), slice(4, 6)  # rows of BASE
+MOTIONS = (
+    (slice(0, 2), slice(2, 4), slice(4, 6)),
+    (slice(len(BASE), len(BASE) + 1), slice(len(BASE) + 1, len(BASE) + 2), slice(len(BASE) + 2, len(BASE) + 3)),
+)
+"""Rows of place, velocity and acceleration in a recording: of the ring, and of a bent one at its sensor."""
 NEIGHBOURS = 4  # columns on each side of a difference
 
 
-def differentiate(window: np.ndarray, first: int, h: float) -> None:
-    """Write the ring's velocity and acceleration as differences of its places, from column ``first`` - NEIGHBOURS.
+def differentiate(window: np.ndarray, motion: tuple[slice, slice, slice], first: int, h: float) -> None:
+    """Write velocity and acceleration as differences of places, from column ``first`` - NEIGHBOURS.
 
-    window: (C, n) in SI, its first rows those of ``BASE``, ``h`` s from column to column; ``first``: at least
+    window: (C, n) in SI, ``h`` s from column to column; motion: rows of it, as of ``MOTIONS``; ``first``: at least
     2 NEIGHBOURS.
 
     An adaptive method takes steps of its own between recorded instants: of a velocity that jumps there, samples
@@ -274,7 +280,7 @@ def differentiate(window: np.ndarray, first: int, h: float) -> None:
     rate of the columns, above which nothing is kept, their velocity is right to 1e-3. The last NEIGHBOURS columns,
     whose neighbours are not all known yet, are written anew by the next pass.
     """
-    place, velocity, push = window[RING_POSITION], window[RING_VELOCITY], window[RING_ACCELERATION]
+    place, velocity, push = (window[rows] for rows in motion)
     n = window.shape[1]
     whole = slice(first - NEIGHBOURS, n - NEIGHBOURS), NEIGHBOURS
     for columns, reach in whole, *((slice(n - 1 - r, n - r), r) for r in range(NEIGHBOURS - 1, 0, -1)):

@@ -18,7 +18,6 @@ from bearingsim.core.sampling import (
     pick,
 )
 from bearingsim.simulation import channels
-from bearingsim.simulation.channels import BASE
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.repetition import EXTREMES, LONGEST_PERIOD, Repetition, may_repeat, turned
 from bearingsim.simulation.time_grid import Grid, samples
@@ -97,7 +96,7 @@ def take_peaks(y: np.ndarray) -> list[float]:
     return found
 
 
-def extend_back(raw: RawRecord) -> None:
+def extend_back(case: Case, raw: RawRecord) -> None:
     """Write what was before t = 0: a revolution of the cage before it was the same.
 
     With pits that turn it was not, and the ring's motion alone is extended, by its first pass: filters reach so
@@ -107,7 +106,8 @@ def extend_back(raw: RawRecord) -> None:
     if raw.repetition.period > 0:
         fine[:, :zero] = raw.read(-zero % turn, zero)
     else:
-        fine[: len(BASE), :zero] = fine[: len(BASE), zero + np.arange(-zero, 0) % raw.M]
+        rows = len(channels.base(case))
+        fine[:rows, :zero] = fine[:rows, zero + np.arange(-zero, 0) % raw.M]
 
 
 def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, picked: np.ndarray) -> None:

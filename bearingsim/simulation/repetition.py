@@ -16,7 +16,7 @@ from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
 from bearingsim.config.rules.passes import ALIKE
 from bearingsim.core import layout as lay
-from bearingsim.core.models.interface import state_width
+from bearingsim.core.models.interface import degrees_of_freedom, harmonics, state_width
 
 CONSTANT = frozenset(
     {
@@ -109,7 +109,9 @@ class Search:
         nothing is to be waited for; close: differences that are small.
         """
         self.places, self.memoryless, self.close, self.Z = places, memoryless, close, model.bearing.Z
-        self.compared = np.r_[0:4, 9 : len(places)]  # the acceleration jumps, and what cages do is of the state
+        self.model = model
+        self.compared = np.r_[0:4, 9 : len(places)]  # accelerations jump, and what cages do is of the state
+        self.compared = self.compared[places[self.compared] != lay.SENSOR_A]
         self.weights = np.zeros(12 * lay.ROW) if memoryless else _lengths(model)
         self.least_peaks = np.array([name == "tilt.max" for name in EXTREMES]) / model.bearing.R_o
         held = int(MOST_HELD // (8 * len(places) * steps))
@@ -174,12 +176,12 @@ class Search:
 
     def _end_difference(self, period: int, ranges: np.ndarray) -> float:
         """The largest difference of the states at the passes' ends, as lengths and speeds."""
-        now, before = (self.ends[-1 - n].reshape(12, lay.ROW).copy() for n in (0, period))
+        now, before = (self.ends[-1 - n].reshape(2, 6, lay.ROW) for n in (0, period))
+        before = turned_state(before, self.model, -period)
         lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + self.Z)
-        before[:, lanes] = np.roll(before[:, lanes], -period, axis=1)
-        of_ring = np.repeat([ranges[:2].max(), ranges[2:4].max()], 6)
-        of_rollers = now[:, lanes].max(axis=1) - now[:, lanes].min(axis=1)
-        return _over(np.abs(now - before).max(axis=1), np.maximum(of_ring, of_rollers))
+        of_ring = np.array([[ranges[:2].max()], [ranges[2:4].max()]])
+        of_rollers = now[:, :, lanes].max(axis=2) - now[:, :, lanes].min(axis=2)
+        return _over(np.abs(now - before).max(axis=2), np.maximum(of_ring, of_rollers))
 
 
 def turned(places: np.ndarray, Z: int, m: int) -> np.ndarray:
@@ -188,6 +190,14 @@ def turned(places: np.ndarray, Z: int, m: int) -> np.ndarray:
     partner = np.where(lane >= 0, places - lane + (lane + m) % Z, places)
     row_of = {int(place): row for row, place in enumerate(places)}
     return np.array([row_of[int(place)] for place in partner])
+
+
+def turned_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:
+    """Positions and velocities (2, 6, ROW) with each roller in the place of another, so many ball passes away."""
+    found, own = state.copy(), degrees_of_freedom(model)[0]
+    lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + model.bearing.Z)
+    found[:, :own, lanes] = np.roll(found[:, :own, lanes], passes, axis=2)
+    return found
 
 
 def _lengths(model: Any) -> np.ndarray:
@@ -201,6 +211,8 @@ def _lengths(model: Any) -> np.ndarray:
     cells[:, 3] = 1.0
     cells[:, 0, [lay.X, lay.Y, lay.X_C, lay.Y_C, lay.X_I, lay.Y_I]] = 1.0
     cells[0, 2, lay.FIRST_LANE :] = 0.0
+    if harmonics(model) > 0:  # lengths, where other models have the rollers' angles
+        cells[:, 1:3] = 1.0
     cells.reshape(2, -1)[:, state_width(model) :] = 0.0
     return cells.ravel()
 

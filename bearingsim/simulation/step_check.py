@@ -134,18 +134,16 @@ def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
     fine = set_up(whole, coarse.part * shorter(cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
     most = MOST_FINER_PASSES[0] * raw.repetition.computed + MOST_FINER_PASSES[1]
     fine = replace(fine, cut=replace(fine.cut, passes=min(fine.cut.passes, most)))
-    other = integrate(fine, start=by_place(raw), close=CLOSE_TO_ORBIT)
+    other = integrate(fine, start=by_place(coarse, raw), close=CLOSE_TO_ORBIT)
     if other.repetition.period == 0:
         return None
     return StepCheck(*compare(*(of_orbit(setup, one) for setup, one in ((coarse, raw), (fine, other)))))
 
 
-def by_place(raw: RawRecord) -> np.ndarray:
+def by_place(coarse: Setup, raw: RawRecord) -> np.ndarray:
     """The state at the end of a run whose motion repeats itself, as if it were t = 0: (2, 6, ROW)."""
     state = raw.y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW).copy()
-    lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + raw.Z)
-    state[:, :, lanes] = np.roll(state[:, :, lanes], raw.repetition.computed, axis=2)
-    return state
+    return turned_state(state, coarse.model, raw.repetition.computed)
 
 
 def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[StepCheck, bool]:

@@ -5,30 +5,30 @@ import pytest
 
 from bearingsim.simulation import automatic_step, limits
 from bearingsim.simulation.integration import (
+    MOTIONS,
     NEIGHBOURS,
-    RING_ACCELERATION,
-    RING_POSITION,
-    RING_VELOCITY,
     difference_weights,
     differentiate,
 )
 from bearingsim.simulation.simulate import simulate
 from tests.scenes.short_cases import SLOT, case
 
+RING = MOTIONS[0]
+PLACE, VELOCITY, ACCELERATION = RING
 H, TAIL, STEPS = 1e-3, 16, 50
 
 
 def recorded(place, passes=3):
     """Velocity and acceleration of ``place``(t), pass by pass as a run writes them."""
     window, found = np.zeros((6, TAIL + STEPS)), []
-    window[RING_POSITION] = place(H * np.arange(-TAIL - STEPS, 0))
+    window[PLACE] = place(H * np.arange(-TAIL - STEPS, 0))
     for p in range(passes):
         window[:, :TAIL] = window[:, STEPS:].copy()
         t = H * np.arange(p * STEPS - TAIL, (p + 1) * STEPS)
-        window[RING_POSITION, TAIL:] = place(t[TAIL:])
-        differentiate(window, TAIL, H)
+        window[PLACE, TAIL:] = place(t[TAIL:])
+        differentiate(window, RING, TAIL, H)
         whole = slice(TAIL - NEIGHBOURS, TAIL + STEPS - NEIGHBOURS)
-        found.append((t[whole], window[RING_VELOCITY, whole].copy(), window[RING_ACCELERATION, whole].copy()))
+        found.append((t[whole], window[VELOCITY, whole].copy(), window[ACCELERATION, whole].copy()))
     return (np.concatenate(one, axis=-1) for one in zip(*found, strict=True))
 
 

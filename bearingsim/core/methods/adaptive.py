@@ -25,7 +25,7 @@ from bearingsim.core.jit import add, generic, jit
 from bearingsim.core.methods.interface import attempt, interpolate, no_limit, prepare, reach, stability_ratio, step
 from bearingsim.core.models.arms import roller_arms, shared_arms
 from bearingsim.core.models.extremes import copy_forces, update_forces_within
-from bearingsim.core.models.interface import accelerations, degrees_of_freedom, state_width, update_extremes
+from bearingsim.core.models.interface import accelerations, degrees_of_freedom, harmonics, state_width, update_extremes
 from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
 from bearingsim.core.parameters import lanes
 from bearingsim.core.pits.jumps import next_jump
@@ -140,6 +140,8 @@ def fill_length_scales(model, y):
     for i in range(own):
         for j in range(b.Z):
             y[LENGTH_SCALE + lay.FIRST_LANE + i * lay.ROW + j] = of_roller[i]
+    for i in range(harmonics(model)):
+        y[LENGTH_SCALE + lay.MODES_C + i] = y[LENGTH_SCALE + lay.MODES_S + i] = 1.0
 
 
 @jit

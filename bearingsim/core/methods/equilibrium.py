@@ -8,8 +8,10 @@ out right.
 from typing import NamedTuple
 
 from bearingsim.core import layout as lay
+from bearingsim.core.jit import jit
 from bearingsim.core.methods.interface import MethodKind, no_limit, stability_ratio, step
 from bearingsim.core.models.equilibrium import find_rest
+from bearingsim.core.parts.bending import read_sensor
 
 
 class Equilibrium(NamedTuple):
@@ -18,19 +20,26 @@ class Equilibrium(NamedTuple):
     h: float
 
 
+@jit
+def place_at(model, t, y):
+    """The ring's place at rest at time ``t`` (s), and that of a bent one at its sensor (m)."""
+    find_rest(model, t, y)
+    read_sensor(model.bending, y)
+    return y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], y[lay.SENSOR]
+
+
 @step.register(Equilibrium)
 def _step(method, model, t, y):
     h = method.h
-    find_rest(model, t, y)
-    x_0, y_0 = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
-    find_rest(model, t + 2.0 * h, y)
-    x_2, y_2 = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
-    find_rest(model, t + h, y)
-    x_1, y_1 = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
+    x_0, y_0, w_0 = place_at(model, t, y)
+    x_2, y_2, w_2 = place_at(model, t + 2.0 * h, y)
+    x_1, y_1, w_1 = place_at(model, t + h, y)
     y[lay.VELOCITY + lay.X] = (x_2 - x_0) / (2.0 * h)
     y[lay.VELOCITY + lay.Y] = (y_2 - y_0) / (2.0 * h)
+    y[lay.SENSOR_V] = (w_2 - w_0) / (2.0 * h)
     y[lay.ACCELERATION + lay.X] = (x_2 - 2.0 * x_1 + x_0) / (h * h)
     y[lay.ACCELERATION + lay.Y] = (y_2 - 2.0 * y_1 + y_0) / (h * h)
+    y[lay.SENSOR_A] = (w_2 - 2.0 * w_1 + w_0) / (h * h)
 
 
 stability_ratio.register(Equilibrium)(no_limit)

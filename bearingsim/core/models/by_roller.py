@@ -17,7 +17,7 @@ import numpy as np
 
 from bearingsim.core import layout as lay
 from bearingsim.core.jit import absent, generic, inlined
-from bearingsim.core.models.interface import accelerations, degrees_of_freedom, state_width
+from bearingsim.core.models.interface import accelerations, degrees_of_freedom, harmonics, state_width
 from bearingsim.core.parameters import lanes
 
 
@@ -110,6 +110,24 @@ def kick_roller(motion, own, y, j):
 
 
 @inlined
+def drift_harmonics(model, motion, y):
+    """``drift`` of how far the outer ring is bent."""
+    for i in range(harmonics(model)):
+        drift(motion, y, lay.MODES_C + i)
+    for i in range(harmonics(model)):
+        drift(motion, y, lay.MODES_S + i)
+
+
+@inlined
+def kick_harmonics(model, motion, y):
+    """``kick`` of the same."""
+    for i in range(harmonics(model)):
+        kick(motion, y, lay.MODES_C + i)
+    for i in range(harmonics(model)):
+        kick(motion, y, lay.MODES_S + i)
+
+
+@inlined
 def load_rollers(model, motion, at, y, n):
     """The first loop over rollers."""
     own, _ = degrees_of_freedom(model)
@@ -132,11 +150,13 @@ def roller_by_roller(model, motion, t, y):
     n, (_, common) = lanes(model.bearing), degrees_of_freedom(model)
     for k in range(common):
         drift(motion, y, lay.shared_cell(k))
+    drift_harmonics(model, motion, y)
     at = shared(model, t, y)
     load_rollers(model, motion, at, y, n)
     felt = accelerate_shared(model, at, t, y)
     for k in range(common):
         kick(motion, y, lay.shared_cell(k))
+    kick_harmonics(model, motion, y)
     accelerate_rollers(model, motion, at, felt, y, n)
 
 

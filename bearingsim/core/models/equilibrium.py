@@ -10,17 +10,18 @@ rests on the outer race. ``static`` takes one such equilibrium per step; every m
 """
 
 from math import cos, hypot, pi, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import jit
+from bearingsim.core.jit import generic, jit
 from bearingsim.core.laws.damping.interface import damping_bound, in_series
 from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.laws.stiffness.series import series_share
 from bearingsim.core.models.outer_ring import static_force
-from bearingsim.core.parameters import kinematic_angles
+from bearingsim.core.parameters import kinematic_angles, lanes
+from bearingsim.core.parts.bending import Stiff, bend, bend_race
 from bearingsim.core.pits.on_roller import elastic_over_pit, is_masked, roller_at_pit
 from bearingsim.core.pits.pairs import HALF_WIDTH, INNER, OUTER, SIDE
 
@@ -113,10 +114,11 @@ def balance_rollers(model, t, y):
     locate_pits(model, t, y)
     theta_c, _, _ = kinematic_angles(bearing, t)
     C, S = cos(theta_c), sin(theta_c)
+    bend_race(model.bending, C, S, bearing.omega_c, y, lanes(bearing))
     for j in range(bearing.Z):
         c = C * y[lay.COS_0 + j] - S * y[lay.SIN_0 + j]
         s = S * y[lay.COS_0 + j] + C * y[lay.SIN_0 + j]
-        u_r = y[lay.POSITION + lay.X] * c + y[lay.POSITION + lay.Y] * s
+        u_r = y[lay.POSITION + lay.X] * c + y[lay.POSITION + lay.Y] * s + bend(model.bending, y, j)
         q = roller_balance(model, y, j, u_r)
         y[lay.COS + j], y[lay.SIN + j], y[lay.RADIAL + j] = c, s, q
         outer, inner = q - u_r - bearing.gap, -bearing.gap - q
@@ -192,11 +194,21 @@ def line_search(model, t, y, d_x, d_y, push):
 
 @jit
 def find_rest(model, t, y):
-    """Put ring and rollers at rest at time ``t`` (s), starting from the ring position in ``y``.
+    """Put ring and rollers at rest at time ``t`` (s), starting from where the ring stands in ``y``.
 
     Newton on the net force with a line search on the energy's slope. Returns the residual force (N);
     velocities are left alone.
     """
+    return settle(model.bending, model, t, y)
+
+
+@generic
+def settle(bending: Any, model: Any, t: float, y: np.ndarray) -> float:
+    """``find_rest`` of a ring that bends so."""
+
+
+@settle.register(Stiff)
+def _settle(bending, model, t, y):
     goal = RESIDUAL * (hypot(model.support.F, model.support.F_across) + 1e-3)
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)

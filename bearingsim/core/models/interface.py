@@ -22,6 +22,12 @@ def state_width(model: Any) -> int:
     """Entries of a row that the model's state takes (the ring's, then the lanes in use)."""
 
 
+@generic(inline="late", otherwise=0)
+def harmonics(model: Any) -> int:
+    """How many harmonics of its outer ring a model knows (``parts/bending.py``), those of sine counted as one with
+    those of cosine."""
+
+
 @generic
 def accelerations(model: Any, t: float, y: np.ndarray) -> None:
     """Fill the acceleration and contact rows of ``y`` from its position and velocity rows at time ``t`` (s)."""
@@ -35,6 +41,16 @@ def begin(model: Any, t: float, y: np.ndarray) -> None:
 @generic
 def update_extremes(model: Any, y: np.ndarray) -> None:
     """Take the state of ``y``, at which a step has ended, into the running maxima; count who carries load."""
+
+
+@generic(inline="late", otherwise=0.0)
+def bend_at(model: Any, y: np.ndarray, j: int) -> float:
+    """How far the outer race is bent outwards at roller ``j``, m."""
+
+
+@generic(otherwise=None)
+def read_sensor(model: Any, y: np.ndarray) -> None:
+    """Fill the cells that are recorded of a state and are no part of it."""
 
 
 @generic(inline="late")

@@ -7,7 +7,8 @@
 
 (A pit of a roller counts in h at each of its contacts, sliding past at R_w omega_b.) The position of a roller is
 kept as its displacement q from the middle of the clearance, r = d_m/2 + q: 0.03 m would cost 2 of 16 digits. Left
-out: friction, tangential motion, tilt, the bending of the rings.
+out: friction, tangential motion, tilt, the bending of the rings (that of the outer one may be kept:
+``parts/bending.py``, which then takes w(theta_j) off delta_o and its rate off v_o).
 """
 
 from typing import Any, NamedTuple
@@ -22,16 +23,20 @@ from bearingsim.core.models.interface import (
     ModelKind,
     accelerations,
     begin,
+    bend_at,
     damping_per_mass,
     degrees_of_freedom,
+    harmonics,
     linearise,
     monitored,
+    read_sensor,
     state_width,
     stiffness_per_mass,
     update_extremes,
 )
 from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, push_ring, turn_roller, turning
 from bearingsim.core.parameters import Bearing, Support, lanes
+from bearingsim.core.parts import bending
 from bearingsim.core.pits.jumps import next_jump, next_jump_evenly
 from bearingsim.core.pits.on_roller import (
     correct_contact,
@@ -46,18 +51,27 @@ K_O, C_O, K_I, C_I = (lay.WORK + n * lay.ROW for n in range(4))  # how a contact
 
 
 class Rollers(NamedTuple):
-    """Parameters of the model; ``outer``, ``inner``: the contact laws (``laws/damping``) at the two races."""
+    """Parameters of the model; ``outer``, ``inner``: the contact laws (``laws/damping``) at the two races; bending:
+    that of the outer ring.
+    """
 
     bearing: Bearing
     support: Support
     outer: Any
     inner: Any
     pits: Pits
+    bending: Any
 
 
 @state_width.register(Rollers)
 def _state_width(model):
-    return lay.FIRST_LANE + lanes(model.bearing)
+    bent = harmonics(model)
+    return lay.MODES_S + bent if bent > 0 else lay.FIRST_LANE + lanes(model.bearing)
+
+
+@harmonics.register(Rollers)
+def _harmonics(model):
+    return bending.harmonics(model.bending)
 
 
 @monitored.register(Rollers)
@@ -72,23 +86,25 @@ by_roller(Rollers)
 
 @shared.register(Rollers)
 def _shared(model, t, y):
-    return turning(model, t, y)
+    at = turning(model, t, y)
+    bending.bend_race(model.bending, at.C, at.S, model.bearing.omega_c, y, lanes(model.bearing))
+    return at
 
 
 @inlined
-def approach_races(bearing, at, c, s, y, j):
+def approach_races(model, at, c, s, y, j):
     """Approaches and their rates of both contacts of roller ``j`` over an undamaged race."""
-    r, v = y[lay.RADIAL + j], y[lay.RADIAL_V + j]
-    y[lay.DELTA_O + j] = r - (at.u_x * c + at.u_y * s) - bearing.gap
-    y[lay.V_O + j] = v - (at.w_x * c + at.w_y * s)
-    y[lay.DELTA_I + j] = -bearing.gap - r
+    gap, r, v = model.bearing.gap, y[lay.RADIAL + j], y[lay.RADIAL_V + j]
+    y[lay.DELTA_O + j] = r - (at.u_x * c + at.u_y * s) - gap - bending.bend(model.bending, y, j)
+    y[lay.V_O + j] = v - (at.w_x * c + at.w_y * s) - bending.bend_rate(model.bending, y, j)
+    y[lay.DELTA_I + j] = -gap - r
     y[lay.V_I + j] = -v
 
 
 @load_roller.register(Rollers)
 def _load_roller(model, at, y, j):
     c, s = turn_roller(at, y, j)
-    approach_races(model.bearing, at, c, s, y, j)
+    approach_races(model, at, c, s, y, j)
     y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
     push_ring(y, j)
@@ -120,6 +136,7 @@ def correct_for_pit(model, d, j, s, t, y):
 def _accelerate_shared(model, at, t, y):
     correct_for_pits(model, t, y)
     accelerate_ring(model, at, y)
+    bending.accelerate_harmonics(model.bending, y)
 
 
 @accelerate_roller.register(Rollers)
@@ -137,18 +154,28 @@ def _begin(model, t, y):
 update_extremes.register(Rollers)(update_forces)
 
 
+@bend_at.register(Rollers)
+def _bend_at(model, y, j):
+    return bending.bend(model.bending, y, j)
+
+
+@read_sensor.register(Rollers)
+def _read_sensor(model, y):
+    bending.read_sensor(model.bending, y)
+
+
 @stiffness_per_mass.register(Rollers)
 def _stiffness_per_mass(model, y, j):
     outer = stiffness_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = stiffness_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
-    return y[lay.INVERSE_MASS + j] * (outer + inner)
+    return bending.with_race(model.bending, y[lay.INVERSE_MASS + j] * (outer + inner), y[lay.INVERSE_MASS + j], outer)
 
 
 @damping_per_mass.register(Rollers)
 def _damping_per_mass(model, y, j):
     outer = damping_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = damping_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
-    return y[lay.INVERSE_MASS + j] * (outer + inner)
+    return y[lay.INVERSE_MASS + j] * (outer + inner) + bending.race_mobility(model.bending) * outer
 
 
 @degrees_of_freedom.register(Rollers)
@@ -177,7 +204,7 @@ def _linearise(model, t, y):
     bearing = model.bearing
     n, at = lanes(bearing), shared(model, t, y)
     for j in range(n):
-        approach_races(bearing, at, y[lay.COS + j], y[lay.SIN + j], y, j)
+        approach_races(model, at, y[lay.COS + j], y[lay.SIN + j], y, j)
         y[K_O + j], y[C_O + j] = slopes(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
         y[K_I + j], y[C_I + j] = slopes(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
     slopes_over_pits(model, t, y)

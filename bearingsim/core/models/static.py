@@ -7,6 +7,7 @@ of the ring as rollers sink into a pit.
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
+from bearingsim.core.models import bent_rest  # noqa: F401  (registers how a bent ring comes to rest)
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import ModelKind, solved, state_width, update_extremes
 from bearingsim.core.parameters import Bearing, Support
@@ -15,13 +16,16 @@ from bearingsim.core.pits.pairs import Pits
 
 
 class Static(NamedTuple):
-    """Parameters of the model; ``bearing.m_r`` must be 0, the ring's mass and the damping are not used."""
+    """Parameters of the model; ``bearing.m_r`` must be 0, the ring's mass and the damping are not used. bending: that
+    of the outer ring.
+    """
 
     bearing: Bearing
     support: Support
     outer: Any
     inner: Any
     pits: Pits
+    bending: Any
 
 
 solved(Static)

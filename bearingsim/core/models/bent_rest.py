@@ -1,0 +1,184 @@
+"""The static equilibrium of a bearing whose outer ring bends.
+
+The unknowns are the ring's place and the amplitudes of its harmonics, p. Each roller finds its own balance as it
+does under a stiff ring (``equilibrium.py``), and Newton's method with a line search solves
+
+    g_k(p) = f_k - K_k p_k + sum_j Q_o,j(p) phi_k(theta_j) = 0,   phi: cos, sin of theta_j and of n theta_j,
+
+which is minus the gradient of a convex energy. The matrix is diag(K) + sum_j k_j phi phi^T, by Cholesky.
+"""
+
+from math import sqrt
+
+from bearingsim.core import layout as lay
+from bearingsim.core.jit import inlined, jit
+from bearingsim.core.laws.stiffness.interface import tangent
+from bearingsim.core.models.equilibrium import K_SERIES, MAX_STEPS, RESIDUAL, balance_rollers, net_force, settle
+from bearingsim.core.parts.bending import PER_MASS_C, PER_MASS_S, Bending, K, force_on_harmonic, harmonics, push_harmonics
+
+# rows as in a state: where a search begins, which way it goes (m), the force (N) there; what a roller does to it (1)
+FROM, WAY, FORCE, PHI = (lay.JACOBIAN_WORK + n * lay.ROW for n in (62, 65, 68, 71))
+MATRIX = lay.POSITION_JACOBIAN  # N/m, row by row; implicit methods do not know such a ring
+LONGEST_STEP = 1e-4  # m
+UNSUPPORTED = 1e-8  # of a contact's stiffness: what keeps the step finite where a ring hangs on one roller
+
+
+@inlined
+def unknowns(bending):
+    """How many unknowns there are."""
+    return 2 + 2 * harmonics(bending)
+
+
+@inlined
+def cell(bending, k):
+    """Where unknown ``k`` stands in a block of the state."""
+    n = harmonics(bending)
+    return k if k < 2 else (lay.MODES_C + k - 2 if k < 2 + n else lay.MODES_S + k - 2 - n)
+
+
+@jit
+def fill_force(bending, model, y):
+    """Fill FORCE from the rows that ``balance_rollers`` filled; its size (N)."""
+    y[FORCE + lay.X], y[FORCE + lay.Y] = net_force(model, y)
+    push_harmonics(bending, y)
+    for i in range(harmonics(bending)):
+        f_c, f_s = force_on_harmonic(bending, y, i)
+        there_c, there_s = bending.of_harmonic[PER_MASS_C, i] > 0.0, bending.of_harmonic[PER_MASS_S, i] > 0.0
+        y[FORCE + lay.MODES_C + i] = (
+            f_c - bending.of_harmonic[K, i] * y[lay.POSITION + lay.MODES_C + i] if there_c else 0.0
+        )
+        y[FORCE + lay.MODES_S + i] = (
+            f_s - bending.of_harmonic[K, i] * y[lay.POSITION + lay.MODES_S + i] if there_s else 0.0
+        )
+    total = 0.0
+    for k in range(unknowns(bending)):
+        total += y[FORCE + cell(bending, k)] ** 2
+    return sqrt(total)
+
+
+@jit
+def fill_matrix(bending, model, y):
+    """Fill the lower half of MATRIX."""
+    N, H = unknowns(bending), harmonics(bending)
+    for k in range(N):
+        for m in range(k + 1):
+            y[MATRIX + k * N + m] = 0.0
+    own = model.support.k_b + UNSUPPORTED * tangent(model.outer.stiffness, 1e-7)
+    y[MATRIX], y[MATRIX + N + 1] = own, own
+    for i in range(H):
+        y[MATRIX + (2 + i) * (N + 1)] = bending.of_harmonic[K, i] if bending.of_harmonic[PER_MASS_C, i] > 0.0 else 1.0
+        y[MATRIX + (2 + H + i) * (N + 1)] = bending.of_harmonic[K, i] if bending.of_harmonic[PER_MASS_S, i] > 0.0 else 1.0
+    for j in range(model.bearing.Z):
+        if y[K_SERIES + j] > 0.0:
+            add_roller(bending, y, j, N)
+
+
+@jit
+def add_roller(bending, y, j, N):
+    """Add what roller ``j`` offers to MATRIX of ``N`` rows."""
+    y[PHI], y[PHI + 1] = y[lay.COS + j], y[lay.SIN + j]
+    H = harmonics(bending)
+    for i in range(H):
+        c, s = bending.by_roller[0, j, i], bending.by_roller[1, j, i]
+        C, S = y[lay.TURN_C + i], y[lay.TURN_S + i]
+        y[PHI + 2 + i] = c * C - s * S if bending.of_harmonic[PER_MASS_C, i] > 0.0 else 0.0
+        y[PHI + 2 + H + i] = s * C + c * S if bending.of_harmonic[PER_MASS_S, i] > 0.0 else 0.0
+    for k in range(N):
+        stiff = y[K_SERIES + j] * y[PHI + k]
+        for m in range(k + 1):
+            y[MATRIX + k * N + m] += stiff * y[PHI + m]
+
+
+@jit
+def solve(y, N):
+    """Turn MATRIX into its Cholesky factor, and the ``N`` numbers at PHI into the solution to them."""
+    for k in range(N):
+        for m in range(k + 1):
+            total = y[MATRIX + k * N + m]
+            for i in range(m):
+                total -= y[MATRIX + k * N + i] * y[MATRIX + m * N + i]
+            y[MATRIX + k * N + m] = sqrt(total) if m == k else total / y[MATRIX + m * N + m]
+    for k in range(N):
+        for m in range(k):
+            y[PHI + k] -= y[MATRIX + k * N + m] * y[PHI + m]
+        y[PHI + k] /= y[MATRIX + k * N + k]
+    for k in range(N - 1, -1, -1):
+        for m in range(k + 1, N):
+            y[PHI + k] -= y[MATRIX + m * N + k] * y[PHI + m]
+        y[PHI + k] /= y[MATRIX + k * N + k]
+
+
+@jit
+def choose_way(bending, model, y):
+    """Fill WAY with Newton's step (m), shortened if need be; the force's push along it (N m)."""
+    N = unknowns(bending)
+    fill_matrix(bending, model, y)
+    for k in range(N):
+        y[PHI + k] = y[FORCE + cell(bending, k)]
+    solve(y, N)
+    longest = 0.0
+    for k in range(N):
+        longest = max(longest, abs(y[PHI + k]))
+    shorter = min(1.0, LONGEST_STEP / max(longest, 1e-300))
+    for k in range(N):
+        y[WAY + cell(bending, k)] = shorter * y[PHI + k]
+    return push_along(bending, y)
+
+
+@jit
+def push_along(bending, y):
+    """The force's push along WAY (N m)."""
+    total = 0.0
+    for k in range(unknowns(bending)):
+        total += y[FORCE + cell(bending, k)] * y[WAY + cell(bending, k)]
+    return total
+
+
+@jit
+def go(bending, model, t, y, part):
+    """Stand at FROM and ``part`` of WAY; the force's size (N) there."""
+    for k in range(unknowns(bending)):
+        i = cell(bending, k)
+        y[lay.POSITION + i] = y[FROM + i] + part * y[WAY + i]
+    balance_rollers(model, t, y)
+    return fill_force(bending, model, y)
+
+
+@jit
+def search_along(bending, model, t, y, push):
+    """Go along WAY until the force no longer pushes that way; the full length if it never stops.
+
+    ``push`` is that at its start. Returns the size of the force (N) at the end.
+    """
+    for k in range(unknowns(bending)):
+        i = cell(bending, k)
+        y[FROM + i] = y[lay.POSITION + i]
+    size = go(bending, model, t, y, 1.0)
+    here = push_along(bending, y)
+    if abs(here) <= 0.5 * push or here > 0.0:
+        return size
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        part = 0.5 * (low + high)
+        size = go(bending, model, t, y, part)
+        here = push_along(bending, y)
+        if abs(here) <= 0.5 * push:
+            break
+        if here > 0.0:
+            low = part
+        else:
+            high = part
+    return size
+
+
+@settle.register(Bending)
+def _settle(bending, model, t, y):
+    goal = RESIDUAL * (abs(model.support.F) + abs(model.support.F_across) + 1e-3)
+    balance_rollers(model, t, y)
+    size = fill_force(bending, model, y)
+    for _ in range(MAX_STEPS):
+        if size <= goal:
+            break
+        push = choose_way(bending, model, y)
+        size = search_along(bending, model, t, y, push)
+    return size

@@ -1,0 +1,225 @@
+"""The bending of the outer ring, as harmonics of its radial displacement.
+
+    w(theta) = sum_n a_n cos(n theta) + b_n sin(n theta),   n = 0, 2, 3, ...
+
+(n = 1 is the ring's rigid motion.) The amplitudes obey
+
+    m_n a_n'' + c_n a_n' + k_n a_n = f_n + sum_j Q_o,j cos(n theta_j)
+
+and the like with sines; f_n is what the given load does to them. Rollers stand evenly spaced, so all that depends
+on their number is a table: with theta_j = theta_c + phi_j
+
+    w(theta_j) = sum_n A_n cos(n phi_j) + B_n sin(n phi_j),   A_n + i B_n = (a_n + i b_n) exp(-i n theta_c).
+
+A roller goes along the bent race, so its outer contact closes by w_t + omega_c w_theta less than over a stiff ring.
+Virtual work gives the forces on the amplitudes; what the cage then does to push a roller uphill is what the rate
+takes (docs/ring.md).
+"""
+
+from math import sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim.core import layout as lay
+from bearingsim.core.jit import absent, generic, inlined
+from bearingsim.core.sums import lane_sum
+from bearingsim.core.vectors import sum_harmonics, sum_rollers
+
+
+@absent
+class Stiff(NamedTuple):
+    """The outer ring keeps its shape."""
+
+
+class Bending(NamedTuple):
+    """A ring that bends, in H harmonics: n = 2, 3, ..., then n = 0, then what pads them to a multiple of 8.
+
+    of_harmonic: (10, H), its rows as named below; at_rollers: (2, real ones of H, lanes) cos(n phi_j) and
+    sin(n phi_j); by_roller: (2, Z, H), the same; breathing: which harmonic is n = 0; mobility: of the bent race at a point,
+    what a force there gives its acceleration (1/kg); highest: the largest K_M (1/s^2); sensor_x, sensor_y: cosine
+    and sine of the sensor's angle.
+    """
+
+    of_harmonic: np.ndarray
+    at_rollers: np.ndarray
+    by_roller: np.ndarray
+    breathing: int
+    mobility: float
+    highest: float
+    sensor_x: float
+    sensor_y: float
+
+
+# rows: number; stiffness of an amplitude (N/m), over its mass (1/s^2); damping over mass (1/s); 1/mass (1/kg) of
+# cosines and sines, 0 of what is none; the given load on them (N); cos and sin of n times the sensor's angle
+N, K, K_M, C_M, PER_MASS_C, PER_MASS_S, LOAD_C, LOAD_S, SENSOR_C, SENSOR_S = range(10)
+
+
+@generic(inline="late", absent=0)
+def harmonics(bending: Any) -> int:
+    """How many harmonics the ring has, padded."""
+
+
+@harmonics.register(Bending)
+def _harmonics(bending):
+    return bending.of_harmonic.shape[1]
+
+
+@generic(inline="late", absent=None)
+def bend_race(bending: Any, C: float, S: float, omega_c: float, y: np.ndarray, rollers: int) -> None:
+    """Fill the rows BEND and BEND_V of so many ``rollers`` (lanes), the first at the angle of cosine C, sine S.
+
+    omega_c: speed of the cage, rad/s.
+    """
+
+
+@generic(inline="late", absent=0.0)
+def bend(bending: Any, y: np.ndarray, j: int) -> float:
+    """How far the race is bent outwards at roller ``j``, m."""
+
+
+@generic(inline="late", absent=0.0)
+def bend_rate(bending: Any, y: np.ndarray, j: int) -> float:
+    """How fast that grows as the roller goes on, m/s."""
+
+
+@generic(inline="late", absent=None)
+def accelerate_harmonics(bending: Any, y: np.ndarray) -> None:
+    """The amplitudes' accelerations, from the rollers' forces Q_O; ``bend_race`` has been called."""
+
+
+@generic(inline="late", absent=None)
+def read_sensor(bending: Any, y: np.ndarray) -> None:
+    """Fill the cells SENSOR: the ring's radial motion where the sensor sits."""
+
+
+def of_the_roller(bending, K, per_mass, k):
+    """``with_race`` of a stiff ring."""
+    return K
+
+
+@generic(inline="late", absent=of_the_roller)
+def with_race(bending: Any, K: float, per_mass: float, k: float) -> float:
+    """An upper bound of the stiffness over mass (1/s^2) of a roller on a race that bends.
+
+    K: of the roller alone, 1/s^2; per_mass: 1/kg of it; k: stiffness of its outer contact, N/m.
+    """
+
+
+@generic(inline="late", absent=0.0)
+def race_mobility(bending: Any) -> float:
+    """What a force at a point of the bent race gives its acceleration, 1/kg."""
+
+
+@with_race.register(Bending)
+def _with_race(bending, K, per_mass, k):
+    of_race = bending.highest + k * bending.mobility
+    half = 0.5 * (K - of_race)
+    return 0.5 * (K + of_race) + sqrt(half * half + k * k * bending.mobility * per_mass)
+
+
+@race_mobility.register(Bending)
+def _race_mobility(bending):
+    return bending.mobility
+
+
+@bend.register(Bending)
+def _bend(bending, y, j):
+    return y[lay.BEND + j]
+
+
+@bend_rate.register(Bending)
+def _bend_rate(bending, y, j):
+    return y[lay.BEND_V + j]
+
+
+@inlined
+def turn_harmonics(bending, C, S, y):
+    """Fill TURN_C, TURN_S: cosine and sine of n times the angle of cosine C, sine S."""
+    c_2, s_2 = C * C - S * S, 2.0 * S * C
+    c_4, s_4 = c_2 * c_2 - s_2 * s_2, 2.0 * s_2 * c_2
+    c_8, s_8 = c_4 * c_4 - s_4 * s_4, 2.0 * s_4 * c_4
+    y[lay.TURN_C], y[lay.TURN_S] = c_2, s_2
+    y[lay.TURN_C + 1], y[lay.TURN_S + 1] = c_2 * C - s_2 * S, s_2 * C + c_2 * S
+    for i in range(2, 8):  # the angle of harmonic i + 2 is that of i - 2, and four times the angle more
+        c = C if i == 3 else (1.0 if i == 2 else y[lay.TURN_C + i - 4])
+        s = S if i == 3 else (0.0 if i == 2 else y[lay.TURN_S + i - 4])
+        y[lay.TURN_C + i], y[lay.TURN_S + i] = c * c_4 - s * s_4, s * c_4 + c * s_4
+    for i in range(8, bending.of_harmonic.shape[1]):
+        c, s = y[lay.TURN_C + i - 8], y[lay.TURN_S + i - 8]
+        y[lay.TURN_C + i], y[lay.TURN_S + i] = c * c_8 - s * s_8, s * c_8 + c * s_8
+    y[lay.TURN_C + bending.breathing], y[lay.TURN_S + bending.breathing] = 1.0, 0.0
+
+
+@inlined
+def turn_amplitudes(bending, omega_c, y):
+    """Fill SEEN: the amplitudes, and their rates along the race, as the rollers see them."""
+    for i in range(bending.of_harmonic.shape[1]):
+        c, s, turning = y[lay.TURN_C + i], y[lay.TURN_S + i], omega_c * bending.of_harmonic[N, i]
+        a, b = y[lay.POSITION + lay.MODES_C + i], y[lay.POSITION + lay.MODES_S + i]
+        a_v = y[lay.VELOCITY + lay.MODES_C + i] + turning * b
+        b_v = y[lay.VELOCITY + lay.MODES_S + i] - turning * a
+        y[lay.SEEN_C + i], y[lay.SEEN_S + i] = a * c + b * s, b * c - a * s
+        y[lay.SEEN_V_C + i], y[lay.SEEN_V_S + i] = a_v * c + b_v * s, b_v * c - a_v * s
+
+
+@bend_race.register(Bending)
+def _bend_race(bending, C, S, omega_c, y, rollers):
+    turn_harmonics(bending, C, S, y)
+    turn_amplitudes(bending, omega_c, y)
+    for first in range(0, rollers, lay.VECTOR_WIDTH):
+        to = (lay.BEND + first, lay.BEND_V + first)
+        sum_harmonics(bending.at_rollers, (lay.SEEN_C, lay.SEEN_V_C), (lay.SEEN_S, lay.SEEN_V_S), y, first, to)
+
+
+@inlined
+def push_harmonics(bending, y):
+    """Fill PUSH: what the rollers' forces Q_O do to the amplitudes, as the rollers see them."""
+    for first in range(0, bending.of_harmonic.shape[1], lay.VECTOR_WIDTH):
+        sum_rollers(bending.by_roller, lay.Q_O, y, first, (lay.PUSH_C + first, lay.PUSH_S + first))
+
+
+@inlined
+def force_on_harmonic(bending, y, i):
+    """Forces (N) of rollers and load on the amplitudes of cosine and sine of harmonic ``i``."""
+    c, s = y[lay.TURN_C + i], y[lay.TURN_S + i]
+    push_c, push_s = y[lay.PUSH_C + i], y[lay.PUSH_S + i]
+    return bending.of_harmonic[LOAD_C, i] + push_c * c - push_s * s, bending.of_harmonic[LOAD_S, i] + push_c * s + push_s * c
+
+
+@accelerate_harmonics.register(Bending)
+def _accelerate_harmonics(bending, y):
+    push_harmonics(bending, y)
+    for i in range(bending.of_harmonic.shape[1]):
+        f_c, f_s = force_on_harmonic(bending, y, i)
+        k, c = bending.of_harmonic[K_M, i], bending.of_harmonic[C_M, i]
+        y[lay.ACCELERATION + lay.MODES_C + i] = (
+            bending.of_harmonic[PER_MASS_C, i] * f_c
+            - k * y[lay.POSITION + lay.MODES_C + i]
+            - c * y[lay.VELOCITY + lay.MODES_C + i]
+        )
+        y[lay.ACCELERATION + lay.MODES_S + i] = (
+            bending.of_harmonic[PER_MASS_S, i] * f_s
+            - k * y[lay.POSITION + lay.MODES_S + i]
+            - c * y[lay.VELOCITY + lay.MODES_S + i]
+        )
+
+
+@inlined
+def shift_to_sensor(bending, block, y):
+    """The part of the ring's rigid motion in a block of the state."""
+    return bending.sensor_x * y[block + lay.X] + bending.sensor_y * y[block + lay.Y]
+
+
+@read_sensor.register(Bending)
+def _read_sensor(bending, y):
+    n = harmonics(bending)
+    for i in range(n):  # into rows that are free once the state is evaluated
+        c, s = bending.of_harmonic[SENSOR_C, i], bending.of_harmonic[SENSOR_S, i]
+        y[lay.SEEN_C + i] = c * y[lay.POSITION + lay.MODES_C + i] + s * y[lay.POSITION + lay.MODES_S + i]
+        y[lay.SEEN_S + i] = c * y[lay.VELOCITY + lay.MODES_C + i] + s * y[lay.VELOCITY + lay.MODES_S + i]
+        y[lay.SEEN_V_C + i] = c * y[lay.ACCELERATION + lay.MODES_C + i] + s * y[lay.ACCELERATION + lay.MODES_S + i]
+    y[lay.SENSOR] = shift_to_sensor(bending, lay.POSITION, y) + lane_sum(lay.SEEN_C, y, n)
+    y[lay.SENSOR_V] = shift_to_sensor(bending, lay.VELOCITY, y) + lane_sum(lay.SEEN_S, y, n)
+    y[lay.SENSOR_A] = shift_to_sensor(bending, lay.ACCELERATION, y) + lane_sum(lay.SEEN_V_C, y, n)

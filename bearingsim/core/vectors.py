@@ -1,0 +1,96 @@
+"""Sums of eight lanes at once, in vector registers.
+
+numba's compiler makes vectors of a loop over lanes, but not of a sum over harmonics (or rollers) for each lane: the
+lanes would have to stay in registers while the loop runs. So that loop is written in the compiler's own words.
+Eight doubles are one register of AVX-512, two of AVX2, four of SSE2 or NEON: the order of each sum, and so its bits,
+are the same.
+"""
+
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from bearingsim.core.layout import VECTOR_WIDTH
+
+EIGHT = ir.VectorType(ir.DoubleType(), VECTOR_WIDTH)
+ANY = ir.Constant(EIGHT, ir.Undefined)
+NOTHING = ir.Constant(EIGHT, [0.0] * VECTOR_WIDTH)
+ALL_FIRST = ir.Constant(ir.VectorType(ir.IntType(32), VECTOR_WIDTH), [0] * VECTOR_WIDTH)
+FUSED: Any = ("contract",)  # a product may be fused with the addition to it, as everywhere in the core
+
+
+def weighted_rows(
+    builder: Any, y: Any, rows: list[Any], table: Any, shape: tuple[Any, Any], first: Any
+) -> list[Any]:
+    """For each of ``rows``, sum_i y[row + i] table[i, first:first + 8] as a vector.
+
+    y, table: pointers; all the rest integers.
+    """
+    totals = [cgutils.alloca_once(builder, EIGHT) for _ in rows]
+    for total in totals:
+        builder.store(NOTHING, total)
+    with cgutils.for_range(builder, shape[0]) as loop:
+        lanes = builder.gep(table, [builder.add(builder.mul(loop.index, shape[1]), first)])
+        values = builder.load(builder.bitcast(lanes, EIGHT.as_pointer()), align=8)
+        for row, total in zip(rows, totals, strict=True):
+            weight = builder.load(builder.gep(y, [builder.add(row, loop.index)]))
+            weights = builder.insert_element(ANY, weight, ir.Constant(ir.IntType(32), 0))
+            weights = builder.shuffle_vector(weights, ANY, ALL_FIRST)
+            more = builder.fmul(weights, values, flags=FUSED)
+            builder.store(builder.fadd(more, builder.load(total), flags=FUSED), total)
+    return [builder.load(total) for total in totals]
+
+
+def halves(context: Any, builder: Any, kind: Any, value: Any) -> tuple[list[Any], tuple[Any, Any]]:
+    """Where the two halves of an array (2, n, m) begin, and the shape (n, m) of each."""
+    array = context.make_array(kind)(context, builder, value)
+    _, n, m = cgutils.unpack_tuple(builder, array.shape)
+    return [array.data, builder.gep(array.data, [builder.mul(n, m)])], (n, m)
+
+
+def put(builder: Any, y: Any, place: Any, vector: Any) -> None:
+    """Write a vector to ``y[place:place + 8]``."""
+    builder.store(vector, builder.bitcast(builder.gep(y, [place]), EIGHT.as_pointer()), align=8)
+
+
+@intrinsic
+def sum_harmonics(typing_context: Any, tables: Any, rows_c: Any, rows_s: Any, y: Any, first: Any, to: Any) -> Any:
+    """y[to + k] = sum_i y[row_c + i] tables[0, i, first + k] + y[row_s + i] tables[1, i, first + k].
+
+    For k from 0 to 7, and for each row_c of ``rows_c``, row_s of ``rows_s``, ``to``: tuples of as many integers.
+    tables: (2, n, m), in C order: cosines and sines.
+    """
+
+    def written(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        starts, shape = halves(context, builder, signature.args[0], arguments[0])
+        of_c, of_s, places = (cgutils.unpack_tuple(builder, arguments[n]) for n in (1, 2, 5))
+        buffer = context.make_array(signature.args[3])(context, builder, arguments[3]).data
+        by_c, by_s = (
+            weighted_rows(builder, buffer, rows, start, shape, arguments[4])
+            for rows, start in zip((of_c, of_s), starts, strict=True)
+        )
+        for place, one, other in zip(places, by_c, by_s, strict=True):
+            put(builder, buffer, place, builder.fadd(one, other))
+        return context.get_dummy_value()
+
+    pair = types.UniTuple(types.intp, len(to))
+    return types.void(tables, pair, pair, y, types.intp, pair), written
+
+
+@intrinsic
+def sum_rollers(typing_context: Any, tables: Any, row: Any, y: Any, first: Any, to: Any) -> Any:
+    """y[to[0] + k] = sum_j y[row + j] tables[0, j, first + k], and the same of to[1] and tables[1]."""
+
+    def written(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        of_tables, weights, of_y, lane, places = arguments
+        starts, shape = halves(context, builder, signature.args[0], of_tables)
+        buffer = context.make_array(signature.args[2])(context, builder, of_y).data
+        sums = [weighted_rows(builder, buffer, [weights], start, shape, lane)[0] for start in starts]
+        for place, found in zip(cgutils.unpack_tuple(builder, places), sums, strict=True):
+            put(builder, buffer, place, found)
+        return context.get_dummy_value()
+
+    return types.void(tables, types.intp, y, types.intp, types.UniTuple(types.intp, 2)), written
