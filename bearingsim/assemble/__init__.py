@@ -24,6 +24,7 @@ from bearingsim.core.models.interface import ModelKind
 from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_space
 from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Support
+from bearingsim.core.parts.bending import Stiff
 from bearingsim.core.pits.pairs import ANGLE, CARRIER, CUSP, ON_OUTER, RADIUS, Pits
 from bearingsim.errors import UserError
 
@@ -50,7 +51,7 @@ PARAMETER_BUILDERS: dict[str, Any] = {
     "outer": contacts.outer,
     "inner": contacts.inner,
     "pits": lambda case: pits_of_case(case),
-    "bending": bending.bending,
+    "bending": lambda case: bending_of_case(case),
     "motion": free.motion,
     "friction": free.friction,
     "cage": free.cage,
@@ -140,8 +141,21 @@ def pits_of_case(case: Case) -> Pits:
     return pits.packed_pits(case, space.slices(case).table[:, ZETA] if MODELS[case.model].sliced else None)
 
 
+def bending_of_case(case: Case) -> Any:
+    """The bending of the case's outer ring; its carrier, if there is one, is held by the bracket."""
+    if case.rig.ring is None:
+        return Stiff()
+    found = bending.of_ring(case)
+    if bending.has_carrier(case.rig):
+        bracket = case.rig.bracket_stiffness, case.rig.bracket_damping, *bracket_anchor(case)
+        found = found._replace(bracket=bracket)
+    return bending.made(found)
+
+
 def support(case: Case) -> Support:
-    """Load and bracket of the case."""
+    """Load and bracket of the case's ring: none where they act on a carrier."""
+    if bending.has_carrier(case.rig):
+        return Support(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     x_0, y_0 = anchor_in_space(_at_rest(case)) if space.unevenly_loaded(case) else bracket_anchor(case)
     return Support(case.load, case.load_across, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
 

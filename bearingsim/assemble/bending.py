@@ -16,7 +16,7 @@ energy of a parabola of shear.
 """
 
 from functools import lru_cache
-from math import cos, log, pi, sin
+from math import cos, hypot, log, pi, sin, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,12 +26,16 @@ from bearingsim.assemble import geometry
 from bearingsim.config import Case
 from bearingsim.config.sections.machine import Bearing, Rig
 from bearingsim.core import layout as lay
-from bearingsim.core.parts.bending import Bending, Stiff
+from bearingsim.core.parts import bending as core
 
 SHEAR = 5.0 / 6.0
 CAP = 2.0 * pi * 35e3
 """rad/s: the highest frequency of a harmonic. One that would lie above it has so much more mass: it still bends as
 much, and asks for no shorter step."""
+
+
+SPRINGS = 64
+"""The least number of springs that stand for a housing: four for each harmonic, if that is more."""
 
 
 class Section(NamedTuple):
@@ -94,25 +98,29 @@ def beam_matrices(section: Section, n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 class OfRing(NamedTuple):
-    """All that the bending of a ring depends on."""
+    """All that the bending of a ring depends on: loads in N, masses in kg, lengths in m.
+
+    bracket: stiffness (N/m), damping (N s/m) and place at rest of what holds the carrier, if there is one.
+    """
 
     bearing: Bearing
     rig: Rig
     outer_radius: float
     ring_mass: float
     load: float
-
-
-def bending(case: Case) -> Any:
-    """The bending of the case's outer ring, for the core."""
-    if case.rig.ring is None:
-        return Stiff()
-    return made(of_ring(case))
+    load_across: float
+    bracket: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
 def of_ring(case: Case) -> OfRing:
-    """All that the bending of the case's ring depends on."""
-    return OfRing(case.bearing, case.rig, geometry.outer_radius(case), geometry.ring_mass(case), case.load)
+    """All that the bending of the case's ring depends on, without a bracket."""
+    masses = geometry.outer_radius(case), geometry.ring_mass(case)
+    return OfRing(case.bearing, case.rig, *masses, case.load, case.load_across)
+
+
+def has_carrier(rig: Rig) -> bool:
+    """Whether springs stand between the ring and a carrier, on which load and bracket act."""
+    return rig.ring is not None and rig.load.by in ("points", "housing")
 
 
 def section_of(given: OfRing) -> Section:
@@ -122,37 +130,133 @@ def section_of(given: OfRing) -> Section:
     return Section(known.height, known.width, R, material.young_modulus, material.poisson_ratio, material.density)
 
 
-@lru_cache(maxsize=256)
-def made(given: OfRing) -> Bending:
-    """``bending``, made once for all that ask for it."""
-    section, ring = section_of(given), given.rig.ring
-    heavier = given.ring_mass / section.mass
-    found = [harmonic(section, n) for n in (*range(2, ring.harmonics + 1), 0)]
-    H = -(-len(found) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
+class Harmonics(NamedTuple):
+    """All harmonics, padded (H,): number, stiffness (N/m), frequency (rad/s), 1/mass of cosines and sines (1/kg).
+
+    real: how many are.
+    """
+
+    n: np.ndarray
+    k: np.ndarray
+    omega: np.ndarray
+    per_mass_c: np.ndarray
+    per_mass_s: np.ndarray
+    real: int
+
+
+def harmonics(given: OfRing) -> Harmonics:
+    """The harmonics of a ring, with room for a carrier."""
+    section = section_of(given)
+    found = [harmonic(section, n) for n in (*range(2, given.rig.ring.harmonics + 1), 0)]
+    H = -(-(len(found) + has_carrier(given.rig)) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
     n, k, omega = (padded([getattr(one, name) for one in found], H) for name in ("n", "k", "omega"))
-    omega = np.minimum(omega / np.sqrt(heavier), CAP)
+    omega = np.minimum(omega * np.sqrt(section.mass / given.ring_mass), CAP)
     per_mass = np.divide(omega**2, k, out=np.zeros(H), where=k > 0.0)
-    breathing = len(found) - 1
-    of_sines = per_mass.copy()
-    of_sines[breathing] = 0.0
+    return Harmonics(n, k, omega, per_mass, np.where(n > 0.0, per_mass, 0.0), len(found))
+
+
+@lru_cache(maxsize=256)
+def made(given: OfRing) -> core.Bending:
+    """The bending of a ring, made once for all that ask for it."""
+    of = harmonics(given)
     places = 2.0 * pi * np.arange(given.bearing.rollers) / given.bearing.rollers
-    at_rollers = np.stack([table(np.cos, n, places), table(np.sin, n, places)])
-    alpha = given.rig.sensor.angle
-    rows = [n, k, omega**2, 2.0 * ring.damping * omega, per_mass, of_sines]
-    rows += [*given_forces(given.rig.load, given.load, n), np.cos(n * alpha), np.sin(n * alpha)]
-    return Bending(
-        of_harmonic=np.array(rows) * (k > 0.0),
-        at_rollers=np.ascontiguousarray(at_rollers[:, : len(found)]),
+    at_rollers = np.stack([table(np.cos, of.n, places), table(np.sin, of.n, places)])
+    at_rollers[:, of.real :] = 0.0
+    rows = with_carrier(rows_of(given, of), given, of.real) if has_carrier(given.rig) else rows_of(given, of)
+    springs = springs_of(given, of) if has_carrier(given.rig) else core.NoSprings()
+    highest, highest_damping = fastest(given.ring_mass, rows, springs)
+    on_ring, alpha = given.rig.sensor.on == "ring", given.rig.sensor.angle
+    return core.Bending(
+        of_harmonic=rows,
+        at_rollers=np.ascontiguousarray(at_rollers[:, : of.real]),
         by_roller=np.ascontiguousarray(at_rollers.transpose(0, 2, 1)[:, : given.bearing.rollers]),
-        breathing=breathing,
-        mobility=float(per_mass.sum()),
-        highest=float(omega.max() ** 2),
-        sensor_x=cos(alpha),
-        sensor_y=sin(alpha),
+        breathing=of.real - 1,
+        mobility=float(of.per_mass_c.sum()),
+        highest=highest,
+        highest_damping=highest_damping,
+        sensor_x=cos(alpha) * on_ring,
+        sensor_y=sin(alpha) * on_ring,
+        load=hypot(given.load, given.load_across),
+        springs=springs,
     )
 
 
-def padded(values: list[float], length: int) -> np.ndarray:
+def rows_of(given: OfRing, of: Harmonics) -> np.ndarray:
+    """``core.Bending.of_harmonic`` of the ring itself."""
+    alpha, rows = given.rig.sensor.angle, np.zeros((10, len(of.n)))
+    rows[core.N], rows[core.K], rows[core.K_M] = of.n, of.k, of.omega**2
+    rows[core.C_M] = 2.0 * given.rig.ring.damping * of.omega
+    rows[core.PER_MASS_C], rows[core.PER_MASS_S] = of.per_mass_c, of.per_mass_s
+    if not has_carrier(given.rig):
+        rows[core.LOAD_C], rows[core.LOAD_S] = given_forces(given.rig.load, given.load, of.n)
+    if given.rig.sensor.on == "ring":
+        rows[core.SENSOR_C], rows[core.SENSOR_S] = np.cos(of.n * alpha), np.sin(of.n * alpha)
+    rows[core.SENSOR_S, of.n == 0.0] = 0.0
+    rows[:, of.real :] = 0.0
+    return rows
+
+
+def with_carrier(rows: np.ndarray, given: OfRing, i: int) -> np.ndarray:
+    """The rows with the carrier's place as harmonic ``i``: load and bracket act on it."""
+    mass, alpha, (k_b, c_b, x_0, y_0) = given.rig.load.mass, given.rig.sensor.angle, given.bracket
+    rows[core.K, i], rows[core.K_M, i], rows[core.C_M, i] = k_b, k_b / mass, c_b / mass
+    rows[core.PER_MASS_C, i] = rows[core.PER_MASS_S, i] = 1.0 / mass
+    rows[core.LOAD_C, i], rows[core.LOAD_S, i] = k_b * x_0 - given.load, k_b * y_0 - given.load_across
+    if given.rig.sensor.on == "housing":
+        rows[core.SENSOR_C, i], rows[core.SENSOR_S, i] = cos(alpha), sin(alpha)
+    return rows
+
+
+def springs_of(given: OfRing, of: Harmonics) -> core.Springs:
+    """The springs around the ring, each damped as ``ring.damping`` says at the frequency of the ring between them."""
+    angles, k, fit = places_of_springs(given)
+    P = -(-len(angles) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
+    across = max((k * np.cos(angles) ** 2).sum(), (k * np.sin(angles) ** 2).sum())
+    c = 2.0 * given.rig.ring.damping * k * sqrt(given.ring_mass / across)
+    by_spring = np.zeros((2, len(angles), len(of.n)))
+    by_spring[0, :, : of.real] = np.cos(np.outer(angles, of.n[: of.real]))
+    by_spring[1, :, : of.real] = np.sin(np.outer(angles, of.n[: of.real]))
+    by_spring[0, :, of.real], by_spring[1, :, of.real] = -np.cos(angles), -np.sin(angles)
+    at = np.zeros((2, of.real + 1, P))
+    at[:, :, : len(angles)] = by_spring[:, :, : of.real + 1].transpose(0, 2, 1)
+    values = np.cos(angles), np.sin(angles), k, c, fit
+    return core.Springs(np.array([padded(value, P) for value in values]), at, by_spring, of.real)
+
+
+def places_of_springs(given: OfRing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Angles (rad), stiffness (N/m) and fit (m) of the springs."""
+    load = given.rig.load
+    if load.by == "points":
+        angles, k = (np.array([getattr(point, name) for point in load.at]) for name in ("angle", "stiffness"))
+        return angles, k, np.zeros(len(angles))
+    P = max(SPRINGS, 4 * given.rig.ring.harmonics)
+    each = load.stiffness * pi * given.bearing.outside_diameter / P
+    return 2.0 * pi * np.arange(P) / P, np.full(P, each), np.full(P, load.fit)
+
+
+def fastest(ring_mass: float, rows: np.ndarray, springs: Any) -> tuple[float, float]:
+    """The largest stiffness (1/s^2) and damping (1/s) over mass of a ring whose springs are all pressed."""
+    per_mass = np.r_[1.0 / ring_mass, 1.0 / ring_mass, rows[core.PER_MASS_C], rows[core.PER_MASS_S]]
+    K = np.diag(np.r_[0.0, 0.0, rows[core.K_M], rows[core.K_M]])
+    C = np.diag(np.r_[0.0, 0.0, rows[core.C_M], rows[core.C_M]])
+    if isinstance(springs, core.Springs):
+        cosines, sines, k, c, _ = springs.of_spring[:, : springs.by_spring.shape[1]]
+        shapes = np.column_stack([cosines, sines, *springs.by_spring.transpose(0, 2, 1).reshape(-1, len(k))])
+        shapes = shapes * np.sqrt(per_mass)
+        K, C = K + shapes.T @ (k[:, np.newaxis] * shapes), C + shapes.T @ (c[:, np.newaxis] * shapes)
+    return float(np.linalg.eigvalsh(K)[-1]), float(np.linalg.eigvalsh(C)[-1])
+
+
+def at_rest(found: Any) -> Any:
+    """The bending of a ring that stands: its springs without their dampers."""
+    if not (isinstance(found, core.Bending) and isinstance(found.springs, core.Springs)):
+        return found
+    undamped = found.springs.of_spring.copy()
+    undamped[core.C_S] = 0.0
+    return found._replace(springs=found.springs._replace(of_spring=undamped))
+
+
+def padded(values: Any, length: int) -> np.ndarray:
     """The values (length,), zeros behind them."""
     return np.concatenate([np.array(values, dtype=float), np.zeros(length - len(values))])
 

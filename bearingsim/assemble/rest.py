@@ -16,6 +16,7 @@ from bearingsim.core.parts.bending import Stiff
 from bearingsim.core.pits.excitations import Envelope
 from bearingsim.core.pits.pairs import GROUP_WEIGHT, Pits, pack_pits
 
+STIFF = Stiff()
 OF_A_STUDY = 1 << 14
 """Cases that are remembered: a run looks at all jobs of a study several times, one after the other."""
 
@@ -30,15 +31,15 @@ def static_model(model: Any) -> Static:
         groups = found.groups.copy()
         groups[:, :, GROUP_WEIGHT] *= model.slices.table[:, WEIGHT] if len(groups) else 1.0
         found = found._replace(groups=groups)
-    bending = model.bending if "bending" in model._fields else Stiff()
-    return static_bearing(model.bearing, model.support, model.outer, model.inner, found, bending)
+    shape = bending.at_rest(model.bending) if "bending" in model._fields else Stiff()
+    return static_bearing(model.bearing, model.support, model.outer, model.inner, found, shape)
 
 
 def static_bearing(
-    bearing: Bearing, support: Support, outer: Any, inner: Any, found: Pits, bending: Any = Stiff()
+    bearing: Bearing, support: Support, outer: Any, inner: Any, found: Pits, shape: Any = STIFF
 ) -> Static:
-    """A bearing that stands still: of its contact laws only the stiffness."""
-    return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), found, bending)
+    """A bearing that stands still: of its contact laws only the stiffness; shape: how its outer ring bends."""
+    return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), found, shape)
 
 
 def bracket_anchor(case: Case) -> tuple[float, float]:
@@ -64,8 +65,9 @@ def _rest(
     of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_across: float, ring: bending.OfRing | None
 ) -> Rest:
     """``healthy_rest``, remembered; ``named`` tells laws apart that are equal as tuples."""
-    free = Support(F, F_across, 0.0, 0.0, 0.0, 0.0)
-    bent = Stiff() if ring is None else bending.made(ring)
+    carried = ring is not None and bending.has_carrier(ring.rig)
+    free = Support(*((0.0, 0.0) if carried else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
+    bent = Stiff() if ring is None else bending.at_rest(bending.made(ring))
     model = static_bearing(of_case, free, outer, inner, pack_pits([], Envelope()), bent)
     return mean_rest(model, lay.buffer(of_case.Z, of_case.m_r))
 

@@ -82,7 +82,7 @@ F_Z, M_X, M_Y, F_Z_C, M_X_C, M_Y_C, F_Z_I, M_X_I, M_Y_I = range(WORK + 19 * ROW 
 M_INNER = WORK + 19 * ROW + 17  # about the axis, on the inner ring (N m)
 LOADS = 18  # cells from F_X to M_INNER
 # cells: radial motion of a ring that bends where its sensor sits: place (m), velocity (m/s), acceleration (m/s^2)
-SENSOR, SENSOR_V, SENSOR_A = range(WORK + 19 * ROW + 18, WORK + 19 * ROW + 21)
+SENSOR, SENSOR_V, SENSOR_A = range(WORK + 19 * ROW + MAX_ROLLERS, WORK + 19 * ROW + MAX_ROLLERS + 3)  # no lane
 PIT_TORQUE = WORK + 20 * ROW  # of the pits of a roller, on itself (N m)
 WORK_ROWS = 21
 JACOBIAN_WORK = WORK + WORK_ROWS * ROW  # rows that ``linearise`` may use, within one call
@@ -142,6 +142,13 @@ HERE, ROLLER_LOADS, ROLLER_LOADS_HERE, LOADS_HERE = (JACOBIAN_WORK + n * ROW for
 # of a ring that bends: cosine and sine of each harmonic's angle as the first roller has it; amplitudes (m), and
 # their rates (m/s), as the rollers see them; forces (N) on the amplitudes, as the rollers make them
 TURN_C, TURN_S, SEEN_C, SEEN_S, SEEN_V_C, SEEN_V_S, PUSH_C, PUSH_S = (JACOBIAN_WORK + n * ROW for n in range(54, 62))
+# forces (N) on the amplitudes by springs around the ring; of each spring: how far it is pressed (m), how fast (m/s),
+# its force (N)
+PULL_C, PULL_S = (JACOBIAN_WORK + n * ROW for n in range(74, 76))
+PRESSED, PRESSED_V, SPRING_FORCE = (JACOBIAN_WORK + n * ROW for n in range(76, 85, 3))
+MAX_SPRINGS = 3 * ROW
+# cells: what the springs do to the ring's centre (N)
+SPRINGS_X, SPRINGS_Y = range(WORK + 20 * ROW + MAX_ROLLERS, WORK + 20 * ROW + MAX_ROLLERS + 2)
 
 # a matrix of the arrow's shape (``methods/arrow.py``): rows of the rollers' own blocks, of what the border does to
 # a roller, of what a roller does to the border; cells of the border's own block

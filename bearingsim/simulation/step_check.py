@@ -26,7 +26,7 @@ from bearingsim.simulation.comparison import Compared, compare, of_orbit, of_pil
 from bearingsim.simulation.integration import Setup, integrate, set_up
 from bearingsim.simulation.pilot import pilot, sees_pit_turns
 from bearingsim.simulation.raw_record import RawRecord
-from bearingsim.simulation.repetition import Closeness
+from bearingsim.simulation.repetition import Closeness, turned_state
 
 ACCURACY = 0.01
 """What a run holds of its line, RMS and largest force; where the motion is chaotic, of the RMS alone."""

@@ -129,6 +129,32 @@ class Bearing(Section):
         return self
 
 
+class RingSection(Section):
+    height: Length | None = None
+    width: Length | None = None
+
+
+class FlexibleRing(Section):
+    bends: bool = True
+    harmonics: int = 20
+    damping: float = 0.01
+    section: RingSection = RingSection(height=0.0065, width=0.023)
+
+
+class GivenLoad(Section):
+    by: str = "point"
+    angles: tuple[float, ...] = (0.0,)
+    stiffness: float = 1e10
+    fit: float = 0.0
+    mass: float = 1.0
+    at: tuple[dict, ...] = ()
+
+
+class Sensor(Section):
+    on: str = "ring"
+    angle: float = 0.0
+
+
 class Rig(Section):
     """The bracket that holds the outer ring, and the sensor on it.
 
@@ -146,6 +172,9 @@ class Rig(Section):
     tilting_stiffness: TorsionalStiffness | None = None
     tilting_damping: TorsionalDamping | None = None
     sensor_angle: Angle = 0.0
+    ring: FlexibleRing | None = None
+    load: GivenLoad = GivenLoad()
+    sensor: Sensor = Sensor()
     ring_mass: Mass | None = None
     source: Text = ""
 

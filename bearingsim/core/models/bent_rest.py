@@ -9,12 +9,29 @@ which is minus the gradient of a convex energy. The matrix is diag(K) + sum_j k_
 """
 
 from math import sqrt
+from typing import Any
+
+import numpy as np
 
 from bearingsim.core import layout as lay
-from bearingsim.core.jit import inlined, jit
+from bearingsim.core.jit import generic, inlined, jit
 from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.models.equilibrium import K_SERIES, MAX_STEPS, RESIDUAL, balance_rollers, net_force, settle
-from bearingsim.core.parts.bending import PER_MASS_C, PER_MASS_S, Bending, K, force_on_harmonic, harmonics, push_harmonics
+from bearingsim.core.parts.bending import (
+    COS_S,
+    K_S,
+    PER_MASS_C,
+    PER_MASS_S,
+    SIN_S,
+    Bending,
+    K,
+    Springs,
+    force_on_harmonic,
+    harmonics,
+    press_springs,
+    pull,
+    push_harmonics,
+)
 
 # rows as in a state: where a search begins, which way it goes (m), the force (N) there; what a roller does to it (1)
 FROM, WAY, FORCE, PHI = (lay.JACOBIAN_WORK + n * lay.ROW for n in (62, 65, 68, 71))
@@ -39,8 +56,11 @@ def cell(bending, k):
 @jit
 def fill_force(bending, model, y):
     """Fill FORCE from the rows that ``balance_rollers`` filled; its size (N)."""
-    y[FORCE + lay.X], y[FORCE + lay.Y] = net_force(model, y)
+    f_x, f_y = net_force(model, y)
     push_harmonics(bending, y)
+    press_springs(bending.springs, y)
+    y[FORCE + lay.X] = f_x + pull(bending.springs, lay.SPRINGS_X, y, 0)
+    y[FORCE + lay.Y] = f_y + pull(bending.springs, lay.SPRINGS_Y, y, 0)
     for i in range(harmonics(bending)):
         f_c, f_s = force_on_harmonic(bending, y, i)
         there_c, there_s = bending.of_harmonic[PER_MASS_C, i] > 0.0, bending.of_harmonic[PER_MASS_S, i] > 0.0
@@ -63,14 +83,32 @@ def fill_matrix(bending, model, y):
     for k in range(N):
         for m in range(k + 1):
             y[MATRIX + k * N + m] = 0.0
-    own = model.support.k_b + UNSUPPORTED * tangent(model.outer.stiffness, 1e-7)
-    y[MATRIX], y[MATRIX + N + 1] = own, own
+    trace = UNSUPPORTED * tangent(model.outer.stiffness, 1e-7)
+    y[MATRIX] = y[MATRIX + N + 1] = model.support.k_b + trace
     for i in range(H):
-        y[MATRIX + (2 + i) * (N + 1)] = bending.of_harmonic[K, i] if bending.of_harmonic[PER_MASS_C, i] > 0.0 else 1.0
-        y[MATRIX + (2 + H + i) * (N + 1)] = bending.of_harmonic[K, i] if bending.of_harmonic[PER_MASS_S, i] > 0.0 else 1.0
+        k = bending.of_harmonic[K, i] + trace
+        y[MATRIX + (2 + i) * (N + 1)] = k if bending.of_harmonic[PER_MASS_C, i] > 0.0 else 1.0
+        y[MATRIX + (2 + H + i) * (N + 1)] = k if bending.of_harmonic[PER_MASS_S, i] > 0.0 else 1.0
     for j in range(model.bearing.Z):
         if y[K_SERIES + j] > 0.0:
             add_roller(bending, y, j, N)
+    add_springs(bending.springs, y, N)
+
+
+@generic(absent=None)
+def add_springs(springs: Any, y: np.ndarray, N: int) -> None:
+    """Add what the springs that are pressed offer to MATRIX of ``N`` rows."""
+
+
+@add_springs.register(Springs)
+def _add_springs(springs, y, N):
+    H = (N - 2) // 2
+    for p in range(springs.by_spring.shape[1]):
+        if y[lay.PRESSED + p] > 0.0:
+            y[PHI], y[PHI + 1] = springs.of_spring[COS_S, p], springs.of_spring[SIN_S, p]
+            for i in range(H):
+                y[PHI + 2 + i], y[PHI + 2 + H + i] = springs.by_spring[0, p, i], springs.by_spring[1, p, i]
+            add_contact(springs.of_spring[K_S, p], y, N)
 
 
 @jit
@@ -83,10 +121,16 @@ def add_roller(bending, y, j, N):
         C, S = y[lay.TURN_C + i], y[lay.TURN_S + i]
         y[PHI + 2 + i] = c * C - s * S if bending.of_harmonic[PER_MASS_C, i] > 0.0 else 0.0
         y[PHI + 2 + H + i] = s * C + c * S if bending.of_harmonic[PER_MASS_S, i] > 0.0 else 0.0
-    for k in range(N):
-        stiff = y[K_SERIES + j] * y[PHI + k]
-        for m in range(k + 1):
-            y[MATRIX + k * N + m] += stiff * y[PHI + m]
+    add_contact(y[K_SERIES + j], y, N)
+
+
+@jit
+def add_contact(k, y, N):
+    """Add k PHI PHI^T to MATRIX of ``N`` rows."""
+    for i in range(N):
+        stiff = k * y[PHI + i]
+        for m in range(i + 1):
+            y[MATRIX + i * N + m] += stiff * y[PHI + m]
 
 
 @jit
@@ -173,7 +217,7 @@ def search_along(bending, model, t, y, push):
 
 @settle.register(Bending)
 def _settle(bending, model, t, y):
-    goal = RESIDUAL * (abs(model.support.F) + abs(model.support.F_across) + 1e-3)
+    goal = RESIDUAL * (bending.load + 1e-3)
     balance_rollers(model, t, y)
     size = fill_force(bending, model, y)
     for _ in range(MAX_STEPS):

@@ -21,7 +21,7 @@ from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.laws.stiffness.series import series_share
 from bearingsim.core.models.outer_ring import static_force
 from bearingsim.core.parameters import kinematic_angles, lanes
-from bearingsim.core.parts.bending import Stiff, bend, bend_race
+from bearingsim.core.parts.bending import Bending, NoSprings, Stiff, bend, bend_race, held_place
 from bearingsim.core.pits.on_roller import elastic_over_pit, is_masked, roller_at_pit
 from bearingsim.core.pits.pairs import HALF_WIDTH, INNER, OUTER, SIDE
 
@@ -256,10 +256,20 @@ def rest_from_scratch(model, t, y):
     return find_rest(model, t, y)
 
 
+def given_load(model):
+    """All of the load (N) that a bearing is given."""
+    return model.bending.load if isinstance(model.bending, Bending) else hypot(*model.support[:2])
+
+
+def place_of_held(model, y):
+    """Where that stands which a bracket would hold (m, m)."""
+    return held_place(model.bending.springs if isinstance(model.bending, Bending) else NoSprings(), y)
+
+
 class Rest(NamedTuple):
     """A bearing at rest, averaged over a ball pass.
 
-    x, y: place of the ring (m); load: largest force on a roller (N), and approach, that of its two contacts
+    x, y: place of what a bracket would hold, the ring or the carrier around it (m); load: largest force on a roller (N), and approach, that of its two contacts
     together (m), at any time; K_x, K_y: stiffness (N/m) that rollers offer the ring.
     """
 
@@ -288,7 +298,7 @@ def rests_of_a_pass(model, y, samples):
 
     Raises ``NoEquilibrium`` if one is not found to 1e-8 of the load.
     """
-    pass_time, load = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c), hypot(*model.support[:2])
+    pass_time, load = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c), given_load(model)
     for n in range(samples):
         find = rest_from_scratch if n == 0 else find_rest
         residual = find(model, (n + 0.5) / samples * pass_time, y)
@@ -302,7 +312,7 @@ def mean_rest(model, y, samples=32):
     Z, found, loads = model.bearing.Z, [], []
     for _ in rests_of_a_pass(model, y, samples):
         k_xx, _, k_yy = ring_stiffness(model, y)
-        found.append((y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], k_xx, k_yy))
+        found.append((*place_of_held(model, y), k_xx, k_yy))
         most = int(np.argmax(y[lay.Q_I : lay.Q_I + Z]))
         loads.append((y[lay.Q_O + most], y[lay.DELTA_O + most] + y[lay.DELTA_I + most]))
     x, z, k_x, k_y = (float(value) for value in np.mean(found, axis=0))

@@ -136,7 +136,7 @@ def correct_for_pit(model, d, j, s, t, y):
 def _accelerate_shared(model, at, t, y):
     correct_for_pits(model, t, y)
     accelerate_ring(model, at, y)
-    bending.accelerate_harmonics(model.bending, y)
+    bending.accelerate_harmonics(model.bending, model.bearing.m_o, y)
 
 
 @accelerate_roller.register(Rollers)
@@ -175,7 +175,7 @@ def _stiffness_per_mass(model, y, j):
 def _damping_per_mass(model, y, j):
     outer = damping_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = damping_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
-    return y[lay.INVERSE_MASS + j] * (outer + inner) + bending.race_mobility(model.bending) * outer
+    return y[lay.INVERSE_MASS + j] * (outer + inner) + bending.damping_of_race(model.bending, outer)
 
 
 @degrees_of_freedom.register(Rollers)

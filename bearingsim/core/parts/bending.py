@@ -37,8 +37,9 @@ class Bending(NamedTuple):
 
     of_harmonic: (10, H), its rows as named below; at_rollers: (2, real ones of H, lanes) cos(n phi_j) and
     sin(n phi_j); by_roller: (2, Z, H), the same; breathing: which harmonic is n = 0; mobility: of the bent race at a point,
-    what a force there gives its acceleration (1/kg); highest: the largest K_M (1/s^2); sensor_x, sensor_y: cosine
-    and sine of the sensor's angle.
+    what a force there gives its acceleration (1/kg); highest, highest_damping: the largest stiffness (1/s^2) and damping
+    (1/s) over mass of any motion of the ring between its springs; sensor_x, sensor_y: cosine and sine of the angle
+    of a sensor on the ring; load: all of the given load (N); springs: what stands around the ring.
     """
 
     of_harmonic: np.ndarray
@@ -47,13 +48,39 @@ class Bending(NamedTuple):
     breathing: int
     mobility: float
     highest: float
+    highest_damping: float
     sensor_x: float
     sensor_y: float
+    load: float
+    springs: Any
 
 
 # rows: number; stiffness of an amplitude (N/m), over its mass (1/s^2); damping over mass (1/s); 1/mass (1/kg) of
 # cosines and sines, 0 of what is none; the given load on them (N); cos and sin of n times the sensor's angle
 N, K, K_M, C_M, PER_MASS_C, PER_MASS_S, LOAD_C, LOAD_S, SENSOR_C, SENSOR_S = range(10)
+
+
+@absent
+class NoSprings(NamedTuple):
+    """Nothing stands around the ring: its load is given forces, its bracket holds its centre."""
+
+
+class Springs(NamedTuple):
+    """P springs between the ring and a rigid carrier, which only push. The carrier's place is one harmonic more.
+
+    of_spring: (5, P padded to 8), its rows as named below; at: (2, n, P padded) what an amplitude does to how far a
+    spring is pressed, n harmonics and the carrier; by_spring: (2, P, H) the same; carrier: which of H it is.
+    """
+
+    of_spring: np.ndarray
+    at: np.ndarray
+    by_spring: np.ndarray
+    carrier: int
+
+
+# rows: cosine and sine of a spring's angle, its stiffness (N/m), damping (N s/m), how far it is pressed where the
+# ring stands in the middle of the carrier (m)
+COS_S, SIN_S, K_S, C_S, FIT = range(5)
 
 
 @generic(inline="late", absent=0)
@@ -85,8 +112,37 @@ def bend_rate(bending: Any, y: np.ndarray, j: int) -> float:
 
 
 @generic(inline="late", absent=None)
-def accelerate_harmonics(bending: Any, y: np.ndarray) -> None:
-    """The amplitudes' accelerations, from the rollers' forces Q_O; ``bend_race`` has been called."""
+def accelerate_harmonics(bending: Any, m_o: float, y: np.ndarray) -> None:
+    """The amplitudes' accelerations, and what springs add to that of the ring of mass ``m_o`` (kg).
+
+    The rows Q_O are filled, and ``bend_race`` has been called.
+    """
+
+
+@generic(inline="late", absent=None)
+def press_springs(springs: Any, y: np.ndarray) -> None:
+    """Fill SPRING_FORCE, and what it does: PULL to the amplitudes, SPRINGS_X and SPRINGS_Y to the ring's centre."""
+
+
+def ring_place(springs, y):
+    """``held_place`` where nothing is between ring and bracket."""
+    return y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
+
+
+@generic(absent=ring_place)
+def held_place(springs: Any, y: np.ndarray) -> tuple[float, float]:
+    """Where that stands which the bracket holds (m, m): the ring, or the carrier around it."""
+
+
+@held_place.register(Springs)
+def _held_place(springs, y):
+    i = springs.carrier
+    return y[lay.POSITION + lay.MODES_C + i], y[lay.POSITION + lay.MODES_S + i]
+
+
+@generic(inline="late", absent=0.0)
+def pull(springs: Any, row: int, y: np.ndarray, i: int) -> float:
+    """The springs' force (N) on amplitude ``i`` of cosine or sine, as the ``row`` says; or on the ring's centre."""
 
 
 @generic(inline="late", absent=None)
@@ -108,8 +164,8 @@ def with_race(bending: Any, K: float, per_mass: float, k: float) -> float:
 
 
 @generic(inline="late", absent=0.0)
-def race_mobility(bending: Any) -> float:
-    """What a force at a point of the bent race gives its acceleration, 1/kg."""
+def damping_of_race(bending: Any, c: float) -> float:
+    """What a race that bends adds to the damping over mass (1/s) of a roller; c: of its outer contact, N s/m."""
 
 
 @with_race.register(Bending)
@@ -119,9 +175,9 @@ def _with_race(bending, K, per_mass, k):
     return 0.5 * (K + of_race) + sqrt(half * half + k * k * bending.mobility * per_mass)
 
 
-@race_mobility.register(Bending)
-def _race_mobility(bending):
-    return bending.mobility
+@damping_of_race.register(Bending)
+def _damping_of_race(bending, c):
+    return bending.highest_damping + bending.mobility * c
 
 
 @bend.register(Bending)
@@ -180,17 +236,57 @@ def push_harmonics(bending, y):
         sum_rollers(bending.by_roller, lay.Q_O, y, first, (lay.PUSH_C + first, lay.PUSH_S + first))
 
 
+@press_springs.register(Springs)
+def _press_springs(springs, y):
+    press_each_spring(springs, y)
+    shape, x, z = springs.by_spring.shape, 0.0, 0.0
+    for first in range(0, shape[2], lay.VECTOR_WIDTH):
+        sum_rollers(springs.by_spring, lay.SPRING_FORCE, y, first, (lay.PULL_C + first, lay.PULL_S + first))
+    for p in range(shape[1]):
+        x -= springs.of_spring[COS_S, p] * y[lay.SPRING_FORCE + p]
+        z -= springs.of_spring[SIN_S, p] * y[lay.SPRING_FORCE + p]
+    y[lay.SPRINGS_X], y[lay.SPRINGS_Y] = x, z
+
+
+@inlined
+def press_each_spring(springs, y):
+    """Fill PRESSED, PRESSED_V, SPRING_FORCE."""
+    lanes = springs.of_spring.shape[1]
+    rows_c = (lay.POSITION + lay.MODES_C, lay.VELOCITY + lay.MODES_C)
+    rows_s = (lay.POSITION + lay.MODES_S, lay.VELOCITY + lay.MODES_S)
+    for first in range(0, lanes, lay.VECTOR_WIDTH):
+        sum_harmonics(springs.at, rows_c, rows_s, y, first, (lay.PRESSED + first, lay.PRESSED_V + first))
+    u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
+    w_x, w_y = y[lay.VELOCITY + lay.X], y[lay.VELOCITY + lay.Y]
+    for p in range(lanes):
+        c, s = springs.of_spring[COS_S, p], springs.of_spring[SIN_S, p]
+        pressed = springs.of_spring[FIT, p] + y[lay.PRESSED + p] + u_x * c + u_y * s
+        rate = y[lay.PRESSED_V + p] + w_x * c + w_y * s
+        force = springs.of_spring[K_S, p] * pressed + springs.of_spring[C_S, p] * rate
+        y[lay.PRESSED + p] = pressed
+        y[lay.SPRING_FORCE + p] = max(force, 0.0) if pressed > 0.0 else 0.0
+
+
+@pull.register(Springs)
+def _pull(springs, row, y, i):
+    return y[row + i]
+
+
 @inlined
 def force_on_harmonic(bending, y, i):
-    """Forces (N) of rollers and load on the amplitudes of cosine and sine of harmonic ``i``."""
+    """Forces (N) of rollers, load and springs on the amplitudes of cosine and sine of harmonic ``i``."""
     c, s = y[lay.TURN_C + i], y[lay.TURN_S + i]
     push_c, push_s = y[lay.PUSH_C + i], y[lay.PUSH_S + i]
-    return bending.of_harmonic[LOAD_C, i] + push_c * c - push_s * s, bending.of_harmonic[LOAD_S, i] + push_c * s + push_s * c
+    pull_c, pull_s = pull(bending.springs, lay.PULL_C, y, i), pull(bending.springs, lay.PULL_S, y, i)
+    return bending.of_harmonic[LOAD_C, i] + push_c * c - push_s * s - pull_c, bending.of_harmonic[LOAD_S, i] + push_c * s + push_s * c - pull_s
 
 
 @accelerate_harmonics.register(Bending)
-def _accelerate_harmonics(bending, y):
+def _accelerate_harmonics(bending, m_o, y):
     push_harmonics(bending, y)
+    press_springs(bending.springs, y)
+    y[lay.ACCELERATION + lay.X] += pull(bending.springs, lay.SPRINGS_X, y, 0) / m_o
+    y[lay.ACCELERATION + lay.Y] += pull(bending.springs, lay.SPRINGS_Y, y, 0) / m_o
     for i in range(bending.of_harmonic.shape[1]):
         f_c, f_s = force_on_harmonic(bending, y, i)
         k, c = bending.of_harmonic[K_M, i], bending.of_harmonic[C_M, i]
