@@ -25,6 +25,7 @@ from scipy.linalg import eigh
 from bearingsim.assemble import geometry
 from bearingsim.config import Case
 from bearingsim.config.sections.machine import Bearing, Rig
+from bearingsim.config.sections.ring import FlexibleRing, RingLoad, Sensor
 from bearingsim.core import layout as lay
 from bearingsim.core.parts import bending as core
 
@@ -104,8 +105,9 @@ class OfRing(NamedTuple):
     """
 
     bearing: Bearing
-    rig: Rig
-    outer_radius: float
+    ring: FlexibleRing
+    load_path: RingLoad
+    sensor: Sensor
     ring_mass: float
     load: float
     load_across: float
@@ -113,21 +115,27 @@ class OfRing(NamedTuple):
 
 
 def of_ring(case: Case) -> OfRing:
-    """All that the bending of the case's ring depends on, without a bracket."""
-    masses = geometry.outer_radius(case), geometry.ring_mass(case)
-    return OfRing(case.bearing, case.rig, *masses, case.load, case.load_across)
+    """All that the bending of the case's ring, which bends, depends on, without a bracket."""
+    rig = case.rig
+    assert rig.ring is not None
+    assert rig.load is not None
+    return OfRing(
+        case.bearing, rig.ring, rig.load, rig.sensor, geometry.ring_mass(case), case.load, case.load_across
+    )
 
 
 def has_carrier(rig: Rig) -> bool:
     """Whether springs stand between the ring and a carrier, on which load and bracket act."""
-    return rig.ring is not None and rig.load.by in ("points", "housing")
+    return rig.ring is not None and rig.load is not None and rig.load.carried
 
 
 def section_of(given: OfRing) -> Section:
     """The section of a ring and its material."""
-    known, material = given.rig.ring.section, given.bearing.material
-    R = given.bearing.outside_diameter / 2.0 - known.height / 2.0
-    return Section(known.height, known.width, R, material.young_modulus, material.poisson_ratio, material.density)
+    material, height, width = given.bearing.material, given.ring.section.height, given.ring.section.width
+    assert height is not None
+    assert width is not None
+    R = 0.5 * (given.bearing.outside_diameter - height)
+    return Section(height, width, R, material.young_modulus, material.poisson_ratio, material.density)
 
 
 class Harmonics(NamedTuple):
@@ -147,8 +155,8 @@ class Harmonics(NamedTuple):
 def harmonics(given: OfRing) -> Harmonics:
     """The harmonics of a ring, with room for a carrier."""
     section = section_of(given)
-    found = [harmonic(section, n) for n in (*range(2, given.rig.ring.harmonics + 1), 0)]
-    H = -(-(len(found) + has_carrier(given.rig)) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
+    found = [harmonic(section, n) for n in (*range(2, int(given.ring.harmonics) + 1), 0)]
+    H = -(-(len(found) + given.load_path.carried) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
     n, k, omega = (padded([getattr(one, name) for one in found], H) for name in ("n", "k", "omega"))
     omega = np.minimum(omega * np.sqrt(section.mass / given.ring_mass), CAP)
     per_mass = np.divide(omega**2, k, out=np.zeros(H), where=k > 0.0)
@@ -162,10 +170,10 @@ def made(given: OfRing) -> core.Bending:
     places = 2.0 * pi * np.arange(given.bearing.rollers) / given.bearing.rollers
     at_rollers = np.stack([table(np.cos, of.n, places), table(np.sin, of.n, places)])
     at_rollers[:, of.real :] = 0.0
-    rows = with_carrier(rows_of(given, of), given, of.real) if has_carrier(given.rig) else rows_of(given, of)
-    springs = springs_of(given, of) if has_carrier(given.rig) else core.NoSprings()
+    rows = with_carrier(rows_of(given, of), given, of.real) if given.load_path.carried else rows_of(given, of)
+    springs = springs_of(given, of) if given.load_path.carried else core.NoSprings()
     highest, highest_damping = fastest(given.ring_mass, rows, springs)
-    on_ring, alpha = given.rig.sensor.on == "ring", given.rig.sensor.angle
+    on_ring, alpha = given.sensor.on == "ring", given.sensor.angle or 0.0
     return core.Bending(
         of_harmonic=rows,
         at_rollers=np.ascontiguousarray(at_rollers[:, : of.real]),
@@ -183,13 +191,13 @@ def made(given: OfRing) -> core.Bending:
 
 def rows_of(given: OfRing, of: Harmonics) -> np.ndarray:
     """``core.Bending.of_harmonic`` of the ring itself."""
-    alpha, rows = given.rig.sensor.angle, np.zeros((10, len(of.n)))
+    alpha, rows = given.sensor.angle or 0.0, np.zeros((10, len(of.n)))
     rows[core.N], rows[core.K], rows[core.K_M] = of.n, of.k, of.omega**2
-    rows[core.C_M] = 2.0 * given.rig.ring.damping * of.omega
+    rows[core.C_M] = 2.0 * given.ring.damping * of.omega
     rows[core.PER_MASS_C], rows[core.PER_MASS_S] = of.per_mass_c, of.per_mass_s
-    if not has_carrier(given.rig):
-        rows[core.LOAD_C], rows[core.LOAD_S] = given_forces(given.rig.load, given.load, of.n)
-    if given.rig.sensor.on == "ring":
+    if not given.load_path.carried:
+        rows[core.LOAD_C], rows[core.LOAD_S] = given_forces(given.load_path, given.load, of.n)
+    if given.sensor.on == "ring":
         rows[core.SENSOR_C], rows[core.SENSOR_S] = np.cos(of.n * alpha), np.sin(of.n * alpha)
     rows[core.SENSOR_S, of.n == 0.0] = 0.0
     rows[:, of.real :] = 0.0
@@ -198,21 +206,21 @@ def rows_of(given: OfRing, of: Harmonics) -> np.ndarray:
 
 def with_carrier(rows: np.ndarray, given: OfRing, i: int) -> np.ndarray:
     """The rows with the carrier's place as harmonic ``i``: load and bracket act on it."""
-    mass, alpha, (k_b, c_b, x_0, y_0) = given.rig.load.mass, given.rig.sensor.angle, given.bracket
+    mass, alpha, (k_b, c_b, x_0, y_0) = given.load_path.mass or 0.0, given.sensor.angle or 0.0, given.bracket
     rows[core.K, i], rows[core.K_M, i], rows[core.C_M, i] = k_b, k_b / mass, c_b / mass
     rows[core.PER_MASS_C, i] = rows[core.PER_MASS_S, i] = 1.0 / mass
     rows[core.LOAD_C, i], rows[core.LOAD_S, i] = k_b * x_0 - given.load, k_b * y_0 - given.load_across
-    if given.rig.sensor.on == "housing":
+    if given.sensor.on == "housing":
         rows[core.SENSOR_C, i], rows[core.SENSOR_S, i] = cos(alpha), sin(alpha)
     return rows
 
 
 def springs_of(given: OfRing, of: Harmonics) -> core.Springs:
-    """The springs around the ring, each damped as ``ring.damping`` says at the frequency of the ring between them."""
+    """The springs around the ring, each damped by ``ring.damping`` at the frequency of the ring between them."""
     angles, k, fit = places_of_springs(given)
     P = -(-len(angles) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
     across = max((k * np.cos(angles) ** 2).sum(), (k * np.sin(angles) ** 2).sum())
-    c = 2.0 * given.rig.ring.damping * k * sqrt(given.ring_mass / across)
+    c = 2.0 * given.ring.damping * k * sqrt(given.ring_mass / across)
     by_spring = np.zeros((2, len(angles), len(of.n)))
     by_spring[0, :, : of.real] = np.cos(np.outer(angles, of.n[: of.real]))
     by_spring[1, :, : of.real] = np.sin(np.outer(angles, of.n[: of.real]))
@@ -225,13 +233,14 @@ def springs_of(given: OfRing, of: Harmonics) -> core.Springs:
 
 def places_of_springs(given: OfRing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Angles (rad), stiffness (N/m) and fit (m) of the springs."""
-    load = given.rig.load
+    load = given.load_path
     if load.by == "points":
-        angles, k = (np.array([getattr(point, name) for point in load.at]) for name in ("angle", "stiffness"))
+        at = load.at or ()
+        angles, k = (np.array([getattr(point, name) for point in at]) for name in ("angle", "stiffness"))
         return angles, k, np.zeros(len(angles))
-    P = max(SPRINGS, 4 * given.rig.ring.harmonics)
-    each = load.stiffness * pi * given.bearing.outside_diameter / P
-    return 2.0 * pi * np.arange(P) / P, np.full(P, each), np.full(P, load.fit)
+    P = max(SPRINGS, 4 * int(given.ring.harmonics))
+    each = (load.stiffness or 0.0) * pi * given.bearing.outside_diameter / P
+    return 2.0 * pi * np.arange(P) / P, np.full(P, each), np.full(P, load.fit or 0.0)
 
 
 def fastest(ring_mass: float, rows: np.ndarray, springs: Any) -> tuple[float, float]:
@@ -269,8 +278,8 @@ def table(function: Any, n: np.ndarray, places: np.ndarray) -> np.ndarray:
     return found
 
 
-def given_forces(load: Any, F: float, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def given_forces(load: RingLoad, F: float, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """What a given load of ``F`` (N) does to the amplitudes of cosines and sines (H,), N: it pushes inwards."""
-    angles = np.array(getattr(load, "angles", (0.0,)))
+    angles = np.array(load.angles or (0.0,))
     each = F / np.cos(angles).sum()
     return -each * np.cos(np.outer(n, angles)).sum(axis=1), -each * np.sin(np.outer(n, angles)).sum(axis=1)

@@ -65,7 +65,7 @@ def _rest(
     of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_across: float, ring: bending.OfRing | None
 ) -> Rest:
     """``healthy_rest``, remembered; ``named`` tells laws apart that are equal as tuples."""
-    carried = ring is not None and bending.has_carrier(ring.rig)
+    carried = ring is not None and ring.load_path.carried
     free = Support(*((0.0, 0.0) if carried else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
     bent = Stiff() if ring is None else bending.at_rest(bending.made(ring))
     model = static_bearing(of_case, free, outer, inner, pack_pits([], Envelope()), bent)

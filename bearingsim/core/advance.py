@@ -98,7 +98,9 @@ def approaches_of_bodies(model, y, n):
     i_x, i_y = y[lay.POSITION + lay.X_I], y[lay.POSITION + lay.Y_I]
     for j in range(n):
         c, s, r = y[lay.COS + j], y[lay.SIN + j], y[lay.RADIAL + j]
-        y[lay.APPROACH_NOW + j] = max(r - (u_x * c + u_y * s) - gap - bend_at(model, y, j), i_x * c + i_y * s - gap - r)
+        y[lay.APPROACH_NOW + j] = max(
+            r - (u_x * c + u_y * s) - gap - bend_at(model, y, j), i_x * c + i_y * s - gap - r
+        )
 
 
 @jit

@@ -141,9 +141,11 @@ HERE, ROLLER_LOADS, ROLLER_LOADS_HERE, LOADS_HERE = (JACOBIAN_WORK + n * ROW for
 
 # of a ring that bends: cosine and sine of each harmonic's angle as the first roller has it; amplitudes (m), and
 # their rates (m/s), as the rollers see them; forces (N) on the amplitudes, as the rollers make them
-TURN_C, TURN_S, SEEN_C, SEEN_S, SEEN_V_C, SEEN_V_S, PUSH_C, PUSH_S = (JACOBIAN_WORK + n * ROW for n in range(54, 62))
-# forces (N) on the amplitudes by springs around the ring; of each spring: how far it is pressed (m), how fast (m/s),
-# its force (N)
+TURN_C, TURN_S, SEEN_C, SEEN_S, SEEN_V_C, SEEN_V_S, PUSH_C, PUSH_S = (
+    JACOBIAN_WORK + n * ROW for n in range(54, 62)
+)
+# forces (N) on the amplitudes by springs around the ring; of each spring: how far it is pressed (m), how fast
+# (m/s), its force (N)
 PULL_C, PULL_S = (JACOBIAN_WORK + n * ROW for n in range(74, 76))
 PRESSED, PRESSED_V, SPRING_FORCE = (JACOBIAN_WORK + n * ROW for n in range(76, 85, 3))
 MAX_SPRINGS = 3 * ROW

@@ -1,14 +1,14 @@
 """Sums of eight lanes at once, in vector registers.
 
-numba's compiler makes vectors of a loop over lanes, but not of a sum over harmonics (or rollers) for each lane: the
-lanes would have to stay in registers while the loop runs. So that loop is written in the compiler's own words.
-Eight doubles are one register of AVX-512, two of AVX2, four of SSE2 or NEON: the order of each sum, and so its bits,
-are the same.
+numba's compiler makes vectors of a loop over lanes, but not of a sum over harmonics (or rollers) for each lane:
+the lanes would have to stay in registers while the loop runs. So that loop is written in the compiler's own
+words. Eight doubles are one register of AVX-512, two of AVX2, four of SSE2 or NEON: the order of each sum, and so
+its bits, are the same.
 """
 
 from typing import Any
 
-from llvmlite import ir
+from llvmlite import ir  # type: ignore[import-untyped]
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic

@@ -141,7 +141,7 @@ def can_step(case: Case, name: str) -> bool:
     Friction is steep: at its rate the steps of an explicit adaptive method would go, others let it lag.
     """
     if METHODS[name].implicit:
-        return not any(missing(case, implicit=True))
+        return case.rig.ring is None and not any(missing(case, implicit=True))
     return not METHODS[name].adaptive or not MODELS[case.model].slips or is_frictionless(case)
 
 

@@ -39,7 +39,8 @@ def price(what: str, name: str = USUAL) -> float:
 
 def evaluation(case: Case) -> float:
     """CPU time (s) of one evaluation of the case's model."""
-    return (price("evaluation", case.model) + price("power") * powers(case)) * (slice_count(case) or 1)
+    bending = 0.0 if case.rig.ring is None else price("harmonic", case.model) * float(case.rig.ring.harmonics)
+    return (price("evaluation", case.model) + price("power") * powers(case)) * (slice_count(case) or 1) + bending
 
 
 def per_step(method: str, model: str, evaluations: int) -> float:

@@ -81,7 +81,7 @@ def _walk(section: type[Section], prefix: str) -> Iterator[tuple[str, Dimension 
         below = prefix + ("defect" if name == "defects" else name)
         if name == "defects":
             yield below, None
-        for inner in marks:
+        for inner in marks if name != "at" else ():  # a list is swept as a whole
             if isinstance(inner, type) and issubclass(inner, Section):
                 yield from _walk(inner, below + ".")
 

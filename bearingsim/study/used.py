@@ -23,7 +23,11 @@ INACTIVE: dict[str, Any] = {
     "periodic": True,
     "until": None,
     "bearing": {"element": "roller", "inner_groove_radius": None, "outer_groove_radius": None},
-    "rig": {"torsion_stiffness": None, "torsion_damping": None, **dict.fromkeys(MOUNT_FIELDS)},
+    "rig": {
+        **dict.fromkeys(("torsion_stiffness", "torsion_damping", *MOUNT_FIELDS, "ring")),
+        "sensor": {"on": "ring"},
+        "load": dict.fromkeys(("angles", "at", "stiffness", "fit", "mass")),
+    },
     "defects": {"roller": None, "offset": 0.0, "edge": None, "grown": None, "seed": None, "digest": None},
 }
 """Values that do nothing. They are left out, so that a field that is new does not rename results that exist."""
@@ -43,6 +47,9 @@ def used(case: Case) -> dict[str, Any]:
     if not _by_material(case) and case.bearing.element == "roller" and not _by_pressure(case):
         material = values["bearing"]["material"]
         del material["young_modulus"], material["poisson_ratio"]
+    del values["rig"]["sensor"]["angle"]  # that of `sensor_angle`
+    if case.rig.ring is None:
+        del values["rig"]["sensor"], values["rig"]["load"]
     if not case.defects:
         values.pop("excitation", None)
     for defect in values["defects"]:
@@ -79,10 +86,10 @@ def _in_old_words(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def _by_material(case: Case) -> bool:
-    """Whether the material's elastic constants enter the contact law (and so they do in any ball's contact)."""
+    """Whether the material's elastic constants enter: a contact law (as in any ball's contact), a bent ring."""
     damping = getattr(case.contact.damping, "law", "")
     used = catalogue.LAWS["stiffness"][case.contact.elastic_law], catalogue.LAWS["damping"][damping]
-    return any(law.material for law in used)
+    return case.rig.ring is not None or any(law.material for law in used)
 
 
 def _by_pressure(case: Case) -> bool:

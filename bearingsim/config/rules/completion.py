@@ -9,6 +9,8 @@ from bearingsim.config.rules.slicing import by_slices
 from bearingsim.config.sections import free
 from bearingsim.config.sections.contact import Contact
 from bearingsim.config.sections.defect import EDGE_RADIUS, Defect, Edge
+from bearingsim.config.sections.machine import Rig
+from bearingsim.config.sections.ring import MAX_HARMONICS, RingLoad
 
 
 def complete(case: CaseFields) -> None:
@@ -23,11 +25,35 @@ def complete(case: CaseFields) -> None:
     if "start_angle" not in case.model_fields_set:
         _fill(case, "start_angle", math.pi / case.bearing.rollers)
     _fill(case, "contact", _suited_contact(case))
+    _fill(case, "rig", _completed_rig(case))
     _fill(case, "defects", tuple(_completed(case, _numbered(defect)) for defect in case.defects))
     if case.misalignment is not None and case.misalignment.inner == case.misalignment.outer == 0.0:
         _fill(case, "misalignment", None)
     _fill_free_motion(case)
     _fill(case, "record", tuple(name for channel in case.record for name in by_slices(channel, case)))
+
+
+AROUND_A_ROLLER, IN_A_HOUSING = 7, 8
+"""Harmonics: so many more than rollers see the bulge under each; so many suffice for what reaches a housing."""
+MASS_OF_CARRIER = 1.0  # kg: an assumption
+
+
+def _completed_rig(case: CaseFields) -> Rig:
+    """The rig with the section of a ring that bends, its harmonics, and where its load enters."""
+    ring, load = case.rig.ring, case.rig.load or RingLoad()
+    if ring is None:
+        return case.rig
+    harmonics = ring.harmonics
+    if harmonics == "auto":
+        on_ring = case.rig.sensor.on == "ring"
+        harmonics = min(MAX_HARMONICS, case.bearing.rollers + AROUND_A_ROLLER) if on_ring else IN_A_HOUSING
+    b, section = case.bearing, ring.section
+    usual = {"height": 0.5 * (b.outside_diameter - b.pitch_diameter - b.roller_diameter), "width": b.width}
+    given = {name: getattr(section, name) or value for name, value in usual.items()}
+    bent = {"harmonics": harmonics, "section": section.model_copy(update=given)}
+    held = {"mass": load.mass or MASS_OF_CARRIER} if load.carried else {}
+    held |= {"fit": load.fit or 0.0} if load.by == "housing" else {}
+    return case.rig.model_copy(update={"ring": ring.model_copy(update=bent), "load": load.model_copy(update=held)})
 
 
 def _fill_free_motion(case: CaseFields) -> None:

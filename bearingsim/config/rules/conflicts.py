@@ -7,6 +7,7 @@ from bearingsim import catalogue
 from bearingsim.config.channels import plain, roller_number, slice_number
 from bearingsim.config.rules import hierarchy
 from bearingsim.config.rules.conflict import Conflict, Path
+from bearingsim.config.rules.flexible_ring import flexible_ring_conflicts
 from bearingsim.config.rules.passes import until_conflicts
 from bearingsim.config.rules.pits import pit_conflicts
 from bearingsim.config.rules.slicing import slice_count
@@ -33,6 +34,7 @@ def conflicts(case: "CaseFields") -> Iterator[Conflict]:
     yield from _contact(case)
     yield from _free_motion(case)
     yield from _in_space(case)
+    yield from flexible_ring_conflicts(case)
     yield from _record(case)
     yield from until_conflicts(case)
     yield from _sizes(case)

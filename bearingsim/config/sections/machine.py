@@ -15,6 +15,7 @@ from bearingsim.config.fields import (
     Pressure,
     Section,
     Stiffness,
+    StiffnessOrZero,
     Text,
     TorsionalDamping,
     TorsionalStiffness,
@@ -23,6 +24,7 @@ from bearingsim.config.fields import (
     whole,
 )
 from bearingsim.config.library import Kind, described
+from bearingsim.config.sections.ring import FlexibleRing, RingLoad, Sensor
 from bearingsim.config.sections.space import Flanges, Profile, RollerProfile
 from bearingsim.core.geometry.kinematics import ball_pass_frequency_outer
 from bearingsim.text.units import show
@@ -129,32 +131,6 @@ class Bearing(Section):
         return self
 
 
-class RingSection(Section):
-    height: Length | None = None
-    width: Length | None = None
-
-
-class FlexibleRing(Section):
-    bends: bool = True
-    harmonics: int = 20
-    damping: float = 0.01
-    section: RingSection = RingSection(height=0.0065, width=0.023)
-
-
-class GivenLoad(Section):
-    by: str = "point"
-    angles: tuple[float, ...] = (0.0,)
-    stiffness: float = 1e10
-    fit: float = 0.0
-    mass: float = 1.0
-    at: tuple[dict, ...] = ()
-
-
-class Sensor(Section):
-    on: str = "ring"
-    angle: float = 0.0
-
-
 class Rig(Section):
     """The bracket that holds the outer ring, and the sensor on it.
 
@@ -163,7 +139,7 @@ class Rig(Section):
     """
 
     name: Text = ""
-    bracket_stiffness: Stiffness = 1e7
+    bracket_stiffness: StiffnessOrZero = 1e7
     bracket_damping: Damping = 200.0
     torsion_stiffness: TorsionalStiffness | None = None
     torsion_damping: TorsionalDamping | None = None
@@ -172,11 +148,26 @@ class Rig(Section):
     tilting_stiffness: TorsionalStiffness | None = None
     tilting_damping: TorsionalDamping | None = None
     sensor_angle: Angle = 0.0
-    ring: FlexibleRing | None = None
-    load: GivenLoad = GivenLoad()
     sensor: Sensor = Sensor()
+    ring: FlexibleRing | None = None
+    load: RingLoad | None = None
     ring_mass: Mass | None = None
     source: Text = ""
+
+    @model_validator(mode="after")
+    def _whole(self) -> "Rig":
+        """One angle of the sensor, and no more of a ring that does not bend."""
+        angle = self.sensor_angle if self.sensor.angle is None else self.sensor.angle
+        if "sensor_angle" in self.model_fields_set and angle != self.sensor_angle:
+            refuse(
+                "twice", "`sensor_angle` is another word for `sensor.angle`", "say one of them", at="sensor_angle"
+            )
+        object.__setattr__(self, "sensor_angle", angle)
+        object.__setattr__(self, "sensor", self.sensor.model_copy(update={"angle": angle}))
+        if self.ring is not None and not self.ring.bends:
+            object.__setattr__(self, "ring", None)
+            object.__setattr__(self, "load", None)
+        return self
 
 
 def default_rig() -> Rig:

@@ -25,7 +25,13 @@ from bearingsim.core.jit import add, generic, jit
 from bearingsim.core.methods.interface import attempt, interpolate, no_limit, prepare, reach, stability_ratio, step
 from bearingsim.core.models.arms import roller_arms, shared_arms
 from bearingsim.core.models.extremes import copy_forces, update_forces_within
-from bearingsim.core.models.interface import accelerations, degrees_of_freedom, harmonics, state_width, update_extremes
+from bearingsim.core.models.interface import (
+    accelerations,
+    degrees_of_freedom,
+    harmonics,
+    state_width,
+    update_extremes,
+)
 from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
 from bearingsim.core.parameters import lanes
 from bearingsim.core.pits.jumps import next_jump

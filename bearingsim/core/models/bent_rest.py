@@ -33,7 +33,8 @@ from bearingsim.core.parts.bending import (
     push_harmonics,
 )
 
-# rows as in a state: where a search begins, which way it goes (m), the force (N) there; what a roller does to it (1)
+# rows as in a state: where a search begins, which way it goes (m), the force (N) there; how far a contact is
+# pressed by each unknown (1)
 FROM, WAY, FORCE, PHI = (lay.JACOBIAN_WORK + n * lay.ROW for n in (62, 65, 68, 71))
 MATRIX = lay.POSITION_JACOBIAN  # N/m, row by row; implicit methods do not know such a ring
 LONGEST_STEP = 1e-4  # m

@@ -269,8 +269,9 @@ def place_of_held(model, y):
 class Rest(NamedTuple):
     """A bearing at rest, averaged over a ball pass.
 
-    x, y: place of what a bracket would hold, the ring or the carrier around it (m); load: largest force on a roller (N), and approach, that of its two contacts
-    together (m), at any time; K_x, K_y: stiffness (N/m) that rollers offer the ring.
+    x, y: place of what a bracket would hold, the ring or the carrier around it (m); load: largest force on a
+    roller (N), and approach, that of its two contacts together (m), at any time; K_x, K_y: stiffness (N/m) that
+    rollers offer the ring.
     """
 
     x: float

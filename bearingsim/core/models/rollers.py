@@ -51,8 +51,9 @@ K_O, C_O, K_I, C_I = (lay.WORK + n * lay.ROW for n in range(4))  # how a contact
 
 
 class Rollers(NamedTuple):
-    """Parameters of the model; ``outer``, ``inner``: the contact laws (``laws/damping``) at the two races; bending:
-    that of the outer ring.
+    """Parameters of the model; ``outer``, ``inner``: the contact laws (``laws/damping``) at the two races.
+
+    bending: that of the outer ring (``parts/bending.py``).
     """
 
     bearing: Bearing
@@ -168,7 +169,9 @@ def _read_sensor(model, y):
 def _stiffness_per_mass(model, y, j):
     outer = stiffness_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = stiffness_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
-    return bending.with_race(model.bending, y[lay.INVERSE_MASS + j] * (outer + inner), y[lay.INVERSE_MASS + j], outer)
+    return bending.with_race(
+        model.bending, y[lay.INVERSE_MASS + j] * (outer + inner), y[lay.INVERSE_MASS + j], outer
+    )
 
 
 @damping_per_mass.register(Rollers)

@@ -16,8 +16,9 @@ from bearingsim.core.pits.pairs import Pits
 
 
 class Static(NamedTuple):
-    """Parameters of the model; ``bearing.m_r`` must be 0, the ring's mass and the damping are not used. bending: that
-    of the outer ring.
+    """Parameters of the model; ``bearing.m_r`` must be 0, the ring's mass and the damping are not used.
+
+    bending: that of the outer ring (``parts/bending.py``).
     """
 
     bearing: Bearing

@@ -11,7 +11,7 @@ on their number is a table: with theta_j = theta_c + phi_j
 
     w(theta_j) = sum_n A_n cos(n phi_j) + B_n sin(n phi_j),   A_n + i B_n = (a_n + i b_n) exp(-i n theta_c).
 
-A roller goes along the bent race, so its outer contact closes by w_t + omega_c w_theta less than over a stiff ring.
+A roller goes along the bent race, so its outer contact closes by w_t + omega_c w_theta less than over a stiff one.
 Virtual work gives the forces on the amplitudes; what the cage then does to push a roller uphill is what the rate
 takes (docs/ring.md).
 """
@@ -36,10 +36,11 @@ class Bending(NamedTuple):
     """A ring that bends, in H harmonics: n = 2, 3, ..., then n = 0, then what pads them to a multiple of 8.
 
     of_harmonic: (10, H), its rows as named below; at_rollers: (2, real ones of H, lanes) cos(n phi_j) and
-    sin(n phi_j); by_roller: (2, Z, H), the same; breathing: which harmonic is n = 0; mobility: of the bent race at a point,
-    what a force there gives its acceleration (1/kg); highest, highest_damping: the largest stiffness (1/s^2) and damping
-    (1/s) over mass of any motion of the ring between its springs; sensor_x, sensor_y: cosine and sine of the angle
-    of a sensor on the ring; load: all of the given load (N); springs: what stands around the ring.
+    sin(n phi_j); by_roller: (2, Z, H), the same; breathing: which harmonic is n = 0; mobility: what a force at a
+    point of the race gives the bending's acceleration there (1/kg); highest, highest_damping: the largest
+    stiffness (1/s^2) and damping (1/s) over mass of any motion of the ring between its springs; sensor_x,
+    sensor_y: cosine and sine of the angle of a sensor on the ring; load: all of the given load (N); springs: what
+    stands around the ring.
     """
 
     of_harmonic: np.ndarray
@@ -68,8 +69,8 @@ class NoSprings(NamedTuple):
 class Springs(NamedTuple):
     """P springs between the ring and a rigid carrier, which only push. The carrier's place is one harmonic more.
 
-    of_spring: (5, P padded to 8), its rows as named below; at: (2, n, P padded) what an amplitude does to how far a
-    spring is pressed, n harmonics and the carrier; by_spring: (2, P, H) the same; carrier: which of H it is.
+    of_spring: (5, P padded to 8), its rows as named below; at: (2, n, P padded) how far an amplitude of 1 m
+    presses a spring, n being the harmonics and the carrier; by_spring: (2, P, H) the same; carrier: which of H.
     """
 
     of_spring: np.ndarray
@@ -121,7 +122,7 @@ def accelerate_harmonics(bending: Any, m_o: float, y: np.ndarray) -> None:
 
 @generic(inline="late", absent=None)
 def press_springs(springs: Any, y: np.ndarray) -> None:
-    """Fill SPRING_FORCE, and what it does: PULL to the amplitudes, SPRINGS_X and SPRINGS_Y to the ring's centre."""
+    """Fill SPRING_FORCE, and what it does: PULL on the amplitudes, SPRINGS_X, SPRINGS_Y on the ring's centre."""
 
 
 def ring_place(springs, y):
@@ -142,7 +143,7 @@ def _held_place(springs, y):
 
 @generic(inline="late", absent=0.0)
 def pull(springs: Any, row: int, y: np.ndarray, i: int) -> float:
-    """The springs' force (N) on amplitude ``i`` of cosine or sine, as the ``row`` says; or on the ring's centre."""
+    """The springs' force (N) on amplitude ``i`` of cosine or sine, by ``row``; or, by its cell, on the centre."""
 
 
 @generic(inline="late", absent=None)
@@ -277,8 +278,9 @@ def force_on_harmonic(bending, y, i):
     """Forces (N) of rollers, load and springs on the amplitudes of cosine and sine of harmonic ``i``."""
     c, s = y[lay.TURN_C + i], y[lay.TURN_S + i]
     push_c, push_s = y[lay.PUSH_C + i], y[lay.PUSH_S + i]
-    pull_c, pull_s = pull(bending.springs, lay.PULL_C, y, i), pull(bending.springs, lay.PULL_S, y, i)
-    return bending.of_harmonic[LOAD_C, i] + push_c * c - push_s * s - pull_c, bending.of_harmonic[LOAD_S, i] + push_c * s + push_s * c - pull_s
+    f_c = bending.of_harmonic[LOAD_C, i] + push_c * c - push_s * s
+    f_s = bending.of_harmonic[LOAD_S, i] + push_c * s + push_s * c
+    return f_c - pull(bending.springs, lay.PULL_C, y, i), f_s - pull(bending.springs, lay.PULL_S, y, i)
 
 
 @accelerate_harmonics.register(Bending)
