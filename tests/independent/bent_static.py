@@ -34,7 +34,7 @@ SERIES = rollers.K * 2 ** (-10 / 9)
 PASS = 2 * np.pi / rollers.Z
 
 
-def harmonics(last, bent=beam_ring.NF308):
+def harmonics(last):
     """0, 2, 3 ... ``last``, or none at all for ``last`` 0: a ring that does not bend."""
     return (0, *range(2, last + 1)) if last else ()
 
@@ -127,14 +127,17 @@ class System(NamedTuple):
         return self.A @ y - self.f + force @ self.B, self.A + (self.B.T * stiff) @ self.B
 
 
-def least(system, y, enough=1e-9):
-    """Where the energy is least: Newton's method, its steps halved as long as they pass the lowest place by far."""
-    floor = 1.0 * np.eye(y.size)  # N/m, of the matrix alone: for what is held by nothing
+def least(system, y, enough=1e-9, floor=1.0):
+    """Where the energy is least: Newton's method, its steps halved as long as they pass the lowest place by far.
+
+    floor: a stiffness (N/m) in the matrix alone, for what is held by nothing on the way.
+    """
+    least_stiff = floor * np.eye(y.size)
     for _ in range(200):
         slope, stiff = system.slope(y)
         if np.abs(slope).max() < enough:
             return y
-        step = -np.linalg.solve(stiff + floor, slope)
+        step = -np.linalg.solve(stiff + least_stiff, slope)
         part = 1.0
         while part > 1e-6 and system.slope(y + part * step)[0] @ step > 0.5 * abs(slope @ step):
             part *= 0.5
