@@ -1,22 +1,22 @@
-"""The bearing of tests/independent/bent_static.py in motion: rollers with mass, damped contacts, a ring that bends.
+"""The bearing of tests/independent/bent_static.py in motion: rollers with mass, damped contacts, a bent ring.
 
 It shares no code with the package. Unknowns: x of the ring (u_x, u_y, a_0, a_2, b_2, ...; radial motion s(phi).x,
 outward) and q_j, how far each roller is outward of the pitch circle. Rollers are at the kinematic angles theta_j.
 
-    delta_o = q - s(theta).x - h      v_o = q' - s(theta).x' - omega_c ds/dtheta(theta).x - h' R_o omega_c
+    delta_o = q - s(theta).x - h      v_o = q' - s(theta).x' - omega_c s'(theta).x - h' R_o omega_c
     delta_i = -q                      v_i = -q'
-    Q = max(0, E(delta) + beta v dE/d(delta)) for delta > 0       E = k delta^(10/9)    (Kraemer)
+    Q = max(0, E(delta) + beta v dE/d(delta)) for delta > 0,       E = k delta^(10/9)    (Kraemer)
 
     m_r q_j'' = m_r omega_c^2 (d_m/2 + q_j) + Q_i,j - Q_o,j
-    m_n x_n'' = -k_n x_n - 2 zeta sqrt(k_n m_n) x_n' + sum_j Q_o,j s_n(theta_j) + pressed_n
+    m_n x_n'' = -k_n x_n - d_n x_n' + sum_j Q_o,j s_n(theta_j) + pressed_n
 
-The third term of v_o is there since a roller goes along the bent race: both for u and for what bends. For u: m_n is the ring's
-mass, k_n and the damper the bracket's. For the harmonics k_n = 1/C_n and m_n = k_n/omega_n^2 of the beam
-(tests/independent/beam_ring.py), with more mass for those faster than a cap. The work is that of a potential but for
-dampers, load and drive: sum_j Q_o s(theta_j) is minus the slope of the contacts' energy.
+The third term of v_o is there since a roller goes along the bent race, for u and for what bends. For u the mass is the
+ring's; the spring, with its anchor, and the damper are the bracket's. The harmonics have k_n = 1/C_n and m_n =
+k_n/omega_n^2 of the beam (tests/independent/beam_ring.py), with more mass for those faster than a cap, and d_n =
+2 zeta sqrt(k_n m_n).
 
-A stiff carrier behind springs has no mass: at each instant it is where springs, its bracket's spring and load balance.
-The bracket's damper stays at u.
+A stiff carrier behind springs has no mass: at each instant it is where its springs, the bracket's spring and the load
+balance. The bracket's damper stays at u.
 
 Steps of one length, Runge and Kutta's classic four stages. SI throughout.
 """
@@ -126,11 +126,27 @@ def sinking(scene, theta):
     return rollers.sinking(arcs, rollers.R_O * rollers.OMEGA_C, scene.width, scene.depth, rollers.REDUCED_O)
 
 
+def along(orders, angles):
+    """ds/dphi at each angle, in the order of ``reach``."""
+    columns = [-np.sin(angles), np.cos(angles)]
+    for n in orders:
+        columns += [np.zeros_like(angles)] if n == 0 else [-n * np.sin(n * angles), n * np.cos(n * angles)]
+    return np.stack(columns, axis=1)
+
+
+def approaches(scene, t, x, q, w, v):
+    """s at the rollers (Z, unknowns), outer approaches (m) and their rates (m/s): ring at x, w, rollers at q, v."""
+    orders = bent_static.harmonics(scene.last)
+    theta = rollers.THETA + rollers.OMEGA_C * t
+    s = reach(orders, theta)
+    h, sinks = sinking(scene, theta)
+    return s, q - s @ x - h, v - s @ w - rollers.OMEGA_C * (along(orders, theta) @ x) - sinks
+
+
 def equations(scene: Scene, motion: Motion = Motion()) -> Equations:  # noqa: B008
     """The bearing in motion, from rest at t = 0."""
     orders = bent_static.harmonics(scene.last)
     ring, z = reach(orders, 0.0).shape[1], rollers.Z
-    number = np.array([1, 1, *spread(orders, orders)])
     anchor = anchored(scene)
     first = at_rest(scene, np.pi / z, anchor)
     stiffness, mass = beam_ring.modes(orders, scene.ring, motion.mass, motion.cap)
@@ -145,20 +161,11 @@ def equations(scene: Scene, motion: Motion = Motion()) -> Equations:  # noqa: B0
         k[:2] = scene.bracket
         steady[:] = scene.outside.vector(orders)
         steady[:2] += scene.bracket * anchor
-    sines = number[None, :] * np.ones((z, 1))
-    start_of = [2 if n == 0 else None for n in orders[:1]]
-    pairs = np.concatenate([[0, 1], np.arange(3, ring)]) if start_of else np.arange(2)
-    cosines, others = pairs[::2], pairs[1::2]
 
     def slope(t, y):
         x, q, w, v = y[:ring], y[ring : ring + z], y[ring + z : 2 * ring + z], y[2 * ring + z :]
-        theta = rollers.THETA + rollers.OMEGA_C * t
-        s = reach(orders, theta)
-        turned = np.zeros_like(s)
-        turned[:, cosines], turned[:, others] = -s[:, others], s[:, cosines]
-        h, h_rate = sinking(scene, theta)
-        rate = v - s @ w - rollers.OMEGA_C * ((turned * sines) @ x) - h_rate
-        outer, inner = contact(q - s @ x - h, rate, motion.beta), contact(-q, -v, motion.beta)
+        s, delta, rate = approaches(scene, t, x, q, w, v)
+        outer, inner = contact(delta, rate, motion.beta), contact(-q, -v, motion.beta)
         pressed = steady if carrier is None else carrier.pressing(x)
         ring_rate = (outer @ s + pressed - k * x - d * w) / m
         roller_rate = rollers.OMEGA_C**2 * (R_MEAN + q) + (inner - outer) / rollers.M_R

@@ -1,7 +1,7 @@
 """A bearing at rest at each cage angle, its outer ring bending in its plane: the least energy of all parts.
 
-It shares no code with the package. NF308, 1800 rpm, 150 N, clearance 0, one box over the whole roller on the outer race.
-The radial motion of the ring at the angle phi, outward, is
+It shares no code with the package. NF308, 1800 rpm, 150 N, clearance 0, one box over the whole roller on the outer
+race. The radial motion of the ring at the angle phi, outward, is
 
     s(phi).x,   s = (cos phi, sin phi, 1, cos 2 phi, sin 2 phi, ..., cos N phi, sin N phi)
 
@@ -18,8 +18,8 @@ K holds the stiffness of the harmonics (tests/independent/beam_ring.py); u has n
 - `Springs`: springs that push only, between the ring's outside and a stiff carrier at U, which carries the load:
   load U_x + sum k c^2/2, c = max(0, s(phi).x - U.e(phi) + fit). Some points, or the whole seat in many pieces.
 
-The bracket (10 kN/mm) holds u or, where there is one, the carrier. Its anchor is the mean place of what it holds over
-a ball pass of the healthy bearing without a bracket, so that its mean force is none.
+The bracket (1e7 N/m; it can be 0) holds u or, where there is one, the carrier. Its anchor is the mean place of what it
+holds over a ball pass of the healthy bearing without a bracket, so that its mean force is none.
 
 SI throughout; angles in radians from the load line.
 """
@@ -118,6 +118,10 @@ class System(NamedTuple):
     o: np.ndarray
     c: np.ndarray
     m: np.ndarray
+
+    def energy(self, y):
+        pressed = np.maximum(self.B @ y - self.o, 0.0)
+        return y @ self.A @ y / 2 - self.f @ y + np.sum(self.c / (self.m + 1) * pressed ** (self.m + 1))
 
     def slope(self, y):
         """Slope of the energy, and its second derivative."""
@@ -249,7 +253,7 @@ if __name__ == "__main__":
         "evenly": Scene(outside=POINT._replace(evenly=True)),
     }
     for stiffness in (1e7, 1e8, 1e9, 1e10):
-        cases[f"three points of {stiffness:.0e} N/m, 0, 60"] = Scene(outside=points(-60, 0, 60, stiffness=stiffness))
+        cases[f"three points of {stiffness:.0e} N/m"] = Scene(outside=points(-60, 0, 60, stiffness=stiffness))
     cases["seat 1e12"] = Scene(outside=seat(1e12))
     for name, scene in cases.items():
         whole = line(path(scene)), line(path(scene._replace(width=0.0)))

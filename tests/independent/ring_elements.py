@@ -155,9 +155,8 @@ def compliances(harmonics, section=NF308, load_at=None, across=4, around=96):
     found = []
     for n in harmonics:
         scale = 2 if n == 0 else 1
-        load = radial(ring, arcs * np.cos(n * ring.mesh.angle[nodes]), nodes)
-        load /= scale * np.pi * ring.mesh.radius[nodes[0]]
-        probe = radial(ring, read_arcs * np.cos(n * ring.mesh.angle[read]), read) / (scale * np.pi * section.middle)
+        load = radial(ring, arcs * np.cos(n * ring.mesh.angle[nodes]), nodes) / (scale * arcs.sum() / 2)
+        probe = radial(ring, read_arcs * np.cos(n * ring.mesh.angle[read]), read) / (scale * read_arcs.sum() / 2)
         found.append(probe @ held.solve(load))
     return np.array(found)
 
