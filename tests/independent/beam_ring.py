@@ -6,14 +6,15 @@ counts outward from the mid-line, r = R + z. Plane sections stay plane. With a p
     strain along   = (w + v' + z phi')/(R + z)
     shear          = (w' - (v + z phi))/(R + z) + phi = (w' - v + R phi)/(R + z)
 
-Let w = a cos n theta, v = c sin n theta, phi = p sin n theta. The section has the moments (int: over its height)
+Let w = a cos n theta, v = c sin n theta, phi = p sin n theta. The section has the moments (int: over its
+height)
 
     J0 = int b dz/(R + z) = b ln(outside/inside)
     J1 = int b z dz/(R + z) = A - R J0
     J2 = int b z^2 dz/(R + z) = -R J1
 
-This is Winkler's section: the fibres outside are longer. A straight section has A/R, 0, I/R instead. For n > 0 the
-ring has the energies (a dot over the unknowns of T)
+This is Winkler's section: the fibres outside are longer. A straight section has A/R, 0, I/R instead. For n > 0
+the ring has the energies (a dot over the unknowns of T)
 
     V = pi/2 { E [J0 e^2 + 2 n J1 e p + n^2 J2 p^2] + k G J0 g^2 },   e = a + n c,   g = R p - c - n a
     T = pi/2 rho { R A (a^2 + c^2) + 2 I c p + R I p^2 }
@@ -24,9 +25,9 @@ since int b (R + z) z dz = I and int b (R + z) z^2 dz = R I.
 
     (n^2 - 1) a = n R p - e - n g
 
-and e, p, g are free of each other. So Castigliano's theorem gives a/P = h.H^-1 h: h = (-1, n R, -n)/(n^2 - 1), and H
-is pi times E [[J0, n J1], [n J1, n^2 J2]] for (e, p) and k G J0 for g. The determinant of the first block over E^2 is
-n^2 (J0 J2 - J1^2) = n^2 A J2/R, and
+and e, p, g are free of each other. So Castigliano's theorem gives a/P = h.H^-1 h: h = (-1, n R, -n)/(n^2 - 1),
+and H is pi times E [[J0, n J1], [n J1, n^2 J2]] for (e, p) and k G J0 for g. The determinant of the first block
+over E^2 is n^2 (J0 J2 - J1^2) = n^2 A J2/R, and
 
     n^2 J2 + 2 n^2 R J1 + n^2 R^2 J0 = n^2 int b (R + z)^2/(R + z) dz = n^2 R A
 
@@ -36,14 +37,15 @@ so that one term holds all of extension and bending:
 
 The straight section has R (R^2/I + 1/A)/E + n^2 R/(k G A) in the brackets. For n = 0 only a is left.
 
-**Shear coefficient.** k = 5/6: the shear of a section at rest is a parabola tau = 6 S/(b h^3) (h^2/4 - z^2), the
-energy of which is S^2/(2 (5/6) G A), whatever Poisson's ratio. It is that of the energy at rest, which a compliance is.
+**Shear coefficient.** k = 5/6: the shear of a section at rest is a parabola tau = 6 S/(b h^3) (h^2/4 - z^2),
+the energy of which is S^2/(2 (5/6) G A), whatever Poisson's ratio. It is that of the energy at rest, which a
+compliance is.
 
 **Frequencies** are those of the 3 by 3 problem, the lowest for n >= 2. n = 0 has one, sqrt(K_0/mass).
 
-**One number for each harmonic.** A model that keeps only a takes K_n = 1/C_n, so that it is right at rest, and M_n =
-K_n/omega_n^2, so that its frequency is right. M_n is a little more than pi R rho A (1 + 1/n^2), the thin ring's (0.2 %
-at n = 2, 6 % at n = 8). It scales with the ring's mass.
+**One number for each harmonic.** A model that keeps only a takes K_n = 1/C_n, so that it is right at rest, and
+M_n = K_n/omega_n^2, so that its frequency is right. M_n is a little more than pi R rho A (1 + 1/n^2), the thin
+ring's (0.2 % at n = 2, 6 % at n = 8). It scales with the ring's mass.
 """
 
 from typing import NamedTuple
@@ -55,7 +57,7 @@ SHEAR = 5 / 6
 
 
 class Beam(NamedTuple):
-    """Radii and breadth in m, Young's modulus in Pa, density in kg/m3; ``curved``: Winkler's section or a straight one."""
+    """In m, Pa and kg/m3; ``shear``: the coefficient; ``curved``: Winkler's section or a straight one."""
 
     inside: float = 0.0385
     outside: float = 0.045

@@ -1,7 +1,8 @@
 """The bearing of tests/independent/bent_static.py in motion: rollers with mass, damped contacts, a bent ring.
 
-It shares no code with the package. Unknowns: x of the ring (u_x, u_y, a_0, a_2, b_2, ...; radial motion s(phi).x,
-outward) and q_j, how far each roller is outward of the pitch circle. Rollers are at the kinematic angles theta_j.
+It shares no code with the package. Unknowns: x of the ring (u_x, u_y, a_0, a_2, b_2, ...; radial motion
+s(phi).x, outward) and q_j, how far each roller is outward of the pitch circle. Rollers are at the kinematic
+angles theta_j.
 
     delta_o = q - s(theta).x - h      v_o = q' - s(theta).x' - omega_c s'(theta).x - h' R_o omega_c
     delta_i = -q                      v_i = -q'
@@ -10,13 +11,13 @@ outward) and q_j, how far each roller is outward of the pitch circle. Rollers ar
     m_r q_j'' = m_r omega_c^2 (d_m/2 + q_j) + Q_i,j - Q_o,j
     m_n x_n'' = -k_n x_n - d_n x_n' + sum_j Q_o,j s_n(theta_j) + pressed_n
 
-The third term of v_o is there since a roller goes along the bent race, for u and for what bends. For u the mass is the
-ring's; the spring, with its anchor, and the damper are the bracket's. The harmonics have k_n = 1/C_n and m_n =
-k_n/omega_n^2 of the beam (tests/independent/beam_ring.py), with more mass for those faster than a cap, and d_n =
-2 zeta sqrt(k_n m_n).
+The third term of v_o is there since a roller goes along the bent race, for u and for what bends. For u the mass
+is the ring's; the spring, with its anchor, and the damper are the bracket's. The harmonics have k_n = 1/C_n and
+m_n = k_n/omega_n^2 of the beam (tests/independent/beam_ring.py), with more mass for those faster than a cap,
+and d_n = 2 zeta sqrt(k_n m_n).
 
-A stiff carrier behind springs has no mass: at each instant it is where its springs, the bracket's spring and the load
-balance. The bracket's damper stays at u.
+A stiff carrier behind springs has no mass: at each instant it is where its springs, the bracket's spring and
+the load balance. The bracket's damper stays at u.
 
 Steps of one length, Runge and Kutta's classic four stages. SI throughout.
 """
@@ -34,7 +35,7 @@ THROWN = rollers.M_R * rollers.OMEGA_C**2
 
 
 class Motion(NamedTuple):
-    """What the bearing at rest does not need: Kraemer's beta (s), damping ratio, cap (Hz) of the free harmonics."""
+    """What only motion needs: Kraemer's beta (s), damping ratio and cap (Hz) of the harmonics, kg, N s/m."""
 
     beta: float = 2.5e-6
     ratio: float = 0.01
@@ -87,7 +88,7 @@ def contact(delta, rate, beta):
 
 
 class Carrier:
-    """A stiff body without mass behind springs that push only; it remembers where it was, to find it again soon."""
+    """A stiff body without mass behind springs that push only; it remembers where it was."""
 
     def __init__(self, scene, orders, anchor, start):
         springs, angles = scene.outside, np.array(scene.outside.angles)
@@ -135,7 +136,7 @@ def along(orders, angles):
 
 
 def approaches(scene, t, x, q, w, v):
-    """s at the rollers (Z, unknowns), outer approaches (m) and their rates (m/s): ring at x, w, rollers at q, v."""
+    """s at the rollers (Z, unknowns), outer approaches (m) and rates (m/s): ring at x, w, rollers at q, v."""
     orders = bent_static.harmonics(scene.last)
     theta = rollers.THETA + rollers.OMEGA_C * t
     s = reach(orders, theta)
@@ -183,7 +184,7 @@ class Record(NamedTuple):
     velocity: np.ndarray
 
     def lines(self, number=1):
-        """Complex amplitude (m/s) at ``number`` times BPFO of each pass; phase from the first roller at angle 0."""
+        """Complex amplitude (m/s) of each pass at ``number`` times BPFO, phase from the first roller at 0."""
         per_pass = self.velocity.shape[1]
         angle = rollers.Z * (np.pi / rollers.Z + PASS * np.arange(per_pass) / per_pass)
         return 2 * np.mean(self.velocity * np.exp(-1j * number * angle), axis=1)

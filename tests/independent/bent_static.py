@@ -1,25 +1,26 @@
 """A bearing at rest at each cage angle, its outer ring bending in its plane: the least energy of all parts.
 
-It shares no code with the package. NF308, 1800 rpm, 150 N, clearance 0, one box over the whole roller on the outer
-race. The radial motion of the ring at the angle phi, outward, is
+It shares no code with the package. NF308, 1800 rpm, 150 N, clearance 0, one box over the whole roller on the
+outer race. The radial motion of the ring at the angle phi, outward, is
 
     s(phi).x,   s = (cos phi, sin phi, 1, cos 2 phi, sin 2 phi, ..., cos N phi, sin N phi)
 
-so that x = (u_x, u_y, a_0, a_2, b_2, ...): the first two move the ring as it is, the others bend it. A massless roller
-has its two contacts in series, each with half of the approach delta = -s(theta_j).x - h_j. Nor has it a centrifugal
-force, as in the landed `static`. The energy of everything is convex, and all is where it is least:
+so that x = (u_x, u_y, a_0, a_2, b_2, ...): the first two move the ring as it is, the others bend it. A massless
+roller has its two contacts in series, each with half of the approach delta = -s(theta_j).x - h_j. Nor has it a
+centrifugal force, as in the landed `static`. The energy of everything is convex, and all is where it is least:
 
     E = x.K x/2 + k_b |held - anchor|^2/2 + sum_j V(delta_j) + what presses the ring from outside
 
 K holds the stiffness of the harmonics (tests/independent/beam_ring.py); u has none. From outside press
 
-- `Forces`: given forces, inward, at given angles: F s(phi).x each. At one angle the load is a point; at two or more it
-  has soft pads, which keep their force. `thrust` makes them equal with the resultant -load e_0.
-- `Springs`: springs that push only, between the ring's outside and a stiff carrier at U, which carries the load:
-  load U_x + sum k c^2/2, c = max(0, s(phi).x - U.e(phi) + fit). Some points, or the whole seat in many pieces.
+- `Forces`: given forces, inward, at given angles: F s(phi).x each. At one angle the load is a point; at two or
+  more it has soft pads, which keep their force. `thrust` makes them equal with the resultant -load e_0.
+- `Springs`: springs that push only, between the ring's outside and a stiff carrier at U, which carries the
+  load: load U_x + sum k c^2/2, c = max(0, s(phi).x - U.e(phi) + fit). Some points, or the whole seat in many
+  pieces.
 
-The bracket (1e7 N/m; it can be 0) holds u or, where there is one, the carrier. Its anchor is the mean place of what it
-holds over a ball pass of the healthy bearing without a bracket, so that its mean force is none.
+The bracket (1e7 N/m; it can be 0) holds u or, where there is one, the carrier. Its anchor is the mean place of
+what it holds over a ball pass of the healthy bearing without a bracket, so that its mean force is none.
 
 SI throughout; angles in radians from the load line.
 """
@@ -54,7 +55,7 @@ def spread(orders, numbers):
 
 
 class Forces(NamedTuple):
-    """Inward forces (N) at ``angles``; those of the harmonics n = 1 alone if ``evenly`` (a pressure as cos phi)."""
+    """Inward forces (N) at ``angles``; ``evenly``: their n = 1 alone, a pressure as cos phi."""
 
     angles: tuple
     forces: tuple
@@ -79,7 +80,7 @@ POINT = Forces((0.0,), (rollers.LOAD,))
 
 
 def thrust(*degrees, load=rollers.LOAD):
-    """Soft pads: equal inward forces at these angles (symmetric to the load line) with the resultant -``load`` e_0."""
+    """Soft pads: equal inward forces at these angles, even about 0, with the resultant -``load`` e_0."""
     angles = np.radians(degrees)
     return Forces(tuple(angles), tuple(np.full(angles.size, load / np.cos(angles).sum())))
 
@@ -194,7 +195,7 @@ def sinking(scene, theta):
 
 
 class Path(NamedTuple):
-    """Over a ball pass: cage angle (n,), what the sensor reads (n,), the unknowns (n, size), outer forces (n, Z)."""
+    """Over a ball pass: cage angle and reading (n,), unknowns (n, size), outer forces (n, Z)."""
 
     turned: np.ndarray
     reading: np.ndarray
@@ -234,7 +235,7 @@ def path(scene, samples=1024):
 
 
 def line(found, number=1):
-    """Complex amplitude (m/s) of the velocity at ``number`` times BPFO; its phase counts from the first roller at 0."""
+    """Complex amplitude (m/s) of velocity at ``number`` times BPFO, phase from the first roller at 0."""
     rate = number * rollers.Z * rollers.OMEGA_C
     return 2j * rate * np.mean(found.reading * np.exp(-1j * number * rollers.Z * found.turned))
 

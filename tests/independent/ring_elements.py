@@ -1,12 +1,14 @@
-"""A free ring of rectangular section as an elastic body in plane stress: quadratic finite elements, NumPy and SciPy.
+"""A free ring of rectangular section as an elastic body in plane stress: quadratic finite elements, NumPy and
+SciPy.
 
-It shares no code with the package. Quadrilaterals of eight nodes, in polar cells whose curved sides go through the
-true circles, three by three Gauss points. The number of cells across the height is even, so that the mid-line is a
-line of nodes, on which a line load can act.
+It shares no code with the package. Quadrilaterals of eight nodes, in polar cells whose curved sides go through
+the true circles, three by three Gauss points. The number of cells across the height is even, so that the
+mid-line is a line of nodes, on which a line load can act.
 
-A harmonic n has the radial displacement w = a cos n theta on the mid-line, positive outward. Its *compliance* is a
-over the generalised force: a line load q cos n theta (N/m of mid-line, over the full breadth) has the generalised
-force pi R_m q on a. Away from the mid-line the load is counted the same way, by its work: q pi R for a load at R.
+A harmonic n has the radial displacement w = a cos n theta on the mid-line, positive outward. Its *compliance*
+is a over the generalised force: a line load q cos n theta (N/m of mid-line, over the full breadth) has the
+generalised force pi R_m q on a. Away from the mid-line the load is counted the same way, by its work: q pi R
+for a load at R.
 
 SI throughout.
 """
@@ -58,7 +60,7 @@ def shapes(x, y):
 
 
 class Mesh(NamedTuple):
-    """Radius and angle of the nodes, and the eight nodes of each cell. Half steps: even rows and columns are corners."""
+    """Radius and angle of the nodes, and the eight nodes of each cell."""
 
     radius: np.ndarray
     angle: np.ndarray
@@ -112,7 +114,7 @@ def body(section=NF308, across=4, around=96):
     grid = mesh(section, across, around)
     rows, columns, k, m = [], [], [], []
     for index, cell in enumerate(grid.cells):
-        first, step = divmod(index, around)
+        step = index % around
         if step == 0:
             r, a = grid.radius[cell], grid.angle[cell]
             k_0, m_0 = of_a_cell(section, np.column_stack([r * np.cos(a), r * np.sin(a)]))
@@ -147,7 +149,7 @@ def circle(ring, radius):
 
 
 def compliances(harmonics, section=NF308, load_at=None, across=4, around=96):
-    """a_n (m) on the mid-line for a generalised force of 1 N of a load at the radius ``load_at`` (the mid-line)."""
+    """a_n (m) on the mid-line for a generalised force of 1 N of a load at ``load_at`` (m; the mid-line)."""
     ring = body(section, across, around)
     nodes, arcs = circle(ring, section.middle if load_at is None else load_at)
     read, read_arcs = circle(ring, section.middle)
