@@ -1,0 +1,225 @@
+"""The bearing of tests/independent/bent_static.py in motion: rollers with mass, damped contacts, a bent ring.
+
+It shares no code with the package. Unknowns: x of the ring (u_x, u_y, a_0, a_2, b_2, ...; radial motion
+s(phi).x, outward) and q_j, how far each roller is outward of the pitch circle. Rollers are at the kinematic
+angles theta_j.
+
+    delta_o = q - s(theta).x - h      v_o = q' - s(theta).x' - omega_c s'(theta).x - h' R_o omega_c
+    delta_i = -q                      v_i = -q'
+    Q = max(0, E(delta) + beta v dE/d(delta)) for delta > 0,       E = k delta^(10/9)    (Kraemer)
+
+    m_r q_j'' = m_r omega_c^2 (d_m/2 + q_j) + Q_i,j - Q_o,j
+    m_n x_n'' = -k_n x_n - d_n x_n' + sum_j Q_o,j s_n(theta_j) + pressed_n
+
+The third term of v_o is there since a roller goes along the bent race, for u and for what bends. For u the mass
+is the ring's; the spring, with its anchor, and the damper are the bracket's. The harmonics have k_n = 1/C_n and
+m_n = k_n/omega_n^2 of the beam (tests/independent/beam_ring.py), with more mass for those faster than a cap,
+and d_n = 2 zeta sqrt(k_n m_n).
+
+A stiff carrier behind springs has no mass: at each instant it is where its springs, the bracket's spring and
+the load balance. The bracket's damper stays at u.
+
+Steps of one length, Runge and Kutta's classic four stages. SI throughout.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from tests.independent import beam_ring, bent_static, rollers
+from tests.independent.bent_static import PASS, Scene, Springs, System, least, reach, spread
+
+R_MEAN = rollers.R_O - rollers.R_W
+THROWN = rollers.M_R * rollers.OMEGA_C**2
+
+
+class Motion(NamedTuple):
+    """What only motion needs: Kraemer's beta (s), damping ratio and cap (Hz) of the harmonics, kg, N s/m."""
+
+    beta: float = 2.5e-6
+    ratio: float = 0.01
+    cap: float = np.inf
+    mass: float = rollers.M_O
+    damper: float = rollers.C_B
+
+
+def with_rollers(scene, theta, anchor) -> System:
+    """The system at rest with each roller's q behind the unknowns of the ring, before those of a carrier.
+
+    (The centrifugal force is that at the pitch radius: 1e-5 of it is off.)
+    """
+    without = bent_static.system(scene, theta, anchor)
+    ring, z = reach(bent_static.harmonics(scene.last), 0.0).shape[1], rollers.Z
+    old = np.delete(np.arange(without.f.size + z), range(ring, ring + z))
+    total = without.f.size + z
+    A, f = np.zeros((total, total)), np.full(total, THROWN * R_MEAN)
+    A[np.ix_(old, old)], f[old] = without.A, without.f
+    B = np.zeros((without.o.size + z, total))
+    B[:-z, old] = without.B
+    B[:z, ring : ring + z] = np.eye(z)
+    B[-z:, ring : ring + z] = -np.eye(z)
+    c = np.concatenate([np.full(z, rollers.K), without.c[z:], np.full(z, rollers.K)])
+    m = np.concatenate([without.m, np.full(z, 10 / 9)])
+    return System(A, f, B, np.append(without.o, np.zeros(z)), c, m)
+
+
+def at_rest(scene, first, anchor):
+    """All unknowns with the first roller at the angle ``first``: ring, rollers, carrier."""
+    found = with_rollers(scene, first + PASS * np.arange(rollers.Z), anchor)
+    y = np.zeros(found.f.size)
+    y[0] = y[bent_static.held(scene).start] = -1e-6
+    return least(found, y, floor=1e5)
+
+
+def anchored(scene, phases=32):
+    """Mean place over a ball pass of what the bracket holds, healthy, without the bracket."""
+    firsts = np.pi / rollers.Z + PASS * (np.arange(phases) + 0.5) / phases
+    place = bent_static.held(scene)
+    return np.mean([at_rest(scene._replace(width=0.0), first, None)[place] for first in firsts], axis=0)
+
+
+def contact(delta, rate, beta):
+    """Force of contacts and its rate of damping, N."""
+    pressed = np.maximum(delta, 0.0)
+    elastic = rollers.K * pressed ** (10 / 9)
+    slope = rollers.K * 10 / 9 * pressed ** (1 / 9)
+    return np.maximum(elastic + beta * rate * slope, 0.0)
+
+
+class Carrier:
+    """A stiff body without mass behind springs that push only; it remembers where it was."""
+
+    def __init__(self, scene, orders, anchor, start):
+        springs, angles = scene.outside, np.array(scene.outside.angles)
+        self.at, self.e = reach(orders, angles), reach((), angles)
+        self.springs, self.scene, self.anchor, self.place = springs, scene, anchor, start
+
+    def pressing(self, x):
+        """Generalised force on the ring."""
+        out = self.at @ x + self.springs.fit
+        place = self.place
+        for _ in range(50):
+            push = self.springs.stiffness * np.maximum(out - self.e @ place, 0.0)
+            left = push @ self.e - self.scene.bracket * (place - self.anchor) - [self.scene.load, 0.0]
+            if np.abs(left).max() < 1e-9 * self.scene.load:
+                self.place = place
+                return -push @ self.at
+            loaded = self.e[push > 0]
+            stiff = self.springs.stiffness * loaded.T @ loaded + self.scene.bracket * np.eye(2)
+            place = place + np.linalg.solve(stiff, left)
+        raise AssertionError("the carrier finds no rest")
+
+
+class Equations(NamedTuple):
+    """y' = slope(t, y) of y = (x, q, x', q'), the state ``start`` at t = 0, and x' read by the sensor."""
+
+    slope: Callable
+    start: np.ndarray
+    sensor: np.ndarray
+
+
+def sinking(scene, theta):
+    """h (m) of each roller, and its rate (m/s)."""
+    arcs = rollers.R_O * rollers.around(theta - scene.angle)
+    if np.abs(arcs).min() >= scene.width / 2:
+        return np.zeros(rollers.Z), np.zeros(rollers.Z)
+    return rollers.sinking(arcs, rollers.R_O * rollers.OMEGA_C, scene.width, scene.depth, rollers.REDUCED_O)
+
+
+def along(orders, angles):
+    """ds/dphi at each angle, in the order of ``reach``."""
+    columns = [-np.sin(angles), np.cos(angles)]
+    for n in orders:
+        columns += [np.zeros_like(angles)] if n == 0 else [-n * np.sin(n * angles), n * np.cos(n * angles)]
+    return np.stack(columns, axis=1)
+
+
+def approaches(scene, t, x, q, w, v):
+    """s at the rollers (Z, unknowns), outer approaches (m) and rates (m/s): ring at x, w, rollers at q, v."""
+    orders = bent_static.harmonics(scene.last)
+    theta = rollers.THETA + rollers.OMEGA_C * t
+    s = reach(orders, theta)
+    h, sinks = sinking(scene, theta)
+    return s, q - s @ x - h, v - s @ w - rollers.OMEGA_C * (along(orders, theta) @ x) - sinks
+
+
+def equations(scene: Scene, motion: Motion = Motion()) -> Equations:  # noqa: B008
+    """The bearing in motion, from rest at t = 0."""
+    orders = bent_static.harmonics(scene.last)
+    ring, z = reach(orders, 0.0).shape[1], rollers.Z
+    anchor = anchored(scene)
+    first = at_rest(scene, np.pi / z, anchor)
+    stiffness, mass = beam_ring.modes(orders, scene.ring, motion.mass, motion.cap)
+    k = np.concatenate([[0.0, 0.0], spread(orders, stiffness)])
+    m = np.concatenate([[motion.mass] * 2, spread(orders, mass)])
+    d = np.concatenate([[motion.damper] * 2, spread(orders, 2 * motion.ratio * np.sqrt(stiffness * mass))])
+    steady = np.zeros(ring)
+    carrier = None
+    if isinstance(scene.outside, Springs):
+        carrier = Carrier(scene, orders, anchor, first[-2:])
+    else:
+        k[:2] = scene.bracket
+        steady[:] = scene.outside.vector(orders)
+        steady[:2] += scene.bracket * anchor
+
+    def slope(t, y):
+        x, q, w, v = y[:ring], y[ring : ring + z], y[ring + z : 2 * ring + z], y[2 * ring + z :]
+        s, delta, rate = approaches(scene, t, x, q, w, v)
+        outer, inner = contact(delta, rate, motion.beta), contact(-q, -v, motion.beta)
+        pressed = steady if carrier is None else carrier.pressing(x)
+        ring_rate = (outer @ s + pressed - k * x - d * w) / m
+        roller_rate = rollers.OMEGA_C**2 * (R_MEAN + q) + (inner - outer) / rollers.M_R
+        return np.concatenate([w, v, ring_rate, roller_rate])
+
+    start = np.concatenate([first[: ring + z], np.zeros(ring + z)])
+    looks = np.zeros(start.size)
+    looks[ring + z : 2 * ring + z] = reach(orders, scene.sensor)[0]
+    return Equations(slope, start, looks)
+
+
+class Record(NamedTuple):
+    """What the sensor reads, velocity in m/s at ``per_pass`` instants of each ball pass (passes, per_pass)."""
+
+    velocity: np.ndarray
+
+    def lines(self, number=1):
+        """Complex amplitude (m/s) of each pass at ``number`` times BPFO, phase from the first roller at 0."""
+        per_pass = self.velocity.shape[1]
+        angle = rollers.Z * (np.pi / rollers.Z + PASS * np.arange(per_pass) / per_pass)
+        return 2 * np.mean(self.velocity * np.exp(-1j * number * angle), axis=1)
+
+    def rms(self):
+        """Of each pass, its mean removed, the whole band that the steps resolve."""
+        return self.velocity.std(axis=1)
+
+    def low(self, band=4096.0):
+        """RMS of each pass under ``band`` Hz."""
+        found = np.fft.rfft(self.velocity, axis=1)[:, 1:] / self.velocity.shape[1]
+        wanted = np.arange(1, found.shape[1] + 1) * rollers.Z * rollers.OMEGA_C / (2 * np.pi) < band
+        return np.sqrt(2 * np.sum(np.abs(found[:, wanted]) ** 2, axis=1))
+
+    def open_by(self):
+        """How far the last pass is from the one before it: RMS of the difference over RMS."""
+        return np.sqrt(np.mean((self.velocity[-1] - self.velocity[-2]) ** 2)) / self.velocity[-1].std()
+
+
+def run(found: Equations, passes=12, steps=12582) -> Record:
+    """``steps`` to each ball pass: 12582 are 0.5 us each."""
+    step = PASS / rollers.OMEGA_C / steps
+    y, t, half = found.start.copy(), 0.0, 0.5 * step
+    seen = np.empty((passes, steps))
+    for n in range(passes * steps):
+        seen.flat[n] = found.sensor @ y
+        a = found.slope(t, y)
+        b = found.slope(t + half, y + half * a)
+        c = found.slope(t + half, y + half * b)
+        d = found.slope(t + step, y + step * c)
+        y += step / 6 * (a + 2 * (b + c) + d)
+        t = (n + 1) * step
+    return Record(seen)
+
+
+def less_healthy(pitted: Record, healthy: Record):
+    """|line - that of the healthy bearing| at BPFO in m/s, of the last pass."""
+    return abs(pitted.lines()[-1] - healthy.lines()[-1])

@@ -1,0 +1,262 @@
+"""A bearing at rest at each cage angle, its outer ring bending in its plane: the least energy of all parts.
+
+It shares no code with the package. NF308, 1800 rpm, 150 N, clearance 0, one box over the whole roller on the
+outer race. The radial motion of the ring at the angle phi, outward, is
+
+    s(phi).x,   s = (cos phi, sin phi, 1, cos 2 phi, sin 2 phi, ..., cos N phi, sin N phi)
+
+so that x = (u_x, u_y, a_0, a_2, b_2, ...): the first two move the ring as it is, the others bend it. A massless
+roller has its two contacts in series, each with half of the approach delta = -s(theta_j).x - h_j. Nor has it a
+centrifugal force, as in the landed `static`. The energy of everything is convex, and all is where it is least:
+
+    E = x.K x/2 + k_b |held - anchor|^2/2 + sum_j V(delta_j) + what presses the ring from outside
+
+K holds the stiffness of the harmonics (tests/independent/beam_ring.py); u has none. From outside press
+
+- `Forces`: given forces, inward, at given angles: F s(phi).x each. At one angle the load is a point; at two or
+  more it has soft pads, which keep their force. `thrust` makes them equal with the resultant -load e_0.
+- `Springs`: springs that push only, between the ring's outside and a stiff carrier at U, which carries the
+  load: load U_x + sum k c^2/2, c = max(0, s(phi).x - U.e(phi) + fit). Some points, or the whole seat in many
+  pieces.
+
+The bracket (1e7 N/m; it can be 0) holds u or, where there is one, the carrier. Its anchor is the mean place of
+what it holds over a ball pass of the healthy bearing without a bracket, so that its mean force is none.
+
+SI throughout; angles in radians from the load line.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tests.independent import beam_ring, rollers
+
+SERIES = rollers.K * 2 ** (-10 / 9)
+PASS = 2 * np.pi / rollers.Z
+
+
+def harmonics(last):
+    """0, 2, 3 ... ``last``, or none at all for ``last`` 0: a ring that does not bend."""
+    return (0, *range(2, last + 1)) if last else ()
+
+
+def reach(orders, angles):
+    """s at each angle, (angles, 2 + unknowns of ``orders``)."""
+    angles = np.atleast_1d(np.asarray(angles, float))
+    columns = [np.cos(angles), np.sin(angles)]
+    for n in orders:
+        columns += [np.ones_like(angles)] if n == 0 else [np.cos(n * angles), np.sin(n * angles)]
+    return np.stack(columns, axis=1)
+
+
+def spread(orders, numbers):
+    """A number of each harmonic for each of its unknowns: cosine and sine have the same."""
+    return np.array([value for n, value in zip(orders, numbers, strict=True) for _ in range(1 if n == 0 else 2)])
+
+
+class Forces(NamedTuple):
+    """Inward forces (N) at ``angles``; ``evenly``: their n = 1 alone, a pressure as cos phi."""
+
+    angles: tuple
+    forces: tuple
+    evenly: bool = False
+
+    def vector(self, orders):
+        pressed = -np.array(self.forces) @ reach(orders, self.angles)
+        if self.evenly:
+            pressed[2:] = 0.0
+        return pressed
+
+
+class Springs(NamedTuple):
+    """Springs of ``stiffness`` (N/m each) at ``angles``, pressed by ``fit`` (m) when nothing has moved."""
+
+    angles: tuple
+    stiffness: float
+    fit: float = 0.0
+
+
+POINT = Forces((0.0,), (rollers.LOAD,))
+
+
+def thrust(*degrees, load=rollers.LOAD):
+    """Soft pads: equal inward forces at these angles, even about 0, with the resultant -``load`` e_0."""
+    angles = np.radians(degrees)
+    return Forces(tuple(angles), tuple(np.full(angles.size, load / np.cos(angles).sum())))
+
+
+def points(*degrees, stiffness=1e8):
+    """Push-only springs at single places."""
+    return Springs(tuple(np.radians(degrees)), stiffness)
+
+
+def seat(per_metre, fit=0.0, pieces=360, radius=0.045):
+    """A seat of ``per_metre`` (N/m for each metre of the circumference at ``radius``) all round, in ``pieces``."""
+    angles = 2 * np.pi * np.arange(pieces) / pieces
+    return Springs(tuple(angles), per_metre * 2 * np.pi * radius / pieces, fit)
+
+
+class Scene(NamedTuple):
+    """What is computed. ``last``: the highest harmonic, 0 for a ring that does not bend. ``width`` 0: healthy."""
+
+    last: int = 30
+    outside: Any = POINT
+    width: float = 0.8e-3
+    depth: float = 50e-6
+    angle: float = 0.0
+    load: float = rollers.LOAD
+    bracket: float = rollers.K_B
+    ring: beam_ring.Beam = beam_ring.NF308
+    sensor: float = 0.0
+
+
+class System(NamedTuple):
+    """Energy y.A y/2 - f.y + sum_i c_i/(m_i + 1) max(0, B_i y - o_i)^(m_i + 1)."""
+
+    A: np.ndarray
+    f: np.ndarray
+    B: np.ndarray
+    o: np.ndarray
+    c: np.ndarray
+    m: np.ndarray
+
+    def energy(self, y):
+        pressed = np.maximum(self.B @ y - self.o, 0.0)
+        return y @ self.A @ y / 2 - self.f @ y + np.sum(self.c / (self.m + 1) * pressed ** (self.m + 1))
+
+    def slope(self, y):
+        """Slope of the energy, and its second derivative."""
+        pressed = np.maximum(self.B @ y - self.o, 0.0)
+        force = self.c * pressed**self.m
+        stiff = np.where(pressed > 0, self.m * self.c * np.maximum(pressed, 1e-15) ** (self.m - 1), 0.0)
+        return self.A @ y - self.f + force @ self.B, self.A + (self.B.T * stiff) @ self.B
+
+
+def least(system, y, enough=1e-9, floor=1.0):
+    """Where the energy is least: Newton's method, its steps halved as long as they pass the lowest place by far.
+
+    floor: a stiffness (N/m) in the matrix alone, for what is held by nothing on the way.
+    """
+    least_stiff = floor * np.eye(y.size)
+    for _ in range(200):
+        slope, stiff = system.slope(y)
+        if np.abs(slope).max() < enough:
+            return y
+        step = -np.linalg.solve(stiff + least_stiff, slope)
+        part = 1.0
+        while part > 1e-6 and system.slope(y + part * step)[0] @ step > 0.5 * abs(slope @ step):
+            part *= 0.5
+        y = y + part * step
+    raise AssertionError(f"no rest: {np.abs(slope).max()} N left")
+
+
+def held(scene):
+    """Where in y what the bracket holds has its two places: the carrier, which is last, or the ring."""
+    return slice(-2, None) if isinstance(scene.outside, Springs) else slice(0, 2)
+
+
+def system(scene, theta, anchor):
+    """``theta``: angles of the rollers. ``anchor``: None without a bracket."""
+    orders = harmonics(scene.last)
+    at_rollers = reach(orders, theta)
+    size = at_rollers.shape[1]
+    carried = isinstance(scene.outside, Springs)
+    total = size + 2 * carried
+    A, f = np.zeros((total, total)), np.zeros(total)
+    A[range(2, size), range(2, size)] = spread(orders, beam_ring.modes(orders, scene.ring)[0])
+    B = np.zeros((rollers.Z, total))
+    B[:, :size] = -at_rollers
+    o, c, m = sinking(scene, theta), np.full(rollers.Z, SERIES), np.full(rollers.Z, 10 / 9)
+    if carried:
+        f[-2] = -scene.load
+        at = np.array(scene.outside.angles)
+        pushed = np.hstack([reach(orders, at), -reach((), at)])
+        B, o = np.vstack([B, pushed]), np.append(o, np.full(at.size, -scene.outside.fit))
+        c, m = np.append(c, np.full(at.size, scene.outside.stiffness)), np.append(m, np.ones(at.size))
+    else:
+        f[:size] = scene.outside.vector(orders)
+    if anchor is not None:
+        place = held(scene)
+        f[place] += scene.bracket * anchor
+        A[place, place] += scene.bracket * np.eye(2)
+    return System(A, f, B, o, c, m)
+
+
+def sinking(scene, theta):
+    """h of each roller (m)."""
+    arcs = rollers.R_O * rollers.around(theta - scene.angle)
+    under = np.abs(arcs) < scene.width / 2
+    return np.array(
+        [
+            rollers.sunk(s, scene.width, scene.depth, rollers.REDUCED_O)[0] if on else 0.0
+            for s, on in zip(arcs, under, strict=True)
+        ]
+    )
+
+
+class Path(NamedTuple):
+    """Over a ball pass: cage angle and reading (n,), unknowns (n, size), outer forces (n, Z)."""
+
+    turned: np.ndarray
+    reading: np.ndarray
+    unknowns: np.ndarray
+    forces: np.ndarray
+
+
+def over(scene, turned, anchor):
+    """At rest with the first roller at each of the angles ``turned``."""
+    orders = harmonics(scene.last)
+    looks = reach(orders, scene.sensor)[0]
+    y, found, forces = None, [], []
+    for first in turned:
+        now = system(scene, first + PASS * np.arange(rollers.Z), anchor)
+        if y is None:
+            y = np.zeros(now.f.size)
+            y[0] = -1e-6
+            y[held(scene)] += [0.0 if held(scene).start == 0 else -1e-6, 0.0]
+        y = least(now, y)
+        found.append(y)
+        forces.append(SERIES * np.maximum(now.B @ y - now.o, 0.0)[: rollers.Z] ** (10 / 9))
+    unknowns = np.array(found)
+    return Path(np.asarray(turned), unknowns[:, : looks.size] @ looks, unknowns, np.array(forces))
+
+
+def anchored(scene, phases=32):
+    """Mean place of what the bracket holds over a ball pass of the healthy bearing without it."""
+    healthy = scene._replace(width=0.0)
+    turned = np.pi / rollers.Z + PASS * (np.arange(phases) + 0.5) / phases
+    return over(healthy, turned, None).unknowns[:, held(scene)].mean(axis=0)
+
+
+def path(scene, samples=1024):
+    """A ball pass of the steady bearing."""
+    turned = np.pi / rollers.Z + PASS * np.arange(samples) / samples
+    return over(scene, turned, anchored(scene))
+
+
+def line(found, number=1):
+    """Complex amplitude (m/s) of velocity at ``number`` times BPFO, phase from the first roller at 0."""
+    rate = number * rollers.Z * rollers.OMEGA_C
+    return 2j * rate * np.mean(found.reading * np.exp(-1j * number * rollers.Z * found.turned))
+
+
+def less_healthy(scene, samples=1024):
+    """|line - that of the healthy bearing| at BPFO in m/s."""
+    return abs(line(path(scene, samples)) - line(path(scene._replace(width=0.0), samples)))
+
+
+if __name__ == "__main__":
+    cases = {
+        "rigid": Scene(last=0),
+        "point": Scene(),
+        "two pads, 45": Scene(outside=thrust(-45, 45)),
+        "three pads, 0, 60": Scene(outside=thrust(-60, 0, 60)),
+        "evenly": Scene(outside=POINT._replace(evenly=True)),
+    }
+    for stiffness in (1e7, 1e8, 1e9, 1e10):
+        cases[f"three points of {stiffness:.0e} N/m"] = Scene(outside=points(-60, 0, 60, stiffness=stiffness))
+    cases["seat 1e12"] = Scene(outside=seat(1e12))
+    for name, scene in cases.items():
+        whole = line(path(scene)), line(path(scene._replace(width=0.0)))
+        print(f"{name:35} line {1e6 * abs(whole[0]):7.2f}, healthy {1e6 * abs(whole[1]):7.2f},", end="")
+        print(f" less healthy {1e6 * abs(whole[0] - whole[1]):7.2f} um/s")
