@@ -175,7 +175,7 @@ def _at_rest(case: Case) -> Case:
 def anchor_in_space(case: Case) -> tuple[float, float]:
     """Mean place (m, m) over a ball pass of a ring whose rollers are loaded unevenly along their length."""
     free_ring = Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
-    parts = {name: made(case) for name, made in PARAMETER_BUILDERS.items() if name != "support"}
+    parts = {name: PARAMETER_BUILDERS[name](case) for name in _made(spatial.Spatial) if name != "support"}
     bearing = spatial.Spatial(support=free_ring, **parts)
     y = empty_buffer(bearing)
     rest_from_scratch(static_model(bearing), 0.0, y)

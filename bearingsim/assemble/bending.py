@@ -30,7 +30,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.parts import bending as core
 
 SHEAR = 5.0 / 6.0
-CAP = 2.0 * pi * 35e3
+CAP = 2.0 * pi * 100e3
 """rad/s: the highest frequency of a harmonic. One that would lie above it has so much more mass: it still bends as
 much, and asks for no shorter step."""
 
