@@ -35,8 +35,9 @@ CAP = 2.0 * pi * 100e3
 much, and asks for no shorter step."""
 
 
-SPRINGS = 64
-"""The least number of springs that stand for a housing: four for each harmonic, if that is more."""
+SPRINGS, SPRINGS_WITH_A_GAP = 64, 320
+"""The least number of springs that stand for a housing; four for each harmonic, if that is more. Twice as many
+change line and RMS at rest by less than 0.5 %: where the ring lies in a gap, where it leaves off decides."""
 
 
 class Section(NamedTuple):
@@ -238,7 +239,7 @@ def places_of_springs(given: OfRing) -> tuple[np.ndarray, np.ndarray, np.ndarray
         at = load.at or ()
         angles, k = (np.array([getattr(point, name) for point in at]) for name in ("angle", "stiffness"))
         return angles, k, np.zeros(len(angles))
-    P = max(SPRINGS, 4 * int(given.ring.harmonics))
+    P = max(SPRINGS if (load.fit or 0.0) >= 0.0 else SPRINGS_WITH_A_GAP, 4 * int(given.ring.harmonics))
     each = (load.stiffness or 0.0) * pi * given.bearing.outside_diameter / P
     return 2.0 * pi * np.arange(P) / P, np.full(P, each), np.full(P, load.fit or 0.0)
 

@@ -145,10 +145,9 @@ TURN_C, TURN_S, SEEN_C, SEEN_S, SEEN_V_C, SEEN_V_S, PUSH_C, PUSH_S = (
     JACOBIAN_WORK + n * ROW for n in range(54, 62)
 )
 # forces (N) on the amplitudes by springs around the ring; of each spring: how far it is pressed (m), how fast
-# (m/s), its force (N)
-PULL_C, PULL_S = (JACOBIAN_WORK + n * ROW for n in range(74, 76))
-PRESSED, PRESSED_V, SPRING_FORCE = (JACOBIAN_WORK + n * ROW for n in range(76, 85, 3))
-MAX_SPRINGS = 3 * ROW
+# (m/s), its force (N), of up to 4 ROW springs
+PULL_C, PULL_S = (JACOBIAN_WORK + n * ROW for n in range(71, 73))
+PRESSED, PRESSED_V, SPRING_FORCE = (JACOBIAN_WORK + n * ROW for n in range(73, 85, 4))
 # cells: what the springs do to the ring's centre (N)
 SPRINGS_X, SPRINGS_Y = range(WORK + 20 * ROW + MAX_ROLLERS, WORK + 20 * ROW + MAX_ROLLERS + 2)
 

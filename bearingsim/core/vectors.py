@@ -8,12 +8,16 @@ its bits, are the same.
 
 from typing import Any
 
+import numpy as np
 from llvmlite import ir  # type: ignore[import-untyped]
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic
+from numba.extending import intrinsic, overload
 
+from bearingsim.core.jit import OPTIONS
 from bearingsim.core.layout import VECTOR_WIDTH
+
+INLINED = OPTIONS | {"forceinline": True}
 
 EIGHT = ir.VectorType(ir.DoubleType(), VECTOR_WIDTH)
 ANY = ir.Constant(EIGHT, ir.Undefined)
@@ -56,13 +60,35 @@ def put(builder: Any, y: Any, place: Any, vector: Any) -> None:
     builder.store(vector, builder.bitcast(builder.gep(y, [place]), EIGHT.as_pointer()), align=8)
 
 
-@intrinsic
-def sum_harmonics(typing_context: Any, tables: Any, rows_c: Any, rows_s: Any, y: Any, first: Any, to: Any) -> Any:
+def sum_harmonics(tables: np.ndarray, rows_c: tuple, rows_s: tuple, y: np.ndarray, first: int, to: tuple) -> None:
     """y[to + k] = sum_i y[row_c + i] tables[0, i, first + k] + y[row_s + i] tables[1, i, first + k].
 
     For k from 0 to 7, and for each row_c of ``rows_c``, row_s of ``rows_s``, ``to``: tuples of as many integers.
     tables: (2, n, m), in C order: cosines and sines.
     """
+    n, lanes = tables.shape[1], slice(first, first + VECTOR_WIDTH)
+    for row_c, row_s, place in zip(rows_c, rows_s, to, strict=True):
+        by_c, by_s = (
+            y[row : row + n] @ table[:, lanes] for row, table in zip((row_c, row_s), tables, strict=True)
+        )
+        y[place : place + VECTOR_WIDTH] = by_c + by_s
+
+
+def sum_rollers(tables: np.ndarray, row: int, y: np.ndarray, first: int, to: tuple) -> None:
+    """y[to[0] + k] = sum_j y[row + j] tables[0, j, first + k], and the same of to[1] and tables[1]."""
+    n, lanes = tables.shape[1], slice(first, first + VECTOR_WIDTH)
+    for table, place in zip(tables, to, strict=True):
+        y[place : place + VECTOR_WIDTH] = y[row : row + n] @ table[:, lanes]
+
+
+# What numba compiles in their stead
+
+
+@intrinsic
+def harmonics_in_registers(
+    typing_context: Any, tables: Any, rows_c: Any, rows_s: Any, y: Any, first: Any, to: Any
+) -> Any:
+    """``sum_harmonics``."""
 
     def written(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         starts, shape = halves(context, builder, signature.args[0], arguments[0])
@@ -81,8 +107,8 @@ def sum_harmonics(typing_context: Any, tables: Any, rows_c: Any, rows_s: Any, y:
 
 
 @intrinsic
-def sum_rollers(typing_context: Any, tables: Any, row: Any, y: Any, first: Any, to: Any) -> Any:
-    """y[to[0] + k] = sum_j y[row + j] tables[0, j, first + k], and the same of to[1] and tables[1]."""
+def rollers_in_registers(typing_context: Any, tables: Any, row: Any, y: Any, first: Any, to: Any) -> Any:
+    """``sum_rollers``."""
 
     def written(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         of_tables, weights, of_y, lane, places = arguments
@@ -94,3 +120,15 @@ def sum_rollers(typing_context: Any, tables: Any, row: Any, y: Any, first: Any, 
         return context.get_dummy_value()
 
     return types.void(tables, types.intp, y, types.intp, types.UniTuple(types.intp, 2)), written
+
+
+@overload(sum_harmonics, jit_options=INLINED, strict=False)
+def _sum_harmonics(tables, rows_c, rows_s, y, first, to):
+    return lambda tables, rows_c, rows_s, y, first, to: harmonics_in_registers(
+        tables, rows_c, rows_s, y, first, to
+    )
+
+
+@overload(sum_rollers, jit_options=INLINED, strict=False)
+def _sum_rollers(tables, row, y, first, to):
+    return lambda tables, row, y, first, to: rollers_in_registers(tables, row, y, first, to)

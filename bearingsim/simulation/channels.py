@@ -1,5 +1,6 @@
 """From the names of channels to places in the simulation's buffer, and from what lies there to what is meant."""
 
+from math import cos, sin
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,9 @@ PLACES = {
     **dict(
         zip((name for quantity in MOTION for name in dataset_names(f"ring.{quantity}")), RING_MOTION, strict=True)
     ),
+    "sensor.displacement": lay.SENSOR,
+    "sensor.velocity": lay.SENSOR_V,
+    "sensor.acceleration": lay.SENSOR_A,
     "ring.rotation": lay.POSITION + lay.PSI,
     "cage.speed": CAGE_SPEED,
     "cage.slip": CAGE_SPEED,
@@ -61,6 +65,14 @@ def base(case: Case) -> tuple[int, ...]:
     return BASE if case.rig.ring is None else BASE + AT_SENSOR
 
 
+def places_of(case: Case, name: str) -> tuple[int, ...]:
+    """Where in the buffer a dataset's values come from: of a rigid ring's sensor from both coordinates."""
+    of, _, quantity = name.partition(".")
+    if of == "sensor" and case.rig.ring is None:
+        return tuple(PLACES[component] for component in dataset_names(f"ring.{quantity}"))
+    return (place(name),)
+
+
 def place(name: str) -> int:
     """Where in the buffer a dataset's values come from."""
     found = roller_of(name)
@@ -77,7 +89,8 @@ def recorded(case: Case) -> np.ndarray:
 
     Of a roller whose motion may repeat, those of all rollers: what it does later, others have done before it.
     """
-    asked = np.array([place(name) for channel in case.record for name in dataset_names(channel)], dtype=np.int64)
+    names = [name for channel in case.record for name in dataset_names(channel)]
+    asked = np.array([one for name in names for one in places_of(case, name)], dtype=np.int64)
     if may_repeat(case):
         of_roller = asked[lay.lane_of(asked) >= 0]
         rows = np.unique(of_roller - lay.lane_of(of_roller))
@@ -89,7 +102,8 @@ def recorded(case: Case) -> np.ndarray:
 def asked(case: Case, places: np.ndarray) -> np.ndarray:
     """The rows of ``recorded`` that the case's own channels lie in."""
     row_of = {int(p): row for row, p in enumerate(places)}
-    found = [row_of[place(name)] for channel in case.record for name in dataset_names(channel)]
+    names = [name for channel in case.record for name in dataset_names(channel)]
+    found = [row_of[one] for name in names for one in places_of(case, name)]
     return np.array([*dict.fromkeys(found)], dtype=np.int64)
 
 
@@ -99,10 +113,17 @@ def series(
     """The recorded channels by dataset name, from rows (C, n) sampled at ``time`` (n,), s into the run."""
     row_of = {int(p): row for p, row in zip(places, rows, strict=True)}
     return {
-        name: _meant(name, row_of[place(name)], model, time)
+        name: _meant(name, along(case, [row_of[one] for one in places_of(case, name)]), model, time)
         for channel in case.record
         for name in dataset_names(channel)
     }
+
+
+def along(case: Case, rows: list[np.ndarray]) -> np.ndarray:
+    """Values of one row; of both coordinates of a ring in the direction the sensor looks."""
+    if len(rows) == 1:
+        return rows[0]
+    return cos(case.rig.sensor_angle) * rows[0] + sin(case.rig.sensor_angle) * rows[1]
 
 
 def _meant(name: str, values: np.ndarray, model: Any, time: np.ndarray) -> np.ndarray:

@@ -1,20 +1,29 @@
 """Numbers read from a run: lines at characteristic frequencies, statistics, what rollers and cage did."""
 
-from math import ceil, cos, floor, pi, sin
+from math import ceil, floor, pi
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from bearingsim import signals
 from bearingsim.catalogue import FEATURES, MODELS, Feature, code
-from bearingsim.config import Case, dataset_names
+from bearingsim.config import Case
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import RING_MOTION
 from bearingsim.core.geometry.motion import kinematic_times, speed_factor, steady
 from bearingsim.core.sampling import sampling_kernel
 from bearingsim.errors import UserError
-from bearingsim.simulation.channels import AT_SENSOR, BASE, CAGE_ANGLE, CAGE_SPEED, MOTION, PLACES, base
+from bearingsim.simulation.channels import (
+    AT_SENSOR,
+    BASE,
+    CAGE_ANGLE,
+    CAGE_SPEED,
+    MOTION,
+    along,
+    base,
+    places_of,
+)
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.record_windows import first_sample, whole_passes, windows
 from bearingsim.simulation.repetition import EXTREMES
@@ -85,10 +94,7 @@ def of_ring(case: Case) -> np.ndarray:
 
 def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
     """A quantity of the ring in the direction the sensor looks; of a ring that bends, where the sensor sits."""
-    if case.rig.ring is not None:
-        return rows[ROW_OF[AT_SENSOR[MOTION.index(quantity)]]]
-    x, y = (rows[ROW_OF[PLACES[name]]] for name in dataset_names(f"ring.{quantity}"))
-    return cos(case.rig.sensor_angle) * x + sin(case.rig.sensor_angle) * y
+    return along(case, [rows[ROW_OF[place]] for place in places_of(case, f"sensor.{quantity}")])
 
 
 def slips(case: Case) -> bool:

@@ -97,3 +97,19 @@ def test_raw_values_begin_where_the_record_does():
     found, later = simulate(given), simulate(given.model_copy(update={"settle": 4e-3, "duration": 10e-3}))
     assert found.velocity[0].tolist() == [0.0, 0.0]
     assert np.allclose(found.velocity[200:700], later.velocity, rtol=1e-9, atol=1e-15)
+
+
+@pytest.mark.parametrize("ring", [{}, {"ring": {"harmonics": 5}}])
+@pytest.mark.parametrize("more", [{}, {"antialias": False}])
+def test_the_sensor_s_series_is_what_its_features_are_read_from(ring, more):
+    """At 30 deg, of a rigid ring its two coordinates, turned; of a bent one its bending too."""
+    rig = {"sensor": {"angle": "30 deg"}} | ring
+    channels = ["sensor.velocity", "ring.velocity", "sensor.displacement"]
+    found = simulate(case(model="rollers", rig=rig, record=channels, defects=[], **more))
+    series, angle = found.series, np.pi / 6.0
+    turned = np.cos(angle) * series["ring.velocity.x"] + np.sin(angle) * series["ring.velocity.y"]
+    if ring:
+        assert np.std(series["sensor.velocity"] - turned) > 0.1 * np.std(turned)
+    else:
+        assert series["sensor.velocity"] == pytest.approx(turned, abs=1e-15)
+    assert np.std(series["sensor.velocity"]) == pytest.approx(found.features["velocity.rms"], rel=0.1)

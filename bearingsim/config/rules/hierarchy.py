@@ -147,6 +147,7 @@ def _is_said(case: "CaseFields", name: str) -> bool:
 
 _RECORDED = {
     "ring.acceleration": ("acceleration", "the ring's acceleration depends on its mass"),
+    "sensor.acceleration": ("acceleration", "the acceleration at the sensor depends on masses"),
     "ring.rotation": ("ring rotation", "`ring.rotation` is the turning of the outer ring"),
     "roller.radial": ("inertia of rollers", "where a roller is, apart from the races, is recorded"),
     "roller.outer_force": ("forces", "a contact force is recorded"),
@@ -188,7 +189,7 @@ def _of_record(case: "CaseFields") -> Iterator[Need]:
 def _of_masses(case: "CaseFields") -> Iterator[Need]:
     """Rollers that do not follow: thrown into a pit, or outwards by their orbit."""
     shown = [plain(name) for name in case.record]
-    sharp = any(name.startswith("roller.") or name == "ring.acceleration" for name in shown)
+    sharp = any(name.startswith("roller.") or name.endswith(".acceleration") for name in shown)
     if case.defects and case.excitation not in IMPULSE_EXCITATIONS and sharp:
         why = "how a roller strikes the far edge of a pit, and its force there, depend on its mass"
         yield Need("inertia of rollers", why, (("record",),), required=False)

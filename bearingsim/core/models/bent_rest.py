@@ -34,7 +34,7 @@ from bearingsim.core.parts.bending import (
 )
 
 # rows as in a state: where a search begins, which way it goes (m), the force (N) there; how far a contact is
-# pressed by each unknown (1)
+# pressed by each unknown (1), where PULL stood
 FROM, WAY, FORCE, PHI = (lay.JACOBIAN_WORK + n * lay.ROW for n in (62, 65, 68, 71))
 MATRIX = lay.POSITION_JACOBIAN  # N/m, row by row; implicit methods do not know such a ring
 LONGEST_STEP = 1e-4  # m
