@@ -23,7 +23,7 @@ OTHER_MEANINGS = {
     ("config/rules/completion.py", "ring"): "a field of the rig",
     ("config/rules/flexible_ring.py", "ring"): "a field of the rig",
     ("config/rules/hierarchy.py", "ring"): "a field of the rig",
-    ("config/sections/machine.py", "ring"): "a field of the rig, by its path",
+    ("config/sections/machine.py", "ring"): "a field of the rig",
     ("config/sections/ring.py", "ring"): "what carries the sensor",
     ("study/schema.py", "ring"): "a field of the rig",
     ("study/used.py", "ring"): "a field of the rig",
