@@ -20,6 +20,13 @@ OTHER_MEANINGS = {
     ("config/sections/machine.py", "rollers"): "a field of the bearing",
     ("config/rules/conflicts.py", "rollers"): "a field of the bearing",
     ("config/rules/pits.py", "rollers"): "a field of the bearing",
+    ("config/rules/completion.py", "ring"): "a field of the rig",
+    ("config/rules/flexible_ring.py", "ring"): "a field of the rig",
+    ("config/rules/hierarchy.py", "ring"): "a field of the rig",
+    ("config/sections/machine.py", "ring"): "a field of the rig",
+    ("config/sections/ring.py", "ring"): "what carries the sensor",
+    ("study/schema.py", "ring"): "a field of the rig",
+    ("study/used.py", "ring"): "a field of the rig",
     ("plots/passage.py", "ring"): "the outer ring's channels",
 }
 SCHEMES = ("stability/matrix.py", "study/template.py", "catalogue.py")

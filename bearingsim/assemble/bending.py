@@ -174,7 +174,7 @@ def made(given: OfRing) -> core.Bending:
     rows = with_carrier(rows_of(given, of), given, of.real) if given.load_path.carried else rows_of(given, of)
     springs = springs_of(given, of) if given.load_path.carried else core.NoSprings()
     highest, highest_damping = fastest(given.ring_mass, rows, springs)
-    on_ring, alpha = given.sensor.on == "ring", given.sensor.angle or 0.0
+    on_ring, alpha = given.sensor.on_ring, given.sensor.angle or 0.0
     return core.Bending(
         of_harmonic=rows,
         at_rollers=np.ascontiguousarray(at_rollers[:, : of.real]),
@@ -198,7 +198,7 @@ def rows_of(given: OfRing, of: Harmonics) -> np.ndarray:
     rows[core.PER_MASS_C], rows[core.PER_MASS_S] = of.per_mass_c, of.per_mass_s
     if not given.load_path.carried:
         rows[core.LOAD_C], rows[core.LOAD_S] = given_forces(given.load_path, given.load, of.n)
-    if given.sensor.on == "ring":
+    if given.sensor.on_ring:
         rows[core.SENSOR_C], rows[core.SENSOR_S] = np.cos(of.n * alpha), np.sin(of.n * alpha)
     rows[core.SENSOR_S, of.n == 0.0] = 0.0
     rows[:, of.real :] = 0.0
@@ -211,7 +211,7 @@ def with_carrier(rows: np.ndarray, given: OfRing, i: int) -> np.ndarray:
     rows[core.K, i], rows[core.K_M, i], rows[core.C_M, i] = k_b, k_b / mass, c_b / mass
     rows[core.PER_MASS_C, i] = rows[core.PER_MASS_S, i] = 1.0 / mass
     rows[core.LOAD_C, i], rows[core.LOAD_S, i] = k_b * x_0 - given.load, k_b * y_0 - given.load_across
-    if given.sensor.on == "housing":
+    if not given.sensor.on_ring:
         rows[core.SENSOR_C, i], rows[core.SENSOR_S, i] = cos(alpha), sin(alpha)
     return rows
 

@@ -176,15 +176,20 @@ def unless_none(given: Any) -> Any:
 
 def whole(least: int, most: int) -> BeforeValidator:
     """Validator of a whole number between two bounds."""
+    return BeforeValidator(lambda given: _whole(given, least, most))
 
-    def check(given: Any) -> int:
-        written = isinstance(given, str) and re.fullmatch(r"[+-]?\d{1,9}", given, re.ASCII)
-        is_int = isinstance(given, int) and not isinstance(given, bool)
-        if not (written or is_int) or not least <= int(given) <= most:
-            refuse("whole", f"expected a whole number from {least} to {most}, got {described(given)}")
-        return int(given)
 
-    return BeforeValidator(check)
+def whole_or_auto(least: int, most: int) -> BeforeValidator:
+    """Validator of a whole number between two bounds, or the word `auto`."""
+    return BeforeValidator(lambda given: given if given == "auto" else _whole(given, least, most, ", or `auto`"))
+
+
+def _whole(given: Any, least: int, most: int, other: str = "") -> int:
+    written = isinstance(given, str) and re.fullmatch(r"[+-]?\d{1,9}", given, re.ASCII)
+    is_int = isinstance(given, int) and not isinstance(given, bool)
+    if not (written or is_int) or not least <= int(given) <= most:
+        refuse("whole", f"expected a whole number from {least} to {most}{other}, got {described(given)}")
+    return int(given)
 
 
 def _text(given: Any) -> str:

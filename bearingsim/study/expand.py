@@ -21,7 +21,7 @@ def expanded(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
         if section in tree.mapping:
             opened = _opened(tree.mapping[section], kind, folder, problems)
             tree = put(tree, (section,), opened)
-    return _laws_by_name(_opened_material(tree, folder, problems))
+    return _laws_by_name(_opened_material(_with_one_sensor_angle(tree), folder, problems))
 
 
 _NOTHING = Node("", Mark(""))
@@ -82,6 +82,21 @@ def _opened_material(tree: Node, folder: FilePath, problems: list[Problem]) -> N
     bearing = _with_default(bearing, "material", "steel")
     material = _opened(bearing.mapping["material"], "materials", folder, problems)
     return put(tree, ("bearing",), put(bearing, ("material",), material))
+
+
+def _with_one_sensor_angle(tree: Node) -> Node:
+    """`rig.sensor_angle` as `rig.sensor.angle`, so that a sweep of either meets no value under the other word.
+
+    Two that differ stay as they are: the case refuses them.
+    """
+    rig = tree.mapping.get("rig", _NOTHING)
+    angle, sensor = rig.mapping.get("sensor_angle"), rig.mapping.get("sensor", Node({}, rig.mark))
+    if angle is None or not isinstance(sensor.value, dict):
+        return tree
+    if sensor.mapping.get("angle", angle).text != angle.text:
+        return tree
+    others = {key: node for key, node in rig.mapping.items() if key != "sensor_angle"}
+    return put(put(tree, ("rig",), replace(rig, value=others)), ("rig", "sensor", "angle"), angle)
 
 
 def _laws_by_name(tree: Node) -> Node:

@@ -34,7 +34,7 @@ from bearingsim.text.yamlfile import (
 
 MAX_CASES = 1_000_000
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
-_LIST_VALUED = ("defects", "record")
+_LIST_VALUED = ("defects", "record", "rig.load.angles", "rig.load.at")
 
 Swept = dict[str, float | str]
 

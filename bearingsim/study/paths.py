@@ -9,8 +9,12 @@ from bearingsim.config import Case
 from bearingsim.config.case_fields import OLD_WORDS
 from bearingsim.config.fields import Quantity, Section
 from bearingsim.config.rules.conflicts import Path
+from bearingsim.config.sections.ring import SupportPoint
 from bearingsim.text.units import Dimension, suggestion
 from bearingsim.text.yamlfile import Node
+
+SAME_PLACE: dict[Path, Path] = {("rig", "sensor_angle"): ("rig", "sensor", "angle")}
+"""Paths that are another word for a place, and that place."""
 
 
 @cache
@@ -23,7 +27,15 @@ def dimension(path: str) -> Dimension | None:
     """The dimension of the values at a path; KeyError if there is no such path."""
     first, dot, rest = _without_number(path).partition(".")
     in_new_words = OLD_WORDS.get(first, first) + dot + rest  # results keep the words of their time
-    return known_paths()[in_new_words]
+    if in_new_words.startswith("rig.load."):  # in results the items of a list are numbered
+        in_new_words = ".".join(step for step in in_new_words.split(".") if not step.isdecimal())
+    return all_paths()[in_new_words]
+
+
+@cache
+def all_paths() -> dict[str, Dimension | None]:
+    """The paths that can be swept, and those into the springs of `rig.load.at`, which is swept as a whole."""
+    return known_paths() | dict(_walk(SupportPoint, "rig.load.at."))
 
 
 def parse_path(text: str, defects: int) -> Path:
@@ -37,7 +49,7 @@ def parse_path(text: str, defects: int) -> Path:
         return ("defects", _only_defect(text, defects), *rest)
     if head == "defects" and rest:
         return ("defects", _numbered_defect(int(rest[0]), defects), *rest[1:])
-    return (head, *rest)
+    return SAME_PLACE.get((head, *rest), (head, *rest))
 
 
 def label(path: Path, defects: int) -> str:
@@ -81,7 +93,7 @@ def _walk(section: type[Section], prefix: str) -> Iterator[tuple[str, Dimension 
         below = prefix + ("defect" if name == "defects" else name)
         if name == "defects":
             yield below, None
-        for inner in marks if name != "at" else ():  # a list is swept as a whole
+        for inner in marks if name != "at" else ():  # that list is swept as a whole
             if isinstance(inner, type) and issubclass(inner, Section):
                 yield from _walk(inner, below + ".")
 

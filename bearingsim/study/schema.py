@@ -44,8 +44,9 @@ def _case_fields(case: dict[str, Any]) -> dict[str, Any]:
     for path, laws in LAWS.items():
         where = case["$defs"]["Contact"]["properties"] if path[0] == "contact" else fields
         where[path[-1]] = {"anyOf": [{"type": "string", "enum": list(laws.words)}, where[path[-1]]]}
-    for name in ("ramp", "drag", "shaft", "unbalance"):
-        fields[name] = {"anyOf": [{"const": "none"}, fields[name]]}
+    rig = case["$defs"]["Rig"]["properties"]
+    for holder, names in ((fields, ("ramp", "drag", "shaft", "unbalance")), (rig, ("ring", "load"))):
+        holder.update({name: {"anyOf": [{"const": "none"}, holder[name]]} for name in names})
     return fields | {"defect": {"$ref": "#/$defs/Defect"}}
 
 

@@ -61,6 +61,11 @@ sweep:
 # misalignment: {inner: 0.2 mrad, direction: 0 deg}         # none without it
 # A `rig` with axial_stiffness and tilting_stiffness lets the outer ring lean; a `shaft` with them the inner one.
 
+# What only static and rollers can: an outer ring that bends
+# A `rig` with `ring: {bends: true}` lets it bend. Its `load` says where the load enters, at the load line without
+# it: {by: pads, angles: [-45 deg, 45 deg]}, {by: points, at: [{angle: 0 deg, stiffness: 1e8 N/m}]}, or
+# {by: housing, stiffness: 1e10 N/m/m, fit: 0 um}; and `sensor: {on: ring, angle: 0 deg}` where the sensor sits.
+
 # The record
 duration: 1 s                     # after settling
 # settle: 50 ms                   # run before anything is recorded; with drag take 0.3 s, with gross slip 1 s

@@ -161,6 +161,8 @@ def sweeps_damping(paths: Iterable[str]) -> bool:
 def acts(what: str, case: Case) -> bool:
     """Whether a case's model knows it."""
     model: Any = MODELS[case.model]
+    if what == "bracket" and case.rig.bracket_stiffness == 0.0:
+        return False
     return model.loaded and (what != "damping" or "damping" in model.abilities)
 
 

@@ -40,7 +40,7 @@ def pointed(problem: Problem) -> str:
         ("model: roller", "roller", "model: expected `least`, `impulse`, `static`, `ring`, `rollers`, `planar` or `spatial`, got `roller` (did you mean `rollers`?)"),
         ("duration: 1 ms", "1 ms", "duration: 1 ms is shorter than one ball pass (6.28931 ms)"),
         ("rig: bvt", "bvt", "rig: no rig `bvt` (did you mean `bvt5`?)"),
-        ("rig: {sensor: 0 deg}", "sensor:", "rig: unknown key `sensor` (did you mean `sensor_angle`?)"),
+        ("rig: {sensor_angel: 0 deg}", "sensor_angel:", "rig: unknown key `sensor_angel` (did you mean `sensor_angle`?)"),
         ("contact: {damping: {law: kraemer, chi: 5 s/m}}", "chi", "contact.damping: unknown key `chi` (known: law, beta)"),
         ("contact: {damping: {law: general, coefficient: 1}}", "damping", "contact.damping: `indentation_exponent` is missing (expected a plain number such as `1.5`)"),
         ("record: [ring.velocty]", "ring.velocty", f"record: expected {alternatives(tuple(CHANNELS))}, got `ring.velocty` (did you mean `ring.velocity`?)"),

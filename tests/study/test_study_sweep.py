@@ -339,3 +339,51 @@ def test_a_value_that_leaves_its_section_idle_is_swept_as_written(write: Write) 
     jobs = [job for job in load_study(write(text)).jobs() if not job.is_baseline]
     assert [job.swept["misalignment.inner"] for job in jobs] == pytest.approx([0.0, 2e-4])
     assert [job.case.misalignment is None for job in jobs] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("rig", "entry", "values"),
+    [
+        ("bvt5", "rig.ring.bends: [false, true]", ["false", "true"]),
+        ("{load: {by: housing, stiffness: 1e10 N/m/m}}", "rig.ring.bends: [false, true]", ["false", "true"]),
+        ("{ring: {bends: true}}", "rig.ring.harmonics: [auto, 8]", [20.0, 8.0]),
+        ("{ring: {bends: true}}", "rig.ring.damping: [1 %, 2 %]", [0.01, 0.02]),
+        (
+            "{ring: {bends: true}, load: {by: housing}}",
+            "rig.load.stiffness: {logspace: [1e9 N/m/m, 1e10 N/m/m, 2]}",
+            [1e9, 1e10],
+        ),
+        (
+            "{ring: {bends: true}, load: {by: housing, stiffness: 1e10 N/m/m}}",
+            "rig.load.fit: [-5 um, 5 um]",
+            [-5e-6, 5e-6],
+        ),
+        ("{ring: {bends: true}, load: {angles: [0 deg]}}", "rig.load.by: [pads]", ["pads"]),
+        (
+            "{ring: {bends: true}}",
+            "rig.load: [none, {by: pads, angles: [-45 deg, 45 deg]}]",
+            ["none", "{by: pads, angles: [-45 deg, 45 deg]}"],
+        ),
+        (
+            "{ring: {bends: true}, load: {by: pads}}",
+            "rig.load.angles: [[0 deg], [-45 deg, 45 deg]]",
+            ["[0 deg]", "[-45 deg, 45 deg]"],
+        ),
+        ("{sensor_angle: 10 deg}", "rig.sensor.angle: [0 rad, 1 rad]", [0.0, 1.0]),
+        ("{sensor: {angle: 10 deg}}", "rig.sensor_angle: [0 rad, 1 rad]", [0.0, 1.0]),
+        ("{sensor: {angle: 10 deg}, sensor_angle: 10 deg}", "rig.sensor_angle: [0 rad, 1 rad]", [0.0, 1.0]),
+    ],
+)
+def test_a_rig_is_swept(write: Write, rig: str, entry: str, values: list[float | str]) -> None:
+    found = load_study(write(BASE + f"rig: {rig}\nsweep: {{{entry}}}\n"))
+    assert [row[0] for row in swept(found)] == values
+    assert len({case_id(case) for case in found.cases()}) == len(values)
+
+
+def test_pads_and_springs_are_set_as_a_whole(write: Write) -> None:
+    path = write(BASE + "rig: {ring: {bends: true}, load: {by: pads, angles: [0 deg]}}\n")
+    (pads,) = load_study(path, {"rig.load.angles": "[-45 deg, 45 deg]"}).cases()
+    assert pads.rig.load is not None
+    assert len(pads.rig.load.angles or ()) == 2
+    (turned,) = load_study(path, {"rig.sensor_angle": "90 deg"}).cases()
+    assert turned.rig.sensor.angle == turned.rig.sensor_angle == math.pi / 2.0

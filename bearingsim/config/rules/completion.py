@@ -45,12 +45,10 @@ def _completed_rig(case: CaseFields) -> Rig:
         return case.rig
     harmonics = ring.harmonics
     if harmonics == "auto":
-        on_ring = case.rig.sensor.on == "ring"
+        on_ring = case.rig.sensor.on_ring
         harmonics = min(MAX_HARMONICS, case.bearing.rollers + AROUND_A_ROLLER) if on_ring else IN_A_HOUSING
-    b, section = case.bearing, ring.section
-    usual = {"height": 0.5 * (b.outside_diameter - b.pitch_diameter - b.roller_diameter), "width": b.width}
-    given = {name: getattr(section, name) or value for name, value in usual.items()}
-    bent = {"harmonics": harmonics, "section": section.model_copy(update=given)}
+    given = {name: getattr(ring.section, name) or usual for name, usual in case.bearing.ring_section.items()}
+    bent = {"harmonics": harmonics, "section": ring.section.model_copy(update=given)}
     held = {"mass": load.mass or MASS_OF_CARRIER} if load.carried else {}
     held |= {"fit": load.fit or 0.0} if load.by == "housing" else {}
     return case.rig.model_copy(update={"ring": ring.model_copy(update=bent), "load": load.model_copy(update=held)})

@@ -10,13 +10,16 @@ from bearingsim.text.units import show
 
 if TYPE_CHECKING:
     from bearingsim.config.case_fields import CaseFields
-    from bearingsim.config.sections.ring import RingLoad
+    from bearingsim.config.sections.ring import FlexibleRing, RingLoad
 
+RING: tuple[Path, ...] = (("rig", "ring", "bends"), ("rig", "ring"), ("rig",))
 LOAD: Path = ("rig", "load")
+BY: tuple[Path, ...] = ((*LOAD, "by"), LOAD)
 STIFFEST, LARGEST_FIT = 1e13, 1e-4  # N/m per m; m
 SAME_SECTION = 0.01  # of height and width
 BALANCED = 1e-6  # of the load: what pads may push across it
 SAME_ANGLE = 1e-6  # rad
+NO_FORCE = 1e-9  # component of a unit vector that holds nothing
 
 
 def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
@@ -26,34 +29,33 @@ def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
         yield from _of_rigid_ring(case)
         return
     assert rig.load is not None
-    yield from _section(case)
+    yield from _section(case, rig.ring)
     yield from _method(case)
-    yield from _load(rig.load)
+    yield from _load(case, rig.load)
     if case.load_across != 0.0 and not rig.load.carried:
-        paths: tuple[Path, ...] = (("load_across",), LOAD)
+        paths: tuple[Path, ...] = (("load_across",), *BY)
         message = f"`by: {rig.load.by}` gives the ring forces along the load line alone"
         yield Conflict("across", paths, message, "leave it out, or say `by: points` or `by: housing`")
-    if rig.sensor.on == "housing" and not rig.load.carried:
-        paths = (("rig", "sensor"), LOAD)
+    if not rig.sensor.on_ring and not rig.load.carried:
+        paths = (("rig", "sensor", "on"), ("rig", "sensor"), *BY)
         yield Conflict("sensor", paths, f"`by: {rig.load.by}` has no housing for a sensor", "say `by: housing`")
 
 
 def _of_rigid_ring(case: "CaseFields") -> Iterator[Conflict]:
     bend = "say `ring: {bends: true}`"
     if case.rig.load is not None:
-        yield Conflict("rigid", (LOAD, ("rig",)), "where the load enters is nothing to a rigid ring", bend)
-    if case.rig.sensor.on == "housing":
-        yield Conflict("rigid", (("rig", "sensor"), ("rig",)), "a rigid ring has no housing around it", bend)
+        yield Conflict("rigid", (LOAD, *RING), "where the load enters is nothing to a rigid ring", bend)
+    if not case.rig.sensor.on_ring:
+        where: tuple[Path, ...] = (("rig", "sensor", "on"), ("rig", "sensor"), *RING)
+        yield Conflict("rigid sensor", where, "a rigid ring has no housing around it", bend)
     if case.rig.bracket_stiffness == 0.0:
-        paths: tuple[Path, ...] = (("rig", "bracket_stiffness"), ("rig",))
+        paths: tuple[Path, ...] = (("rig", "bracket_stiffness"), *RING)
         yield Conflict("bracket", paths, "a rigid ring needs a bracket", f"say `1e7 N/m`, or {bend[4:]}")
 
 
-def _section(case: "CaseFields") -> Iterator[Conflict]:
-    b, section = case.bearing, case.rig.ring.section  # type: ignore[union-attr]
-    usual = {"height": 0.5 * (b.outside_diameter - b.pitch_diameter - b.roller_diameter), "width": b.width}
-    for name, expected in usual.items():
-        given = getattr(section, name)
+def _section(case: "CaseFields", ring: "FlexibleRing") -> Iterator[Conflict]:
+    for name, expected in case.bearing.ring_section.items():
+        given = getattr(ring.section, name)
         if abs(given - expected) > SAME_SECTION * expected:
             message = f"the bearing's outer ring has a {name} of {show(expected, 'mm')}, not {show(given, 'mm')}"
             paths: tuple[Path, ...] = (("rig", "ring", "section", name), ("rig", "ring"), ("bearing",))
@@ -63,16 +65,16 @@ def _section(case: "CaseFields") -> Iterator[Conflict]:
 def _method(case: "CaseFields") -> Iterator[Conflict]:
     method = catalogue.METHODS.get(str(case.method))
     if method is not None and method.implicit:
-        paths: tuple[Path, ...] = (("method",), ("rig", "ring"))
+        paths: tuple[Path, ...] = (("method",), *RING)
         message = f"`{case.method}` solves with derivatives, which a ring that bends does not have"
         yield Conflict("implicit", paths, message, "leave `method` out, or take an explicit one")
 
 
-def _load(load: "RingLoad") -> Iterator[Conflict]:
+def _load(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
     if load.by == "pads":
         yield from _pads(load.angles or ())
     elif load.by == "points":
-        yield from _points([point.angle for point in load.at or ()])
+        yield from _points(case, [point.angle for point in load.at or ()])
     elif load.by == "housing":
         yield from _housing(load)
 
@@ -87,13 +89,31 @@ def _pads(angles: tuple[float, ...]) -> Iterator[Conflict]:
         yield Conflict("pads", at, message, "take angles on both sides of it, such as `[-45 deg, 45 deg]`")
 
 
-def _points(angles: list[float]) -> Iterator[Conflict]:
-    at: tuple[Path, ...] = ((*LOAD, "at"), LOAD)
+def _points(case: "CaseFields", angles: list[float]) -> Iterator[Conflict]:
+    at: tuple[Path, ...] = ((*LOAD, "at"), LOAD, ("load_across",))
+    load_line = math.atan2(case.load_across, case.load)
     if _twice(angles):
         yield Conflict("points", at, "two springs stand at the same angle", "give each angle once")
-    elif not any(math.cos(angle) > BALANCED for angle in angles):
+    elif not any(math.cos(angle - load_line) > BALANCED for angle in angles):
         message = "no spring stands within 90 deg of the load line: nothing carries the load"
-        yield Conflict("points", at, message, "give one at `angle: 0 deg`")
+        yield Conflict("points", at, message, f"give one at `angle: {show(load_line, 'deg')}`")
+    elif case.rig.bracket_stiffness == 0.0 and not _hold(angles, load_line):
+        message = "springs that push only do not hold the carrier here, and it has no bracket"
+        hint = "give springs on both sides of the load line, or a `bracket_stiffness`"
+        yield Conflict("points", (*at, ("rig", "bracket_stiffness")), message, hint)
+
+
+def _hold(angles: list[float], load_line: float) -> bool:
+    """Whether springs at these angles hold a carrier that is pushed along the load line and nothing else holds.
+
+    They do unless it can move some way that presses on no spring, and not against the load. The ways to try are
+    those across each spring.
+    """
+    sideways = [angle + turn for angle in angles for turn in (-math.pi / 2.0, math.pi / 2.0)]
+    return not any(
+        all(math.cos(way - angle) > -NO_FORCE for angle in angles) and math.cos(way - load_line) < NO_FORCE
+        for way in sideways
+    )
 
 
 def _housing(load: "RingLoad") -> Iterator[Conflict]:

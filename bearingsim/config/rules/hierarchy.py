@@ -117,8 +117,8 @@ def _of_sections(case: "CaseFields") -> Iterator[Need]:
     if case.load_across != 0.0:
         yield Need("a second load", "`load_across` turns the load the rollers share", (("load_across",),))
     if case.rig.ring is not None:
-        why = "`rig.ring` bends the outer ring, which `static` and `rollers` know"
-        yield Need("bending ring", why, (("rig", "ring"), ("rig",)))
+        paths: tuple[Path, ...] = (("rig", "ring", "bends"), ("rig", "ring"), ("rig",))
+        yield Need("bending ring", "`rig.ring` lets the outer ring bend", paths)
     for name in ("torsion_stiffness", "torsion_damping"):
         if getattr(case.rig, name) is not None:
             yield Need("ring rotation", f"`rig.{name}` lets the outer ring rotate", (("rig", name), ("rig",)))

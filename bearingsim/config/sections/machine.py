@@ -21,6 +21,7 @@ from bearingsim.config.fields import (
     TorsionalStiffness,
     one_of,
     refuse,
+    unless_none,
     whole,
 )
 from bearingsim.config.library import Kind, described
@@ -89,6 +90,12 @@ class Bearing(Section):
         return math.pi * (self.pitch_diameter - self.roller_diameter) / self.rollers
 
     @property
+    def ring_section(self) -> dict[str, float]:
+        """The outer ring's `height`, from the race to the outside, and `width`, m."""
+        height = 0.5 * (self.outside_diameter - self.pitch_diameter - self.roller_diameter)
+        return {"height": round(height, 12), "width": self.width}
+
+    @property
     def element_mass(self) -> float:
         """Mass of one rolling element, kg: a plain cylinder or a sphere."""
         cross_section = math.pi / 4.0 * self.roller_diameter**2
@@ -135,7 +142,9 @@ class Rig(Section):
     """The bracket that holds the outer ring, and the sensor on it.
 
     Without `torsion_stiffness` (N m/rad) the ring does not rotate; without `axial_stiffness` (N/m) and
-    `tilting_stiffness` (N m/rad) it neither moves along its axis nor leans.
+    `tilting_stiffness` (N m/rad) it neither moves along its axis nor leans. Without `ring` it is rigid; with a
+    `ring` that bends, `load` says where the load enters it, and is never None in a case. `sensor_angle` (rad) and
+    `sensor.angle` are the same: a case has both, a study says one of them.
     """
 
     name: Text = ""
@@ -149,8 +158,8 @@ class Rig(Section):
     tilting_damping: TorsionalDamping | None = None
     sensor_angle: Angle = 0.0
     sensor: Sensor = Sensor()
-    ring: FlexibleRing | None = None
-    load: RingLoad | None = None
+    ring: Annotated[FlexibleRing | None, BeforeValidator(unless_none)] = None
+    load: Annotated[RingLoad | None, BeforeValidator(unless_none)] = None
     ring_mass: Mass | None = None
     source: Text = ""
 

@@ -1,8 +1,8 @@
 """An outer ring that bends: its harmonics, where its load enters, where its sensor sits."""
 
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Literal, get_args
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import model_validator
 
 from bearingsim.config.fields import (
     Angle,
@@ -16,7 +16,7 @@ from bearingsim.config.fields import (
     Switch,
     one_of,
     refuse,
-    whole,
+    whole_or_auto,
 )
 
 MAX_HARMONICS = 100
@@ -33,10 +33,6 @@ KEYS: dict[LoadPath, tuple[str, ...]] = {
 """What each way of loading the ring can be told besides; the first is needed."""
 
 
-def _word_or_number(given: Any) -> Any:
-    return given if given == "auto" else whole(2, MAX_HARMONICS).func(given)  # type: ignore[call-arg]
-
-
 class RingSection(Section):
     """The ring's section (m); without them as the bearing's dimensions say."""
 
@@ -51,7 +47,7 @@ class FlexibleRing(Section):
     """
 
     bends: Switch = True
-    harmonics: Annotated[int | Literal["auto"], BeforeValidator(_word_or_number)] = "auto"
+    harmonics: Annotated[int | Literal["auto"], whole_or_auto(2, MAX_HARMONICS)] = "auto"
     damping: DampingRatio = 0.01
     section: RingSection = RingSection()
 
@@ -103,3 +99,8 @@ class Sensor(Section):
 
     on: Annotated[Literal["ring", "housing"], one_of("ring", "housing")] = "ring"
     angle: Angle | None = None
+
+    @property
+    def on_ring(self) -> bool:
+        """Whether the sensor sits on the ring itself."""
+        return self.on == "ring"
