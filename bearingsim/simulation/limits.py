@@ -5,10 +5,13 @@ the load, so the limit is taken twice: at rest, and at an estimate of the roller
 steepest pit. What loads, speeds and pits can do at most bounds what a run may be believed.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import hypot, inf, pi, sqrt
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from bearingsim import assemble
 from bearingsim.assemble.rest import OF_A_STUDY
@@ -27,6 +30,8 @@ from bearingsim.core.advance import start_at_rest
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.methods.interface import stability_ratio
 from bearingsim.core.models.equilibrium import NoEquilibrium
+from bearingsim.core.models.interface import damping_per_mass, stiffness_per_mass
+from bearingsim.core.parts.bending import Stiff
 from bearingsim.core.pits.excitations import STEP_EXCITATIONS
 from bearingsim.core.pits.pairs import DEPTH
 from bearingsim.core.pits.passage import free_impact, passage_peak
@@ -84,9 +89,10 @@ def step_limits(case: Case) -> Limits:
 def _without_method(case: Case) -> tuple[Limits, Slopes]:
     """The limits but for those of a method, and the slopes that these follow from."""
     rest_load, K, C = loads_at_rest(_healthy(case))
+    K_alone, _ = contacts_alone(_healthy(case))
     found = Limits(
         rest_load=rest_load,
-        contact_frequency=sqrt(K) / (2.0 * pi) if K > 0.0 else inf,
+        contact_frequency=sqrt(K_alone) / (2.0 * pi) if K_alone > 0.0 else inf,
         damping_ratio=damping_ratio_at_rest(case),
         damping_time=damping_time(case, rest_load),
         at_rest=inf,
@@ -102,7 +108,8 @@ def _without_method(case: Case) -> tuple[Limits, Slopes]:
 
 def damping_ratio_at_rest(case: Case) -> float:
     """The largest damping ratio of a body on its contacts under the load at rest, without friction."""
-    rest_load, K, C = loads_at_rest(_healthy(case))
+    rest_load, *_ = loads_at_rest(_healthy(case))
+    K, C = contacts_alone(_healthy(case))
     if MODELS[case.model].slips:
         return damping_ratio(case, rest_load)
     return C / (2.0 * sqrt(K)) if K > 0.0 else 0.0
@@ -184,16 +191,35 @@ def _healthy(case: Case) -> Case:
 def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Largest outer contact force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
-    y = assemble.empty_buffer(model)
-    pass_time = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     load, K, C = 0.0, 0.0, 0.0
+    for y, K_now, C_now in rests_of_a_pass(model):
+        load = max(load, float(assemble.outer_forces(model, y).max()))
+        K, C = max(K, K_now), max(C, C_now)
+    return load, K, C
+
+
+@lru_cache(maxsize=OF_A_STUDY)
+def contacts_alone(healthy: Case) -> tuple[float, float]:
+    """Stiffness and damping over mass as of ``loads_at_rest``, without what a ring that bends adds to them."""
+    if healthy.rig.ring is None or not MODELS[healthy.model].has_inertia:
+        return loads_at_rest(healthy)[1:]
+    model, found = assemble.model(healthy), []
+    stiff = model._replace(bending=Stiff())
+    for y, _, _ in rests_of_a_pass(model):
+        for j in range(model.bearing.Z):
+            found.append((stiffness_per_mass(stiff, y, j), damping_per_mass(stiff, y, j)))
+    K, C = np.max(found, axis=0)
+    return float(K), float(C)
+
+
+def rests_of_a_pass(model: Any) -> Iterator[tuple[np.ndarray, float, float]]:
+    """The model at rest at some cage angles of a ball pass: its buffer, stiffness and damping over mass of a body."""
+    y, pass_time = assemble.empty_buffer(model), 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     for n in range(SAMPLES_OF_A_PASS):
         t = (n + 0.5) / SAMPLES_OF_A_PASS * pass_time
         assemble.find_equilibrium(model, t, y, from_scratch=n == 0)
-        load = max(load, float(assemble.outer_forces(model, y).max()))
-        K_now, C_now = start_at_rest(model, t, y)
-        K, C = max(K, K_now), max(C, C_now)
-    return load, float(K), float(C)
+        K, C = start_at_rest(model, t, y)
+        yield y, float(K), float(C)
 
 
 def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]:

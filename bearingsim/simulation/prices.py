@@ -10,6 +10,7 @@ from math import inf, pi, sqrt
 from pathlib import Path
 
 from bearingsim import assemble
+from bearingsim.assemble.bending import has_carrier, of_ring, places_of_springs
 from bearingsim.assemble.contacts import powers
 from bearingsim.catalogue import EXPLICIT, METHODS
 from bearingsim.config import Case
@@ -39,8 +40,16 @@ def price(what: str, name: str = USUAL) -> float:
 
 def evaluation(case: Case) -> float:
     """CPU time (s) of one evaluation of the case's model."""
-    bending = 0.0 if case.rig.ring is None else price("harmonic", case.model) * float(case.rig.ring.harmonics)
-    return (price("evaluation", case.model) + price("power") * powers(case)) * (slice_count(case) or 1) + bending
+    of_rollers = (price("evaluation", case.model) + price("power") * powers(case)) * (slice_count(case) or 1)
+    return of_rollers + bending(case)
+
+
+def bending(case: Case) -> float:
+    """CPU time (s) that a ring which bends, and the springs around it, add to an evaluation."""
+    if case.rig.ring is None:
+        return 0.0
+    springs = len(places_of_springs(of_ring(case))[0]) if has_carrier(case.rig) else 0
+    return (price("harmonic", case.model) + price("spring") * springs) * float(case.rig.ring.harmonics)
 
 
 def per_step(method: str, model: str, evaluations: int) -> float:
