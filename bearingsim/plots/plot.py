@@ -45,8 +45,9 @@ def plot(
 
     kind: `sweep` features against swept paths, `phase` the phase of the line against them; of some jobs (ids, or
     `all`) their `series`, `spectrum`, the spectrum of the squared `envelope`, what a `roller` meets on its way
-    round, the `load` along a roller, each `pit` to scale, the outer `ring` at rest. Instead of what the study says: x, and among changes
-    y (features; of jobs channels), by, panels (lists), where (paths and values) and span (s; of a series or load).
+    round, the `load` along a roller, each `pit` to scale, and the outer `ring` at rest. Instead of what the study
+    says: x, and among changes y (features; of jobs channels), by, panels (lists), where (paths and values) and
+    span (s; of a series or load).
     Raises PlotError, ResultsError; warns (PlotWarning) of a figure left out.
     """
     import matplotlib as mpl

@@ -30,6 +30,7 @@ __all__ = ["View", "draw_ring", "draw_shape", "view"]
 ROOM = 0.1  # of the ring's outer radius: the largest displacement as it is drawn
 SPRING, ARROW, MARGIN = 0.16, 0.2, 0.16  # of the ring's outer radius: a spring, a force, what is free around
 LEAST_PIT = 0.035  # rad: half of the angle of a pit that is as wide as that, or narrower
+INSIDE = 0.04  # of the ring's outer radius: how far inside of the carrier its sensor is drawn
 COILS = 3
 FEW = 12  # springs, up to which they are drawn with coils
 AROUND = np.linspace(-pi, pi, 721)
@@ -113,7 +114,7 @@ def draw_shape(shape: RingShape, caption: list[str]) -> Canvas:
     """A panel for each instant; below them what all marks mean and the ``caption``."""
     seen = view(shape)
     rows = -(-len(shape.instants) // 2)
-    canvas = Canvas(figsize=(2 * COLUMN_IN + 0.8, rows * COLUMN_IN + 1.3),
+    canvas = Canvas(figsize=(2 * COLUMN_IN + 0.8, rows * 3.1 + 1.1),
                     layout=ConstrainedLayoutEngine(w_pad=0.04, h_pad=0.04))  # fmt: skip
     axes = list(canvas.subplots(rows, 2, squeeze=False).flat)
     for number, (ax, one) in enumerate(zip(axes, shape.instants, strict=False)):
@@ -124,8 +125,8 @@ def draw_shape(shape: RingShape, caption: list[str]) -> Canvas:
     bar.set_label("Force of a roller on the outer race (N)")
     entries = list(_legend(seen))
     canvas.legend(entries, [str(entry.get_label()) for entry in entries], loc="outside upper left", ncols=4,
-                  fontsize=7.5)  # fmt: skip
-    finish(canvas, None, [_enlargement(seen), *caption])
+                  fontsize=7.5, title=_enlargement(seen), title_fontsize=9.0, alignment="left")  # fmt: skip
+    finish(canvas, None, caption)
     return canvas
 
 
@@ -138,8 +139,8 @@ def _said(shape: RingShape, one: Instant) -> str:
 
 
 def _enlargement(seen: View) -> str:
-    """By how much what is drawn."""
-    return f"at rest, displacements and clearance ×{seen.times:.0f}"
+    """What is drawn how many times as large as it is."""
+    return f"Ring at rest; displacements and clearance ×{labels.number_text(seen.times)}"
 
 
 def draw_instant(ax: "Axes", seen: View, one: Instant) -> None:
@@ -156,9 +157,20 @@ def draw_instant(ax: "Axes", seen: View, one: Instant) -> None:
         draw_push(ax, seen, one, push)
     sensor = sensor_place(seen, one)
     ax.plot(*sensor, marker="s", ls="", color=SENSOR, ms=5.5, mec="white", mew=0.6, zorder=8, gid="sensor")
-    half = (1.0 + ARROW + MARGIN) * (seen.carrier if len(one.springs) else seen.outside)
-    ax.set_xlim(-half, half)
-    ax.set_ylim(-half, half)
+    left, right, low, high = frame(seen)
+    ax.set_xlim(left, right)
+    ax.set_ylim(low, high)
+
+
+def frame(seen: View) -> tuple[float, float, float, float]:
+    """Left, right, lowest, highest: the ring with all that is around it, the same at every instant."""
+    radius = seen.carrier if len(seen.shape.spring_angles) else seen.outside
+    angles = np.array([push.angle for push in seen.shape.pushes])
+    right, up = point(angles, radius + ARROW * seen.outside)
+    words, around = MARGIN * seen.outside, (1.0 + ROOM) * radius
+    sides = np.r_[right - words, right + words, -around, around]
+    heights = np.r_[up - words, up + words, -around, around]
+    return float(sides.min()), float(sides.max()), float(heights.min()), float(heights.max())
 
 
 def draw_bodies(ax: "Axes", seen: View, one: Instant) -> None:
@@ -172,8 +184,14 @@ def draw_bodies(ax: "Axes", seen: View, one: Instant) -> None:
     ax.add_patch(Circle((0.0, 0.0), seen.inner_race, fc=INNER, ec=EDGE, lw=0.8, zorder=1))
     for angle, word in ((0.0, "0°"), (pi / 2.0, "90°")):
         tip, beyond = point(angle, 0.35 * seen.inner_race), point(angle, 0.5 * seen.inner_race)
-        ax.annotate("", tip, (0.0, 0.0), arrowprops={"arrowstyle": "-|>", "lw": 0.7, "color": "0.4", "shrinkA": 0.0,
-                                                      "mutation_scale": 7.0})  # fmt: skip
+        looks: dict[str, Any] = {
+            "arrowstyle": "-|>",
+            "lw": 0.7,
+            "color": "0.4",
+            "shrinkA": 0.0,
+            "mutation_scale": 7.0,
+        }
+        ax.annotate("", tip, (0.0, 0.0), arrowprops=looks)
         ax.annotate(word, beyond, ha="center", va="center", fontsize=7, color="0.4")
 
 
@@ -248,9 +266,11 @@ def push_ends(seen: View, one: Instant, push: Push) -> tuple[tuple[float, float]
 
 
 def sensor_place(seen: View, one: Instant) -> tuple[Reals, Reals]:
-    """Where the sensor sits: on the ring's outside, or on the carrier."""
+    """Where the sensor is drawn: within the ring's section, or just inside of the carrier, clear of forces."""
     at = np.array([seen.shape.sensor])
-    return seen.of_carrier(one, at) if seen.shape.sensor_on == "housing" else seen.of_ring(one, at, seen.outside)
+    if seen.shape.sensor_on == "housing":
+        return seen.of_carrier(one, at, -INSIDE * seen.outside)
+    return seen.of_ring(one, at, 0.5 * (seen.race + seen.outside))
 
 
 def _legend(seen: View) -> Iterator[Line2D]:
@@ -262,5 +282,6 @@ def _legend(seen: View) -> Iterator[Line2D]:
         yield Line2D([], [], color=PIT, lw=3.0, label="pit")
     yield Line2D([], [], ls="", marker="s", color=SENSOR, mec="white", ms=6.0, label="sensor")
     if len(seen.shape.spring_angles):
-        yield Line2D([], [], color=SPRINGS, lw=1.1, label="housing, springs that press")
+        behind = "housing" if seen.shape.by == "housing" else "carrier"
+        yield Line2D([], [], color=SPRINGS, lw=1.1, label=f"{behind}, springs that press")
         yield Line2D([], [], color=LIFTED, lw=0.9, label="springs that do not")

@@ -32,8 +32,8 @@ class Push(NamedTuple):
 class Mark(NamedTuple):
     """A pit at some instant: from where to where it reaches (rad), and on what.
 
-    on: `outer`, `inner`, or `roller`; angle: of its middle, rad; of a roller's pit the direction from that roller's
-    centre; half: half of its width seen from the centre of what carries it, rad; roller: which one carries it.
+    on: `outer`, `inner`, or `roller`; angle: of its middle, rad; of a roller's pit the direction from that
+    roller's centre; half: half of its width seen from the centre of what carries it, rad; roller: which one.
     """
 
     on: str
@@ -48,7 +48,8 @@ class Instant(NamedTuple):
     part: of the ball pass; x, y: place of the ring; n, a, b: (N,) numbers of its harmonics, amplitudes of cosine
     and sine, none of a rigid ring; angles, outwards, forces: (Z,) of the rollers their place, how far they stand
     outwards of the pitch circle (without what one sinks into a pit of the outer race), the force on the outer
-    race; loaded: (Z,) whether a roller presses both races; springs: (P,) what they press; carrier: place of what is behind the springs; marks: of the pits.
+    race; loaded: (Z,) whether a roller presses both races; springs: (P,) what they press; carrier: place of what
+    is behind the springs; marks: of the pits.
     """
 
     part: float
@@ -218,7 +219,7 @@ def _read(model: Any, t: float, y: np.ndarray, part: float) -> Instant:
 
 
 def _amplitudes(bent: Any, y: np.ndarray) -> tuple[Reals, Reals, Reals]:
-    """Numbers of the ring's harmonics, amplitudes (m) of cosine and sine: without a carrier's place behind them."""
+    """Numbers of the ring's harmonics, amplitudes (m) of cosine and sine, without a carrier's place."""
     from bearingsim.core import layout as lay
     from bearingsim.core.parts.bending import N
 
