@@ -1,6 +1,7 @@
 """The outer ring at rest as it is drawn: its shape, how far it is enlarged, what is marked on and around it."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from bearingsim.plots import plot as written
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.ring import draw_shape, sensor_place, view
 from bearingsim.plots.ring_shape import PARTS, ring_shape
+from bearingsim.plots.select import case_rows
+from bearingsim.plots.series import done_jobs
 from tests.plots.test_plots import STUDY, only, results
 from tests.scenes.nf308 import SLOT
 
@@ -27,8 +30,9 @@ AROUND = np.radians(np.arange(-180.0, 180.0, 7.0))
 
 
 def case(rig=None, **given):
-    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers", "defect": SLOT}
-    return Case.model_validate(base | given | ({"rig": rig} if rig else {}))
+    pit = {} if "defects" in given else {"defect": SLOT}
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers"}
+    return Case.model_validate(base | pit | given | ({"rig": rig} if rig else {}))
 
 
 def settled(made, part):
@@ -61,7 +65,7 @@ def test_the_ring_bends_inwards_under_its_load_and_a_roller_over_the_pit_carries
     here = int(np.argmin(np.abs(over.angles)))
     assert over.angles[here] == pytest.approx(0.0, abs=1e-9)
     assert not over.loaded[here]
-    assert over.bent(0.0) < 4.0 * beside.bent(0.0) < -1e-7
+    assert over.bent(np.zeros(1)) < 2.0 * beside.bent(np.zeros(1)) < -1e-7
     turned = (beside.angles - over.angles + math.pi) % (2.0 * math.pi) - math.pi
     assert turned == pytest.approx(np.full(13, 2.0 * math.pi / 13 / 4))
     assert np.abs(over.outwards).max() < 3e-6  # what it sinks into the pit, 10 um, is left out
@@ -71,9 +75,12 @@ def line(ax, gid):
     return next(one for one in ax.lines if one.get_gid() == gid)
 
 
-@pytest.mark.parametrize(("rig", "times"), [(BENDS, 2000.0), (PADS, 5000.0), (None, 10000.0)])
-def test_the_race_is_drawn_enlarged_by_the_number_in_the_figure(rig, times):
-    shape = ring_shape(case(rig, clearance="2 um" if rig else "0 um"))
+@pytest.mark.parametrize(
+    ("rig", "clearance", "times"),
+    [(BENDS, "0 um", 2000.0), (PADS, "2 um", 1000.0), (HOUSING, "0 um", 5000.0), (None, "0 um", 5000.0)],
+)
+def test_the_race_is_drawn_enlarged_by_the_number_in_the_figure(rig, clearance, times):
+    shape = ring_shape(case(rig, clearance=clearance))
     canvas = draw_shape(shape, [])
     said = canvas.legends[0].get_title().get_text()
     assert said == f"Ring at rest; displacements and clearance ×{times:.0f}"
@@ -110,7 +117,7 @@ def test_rollers_have_the_shade_of_their_force_and_touch_the_race_as_it_is_drawn
         order = np.argsort(one.forces)
         dark = [sum(found[int(j)].get_facecolor()[:3]) for j in order]
         assert dark[0] == 3.0
-        assert dark[-1] < 1.0
+        assert dark[-1] < 1.2
         for j in np.flatnonzero(~one.loaded):
             assert found[int(j)].get_facecolor()[:3] == (1.0, 1.0, 1.0)
             right, up = np.asarray(found[int(j)].center)
@@ -122,7 +129,7 @@ def test_rollers_have_the_shade_of_their_force_and_touch_the_race_as_it_is_drawn
 def test_pits_are_marked_in_their_place():
     pits = [SLOT | {"angle": "20 deg"}, SLOT | {"race": "inner", "angle": "30 deg"},
             SLOT | {"race": "roller", "roller": 2}]  # fmt: skip
-    made = case(None, defect=(), defects=pits)
+    made = case(defects=pits)
     shape = ring_shape(made)
     model = assemble.model(made)
     b, at = model.bearing, math.radians(20.0)
@@ -147,9 +154,10 @@ def test_pits_are_marked_in_their_place():
 )
 def test_forces_push_where_they_act(rig, pushes):
     shape = ring_shape(case(rig))
-    assert [(math.degrees(push.angle), push.force) for push in shape.pushes] == pytest.approx(pushes, rel=1e-5)
+    acting = np.array([(math.degrees(push.angle), push.force) for push in shape.pushes])
+    assert acting == pytest.approx(np.array(pushes), rel=1e-5)
     ax = draw_shape(shape, []).axes[0]
-    words = [one for one in ax.texts if one.get_gid() == "push"]
+    words: Any = [one for one in ax.texts if one.get_gid() == "push"]
     assert [one.get_text() for one in words] == [f"{force:.0f} N" for _, force in pushes]
     for (angle, _), word in zip(pushes, words, strict=True):
         right, up = word.xy
@@ -157,7 +165,7 @@ def test_forces_push_where_they_act(rig, pushes):
         assert math.hypot(right, up) > 45.0
 
 
-@pytest.mark.parametrize(("rig", "count"), [(HOUSING, 64), (POINTS, 4)])
+@pytest.mark.parametrize(("rig", "count"), [(HOUSING, 80), (POINTS, 4)])
 def test_springs_that_press_are_told_from_those_that_do_not(rig, count):
     shape = ring_shape(case(rig))
     one = shape.instants[0]
@@ -184,12 +192,12 @@ def test_a_figure_for_each_job(results):
     opened = results(STUDY.replace("[static, ring]", "[static, impulse]").replace("[3 mm, 6 mm, 9 mm]", "[3 mm]"))
     with pytest.warns(PlotWarning, match="left out: the model `impulse` knows no rollers under load"):
         sheets = drawn(opened, kind="ring", jobs=["all"])
-    rests = opened.table().query("model == 'static'")["job"]
+    rests = done_jobs(case_rows(opened).query("model == 'static'"))
     assert [name for name, _ in sheets] == [f"ring-{job[:8]}" for job in rests]
     caption = sheets[0][1].get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     assert "load 150 N" in caption
     assert "length 3 mm" in caption
-    assert written(opened, kind="ring", jobs=list(rests)[:1])[0].stat().st_size > 10_000
+    assert written(opened, kind="ring", jobs=rests[:1])[0].stat().st_size > 10_000
 
 
 def test_a_ring_that_bends_is_drawn_from_stored_results(results):
