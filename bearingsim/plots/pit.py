@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-__all__ = ["Sheet", "draw_pit", "exaggeration", "sheets"]
+__all__ = ["Sheet", "draw_pit", "exaggeration", "round_below", "sheets"]
 
 MAP_IN, SECTION_IN = 4.2, 4.4  # height of the map, width of a section
 LOWEST_IN, HIGHEST_IN = 0.7, 1.9  # of a section
@@ -216,9 +216,13 @@ def _panel(made: Section, name: str, depth: float, closer: bool) -> Panel:
 
 def exaggeration(metre_per_inch: float, height: float) -> float:
     """The round number of times that a height (m) is drawn taller than to scale, to stay within a panel."""
-    most = HIGHEST_IN * metre_per_inch / height
+    return max(1.0, round_below(HIGHEST_IN * metre_per_inch / height))
+
+
+def round_below(most: float) -> float:
+    """The largest round number up to ``most``: 1, 2 or 5 times a power of ten."""
     decade = 10.0 ** floor(log10(most))
-    return max(1.0, max(step for step in STEPS if step * decade <= most * (1.0 + 1e-9)) * decade)
+    return max(step for step in STEPS if step * decade <= most * (1.0 + 1e-9)) * decade
 
 
 def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:

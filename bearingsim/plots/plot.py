@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 
 __all__ = ["FORMATS", "KINDS", "drawn", "plot"]
 
-PIT, LOAD = "pit", "load"
-OF_JOBS = ("series", "spectrum", "envelope", "roller", LOAD, PIT)
+PIT, LOAD, RING = "pit", "load", "ring"
+OF_JOBS = ("series", "spectrum", "envelope", "roller", LOAD, PIT, RING)
 KINDS = ("sweep", "phase", *OF_JOBS)
 ALL = "all"
 UNUSED_OPTIONS = {
     **dict.fromkeys(("sweep", "phase"), ("span",)),
     **dict.fromkeys(OF_JOBS, ("x", "by", "panels", "span")),
     **dict.fromkeys(("series", LOAD), ("x", "by", "panels")),
-    PIT: ("x", "y", "by", "panels", "span"),
+    **dict.fromkeys((PIT, RING), ("x", "y", "by", "panels", "span")),
 }
 """What a kind of figure does not take."""
 MAX_NAMED = 4  # jobs in the name of a file
@@ -45,8 +45,9 @@ def plot(
 
     kind: `sweep` features against swept paths, `phase` the phase of the line against them; of some jobs (ids, or
     `all`) their `series`, `spectrum`, the spectrum of the squared `envelope`, what a `roller` meets on its way
-    round, the `load` along a roller, and each `pit` to scale. Instead of what the study says: x, and among changes
-    y (features; of jobs channels), by, panels (lists), where (paths and values) and span (s; of a series or load).
+    round, the `load` along a roller, each `pit` to scale, and the outer `ring` at rest. Instead of what the study
+    says: x, and among changes y (features; of jobs channels), by, panels (lists), where (paths and values) and
+    span (s; of a series or load).
     Raises PlotError, ResultsError; warns (PlotWarning) of a figure left out.
     """
     import matplotlib as mpl
@@ -176,6 +177,8 @@ def _of_jobs(
         raise PlotError("none of these jobs is done: there is nothing to draw")
     if kind == PIT:
         return _of_pits(results, chosen)
+    if kind == RING:
+        return _of_rings(results, chosen)
     options = {"span": changes["span"]} if changes.get("span") else {}
     name = _name_of_jobs(kind, y, [ALL] if jobs and not named else chosen)
     draw = line_load.draw_load if kind == LOAD else series.DRAW[kind]
@@ -190,6 +193,23 @@ def _of_pits(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas
         (_slug([PIT, one.jobs[0][:8], *([str(one.number)] if one.of > 1 else [])]), pit.draw_pit(results, one))
         for one in pit.sheets(results, jobs)
     ]
+
+
+def _of_rings(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
+    """A figure for each job whose ring rests; the error of the first if there is none."""
+    from bearingsim.plots import ring
+
+    sheets, problems = [], []
+    for job in jobs:
+        try:
+            sheets.append((_slug([RING, job[:8]]), ring.draw_ring(results, job)))
+        except PlotError as error:
+            problems.append((job, error))
+    if not sheets:
+        raise problems[0][1]
+    for job, problem in problems:
+        warnings.warn(f"job {job} left out: {problem}", PlotWarning, stacklevel=2)
+    return sheets
 
 
 def _check_changes(kind: str, changes: Mapping[str, Any]) -> None:

@@ -1,0 +1,287 @@
+"""The outer ring at rest over a ball pass: displacements enlarged, rollers, load, springs, pits, sensor."""
+
+from collections.abc import Iterator
+from math import cos, pi, sin
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure as Canvas
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
+
+from bearingsim.plots import labels, recorded, select
+from bearingsim.plots.caption import fixed_values
+from bearingsim.plots.pit import round_below
+from bearingsim.plots.ring_shape import Instant, Mark, Push, Reals, RingShape, ring_shape
+from bearingsim.plots.style import COLOURS, COLUMN_IN
+from bearingsim.plots.sweep import finish, letter
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from bearingsim.store import Results
+
+__all__ = ["View", "draw_ring", "draw_shape", "view"]
+
+ROOM = 0.1  # of the ring's outer radius: the largest displacement as it is drawn
+SPRING, ARROW, MARGIN = 0.16, 0.2, 0.16  # of the ring's outer radius: a spring, a force, what is free around
+LEAST_PIT = 0.035  # rad: half of the angle of a pit that is as wide as that, or narrower
+INSIDE = 0.04  # of the ring's outer radius: how far inside of the carrier its sensor is drawn
+COILS = 3
+FEW = 12  # springs, up to which they are drawn with coils
+AROUND = np.linspace(-pi, pi, 721)
+SCALE = "YlGnBu"
+STEEL, EDGE, SOUND, INNER, LIFTED = "0.84", "0.15", "0.5", "0.95", "0.75"
+PIT, SPRINGS, SENSOR = COLOURS[1], COLOURS[2], COLOURS[3]
+PARTS_SAID = {0.25: "¼ of a ball pass later", 0.5: "½ later", 0.75: "¾ later"}
+
+
+class View(NamedTuple):
+    """A ring as it is drawn, in mm: its displacements and its clearance ``times`` enlarged.
+
+    darkest: the force (N) on a roller that has the darkest shade.
+    """
+
+    shape: RingShape
+    times: float
+    darkest: float
+
+    @property
+    def race(self) -> float:
+        """Radius of the undeformed outer race."""
+        return 1e3 * (self.shape.pitch + self.shape.roller + self.times * self.shape.gap)
+
+    @property
+    def outside(self) -> float:
+        """Radius of the undeformed ring's outside."""
+        return 1e3 * (self.shape.outside + self.times * self.shape.gap)
+
+    @property
+    def inner_race(self) -> float:
+        """Radius of the inner race."""
+        return 1e3 * (self.shape.pitch - self.shape.roller - self.times * self.shape.gap)
+
+    @property
+    def carrier(self) -> float:
+        """Radius of what stands behind the springs."""
+        return (1.0 + SPRING) * self.outside
+
+    def enlarged(self, metres: Any) -> Any:
+        """A displacement (m) as it is drawn."""
+        return 1e3 * self.times * metres
+
+    def of_ring(self, one: Instant, angles: Reals, radius: float) -> tuple[Reals, Reals]:
+        """Where points of the ring are, which stand at a ``radius`` in the undeformed one."""
+        return point(angles, radius + self.enlarged(one.bent(angles)), self.enlarged(one.x), self.enlarged(one.y))
+
+    def of_carrier(self, one: Instant, angles: Reals, beyond: float = 0.0) -> tuple[Reals, Reals]:
+        """Where points of the carrier are, or so much ``beyond`` it."""
+        return point(angles, self.carrier + beyond, *(self.enlarged(part) for part in one.carrier))
+
+    def of_roller(self, one: Instant, j: int) -> tuple[float, float]:
+        """Where the centre of roller ``j`` is."""
+        right, up = point(one.angles[j], 1e3 * self.shape.pitch + self.enlarged(one.outwards[j]))
+        return float(right), float(up)
+
+
+def point(angles: Any, radius: Any, x: float = 0.0, y: float = 0.0) -> tuple[Any, Any]:
+    """To the right and upwards: places at some angles around (x, y). The load line points upwards, 90 deg left."""
+    return -(radius * np.sin(angles) + y), radius * np.cos(angles) + x
+
+
+def view(shape: RingShape) -> View:
+    """How to draw a ring: enlarged by a round number."""
+    times = round_below(ROOM * shape.outside / max(shape.largest(), 1e-12))
+    most = max(float(one.forces[one.loaded].max(initial=0.0)) for one in shape.instants)
+    return View(shape, times, most or 1.0)
+
+
+def draw_ring(results: "Results", job: str) -> Canvas:
+    """The ring of a finished job. Raises PlotError where nothing rests, ResultsError if the job is not done."""
+    done = results.parameters()
+    if job not in done.index:
+        results.series(job)  # which says why there is nothing of it
+    shape = ring_shape(recorded.case_of(results, job, done.loc[job].to_dict()))
+    rows = select.case_rows(results)
+    return draw_shape(shape, fixed_values(results, rows[rows["job"] == job], set()))
+
+
+def draw_shape(shape: RingShape, caption: list[str]) -> Canvas:
+    """A panel for each instant; below them what all marks mean and the ``caption``."""
+    seen = view(shape)
+    rows = -(-len(shape.instants) // 2)
+    canvas = Canvas(figsize=(2 * COLUMN_IN + 0.8, rows * 3.1 + 1.1),
+                    layout=ConstrainedLayoutEngine(w_pad=0.04, h_pad=0.04))  # fmt: skip
+    axes = list(canvas.subplots(rows, 2, squeeze=False).flat)
+    for number, (ax, one) in enumerate(zip(axes, shape.instants, strict=False)):
+        draw_instant(ax, seen, one)
+        letter(ax, number, len(shape.instants), _said(shape, one))
+    shades = ScalarMappable(Normalize(0.0, seen.darkest), SCALE)
+    bar = canvas.colorbar(shades, ax=axes, shrink=0.5, aspect=25, pad=0.02)
+    bar.set_label("Force of a roller on the outer race (N)")
+    entries = list(_legend(seen))
+    canvas.legend(entries, [str(entry.get_label()) for entry in entries], loc="outside upper left", ncols=4,
+                  fontsize=7.5, title=_enlargement(seen), title_fontsize=9.0, alignment="left")  # fmt: skip
+    finish(canvas, None, caption)
+    return canvas
+
+
+def _said(shape: RingShape, one: Instant) -> str:
+    """When an instant is."""
+    if one.part in PARTS_SAID:
+        return PARTS_SAID[one.part]
+    where = "over the pit" if any(mark.on == "outer" for mark in one.marks) else "at the load line"
+    return f"a roller {where}" if one.part == 0.0 else f"{labels.number_text(one.part)} of a ball pass later"
+
+
+def _enlargement(seen: View) -> str:
+    """What is drawn how many times as large as it is."""
+    return f"Ring at rest; displacements and clearance ×{labels.number_text(seen.times)}"
+
+
+def draw_instant(ax: "Axes", seen: View, one: Instant) -> None:
+    """One instant of a ball pass."""
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    draw_bodies(ax, seen, one)
+    for j in range(len(one.angles)):
+        draw_roller(ax, seen, one, j)
+    for mark in one.marks:
+        ax.plot(*pit_line(seen, one, mark), color=PIT, lw=3.0, solid_capstyle="butt", zorder=6, gid="pit")
+    draw_springs(ax, seen, one)
+    for push in seen.shape.pushes:
+        draw_push(ax, seen, one, push)
+    sensor = sensor_place(seen, one)
+    ax.plot(*sensor, marker="s", ls="", color=SENSOR, ms=5.5, mec="white", mew=0.6, zorder=8, gid="sensor")
+    left, right, low, high = frame(seen)
+    ax.set_xlim(left, right)
+    ax.set_ylim(low, high)
+
+
+def frame(seen: View) -> tuple[float, float, float, float]:
+    """Left, right, lowest, highest: the ring with all that is around it, the same at every instant."""
+    radius = seen.carrier if len(seen.shape.spring_angles) else seen.outside
+    angles = np.array([push.angle for push in seen.shape.pushes])
+    right, up = point(angles, radius + ARROW * seen.outside)
+    words, around = MARGIN * seen.outside, (1.0 + ROOM) * radius
+    sides = np.r_[right - words, right + words, -around, around]
+    heights = np.r_[up - words, up + words, -around, around]
+    return float(sides.min()), float(sides.max()), float(heights.min()), float(heights.max())
+
+
+def draw_bodies(ax: "Axes", seen: View, one: Instant) -> None:
+    """The ring, the undeformed one as thin circles, the inner race and the directions."""
+    inside, outside = seen.of_ring(one, AROUND, seen.race), seen.of_ring(one, AROUND, seen.outside)
+    ax.fill(*(np.r_[a, b[::-1]] for a, b in zip(outside, inside, strict=True)), color=STEEL, lw=0.0, zorder=1)
+    for line, name in ((inside, "race"), (outside, "outside")):
+        ax.plot(*line, color=EDGE, lw=1.0, zorder=3, gid=name)
+    for radius in (seen.race, seen.outside):
+        ax.add_patch(Circle((0.0, 0.0), radius, fill=False, ec=SOUND, lw=0.5, ls=(0, (6, 3)), zorder=4))
+    ax.add_patch(Circle((0.0, 0.0), seen.inner_race, fc=INNER, ec=EDGE, lw=0.8, zorder=1))
+    for angle, word in ((0.0, "0°"), (pi / 2.0, "90°")):
+        tip, beyond = point(angle, 0.35 * seen.inner_race), point(angle, 0.5 * seen.inner_race)
+        looks: dict[str, Any] = {
+            "arrowstyle": "-|>",
+            "lw": 0.7,
+            "color": "0.4",
+            "shrinkA": 0.0,
+            "mutation_scale": 7.0,
+        }
+        ax.annotate("", tip, (0.0, 0.0), arrowprops=looks)
+        ax.annotate(word, beyond, ha="center", va="center", fontsize=7, color="0.4")
+
+
+def draw_roller(ax: "Axes", seen: View, one: Instant, j: int) -> None:
+    """Roller ``j``: filled by its force, open if it carries none."""
+    shade = colormaps[SCALE](one.forces[j] / seen.darkest) if one.loaded[j] else "white"
+    ax.add_patch(Circle(seen.of_roller(one, j), 1e3 * seen.shape.roller, fc=shade, ec=EDGE, lw=0.7, zorder=2,
+                        gid=f"roller {j + 1}"))  # fmt: skip
+
+
+def pit_line(seen: View, one: Instant, mark: Mark) -> tuple[Reals, Reals]:
+    """Where a pit is marked: on a race, or on a roller."""
+    half = max(mark.half, LEAST_PIT)
+    if mark.on == "roller":
+        right, up = seen.of_roller(one, mark.roller)
+        radius = 1e3 * seen.shape.roller
+        wide = max(mark.half, LEAST_PIT * seen.race / radius)
+        there = point(np.linspace(mark.angle - wide, mark.angle + wide, 21), radius)
+        return right + there[0], up + there[1]
+    angles = np.linspace(mark.angle - half, mark.angle + half, 21)
+    if mark.on == "inner":
+        return point(angles, seen.inner_race)
+    return seen.of_ring(one, angles, seen.race)
+
+
+def draw_springs(ax: "Axes", seen: View, one: Instant) -> None:
+    """Springs around the ring, those that press darker, and the carrier behind them."""
+    if not len(one.springs):
+        return
+    ax.plot(*seen.of_carrier(one, AROUND), color=SPRINGS, lw=1.1, zorder=3, gid="carrier")
+    for p in range(len(one.springs)):
+        presses = one.springs[p] > 0.0
+        ax.plot(*spring_line(seen, one, p), color=SPRINGS if presses else LIFTED, lw=1.0 if presses else 0.6,
+                zorder=5 if presses else 4, gid="pressed" if presses else "lifted")  # fmt: skip
+
+
+def spring_line(seen: View, one: Instant, p: int) -> tuple[Reals, Reals]:
+    """Spring ``p`` from the ring to its carrier: with coils if there are few, else a stroke."""
+    angle = seen.shape.spring_angles[p : p + 1]
+    first, last = (np.concatenate(end) for end in (seen.of_ring(one, angle, seen.outside),
+                                                   seen.of_carrier(one, angle)))  # fmt: skip
+    if len(one.springs) > FEW:
+        return np.array([first[0], last[0]]), np.array([first[1], last[1]])
+    along = np.r_[0.0, 0.15, 0.15 + 0.7 * (np.arange(2 * COILS) + 0.5) / (2 * COILS), 0.85, 1.0]
+    aside = 0.03 * seen.outside * np.r_[0.0, 0.0, np.tile([1.0, -1.0], COILS), 0.0, 0.0]
+    beside = point(angle[0] + pi / 2.0, 1.0)
+    right, up = (first[i] + along * (last[i] - first[i]) + aside * beside[i] for i in (0, 1))
+    return right, up
+
+
+def draw_push(ax: "Axes", seen: View, one: Instant, push: Push) -> None:
+    """A given force: an arrow to the ring, or to the carrier, and how large it is."""
+    tip, tail = push_ends(seen, one, push)
+    ax.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "lw": 1.4, "color": EDGE, "shrinkA": 0.0,
+                                           "shrinkB": 0.0, "mutation_scale": 11.0}, zorder=7)  # fmt: skip
+    sideways, upwards = -sin(push.angle), cos(push.angle)
+    ha = "center" if abs(sideways) < 0.3 else "right" if sideways < 0.0 else "left"
+    va = "bottom" if upwards > 0.3 else "top" if upwards < -0.3 else "center"
+    ax.annotate(f"{labels.number_text(float(f'{push.force:.3g}'))} N", tail, (2.0 * sideways, 2.0 * upwards),
+                textcoords="offset points", ha=ha, va=va, fontsize=7.5, zorder=7, gid="push")  # fmt: skip
+
+
+def push_ends(seen: View, one: Instant, push: Push) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Tip and tail of a force's arrow."""
+    at, length = np.array([push.angle]), ARROW * seen.outside
+    if len(one.springs):
+        ends = seen.of_carrier(one, at), seen.of_carrier(one, at, length)
+    else:
+        ends = seen.of_ring(one, at, seen.outside), seen.of_ring(one, at, seen.outside + length)
+    tip, tail = ((float(right[0]), float(up[0])) for right, up in ends)
+    return tip, tail
+
+
+def sensor_place(seen: View, one: Instant) -> tuple[Reals, Reals]:
+    """Where the sensor is drawn: within the ring's section, or just inside of the carrier, clear of forces."""
+    at = np.array([seen.shape.sensor])
+    if seen.shape.sensor_on == "housing":
+        return seen.of_carrier(one, at, -INSIDE * seen.outside)
+    return seen.of_ring(one, at, 0.5 * (seen.race + seen.outside))
+
+
+def _legend(seen: View) -> Iterator[Line2D]:
+    """What the marks mean."""
+    round_mark: dict[str, Any] = {"ls": "", "marker": "o", "mec": EDGE, "mew": 0.7, "ms": 8.0}
+    yield Line2D([], [], color=SOUND, lw=0.7, ls=(0, (6, 3)), label="undeformed ring")
+    yield Line2D([], [], mfc="white", label="roller without load", **round_mark)
+    if any(one.marks for one in seen.shape.instants):
+        yield Line2D([], [], color=PIT, lw=3.0, label="pit")
+    yield Line2D([], [], ls="", marker="s", color=SENSOR, mec="white", ms=6.0, label="sensor")
+    if len(seen.shape.spring_angles):
+        behind = "housing" if seen.shape.by == "housing" else "carrier"
+        yield Line2D([], [], color=SPRINGS, lw=1.1, label=f"{behind}, springs that press")
+        yield Line2D([], [], color=LIFTED, lw=0.9, label="springs that do not")

@@ -1,0 +1,261 @@
+"""The outer ring at rest over a ball pass: its shape, its rollers, and where things stand on and around it."""
+
+from collections.abc import Iterator
+from math import pi
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bearingsim.plots.labels import PlotError
+
+if TYPE_CHECKING:
+    from bearingsim.config import Case
+
+__all__ = ["PARTS", "Instant", "Mark", "Push", "Reals", "RingShape", "ring_shape"]
+
+PARTS = (0.0, 0.25, 0.5, 0.75)
+"""Of a ball pass, from the moment at which a roller stands over the first pit of the outer race, or else at the
+load line: when the ring is shown."""
+LEFT_OVER = 1e-6  # of the load: more force than this is no equilibrium
+
+Reals = NDArray[np.float64]
+
+
+class Push(NamedTuple):
+    """A given force (N) that pushes inwards at an angle (rad)."""
+
+    angle: float
+    force: float
+
+
+class Mark(NamedTuple):
+    """A pit at some instant: from where to where it reaches (rad), and on what.
+
+    on: `outer`, `inner`, or `roller`; angle: of its middle, rad; of a roller's pit the direction from that
+    roller's centre; half: half of its width seen from the centre of what carries it, rad; roller: which one.
+    """
+
+    on: str
+    angle: float
+    half: float
+    roller: int = 0
+
+
+class Instant(NamedTuple):
+    """A bearing at rest at one angle of its cage. Lengths in m, forces in N, angles in rad from the load line.
+
+    part: of the ball pass; x, y: place of the ring; n, a, b: (N,) numbers of its harmonics, amplitudes of cosine
+    and sine, none of a rigid ring; angles, outwards, forces: (Z,) of the rollers their place, how far they stand
+    outwards of the pitch circle (without what one sinks into a pit of the outer race), the force on the outer
+    race; loaded: (Z,) whether a roller presses both races; springs: (P,) what they press; carrier: place of what
+    is behind the springs; marks: of the pits.
+    """
+
+    part: float
+    x: float
+    y: float
+    n: Reals
+    a: Reals
+    b: Reals
+    angles: Reals
+    outwards: Reals
+    forces: Reals
+    loaded: NDArray[np.bool_]
+    springs: Reals
+    carrier: tuple[float, float]
+    marks: tuple[Mark, ...]
+
+    def bent(self, angles: Reals) -> Reals:
+        """How far the ring is bent outwards at some angles, m."""
+        turns = np.multiply.outer(np.asarray(angles), self.n)
+        return np.asarray(np.cos(turns) @ self.a + np.sin(turns) @ self.b)
+
+    def moved(self, angles: Reals) -> Reals:
+        """How far the ring has come outwards at some angles, by its bending and as a whole, m."""
+        return self.bent(angles) + self.x * np.cos(angles) + self.y * np.sin(angles)
+
+
+class RingShape(NamedTuple):
+    """A case's ring at rest at some instants of a ball pass. Lengths in m, angles in rad from the load line.
+
+    bends: whether it does; pitch, roller, outside: radii of the pitch circle, of a roller, of the ring's outside;
+    gap: a quarter of the diametral clearance; by: how the load enters (`rigid`: on a ring that does not bend);
+    pushes: on the ring, or on the carrier if there are springs; spring_angles: (P,); sensor: its angle;
+    sensor_on: `ring` or `housing`.
+    """
+
+    bends: bool
+    pitch: float
+    roller: float
+    outside: float
+    gap: float
+    by: str
+    pushes: tuple[Push, ...]
+    spring_angles: Reals
+    sensor: float
+    sensor_on: str
+    instants: tuple[Instant, ...]
+
+    def largest(self) -> float:
+        """The largest displacement (m) of ring, rollers and carrier at any of the instants."""
+        around = np.linspace(-pi, pi, 721)
+        found = [self.gap]
+        for one in self.instants:
+            found += [np.abs(one.moved(around)).max(), np.abs(one.outwards).max(), float(np.hypot(*one.carrier))]
+        return float(max(found))
+
+
+def ring_shape(case: "Case", parts: tuple[float, ...] = PARTS) -> RingShape:
+    """The case's outer ring at rest at some ``parts`` of a ball pass. Raises PlotError if nothing rests."""
+    from bearingsim import assemble
+    from bearingsim.catalogue import MODELS
+    from bearingsim.core.models.equilibrium import NoEquilibrium
+
+    if not MODELS[case.model].loaded:
+        raise PlotError(f"the model `{case.model}` knows no rollers under load: there is no ring at rest to draw")
+    try:
+        model = assemble.model(case)
+        instants = tuple(_instants(case, model, parts))
+    except NoEquilibrium as error:
+        raise PlotError(str(error)) from None
+    b, rig, bent = case.bearing, case.rig, _bending(model)
+    springs = _spring_angles(bent)
+    return RingShape(
+        bends=bent is not None,
+        pitch=b.pitch_diameter / 2.0,
+        roller=b.roller_diameter / 2.0,
+        outside=b.outside_diameter / 2.0,
+        gap=case.clearance / 4.0,
+        by=rig.load.by if bent is not None and rig.load is not None else "rigid",
+        pushes=tuple(_pushes(case)),
+        spring_angles=springs,
+        sensor=rig.sensor_angle,
+        sensor_on=rig.sensor.on,
+        instants=instants,
+    )
+
+
+def _bending(model: Any) -> Any:
+    """How the model's ring bends; None if it does not."""
+    from bearingsim.core.parts.bending import Bending
+
+    found = getattr(model, "bending", None)
+    return found if isinstance(found, Bending) else None
+
+
+def _spring_angles(bent: Any) -> Reals:
+    """Angles (P,) rad of the springs around a ring."""
+    from bearingsim.core.parts.bending import COS_S, SIN_S, Springs
+
+    if bent is None or not isinstance(bent.springs, Springs):
+        return np.zeros(0)
+    real = bent.springs.by_spring.shape[1]
+    return np.asarray(np.arctan2(bent.springs.of_spring[SIN_S, :real], bent.springs.of_spring[COS_S, :real]))
+
+
+def _pushes(case: "Case") -> Iterator[Push]:
+    """The given load: on pads that share it, or at the load line, and across it."""
+    pads = case.rig.load.angles if case.rig.ring is not None and case.rig.load is not None else None
+    angles = np.asarray(pads or (0.0,))
+    for angle in angles:
+        yield Push(float(angle), float(case.load / np.cos(angles).sum()))
+    if case.load_across:
+        side = pi / 2.0 if case.load_across > 0.0 else -pi / 2.0
+        yield Push(side, abs(case.load_across))
+
+
+def _instants(case: "Case", model: Any, parts: tuple[float, ...]) -> Iterator[Instant]:
+    """The bearing at rest, one instant after the other."""
+    from bearingsim import assemble
+
+    y, bearing = assemble.empty_buffer(model), model.bearing
+    ball_pass = 2.0 * pi / (bearing.Z * bearing.omega_c)
+    load = float(np.hypot(case.load, case.load_across))
+    for part in parts:
+        t = _begin(model) + part * ball_pass
+        left = assemble.find_equilibrium(model, t, y, from_scratch=True)
+        if not left <= LEFT_OVER * load:
+            raise PlotError(f"no static equilibrium: {left:g} N left of {load:g} N")
+        yield _read(model, t, y, part)
+
+
+def _begin(model: Any) -> float:
+    """The first time (s) at which a roller stands over the first pit of the outer race, or at the load line."""
+    from bearingsim.core.pits.pairs import ANGLE, CARRIER, ON_OUTER
+
+    places = [float(row[ANGLE]) for row in model.pits.head if row[CARRIER] == ON_OUTER]
+    ahead = ((places or [0.0])[0] - model.bearing.theta_0) % (2.0 * pi / model.bearing.Z)
+    return float(ahead / model.bearing.omega_c)
+
+
+def _read(model: Any, t: float, y: np.ndarray, part: float) -> Instant:
+    """What the buffer says of a bearing that rests at ``t`` (s)."""
+    from bearingsim.core import layout as lay
+
+    Z, bent = model.bearing.Z, _bending(model)
+    rows = (lay.COS, lay.SIN, lay.RADIAL, lay.DELTA_O, lay.Q_O, lay.Q_I)
+    cosines, sines, outwards, approach, outer, inner = (y[row : row + Z].copy() for row in rows)
+    n, a, b = _amplitudes(bent, y)
+    angles = np.arctan2(sines, cosines)
+    springs, carrier = _springs(bent, y)
+    found = Instant(
+        part=part,
+        x=float(y[lay.POSITION + lay.X]),
+        y=float(y[lay.POSITION + lay.Y]),
+        n=n,
+        a=a,
+        b=b,
+        angles=angles,
+        outwards=outwards,
+        forces=outer,
+        loaded=(outer > 0.0) & (inner > 0.0),
+        springs=springs,
+        carrier=carrier,
+        marks=tuple(_marks(model, t, angles)),
+    )
+    touching = found.moved(angles) + model.bearing.gap + np.maximum(approach, 0.0)
+    return found._replace(outwards=np.minimum(outwards, touching))
+
+
+def _amplitudes(bent: Any, y: np.ndarray) -> tuple[Reals, Reals, Reals]:
+    """Numbers of the ring's harmonics, amplitudes (m) of cosine and sine, without a carrier's place."""
+    from bearingsim.core import layout as lay
+    from bearingsim.core.parts.bending import N
+
+    if bent is None:
+        return np.zeros(0), np.zeros(0), np.zeros(0)
+    real = bent.breathing + 1
+    first_c, first_s = lay.POSITION + lay.MODES_C, lay.POSITION + lay.MODES_S
+    return (
+        bent.of_harmonic[N, :real].copy(),
+        y[first_c : first_c + real].copy(),
+        y[first_s : first_s + real].copy(),
+    )
+
+
+def _springs(bent: Any, y: np.ndarray) -> tuple[Reals, tuple[float, float]]:
+    """What the springs press (P,) N, and the place (m, m) of the carrier behind them."""
+    from bearingsim.core import layout as lay
+    from bearingsim.core.parts.bending import held_place
+
+    count = len(_spring_angles(bent))
+    if not count:
+        return np.zeros(0), (0.0, 0.0)
+    x, z = held_place(bent.springs, y)
+    return y[lay.SPRING_FORCE : lay.SPRING_FORCE + count].copy(), (float(x), float(z))
+
+
+def _marks(model: Any, t: float, angles: Reals) -> Iterator[Mark]:
+    """Where the pits are at ``t`` (s)."""
+    from bearingsim.core.pits.pairs import ANGLE, CARRIER, HALF_WIDTH, ON_INNER, ON_OUTER, OUTER, RADIUS, SIDE
+
+    bearing = model.bearing
+    for row in model.pits.head:
+        on, angle, half = row[CARRIER], float(row[ANGLE]), float(row[HALF_WIDTH] / row[RADIUS])
+        if on == ON_OUTER:
+            yield Mark("outer", angle, half)
+        elif on == ON_INNER:
+            yield Mark("inner", angle + bearing.omega_i * t, half)
+        elif row[SIDE] == OUTER:  # a roller's pit stands once more, for the other race
+            yield Mark("roller", float(angles[int(on)]) + angle - bearing.omega_b * t, half, int(on))

@@ -1,0 +1,224 @@
+"""The outer ring at rest as it is drawn: its shape, how far it is enlarged, what is marked on and around it."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bearingsim import assemble, store
+from bearingsim.config import Case
+from bearingsim.core import layout as lay
+from bearingsim.plots import PlotError, PlotWarning
+from bearingsim.plots import plot as written
+from bearingsim.plots.plot import drawn
+from bearingsim.plots.ring import draw_shape, sensor_place, view
+from bearingsim.plots.ring_shape import PARTS, ring_shape
+from bearingsim.plots.select import case_rows
+from bearingsim.plots.series import done_jobs
+from tests.plots.test_plots import STUDY, only, results
+from tests.scenes.nf308 import SLOT
+
+__all__ = ["results"]
+
+BENDS = {"ring": {"bends": True}}
+PADS = BENDS | {"load": {"by": "pads", "angles": ["-45 deg", "45 deg"]}}
+HOUSING = BENDS | {"load": {"by": "housing", "stiffness": "1e10 N/m/m"}}
+POINTS = BENDS | {"load": {"by": "points", "at": [{"angle": f"{a} deg", "stiffness": "1e8 N/m"} for a in
+                                                   (-60, 0, 60, 180)]}}  # fmt: skip
+AROUND = np.radians(np.arange(-180.0, 180.0, 7.0))
+
+
+def case(rig=None, **given):
+    pit = {} if "defects" in given else {"defect": SLOT}
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers"}
+    return Case.model_validate(base | pit | given | ({"rig": rig} if rig else {}))
+
+
+def settled(made, part):
+    """The buffer of a case at rest: a roller over a pit at 0 deg, and ``part`` of a ball pass later."""
+    model = assemble.model(made)
+    y, b = assemble.empty_buffer(model), model.bearing
+    assemble.find_equilibrium(model, (part * 2.0 * math.pi / b.Z - b.theta_0) / b.omega_c, y, from_scratch=True)
+    return y
+
+
+@pytest.mark.parametrize("rig", [BENDS, HOUSING])
+@pytest.mark.parametrize("number", [0, 1])
+def test_the_shape_is_the_sum_of_the_harmonics_at_rest(rig, number):
+    made = case(rig)
+    one = ring_shape(made).instants[number]
+    y = settled(made, PARTS[number])
+    c, s, (x, z) = lay.POSITION + lay.MODES_C, lay.POSITION + lay.MODES_S, y[:2]
+    orders = [*range(2, int(made.rig.ring.harmonics) + 1), 0]
+    bent = [sum(y[c + i] * math.cos(n * at) + y[s + i] * math.sin(n * at) for i, n in enumerate(orders))
+            for at in AROUND]  # fmt: skip
+    assert max(np.abs(bent)) > 2e-8
+    assert one.bent(AROUND) == pytest.approx(bent, rel=1e-6, abs=1e-14)
+    whole = [w + x * math.cos(at) + z * math.sin(at) for w, at in zip(bent, AROUND, strict=True)]
+    assert one.moved(AROUND) == pytest.approx(whole, rel=1e-6, abs=1e-14)
+    assert one.forces @ np.cos(one.angles) == pytest.approx(150.0, rel=0.05)  # less what the bracket takes
+
+
+def test_the_ring_bends_inwards_under_its_load_and_a_roller_over_the_pit_carries_nothing():
+    over, beside, *_ = ring_shape(case(BENDS)).instants
+    here = int(np.argmin(np.abs(over.angles)))
+    assert over.angles[here] == pytest.approx(0.0, abs=1e-9)
+    assert not over.loaded[here]
+    assert over.bent(np.zeros(1)) < 2.0 * beside.bent(np.zeros(1)) < -1e-7
+    turned = (beside.angles - over.angles + math.pi) % (2.0 * math.pi) - math.pi
+    assert turned == pytest.approx(np.full(13, 2.0 * math.pi / 13 / 4))
+    assert np.abs(over.outwards).max() < 3e-6  # what it sinks into the pit, 10 um, is left out
+
+
+def line(ax, gid):
+    return next(one for one in ax.lines if one.get_gid() == gid)
+
+
+@pytest.mark.parametrize(
+    ("rig", "clearance", "times"),
+    [(BENDS, "0 um", 2000.0), (PADS, "2 um", 1000.0), (HOUSING, "0 um", 5000.0), (None, "0 um", 5000.0)],
+)
+def test_the_race_is_drawn_enlarged_by_the_number_in_the_figure(rig, clearance, times):
+    shape = ring_shape(case(rig, clearance=clearance))
+    canvas = draw_shape(shape, [])
+    said = canvas.legends[0].get_title().get_text()
+    assert said == f"Ring at rest; displacements and clearance ×{times:.0f}"
+    sound = 1e3 * (38.5e-3 + times * shape.gap)
+    for ax, one in zip(canvas.axes, shape.instants, strict=False):
+        right, up = (np.asarray(part) for part in line(ax, "race").get_data())
+        at = np.linspace(-math.pi, math.pi, len(up))
+        outwards = -right * np.sin(at) + up * np.cos(at) - sound  # along the undeformed radius
+        assert outwards == pytest.approx(1e3 * times * one.moved(at), abs=1e-9)
+    assert np.max(np.abs(outwards)) < 0.11 * 45.0
+
+
+def test_a_round_number_that_fits_the_displacement():
+    """9 mm of 90 mm, so that what is largest at 2.2 um may be 4.5 mm."""
+    shape = ring_shape(case(BENDS))
+    assert view(shape).times == 2000.0
+    half = shape._replace(instants=tuple(
+        one._replace(x=0.5 * one.x, y=0.5 * one.y, a=0.5 * one.a, b=0.5 * one.b, outwards=0.5 * one.outwards)
+        for one in shape.instants
+    ), gap=0.0)  # fmt: skip
+    assert view(half).times in (2000.0, 5000.0)
+    assert 0.04 * 45e-3 < view(half).times * half.largest() <= 0.1 * 45e-3
+
+
+def circles(ax):
+    return {int(one.get_gid().split()[1]) - 1: one for one in ax.patches if one.get_gid()}
+
+
+def test_rollers_have_the_shade_of_their_force_and_touch_the_race_as_it_is_drawn():
+    shape = ring_shape(case(BENDS))
+    seen, canvas = view(shape), draw_shape(shape, [])
+    for ax, one in zip(canvas.axes, shape.instants, strict=False):
+        found = circles(ax)
+        order = np.argsort(one.forces)
+        dark = [sum(found[int(j)].get_facecolor()[:3]) for j in order]
+        assert dark[0] == 3.0
+        assert dark[-1] < 1.2
+        for j in np.flatnonzero(~one.loaded):
+            assert found[int(j)].get_facecolor()[:3] == (1.0, 1.0, 1.0)
+            right, up = np.asarray(found[int(j)].center)
+            outer = np.hypot(right, up) + 6.0
+            bent = seen.race + 1e3 * seen.times * one.moved(one.angles[j])
+            assert outer == pytest.approx(bent, abs=0.1)
+
+
+def test_pits_are_marked_in_their_place():
+    pits = [SLOT | {"angle": "20 deg"}, SLOT | {"race": "inner", "angle": "30 deg"},
+            SLOT | {"race": "roller", "roller": 2}]  # fmt: skip
+    made = case(defects=pits)
+    shape = ring_shape(made)
+    model = assemble.model(made)
+    b, at = model.bearing, math.radians(20.0)
+    first = ((at - b.theta_0) % (2.0 * math.pi / 13)) / b.omega_c
+    for part, one in zip(PARTS, shape.instants, strict=True):
+        t = first + part * 2.0 * math.pi / 13 / b.omega_c
+        on = {mark.on: mark for mark in one.marks}
+        assert on["outer"].angle == pytest.approx(at)
+        assert on["outer"].half == pytest.approx(0.4e-3 / b.R_o)
+        assert on["inner"].angle == pytest.approx(math.radians(30.0) + b.omega_i * t)
+        assert on["roller"].roller == 1
+        own = on["roller"].angle - one.angles[1] + b.omega_b * t
+        assert math.sin(own) == pytest.approx(0.0, abs=1e-9)
+    ax = draw_shape(shape, []).axes[0]
+    right, up = (np.asarray(part) for part in line(ax, "pit").get_data())
+    assert math.atan2(-right[10], up[10]) == pytest.approx(at, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("rig", "pushes"),
+    [(BENDS, [(0.0, 150.0)]), (PADS, [(-45.0, 106.066), (45.0, 106.066)]), (HOUSING, [(0.0, 150.0)])],
+)
+def test_forces_push_where_they_act(rig, pushes):
+    shape = ring_shape(case(rig))
+    acting = np.array([(math.degrees(push.angle), push.force) for push in shape.pushes])
+    assert acting == pytest.approx(np.array(pushes), rel=1e-5)
+    ax = draw_shape(shape, []).axes[0]
+    words: Any = [one for one in ax.texts if one.get_gid() == "push"]
+    assert [one.get_text() for one in words] == [f"{force:.0f} N" for _, force in pushes]
+    for (angle, _), word in zip(pushes, words, strict=True):
+        right, up = word.xy
+        assert math.degrees(math.atan2(-right, up)) == pytest.approx(angle, abs=2.0)
+        assert math.hypot(right, up) > 45.0
+
+
+@pytest.mark.parametrize(("rig", "count"), [(HOUSING, 80), (POINTS, 4)])
+def test_springs_that_press_are_told_from_those_that_do_not(rig, count):
+    shape = ring_shape(case(rig))
+    one = shape.instants[0]
+    assert len(one.springs) == len(shape.spring_angles) == count
+    pressed = shape.spring_angles[one.springs > 0.0]
+    assert 0 < len(pressed) < count
+    assert np.abs(pressed).max() < 2.0
+    assert one.springs @ np.cos(shape.spring_angles) == pytest.approx(one.forces @ np.cos(one.angles), rel=1e-6)
+    ax = draw_shape(shape, []).axes[0]
+    assert sum(line.get_gid() == "pressed" for line in ax.lines) == len(pressed)
+    assert sum(line.get_gid() == "lifted" for line in ax.lines) == count - len(pressed)
+
+
+@pytest.mark.parametrize(("on", "least", "most"), [("ring", 38.0, 45.0), ("housing", 47.0, 53.0)])
+def test_the_sensor_is_marked_at_its_angle(on, least, most):
+    shape = ring_shape(case(POINTS | {"sensor": {"on": on, "angle": "30 deg"}}))
+    right, up = (float(part[0]) for part in sensor_place(view(shape), shape.instants[0]))
+    assert math.degrees(math.atan2(-right, up)) == pytest.approx(30.0, abs=4.0)
+    assert least < math.hypot(right, up) < most
+
+
+def test_a_figure_for_each_job(results):
+    """One of a rigid ring, and one whose model knows no rollers: left out, with a warning."""
+    opened = results(STUDY.replace("[static, ring]", "[static, impulse]").replace("[3 mm, 6 mm, 9 mm]", "[3 mm]"))
+    with pytest.warns(PlotWarning, match="left out: the model `impulse` knows no rollers under load"):
+        sheets = drawn(opened, kind="ring", jobs=["all"])
+    rests = done_jobs(case_rows(opened).query("model == 'static'"))
+    assert [name for name, _ in sheets] == [f"ring-{job[:8]}" for job in rests]
+    caption = sheets[0][1].get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
+    assert "load 150 N" in caption
+    assert "length 3 mm" in caption
+    assert written(opened, kind="ring", jobs=rests[:1])[0].stat().st_size > 10_000
+
+
+def test_a_ring_that_bends_is_drawn_from_stored_results(results):
+    text = STUDY.replace("[static, ring]", "[static]").replace("[3 mm, 6 mm, 9 mm]", "[3 mm]")
+    opened = results(text.replace("[150 N, 300 N]", "[150 N]") + "rig: {ring: {bends: true}}\n")
+    _, canvas = only(drawn(opened, kind="ring"))
+    assert [ax.get_title(loc="left") for ax in canvas.axes[:4]] == [
+        "(a) a roller over the pit",
+        "(b) ¼ of a ball pass later",
+        "(c) ½ later",
+        "(d) ¾ later",
+    ]
+
+
+def test_what_cannot_be_drawn_is_refused(results):
+    opened = results(STUDY.replace("[static, ring]", "[impulse]"), lost={0: "failed"})
+    with pytest.raises(PlotError, match="`impulse` knows no rollers under load: there is no ring at rest to draw"):
+        drawn(opened, kind="ring", jobs=opened.jobs[1:2])
+    with pytest.raises(store.ResultsError, match="no job nobody"):
+        drawn(opened, kind="ring", jobs=["nobody"])
+    with pytest.raises(store.ResultsError, match="has no series: the ring left"):
+        drawn(opened, kind="ring", jobs=opened.jobs[:1])
+    with pytest.raises(PlotError, match="a ring takes no y"):
+        drawn(opened, kind="ring", y=["velocity.rms"])
