@@ -149,8 +149,8 @@ def changes(told: dict[str, float], finer: dict[str, float]) -> Iterator[str]:
 def cost() -> None:
     """ns of a step."""
     base = {"bearing": "nf308", "speed": 188.5, "load": 150.0, "model": "rollers", "record": []}
-    housing = {"by": "housing", "stiffness": 1e10}
-    rigs = {"rigid": {}, **{f"to {n}": {"ring": {"harmonics": n}} for n in (8, 20, 40)}}
+    housing: dict[str, Any] = {"by": "housing", "stiffness": 1e10}
+    rigs: dict[str, Any] = {"rigid": {}, **{f"to {n}": {"ring": {"harmonics": n}} for n in (8, 20, 40)}}
     rigs |= {
         "to 20, housing": {"ring": {"harmonics": 20}, "load": housing},
         "to 20, housing with a gap": {"ring": {"harmonics": 20}, "load": housing | {"fit": -5e-6}},
