@@ -213,7 +213,7 @@ def contacts_alone(healthy: Case) -> tuple[float, float]:
 
 
 def rests_of_a_pass(model: Any) -> Iterator[tuple[np.ndarray, float, float]]:
-    """The model at rest at some cage angles of a ball pass: its buffer, a body's stiffness and damping over mass."""
+    """The model at rest at some cage angles of a ball pass: its buffer, a body's stiffness, damping over mass."""
     y, pass_time = assemble.empty_buffer(model), 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     for n in range(SAMPLES_OF_A_PASS):
         t = (n + 0.5) / SAMPLES_OF_A_PASS * pass_time
