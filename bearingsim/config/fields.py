@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NoReturn
 
@@ -114,6 +115,17 @@ def described(given: Any) -> str:
     if isinstance(given, list | tuple):
         return "a list"
     return f"`{given}`"
+
+
+def mapping_such_as(example: str) -> Callable[[Any], Any]:
+    """Check, before a section is read, that it is a mapping: refuses another value and shows an example."""
+
+    def check(given: Any) -> Any:
+        if not isinstance(given, dict | Section):
+            refuse("mapping", f"expected a mapping such as `{example}`, got {described(given)}")
+        return given
+
+    return check
 
 
 def one_of(*words: str) -> BeforeValidator:

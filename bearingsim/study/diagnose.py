@@ -10,7 +10,7 @@ from bearingsim.config import Case
 from bearingsim.config.case import LAWS
 from bearingsim.config.rules.conflicts import Conflict, Path
 from bearingsim.config.sections.contact import WORD
-from bearingsim.study.paths import known_paths, label
+from bearingsim.study.paths import all_paths, label
 from bearingsim.text.units import EXPECTED, suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, plain, problem
 
@@ -66,7 +66,7 @@ def _problems(details: ErrorDetails, tree: Node, swept: frozenset[Path]) -> Iter
 def _problem(details: ErrorDetails, path: Path, tree: Node) -> Problem:
     name, defects = str(path[-1]) if path else "", len(tree.mapping.get("defects", tree).items)
     if details["type"] == "missing":
-        what = known_paths().get(label(path, 0))
+        what = all_paths().get(label(path, 0))
         hint = f"expected {EXPECTED[what]}" if what else None
         return _at(_key_mark(tree, path[:-1]), path[:-1], defects, f"`{name}` is missing", hint)
     if details["type"] == "extra_forbidden":
@@ -103,7 +103,7 @@ def _keys_at(path: Path, tree: Node) -> list[str]:
         law = given["law"].text if "law" in given else LAWS[path].told_by(given)
         return list(LAWS[path].sections[law].model_fields)
     prefix = label(path, 0) + "." if path else ""
-    inner = [known.removeprefix(prefix) for known in known_paths() if known.startswith(prefix)]
+    inner = [known.removeprefix(prefix) for known in all_paths() if known.startswith(prefix)]
     extra = ["name", "source"] if path[:1] in (("bearing",), ("rig",)) else [] if path else list(STUDY_KEYS)
     return [key for key in inner if "." not in key] + extra
 

@@ -19,6 +19,12 @@ def known_paths() -> dict[str, Dimension | None]:
     return dict(_walk(Case, ""))
 
 
+@cache
+def all_paths() -> dict[str, Dimension | None]:
+    """The same, and what stands in lists that are swept as a whole."""
+    return dict(_walk(Case, "", lists=True))
+
+
 def dimension(path: str) -> Dimension | None:
     """The dimension of the values at a path; KeyError if there is no such path."""
     first, dot, rest = _without_number(path).partition(".")
@@ -72,7 +78,7 @@ def value_at(case: Case, path: Path) -> Any:
     return found
 
 
-def _walk(section: type[Section], prefix: str) -> Iterator[tuple[str, Dimension | None]]:
+def _walk(section: type[Section], prefix: str, lists: bool = False) -> Iterator[tuple[str, Dimension | None]]:
     for name, field in section.model_fields.items():
         if name in ("name", "source", "digest"):  # not for users to set, or labels that shape no result
             continue
@@ -81,9 +87,9 @@ def _walk(section: type[Section], prefix: str) -> Iterator[tuple[str, Dimension 
         below = prefix + ("defect" if name == "defects" else name)
         if name == "defects":
             yield below, None
-        for inner in marks if name != "at" else ():  # a list is swept as a whole
+        for inner in marks if lists or name != "at" else ():  # a list is swept as a whole
             if isinstance(inner, type) and issubclass(inner, Section):
-                yield from _walk(inner, below + ".")
+                yield from _walk(inner, below + ".", lists)
 
 
 def _leaves(annotation: Any) -> Iterator[Any]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from bearingsim import catalogue
 from bearingsim.config.rules.conflict import Conflict, Path
+from bearingsim.config.sections.ring import KEYS
 from bearingsim.text.units import show
 
 if TYPE_CHECKING:
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from bearingsim.config.sections.ring import RingLoad
 
 LOAD: Path = ("rig", "load")
+BENDS: Path = ("rig", "ring", "bends")
 STIFFEST, LARGEST_FIT = 1e13, 1e-4  # N/m per m; m
 SAME_SECTION = 0.01  # of height and width
 BALANCED = 1e-6  # of the load: what pads may push across it
@@ -28,24 +30,30 @@ def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     assert rig.load is not None
     yield from _section(case)
     yield from _method(case)
-    yield from _load(rig.load)
+    told = list(_told(rig.load))
+    yield from told or _load(rig.load)
     if case.load_across != 0.0 and not rig.load.carried:
         paths: tuple[Path, ...] = (("load_across",), LOAD)
         message = f"`by: {rig.load.by}` gives the ring forces along the load line alone"
         yield Conflict("across", paths, message, "leave it out, or say `by: points` or `by: housing`")
     if rig.sensor.on == "housing" and not rig.load.carried:
-        paths = (("rig", "sensor"), LOAD)
+        paths = (("rig", "sensor", "on"), LOAD)
         yield Conflict("sensor", paths, f"`by: {rig.load.by}` has no housing for a sensor", "say `by: housing`")
 
 
 def _of_rigid_ring(case: "CaseFields") -> Iterator[Conflict]:
     bend = "say `ring: {bends: true}`"
     if case.rig.load is not None:
-        yield Conflict("rigid", (LOAD, ("rig",)), "where the load enters is nothing to a rigid ring", bend)
+        yield Conflict("rigid", (LOAD, BENDS, ("rig",)), "where the load enters is nothing to a rigid ring", bend)
     if case.rig.sensor.on == "housing":
-        yield Conflict("rigid", (("rig", "sensor"), ("rig",)), "a rigid ring has no housing around it", bend)
+        yield Conflict(
+            "rigid",
+            (("rig", "sensor", "on"), BENDS, ("rig",)),
+            "a rigid ring has no housing around it",
+            f"{bend}, or `on: ring`",
+        )
     if case.rig.bracket_stiffness == 0.0:
-        paths: tuple[Path, ...] = (("rig", "bracket_stiffness"), ("rig",))
+        paths: tuple[Path, ...] = (("rig", "bracket_stiffness"), BENDS, ("rig",))
         yield Conflict("bracket", paths, "a rigid ring needs a bracket", f"say `1e7 N/m`, or {bend[4:]}")
 
 
@@ -66,6 +74,26 @@ def _method(case: "CaseFields") -> Iterator[Conflict]:
         paths: tuple[Path, ...] = (("method",), ("rig", "ring"))
         message = f"`{case.method}` solves with derivatives, which a ring that bends does not have"
         yield Conflict("implicit", paths, message, "leave `method` out, or take an explicit one")
+
+
+EXAMPLES = {
+    "angles": "[-45 deg, 45 deg]",
+    "at": "[{angle: 0 deg, stiffness: 1e8 N/m}]",
+    "stiffness": "1e10 N/m/m",
+}
+
+
+def _told(load: "RingLoad") -> Iterator[Conflict]:
+    """What this way of loading the ring needs, and what belongs to another one."""
+    by: Path = (*LOAD, "by")
+    for name in load.foreign:
+        others = " or ".join(f"`by: {other}`" for other, keys in KEYS.items() if name in keys)
+        hint = f"leave it out, or say {others}; a sweep takes all of `rig.load`"
+        yield Conflict(f"foreign {name}", ((*LOAD, name), by, LOAD), f"`by: {load.by}` has no `{name}`", hint)
+    if load.lacks:
+        hint = f"say `{load.lacks}: {EXAMPLES[load.lacks]}`"
+        paths: tuple[Path, ...] = (by, (*LOAD, load.lacks), LOAD)
+        yield Conflict("lacks", paths, f"`by: {load.by}` needs `{load.lacks}`", hint)
 
 
 def _load(load: "RingLoad") -> Iterator[Conflict]:
@@ -100,7 +128,8 @@ def _housing(load: "RingLoad") -> Iterator[Conflict]:
     assert load.stiffness is not None
     assert load.fit is not None
     if load.stiffness > STIFFEST:
-        message = f"a housing of {load.stiffness:.3g} N/m/m holds the ring as a rigid one"
+        shown = f"{load.stiffness:.3g}".replace("e+", "e")
+        message = f"a housing of {shown} N/m/m holds the ring as a rigid one"
         yield Conflict(
             "housing", ((*LOAD, "stiffness"), LOAD), message, "take a rigid ring, or at most 1e13 N/m/m"
         )

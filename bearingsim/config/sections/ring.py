@@ -3,6 +3,7 @@
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BeforeValidator, model_validator
+from pydantic_core import PydanticCustomError
 
 from bearingsim.config.fields import (
     Angle,
@@ -14,6 +15,7 @@ from bearingsim.config.fields import (
     SignedLength,
     Stiffness,
     Switch,
+    mapping_such_as,
     one_of,
     refuse,
     whole,
@@ -34,7 +36,11 @@ KEYS: dict[LoadPath, tuple[str, ...]] = {
 
 
 def _word_or_number(given: Any) -> Any:
-    return given if given == "auto" else whole(2, MAX_HARMONICS).func(given)  # type: ignore[call-arg]
+    try:
+        return given if given == "auto" else whole(2, MAX_HARMONICS).func(given)  # type: ignore[call-arg]
+    except PydanticCustomError as error:
+        message = (error.context or {})["message"]
+        refuse("whole", message.replace("expected", "expected `auto`, or", 1))
 
 
 class RingSection(Section):
@@ -54,6 +60,8 @@ class FlexibleRing(Section):
     harmonics: Annotated[int | Literal["auto"], BeforeValidator(_word_or_number)] = "auto"
     damping: DampingRatio = 0.01
     section: RingSection = RingSection()
+
+    _mapping = model_validator(mode="before")(mapping_such_as("{bends: true}"))
 
 
 class SupportPoint(Section):
@@ -84,18 +92,19 @@ class RingLoad(Section):
         """Whether springs stand between the ring and a carrier."""
         return self.by in CARRIED
 
-    @model_validator(mode="after")
-    def _told_what_it_needs(self) -> "RingLoad":
-        for name in ("angles", "at", "stiffness", "fit", "mass"):
-            if getattr(self, name) is not None and name not in KEYS[self.by]:
-                of = next(by for by, keys in KEYS.items() if name in keys)
-                refuse("load", f"`by: {self.by}` has none", f"leave it out, or say `by: {of}`", at=name)
+    _mapping = model_validator(mode="before")(mapping_such_as("{by: housing, stiffness: 1e10 N/m/m}"))
+
+    @property
+    def foreign(self) -> tuple[str, ...]:
+        """What is said that belongs to another way of loading the ring."""
+        names = ("angles", "at", "stiffness", "fit", "mass")
+        return tuple(name for name in names if getattr(self, name) is not None and name not in KEYS[self.by])
+
+    @property
+    def lacks(self) -> str:
+        """What this way of loading the ring needs and is not said, or nothing."""
         needed = KEYS[self.by][:1]
-        if needed and not getattr(self, needed[0]):
-            example = {"angles": "[-45 deg, 45 deg]", "at": "[{angle: 0 deg, stiffness: 1e8 N/m}]"}
-            shown = example.get(needed[0], "1e10 N/m/m")
-            refuse("load", f"`by: {self.by}` needs `{needed[0]}`", f"say `{needed[0]}: {shown}`", at="by")
-        return self
+        return needed[0] if needed and not getattr(self, needed[0]) else ""
 
 
 class Sensor(Section):
@@ -103,3 +112,5 @@ class Sensor(Section):
 
     on: Annotated[Literal["ring", "housing"], one_of("ring", "housing")] = "ring"
     angle: Angle | None = None
+
+    _mapping = model_validator(mode="before")(mapping_such_as("{angle: 0 deg}"))
