@@ -8,7 +8,9 @@ are tried.
 
     uncertainty: {support: unknown}
 
-tries four ways of holding a ring that bends. Their value is their number, from 1. What comes out need not be monotone: the least and the largest result found are no bounds.
+tries four ways of holding a ring that bends. Their value is their number, from 1.
+
+What comes out need not be monotone: the least and the largest result found are no bounds.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -31,7 +33,7 @@ Values = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Uncertain:
-    """Something that is not known: `damping` (s), `clearance` (m), `bracket` (1) or `support`, and the values to try.
+    """Something that is not known: `damping` (s), `clearance` (m), `bracket` (1) or `support`, and what to try.
 
     Those of `support` are the numbers of ``SUPPORTS``, from 1.
     """

@@ -8,6 +8,7 @@ import pytest
 from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
 from bearingsim.study import StudyError, case_id, json_schema, load_study
+from bearingsim.study.used import used
 from tests.scenes.commands import type_
 from tests.scenes.study_text import BASE, Write
 
@@ -194,6 +195,12 @@ def test_what_is_swept_gives_cases_of_their_own(write: Write, said: str, count: 
 )
 def test_what_does_nothing_does_not_rename_a_rigid_case(write: Write, said: str) -> None:
     assert case_id(cases(write, said)[0]) == case_id(cases(write, "")[0])
+
+
+def test_a_rigid_case_has_nothing_of_a_ring_in_its_id(write: Write) -> None:
+    """So results from before rings could bend keep their names."""
+    for said in ("", HOUSED.replace("true", "false"), "rig: {sensor: {angle: 5 deg}}"):
+        assert {"ring", "load", "sensor"} & used(cases(write, said)[0])["rig"].keys() == set()
 
 
 POINTS = "{by: points, at: [{angle: 0 deg, stiffness: 1e8 N/m}, {angle: 30 deg, stiffness: 1e8 N/m}]}"

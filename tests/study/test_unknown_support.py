@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
 
@@ -136,7 +137,7 @@ def test_its_figure_has_a_band_from_the_least_to_the_largest(ran: tuple[Path, st
     ] * 2
     [(_, canvas)] = drawn(results)
     (band,) = [one for one in canvas.axes[0].collections if isinstance(one, PolyCollection)]
-    heights = band.get_paths()[0].vertices[:, 1]
+    heights = np.asarray(band.get_paths()[0].vertices)[:, 1]
     features = job_frame(ran[0] / "out")["features/velocity.rms"]
     assert heights.max() / heights.min() == pytest.approx(
         results.spread("velocity.rms")["largest"].max() / results.spread("velocity.rms")["least"].min(), rel=1e-9
