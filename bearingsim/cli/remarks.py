@@ -24,6 +24,7 @@ def remarks(plan: "Plan") -> Iterator[str]:
     yield from repeating(plan)
     yield from damping(plan)
     yield from varied(plan)
+    yield from plan.study.assumptions
     yield from creeping(plan)
 
 
@@ -100,7 +101,7 @@ def varied(plan: "Plan") -> Iterator[str]:
     for what, values in tried.items():
         jobs = {one.of for one in plan.study.variations() if one.what == what}
         of = f"{len(jobs)} of {len(plan.cases)} cases" if len(jobs) < len(plan.cases) else "each case"
-        yield f"`uncertainty`: {what} of {UNKNOWNS[what].range_text(values)}, in {of}"
+        yield f"`uncertainty`: {UNKNOWNS[what].tried_text(what, values)}, in {of}"
     if "damping" not in tried and plan.study.uncertainty != () and not sweeps_damping(plan.study.units):
         damped = [one for one in plan.cases if acts("damping", one.job.case)]
         if damped:

@@ -180,7 +180,7 @@ def _of_extensions(own: Mapping[str, Feature]) -> dict[str, Feature]:
     return {name: Feature(one.unit, one.long_name) for name, one in catalogue.FEATURES.items()}
 
 
-UNKNOWNS = ("damping", "clearance", "bracket")
+UNKNOWNS = ("damping", "clearance", "bracket", "support")
 """What a study can call uncertain."""
 ERRORS = {"": "the fault's line", ".rms": "the velocity's RMS", ".force": "the largest force on the outer race"}
 """Of what the table says how far the unknown moves it, by the ending of the column."""

@@ -175,7 +175,10 @@ def spread_said(results: "Results", rows: "pd.DataFrame") -> list[str]:
         return []
     drawn = set(rows["job"])
     tried = by_kind((one["what"], one["value"]) for one in results.variations if one["of"] in drawn)
-    band = " and ".join(f"{what} {UNKNOWNS[what].range_text(values)}" for what, values in tried.items())
+    band = " and ".join(
+        (f"{what} ({text})" if UNKNOWNS[what].choices else f"{what} {text}")
+        for what, text in ((what, UNKNOWNS[what].range_text(values)) for what, values in tried.items())
+    )
     chaotic = any((rows[name] == True).any() for name in rows if str(name).startswith("chaotic "))  # noqa: E712
     return [f"bands and bars: {band}" + ", in part chaotic (with its standard error)" * chaotic]
 

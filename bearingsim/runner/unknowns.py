@@ -30,9 +30,10 @@ def examined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
         if moved:
             jobs = max(len(column) for column in known.values())
             most = f" (at most, of {jobs} jobs)" if jobs > 1 else ""
-            yield f"{what} of {UNKNOWNS[what].range_text(tried)} moves {moved}{most}{_chaotic(plan, frame, what)}"
+            yield f"{UNKNOWNS[what].tried_text(what, tried)} moves {moved}{most}{_chaotic(plan, frame, what)}"
     if "damping" not in values and not plan["nothing_uncertain"] and not sweeps_damping(plan["units"]):
         yield from _unexamined(plan, frame)
+    yield from plan.get("assumptions", ())
 
 
 def _percent(part: float) -> str:

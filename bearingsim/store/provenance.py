@@ -25,6 +25,7 @@ def provenance(study: "Study") -> dict[str, str | int]:
         "study_text": study.text.rstrip() + "\n",
         "overrides": overrides,
         "quick": int(bool(study.quick)),
+        "assumptions": "; ".join(study.assumptions),
         "model_version": MODEL_VERSION,
         "host": socket.gethostname(),
         "platform": platform.platform(),

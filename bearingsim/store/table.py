@@ -54,6 +54,7 @@ def write_plan(root: Path, study: "Study", jobs: Iterable["Job"]) -> None:
             }
             for job in jobs
         ],
+        "assumptions": list(study.assumptions),
         "nothing_uncertain": study.uncertainty == (),
         "variations": [
             {"of": one.of, "what": one.what, "value": one.value, "job": one.job.id} for one in study.variations()

@@ -10,7 +10,7 @@ from typing import Any
 from bearingsim.catalogue import AUTO, MODELS
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
-from bearingsim.study.uncertainty import USUAL, Uncertain, sampled, variations
+from bearingsim.study.uncertainty import RIGID, USUAL, Uncertain, assumes_rigid_ring, sampled, variations
 from bearingsim.study.used import used
 
 
@@ -92,6 +92,12 @@ class Study:
             if twin:
                 twins.setdefault(twin.id, twin)
         return list((jobs | {key: twin for key, twin in twins.items() if key not in jobs}).values())
+
+    @cached_property
+    def assumptions(self) -> tuple[str, ...]:
+        """What is assumed of the rig because the study says nothing of it, in words."""
+        drawn = [name for figure in self.figures for name in figure.y]
+        return (RIGID,) * assumes_rigid_ring(self.cases(), drawn, self.uncertainty)
 
     def variations(self) -> list[Variation]:
         """What is varied of the cases: of all by `uncertainty`, or of a few if the study does not speak of it."""

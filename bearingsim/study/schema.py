@@ -6,7 +6,7 @@ from bearingsim.config import Case
 from bearingsim.config.case import LAWS
 from bearingsim.study.figures import DRAWN
 from bearingsim.study.sweep import GENERATORS
-from bearingsim.study.uncertainty import NONE, UNKNOWNS
+from bearingsim.study.uncertainty import NONE, UNKNOWN, UNKNOWNS
 
 _WORDS = {"type": ["string", "array"], "items": {"type": "string"}}
 
@@ -52,10 +52,11 @@ def _case_fields(case: dict[str, Any]) -> dict[str, Any]:
 
 def _uncertainty() -> dict[str, Any]:
     values = {"type": "array", "items": {"type": ["string", "number"]}, "minItems": 2}
+    properties = {what: {"const": UNKNOWN} if known.choices else values for what, known in UNKNOWNS.items()}
     return {
         "anyOf": [
             {"const": NONE},
-            {"type": "object", "properties": dict.fromkeys(UNKNOWNS, values), "additionalProperties": False},
+            {"type": "object", "properties": properties, "additionalProperties": False},
         ]
     }
 

@@ -4,27 +4,39 @@
 
 Each job is computed again for each value, all else being equal: `damping` as c/k of `kraemer`, `clearance` as it
 is written, `bracket` as a factor on the stiffness of the bracket. Two values stand for a range, of which three
-are tried. What comes out need not be monotone: the least and the largest result found are no bounds.
+are tried.
+
+    uncertainty: {support: unknown}
+
+tries four ways of holding a ring that bends. Their value is their number, from 1.
+
+What comes out need not be monotone: the least and the largest result found are no bounds.
 """
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from math import sqrt
+from math import pi, sqrt
 from random import Random
 from typing import Any
 
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case, Kraemer, names
+from bearingsim.config.fields import described
+from bearingsim.config.rules.completion import completed_rig
 from bearingsim.config.rules.conflicts import conflicts
+from bearingsim.config.sections.ring import FlexibleRing, RingLoad
 from bearingsim.text.units import Dimension, UnitError, display, parse, suggestion
-from bearingsim.text.yamlfile import Node, Problem, problem
+from bearingsim.text.yamlfile import Node, Problem, plain, problem
 
 Values = tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class Uncertain:
-    """Something that is not known: `damping` (s), `clearance` (m) or `bracket` (1), and the values to try."""
+    """Something that is not known: `damping` (s), `clearance` (m), `bracket` (1) or `support`, and what to try.
+
+    Those of `support` are the numbers of ``SUPPORTS``, from 1.
+    """
 
     what: str
     values: Values
@@ -32,22 +44,33 @@ class Uncertain:
 
 @dataclass(frozen=True)
 class Unknown:
-    """How a kind of uncertainty is written, and what it does to a case."""
+    """How a kind of uncertainty is written, and what it does to a case.
+
+    choices: the names of what is tried, whose values are their numbers from 1; then a study says only `unknown`.
+    """
 
     dimension: Dimension
     unit: str
     example: str
     positive: bool
     varied: Callable[[Case, float], Case]
+    choices: tuple[str, ...] = ()
 
     def between(self, low: float, high: float) -> float:
         """The value between the ends of a range: by ratio where all are positive."""
         return sqrt(low * high) if self.positive else 0.5 * (low + high)
 
     def range_text(self, values: Sequence[float]) -> str:
-        """`0.5 to 10 us`."""
+        """`0.5 to 10 us`, or the names of what is tried."""
+        if self.choices:
+            return ", ".join(self.choices[round(value) - 1] for value in dict.fromkeys(values))
         low, high = (display(pick(values), self.unit, self.dimension) for pick in (min, max))
         return f"{low:.3g} to {high:.3g} {self.unit}".strip()
+
+    def tried_text(self, what: str, values: Sequence[float]) -> str:
+        """`damping of 0.5 to 10 us`, or `support (point load, ...)`."""
+        tried = self.range_text(values)
+        return f"{what} ({tried})" if self.choices else f"{what} of {tried}"
 
 
 def _with_damping(case: Case, beta: float) -> Case:
@@ -64,16 +87,34 @@ def _with_bracket(case: Case, factor: float) -> Case:
     return case.model_copy(update={"rig": rig})
 
 
+SUPPORTS = {
+    "point load": RingLoad(by="point"),
+    "two pads at 45 deg": RingLoad(by="pads", angles=(-pi / 4.0, pi / 4.0)),
+    "housing of 1e10 N/m/m": RingLoad(by="housing", stiffness=1e10),
+    "housing of 1e11 N/m/m": RingLoad(by="housing", stiffness=1e11),
+}
+"""How a ring that bends may be held, by name: what is tried where nobody knows."""
+
+
+def _with_support(case: Case, number: float) -> Case:
+    load = [*SUPPORTS.values()][round(number) - 1]
+    bent = case.model_copy(update={"rig": case.rig.model_copy(update={"ring": FlexibleRing(), "load": load})})
+    return bent.model_copy(update={"rig": completed_rig(bent)})
+
+
 UNKNOWNS = {
     "damping": Unknown("time", "us", "[0.5 us, 10 us]", True, _with_damping),
     "clearance": Unknown("length", "um", "[0 um, 10 um]", False, _with_clearance),
     "bracket": Unknown("number", "", "[0.5, 2]", True, _with_bracket),
+    "support": Unknown("number", "", "unknown", True, _with_support, tuple(SUPPORTS)),
 }
 assert tuple(UNKNOWNS) == names.UNKNOWNS, "each has its columns in the table"
 NONE = "none"
+UNKNOWN = "unknown"
 USUAL = Uncertain("damping", (0.5e-6, sqrt(5.0) * 1e-6, 10e-6))
 """What is tried on a few jobs of a study that says nothing: c/k of a lubricated contact, without its extremes."""
 SAMPLED_JOBS = 3
+BENDING = "bending ring"
 LARGEST_PART = 0.1
 """Of a study's jobs: what may be added without being asked for."""
 
@@ -97,6 +138,8 @@ def _uncertain(what: str, node: Node, problems: list[Problem]) -> Uncertain | No
         near = suggestion(what, list(UNKNOWNS)) or f"known: {', '.join(UNKNOWNS)}"
         problems.append(problem(node.key or node.mark, f"uncertainty: unknown key `{what}`", near))
         return None
+    if known.choices:
+        return _choices(what, known, node, problems)
     if len(node.items) < 2:
         message = f"uncertainty.{what}: expected a list of two values or more, such as `{known.example}`"
         problems.append(problem(node.mark, message))
@@ -111,6 +154,14 @@ def _uncertain(what: str, node: Node, problems: list[Problem]) -> Uncertain | No
     if len(ends) == 2:
         ends.insert(1, known.between(*ends))
     return Uncertain(what, tuple(ends))
+
+
+def _choices(what: str, known: Unknown, node: Node, problems: list[Problem]) -> Uncertain | None:
+    if node.value == UNKNOWN:
+        return Uncertain(what, tuple(float(number) for number in range(1, len(known.choices) + 1)))
+    message = f"uncertainty.{what}: expected `{UNKNOWN}`, got {described(plain(node))}"
+    problems.append(problem(node.mark, message, f"it tries: {', '.join(known.choices)}"))
+    return None
 
 
 def _value(what: str, known: Unknown, item: Node, problems: list[Problem]) -> float | None:
@@ -130,11 +181,28 @@ def check_possible(
 ) -> None:
     """Note the values with which a case of the study could not be: one problem for each kind."""
     for one in uncertain:
+        refused = next(filter(None, map(_no_support, cases)), None) if one.what == "support" else None
+        if refused is not None and section is not None:
+            problems.append(
+                problem(section.mapping["support"].mark, f"uncertainty.support: {refused[0]}", refused[1])
+            )
+            continue
         varied = (case for whole in cases for _, _, case in variations(whole, [one]))
         wrong = next((found for case in varied for found in conflicts(case)), None)
         if wrong is not None and section is not None:
             mark = section.mapping[one.what].mark
             problems.append(problem(mark, f"uncertainty.{one.what}: {wrong.message}", wrong.hint))
+
+
+def _no_support(case: Case) -> tuple[str, str] | None:
+    """Why a case cannot be computed with other supports, and what would mend it; None if it can."""
+    able = [model.name for model in MODELS.values() if BENDING in model.abilities]
+    if case.model not in able:
+        words = " or ".join(f"`model: {name}`" for name in able)
+        return f"the {case.model} model knows no ring that bends", f"say {words}, or leave `support` out"
+    if case.rig.ring is not None:
+        return "the rig says itself how its ring bends and is held", "leave `support` out, or say `bends: false`"
+    return None
 
 
 def sampled(cases: Sequence[Case], jobs: int) -> list[Case]:
@@ -161,6 +229,8 @@ def sweeps_damping(paths: Iterable[str]) -> bool:
 def acts(what: str, case: Case) -> bool:
     """Whether a case's model knows it."""
     model: Any = MODELS[case.model]
+    if what == "support":
+        return BENDING in model.abilities and case.rig.ring is None
     if what == "bracket" and case.rig.bracket_stiffness == 0.0:
         return False
     return model.loaded and (what != "damping" or "damping" in model.abilities)
@@ -174,6 +244,19 @@ def variations(case: Case, uncertain: Sequence[Uncertain]) -> list[tuple[str, fl
         if acts(one.what, case)
         for value in one.values
     ]
+
+
+RIGID = "rigid ring assumed (docs/ring.md: bending moves lines by factors)"
+_OF_RING = ("ring.", "displacement", "velocity", "acceleration")
+
+
+def assumes_rigid_ring(cases: Iterable[Case], drawn: Iterable[str], uncertain: Sequence[Uncertain] | None) -> bool:
+    """Whether a study leaves open if its ring bends, though a figure (its features: drawn) or record reads it."""
+    if any(one.what == "support" for one in uncertain or ()):
+        return False
+    seen = any(name.startswith(_OF_RING) for name in drawn)
+    silent = [case for case in cases if MODELS[case.model].loaded and "ring" not in case.rig.model_fields_set]
+    return any(seen or any(name.startswith("ring.") for name in case.record) for case in silent)
 
 
 def unexamined(cases: int, duration: Callable[[float], str], seconds: float) -> str:

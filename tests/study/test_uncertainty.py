@@ -59,7 +59,11 @@ def test_nothing_said_is_not_the_same_as_none(write: Write) -> None:
     ("said", "caret", "message"),
     [
         ("{dampin: [1 us, 2 us]}", "dampin", "uncertainty: unknown key `dampin` (did you mean `damping`?)"),
-        ("{load: [1 N, 2 N]}", "load", "uncertainty: unknown key `load` (known: damping, clearance, bracket)"),
+        (
+            "{load: [1 N, 2 N]}",
+            "load",
+            "uncertainty: unknown key `load` (known: damping, clearance, bracket, support)",
+        ),
         ("some", "some", "uncertainty: expected a mapping such as `{damping: [0.5 us, 10 us]}`, or `none`"),
         ("[damping]", "[damping]", "uncertainty: expected a mapping"),
         ("{damping: 1 us}", "1 us", "uncertainty.damping: expected a list of two values or more"),
@@ -70,6 +74,12 @@ def test_nothing_said_is_not_the_same_as_none(write: Write) -> None:
         ("{damping: [2 us, 0.002 ms]}", "[2 us", "uncertainty.damping: the values are all the same"),
         ("{clearance: [CN, C3]}", "CN", "uncertainty.clearance: expected a length such as `0.8 mm`, got `CN`"),
         ("{bracket: [-1, 2]}", "-1", "uncertainty.bracket: expected a value above zero, got `-1`"),
+        (
+            "{support: [1, 2]}",
+            "[1",
+            "uncertainty.support: expected `unknown`, got a list (it tries: point load, two pads",
+        ),
+        ("{support: housing}", "housing", "uncertainty.support: expected `unknown`, got `housing`"),
         ("{bracket: [50 %, 200 %]}", "50 %", "uncertainty.bracket: expected a plain number"),
     ],
 )
@@ -91,9 +101,10 @@ def test_every_mistake_is_told_at_once(write: Write) -> None:
 def test_the_schema_knows_it() -> None:
     words, mapping = json_schema()["properties"]["uncertainty"]["anyOf"]
     assert words == {"const": "none"}
-    assert mapping["properties"].keys() == {"damping", "clearance", "bracket"}
+    assert mapping["properties"].keys() == {"damping", "clearance", "bracket", "support"}
     assert mapping["additionalProperties"] is False
     assert mapping["properties"]["damping"]["minItems"] == 2
+    assert mapping["properties"]["support"] == {"const": "unknown"}
 
 
 # Jobs

@@ -25,7 +25,7 @@ def complete(case: CaseFields) -> None:
     if "start_angle" not in case.model_fields_set:
         _fill(case, "start_angle", math.pi / case.bearing.rollers)
     _fill(case, "contact", _suited_contact(case))
-    _fill(case, "rig", _completed_rig(case))
+    _fill(case, "rig", completed_rig(case))
     _fill(case, "defects", tuple(_completed(case, _numbered(defect)) for defect in case.defects))
     if case.misalignment is not None and case.misalignment.inner == case.misalignment.outer == 0.0:
         _fill(case, "misalignment", None)
@@ -38,7 +38,7 @@ AROUND_A_ROLLER, IN_A_HOUSING = 7, 8
 MASS_OF_CARRIER = 1.0  # kg: an assumption
 
 
-def _completed_rig(case: CaseFields) -> Rig:
+def completed_rig(case: CaseFields) -> Rig:
     """The rig with the section of a ring that bends, its harmonics, and where its load enters."""
     ring, load = case.rig.ring, case.rig.load or RingLoad()
     if ring is None:

@@ -1,0 +1,195 @@
+"""`uncertainty: {support: unknown}`, and what is said of a study that says nothing of its outer ring."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.collections import PolyCollection
+
+from bearingsim import store
+from bearingsim.plots.plot import drawn
+from bearingsim.runner.unknowns import examined
+from bearingsim.store.table import job_frame
+from bearingsim.study import case_id, load_study
+from bearingsim.study.uncertainty import RIGID, SUPPORTS, UNKNOWNS, Uncertain
+from tests.scenes.commands import type_
+from tests.scenes.study_text import BASE, Write
+
+UNKNOWN = "uncertainty: {support: unknown}\n"
+LOADS = (
+    "{by: point}",
+    "{by: pads, angles: [-45 deg, 45 deg]}",
+    "{by: housing, stiffness: 1e10 N/m/m}",
+    "{by: housing, stiffness: 1e11 N/m/m}",
+)
+NAMES = "support (point load, two pads at 45 deg, housing of 1e10 N/m/m, housing of 1e11 N/m/m)"
+
+
+def told(command: str, path: Path, code: int = 0) -> str:
+    return " ".join(" ".join(type_(command, path, code=code)).split())
+
+
+# What is tried
+
+
+def test_four_supports_are_tried(write: Write) -> None:
+    study = load_study(write(BASE + UNKNOWN))
+    assert study.uncertainty == (Uncertain("support", (1.0, 2.0, 3.0, 4.0)),)
+    assert [one.value for one in study.variations()] == [1.0, 2.0, 3.0, 4.0]
+    assert len({job.id for job in study.jobs()}) == 1 + 1 + 4  # the case, its twin, the supports
+
+
+def test_a_support_is_named_as_the_same_rig_that_is_written(write: Write) -> None:
+    tried = [one.job.id for one in load_study(write(BASE + UNKNOWN)).variations()]
+    rigs = [f"rig: {{ring: {{bends: true}}, load: {load}}}\n" for load in LOADS]
+    assert tried == [case_id(load_study(write(BASE + rig)).cases()[0]) for rig in rigs]
+    assert len(SUPPORTS) == len(LOADS)
+
+
+def test_all_else_is_that_of_the_job(write: Write) -> None:
+    (case,), found = (load_study(write(BASE + UNKNOWN)).cases(), load_study(write(BASE + UNKNOWN)).variations())
+    for one in found:
+        rig = one.job.case.rig.model_copy(update={"ring": None, "load": None})
+        assert one.job.case.model_copy(update={"rig": rig}) == case
+
+
+def test_supports_are_shown_by_their_names() -> None:
+    support = UNKNOWNS["support"]
+    assert support.range_text([1.0, 3.0, 1.0]) == "point load, housing of 1e10 N/m/m"
+    assert support.tried_text("support", [1.0, 2.0, 3.0, 4.0]) == NAMES
+    assert UNKNOWNS["bracket"].tried_text("bracket", [0.5, 2.0]) == "bracket of 0.5 to 2"
+
+
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        *(
+            (
+                f"model: {model}",
+                f"the {model} model knows no ring that bends"
+                " (say `model: static` or `model: rollers`, or leave `support` out)",
+            )
+            for model in ("impulse", "ring", "planar", "spatial")
+        ),
+        ("sweep: {model: [static, ring]}", "the ring model knows no ring that bends"),
+        (
+            "rig: {ring: {bends: true}}",
+            "the rig says itself how its ring bends and is held (leave `support` out, or say `bends: false`)",
+        ),
+        ("load_across: 5 N", "`by: point` gives the ring forces along the load line alone"),
+        ("method: rodas", "`rodas` solves with derivatives, which a ring that bends does not have"),
+    ],
+)
+def test_what_cannot_be_held_so_is_refused(write: Write, said: str, message: str) -> None:
+    path = write(f"{BASE}{UNKNOWN}{said}\n")
+    _, text = type_("check", path, code=2)
+    first, source, pointer = text.splitlines()
+    assert first.startswith(f"{path}:6:24: uncertainty.support: {message}")
+    assert source[pointer.index("^") :] == "unknown}"
+
+
+def test_a_ring_that_is_called_rigid_may_be_tried(write: Write) -> None:
+    study = load_study(write(f"{BASE}{UNKNOWN}rig: {{ring: {{bends: false}}}}\n"))
+    assert len(study.variations()) == 4
+
+
+# What comes out
+
+RUN = """\
+study: unheld
+bearing: nf308
+speed: 1800 rpm
+model: static
+defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 0.05 mm}
+sweep: {load: [150 N, 300 N]}
+duration: 30 ms
+settle: 10 ms
+figures: [{y: velocity.rms, x: load}]
+uncertainty: {support: unknown}
+"""
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """The folder of results of a small study, and what its run said."""
+    folder = tmp_path_factory.mktemp("unheld")
+    (folder / "unheld.yaml").write_text(RUN)
+    said, _ = type_("run", folder / "unheld.yaml", "--jobs", "1", "--out", folder / "out")
+    return folder, " ".join(said.split())
+
+
+def test_a_run_says_how_far_the_support_moves_the_results(ran: tuple[Path, str]) -> None:
+    folder, said = ran
+    table = store.open_results(folder / "out").table()
+    rms = table["error.support.rms"].dropna()
+    assert len(rms) == 2
+    assert (rms > 0.0).all()
+    assert f"{NAMES} moves the line by" in said
+    assert f"`uncertainty`: {NAMES}, in each case" in told("check", folder / "unheld.yaml")
+
+
+def test_its_figure_has_a_band_from_the_least_to_the_largest(ran: tuple[Path, str]) -> None:
+    results = store.open_results(ran[0] / "out")
+    plan = json.loads((ran[0] / "out" / "plan.json").read_text())
+    assert [(one["what"], one["value"]) for one in plan["variations"]] == [
+        ("support", n + 1.0) for n in range(4)
+    ] * 2
+    [(_, canvas)] = drawn(results)
+    (band,) = [one for one in canvas.axes[0].collections if isinstance(one, PolyCollection)]
+    heights = np.asarray(band.get_paths()[0].vertices)[:, 1]
+    features = job_frame(ran[0] / "out")["features/velocity.rms"]
+    assert heights.max() / heights.min() == pytest.approx(
+        results.spread("velocity.rms")["largest"].max() / results.spread("velocity.rms")["least"].min(), rel=1e-9
+    )
+    jobs = [plan["variations"][0]["of"], *(one["job"] for one in plan["variations"][:4])]
+    first = results.spread("velocity.rms").loc[jobs[0]]
+    assert (first["least"], first["largest"]) == (features[jobs].min(), features[jobs].max())
+    (said,) = [text.get_text() for text in canvas.texts if "bars:" in text.get_text()]
+    assert NAMES in " ".join(said.replace("\u00a0", " ").split())
+
+
+# A study that says nothing of its ring
+
+
+@pytest.mark.parametrize(
+    ("said", "assumed"),
+    [
+        ("", True),
+        ("rig: {bracket_stiffness: 1e6 N/m}", True),
+        ("model: planar", True),
+        ("model: impulse", False),
+        ("rig: {ring: {bends: false}}", False),
+        ("rig: {ring: {bends: true}}", False),
+        ("sweep: {rig.ring.bends: [true, false]}", False),
+        (UNKNOWN, False),
+        ("record: [roller.1.outer_force]", False),
+        ("record: []", False),
+        ("record: []\nsweep: {load: [1 N, 2 N]}\nfigures: [{y: outer_force.max, x: load}]", False),
+        ("record: []\nsweep: {load: [1 N, 2 N]}\nfigures: [{y: velocity@BPFO, x: load}]", True),
+        ("record: []\nsweep: {load: [1 N, 2 N]}\nfigures: [{y: acceleration.rms, x: load}]", True),
+    ],
+)
+def test_a_rigid_ring_is_told_where_its_motion_is_read(write: Write, said: str, assumed: bool) -> None:
+    text = BASE if not said.partition("sweep: {load")[1] else BASE.replace("load: 150 N\n", "")
+    assert load_study(write(f"{text}{said}\n")).assumptions == (RIGID,) * assumed
+
+
+def test_check_says_it_once(write: Write) -> None:
+    assert told("check", write(f"{BASE}sweep: {{clearance: [0 um, 5 um]}}\n")).count("rigid ring assumed") == 1
+    assert "rigid ring" not in told("check", write(f"{BASE}rig: {{ring: {{bends: false}}}}\n"))
+
+
+def test_a_run_and_its_provenance_say_it(write: Write) -> None:
+    study = load_study(write(BASE))
+    assert store.provenance(study)["assumptions"] == RIGID
+    assert "assumptions" not in store.provenance(load_study(write(f"{BASE}rig: {{ring: {{bends: false}}}}\n")))
+
+
+def test_old_results_assume_nothing(ran: tuple[Path, str]) -> None:
+    """Their plan does not speak of it."""
+    plan = json.loads((ran[0] / "out" / "plan.json").read_text())
+    frame = job_frame(ran[0] / "out")
+    assert RIGID in list(examined(plan | {"assumptions": [RIGID]}, frame))
+    del plan["assumptions"]
+    assert RIGID not in list(examined(plan, frame))
