@@ -27,7 +27,9 @@ OTHER_MEANINGS = {
     ("config/sections/ring.py", "ring"): "what carries the sensor",
     ("study/schema.py", "ring"): "a field of the rig",
     ("study/used.py", "ring"): "a field of the rig",
+    ("study/uncertainty.py", "ring"): "a field of the rig",
     ("plots/passage.py", "ring"): "the outer ring's channels",
+    ("plots/plot.py", "ring"): "a kind of figure",
 }
 SCHEMES = ("stability/matrix.py", "study/template.py", "catalogue.py")
 """Where a person has chosen the names: the methods of the map, the template of a study, the table itself."""

@@ -9,7 +9,7 @@ study: defect-length              # names the results folder
 # The machine
 bearing: nf308                    # a name in configs/bearings, a path to such a file, or a mapping in place
 # rig: bvt5                       # the bracket that holds the outer ring, and the sensor
-# rig: {ring: {bends: true}}      # an outer ring that bends (static, rollers)
+#                                 # `rig: {ring: {bends: true}}`: an outer ring that bends (static, rollers)
 speed: 1800 rpm                   # of the inner ring
 load: 150 N                       # radial
 # load_across: 0 N                # a second load, across it
@@ -76,9 +76,8 @@ record: [ring.velocity]           # also ring.displacement, roller.3.outer_force
 figures:
   - {y: velocity@BPFO, x: defect.length, by: load}
 
-# What is not known, tried with other values: bands in figures, `error.damping` in the table; clearance, bracket
+# What is not known, tried with other values: bands in figures, `error.damping` in the table; clearance, bracket, support
 # uncertainty: {damping: [0.5 us, 10 us]}                   # c/k of a contact; `none`: not even on a few jobs
-# uncertainty: {support: unknown}                           # a ring that bends, held in four ways
 
 # A reduced study for a first look: `bearingsim run FILE --quick`
 quick:

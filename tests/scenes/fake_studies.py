@@ -79,6 +79,7 @@ class FakeStudy:
     units: dict[str, str] = field(default_factory=lambda: {"defect.width": "mm"})
     figures: tuple[Any, ...] = ()
     notes: tuple[str, ...] = ()
+    assumptions: tuple[str, ...] = ()
     uncertainty: Any = None
 
     def jobs(self) -> list[Any]:
