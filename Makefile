@@ -1,6 +1,6 @@
 # make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's figures
 # make test    all tests (test-quick: not the long)     make excitations | inner_race | roller_defect | slip | damping
-# make check   tests, lint, types, import contract     make length | offset | tilt | misalignment | shapes
+# make check   tests, lint, types, import contract     make length | offset | tilt | misalignment | shapes | ring_bends
 # make stability   where each method fails             make paper_literal   (add QUICK=1 for a reduced grid)
 # make bench       how fast, beside peers                make bench-compare   whether speed was lost
 PYTHON ?= python3

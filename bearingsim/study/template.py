@@ -76,7 +76,7 @@ record: [ring.velocity]           # also ring.displacement, roller.3.outer_force
 figures:
   - {y: velocity@BPFO, x: defect.length, by: load}
 
-# What is not known, tried with other values: bands in figures, `error.damping` in the table; clearance, bracket, support
+# What is not known, tried: bands in figures, `error.damping` in the table; clearance, bracket, support
 # uncertainty: {damping: [0.5 us, 10 us]}                   # c/k of a contact; `none`: not even on a few jobs
 
 # A reduced study for a first look: `bearingsim run FILE --quick`
