@@ -43,6 +43,7 @@ from bearingsim.core.models.ring import Ring
 from bearingsim.core.models.rollers import Rollers
 from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.static import Static
+from bearingsim.core.parts.bending import Bending, NoSprings, Springs, Stiff
 from bearingsim.core.parts.cage import Centred, FreeCage, KinematicCage, NoDrag, OilDrag, RingGuided
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
 from bearingsim.core.parts.flanges import Flanges, NoFlanges, RollerInRing
@@ -94,6 +95,8 @@ IN_PLACE_OF: dict[type, type] = {
     NoDrag: OilDrag,
     NoSamples: Samples,
     Still: Verlet,
+    Stiff: Bending,
+    NoSprings: Springs,
 }
 """Types that stand for nothing, and one of the family that each belongs to: some need no implementation at all."""
 
