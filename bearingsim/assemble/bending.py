@@ -180,7 +180,7 @@ def made(given: OfRing) -> core.Bending:
         at_rollers=np.ascontiguousarray(at_rollers[:, : of.real]),
         by_roller=np.ascontiguousarray(at_rollers.transpose(0, 2, 1)[:, : given.bearing.rollers]),
         breathing=of.real - 1,
-        mobility=float(of.per_mass_c.sum()),
+        mobility=mobility(given, of, places),
         highest=highest,
         highest_damping=highest_damping,
         sensor_x=cos(alpha) * on_ring,
@@ -188,6 +188,15 @@ def made(given: OfRing) -> core.Bending:
         load=hypot(given.load, given.load_across),
         springs=springs,
     )
+
+
+def mobility(given: OfRing, of: Harmonics, places: np.ndarray) -> float:
+    """The largest eigenvalue (1/kg) of what forces at all rollers give the race's acceleration at them.
+
+    They stand evenly, so the matrix is circulant: its eigenvalues are the Fourier transform of a row.
+    """
+    row = np.cos(places) / given.ring_mass + np.cos(np.outer(places, of.n)) @ of.per_mass_c
+    return float(np.fft.fft(row).real.max())
 
 
 def rows_of(given: OfRing, of: Harmonics) -> np.ndarray:
@@ -220,6 +229,7 @@ def springs_of(given: OfRing, of: Harmonics) -> core.Springs:
     """The springs around the ring, each damped by ``ring.damping`` at the frequency of the ring between them."""
     angles, k, fit = places_of_springs(given)
     P = -(-len(angles) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
+    assert lay.MAX_SPRINGS >= P
     across = max((k * np.cos(angles) ** 2).sum(), (k * np.sin(angles) ** 2).sum())
     c = 2.0 * given.ring.damping * k * sqrt(given.ring_mass / across)
     by_spring = np.zeros((2, len(angles), len(of.n)))

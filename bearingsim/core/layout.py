@@ -148,6 +148,7 @@ TURN_C, TURN_S, SEEN_C, SEEN_S, SEEN_V_C, SEEN_V_S, PUSH_C, PUSH_S = (
 # (m/s), its force (N), of up to 4 ROW springs
 PULL_C, PULL_S = (JACOBIAN_WORK + n * ROW for n in range(71, 73))
 PRESSED, PRESSED_V, SPRING_FORCE = (JACOBIAN_WORK + n * ROW for n in range(73, 85, 4))
+MAX_SPRINGS = 4 * ROW
 # cells: what the springs do to the ring's centre (N)
 SPRINGS_X, SPRINGS_Y = range(WORK + 20 * ROW + MAX_ROLLERS, WORK + 20 * ROW + MAX_ROLLERS + 2)
 

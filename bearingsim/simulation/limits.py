@@ -122,6 +122,9 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits,
     hits = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
     hits += [step_impact(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
     _, K_more, C_more = (max(values) for values in zip(*hits, strict=True))
+    if case.rig.ring is not None:  # the race gives way too
+        both = 1.0 + model.bearing.m_r * model.bending.mobility
+        K_more, C_more = both * K_more, both * C_more
     deepest, energy_bound = bounds(case, model, healthy)
     found = replace(
         healthy,
@@ -192,7 +195,7 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Largest outer contact force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
     load, K, C = 0.0, 0.0, 0.0
-    for y, K_now, C_now in rests_of_a_pass(model):
+    for y, K_now, C_now in at_rest_in_a_pass(model):
         load = max(load, float(assemble.outer_forces(model, y).max()))
         K, C = max(K, K_now), max(C, C_now)
     return load, K, C
@@ -205,14 +208,14 @@ def contacts_alone(healthy: Case) -> tuple[float, float]:
         return loads_at_rest(healthy)[1:]
     model, found = assemble.model(healthy), []
     stiff = model._replace(bending=Stiff())
-    for y, _, _ in rests_of_a_pass(model):
+    for y, _, _ in at_rest_in_a_pass(model):
         for j in range(model.bearing.Z):
             found.append((stiffness_per_mass(stiff, y, j), damping_per_mass(stiff, y, j)))
     K, C = np.max(found, axis=0)
     return float(K), float(C)
 
 
-def rests_of_a_pass(model: Any) -> Iterator[tuple[np.ndarray, float, float]]:
+def at_rest_in_a_pass(model: Any) -> Iterator[tuple[np.ndarray, float, float]]:
     """The model at rest at some cage angles of a ball pass: its buffer, a body's stiffness, damping over mass."""
     y, pass_time = assemble.empty_buffer(model), 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     for n in range(SAMPLES_OF_A_PASS):

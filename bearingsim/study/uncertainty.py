@@ -98,7 +98,8 @@ SUPPORTS = {
 
 def _with_support(case: Case, number: float) -> Case:
     load = [*SUPPORTS.values()][round(number) - 1]
-    bent = case.model_copy(update={"rig": case.rig.model_copy(update={"ring": FlexibleRing(), "load": load})})
+    bends = {"ring": FlexibleRing(), "ring_mass": None}  # what is lumped into a rigid ring does not bend with it
+    bent = case.model_copy(update={"rig": case.rig.model_copy(update=bends | {"load": load})})
     return bent.model_copy(update={"rig": completed_rig(bent)})
 
 

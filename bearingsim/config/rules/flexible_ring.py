@@ -10,7 +10,7 @@ from bearingsim.text.units import show
 
 if TYPE_CHECKING:
     from bearingsim.config.case_fields import CaseFields
-    from bearingsim.config.sections.ring import FlexibleRing, RingLoad
+    from bearingsim.config.sections.ring import FlexibleRing, RingLoad, SupportPoint
 
 RING: tuple[Path, ...] = (("rig", "ring", "bends"), ("rig", "ring"), ("rig",))
 LOAD: Path = ("rig", "load")
@@ -18,6 +18,9 @@ BY: tuple[Path, ...] = ((*LOAD, "by"), LOAD)
 STIFFEST, LARGEST_FIT = 1e13, 1e-4  # N/m per m; m
 SAME_SECTION = 0.01  # of height and width
 BALANCED = 1e-6  # of the load: what pads may push across it
+LEAST_SHARE = 0.1  # of a pad's force that acts along the load line, on average
+MAX_POINTS = 100
+FARTHEST = 1e-3  # m: what a carrier may move under its load
 SAME_ANGLE = 1e-6  # rad
 NO_FORCE = 1e-9  # component of a unit vector that holds nothing
 
@@ -74,7 +77,7 @@ def _load(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
     if load.by == "pads":
         yield from _pads(load.angles or ())
     elif load.by == "points":
-        yield from _points(case, [point.angle for point in load.at or ()])
+        yield from _points(case, load.at or ())
     elif load.by == "housing":
         yield from _housing(load)
 
@@ -84,23 +87,34 @@ def _pads(angles: tuple[float, ...]) -> Iterator[Conflict]:
     along, across = sum(map(math.cos, angles)), sum(map(math.sin, angles))
     if _twice(angles):
         yield Conflict("pads", at, "two pads stand at the same angle", "give each angle once")
-    elif along <= BALANCED * len(angles) or abs(across) > BALANCED * along:
+    elif along <= LEAST_SHARE * len(angles) or abs(across) > BALANCED * along:
         message = "equal forces at these angles do not add up to a load along the load line"
         yield Conflict("pads", at, message, "take angles on both sides of it, such as `[-45 deg, 45 deg]`")
 
 
-def _points(case: "CaseFields", angles: list[float]) -> Iterator[Conflict]:
+def _points(case: "CaseFields", points: "tuple[SupportPoint, ...]") -> Iterator[Conflict]:
     at: tuple[Path, ...] = ((*LOAD, "at"), LOAD, ("load_across",))
-    load_line = math.atan2(case.load_across, case.load)
-    if _twice(angles):
+    load_line, angles = math.atan2(case.load_across, case.load), [point.angle for point in points]
+    stiff = sum(one.stiffness * max(math.cos(one.angle - load_line), 0.0) ** 2 for one in points)
+    moved = math.hypot(case.load, case.load_across) / stiff if stiff > 0.0 else math.inf
+    if len(points) > MAX_POINTS:
+        yield Conflict("points", at, f"more than {MAX_POINTS} springs", "say `by: housing`")
+    elif _twice(angles):
         yield Conflict("points", at, "two springs stand at the same angle", "give each angle once")
     elif not any(math.cos(angle - load_line) > BALANCED for angle in angles):
         message = "no spring stands within 90 deg of the load line: nothing carries the load"
         yield Conflict("points", at, message, f"give one at `angle: {show(load_line, 'deg')}`")
-    elif case.rig.bracket_stiffness == 0.0 and not _hold(angles, load_line):
-        message = "springs that push only do not hold the carrier here, and it has no bracket"
-        hint = "give springs on both sides of the load line, or a `bracket_stiffness`"
-        yield Conflict("points", (*at, ("rig", "bracket_stiffness")), message, hint)
+    elif not _hold(angles, load_line) and not _stands_on_one(case, angles, load_line):
+        message = "springs that push only do not hold the carrier here"
+        yield Conflict("points", at, message, "give springs on both sides of the load line")
+    elif moved > FARTHEST:
+        message = f"under its load the carrier would move by {show(moved, 'mm')}"
+        yield Conflict("points", at, message, "take stiffer springs, or some nearer to the load line")
+
+
+def _stands_on_one(case: "CaseFields", angles: list[float], load_line: float) -> bool:
+    """Whether the only spring stands on the load line, and a bracket keeps the carrier from moving sideways."""
+    return len(angles) == 1 and math.cos(angles[0] - load_line) > 1.0 - 1e-12 and case.rig.bracket_stiffness > 0.0
 
 
 def _hold(angles: list[float], load_line: float) -> bool:
