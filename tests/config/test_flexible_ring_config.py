@@ -261,7 +261,7 @@ LINES: list[tuple[str, str, str]] = [
     (_loaded("by: points, at: [{angle: 0 deg, stifness: 1 N/m, stiffness: 1 N/m}]"), "stifness", "rig.load.at: unknown key `stifness` (did you mean `stiffness`?)"),
     (_loaded(_at("20 380")), "[{angle", "rig.load.at: two springs stand at the same angle (give each angle once)"),
     (_loaded(_at("120 -90")), "[{angle", "rig.load.at: no spring stands within 90 deg of the load line: nothing carries the load (give one at `angle: 0 deg`)"),
-    (f"rig: {{{BEND}, bracket_stiffness: 0 N/m, load: {{{_at('0')}}}}}", "[{angle", "rig.load.at: springs that push only do not hold the carrier here, and it has no bracket (give springs on both sides of the load line, or a `bracket_stiffness`)"),
+    (f"rig: {{{BEND}, bracket_stiffness: 0 N/m, load: {{{_at('0')}}}}}", "[{angle", "rig.load.at: springs that push only do not hold the carrier here (give springs on both sides of the load line)"),
     (_loaded("by: housing"), "housing", "rig.load.by: `by: housing` needs `stiffness` (say `stiffness: 1e10 N/m/m`)"),
     (_loaded("by: housing, stiffness: 1e10 N/m"), "1e10 N/m", "rig.load.stiffness: expected a stiffness per metre of circumference such as `1e10 N/m/m`, got `1e10 N/m` (`N/m` is a unit of stiffness)"),
     (_loaded("by: housing, stiffness: 2e13 N/m/m"), "2e13", "rig.load.stiffness: a housing of 2e+13 N/m/m holds the ring as a rigid one (take a rigid ring, or at most 1e13 N/m/m)"),
@@ -300,11 +300,13 @@ def test_springs_on_both_sides_need_no_bracket(angles: str) -> None:
 
 
 def test_a_load_across_turns_the_load_line() -> None:
-    """A spring at 100 deg carries a load that a load across has turned to 45 deg, and not one at 0 deg."""
-    load = {"by": "points", "at": [{"angle": "100 deg", "stiffness": "1e8 N/m"}]}
+    """Springs at 100 and 120 deg, and 10 deg, hold a load that a load across has turned to 45 deg; without that
+    at 10 deg nothing carries a load at 0 deg.
+    """
+    load = {"by": "points", "at": [{"angle": f"{angle} deg", "stiffness": "1e8 N/m"} for angle in (100, 120, 10)]}
     assert case(load_across="150 N", rig={"ring": BENDS, "load": load}).load_across == 150.0
     with pytest.raises(ValueError, match="nothing carries the load"):
-        bent(load=load)
+        bent(load={"by": "points", "at": load["at"][:2]})
 
 
 @pytest.mark.parametrize("load", LOADS)

@@ -36,11 +36,11 @@ class Bending(NamedTuple):
     """A ring that bends, in H harmonics: n = 2, 3, ..., then n = 0, then what pads them to a multiple of 8.
 
     of_harmonic: (10, H), its rows as named below; at_rollers: (2, real ones of H, lanes) cos(n phi_j) and
-    sin(n phi_j); by_roller: (2, Z, H), the same; breathing: which harmonic is n = 0; mobility: the most that forces
-    of 1 N at all rollers accelerate the race by there (1/kg), by moving and bending it; highest, highest_damping:
-    the largest stiffness (1/s^2) and damping (1/s) over mass of any motion of the ring between its springs;
-    sensor_x, sensor_y: cosine and sine of the angle of a sensor on the ring; load: all of the given load (N);
-    springs: what stands around the ring.
+    sin(n phi_j); by_roller: (2, Z, H), the same; breathing: which harmonic is n = 0; mobility: the most that
+    forces of 1 N at all rollers accelerate the race by there (1/kg), as it moves and bends; highest,
+    highest_damping: the largest stiffness (1/s^2) and damping (1/s) over mass of any motion of the ring between
+    its springs; sensor_x, sensor_y: cosine and sine of the angle of a sensor on the ring; load: all of the given
+    load (N); springs: what stands around the ring.
     """
 
     of_harmonic: np.ndarray
