@@ -37,7 +37,6 @@ POSITION, VELOCITY, ACCELERATION = 0 * STATE, 1 * STATE, 2 * STATE
 # how far the outer ring bends (m): amplitudes of its harmonics, of cosine and of sine; where nothing but the
 # radial motion of the rollers is known, since rollers have these rows elsewhere
 MODES_C, MODES_S = ROW, 2 * ROW
-MAX_MODES = ROW
 
 # rollers, radially (m)
 RADIAL, RADIAL_V, RADIAL_A = (block + FIRST_LANE for block in (POSITION, VELOCITY, ACCELERATION))

@@ -13,9 +13,9 @@ from bearingsim.assemble import bending
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.equilibrium import rest_from_scratch
-from bearingsim.core.models.interface import accelerations, read_sensor
+from bearingsim.core.models.interface import accelerations, read_sensor, state_width
+from bearingsim.core.parameters import lanes
 from bearingsim.core.parts import bending as core
 from bearingsim.simulation import simulate
 from tests.independent import beam_ring, bent_rollers, bent_static, ring_elements
@@ -214,21 +214,6 @@ def climbed(found: Scene) -> np.ndarray:
     return b.omega_c * slope
 
 
-def test_forces_and_shapes_are_reciprocal():
-    """The ring bends at one angle, under a force at another, as much as the other way round."""
-    given = bending.of_ring(case(20))
-    of = bending.harmonics(given)
-    draw, real = np.random.default_rng(3), slice(0, of.real)
-
-    def bent(at: float, under: float) -> float:
-        f_c, f_s = np.cos(of.n * under), np.where(of.n > 0.0, np.sin(of.n * under), 0.0)
-        shape = np.cos(of.n * at) * f_c + np.sin(of.n * at) * f_s
-        return float((shape[real] / of.k[real]).sum())
-
-    for at, under in draw.uniform(0.0, 2.0 * pi, (20, 2)):
-        assert bent(at, under) == pytest.approx(bent(under, at), rel=1e-12)
-
-
 def test_the_sensor_reads_the_sum_of_all_harmonics():
     """At 25 deg: by a direct sum."""
     found = at_random(case(8, rig={"sensor": {"angle": "25 deg"}}), 1)
@@ -390,4 +375,4 @@ def test_a_rigid_ring_knows_nothing_of_it():
     model = assemble.model(case(0))
     assert isinstance(model.bending, core.Stiff)
     assert core.harmonics(model.bending) == 0
-    assert Verlet(1e-6).h == 1e-6
+    assert state_width(model) == lay.FIRST_LANE + lanes(model.bearing)
