@@ -71,6 +71,11 @@ class Model:
         """Whether its rollers have mass."""
         return "inertia of rollers" in self.abilities
 
+    @property
+    def has_centrifugal_load(self) -> bool:
+        """Whether its rollers press outwards as they go round: those with mass, and those at rest each instant."""
+        return self.has_inertia or (self.loaded and self.memoryless)
+
 
 @dataclass(frozen=True)
 class Method:

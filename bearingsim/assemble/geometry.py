@@ -46,7 +46,7 @@ def bearing(case: Case) -> Bearing:
         R_o=outer_radius(case),
         R_i=inner_radius(case),
         gap=case.clearance / 4.0,
-        m_r=b.element_mass if MODELS[case.model].has_inertia else 0.0,
+        m_r=b.element_mass if MODELS[case.model].has_centrifugal_load else 0.0,
         I_r=roller_inertia(case) if MODELS[case.model].has_inertia else 0.0,
         m_o=float(ring_mass(case)),
         omega_i=case.speed,

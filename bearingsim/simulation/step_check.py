@@ -101,7 +101,7 @@ class StepCheck:
 
     def bound(self, change: float) -> float:
         """What the step's error of a quantity stays under, from the ``change`` of it (docs/step-check.md)."""
-        least = 0.0 if self.chaotic else LEAST_SHARE * self.error
+        least = LEAST_SHARE * max(self.line, self.rms, self.force)
         return TIMES_CHANGE * max(change, least) + RESOLVED
 
 

@@ -9,7 +9,7 @@ which is minus the gradient of a convex energy, so the method cannot wander off.
 rests on the outer race. ``static`` takes one such equilibrium per step; every model with contacts starts from it.
 """
 
-from math import cos, hypot, pi, sin
+from math import cos, hypot, inf, pi, sin
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,6 +32,7 @@ PAIR, DISTANCE = lay.WORK + lay.ROW, lay.WORK + 3 * lay.ROW
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 MAX_STEPS = 200
 LONGEST_STEP = 1e-5  # m
+LIGHT = 1e-8  # m: how far a roller that carries nothing may be pressed, to begin with
 
 
 class NoEquilibrium(ArithmeticError):
@@ -62,30 +63,30 @@ def excess_force(model, y, j, touch, q):
 def roller_balance(model, y, j, u_r):
     """Position q (m) of a roller when the outer race stands ``u_r`` further out at its angle.
 
-    Newton inside a bracket: from touching the outer race with no force to pressing on it with all there is. The
-    rows PAIR and DISTANCE say where it stands over a pit.
+    Newton's method from where a roller without mass would be, kept between touching the outer race with no force
+    and pressing on it with all there is. The rows PAIR and DISTANCE say where it stands over a pit.
     """
     gap = model.bearing.gap
-    touch = u_r + gap
-    if model.bearing.m_r == 0.0:
-        if touch >= -gap:
-            return touch
-        if y[PAIR + j] < 0.0 and y[PAIR + lay.ROW + j] < 0.0:
-            return -gap - series_share(model.outer.stiffness, model.inner.stiffness, -gap - touch)
-    low, high = touch, max(touch, -gap) + 1e-6
-    while excess_force(model, y, j, touch, high)[0] < 0.0:
-        high += high - low
-    q = 0.5 * (low + high)
+    touch, pressed = u_r + gap, -2.0 * gap - u_r
+    clean = y[PAIR + j] < 0.0 and y[PAIR + lay.ROW + j] < 0.0
+    if model.bearing.m_r == 0.0 and pressed <= 0.0:
+        return touch
+    q = touch + LIGHT
+    if pressed > 0.0:
+        q = -gap - series_share(model.outer.stiffness, model.inner.stiffness, pressed)
+        if clean and model.bearing.m_r == 0.0:
+            return q
+    low, high, scale = touch, inf, max(abs(pressed), LIGHT)
     for _ in range(MAX_STEPS):
         excess, slope = excess_force(model, y, j, touch, q)
         if excess > 0.0:
             high = q
         else:
             low = q
-        target = q - excess / slope
+        target = q - excess / max(slope, 1e-300)
         if not low <= target <= high:
             target = 0.5 * (low + high)
-        if abs(target - q) <= 1e-12 * (high - touch):  # below it lies rounding
+        if abs(target - q) <= 1e-9 * scale:  # the error is of the order of its square
             return target
         q = target
     return q

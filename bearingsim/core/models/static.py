@@ -1,7 +1,7 @@
 """``static``: at each cage angle the ring stands where the forces balance; nothing has inertia or damping.
 
-Left out: everything that takes time. What remains is the load distribution, variable compliance, and the path
-of the ring as rollers sink into a pit.
+Left out: everything that takes time. What remains is the load distribution with the rollers' centrifugal load,
+variable compliance, and the path of the ring as rollers sink into a pit.
 """
 
 from typing import Any, NamedTuple
@@ -16,7 +16,9 @@ from bearingsim.core.pits.pairs import Pits
 
 
 class Static(NamedTuple):
-    """Parameters of the model; ``bearing.m_r`` must be 0, the ring's mass and the damping are not used.
+    """Parameters of the model; the ring's mass and the damping are not used.
+
+    A roller's mass (``bearing.m_r``) presses it outwards as it goes round; a model of massless rollers has 0.
 
     bending: that of the outer ring (``parts/bending.py``).
     """
