@@ -21,6 +21,7 @@ from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.features import OTHER_LINES
 from bearingsim.simulation.simulate import simulate, warm
 from tests.independent import rollers
+from tests.scenes.nf308 import light_rollers
 from tests.scenes.short_cases import FORCES, RATE, RING, SLOT, case
 
 SIMULATION = importlib.import_module("bearingsim.simulation.simulate")
@@ -248,15 +249,14 @@ def test_static_is_periodic_from_its_first_sample() -> None:
 
 
 def test_a_recorded_roller_goes_around_the_bearing_in_static_too() -> None:
-    turn = 13 / RATE
+    """With rollers so light that nothing presses them outwards: `ring` has none of that."""
+    given = {"record": FORCES, "duration": 13 / RATE} | light_rollers(1e-6)
     static, ring = (
-        simulate(case(model=model, record=FORCES, duration=turn)).series["roller.outer_force"]
+        simulate(case(model=model, **given)).series["roller.outer_force"]
         for model in ("static", "ring")
     )
-    outward = 7850 * math.pi * 0.006**2 * 0.012 * (2 * math.pi * RATE / 13) ** 2 * 0.0325
-    assert static.min() == pytest.approx(outward, rel=1e-4)  # the centrifugal load, away from the load
-    assert 0.3 < np.mean(static > outward + 1.0) < 0.6  # half of the bearing carries
-    assert np.abs(static - ring).max() < 0.02 * ring.max() + outward
+    assert 0.3 < np.mean(static > 1.0) < 0.6  # half of the bearing carries
+    assert np.abs(static - ring).max() < 0.02 * ring.max()
 
 
 # What is recorded and computed
