@@ -6,13 +6,14 @@ outer race. The radial motion of the ring at the angle phi, outward, is
     s(phi).x,   s = (cos phi, sin phi, 1, cos 2 phi, sin 2 phi, ..., cos N phi, sin N phi)
 
 so that x = (u_x, u_y, a_0, a_2, b_2, ...): the first two move the ring as it is, the others bend it. Roller j is
-q_j outward of the pitch circle; its approaches are q_j - s(theta_j).x - h_j to the outer race and -q_j to the inner
-one. Everything is where its energy is least (convex, but for the last term, which is a millionth of the contacts'):
+q_j outward of the pitch circle; its approaches are q_j - s(theta_j).x - h_j to the outer race, -q_j to the inner.
+Everything is where its energy is least (convex but for the last term, a millionth of the contacts'):
 
     E = x.K x/2 + k_b |held - anchor|^2/2 + sum_j [V(outer) + V(inner)] + what presses the ring from outside
         - sum_j m_r omega_c^2 (d_m/2 + q_j)^2/2
 
-The last presses rollers outward as they go round. K holds the stiffness of the harmonics (tests/independent/beam_ring.py); u has none. From outside press
+The last presses rollers outward as they go round. K holds the stiffness of the harmonics
+(tests/independent/beam_ring.py); u has none. From outside press
 
 - `Forces`: given forces, inward, at given angles: F s(phi).x each. At one angle the load is a point; at two or
   more it has soft pads, which keep their force. `thrust` makes them equal with the resultant -load e_0.

@@ -252,8 +252,7 @@ def test_a_recorded_roller_goes_around_the_bearing_in_static_too() -> None:
     """With rollers so light that nothing presses them outwards: `ring` has none of that."""
     given = {"record": FORCES, "duration": 13 / RATE} | light_rollers(1e-6)
     static, ring = (
-        simulate(case(model=model, **given)).series["roller.outer_force"]
-        for model in ("static", "ring")
+        simulate(case(model=model, **given)).series["roller.outer_force"] for model in ("static", "ring")
     )
     assert 0.3 < np.mean(static > 1.0) < 0.6  # half of the bearing carries
     assert np.abs(static - ring).max() < 0.02 * ring.max()
@@ -327,7 +326,9 @@ def test_peak_force_of_static_equals_the_load_sharing() -> None:
         angles = theta + 2 * np.pi / 13 * np.arange(13)
         out = 1e-6 * u[0] * np.cos(angles) + 1e-6 * u[1] * np.sin(angles)
         race = rollers.R_O - rollers.R_W + out
-        return np.array([rollers.elastic(rollers.roller_at_rest(x) - r) for x, r in zip(out, race, strict=True)]), angles
+        return np.array(
+            [rollers.elastic(rollers.roller_at_rest(x) - r) for x, r in zip(out, race, strict=True)]
+        ), angles
 
     def rest(theta: float) -> float:
         def net(u: np.ndarray) -> list[float]:

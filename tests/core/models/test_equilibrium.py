@@ -39,7 +39,9 @@ def sjovall(epsilon, n):
 
 def unsupported(Z=13, load=150.0, clearance=0.0, first=0.0, model="static", **given):
     """The static model of weightless rollers, which alone hold the ring, the first at ``first``."""
-    found = weightless(assemble.model(case(load=load, clearance=clearance, start_angle=first, model=model, **given)))
+    found = weightless(
+        assemble.model(case(load=load, clearance=clearance, start_angle=first, model=model, **given))
+    )
     free = found.support._replace(k_b=0.0)
     return found._replace(bearing=found.bearing._replace(Z=Z), support=free)
 
@@ -149,7 +151,7 @@ def test_a_slot_takes_the_load_off_its_roller():
 
 
 def resting(speed, model="static", **given):
-    """A model at ``speed`` (rpm), 150 N and 20 um of clearance, at rest: with its buffer, outer and inner forces."""
+    """A model at ``speed`` (rpm), 150 N and 20 um of clearance, at rest: its buffer, outer and inner forces."""
     found = assemble.model(case(model=model, speed=f"{speed} rpm", clearance="20 um", **given))
     y = assemble.empty_buffer(found)
     assert rest_from_scratch(assemble.static_model(found), 0.0, y) < 1e-7
@@ -235,7 +237,9 @@ def test_a_rollers_balance_is_that_of_a_bisection(named):
         shares = np.array([share, 1.0 - share])
 
         def force(law, side, delta, h=h, over=over, shares=shares):
-            return sum(w * elastic(law, max(delta - d, 0.0)) for w, d in zip(shares, h[side] * over[side], strict=True))
+            return sum(
+                w * elastic(law, max(delta - d, 0.0)) for w, d in zip(shares, h[side] * over[side], strict=True)
+            )
 
         def loads(q, gap=gap, u_r=u_r, force=force):
             return np.array([force(outer, 0, q - u_r - gap), force(inner, 1, -gap - q)])

@@ -267,8 +267,8 @@ def test_a_ring_on_unequal_contacts_is_one_of_light_rollers(carried):
 def test_a_roller_between_pits_of_unequal_races(races, name):
     """At rest, by hand: slots of 0.1 mm over half of the roller let it sink by h into one race, or into both.
 
-    half E_o(d_o) + half E_o(d_o - h_o) = half E_i(d_i) + half E_i(d_i - h_i) + m_r omega_c^2 r, d_o + d_i = -u.e_r.
-    The last is in `static` alone.
+    half E_o(d_o) + half E_o(d_o - h_o) = half E_i(d_i) + half E_i(d_i - h_i) + m_r omega_c^2 r,
+    with d_o + d_i = -u.e_r. The last is in `static` alone.
     """
     defects = [SLOT | {"width": "0.1 mm", "length": "6 mm", "race": race} for race in races]
     model = unequal(assemble.model(case(model=name, defects=defects, start_angle=0.0)), 3.0)
