@@ -34,7 +34,7 @@ MAX_STEPS = 200
 LONGEST_STEP = 1e-5  # m
 LIGHT = 1e-8  # m: how far a roller that carries nothing may be pressed, to begin with
 REACH = 1e-6  # m: how far one is looked for further out, to begin with
-TINY = 1e-18  # m: a tenth of a nanonewton in a contact
+TINY = 1e-16  # m: ten nanonewtons in a contact, where the search halves; a Newton step ends far closer
 
 
 class NoEquilibrium(ArithmeticError):
