@@ -26,6 +26,7 @@ from bearingsim.config.names import FAULT_LINES
 from bearingsim.selection.choices import key
 from bearingsim.selection.trials import every_candidate, reference
 from bearingsim.simulation import SimulationError, simulate, try_out
+from bearingsim.simulation.trial import Trial
 from bearingsim.study import Study, StudyError, load_study
 
 WITHIN = (0.05, 0.02, 0.01)
@@ -120,7 +121,8 @@ def scene(number: int, seed: int, longer: float) -> dict[str, Any]:
 
 
 def _of_study(study: Study, longer: float) -> dict[str, Any]:
-    case, known = reference(study.cases()[0]), {}
+    case = reference(study.cases()[0])
+    known: dict[str, Trial | None] = {}
     assert study.goal is not None
     simulation.warm([one.case for one in selection.first_trials(study, [0])])
     simulation.warm([found[0] for found in every_candidate(study, [0]).values() if found])
@@ -202,9 +204,8 @@ def report(rows: list[dict[str, Any]]) -> None:
             of.append((cost, row["reference_s"]))
         for group, pairs in groups.items():
             taken, always = (sum(pair[n] for pair in pairs) for n in (0, 1))
-            print(
-                f"  {' '.join(group)}: {len(pairs)} scenes, {taken / always:.2f} of the CPU of always the reference"
-            )
+            share = f"{taken / always:.2f} of the CPU of always the reference"
+            print(f"  {' '.join(group)}: {len(pairs)} scenes, {share}")
 
 
 def _kind(feature: str) -> str:

@@ -95,7 +95,7 @@ def _compute(
     root: Path, batch: tuple["Trialled", ...], engine: Engine, provenance: "Mapping[str, Value]"
 ) -> tuple[list[str], list[str]]:
     """The trials of a batch; a reference that repeats itself is stored as a job, too. Ids done and failed."""
-    from bearingsim.study import Job
+    from bearingsim.study import Job, case_id
 
     try_out = load(engine.try_out)
     found: dict[str, Trial | None] = {}
@@ -106,7 +106,7 @@ def _compute(
         except Exception:  # told by the job, if it comes to that
             found[one.id], record = None, None
         if record is not None:
-            records.append((Job(one.job, one.case, {}, None), record))
+            records.append((Job(case_id(one.case), one.case, {}, None), record))
     store.write_units(root, records, provenance)
     store.write_trials(root, store.unit_name(found), found)
     return [name for name, one in found.items() if one is not None], [n for n, one in found.items() if one is None]

@@ -44,7 +44,13 @@ def chosen(study: Study, choices: Choices) -> Study:
     """The study with what was chosen; every case must have a choice."""
     own = [case for case, _ in study.swept_cases]
     found = [choices[key(study, case)] for case in own]
-    cases = [_case(study, own, n, one.candidate) for n, one in enumerate(found)]
+    asked = {one.candidate for one in found}
+    others = {
+        name: study.otherwise(given) if given and study.otherwise is not None else own
+        for name, given in ladder(own).items()
+        if name in asked
+    }
+    cases = [_case(own[n], others.get(one.candidate, ()), n) for n, one in enumerate(found)]
     swept = tuple((case, values) for case, (_, values) in zip(cases, study.swept_cases, strict=True))
     ids = [case_id(case) for case in cases]
     drawn = tuple((curve.feature, tuple(ids[n] for n in curve.cases)) for curve in curves(study))
@@ -53,14 +59,12 @@ def chosen(study: Study, choices: Choices) -> Study:
     return replace(study, swept_cases=swept, selection=selection)
 
 
-def _case(study: Study, own: Sequence[Case], number: int, candidate: str) -> Case:
-    """A case as a candidate computes it."""
-    if candidate == REFERENCE:
-        return reference(own[number])
-    given = ladder(own)[candidate]
-    others = study.otherwise(given) if given and study.otherwise is not None else own
+def _case(own: Case, others: Sequence[Case | None], number: int) -> Case:
+    """A case as its candidate computes it; ``others``: all cases by that, none if that is the reference."""
+    if not others:
+        return reference(own)
     found = others[number]
-    assert found is not None, f"{candidate} cannot compute case {number}"
+    assert found is not None, "it was tried"
     return found
 
 

@@ -6,6 +6,7 @@ is tried. Of the others, every model that costs less goes through the same passe
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from bearingsim.config import Case
 from bearingsim.config.sections.ring import MAX_HARMONICS
@@ -13,7 +14,7 @@ from bearingsim.simulation.time_grid import estimate
 from bearingsim.simulation.trial import Trial, passes_to_try
 from bearingsim.study import Study, healthy_twin
 from bearingsim.study.goal import HEALTHY
-from bearingsim.study.jobs import case_id, identity
+from bearingsim.study.jobs import identity
 
 MODELS_BELOW = ("rollers", "ring", "static")
 """From the highest; `planar` too, below `spatial`."""
@@ -23,13 +24,9 @@ WORTH_TRYING = 0.8  # of what the reference takes: a model that saves less is no
 
 @dataclass(frozen=True)
 class Trialled:
-    """A trial to be computed: of which case, what is asked of it, how many ball passes.
-
-    job: the id that the case has as a job.
-    """
+    """A trial to be computed: of which case, what is asked of it, how many ball passes."""
 
     id: str
-    job: str
     case: Case
     asked: tuple[str, ...]
     passes: int
@@ -43,8 +40,13 @@ def trial_of(study: Study, case: Case, passes: int) -> Trialled:
     """The trial of a case."""
     assert study.goal is not None
     asked = tuple(sorted({name.removesuffix(HEALTHY) for name in study.goal.of}))
-    named = identity(case, {"trial": passes, "asked": list(asked)})
-    return Trialled(named, case_id(case), case, asked, passes)
+    return Trialled(_named(case, asked, passes), case, asked, passes)
+
+
+@lru_cache(maxsize=1 << 17)
+def _named(case: Case, asked: tuple[str, ...], passes: int) -> str:
+    """The id of a trial."""
+    return identity(case, {"trial": passes, "asked": list(asked)})
 
 
 def reference(case: Case) -> Case:
@@ -78,7 +80,8 @@ def repeats(study: Study, case: Case, known: Known) -> bool:
 
 def candidates(study: Study, numbers: Sequence[int], known: Known) -> dict[str, dict[int, Case]]:
     """What may be taken in place of a reference that does not repeat itself, if it costs less, by name."""
-    open_cases = [n for n in numbers if not repeats(study, study.cases()[n], known)]
+    own = study.cases()
+    open_cases = [n for n in numbers if not repeats(study, own[n], known)]
     return {name: cases for name, cases in every_candidate(study, open_cases).items() if cases}
 
 
@@ -113,6 +116,7 @@ def saves(case: Case, instead_of: Case) -> bool:
     return price(case) < WORTH_TRYING * price(instead_of)
 
 
+@lru_cache(maxsize=1 << 17)
 def price(case: Case) -> float:
     """CPU time (s) of all of a case that does not repeat itself; infinite for one that is refused."""
     try:
@@ -123,10 +127,11 @@ def price(case: Case) -> float:
 
 def further_trials(study: Study, numbers: Sequence[int], known: Known) -> list[Trialled]:
     """Those of the candidates, where the reference does not repeat itself; each once."""
+    own = study.cases()
     found = [
         one
         for cases in candidates(study, numbers, known).values()
         for n, case in cases.items()
-        for one in with_twin(study, case, passes_to_try(study.cases()[n]))
+        for one in with_twin(study, case, passes_to_try(own[n]))
     ]
     return list({one.id: one for one in found}.values())

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from pathlib import Path as FilePath
@@ -38,6 +38,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
 _LIST_VALUED = ("defects", "record", "rig.load.angles", "rig.load.at")
 
 Swept = dict[str, float | str]
+Otherwise = Callable[[Mapping[str, str]], list[Case | None]]
 
 
 def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None, quick: bool = False) -> Study:
@@ -79,7 +80,20 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     study = Study(name, str(path), text, given, reduced, figures, units, swept_cases, told, tried)
     if goal is None:
         return study
-    return replace(study, goal=goal, otherwise=plans[chosen].otherwise)
+    return replace(study, goal=goal, otherwise=_remembered(plans[chosen].otherwise))
+
+
+def _remembered(otherwise: Otherwise) -> Otherwise:
+    """The same, expanding a study once for each set of values."""
+    found: dict[tuple[tuple[str, str], ...], list[Case | None]] = {}
+
+    def remembered(given: Mapping[str, str]) -> list[Case | None]:
+        asked = tuple(sorted(given.items()))
+        if asked not in found:
+            found[asked] = otherwise(given)
+        return found[asked]
+
+    return remembered
 
 
 def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
