@@ -199,6 +199,12 @@ def code(where: str) -> Any:
         raise UserError(f"`{where}` of the catalogue does not load: {error}") from error
 
 
+def below(name: str) -> list[str]:
+    """The names of the models under one whose rollers carry load, from the highest down."""
+    order = list(MODELS)
+    return [lower for lower in reversed(order[: order.index(name)]) if MODELS[lower].loaded]
+
+
 def lowest(*abilities: str) -> str:
     """The name of the lowest model with all these abilities."""
     return next(model.name for model in MODELS.values() if model.abilities.issuperset(abilities))
@@ -285,6 +291,8 @@ register(
 
 USUAL_MODEL = "rollers"
 """The model of a case that names none."""
+REFERENCES = ("planar", "spatial", "rollers", "impulse")
+"""The models by which others are judged, in this order: the first that can do all that a case asks for."""
 EXPLICIT = "verlet"
 """The explicit method that others are measured against: its step limit, its price."""
 

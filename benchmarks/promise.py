@@ -13,6 +13,7 @@ import json
 import tempfile
 import time
 from dataclasses import replace
+from math import hypot
 from pathlib import Path
 from typing import Any
 
@@ -168,7 +169,7 @@ def _of_feature(feature: str, found: dict[str, float], right: dict[str, float], 
     return {
         "off": abs(found[feature] - right[feature]) / size,
         "scatter": errors[0],
-        "both": float(np.hypot(*errors)),
+        "both": hypot(*errors),
         "model": model,
         "step": 0.0 if np.isnan(step) else step,
     }

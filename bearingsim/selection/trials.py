@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
+from bearingsim.catalogue import MODELS, below
 from bearingsim.config import Case
 from bearingsim.config.sections.ring import MAX_HARMONICS
 from bearingsim.simulation.time_grid import estimate
@@ -16,9 +17,8 @@ from bearingsim.study import Study, healthy_twin
 from bearingsim.study.goal import HEALTHY
 from bearingsim.study.jobs import identity
 
-MODELS_BELOW = ("rollers", "ring", "static")
-"""From the highest; `planar` too, below `spatial`."""
 FEW_HARMONICS, FEW_SLICES = "8", 0.5
+AS_SAID = "the harmonics that are said"
 WORTH_TRYING = 0.8  # of what the reference takes: a model that saves less is not tried
 
 
@@ -100,15 +100,15 @@ def every_candidate(study: Study, numbers: Sequence[int]) -> dict[str, dict[int,
 def ladder(cases: Sequence[Case]) -> dict[str, dict[str, str]]:
     """The candidates below the references of some cases, by name, and what each says otherwise."""
     found: dict[str, dict[str, str]] = {}
-    models = {case.model for case in cases}
+    order = list(MODELS)
+    highest = max((case.model for case in cases), key=order.index)
     if any(case.rig.ring is not None for case in cases):
-        found["rollers"] = {}
-        found[f"rollers, {FEW_HARMONICS} harmonics"] = {"rig.ring.harmonics": FEW_HARMONICS}
-        return found | {"static": {"model": "static"}}
-    if "spatial" in models:
-        few = str(max(2, round(FEW_SLICES * max(int(case.contact.slices) for case in cases))))
-        found |= {f"spatial, {few} slices": {"contact.slices": few}, "planar": {"model": "planar"}}
-    return found | {name: {"model": name} for name in MODELS_BELOW}
+        found |= {AS_SAID: {}, f"{FEW_HARMONICS} harmonics": {"rig.ring.harmonics": FEW_HARMONICS}}
+    sliced = [int(case.contact.slices) for case in cases if MODELS[case.model].sliced]
+    if sliced:
+        few = str(max(2, round(FEW_SLICES * max(sliced))))
+        found[f"{few} slices"] = {"contact.slices": few}
+    return found | {name: {"model": name} for name in below(highest)}
 
 
 def saves(case: Case, instead_of: Case) -> bool:

@@ -53,19 +53,15 @@ def least(case: "CaseFields") -> str | None:
     return able[0] if able else None
 
 
-REFERENCES = ("planar", "spatial", "rollers", "impulse")
-"""Models by which others are judged, in this order: the first that can do all that a case asks for."""
-
-
 def reference(case: "CaseFields") -> str | None:
-    """The model by which others are judged: `planar`; what it cannot do is left to others, by what they know.
+    """The model by which others are judged: the first of ``catalogue.REFERENCES`` that can do all that is asked.
 
     None if no model can do all that is firm.
     """
     found = needs(case)
     asked, firm = {need.what for need in found}, {need.what for need in found if need.required}
-    known = [name for name in REFERENCES if name in catalogue.MODELS]
-    able = [name for wanted in (asked, firm) for name in known if wanted <= catalogue.MODELS[name].abilities]
+    models = [catalogue.MODELS[name] for name in catalogue.REFERENCES]
+    able = [model.name for wanted in (asked, firm) for model in models if wanted <= model.abilities]
     return able[0] if able else None
 
 
