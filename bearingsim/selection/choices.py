@@ -9,8 +9,8 @@ from random import Random
 
 from bearingsim.config import Case
 from bearingsim.selection.curves import curves
-from bearingsim.selection.trials import ladder, reference
-from bearingsim.study import Job, Study
+from bearingsim.selection.trials import computed_by, reference
+from bearingsim.study import Job, Study, healthy_twin
 from bearingsim.study.jobs import Audit, Selection, case_id, identity
 
 AUDITED, FEWEST_AUDITED = 0.05, 3
@@ -55,11 +55,7 @@ def chosen(study: Study, choices: Choices) -> Study:
 
 def _case(study: Study, own: Sequence[Case], number: int, candidate: str) -> Case:
     """A case as a candidate computes it."""
-    if candidate == REFERENCE:
-        return reference(own[number])
-    given = ladder(own)[candidate]
-    others = study.otherwise(given) if given and study.otherwise is not None else own
-    found = others[number]
+    found = reference(own[number]) if candidate == REFERENCE else computed_by(study, number, candidate)
     assert found is not None, f"{candidate} cannot compute case {number}"
     return found
 
@@ -73,4 +69,12 @@ def audits(references: Sequence[Case], ids: Sequence[str]) -> list[Audit]:
         return []
     count = min(len(other), max(FEWEST_AUDITED, round(AUDITED * len(other))))
     picked = Random(references[0].seed).sample(other, count)
-    return [Audit(name, Job(case_id(case), case, {}, None, is_variation=True)) for name, case in picked]
+    return [_audit(name, case) for name, case in picked]
+
+
+def _audit(of: str, case: Case) -> Audit:
+    """A job computed again as a case says, with the healthy twin that lines may be measured against."""
+    plain = healthy_twin(case)
+    twin = None if plain is None else Job(case_id(plain), plain, {}, None, is_variation=True)
+    job = Job(case_id(case), case, {}, twin.id if twin else None, is_variation=True)
+    return Audit(of, job, twin)

@@ -4,6 +4,7 @@ A reference whose motion repeats itself is computed to the end by its trial: it 
 is tried. Of the others, every model that costs less goes through the same passes.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -15,9 +16,10 @@ from bearingsim.study import Study, healthy_twin
 from bearingsim.study.goal import HEALTHY
 from bearingsim.study.jobs import case_id, identity
 
-MODELS_BELOW = ("rollers", "ring", "static")
-"""From the highest; `planar` too, below `spatial`."""
 FEW_HARMONICS, FEW_SLICES = "8", 0.5
+FEWER_HARMONICS, FEWER_SLICES = f"rollers, {FEW_HARMONICS} harmonics", "spatial, half the slices"
+CANDIDATES = (FEWER_SLICES, "planar", "rollers", FEWER_HARMONICS, "ring", "static")
+"""All of them, from the highest."""
 WORTH_TRYING = 0.8  # of what the reference takes: a model that saves less is not tried
 
 
@@ -72,45 +74,67 @@ def first_trials(study: Study, numbers: Sequence[int]) -> list[Trialled]:
 
 def repeats(study: Study, case: Case, known: Known) -> bool:
     """Whether a case's reference was found to repeat itself: then it is the answer; or failed: then nothing is."""
-    found = known.get(trial_of(study, reference(case), passes_to_try(case)).id)
-    return found is None or found.repeats
+    found = [known.get(one.id) for one in with_twin(study, reference(case), passes_to_try(case))]
+    return any(one is None for one in found) or (found[0] is not None and found[0].repeats)
 
 
 def candidates(study: Study, numbers: Sequence[int], known: Known) -> dict[str, dict[int, Case]]:
     """What may be taken in place of a reference that does not repeat itself, if it costs less, by name."""
-    open_cases = [n for n in numbers if not repeats(study, study.cases()[n], known)]
-    return {name: cases for name, cases in every_candidate(study, open_cases).items() if cases}
+    cases = study.cases()
+    return every_candidate(study, [n for n in numbers if not repeats(study, cases[n], known)])
 
 
 def every_candidate(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case]]:
-    """The cases of each candidate that can be and costs less than the reference, by name, from the highest."""
-    if not numbers or study.otherwise is None:
+    """The cases of each candidate that can be and costs less than the reference, by name, from the highest.
+
+    None that two cases come to: their results would be one.
+    """
+    if study.otherwise is None:
         return {}
-    own, found = study.cases(), {}
-    for name, given in ladder([own[n] for n in numbers]).items():
-        others = study.otherwise(given) if given else own
-        able = {n: others[n] for n in numbers}
-        found[name] = {n: case for n, case in able.items() if case is not None and saves(case, reference(own[n]))}
-    return found
+    own, found = study.cases(), {name: dict[int, Case]() for name in CANDIDATES}
+    for n in numbers:
+        if own[n].ramp is not None:
+            continue  # its first passes, at one speed, tell nothing of those at another
+        instead_of = price(reference(own[n]))
+        for name in ladder(own[n]):
+            case = computed_by(study, n, name)
+            if case is not None and saves(case, instead_of):
+                found[name][n] = case
+    apart = {name: _told_apart(cases) for name, cases in found.items()}
+    return {name: cases for name, cases in apart.items() if cases}
 
 
-def ladder(cases: Sequence[Case]) -> dict[str, dict[str, str]]:
-    """The candidates below the references of some cases, by name, and what each says otherwise."""
-    found: dict[str, dict[str, str]] = {}
-    models = {case.model for case in cases}
-    if any(case.rig.ring is not None for case in cases):
-        found["rollers"] = {}
-        found[f"rollers, {FEW_HARMONICS} harmonics"] = {"rig.ring.harmonics": FEW_HARMONICS}
-        return found | {"static": {"model": "static"}}
-    if "spatial" in models:
-        few = str(max(2, round(FEW_SLICES * max(int(case.contact.slices) for case in cases))))
-        found |= {f"spatial, {few} slices": {"contact.slices": few}, "planar": {"model": "planar"}}
-    return found | {name: {"model": name} for name in MODELS_BELOW}
+def _told_apart(cases: Mapping[int, Case]) -> dict[int, Case]:
+    """The cases that are no other's equals."""
+    ids = {n: case_id(case) for n, case in cases.items()}
+    count = Counter(ids.values())
+    return {n: case for n, case in cases.items() if count[ids[n]] == 1}
 
 
-def saves(case: Case, instead_of: Case) -> bool:
-    """Whether a case takes so much less CPU time than another that it is worth trying."""
-    return price(case) < WORTH_TRYING * price(instead_of)
+def computed_by(study: Study, number: int, candidate: str) -> Case | None:
+    """A case of a study as a candidate computes it; None if it cannot be."""
+    own = study.cases()[number]
+    given = ladder(own)[candidate]
+    if not given or study.otherwise is None:
+        return own
+    return study.otherwise(given)[number]
+
+
+def ladder(case: Case) -> dict[str, dict[str, str]]:
+    """The candidates below the reference of a case, by name, and what each says otherwise."""
+    if case.rig.ring is not None:
+        few = {"rig.ring.harmonics": FEW_HARMONICS}
+        return {"rollers": {}, FEWER_HARMONICS: few, "static": {"model": "static"}}
+    below: dict[str, dict[str, str]] = {name: {"model": name} for name in ("rollers", "ring", "static")}
+    if case.model != "spatial":
+        return below
+    few = {"contact.slices": str(max(2, round(FEW_SLICES * int(case.contact.slices))))}
+    return {FEWER_SLICES: few, "planar": {"model": "planar"}} | below
+
+
+def saves(case: Case, instead_of: float) -> bool:
+    """Whether a case takes so much less CPU time than another (s) that it is worth trying."""
+    return price(case) < WORTH_TRYING * instead_of
 
 
 def price(case: Case) -> float:
@@ -123,10 +147,11 @@ def price(case: Case) -> float:
 
 def further_trials(study: Study, numbers: Sequence[int], known: Known) -> list[Trialled]:
     """Those of the candidates, where the reference does not repeat itself; each once."""
+    own = study.cases()
     found = [
         one
         for cases in candidates(study, numbers, known).values()
         for n, case in cases.items()
-        for one in with_twin(study, case, passes_to_try(study.cases()[n]))
+        for one in with_twin(study, case, passes_to_try(own[n]))
     ]
     return list({one.id: one for one in found}.values())

@@ -121,6 +121,7 @@ class _Plan:
     found: Found = field(default_factory=dict)
     asked: set[str] = field(default_factory=set)  # paths that a sweep names, right or wrong
     places: dict[str, Path] = field(default_factory=dict)  # where those lead that are right
+    others: dict[tuple, list[Case | None]] = field(default_factory=dict)  # what was asked for otherwise
 
     @classmethod
     def of(cls, root: Node, folder: FilePath, overrides: Mapping[str, str], quick: bool) -> "_Plan":
@@ -221,7 +222,13 @@ class _Plan:
         return list(cases.values())
 
     def otherwise(self, given: Mapping[str, str]) -> list[Case | None]:
-        """The same cases with other values at some paths; None for one that cannot be."""
+        """The same cases with other values at some paths; None for one that cannot be. Each is made once."""
+        named = tuple(given.items())
+        if named not in self.others:
+            self.others[named] = self._otherwise(given)
+        return self.others[named]
+
+    def _otherwise(self, given: Mapping[str, str]) -> list[Case | None]:
         other = _Plan(self.base, self.folder, list(self.axes), places=dict(self.places))
         for path, text in given.items():
             other.fix(path, Node(text, self.base.mark), self.base.mark)
