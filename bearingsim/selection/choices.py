@@ -9,8 +9,8 @@ from random import Random
 
 from bearingsim.config import Case
 from bearingsim.selection.curves import curves
-from bearingsim.selection.trials import ladder, reference
-from bearingsim.study import Job, Study
+from bearingsim.selection.trials import computed_by, reference
+from bearingsim.study import Job, Study, healthy_twin
 from bearingsim.study.jobs import Audit, Selection, case_id, identity
 
 AUDITED, FEWEST_AUDITED = 0.05, 3
@@ -44,13 +44,7 @@ def chosen(study: Study, choices: Choices) -> Study:
     """The study with what was chosen; every case must have a choice."""
     own = [case for case, _ in study.swept_cases]
     found = [choices[key(study, case)] for case in own]
-    asked = {one.candidate for one in found}
-    others = {
-        name: study.otherwise(given) if given and study.otherwise is not None else own
-        for name, given in ladder(own).items()
-        if name in asked
-    }
-    cases = [_case(own[n], others.get(one.candidate, ()), n) for n, one in enumerate(found)]
+    cases = [_case(study, own, n, one.candidate) for n, one in enumerate(found)]
     swept = tuple((case, values) for case, (_, values) in zip(cases, study.swept_cases, strict=True))
     ids = [case_id(case) for case in cases]
     drawn = tuple((curve.feature, tuple(ids[n] for n in curve.cases)) for curve in curves(study))
@@ -59,12 +53,10 @@ def chosen(study: Study, choices: Choices) -> Study:
     return replace(study, swept_cases=swept, selection=selection)
 
 
-def _case(own: Case, others: Sequence[Case | None], number: int) -> Case:
-    """A case as its candidate computes it; ``others``: all cases by that, none if that is the reference."""
-    if not others:
-        return reference(own)
-    found = others[number]
-    assert found is not None, "it was tried"
+def _case(study: Study, own: Sequence[Case], number: int, candidate: str) -> Case:
+    """A case as a candidate computes it."""
+    found = reference(own[number]) if candidate == REFERENCE else computed_by(study, number, candidate)
+    assert found is not None, f"{candidate} cannot compute case {number}"
     return found
 
 
@@ -77,4 +69,12 @@ def audits(references: Sequence[Case], ids: Sequence[str]) -> list[Audit]:
         return []
     count = min(len(other), max(FEWEST_AUDITED, round(AUDITED * len(other))))
     picked = Random(references[0].seed).sample(other, count)
-    return [Audit(name, Job(case_id(case), case, {}, None, is_variation=True)) for name, case in picked]
+    return [_audit(name, case) for name, case in picked]
+
+
+def _audit(of: str, case: Case) -> Audit:
+    """A job computed again as a case says, with the healthy twin that lines may be measured against."""
+    plain = healthy_twin(case)
+    twin = None if plain is None else Job(case_id(plain), plain, {}, None, is_variation=True)
+    job = Job(case_id(case), case, {}, twin.id if twin else None, is_variation=True)
+    return Audit(of, job, twin)

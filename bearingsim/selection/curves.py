@@ -31,33 +31,57 @@ def curves(study: Study) -> list[Curve]:
 
 def _of_figure(figure: Figure, swept: Sequence[dict[str, float | str]]) -> Iterator[tuple[int, ...]]:
     """The cases of each curve of a figure: one for each combination of what it draws apart."""
+    meant = [
+        number
+        for number, values in enumerate(swept)
+        if all(_is_meant(path, text, values.get(path)) for path, text in figure.where.items())
+    ]
+    paths = _apart(figure, [swept[number] for number in meant])
     found: dict[tuple, list[int]] = {}
-    for number, values in enumerate(swept):
-        if all(_is_meant(path, text, values.get(path)) for path, text in figure.where.items()):
-            apart = tuple(values.get(path) for path in (*figure.by, *figure.panels))
-            found.setdefault(apart, []).append(number)
+    for number in meant:
+        found.setdefault(tuple(swept[number].get(path) for path in paths), []).append(number)
     return (tuple(numbers) for numbers in found.values())
+
+
+def _apart(figure: Figure, swept: Sequence[dict[str, float | str]]) -> list[str]:
+    """The paths that part a figure's curves: those it names, then every other that still varies at one x.
+
+    As figures are drawn (``plots/select.py``).
+    """
+    paths = [*figure.by, *figure.panels]
+    for path in dict.fromkeys(name for values in swept for name in values if name not in (figure.x, *paths)):
+        at: dict[tuple, set] = {}
+        for values in swept:
+            place = tuple(values.get(name) for name in (figure.x, *paths))
+            at.setdefault(place, set()).add(values.get(path))
+        if any(len(found) > 1 for found in at.values()):
+            paths.append(path)
+    return paths
 
 
 def _is_meant(path: str, text: str, value: Any) -> bool:
     """Whether a swept value (SI, or a word) is what a `where` says."""
     known = dimension(path)
-    if not isinstance(value, float) or known is None:
+    if not isinstance(value, float):
         return str(value) == text
     try:
-        return abs(parse(text, known) - value) <= 1e-9 * max(abs(value), 1e-300)
-    except UnitError:
+        wanted = parse(text, known) if known else float(text)  # a seed has no unit
+    except (UnitError, ValueError):
         return False
+    return abs(wanted - value) <= 1e-9 * max(abs(value), 1e-300)
 
 
-def scale(feature: str, case: int, values: Sequence[float], drawn: Iterable[Curve]) -> float:
-    """What an error of a case's feature counts over: the largest value of its curve, of the lowest of several.
+def scales(feature: str, values: Sequence[float], drawn: Iterable[Curve]) -> list[float]:
+    """What errors of a feature count over, by case: the largest value of its curve, of the lowest of several.
 
-    values: of all cases. Its own value, where no curve draws it.
+    values: of all cases; NaN where nobody knows. A case's own value, where no curve draws it.
     """
-    mine = [curve for curve in drawn if curve.feature == feature and case in curve.cases]
-    largest = [max((values[n] for n in curve.cases if values[n] == values[n]), default=0.0) for curve in mine]
-    return min(largest, default=values[case])
+    found: dict[int, float] = {}
+    for curve in drawn:
+        if curve.feature == feature:
+            largest = max((values[n] for n in curve.cases if values[n] == values[n]), default=float("nan"))
+            found |= {n: min(found.get(n, largest), largest) for n in curve.cases}
+    return [found.get(n, value) for n, value in enumerate(values)]
 
 
 def groups(cases: Iterable[int], drawn: Iterable[Curve]) -> list[list[int]]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from bearingsim.config import Case
 from bearingsim.selection.choices import REFERENCE, Choice, Choices, key
-from bearingsim.selection.curves import curves, groups, scale
+from bearingsim.selection.curves import curves, groups, scales
 from bearingsim.selection.judge import Value, error, value
 from bearingsim.selection.trials import (
     Known,
@@ -49,6 +49,7 @@ def decide(study: Study, numbers: Sequence[int], known: Known) -> Decision:
     for n in settled:
         why = "the reference repeats itself: its trial is the answer"
         found[n] = Choice(REFERENCE, cases[n].model, why if of_reference[n] else "the reference fails", {})
+    sizes = {feature: scales(feature, size[feature], drawn) for feature in goal.of}
     errors: dict[str, dict[int, dict[str, float]]] = {}
     able = candidates(study, numbers, known)
     for name, tried in able.items():
@@ -56,14 +57,22 @@ def decide(study: Study, numbers: Sequence[int], known: Known) -> Decision:
             own = values(study, case, cases[n], known)
             if own:
                 errors.setdefault(name, {})[n] = {
-                    feature: off(own[feature], of_reference[n][feature], feature, cases[n])
-                    / (scale(feature, n, size[feature], drawn) or 1.0)
+                    feature: _relative(
+                        off(own[feature], of_reference[n][feature], feature, cases[n]), sizes[feature][n]
+                    )
                     for feature in goal.of
                 }
     open_cases = [n for n in numbers if n not in found]
     for group in groups(open_cases, drawn):
         found |= _of_group(study, group, able, errors)
-    return Decision({key(study, cases[n]): one for n, one in found.items()}, len(settled))
+    repeating = sum(bool(of_reference[n]) for n in settled)
+    return Decision({key(study, cases[n]): one for n, one in found.items()}, repeating)
+
+
+def _relative(error: float, size: float) -> float:
+    """An error over what it counts over; infinite if nobody knows."""
+    found = error / (size or 1.0)
+    return found if np.isfinite(found) else float("inf")
 
 
 def off(own: Value, other: Value, feature: str, case: Case) -> float:
@@ -120,10 +129,16 @@ def _told(
     if name != REFERENCE:
         why = f"{100.0 * max(errors[name][n].values()):.2g} % from {case.model}, at {able[name][n].model}'s price"
         return Choice(name, able[name][n].model, why, errors[name][n])
-    nearest = min((max(of[n].values()) for of in errors.values() if n in of), default=np.inf)
-    tried = (
-        f"the nearest of those that cost less is {100.0 * nearest:.2g} % off"
-        if nearest < np.inf
-        else "nothing costs less"
-    )
-    return Choice(REFERENCE, case.model, f"{tried}: over {100.0 * FOR_MODEL * within:.2g} %", {})
+    return Choice(REFERENCE, case.model, _why_none(n, errors, FOR_MODEL * within), {})
+
+
+def _why_none(n: int, errors: Errors, most: float) -> str:
+    """Why nothing cheaper is taken in place of the reference of a case."""
+    own = [max(of[n].values()) for of in errors.values() if n in of]
+    if not own:
+        return "nothing that can do this costs less"
+    if min(own) == np.inf:
+        return "what costs less could not be told from it in so few ball passes"
+    nearest = f"the nearest of those that cost less is {100.0 * min(own):.2g} % off"
+    over = f"over {100.0 * most:.2g} %"
+    return f"{nearest}: {over}" if min(own) > most else f"{nearest} here, but {over} elsewhere on a curve"

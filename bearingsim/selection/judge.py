@@ -49,7 +49,7 @@ def error(feature: str, one: Value, other: Value, turns: float) -> float:
     blocks = np.array_split(difference, max(1, int(len(difference) / max(1.0, turns))))
     apart = abs(one.value - other.value)
     if len(blocks) < 2:
-        return float("inf") if turns > 1.0 else apart
+        return float("inf")  # how it scatters is not seen
     t = float(stdtrit(len(blocks) - 1.0, SURE))
     if feature == "outer_force.max":
         return apart + t * float(np.std([block.max() for block in blocks], ddof=1))

@@ -4,6 +4,7 @@ A reference whose motion repeats itself is computed to the end by its trial: it 
 is tried. Of the others, every model that costs less goes through the same passes.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -18,7 +19,13 @@ from bearingsim.study.goal import HEALTHY
 from bearingsim.study.jobs import identity
 
 FEW_HARMONICS, FEW_SLICES = "8", 0.5
-AS_SAID = "the harmonics that are said"
+AS_SAID, FEWER_HARMONICS, FEWER_SLICES = (
+    "the harmonics that are said",
+    f"{FEW_HARMONICS} harmonics",
+    "half the slices",
+)
+CANDIDATES = (FEWER_SLICES, AS_SAID, FEWER_HARMONICS, *reversed(MODELS))
+"""The names of all of them, from the highest."""
 WORTH_TRYING = 0.8  # of what the reference takes: a model that saves less is not tried
 
 
@@ -74,46 +81,65 @@ def first_trials(study: Study, numbers: Sequence[int]) -> list[Trialled]:
 
 def repeats(study: Study, case: Case, known: Known) -> bool:
     """Whether a case's reference was found to repeat itself: then it is the answer; or failed: then nothing is."""
-    found = known.get(trial_of(study, reference(case), passes_to_try(case)).id)
-    return found is None or found.repeats
+    found = [known.get(one.id) for one in with_twin(study, reference(case), passes_to_try(case))]
+    return any(one is None for one in found) or (found[0] is not None and found[0].repeats)
 
 
 def candidates(study: Study, numbers: Sequence[int], known: Known) -> dict[str, dict[int, Case]]:
     """What may be taken in place of a reference that does not repeat itself, if it costs less, by name."""
-    own = study.cases()
-    open_cases = [n for n in numbers if not repeats(study, own[n], known)]
-    return {name: cases for name, cases in every_candidate(study, open_cases).items() if cases}
+    cases = study.cases()
+    return every_candidate(study, [n for n in numbers if not repeats(study, cases[n], known)])
 
 
 def every_candidate(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case]]:
-    """The cases of each candidate that can be and costs less than the reference, by name, from the highest."""
-    if not numbers or study.otherwise is None:
+    """The cases of each candidate that can be and costs less than the reference, by name, from the highest.
+
+    None that two cases come to: their results would be one.
+    """
+    if study.otherwise is None:
         return {}
-    own, found = study.cases(), {}
-    for name, given in ladder([own[n] for n in numbers]).items():
-        others = study.otherwise(given) if given else own
-        able = {n: others[n] for n in numbers}
-        found[name] = {n: case for n, case in able.items() if case is not None and saves(case, reference(own[n]))}
-    return found
+    own, found = study.cases(), {name: dict[int, Case]() for name in CANDIDATES}
+    for n in numbers:
+        if own[n].ramp is not None:
+            continue  # its first passes, at one speed, tell nothing of those at another
+        instead_of = price(reference(own[n]))
+        for name in ladder(own[n]):
+            case = computed_by(study, n, name)
+            if case is not None and saves(case, instead_of):
+                found[name][n] = case
+    apart = {name: _told_apart(cases) for name, cases in found.items()}
+    return {name: cases for name, cases in apart.items() if cases}
 
 
-def ladder(cases: Sequence[Case]) -> dict[str, dict[str, str]]:
-    """The candidates below the references of some cases, by name, and what each says otherwise."""
+def _told_apart(cases: Mapping[int, Case]) -> dict[int, Case]:
+    """The cases that are no other's equals."""
+    ids = {n: identity(case) for n, case in cases.items()}
+    count = Counter(ids.values())
+    return {n: case for n, case in cases.items() if count[ids[n]] == 1}
+
+
+def computed_by(study: Study, number: int, candidate: str) -> Case | None:
+    """A case of a study as a candidate computes it; None if it cannot be."""
+    own = study.swept_cases[number][0]
+    given = ladder(own)[candidate]
+    if not given or study.otherwise is None:
+        return own
+    return study.otherwise(given)[number]
+
+
+def ladder(case: Case) -> dict[str, dict[str, str]]:
+    """The candidates below the reference of a case, by name, and what each says otherwise."""
     found: dict[str, dict[str, str]] = {}
-    order = list(MODELS)
-    highest = max((case.model for case in cases), key=order.index)
-    if any(case.rig.ring is not None for case in cases):
-        found |= {AS_SAID: {}, f"{FEW_HARMONICS} harmonics": {"rig.ring.harmonics": FEW_HARMONICS}}
-    sliced = [int(case.contact.slices) for case in cases if MODELS[case.model].sliced]
-    if sliced:
-        few = str(max(2, round(FEW_SLICES * max(sliced))))
-        found[f"{few} slices"] = {"contact.slices": few}
-    return found | {name: {"model": name} for name in below(highest)}
+    if MODELS[case.model].sliced:
+        found[FEWER_SLICES] = {"contact.slices": str(max(2, round(FEW_SLICES * int(case.contact.slices))))}
+    if case.rig.ring is not None:
+        found |= {AS_SAID: {}, FEWER_HARMONICS: {"rig.ring.harmonics": FEW_HARMONICS}}
+    return found | {name: {"model": name} for name in below(case.model)}
 
 
-def saves(case: Case, instead_of: Case) -> bool:
-    """Whether a case takes so much less CPU time than another that it is worth trying."""
-    return price(case) < WORTH_TRYING * price(instead_of)
+def saves(case: Case, instead_of: float) -> bool:
+    """Whether a case takes so much less CPU time than another (s) that it is worth trying."""
+    return price(case) < WORTH_TRYING * instead_of
 
 
 @lru_cache(maxsize=1 << 17)

@@ -156,10 +156,11 @@ def _try_out(
     attempt: choice.Attempt, asked: Sequence[str], passes: int, began: float
 ) -> tuple[Trial, Record | None]:
     """The first passes of a case, computed in one way: their step is proven if they are all of the record."""
-    setup = set_up(attempt.case, attempt.part)
+    whole = attempt.case.model_copy(update={"until": None})  # which may end before so many passes
+    setup = set_up(whole, attempt.part)
     raw = integrate(setup, most=trial.last_pass(setup, passes))
     found = trial.of_passes(setup, raw, asked, passes)
-    if not found.repeats or setup.case.step_check == "strict":
+    if not found.repeats or setup.case.step_check == "strict" or attempt.case.until is not None:
         return found, None
     return found, _record(setup, raw, _checked_step(setup, raw), began)
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 __all__ = ["Audited", "audited", "nearness"]
 
 HEALTHY = "-healthy"
-STEP_OF = {"velocity.rms": "rms", "outer_force.max": "force"}
+STEP_OF = {"rms": "rms", "max": "force"}  # by the ending of a feature: all others are lines
 COLUMNS = ("error.model", "error.step", "error.scatter", "error")
 STANDARD_ERRORS = 2.0
 
@@ -68,7 +68,9 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
     size, plain = scales(plan, frame, feature), feature.removesuffix(HEALTHY)
     told = plan["accuracy"]["jobs"]
     model = pd.Series({job: told[job]["error"].get(feature, 0.0) for job in told}).reindex(frame.index)
-    relative = frame.get(f"features/step_error.{STEP_OF.get(feature, 'line')}", pd.Series(0.0, frame.index))
+    relative = frame.get(
+        f"features/step_error.{STEP_OF.get(feature.rpartition('.')[2], 'line')}", pd.Series(0.0, frame.index)
+    )
     step = relative.fillna(0.0) * frame[f"features/{plain}"].abs() / size
     scatter = standard_error(frame, plain) / size
     return pd.DataFrame({"error.model": model, "error.step": step, "error.scatter": scatter}).where(
@@ -83,11 +85,13 @@ def audited(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Audited]
         pair = [one["of"], one["job"]]
         if not frame["status"].reindex(pair).eq("done").all():
             continue
+        compared = [f for f in accuracy["of"] if f"features/{f}" in frame]
+        compared = [f for f in compared if frame[f"features/{f}"].loc[pair].notna().all()]
+        if not compared:
+            continue
         off, scatter = 0.0, 0.0
-        for feature in accuracy["of"]:
+        for feature in compared:
             name = f"features/{feature}"
-            if name not in frame or (feature.endswith(HEALTHY) and frame[name].loc[pair].isna().any()):
-                continue
             size = float(scales(plan, frame, feature)[one["of"]]) or 1.0
             off = max(off, abs(float(frame[name][pair[0]] - frame[name][pair[1]])) / size)
             errors = standard_error(frame, feature.removesuffix(HEALTHY)).reindex(pair)

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from pathlib import Path as FilePath
@@ -38,7 +38,6 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
 _LIST_VALUED = ("defects", "record", "rig.load.angles", "rig.load.at")
 
 Swept = dict[str, float | str]
-Otherwise = Callable[[Mapping[str, str]], list[Case | None]]
 
 
 def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None, quick: bool = False) -> Study:
@@ -80,20 +79,7 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     study = Study(name, str(path), text, given, reduced, figures, units, swept_cases, told, tried)
     if goal is None:
         return study
-    return replace(study, goal=goal, otherwise=_remembered(plans[chosen].otherwise))
-
-
-def _remembered(otherwise: Otherwise) -> Otherwise:
-    """The same, expanding a study once for each set of values."""
-    found: dict[tuple[tuple[str, str], ...], list[Case | None]] = {}
-
-    def remembered(given: Mapping[str, str]) -> list[Case | None]:
-        asked = tuple(sorted(given.items()))
-        if asked not in found:
-            found[asked] = otherwise(given)
-        return found[asked]
-
-    return remembered
+    return replace(study, goal=goal, otherwise=plans[chosen].otherwise)
 
 
 def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
@@ -135,6 +121,7 @@ class _Plan:
     found: Found = field(default_factory=dict)
     asked: set[str] = field(default_factory=set)  # paths that a sweep names, right or wrong
     places: dict[str, Path] = field(default_factory=dict)  # where those lead that are right
+    others: dict[tuple, list[Case | None]] = field(default_factory=dict)  # what was asked for otherwise
 
     @classmethod
     def of(cls, root: Node, folder: FilePath, overrides: Mapping[str, str], quick: bool) -> "_Plan":
@@ -235,7 +222,13 @@ class _Plan:
         return list(cases.values())
 
     def otherwise(self, given: Mapping[str, str]) -> list[Case | None]:
-        """The same cases with other values at some paths; None for one that cannot be."""
+        """The same cases with other values at some paths; None for one that cannot be. Each is made once."""
+        named = tuple(given.items())
+        if named not in self.others:
+            self.others[named] = self._otherwise(given)
+        return self.others[named]
+
+    def _otherwise(self, given: Mapping[str, str]) -> list[Case | None]:
         other = _Plan(self.base, self.folder, list(self.axes), places=dict(self.places))
         for path, text in given.items():
             other.fix(path, Node(text, self.base.mark), self.base.mark)

@@ -20,7 +20,7 @@ ENGINE = Engine(
     "tests.scenes.fake_studies:simulate",
     "tests.scenes.fake_studies:estimate",
     "tests.scenes.fake_studies:warm",
-    "tests.scenes.fake_studies:notes",
+    notes="tests.scenes.fake_studies:notes",
 )
 
 
@@ -81,6 +81,8 @@ class FakeStudy:
     notes: tuple[str, ...] = ()
     assumptions: tuple[str, ...] = ()
     uncertainty: Any = None
+    goal: Any = None
+    selection: Any = None
 
     def jobs(self) -> list[Any]:
         twin = FakeCase(healthy=True, seconds=self.seconds)

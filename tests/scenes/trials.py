@@ -1,0 +1,111 @@
+"""Trials whose numbers are known, and an engine that gives them: for tests of how a model is chosen."""
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from bearingsim import selection
+from bearingsim.config import Case
+from bearingsim.runner import Engine
+from bearingsim.selection import Trialled
+from bearingsim.simulation.trial import Trial
+from bearingsim.study import Study, load_study
+from tests.scenes.study_text import Write
+
+PASSES = 16
+ENGINE = Engine(
+    simulate="tests.scenes.trials:simulate",
+    estimate="tests.scenes.trials:estimate",
+    warm="tests.scenes.trials:warm",
+    try_out="tests.scenes.trials:try_out",
+    notes="tests.scenes.trials:notes",
+)
+LOG = "FAKE_TRIALS"
+"""A variable of the environment: the file that tells what has been tried and computed, a line each."""
+
+HEAD = """\
+study: near
+bearing: nf308
+speed: 6000 rpm
+defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 50 um}
+duration: 0.2 s
+"""
+TEXT = f"""\
+{HEAD}accuracy: 5 %
+sweep: {{load: [150 N, 300 N, 450 N]}}
+figures: [{{y: velocity@BPFO, x: load}}]
+"""
+
+OFF = {"planar": 1.0, "rollers": 1.01, "ring": 1.5, "static": 2.0}
+"""What each model makes of a line, over what the reference does."""
+
+
+def near(write: Write, text: str = TEXT) -> Study:
+    """A study that asks for an accuracy."""
+    return load_study(write(text))
+
+
+def trial(
+    size: float, passes: int = PASSES, scatter: float = 0.0, repeats: bool = False, names: Sequence[str] = ()
+) -> Trial:
+    """A trial in which each line, RMS and force is ``size``.
+
+    scatter: standard deviation, over ``size``, of what one pass adds (seeded).
+    """
+    noise = 1.0 + scatter * np.random.default_rng(passes).normal(size=passes)
+    hann = np.hanning(2 * passes + 1)[1::2]
+    lines = {name: size * noise * hann / hann.sum() * np.exp(1j) for name in names if "@" in name}
+    powers = {name: (size * noise) ** 2 for name in names if name.endswith(".rms")}
+    return Trial(passes, repeats, lines, powers, size * noise)
+
+
+Of = Callable[[Trialled], Trial | None]
+
+
+def known(study: Study, of: Of) -> dict[str, Trial | None]:
+    """The trials of a study, each as it is told."""
+    numbers = range(len(study.cases()))
+    found = {one.id: of(one) for one in selection.first_trials(study, numbers)}
+    return found | {one.id: of(one) for one in selection.further_trials(study, numbers, found)}
+
+
+def by_model(off: Mapping[str, float], **others: Any) -> Of:
+    """Trials whose features are the load, times what a model makes of it."""
+    return lambda one: trial(one.case.load * off[one.case.model], names=one.asked, **others)
+
+
+# The engine
+
+
+def _log(what: str, case: Case) -> None:
+    if LOG in os.environ:
+        with Path(os.environ[LOG]).open("a") as file:
+            file.write(f"{what} {case.model} {case.load:g}\n")
+
+
+def try_out(case: Case, asked: Sequence[str], passes: int) -> tuple[Trial, Any]:
+    _log("try", case)
+    return trial(case.load * OFF[case.model], passes, names=asked), None
+
+
+def simulate(case: Case) -> SimpleNamespace:
+    _log("simulate", case)
+    line = case.load * OFF[case.model] * bool(case.defects)
+    features = {"velocity@BPFO": line, "velocity@BPFO.phase": 0.0, "velocity.rms": 2.0 * line}
+    return SimpleNamespace(time=np.zeros(0), series={}, features=features, info={"cpu_s": 0.0})
+
+
+def estimate(case: Case) -> SimpleNamespace:
+    return SimpleNamespace(cpu_seconds=0.01, bytes=0.0)
+
+
+def warm(cases: Sequence[Case], about_to: Any = None) -> None:
+    """Nothing to compile."""
+
+
+def notes(cases: Sequence[Case]) -> list[str]:
+    return []

@@ -1,0 +1,63 @@
+"""The curves that a study draws of what it asks an accuracy of."""
+
+import math
+
+import pytest
+
+from bearingsim.selection.curves import Curve, curves, groups, scales
+from tests.scenes.study_text import Write
+from tests.scenes.trials import HEAD, near
+
+SWEEP = "sweep: {load: [150 N, 300 N], defect.width: [0.2 mm, 0.8 mm], seed: [0, 1]}\n"
+
+
+def drawn(write: Write, *figures: str, sweep: str = SWEEP) -> list[tuple[int, ...]]:
+    listed = "".join(f"  - {{{figure}}}\n" for figure in figures)
+    study = near(write, f"{HEAD}accuracy: {{within: 5 %, of: [velocity@BPFO]}}\n{sweep}figures:\n{listed}")
+    return [curve.cases for curve in curves(study)]
+
+
+TWO = "sweep: {load: [150 N, 300 N], defect.width: [0.2 mm, 0.8 mm]}\n"
+
+
+@pytest.mark.parametrize(
+    ("figure", "on_them"),
+    [
+        ("y: velocity@BPFO, x: load, by: defect.width", [(0, 2), (1, 3)]),
+        ("y: velocity@BPFO, x: defect.width, panels: load", [(0, 1), (2, 3)]),
+        ("y: velocity@BPFO, x: load", [(0, 2), (1, 3)]),  # what still varies is drawn apart, too
+        ("y: velocity@BPFO, x: load, where: {defect.width: 200 um}", [(0, 2)]),
+        ("y: velocity@BPFO, x: load, where: {defect.width: 3 mm}", []),
+        ("y: velocity.rms, x: load", []),  # nobody asks an accuracy of it
+        ("y: [velocity.rms, velocity@BPFO], x: load, where: {defect.width: 0.8 mm}", [(1, 3)]),
+    ],
+)
+def test_a_curve_is_what_a_figure_draws(write: Write, figure: str, on_them: list[tuple[int, ...]]) -> None:
+    assert drawn(write, figure, sweep=TWO) == on_them
+
+
+def test_paths_that_move_with_x_part_no_curve(write: Write) -> None:
+    zipped = "sweep: {zip: {load: [150 N, 300 N], defect.width: [0.2 mm, 0.8 mm]}}\n"
+    assert drawn(write, "y: velocity@BPFO, x: load", sweep=zipped) == [(0, 1)]
+
+
+def test_where_knows_words_and_plain_numbers(write: Write) -> None:
+    words = "sweep: {load: [150 N, 300 N], excitation: [envelope, soft-edge]}\n"
+    assert drawn(write, "y: velocity@BPFO, x: load, where: {excitation: soft-edge}", sweep=words) == [(1, 3)]
+    slices = "sweep: {load: [150 N, 300 N], contact.slices: [10, 20]}\nmisalignment: {inner: 0.2 mrad}\n"
+    assert drawn(write, "y: velocity@BPFO, x: load, where: {contact.slices: 20}", sweep=slices) == [(1, 3)]
+
+
+def test_an_error_counts_over_the_largest_value_of_the_lowest_curve() -> None:
+    line, other = "velocity@BPFO", "velocity.rms"
+    on = [Curve(line, (0, 1, 2)), Curve(line, (2, 3)), Curve(other, (0, 1, 2, 3, 4))]
+    assert scales(line, [1.0, 5.0, 2.0, 3.0, 7.0], on) == [5.0, 5.0, 3.0, 3.0, 7.0]
+    assert scales(line, [1.0, math.nan, 2.0, 3.0, 7.0], on)[:3] == [2.0, 2.0, 2.0]
+    assert all(math.isnan(value) for value in scales(line, [math.nan] * 5, on))
+
+
+def test_cases_that_share_a_curve_share_a_model() -> None:
+    on = [Curve("velocity@BPFO", numbers) for numbers in ((0, 1), (1, 2), (3, 4), (5, 6))]
+    assert groups([0, 2, 3, 4, 5, 7], on) == [[0], [2], [3, 4], [5], [7]]
+    assert groups(range(8), on) == [[0, 1, 2], [3, 4], [5, 6], [7]]
+    assert groups([], on) == []
