@@ -184,8 +184,9 @@ def main() -> None:
     if given.cost:
         cost()
     for what, count in ((doubled, given.harmonics), (halved, given.steps)):
-        for told in Parallel(n_jobs=given.jobs, batch_size=1)(delayed(what)(n, given.seed) for n in range(count)):
-            print(told)
+        scenes = Parallel(n_jobs=given.jobs, batch_size=1, return_as="generator")
+        for told in scenes(delayed(what)(n, given.seed) for n in range(count)):
+            print(told, flush=True)
 
 
 if __name__ == "__main__":
