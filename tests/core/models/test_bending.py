@@ -233,7 +233,7 @@ def test_what_a_force_moves_elsewhere_a_force_there_moves_here(load):
         forces = there[[lay.ACCELERATION + c for c in cells]] / np.array(per_mass)
         return forces, there[lay.DELTA_O : lay.DELTA_O + Z], there[lay.Q_O : lay.Q_O + Z]
 
-    still, near, pressed = moved(lay.X, 0.0)
+    still, _, pressed = moved(lay.X, 0.0)
     assert not pressed.any()
     far = [(moved(cell, 1e-7), moved(cell, -1e-7)) for cell in cells]
     stiffness = np.array([(back[0] - forth[0]) / 2e-7 for forth, back in far]).T
