@@ -1,12 +1,13 @@
 """Bending of the outer ring: what harmonics, cap and step change, over random scenes; and what a step costs.
 
-    python benchmarks/ring.py [--seed 1] [--harmonics 30] [--steps 50] [--cost] [--jobs 2]
+    python benchmarks/ring.py [--seed 1] [--harmonics 30] [--steps 50] [--chaos 11] [--cost] [--jobs 2]
 
 harmonics  scenes whose harmonics and cap are doubled: changes of line and RMS (under 10 kHz, sampled at 51.2 kHz)
            over the largest line less healthy that the slot has from 0 to 60 deg at rest, and over the RMS; beside
            them the changes of the scene as it is with its first roller displaced by 0.001 deg: what chaos scatters
 steps      scenes computed again with half the step: whether line, RMS and largest force stay within what the job
            said; how many were refused
+chaos      scenes as they are, and with other damping, no clearance, no slot, a rigid ring: which are chaotic (1)
 cost       a step of Verlet's method with harmonics to 8, 20, 40, and in a housing, over a rigid ring's
 """
 
@@ -152,6 +153,36 @@ def changes(told: dict[str, float], finer: dict[str, float]) -> Iterator[str]:
         yield f"{what} {change / size:.5f}/{said:.5f}" + " OUT" * (change / size > said)
 
 
+def varied(case: Case) -> Iterator[tuple[str, Case]]:
+    """The scene with one thing or two changed."""
+    given = case.model_dump()
+    ring, contact = given["rig"]["ring"], given["contact"]
+    heavy = {"contact": contact | {"damping": {"law": "kraemer", "beta": 10e-6}}}
+    changed: dict[str, dict[str, Any]] = {
+        "as it is": {},
+        "modal 3 %": {"rig": given["rig"] | {"ring": ring | {"damping": 0.03}}},
+        "modal 10 %": {"rig": given["rig"] | {"ring": ring | {"damping": 0.1}}},
+        "no clearance": {"clearance": 0.0},
+        "contacts 10 us": heavy,
+        "contacts 10 us, no clearance": heavy | {"clearance": 0.0},
+        "no slot": {"defects": []},
+        "rigid ring": {"rig": {}},
+    }
+    for name, fields in changed.items():
+        yield name, Case.model_validate(given | fields)
+
+
+def chaotic(number: int, seed: int) -> str:
+    """One scene, varied: which are chaotic."""
+    found = []
+    for name, case in varied(draw(number, seed, 10240.0)):
+        try:
+            found.append(f"{name}: {simulate(case).features['chaotic']:.0f}")
+        except SimulationError as error:
+            found.append(f"{name}: {error}")
+    return f"{number:3} " + "; ".join(found)
+
+
 def cost() -> None:
     """ns of a step."""
     base = {"bearing": "nf308", "speed": 188.5, "load": 150.0, "model": "rollers", "record": []}
@@ -184,12 +215,13 @@ def main() -> None:
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--harmonics", type=int, default=0)
     asked.add_argument("--steps", type=int, default=0)
+    asked.add_argument("--chaos", type=int, default=0)
     asked.add_argument("--cost", action="store_true")
     asked.add_argument("--jobs", type=int, default=2)
     given = asked.parse_args()
     if given.cost:
         cost()
-    for what, count in ((doubled, given.harmonics), (halved, given.steps)):
+    for what, count in ((doubled, given.harmonics), (halved, given.steps), (chaotic, given.chaos)):
         scenes = Parallel(n_jobs=given.jobs, batch_size=1, return_as="generator")
         for told in scenes(delayed(what)(n, given.seed) for n in range(count)):
             print(told, flush=True)
