@@ -145,8 +145,10 @@ class Feature:
     compute: str
 
 
-LEAST, AUTO = "least", "auto"
-"""What a case says to leave the choice of model, or of method, to the program."""
+REFERENCE, AUTO = "reference", "auto"
+"""What a case says to leave the choice to the program: the model that others are judged by, and the method."""
+FORMER_LEAST = "least"
+"""What cases said before a study could name an accuracy; refused, with that advice."""
 
 MODELS: dict[str, Model] = {}
 """From the lowest to the highest; those of other packages come last."""
@@ -163,7 +165,7 @@ def register(*entries: Entry) -> None:
     """Add to the tables. Raises ValueError for a name that is taken, and for a law of nothing known."""
     for entry in entries:
         table = _table_of(entry)
-        if entry.name in (LEAST, AUTO):
+        if entry.name in (REFERENCE, AUTO, FORMER_LEAST):
             raise ValueError(f"`{entry.name}` leaves the choice to the program: take another name")
         if isinstance(entry, Law) and not entry.section and entry.what != "stiffness":
             raise ValueError(f"the {entry.what} law `{entry.name}` needs a section")
@@ -195,6 +197,12 @@ def code(where: str) -> Any:
         return getattr(found, name) if name else found
     except (ImportError, AttributeError) as error:
         raise UserError(f"`{where}` of the catalogue does not load: {error}") from error
+
+
+def below(name: str) -> list[str]:
+    """The names of the models under one whose rollers carry load, from the highest down."""
+    order = list(MODELS)
+    return [lower for lower in reversed(order[: order.index(name)]) if MODELS[lower].loaded]
 
 
 def lowest(*abilities: str) -> str:
@@ -283,6 +291,8 @@ register(
 
 USUAL_MODEL = "rollers"
 """The model of a case that names none."""
+REFERENCES = ("planar", "spatial", "rollers", "impulse")
+"""The models by which others are judged, in this order: the first that can do all that a case asks for."""
 EXPLICIT = "verlet"
 """The explicit method that others are measured against: its step limit, its price."""
 

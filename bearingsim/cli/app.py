@@ -85,12 +85,18 @@ def check(
     set_: Set = None,
     quick: Quick = False,
     jobs: Jobs = None,
+    pilots: Annotated[
+        bool, typer.Option("--pilots", help="of a study with `accuracy`: try the models, and choose")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="results folder that keeps the choice (as of `run`)")
+    ] = None,
     schema: Annotated[
         bool, typer.Option("--schema", help="print the JSON schema of study files, for editors")
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Validate a study and print its plan: jobs, steps, time and disk. Runs nothing."""
+    """Validate a study and print its plan: jobs, steps, time and disk. Runs nothing but pilots, if asked to."""
     if schema:
         from bearingsim.study import json_schema
 
@@ -100,7 +106,14 @@ def check(
         raise typer.BadParameter("name a study file (or --schema)", param_hint="STUDY")
     from bearingsim.cli import plan
 
-    found = plan.plan_of(_loaded(study, set_, quick), jobs)
+    asked = _loaded(study, set_, quick)
+    if pilots and asked.goal is None:
+        raise typer.BadParameter("the study names no `accuracy`: nothing is to be chosen", param_hint="--pilots")
+    if asked.goal is not None:
+        from bearingsim import runner
+
+        asked = runner.with_models(asked, out, jobs, try_them=pilots)
+    found = plan.plan_of(asked, jobs)
     if as_json:
         typer.echo(plan.as_json(found))
     else:

@@ -9,7 +9,6 @@ from bearingsim.cli.screen import span
 if TYPE_CHECKING:
     from bearingsim.cli.plan import Plan, Priced
     from bearingsim.simulation.limits import Limits
-    from bearingsim.study import Study
 
 __all__ = ["remarks"]
 
@@ -29,18 +28,21 @@ def remarks(plan: "Plan") -> Iterator[str]:
 
 
 def choices(plan: "Plan") -> list[str]:
-    """What `model: least` has chosen, and why no lower model will do: a text for each choice."""
-    from bearingsim.catalogue import LEAST
-    from bearingsim.config.rules import hierarchy
-
-    asked = _written_model(plan.study)
-    found: dict[str, int] = {}
-    for case in (one.job.case for one in plan.cases if one.job.swept.get("model", asked) == LEAST):
-        why = "; ".join(hierarchy.reasons(case)) or "nothing asks for more"
-        text = f"`{case.model}` is the least model: {why}"
-        found[text] = found.get(text, 0) + 1
-    count = len(plan.cases)
-    return [text if n == count else f"{n} of {count} cases: {text}" for text, n in found.items()]
+    """Which models an `accuracy` has led to, and why; or that this is not known yet."""
+    goal, found = plan.study.goal, plan.study.selection
+    if goal is None:
+        return []
+    if found is None:
+        models = ", ".join(f"`{name}`" for name in dict.fromkeys(one.job.case.model for one in plan.cases))
+        return [
+            f"model: unknown before pilots (`check --pilots` runs them); priced as the reference, {models},"
+            f" by which {goal.text} is judged"
+        ]
+    why: dict[str, list[str]] = {}
+    for model, reason, _ in found.jobs.values():
+        why.setdefault(model, []).append(reason)
+    count = len(found.jobs)
+    return [f"`{model}` in {len(told)} of {count} cases: {told[0]}" for model, told in why.items()]
 
 
 def methods(plan: "Plan") -> list[str]:
@@ -125,13 +127,3 @@ def creeping(plan: "Plan") -> list[str]:
 def creep(limits: "Limits") -> float:
     """The time (s) in which a contact with a heavy dashpot comes to rest, C/K; 0 where it is not heavy."""
     return limits.damping_ratio / (math.pi * limits.contact_frequency) if limits.damping_ratio > 1.0 else 0.0
-
-
-def _written_model(study: "Study") -> str | None:
-    """The model as the study says it where it does not sweep it; the cases know only which one it came to."""
-    from bearingsim.text.yamlfile import parse
-
-    root = parse(study.text, study.path).root.mapping
-    quick = root["quick"].mapping if study.quick else {}
-    written = [section["model"].text for section in (quick, root) if "model" in section]
-    return study.overrides.get("model", written[0] if written else None)

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     ModelName = str
     MethodName = str
 else:
-    ModelName = Literal[(catalogue.LEAST, *catalogue.MODELS)]
+    ModelName = Literal[(catalogue.REFERENCE, *catalogue.MODELS)]
     MethodName = Literal[(catalogue.AUTO, *catalogue.METHODS)]
 
 
@@ -50,12 +50,23 @@ def _one_or_many(given: Any) -> Any:
     return given
 
 
+def _not_least(given: Any) -> Any:
+    if given == catalogue.FORMER_LEAST:
+        refuse(
+            "word",
+            "`least` was the lowest model that can, however far off",
+            "say `accuracy: 2 %` in the study for the cheapest that is so close, or name a model",
+        )
+    return given
+
+
 class CaseFields(Section):
     """One simulation, in SI: speed in rad/s, loads in N, lengths in m, angles in rad, times in s.
 
     `defect` (one mapping) may be given instead of `defects`. What depends on other values is filled in, so that a
-    case says what is computed: `clearance` by class is a length; `model` is never `least`; `method` is None for
-    models without one; `start_angle` is the first roller's angle at t = 0, pi / rollers if not given; `excitation`
+    case says what is computed: `clearance` by class is a length; `model` is never `reference`; `method` is
+    None for models without one;
+    `start_angle` is the first roller's angle at t = 0, pi / rollers if not given; `excitation`
     is `impulse-train` for the impulse model if not given; `contact.stiffness` suits the bearing. `friction` and
     `cage` are None below the planar model, and never None from it on. `drag`, `ramp`, `shaft`, `unbalance` and
     `misalignment` are None where absent. A line load in `record` is one channel for each slice of the roller. With
@@ -82,7 +93,9 @@ class CaseFields(Section):
     shaft: Annotated[free.Shaft | None, BeforeValidator(unless_none)] = None
     unbalance: Annotated[free.Unbalance | None, BeforeValidator(unless_none)] = None
     misalignment: Annotated[Misalignment | None, BeforeValidator(unless_none)] = None
-    model: Annotated[ModelName, one_of(catalogue.LEAST, *catalogue.MODELS)] = catalogue.USUAL_MODEL
+    model: Annotated[ModelName, one_of(catalogue.REFERENCE, *catalogue.MODELS), BeforeValidator(_not_least)] = (
+        catalogue.USUAL_MODEL
+    )
     method: Annotated[MethodName, one_of(catalogue.AUTO, *catalogue.METHODS)] | None = None
     step: Step = "auto"
     tolerance: Tolerance = "auto"

@@ -3,7 +3,7 @@
 import shlex
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,8 @@ from bearingsim.runner.packing import Cost, pack, shard_of
 from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import Patience, getting_ready
 from bearingsim.runner.progress import progress as shown_progress
+from bearingsim.runner.promises import promises
+from bearingsim.runner.select import NoChoices, selected
 from bearingsim.runner.summary import Interrupted, RunSummary, chaos, grouped, repetitions, step_errors
 from bearingsim.runner.unknowns import examined
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
 
     from bearingsim.study import Job, Study
 
-__all__ = ["run"]
+__all__ = ["run", "with_models"]
 
 
 def run(
@@ -50,12 +52,14 @@ def run(
     computed, and OSError when the folder cannot be written.
     """
     started = time.perf_counter()
-    name = f"{study.name}-quick" if study.quick else study.name
-    root = Path(out if out is not None else Path("results") / name).resolve()
-    every = study.jobs()
-    told = [*study.notes, *load(engine.notes)([job.case for job in every])]  # now: files that it reads may go
-    workers, ours = _workers(jobs), shard_of(every, shard)
+    root = _folder(study, out)
+    told = [*study.notes, *load(engine.notes)(study.cases())]  # now: files that it reads may go
+    workers = _workers(jobs)
+    shard_of([], shard)
     _prepare(root, fresh, shard)
+    study = selected(study, root, workers, engine, alone=shard == (1, 1), shown=progress)
+    every = study.jobs()
+    ours = shard_of(every, shard)
     store.keep_scans(root, [job.case for job in every])
     earlier = store.planned_jobs(root)
     store.write_plan(root, study, every)
@@ -84,6 +88,25 @@ def run(
     return summary
 
 
+def with_models(study: "Study", out: str | Path | None, jobs: int | None, try_them: bool) -> "Study":
+    """The study with the models that its results folder holds a choice of, for all cases; itself without.
+
+    try_them: make the choice, and keep it there.
+    """
+    root = _folder(study, out)
+    if try_them:
+        _prepare(root, False, (1, 1))
+    with suppress(NoChoices):
+        return selected(study, root, _workers(jobs), BEARINGSIM, alone=try_them)
+    return study
+
+
+def _folder(study: "Study", out: str | Path | None) -> Path:
+    """Where results of a study go."""
+    name = f"{study.name}-quick" if study.quick else study.name
+    return Path(out if out is not None else Path("results") / name).resolve()
+
+
 def _notes(left_out: int, damaged: int) -> Iterator[str]:
     """What is worth knowing of the results that were there before."""
     if left_out:
@@ -98,6 +121,7 @@ def _notes(left_out: int, damaged: int) -> Iterator[str]:
 def _of_results(root: Path, jobs: Sequence["Job"], frame: "pd.DataFrame") -> Iterator[str]:
     """What is worth knowing of the results: of the jobs asked for, and of what was varied of them."""
     own = frame.loc[[job.id for job in jobs if not job.is_variation]]
+    yield from promises(store.read_plan(root), frame)
     yield from repetitions(store.info(own))
     yield from damping.of_jobs(store.info(own))
     yield from examined(store.read_plan(root), frame)

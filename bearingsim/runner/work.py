@@ -29,13 +29,14 @@ POLL_S = 2.0
 
 @dataclass(frozen=True)
 class Engine:
-    """Import paths ``module:function`` of what computes a case, estimates its cost, compiles beforehand, and says
-    what a user must know of all cases.
+    """Import paths ``module:function`` of what computes a case, estimates its cost, compiles beforehand, tries the
+    first passes of a case, and says what a user must know of all cases.
     """
 
     simulate: str = "bearingsim.simulation:simulate"
     estimate: str = "bearingsim.simulation.time_grid:estimate"
     warm: str = "bearingsim.simulation:warm"
+    try_out: str = "bearingsim.simulation:try_out"
     notes: str = "bearingsim.config.scan.repair:notes"
 
 

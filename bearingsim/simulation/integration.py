@@ -129,13 +129,15 @@ def integrate(
     start: np.ndarray | None = None,
     close: Closeness = OF_A_RECORD,
     patience: int = 0,
+    most: int | None = None,
 ) -> RawRecord:
     """Step through the ball passes, keeping fine samples (and raw picks where the case wants them).
 
     All of them, or until the motion repeats itself, as ``close`` as asked, or its line and RMS are known well
     enough. nudge: share of its displacement by which the ring is moved at the start; start: positions and
     velocities there (2, 6, ROW), if not those at rest; patience: ball passes after which a motion that has not
-    been found to repeat itself is left with ``NotRepeating``, 0 for never.
+    been found to repeat itself is left with ``NotRepeating``, 0 for never; most: ball passes after which it ends
+    there.
     """
     case, cut = setup.case, setup.cut
     y = _start(setup, nudge, start)
@@ -148,7 +150,7 @@ def integrate(
         passes = p + 1
         if search is not None:
             period, difference = search.after_pass(window, y, kept.peaks[p])
-        if period > 0:
+        if period > 0 or passes == most:
             break
         if passes == patience:
             raise NotRepeating(f"no ball pass of {passes} repeats another", "name a `method`", passes / cut.rate)

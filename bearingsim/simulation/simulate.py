@@ -1,10 +1,10 @@
 """One case, computed: the integrator's steps become series and features."""
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, isfinite, nan, sqrt
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from bearingsim.config import Case, Section, dataset_names
 from bearingsim.core import layout as lay
 from bearingsim.core.sampling import INTERPOLATION_REACH, interpolate, interpolation_kernel, sampling_kernel
 from bearingsim.errors import Refused
-from bearingsim.simulation import accuracy, channels, choice, record_windows, step_check, time_grid
+from bearingsim.simulation import accuracy, channels, choice, record_windows, step_check, time_grid, trial
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE
 from bearingsim.simulation.features import features, of_extensions
 from bearingsim.simulation.integration import (
@@ -32,8 +32,11 @@ from bearingsim.simulation.prices import price
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.repetition import may_repeat
 from bearingsim.simulation.step_check import StepCheck
+from bearingsim.simulation.trial import Trial
 
-__all__ = ["Record", "SimulationError", "simulate", "warm"]
+T = TypeVar("T")
+
+__all__ = ["Record", "SimulationError", "simulate", "try_out", "warm"]
 
 
 @dataclass(frozen=True)
@@ -85,6 +88,21 @@ def simulate(case: Case) -> Record:
     monitored all along. Should it fail, shorter ones are tried, and then (with `method: auto`) other methods.
     """
     began = time.process_time()
+    return _in_turn(case, lambda attempt: _simulate(attempt, began))
+
+
+def try_out(case: Case, asked: Sequence[str], passes: int) -> tuple[Trial, Record | None]:
+    """The first ball passes of a case, for its model to be compared with others (``trial.py``).
+
+    asked: the features that are; passes: how many are compared. Where the motion repeats itself within them, what
+    repeats is all there is to know: then there is the whole record besides. Raises like ``simulate``.
+    """
+    began = time.process_time()
+    return _in_turn(case, lambda attempt: _try_out(attempt, asked, passes, began))
+
+
+def _in_turn(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
+    """What comes of the first attempt at a case that proves right."""
     failed: dict[str, SimulationError] = {}
     left: set[tuple[str | None, int]] = set()  # methods that shorter steps do not help, with their patience
     enough: dict[str, float] = {}  # of a method, the part of its step that may do
@@ -93,7 +111,7 @@ def simulate(case: Case) -> Record:
         if named in left or attempt.part > max(enough.get(str(attempt.case.method), 1.0), choice.STEP_PARTS[-1]):
             continue
         try:
-            return _simulate(attempt, began)
+            return compute(attempt)
         except NotRepeating:
             left.add(named)
         except MethodFailure as error:
@@ -131,6 +149,24 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     else:
         checks_step = _checked_step(setup)
         raw = integrate(setup)
+    return _record(setup, raw, checks_step, began)
+
+
+def _try_out(
+    attempt: choice.Attempt, asked: Sequence[str], passes: int, began: float
+) -> tuple[Trial, Record | None]:
+    """The first passes of a case, computed in one way: their step is proven if they are all of the record."""
+    setup = set_up(attempt.case, attempt.part)
+    raw = integrate(setup, most=trial.last_pass(setup, passes))
+    found = trial.of_passes(setup, raw, asked, passes)
+    if not found.repeats or setup.case.step_check == "strict":
+        return found, None
+    return found, _record(setup, raw, _checked_step(setup, raw), began)
+
+
+def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) -> Record:
+    """The record of a run."""
+    case = setup.case
     rows = channels.asked(case, raw.places)
     sampled = _sampled(case, setup.cut, raw, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling

@@ -9,20 +9,24 @@ from bearingsim.store.files import lock, sweep
 from bearingsim.store.folder import FolderInUse, discard, sealed_jobs
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
 from bearingsim.store.names import flat_parameters
+from bearingsim.store.nearness import audited, nearness
 from bearingsim.store.provenance import provenance
 from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs
 from bearingsim.store.scans import keep_scans
 from bearingsim.store.spread import errors, spread
 from bearingsim.store.table import build_table, info, read_plan, write_plan
+from bearingsim.store.trials import DamagedChoices, read_choices, read_trials, write_choices, write_trials
 from bearingsim.store.units import DamagedUnit, Series, check_unit, read_series, unit_name, unit_path, write_units
 
 __all__ = [
+    "DamagedChoices",
     "DamagedUnit",
     "Failure",
     "FolderInUse",
     "Results",
     "ResultsError",
     "Series",
+    "audited",
     "build_table",
     "case_of",
     "check_unit",
@@ -34,13 +38,16 @@ __all__ = [
     "keep_scans",
     "lock",
     "log",
+    "nearness",
     "now",
     "open_results",
     "planned_jobs",
     "provenance",
+    "read_choices",
     "read_failures",
     "read_plan",
     "read_series",
+    "read_trials",
     "sealed_jobs",
     "spread",
     "start_marker",
@@ -48,6 +55,8 @@ __all__ = [
     "take_suspects",
     "unit_name",
     "unit_path",
+    "write_choices",
     "write_plan",
+    "write_trials",
     "write_units",
 ]

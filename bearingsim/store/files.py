@@ -77,7 +77,9 @@ def sweep(root: Path) -> list[Path]:
 
 def temporary_files(root: Path) -> list[Path]:
     """``.part`` files and start markers of a results folder, of living and dead writers alike."""
-    patterns = [f"{folder}*{end}" for folder in ("", "failed/", "scans/", "units/??/") for end in LEFTOVER]
+    patterns = [
+        f"{folder}*{end}" for folder in ("", "failed/", "scans/", "trials/", "units/??/") for end in LEFTOVER
+    ]
     return [path for pattern in patterns for path in root.glob(pattern)]
 
 

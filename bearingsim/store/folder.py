@@ -6,6 +6,7 @@ from pathlib import Path
 from bearingsim.errors import UserError
 from bearingsim.store.files import lock, temporary_files, unit_files, writer_is_dead
 from bearingsim.store.journal import clear_failures, log
+from bearingsim.store.trials import clear_choices
 from bearingsim.store.units import DamagedUnit, check_unit
 
 __all__ = ["FolderInUse", "discard", "sealed_jobs"]
@@ -34,7 +35,9 @@ def sealed_jobs(root: Path, checksums: bool = False) -> tuple[set[str], int]:
 
 
 def discard(root: Path) -> None:
-    """Throw away all units, failures and the table of a folder; journals, scans, figures and other files stay.
+    """Throw away all units, failures, choices and the table of a folder.
+
+    Journals, scans, figures and other files stay.
 
     Raises FolderInUse while another run is computing into it.
     """
@@ -43,5 +46,6 @@ def discard(root: Path) -> None:
             raise FolderInUse(f"another run is writing to {root}: wait for it, or choose another folder")
         shutil.rmtree(root / "units", ignore_errors=True)
         clear_failures(root)
+        clear_choices(root)
         for name in ("study.h5", "results.csv"):
             (root / name).unlink(missing_ok=True)

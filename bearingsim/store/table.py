@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from bearingsim.store.files import lock, sealing, unit_files, write_text
 from bearingsim.store.journal import read_failures
 from bearingsim.store.names import in_feature_order
+from bearingsim.store.nearness import nearness
 from bearingsim.store.spread import errors
 from bearingsim.store.units import GROUPS, LIBVER, TEXT, UNREADABLE, read_columns, write_columns, write_jobs
 
@@ -55,6 +56,7 @@ def write_plan(root: Path, study: "Study", jobs: Iterable["Job"]) -> None:
             for job in jobs
         ],
         "assumptions": list(study.assumptions),
+        "accuracy": _accuracy(study),
         "nothing_uncertain": study.uncertainty == (),
         "variations": [
             {"of": one.of, "what": one.what, "value": one.value, "job": one.job.id} for one in study.variations()
@@ -62,6 +64,21 @@ def write_plan(root: Path, study: "Study", jobs: Iterable["Job"]) -> None:
     }
     write_text(root / "study.yaml", study.text)
     write_text(root / "plan.json", json.dumps(plan, indent=1, ensure_ascii=False) + "\n")
+
+
+def _accuracy(study: "Study") -> dict[str, Any] | None:
+    """What was asked, chosen for it, and by what it is judged; None of a study that names no accuracy."""
+    goal, found = study.goal, study.selection
+    if goal is None or found is None:
+        return None
+    jobs = {job: {"model": model, "why": why, "error": error} for job, (model, why, error) in found.jobs.items()}
+    return {
+        "within": goal.within,
+        "of": list(goal.of),
+        "jobs": jobs,
+        "curves": [{"feature": feature, "jobs": list(on_it)} for feature, on_it in found.curves],
+        "audits": [{"of": one.of, "job": one.job.id} for one in found.audits],
+    }
 
 
 def read_plan(root: Path) -> dict[str, Any]:
@@ -111,6 +128,11 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     features = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
     features = pd.concat([features, spreads.reindex(frame.index)], axis=1)
     features = features[in_feature_order(features.columns)]
+    told = (plan.get("accuracy") or {"jobs": {}})["jobs"]
+    if told:
+        models = {"model": [told[job]["model"] if job in told else "" for job in frame.index]}
+        near = nearness(plan, frame).reindex(frame.index)
+        features = pd.concat([pd.DataFrame(models, index=frame.index), near, features], axis=1)
     seconds = frame["info/cpu_s"] if "info/cpu_s" in frame else pd.Series(np.nan, frame.index)
     rest = pd.DataFrame({"status": frame["status"], "reason": frame["reason"], "seconds": seconds})
     jobs = pd.DataFrame({"job": frame.index}, index=frame.index)

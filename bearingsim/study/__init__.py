@@ -1,6 +1,6 @@
 """Study files: read, checked, and expanded into jobs."""
 
-from bearingsim.study.jobs import Figure, Job, Study, case_id
+from bearingsim.study.jobs import Figure, Job, Study, case_id, healthy_twin
 from bearingsim.study.load import load_bearing, load_study
 from bearingsim.study.paths import dimension
 from bearingsim.study.schema import json_schema
@@ -16,6 +16,7 @@ __all__ = [
     "StudyError",
     "case_id",
     "dimension",
+    "healthy_twin",
     "json_schema",
     "load_bearing",
     "load_study",

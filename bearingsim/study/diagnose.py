@@ -14,7 +14,7 @@ from bearingsim.study.paths import all_paths, label
 from bearingsim.text.units import EXPECTED, suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, plain, problem
 
-STUDY_KEYS = ("study", "figures", "sweep", "quick", "uncertainty")
+STUDY_KEYS = ("study", "figures", "sweep", "quick", "uncertainty", "accuracy")
 
 _WITH_NAME: tuple[Path, ...] = (("bearing",), ("bearing", "material"), ("rig",))
 """Sections that have a name and a source."""

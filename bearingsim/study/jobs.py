@@ -2,16 +2,19 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bearingsim.catalogue import AUTO, MODELS
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
 from bearingsim.study.uncertainty import RIGID, USUAL, Uncertain, assumes_rigid_ring, sampled, variations
 from bearingsim.study.used import used
+
+if TYPE_CHECKING:
+    from bearingsim.study.goal import Goal
 
 
 @dataclass(frozen=True)
@@ -54,10 +57,33 @@ class Variation:
 
 
 @dataclass(frozen=True)
+class Audit:
+    """A job computed again by the model that others are judged by; ``of``: the id of the job that it checks."""
+
+    of: str
+    job: Job
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What was chosen for a study that names an accuracy (``bearingsim/selection``).
+
+    jobs: of each case's id the model, why, and what the model may be off, relative, by feature; curves: features,
+    and the ids on each curve.
+    """
+
+    jobs: Mapping[str, tuple[str, str, dict[str, float]]]
+    curves: tuple[tuple[str, tuple[str, ...]], ...]
+    audits: tuple[Audit, ...]
+
+
+@dataclass(frozen=True)
 class Study:
     """A study file, read and checked: `text` as written, `units` of the swept paths as written there.
 
-    notes: what the user is to be told of the file, though it is read.
+    notes: what the user is to be told of the file, though it is read. goal: the accuracy that is asked for; then
+    the swept cases have the model that others are judged by, and ``otherwise`` gives the same cases with other
+    values at some paths, None for those that cannot be.
     """
 
     name: str
@@ -70,6 +96,9 @@ class Study:
     swept_cases: tuple[tuple[Case, dict[str, float | str]], ...] = field(repr=False)
     notes: tuple[str, ...] = ()
     uncertainty: tuple[Uncertain, ...] | None = None
+    goal: "Goal | None" = None
+    selection: Selection | None = None
+    otherwise: "Callable[[Mapping[str, str]], list[Case | None]] | None" = field(default=None, repr=False)
 
     def cases(self) -> list[Case]:
         """The swept cases, in order: the last entry of `sweep` changes fastest."""
@@ -78,7 +107,9 @@ class Study:
     def jobs(self) -> list[Job]:
         """Every job once: the cases, the healthy baselines they are compared with, then what is varied of them."""
         found = {job.id: job for job in self.planned()}
-        varied = {one.job.id: one.job for one in self.variations()}
+        audited = () if self.selection is None else self.selection.audits
+        beside = [one.job for one in self.variations()] + [one.job for one in audited]
+        varied = {job.id: job for job in beside}
         return [*found.values(), *(job for key, job in varied.items() if key not in found)]
 
     def planned(self) -> list[Job]:
@@ -153,12 +184,26 @@ def _canonical(value: Any) -> Any:
 
 
 def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
+    """The job of the healthy twin of a case, if it has one."""
+    healthy = healthy_twin(case)
+    if healthy is None:
+        return None
+    dropped = _of_defects(case)
+    kept = {path: value for path, value in swept.items() if path.split(".")[0] not in dropped}
+    return Job(case_id(healthy), healthy, kept, None, is_baseline=True)
+
+
+def healthy_twin(case: Case) -> Case | None:
     """The same bearing without its defects; none for a model that knows pits as impulses only."""
     if not case.defects or not MODELS[case.model].takes_pits:
         return None
-    dropped = {"defect", "defects", "excitation"} | ({"seed"} if not MODELS[case.model].slips else set())
-    plain: dict[str, Any] = {name: Case.model_fields[name].default for name in dropped & Case.model_fields.keys()}
+    plain: dict[str, Any] = {
+        name: Case.model_fields[name].default for name in _of_defects(case) & Case.model_fields.keys()
+    }
     plain["record"] = tuple(name for name in case.record if slice_number(name) is None)  # it is cut otherwise
-    healthy = case.model_copy(update=plain)
-    kept = {path: value for path, value in swept.items() if path.split(".")[0] not in dropped}
-    return Job(case_id(healthy), healthy, kept, None, is_baseline=True)
+    return case.model_copy(update=plain)
+
+
+def _of_defects(case: Case) -> set[str]:
+    """The keys that a healthy twin has not."""
+    return {"defect", "defects", "excitation"} | ({"seed"} if not MODELS[case.model].slips else set())

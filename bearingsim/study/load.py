@@ -2,8 +2,8 @@
 
 import math
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import reduce
 from pathlib import Path as FilePath
 
@@ -14,6 +14,7 @@ from bearingsim.study import aliases
 from bearingsim.study.diagnose import STUDY_KEYS, Found, case_of
 from bearingsim.study.expand import expanded
 from bearingsim.study.figures import check_known, parse_figures
+from bearingsim.study.goal import asks_for_reference, check_goal, parse_goal
 from bearingsim.study.jobs import Study, identity
 from bearingsim.study.paths import dimension, parse_path, put, value_at
 from bearingsim.study.sweep import Axis, is_sweep, parse_sweep, replaced, rows_of, single_axis, written_paths
@@ -37,6 +38,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
 _LIST_VALUED = ("defects", "record", "rig.load.angles", "rig.load.at")
 
 Swept = dict[str, float | str]
+Otherwise = Callable[[Mapping[str, str]], list[Case | None]]
 
 
 def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None, quick: bool = False) -> Study:
@@ -52,6 +54,7 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     problems = list(flaws)
     told, root = aliases.notes(root, overrides or {}), aliases.renamed(root)
     given = {aliases.new_path(path): value for path, value in _texts(overrides or {}).items()}
+    whole, root = root, asks_for_reference(root) if "accuracy" in root.mapping else root
     # Both are checked, so that a mistake in `quick` is told now and not when it is first used.
     modes = (False, True) if "quick" in root.mapping else (False,)
     plans = [_Plan.of(root, FilePath(path).parent, given, reduced) for reduced in modes]
@@ -60,10 +63,13 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     uncertain = parse_uncertainty(root.mapping.get("uncertainty"), problems)
     figures = parse_figures(root.mapping.get("figures"), swept, problems)
     name = _name(root, problems)
+    goal = parse_goal(whole.mapping.get("accuracy"), figures, problems)
     if all(cases):
         models = {case.model for found in cases for case, _ in found}
         check_known(root.mapping.get("figures"), models, problems)
         check_possible(root.mapping.get("uncertainty"), [case for case, _ in cases[0]], uncertain or (), problems)
+        if goal is not None:
+            check_goal(whole, [case for found in cases for case, _ in found], given, problems)
     problems += [found for plan in plans for found in plan.all_problems()]
     if problems:
         raise StudyError(_in_order(problems, str(path)))
@@ -71,7 +77,23 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     chosen = -1 if reduced else 0
     units, swept_cases = plans[chosen].units(), tuple(cases[chosen])
     tried = () if reduced and uncertain else uncertain  # a first look tries nothing else
-    return Study(name, str(path), text, given, reduced, figures, units, swept_cases, told, tried)
+    study = Study(name, str(path), text, given, reduced, figures, units, swept_cases, told, tried)
+    if goal is None:
+        return study
+    return replace(study, goal=goal, otherwise=_remembered(plans[chosen].otherwise))
+
+
+def _remembered(otherwise: Otherwise) -> Otherwise:
+    """The same, expanding a study once for each set of values."""
+    found: dict[tuple[tuple[str, str], ...], list[Case | None]] = {}
+
+    def remembered(given: Mapping[str, str]) -> list[Case | None]:
+        asked = tuple(sorted(given.items()))
+        if asked not in found:
+            found[asked] = otherwise(given)
+        return found[asked]
+
+    return remembered
 
 
 def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
@@ -211,6 +233,18 @@ class _Plan:
             if case is not None:
                 cases.setdefault(identity(case), (case, self.swept(case, row)))
         return list(cases.values())
+
+    def otherwise(self, given: Mapping[str, str]) -> list[Case | None]:
+        """The same cases with other values at some paths; None for one that cannot be."""
+        other = _Plan(self.base, self.folder, list(self.axes), places=dict(self.places))
+        for path, text in given.items():
+            other.fix(path, Node(text, self.base.mark), self.base.mark)
+        found: dict[str, Case | None] = {}
+        for row in rows_of(self.axes):
+            case = self.case(row)
+            if case is not None:
+                found.setdefault(identity(case), other.case(row))
+        return list(found.values())
 
     def case(self, row: list[tuple[str, Node]]) -> Case | None:
         """The case of one combination of swept values."""

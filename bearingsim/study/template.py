@@ -36,7 +36,8 @@ sweep:
   # zip: {model: [impulse, ring, rollers], excitation: [impulse-train, half-sine-pulse, envelope]}
 
 # The model
-# model: rollers                  # impulse, static, ring, rollers, planar, spatial, or least: the lowest that can
+# model: rollers                  # impulse, static, ring, rollers, planar, spatial, or reference
+# accuracy: 2 %                   # in place of `model`: the cheapest that is so close to the reference
 # method: auto                    # verlet, dop853, rodas, backward-euler; for comparison rk4, nystrom, ...
 # step: auto                      # or a time such as 0.5 us
 # tolerance: auto                 # of dop853, rodas, backward-euler, dormand-prince: a number such as 1e-4

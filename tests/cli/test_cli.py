@@ -103,31 +103,9 @@ def test_a_quantity_of_many_cases_is_a_span(found, text):
     assert screen.span(found) == text
 
 
-LEAST = "`planar` is the least model: a `ramp` changes the speed under way; `drag` brakes rollers and cage"
-
-
-def test_check_says_which_model_is_least_and_why(here):
-    words = [
-        "--set",
-        "load=150 N",
-        "--set",
-        "ramp={to: 900 rpm, time: 50 ms}",
-        "--set",
-        "drag={oil_fraction: 0.1}",
-    ]
-    assert LEAST in type_("check", "small.yaml", "--set", "model=least", *words)[0]
-    assert "is the least model" not in type_("check", "small.yaml", "--set", "model=planar", *words)[0]
-
-
-def test_check_says_how_many_cases_chose_a_model(here):
-    said, _ = type_("check", "small.yaml", "--set", "model=[least, ring]")
-    assert "2 of 4 cases: `static` is the least model: `envelope` moves the rollers" in said
-    named = STUDY.replace("  model: [static, ring]\n", "").replace("load: 1", "model: least\nload: 1", 1)
-    Path("small.yaml").write_text(named)
-    assert "\n`static` is the least model" in type_("check", "small.yaml")[0]
-    Path("small.yaml").write_text(STUDY.replace("quick: {sweep: {model: [static]}}", "quick: {model: least}"))
-    assert "is the least model" not in type_("check", "small.yaml")[0]
-    assert "`static` is the least model" in type_("check", "small.yaml", "--quick")[0]
+def test_the_least_model_is_refused_with_what_took_its_place(here):
+    said = type_("check", "small.yaml", "--set", "model=least", code=2)
+    assert "accuracy: 2 %" in "".join(said)
 
 
 def test_check_says_what_friction_can_do(here):

@@ -8,10 +8,10 @@ from pydantic import ValidationError
 
 from bearingsim.catalogue import MODELS
 from bearingsim.config import CHANNELS, Case
-from bearingsim.config.rules.hierarchy import least, needs, reasons
+from bearingsim.config.rules.hierarchy import least, needs, reasons, reference
+from bearingsim.config.sections.free import Cage, Frictionless
 
 PIT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
-FREE = {"model": "least"}
 SPRUNG = {"axial_stiffness": "1e7 N/m", "tilting_stiffness": "1e4 N m/rad"}
 
 
@@ -80,18 +80,47 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
 ]
 
 
+def most_able(fields: dict[str, Any]) -> str:
+    """The model by which a case is judged: `planar` if it will do."""
+    able = {model: why for named, model, why in LEAST if named is fields}
+    (model,) = able
+    return model if model in ("impulse", "spatial") else "planar"
+
+
 @pytest.mark.parametrize(("fields", "model", "why"), LEAST)
 def test_the_least_model_and_why(fields: dict[str, Any], model: str, why: str) -> None:
-    found = case(**fields | FREE)
-    assert found.model == model
+    found = case(**fields | {"model": most_able(fields)})
+    assert least(found) == model
     assert any(why in reason for reason in reasons(found))
-    assert found.method == (None if model in ("impulse", "static") else "auto")
 
 
 @pytest.mark.parametrize(("fields", "model", "why"), LEAST)
-def test_what_is_chosen_survives_a_dump(fields: dict[str, Any], model: str, why: str) -> None:
-    found = case(**fields | FREE)
+def test_the_reference_is_planar_unless_it_cannot(fields: dict[str, Any], model: str, why: str) -> None:
+    found = case(**fields | {"model": "reference"})
+    assert found.model == most_able(fields)
+    assert reference(found) == found.model
+    assert found.method == (None if found.model == "impulse" else "auto")
     assert Case.model_validate(found.model_dump()) == found
+
+
+def test_the_reference_slips_only_where_a_case_speaks_of_it() -> None:
+    silent = case(model="reference")
+    assert silent.cage == Cage(motion="kinematic")
+    assert silent.friction == Frictionless()
+    for said in ({"friction": "static-dynamic"}, {"drag": {}}, {"record": ["cage.slip"]}):
+        found = case(model="reference", **said)
+        assert found.cage == Cage(), said
+
+
+def test_the_reference_of_a_ring_that_bends_is_rollers() -> None:
+    assert case(model="reference", rig={"ring": {"bends": True}}).model == "rollers"
+
+
+def test_the_least_model_is_no_longer_taken() -> None:
+    with pytest.raises(ValidationError) as caught:
+        case(model="least")
+    (error,) = caught.value.errors()
+    assert "accuracy: 2 %" in error["ctx"]["hint"]
 
 
 @pytest.mark.parametrize(("fields", "model", "why"), LEAST)
@@ -127,7 +156,11 @@ def test_what_only_planar_can_is_refused_elsewhere(fields: dict[str, Any], model
             ["`friction` acts", "`load_across` turns"],
             "no model can do all that is asked for",
         ),
-        (IMPULSES | FREE | {"gravity": True}, ["`impulse-train` is forces in time"], "no model can do all"),
+        (
+            IMPULSES | {"model": "reference", "gravity": True},
+            ["`impulse-train` is forces in time"],
+            "no model can do all",
+        ),
     ],
 )
 def test_a_model_that_cannot_is_refused_with_the_least_that_can(
@@ -148,7 +181,7 @@ def test_what_is_a_matter_of_quality_is_not_refused() -> None:
 
 
 def test_quality_yields_where_no_model_has_it() -> None:
-    assert case(**IMPULSES | FREE | {"contact": {"damping": "kraemer"}}).model == "impulse"
+    assert case(**IMPULSES | {"model": "reference", "contact": {"damping": "kraemer"}}).model == "impulse"
 
 
 def test_what_planar_fills_in_asks_for_nothing() -> None:
@@ -158,7 +191,7 @@ def test_what_planar_fills_in_asks_for_nothing() -> None:
 
 def test_every_need_is_somebodys_ability() -> None:
     known = frozenset[str]().union(*(model.abilities for model in MODELS.values()))
-    found = {need.what for fields, _, _ in LEAST for need in needs(case(**fields | FREE))}
+    found = {need.what for fields, _, _ in LEAST for need in needs(case(**fields | {"model": "reference"}))}
     assert found <= known
 
 

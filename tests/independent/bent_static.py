@@ -5,13 +5,15 @@ outer race. The radial motion of the ring at the angle phi, outward, is
 
     s(phi).x,   s = (cos phi, sin phi, 1, cos 2 phi, sin 2 phi, ..., cos N phi, sin N phi)
 
-so that x = (u_x, u_y, a_0, a_2, b_2, ...): the first two move the ring as it is, the others bend it. A massless
-roller has its two contacts in series, each with half of the approach delta = -s(theta_j).x - h_j. Nor has it a
-centrifugal force, as in the landed `static`. The energy of everything is convex, and all is where it is least:
+so that x = (u_x, u_y, a_0, a_2, b_2, ...): the first two move the ring as it is, the others bend it. Roller j is
+q_j outward of the pitch circle; its approaches are q_j - s(theta_j).x - h_j to the outer race, -q_j to the inner.
+Everything is where its energy is least (convex but for the last term, a millionth of the contacts'):
 
-    E = x.K x/2 + k_b |held - anchor|^2/2 + sum_j V(delta_j) + what presses the ring from outside
+    E = x.K x/2 + k_b |held - anchor|^2/2 + sum_j [V(outer) + V(inner)] + what presses the ring from outside
+        - sum_j m_r omega_c^2 (d_m/2 + q_j)^2/2
 
-K holds the stiffness of the harmonics (tests/independent/beam_ring.py); u has none. From outside press
+The last presses rollers outward as they go round. K holds the stiffness of the harmonics
+(tests/independent/beam_ring.py); u has none. From outside press
 
 - `Forces`: given forces, inward, at given angles: F s(phi).x each. At one angle the load is a point; at two or
   more it has soft pads, which keep their force. `thrust` makes them equal with the resultant -load e_0.
@@ -31,7 +33,8 @@ import numpy as np
 
 from tests.independent import beam_ring, rollers
 
-SERIES = rollers.K * 2 ** (-10 / 9)
+R_MEAN = rollers.R_O - rollers.R_W
+THROWN = rollers.M_R * rollers.OMEGA_C**2
 PASS = 2 * np.pi / rollers.Z
 
 
@@ -132,7 +135,7 @@ class System(NamedTuple):
         return self.A @ y - self.f + force @ self.B, self.A + (self.B.T * stiff) @ self.B
 
 
-def least(system, y, enough=1e-9, floor=1.0):
+def least(system, y, enough=1e-9, floor=1e5):
     """Where the energy is least: Newton's method, its steps halved as long as they pass the lowest place by far.
 
     floor: a stiffness (N/m) in the matrix alone, for what is held by nothing on the way.
@@ -156,21 +159,26 @@ def held(scene):
 
 
 def system(scene, theta, anchor):
-    """``theta``: angles of the rollers. ``anchor``: None without a bracket."""
-    orders = harmonics(scene.last)
+    """Unknowns: of the ring, of the rollers, of a carrier; first the outer contacts, then the inner ones.
+
+    ``theta``: angles of the rollers. ``anchor``: None without a bracket.
+    """
+    orders, z = harmonics(scene.last), rollers.Z
     at_rollers = reach(orders, theta)
     size = at_rollers.shape[1]
     carried = isinstance(scene.outside, Springs)
-    total = size + 2 * carried
+    total = size + z + 2 * carried
     A, f = np.zeros((total, total)), np.zeros(total)
     A[range(2, size), range(2, size)] = spread(orders, beam_ring.modes(orders, scene.ring)[0])
-    B = np.zeros((rollers.Z, total))
-    B[:, :size] = -at_rollers
-    o, c, m = sinking(scene, theta), np.full(rollers.Z, SERIES), np.full(rollers.Z, 10 / 9)
+    place = range(size, size + z)
+    A[place, place], f[place] = -THROWN, THROWN * R_MEAN
+    B = np.zeros((2 * z, total))
+    B[:z, :size], B[:z, place], B[z:, place] = -at_rollers, np.eye(z), -np.eye(z)
+    o, c, m = np.append(sinking(scene, theta), np.zeros(z)), np.full(2 * z, rollers.K), np.full(2 * z, 10 / 9)
     if carried:
         f[-2] = -scene.load
         at = np.array(scene.outside.angles)
-        pushed = np.hstack([reach(orders, at), -reach((), at)])
+        pushed = np.hstack([reach(orders, at), np.zeros((at.size, z)), -reach((), at)])
         B, o = np.vstack([B, pushed]), np.append(o, np.full(at.size, -scene.outside.fit))
         c, m = np.append(c, np.full(at.size, scene.outside.stiffness)), np.append(m, np.ones(at.size))
     else:
@@ -212,11 +220,10 @@ def over(scene, turned, anchor):
         now = system(scene, first + PASS * np.arange(rollers.Z), anchor)
         if y is None:
             y = np.zeros(now.f.size)
-            y[0] = -1e-6
-            y[held(scene)] += [0.0 if held(scene).start == 0 else -1e-6, 0.0]
+            y[0] = y[held(scene).start] = -1e-6
         y = least(now, y)
         found.append(y)
-        forces.append(SERIES * np.maximum(now.B @ y - now.o, 0.0)[: rollers.Z] ** (10 / 9))
+        forces.append(rollers.elastic(now.B @ y - now.o)[: rollers.Z])
     unknowns = np.array(found)
     return Path(np.asarray(turned), unknowns[:, : looks.size] @ looks, unknowns, np.array(forces))
 

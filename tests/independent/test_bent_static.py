@@ -111,7 +111,8 @@ def test_stiff_points_carry_what_statics_says():
     springs = points(-60, 60, 180, stiffness=1e8)
     scene = Scene(last=8, outside=springs, bracket=0.0)
     y = bent_static.over(scene, [TURNED[0]], None).unknowns[0]
-    gap = reach(orders, springs.angles) @ y[:-2] - reach((), springs.angles) @ y[-2:]
+    at = reach(orders, springs.angles)
+    gap = at @ y[: at.shape[1]] - reach((), springs.angles) @ y[-2:]
     pushes = springs.stiffness * np.maximum(gap, 0.0)
     assert pushes @ np.cos(springs.angles) == pytest.approx(rollers.LOAD)
     assert pushes @ np.sin(springs.angles) == pytest.approx(0.0, abs=1e-6)
@@ -127,7 +128,7 @@ def test_pads_have_the_load_as_their_resultant():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("last", "outside", "wanted"),
-    [(0, POINT, 10.16), (30, POINT, 93.8), (30, thrust(-45, 45), 4.83)],
+    [(0, POINT, 10.20), (30, POINT, 93.95), (30, thrust(-45, 45), 4.71)],
 )
 def test_lines_of_the_loads(last, outside, wanted):
     """Less healthy, um/s, harmonics to 30, without a bracket. The kept numbers of this solution, within 1 %."""

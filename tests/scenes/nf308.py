@@ -39,6 +39,11 @@ def light_rollers(factor: float) -> dict[str, Any]:
     return {"bearing": bearing, "rig": {"ring_mass": f"{assemble.geometry.ring_mass(usual)} kg"}}
 
 
+def weightless(model: Any) -> Any:
+    """The model with rollers that nothing presses outwards, as in closed forms of the load's distribution."""
+    return model._replace(bearing=model.bearing._replace(m_r=0.0))
+
+
 def at_rest(model: Any, t: float = 0.0) -> np.ndarray:
     """A buffer with the model at static equilibrium."""
     y = assemble.empty_buffer(model)

@@ -20,6 +20,8 @@ from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.features import OTHER_LINES
 from bearingsim.simulation.simulate import simulate, warm
+from tests.independent import rollers
+from tests.scenes.nf308 import light_rollers
 from tests.scenes.short_cases import FORCES, RATE, RING, SLOT, case
 
 SIMULATION = importlib.import_module("bearingsim.simulation.simulate")
@@ -247,10 +249,10 @@ def test_static_is_periodic_from_its_first_sample() -> None:
 
 
 def test_a_recorded_roller_goes_around_the_bearing_in_static_too() -> None:
-    turn = 13 / RATE
+    """With rollers so light that nothing presses them outwards: `ring` has none of that."""
+    given = {"record": FORCES, "duration": 13 / RATE} | light_rollers(1e-6)
     static, ring = (
-        simulate(case(model=model, record=FORCES, duration=turn)).series["roller.outer_force"]
-        for model in ("static", "ring")
+        simulate(case(model=model, **given)).series["roller.outer_force"] for model in ("static", "ring")
     )
     assert 0.3 < np.mean(static > 1.0) < 0.6  # half of the bearing carries
     assert np.abs(static - ring).max() < 0.02 * ring.max()
@@ -318,13 +320,15 @@ def test_forces_recorded_are_consistent() -> None:
 
 
 def test_peak_force_of_static_equals_the_load_sharing() -> None:
-    """Palmgren's two contacts in series, 13 rollers, 150 N, worked out with SciPy alone."""
-    K = 8.06e4 * 12 ** (8 / 9) * 1000 ** (10 / 9) * 2 ** (-10 / 9)
+    """Palmgren's two contacts, each roller in balance with its centrifugal load, 150 N, with SciPy alone."""
 
     def forces(u: np.ndarray, theta: float) -> tuple[np.ndarray, np.ndarray]:
         angles = theta + 2 * np.pi / 13 * np.arange(13)
-        approach = np.maximum(-(1e-6 * u[0] * np.cos(angles) + 1e-6 * u[1] * np.sin(angles)), 0.0)
-        return K * approach ** (10 / 9), angles
+        out = 1e-6 * u[0] * np.cos(angles) + 1e-6 * u[1] * np.sin(angles)
+        race = rollers.R_O - rollers.R_W + out
+        return np.array(
+            [rollers.elastic(rollers.roller_at_rest(x) - r) for x, r in zip(out, race, strict=True)]
+        ), angles
 
     def rest(theta: float) -> float:
         def net(u: np.ndarray) -> list[float]:

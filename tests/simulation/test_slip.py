@@ -91,13 +91,13 @@ def test_slip_grows_as_load_falls_and_speed_rises():
 
 @pytest.mark.parametrize(("rpm", "load", "friction"), [(3000, 10, "static-dynamic"), (6000, 40, "traction")])
 def test_gross_slip_is_where_the_forces_balance(rpm, load, friction):
-    """By the mean of three seeds: the motion is chaotic, and one seed's slip is its own by 1 %."""
+    """By the mean of three seeds: the motion is chaotic, and one seed's slip is its own by 1 %.
+
+    After 1 s: the slip at 3000 rpm still grows, from 5 % under the balance after 0.5 s to 1 % after 1 s.
+    """
     expected = balance(oiled(rpm, load, friction=friction))
     assert 0.15 < expected < 0.25
-    found = [
-        slip(rpm, load, friction=friction),
-        *(slip(rpm, load, friction=friction, seed=seed) for seed in (2, 3)),
-    ]
+    found = [slip(rpm, load, friction=friction, seed=seed, settle="1 s") for seed in (1, 2, 3)]
     assert sum(found) / 3.0 == pytest.approx(expected, rel=0.05)
 
 

@@ -15,8 +15,8 @@ from bearingsim.config.sections.ring import MAX_HARMONICS, RingLoad
 
 def complete(case: CaseFields) -> None:
     """Fill in, in this order: model, excitation, method, start angle, contact, defects, what moves, channels."""
-    if case.model == catalogue.LEAST:
-        _fill(case, "model", hierarchy.least(case) or catalogue.most_able())
+    if case.model == catalogue.REFERENCE:
+        _fill_reference(case)
     known = catalogue.MODELS[case.model]
     if not known.takes_pits and "excitation" not in case.model_fields_set:
         _fill(case, "excitation", "impulse-train")
@@ -31,6 +31,13 @@ def complete(case: CaseFields) -> None:
         _fill(case, "misalignment", None)
     _fill_free_motion(case)
     _fill(case, "record", tuple(name for channel in case.record for name in by_slices(channel, case)))
+
+
+def _fill_reference(case: CaseFields) -> None:
+    """The model by which others are judged; its cage turns without slip unless the case speaks of what slips."""
+    _fill(case, "model", hierarchy.reference(case) or catalogue.most_able())
+    if catalogue.MODELS[case.model].slips and not hierarchy.speaks_of_slip(case):
+        _fill(case, "cage", free.Cage(motion="kinematic"))
 
 
 AROUND_A_ROLLER, IN_A_HOUSING = 7, 8

@@ -2,7 +2,7 @@
 
 A need is firm where a model below would compute something else than what the case says: it is refused. A need
 that is not firm is one of quality: a model below computes the case, but what is asked for is not worth much.
-`least` heeds both; who names a model takes it as it is.
+`least` and `reference` heed both; who names a model takes it as it is.
 """
 
 import math
@@ -51,6 +51,30 @@ def least(case: "CaseFields") -> str | None:
     models = catalogue.MODELS.values()
     able = [model.name for wanted in (asked, firm) for model in models if wanted <= model.abilities]
     return able[0] if able else None
+
+
+def reference(case: "CaseFields") -> str | None:
+    """The model by which others are judged: the first of ``catalogue.REFERENCES`` that can do all that is asked.
+
+    None if no model can do all that is firm.
+    """
+    found = needs(case)
+    asked, firm = {need.what for need in found}, {need.what for need in found if need.required}
+    models = [catalogue.MODELS[name] for name in catalogue.REFERENCES]
+    able = [model.name for wanted in (asked, firm) for model in models if wanted <= model.abilities]
+    return able[0] if able else None
+
+
+def unmet_wishes(case: "CaseFields") -> list[Need]:
+    """What a case asks for in all that its own model has not."""
+    return [need for need in needs(case) if need.what not in catalogue.MODELS[case.model].abilities]
+
+
+def speaks_of_slip(case: "CaseFields") -> bool:
+    """Whether a case says something of cage, friction, drag, or records what slips."""
+    said = any(_is_said(case, name) for name in ("cage", "friction", "drag"))
+    slips = ("slip", "cage")
+    return said or any(_RECORDED.get(plain(name), ("", ""))[0] in slips for name in case.record)
 
 
 def unmet_needs(case: "CaseFields") -> list[Need]:

@@ -33,6 +33,8 @@ RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 MAX_STEPS = 200
 LONGEST_STEP = 1e-5  # m
 LIGHT = 1e-8  # m: how far a roller that carries nothing may be pressed, to begin with
+REACH = 1e-6  # m: how far one is looked for further out, to begin with
+TINY = 1e-16  # m: ten nanonewtons in a contact, where the search halves; a Newton step ends far closer
 
 
 class NoEquilibrium(ArithmeticError):
@@ -63,8 +65,9 @@ def excess_force(model, y, j, touch, q):
 def roller_balance(model, y, j, u_r):
     """Position q (m) of a roller when the outer race stands ``u_r`` further out at its angle.
 
-    Newton's method from where a roller without mass would be, kept between touching the outer race with no force
-    and pressing on it with all there is. The rows PAIR and DISTANCE say where it stands over a pit.
+    Newton's method from where a roller without mass would be over undamaged races. It goes out by no more than a
+    reach that doubles until the outer race holds the roller; from then on it halves the bracket wherever its own
+    step leaves it or does not shrink fast. The rows PAIR and DISTANCE say where the roller stands over a pit.
     """
     gap = model.bearing.gap
     touch, pressed = u_r + gap, -2.0 * gap - u_r
@@ -76,7 +79,7 @@ def roller_balance(model, y, j, u_r):
         q = -gap - series_share(model.outer.stiffness, model.inner.stiffness, pressed)
         if clean and model.bearing.m_r == 0.0:
             return q
-    low, high, scale = touch, inf, max(abs(pressed), LIGHT)
+    low, high, reach, before, last = touch, inf, REACH, inf, inf
     for _ in range(MAX_STEPS):
         excess, slope = excess_force(model, y, j, touch, q)
         if excess > 0.0:
@@ -84,9 +87,13 @@ def roller_balance(model, y, j, u_r):
         else:
             low = q
         target = q - excess / max(slope, 1e-300)
-        if not low <= target <= high:
+        if high == inf:
+            target = min(target, q + reach)
+            reach *= 2.0
+        elif not low <= target <= high or abs(target - q) > 0.5 * before:
             target = 0.5 * (low + high)
-        if abs(target - q) <= 1e-9 * scale:  # the error is of the order of its square
+        before, last = last, abs(target - q)
+        if last <= TINY + 4e-16 * abs(q):  # near the balance, Newton's error is of the order of its square
             return target
         q = target
     return q

@@ -5,12 +5,18 @@ from typing import Any
 import numpy as np
 
 from bearingsim.core.geometry.sides import contact_rows
-from bearingsim.core.jit import generic, jit
+from bearingsim.core.jit import generic, inlined, jit
 from bearingsim.core.laws.damping.interface import normal_force, slopes
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from bearingsim.core.parameters import kinematic_angles
 from bearingsim.core.pits.excitations import pit_response
 from bearingsim.core.pits.pairs import GROUP_COUNT, GROUP_WEIGHT, HALF_WIDTH, REDUCED_RADIUS, SIDE, nearest_roller
+
+
+@inlined
+def touching_slope(stiffness, delta):
+    """Slope (N/m) of the elastic force at any approach ``delta`` (m): none out of contact, whatever the law."""
+    return tangent(stiffness, delta) if delta > 0.0 else 0.0
 
 
 @jit
@@ -21,14 +27,14 @@ def elastic_over_pit(stiffness, pits, d, s, delta):
     delta: approach (m) to the undamaged race; ``s``: distance (m) from the pit's middle. ``d`` = -1: no pit.
     """
     if d < 0:
-        return elastic(stiffness, max(delta, 0.0)), tangent(stiffness, max(delta, 0.0)), max(delta, 0.0)
+        return elastic(stiffness, max(delta, 0.0)), touching_slope(stiffness, delta), max(delta, 0.0)
     force, slope, mean = 0.0, 0.0, 0.0
     for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
         share, h, _ = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
         weight, here = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
         force += weight * elastic(stiffness, here)
-        slope += weight * tangent(stiffness, here)
+        slope += weight * touching_slope(stiffness, delta - h)
         mean += weight * here
     return force, slope, mean
 
@@ -102,12 +108,12 @@ def slopes_over_pit(contact, pits, d, s, speed, delta, v):
 def stiffness_over_pit(stiffness, pits, d, s, delta):
     """Slope (N/m) of the elastic force of what is in contact; ``d`` = -1: no pit."""
     if d < 0:
-        return tangent(stiffness, delta) if delta > 0.0 else 0.0
+        return touching_slope(stiffness, delta)
     slope = 0.0
     for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
         share, h, _ = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
-        slope += share * group[GROUP_WEIGHT] * (tangent(stiffness, delta - h) if delta > h else 0.0)
+        slope += share * group[GROUP_WEIGHT] * touching_slope(stiffness, delta - h)
     return slope
 
 

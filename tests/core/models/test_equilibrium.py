@@ -7,15 +7,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
-from scipy.optimize import brentq
+from scipy.optimize import brentq, root
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
+from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.laws.stiffness.interface import elastic
-from bearingsim.core.laws.stiffness.ten_ninths import iso16281
-from bearingsim.core.models.equilibrium import rest_from_scratch
-from bearingsim.core.pits.pairs import REDUCED_RADIUS
-from tests.scenes.nf308 import SLOT, at_rest, case
+from bearingsim.core.laws.stiffness.johnson import johnson
+from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.stiffness.ten_ninths import TenNinths, iso16281
+from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
+from bearingsim.core.models.equilibrium import DISTANCE, PAIR, rest_from_scratch, roller_balance
+from bearingsim.core.pits.excitations import ClearanceIncrease
+from bearingsim.core.pits.pairs import ON_INNER, ON_OUTER, REDUCED_RADIUS, RollerPitPair, pack_pits
+from tests.independent import rollers
+from tests.scenes.nf308 import SLOT, at_rest, case, weightless
 
 # Sjovall's radial integral for line contact, exponent 1.1, by load zone parameter (Harris, table 7.4)
 SJOVALL = {
@@ -32,8 +38,10 @@ def sjovall(epsilon, n):
 
 
 def unsupported(Z=13, load=150.0, clearance=0.0, first=0.0, model="static", **given):
-    """The static model with nothing but its rollers to hold the ring, the first roller at ``first``."""
-    found = assemble.model(case(load=load, clearance=clearance, start_angle=first, model=model, **given))
+    """The static model of weightless rollers, which alone hold the ring, the first at ``first``."""
+    found = weightless(
+        assemble.model(case(load=load, clearance=clearance, start_angle=first, model=model, **given))
+    )
     free = found.support._replace(k_b=0.0)
     return found._replace(bearing=found.bearing._replace(Z=Z), support=free)
 
@@ -137,3 +145,110 @@ def test_a_slot_takes_the_load_off_its_roller():
     inner = brentq(lambda d: elastic(law, shift - h - d) - elastic(law, d), 1e-12, shift - h - 1e-12, xtol=1e-20)
     assert loads[0] == pytest.approx(elastic(law, inner), rel=1e-9)
     assert loads[0] < 0.8 * forces(healthy)[0][0]
+
+
+# The centrifugal load of `static`
+
+
+def resting(speed, model="static", **given):
+    """A model at ``speed`` (rpm), 150 N and 20 um of clearance, at rest: its buffer, outer and inner forces."""
+    found = assemble.model(case(model=model, speed=f"{speed} rpm", clearance="20 um", **given))
+    y = assemble.empty_buffer(found)
+    assert rest_from_scratch(assemble.static_model(found), 0.0, y) < 1e-7
+    return found, y, y[lay.Q_O : lay.Q_O + 13], y[lay.Q_I : lay.Q_I + 13]
+
+
+@pytest.mark.parametrize("speed", [60, 1800, 6000])
+def test_rollers_of_static_press_outwards(speed):
+    """Q_o - Q_i is m_r omega_c^2 r of each roller, loaded or not: by hand from the NF308's dimensions."""
+    _, y, outer, inner = resting(speed)
+    omega_c = 2.0 * pi * speed / 60.0 * (1.0 - 12.0 / 65.0) / 2.0
+    outward = 7850.0 * pi * 0.006**2 * 0.012 * omega_c**2 * (0.0325 + y[lay.RADIAL : lay.RADIAL + 13])
+    assert outer - inner == pytest.approx(outward, rel=1e-9, abs=1e-9)
+    loaded = inner > 0.0
+    assert 2 <= loaded.sum() <= 6
+    assert outer[~loaded] == pytest.approx(outward[~loaded], rel=1e-9, abs=1e-9)
+
+
+def test_the_ring_at_6000_rpm_is_where_an_independent_solution_has_it():
+    """To 1e-13 m; without its rollers' centrifugal load it would be 0.1 um away."""
+    omega, M, K = 2.0 * pi * 100.0 * (1.0 - 12.0 / 65.0) / 2.0, rollers.M_R, rollers.K
+    model = assemble.model(case(model="static", speed="6000 rpm", rig={"bracket_stiffness": "1e-3 N/m"}))
+    y = at_rest(model)
+
+    def outer_force(out):
+        def inward(q):
+            return K * max(q - out, 0.0) ** (10 / 9) - K * max(-q, 0.0) ** (10 / 9) - M * omega**2 * (0.0325 + q)
+
+        return K * (brentq(inward, out, max(out, 0.0) + 1e-5, xtol=1e-19, rtol=1e-14) - out) ** (10 / 9)
+
+    def net(microns):
+        e = np.stack([np.cos(rollers.THETA), np.sin(rollers.THETA)])
+        return (np.array([outer_force(out) for out in 1e-6 * microns @ e]) @ e.T - [150.0, 0.0]) / 150.0
+
+    found = 1e-6 * root(net, [-0.4, 0.0], tol=1e-13).x
+    assert y[lay.POSITION : lay.POSITION + 2] == pytest.approx(found, abs=1e-13)
+    assert abs(at_rest(weightless(model))[lay.POSITION] - found[0]) > 5e-8
+
+
+@pytest.mark.parametrize("speed", [600, 6000])
+@pytest.mark.parametrize("defects", [[], [SLOT | {"angle": 0.24}], [SLOT | {"race": "inner", "angle": 0.24}]])
+def test_static_is_the_rest_of_rollers(speed, defects):
+    """At the same cage angle, with and without a pit under the first roller: places and forces to 1e-9."""
+    of_static, of_rollers = (resting(speed, model, defects=defects)[1:] for model in ("static", "rollers"))
+    for one, other in zip(of_static[1:], of_rollers[1:], strict=True):
+        assert one == pytest.approx(other, rel=1e-9, abs=1e-9)
+    for row, n in ((lay.POSITION, 2), (lay.RADIAL, 13)):
+        assert of_static[0][row : row + n] == pytest.approx(of_rollers[0][row : row + n], rel=1e-9, abs=1e-16)
+
+
+BOTH_LAWS = {
+    "linear": (Linear(2e8), Linear(5e7)),
+    "ten ninths": (iso16281(0.012), TenNinths(3e9)),
+    "balls": (ThreeHalves(1e10), ThreeHalves(2e10)),
+    "johnson": (johnson(207e9, 0.3, 0.012, 0.0325), johnson(207e9, 0.3, 0.012, 0.0325)),
+}
+
+
+@pytest.mark.parametrize("named", BOTH_LAWS)
+def test_a_rollers_balance_is_that_of_a_bisection(named):
+    """To 1e-8 N: clearance of either sign, loaded and hanging free, over pits under no, one or both contacts.
+
+    Pits so deep that no contact touches, rollers that weigh nothing, little, and much.
+    """
+    random, (outer, inner) = np.random.default_rng(1), BOTH_LAWS[named]
+    usual = assemble.model(case(model="static"))
+    for _ in range(400):
+        h, share = 10.0 ** random.uniform(-8, -3, (2, 2)), random.choice([0.25, 0.75])
+        pairs = [
+            RollerPitPair(side, on, 0.0, 0.03, 0.007, [(share, 1.0, 1.0, 0.0, a), (1.0 - share, 1.0, 1.0, 0.0, b)])
+            for side, on, (a, b) in ((0, ON_OUTER, h[0]), (1, ON_INNER, h[1]))
+        ]
+        mass, gap = random.choice([0.0, 1e-11, 1e-5, 1e-2, 0.1]), random.choice([0.0, 5e-6, -3e-6, 2e-5, -1e-10])
+        model = usual._replace(
+            bearing=usual.bearing._replace(m_r=mass, gap=gap),
+            outer=Undamped(outer),
+            inner=Undamped(inner),
+            pits=pack_pits(pairs, ClearanceIncrease()),
+        )
+        over, y = random.integers(0, 2, 2), assemble.empty_buffer(usual)
+        y[PAIR], y[PAIR + lay.ROW], y[DISTANCE] = over[0] - 1.0, 2.0 * over[1] - 1.0, 0.0
+        u_r = -2.0 * gap + random.choice([-1, 1]) * 10.0 ** random.uniform(-14, -3.5)
+        shares = np.array([share, 1.0 - share])
+
+        def force(law, side, delta, h=h, over=over, shares=shares):
+            return sum(
+                w * elastic(law, max(delta - d, 0.0)) for w, d in zip(shares, h[side] * over[side], strict=True)
+            )
+
+        def loads(q, gap=gap, u_r=u_r, force=force):
+            return np.array([force(outer, 0, q - u_r - gap), force(inner, 1, -gap - q)])
+
+        pressing = mass * usual.bearing.omega_c**2
+        mean = 0.5 * (usual.bearing.R_o + usual.bearing.R_i)
+        low, high = u_r + gap, max(u_r + gap, -gap) + 4e-3
+        for _ in range(100):
+            middle = 0.5 * (low + high)
+            Q = loads(middle)
+            low, high = (low, middle) if Q[0] - Q[1] >= pressing * (mean + middle) else (middle, high)
+        assert loads(roller_balance(model, y, 0, u_r)) == pytest.approx(loads(high), rel=1e-9, abs=1e-8)

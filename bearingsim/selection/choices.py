@@ -1,0 +1,80 @@
+"""What has been chosen for each case, and the study with that: as if it had named the models itself.
+
+Kept in ``choices.json`` from before the first job on. Who comes later reads them and does not decide again.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from random import Random
+
+from bearingsim.config import Case
+from bearingsim.selection.curves import curves
+from bearingsim.selection.trials import ladder, reference
+from bearingsim.study import Job, Study
+from bearingsim.study.jobs import Audit, Selection, case_id, identity
+
+AUDITED, FEWEST_AUDITED = 0.05, 3
+REFERENCE = "reference"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What computes a case: the name of a candidate, or `reference`; why; what it may be off, by feature (share).
+
+    model: the name of the model that this comes to.
+    """
+
+    candidate: str
+    model: str
+    why: str
+    error: Mapping[str, float]
+
+
+Choices = dict[str, Choice]
+"""By ``key`` of a case."""
+
+
+def key(study: Study, case: Case) -> str:
+    """What names a case and the accuracy that is asked of it."""
+    assert study.goal is not None
+    return identity(case, {"within": study.goal.within, "of": list(study.goal.of)})
+
+
+def chosen(study: Study, choices: Choices) -> Study:
+    """The study with what was chosen; every case must have a choice."""
+    own = [case for case, _ in study.swept_cases]
+    found = [choices[key(study, case)] for case in own]
+    asked = {one.candidate for one in found}
+    others = {
+        name: study.otherwise(given) if given and study.otherwise is not None else own
+        for name, given in ladder(own).items()
+        if name in asked
+    }
+    cases = [_case(own[n], others.get(one.candidate, ()), n) for n, one in enumerate(found)]
+    swept = tuple((case, values) for case, (_, values) in zip(cases, study.swept_cases, strict=True))
+    ids = [case_id(case) for case in cases]
+    drawn = tuple((curve.feature, tuple(ids[n] for n in curve.cases)) for curve in curves(study))
+    told = {name: (one.model, one.why, dict(one.error)) for name, one in zip(ids, found, strict=True)}
+    selection = Selection(told, drawn, tuple(audits(own, ids)))
+    return replace(study, swept_cases=swept, selection=selection)
+
+
+def _case(own: Case, others: Sequence[Case | None], number: int) -> Case:
+    """A case as its candidate computes it; ``others``: all cases by that, none if that is the reference."""
+    if not others:
+        return reference(own)
+    found = others[number]
+    assert found is not None, "it was tried"
+    return found
+
+
+def audits(references: Sequence[Case], ids: Sequence[str]) -> list[Audit]:
+    """Jobs to be computed again by their reference: a seeded twentieth of those that took something else."""
+    other = [
+        (name, case) for name, case in zip(ids, map(reference, references), strict=True) if case_id(case) != name
+    ]
+    if not other:
+        return []
+    count = min(len(other), max(FEWEST_AUDITED, round(AUDITED * len(other))))
+    picked = Random(references[0].seed).sample(other, count)
+    return [Audit(name, Job(case_id(case), case, {}, None, is_variation=True)) for name, case in picked]

@@ -1,0 +1,95 @@
+"""What is said of each result of a study that names an accuracy: how far it may be off, and what audits found.
+
+All over the largest value of the curve that a result is drawn in (of the lowest of several; its own, of none).
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from bearingsim.store.spread import standard_error
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Audited", "audited", "nearness"]
+
+HEALTHY = "-healthy"
+STEP_OF = {"velocity.rms": "rms", "outer_force.max": "force"}
+COLUMNS = ("error.model", "error.step", "error.scatter", "error")
+STANDARD_ERRORS = 2.0
+
+
+class Audited(NamedTuple):
+    """A job that was computed again by its reference: the largest difference, and what it may be by scatter."""
+
+    job: str
+    off: float
+    scatter: float
+
+
+def scales(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
+    """What an error of a feature counts over (SI), by job."""
+    values = frame[f"features/{feature}"].abs()
+    found = values.copy()
+    found[:] = float("inf")
+    for curve in plan["accuracy"]["curves"]:
+        if curve["feature"] == feature:
+            jobs = [job for job in curve["jobs"] if job in values.index]
+            found.loc[jobs] = found.loc[jobs].clip(upper=values.loc[jobs].max())
+    return found.where(found < float("inf"), values)
+
+
+def nearness(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
+    """``error.model``, ``.step``, ``.scatter`` and their sum ``error`` by case: of what is asked, the largest.
+
+    No ``error`` where the study leaves open what moves its results more than any model: whether its ring bends.
+    """
+    import pandas as pd
+
+    accuracy = plan.get("accuracy")
+    found = pd.DataFrame(index=frame.index, columns=[*COLUMNS], dtype=float)
+    if accuracy is None:
+        return found.iloc[:, :0]
+    cases = [job for job in accuracy["jobs"] if job in frame.index]
+    parts = {feature: _parts(plan, frame, feature) for feature in accuracy["of"] if f"features/{feature}" in frame}
+    for name in COLUMNS[:3]:
+        of_features = pd.DataFrame({feature: part[name] for feature, part in parts.items()})
+        found.loc[cases, name] = of_features.max(axis=1).reindex(cases)
+    if not plan.get("assumptions"):
+        sums = pd.DataFrame({feature: part.sum(axis=1, skipna=False) for feature, part in parts.items()})
+        found.loc[cases, "error"] = sums.max(axis=1).reindex(cases)
+    return found
+
+
+def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.DataFrame":
+    """The three errors of a feature by job."""
+    import pandas as pd
+
+    size, plain = scales(plan, frame, feature), feature.removesuffix(HEALTHY)
+    told = plan["accuracy"]["jobs"]
+    model = pd.Series({job: told[job]["error"].get(feature, 0.0) for job in told}).reindex(frame.index)
+    relative = frame.get(f"features/step_error.{STEP_OF.get(feature, 'line')}", pd.Series(0.0, frame.index))
+    step = relative.fillna(0.0) * frame[f"features/{plain}"].abs() / size
+    scatter = standard_error(frame, plain) / size
+    return pd.DataFrame({"error.model": model, "error.step": step, "error.scatter": scatter}).where(
+        frame["status"] == "done"
+    )
+
+
+def audited(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Audited]:
+    """What the audits found, of those whose jobs are both done."""
+    accuracy = plan.get("accuracy") or {"audits": [], "of": []}
+    for one in accuracy["audits"]:
+        pair = [one["of"], one["job"]]
+        if not frame["status"].reindex(pair).eq("done").all():
+            continue
+        off, scatter = 0.0, 0.0
+        for feature in accuracy["of"]:
+            name = f"features/{feature}"
+            if name not in frame or (feature.endswith(HEALTHY) and frame[name].loc[pair].isna().any()):
+                continue
+            size = float(scales(plan, frame, feature)[one["of"]]) or 1.0
+            off = max(off, abs(float(frame[name][pair[0]] - frame[name][pair[1]])) / size)
+            errors = standard_error(frame, feature.removesuffix(HEALTHY)).reindex(pair)
+            scatter = max(scatter, STANDARD_ERRORS * float((errors**2).sum() ** 0.5) / size)
+        yield Audited(one["of"], off, scatter)

@@ -1,0 +1,83 @@
+"""Trials of models, and what was chosen by them: plain JSON, each file whole or absent.
+
+``trials/<unit>.json`` holds the trials of a unit of work, ``choices.json`` one choice for each case.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bearingsim.errors import UserError
+from bearingsim.selection import Choice, Choices
+from bearingsim.simulation.trial import Trial
+from bearingsim.store.files import write_text
+
+__all__ = ["DamagedChoices", "clear_choices", "read_choices", "read_trials", "write_choices", "write_trials"]
+
+CHOICES, TRIALS = "choices.json", "trials"
+
+
+class DamagedChoices(UserError):
+    """``choices.json`` cannot be read: who decided, and what, is not known."""
+
+
+def write_trials(root: Path, unit: str, found: Mapping[str, Trial | None]) -> None:
+    """Write the trials of a unit, by id; None for one that failed."""
+    told = {name: None if one is None else _plain(one) for name, one in found.items()}
+    write_text(root / TRIALS / f"{unit}.json", json.dumps(told) + "\n")
+
+
+def read_trials(root: Path) -> dict[str, Trial | None]:
+    """All trials of a folder, by id. A file that cannot be read counts as absent: its trials are made again."""
+    found: dict[str, Trial | None] = {}
+    for path in sorted((root / TRIALS).glob("*.json")):
+        try:
+            told = json.loads(path.read_text(encoding="utf-8"))
+            found |= {name: None if one is None else _trial(one) for name, one in told.items()}
+        except (ValueError, KeyError, TypeError, AttributeError):
+            continue
+    return found
+
+
+def _plain(one: Trial) -> dict[str, Any]:
+    lines = {name: [[a.real, a.imag] for a in parts.tolist()] for name, parts in one.lines.items()}
+    powers = {name: parts.tolist() for name, parts in one.powers.items()}
+    told = {"passes": one.passes, "repeats": one.repeats, "forces": one.forces.tolist()}
+    return told | {"lines": lines, "powers": powers}
+
+
+def _trial(told: Mapping[str, Any]) -> Trial:
+    lines = {name: np.array([complex(*pair) for pair in parts]) for name, parts in told["lines"].items()}
+    powers = {name: np.array(parts) for name, parts in told["powers"].items()}
+    return Trial(int(told["passes"]), bool(told["repeats"]), lines, powers, np.array(told["forces"]))
+
+
+def write_choices(root: Path, choices: Choices) -> None:
+    """Write what was chosen, all at once."""
+    told = {name: asdict(one) for name, one in sorted(choices.items())}
+    write_text(root / CHOICES, json.dumps(told, indent=1, ensure_ascii=False) + "\n")
+
+
+def read_choices(root: Path) -> Choices:
+    """What was chosen in a folder; nothing yet if it has no ``choices.json``. Raises DamagedChoices."""
+    path = root / CHOICES
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))
+        return {name: Choice(**one) for name, one in told.items()}
+    except FileNotFoundError:
+        return {}
+    except (ValueError, TypeError, AttributeError) as error:
+        raise DamagedChoices(
+            f"{path} cannot be read ({error}): put it back, or remove it to decide again (results stay)"
+        ) from error
+
+
+def clear_choices(root: Path) -> None:
+    """Forget trials and choices."""
+    (root / CHOICES).unlink(missing_ok=True)
+    for path in (root / TRIALS).glob("*.json"):
+        path.unlink(missing_ok=True)

@@ -1,0 +1,143 @@
+"""The `accuracy:` of a study: how close its results are to be, to those of the model that others are judged by.
+
+    accuracy: 2 %
+    accuracy: {within: 2 %, of: [velocity@BPFO-healthy, velocity.rms]}
+
+The program then takes the cheapest model that holds it (``bearingsim/selection``). Each is relative to the largest
+value of the curve that it is drawn in. Without `of` it is about what the figures draw.
+"""
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+
+from bearingsim.catalogue import REFERENCE
+from bearingsim.config import Case
+from bearingsim.config.names import LINES
+from bearingsim.config.rules import hierarchy
+from bearingsim.study.jobs import Figure
+from bearingsim.text.units import UnitError, parse, show, suggestion
+from bearingsim.text.yamlfile import Node, Problem, problem
+
+FINEST, COARSEST = 0.005, 0.5
+"""What can be promised: the reference itself is not known better, and worse is none."""
+HEALTHY = "-healthy"
+QUANTITIES = ("displacement", "velocity", "acceleration")
+KNOWN = (
+    *(f"{quantity}@{line}{ending}" for quantity in QUANTITIES for line in LINES for ending in ("", HEALTHY)),
+    *(f"{quantity}.rms" for quantity in QUANTITIES),
+    "outer_force.max",
+)
+"""Features of which an accuracy can be asked: lines, RMS, the largest force."""
+NOT_BESIDE = ("model", "method")
+
+
+@dataclass(frozen=True)
+class Goal:
+    """How close (relative to the largest value of a curve) which features are to be."""
+
+    within: float
+    of: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """`2 % of velocity@BPFO`."""
+        return f"{100.0 * self.within:.3g} % of {', '.join(self.of)}"
+
+
+def parse_goal(section: Node | None, figures: Iterable[Figure], problems: list[Problem]) -> Goal | None:
+    """The accuracy that a study asks for; None if it asks for none, or in a way that is wrong."""
+    if section is None:
+        return None
+    before, mark = len(problems), section.key or section.mark
+    given = section.mapping if isinstance(section.value, dict) else {"within": section}
+    for key, node in given.items():
+        if key not in ("within", "of"):
+            near = suggestion(key, ["within", "of"]) or "known: within, of"
+            problems.append(problem(node.key or node.mark, f"accuracy: unknown key `{key}`", near))
+    if "within" not in given:
+        problems.append(problem(mark, "accuracy: `within` is missing", "as in `{within: 2 %}`"))
+    within = _share(given["within"], problems) if "within" in given else 0.0
+    of = _features(given.get("of"), problems) if "of" in given else _drawn(figures)
+    if not of and len(problems) == before:
+        what = "say of what, as in `accuracy: {within: 2 %, of: [velocity.rms]}`, or name `figures`"
+        problems.append(problem(mark, "accuracy: no figure draws a line, an RMS or the largest force", what))
+    return Goal(within, of) if len(problems) == before else None
+
+
+def _share(node: Node, problems: list[Problem]) -> float:
+    """How close results are to be."""
+    try:
+        found = parse(node.text, "share")
+    except UnitError as error:
+        problems.append(problem(node.mark, f"accuracy: {error}", "as in `accuracy: 2 %`"))
+        return 0.0
+    if not FINEST <= found <= COARSEST:
+        message = f"accuracy: expected {show(FINEST, '%')} to {show(COARSEST, '%')}, got `{node.text}`"
+        why = "the reference itself is not known better (docs/accuracy.md)" if found < FINEST else None
+        problems.append(problem(node.mark, message, why))
+    return found
+
+
+def _features(node: Node | None, problems: list[Problem]) -> tuple[str, ...]:
+    """What an accuracy is asked of."""
+    items = () if node is None else node.items or (node,)
+    for item in items:
+        if item.text not in KNOWN:
+            known = "lines such as `velocity@BPFO`, an RMS such as `velocity.rms`, `outer_force.max`"
+            message = f"accuracy.of: no accuracy can be held of `{item.text}`"
+            problems.append(problem(item.mark, message, suggestion(item.text, KNOWN) or known))
+    return tuple(dict.fromkeys(item.text for item in items))
+
+
+def _drawn(figures: Iterable[Figure]) -> tuple[str, ...]:
+    """What figures draw, as far as an accuracy can be asked of it."""
+    return tuple(dict.fromkeys(name for figure in figures for name in figure.y if name in KNOWN))
+
+
+def check_goal(root: Node, cases: Collection[Case], overrides: Mapping[str, str], problems: list[Problem]) -> None:
+    """Note what cannot stand beside `accuracy`, and what has no model to judge by."""
+    section = root.mapping["accuracy"]
+    mark = section.key or section.mark
+    for key in NOT_BESIDE:
+        for place in _written(root, key):
+            advice = f"leave `{key}` out, or `accuracy`"
+            problems.append(
+                problem(place.key or place.mark, f"`{key}` beside `accuracy`, which chooses it", advice)
+            )
+        if key in overrides:
+            problems.append(
+                problem(mark, f"`{key}` beside `accuracy`, which chooses it", f"leave out --set {key}")
+            )
+    for case in cases:
+        unmet = hierarchy.unmet_wishes(case)
+        if unmet:
+            message = f"accuracy: no model has all that this asks for: {unmet[0].why}"
+            problems.append(problem(mark, message, "name a `model`, or leave that out"))
+            return
+
+
+def _written(root: Node, key: str) -> Iterable[Node]:
+    """Where a key is said in a study file: at the top, in `sweep`, `zip` or `quick`."""
+    for name in ("", "sweep", "quick"):
+        section = root.mapping.get(name, root if name == "" else None)
+        if section is None:
+            continue
+        yield from (section.mapping[key],) if key in section.mapping else ()
+        sweep = section.mapping.get("sweep") if name == "quick" else section
+        for block in (sweep, *_zipped(sweep)):
+            if block is not None and block is not section and key in block.mapping:
+                yield block.mapping[key]
+
+
+def _zipped(sweep: Node | None) -> tuple[Node, ...]:
+    """The blocks of a `zip`."""
+    found = sweep.mapping.get("zip") if sweep is not None else None
+    return () if found is None else found.items or (found,)
+
+
+def asks_for_reference(root: Node) -> Node:
+    """The tree of a study with the model that others are judged by, in place of an accuracy."""
+    section = root.mapping["accuracy"]
+    rest = {key: node for key, node in root.mapping.items() if key not in NOT_BESIDE}
+    model = Node(REFERENCE, section.mark, section.key)
+    return Node(rest | {"model": model}, root.mark, root.key)
