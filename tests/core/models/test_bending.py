@@ -219,7 +219,7 @@ def test_what_a_force_moves_elsewhere_a_force_there_moves_here(load):
     modes = model.bending.of_harmonic
     cells, per_mass = [lay.X, lay.Y], [1.0 / model.bearing.m_o] * 2
     for row, mass in ((lay.MODES_C, core.PER_MASS_C), (lay.MODES_S, core.PER_MASS_S)):
-        for i in np.flatnonzero(modes[mass]):
+        for i in np.flatnonzero(modes[mass]).tolist():
             cells.append(row + i)
             per_mass.append(modes[mass, i])
     y[lay.VELOCITY : lay.VELOCITY + lay.STATE] = 0.0
