@@ -1,14 +1,14 @@
 # make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's figures
 # make test    all tests (test-quick: not the long)     make excitations | inner_race | roller_defect | slip | damping
-# make check   tests, lint, types, import contract     make length | offset | tilt | misalignment | shapes | ring_bends
-# make stability   where each method fails             make paper_literal   (add QUICK=1 for a reduced grid)
+# make check   tests, lint, types, import contract     make length | offset | tilt | misalignment | shapes
+# make stability   where each method fails             make ring_bends | ring_trends | paper_literal   (QUICK=1: fewer)
 # make bench       how fast, beside peers                make bench-compare   whether speed was lost
 PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
 BIN := $(VENV)/bin
 FIGURES := fig14 fig15 fig16
-STUDIES := $(FIGURES) damping excitations inner_race roller_defect slip length offset tilt misalignment shapes ring_bends paper_literal
+STUDIES := $(FIGURES) damping excitations inner_race roller_defect slip length offset tilt misalignment shapes ring_bends ring_trends paper_literal
 REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 

@@ -1,11 +1,13 @@
 """Bending of the outer ring: what harmonics, cap and step change, over random scenes; and what a step costs.
 
-    python benchmarks/ring.py [--seed 1] [--harmonics 30] [--steps 50] [--cost] [--jobs 2]
+    python benchmarks/ring.py [--seed 1] [--harmonics 30] [--steps 50] [--chaos 11] [--cost] [--jobs 2]
 
 harmonics  scenes whose harmonics and cap are doubled: changes of line and RMS (under 10 kHz, sampled at 51.2 kHz)
-           over the largest line less healthy, and RMS, that the slot has from 0 to 60 deg at rest
+           over the largest line less healthy that the slot has from 0 to 60 deg at rest, and over the RMS; beside
+           them the changes of the scene as it is with its first roller displaced by 0.001 deg: what chaos scatters
 steps      scenes computed again with half the step: whether line, RMS and largest force stay within what the job
            said; how many were refused
+chaos      scenes as they are, and with other damping, no clearance, no slot, a rigid ring: which are chaotic (1)
 cost       a step of Verlet's method with harmonics to 8, 20, 40, and in a housing, over a rigid ring's
 """
 
@@ -27,6 +29,7 @@ from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.simulation import SimulationError, limits, simulate
 
+DISPLACED = 0.001 * pi / 180.0
 SUPPORTS = ("point", "pads", "points", "housing")
 
 
@@ -108,6 +111,7 @@ def doubled(number: int, seed: int) -> str:
         forget()
         scale = largest_at_rest(case)
         once, rms, told = less_healthy(case)
+        again, rms_again, _ = less_healthy(case.model_copy(update={"start_angle": case.start_angle + DISPLACED}))
         bending.CAP = 2.0 * cap
         forget()
         twice, rms_twice, told_twice = less_healthy(with_harmonics(case, 2))
@@ -115,11 +119,14 @@ def doubled(number: int, seed: int) -> str:
         return f"{number:3} refused: {error}"
     finally:
         bending.CAP = cap
-    of_line, of_rms = abs(twice - once) / max(scale, abs(once)), abs(rms_twice / rms - 1.0)
+    scale = max(scale, abs(once))
+    of_line, of_rms = abs(twice - once) / scale, abs(rms_twice / rms - 1.0)
+    displaced = f"line {abs(again - once) / scale:.4f} rms {abs(rms_again / rms - 1.0):.4f}"
     said = max(told["step_error.line"], told["step_error.rms"])
     chaotic = " chaotic" * bool(told["chaotic"] or told_twice["chaotic"])
     assert case.rig.load is not None
-    return f"{number:3} {case.rig.load.by:8} line {of_line:.4f} rms {of_rms:.4f} said {said:.4f}{chaotic}"
+    told_of = f"{number:3} {case.rig.load.by:8} line {of_line:.4f} rms {of_rms:.4f} said {said:.4f}"
+    return f"{told_of}, displaced: {displaced}{chaotic}"
 
 
 def halved(number: int, seed: int) -> str:
@@ -144,6 +151,36 @@ def changes(told: dict[str, float], finer: dict[str, float]) -> Iterator[str]:
             change, size = abs(line(told) - line(finer)), max(size, 1e-3 * finer["velocity.rms"])
         said = told[f"step_error.{what}"]
         yield f"{what} {change / size:.5f}/{said:.5f}" + " OUT" * (change / size > said)
+
+
+def varied(case: Case) -> Iterator[tuple[str, Case]]:
+    """The scene with one thing or two changed."""
+    given = case.model_dump()
+    ring, contact = given["rig"]["ring"], given["contact"]
+    heavy = {"contact": contact | {"damping": {"law": "kraemer", "beta": 10e-6}}}
+    changed: dict[str, dict[str, Any]] = {
+        "as it is": {},
+        "modal 3 %": {"rig": given["rig"] | {"ring": ring | {"damping": 0.03}}},
+        "modal 10 %": {"rig": given["rig"] | {"ring": ring | {"damping": 0.1}}},
+        "no clearance": {"clearance": 0.0},
+        "contacts 10 us": heavy,
+        "contacts 10 us, no clearance": heavy | {"clearance": 0.0},
+        "no slot": {"defects": []},
+        "rigid ring": {"rig": {}},
+    }
+    for name, fields in changed.items():
+        yield name, Case.model_validate(given | fields)
+
+
+def chaotic(number: int, seed: int) -> str:
+    """One scene, varied: which are chaotic."""
+    found = []
+    for name, case in varied(draw(number, seed, 10240.0)):
+        try:
+            found.append(f"{name}: {simulate(case).features['chaotic']:.0f}")
+        except SimulationError as error:
+            found.append(f"{name}: {error}")
+    return f"{number:3} " + "; ".join(found)
 
 
 def cost() -> None:
@@ -178,14 +215,16 @@ def main() -> None:
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--harmonics", type=int, default=0)
     asked.add_argument("--steps", type=int, default=0)
+    asked.add_argument("--chaos", type=int, default=0)
     asked.add_argument("--cost", action="store_true")
     asked.add_argument("--jobs", type=int, default=2)
     given = asked.parse_args()
     if given.cost:
         cost()
-    for what, count in ((doubled, given.harmonics), (halved, given.steps)):
-        for told in Parallel(n_jobs=given.jobs, batch_size=1)(delayed(what)(n, given.seed) for n in range(count)):
-            print(told)
+    for what, count in ((doubled, given.harmonics), (halved, given.steps), (chaotic, given.chaos)):
+        scenes = Parallel(n_jobs=given.jobs, batch_size=1, return_as="generator")
+        for told in scenes(delayed(what)(n, given.seed) for n in range(count)):
+            print(told, flush=True)
 
 
 if __name__ == "__main__":

@@ -217,7 +217,7 @@ SPALL = SLOT | {"shape": "spall"}
         (SLOT | {"grown": "60 %"}, "only a spall has `grown`"),
         (SLOT | {"seed": "3"}, "only a spall has `seed`"),
         (SLOT | {"file": "spall.csv"}, "only a scan has `file`"),
-        (SPALL | {"grown": "60"}, "expected a share such as `60 %`, got `60`"),
+        (SPALL | {"grown": "60"}, "expected a share such as `1 %`, got `60`"),
         (SPALL | {"grown": "120 %"}, "expected a share from 0 % to 100 %, got `120 %`"),
         ({"shape": "scan"}, "a scan needs `file`"),
         ({"shape": "scan", "file": "none.csv"}, "no file `none.csv`"),

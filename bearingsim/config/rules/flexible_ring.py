@@ -21,6 +21,7 @@ BALANCED = 1e-6  # of the load: what pads may push across it
 LEAST_SHARE = 0.1  # of a pad's force that acts along the load line, on average
 MAX_POINTS = 100
 FARTHEST = 1e-3  # m: what a carrier may move under its load
+LIGHTEST = 1e-3  # kg: of a carrier; it swings on its springs, the faster the lighter it is
 SAME_ANGLE = 1e-6  # rad
 NO_FORCE = 1e-9  # component of a unit vector that holds nothing
 
@@ -79,7 +80,10 @@ def _load(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
     elif load.by == "points":
         yield from _points(case, load.at or ())
     elif load.by == "housing":
-        yield from _housing(load)
+        yield from _housing(case, load)
+    if load.mass is not None and load.mass < LIGHTEST:
+        message = f"a carrier of {show(load.mass, 'g')} swings so fast on its springs that the step would be tiny"
+        yield Conflict("mass", ((*LOAD, "mass"), LOAD), message, "take 1 g or more, or leave it out: 1 kg")
 
 
 def _pads(angles: tuple[float, ...]) -> Iterator[Conflict]:
@@ -108,7 +112,7 @@ def _points(case: "CaseFields", points: "tuple[SupportPoint, ...]") -> Iterator[
         message = "springs that push only do not hold the carrier here"
         yield Conflict("points", at, message, "give springs on both sides of the load line")
     elif moved > FARTHEST:
-        message = f"under its load the carrier would move by {show(moved, 'mm')}"
+        message = f"under its load the carrier would move by {show(float(f'{moved:.3g}'), 'mm')}"
         yield Conflict("points", at, message, "take stiffer springs, or some nearer to the load line")
 
 
@@ -130,14 +134,18 @@ def _hold(angles: list[float], load_line: float) -> bool:
     )
 
 
-def _housing(load: "RingLoad") -> Iterator[Conflict]:
+def _housing(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
     assert load.stiffness is not None
     assert load.fit is not None
+    stiffness: tuple[Path, ...] = ((*LOAD, "stiffness"), LOAD)
+    half_seat = 0.25 * math.pi * case.bearing.outside_diameter * load.stiffness  # N/m: half of the springs push
+    moved = math.hypot(case.load, case.load_across) / half_seat
     if load.stiffness > STIFFEST:
         message = f"a housing of {load.stiffness:.3g} N/m/m holds the ring as a rigid one"
-        yield Conflict(
-            "housing", ((*LOAD, "stiffness"), LOAD), message, "take a rigid ring, or at most 1e13 N/m/m"
-        )
+        yield Conflict("housing", stiffness, message, "take a rigid ring, or at most 1e13 N/m/m")
+    elif moved > FARTHEST:
+        message = f"under its load the housing would move by {show(float(f'{moved:.3g}'), 'mm')}"
+        yield Conflict("housing", stiffness, message, "take a stiffer one, such as `1e10 N/m/m`")
     if abs(load.fit) > LARGEST_FIT:
         message = f"a fit of {show(load.fit, 'um')} is beyond {show(LARGEST_FIT, 'um')}"
         yield Conflict("fit", ((*LOAD, "fit"), LOAD), message, "is the unit right?")

@@ -1,6 +1,6 @@
 """An outer ring that bends: its harmonics, where its load enters, where its sensor sits."""
 
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import model_validator
 
@@ -14,6 +14,7 @@ from bearingsim.config.fields import (
     SignedLength,
     Stiffness,
     Switch,
+    described,
     one_of,
     refuse,
     whole_or_auto,
@@ -33,33 +34,49 @@ KEYS: dict[LoadPath, tuple[str, ...]] = {
 """What each way of loading the ring can be told besides; the first is needed."""
 
 
-class RingSection(Section):
+class Mapped(Section):
+    """A section that shows what it looks like when something else stands in its place."""
+
+    example: ClassVar[str]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _is_a_mapping(cls, given: Any) -> Any:
+        if isinstance(given, dict | cls):
+            return given
+        return refuse("mapping", f"expected a mapping such as `{cls.example}`, got {described(given)}")
+
+
+class RingSection(Mapped):
     """The ring's section (m); without them as the bearing's dimensions say."""
 
+    example = "{height: 6.5 mm, width: 23 mm}"
     height: Length | None = None
     width: Length | None = None
 
 
-class FlexibleRing(Section):
+class FlexibleRing(Mapped):
     """An outer ring that bends.
 
     harmonics: the highest that is computed; damping: of each harmonic, over the critical.
     """
 
+    example = "{bends: true}"
     bends: Switch = True
     harmonics: Annotated[int | Literal["auto"], whole_or_auto(2, MAX_HARMONICS)] = "auto"
     damping: DampingRatio = 0.01
     section: RingSection = RingSection()
 
 
-class SupportPoint(Section):
+class SupportPoint(Mapped):
     """A spring between ring and carrier: angle (rad) from the load line, stiffness (N/m)."""
 
+    example = "{angle: 0 deg, stiffness: 1e8 N/m}"
     angle: Angle
     stiffness: Stiffness
 
 
-class RingLoad(Section):
+class RingLoad(Mapped):
     """Where the load enters a ring that bends.
 
     `point`: a force at the load line. `pads`: equal radial forces at `angles` (rad), whose resultant is the load.
@@ -68,6 +85,7 @@ class RingLoad(Section):
     a `mass` (kg), on which load and bracket act, and push only.
     """
 
+    example = "{by: housing, stiffness: 1e10 N/m/m}"
     by: Annotated[LoadPath, one_of(*get_args(LoadPath))] = "point"
     angles: tuple[Angle, ...] | None = None
     at: tuple[SupportPoint, ...] | None = None
@@ -94,9 +112,10 @@ class RingLoad(Section):
         return self
 
 
-class Sensor(Section):
+class Sensor(Mapped):
     """Where the sensor sits, and the direction (rad, from the load line) in which it looks outwards."""
 
+    example = "{on: ring, angle: 0 deg}"
     on: Annotated[Literal["ring", "housing"], one_of("ring", "housing")] = "ring"
     angle: Angle | None = None
 

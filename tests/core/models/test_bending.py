@@ -28,6 +28,12 @@ POINTS = {
     "by": "points",
     "at": [{"angle": "-45 deg", "stiffness": "1e8 N/m"}, {"angle": "45 deg", "stiffness": "1e8 N/m"}],
 }
+UNEVEN = {
+    "by": "points",
+    "at": [
+        {"angle": f"{at} deg", "stiffness": k} for at, k in ((-50, "1e8 N/m"), (10, "3e8 N/m"), (35, "2e8 N/m"))
+    ],
+}
 KRAEMER = {"damping": {"law": "kraemer", "beta": "2.5 us"}}
 
 
@@ -201,6 +207,41 @@ def test_power_balance(load):
         assert gained + stored + taken == pytest.approx(given - cage, abs=1e-9 * scale)
     if load in (POINTS, HOUSING | {"fit": "0 um"}):
         assert pressed_both_ways > 0
+
+
+@pytest.mark.parametrize("load", [None, UNEVEN])
+def test_what_a_force_moves_elsewhere_a_force_there_moves_here(load):
+    """Between all places of rollers, to 1e-12 of the largest. Forces enter as a roller presses, and what moves is
+    how far rollers come near the race, so that two tables of the model and its springs must agree.
+    """
+    found = at_random(case(8, load, defect=None), 0, t=1.1e-3, apart=0.0)
+    model, y, Z = found.model, found.y, found.model.bearing.Z
+    modes = model.bending.of_harmonic
+    cells, per_mass = [lay.X, lay.Y], [1.0 / model.bearing.m_o] * 2
+    for row, mass in ((lay.MODES_C, core.PER_MASS_C), (lay.MODES_S, core.PER_MASS_S)):
+        for i in np.flatnonzero(modes[mass]).tolist():
+            cells.append(row + i)
+            per_mass.append(modes[mass, i])
+    y[lay.VELOCITY : lay.VELOCITY + lay.STATE] = 0.0
+    y[lay.POSITION + lay.FIRST_LANE : lay.POSITION + lay.FIRST_LANE + Z] = -1e-5
+
+    def moved(cell, by):
+        """Forces on the ring (N), approaches (m) and outer forces (N) of rollers."""
+        there = y.copy()
+        there[lay.POSITION + cell] += by
+        accelerations(model, found.t, there)
+        forces = there[[lay.ACCELERATION + c for c in cells]] / np.array(per_mass)
+        return forces, there[lay.DELTA_O : lay.DELTA_O + Z], there[lay.Q_O : lay.Q_O + Z]
+
+    still, _, pressed = moved(lay.X, 0.0)
+    assert not pressed.any()
+    far = [(moved(cell, 1e-7), moved(cell, -1e-7)) for cell in cells]
+    stiffness = np.array([(back[0] - forth[0]) / 2e-7 for forth, back in far]).T
+    nearer = np.array([(forth[1] - back[1]) / 2e-7 for forth, back in far]).T
+    by_rollers = [moved(lay.FIRST_LANE + j, 2e-5) for j in range(Z)]
+    pushes = np.array([(forces - still) / q[j] for j, (forces, _, q) in enumerate(by_rollers)]).T
+    moves = -nearer @ np.linalg.solve(stiffness, pushes)
+    assert np.abs(moves - moves.T).max() <= 1e-12 * np.abs(moves).max()
 
 
 def climbed(found: Scene) -> np.ndarray:
