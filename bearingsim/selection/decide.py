@@ -57,7 +57,9 @@ def decide(study: Study, numbers: Sequence[int], known: Known) -> Decision:
             own = values(study, case, cases[n], known)
             if own:
                 errors.setdefault(name, {})[n] = {
-                    feature: _relative(off(own[feature], of_reference[n][feature], feature, cases[n]), sizes[feature][n])
+                    feature: _relative(
+                        off(own[feature], of_reference[n][feature], feature, cases[n]), sizes[feature][n]
+                    )
                     for feature in goal.of
                 }
     open_cases = [n for n in numbers if n not in found]

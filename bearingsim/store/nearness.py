@@ -68,7 +68,9 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
     size, plain = scales(plan, frame, feature), feature.removesuffix(HEALTHY)
     told = plan["accuracy"]["jobs"]
     model = pd.Series({job: told[job]["error"].get(feature, 0.0) for job in told}).reindex(frame.index)
-    relative = frame.get(f"features/step_error.{STEP_OF.get(feature.rpartition('.')[2], 'line')}", pd.Series(0.0, frame.index))
+    relative = frame.get(
+        f"features/step_error.{STEP_OF.get(feature.rpartition('.')[2], 'line')}", pd.Series(0.0, frame.index)
+    )
     step = relative.fillna(0.0) * frame[f"features/{plain}"].abs() / size
     scatter = standard_error(frame, plain) / size
     return pd.DataFrame({"error.model": model, "error.step": step, "error.scatter": scatter}).where(

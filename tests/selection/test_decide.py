@@ -92,7 +92,10 @@ def test_a_candidate_that_fails_is_not_taken(write: Write, dear: dict[str, float
     study = near(write)
     assert taken(study, lambda one: None if one.case.model == "ring" else of(one)) == ["rollers"] * 3
     failing = (300.0, "ring")
-    assert taken(study, lambda one: None if (one.case.load, one.case.model) == failing else of(one)) == ["rollers"] * 3
+    assert (
+        taken(study, lambda one: None if (one.case.load, one.case.model) == failing else of(one))
+        == ["rollers"] * 3
+    )
 
 
 @pytest.mark.parametrize("which", ["own", "twin"])
@@ -101,8 +104,12 @@ def test_a_reference_that_fails_is_left_to_its_job(write: Write, dear: dict[str,
     of = by_model(FAR | {"rollers": 1.0})
 
     def failing(one: Trialled) -> Trial | None:
-        fails = one.case.model == "planar" and one.case.load == 300.0 and bool(one.case.defects) == (which == "own")
-        lower = replace(one, case=one.case.model_copy(update={"load": one.case.load * (2.0 if one.case.defects else 1.0)}))
+        fails = (
+            one.case.model == "planar" and one.case.load == 300.0 and bool(one.case.defects) == (which == "own")
+        )
+        lower = replace(
+            one, case=one.case.model_copy(update={"load": one.case.load * (2.0 if one.case.defects else 1.0)})
+        )
         return None if fails else of(lower)
 
     found = decided(near(write, text), failing)
@@ -210,7 +217,9 @@ def test_what_changes_its_speed_is_left_to_the_reference(write: Write, dear: dic
 def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear: dict[str, float]) -> None:
     """Those of a study that is extended are as they were, though what is new has more slices."""
     sweep = "sweep: {contact.slices: [10, 20]}"
-    text = SPATIAL.replace("sweep: {load: [150 N, 300 N, 450 N]}", f"load: 150 N\n{sweep}").replace("x: load", "x: contact.slices")
+    text = SPATIAL.replace("sweep: {load: [150 N, 300 N, 450 N]}", f"load: 150 N\n{sweep}").replace(
+        "x: load", "x: contact.slices"
+    )
     study = near(write, text)
     assert study.cases()[0].model == "spatial"
     half = [trials.computed_by(study, n, trials.FEWER_SLICES) for n in range(2)]
@@ -279,7 +288,8 @@ def test_some_are_audited_by_seed(write: Write) -> None:
 
 
 def test_an_audit_has_the_twin_that_a_line_is_measured_against(write: Write) -> None:
-    found = with_choice(near(write), "static")
+    text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
+    found = with_choice(near(write, text), "static")
     assert found.selection is not None
     jobs = {job.id: job for job in found.jobs()}
     for one in found.selection.audits:
