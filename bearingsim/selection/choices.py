@@ -11,6 +11,7 @@ from bearingsim.config import Case
 from bearingsim.selection.curves import curves
 from bearingsim.selection.trials import computed_by, reference
 from bearingsim.study import Job, Study, healthy_twin
+from bearingsim.study.goal import HEALTHY
 from bearingsim.study.jobs import Audit, Selection, case_id, identity
 
 AUDITED, FEWEST_AUDITED = 0.05, 3
@@ -49,7 +50,7 @@ def chosen(study: Study, choices: Choices) -> Study:
     ids = [case_id(case) for case in cases]
     drawn = tuple((curve.feature, tuple(ids[n] for n in curve.cases)) for curve in curves(study))
     told = {name: (one.model, one.why, dict(one.error)) for name, one in zip(ids, found, strict=True)}
-    selection = Selection(told, drawn, tuple(audits(own, ids)))
+    selection = Selection(told, drawn, tuple(audits(study, own, ids)))
     return replace(study, swept_cases=swept, selection=selection)
 
 
@@ -60,7 +61,7 @@ def _case(study: Study, own: Sequence[Case], number: int, candidate: str) -> Cas
     return found
 
 
-def audits(references: Sequence[Case], ids: Sequence[str]) -> list[Audit]:
+def audits(study: Study, references: Sequence[Case], ids: Sequence[str]) -> list[Audit]:
     """Jobs to be computed again by their reference: a seeded twentieth of those that took something else."""
     other = [
         (name, case) for name, case in zip(ids, map(reference, references), strict=True) if case_id(case) != name
@@ -69,12 +70,13 @@ def audits(references: Sequence[Case], ids: Sequence[str]) -> list[Audit]:
         return []
     count = min(len(other), max(FEWEST_AUDITED, round(AUDITED * len(other))))
     picked = Random(references[0].seed).sample(other, count)
-    return [_audit(name, case) for name, case in picked]
+    return [_audit(study, name, case) for name, case in picked]
 
 
-def _audit(of: str, case: Case) -> Audit:
-    """A job computed again as a case says, with the healthy twin that lines may be measured against."""
-    plain = healthy_twin(case)
+def _audit(study: Study, of: str, case: Case) -> Audit:
+    """A job computed again as a case says, with its healthy twin if what is asked is measured against that."""
+    assert study.goal is not None
+    plain = healthy_twin(case) if any(name.endswith(HEALTHY) for name in study.goal.of) else None
     twin = None if plain is None else Job(case_id(plain), plain, {}, None, is_variation=True)
     job = Job(case_id(case), case, {}, twin.id if twin else None, is_variation=True)
     return Audit(of, job, twin)

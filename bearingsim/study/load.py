@@ -230,13 +230,16 @@ class _Plan:
 
     def _otherwise(self, given: Mapping[str, str]) -> list[Case | None]:
         other = _Plan(self.base, self.folder, list(self.axes), places=dict(self.places))
-        for path, text in given.items():
-            other.fix(path, Node(text, self.base.mark), self.base.mark)
+        mark = self.base.mark
+        places = {path: other.place(path, mark) for path in given}
+        other.places |= {path: place for path, place in places.items() if place is not None}
+        fixed = [(path, Node(text, mark)) for path, text in given.items()]
         found: dict[str, Case | None] = {}
         for row in rows_of(self.axes):
             case = self.case(row)
             if case is not None:
-                found.setdefault(identity(case), other.case(row))
+                kept = [pair for pair in row if self.places[pair[0]] not in places.values()]
+                found.setdefault(identity(case), other.case(kept + fixed))
         return list(found.values())
 
     def case(self, row: list[tuple[str, Node]]) -> Case | None:

@@ -91,6 +91,9 @@ class FakeStudy:
         jobs = [FakeJob(case_id(case), case, {"defect.width": case.width}, twin_id) for case in cases]
         return [*jobs, FakeJob(twin_id, twin, {}, None, is_baseline=True)]
 
+    def cases(self) -> list[FakeCase]:
+        return [job.case for job in self.jobs() if not job.is_baseline]
+
     def variations(self) -> list[Any]:
         return []
 

@@ -1,0 +1,282 @@
+"""Models are chosen before the first job, once, and whoever comes later reads what was chosen."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from bearingsim import store
+from bearingsim.runner import RunSummary, run
+from bearingsim.runner.select import NoChoices, selected
+from bearingsim.selection import first_trials, further_trials
+from bearingsim.study import Study, case_id, load_study
+from tests.scenes import trials
+from tests.scenes.study_text import Write
+from tests.scenes.trials import ENGINE, LOG, TEXT, near
+
+ROOT = Path(__file__).parents[2]
+RIGID = "rig: {ring: {bends: false}}\n"
+
+
+@pytest.fixture
+def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """What the engine was asked for, in order."""
+    path = tmp_path / "log"
+    path.touch()
+    monkeypatch.setenv(LOG, str(path))
+    return path
+
+
+def compute(study: Study, out: Path, **options: Any) -> RunSummary:
+    return run(study, out, **{"jobs": 1, "progress": False, "engine": ENGINE} | options)
+
+
+def lines(log: Path) -> list[str]:
+    found = log.read_text().splitlines()
+    log.write_text("")
+    return found
+
+
+def tried(log: Path) -> int:
+    return sum(line.startswith("try") for line in lines(log))
+
+
+def choices(out: Path) -> dict[str, Any]:
+    return json.loads((out / "choices.json").read_text())
+
+
+def test_choices_are_there_before_the_first_job(write: Write, tmp_path: Path, log: Path, monkeypatch) -> None:
+    out, seen = tmp_path / "out", []
+    plain = trials.simulate
+    monkeypatch.setattr(
+        trials, "simulate", lambda case: seen.append((out / "choices.json").is_file()) or plain(case)
+    )
+    summary = compute(near(write), out)
+    assert (summary.done, summary.failed) == (9, 0)  # three jobs, their twins, three audits
+    assert seen == [True] * len(seen)
+    assert {one["candidate"] for one in choices(out).values()} == {"rollers"}
+    told = lines(log)
+    last_try = max(n for n, line in enumerate(told) if line.startswith("try"))
+    assert last_try < min(n for n, line in enumerate(told) if line.startswith("simulate"))
+    assert sum(line.startswith("try planar") for line in told) == 3
+
+
+def test_later_runs_and_shards_read_them_and_try_nothing(write: Write, tmp_path: Path, log: Path) -> None:
+    study, out = near(write), tmp_path / "out"
+    compute(study, out)
+    assert tried(log) > 0
+    before = (out / "choices.json").read_bytes()
+    compute(near(write), out)
+    compute(near(write), out, shard=(2, 3))
+    assert tried(log) == 0
+    assert (out / "choices.json").read_bytes() == before
+
+
+def test_a_share_does_not_choose_for_all(write: Write, tmp_path: Path, log: Path) -> None:
+    with pytest.raises(
+        NoChoices, match=r"no choice of a model for 3 of 3 cases: run `bearingsim check STUDY --pilots`"
+    ):
+        compute(near(write), tmp_path / "out", shard=(1, 3))
+    assert lines(log) == []
+
+
+def test_shards_come_to_what_one_run_does(write: Write, tmp_path: Path) -> None:
+    one, shared = tmp_path / "one", tmp_path / "shared"
+    compute(near(write), one)
+    selected(near(write), shared, 1, ENGINE, shown=False)  # as `check --pilots` does
+    for number in (1, 2, 3):
+        compute(near(write), shared, shard=(number, 3))
+    assert choices(one) == choices(shared)
+    tables = [pd.read_csv(out / "results.csv").drop(columns=["seconds", "unit"]) for out in (one, shared)]
+    pd.testing.assert_frame_equal(*tables)
+
+
+def test_a_study_that_is_extended_keeps_what_was_chosen(
+    write: Write, tmp_path: Path, log: Path, monkeypatch
+) -> None:
+    out = tmp_path / "out"
+    compute(near(write), out)
+    before = choices(out)
+    lines(log)
+    monkeypatch.setitem(trials.OFF, "rollers", 1.3)  # what is new is another matter
+    study = near(write, TEXT.replace("450 N", "450 N, 600 N"))
+    compute(study, out)
+    after = choices(out)
+    assert {name: after[name] for name in before} == before
+    assert [one["candidate"] for name, one in after.items() if name not in before] == ["reference"]
+    assert {line.split()[2] for line in lines(log) if line.startswith("try")} == {"600"}
+
+
+def test_another_accuracy_is_another_choice(write: Write, tmp_path: Path, log: Path) -> None:
+    out = tmp_path / "out"
+    compute(near(write), out)
+    lines(log)
+    compute(near(write, TEXT.replace("5 %", "0.5 %")), out)
+    assert sorted(one["candidate"] for one in choices(out).values()) == ["reference"] * 3 + ["rollers"] * 3
+    assert tried(log) == 0  # of the same trials
+
+
+def test_fresh_forgets_them(write: Write, tmp_path: Path, log: Path) -> None:
+    out = tmp_path / "out"
+    compute(near(write), out)
+    first = tried(log)
+    compute(near(write), out, fresh=True)
+    assert tried(log) == first > 0
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"a": 3}', '{"a": {"model": "ring"}}', "\xff"])
+def test_damaged_choices_are_not_guessed(write: Write, tmp_path: Path, text: str) -> None:
+    out = tmp_path / "out"
+    compute(near(write), out)
+    (out / "choices.json").write_text(text, encoding="latin-1")
+    with pytest.raises(store.DamagedChoices, match=r"choices.json cannot be read .*: put it back, or remove it"):
+        compute(near(write), out)
+
+
+@pytest.mark.parametrize("keep", [0, 1, 40, -3])
+def test_a_torn_trial_is_made_again(write: Write, tmp_path: Path, log: Path, keep: int) -> None:
+    out = tmp_path / "out"
+    compute(near(write), out)
+    before = choices(out)
+    lines(log)
+    (out / "choices.json").unlink()
+    torn = sorted((out / "trials").glob("*.json"))[0]
+    lost = len(json.loads(torn.read_text()))
+    torn.write_text(torn.read_text()[:keep])
+    compute(near(write), out)
+    assert choices(out) == before
+    assert tried(log) == lost < 12
+
+
+def test_a_trial_that_fails_is_no_end(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = trials.try_out
+
+    def failing(case: Any, *rest: Any) -> Any:
+        if case.model == "rollers":
+            raise RuntimeError("not this one")
+        return plain(case, *rest)
+
+    monkeypatch.setattr(trials, "try_out", failing)
+    summary = compute(near(write), tmp_path / "out")
+    assert summary.failed == 0
+    assert {one["candidate"] for one in choices(tmp_path / "out").values()} == {"reference"}
+
+
+def test_killed_while_models_are_tried_it_chooses_the_same(write: Write, tmp_path: Path) -> None:
+    """At whichever trial it dies."""
+    whole = tmp_path / "whole"
+    study = near(write)
+    compute(study, whole)
+    script = (
+        "import os, signal, sys; from tests.scenes import trials; from bearingsim.runner import run;"
+        "from bearingsim.study import load_study; plain = trials.try_out; left = [int(sys.argv[3])]\n"
+        "def dying(*of):\n"
+        "    left[0] -= 1\n"
+        "    if left[0] < 0: os.kill(os.getpid(), signal.SIGKILL)\n"
+        "    return plain(*of)\n"
+        "trials.try_out = dying\n"
+        "run(load_study(sys.argv[1]), sys.argv[2], jobs=1, progress=False, engine=trials.ENGINE)"
+    )
+    out = tmp_path / "out"
+    for lasts in (1, 4):
+        died = subprocess.run(
+            [sys.executable, "-c", script, study.path, str(out), str(lasts)], cwd=ROOT, check=False
+        )
+        assert died.returncode == -signal.SIGKILL
+        assert not (out / "choices.json").exists()
+        assert store.read_trials(out)
+    compute(near(write), out)
+    assert choices(out) == choices(whole)
+    assert not [*out.rglob("*.part")]
+    tables = [pd.read_csv(folder / "results.csv").drop(columns=["seconds", "unit"]) for folder in (whole, out)]
+    pd.testing.assert_frame_equal(*tables)
+
+
+def test_in_several_processes_it_is_the_same(write: Write, tmp_path: Path) -> None:
+    compute(near(write), tmp_path / "one")
+    compute(near(write), tmp_path / "two", jobs=2)
+    assert choices(tmp_path / "one") == choices(tmp_path / "two")
+
+
+def test_a_reference_that_repeats_itself_is_not_computed_again(
+    write: Write, tmp_path: Path, log: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = trials.try_out
+
+    def repeating(case: Any, asked: Any, passes: int) -> Any:
+        plain(case, asked, passes)
+        return trials.trial(case.load, passes, repeats=True, names=asked), trials.simulate(case)
+
+    monkeypatch.setattr(trials, "try_out", repeating)
+    study, out = near(write), tmp_path / "out"
+    assert len(first_trials(study, range(3))) == 3
+    summary = compute(study, out)
+    assert (summary.planned, summary.resumed, summary.done) == (6, 3, 3)  # the twins are left
+    found = store.read_trials(out)
+    assert len(found) == 3
+    assert further_trials(study, range(3), found) == []
+    assert [job.id for job in study.planned()][:3] == [case_id(case) for case in study.cases()]
+
+
+# The table
+
+
+def test_the_table_tells_models_and_how_far_off_they_may_be(write: Write, tmp_path: Path) -> None:
+    compute(near(write, TEXT + RIGID), tmp_path)
+    table = store.open_results(tmp_path).table()
+    near_columns = ["model", "error.model", "error.step", "error.scatter", "error"]
+    assert [name for name in table.columns if name in near_columns] == near_columns
+    own, twins = table[table["healthy"] != ""], table[table["healthy"] == ""]
+    assert list(own["model"]) == ["rollers"] * 3
+    assert own["error.model"].to_numpy() == pytest.approx([150 / 450 * 0.01, 300 / 450 * 0.01, 0.01], rel=1e-6)
+    assert (own["error.step"] == 0.0).all()
+    assert own["error"].to_numpy() == pytest.approx(own["error.model"].to_numpy())
+    assert (twins["model"] == "").all()
+    assert twins[near_columns[1:]].isna().all(axis=None)
+
+
+def test_no_sum_is_told_where_the_ring_is_only_assumed_to_be_rigid(write: Write, tmp_path: Path) -> None:
+    summary = compute(near(write), tmp_path)
+    table = store.open_results(tmp_path).table()
+    assert table["error"].isna().all()
+    assert table["error.model"].notna().sum() == 3
+    said = str(summary)
+    assert "models for 5 % of velocity@BPFO: `rollers` in 3 of 3 cases" in said
+    assert "3 of 3 cases hold it" in said
+    assert "audit: 3 of 3 jobs computed again by their reference kept it; the worst is 0.99 % off" in said
+
+
+def test_audits_of_what_is_measured_against_a_twin_compare_that(
+    write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The records, unlike the trials, are far apart: the audit sees it."""
+    text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
+    study = load_study(write(text))
+
+    def of_trial(case: Any, asked: Any, passes: int) -> Any:
+        return trials.trial(
+            (1.0 + bool(case.defects)) * case.load * trials.OFF[case.model], passes, names=asked
+        ), None
+
+    monkeypatch.setattr(trials, "try_out", of_trial)
+    plain = trials.simulate
+    monkeypatch.setattr(
+        trials, "simulate", lambda case: _line(plain(case), 1.5 if case.model == "rollers" else 1.0)
+    )
+    said = str(compute(study, tmp_path))
+    assert "audit: 0 of 3 jobs computed again by their reference kept it; the worst is 34 % off" in said
+
+
+def _line(record: Any, times: float) -> Any:
+    record.features["velocity@BPFO"] *= times
+    return record
+
+
+def test_the_engine_says_nothing_in_other_tests() -> None:
+    assert LOG not in os.environ

@@ -1,0 +1,324 @@
+"""Which model is taken, of trials whose numbers are known; and the study with it."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bearingsim import selection
+from bearingsim.selection import Choice, Trialled, choices, trials
+from bearingsim.selection.choices import key
+from bearingsim.selection.decide import MIXED, TIE
+from bearingsim.simulation.trial import Trial
+from bearingsim.study import Study, case_id, load_study
+from tests.scenes.study_text import Write
+from tests.scenes.trials import HEAD, TEXT, Of, by_model, known, near, trial
+
+FAR = {"planar": 1.0, "rollers": 1.5, "ring": 1.5, "static": 2.0}
+SPATIAL = TEXT + "misalignment: {inner: 0.2 mrad}\n"
+BENDS = "rig: {ring: {bends: true}}\n"
+
+
+def decided(study: Study, of: Of) -> list[Choice]:
+    """What is chosen for each case of a study."""
+    numbers = range(len(study.cases()))
+    found = selection.decide(study, numbers, known(study, of)).choices
+    return [found[key(study, case)] for case in study.cases()]
+
+
+def taken(study: Study, of: Of) -> list[str]:
+    return [choice.candidate for choice in decided(study, of)]
+
+
+@pytest.fixture
+def dear(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
+    """What a case costs, by its model: to be changed by a test."""
+    costs = {"spatial": 30.0, "planar": 10.0, "rollers": 3.0, "ring": 1.0, "static": 0.1}
+    monkeypatch.setattr(trials, "price", lambda case: costs[case.model])
+    monkeypatch.setattr(import_module("bearingsim.selection.decide"), "price", lambda case: costs[case.model])
+    return costs
+
+
+@pytest.mark.parametrize(
+    ("off", "model"),
+    [
+        ({}, "rollers"),  # the ring and static are too far off
+        ({"ring": 1.03}, "ring"),
+        ({"ring": 1.03, "static": 0.97}, "static"),
+        ({"rollers": 1.039}, "rollers"),
+        ({"rollers": 1.041}, "reference"),  # a fifth of the 5 % is left to step and scatter
+        ({"rollers": 1.2, "static": 0.99}, "static"),
+    ],
+)
+def test_the_cheapest_that_holds_is_taken(
+    write: Write, dear: dict[str, float], off: dict[str, float], model: str
+) -> None:
+    assert taken(near(write), by_model(FAR | {"rollers": 1.01} | off)) == [model] * 3
+
+
+def test_scatter_that_could_be_a_difference_counts_as_one(write: Write, dear: dict[str, float]) -> None:
+    """Two draws of 30 % scatter each agree by no luck within 5 %."""
+    noisy = {model: number for number, model in enumerate(FAR)}
+
+    def of(one: Trialled) -> Trial:
+        whole = trial(one.case.load, one.passes + noisy[one.case.model], 0.3, names=one.asked)
+        cut = {name: parts[: one.passes] for name, parts in whole.lines.items()}
+        return replace(whole, passes=one.passes, lines=cut, forces=whole.forces[: one.passes])
+
+    assert taken(near(write), of) == ["reference"] * 3
+
+
+def test_errors_count_over_the_largest_value_of_the_curve(write: Write, dear: dict[str, float]) -> None:
+    """Rollers are 10 N off at each load: 6.7 % of 150 N, but 2.2 % of the 450 N at the curve's end."""
+
+    def of(one: Trialled) -> Trial:
+        return trial(one.case.load + {"planar": 0.0, "rollers": 10.0}.get(one.case.model, 1e3), names=one.asked)
+
+    study = near(write)
+    found = decided(study, of)
+    assert [one.candidate for one in found] == ["rollers"] * 3
+    assert [one.error["velocity@BPFO"] for one in found] == pytest.approx([10.0 / 450.0] * 3, rel=1e-6)
+    apart = near(write, TEXT.replace("x: load", "x: seed, by: load").replace("sweep: {", "sweep: {seed: [0], "))
+    assert taken(apart, of) == ["reference", "rollers", "rollers"]
+
+
+def test_a_candidate_that_fails_is_not_taken(write: Write, dear: dict[str, float]) -> None:
+    of = by_model(FAR | {"rollers": 1.01, "ring": 1.01})
+    study = near(write)
+    assert taken(study, lambda one: None if one.case.model == "ring" else of(one)) == ["rollers"] * 3
+    failing = (300.0, "ring")
+    assert (
+        taken(study, lambda one: None if (one.case.load, one.case.model) == failing else of(one))
+        == ["rollers"] * 3
+    )
+
+
+@pytest.mark.parametrize("which", ["own", "twin"])
+def test_a_reference_that_fails_is_left_to_its_job(write: Write, dear: dict[str, float], which: str) -> None:
+    text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
+    of = by_model(FAR | {"rollers": 1.0})
+
+    def failing(one: Trialled) -> Trial | None:
+        fails = (
+            one.case.model == "planar" and one.case.load == 300.0 and bool(one.case.defects) == (which == "own")
+        )
+        lower = replace(
+            one, case=one.case.model_copy(update={"load": one.case.load * (2.0 if one.case.defects else 1.0)})
+        )
+        return None if fails else of(lower)
+
+    found = decided(near(write, text), failing)
+    assert [one.candidate for one in found] == ["rollers", "reference", "rollers"]
+    assert found[1].why == "the reference fails"
+
+
+def test_to_a_tie_the_higher_is_taken(write: Write, dear: dict[str, float]) -> None:
+    of = by_model(FAR | {"rollers": 1.01, "ring": 1.01})
+    dear["ring"] = (TIE + 0.01) * dear["rollers"]
+    assert taken(near(write), of) == ["rollers"] * 3
+    dear["ring"] = (TIE - 0.01) * dear["rollers"]
+    assert taken(near(write), of) == ["ring"] * 3
+
+
+@pytest.mark.parametrize(("share", "mixed"), [(MIXED - 0.01, True), (MIXED + 0.01, False)])
+def test_models_are_mixed_on_a_curve_only_where_that_saves_much(
+    write: Write, dear: dict[str, float], share: float, mixed: bool
+) -> None:
+    """Static does at two of three loads; rollers, at the third alone, save so much."""
+    dear |= {"planar": 1.0, "rollers": 0.5, "static": (3.0 * share - 0.5) / 2.0, "ring": 1.0}
+
+    def of(one: Trialled) -> Trial:
+        low = one.case.load < 400.0
+        off = {"planar": 1.0, "rollers": 1.5 if low else 1.0, "static": 1.0 if low else 1.5}
+        return trial(one.case.load * off.get(one.case.model, 9.0), names=one.asked)
+
+    # one model for all is the reference
+    assert taken(near(write), of) == (["static", "static", "rollers"] if mixed else ["reference"] * 3)
+
+
+def test_a_reference_that_repeats_itself_is_the_answer(write: Write) -> None:
+    study = near(write)
+    of = by_model(FAR, repeats=True)
+    found = known(study, of)
+    assert len(found) == 3  # nothing else is tried
+    assert selection.further_trials(study, range(3), found) == []
+    assert taken(study, of) == ["reference"] * 3
+    assert selection.decide(study, range(3), found).repeating == 3
+
+
+def test_what_is_not_known_is_not_held(write: Write, dear: dict[str, float]) -> None:
+    """A number that is none in one feature is not hidden by another that is near."""
+    text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO, velocity.rms]}")
+
+    def of(one: Trialled) -> Trial:
+        found = trial(one.case.load, names=one.asked)
+        return replace(found, powers={"velocity.rms": math.nan * found.powers["velocity.rms"]})
+
+    study = near(write, text)
+    assert taken(study, of) == ["reference"] * 3
+    assert "could not be told" in decided(study, of)[0].why
+
+
+@pytest.mark.parametrize(
+    ("off", "said"),
+    [
+        ({"rollers": 1.1}, "the nearest of those that cost less is 10 % off: over 4 %"),
+        ({"planar": 1.0}, "the nearest of those that cost less is 50 % off: over 4 %"),
+    ],
+)
+def test_it_is_told_why_nothing_cheaper_is_taken(
+    write: Write, dear: dict[str, float], off: dict[str, float], said: str
+) -> None:
+    text = TEXT.replace("150 N, 300 N, 450 N", "450 N")
+    assert decided(near(write, text), by_model(FAR | off))[0].why == said
+
+
+def test_a_case_whose_curve_keeps_it_from_a_cheaper_model_is_told_so(write: Write, dear: dict[str, float]) -> None:
+    def of(one: Trialled) -> Trial:
+        high = one.case.load > 400.0 and one.case.model != "planar"
+        return trial(one.case.load * (2.0 if high else 1.0), names=one.asked)
+
+    found = decided(near(write), of)
+    assert found[0].why == "the nearest of those that cost less is 0 % off here, but over 4 % elsewhere on a curve"
+
+
+# Candidates
+
+
+def names(write: Write, text: str) -> dict[str, list[int]]:
+    study = near(write, text)
+    return {name: list(found) for name, found in trials.every_candidate(study, range(len(study.cases()))).items()}
+
+
+def test_candidates_go_from_the_highest_down(write: Write, dear: dict[str, float]) -> None:
+    assert list(names(write, TEXT)) == ["rollers", "ring", "static"]
+
+
+def test_what_two_cases_come_to_is_no_candidate(write: Write, dear: dict[str, float]) -> None:
+    """Its results would be one row of the table, and one point of the figure."""
+    text = f"{HEAD}load: 150 N\naccuracy: {{within: 5 %, of: [velocity.rms]}}\n{BENDS}"
+    dear["static"] = 1.0
+    found = names(write, f"{text}sweep: {{rig.ring.harmonics: [16, 32]}}\n")
+    assert found == {"static": [0, 1]}
+    other = names(write, f"{text}sweep: {{load: [150 N, 300 N]}}\n".replace("load: 150 N\n", ""))
+    assert list(other) == ["static"]
+
+
+def test_what_changes_its_speed_is_left_to_the_reference(write: Write, dear: dict[str, float]) -> None:
+    """Its first passes are at one speed."""
+    assert names(write, SPATIAL + "ramp: {to: 7000 rpm, time: 0.1 s}\n") == {}
+
+
+def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear: dict[str, float]) -> None:
+    """Those of a study that is extended are as they were, though what is new has more slices."""
+    sweep = "sweep: {contact.slices: [10, 20]}"
+    text = SPATIAL.replace("sweep: {load: [150 N, 300 N, 450 N]}", f"load: 150 N\n{sweep}").replace(
+        "x: load", "x: contact.slices"
+    )
+    study = near(write, text)
+    assert study.cases()[0].model == "spatial"
+    half = [trials.computed_by(study, n, trials.FEWER_SLICES) for n in range(2)]
+    assert [case.contact.slices for case in half if case is not None] == [5, 10]
+    found = {key(study, case): Choice(trials.FEWER_SLICES, "spatial", "", {}) for case in study.cases()}
+    more = near(write, text.replace("[10, 20]", "[10, 20, 40]"))
+    found |= {key(more, more.cases()[2]): Choice("reference", "spatial", "", {})}
+    assert [case.contact.slices for case in selection.chosen(more, found).cases()] == [5, 10, 40]
+
+
+def test_a_ring_that_bends_is_judged_by_twice_its_harmonics(write: Write) -> None:
+    study = near(write, TEXT + BENDS)
+    case = study.cases()[0]
+    assert case.model == "rollers"
+    own = case.rig.ring
+    above = trials.reference(case).rig.ring
+    assert own is not None
+    assert above is not None
+    assert int(above.harmonics) == 2 * int(own.harmonics)
+    assert list(trials.ladder(case)) == ["rollers", trials.FEWER_HARMONICS, "static"]
+    assert trials.reference(near(write).cases()[0]) == near(write).cases()[0]
+
+
+# The study with what was chosen
+
+
+def with_choice(study: Study, candidate: str, error: Mapping[str, float] | None = None) -> Study:
+    found = {key(study, case): Choice(candidate, candidate, "told", error or {}) for case in study.cases()}
+    return selection.chosen(study, found)
+
+
+@pytest.mark.parametrize("model", ["rollers", "ring", "static", "reference"])
+def test_chosen_jobs_are_those_of_a_study_that_names_the_model(write: Write, model: str) -> None:
+    found = with_choice(near(write), model)
+    named = load_study(write(TEXT.replace("accuracy: 5 %", f"model: {model}")))
+    assert [job.id for job in found.planned()] == [job.id for job in named.planned()]
+    assert [values for _, values in found.swept_cases] == [values for _, values in named.swept_cases]
+
+
+def test_what_was_chosen_is_told_by_job(write: Write) -> None:
+    found = with_choice(near(write), "ring", {"velocity@BPFO": 0.02}).selection
+    assert found is not None
+    study = with_choice(near(write), "ring")
+    ids = [case_id(case) for case in study.cases()]
+    assert found.jobs == {name: ("ring", "told", {"velocity@BPFO": 0.02}) for name in ids}
+    assert found.curves == (("velocity@BPFO", tuple(ids)),)
+
+
+def test_some_are_audited_by_seed(write: Write) -> None:
+    loads = ", ".join(f"{100 + n} N" for n in range(10))
+    text = TEXT.replace("150 N, 300 N, 450 N", loads)
+    study = near(write, text)
+    found = with_choice(study, "static")
+    assert found.selection is not None
+    audits = found.selection.audits
+    assert len(audits) == choices.FEWEST_AUDITED == 3
+    references = {case_id(own): case_id(case) for own, case in zip(study.cases(), found.cases(), strict=True)}
+    assert all(references[one.job.id] == one.of for one in audits)
+    again = with_choice(near(write, text), "static").selection
+    assert again is not None
+    assert [one.job.id for one in again.audits] == [one.job.id for one in audits]
+    assert {one.job.id for one in audits} <= {job.id for job in found.jobs() if job.is_variation}
+    nothing = with_choice(study, "reference").selection
+    assert nothing is not None
+    assert nothing.audits == ()
+
+
+def test_an_audit_has_the_twin_that_a_line_is_measured_against(write: Write) -> None:
+    text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
+    found = with_choice(near(write, text), "static")
+    assert found.selection is not None
+    jobs = {job.id: job for job in found.jobs()}
+    for one in found.selection.audits:
+        twin = one.job.healthy
+        assert twin is not None
+        assert jobs[twin].case.defects == ()
+        assert jobs[twin].case.model == "planar"
+
+
+def test_a_study_of_many_cases_is_made_otherwise_once_for_each_candidate(
+    write: Write, monkeypatch: pytest.MonkeyPatch, dear: dict[str, float]
+) -> None:
+    """Not once for each case: that would be a million cases to check, of a thousand."""
+    from bearingsim.study import load
+
+    calls: list[Any] = []
+    once = load._Plan._otherwise
+    monkeypatch.setattr(load._Plan, "_otherwise", lambda plan, given: calls.append(given) or once(plan, given))
+    study = near(write)
+    found = known(study, by_model(FAR | {"rollers": 1.01}))
+    selection.chosen(study, selection.decide(study, range(3), found).choices)
+    assert len(calls) == 3
+
+
+def test_choices_are_json(write: Write, tmp_path: Path, dear: dict[str, float]) -> None:
+    from bearingsim import store
+
+    study = near(write)
+    found = selection.decide(study, range(3), known(study, by_model(FAR | {"rollers": 1.01}))).choices
+    store.write_choices(tmp_path, found)
+    assert store.read_choices(tmp_path) == found
+    assert len(json.loads((tmp_path / "choices.json").read_text())) == 3

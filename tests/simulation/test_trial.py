@@ -1,0 +1,78 @@
+"""The first ball passes of a case, against all of it."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bearingsim.config import Case
+from bearingsim.simulation import simulate, try_out
+from bearingsim.simulation.trial import MIN_PASSES, passes_to_try, pit_turn
+from tests.scenes.short_cases import SLOT, case
+
+ASKED = ("velocity@BPFO", "velocity.rms", "outer_force.max")
+
+
+def long(**fields: object) -> Case:
+    return case(defects=[SLOT], duration="0.25 s", **fields)
+
+
+def test_a_case_that_repeats_itself_is_computed_to_the_end() -> None:
+    """Its record is the very one that a run of it gives."""
+    found, record = try_out(long(), ASKED, 16)
+    whole = simulate(long())
+    assert found.repeats
+    assert record is not None
+    assert record.features.keys() == whole.features.keys()
+    same = [
+        record.features[name] == value or (math.isnan(value) and math.isnan(record.features[name]))
+        for name, value in whole.features.items()
+    ]
+    assert all(same)
+    assert all((record.series[name] == series).all() for name, series in whole.series.items())
+    assert abs(found.lines["velocity@BPFO"].sum()) == pytest.approx(whole.features["velocity@BPFO"], rel=1e-3)
+    assert found.forces.max() == pytest.approx(whole.features["outer_force.max"], rel=1e-6)
+
+
+@pytest.mark.parametrize("said", [{"periodic": False}, {"periodic": False, "antialias": False}])
+def test_one_that_does_not_is_seen_in_its_first_passes(said: dict[str, bool]) -> None:
+    found, record = try_out(long(**said), ASKED, 16)
+    whole = simulate(long(**said)).features
+    assert record is None
+    assert not found.repeats
+    assert [len(parts) for parts in (found.lines["velocity@BPFO"], found.forces)] == [16, 16]
+    assert abs(found.lines["velocity@BPFO"].sum()) == pytest.approx(whole["velocity@BPFO"], rel=0.02)
+    assert np.sqrt(found.powers["velocity.rms"].mean()) == pytest.approx(whole["velocity.rms"], rel=0.05)
+    assert found.forces.max() <= whole["outer_force.max"]
+
+
+def test_a_record_that_may_end_early_is_tried_all_the_same() -> None:
+    """It may be known well enough before so many passes have gone by."""
+    found, record = try_out(long(until="40 %", record=[], periodic=False), ASKED, 24)
+    assert found.passes == len(found.forces) == 24
+    assert record is None
+
+
+def test_a_strict_step_is_proven_by_the_run_itself() -> None:
+    found, record = try_out(long(step_check="strict"), ASKED, 16)
+    assert found.repeats
+    assert record is None
+
+
+@pytest.mark.parametrize(
+    ("race", "duration", "passes"),
+    [
+        ("outer", "1 s", 16),
+        ("outer", "4 s", 40),
+        ("outer", "0.1 s", 7),
+        ("outer", "10 ms", 1),
+        ("roller", "1 s", 39),
+    ],
+)
+def test_enough_passes_are_tried_and_never_most_of_a_record(race: str, duration: str, passes: int) -> None:
+    one = case(defects=[SLOT | {"race": race}], duration=duration)
+    rate = one.bearing.ball_pass_frequency(one.speed)
+    assert passes_to_try(one) == pytest.approx(passes, abs=1)
+    assert passes_to_try(one) <= max(1.0, 0.5 * one.duration * rate)
+    if one.duration >= 1.0:
+        assert passes_to_try(one) >= max(MIN_PASSES, 3.0 * pit_turn(one) * rate)

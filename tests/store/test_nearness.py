@@ -1,0 +1,101 @@
+"""What is said of each result of a study that names an accuracy, from a plan and a frame."""
+
+import math
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from bearingsim.store.nearness import audited, nearness, scales
+
+LINE, RMS, FORCE = "velocity@BPFO", "velocity.rms", "outer_force.max"
+
+
+def plan(of: list[str], error: dict[str, float] | None = None, **others: Any) -> dict[str, Any]:
+    jobs = {name: {"model": "ring", "why": "", "error": error or {}} for name in ("a", "b", "c")}
+    curves = others.pop("curves", [{"feature": name, "jobs": ["a", "b"]} for name in of])
+    accuracy = {"within": 0.05, "of": of, "jobs": jobs, "curves": curves, "audits": others.pop("audits", [])}
+    return {"accuracy": accuracy, "assumptions": [], **others}
+
+
+def frame(columns: dict[str, list[float]], **others: list[Any]) -> pd.DataFrame:
+    count = len(next(iter(columns.values())))
+    index = pd.Index(list("abcde")[:count], name="job")
+    named = {f"features/{name}": values for name, values in columns.items()}
+    return pd.DataFrame(named | {"status": ["done"] * count} | others, index=index)
+
+
+def test_without_an_accuracy_nothing_is_said() -> None:
+    assert nearness({}, frame({LINE: [1.0]})).shape == (1, 0)
+
+
+def test_errors_count_over_the_lowest_curves_largest_value() -> None:
+    curves = [{"feature": LINE, "jobs": ["a", "b"]}, {"feature": LINE, "jobs": ["b", "c"]}]
+    found = scales(plan([LINE], curves=curves), frame({LINE: [1.0, 2.0, -5.0, 7.0]}), LINE)
+    assert found.tolist() == [2.0, 2.0, 5.0, 7.0]  # d is on none
+    lacking = scales(plan([LINE], curves=curves), frame({LINE: [1.0, math.nan, 5.0, 7.0]}), LINE)
+    assert lacking.tolist()[::2] == [1.0, 5.0]
+
+
+@pytest.mark.parametrize(
+    ("feature", "column"),
+    [
+        (LINE, "line"),
+        ("displacement@BPFI", "line"),
+        (RMS, "rms"),
+        ("acceleration.rms", "rms"),
+        (FORCE, "force"),
+    ],
+)
+def test_each_feature_has_its_step_error(feature: str, column: str) -> None:
+    steps = {f"step_error.{name}": [0.5, 0.5, 0.5] for name in ("line", "rms", "force")}
+    found = nearness(
+        plan([feature]), frame({feature: [1.0, 2.0, 4.0]} | steps | {f"step_error.{column}": [0.01] * 3})
+    )
+    assert found["error.step"].tolist() == pytest.approx([0.005, 0.01, 0.01])
+
+
+def test_model_step_and_scatter_add_up_and_the_worst_feature_counts() -> None:
+    columns = {
+        LINE: [1.0, 2.0, 2.0],
+        RMS: [1.0, 1.0, 1.0],
+        f"{LINE}-scatter": [0.1, 0.2, 0.0],
+        "chaotic": [1.0, 1.0, 0.0],
+        "step_error.line": [0.01, 0.01, math.nan],
+        "step_error.rms": [0.02, 0.0, 0.0],
+    }
+    found = nearness(plan([LINE, RMS], {LINE: 0.03, RMS: 0.001}), frame(columns))
+    assert found["error.model"].tolist() == pytest.approx([0.03] * 3)
+    assert found["error.step"].tolist() == pytest.approx([0.02, 0.01, 0.0])
+    assert found["error.scatter"].tolist() == pytest.approx([0.05, 0.1, 0.0])
+    assert found["error"].tolist() == pytest.approx([0.03 + 0.005 + 0.05, 0.03 + 0.01 + 0.1, 0.03])
+
+
+def test_no_sum_where_the_ring_is_only_assumed_to_be_rigid() -> None:
+    found = nearness(plan([LINE], {LINE: 0.03}) | {"assumptions": ["rigid"]}, frame({LINE: [1.0, 2.0, 2.0]}))
+    assert found["error"].isna().all()
+    assert found["error.model"].tolist() == [0.03] * 3
+
+
+def test_what_failed_has_no_errors() -> None:
+    found = nearness(plan([LINE], {LINE: 0.03}), frame({LINE: [1.0, 2.0, 2.0]}, status=["done", "failed", "done"]))
+    assert found.loc["b"].isna().all()
+    assert found["error"].notna().sum() == 2
+
+
+AUDIT = [{"of": "a", "job": "d"}]
+
+
+def test_an_audit_is_off_by_what_differs_over_the_curve() -> None:
+    (found,) = audited(plan([LINE], audits=AUDIT), frame({LINE: [1.0, 2.0, 2.0, 1.1]}))
+    assert found == ("a", pytest.approx(0.05), 0.0)
+
+
+@pytest.mark.parametrize("audit", [math.nan, None])
+def test_an_audit_that_compares_nothing_is_none(audit: float | None) -> None:
+    """It would else count as one that kept its accuracy."""
+    healthy = f"{LINE}-healthy"
+    given = frame({healthy: [1.0, 2.0, 2.0, math.nan]} if audit is not None else {LINE: [1.0] * 4})
+    assert not list(audited(plan([healthy], audits=AUDIT), given))
+    missing = frame({LINE: [1.0, 2.0, 2.0, 1.1]}, status=["done", "done", "done", "failed"])
+    assert not list(audited(plan([LINE], audits=AUDIT), missing))

@@ -1,0 +1,151 @@
+# ruff: noqa: E501 (a table of messages, one line each)
+"""`accuracy:` in a study: what it says, and what is refused, where."""
+
+from pathlib import Path
+
+import pytest
+
+from bearingsim.study import Problem, StudyError, load_study
+from bearingsim.study.goal import Goal
+from tests.scenes.study_text import BASE, Write
+
+FIGURE = "figures: [{y: [velocity@BPFO, seconds, velocity.rms], x: load}, {y: velocity@BPFO, x: load}]\n"
+SWEEP = "sweep: {load: [150 N, 300 N]}\n"
+MODELS = "accuracy: 2 %\n" + SWEEP + FIGURE
+
+
+def goal(write: Write, text: str) -> Goal | None:
+    return load_study(write(BASE + text)).goal
+
+
+def problems(path: Path, overrides: dict[str, str] | None = None) -> list[Problem]:
+    with pytest.raises(StudyError) as caught:
+        load_study(path, overrides)
+    return caught.value.problems
+
+
+def at(problem: Problem) -> str:
+    """The text at the caret."""
+    lines = str(problem).splitlines()
+    return lines[1][lines[2].index("^") :]
+
+
+@pytest.mark.parametrize(
+    ("said", "within", "of"),
+    [
+        ("2 %", 0.02, ("velocity@BPFO", "velocity.rms")),  # what figures draw, and an accuracy can be held of
+        ("0.5 %", 0.005, ("velocity@BPFO", "velocity.rms")),
+        ("50 %", 0.5, ("velocity@BPFO", "velocity.rms")),
+        ("{within: 5 %}", 0.05, ("velocity@BPFO", "velocity.rms")),
+        ("{within: 5 %, of: outer_force.max}", 0.05, ("outer_force.max",)),
+        ("{within: 5 %, of: [acceleration@BPFI-healthy, displacement.rms, displacement.rms]}", 0.05,
+         ("acceleration@BPFI-healthy", "displacement.rms")),
+    ],
+)  # fmt: skip
+def test_an_accuracy_says_how_close_and_of_what(
+    write: Write, said: str, within: float, of: tuple[str, ...]
+) -> None:
+    assert goal(write, f"accuracy: {said}\n{SWEEP}{FIGURE}") == Goal(pytest.approx(within), of)
+
+
+def test_a_study_without_asks_for_none(write: Write) -> None:
+    study = load_study(write(BASE))
+    assert (study.goal, study.otherwise) == (None, None)
+
+
+def test_cases_have_the_model_that_others_are_judged_by(write: Write) -> None:
+    study = load_study(write(BASE + MODELS))
+    assert [case.model for case in study.cases()] == ["planar", "planar"]
+    assert study.otherwise is not None
+    lower = study.otherwise({"model": "static"})
+    named = load_study(write(BASE + MODELS.replace("accuracy: 2 %", "model: static")))
+    assert lower == named.cases()
+    assert study.otherwise({"excitation": "nonsense"}) == [None, None]
+    fixed = [case.load if case else None for case in study.otherwise({"load": "100 N"})]
+    assert fixed == [100.0, 100.0]  # though it is swept
+
+
+@pytest.mark.parametrize(
+    ("said", "caret", "message"),
+    [
+        ("0.4 %", "0.4 %", "accuracy: expected 0.5 % to 50 %, got `0.4 %` (the reference itself is not known better (docs/accuracy.md))"),
+        ("60 %", "60 %", "accuracy: expected 0.5 % to 50 %, got `60 %`"),
+        ("-2 %", "-2 %", "accuracy: expected 0.5 % to 50 %, got `-2 %` (the reference itself is not known better (docs/accuracy.md))"),
+        ("2 mm", "2 mm", None),
+        ("close", "close", None),
+        ("[2 %]", "[2 %]", None),
+        ("{within: close}", "close}", None),
+        ("{of: [velocity.rms]}", "accuracy", "accuracy: `within` is missing (as in `{within: 2 %}`)"),
+        ("{within: 2 %, off: [velocity.rms]}", "off", "accuracy: unknown key `off` (did you mean `of`?)"),
+        ("{within: 2 %, for: [velocity.rms]}", "for", None),
+        ("{within: 2 %, of: [velocity@BPF0]}", "velocity@BPF0", "accuracy.of: no accuracy can be held of `velocity@BPF0` (did you mean `velocity@BPFO`?)"),
+        ("{within: 2 %, of: [velocity@BPFO.phase]}", "velocity@BPFO.phase", None),
+        ("{within: 2 %, of: seconds}", "seconds", "accuracy.of: no accuracy can be held of `seconds` (lines such as `velocity@BPFO`, an RMS such as `velocity.rms`, `outer_force.max`)"),
+        ("{within: 2 %, of: []}", "[]", None),
+        ("0.5", "0.5", "accuracy: expected a share such as `60 %`, got `0.5` (the unit is missing) (as in `accuracy: 2 %`)"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_told_at_its_place(write: Write, said: str, caret: str, message: str | None) -> None:
+    found = problems(write(f"{BASE}accuracy: {said}\n{SWEEP}{FIGURE}"))
+    assert len(found) == 1, found
+    assert at(found[0]).startswith(caret)
+    if message is not None:
+        assert str(found[0]).splitlines()[0].partition(": ")[2] == message
+
+
+def test_of_nothing_drawn_no_accuracy_can_be_held(write: Write) -> None:
+    (found,) = problems(write(f"{BASE}accuracy: 2 %\n{SWEEP}figures: [{{y: seconds, x: load}}]\n"))
+    assert "no figure draws a line" in found.message
+    assert at(found).startswith("accuracy: 2 %")
+
+
+BESIDE = "`{}` beside `accuracy`, which chooses it (leave `{}` out, or `accuracy`)"
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "caret"),
+    [
+        ("model: ring\n", "model", "model: ring"),
+        ("method: verlet\n", "method", "method: verlet"),
+        ("quick: {model: ring}\n", "model", "model: ring"),
+        ("quick: {method: rodas, duration: 0.2 s}\n", "method", "method: rodas"),
+        ("quick: {sweep: {model: [ring, static]}}\n", "model", "model: [ring"),
+        ("quick: {sweep: {zip: {model: [ring, static], load: [1 N, 2 N]}}}\n", "model", "model: [ring"),
+    ],
+)
+def test_what_accuracy_chooses_cannot_stand_beside_it(write: Write, text: str, key: str, caret: str) -> None:
+    (found,) = [one for one in problems(write(f"{BASE}{MODELS}{text}")) if "beside" in str(one)]
+    assert str(found).splitlines()[0].endswith(BESIDE.format(key, key))
+    assert at(found).startswith(caret)
+
+
+@pytest.mark.parametrize(
+    ("sweep", "caret"),
+    [
+        ("sweep: {load: [150 N, 300 N], model: [ring, static]}\n", "model: [ring"),
+        ("sweep: {zip: {load: [150 N, 300 N], model: [ring, static]}}\n", "model: [ring"),
+        ("sweep: {zip: [{load: [150 N, 300 N], model: [ring, static]}]}\n", "model: [ring"),
+        ("sweep: {load: [150 N, 300 N], method: [rodas, verlet]}\n", "method: [rodas"),
+    ],
+)
+def test_nor_can_it_be_swept(write: Write, sweep: str, caret: str) -> None:
+    (found,) = [one for one in problems(write(f"{BASE}accuracy: 2 %\n{sweep}{FIGURE}")) if "beside" in str(one)]
+    assert at(found).startswith(caret)
+
+
+@pytest.mark.parametrize("key", ["model", "method"])
+def test_nor_can_it_be_set(write: Write, key: str) -> None:
+    value = {"model": "ring", "method": "verlet"}[key]
+    (found,) = [one for one in problems(write(BASE + MODELS), {key: value}) if "beside" in str(one)]
+    assert f"leave out --set {key}" in str(found)
+
+
+def test_what_no_model_knows_in_full_has_no_reference(write: Write) -> None:
+    """A pit off the roller's middle tilts rollers, a ring that bends is known to others."""
+    offset = BASE.replace("depth: 50 um", "depth: 50 um, offset: 1 mm")
+    (found,) = problems(write(f"{offset}{MODELS}rig: {{ring: {{bends: true}}}}\n"))
+    assert found.message.startswith(
+        "accuracy: no model has all that this asks for: a defect off the roller's middle"
+    )
+    assert "name a `model`" in str(found)
+    load_study(write(offset + MODELS))  # without the ring: spatial
