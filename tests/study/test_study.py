@@ -51,7 +51,7 @@ def test_what_the_template_zips_is_right(write: Write, which: int) -> None:
 
 
 def test_the_templates_lines_for_the_planar_model_are_right(write: Write) -> None:
-    said = NEW_STUDY.replace("\n# model: rollers", "\nmodel: least")
+    said = NEW_STUDY.replace("\n# model: rollers", "\nmodel: reference")
     for key in ("friction", "cage", "drag", "ramp", "shaft", "unbalance"):
         said = said.replace(f"\n# {key}:", f"\n{key}:")
     found = load_study(write(said)).cases()[0]
@@ -61,7 +61,7 @@ def test_the_templates_lines_for_the_planar_model_are_right(write: Write) -> Non
 
 
 def test_the_templates_lines_for_the_spatial_model_are_right(write: Write) -> None:
-    said = NEW_STUDY.replace("\n# model: rollers", "\nmodel: least")
+    said = NEW_STUDY.replace("\n# model: rollers", "\nmodel: reference")
     for key in ("misalignment", "  offset", "  edge"):
         said = said.replace(f"\n# {key}:", f"\n{key}:").replace(f"\n  # {key.strip()}:", f"\n  {key.strip()}:")
     found = load_study(write(said)).cases()[0]
@@ -120,7 +120,7 @@ def _decimal(value: Fraction) -> str:
         ({}, {"seed": 3}),  # nothing random
         ({}, {"friction": "none", "drag": "none"}),  # which is so in this model
         ({"clearance": "CN"}, {"clearance": "37.5 um"}),
-        ({"model": "ring"}, {"model": "least", "contact": {"damping": "kraemer"}}),
+        ({"model": "planar", "cage": {"motion": "kinematic"}}, {"model": "reference"}),
         (PLANAR, PLANAR | {"friction": "static-dynamic", "cage": {"motion": "free"}}),
         (PLANAR, PLANAR | {"cage": {"radial_pocket_clearance": "0.2 mm"}}),
         ({}, {"start_angle": math.pi / 13}),

@@ -302,7 +302,7 @@ def test_clearance_by_class_and_by_length(write: Write) -> None:
         ("model: planar", "rig.torsion_stiffness: [1e3 N m/rad, 1e4 N m/rad]", [1e3, 1e4]),
         ("", "load_across: [-20 N, 20 N]", [-20.0, 20.0]),
         ("", "defect.race: [outer, inner, roller]", ["outer", "inner", "roller"]),
-        ("", "model: [least, ring]", ["least", "ring"]),
+        ("", "model: [reference, ring]", ["reference", "ring"]),
         ("", "contact.stiffness: [johnson, {coefficient: 3e5, exponent: 1.1}]", None),
         ("contact: {stiffness: {coefficient: 3e5}}", "contact.stiffness.exponent: [1, 1.1]", [1.0, 1.1]),
         ("", "zip: {model: [rollers, planar], friction: [none, static-dynamic]}", ["rollers", "planar"]),
