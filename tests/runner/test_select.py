@@ -34,7 +34,8 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def compute(study: Study, out: Path, **options: Any) -> RunSummary:
-    return run(study, out, **{"jobs": 1, "progress": False, "engine": ENGINE} | options)
+    given: dict[str, Any] = {"jobs": 1, "progress": False, "engine": ENGINE} | options
+    return run(study, out, **given)
 
 
 def lines(log: Path) -> list[str]:
@@ -54,9 +55,12 @@ def choices(out: Path) -> dict[str, Any]:
 def test_choices_are_there_before_the_first_job(write: Write, tmp_path: Path, log: Path, monkeypatch) -> None:
     out, seen = tmp_path / "out", []
     plain = trials.simulate
-    monkeypatch.setattr(
-        trials, "simulate", lambda case: seen.append((out / "choices.json").is_file()) or plain(case)
-    )
+
+    def looked(case: Any) -> Any:
+        seen.append((out / "choices.json").is_file())
+        return plain(case)
+
+    monkeypatch.setattr(trials, "simulate", looked)
     summary = compute(near(write), out)
     assert (summary.done, summary.failed) == (9, 0)  # three jobs, their twins, three audits
     assert seen == [True] * len(seen)
@@ -94,7 +98,7 @@ def test_shards_come_to_what_one_run_does(write: Write, tmp_path: Path) -> None:
         compute(near(write), shared, shard=(number, 3))
     assert choices(one) == choices(shared)
     tables = [pd.read_csv(out / "results.csv").drop(columns=["seconds", "unit"]) for out in (one, shared)]
-    pd.testing.assert_frame_equal(*tables)
+    pd.testing.assert_frame_equal(tables[0], tables[1])
 
 
 def test_a_study_that_is_extended_keeps_what_was_chosen(
@@ -195,7 +199,7 @@ def test_killed_while_models_are_tried_it_chooses_the_same(write: Write, tmp_pat
     assert choices(out) == choices(whole)
     assert not [*out.rglob("*.part")]
     tables = [pd.read_csv(folder / "results.csv").drop(columns=["seconds", "unit"]) for folder in (whole, out)]
-    pd.testing.assert_frame_equal(*tables)
+    pd.testing.assert_frame_equal(tables[0], tables[1])
 
 
 def test_in_several_processes_it_is_the_same(write: Write, tmp_path: Path) -> None:

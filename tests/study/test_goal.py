@@ -45,7 +45,9 @@ def at(problem: Problem) -> str:
 def test_an_accuracy_says_how_close_and_of_what(
     write: Write, said: str, within: float, of: tuple[str, ...]
 ) -> None:
-    assert goal(write, f"accuracy: {said}\n{SWEEP}{FIGURE}") == Goal(pytest.approx(within), of)
+    found = goal(write, f"accuracy: {said}\n{SWEEP}{FIGURE}")
+    assert isinstance(found, Goal)
+    assert (found.within, found.of) == (pytest.approx(within), of)
 
 
 def test_a_study_without_asks_for_none(write: Write) -> None:
@@ -82,7 +84,7 @@ def test_cases_have_the_model_that_others_are_judged_by(write: Write) -> None:
         ("{within: 2 %, of: [velocity@BPFO.phase]}", "velocity@BPFO.phase", None),
         ("{within: 2 %, of: seconds}", "seconds", "accuracy.of: no accuracy can be held of `seconds` (lines such as `velocity@BPFO`, an RMS such as `velocity.rms`, `outer_force.max`)"),
         ("{within: 2 %, of: []}", "[]", None),
-        ("0.5", "0.5", "accuracy: expected a share such as `60 %`, got `0.5` (the unit is missing) (as in `accuracy: 2 %`)"),
+        ("0.5", "0.5", "accuracy: expected a share such as `1 %`, got `0.5` (the unit is missing) (as in `accuracy: 2 %`)"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_told_at_its_place(write: Write, said: str, caret: str, message: str | None) -> None:
