@@ -6,11 +6,13 @@ largest of them: so what two models differ by is known pass by pass, and how sur
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, floor
+from math import ceil, floor, pi
 
 import numpy as np
 
+from bearingsim import signals
 from bearingsim.config import Case
+from bearingsim.config.names import LINES
 from bearingsim.simulation import features, record_windows
 from bearingsim.simulation.comparison import FORCE, amplitudes, low_passed
 from bearingsim.simulation.integration import Setup
@@ -28,8 +30,9 @@ class Trial:
     """The first passes of a run after it has settled.
 
     passes: how many count; repeats: whether the motion has been found to repeat itself; lines: of each asked line
-    what the passes add to its complex amplitude (SI), by name; powers: (passes,) mean squares of an asked RMS
-    (SI), by name; forces: (passes,) the largest of an outer contact (N).
+    what the passes add to its complex amplitude (SI), by name, NaN of one that they cannot tell from others;
+    powers: (passes,) mean squares of an asked RMS (SI), by name; forces: (passes,) the largest of an outer contact
+    (N).
     """
 
     passes: int
@@ -64,11 +67,12 @@ def of_passes(setup: Setup, raw: RawRecord, asked: Sequence[str], passes: int) -
     start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
     fine = raw.read(start, length, features.of_base(case))
     rows = low_passed(setup, raw, start, length) if case.antialias else fine
-    lines, powers = {}, {}
+    lines, powers, told = {}, {}, told_apart(setup, passes / cut.rate)
     for name in asked:
         quantity, _, line = name.partition("@")
         if line:
-            lines[name] = amplitudes(setup, line, passes, features.along_sensor(case, fine, quantity))
+            parts = amplitudes(setup, line, passes, features.along_sensor(case, fine, quantity))
+            lines[name] = parts if line in told else np.full_like(parts, np.nan)
         elif name.endswith(".rms"):
             along = features.along_sensor(case, rows, name.removesuffix(".rms"))
             powers[name] = by_pass_mean_square(along, passes)
@@ -76,6 +80,18 @@ def of_passes(setup: Setup, raw: RawRecord, asked: Sequence[str], passes: int) -
     known = raw.peaks[:, FORCE]
     places = [int(p) if p < len(known) else int(raw.repetition.source(p)) for p in range(before, before + passes)]
     return Trial(passes, raw.repetition.period > 0, lines, powers, known[places])
+
+
+def told_apart(setup: Setup, duration: float) -> set[str]:
+    """The lines that a trial of so many seconds tells from all others; multiples of BPFO, whose passes are whole.
+
+    2BSF is close to BPFO: a beginning that holds both as one would judge a model by the wrong one.
+    """
+    b = setup.model.bearing
+    turning = features.SampleAngles(*(np.array(speed) for speed in (b.omega_c, b.omega_i, b.omega_b)))
+    frequencies = [abs(float(turning.along(line, b.Z))) / (2.0 * pi) for line in LINES.values()]
+    told = signals.resolvable(frequencies, duration)
+    return {name for name, alone in zip(LINES, told, strict=True) if alone or name not in features.OTHER_LINES}
 
 
 def by_pass_mean_square(series: np.ndarray, passes: int) -> np.ndarray:
