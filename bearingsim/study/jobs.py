@@ -60,12 +60,12 @@ class Variation:
 class Audit:
     """A job computed again by the model that others are judged by; ``of``: the id of the job that it checks.
 
-    twin: its healthy baseline, if it has one.
+    healthy: its baseline, if it is compared with one.
     """
 
     of: str
     job: Job
-    twin: Job | None = None
+    healthy: Job | None = None
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class Study:
         """Every job once: the cases, the healthy baselines they are compared with, then what is varied of them."""
         found = {job.id: job for job in self.planned()}
         audited = () if self.selection is None else self.selection.audits
-        again = [job for one in audited for job in (one.job, one.twin) if job is not None]
+        again = [job for one in audited for job in (one.job, one.healthy) if job is not None]
         beside = [one.job for one in self.variations()] + again
         varied = {job.id: job for job in beside}
         return [*found.values(), *(job for key, job in varied.items() if key not in found)]

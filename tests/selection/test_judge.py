@@ -46,7 +46,7 @@ def test_scatter_between_passes_counts_as_often_as_student_says() -> None:
     for _ in range(400):
         pair = [with_parts(hann * (1.0 + 0.1 * draw.normal(size=PASSES))) for _ in range(2)]
         apart = abs(value(LINE, pair[0], None).value - value(LINE, pair[1], None).value)
-        found.append((off(LINE, *pair) - apart, apart))
+        found.append((off(LINE, pair[0], pair[1]) - apart, apart))
     more, apart = np.array(found).T
     assert np.median(more) == pytest.approx(stdtrit(PASSES - 1, 0.975) * size, rel=0.1)
     assert np.mean(apart < more) == pytest.approx(0.95, abs=0.03)
@@ -58,7 +58,7 @@ def test_rms_scatters_as_half_the_power_does() -> None:
     pair = [Trial(PASSES, False, {}, {RMS: (1.0 + one) * 4.0}, np.ones(PASSES)) for one in noise]
     s = float(np.std(noise[0] - noise[1], ddof=1)) / np.sqrt(PASSES)  # half of 2 * (noise) of an RMS of 2
     apart = abs(value(RMS, pair[0], None).value - value(RMS, pair[1], None).value)
-    assert off(RMS, *pair) - apart == pytest.approx(stdtrit(PASSES - 1, 0.975) * s, rel=0.02)
+    assert off(RMS, pair[0], pair[1]) - apart == pytest.approx(stdtrit(PASSES - 1, 0.975) * s, rel=0.02)
 
 
 def test_a_pit_that_turns_with_its_race_has_no_scatter_of_its_own() -> None:
