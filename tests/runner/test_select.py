@@ -63,9 +63,12 @@ def test_choices_are_there_before_the_first_job(
 ) -> None:
     out, seen = tmp_path / "out", list[bool]()
     plain = trials.simulate
-    monkeypatch.setattr(
-        trials, "simulate", lambda case: seen.append((out / "choices.json").is_file()) or plain(case)
-    )
+
+    def simulate(case: Any) -> Any:
+        seen.append((out / "choices.json").is_file())
+        return plain(case)
+
+    monkeypatch.setattr(trials, "simulate", simulate)
     summary = compute(near(write), out)
     assert (summary.done, summary.failed) == (9, 0)  # three jobs, their twins, three audits
     assert seen == [True] * len(seen)
