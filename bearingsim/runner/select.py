@@ -95,6 +95,7 @@ def _compute(
     root: Path, batch: tuple["Trialled", ...], engine: Engine, provenance: "Mapping[str, Value]"
 ) -> tuple[list[str], list[str]]:
     """The trials of a batch; a reference that repeats itself is stored as a job, too. Ids done and failed."""
+    from bearingsim.simulation import SimulationError
     from bearingsim.study import Job, case_id
 
     try_out = load(engine.try_out)
@@ -103,8 +104,10 @@ def _compute(
     for one in batch:
         try:
             found[one.id], record = try_out(one.case, one.asked, one.passes)
-        except Exception:  # told by the job, if it comes to that
+        except SimulationError:  # told by the job, if it comes to that
             found[one.id], record = None, None
+        except Exception:  # of the machine, not of the case: it is tried again by the next run
+            continue
         if record is not None:
             records.append((Job(case_id(one.case), one.case, {}, None), record))
     store.write_units(root, records, provenance)

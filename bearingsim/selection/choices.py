@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from random import Random
 
 from bearingsim.config import Case
+from bearingsim.errors import UserError
 from bearingsim.selection.curves import curves
 from bearingsim.selection.trials import computed_by, reference
 from bearingsim.study import Job, Study, healthy_twin
@@ -57,7 +58,10 @@ def chosen(study: Study, choices: Choices) -> Study:
 def _case(study: Study, own: Sequence[Case], number: int, candidate: str) -> Case:
     """A case as a candidate computes it."""
     found = reference(own[number]) if candidate == REFERENCE else computed_by(study, number, candidate)
-    assert found is not None, f"{candidate} cannot compute case {number}"
+    if found is None:
+        raise UserError(
+            f"choices.json names `{candidate}`, which cannot compute a case: remove it to decide again"
+        )
     return found
 
 

@@ -121,7 +121,9 @@ def _told_apart(cases: Mapping[int, Case]) -> dict[int, Case]:
 def computed_by(study: Study, number: int, candidate: str) -> Case | None:
     """A case of a study as a candidate computes it; None if it cannot be."""
     own = study.swept_cases[number][0]
-    given = ladder(own)[candidate]
+    given = ladder(own).get(candidate)
+    if given is None:
+        return None
     if not given or study.otherwise is None:
         return own
     return study.otherwise(given)[number]

@@ -109,7 +109,7 @@ def check_goal(root: Node, cases: Collection[Case], overrides: Mapping[str, str]
                 problem(mark, f"`{key}` beside `accuracy`, which chooses it", f"leave out --set {key}")
             )
     for case in cases:
-        unmet = hierarchy.unmet_wishes(case)
+        unmet = hierarchy.unmet_wishes(case) if case.rig.ring is not None else []
         if unmet:
             message = f"accuracy: no model has all that this asks for: {unmet[0].why}"
             problems.append(problem(mark, message, "name a `model`, or leave that out"))

@@ -60,7 +60,7 @@ class Variation:
 class Audit:
     """A job computed again by the model that others are judged by; ``of``: the id of the job that it checks.
 
-    healthy: its healthy baseline, if it has one.
+    healthy: its baseline, if it is compared with one.
     """
 
     of: str

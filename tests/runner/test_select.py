@@ -34,8 +34,8 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def compute(study: Study, out: Path, **options: Any) -> RunSummary:
-    given: dict[str, Any] = {"jobs": 1, "progress": False, "engine": ENGINE} | options
-    return run(study, out, **given)
+    given: dict[str, Any] = {"jobs": 1, "progress": False, "engine": ENGINE}
+    return run(study, out, **given | options)
 
 
 def lines(log: Path) -> list[str]:
@@ -49,18 +49,26 @@ def tried(log: Path) -> int:
 
 
 def choices(out: Path) -> dict[str, Any]:
-    return json.loads((out / "choices.json").read_text())
+    found: dict[str, Any] = json.loads((out / "choices.json").read_text())
+    return found
 
 
-def test_choices_are_there_before_the_first_job(write: Write, tmp_path: Path, log: Path, monkeypatch) -> None:
-    out, seen = tmp_path / "out", []
+def results(out: Path) -> pd.DataFrame:
+    """The table, less what no two runs have alike."""
+    return pd.read_csv(out / "results.csv").drop(columns=["seconds", "unit"])
+
+
+def test_choices_are_there_before_the_first_job(
+    write: Write, tmp_path: Path, log: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out, seen = tmp_path / "out", list[bool]()
     plain = trials.simulate
 
-    def looked(case: Any) -> Any:
+    def simulate(case: Any) -> Any:
         seen.append((out / "choices.json").is_file())
         return plain(case)
 
-    monkeypatch.setattr(trials, "simulate", looked)
+    monkeypatch.setattr(trials, "simulate", simulate)
     summary = compute(near(write), out)
     assert (summary.done, summary.failed) == (9, 0)  # three jobs, their twins, three audits
     assert seen == [True] * len(seen)
@@ -97,8 +105,7 @@ def test_shards_come_to_what_one_run_does(write: Write, tmp_path: Path) -> None:
     for number in (1, 2, 3):
         compute(near(write), shared, shard=(number, 3))
     assert choices(one) == choices(shared)
-    tables = [pd.read_csv(out / "results.csv").drop(columns=["seconds", "unit"]) for out in (one, shared)]
-    pd.testing.assert_frame_equal(tables[0], tables[1])
+    pd.testing.assert_frame_equal(results(one), results(shared))
 
 
 def test_a_study_that_is_extended_keeps_what_was_chosen(
@@ -198,8 +205,7 @@ def test_killed_while_models_are_tried_it_chooses_the_same(write: Write, tmp_pat
     compute(near(write), out)
     assert choices(out) == choices(whole)
     assert not [*out.rglob("*.part")]
-    tables = [pd.read_csv(folder / "results.csv").drop(columns=["seconds", "unit"]) for folder in (whole, out)]
-    pd.testing.assert_frame_equal(tables[0], tables[1])
+    pd.testing.assert_frame_equal(results(whole), results(out))
 
 
 def test_in_several_processes_it_is_the_same(write: Write, tmp_path: Path) -> None:

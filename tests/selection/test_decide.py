@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from bearingsim import selection
+from bearingsim.config import Case
 from bearingsim.selection import Choice, Trialled, choices, trials
 from bearingsim.selection.choices import key
 from bearingsim.selection.decide import MIXED, TIE
@@ -37,10 +38,15 @@ def taken(study: Study, of: Of) -> list[str]:
 
 @pytest.fixture
 def dear(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
-    """What a case costs, by its model: to be changed by a test."""
+    """What a case costs, by its model, at 20 slices or 32 harmonics: to be changed by a test."""
     costs = {"spatial": 30.0, "planar": 10.0, "rollers": 3.0, "ring": 1.0, "static": 0.1}
-    monkeypatch.setattr(trials, "price", lambda case: costs[case.model])
-    monkeypatch.setattr(import_module("bearingsim.selection.decide"), "price", lambda case: costs[case.model])
+
+    def price(case: Case) -> float:
+        many = 1.0 if case.rig.ring is None else int(case.rig.ring.harmonics) / 32.0
+        return costs[case.model] * many * (int(case.contact.slices) / 20.0 if case.model == "spatial" else 1.0)
+
+    for module in (trials, import_module("bearingsim.selection.decide")):
+        monkeypatch.setattr(module, "price", price)
     return costs
 
 
@@ -204,13 +210,14 @@ def test_what_two_cases_come_to_is_no_candidate(write: Write, dear: dict[str, fl
     text = f"{HEAD}load: 150 N\naccuracy: {{within: 5 %, of: [velocity.rms]}}\n{BENDS}"
     dear["static"] = 1.0
     found = names(write, f"{text}sweep: {{rig.ring.harmonics: [16, 32]}}\n")
-    assert found == {"static": [0, 1]}
+    assert found == {trials.AS_SAID: [0, 1], "static": [0, 1]}
     other = names(write, f"{text}sweep: {{load: [150 N, 300 N]}}\n".replace("load: 150 N\n", ""))
-    assert list(other) == ["static"]
+    assert list(other) == [trials.AS_SAID, trials.FEWER_HARMONICS, "static"]
 
 
 def test_what_changes_its_speed_is_left_to_the_reference(write: Write, dear: dict[str, float]) -> None:
     """Its first passes are at one speed."""
+    assert names(write, SPATIAL) == {trials.FEWER_SLICES: [0, 1, 2]}
     assert names(write, SPATIAL + "ramp: {to: 7000 rpm, time: 0.1 s}\n") == {}
 
 
@@ -308,7 +315,7 @@ def test_a_study_of_many_cases_is_made_otherwise_once_for_each_candidate(
     calls: list[Any] = []
     once = load._Plan._otherwise
 
-    def counted(plan: Any, given: Any) -> Any:
+    def counted(plan: Any, given: Mapping[str, str]) -> list[Case | None]:
         calls.append(given)
         return once(plan, given)
 

@@ -45,9 +45,7 @@ def at(problem: Problem) -> str:
 def test_an_accuracy_says_how_close_and_of_what(
     write: Write, said: str, within: float, of: tuple[str, ...]
 ) -> None:
-    found = goal(write, f"accuracy: {said}\n{SWEEP}{FIGURE}")
-    assert isinstance(found, Goal)
-    assert (found.within, found.of) == (pytest.approx(within), of)
+    assert goal(write, f"accuracy: {said}\n{SWEEP}{FIGURE}") == Goal(within, of)
 
 
 def test_a_study_without_asks_for_none(write: Write) -> None:
