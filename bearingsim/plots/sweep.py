@@ -149,6 +149,8 @@ def legend_entries(
         entries += [_entry(second, styles[firsts[0], second]._replace(colour="0.25")) for second in seconds]
     lost = [mark for status, mark in STATUS_MARKS.items() if (rows["status"] == status).any()]
     entries += [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in lost]
+    marks = {model: MODEL_MARK | {"marker": mark} for model, mark in models_of(rows).items()}
+    entries += [Line2D([], [], label=model, **mark) for model, mark in marks.items() if len(marks) > 1]
     return entries + [Line2D([], [], **RING, label="chaotic: one draw of many")] * bool(is_chaotic(rows).any())
 
 
@@ -169,6 +171,8 @@ def _panel(
         x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)
         ax.plot(*_broken(x, y, name), **curve.look.keywords())
         mark_spread(ax, x, curve, name, factor)
+        mark_errors(ax, x, y, curve)
+        mark_models(ax, x, y, curve.rows, models_of(rows))
         mark_chaotic(ax, x, y, curve.rows)
         mark_lost(ax, x, curve.rows["status"])
     _x_axis(ax, figure, rows, units)
@@ -187,6 +191,43 @@ def mark_spread(ax: "Axes", x: Sequence[float], curve: Curve, name: str, factor:
     elif any(has):
         at, least, largest = ([v for v, is_one in zip(a, has, strict=True) if is_one] for a in (x, low, high))
         ax.vlines(at, least, largest, color=curve.look.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
+
+
+ERRORS = ("error.model", "error.step", "error.scatter")
+MODEL_MARKS = "osD^vP"
+MODEL_MARK: dict[str, Any] = {"ls": "", "color": "0.1", "ms": 2.5, "mew": 0.0}
+
+
+def mark_errors(ax: "Axes", x: Sequence[float], y: Sequence[float], curve: Curve) -> None:
+    """What model, step and scatter may be off, over the curve's largest: a bar, where an accuracy is named."""
+    if not all(name in curve.rows for name in ERRORS):
+        return
+    largest = max((abs(value) for value in y if math.isfinite(value)), default=0.0)
+    off = largest * curve.rows[list(ERRORS)].sum(axis=1, min_count=1)
+    known = [(a, b, e) for a, b, e in zip(x, y, off, strict=True) if math.isfinite(b * e)]
+    if known:
+        at, value, error = zip(*known, strict=True)
+        ax.errorbar(at, value, error, fmt="none", ecolor=curve.look.colour, elinewidth=1.0, capsize=2.5)
+
+
+def models_of(rows: "pd.DataFrame") -> dict[str, str]:
+    """The mark of each model that was chosen for the rows; none of a study that names no accuracy."""
+    if "error.model" not in rows:
+        return {}
+    names = sorted({str(name) for name in rows["model"] if name})
+    return {name: MODEL_MARKS[number % len(MODEL_MARKS)] for number, name in enumerate(names)}
+
+
+def mark_models(
+    ax: "Axes", x: Sequence[float], y: Sequence[float], rows: "pd.DataFrame", marks: Mapping[str, str]
+) -> None:
+    """A small mark in each point, by the model that was chosen for it, where several were."""
+    for model, mark in marks.items() if len(marks) > 1 else ():
+        points = [
+            (a, b) for a, b, name in zip(x, y, rows["model"], strict=True) if name == model and math.isfinite(b)
+        ]
+        if points:
+            ax.plot(*zip(*points, strict=True), zorder=5.0, **MODEL_MARK | {"marker": mark})
 
 
 def positions(x: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping[str, str]) -> list[float]:

@@ -188,6 +188,26 @@ def test_what_moves_chaotically_is_ringed_and_the_legend_says_so(results):
     assert text_of(canvas)[-1] == "chaotic: one draw of many"
 
 
+def test_of_an_accuracy_bars_show_the_error_and_marks_the_model(results):
+    made = results()
+    table = made.table()
+    errors = {"error.model": 0.03, "error.step": 0.01, "error.scatter": 0.0}
+    for name, share in errors.items():
+        table[name] = share
+    table["model"] = "planar"
+    table.loc[table["defect.length"] == 6e-3, "model"] = "rollers"
+    with mock.patch.object(type(made), "table", return_value=table):
+        _, canvas = only(drawn(made, panels=["load"], by=[]))
+    ax = canvas.axes[0]
+    (bars,) = [one for one in ax.collections if len(one.get_segments()) > 1]
+    lengths = [abs(b[1] - a[1]) for a, b in bars.get_segments()]
+    assert lengths == pytest.approx([2 * 0.04 * max(ax.lines[0].get_ydata())] * len(lengths))
+    assert text_of(canvas)[-2:] == ["planar", "rollers"]
+    marks = [line for line in ax.lines if line.get_markersize() == sweep.MODEL_MARK["ms"]]
+    at = {line.get_marker(): set(line.get_xdata()) for line in marks}
+    assert at == {"o": {3.0, 9.0}, "s": {6.0}}
+
+
 def test_the_caption_tells_what_a_law_was_given(results):
     law = "contact: {damping: {law: general, coefficient: 1e4, indentation_exponent: 1.5}}\n"
     _, canvas = only(drawn(results(STUDY + law + FIGURES)))
