@@ -55,7 +55,7 @@ def run(
     root = _folder(study, out)
     told = [*study.notes, *load(engine.notes)(study.cases())]  # now: files that it reads may go
     workers = _workers(jobs)
-    shard_of([], shard)
+    shard_of([], shard)  # a share that does not exist is refused before models are tried
     _prepare(root, fresh, shard)
     study = selected(study, root, workers, engine, alone=shard == (1, 1), shown=progress)
     every = study.jobs()

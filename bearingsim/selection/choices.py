@@ -7,16 +7,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from random import Random
 
+from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.errors import UserError
 from bearingsim.selection.curves import curves
-from bearingsim.selection.trials import computed_by, reference
-from bearingsim.study import Job, Study, healthy_twin
-from bearingsim.study.goal import HEALTHY
+from bearingsim.selection.trials import computed_by, reference, twin_asked
+from bearingsim.study import Job, Study
 from bearingsim.study.jobs import Audit, Selection, case_id, identity
 
 AUDITED, FEWEST_AUDITED = 0.05, 3
-REFERENCE = "reference"
 
 
 @dataclass(frozen=True)
@@ -79,8 +78,7 @@ def audits(study: Study, references: Sequence[Case], ids: Sequence[str]) -> list
 
 def _audit(study: Study, of: str, case: Case) -> Audit:
     """A job computed again as a case says, with its healthy twin if what is asked is measured against that."""
-    assert study.goal is not None
-    plain = healthy_twin(case) if any(name.endswith(HEALTHY) for name in study.goal.of) else None
+    plain = twin_asked(study, case)
     twin = None if plain is None else Job(case_id(plain), plain, {}, None, is_variation=True)
     job = Job(case_id(case), case, {}, twin.id if twin else None, is_variation=True)
     return Audit(of, job, twin)

@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
-from bearingsim.selection.choices import REFERENCE, Choice, Choices, key
+from bearingsim.selection.choices import Choice, Choices, key
 from bearingsim.selection.curves import curves, groups, scales
 from bearingsim.selection.judge import Value, error, value
 from bearingsim.selection.trials import (

@@ -67,9 +67,13 @@ def reference(case: Case) -> Case:
 
 def with_twin(study: Study, case: Case, passes: int) -> list[Trialled]:
     """The trial of a case, and of its healthy twin if what is asked is measured against that."""
+    return [trial_of(study, one, passes) for one in (case, twin_asked(study, case)) if one is not None]
+
+
+def twin_asked(study: Study, case: Case) -> Case | None:
+    """The healthy twin of a case, if what is asked is measured against that."""
     assert study.goal is not None
-    twin = healthy_twin(case) if any(name.endswith(HEALTHY) for name in study.goal.of) else None
-    return [trial_of(study, one, passes) for one in (case, twin) if one is not None]
+    return healthy_twin(case) if any(name.endswith(HEALTHY) for name in study.goal.of) else None
 
 
 def first_trials(study: Study, numbers: Sequence[int]) -> list[Trialled]:

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim.store.spread import standard_error
+from bearingsim.study.goal import HEALTHY
 
 if TYPE_CHECKING:
     import pandas as pd
 
 __all__ = ["Audited", "audited", "nearness"]
 
-HEALTHY = "-healthy"
 STEP_OF = {"rms": "rms", "max": "force"}  # by the ending of a feature: all others are lines
 COLUMNS = ("error.model", "error.step", "error.scatter", "error")
 STANDARD_ERRORS = 2.0

@@ -66,7 +66,7 @@ def reference(case: "CaseFields") -> str | None:
 
 
 def unmet_wishes(case: "CaseFields") -> list[Need]:
-    """What a case asks for in all that its own model has not."""
+    """What a case asks for, firmly or not, and its own model cannot do."""
     return [need for need in needs(case) if need.what not in catalogue.MODELS[case.model].abilities]
 
 
