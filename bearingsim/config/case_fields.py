@@ -64,15 +64,16 @@ class CaseFields(Section):
     """One simulation, in SI: speed in rad/s, loads in N, lengths in m, angles in rad, times in s.
 
     `defect` (one mapping) may be given instead of `defects`. What depends on other values is filled in, so that a
-    case says what is computed: `clearance` by class is a length; `model` is never `reference`; `method` is
-    None for models without one; `start_angle` is the first roller's angle at t = 0, pi / rollers if not given;
+    case says what is computed: `clearance` by class is a length; `model` is never `reference`; `method` is None
+    for models without one; `start_angle` is the first roller's angle at t = 0, pi / rollers if not given;
     `excitation` is `impulse-train` for the impulse model if not given; `contact.stiffness` suits the bearing.
-    `friction` and `cage` are None below the planar model, and never None from it on. `drag`, `ramp`, `shaft`, `unbalance` and
-    `misalignment` are None where absent. A line load in `record` is one channel for each slice of the roller. With
-    `step_check` the step, automatic or given, is tried on the run's beginning before it is trusted; `strict` tries
-    all of the run, and refuses a chaotic record that is too short for its RMS. With `periodic` a motion that
-    repeats itself is computed until it does, and its record made of that; without, all of it is computed. A record
-    `until` a share ends when the standard errors of line and RMS are under it, at the latest after `duration`.
+    `friction` and `cage` are None below the planar model, and never None from it on. `drag`, `ramp`, `shaft`,
+    `unbalance` and `misalignment` are None where absent. A line load in `record` is one channel for each slice of
+    the roller. With `step_check` the step, automatic or given, is tried on the run's beginning before it is
+    trusted; `strict` tries all of the run, and refuses a chaotic record that is too short for its RMS. With
+    `periodic` a motion that repeats itself is computed until it does, and its record made of that; without, all of
+    it is computed. A record `until` a share ends when the standard errors of line and RMS are under it, at the
+    latest after `duration`.
     """
 
     bearing: Annotated[Bearing, named("bearings")]
