@@ -1,17 +1,20 @@
 """Is a promised accuracy kept? Random scenes, each with the model that the program chooses, against the truth.
 
-    python benchmarks/promise.py [--seed 1] [--count 120] [--jobs 2] [--out promise.jsonl] [--longer 4]
+    python benchmarks/promise.py [--seed 1] [--count 120] [--jobs 2] [--out results/promise]
 
-A scene is a study of one case that asks 5, 2 and 1 % of the fault's line, the RMS and the largest outer force. The
-truth is the reference with half of its step, and where its motion is chaotic, so many times as long (`--longer`;
-the largest force is that of a record as long as the other's). Lines of the file are scenes; one that
-is there is not computed again.
+A scene is a study of one case, which asks 5, 2 and 1 % of the fault's line, the RMS and the largest outer force.
+What its trials cost is told for 5 % of the line. The truth is the reference with half of its step, `spatial` with
+48 slices, and where its motion is chaotic, 10 s long (`spatial` 2 s, a ring that bends 4 s; the largest force is
+that of a record as long as the other's). Every candidate is computed, so another rule of choice can be tried on what is there: `--count 0`
+computes nothing. A line of OUT/scenes.jsonl is a scene, OUT/trials holds its trials; one that is there is not
+computed again.
 """
 
 import argparse
 import json
 import tempfile
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from math import hypot
 from pathlib import Path
@@ -21,26 +24,33 @@ import numpy as np
 import yaml
 from joblib import Parallel, delayed
 
-from bearingsim import selection, simulation
+from bearingsim import selection, simulation, store
+from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES
 from bearingsim.selection.choices import key
-from bearingsim.selection.trials import every_candidate, reference
+from bearingsim.selection.trials import Known, Trialled, every_candidate, reference, repeats
 from bearingsim.simulation import SimulationError, simulate, try_out
 from bearingsim.simulation.trial import Trial
 from bearingsim.study import Study, StudyError, load_study
 
 WITHIN = (0.05, 0.02, 0.01)
-FINER = 0.5
+FINER, SLICES = 0.5, 48
+LONG, LONG_IN_SPACE, LONG_BENT = 10.0, 2.0, 4.0  # s of a chaotic motion
 STANDARD_ERRORS = 2.0
 OF_RMS_SCATTER = 2.5
+KINDS = {
+    "line": lambda name: "@" in name,
+    "rms": lambda name: name.endswith(".rms"),
+    "force": lambda name: name.startswith("outer"),
+}
 
 
 def draw(number: int, seed: int) -> dict[str, Any]:
-    """A scene as a study's YAML."""
+    """A scene as a study's YAML: each sixth has a pit off the middle, each sixth a ring that bends."""
     rng = np.random.default_rng([seed, number])
     race = str(rng.choice(["outer", "outer", "inner", "roller"]))
-    shape = str(rng.choice(["rectangular", "triangular", "circular", "elliptical"]))
+    shape = str(rng.choice(["rectangular", "triangular", "circular", "elliptical", "spall"]))
     bends = number % 6 == 5
     width = float(rng.uniform(0.2, 2.0))
     ball = number % 12 == 3
@@ -72,12 +82,19 @@ def draw(number: int, seed: int) -> dict[str, Any]:
     }
 
 
-def study_of(scene: dict[str, Any]) -> Study:
-    """The scene as a study."""
+def study_of(number: int, seed: int) -> Study:
+    """A scene as a study."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "scene.yaml"
-        path.write_text(yaml.safe_dump(scene))
+        path.write_text(yaml.safe_dump(draw(number, seed)))
         return load_study(path)
+
+
+def asking(study: Study, within: float, lines_alone: bool = False) -> Study:
+    """The study with another accuracy."""
+    assert study.goal is not None
+    of = tuple(name for name in study.goal.of if "@" in name or not lines_alone)
+    return replace(study, goal=replace(study.goal, within=within, of=of))
 
 
 def timed(case: Case) -> dict[str, float]:
@@ -85,132 +102,171 @@ def timed(case: Case) -> dict[str, float]:
     began = time.process_time()
     found = simulate(case)
     told = {name: float(value) for name, value in found.features.items()}
-    return told | {
-        "cpu_s": time.process_time() - began,
-        "step_s": float(found.info["step_s"]),
-        "period": float(found.info["period_passes"]),
-    }
+    info = {name: float(found.info[name]) for name in ("step_s", "period_passes", "passes", "passes_computed")}
+    return told | info | {"cpu_s": time.process_time() - began}
 
 
-def truth(case: Case, usual: dict[str, float], longer: float) -> dict[str, float]:
-    """What is right: half the step, a longer record where the motion is chaotic."""
-    step = {"step": FINER * usual["step_s"], "step_check": False} if case.method is not None else {}
-    fine = case.model_copy(update=step)
+def truth(case: Case, usual: dict[str, float]) -> dict[str, float]:
+    """What is right: half the step, more slices, a longer record where the motion is chaotic."""
+    more: dict[str, Any] = {"step_check": False}
+    if case.method is not None:
+        more["step"] = FINER * usual["step_s"]
+    if case.model == "spatial":
+        more["contact"] = case.contact.model_copy(update={"slices": SLICES})
+    fine = case.model_copy(update=more)
     found = timed(fine)
-    if usual["chaotic"] == 1.0 and longer > 1.0:
-        long = timed(fine.model_copy(update={"duration": longer * case.duration}))
-        found = long | {"outer_force.max": found["outer_force.max"]}
+    long = LONG_IN_SPACE if case.model == "spatial" else LONG if case.rig.ring is None else LONG_BENT
+    if usual["chaotic"] == 1.0 and long > case.duration:
+        found = timed(fine.model_copy(update={"duration": long})) | {"outer_force.max": found["outer_force.max"]}
     return found | {"chaotic": usual["chaotic"]}
 
 
-def standard_error(feature: str, found: dict[str, float]) -> float:
-    """That of a feature of a chaotic motion (SI), as far as the record tells."""
-    if feature.endswith(".rms"):
-        return found[feature] * found.get("rms_scatter", 0.0) / OF_RMS_SCATTER if found["chaotic"] == 1.0 else 0.0
-    scatter = found.get(f"{feature}-scatter", 0.0)
-    return scatter if found["chaotic"] == 1.0 and np.isfinite(scatter) else 0.0
-
-
-def scene(number: int, seed: int, longer: float) -> dict[str, Any]:
-    """All of a scene: trials, choices, results, truth."""
+def scene(number: int, seed: int, out: Path) -> dict[str, Any]:
+    """Trials and results of a scene by each candidate, and the truth."""
     told: dict[str, Any] = {"number": number, "seed": seed}
     try:
-        study = study_of(draw(number, seed))
-        return told | _of_study(study, longer)
+        return told | computed(study_of(number, seed), f"{seed}-{number}", out)
     except (SimulationError, StudyError, ValueError) as error:
         return told | {"refused": str(error)[:300]}
 
 
-def _of_study(study: Study, longer: float) -> dict[str, Any]:
-    case = reference(study.cases()[0])
+def computed(study: Study, unit: str, out: Path) -> dict[str, Any]:
+    """All of a scene that can be."""
+    own = study.cases()[0]
+    case, others = (
+        reference(own),
+        {name: found[0] for name, found in every_candidate(study, [0]).items() if 0 in found},
+    )
+    simulation.warm([case, *others.values()])
     known: dict[str, Trial | None] = {}
-    assert study.goal is not None
-    simulation.warm([one.case for one in selection.first_trials(study, [0])])
-    simulation.warm([found[0] for found in every_candidate(study, [0]).values() if found])
-    began = time.process_time()
+    trial_s: dict[str, float] = {}
     for wanted in (selection.first_trials(study, [0]), None):
         for one in wanted if wanted is not None else selection.further_trials(study, [0], known):
-            try:
-                known[one.id] = try_out(one.case, one.asked, one.passes)[0]
-            except SimulationError:
-                known[one.id] = None
-    tried_s = time.process_time() - began
+            trial_s[one.id], known[one.id] = tried(one)
+    store.write_trials(out, unit, known)
     usual = timed(case)
-    right = truth(case, usual, longer)
-    told: dict[str, Any] = {"reference": case.model, "repeats": usual["period"] > 0.0, "tried_s": tried_s}
-    told |= {"reference_s": usual["cpu_s"], "chaotic": usual["chaotic"], "race": case.defects[0].race}
-    told |= {"bends": case.rig.ring is not None, "clearance_um": 1e6 * case.clearance, "choices": {}}
-    results: dict[str, dict[str, float]] = {"reference": usual}
-    for within in WITHIN:
-        asked = replace(study, goal=replace(study.goal, within=within))
-        choice = selection.decide(asked, [0], known).choices[key(asked, study.cases()[0])]
-        if choice.candidate not in results:
-            results[choice.candidate] = timed(
-                selection.chosen(asked, {key(asked, study.cases()[0]): choice}).cases()[0]
-            )
-        found = results[choice.candidate]
-        told["choices"][str(within)] = {
-            "candidate": choice.candidate,
-            "cpu_s": found["cpu_s"],
-            "why": choice.why,
-        } | {
-            feature: _of_feature(feature, found, right, choice.error.get(feature, 0.0))
-            for feature in study.goal.of
-        }
-    return told
-
-
-def _of_feature(feature: str, found: dict[str, float], right: dict[str, float], model: float) -> dict[str, float]:
-    """How far off a feature is, relative, and what was said of it."""
-    size = abs(right[feature]) or 1.0
-    errors = [standard_error(feature, one) / size for one in (found, right)]
-    ending = "rms" if feature.endswith(".rms") else "force" if feature.startswith("outer") else "line"
-    step = found.get(f"step_error.{ending}", 0.0)
+    results = {REFERENCE: usual} | ({} if repeats(study, own, known) else dict(results_of(others)))
     return {
-        "off": abs(found[feature] - right[feature]) / size,
-        "scatter": errors[0],
-        "both": hypot(*errors),
-        "model": model,
-        "step": 0.0 if np.isnan(step) else step,
+        "reference": case.model,
+        "repeats": usual["period_passes"] > 0.0,
+        "race": case.defects[0].race,
+        "shape": case.defects[0].shape,
+        "offset": case.defects[0].offset != 0.0,
+        "bends": case.rig.ring is not None,
+        "clearance_um": 1e6 * case.clearance,
+        "trial_s": trial_s,
+        "results": results,
+        "truth": truth(case, usual),
     }
 
 
-def report(rows: list[dict[str, Any]]) -> None:
-    """Print how often what was promised is kept, and every miss."""
-    done = [row for row in rows if "choices" in row]
+def tried(one: Trialled) -> tuple[float, Trial | None]:
+    """CPU s of a trial, and what it found."""
+    began = time.process_time()
+    try:
+        found = try_out(one.case, one.asked, one.passes)[0]
+    except SimulationError:
+        found = None
+    return time.process_time() - began, found
+
+
+def results_of(cases: dict[str, Case]) -> Iterator[tuple[str, dict[str, float]]]:
+    """Of each candidate that can be computed."""
+    for name, case in cases.items():
+        try:
+            yield name, timed(case)
+        except SimulationError:
+            continue
+
+
+def standard_error(feature: str, found: dict[str, float]) -> float:
+    """That of a feature of a chaotic motion (SI), as far as the record tells."""
+    if found["chaotic"] != 1.0:
+        return 0.0
+    scatter = found.get(f"{feature}-scatter", 0.0)
+    if feature.endswith(".rms"):
+        scatter = found[feature] * found.get("rms_scatter", 0.0) / OF_RMS_SCATTER
+    return scatter if np.isfinite(scatter) else 0.0
+
+
+def kept(feature: str, found: dict[str, float], right: dict[str, float], model: float) -> dict[str, float]:
+    """How far off a feature is, relative, and what was said of it."""
+    size = abs(right[feature]) or 1.0
+    errors = [standard_error(feature, one) / size for one in (found, right)]
+    step = found.get(f"step_error.{kind_of(feature)}", 0.0)
+    off = abs(found[feature] - right[feature]) / size
+    return {"off": off, "scatter": errors[0], "both": hypot(*errors), "model": model, "step": np.nan_to_num(step)}
+
+
+def kind_of(feature: str) -> str:
+    """`line`, `rms` or `force`."""
+    return next(kind for kind, of in KINDS.items() if of(feature))
+
+
+def choice_of(row: dict[str, Any], study: Study, known: Known) -> selection.Choice:
+    """What the program takes for a scene."""
+    return selection.decide(study, [0], known).choices[key(study, study.cases()[0])]
+
+
+def report(rows: list[dict[str, Any]], known: Known) -> None:
+    """Print how often what was promised is kept, every miss, and what it cost."""
+    done = [(row, study_of(row["number"], row["seed"])) for row in rows if "results" in row]
     print(f"{len(rows)} scenes, {len(rows) - len(done)} refused")
     for within in WITHIN:
-        chosen = [(row, row["choices"][str(within)]) for row in done]
-        below = sum(one["candidate"] != "reference" for _, one in chosen)
-        print(f"\nwithin {within:.0%}: {below} of {len(chosen)} below the reference")
-        for kind in ("line", "rms", "force"):
-            kept, longer, honest = 0, 0, 0
-            for row, one in chosen:
-                name = next(f for f in one if isinstance(one[f], dict) and _kind(f) == kind)
-                of = one[name]
-                estimate = of["model"] + of["step"] + STANDARD_ERRORS * of["both"]
-                asks = of["model"] + of["step"] + of["scatter"] > within
-                keeps = of["off"] <= within + STANDARD_ERRORS * of["both"]
-                kept, longer, honest = kept + keeps, longer + asks, honest + (of["off"] <= 3.0 * estimate + 1e-4)
-                if not keeps:
-                    print(
-                        f"   miss: scene {row['number']} {one['candidate']} {name} {of} chaotic {row['chaotic']}"
-                    )
-            held = f"kept {kept}, asks for a longer record {longer}, truth <= 3 estimates {honest}"
-            print(f"  {kind}: {held}, of {len(chosen)}")
-        groups: dict[tuple, list[tuple[float, float]]] = {}
-        for row, one in chosen:
-            of = groups.setdefault((row["reference"], "repeats" if row["repeats"] else "does not"), [])
-            cost = row["reference_s"] if row["repeats"] else row["tried_s"] + one["cpu_s"]
-            of.append((cost, row["reference_s"]))
-        for group, pairs in groups.items():
-            taken, always = (sum(pair[n] for pair in pairs) for n in (0, 1))
-            share = f"{taken / always:.2f} of the CPU of always the reference"
-            print(f"  {' '.join(group)}: {len(pairs)} scenes, {share}")
+        told = [(row, choice_of(row, asking(study, within), known)) for row, study in done]
+        below = sum(one.candidate != REFERENCE for _, one in told)
+        print(f"\nwithin {within:.0%}: {below} of {len(told)} below the reference")
+        for kind in KINDS:
+            print(f"  {kind}: {of_kind(kind, within, told)}")
+    cost = [(row, choice_of(row, asking(study, WITHIN[0], lines_alone=True), known)) for row, study in done]
+    print(f"\nCPU time with trials over always the reference, {WITHIN[0]:.0%} of the line alone:")
+    groups: dict[str, list[tuple[dict[str, Any], selection.Choice]]] = {}
+    for row, one in cost:
+        name = (
+            f"{row['reference']}{', bends' * row['bends']}, {'repeats' if row['repeats'] else 'does not repeat'}"
+        )
+        groups.setdefault(name, []).append((row, one))
+    for name, of in sorted(groups.items()):
+        print(f"  {name}: {of_group(of)}")
 
 
-def _kind(feature: str) -> str:
-    return "rms" if feature.endswith(".rms") else "force" if feature.startswith("outer") else "line"
+def of_kind(kind: str, within: float, told: list[tuple[dict[str, Any], selection.Choice]]) -> str:
+    """How often a kind of feature was as close as promised; its misses are printed."""
+    held, longer, honest = 0, 0, 0
+    for row, choice in told:
+        found, right = row["results"][choice.candidate], row["truth"]
+        name = next(name for name in asked_of(row) if kind_of(name) == kind)
+        of = kept(name, found, right, choice.error.get(name, 0.0))
+        estimate = of["model"] + of["step"] + STANDARD_ERRORS * of["both"]
+        longer += of["model"] + of["step"] + of["scatter"] > within
+        honest += of["off"] <= 3.0 * estimate + 1e-4
+        keeps = of["off"] <= within + STANDARD_ERRORS * of["both"]
+        held += keeps
+        if not keeps:
+            about = ", ".join(f"{name} {100.0 * value:.2g} %" for name, value in of.items())
+            chaotic = " chaotic" * (row["truth"]["chaotic"] == 1.0)
+            print(f"   miss: scene {row['number']}{chaotic}, {choice.candidate}: {name} {about}")
+    return f"kept {held}, asks for a longer record {longer}, truth <= 3 estimates {honest}, of {len(told)}"
+
+
+def asked_of(row: dict[str, Any]) -> list[str]:
+    """The features that a scene asks an accuracy of."""
+    return [f"velocity@{FAULT_LINES[row['race']]}", "velocity.rms", "outer_force.max"]
+
+
+def of_group(of: list[tuple[dict[str, Any], selection.Choice]]) -> str:
+    """CPU time of a group, and which candidates were taken how often."""
+    always = sum(row["results"][REFERENCE]["cpu_s"] for row, _ in of)
+    taken = sum(cost_of(row, one) for row, one in of)
+    names = [one.candidate for _, one in of]
+    counts = ", ".join(f"{name} {names.count(name)}" for name in dict.fromkeys(names))
+    return f"{len(of)} scenes, {taken / always:.2f} ({taken:.0f} of {always:.0f} s); {counts}"
+
+
+def cost_of(row: dict[str, Any], one: selection.Choice) -> float:
+    """CPU s of a scene's trials and of what was taken; a reference that repeats itself is its own trial."""
+    own = row["results"][one.candidate]["cpu_s"]
+    return own if row["repeats"] else sum(row["trial_s"].values()) + own
 
 
 def main() -> None:
@@ -219,18 +275,19 @@ def main() -> None:
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--count", type=int, default=120)
     asked.add_argument("--jobs", type=int, default=2)
-    asked.add_argument("--longer", type=float, default=4.0)
-    asked.add_argument("--out", type=Path, default=Path("promise.jsonl"))
+    asked.add_argument("--out", type=Path, default=Path("results/promise"))
     given = asked.parse_args()
-    rows = [json.loads(line) for line in given.out.read_text().splitlines()] if given.out.exists() else []
+    given.out.mkdir(parents=True, exist_ok=True)
+    path = given.out / "scenes.jsonl"
+    rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
     there = {row["number"] for row in rows if row["seed"] == given.seed}
     todo = [n for n in range(given.count) if n not in there]
     pool = Parallel(n_jobs=given.jobs, batch_size=1, return_as="generator_unordered")
-    for row in pool(delayed(scene)(n, given.seed, given.longer) for n in todo):
+    for row in pool(delayed(scene)(n, given.seed, given.out) for n in todo):
         rows.append(row)
-        with given.out.open("a") as file:
+        with path.open("a") as file:
             file.write(json.dumps(row) + "\n")
-    report([row for row in rows if row["seed"] == given.seed and row["number"] < given.count])
+    report([row for row in rows if row["seed"] == given.seed], store.read_trials(given.out))
 
 
 if __name__ == "__main__":
