@@ -5,9 +5,9 @@
 A scene is a study of one case, which asks 5, 2 and 1 % of the fault's line, the RMS and the largest outer force.
 What its trials cost is told for 5 % of the line. The truth is the reference with half of its step, `spatial` with
 48 slices, and where its motion is chaotic, 10 s long (`spatial` 2 s, a ring that bends 4 s; the largest force is
-that of a record as long as the other's). Every candidate is computed, so another rule of choice can be tried on what is there: `--count 0`
-computes nothing. A line of OUT/scenes.jsonl is a scene, OUT/trials holds its trials; one that is there is not
-computed again.
+that of a record as long as the other's). Every candidate is computed, so another rule of choice can be tried on
+what is there: `--count 0` computes nothing. OUT/scenes.jsonl has a line for each scene, OUT/trials its trials; one
+that is there is not computed again.
 """
 
 import argparse

@@ -18,7 +18,7 @@ from bearingsim.selection.trials import (
     repeats,
     with_twin,
 )
-from bearingsim.simulation.trial import passes_to_try, pit_turn
+from bearingsim.simulation.trial import passes_to_try
 from bearingsim.study import Study
 
 FOR_MODEL = 0.8
@@ -58,9 +58,7 @@ def decide(study: Study, numbers: Sequence[int], known: Known) -> Decision:
             own = values(study, case, cases[n], known)
             if own:
                 errors.setdefault(name, {})[n] = {
-                    feature: _relative(
-                        off(own[feature], of_reference[n][feature], feature, cases[n]), sizes[feature][n]
-                    )
+                    feature: _relative(error(own[feature], of_reference[n][feature]), sizes[feature][n])
                     for feature in goal.of
                 }
     open_cases = [n for n in numbers if n not in found]
@@ -74,12 +72,6 @@ def _relative(error: float, size: float) -> float:
     """An error over what it counts over; infinite if nobody knows."""
     found = error / (size or 1.0)
     return found if np.isfinite(found) else float("inf")
-
-
-def off(own: Value, other: Value, feature: str, case: Case) -> float:
-    """What a candidate is surely no further off (SI)."""
-    rate = case.bearing.ball_pass_frequency(case.speed)
-    return error(feature, own, other, pit_turn(case) * rate)
 
 
 def values(study: Study, case: Case, of: Case, known: Known) -> dict[str, Value]:

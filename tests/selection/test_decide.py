@@ -74,7 +74,7 @@ def test_scatter_that_could_be_a_difference_counts_as_one(write: Write, dear: di
     def of(one: Trialled) -> Trial:
         whole = trial(one.case.load, one.passes + noisy[one.case.model], 0.3, names=one.asked)
         cut = {name: parts[: one.passes] for name, parts in whole.lines.items()}
-        return replace(whole, passes=one.passes, lines=cut, forces=whole.forces[: one.passes])
+        return replace(whole, passes=one.passes, turns=one.passes, lines=cut, forces=whole.forces[: one.passes])
 
     assert taken(near(write), of) == ["reference"] * 3
 
