@@ -11,8 +11,8 @@ from bearingsim.errors import UserError
 from bearingsim.runner.pool import WorkersDie, spread
 from bearingsim.runner.progress import getting_ready, progress
 from bearingsim.runner.work import Engine, load
+from bearingsim.selection.candidates import price
 from bearingsim.selection.choices import key
-from bearingsim.selection.trials import price
 from bearingsim.store.units import Value
 
 if TYPE_CHECKING:
@@ -51,10 +51,12 @@ def selected(
             " run `bearingsim check STUDY --pilots` with the same --out first"
         )
     if missing:
-        known = _tried(root, selection.first_trials(study, missing), workers, engine, study, shown)
-        further = selection.further_trials(study, missing, known)
-        known = _tried(root, further, workers, engine, study, shown)
-        found = selection.decide(study, missing, known)
+        choosing = selection.Choosing(study, missing)
+        known: dict[str, Trial | None] = store.read_trials(root)
+        while wanted := choosing.wanted(known):
+            known |= dict.fromkeys((one.id for one in wanted), None)  # what the machine fails is not wanted again
+            known |= _tried(root, wanted, workers, engine, study, shown)
+        found = choosing.decide(known)
         choices |= found.choices
         store.write_choices(root, choices)
         store.log(root, "models chosen", cases=len(missing), repeating=found.repeating)
@@ -65,7 +67,7 @@ def _tried(
     root: Path, wanted: Sequence["Trialled"], workers: int, engine: Engine, study: "Study", shown: bool | None
 ) -> "dict[str, Trial | None]":
     """All trials of the folder, once those that are wanted are among them: each batch is sealed as it is done."""
-    known = store.read_trials(root)
+    known = store.read_trials(root)  # another process may have added some
     todo = [one for one in wanted if one.id not in known]
     if not todo:
         return known

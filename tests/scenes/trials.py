@@ -68,9 +68,10 @@ Of = Callable[[Trialled], Trial | None]
 
 def known(study: Study, of: Of) -> dict[str, Trial | None]:
     """The trials of a study, each as it is told."""
-    numbers = range(len(study.cases()))
-    found = {one.id: of(one) for one in selection.first_trials(study, numbers)}
-    return found | {one.id: of(one) for one in selection.further_trials(study, numbers, found)}
+    choosing, found = selection.Choosing(study, range(len(study.cases()))), dict[str, Trial | None]()
+    while wanted := choosing.wanted(found):
+        found |= {one.id: of(one) for one in wanted}
+    return found
 
 
 def by_model(off: Mapping[str, float], **others: Any) -> Of:
