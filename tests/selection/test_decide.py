@@ -171,7 +171,7 @@ def test_nothing_is_tried_that_costs_more_than_what_holds(
 ) -> None:
     models = set()
 
-    def of(one: Trialled) -> Trial:
+    def of(one: Trialled) -> Trial | None:
         models.add(one.case.model)
         return by_model(FAR | {"rollers": 1.01} | off)(one)
 
