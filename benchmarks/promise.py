@@ -5,9 +5,9 @@
 A scene is a study of one case, which asks 5, 2 and 1 % of the fault's line, the RMS and the largest outer force.
 What its trials cost is told for 5 % of the line. The truth is the reference with half of its step, `spatial` with
 48 slices, and where its motion is chaotic, 10 s long (`spatial` 2 s, a ring that bends 4 s; the largest force is
-that of a record as long as the other's). Every candidate is computed, so another rule of choice can be tried on what is there: `--count 0`
-computes nothing. A line of OUT/scenes.jsonl is a scene, OUT/trials holds its trials; one that is there is not
-computed again.
+that of a record as long as the other's). Every candidate is computed, so another rule of choice can be tried on
+what is there: `--count 0` computes nothing. OUT/scenes.jsonl has a line for each scene, OUT/trials its trials; one
+that is there is not computed again.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from math import hypot
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
@@ -28,8 +28,9 @@ from bearingsim import selection, simulation, store
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES
+from bearingsim.selection.candidates import candidates, reference
 from bearingsim.selection.choices import key
-from bearingsim.selection.trials import Known, Trialled, every_candidate, reference, repeats
+from bearingsim.selection.trials import Known, Trialled, first_trials, repeats, trials_of
 from bearingsim.simulation import SimulationError, simulate, try_out
 from bearingsim.simulation.trial import Trial
 from bearingsim.study import Study, StudyError, load_study
@@ -133,19 +134,18 @@ def scene(number: int, seed: int, out: Path) -> dict[str, Any]:
 def computed(study: Study, unit: str, out: Path) -> dict[str, Any]:
     """All of a scene that can be."""
     own = study.cases()[0]
-    case, others = (
-        reference(own),
-        {name: found[0] for name, found in every_candidate(study, [0]).items() if 0 in found},
-    )
+    case, others = reference(own), {name: found[0] for name, found in candidates(study, [0]).items()}
     simulation.warm([case, *others.values()])
     known: dict[str, Trial | None] = {}
     trial_s: dict[str, float] = {}
-    for wanted in (selection.first_trials(study, [0]), None):
-        for one in wanted if wanted is not None else selection.further_trials(study, [0], known):
+    for one in first_trials(study, [0]):
+        trial_s[one.id], known[one.id] = tried(one)
+    if not repeats(study, 0, known):
+        for one in (one for other in others.values() for one in trials_of(study, 0, other)):
             trial_s[one.id], known[one.id] = tried(one)
     store.write_trials(out, unit, known)
     usual = timed(case)
-    results = {REFERENCE: usual} | ({} if repeats(study, own, known) else dict(results_of(others)))
+    results = {REFERENCE: usual} | ({} if repeats(study, 0, known) else dict(results_of(others)))
     return {
         "reference": case.model,
         "repeats": usual["period_passes"] > 0.0,
@@ -203,9 +203,24 @@ def kind_of(feature: str) -> str:
     return next(kind for kind, of in KINDS.items() if of(feature))
 
 
-def choice_of(row: dict[str, Any], study: Study, known: Known) -> selection.Choice:
-    """What the program takes for a scene."""
-    return selection.decide(study, [0], known).choices[key(study, study.cases()[0])]
+class Replayed(NamedTuple):
+    """What the program takes for a scene, and the CPU s of the trials that it wants for that."""
+
+    row: dict[str, Any]
+    choice: selection.Choice
+    trials_s: float
+
+
+def replay(row: dict[str, Any], study: Study, within: float, known: Known, lines_alone: bool = False) -> Replayed:
+    """The choice for a scene, from trials that have been made."""
+    asked = asking(study, within, lines_alone)
+    choosing, seen, spent = selection.Choosing(asked, [0]), dict[str, Trial | None](), 0.0
+    while wanted := choosing.wanted(seen):
+        for one in wanted:
+            stored = trials_of(study, 0, one.case)[0].id  # where all is asked
+            seen[one.id] = known.get(stored)
+            spent += row["trial_s"].get(stored, 0.0)
+    return Replayed(row, choosing.decide(seen).choices[key(asked, study.cases()[0])], spent)
 
 
 def report(rows: list[dict[str, Any]], known: Known) -> None:
@@ -213,27 +228,25 @@ def report(rows: list[dict[str, Any]], known: Known) -> None:
     done = [(row, study_of(row["number"], row["seed"])) for row in rows if "results" in row]
     print(f"{len(rows)} scenes, {len(rows) - len(done)} refused")
     for within in WITHIN:
-        told = [(row, choice_of(row, asking(study, within), known)) for row, study in done]
-        below = sum(one.candidate != REFERENCE for _, one in told)
+        told = [replay(row, study, within, known) for row, study in done]
+        below = sum(one.choice.candidate != REFERENCE for one in told)
         print(f"\nwithin {within:.0%}: {below} of {len(told)} below the reference")
         for kind in KINDS:
             print(f"  {kind}: {of_kind(kind, within, told)}")
-    cost = [(row, choice_of(row, asking(study, WITHIN[0], lines_alone=True), known)) for row, study in done]
     print(f"\nCPU time with trials over always the reference, {WITHIN[0]:.0%} of the line alone:")
-    groups: dict[str, list[tuple[dict[str, Any], selection.Choice]]] = {}
-    for row, one in cost:
-        name = (
-            f"{row['reference']}{', bends' * row['bends']}, {'repeats' if row['repeats'] else 'does not repeat'}"
-        )
-        groups.setdefault(name, []).append((row, one))
+    groups: dict[str, list[Replayed]] = {}
+    for row, study in done:
+        repeating = "repeats" if row["repeats"] else "does not repeat"
+        name = f"{row['reference']}{', bends' * row['bends']}, {repeating}"
+        groups.setdefault(name, []).append(replay(row, study, WITHIN[0], known, lines_alone=True))
     for name, of in sorted(groups.items()):
         print(f"  {name}: {of_group(of)}")
 
 
-def of_kind(kind: str, within: float, told: list[tuple[dict[str, Any], selection.Choice]]) -> str:
+def of_kind(kind: str, within: float, told: list[Replayed]) -> str:
     """How often a kind of feature was as close as promised; its misses are printed."""
     held, longer, honest = 0, 0, 0
-    for row, choice in told:
+    for row, choice, _ in told:
         found, right = row["results"][choice.candidate], row["truth"]
         name = next(name for name in asked_of(row) if kind_of(name) == kind)
         of = kept(name, found, right, choice.error.get(name, 0.0))
@@ -254,19 +267,19 @@ def asked_of(row: dict[str, Any]) -> list[str]:
     return [f"velocity@{FAULT_LINES[row['race']]}", "velocity.rms", "outer_force.max"]
 
 
-def of_group(of: list[tuple[dict[str, Any], selection.Choice]]) -> str:
+def of_group(of: list[Replayed]) -> str:
     """CPU time of a group, and which candidates were taken how often."""
-    always = sum(row["results"][REFERENCE]["cpu_s"] for row, _ in of)
-    taken = sum(cost_of(row, one) for row, one in of)
-    names = [one.candidate for _, one in of]
+    always = sum(one.row["results"][REFERENCE]["cpu_s"] for one in of)
+    taken = sum(cost_of(one) for one in of)
+    names = [one.choice.candidate for one in of]
     counts = ", ".join(f"{name} {names.count(name)}" for name in dict.fromkeys(names))
     return f"{len(of)} scenes, {taken / always:.2f} ({taken:.0f} of {always:.0f} s); {counts}"
 
 
-def cost_of(row: dict[str, Any], one: selection.Choice) -> float:
+def cost_of(one: Replayed) -> float:
     """CPU s of a scene's trials and of what was taken; a reference that repeats itself is its own trial."""
-    own = row["results"][one.candidate]["cpu_s"]
-    return own if row["repeats"] else sum(row["trial_s"].values()) + own
+    own = float(one.row["results"][one.choice.candidate]["cpu_s"])
+    return own if one.row["repeats"] else one.trials_s + own
 
 
 def main() -> None:

@@ -14,8 +14,8 @@ from bearingsim.runner.earlier import kept, plan_name
 from bearingsim.runner.pool import WorkersDie, spread
 from bearingsim.runner.progress import getting_ready, progress
 from bearingsim.runner.work import Engine, load
+from bearingsim.selection.candidates import price
 from bearingsim.selection.choices import key
-from bearingsim.selection.trials import price
 from bearingsim.store.units import Value
 
 if TYPE_CHECKING:
@@ -79,23 +79,25 @@ def selected(
 def _decided(
     study: "Study", root: Path, missing: Sequence[int], workers: int, engine: Engine, shown: bool | None
 ) -> selection.Decision:
-    """What is chosen for the cases of these numbers, once all that is needed has been tried. Raises Stopped."""
+    """What is chosen for the cases of these numbers, once all that is wanted has been tried. Raises Stopped."""
+    choosing = selection.Choosing(study, missing)
+    known: dict[str, Trial | None] = store.read_trials(root)
     try:
-        known = _tried(root, selection.first_trials(study, missing), workers, engine, study, shown)
-        further = selection.further_trials(study, missing, known)
-        known = _tried(root, further, workers, engine, study, shown)
+        while wanted := choosing.wanted(known):
+            known |= dict.fromkeys((one.id for one in wanted), None)  # what the machine fails is not wanted again
+            known |= _tried(root, wanted, workers, engine, study, shown)
     except KeyboardInterrupt:
         store.sweep(root)
         store.log(root, "interrupted while models were tried")
         raise Stopped(root, len(store.read_trials(root))) from None
-    return selection.decide(study, missing, known)
+    return choosing.decide(known)
 
 
 def _tried(
     root: Path, wanted: Sequence["Trialled"], workers: int, engine: Engine, study: "Study", shown: bool | None
 ) -> "dict[str, Trial | None]":
     """All trials of the folder, once those that are wanted are among them: each batch is sealed as it is done."""
-    known = store.read_trials(root)
+    known = store.read_trials(root)  # another process may have added some
     todo = [one for one in wanted if one.id not in known]
     if not todo:
         return known

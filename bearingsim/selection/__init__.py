@@ -2,18 +2,7 @@
 
 from bearingsim.selection.choices import Choice, Choices, chosen
 from bearingsim.selection.curves import Curve, curves
-from bearingsim.selection.decide import Decision, decide
-from bearingsim.selection.trials import Trialled, first_trials, further_trials
+from bearingsim.selection.decide import Choosing, Decision
+from bearingsim.selection.trials import Trialled
 
-__all__ = [
-    "Choice",
-    "Choices",
-    "Curve",
-    "Decision",
-    "Trialled",
-    "chosen",
-    "curves",
-    "decide",
-    "first_trials",
-    "further_trials",
-]
+__all__ = ["Choice", "Choices", "Choosing", "Curve", "Decision", "Trialled", "chosen", "curves"]

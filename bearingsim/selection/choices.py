@@ -10,8 +10,9 @@ from random import Random
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.errors import UserError
+from bearingsim.selection.candidates import computed_by, reference
 from bearingsim.selection.curves import curves
-from bearingsim.selection.trials import computed_by, reference, twin_asked
+from bearingsim.selection.trials import twin_asked
 from bearingsim.study import Job, Study
 from bearingsim.study.jobs import Audit, Selection, case_id, identity
 

@@ -1,24 +1,22 @@
-"""The choice itself: for the cases of a curve the cheapest model that is surely close enough to the reference."""
+"""The choice itself: for the cases of a curve the cheapest model that is surely close enough to the reference.
+
+Candidates are tried from the cheapest up, and no further than the first that holds for all cases of a curve.
+"""
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
+from math import inf, nan
 from typing import NamedTuple
 
 import numpy as np
 
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
+from bearingsim.selection.candidates import candidates, price, reference
 from bearingsim.selection.choices import Choice, Choices, key
 from bearingsim.selection.curves import curves, groups, scales
 from bearingsim.selection.judge import Value, error, value
-from bearingsim.selection.trials import (
-    Known,
-    candidates,
-    price,
-    reference,
-    repeats,
-    with_twin,
-)
-from bearingsim.simulation.trial import passes_to_try, pit_turn
+from bearingsim.selection.trials import Known, Trialled, first_trials, once, repeats, trials_of
 from bearingsim.study import Study
 
 FOR_MODEL = 0.8
@@ -36,82 +34,144 @@ class Decision(NamedTuple):
     repeating: int
 
 
-def decide(study: Study, numbers: Sequence[int], known: Known) -> Decision:
-    """Choose for the cases of these numbers, all of whose trials are known."""
-    assert study.goal is not None
-    cases, drawn, goal = study.cases(), curves(study), study.goal
-    of_reference = {n: values(study, reference(cases[n]), cases[n], known) for n in range(len(cases))}
-    size = {
-        feature: [of_reference[n][feature].value if of_reference[n] else float("nan") for n in range(len(cases))]
-        for feature in goal.of
-    }
-    found: dict[int, Choice] = {}
-    settled = [n for n in numbers if repeats(study, cases[n], known)]
-    for n in settled:
-        why = "the reference repeats itself: its trial is the answer"
-        found[n] = Choice(REFERENCE, cases[n].model, why if of_reference[n] else "the reference fails", {})
-    sizes = {feature: scales(feature, size[feature], drawn) for feature in goal.of}
-    errors: dict[str, dict[int, dict[str, float]]] = {}
-    able = candidates(study, numbers, known)
-    for name, tried in able.items():
-        for n, case in tried.items():
-            own = values(study, case, cases[n], known)
-            if own:
-                errors.setdefault(name, {})[n] = {
-                    feature: _relative(
-                        off(own[feature], of_reference[n][feature], feature, cases[n]), sizes[feature][n]
-                    )
-                    for feature in goal.of
-                }
-    open_cases = [n for n in numbers if n not in found]
-    for group in groups(open_cases, drawn):
-        found |= _of_group(study, group, able, errors)
-    repeating = sum(bool(of_reference[n]) for n in settled)
-    return Decision({key(study, cases[n]): one for n, one in found.items()}, repeating)
+class Choosing:
+    """The choice for some cases of a study: which trials it wants next, and what follows from them."""
+
+    def __init__(self, study: Study, numbers: Sequence[int]) -> None:
+        """numbers: of the cases to be chosen for, among ``study.cases()``."""
+        self.study, self.numbers = study, numbers
+        self.drawn = curves(study)
+
+    def wanted(self, known: Known) -> list[Trialled]:
+        """Trials that are to be computed before more can be said; none once a choice can be made."""
+        first = [one for one in first_trials(self.study, self.numbers) if one.id not in known]
+        if first:
+            return first
+        evidence = Evidence(self, known)
+        return once([one for group in self.open_groups(known) for one in self._next(group, evidence)])
+
+    def decide(self, known: Known) -> Decision:
+        """Choose, with what is known: a trial that is not counts as failed."""
+        evidence, cases = Evidence(self, known), self.study.cases()
+        found: dict[int, Choice] = {}
+        settled = [n for n in self.numbers if repeats(self.study, n, known)]
+        for n in settled:
+            why = "the reference repeats itself: its trial is the answer"
+            found[n] = Choice(
+                REFERENCE, cases[n].model, why if evidence.of_reference[n] else "the reference fails", {}
+            )
+        for group in self.open_groups(known):
+            found |= self._of_group(group, evidence)
+        repeating = sum(bool(evidence.of_reference[n]) for n in settled)
+        return Decision({key(self.study, cases[n]): one for n, one in found.items()}, repeating)
+
+    def open_groups(self, known: Known) -> list[list[int]]:
+        """The cases whose reference does not repeat itself, those that take one model together."""
+        return groups((n for n in self.numbers if not repeats(self.study, n, known)), self.drawn)
+
+    @cached_property
+    def able(self) -> dict[str, dict[int, Case]]:
+        """The cases of every candidate, by name, from the highest."""
+        return candidates(self.study, self.numbers)
+
+    def _next(self, group: Sequence[int], evidence: "Evidence") -> list[Trialled]:
+        """The trials of the cheapest candidate that has not been tried on a group, if nothing cheaper holds."""
+        held = inf
+        for cost, name in sorted((self._cost(name, group), name) for name in self.able):
+            if held < TIE * cost:
+                return []
+            cases = {n: self.able[name][n] for n in group if n in self.able[name]}
+            trials = [one for n, case in cases.items() for one in trials_of(self.study, n, case)]
+            missing = [one for one in trials if one.id not in evidence.known]
+            if missing:
+                return missing
+            if len(cases) == len(group) and all(
+                self._holds(evidence.errors(n, case)) for n, case in cases.items()
+            ):
+                held = cost
+        return []
+
+    def _cost(self, name: str, group: Sequence[int]) -> float:
+        """What a candidate costs for the cases of a group that it is able to compute."""
+        return sum(price(self.able[name][n]) for n in group if n in self.able[name])
+
+    def _holds(self, errors: Mapping[str, float]) -> bool:
+        """Whether a model's errors leave enough of the accuracy to step and scatter."""
+        assert self.study.goal is not None
+        return bool(errors) and max(errors.values()) <= FOR_MODEL * self.study.goal.within
+
+    def _of_group(self, group: Sequence[int], evidence: "Evidence") -> dict[int, Choice]:
+        """One model for the cases of a group, unless several cost less than a third of it."""
+        costs = {REFERENCE: {n: price(reference(self.study.cases()[n])) for n in group}}
+        for name, cases in self.able.items():
+            held = [n for n in group if n in cases and self._holds(evidence.errors(n, cases[n]))]
+            costs[name] = {n: price(cases[n]) for n in held}
+        whole = {name: sum(of.values()) for name, of in costs.items() if len(of) == len(group)}
+        one = _cheapest(whole)
+        each = {n: _cheapest({name: of[n] for name, of in costs.items() if n in of}) for n in group}
+        mixed = sum(costs[name][n] for n, name in each.items())
+        taken = each if mixed < MIXED * whole[one] else dict.fromkeys(group, one)
+        return {n: self._told(n, name, evidence) for n, name in taken.items()}
+
+    def _told(self, n: int, name: str, evidence: "Evidence") -> Choice:
+        """A choice, and why."""
+        own = self.study.cases()[n]
+        if name == REFERENCE:
+            return Choice(REFERENCE, own.model, self._why_none(n, evidence), {})
+        case = self.able[name][n]
+        errors = evidence.errors(n, case)
+        why = f"{100.0 * max(errors.values()):.2g} % from {own.model}, at {case.model}'s price"
+        return Choice(name, case.model, why, errors)
+
+    def _why_none(self, n: int, evidence: "Evidence") -> str:
+        """Why nothing cheaper is taken in place of the reference of a case."""
+        assert self.study.goal is not None
+        tried = [evidence.errors(n, cases[n]) for cases in self.able.values() if n in cases]
+        own, most = [max(errors.values()) for errors in tried if errors], FOR_MODEL * self.study.goal.within
+        if not own:
+            return "nothing that can do this costs less"
+        if min(own) == inf:
+            return "what costs less could not be told from it in so few ball passes"
+        nearest = f"the nearest of those that cost less is {100.0 * min(own):.2g} % off"
+        over = f"over {100.0 * most:.2g} %"
+        return f"{nearest}: {over}" if min(own) > most else f"{nearest} here, but {over} elsewhere on a curve"
+
+
+class Evidence:
+    """What trials tell of the cases of a study: how far a candidate is off, over what errors count over."""
+
+    def __init__(self, choosing: Choosing, known: Known) -> None:
+        self.study, self.known = choosing.study, known
+        assert self.study.goal is not None
+        self.of_reference = [self._values(n, reference(case)) for n, case in enumerate(self.study.cases())]
+        self.sizes = {
+            feature: scales(
+                feature, [of[feature].value if of else nan for of in self.of_reference], choosing.drawn
+            )
+            for feature in self.study.goal.of
+        }
+
+    def errors(self, n: int, case: Case) -> dict[str, float]:
+        """What a case that stands for number ``n`` is surely no further off, by feature; nothing if it failed."""
+        own, other = self._values(n, case), self.of_reference[n]
+        if not own or not other:
+            return {}
+        return {name: _relative(error(own[name], other[name]), self.sizes[name][n]) for name in own}
+
+    def _values(self, n: int, case: Case) -> dict[str, Value]:
+        """What is asked of a case, as its trial (and its twin's) has it; nothing of one that failed."""
+        assert self.study.goal is not None
+        trials = [self.known.get(one.id) for one in trials_of(self.study, n, case)]
+        own, twin = trials[0], trials[-1] if len(trials) > 1 else None
+        if own is None or None in trials:
+            return {}
+        return {feature: value(feature, own, twin) for feature in self.study.goal.of}
 
 
 def _relative(error: float, size: float) -> float:
     """An error over what it counts over; infinite if nobody knows."""
     found = error / (size or 1.0)
-    return found if np.isfinite(found) else float("inf")
-
-
-def off(own: Value, other: Value, feature: str, case: Case) -> float:
-    """What a candidate is surely no further off (SI)."""
-    rate = case.bearing.ball_pass_frequency(case.speed)
-    return error(feature, own, other, pit_turn(case) * rate)
-
-
-def values(study: Study, case: Case, of: Case, known: Known) -> dict[str, Value]:
-    """What is asked of a case, as its trial (and its twin's) has it; nothing of one that failed."""
-    assert study.goal is not None
-    found = [known.get(one.id) for one in with_twin(study, case, passes_to_try(of))]
-    if any(one is None for one in found):
-        return {}
-    own, twin = (*found, None)[:2]
-    assert own is not None
-    return {feature: value(feature, own, twin) for feature in study.goal.of}
-
-
-Errors = Mapping[str, Mapping[int, Mapping[str, float]]]
-
-
-def _of_group(
-    study: Study, group: Sequence[int], able: Mapping[str, Mapping[int, Case]], errors: Errors
-) -> dict[int, Choice]:
-    """One model for the cases of a group, unless several cost less than a third of it."""
-    assert study.goal is not None
-    cases, most = study.cases(), FOR_MODEL * study.goal.within
-    costs = {REFERENCE: {n: price(reference(cases[n])) for n in group}}
-    for name, tried in errors.items():
-        held = [n for n in group if n in tried and max(tried[n].values()) <= most]
-        costs[name] = {n: price(able[name][n]) for n in held}
-    whole = {name: sum(of.values()) for name, of in costs.items() if len(of) == len(group)}
-    one = _cheapest(whole)
-    each = {n: _cheapest({name: of[n] for name, of in costs.items() if n in of}) for n in group}
-    mixed = sum(costs[name][n] for n, name in each.items())
-    taken = each if mixed < MIXED * whole[one] else dict.fromkeys(group, one)
-    return {n: _told(cases[n], name, n, able, errors, study.goal.within) for n, name in taken.items()}
+    return found if np.isfinite(found) else inf
 
 
 def _cheapest(costs: Mapping[str, float]) -> str:
@@ -121,25 +181,3 @@ def _cheapest(costs: Mapping[str, float]) -> str:
         if cost < TIE * costs[best]:
             best = name
     return best
-
-
-def _told(
-    case: Case, name: str, n: int, able: Mapping[str, Mapping[int, Case]], errors: Errors, within: float
-) -> Choice:
-    """A choice, and why."""
-    if name != REFERENCE:
-        why = f"{100.0 * max(errors[name][n].values()):.2g} % from {case.model}, at {able[name][n].model}'s price"
-        return Choice(name, able[name][n].model, why, errors[name][n])
-    return Choice(REFERENCE, case.model, _why_none(n, errors, FOR_MODEL * within), {})
-
-
-def _why_none(n: int, errors: Errors, most: float) -> str:
-    """Why nothing cheaper is taken in place of the reference of a case."""
-    own = [max(of[n].values()) for of in errors.values() if n in of]
-    if not own:
-        return "nothing that can do this costs less"
-    if min(own) == np.inf:
-        return "what costs less could not be told from it in so few ball passes"
-    nearest = f"the nearest of those that cost less is {100.0 * min(own):.2g} % off"
-    over = f"over {100.0 * most:.2g} %"
-    return f"{nearest}: {over}" if min(own) > most else f"{nearest} here, but {over} elsewhere on a curve"

@@ -1,12 +1,12 @@
 """How far one trial is from another in what is asked, and how surely that is known.
 
-A line's amplitude A = |sum_p a_p| and its twin's are sums over ball passes. Along their own phases the passes add
-up to the value that is drawn, so what two models differ by is a sum over passes, too, d = sum_p d_p. How it
-scatters is seen between blocks of passes, each a turn of the slowest pit: a motion that is no chaos has none.
+A line's amplitude, and the square of an RMS, are means under a window. Their difference d between two models is
+one, too. How it scatters is seen between pairs of turns of the slowest pit: a motion that is no chaos has none.
 
-    error = |d| + t s,   s^2 = B/(B - 1) sum_b (d_b - w_b d)^2
+    error = |d| + t s,   s^2 = 2/N var(d_w)
 
-with B blocks, w_b the share of a block in the sum, and t Student's at 97.5 % with B - 1 degrees of freedom.
+over W = N - 1 pairs of the N turns, t Student's at 97.5 % with W - 1 degrees of freedom. (Under Hann's window a
+mean over N turns has 2/N of the variance of one over two turns.) Of the largest force, d is that of each turn.
 """
 
 from typing import NamedTuple
@@ -21,38 +21,34 @@ SURE = 0.975
 
 
 class Value(NamedTuple):
-    """A feature as a trial has it: its value (SI), what each ball pass adds to it, and the share of each."""
+    """A feature as a trial has it: its value (SI), what it is in each part, and the share of one part's variance
+    that the whole has.
+    """
 
     value: float
     parts: np.ndarray
-    shares: np.ndarray
+    share: float
 
 
 def value(feature: str, found: Trial, twin: Trial | None) -> Value:
     """A feature (SI) of a trial, against its healthy twin if it is measured so."""
-    even = np.full(found.passes, 1.0 / found.passes)
     if feature == "outer_force.max":
-        return Value(float(found.forces.max()), found.forces, even)
+        turns = np.array_split(found.forces, found.turns)
+        return Value(float(found.forces.max()), np.array([turn.max() for turn in turns]), 1.0)
+    share = 2.0 / found.turns
     if feature in found.powers:
-        rms = float(np.sqrt(found.powers[feature].mean()))
-        return Value(rms, 0.5 * found.powers[feature] * even / (rms or 1.0), even)
+        rms = float(np.sqrt(found.powers[feature][0]))
+        return Value(rms, 0.5 * found.powers[feature][1:] / (rms or 1.0), share)
     line = feature.removesuffix(HEALTHY)
-    parts = found.lines[line] - (twin.lines[line] if feature != line and twin is not None else 0.0)
-    total = parts.sum()
-    hann = np.hanning(2 * found.passes + 1)[1::2]
-    return Value(float(abs(total)), (parts * np.exp(-1j * np.angle(total))).real, hann / hann.sum())
+    amplitudes = found.lines[line] - (twin.lines[line] if feature != line and twin is not None else 0.0)
+    parts = amplitudes[1:] * np.exp(-1j * np.angle(amplitudes[0]))
+    return Value(float(abs(amplitudes[0])), parts.real, share)
 
 
-def error(feature: str, one: Value, other: Value, turns: float) -> float:
-    """What the first is surely no further off from the second than (SI); ``turns``: passes of a pit's turn."""
-    difference = one.parts - other.parts
-    blocks = np.array_split(difference, max(1, int(len(difference) / max(1.0, turns))))
-    apart = abs(one.value - other.value)
-    if len(blocks) < 2:
+def error(one: Value, other: Value) -> float:
+    """What the first is surely no further off from the second than (SI); infinite if too little is seen of it."""
+    apart, parts = abs(one.value - other.value), one.parts - other.parts
+    if len(parts) < 2:
         return float("inf")  # how it scatters is not seen
-    t = float(stdtrit(len(blocks) - 1.0, SURE))
-    if feature == "outer_force.max":
-        return apart + t * float(np.std([block.max() for block in blocks], ddof=1))
-    weights = [block.sum() for block in np.array_split(one.shares, len(blocks))]
-    left = np.array([block.sum() for block in blocks]) - np.array(weights) * difference.sum()
-    return apart + t * float(np.sqrt(len(blocks) / (len(blocks) - 1.0) * np.sum(left**2)))
+    t = float(stdtrit(len(parts) - 1.0, SURE))
+    return apart + t * float(np.sqrt(one.share) * np.std(parts, ddof=1))

@@ -1,7 +1,9 @@
-"""A trial: the first ball passes of a run, by which models are compared. What each pass adds to what is asked.
+"""A trial: the first ball passes of a run, by which models are compared in what is asked.
 
-A line's amplitude is the size of a sum over ball passes (Hann), an RMS the root of a mean, a largest force the
-largest of them: so what two models differ by is known pass by pass, and how surely it is known, too.
+A line's amplitude is the mean of a quantity under a window, and so is an RMS's square. So they are read over the
+whole trial, and over every two turns of the slowest pit that follow each other (Hann's window over two turns lets
+nothing of a turn's own rhythm through). How far two models are apart scatters between those if the motion is
+chaotic, and hardly at all if it is not.
 """
 
 from collections.abc import Sequence
@@ -10,32 +12,38 @@ from math import ceil, floor, pi
 
 import numpy as np
 
-from bearingsim import signals
 from bearingsim.config import Case
-from bearingsim.config.names import LINES
+from bearingsim.config.names import LINES, Line
 from bearingsim.simulation import features, record_windows
-from bearingsim.simulation.comparison import FORCE, amplitudes, low_passed
+from bearingsim.simulation.comparison import FORCE, low_passed
+from bearingsim.simulation.features import SampleAngles
 from bearingsim.simulation.integration import Setup
-from bearingsim.simulation.pilot import PILOT_PART, PIT_TURN
+from bearingsim.simulation.pilot import PILOT_PART, PIT_TURN, ROUNDING
 from bearingsim.simulation.raw_record import RawRecord
 
-MIN_PASSES, TURNS = 16, 3
+MIN_PASSES, TURNS = 16, 4
 """Ball passes, and turns of every pit through the load zone, that are compared at least."""
 MOST_PART = 0.5
 """Of a record, the most that is compared: more would cost as much as the run that it may save."""
+MAIN_LOBE, NEAR = 2.0, 4.0
+"""Over the length of Hann's window: from where on it is zero in places; from where on it lets through under 0.6 %.
+Lines nearer than that to each other are told apart by solving for both."""
+TOLD_APART = 0.1
+"""The least eigenvalue of lines' overlap with which they are: each weighs three times as much noise then."""
 
 
 @dataclass(frozen=True)
 class Trial:
     """The first passes of a run after it has settled.
 
-    passes: how many count; repeats: whether the motion has been found to repeat itself; lines: of each asked line
-    what the passes add to its complex amplitude (SI), by name, NaN of one that they cannot tell from others;
-    powers: (passes,) mean squares of an asked RMS (SI), by name; forces: (passes,) the largest of an outer contact
-    (N).
+    passes: how many count; turns: of the slowest pit in them, of ball passes if none turns; repeats: whether the
+    motion has been found to repeat itself; lines: (1 + W,) complex amplitudes (SI) of each asked line over the
+    whole, and over W pairs of turns, by name, NaN of one that the whole cannot tell from others; powers: (1 + W,)
+    mean squares of an asked RMS (SI), likewise; forces: (passes,) the largest of an outer contact (N).
     """
 
     passes: int
+    turns: int
     repeats: bool
     lines: dict[str, np.ndarray]
     powers: dict[str, np.ndarray]
@@ -67,34 +75,87 @@ def of_passes(setup: Setup, raw: RawRecord, asked: Sequence[str], passes: int) -
     start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
     fine = raw.read(start, length, features.of_base(case))
     rows = low_passed(setup, raw, start, length) if case.antialias else fine
-    lines, powers, told = {}, {}, told_apart(setup, passes / cut.rate)
+    turning = features.sample_angles(setup.model, cut, start, np.zeros(length))
+    turn = max(1.0, pit_turn(case) * cut.rate)  # in ball passes
+    spans = spans_of(passes, turn, cut.fine_per_pass)
+    lines, powers = {}, {}
     for name in asked:
         quantity, _, line = name.partition("@")
         if line:
-            parts = amplitudes(setup, line, passes, features.along_sensor(case, fine, quantity))
-            lines[name] = parts if line in told else np.full_like(parts, np.nan)
+            series = features.along_sensor(case, fine, quantity)
+            lines[name] = amplitudes(series, angles_near(case, turning, line, spans[0]), spans)
         elif name.endswith(".rms"):
             along = features.along_sensor(case, rows, name.removesuffix(".rms"))
-            powers[name] = by_pass_mean_square(along, passes)
+            powers[name] = np.array([mean_square(along[span]) for span in spans])
     before = ceil(start / cut.fine_per_pass)
     known = raw.peaks[:, FORCE]
     places = [int(p) if p < len(known) else int(raw.repetition.source(p)) for p in range(before, before + passes)]
-    return Trial(passes, raw.repetition.period > 0, lines, powers, known[places])
+    return Trial(passes, whole_turns(passes, turn), raw.repetition.period > 0, lines, powers, known[places])
 
 
-def told_apart(setup: Setup, duration: float) -> set[str]:
-    """The lines that a trial of so many seconds tells from all others; multiples of BPFO, whose passes are whole.
+def spans_of(passes: int, turn: float, per_pass: int) -> list[slice]:
+    """Of a trial's fine samples: the whole turns that it holds, then each two that follow each other.
 
-    2BSF is close to BPFO: a beginning that holds both as one would judge a model by the wrong one.
+    turn: in ball passes. All of it alone, if it holds less than three.
     """
-    b = setup.model.bearing
-    turning = features.SampleAngles(*(np.array(speed) for speed in (b.omega_c, b.omega_i, b.omega_b)))
-    frequencies = [abs(float(turning.along(line, b.Z))) / (2.0 * pi) for line in LINES.values()]
-    told = signals.resolvable(frequencies, duration)
-    return {name for name, alone in zip(LINES, told, strict=True) if alone or name not in features.OTHER_LINES}
+    turns = whole_turns(passes, turn)
+    if turns < 3:
+        return [slice(0, passes * per_pass)]
+    ends = [round(n * turn * per_pass) for n in range(turns + 1)]
+    return [slice(0, ends[-1]), *(slice(a, b) for a, b in zip(ends, ends[2:], strict=False))]
 
 
-def by_pass_mean_square(series: np.ndarray, passes: int) -> np.ndarray:
-    """(passes,) mean squares about the mean of all."""
-    whole = (series - series.mean())[: (len(series) - 1) // passes * passes]
-    return np.mean(whole.reshape(passes, -1) ** 2, axis=1)
+def whole_turns(passes: int, turn: float) -> int:
+    """How many turns of so many passes a trial holds."""
+    return floor(passes / turn + ROUNDING)
+
+
+def angles_near(case: Case, turning: SampleAngles, name: str, span: slice) -> np.ndarray:
+    """(1 + L, n) angles of a line, and of those in a case that a window over ``span`` does not tell from it."""
+    angles = {line: turning.along(LINES[line], case.bearing.rollers) for line in (name, *excited(case))}
+    turns = {line: float(angle[span][-1] - angle[span][0]) / (2.0 * pi) for line, angle in angles.items()}
+    return np.stack([angles[line] for line in angles if abs(turns[line] - turns[name]) < NEAR])
+
+
+def excited(case: Case) -> list[str]:
+    """The lines at which a case vibrates: those of its pits, and of the rollers that pass."""
+    races = {defect.race for defect in case.defects}
+
+    def is_there(line: Line) -> bool:
+        of_inner, of_rollers = line.inner or line.shaft, line.spin or line.cage
+        return not (of_inner and "inner" not in races) and not (of_rollers and "roller" not in races)
+
+    return [name for name, line in LINES.items() if is_there(line)]
+
+
+def amplitudes(series: np.ndarray, angles: np.ndarray, spans: Sequence[slice]) -> np.ndarray:
+    """(spans,) complex amplitudes of a line: the first freed of the lines near it, NaN if it cannot be.
+
+    angles: as of ``angles_near``. A line that makes too few turns to be told from a mean, or from its own mirror
+    image, is NaN, too.
+    """
+    whole = amplitudes_over(series, angles, spans[0])
+    return np.array([whole, *(amplitudes_over(series, angles[:1], span) for span in spans[1:])])
+
+
+def amplitudes_over(series: np.ndarray, angles: np.ndarray, span: slice) -> complex:
+    """The amplitude of the first of some lines (SI), all of which are solved for at once."""
+    turning, x = np.exp(-1j * angles[:, span]), series[span]
+    weights = hann(len(x))
+    overlap = (turning * weights) @ turning.conj().T
+    turns = abs(angles[0, span][-1] - angles[0, span][0]) / (2.0 * pi) * len(x) / (len(x) - 1)
+    if np.linalg.eigvalsh(overlap)[0] < TOLD_APART or turns < MAIN_LOBE * (1.0 - ROUNDING):
+        return complex(np.nan, np.nan)
+    sums = 2.0 * (turning * weights) @ (x - weights @ x)
+    return complex(np.linalg.solve(overlap, sums)[0])
+
+
+def mean_square(series: np.ndarray) -> float:
+    """The mean square about the mean, under Hann's window."""
+    weights = hann(len(series))
+    return float(weights @ (series - weights @ series) ** 2)
+
+
+def hann(n: int) -> np.ndarray:
+    """Hann's window (n,), whose sum is 1."""
+    return np.sin(pi * (np.arange(n) + 0.5) / n) ** 2 * 2.0 / n

@@ -55,14 +55,16 @@ def read_trials(root: Path) -> dict[str, Trial | None]:
 def _plain(one: Trial) -> dict[str, Any]:
     lines = {name: [[a.real, a.imag] for a in parts.tolist()] for name, parts in one.lines.items()}
     powers = {name: parts.tolist() for name, parts in one.powers.items()}
-    told = {"passes": one.passes, "repeats": one.repeats, "forces": one.forces.tolist()}
+    told = {"passes": one.passes, "turns": one.turns, "repeats": one.repeats, "forces": one.forces.tolist()}
     return told | {"lines": lines, "powers": powers}
 
 
 def _trial(told: Mapping[str, Any]) -> Trial:
     lines = {name: np.array([complex(*pair) for pair in parts]) for name, parts in told["lines"].items()}
     powers = {name: np.array(parts) for name, parts in told["powers"].items()}
-    return Trial(int(told["passes"]), bool(told["repeats"]), lines, powers, np.array(told["forces"]))
+    return Trial(
+        int(told["passes"]), int(told["turns"]), bool(told["repeats"]), lines, powers, np.array(told["forces"])
+    )
 
 
 def write_choices(root: Path, choices: Choices, plans: Mapping[str, str] | None = None) -> None:

@@ -18,7 +18,7 @@ from bearingsim.cli.plan import plan_of
 from bearingsim.cli.remarks import choices as choices_told
 from bearingsim.runner import Interrupted, RunSummary, run
 from bearingsim.runner.select import NoChoices, selected
-from bearingsim.selection import first_trials, further_trials
+from bearingsim.selection import Choosing
 from bearingsim.study import Study, case_id, load_study
 from tests.scenes import trials
 from tests.scenes.commands import type_
@@ -407,12 +407,12 @@ def test_a_reference_that_repeats_itself_is_not_computed_again(
 
     monkeypatch.setattr(trials, "try_out", repeating)
     study, out = near(write), tmp_path / "out"
-    assert len(first_trials(study, range(3))) == 3
+    assert len(Choosing(study, range(3)).wanted({})) == 3
     summary = compute(study, out)
     assert (summary.planned, summary.resumed, summary.done) == (6, 3, 3)  # the twins are left
     found = store.read_trials(out)
     assert len(found) == 3
-    assert further_trials(study, range(3), found) == []
+    assert Choosing(study, range(3)).wanted(found) == []
     assert [job.id for job in study.planned()][:3] == [case_id(case) for case in study.cases()]
 
 

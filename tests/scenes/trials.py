@@ -57,15 +57,15 @@ def near(write: Write, text: str = TEXT) -> Study:
 def trial(
     size: float, passes: int = PASSES, scatter: float = 0.0, repeats: bool = False, names: Sequence[str] = ()
 ) -> Trial:
-    """A trial in which each line, RMS and force is ``size``.
+    """A trial in which each line, RMS and force is ``size``; each ball pass is a turn.
 
-    scatter: standard deviation, over ``size``, of what one pass adds (seeded).
+    scatter: standard deviation, over ``size``, of what a pass, or two, differ by from the whole (seeded).
     """
     noise = 1.0 + scatter * np.random.default_rng(passes).normal(size=passes)
-    hann = np.hanning(2 * passes + 1)[1::2]
-    lines = {name: size * noise * hann / hann.sum() * np.exp(1j) for name in names if "@" in name}
-    powers = {name: (size * noise) ** 2 for name in names if name.endswith(".rms")}
-    return Trial(passes, repeats, lines, powers, size * noise)
+    parts = size * np.array([1.0, *noise[1:]])
+    lines = {name: parts * np.exp(1j) for name in names if "@" in name}
+    powers = {name: parts**2 for name in names if name.endswith(".rms")}
+    return Trial(passes, passes, repeats, lines, powers, size * noise)
 
 
 Of = Callable[[Trialled], Trial | None]
@@ -73,9 +73,10 @@ Of = Callable[[Trialled], Trial | None]
 
 def known(study: Study, of: Of) -> dict[str, Trial | None]:
     """The trials of a study, each as it is told."""
-    numbers = range(len(study.cases()))
-    found = {one.id: of(one) for one in selection.first_trials(study, numbers)}
-    return found | {one.id: of(one) for one in selection.further_trials(study, numbers, found)}
+    choosing, found = selection.Choosing(study, range(len(study.cases()))), dict[str, Trial | None]()
+    while wanted := choosing.wanted(found):
+        found |= {one.id: of(one) for one in wanted}
+    return found
 
 
 def by_model(off: Mapping[str, float], **others: Any) -> Of:

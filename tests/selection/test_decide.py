@@ -12,7 +12,7 @@ import pytest
 
 from bearingsim import selection
 from bearingsim.config import Case
-from bearingsim.selection import Choice, Trialled, choices, trials
+from bearingsim.selection import Choice, Trialled, candidates, choices
 from bearingsim.selection.choices import key
 from bearingsim.selection.decide import MIXED, TIE
 from bearingsim.simulation.trial import Trial
@@ -24,12 +24,13 @@ FAR = {"planar": 1.0, "rollers": 1.5, "ring": 1.5, "static": 2.0}
 SPATIAL = TEXT + "misalignment: {inner: 0.2 mrad}\n"
 BENDS = "rig: {ring: {bends: true}}\n"
 RING = "{bends: true, harmonics: 16}"
+HALF, QUARTER, SIXTH = candidates.SLICES
 
 
 def decided(study: Study, of: Of) -> list[Choice]:
     """What is chosen for each case of a study."""
     numbers = range(len(study.cases()))
-    found = selection.decide(study, numbers, known(study, of)).choices
+    found = selection.Choosing(study, numbers).decide(known(study, of)).choices
     return [found[key(study, case)] for case in study.cases()]
 
 
@@ -46,7 +47,7 @@ def dear(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
         many = 1.0 if case.rig.ring is None else int(case.rig.ring.harmonics) / 32.0
         return costs[case.model] * many * (int(case.contact.slices) / 20.0 if case.model == "spatial" else 1.0)
 
-    for module in (trials, import_module("bearingsim.selection.decide")):
+    for module in (candidates, import_module("bearingsim.selection.decide")):
         monkeypatch.setattr(module, "price", price)
     return costs
 
@@ -75,7 +76,7 @@ def test_scatter_that_could_be_a_difference_counts_as_one(write: Write, dear: di
     def of(one: Trialled) -> Trial:
         whole = trial(one.case.load, one.passes + noisy[one.case.model], 0.3, names=one.asked)
         cut = {name: parts[: one.passes] for name, parts in whole.lines.items()}
-        return replace(whole, passes=one.passes, lines=cut, forces=whole.forces[: one.passes])
+        return replace(whole, passes=one.passes, turns=one.passes, lines=cut, forces=whole.forces[: one.passes])
 
     assert taken(near(write), of) == ["reference"] * 3
 
@@ -153,9 +154,30 @@ def test_a_reference_that_repeats_itself_is_the_answer(write: Write) -> None:
     of = by_model(FAR, repeats=True)
     found = known(study, of)
     assert len(found) == 3  # nothing else is tried
-    assert selection.further_trials(study, range(3), found) == []
+    assert selection.Choosing(study, range(3)).wanted(found) == []
     assert taken(study, of) == ["reference"] * 3
-    assert selection.decide(study, range(3), found).repeating == 3
+    assert selection.Choosing(study, range(3)).decide(found).repeating == 3
+
+
+@pytest.mark.parametrize(
+    ("off", "tried"),
+    [
+        ({}, {"planar", "rollers", "ring", "static"}),
+        ({"ring": 1.03}, {"planar", "ring", "static"}),
+        ({"static": 1.03}, {"planar", "static"}),
+    ],
+)
+def test_nothing_is_tried_that_costs_more_than_what_holds(
+    write: Write, dear: dict[str, float], off: dict[str, float], tried: set[str]
+) -> None:
+    models = set()
+
+    def of(one: Trialled) -> Trial | None:
+        models.add(one.case.model)
+        return by_model(FAR | {"rollers": 1.01} | off)(one)
+
+    known(near(write), of)
+    assert models == tried
 
 
 def test_what_is_not_known_is_not_held(write: Write, dear: dict[str, float]) -> None:
@@ -199,7 +221,7 @@ def test_a_case_whose_curve_keeps_it_from_a_cheaper_model_is_told_so(write: Writ
 
 def names(write: Write, text: str) -> dict[str, list[int]]:
     study = near(write, text)
-    return {name: list(found) for name, found in trials.every_candidate(study, range(len(study.cases()))).items()}
+    return {name: list(found) for name, found in candidates.candidates(study, range(len(study.cases()))).items()}
 
 
 def test_candidates_go_from_the_highest_down(write: Write, dear: dict[str, float]) -> None:
@@ -211,14 +233,14 @@ def test_what_two_cases_come_to_is_no_candidate(write: Write, dear: dict[str, fl
     text = f"{HEAD}load: 150 N\naccuracy: {{within: 5 %, of: [velocity.rms]}}\n{BENDS}"
     dear["static"] = 1.0
     found = names(write, f"{text}sweep: {{rig.ring: [{RING}, {RING.replace('16', '32')}]}}\n")
-    assert found == {trials.AS_SAID: [0, 1], "static": [0, 1]}
+    assert found == {candidates.AS_SAID: [0, 1], "static": [0, 1]}
     other = names(write, f"{text}sweep: {{load: [150 N, 300 N]}}\n".replace("load: 150 N\n", ""))
-    assert list(other) == [trials.AS_SAID, trials.FEWER_HARMONICS, "static"]
+    assert list(other) == [candidates.AS_SAID, "8 harmonics", "static"]
 
 
 def test_what_changes_its_speed_is_left_to_the_reference(write: Write, dear: dict[str, float]) -> None:
     """Its first passes are at one speed."""
-    assert names(write, SPATIAL) == {trials.FEWER_SLICES: [0, 1, 2]}
+    assert names(write, SPATIAL) == {HALF: [0, 1, 2], QUARTER: [0, 1, 2], SIXTH: [0, 1, 2]}
     assert names(write, SPATIAL + "ramp: {to: 7000 rpm, time: 0.1 s}\n") == {}
 
 
@@ -230,9 +252,9 @@ def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear
     )
     study = near(write, text)
     assert study.cases()[0].model == "spatial"
-    half = [trials.computed_by(study, n, trials.FEWER_SLICES) for n in range(2)]
+    half = [candidates.computed_by(study, n, HALF) for n in range(2)]
     assert [case.contact.slices for case in half if case is not None] == [5, 10]
-    found = {key(study, case): Choice(trials.FEWER_SLICES, "spatial", "", {}) for case in study.cases()}
+    found = {key(study, case): Choice(HALF, "spatial", "", {}) for case in study.cases()}
     more = near(write, text.replace("{slices: 20}]", "{slices: 20}, {slices: 40}]"))
     found |= {key(more, more.cases()[2]): Choice("reference", "spatial", "", {})}
     assert [case.contact.slices for case in selection.chosen(more, found).cases()] == [5, 10, 40]
@@ -243,12 +265,12 @@ def test_a_ring_that_bends_is_judged_by_twice_its_harmonics(write: Write) -> Non
     case = study.cases()[0]
     assert case.model == "rollers"
     own = case.rig.ring
-    above = trials.reference(case).rig.ring
+    above = candidates.reference(case).rig.ring
     assert own is not None
     assert above is not None
     assert int(above.harmonics) == 2 * int(own.harmonics)
-    assert list(trials.ladder(case)) == [trials.AS_SAID, trials.FEWER_HARMONICS, "ring", "static"]
-    assert trials.reference(near(write).cases()[0]) == near(write).cases()[0]
+    assert list(candidates.ladder(case)) == [candidates.AS_SAID, "8 harmonics", "ring", "static"]
+    assert candidates.reference(near(write).cases()[0]) == near(write).cases()[0]
 
 
 # The study with what was chosen
@@ -323,7 +345,7 @@ def test_a_study_of_many_cases_is_made_otherwise_once_for_each_candidate(
     monkeypatch.setattr(load._Plan, "_otherwise", counted)
     study = near(write)
     found = known(study, by_model(FAR | {"rollers": 1.01}))
-    selection.chosen(study, selection.decide(study, range(3), found).choices)
+    selection.chosen(study, selection.Choosing(study, range(3)).decide(found).choices)
     assert len(calls) == 3
 
 
@@ -331,7 +353,7 @@ def test_choices_are_json(write: Write, tmp_path: Path, dear: dict[str, float]) 
     from bearingsim import store
 
     study = near(write)
-    found = selection.decide(study, range(3), known(study, by_model(FAR | {"rollers": 1.01}))).choices
+    found = selection.Choosing(study, range(3)).decide(known(study, by_model(FAR | {"rollers": 1.01}))).choices
     store.write_choices(tmp_path, found)
     assert store.read_choices(tmp_path) == found
     assert len(json.loads((tmp_path / "choices.json").read_text())) == 3

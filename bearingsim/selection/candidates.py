@@ -1,0 +1,94 @@
+"""What may compute a case in place of its reference: cheaper models, fewer slices or harmonics; and the price."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+
+from bearingsim.catalogue import MODELS, below
+from bearingsim.config import Case
+from bearingsim.config.sections.ring import MAX_HARMONICS
+from bearingsim.simulation.time_grid import estimate
+from bearingsim.study import Study
+from bearingsim.study.jobs import identity
+
+AS_SAID, FEW_HARMONICS = "the harmonics that are said", 8
+SLICES = {"half the slices": 0.5, "a quarter of the slices": 0.25, "a sixth of the slices": 1.0 / 6.0}
+"""Of the slices that are said, how many a candidate takes; its error is of their second power."""
+FEWEST_SLICES = 2
+CANDIDATES = (*SLICES, AS_SAID, f"{FEW_HARMONICS} harmonics", *reversed(MODELS))
+"""The names of all of them, from the highest."""
+WORTH_TRYING = 0.8  # of what the reference takes: a model that saves less is not tried
+
+
+def reference(case: Case) -> Case:
+    """What a case is judged by: itself, with twice the harmonics where its ring bends."""
+    ring = case.rig.ring
+    if ring is None:
+        return case
+    more = ring.model_copy(update={"harmonics": min(MAX_HARMONICS, 2 * int(ring.harmonics))})
+    return case.model_copy(update={"rig": case.rig.model_copy(update={"ring": more})})
+
+
+def candidates(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case]]:
+    """The cases of each candidate that can be and costs less than the reference, by name, from the highest.
+
+    None that two cases come to: their results would be one.
+    """
+    if study.otherwise is None:
+        return {}
+    own, found = study.cases(), {name: dict[int, Case]() for name in CANDIDATES}
+    for n in numbers:
+        if own[n].ramp is not None:
+            continue  # its first passes, at one speed, tell nothing of those at another
+        most = WORTH_TRYING * price(reference(own[n]))
+        for name in ladder(own[n]):
+            case = computed_by(study, n, name)
+            if case is not None and price(case) < most:
+                found[name][n] = case
+    apart = {name: _told_apart(cases) for name, cases in found.items()}
+    return {name: cases for name, cases in apart.items() if cases}
+
+
+def _told_apart(cases: Mapping[int, Case]) -> dict[int, Case]:
+    """The cases that are no other's equals."""
+    ids = {n: identity(case) for n, case in cases.items()}
+    count = Counter(ids.values())
+    return {n: case for n, case in cases.items() if count[ids[n]] == 1}
+
+
+def computed_by(study: Study, number: int, candidate: str) -> Case | None:
+    """A case of a study as a candidate computes it; None if it cannot be."""
+    own = study.swept_cases[number][0]
+    given = ladder(own).get(candidate)
+    if given is None:
+        return None
+    if not given or study.otherwise is None:
+        return own
+    return study.otherwise(given)[number]
+
+
+def ladder(case: Case) -> dict[str, dict[str, str]]:
+    """The candidates below the reference of a case, by name, and what each says otherwise."""
+    found = dict(_fewer_slices(case)) if MODELS[case.model].sliced else {}
+    if case.rig.ring is not None:
+        found |= {AS_SAID: {}, f"{FEW_HARMONICS} harmonics": {"rig.ring.harmonics": str(FEW_HARMONICS)}}
+    return found | {name: {"model": name} for name in below(case.model)}
+
+
+def _fewer_slices(case: Case) -> Iterator[tuple[str, dict[str, str]]]:
+    """Candidates with fewer slices than a case says, each number once."""
+    before = int(case.contact.slices)
+    for name, part in SLICES.items():
+        count = max(FEWEST_SLICES, round(part * int(case.contact.slices)))
+        if count < before:
+            before = count
+            yield name, {"contact.slices": str(count)}
+
+
+@lru_cache(maxsize=1 << 17)
+def price(case: Case) -> float:
+    """CPU time (s) of all of a case that does not repeat itself; infinite for one that is refused."""
+    try:
+        return estimate(case).most_seconds
+    except ValueError:
+        return float("inf")
