@@ -19,6 +19,7 @@ from bearingsim.cli.remarks import choices as choices_told
 from bearingsim.runner import Interrupted, RunSummary, run
 from bearingsim.runner.select import NoChoices, selected
 from bearingsim.selection import Choosing
+from bearingsim.selection.choices import key
 from bearingsim.study import Study, case_id, load_study
 from tests.scenes import trials
 from tests.scenes.commands import type_
@@ -159,6 +160,30 @@ def errors(out: Path) -> dict[float, float]:
     table = store.open_results(out).table()
     own = table[table["healthy"] != ""]
     return dict(zip(own["load"], own["error.model"], strict=True))
+
+
+def test_a_quick_study_chooses_in_its_own_folder(
+    write: Write, tmp_path: Path, log: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is set on the command line is chosen for, too."""
+    monkeypatch.chdir(tmp_path)
+    path = write(TEXT + "quick: {duration: 0.15 s, sweep: {load: [150 N, 450 N]}}\n")
+    given = {"clearance": "5 um"}
+    studies = [load_study(path), load_study(path, quick=True), load_study(path, given, quick=True)]
+    keys = [{key(study, case) for case in study.cases()} for study in studies]
+    assert list(map(len, keys)) == [3, 2, 2]
+    assert len(set().union(*keys)) == 7
+    for study in studies[:2]:
+        run(study, jobs=1, progress=False, engine=ENGINE)
+    assert choices(Path("results/near")).keys() == keys[0]
+    assert choices(Path("results/near-quick")).keys() == keys[1]
+    lines(log)
+    run(studies[2], jobs=1, progress=False, engine=ENGINE)
+    assert choices(Path("results/near-quick")).keys() == keys[1] | keys[2]
+    assert notes(Path("results/near-quick")) == []  # another value: none of the cases has been chosen for
+    assert tried(log) > 0
+    run(studies[1], shard=(2, 2), jobs=1, progress=False, engine=ENGINE)
+    assert tried(log) == 0
 
 
 def test_a_new_case_is_judged_by_the_curve_as_it_is_then(write: Write, tmp_path: Path) -> None:
