@@ -187,12 +187,18 @@ def test_a_quick_study_chooses_in_its_own_folder(
 
 
 def test_a_new_case_is_judged_by_the_curve_as_it_is_then(write: Write, tmp_path: Path) -> None:
-    """An old one has what was said of it then."""
+    """By old cases and new ones. An old one has what was said of it then."""
     out = tmp_path / "out"
     compute(near(write), out)
-    compute(extended(write, f"{LOADS}, 200 N, 4500 N"), out)
-    told = {150.0: 1.5 / 450.0, 300.0: 3.0 / 450.0, 450.0: 0.01, 200.0: 2.0 / 4500.0, 4500.0: 0.01}
-    assert errors(out) == pytest.approx(told, rel=1e-6)
+    told = {150.0: 1.5 / 450.0, 300.0: 3.0 / 450.0, 450.0: 0.01}
+    for loads, new in (
+        ("200 N", {200.0: 2.0 / 450.0}),
+        ("200 N, 4500 N", {4500.0: 0.01}),
+        ("200 N, 4500 N, 250 N", {250.0: 2.5 / 4500.0}),
+    ):
+        compute(extended(write, f"{LOADS}, {loads}"), out)
+        told |= new
+        assert errors(out) == pytest.approx(told, rel=1e-6)
 
 
 def test_who_extends_a_study_is_told_what_is_kept(write: Write, tmp_path: Path) -> None:
