@@ -194,7 +194,7 @@ def test_a_new_case_is_judged_by_the_curve_as_it_is_then(write: Write, tmp_path:
     for loads, new in (
         ("200 N", {200.0: 2.0 / 450.0}),
         ("200 N, 4500 N", {4500.0: 0.01}),
-        ("200 N, 4500 N, 250 N", {250.0: 2.5 / 4500.0}),
+        ("200 N, 4500 N, 250 N", {250.0: 125.0 / 4500.0}),
     ):
         compute(extended(write, f"{LOADS}, {loads}"), out)
         told |= new
