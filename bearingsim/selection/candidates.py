@@ -38,8 +38,6 @@ def candidates(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case
         return {}
     own, found = study.cases(), {name: dict[int, Case]() for name in CANDIDATES}
     for n in numbers:
-        if own[n].ramp is not None:
-            continue  # its first passes, at one speed, tell nothing of those at another
         most = WORTH_TRYING * price(reference(own[n]))
         for name in ladder(own[n]):
             case = computed_by(study, n, name)
@@ -47,6 +45,11 @@ def candidates(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case
                 found[name][n] = case
     apart = {name: _told_apart(cases) for name, cases in found.items()}
     return {name: cases for name, cases in apart.items() if cases}
+
+
+def can_be_tried(case: Case) -> bool:
+    """Whether something may stand in for a case's reference, and its first passes are like all others."""
+    return case.ramp is None and bool(ladder(case))
 
 
 def _told_apart(cases: Mapping[int, Case]) -> dict[int, Case]:

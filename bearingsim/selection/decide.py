@@ -12,7 +12,7 @@ import numpy as np
 
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
-from bearingsim.selection.candidates import candidates, price, reference
+from bearingsim.selection.candidates import can_be_tried, candidates, price, reference
 from bearingsim.selection.choices import Choice, Choices, key
 from bearingsim.selection.curves import curves, groups, scales
 from bearingsim.selection.judge import Value, error, value
@@ -25,6 +25,8 @@ MIXED = 1.0 / 3.0
 """Of the cost of one model for a whole curve, what several may cost to be taken instead."""
 TIE = 0.9
 """Of what a higher model costs, what a lower one must save to be taken."""
+
+NOTHING_CHEAPER = "nothing that can do this costs less"
 
 
 class Decision(NamedTuple):
@@ -39,12 +41,13 @@ class Choosing:
 
     def __init__(self, study: Study, numbers: Sequence[int]) -> None:
         """numbers: of the cases to be chosen for, among ``study.cases()``."""
-        self.study, self.numbers = study, numbers
+        self.study, self.numbers, cases = study, numbers, study.cases()
+        self.tried = [n for n in numbers if can_be_tried(cases[n])]
         self.drawn = curves(study)
 
     def wanted(self, known: Known) -> list[Trialled]:
         """Trials that are to be computed before more can be said; none once a choice can be made."""
-        first = [one for one in first_trials(self.study, self.numbers) if one.id not in known]
+        first = [one for one in first_trials(self.study, self.tried) if one.id not in known]
         if first:
             return first
         evidence = Evidence(self, known)
@@ -53,8 +56,8 @@ class Choosing:
     def decide(self, known: Known) -> Decision:
         """Choose, with what is known: a trial that is not counts as failed."""
         evidence, cases = Evidence(self, known), self.study.cases()
-        found: dict[int, Choice] = {}
-        settled = [n for n in self.numbers if repeats(self.study, n, known)]
+        found = {n: Choice(REFERENCE, cases[n].model, NOTHING_CHEAPER, {}) for n in self.numbers}
+        settled = [n for n in self.tried if repeats(self.study, n, known)]
         for n in settled:
             why = "the reference repeats itself: its trial is the answer"
             found[n] = Choice(
@@ -67,12 +70,12 @@ class Choosing:
 
     def open_groups(self, known: Known) -> list[list[int]]:
         """The cases whose reference does not repeat itself, those that take one model together."""
-        return groups((n for n in self.numbers if not repeats(self.study, n, known)), self.drawn)
+        return groups((n for n in self.tried if not repeats(self.study, n, known)), self.drawn)
 
     @cached_property
     def able(self) -> dict[str, dict[int, Case]]:
         """The cases of every candidate, by name, from the highest."""
-        return candidates(self.study, self.numbers)
+        return candidates(self.study, self.tried)
 
     def _next(self, group: Sequence[int], evidence: "Evidence") -> list[Trialled]:
         """The trials of the cheapest candidate that has not been tried on a group, if nothing cheaper holds."""
@@ -129,7 +132,7 @@ class Choosing:
         tried = [evidence.errors(n, cases[n]) for cases in self.able.values() if n in cases]
         own, most = [max(errors.values()) for errors in tried if errors], FOR_MODEL * self.study.goal.within
         if not own:
-            return "nothing that can do this costs less"
+            return NOTHING_CHEAPER
         if min(own) == inf:
             return "what costs less could not be told from it in so few ball passes"
         nearest = f"the nearest of those that cost less is {100.0 * min(own):.2g} % off"

@@ -83,7 +83,7 @@ def of_passes(setup: Setup, raw: RawRecord, asked: Sequence[str], passes: int) -
         quantity, _, line = name.partition("@")
         if line:
             series = features.along_sensor(case, fine, quantity)
-            lines[name] = amplitudes(series, angles_near(case, turning, line, spans[0]), spans)
+            lines[name] = amplitudes(series, angles_near(case, turning, line, spans[-1]), spans)
         elif name.endswith(".rms"):
             along = features.along_sensor(case, rows, name.removesuffix(".rms"))
             powers[name] = np.array([mean_square(along[span]) for span in spans])
@@ -129,25 +129,27 @@ def excited(case: Case) -> list[str]:
 
 
 def amplitudes(series: np.ndarray, angles: np.ndarray, spans: Sequence[slice]) -> np.ndarray:
-    """(spans,) complex amplitudes of a line: the first freed of the lines near it, NaN if it cannot be.
+    """(spans,) complex amplitudes of a line, freed of the lines near it, which are solved for over the whole.
 
-    angles: as of ``angles_near``. A line that makes too few turns to be told from a mean, or from its own mirror
-    image, is NaN, too.
+    angles: as of ``angles_near``. NaN, all of them, if the whole does not tell the lines from each other, or makes
+    too few turns of the line to tell it from a mean.
     """
-    whole = amplitudes_over(series, angles, spans[0])
-    return np.array([whole, *(amplitudes_over(series, angles[:1], span) for span in spans[1:])])
+    whole = solved(series, angles, spans[0])
+    if np.isnan(whole[0]):
+        return np.full(len(spans), whole[0])
+    alone = series - (whole[1:] @ np.exp(1j * angles[1:])).real
+    return np.array([whole[0], *(solved(alone, angles[:1], span)[0] for span in spans[1:])])
 
 
-def amplitudes_over(series: np.ndarray, angles: np.ndarray, span: slice) -> complex:
-    """The amplitude of the first of some lines (SI), all of which are solved for at once."""
+def solved(series: np.ndarray, angles: np.ndarray, span: slice) -> np.ndarray:
+    """(1 + L,) complex amplitudes of lines (SI), all solved for at once under a window; NaN if they cannot be."""
     turning, x = np.exp(-1j * angles[:, span]), series[span]
     weights = hann(len(x))
     overlap = (turning * weights) @ turning.conj().T
     turns = abs(angles[0, span][-1] - angles[0, span][0]) / (2.0 * pi) * len(x) / (len(x) - 1)
     if np.linalg.eigvalsh(overlap)[0] < TOLD_APART or turns < MAIN_LOBE * (1.0 - ROUNDING):
-        return complex(np.nan, np.nan)
-    sums = 2.0 * (turning * weights) @ (x - weights @ x)
-    return complex(np.linalg.solve(overlap, sums)[0])
+        return np.full(len(angles), complex(np.nan, np.nan))
+    return np.linalg.solve(overlap, 2.0 * (turning * weights) @ (x - weights @ x))
 
 
 def mean_square(series: np.ndarray) -> float:

@@ -241,7 +241,9 @@ def test_what_two_cases_come_to_is_no_candidate(write: Write, dear: dict[str, fl
 def test_what_changes_its_speed_is_left_to_the_reference(write: Write, dear: dict[str, float]) -> None:
     """Its first passes are at one speed."""
     assert names(write, SPATIAL) == {HALF: [0, 1, 2], QUARTER: [0, 1, 2], SIXTH: [0, 1, 2]}
-    assert names(write, SPATIAL + "ramp: {to: 7000 rpm, time: 0.1 s}\n") == {}
+    study = near(write, SPATIAL + "ramp: {to: 7000 rpm, time: 0.1 s}\n")
+    assert selection.Choosing(study, range(3)).wanted({}) == []
+    assert [one.why for one in decided(study, by_model(FAR))] == ["nothing that can do this costs less"] * 3
 
 
 def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear: dict[str, float]) -> None:

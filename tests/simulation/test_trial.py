@@ -122,5 +122,8 @@ def test_lines_nearer_than_a_window_tells_are_solved_for(beside: float, known: b
     spans = spans_of(22, PER_TURN, PER_PASS)
     other = CYCLES + beside / (4.0 * PER_TURN)
     series = tones(spans, (CYCLES, 0.01), (other, 0.3))
-    found = amplitudes(series, turning(spans, CYCLES, other), spans)[0]
-    assert found == pytest.approx(0.01, rel=0.1) if known else np.isnan(found)
+    found = amplitudes(series, turning(spans, CYCLES, other), spans)
+    assert np.isnan(found).all() or known
+    if known:
+        assert found[0] == pytest.approx(0.01, rel=0.1)
+        assert np.abs(found[1:] - 0.01).max() < 2e-3  # though two turns alone could not tell them apart
