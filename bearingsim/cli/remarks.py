@@ -42,7 +42,8 @@ def choices(plan: "Plan") -> list[str]:
     for model, reason, _ in found.jobs.values():
         why.setdefault(model, []).append(reason)
     count = len(found.jobs)
-    return [f"`{model}` in {len(told)} of {count} cases: {told[0]}" for model, told in why.items()]
+    told = [f"`{model}` in {len(reasons)} of {count} cases: {reasons[0]}" for model, reasons in why.items()]
+    return [*told, *found.notes]
 
 
 def methods(plan: "Plan") -> list[str]:

@@ -43,7 +43,8 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     print_table([head for head, _ in kept], list(zip(*(cells for _, cells in kept), strict=True)))
     typer.echo(_counts(table) + _varied(results))
     info = results.info().reindex(table["job"])
-    for told in (*repetitions(info), *damping.of_jobs(info)):
+    of_choices = (results.plan.get("accuracy") or {}).get("notes", ())
+    for told in (*of_choices, *repetitions(info), *damping.of_jobs(info)):
         typer.echo(told)
     if len(kept) < len(found):
         heads = {_stacked(head) for head, _ in kept}

@@ -23,6 +23,7 @@ def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     models = Counter(one["model"] for one in accuracy["jobs"].values())
     told = ", ".join(f"`{model}` in {count}" for model, count in models.most_common())
     yield f"models for {within} of {', '.join(accuracy['of'])}: {told} of {len(accuracy['jobs'])} cases"
+    yield from accuracy["notes"]
     near = store.nearness(plan, frame)
     sums = near[["error.model", "error.step", "error.scatter"]].sum(axis=1, min_count=1).dropna()
     held = int((sums <= accuracy["within"]).sum())

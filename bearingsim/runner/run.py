@@ -1,6 +1,5 @@
 """Running a study: what is not done yet is computed and stored, whatever happens meanwhile."""
 
-import shlex
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, suppress
@@ -10,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
 from bearingsim.config.rules import damping
+from bearingsim.runner.commands import command
 from bearingsim.runner.packing import Cost, pack, shard_of
 from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import Patience, getting_ready
 from bearingsim.runner.progress import progress as shown_progress
 from bearingsim.runner.promises import promises
-from bearingsim.runner.select import NoChoices, selected
+from bearingsim.runner.select import NoChoices, Stopped, selected
 from bearingsim.runner.summary import Interrupted, RunSummary, chaos, grouped, repetitions, step_errors
 from bearingsim.runner.unknowns import examined
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
@@ -57,7 +57,10 @@ def run(
     workers = _workers(jobs)
     shard_of([], shard)  # a share that does not exist is refused before models are tried
     _prepare(root, fresh, shard)
-    study = selected(study, root, workers, engine, alone=shard == (1, 1), shown=progress)
+    try:
+        study = selected(study, root, workers, engine, alone=shard == (1, 1), shown=progress)
+    except Stopped as stop:
+        raise Interrupted(_before_jobs(study, root, stop, time.perf_counter() - started)) from None
     every = study.jobs()
     ours = shard_of(every, shard)
     store.keep_scans(root, [job.case for job in every])
@@ -65,7 +68,7 @@ def run(
     store.write_plan(root, study, every)
     plan = _plan(root, ours, retry_failed, verify)
     store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
-    tally = _Tally(root, _command(study, root), plan.failures)
+    tally = _Tally(root, command("run", study, root, "--retry-failed"), plan.failures)
     interrupted = False
     try:
         if plan.todo:
@@ -86,6 +89,26 @@ def run(
     if interrupted:
         raise Interrupted(summary)
     return summary
+
+
+def _before_jobs(study: "Study", root: Path, stop: Stopped, seconds: float) -> RunSummary:
+    """What a run comes to that was interrupted while models were tried: some trials are jobs' results, too."""
+    jobs = {job.id for job in study.jobs()}
+    sealed, _ = store.sealed_jobs(root)
+    return RunSummary(
+        study=study.name,
+        folder=root,
+        planned=len(jobs),
+        resumed=len(jobs & sealed),
+        done=0,
+        failures=(),
+        seconds=seconds,
+        start_cpu_s=0.0,
+        cpu_s=0.0,
+        integrator_cpu_s=0.0,
+        interrupted=True,
+        notes=(stop.what,),
+    )
 
 
 def with_models(study: "Study", out: str | Path | None, jobs: int | None, try_them: bool) -> "Study":
@@ -266,11 +289,3 @@ def _compute(works: Sequence[Work], workers: int, tally: _Tally, shown: bool | N
             tally.add(outcome)
             ids = [*outcome.done, *(failure.job for failure in outcome.failed)]
             report(len(outcome.done), len(outcome.failed), sum(price[job] for job in ids))
-
-
-def _command(study: "Study", root: Path) -> str:
-    """The command that tries the failed jobs of a study again."""
-    words = ["bearingsim", "run", str(study.path or root / "study.yaml"), "--out", str(root)]
-    for path, value in study.overrides.items():
-        words += ["--set", f"{path}={value}"]
-    return shlex.join([*words, *(["--quick"] if study.quick else []), "--retry-failed"])

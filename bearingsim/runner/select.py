@@ -2,12 +2,15 @@
 
 from collections.abc import Sequence
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
+from contextlib import closing, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearingsim import selection, store
 from bearingsim.errors import UserError
+from bearingsim.runner.commands import command
+from bearingsim.runner.earlier import kept, plan_name
 from bearingsim.runner.pool import WorkersDie, spread
 from bearingsim.runner.progress import getting_ready, progress
 from bearingsim.runner.work import Engine, load
@@ -19,17 +22,28 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from bearingsim.selection import Trialled
+    from bearingsim.simulation.simulate import Record
     from bearingsim.simulation.trial import Trial
-    from bearingsim.study import Study
+    from bearingsim.study import Job, Study
 
-__all__ = ["NoChoices", "selected"]
+__all__ = ["NoChoices", "Stopped", "selected"]
 
 LARGEST_BATCH, BATCHES = 32, 4
 """Trials that are sealed together; so many batches a worker, if there are enough."""
+LONGEST_BATCH_S = 10.0
+"""Of the jobs whose trials are sealed together: what an interrupt may cost."""
 
 
 class NoChoices(UserError):
     """A share of a study is to be computed, and nobody has chosen the models of its cases."""
+
+
+class Stopped(KeyboardInterrupt):
+    """Models were being tried when the user interrupted: what was tried is kept. ``what``: that, in words."""
+
+    def __init__(self, root: Path, kept: int) -> None:
+        self.what = f"models were being tried, before the first job: {kept} trial{'s' * (kept != 1)} kept"
+        super().__init__(f"interrupted: {self.what} in {root}; run the same command to continue")
 
 
 def selected(
@@ -38,29 +52,45 @@ def selected(
     """The study with a model chosen for each case; itself if it names no accuracy.
 
     Choices that the folder holds are taken as they are. alone: whether this is no share of the study. Raises
-    NoChoices.
+    NoChoices, and Stopped by Ctrl-C.
     """
     if study.goal is None:
         return study
-    choices = store.read_choices(root)
-    cases = study.cases()
-    missing = [n for n, case in enumerate(cases) if key(study, case) not in choices]
+    choices, plans = store.read_choices(root), store.read_plans(root)
+    keys = [key(study, case) for case in study.cases()]
+    missing = [n for n, name in enumerate(keys) if name not in choices]
     if missing and not alone:
         raise NoChoices(
-            f"{root} holds no choice of a model for {len(missing)} of {len(cases)} cases:"
-            " run `bearingsim check STUDY --pilots` with the same --out first"
+            f"{root} holds no choice of a model for {len(missing)} of {len(keys)} cases:"
+            f" run `{command('check', study, root, '--pilots')}` first"
         )
     if missing:
-        choosing = selection.Choosing(study, missing)
-        known: dict[str, Trial | None] = store.read_trials(root)
+        found = _decided(study, root, missing, workers, engine, shown)
+        choices |= found.choices
+        plans |= dict.fromkeys(found.choices, plan_name(study, keys))
+        store.write_choices(root, choices, plans)
+        store.log(root, "models chosen", cases=len(missing), repeating=found.repeating)
+    done = selection.chosen(study, choices)
+    assert done.selection is not None
+    notes = tuple(kept(study, keys, choices, plans))
+    return replace(done, selection=replace(done.selection, notes=notes))
+
+
+def _decided(
+    study: "Study", root: Path, missing: Sequence[int], workers: int, engine: Engine, shown: bool | None
+) -> selection.Decision:
+    """What is chosen for the cases of these numbers, once all that is wanted has been tried. Raises Stopped."""
+    choosing = selection.Choosing(study, missing)
+    known: dict[str, Trial | None] = store.read_trials(root)
+    try:
         while wanted := choosing.wanted(known):
             known |= dict.fromkeys((one.id for one in wanted), None)  # what the machine fails is not wanted again
             known |= _tried(root, wanted, workers, engine, study, shown)
-        found = choosing.decide(known)
-        choices |= found.choices
-        store.write_choices(root, choices)
-        store.log(root, "models chosen", cases=len(missing), repeating=found.repeating)
-    return selection.chosen(study, choices)
+    except KeyboardInterrupt:
+        store.sweep(root)
+        store.log(root, "interrupted while models were tried")
+        raise Stopped(root, len(store.read_trials(root))) from None
+    return choosing.decide(known)
 
 
 def _tried(
@@ -78,9 +108,10 @@ def _tried(
     costs = {one.id: min(price(one.case), 1e6) for one in todo}
     with progress(shown, len(todo), sum(costs.values())) as report:
         try:
-            each = (_compute(*of) for of in arguments) if workers == 1 else spread(_compute, arguments, workers)
-            for done, failed in each:
-                report(len(done), len(failed), sum(costs[name] for name in (*done, *failed)))
+            one_by_one = (_compute(*of) for of in arguments)
+            with closing(one_by_one if workers == 1 else spread(_compute, arguments, workers)) as coming:
+                for done, failed in coming:
+                    report(len(done), len(failed), sum(costs[name] for name in (*done, *failed)))
         except BrokenProcessPool as death:
             advice = "run again, with fewer --jobs if memory was short"
             raise WorkersDie(f"a worker process died while models were tried: {advice}") from death
@@ -90,28 +121,53 @@ def _tried(
 def _batches(todo: Sequence["Trialled"], workers: int) -> list[tuple["Trialled", ...]]:
     """Trials in batches."""
     size = max(1, min(len(todo) // (BATCHES * workers), LARGEST_BATCH))
-    return [tuple(todo[n : n + size]) for n in range(0, len(todo), size)]
+    found: list[list[Trialled]] = []
+    seconds = float("inf")
+    for one in todo:
+        seconds += price(one.case)
+        if not found or len(found[-1]) == size or seconds > LONGEST_BATCH_S:
+            found.append([])
+            seconds = price(one.case)
+        found[-1].append(one)
+    return [tuple(batch) for batch in found]
 
 
 def _compute(
     root: Path, batch: tuple["Trialled", ...], engine: Engine, provenance: "Mapping[str, Value]"
 ) -> tuple[list[str], list[str]]:
-    """The trials of a batch; a reference that repeats itself is stored as a job, too. Ids done and failed."""
+    """The trials of a batch; a reference that repeats itself is stored as a job, too. Ids done and failed.
+
+    Who interrupts keeps those that are done.
+    """
+    found: dict[str, Trial | None] = {}
+    records: list[tuple[Job, Record]] = []
+    try:
+        for one in batch:
+            _try(root, one, engine, found, records)
+    finally:
+        store.write_units(root, records, provenance)
+        store.write_trials(root, store.unit_name(found), found)
+    return [name for name, one in found.items() if one is not None], [n for n, one in found.items() if one is None]
+
+
+def _try(
+    root: Path,
+    one: "Trialled",
+    engine: Engine,
+    found: "dict[str, Trial | None]",
+    records: "list[tuple[Job, Record]]",
+) -> None:
+    """A trial: into what was found goes what came of it, into the records that of a whole job."""
     from bearingsim.simulation import SimulationError
     from bearingsim.study import Job, case_id
 
-    try_out = load(engine.try_out)
-    found: dict[str, Trial | None] = {}
-    records = []
-    for one in batch:
-        try:
-            found[one.id], record = try_out(one.case, one.asked, one.passes)
-        except SimulationError:  # told by the job, if it comes to that
-            found[one.id], record = None, None
-        except Exception:  # of the machine, not of the case: it is tried again by the next run
-            continue
-        if record is not None:
-            records.append((Job(case_id(one.case), one.case, {}, None), record))
-    store.write_units(root, records, provenance)
-    store.write_trials(root, store.unit_name(found), found)
-    return [name for name, one in found.items() if one is not None], [n for n, one in found.items() if one is None]
+    try:
+        trial, record = load(engine.try_out)(one.case, one.asked, one.passes)
+    except SimulationError:  # told by the job, if it comes to that
+        trial, record = None, None
+    except Exception as error:  # of the machine, perhaps: nothing is known of it, and so it is not chosen
+        store.log(root, "trial failed", case=case_id(one.case), reason=f"{type(error).__name__}: {error}")
+        return
+    found[one.id] = trial
+    if record is not None:
+        records.append((Job(case_id(one.case), one.case, {}, None), record))

@@ -15,7 +15,14 @@ from bearingsim.store.results import Results, ResultsError, open_results, planne
 from bearingsim.store.scans import keep_scans
 from bearingsim.store.spread import errors, spread
 from bearingsim.store.table import build_table, info, read_plan, write_plan
-from bearingsim.store.trials import DamagedChoices, read_choices, read_trials, write_choices, write_trials
+from bearingsim.store.trials import (
+    DamagedChoices,
+    read_choices,
+    read_plans,
+    read_trials,
+    write_choices,
+    write_trials,
+)
 from bearingsim.store.units import DamagedUnit, Series, check_unit, read_series, unit_name, unit_path, write_units
 
 __all__ = [
@@ -46,6 +53,7 @@ __all__ = [
     "read_choices",
     "read_failures",
     "read_plan",
+    "read_plans",
     "read_series",
     "read_trials",
     "sealed_jobs",

@@ -78,6 +78,7 @@ def _accuracy(study: "Study") -> dict[str, Any] | None:
         "jobs": jobs,
         "curves": [{"feature": feature, "jobs": list(on_it)} for feature, on_it in found.curves],
         "audits": [{"of": one.of, "job": one.job.id} for one in found.audits],
+        "notes": list(found.notes),
     }
 
 

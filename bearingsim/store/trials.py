@@ -1,6 +1,7 @@
 """Trials of models, and what was chosen by them: plain JSON, each file whole or absent.
 
-``trials/<unit>.json`` holds the trials of a unit of work, ``choices.json`` one choice for each case.
+``trials/<unit>.json`` holds the trials of a unit of work, ``choices.json`` one choice for each case, and
+what names the plan of the study that it was made for.
 """
 
 import json
@@ -16,9 +17,17 @@ from bearingsim.selection import Choice, Choices
 from bearingsim.simulation.trial import Trial
 from bearingsim.store.files import write_text
 
-__all__ = ["DamagedChoices", "clear_choices", "read_choices", "read_trials", "write_choices", "write_trials"]
+__all__ = [
+    "DamagedChoices",
+    "clear_choices",
+    "read_choices",
+    "read_plans",
+    "read_trials",
+    "write_choices",
+    "write_trials",
+]
 
-CHOICES, TRIALS = "choices.json", "trials"
+CHOICES, TRIALS, PLAN = "choices.json", "trials", "plan"
 
 
 class DamagedChoices(UserError):
@@ -58,24 +67,39 @@ def _trial(told: Mapping[str, Any]) -> Trial:
     )
 
 
-def write_choices(root: Path, choices: Choices) -> None:
-    """Write what was chosen, all at once."""
-    told = {name: asdict(one) for name, one in sorted(choices.items())}
+def write_choices(root: Path, choices: Choices, plans: Mapping[str, str] | None = None) -> None:
+    """Write what was chosen, all at once; plans: what names the plan that each choice was made for."""
+    named = plans or {}
+    told = {name: asdict(one) | {PLAN: named.get(name, "")} for name, one in sorted(choices.items())}
     write_text(root / CHOICES, json.dumps(told, indent=1, ensure_ascii=False) + "\n")
 
 
 def read_choices(root: Path) -> Choices:
     """What was chosen in a folder; nothing yet if it has no ``choices.json``. Raises DamagedChoices."""
+    return {name: choice for name, (choice, _) in _read(root).items()}
+
+
+def read_plans(root: Path) -> dict[str, str]:
+    """What names the plan of the study that each choice in a folder was made for. Raises DamagedChoices."""
+    return {name: plan for name, (_, plan) in _read(root).items()}
+
+
+def _read(root: Path) -> dict[str, tuple[Choice, str]]:
     path = root / CHOICES
     try:
         told = json.loads(path.read_text(encoding="utf-8"))
-        return {name: Choice(**one) for name, one in told.items()}
+        return {name: _choice(one) for name, one in told.items()}
     except FileNotFoundError:
         return {}
     except (ValueError, TypeError, AttributeError) as error:
         raise DamagedChoices(
             f"{path} cannot be read ({error}): put it back, or remove it to decide again (results stay)"
         ) from error
+
+
+def _choice(told: dict[str, Any]) -> tuple[Choice, str]:
+    plan = told.pop(PLAN, "")
+    return Choice(**told), str(plan)
 
 
 def clear_choices(root: Path) -> None:

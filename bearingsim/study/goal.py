@@ -10,13 +10,13 @@ value of the curve that it is drawn in. Without `of` it is about what the figure
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
-from bearingsim.catalogue import REFERENCE
+from bearingsim.catalogue import AUTO, REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.names import LINES
 from bearingsim.config.rules import hierarchy
 from bearingsim.study.jobs import Figure
 from bearingsim.text.units import UnitError, parse, show, suggestion
-from bearingsim.text.yamlfile import Node, Problem, problem
+from bearingsim.text.yamlfile import Mark, Node, Problem, problem
 
 FINEST, COARSEST = 0.005, 0.5
 """What can be promised: the reference itself is not known better, and worse is none."""
@@ -28,7 +28,11 @@ KNOWN = (
     "outer_force.max",
 )
 """Features of which an accuracy can be asked: lines, RMS, the largest force."""
-NOT_BESIDE = ("model", "method")
+CHOSEN, STEPPED = "which chooses it", "which rests on the error of an automatic step"
+NOT_BESIDE = {"model": CHOSEN, "method": CHOSEN, "step": STEPPED, "tolerance": STEPPED}
+"""What is left to a study that names an accuracy."""
+NOT_SWEPT = dict.fromkeys(("contact.slices", "rig.ring.harmonics"), "which tries other values of it")
+"""What such a study may say once."""
 
 
 @dataclass(frozen=True)
@@ -94,45 +98,50 @@ def _drawn(figures: Iterable[Figure]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for figure in figures for name in figure.y if name in KNOWN))
 
 
-def check_goal(root: Node, cases: Collection[Case], overrides: Mapping[str, str], problems: list[Problem]) -> None:
-    """Note what cannot stand beside `accuracy`, and what has no model to judge by."""
+def check_goal(
+    root: Node,
+    cases: Collection[Case],
+    swept: Mapping[str, Node],
+    overrides: Mapping[str, str],
+    problems: list[Problem],
+) -> None:
+    """Note what cannot stand beside `accuracy`, and what has no model to judge by.
+
+    swept: the entry of each path that the study, or an override, gives a list of values.
+    """
     section = root.mapping["accuracy"]
     mark = section.key or section.mark
-    for key in NOT_BESIDE:
-        for place in _written(root, key):
-            advice = f"leave `{key}` out, or `accuracy`"
-            problems.append(
-                problem(place.key or place.mark, f"`{key}` beside `accuracy`, which chooses it", advice)
-            )
-        if key in overrides:
-            problems.append(
-                problem(mark, f"`{key}` beside `accuracy`, which chooses it", f"leave out --set {key}")
-            )
+    for path, why in NOT_BESIDE.items():
+        message, advice = f"`{path}` beside `accuracy`, {why}", f"leave `{path}` out, or `accuracy`"
+        harmless = AUTO if why == STEPPED else None
+        said = [entry for entry in _said(root, path, swept) if entry.value != harmless]
+        problems += [problem(_place(entry), message, advice) for entry in said]
+        if overrides.get(path, harmless) != harmless and path not in swept:
+            problems.append(problem(mark, message, f"leave out --set {path}"))
+    for path, why in NOT_SWEPT.items():
+        if path in swept:
+            message = f"`{path}` is swept beside `accuracy`, {why}"
+            problems.append(problem(_place(swept[path]), message, "give it one value"))
+    if not all(case.step_check for case in cases):
+        message = "`step_check: false` beside `accuracy`: how far off the step is would not be known"
+        place = next(map(_place, _said(root, "step_check", swept)), mark)
+        problems.append(problem(place, message, "leave it out"))
     for case in cases:
         unmet = hierarchy.unmet_wishes(case) if case.rig.ring is not None else []
         if unmet:
             message = f"accuracy: no model has all that this asks for: {unmet[0].why}"
-            problems.append(problem(mark, message, "name a `model`, or leave that out"))
+            problems.append(problem(mark, message, "leave that out, or name a `model` in place of `accuracy`"))
             return
 
 
-def _written(root: Node, key: str) -> Iterable[Node]:
-    """Where a key is said in a study file: at the top, in `sweep`, `zip` or `quick`."""
-    for name in ("", "sweep", "quick"):
-        section = root.mapping.get(name, root if name == "" else None)
-        if section is None:
-            continue
-        yield from (section.mapping[key],) if key in section.mapping else ()
-        sweep = section.mapping.get("sweep") if name == "quick" else section
-        for block in (sweep, *_zipped(sweep)):
-            if block is not None and block is not section and key in block.mapping:
-                yield block.mapping[key]
+def _said(root: Node, path: str, swept: Mapping[str, Node]) -> list[Node]:
+    """What a study says of a path: at its top, in `quick`, or as a list of values."""
+    quick = root.mapping.get("quick", Node({}, root.mark))
+    return [entries[path] for entries in (root.mapping, quick.mapping, swept) if path in entries]
 
 
-def _zipped(sweep: Node | None) -> tuple[Node, ...]:
-    """The blocks of a `zip`."""
-    found = sweep.mapping.get("zip") if sweep is not None else None
-    return () if found is None else found.items or (found,)
+def _place(entry: Node) -> Mark:
+    return entry.key or entry.mark
 
 
 def asks_for_reference(root: Node) -> Node:

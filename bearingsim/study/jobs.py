@@ -73,12 +73,13 @@ class Selection:
     """What was chosen for a study that names an accuracy (``bearingsim/selection``).
 
     jobs: of each case's id the model, why, and what the model may be off, relative, by feature; curves: features,
-    and the ids on each curve.
+    and the ids on each curve; notes: what is to be known of choices that were made for an earlier plan.
     """
 
     jobs: Mapping[str, tuple[str, str, dict[str, float]]]
     curves: tuple[tuple[str, tuple[str, ...]], ...]
     audits: tuple[Audit, ...]
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,7 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     modes = (False, True) if "quick" in root.mapping else (False,)
     plans = [_Plan.of(root, FilePath(path).parent, given, reduced) for reduced in modes]
     cases = [plan.cases() for plan in plans]
-    swept = {path: None for plan in plans for axis in plan.axes for path in axis.paths}
+    swept = {path: node for plan in plans for path, node in plan.entries().items()}
     uncertain = parse_uncertainty(root.mapping.get("uncertainty"), problems)
     figures = parse_figures(root.mapping.get("figures"), swept, problems)
     name = _name(root, problems)
@@ -66,9 +66,10 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     if all(cases):
         models = {case.model for found in cases for case, _ in found}
         check_known(root.mapping.get("figures"), models, problems)
-        check_possible(root.mapping.get("uncertainty"), [case for case, _ in cases[0]], uncertain or (), problems)
+        own, named = [case for case, _ in cases[0]], "accuracy" not in whole.mapping
+        check_possible(root.mapping.get("uncertainty"), own, uncertain or (), problems, named)
         if goal is not None:
-            check_goal(whole, [case for found in cases for case, _ in found], given, problems)
+            check_goal(whole, [case for found in cases for case, _ in found], swept, given, problems)
     problems += [found for plan in plans for found in plan.all_problems()]
     if problems:
         raise StudyError(_in_order(problems, str(path)))
@@ -265,6 +266,10 @@ class _Plan:
             is_number = isinstance(value, int | float) and not isinstance(value, bool)
             values[path] = float(value) if is_number and not _is_word(path, node) else node.text
         return values
+
+    def entries(self) -> dict[str, Node]:
+        """The swept paths, and where each is said."""
+        return {path: node for axis in self.axes for path, node in zip(axis.paths, axis.keys, strict=True)}
 
     def units(self) -> dict[str, str]:
         """The unit of each swept path as first written; empty for words."""

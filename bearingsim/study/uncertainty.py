@@ -178,11 +178,19 @@ def _value(what: str, known: Unknown, item: Node, problems: list[Problem]) -> fl
 
 
 def check_possible(
-    section: Node | None, cases: Sequence[Case], uncertain: Sequence[Uncertain], problems: list[Problem]
+    section: Node | None,
+    cases: Sequence[Case],
+    uncertain: Sequence[Uncertain],
+    problems: list[Problem],
+    named: bool = True,
 ) -> None:
-    """Note the values with which a case of the study could not be: one problem for each kind."""
+    """Note the values with which a case of the study could not be: one problem for each kind.
+
+    named: whether the study names its models; else they follow from the `accuracy` that it asks for.
+    """
     for one in uncertain:
-        refused = next(filter(None, map(_no_support, cases)), None) if one.what == "support" else None
+        refusals = (_no_support(case, named) for case in cases if one.what == "support")
+        refused = next(filter(None, refusals), None)
         if refused is not None and section is not None:
             problems.append(
                 problem(section.mapping["support"].mark, f"uncertainty.support: {refused[0]}", refused[1])
@@ -195,8 +203,11 @@ def check_possible(
             problems.append(problem(mark, f"uncertainty.{one.what}: {wrong.message}", wrong.hint))
 
 
-def _no_support(case: Case) -> tuple[str, str] | None:
+def _no_support(case: Case, named: bool) -> tuple[str, str] | None:
     """Why a case cannot be computed with other supports, and what would mend it; None if it can."""
+    if not named:
+        why = "beside `accuracy`, whose models differ in what they know of a ring that bends"
+        return why, "leave `support` out, or name a `model` in place of `accuracy`"
     able = [model.name for model in MODELS.values() if BENDING in model.abilities]
     if case.model not in able:
         words = " or ".join(f"`model: {name}`" for name in able)

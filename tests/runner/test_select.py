@@ -2,9 +2,11 @@
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +14,15 @@ import pandas as pd
 import pytest
 
 from bearingsim import store
-from bearingsim.runner import RunSummary, run
+from bearingsim.cli.plan import plan_of
+from bearingsim.cli.remarks import choices as choices_told
+from bearingsim.runner import Interrupted, RunSummary, run
 from bearingsim.runner.select import NoChoices, selected
 from bearingsim.selection import Choosing
+from bearingsim.selection.choices import key
 from bearingsim.study import Study, case_id, load_study
 from tests.scenes import trials
+from tests.scenes.commands import type_
 from tests.scenes.study_text import Write
 from tests.scenes.trials import ENGINE, LOG, TEXT, near
 
@@ -91,10 +97,23 @@ def test_later_runs_and_shards_read_them_and_try_nothing(write: Write, tmp_path:
 
 
 def test_a_share_does_not_choose_for_all(write: Write, tmp_path: Path, log: Path) -> None:
-    with pytest.raises(
-        NoChoices, match=r"no choice of a model for 3 of 3 cases: run `bearingsim check STUDY --pilots`"
-    ):
-        compute(near(write), tmp_path / "out", shard=(1, 3))
+    """What is to be typed first is told as it is to be typed."""
+    quick = load_study(write(TEXT + "quick: {duration: 0.1 s}\n"), {"load": "[150 N, 300 N]"}, quick=True)
+    with pytest.raises(NoChoices, match=r"no choice of a model for 2 of 2 cases: run `bearingsim check ") as said:
+        compute(quick, tmp_path / "out", shard=(1, 3))
+    typed = shlex.split(str(said.value).split("`")[1])
+    assert typed[1:] == [
+        *(
+            "check",
+            str(quick.path),
+            "--out",
+            str(tmp_path / "out"),
+            "--set",
+            "load=[150 N, 300 N]",
+            "--quick",
+            "--pilots",
+        )
+    ]
     assert lines(log) == []
 
 
@@ -122,6 +141,200 @@ def test_a_study_that_is_extended_keeps_what_was_chosen(
     assert {name: after[name] for name in before} == before
     assert [one["candidate"] for name, one in after.items() if name not in before] == ["reference"]
     assert {line.split()[2] for line in lines(log) if line.startswith("try")} == {"600"}
+
+
+LOADS = "150 N, 300 N, 450 N"
+
+
+def extended(write: Write, loads: str) -> Study:
+    return near(write, TEXT.replace(LOADS, loads))
+
+
+def notes(out: Path) -> list[str]:
+    found: list[str] = store.read_plan(out)["accuracy"]["notes"]
+    return found
+
+
+def errors(out: Path) -> dict[float, float]:
+    """What is said of the model of each case, by load."""
+    table = store.open_results(out).table()
+    own = table[table["healthy"] != ""]
+    return dict(zip(own["load"], own["error.model"], strict=True))
+
+
+def test_a_quick_study_chooses_in_its_own_folder(
+    write: Write, tmp_path: Path, log: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is set on the command line is chosen for, too."""
+    monkeypatch.chdir(tmp_path)
+    path = write(TEXT + "quick: {duration: 0.15 s, sweep: {load: [150 N, 450 N]}}\n")
+    given = {"clearance": "5 um"}
+    studies = [load_study(path), load_study(path, quick=True), load_study(path, given, quick=True)]
+    keys = [{key(study, case) for case in study.cases()} for study in studies]
+    assert list(map(len, keys)) == [3, 2, 2]
+    assert len(set().union(*keys)) == 7
+    for study in studies[:2]:
+        run(study, jobs=1, progress=False, engine=ENGINE)
+    assert choices(Path("results/near")).keys() == keys[0]
+    assert choices(Path("results/near-quick")).keys() == keys[1]
+    lines(log)
+    run(studies[2], jobs=1, progress=False, engine=ENGINE)
+    assert choices(Path("results/near-quick")).keys() == keys[1] | keys[2]
+    assert notes(Path("results/near-quick")) == []  # another value: none of the cases has been chosen for
+    assert tried(log) > 0
+    run(studies[1], shard=(2, 2), jobs=1, progress=False, engine=ENGINE)
+    assert tried(log) == 0
+
+
+def test_a_new_case_is_judged_by_the_curve_as_it_is_then(write: Write, tmp_path: Path) -> None:
+    """By old cases and new ones. An old one has what was said of it then."""
+    out = tmp_path / "out"
+    compute(near(write), out)
+    told = {150.0: 1.5 / 450.0, 300.0: 3.0 / 450.0, 450.0: 0.01}
+    for loads, new in (
+        ("200 N", {200.0: 2.0 / 450.0}),
+        ("200 N, 4500 N", {4500.0: 0.01}),
+        ("200 N, 4500 N, 250 N", {250.0: 125.0 / 4500.0}),
+    ):
+        compute(extended(write, f"{LOADS}, {loads}"), out)
+        told |= new
+        assert errors(out) == pytest.approx(told, rel=1e-6)
+
+
+def test_who_extends_a_study_is_told_what_is_kept(write: Write, tmp_path: Path) -> None:
+    out, study = tmp_path / "out", extended(write, f"{LOADS}, 600 N")
+    compute(near(write), out)
+    assert notes(out) == []
+    summary = compute(study, out)
+    told = (
+        "3 of 4 cases keep the model that was chosen for an earlier plan, by its curves"
+        " (without choices.json all are chosen anew)"
+    )
+    assert notes(out) == [told]
+    assert told in str(summary).splitlines()
+    assert told in type_("show", out)[0].splitlines()
+    assert told in str(compute(study, out)).splitlines()  # as long as it is so
+    assert told in [*choices_told(plan_of(selected(study, out, 1, ENGINE, shown=False), 1))]
+    (out / "choices.json").unlink()
+    assert told not in str(compute(study, out))
+    assert notes(out) == []
+
+
+def test_who_leaves_cases_out_is_told_too(write: Write, tmp_path: Path) -> None:
+    compute(near(write), tmp_path)
+    compute(extended(write, "150 N"), tmp_path)
+    assert len(notes(tmp_path)) == 1
+    assert notes(tmp_path)[0].startswith("1 of 1 cases keeps the model")
+
+
+def test_what_has_no_say_in_choices_makes_no_other_plan(write: Write, tmp_path: Path) -> None:
+    compute(near(write), tmp_path)
+    before = (tmp_path / "choices.json").read_bytes()
+    compute(extended(write, "450 N, 300 N, 150 N"), tmp_path)
+    compute(near(write, TEXT + "uncertainty: none\n"), tmp_path)
+    assert notes(tmp_path) == []
+    assert (tmp_path / "choices.json").read_bytes() == before
+    compute(near(write, TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: velocity@BPFO}")), tmp_path)
+    assert notes(tmp_path) == []
+    alone = TEXT.replace("5 %", "{within: 5 %, of: velocity@BPFO}").replace("y: velocity@BPFO", "y: velocity.rms")
+    compute(near(write, alone), tmp_path)  # no curve of it: other choices might be made
+    assert notes(tmp_path)[0].startswith("3 of 3 cases keep the model")
+
+
+def test_models_that_part_on_a_curve_because_it_was_extended_are_told(
+    write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One model a curve, unless several cost under a third: so it is among those that are chosen together."""
+    compute(near(write), tmp_path)
+    monkeypatch.setitem(trials.OFF, "rollers", 1.3)
+    summary = compute(extended(write, f"{LOADS}, 600 N"), tmp_path)
+    told = (
+        "on 1 of 1 curves other models were chosen then than now: `rollers`, `planar` (reference);"
+        " a step between them may come from that"
+    )
+    assert notes(tmp_path)[1:] == [told]
+    assert told in str(summary).splitlines()
+    assert told in type_("show", tmp_path)[0].splitlines()
+
+
+# Interrupts
+
+
+def test_an_interrupt_while_models_are_tried_keeps_what_was_tried(
+    write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain, left = trials.try_out, [5]
+
+    def interrupted(*of: Any) -> Any:
+        left[0] -= 1
+        if left[0] == 0:
+            raise KeyboardInterrupt
+        return plain(*of)
+
+    monkeypatch.setattr(trials, "try_out", interrupted)
+    with pytest.raises(Interrupted) as stop:
+        compute(near(write), tmp_path)
+    summary = stop.value.summary
+    assert (summary.planned, summary.resumed, summary.done, summary.missing) == (6, 0, 0, 6)
+    assert (summary.exit_code, summary.interrupted) == (130, True)
+    assert "models were being tried, before the first job: 4 trials kept" in str(stop.value).splitlines()
+    assert "run the same command to continue" in str(stop.value)
+    assert len(store.read_trials(tmp_path)) == 4
+    assert not (tmp_path / "choices.json").exists()
+    left[0] = 0
+    assert compute(near(write), tmp_path).failed == 0
+    compute(near(write), tmp_path / "whole")
+    assert choices(tmp_path) == choices(tmp_path / "whole")
+
+
+def test_jobs_that_trials_have_done_count(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    left = [2]
+
+    def repeating(case: Any, asked: Any, passes: int) -> Any:
+        left[0] -= 1
+        if left[0] < 0:
+            raise KeyboardInterrupt
+        return trials.trial(case.load, passes, repeats=True, names=asked), trials.simulate(case)
+
+    monkeypatch.setattr(trials, "try_out", repeating)
+    with pytest.raises(Interrupted) as stop:
+        compute(near(write), tmp_path)
+    assert (stop.value.summary.planned, stop.value.summary.resumed) == (6, 2)
+
+
+@pytest.mark.parametrize(
+    "words", [("run", "--jobs", "1"), ("run", "--jobs", "2"), ("check", "--pilots", "--jobs", "2")]
+)
+def test_ctrl_c_while_models_are_tried(write: Write, tmp_path: Path, words: tuple[str, ...]) -> None:
+    """It ends with what is kept and how to go on, and no traceback."""
+    near(write, TEXT.replace(LOADS, "150 N, 300 N, 450 N, 600 N, 750 N, 900 N"))
+    # who is started in the background by a shell is deaf to Ctrl-C, and would hand that on
+    hear = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    code = f"{hear}; from tests.scenes import trials; trials.main()"
+    out = tmp_path / "out"
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, *words, str(tmp_path / "study.yaml"), "--out", str(out)],
+        cwd=ROOT,
+        env={**os.environ, trials.SECONDS: "0.2"},
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+    end = time.monotonic() + 60.0
+    while len(store.read_trials(out)) < 3:
+        assert time.monotonic() < end
+        assert process.poll() is None
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)
+    said, told = process.communicate(timeout=30)
+    assert process.returncode == 130, (said, told)
+    assert "Traceback" not in told
+    assert "models were being tried, before the first job: " in told
+    assert "run the same command to continue" in told
+    assert ("left of 12 jobs" in told) == (words[0] == "run")
+    assert not [path for path in out.rglob("*") if path.suffix in (".part", ".started")]
+    assert not (out / "choices.json").exists()
 
 
 def test_another_accuracy_is_another_choice(write: Write, tmp_path: Path, log: Path) -> None:

@@ -1,14 +1,17 @@
 """Trials whose numbers are known, and an engine that gives them: for tests of how a model is chosen."""
 
 import os
+import sys
+import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from bearingsim import selection
+from bearingsim import cli, runner, selection
 from bearingsim.config import Case
 from bearingsim.runner import Engine
 from bearingsim.selection import Trialled
@@ -26,6 +29,8 @@ ENGINE = Engine(
 )
 LOG = "FAKE_TRIALS"
 """A variable of the environment: the file that tells what has been tried and computed, a line each."""
+SECONDS = "FAKE_SECONDS"
+"""Another: what a trial takes (s)."""
 
 HEAD = """\
 study: near
@@ -90,6 +95,7 @@ def _log(what: str, case: Case) -> None:
 
 def try_out(case: Case, asked: Sequence[str], passes: int) -> tuple[Trial, Any]:
     _log("try", case)
+    time.sleep(float(os.environ.get(SECONDS, "0")))
     return trial(case.load * OFF[case.model], passes, names=asked), None
 
 
@@ -110,3 +116,10 @@ def warm(cases: Sequence[Case], about_to: Any = None) -> None:
 
 def notes(cases: Sequence[Case]) -> list[str]:
     return []
+
+
+def main() -> None:
+    """The program with this engine: what the tests start as another process, to interrupt it."""
+    sys.modules["bearingsim.runner.run"].BEARINGSIM = ENGINE  # type: ignore[attr-defined]
+    runner.run = partial(runner.run, engine=ENGINE)
+    cli.main()

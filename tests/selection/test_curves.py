@@ -44,8 +44,8 @@ def test_paths_that_move_with_x_part_no_curve(write: Write) -> None:
 def test_where_knows_words_and_plain_numbers(write: Write) -> None:
     words = "sweep: {load: [150 N, 300 N], excitation: [envelope, soft-edge]}\n"
     assert drawn(write, "y: velocity@BPFO, x: load, where: {excitation: soft-edge}", sweep=words) == [(1, 3)]
-    slices = "sweep: {load: [150 N, 300 N], contact.slices: [10, 20]}\nmisalignment: {inner: 0.2 mrad}\n"
-    assert drawn(write, "y: velocity@BPFO, x: load, where: {contact.slices: 20}", sweep=slices) == [(1, 3)]
+    rollers = "sweep: {load: [150 N, 300 N], bearing.rollers: [12, 13]}\n"
+    assert drawn(write, "y: velocity@BPFO, x: load, where: {bearing.rollers: 13}", sweep=rollers) == [(1, 3)]
 
 
 def test_an_error_counts_over_the_largest_value_of_the_lowest_curve() -> None:

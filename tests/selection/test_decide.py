@@ -23,6 +23,7 @@ from tests.scenes.trials import HEAD, TEXT, Of, by_model, known, near, trial
 FAR = {"planar": 1.0, "rollers": 1.5, "ring": 1.5, "static": 2.0}
 SPATIAL = TEXT + "misalignment: {inner: 0.2 mrad}\n"
 BENDS = "rig: {ring: {bends: true}}\n"
+RING = "{bends: true, harmonics: 16}"
 HALF, QUARTER, SIXTH = candidates.SLICES
 
 
@@ -231,7 +232,7 @@ def test_what_two_cases_come_to_is_no_candidate(write: Write, dear: dict[str, fl
     """Its results would be one row of the table, and one point of the figure."""
     text = f"{HEAD}load: 150 N\naccuracy: {{within: 5 %, of: [velocity.rms]}}\n{BENDS}"
     dear["static"] = 1.0
-    found = names(write, f"{text}sweep: {{rig.ring.harmonics: [16, 32]}}\n")
+    found = names(write, f"{text}sweep: {{rig.ring: [{RING}, {RING.replace('16', '32')}]}}\n")
     assert found == {candidates.AS_SAID: [0, 1], "static": [0, 1]}
     other = names(write, f"{text}sweep: {{load: [150 N, 300 N]}}\n".replace("load: 150 N\n", ""))
     assert list(other) == [candidates.AS_SAID, "8 harmonics", "static"]
@@ -247,16 +248,16 @@ def test_what_changes_its_speed_is_left_to_the_reference(write: Write, dear: dic
 
 def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear: dict[str, float]) -> None:
     """Those of a study that is extended are as they were, though what is new has more slices."""
-    sweep = "sweep: {contact.slices: [10, 20]}"
+    sweep = "sweep: {contact: [{slices: 10}, {slices: 20}]}"
     text = SPATIAL.replace("sweep: {load: [150 N, 300 N, 450 N]}", f"load: 150 N\n{sweep}").replace(
-        "x: load", "x: contact.slices"
+        "x: load", "x: contact"
     )
     study = near(write, text)
     assert study.cases()[0].model == "spatial"
     half = [candidates.computed_by(study, n, HALF) for n in range(2)]
     assert [case.contact.slices for case in half if case is not None] == [5, 10]
     found = {key(study, case): Choice(HALF, "spatial", "", {}) for case in study.cases()}
-    more = near(write, text.replace("[10, 20]", "[10, 20, 40]"))
+    more = near(write, text.replace("{slices: 20}]", "{slices: 20}, {slices: 40}]"))
     found |= {key(more, more.cases()[2]): Choice("reference", "spatial", "", {})}
     assert [case.contact.slices for case in selection.chosen(more, found).cases()] == [5, 10, 40]
 

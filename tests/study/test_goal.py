@@ -140,6 +140,94 @@ def test_nor_can_it_be_set(write: Write, key: str) -> None:
     assert f"leave out --set {key}" in str(found)
 
 
+STEPPED = "`{}` beside `accuracy`, which rests on the error of an automatic step (leave `{}` out, or `accuracy`)"
+SWEPT = "`{}` is swept beside `accuracy`, which tries other values of it (give it one value)"
+BENDS = "rig: {ring: {bends: true}}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "path", "caret", "message"),
+    [
+        ("step: 1 us\n", "step", "step: 1 us", STEPPED),
+        ("tolerance: 1e-5\n", "tolerance", "tolerance: 1e-5", STEPPED),
+        ("quick: {step: 1 us}\n", "step", "step: 1 us", STEPPED),
+        ("quick: {sweep: {tolerance: [1e-5, 1e-6]}}\n", "tolerance", "tolerance: [1e-5", STEPPED),
+        ("quick: {sweep: {contact.slices: [10, 20]}}\n", "contact.slices", "contact.slices: [10", SWEPT),
+        (BENDS + "quick: {sweep: {rig.ring.harmonics: [8, 10]}}\n", "rig.ring.harmonics", "rig.ring.harm", SWEPT),
+    ],
+)
+def test_nor_what_the_choice_is_about(write: Write, text: str, path: str, caret: str, message: str) -> None:
+    (found,) = problems(write(f"{BASE}{MODELS}{text}"))
+    assert str(found).splitlines()[0].endswith(message.format(path, path))
+    assert at(found).startswith(caret)
+
+
+@pytest.mark.parametrize(
+    ("sweep", "caret"),
+    [
+        ("sweep: {load: [150 N, 300 N], step: [1 us, 2 us]}\n", "step: [1"),
+        ("sweep: {zip: {load: [150 N, 300 N], tolerance: [1e-5, 1e-6]}}\n", "tolerance: [1e"),
+        ("sweep: {load: [150 N, 300 N], contact.slices: [10, 20]}\n", "contact.slices: [10"),
+        ("sweep: {zip: [{load: [150 N, 300 N], contact.slices: [10, 20]}]}\n", "contact.slices: [10"),
+        (BENDS + "sweep: {load: [150 N, 300 N], rig.ring.harmonics: [8, 10]}\n", "rig.ring.harmonics: [8"),
+        ("sweep: {load: [150 N, 300 N], step_check: [true, false]}\n", "step_check: [true"),
+    ],
+)
+def test_nor_can_that_be_swept(write: Write, sweep: str, caret: str) -> None:
+    (found,) = problems(write(f"{BASE}accuracy: 2 %\n{sweep}{FIGURE}"))
+    assert "beside `accuracy`" in found.message
+    assert at(found).startswith(caret)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "caret"),
+    [
+        ("step", "1 us", "accuracy: 2 %"),
+        ("tolerance", "1e-5", "accuracy: 2 %"),
+        ("step", "[1 us, 2 us]", "step=[1"),
+        ("contact.slices", "[10, 20]", "contact.slices=[10"),
+        ("step_check", "false", "accuracy: 2 %"),
+    ],
+)
+def test_nor_can_that_be_set(write: Write, path: str, value: str, caret: str) -> None:
+    (found,) = problems(write(BASE + MODELS), {path: value})
+    assert "beside `accuracy`" in found.message
+    assert at(found).startswith(caret)
+
+
+@pytest.mark.parametrize("said", ["step_check: false", "quick: {step_check: false}"])
+def test_the_error_of_the_step_must_be_known(write: Write, said: str) -> None:
+    (found,) = problems(write(f"{BASE}{MODELS}{said}\n"))
+    assert "how far off the step is would not be known (leave it out)" in str(found)
+    assert at(found).startswith("step_check: false")
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "step: auto\ntolerance: auto\n",
+        "quick: {step: auto}\n",
+        "step_check: strict\n",
+        "contact: {slices: 10}\n",
+        "quick: {contact.slices: 10}\n",
+        "rig: {ring: {bends: true, harmonics: 10}}\n",
+    ],
+)
+def test_what_does_no_harm_may_be_said(write: Write, said: str) -> None:
+    study = load_study(write(f"{BASE}{MODELS}{said}"))
+    assert study.otherwise is not None
+    assert all(study.otherwise({"model": "static"}))
+
+
+@pytest.mark.parametrize("rig", ["", BENDS, "rig: {ring: {bends: false}}\n"])
+def test_supports_cannot_be_tried_by_models_that_know_none(write: Write, rig: str) -> None:
+    """The advice must not lead to what is refused in its turn."""
+    (found,) = problems(write(f"{BASE}{MODELS}{rig}uncertainty: {{support: unknown}}\n"))
+    assert found.message.startswith("uncertainty.support: beside `accuracy`")
+    assert found.hint == "leave `support` out, or name a `model` in place of `accuracy`"
+    assert at(found).startswith("unknown}")
+
+
 def test_what_no_model_knows_in_full_has_no_reference(write: Write) -> None:
     """A pit off the roller's middle tilts rollers, a ring that bends is known to others."""
     offset = BASE.replace("depth: 50 um", "depth: 50 um, offset: 1 mm")
@@ -147,5 +235,5 @@ def test_what_no_model_knows_in_full_has_no_reference(write: Write) -> None:
     assert found.message.startswith(
         "accuracy: no model has all that this asks for: a defect off the roller's middle"
     )
-    assert "name a `model`" in str(found)
+    assert found.hint == "leave that out, or name a `model` in place of `accuracy`"
     load_study(write(offset + MODELS))  # without the ring: spatial
