@@ -186,7 +186,7 @@ def tried(one: Trialled) -> tuple[float, Trial | None]:
     for _ in range(2):
         began = time.process_time()
         with suppress(SimulationError):
-            found = try_out(one.case, one.asked, one.passes)[0]
+            found = try_out(one.case, one.asked, one.passes, one.turn)[0]
         took = time.process_time() - began
     return took, found
 

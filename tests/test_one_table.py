@@ -25,7 +25,7 @@ OTHER_MEANINGS = {
     ("config/rules/hierarchy.py", "ring"): "a field of the rig",
     ("config/sections/machine.py", "ring"): "a field of the rig",
     ("config/sections/ring.py", "ring"): "what carries the sensor",
-    ("selection/trials.py", "ring"): "a field of the rig",
+    ("selection/candidates.py", "ring"): "a field of the rig",
     ("study/schema.py", "ring"): "a field of the rig",
     ("study/used.py", "ring"): "a field of the rig",
     ("study/uncertainty.py", "ring"): "a field of the rig",

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from bearingsim.config import Case
 from bearingsim.selection.candidates import reference
-from bearingsim.simulation.trial import Trial, passes_to_try
+from bearingsim.simulation.trial import Trial, passes_to_try, pit_turn
 from bearingsim.study import Study, healthy_twin
 from bearingsim.study.goal import HEALTHY
 from bearingsim.study.jobs import identity
@@ -14,12 +14,13 @@ from bearingsim.study.jobs import identity
 
 @dataclass(frozen=True)
 class Trialled:
-    """A trial to be computed: of which case, what is asked of it, how many ball passes."""
+    """A trial to be computed: of which case, what is asked of it, how many ball passes, cut by which turn (s)."""
 
     id: str
     case: Case
     asked: tuple[str, ...]
     passes: int
+    turn: float
 
 
 Known = Mapping[str, Trial | None]
@@ -28,20 +29,19 @@ Known = Mapping[str, Trial | None]
 
 def trials_of(study: Study, number: int, case: Case) -> list[Trialled]:
     """Those by which a candidate for a case of a study is judged: its own, and its healthy twin's if asked."""
-    passes = passes_to_try(study.swept_cases[number][0])
-    return [_trial(study, one, passes) for one in (case, twin_asked(study, case)) if one is not None]
-
-
-def _trial(study: Study, case: Case, passes: int) -> Trialled:
     assert study.goal is not None
+    own = study.swept_cases[number][0]
     asked = tuple(sorted({name.removesuffix(HEALTHY) for name in study.goal.of}))
-    return Trialled(_named(case, asked, passes), case, asked, passes)
+    read = asked, passes_to_try(own), pit_turn(own)  # the twin's as the case's, whose pits it does not have
+    cases = [one for one in (case, twin_asked(study, case)) if one is not None]
+    return [Trialled(_named(one, *read), one, *read) for one in cases]
 
 
 @lru_cache(maxsize=1 << 17)
-def _named(case: Case, asked: tuple[str, ...], passes: int) -> str:
+def _named(case: Case, asked: tuple[str, ...], passes: int, turn: float) -> str:
     """The id of a trial."""
-    return identity(case, {"trial": passes, "asked": list(asked)})
+    told = {"trial": passes, "asked": list(asked)}
+    return identity(case, told if turn == pit_turn(case) else told | {"turn": float(f"{turn:.12g}")})
 
 
 def twin_asked(study: Study, case: Case) -> Case | None:

@@ -91,14 +91,15 @@ def simulate(case: Case) -> Record:
     return _in_turn(case, lambda attempt: _simulate(attempt, began))
 
 
-def try_out(case: Case, asked: Sequence[str], passes: int) -> tuple[Trial, Record | None]:
+def try_out(case: Case, asked: Sequence[str], passes: int, turn: float = 0.0) -> tuple[Trial, Record | None]:
     """The first ball passes of a case, for its model to be compared with others (``trial.py``).
 
-    asked: the features that are; passes: how many are compared. Where the motion repeats itself within them, what
-    repeats is all there is to know: then there is the whole record besides. Raises like ``simulate``.
+    asked: the features that are; passes: how many are compared; turn: of the slowest pit (s), by which they are
+    cut (0 if none turns), its own or of the case whose healthy twin this is. Where the motion repeats itself within
+    them, what repeats is all there is to know: then there is the whole record besides. Raises like ``simulate``.
     """
     began = time.process_time()
-    return _in_turn(case, lambda attempt: _try_out(attempt, asked, passes, began))
+    return _in_turn(case, lambda attempt: _try_out(attempt, asked, passes, turn, began))
 
 
 def _in_turn(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
@@ -153,13 +154,13 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
 
 
 def _try_out(
-    attempt: choice.Attempt, asked: Sequence[str], passes: int, began: float
+    attempt: choice.Attempt, asked: Sequence[str], passes: int, turn: float, began: float
 ) -> tuple[Trial, Record | None]:
     """The first passes of a case, computed in one way: their step is proven if they are all of the record."""
     whole = attempt.case.model_copy(update={"until": None})  # which may end before so many passes
     setup = set_up(whole, attempt.part)
     raw = integrate(setup, most=trial.last_pass(setup, passes))
-    found = trial.of_passes(setup, raw, asked, passes)
+    found = trial.of_passes(setup, raw, asked, passes, turn)
     if not found.repeats or setup.case.step_check == "strict" or attempt.case.until is not None:
         return found, None
     return found, _record(setup, raw, _checked_step(setup, raw), began)

@@ -69,14 +69,14 @@ def last_pass(setup: Setup, passes: int) -> int:
     return min(cut.passes, ceil(case.settle * cut.rate) + passes + beyond)
 
 
-def of_passes(setup: Setup, raw: RawRecord, asked: Sequence[str], passes: int) -> Trial:
-    """What is asked of the first ``passes`` of a run after settling."""
+def of_passes(setup: Setup, raw: RawRecord, asked: Sequence[str], passes: int, turn: float) -> Trial:
+    """What is asked of the first ``passes`` of a run after settling; ``turn``: of the slowest pit (s), or 0."""
     case, cut = setup.case, setup.cut
     start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
     fine = raw.read(start, length, features.of_base(case))
     rows = low_passed(setup, raw, start, length) if case.antialias else fine
     turning = features.sample_angles(setup.model, cut, start, np.zeros(length))
-    turn = max(1.0, pit_turn(case) * cut.rate)  # in ball passes
+    turn = max(1.0, turn * cut.rate)  # in ball passes
     spans = spans_of(passes, turn, cut.fine_per_pass)
     lines, powers = {}, {}
     for name in asked:

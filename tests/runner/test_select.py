@@ -290,7 +290,7 @@ def test_an_interrupt_while_models_are_tried_keeps_what_was_tried(
 def test_jobs_that_trials_have_done_count(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     left = [2]
 
-    def repeating(case: Any, asked: Any, passes: int) -> Any:
+    def repeating(case: Any, asked: Any, passes: int, turn: float) -> Any:
         left[0] -= 1
         if left[0] < 0:
             raise KeyboardInterrupt
@@ -432,8 +432,8 @@ def test_a_reference_that_repeats_itself_is_not_computed_again(
 ) -> None:
     plain = trials.try_out
 
-    def repeating(case: Any, asked: Any, passes: int) -> Any:
-        plain(case, asked, passes)
+    def repeating(case: Any, asked: Any, passes: int, turn: float) -> Any:
+        plain(case, asked, passes, turn)
         return trials.trial(case.load, passes, repeats=True, names=asked), trials.simulate(case)
 
     monkeypatch.setattr(trials, "try_out", repeating)
@@ -482,7 +482,7 @@ def test_audits_of_what_is_measured_against_a_twin_compare_that(
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
     study = load_study(write(text))
 
-    def of_trial(case: Any, asked: Any, passes: int) -> Any:
+    def of_trial(case: Any, asked: Any, passes: int, turn: float) -> Any:
         return trials.trial(
             (1.0 + bool(case.defects)) * case.load * trials.OFF[case.model], passes, names=asked
         ), None

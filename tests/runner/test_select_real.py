@@ -32,13 +32,13 @@ defect: {race: inner, shape: rectangular, length: 12 mm, width: 0.4 mm, depth: 5
 duration: 0.25 s
 settle: 50 ms
 record: [ring.velocity]
-accuracy: {within: 30 %, of: [velocity.rms, velocity@BPFI]}
+accuracy: {within: 30 %, of: [velocity.rms, velocity@BPFI-healthy]}
 sweep:
   defect.race: [outer, inner]
   defect.width: [0.2 mm, 0.8 mm]
   clearance: [0 um, 10 um]
 figures:
-  - {y: [velocity.rms, velocity@BPFI], x: defect.width, by: [clearance, defect.race]}
+  - {y: [velocity.rms, velocity@BPFI-healthy], x: defect.width, by: [clearance, defect.race]}
 """
 """A motion with a pit in the outer race repeats itself; with one in the inner race two models are taken."""
 TIMES = ["info/cpu_s", "info/integrator_cpu_s", "unit"]

@@ -93,7 +93,7 @@ def _log(what: str, case: Case) -> None:
             file.write(f"{what} {case.model} {case.load:g}\n")
 
 
-def try_out(case: Case, asked: Sequence[str], passes: int) -> tuple[Trial, Any]:
+def try_out(case: Case, asked: Sequence[str], passes: int, turn: float) -> tuple[Trial, Any]:
     _log("try", case)
     time.sleep(float(os.environ.get(SECONDS, "0")))
     return trial(case.load * OFF[case.model], passes, names=asked), None

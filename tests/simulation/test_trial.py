@@ -16,6 +16,7 @@ from bearingsim.simulation.trial import (
     pit_turn,
     spans_of,
 )
+from bearingsim.study import healthy_twin
 from tests.scenes.short_cases import SLOT, case
 
 ASKED = ("velocity@BPFO", "velocity.rms", "outer_force.max")
@@ -52,6 +53,17 @@ def test_one_that_does_not_is_seen_in_its_first_passes(said: dict[str, bool]) ->
     assert abs(found.lines["velocity@BPFO"][0]) == pytest.approx(whole["velocity@BPFO"], rel=0.02)
     assert np.sqrt(found.powers["velocity.rms"][0]) == pytest.approx(whole["velocity.rms"], rel=0.05)
     assert found.forces.max() <= whole["outer_force.max"]
+
+
+def test_a_healthy_twin_is_cut_as_the_case_whose_pit_turns() -> None:
+    pitted = case(defects=[SLOT | {"race": "inner"}], duration="0.25 s")
+    passes, turn = passes_to_try(pitted), pit_turn(pitted)
+    healthy = healthy_twin(pitted)
+    assert healthy is not None
+    own, twin = (try_out(one, ("velocity@BPFI",), passes, turn)[0] for one in (pitted, healthy))
+    assert own.turns == twin.turns
+    assert abs(own.lines["velocity@BPFI"]).shape == abs(twin.lines["velocity@BPFI"]).shape
+    assert abs(twin.lines["velocity@BPFI"][0]) < 0.01 * abs(own.lines["velocity@BPFI"][0])
 
 
 def test_a_record_that_may_end_early_is_tried_all_the_same() -> None:
