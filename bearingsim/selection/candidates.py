@@ -75,7 +75,13 @@ def ladder(case: Case) -> dict[str, dict[str, str]]:
     found = dict(_fewer_slices(case)) if MODELS[case.model].sliced else {}
     if case.rig.ring is not None:
         found |= {AS_SAID: {}, f"{FEW_HARMONICS} harmonics": {"rig.ring.harmonics": str(FEW_HARMONICS)}}
-    return found | {name: {"model": name} for name in below(case.model)}
+    return found | {name: {"model": name} | _same_cage(case, name) for name in below(case.model)}
+
+
+def _same_cage(case: Case, name: str) -> dict[str, str]:
+    """What a model whose cage may slip must be told, if that of the reference does not."""
+    kinematic = MODELS[name].slips and case.cage is not None and case.cage.motion == "kinematic"
+    return {"cage.motion": "kinematic"} if kinematic else {}
 
 
 def _fewer_slices(case: Case) -> Iterator[tuple[str, dict[str, str]]]:

@@ -95,7 +95,7 @@ def try_out(case: Case, asked: Sequence[str], passes: int, turn: float = 0.0) ->
     """The first ball passes of a case, for its model to be compared with others (``trial.py``).
 
     asked: the features that are; passes: how many are compared; turn: of the slowest pit (s), by which they are
-    cut (0 if none turns), its own or of the case whose healthy twin this is. Where the motion repeats itself within
+    cut (0 if none turns), its own or of the case whose healthy twin this is. If the motion repeats itself within
     them, what repeats is all there is to know: then there is the whole record besides. Raises like ``simulate``.
     """
     began = time.process_time()

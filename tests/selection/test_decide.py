@@ -22,6 +22,7 @@ from tests.scenes.trials import HEAD, TEXT, Of, by_model, known, near, trial
 
 FAR = {"planar": 1.0, "rollers": 1.5, "ring": 1.5, "static": 2.0}
 SPATIAL = TEXT + "misalignment: {inner: 0.2 mrad}\n"
+OFFSET = TEXT.replace("length: 12 mm", "length: 3 mm, offset: 2 mm")
 BENDS = "rig: {ring: {bends: true}}\n"
 RING = "{bends: true, harmonics: 16}"
 HALF, QUARTER, SIXTH = candidates.SLICES
@@ -226,6 +227,20 @@ def names(write: Write, text: str) -> dict[str, list[int]]:
 
 def test_candidates_go_from_the_highest_down(write: Write, dear: dict[str, float]) -> None:
     assert list(names(write, TEXT)) == ["rollers", "ring", "static"]
+
+
+def test_a_model_below_has_the_cage_of_the_reference(write: Write) -> None:
+    """Without slip neither slips: with it, `planar` would never repeat itself, and be judged for what it adds."""
+    study = near(write, OFFSET)
+    own, planar = study.cases()[0], candidates.computed_by(study, 0, "planar")
+    assert planar is not None
+    assert (planar.model, planar.cage, planar.friction) == ("planar", own.cage, own.friction)
+    free = near(write, OFFSET + "cage: {pocket_clearance: 0.1 mm}\n")
+    below = candidates.computed_by(free, 0, "planar")
+    assert below is not None
+    assert below.cage == free.cases()[0].cage
+    assert below.cage is not None
+    assert below.cage.motion == "free"
 
 
 def test_what_two_cases_come_to_is_no_candidate(write: Write, dear: dict[str, float]) -> None:
