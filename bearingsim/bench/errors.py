@@ -63,7 +63,7 @@ def truth(rows: Sequence[Row]) -> Truth | None:
 
 
 def _name(row: Row) -> str:
-    return f"{row['method']} {row['setting']}".strip()
+    return f"{row['method']} ({row['setting']})".strip()
 
 
 def error(row: Row, right: Truth, name: str) -> float:

@@ -62,8 +62,8 @@ def write(parts: Sequence[Part], folder: Path) -> Path:
     return path
 
 
-def lines(parts: Sequence[Part], about: dict[str, Any], figures: str = "") -> Iterator[str]:
-    """The text in Markdown. about: where the numbers come from; figures: the folder in which charts lie."""
+def lines(parts: Sequence[Part], about: dict[str, Any]) -> Iterator[str]:
+    """The text in Markdown. about: where the numbers come from."""
     how = Path(__file__).with_name("how_to_read.md").read_text(encoding="utf-8")
     yield from ("# Speed against accuracy", "", how.rstrip(), "", "## What to take", "")
     yield "CPU seconds for a simulated second, of a job as a user gets it, where nothing else is said."
@@ -71,7 +71,7 @@ def lines(parts: Sequence[Part], about: dict[str, Any], figures: str = "") -> It
     yield from _table(HEADS, [line_of(part) for part in parts])
     for part in parts:
         yield from ("", f"## {part.title}", "")
-        yield f"![Error against CPU time: {part.title}]({figures}{figure_name(part)})"
+        yield f"![Error against CPU time: {part.title}]({figure_name(part)})"
         yield ""
         for told in why(part.rows):
             yield from (f"- {told}",)
@@ -163,6 +163,6 @@ def _origin(about: dict[str, Any]) -> Iterator[str]:
     yield f"{about['processor']}, {about['cores']} cores."
     packages = ", ".join(f"{name} {about[name]}" for name in ("python", "numpy", "numba", "scipy"))
     yield f"{packages[0].upper()}{packages[1:]}."
-    yield f"{about['runs']} runs, {about['jobs']} at a time. CPU times are of the thread; other work may run beside."
+    yield f"{about['runs']} runs, {about['jobs']} at a time. CPU times are of the thread."
     for name, reason in about["left_out"].items():
         yield f"Left out: {name} ({reason})."

@@ -4,7 +4,7 @@ import csv
 import json
 import sys
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -27,16 +27,16 @@ def compute(
     folder: Path,
     quick: bool = False,
     jobs: int = 1,
-    others: Settings | None = None,
+    others: Mapping[str, Settings] | None = None,
     left_out: dict[str, str] | None = None,
 ) -> list[Row]:
     """Compute what is not in ``folder`` yet; all rows of the scenes, in the order of the plan.
 
-    others: solvers of other packages (``outside.SOLVERS``) at their settings; left_out: those that are not here,
-    and why. Told on stderr how far it is. A run that is interrupted leaves the rows it has.
+    others: by scene, solvers of other packages (``outside.SOLVERS``) at their settings; left_out: those that are
+    not here, and why. Told on stderr how far it is. A run that is interrupted leaves the rows it has.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    wanted = [run for scene in scenes for run in runs(scene, quick, others)]
+    wanted = [run for scene in scenes for run in runs(scene, quick, (others or {}).get(scene.name))]
     path, began = folder / RUNS, (time.monotonic(), time.process_time())
     known = read(path)
     todo = [run for run in wanted if run.key not in known]
@@ -83,7 +83,7 @@ def _append(path: Path, todo: Sequence[Run], jobs: int) -> None:
         elif not path.read_text(encoding="utf-8").endswith("\n"):
             file.write("\n")  # the last writer was stopped in the middle of a row
         try:
-            for rows in _spread(measure.rows, [(run,) for run in todo], jobs):
+            for rows in _spread(_rows, [(run, outside.SOLVERS.get(run.method)) for run in todo], jobs):
                 table.writerows({name: _text(value) for name, value in row.items()} for row in rows)
                 file.flush()
                 done += 1
@@ -93,6 +93,13 @@ def _append(path: Path, todo: Sequence[Run], jobs: int) -> None:
                     print(f"{done}/{len(todo)} runs, about {left} left", file=sys.stderr, flush=True)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"interrupted: {path} has {done} of {len(todo)} runs; run it again") from None
+
+
+def _rows(run: Run, solver: outside.Solver | None) -> list[Row]:
+    """``measure.rows``, by a process that may not know the run's solver yet."""
+    if solver is not None:
+        outside.SOLVERS.setdefault(run.method, solver)
+    return measure.rows(run)
 
 
 def _compile(todo: Sequence[Run], jobs: int) -> None:

@@ -87,8 +87,15 @@ def seconds(value: float) -> str:
 
 def by(row: Row) -> str:
     """Method and setting of a row."""
-    setting = f" at {row['setting']}" if row["setting"] else ""
-    return f"{row['method']}{setting}" if row["method"] else "instant by instant"
+    return f"{row['method']}{setting(row)}" if row["method"] else "instant by instant"
+
+
+def setting(row: Row) -> str:
+    """A row's step or tolerance in words, a blank before."""
+    part, of_step, _ = row["setting"].partition(" of the step")
+    if of_step:
+        return " at its automatic step" if part == "1" else f" at {part} times its automatic step"
+    return f" at a tolerance of {part}" if part else ""
 
 
 def short(found: Verdict) -> str:

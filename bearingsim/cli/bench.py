@@ -30,7 +30,7 @@ def chart(
     quick: bool,
     folder: Path,
     jobs: int,
-    others: "Settings | None" = None,
+    others: "Mapping[str, Settings] | None" = None,
     left_out: Mapping[str, str] | None = None,
 ) -> list[Path]:
     """The files of a chart: what is not there yet is computed. others, left_out: as of ``bench.table.compute``."""

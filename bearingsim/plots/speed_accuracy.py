@@ -16,7 +16,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from bearingsim.bench.errors import NUMERICAL, TOTAL
 from bearingsim.bench.measure import QUANTITIES, Row
 from bearingsim.bench.plan import AUTOMATIC, JOB, PEER, POINT
-from bearingsim.bench.verdict import WITHIN, front, percent, seconds, verdict
+from bearingsim.bench.verdict import WITHIN, by, front, percent, seconds, verdict
 from bearingsim.plots.style import COLOURS, MARKERS, RC
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ SIDES = {
     "rms": "RMS of the velocity",
     "force": "largest force",
 }
-LEAST, MOST = 1e-5, 10.0  # errors beyond are drawn at the edge
+LEAST, MOST, ROOM = 1e-5, 10.0, 0.1  # errors beyond are drawn at the edge; so far each panel reaches at least
 
 
 def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
@@ -76,7 +76,7 @@ def _told(rows: Sequence[Row]) -> str:
             what = f"{found.job['variant']} ({found.job['method'] or 'no method'}, "
             what += f"{seconds(found.job['cpu_per_s'])} as a job)"
         elif found.point is not None:
-            what = f"{found.point['variant']} ({found.point['method']} {found.point['setting']})"
+            what = f"{found.point['variant']} ({by(found.point)})"
         else:
             what = f"not to be told: {found.unknown}" if found.unknown else "none that was run"
         lines.append(f"least model within {percent(within)}: {what}")
@@ -107,6 +107,8 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
     for row in good:
         if row["role"] == AUTOMATIC:
             _automatic(ax, row, [r for r in good if r["role"] == JOB], column, colours, marks)
+    known = [_shown(row[column]) for row in good]
+    ax.set_xlim(LEAST / 1.6, 2.0 * max([*known, 0.5 * ROOM, ax.get_xlim()[1] / 2.0]))
     ax.xaxis.set_major_locator(LogLocator(numticks=12))
     ax.xaxis.set_minor_formatter(NullFormatter())
 
