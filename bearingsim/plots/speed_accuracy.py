@@ -96,6 +96,10 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
     if kind == TOTAL:
         for within in WITHIN:
             ax.axvline(within, color="0.45", linewidth=0.8, linestyle=(0, (4, 2)), zorder=0)
+            ax.text(
+                within, 0.98, f" {percent(within)}", transform=ax.get_xaxis_transform(),
+                fontsize=7.0, color="0.35", va="top",
+            )  # fmt: skip
         floor = max((row[f"{column}.floor"] for row in rows), default=0.0)
         if floor > LEAST:
             ax.axvspan(LEAST / 2.0, _shown(floor), color="0.94", zorder=0)

@@ -85,6 +85,7 @@ def test_where_no_job_is_close_a_run_in_full_is_named():
     )
     found = verdict.verdict(rows, 0.01)
     assert found.job is None
+    assert found.point is not None
     assert verdict.by(found.point) == "verlet at 0.25 times its automatic step"
 
 
