@@ -26,6 +26,10 @@ SOLVERS = {
     "numbalsoda dop853": "numbalsoda",
 }
 """What ``peers.solvers`` gives beside SciPy's, and the package of each."""
+OF_SCIPY: Settings = {
+    "scipy-lsoda": (Setting(tolerance=1e-3), Setting(tolerance=1e-5)),
+    "scipy-dop853": (Setting(tolerance=1e-3),),
+}
 TOLERANCES, FEW = (1e-4, 1e-5, 1e-6, 1e-7), (1e-5, 1e-6)
 
 
@@ -59,7 +63,8 @@ def settings(quick: bool) -> Settings:
     """Peers that are here, at some tolerances."""
     gone = peers.absent()
     of = tuple(Setting(tolerance=tolerance) for tolerance in (FEW if quick else TOLERANCES))
-    return {name: of for name, package in SOLVERS.items() if package not in gone}
+    theirs = {name: of for name, package in SOLVERS.items() if package not in gone}
+    return theirs if quick else OF_SCIPY | theirs
 
 
 def main() -> None:
@@ -71,7 +76,7 @@ def main() -> None:
     asked = parser.parse_args()
     folder = asked.out or Path("results") / ("bench-chart-quick" if asked.quick else "bench-chart")
     others = settings(asked.quick)
-    outside.SOLVERS.update({name: solver(name) for name in others})
+    outside.SOLVERS.update({name: solver(name) for name in others if name in SOLVERS})
     left_out = {name: why for name, why in peers.absent().items() if name in SOLVERS.values()}
     files = chart(None, [], asked.quick, folder, asked.jobs, {SCENE: others}, left_out)
     print(*files, sep="\n")

@@ -70,7 +70,10 @@ def test_judges_that_part_make_a_chaotic_truth_as_wide_as_all_of_them():
     calm = errors.truth([row(role=JUDGE, value=value) for value in (1.0, 1.0001, 1.08)])
     assert not calm.chaotic
     assert calm.values["line"] == pytest.approx(1.00005)
-    assert errors.truth([*rows[:1], row(role=JUDGE, value=1.0001), row(role=JOB, chaotic=1.0)]).chaotic
+    close = [row(role=JUDGE, value=value) for value in (1.0, 1.0001, 1.01)]
+    told = errors.truth([*close, row(role=JOB, chaotic=1.0)])  # by the step check of the job
+    assert told.values["line"] == pytest.approx(3.0101 / 3.0)
+    assert told.floor["line"] == pytest.approx(0.01, rel=0.02)
 
 
 def test_the_least_model_is_the_cheapest_job_that_is_close_in_all_three():
