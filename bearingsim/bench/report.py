@@ -29,11 +29,12 @@ NOTABLE = 1.5  # times the cheapest run of a model that is as close: less is no 
 
 
 class Part(NamedTuple):
-    """A scene: its rows with their errors."""
+    """A scene: its rows with their errors; duration of its record, s."""
 
     name: str
     title: str
     rows: Sequence[Row]
+    duration: float
 
 
 def figure_name(part: Part) -> str:
@@ -147,6 +148,7 @@ def _remarks(part: Part) -> Iterator[str]:
         )
     judged = part.rows[0]
     floors = ", ".join(f"{percent(judged[f'{TOTAL}.{name}.floor'])} ({WORDS[name]})" for name in QUANTITIES)
+    yield f"**The record** is {part.duration:g} s."
     yield f"**The reference** is `{judged['variant']}`, by {judged['against']}, which lie apart by {floors}."
     refused = [row for row in part.rows if row["failure"] and row["role"] == "job"]
     if refused:

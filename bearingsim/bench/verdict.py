@@ -92,6 +92,8 @@ def by(row: Row) -> str:
 
 def setting(row: Row) -> str:
     """A row's step or tolerance in words, a blank before."""
+    if row["role"] == AUTOMATIC:
+        return " as it is chosen by `auto`"
     part, of_step, _ = row["setting"].partition(" of the step")
     if of_step:
         return " at its automatic step" if part == "1" else f" at {part} times its automatic step"

@@ -42,7 +42,12 @@ def chart(
     chosen = scene.of_file(study, quick) if study is not None else scene.own(names or plan.scenes_of(quick), quick)
     rows = table.compute(chosen, folder, quick, jobs, others, dict(left_out or {}))
     parts = [
-        report.Part(one.name, one.title, with_errors([row for row in rows if row["scene"] == one.name]))
+        report.Part(
+            one.name,
+            one.title,
+            with_errors([row for row in rows if row["scene"] == one.name]),
+            one.reference.duration,
+        )
         for one in chosen
     ]
     print_table(report.HEADS, [report.line_of(part) for part in parts], words=len(report.HEADS))

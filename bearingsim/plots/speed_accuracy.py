@@ -87,18 +87,17 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
     column = f"{kind}.{quantity}"
     good = [row for row in rows if not row["failure"] and row[column] == row[column]]
     ax.set(xscale="log", yscale="log")
-    best = front([row for row in good if row["role"] in (POINT, AUTOMATIC)], column)
-    if best:
+    if kind == TOTAL:
+        best = front([row for row in good if row["role"] in (POINT, AUTOMATIC)], column)
         ax.step(
             [_shown(row[column]) for row in best], [row["cpu_per_s"] for row in best],
             where="pre", color="0.75", linewidth=4.0, zorder=1, solid_capstyle="round",
         )  # fmt: skip
-    if kind == TOTAL:
         for within in WITHIN:
             ax.axvline(within, color="0.45", linewidth=0.8, linestyle=(0, (4, 2)), zorder=0)
             ax.text(
-                within, 0.98, f" {percent(within)}", transform=ax.get_xaxis_transform(),
-                fontsize=7.0, color="0.35", va="top",
+                within, 1.0, percent(within), transform=ax.get_xaxis_transform(),
+                fontsize=7.0, color="0.35", ha="center", va="bottom",
             )  # fmt: skip
         floor = max((row[f"{column}.floor"] for row in rows), default=0.0)
         if floor > LEAST:
@@ -177,5 +176,5 @@ def _legend(rows: Sequence[Row], colours: dict, marks: dict) -> list[Any]:
     found.append(Line2D([], [], color="0.3", ls="none", label="automatic choice, in full", **ring))
     star: dict[str, Any] = {"marker": "*", "ms": 8.0, "mfc": "0.6", "mec": "black", "mew": 0.5}
     found.append(Line2D([], [], ls="none", label="the same as a job: it may repeat", **star))
-    found.append(Line2D([], [], color="0.75", linewidth=4.0, label="Pareto front, in full"))
+    found.append(Line2D([], [], color="0.75", linewidth=4.0, label="Pareto front of all models, in full"))
     return found

@@ -115,7 +115,7 @@ def test_an_automatic_choice_off_the_front_is_found():
 
 
 def test_the_text_says_which_to_take_and_why():
-    part = report.Part("s", "a scene", ladder())
+    part = report.Part("s", "a scene", ladder(), 0.3)
     about = provenance.provenance({"numbalsoda": "not here"}) | {"runs": 9, "jobs": 1}
     text = "\n".join(report.lines([part], about))
     assert "| a scene | rollers, 0.1 s | planar, 1 s |" in text
