@@ -64,7 +64,7 @@ def settings(quick: bool) -> Settings:
     gone = peers.absent()
     of = tuple(Setting(tolerance=tolerance) for tolerance in (FEW if quick else TOLERANCES))
     theirs = {name: of for name, package in SOLVERS.items() if package not in gone}
-    return theirs if quick else OF_SCIPY | theirs
+    return theirs if quick else {**OF_SCIPY, **theirs}
 
 
 def main() -> None:
