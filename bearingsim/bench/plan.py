@@ -72,9 +72,13 @@ def scenes_of(quick: bool) -> tuple[str, ...]:
     return tuple(_read()["quick"]["scenes"]) if quick else ORDER
 
 
-def plan_of(model: str, quick: bool) -> Plan:
-    """What is run of a model."""
-    kind = "sliced" if MODELS[model].sliced else "quick" if quick else "usual"
+def plan_of(case: Case, quick: bool) -> Plan:
+    """What is run of a case."""
+    kind = "quick" if quick else "usual"
+    if MODELS[case.model].sliced:
+        kind = "sliced"
+    elif case.rig.ring is not None:
+        kind = "bent"
     given = _read()[kind]
     return Plan(*(_settings(given.get(part, {})) for part in Plan._fields))
 
@@ -106,7 +110,7 @@ def _of_variant(scene: Scene, variant: Variant, quick: bool, others: Settings) -
     if variant.case.method is None:
         yield run(JUDGE, "", Setting(step=0.25))  # solved instant by instant, at more of them
         return
-    plan = plan_of(variant.model, quick)
+    plan = plan_of(variant.case, quick)
     for role, settings in ((POINT, plan.methods), (JUDGE, _solvable(variant, plan.judges))):
         for method, of in settings.items():
             yield from (run(role, method, setting) for setting in of)

@@ -28,7 +28,7 @@ def small_plan(monkeypatch):
         {"verlet": (Setting(step=0.25),), "dop853": (Setting(tolerance=1e-7),)},
         {"scipy-dop853": (Setting(tolerance=1e-5),)},
     )
-    monkeypatch.setattr(plan, "plan_of", lambda model, quick: small)
+    monkeypatch.setattr(plan, "plan_of", lambda case, quick: small)
 
 
 def test_a_study_is_charted(here, write, small_plan):
