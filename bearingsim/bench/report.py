@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import Any, NamedTuple
 
 from bearingsim.bench.errors import NUMERICAL, TOTAL
@@ -25,6 +26,7 @@ from bearingsim.bench.verdict import (
 
 NAME = "speed-accuracy.md"
 HEADS = ("scene", *(f"least within {percent(within)}" for within in WITHIN))
+WIDTH = 138  # letters in a line
 NOTABLE = 1.5  # times the cheapest run of a model that is as close: less is no news
 
 
@@ -74,9 +76,8 @@ def lines(parts: Sequence[Part], about: dict[str, Any]) -> Iterator[str]:
         yield from ("", f"## {part.title}", "")
         yield f"![Error against CPU time: {part.title}]({figure_name(part)})"
         yield ""
-        for told in why(part.rows):
-            yield from (f"- {told}",)
-        yield from (f"- {told}" for told in (*_method(part), *_peers(part), *_remarks(part)))
+        for told in (*why(part.rows), *_method(part), *_peers(part), *_remarks(part)):
+            yield from wrap(f"- {told}", WIDTH, subsequent_indent="  ", break_long_words=False)
         yield ""
         yield from _table(("automatic choice", "method", "as a job", "line", "RMS", "force"), _ladder(part))
     yield from ("", "## Where these numbers come from", "", *_origin(about))
@@ -166,5 +167,6 @@ def _origin(about: dict[str, Any]) -> Iterator[str]:
     packages = ", ".join(f"{name} {about[name]}" for name in ("python", "numpy", "numba", "scipy"))
     yield f"{packages[0].upper()}{packages[1:]}."
     yield f"{about['runs']} runs, {about['jobs']} at a time. CPU times are of the thread."
+    yield "Other work on the machine makes them longer: compare within a scene."
     for name, reason in about["left_out"].items():
         yield f"Left out: {name} ({reason})."

@@ -5,6 +5,7 @@ method are joined. Hollow marks are other packages' solvers. Failures stand on a
 """
 
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +13,13 @@ import matplotlib
 from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
+from PIL import Image
 
 from bearingsim.bench.errors import NUMERICAL, TOTAL
 from bearingsim.bench.measure import QUANTITIES, Row
 from bearingsim.bench.plan import AUTOMATIC, JOB, PEER, POINT
 from bearingsim.bench.verdict import WITHIN, by, front, percent, seconds, verdict
+from bearingsim.catalogue import MODELS
 from bearingsim.plots.style import COLOURS, MARKERS, RC
 
 if TYPE_CHECKING:
@@ -25,7 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["draw", "figure"]
 
 LOOK = RC | {"font.size": 8.0, "axes.labelsize": 8.0, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5}
-SIZE_IN, DPI = (7.4, 8.4), 100
+SIZE_IN, DPI, SHADES = (7.4, 8.4), 100, 64
 RAIL = 1.075  # of the height of a panel
 HEADS = {NUMERICAL: "numerical error: against the same model", TOTAL: "total error: against the reference"}
 SIDES = {
@@ -40,16 +43,18 @@ def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
     """Draw a scene's rows (``errors.with_errors``) into a PNG; its path."""
     with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
         canvas = figure(rows, title)
-        canvas.savefig(path, dpi=DPI, pil_kwargs={"optimize": True})
+        whole = BytesIO()
+        canvas.savefig(whole, dpi=DPI)
+    with Image.open(whole) as image:  # few colours: a third of the bytes
+        image.convert("RGB").quantize(SHADES).save(path, optimize=True)
     return path
 
 
 def figure(rows: Sequence[Row], title: str) -> Canvas:
     """The figure of a scene."""
-    variants = list(dict.fromkeys(row["variant"] for row in rows))
     methods = list(dict.fromkeys(row["method"] for row in rows if row["role"] in (POINT, AUTOMATIC, PEER)))
-    colours = {name: COLOURS[n % len(COLOURS)] for n, name in enumerate(variants)}
-    marks = {name: MARKERS[n % len(MARKERS)] for n, name in enumerate(methods)}
+    colours = _colours(rows)
+    marks = {name: MARKERS[n % len(MARKERS)] for n, name in enumerate(filter(None, methods))} | {"": MARKERS[-1]}
     canvas = Canvas(figsize=SIZE_IN, layout="constrained")
     panels = canvas.subplots(len(QUANTITIES), 2, sharex="col", sharey=True, squeeze=False)
     for i, quantity in enumerate(QUANTITIES):
@@ -65,6 +70,16 @@ def figure(rows: Sequence[Row], title: str) -> Canvas:
     handles = _legend(rows, colours, marks)
     canvas.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=7.5, handlelength=2.0)
     return canvas
+
+
+def _colours(rows: Sequence[Row]) -> dict[str, str]:
+    """A colour for each variant: a model's own in every scene, for more variants of it those that are left."""
+    own, found = dict(zip(reversed(MODELS), COLOURS, strict=False)), dict[str, str]()
+    models = {row["variant"]: row["model"] for row in rows}
+    left = [colour for colour in COLOURS if colour not in {own.get(model) for model in models.values()}]
+    for variant, model in models.items():
+        found[variant] = own.pop(model, "") or (left.pop(0) if left else "0.5")
+    return found
 
 
 def _told(rows: Sequence[Row]) -> str:

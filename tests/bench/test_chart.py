@@ -19,7 +19,14 @@ from tests.scenes.commands import type_
 def row(variant="planar", role=POINT, method="verlet", cpu=1.0, value=1.0, setting="1 of the step", **more):
     """A run whose line, RMS and force are all ``value``."""
     empty = dict.fromkeys(measure.COLUMNS, nan) | {"failure": "", "reason": "", "key": "", "period_passes": 0}
-    told = {"scene": "s", "variant": variant, "model": variant, "role": role, "method": method, "setting": setting}
+    told = {
+        "scene": "s",
+        "variant": variant,
+        "model": more.pop("model", variant),
+        "role": role,
+        "method": method,
+        "setting": setting,
+    }
     return empty | told | {"cpu_per_s": cpu} | dict.fromkeys(QUANTITIES, value) | more
 
 
@@ -117,7 +124,9 @@ def test_an_automatic_choice_off_the_front_is_found():
 def test_the_text_says_which_to_take_and_why():
     part = report.Part("s", "a scene", ladder(), 0.3)
     about = provenance.provenance({"numbalsoda": "not here"}) | {"runs": 9, "jobs": 1}
-    text = "\n".join(report.lines([part], about))
+    lines = list(report.lines([part], about))
+    assert max(len(line) for one in lines for line in one.splitlines()) <= 140
+    text = re.sub(r"\n +", " ", "\n".join(lines))
     assert "| a scene | rollers, 0.1 s | planar, 1 s |" in text
     assert "**Within 5 %:** `rollers`, 0.1 s as a job. It is off by 3 % (line)" in text
     assert "`rollers` costs 0.1 s and is off by 3 % (line)" in text  # why the next lower will not do
@@ -131,6 +140,15 @@ def test_the_text_says_which_to_take_and_why():
 )
 def test_shares_in_words(share, words):
     assert verdict.percent(share) == words
+
+
+def test_a_model_keeps_its_colour_and_its_variants_differ():
+    few = speed_accuracy._colours([row("planar"), row("static")])
+    more = speed_accuracy._colours(
+        [row("a", model="spatial"), row("b", model="spatial"), row("planar"), row("static")]
+    )
+    assert few.items() <= more.items()
+    assert len(set(more.values())) == 4
 
 
 def test_a_figure_rings_the_automatic_choice_and_keeps_failures_on_the_rail(tmp_path):
