@@ -77,7 +77,9 @@ def lines(parts: Sequence[Part], about: dict[str, Any]) -> Iterator[str]:
         yield f"![Error against CPU time: {part.title}]({figure_name(part)})"
         yield ""
         for told in (*why(part.rows), *_method(part), *_peers(part), *_remarks(part)):
-            yield from wrap(f"- {told}", WIDTH, subsequent_indent="  ", break_long_words=False)
+            yield from wrap(
+                f"- {told}", WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+            )
         yield ""
         yield from _table(("automatic choice", "method", "as a job", "line", "RMS", "force"), _ladder(part))
     yield from ("", "## Where these numbers come from", "", *_origin(about))
