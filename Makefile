@@ -3,6 +3,7 @@
 # make check   tests, lint, types, import contract     make length | offset | tilt | misalignment | shapes
 # make stability   where each method fails             make ring_bends | ring_trends | paper_literal   (QUICK=1: fewer)
 # make bench       how fast, beside peers                make bench-compare   whether speed was lost
+# make speed-accuracy   which model and method to take: charts, docs/speed-accuracy.md  (QUICK=1: a small one)
 PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
@@ -13,10 +14,10 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick check lint studies $(STUDIES) stability lock clean bench bench-compare bench-peers
+.PHONY: help install install-dev demo test test-quick check lint studies $(STUDIES) stability lock clean bench bench-compare bench-peers speed-accuracy
 
 help:
-	@sed -n '1,5s/^# //p' Makefile
+	@sed -n '1,6s/^# //p' Makefile
 
 install: $(VENV)/installed
 install-dev: $(VENV)/installed-dev
@@ -77,6 +78,10 @@ check: lint test
 # ONLY=peers, or other sections: docs/benchmarks.md
 bench: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.speed $(ONLY) --out results/bench
+
+# the whole chart is written into docs/, the small one beside its figures
+speed-accuracy: install-dev
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.speed_accuracy $(REDUCED) --jobs $(JOBS)
 
 bench-compare: install-dev
 	$(BIN)/python -m benchmarks.speed.compare

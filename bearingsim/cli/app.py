@@ -294,6 +294,27 @@ def stability(
     mapping.show(model, method, pit, quick, out, jobs or 1)
 
 
+@app.command()
+def bench(
+    study: Annotated[
+        Path | None,
+        typer.Argument(metavar="STUDY", help="its first cases are the scenes; default: the program's own scenes"),
+    ] = None,
+    scene: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="a scene of the program's own; repeatable")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="few scenes and settings, short records")] = False,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="folder (default: results/bench-chart, or -quick)")
+    ] = None,
+    jobs: Jobs = 1,
+) -> None:
+    """Chart speed against accuracy: models x methods x steps or tolerances. Computes what is not there yet."""
+    from bearingsim.cli import bench as charting
+
+    charting.show(study, scene or [], quick, out, jobs or 1)
+
+
 def _verbose(ctx: typer.Context) -> bool:
     return bool(ctx.find_root().params["verbose"])
 

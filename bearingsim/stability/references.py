@@ -7,6 +7,7 @@ that ends early is no reference.
 
 import time
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -97,28 +98,39 @@ def solve(solver: str, model: Any, y: np.ndarray, asked: Tolerances, limit: floa
     columns: list[np.ndarray] = []
     with np.errstate(all="ignore"), warnings.catch_warnings():  # a row says what became of a run
         warnings.simplefilter("ignore")
-        failure, reason, steps = _march(SCIPY[solver], f, packed(y, f.places), atol, asked, columns)
+        failure, reason, steps = march(SCIPY[solver], f, packed(y, f.places), atol, asked, columns, TIMES)
     cpu, calls = f.cpu, f.calls
     x = np.concatenate(columns, axis=1) if columns else np.empty((2 * len(lever), 0))
     velocity = x[len(lever) : len(lever) + 2]
     return Trace(1, velocity, touching(f, x), failure, reason, steps, 0, calls, 0, cpu)
 
 
-def _march(
-    name: str, f: StateRate, x_0: np.ndarray, atol: np.ndarray, asked: Tolerances, columns: list[np.ndarray]
+def march(
+    name: str,
+    f: StateRate,
+    x_0: np.ndarray,
+    atol: np.ndarray,
+    asked: Tolerances,
+    columns: list[np.ndarray],
+    times: np.ndarray,
+    after: Callable[[float, np.ndarray], None] = lambda t, x: None,
 ) -> tuple[str, str, int]:
-    """Step to the end, appending the states (2 n, samples) to ``columns``; failure, reason, steps."""
+    """Step to the last of ``times`` (s), appending the states (2 n, some) there to ``columns``.
+
+    after: told time and state at the end of each step. Returns failure, reason, steps.
+    """
     steps, due = 0, 0
     try:
-        one = getattr(integrate, name)(f, 0.0, x_0, TIMES[-1], rtol=asked.rtol, atol=atol, max_step=asked.longest)
+        one = getattr(integrate, name)(f, 0.0, x_0, times[-1], rtol=asked.rtol, atol=atol, max_step=asked.longest)
         while one.status == "running":
             reason = one.step()
             steps += 1
             if reason:
                 return STALL, str(reason), steps
-            before, due = due, int(np.searchsorted(TIMES, one.t, side="right"))
+            after(one.t, one.y)
+            before, due = due, int(np.searchsorted(times, one.t, side="right"))
             if due > before:
-                columns.append(one.dense_output()(TIMES[before:due]))
+                columns.append(one.dense_output()(times[before:due]))
     except OutOfTime:
         return TOO_SLOW, f"not done after {f.limit:g} s", steps
     except (ValueError, np.linalg.LinAlgError, FloatingPointError) as error:

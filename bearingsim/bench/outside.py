@@ -1,0 +1,161 @@
+"""Solvers of other packages on our compiled equations, and their result read by the same rules as our own.
+
+A solver is handed a model, its state at rest and the instants that a run with an adaptive method would record.
+What it finds there goes through the same recording, and the same features are read from it.
+"""
+
+import time
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim import assemble
+from bearingsim.catalogue import METHODS
+from bearingsim.config import Case
+from bearingsim.core import layout as lay
+from bearingsim.core.jit import jit
+from bearingsim.core.methods.adaptive import LENGTH_SCALE
+from bearingsim.core.models.interface import accelerations, degrees_of_freedom, update_extremes
+from bearingsim.core.sampling import DECIMATION_REACH
+from bearingsim.simulation.features import features
+from bearingsim.simulation.integration import MOTIONS, Setup, differentiate, set_up
+from bearingsim.simulation.recording import Recording
+from bearingsim.simulation.repetition import Repetition
+from bearingsim.stability.references import SCIPY, StateRate, march, moving, packed, state_rate, unpack
+
+MOST_CPU = 120.0  # s that a solver may take
+
+
+class Equations(NamedTuple):
+    """What a solver is handed: the core's model, its buffer at rest, instants (n,) in s, the tolerances.
+
+    asked: as the own methods have them (``core/methods/interface.py``: Tolerances); settled: s, from where forces
+    count.
+    """
+
+    model: Any
+    y: np.ndarray
+    instants: np.ndarray
+    asked: Any
+    settled: float
+
+
+class Solution(NamedTuple):
+    """states: (2 m, n), positions then velocities of what can move (``moving``), in SI; cpu: s; force: the largest
+    outer force (N) at the ends of its steps after settling, nan of a solver that does not show them.
+    """
+
+    states: np.ndarray
+    cpu: float
+    force: float = float("nan")
+
+
+Solver = Callable[[Equations], Solution]
+"""Raises ``GaveUp``."""
+
+
+class GaveUp(Exception):
+    """A solver has ended early, and why."""
+
+
+class Watched(StateRate):
+    """dx/dt, and the largest outer force (N) at the ends of steps from ``settled`` (s) on: its CPU time is not
+    counted.
+    """
+
+    def __init__(self, given: Equations) -> None:
+        super().__init__(given.model, given.y, MOST_CPU)
+        self.settled, self.force, self.rate = given.settled, 0.0, np.empty(2 * len(self.places))
+
+    def look(self, t: float, x: np.ndarray) -> None:
+        """Take the state at the end of a step into the largest force."""
+        if t < self.settled:
+            return
+        began = time.thread_time()
+        state_rate(self.model, t, x, self.places, self.y, self.rate)
+        self.force = max(self.force, float(self.y[lay.Q_O : lay.Q_O + self.model.bearing.Z].max()))
+        self.began += time.thread_time() - began
+
+
+def scipy_solver(name: str) -> Solver:
+    """One of SciPy's solvers, called as its users do."""
+
+    def solve(given: Equations) -> Solution:
+        f = Watched(given)
+        lever = f.y[LENGTH_SCALE + f.places]
+        atol = np.concatenate([given.asked.atol_q / lever, given.asked.atol_v / lever])
+        columns: list[np.ndarray] = []
+        start = packed(given.y, f.places)
+        failure, reason, _ = march(SCIPY[name], f, start, atol, given.asked, columns, given.instants, f.look)
+        if failure:
+            raise GaveUp(f"{failure}: {reason}")
+        return Solution(np.concatenate(columns, axis=1), f.cpu, f.force)
+
+    return solve
+
+
+SOLVERS: dict[str, Solver] = {name: scipy_solver(name) for name in SCIPY}
+"""By name. What else is installed is added by who measures it (``benchmarks/speed_accuracy.py``)."""
+
+
+def can_solve(case: Case) -> bool:
+    """Whether a case's model has equations that can be handed over: those of a ring that bends stay inside."""
+    return case.rig.ring is None and assemble.kind(case).parameters in degrees_of_freedom.types
+
+
+def solve(case: Case, solver: Solver, tolerance: float) -> tuple[dict[str, float], float, float]:
+    """The features of a case, CPU time (s) of the solver, and what it has simulated (s)."""
+    named = next(m.name for m in METHODS.values() if m.adaptive and not m.implicit)
+    asked = {"method": named, "tolerance": tolerance, "step": "auto", "periodic": False, "step_check": False}
+    setup = set_up(case.model_copy(update=asked))
+    y, _ = assemble.start(setup.case, setup.model)
+    update_extremes(setup.model, y)
+    count = setup.cut.passes * setup.cut.steps_per_pass
+    given = Equations(setup.model, y, setup.cut.step * np.arange(1, count + 1), setup.method, setup.case.settle)
+    solution = solver(given)
+    found = _features(setup, y, solution.states) | {"outer_force.max": solution.force}
+    return found, solution.cpu, setup.cut.passes / setup.cut.rate
+
+
+@jit
+def _observe(
+    model: Any,
+    times: np.ndarray,
+    states: np.ndarray,
+    first: int,
+    places: np.ndarray,
+    recorded: np.ndarray,
+    state: np.ndarray,
+    y: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    """What a run records of states (2 m, n) at ``times`` (s), from number ``first`` on, into ``out`` (C, w)."""
+    for n in range(out.shape[1]):
+        for k in range(len(state)):
+            state[k] = states[k, first + n]
+        unpack(state, places, y)
+        accelerations(model, times[first + n], y)
+        update_extremes(model, y)
+        for c in range(len(recorded)):
+            out[c, n] = y[recorded[c]]
+
+
+def _features(setup: Setup, y: np.ndarray, states: np.ndarray) -> dict[str, float]:
+    """What is read from a run whose states are known at its instants."""
+    cut, model = setup.cut, setup.model
+    kept = Recording(setup.case, cut, model.bearing.Z, y)
+    steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
+    times = cut.step * np.arange(1, cut.passes * steps + 1)
+    window = np.empty((len(kept.places), tail + steps))
+    window[:] = y[kept.places][:, np.newaxis]
+    places, state, states = moving(model), np.empty(len(states)), np.ascontiguousarray(states)
+    found = np.empty((len(kept.places), steps))
+    for p in range(cut.passes):
+        window[:, :tail] = window[:, steps:].copy()
+        _observe(model, times, states, p * steps, places, kept.places, state, y, found)
+        window[:, tail:] = found
+        differentiate(window, MOTIONS[0], tail, cut.step)
+        kept.keep(p, window, y)
+    raw = kept.raw(Repetition(cut.passes, 0, float("nan")), y, 0.0)
+    return features(setup.case, model, cut, raw)

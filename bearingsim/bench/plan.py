@@ -1,0 +1,134 @@
+"""What is run of each scene and model: the automatic choice, methods at some settings, judges, peers."""
+
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import yaml
+
+from bearingsim.bench import outside
+from bearingsim.bench.provenance import code_version, processor
+from bearingsim.bench.scene import ORDER, Scene, Variant
+from bearingsim.catalogue import AUTO, METHODS, MODELS, USUAL_MODEL
+from bearingsim.config import Case
+from bearingsim.study.jobs import identity
+
+JOB, AUTOMATIC, POINT, PEER, JUDGE = "job", "automatic", "point", "peer", "judge"
+"""What a row is: the automatic choice as a user gets it; its method and step in full; another method or setting;
+another package's solver; a solution that errors are measured against."""
+
+
+class Setting(NamedTuple):
+    """A step as a part of the automatic one, or a tolerance; neither for what is left to the program."""
+
+    step: float = float("nan")
+    tolerance: float = float("nan")
+
+
+Settings = Mapping[str, tuple[Setting, ...]]
+"""By method."""
+
+
+class Plan(NamedTuple):
+    """Of one kind of model: what is run of it."""
+
+    methods: Settings
+    judges: Settings
+    peers: Settings
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run to be made and timed. case: None if the model cannot do the scene, and why in ``refused``."""
+
+    scene: str
+    variant: str
+    model: str
+    role: str
+    method: str
+    setting: Setting
+    line: str
+    case: Case | None
+    refused: str = ""
+
+    @property
+    def key(self) -> str:
+        """16 hex digits: equal for equal runs of equal code on an equal machine."""
+        told = identity(self.case) if self.case is not None else self.refused
+        parts = (self.scene, self.variant, told, self.role, self.method, *map(repr, self.setting))
+        return hashlib.sha256("|".join((*parts, code_version(), processor())).encode()).hexdigest()[:16]
+
+
+@cache
+def _read() -> dict[str, Any]:
+    return dict(yaml.safe_load((Path(__file__).parent / "plan.yaml").read_text(encoding="utf-8")))
+
+
+def scenes_of(quick: bool) -> tuple[str, ...]:
+    """The scenes that are computed if none is named."""
+    return tuple(_read()["quick"]["scenes"]) if quick else ORDER
+
+
+def plan_of(case: Case, quick: bool) -> Plan:
+    """What is run of a case."""
+    kind = "quick" if quick else "usual"
+    if MODELS[case.model].sliced:
+        kind = "sliced"
+    elif case.rig.ring is not None:
+        kind = "bent"
+    given = _read()[kind]
+    return Plan(*(_settings(given.get(part, {})) for part in Plan._fields))
+
+
+def _settings(given: Mapping[str, Mapping[str, Sequence[float]]]) -> Settings:
+    return {
+        name: tuple(
+            [Setting(step=float(s)) for s in of.get("steps", ())]
+            + [Setting(tolerance=float(t)) for t in of.get("tolerances", ())]
+        )
+        for name, of in given.items()
+    }
+
+
+def runs(scene: Scene, quick: bool, others: Settings | None = None) -> Iterator[Run]:
+    """All runs of a scene. others: solvers of other packages, beside the plan's."""
+    for variant in scene.variants:
+        yield from _of_variant(scene, variant, quick, others or {})
+
+
+def _of_variant(scene: Scene, variant: Variant, quick: bool, others: Settings) -> Iterator[Run]:
+    def run(role: str, method: str, setting: Setting) -> Run:
+        about = scene.name, variant.name, variant.model
+        return Run(*about, role, method, setting, scene.line, variant.case, variant.refused)
+
+    yield run(JOB, AUTO, Setting())
+    if variant.case is None:
+        return
+    if variant.case.method is None:
+        yield run(JUDGE, "", Setting(step=0.25))  # solved instant by instant, at more of them
+        return
+    plan = plan_of(variant.case, quick)
+    for role, settings in ((POINT, plan.methods), (JUDGE, _solvable(variant, plan.judges))):
+        for method, of in settings.items():
+            yield from (run(role, method, setting) for setting in of)
+    for method, of in _solvable(variant, {**plan.peers, **others}).items():
+        yield from (run(PEER, method, setting) for setting in of)
+
+
+def _solvable(variant: Variant, settings: Settings) -> Settings:
+    """Those of the methods that are our own; others are handed the equations of the usual model, if it can be."""
+    if variant.model == USUAL_MODEL and variant.case is not None and outside.can_solve(variant.case):
+        return settings
+    return {name: of for name, of in settings.items() if name in METHODS}
+
+
+def kinds(todo: Sequence[Run]) -> list[list[Run]]:
+    """Runs that compile each what no other does, those of one model together."""
+    groups: dict[str, dict[tuple, Run]] = {}
+    for run in todo:
+        if run.case is not None:
+            groups.setdefault(run.model, {}).setdefault((run.scene, run.variant, run.role, run.method), run)
+    return [list(of.values()) for of in groups.values()]

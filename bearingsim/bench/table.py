@@ -1,0 +1,145 @@
+"""The runs of all scenes, spread over processes and kept row by row: what is there is not computed again."""
+
+import csv
+import json
+import sys
+import time
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from bearingsim.bench import measure, outside
+from bearingsim.bench.measure import COLUMNS, Row
+from bearingsim.bench.plan import JOB, Run, Settings, kinds, runs
+from bearingsim.bench.provenance import provenance
+from bearingsim.bench.scene import Scene
+from bearingsim.runner.pool import spread
+from bearingsim.runner.progress import duration
+
+RUNS, ABOUT = "runs.csv", "provenance.json"
+LINE_EVERY_S = 5.0
+NUMBERS = ("step_s", "tolerance", "cpu_per_s", *measure.QUANTITIES, "chaotic", "period_passes")
+
+
+def compute(
+    scenes: Sequence[Scene],
+    folder: Path,
+    quick: bool = False,
+    jobs: int = 1,
+    others: Mapping[str, Settings] | None = None,
+    left_out: dict[str, str] | None = None,
+) -> list[Row]:
+    """Compute what is not in ``folder`` yet; all rows of the scenes, in the order of the plan.
+
+    others: by scene, solvers of other packages (``outside.SOLVERS``) at their settings; left_out: those that are
+    not here, and why. Told on stderr how far it is. A run that is interrupted leaves the rows it has.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    wanted = [run for scene in scenes for run in runs(scene, quick, (others or {}).get(scene.name))]
+    path, began = folder / RUNS, (time.monotonic(), time.process_time())
+    known = read(path)
+    todo = [run for run in wanted if run.key not in known]
+    if todo:
+        _compile(todo, jobs)
+        _append(path, todo, jobs)
+        known = read(path)
+    about = provenance(left_out or {}) | {"runs": len(wanted), "computed": len(todo), "jobs": jobs, "quick": quick}
+    about["wall_s"] = round(time.monotonic() - began[0], 1)
+    if todo or not (folder / ABOUT).exists():
+        (folder / ABOUT).write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
+    return [row for run in wanted for row in known.get(run.key, [])]
+
+
+def read(path: Path) -> dict[str, list[Row]]:
+    """The rows of a file by the key of their run; a row that was not written to its end is none."""
+    if not path.exists():
+        return {}
+    found: dict[str, list[Row]] = {}
+    with path.open(newline="", encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            if set(row) == set(COLUMNS) and all(value is not None for value in row.values()):
+                found.setdefault(row["key"], []).append(_with_numbers(row))
+    return {key: rows for key, rows in found.items() if len(rows) == _rows_of(rows[0])}
+
+
+def _rows_of(first: Row) -> int:
+    """How many rows the run has that this one begins."""
+    return 2 if first["role"] == JOB and not first["failure"] else 1
+
+
+def _with_numbers(row: dict[str, str]) -> Row:
+    return {name: (float(value or "nan") if name in NUMBERS else value) for name, value in row.items()}
+
+
+def _append(path: Path, todo: Sequence[Run], jobs: int) -> None:
+    """Compute runs and write their rows as they come."""
+    new, done, began = not path.exists(), 0, time.monotonic()
+    last = began
+    with path.open("a", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, COLUMNS)
+        if new:
+            table.writeheader()
+        elif not path.read_text(encoding="utf-8").endswith("\n"):
+            file.write("\n")  # the last writer was stopped in the middle of a row
+        try:
+            for rows in _spread(_rows, [(run, outside.SOLVERS.get(run.method)) for run in todo], jobs):
+                table.writerows({name: _text(value) for name, value in row.items()} for row in rows)
+                file.flush()
+                done += 1
+                if time.monotonic() - last > LINE_EVERY_S:
+                    last = time.monotonic()
+                    left = duration((last - began) * (len(todo) - done) / done)
+                    print(f"{done}/{len(todo)} runs, about {left} left", file=sys.stderr, flush=True)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(f"interrupted: {path} has {done} of {len(todo)} runs; run it again") from None
+
+
+def _rows(run: Run, solver: outside.Solver | None) -> list[Row]:
+    """``measure.rows``, by a process that may not know the run's solver yet."""
+    if solver is not None:
+        outside.SOLVERS.setdefault(run.method, solver)
+    return measure.rows(run)
+
+
+def _compile(todo: Sequence[Run], jobs: int) -> None:
+    """Compile before anything is timed: what one model needs, in one process."""
+    groups = kinds(todo)
+    print(f"getting ready: {len(groups)} models, {len(todo)} runs to do", file=sys.stderr, flush=True)
+    for done, model in enumerate(_spread(_ready, [(group, dict(outside.SOLVERS)) for group in groups], jobs), 1):
+        print(f"ready, {done} of {len(groups)}: {model}", file=sys.stderr, flush=True)
+
+
+def _ready(group: Sequence[Run], solvers: dict[str, outside.Solver]) -> str:
+    outside.SOLVERS.update(solvers)
+    return [measure.ready(run) for run in group][-1]
+
+
+def _spread(function: Callable, units: Sequence[tuple], jobs: int) -> Generator[Any, None, None]:
+    """What a function makes of each unit, in any order, computed by ``jobs`` processes."""
+    if jobs == 1:
+        yield from (function(*unit) for unit in units)
+        return
+    yield from spread(function, units, jobs)
+
+
+def _text(value: Any) -> Any:
+    """Numbers with seven digits."""
+    if isinstance(value, float):
+        return "" if value != value else f"{value:.7g}"
+    return value
+
+
+def written(rows: Sequence[Row], path: Path) -> Path:
+    """Write rows as a CSV file; its path."""
+    names = list(dict.fromkeys(chain.from_iterable(rows)))
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, names)
+        table.writeheader()
+        table.writerows(_texts(rows))
+    return path
+
+
+def _texts(rows: Sequence[Row]) -> Iterator[Row]:
+    for row in rows:
+        yield {name: _text(value) for name, value in row.items()}

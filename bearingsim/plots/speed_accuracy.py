@@ -1,0 +1,195 @@
+"""The chart of speed against accuracy: a figure for each scene, CPU time over error, numerical and total beside.
+
+Rows of panels: the fault's line, the RMS, the largest force. A colour is a model, a mark a method; marks of one
+method are joined. Hollow marks are other packages' solvers. Failures stand on a rail above.
+"""
+
+from collections.abc import Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+from matplotlib.figure import Figure as Canvas
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullFormatter
+from PIL import Image
+
+from bearingsim.bench.errors import NUMERICAL, TOTAL
+from bearingsim.bench.measure import QUANTITIES, Row
+from bearingsim.bench.plan import AUTOMATIC, JOB, PEER, POINT
+from bearingsim.bench.verdict import WITHIN, by, front, percent, seconds, verdict
+from bearingsim.catalogue import MODELS
+from bearingsim.plots.style import COLOURS, MARKERS, RC
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["draw", "figure"]
+
+LOOK = RC | {"font.size": 8.0, "axes.labelsize": 8.0, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5}
+SIZE_IN, DPI, SHADES = (7.4, 8.4), 100, 64
+RAIL = 1.075  # of the height of a panel
+HEADS = {NUMERICAL: "numerical error: against the same model", TOTAL: "total error: against the reference"}
+SIDES = {
+    "line": "fault's line",
+    "rms": "RMS of the velocity",
+    "force": "largest force",
+}
+LEAST, MOST, ROOM = 1e-5, 10.0, 0.1  # errors beyond are drawn at the edge; so far each panel reaches at least
+
+
+def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
+    """Draw a scene's rows (``errors.with_errors``) into a PNG; its path."""
+    with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
+        canvas = figure(rows, title)
+        whole = BytesIO()
+        canvas.savefig(whole, dpi=DPI)
+    with Image.open(whole) as image:  # few colours: a third of the bytes
+        image.convert("RGB").quantize(SHADES).save(path, optimize=True)
+    return path
+
+
+def figure(rows: Sequence[Row], title: str) -> Canvas:
+    """The figure of a scene."""
+    methods = list(dict.fromkeys(row["method"] for row in rows if row["role"] in (POINT, AUTOMATIC, PEER)))
+    colours = _colours(rows)
+    marks = {name: MARKERS[n % len(MARKERS)] for n, name in enumerate(filter(None, methods))} | {"": MARKERS[-1]}
+    canvas = Canvas(figsize=SIZE_IN, layout="constrained")
+    panels = canvas.subplots(len(QUANTITIES), 2, sharex="col", sharey=True, squeeze=False)
+    for i, quantity in enumerate(QUANTITIES):
+        for j, kind in enumerate((NUMERICAL, TOTAL)):
+            _panel(panels[i][j], rows, kind, quantity, colours, marks)
+        panels[i][0].set_ylabel(f"{SIDES[quantity]}\nCPU s for a simulated second")
+    for ax, kind in zip(panels[0], HEADS, strict=True):
+        ax.set_title(HEADS[kind], fontsize=8.5, pad=24)
+        _rail(ax, rows, colours, marks)
+    for ax in panels[-1]:
+        ax.set_xlabel("relative error")
+    canvas.suptitle(f"{title}\n{_told(rows)}", x=0.01, ha="left", fontsize=9.5)
+    handles = _legend(rows, colours, marks)
+    canvas.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=7.5, handlelength=2.0)
+    return canvas
+
+
+def _colours(rows: Sequence[Row]) -> dict[str, str]:
+    """A colour for each variant: a model's own in every scene, for more variants of it those that are left."""
+    own, found = dict(zip(reversed(MODELS), COLOURS, strict=False)), dict[str, str]()
+    models = {row["variant"]: row["model"] for row in rows}
+    left = [colour for colour in COLOURS if colour not in {own.get(model) for model in models.values()}]
+    for variant, model in models.items():
+        found[variant] = own.pop(model, "") or (left.pop(0) if left else "0.5")
+    return found
+
+
+def _told(rows: Sequence[Row]) -> str:
+    """The verdicts, a line each."""
+    lines = []
+    for within in WITHIN:
+        found = verdict(rows, within)
+        if found.job is not None:
+            what = f"{found.job['variant']} ({found.job['method'] or 'no method'}, "
+            what += f"{seconds(found.job['cpu_per_s'])} as a job)"
+        elif found.point is not None:
+            what = f"{found.point['variant']} ({by(found.point)})"
+        else:
+            what = f"not to be told: {found.unknown}" if found.unknown else "none that was run"
+        lines.append(f"least model within {percent(within)}: {what}")
+    return "\n".join(lines)
+
+
+def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: dict, marks: dict) -> None:
+    column = f"{kind}.{quantity}"
+    good = [row for row in rows if not row["failure"] and row[column] == row[column]]
+    ax.set(xscale="log", yscale="log")
+    if kind == TOTAL:
+        best = front([row for row in good if row["role"] in (POINT, AUTOMATIC)], column)
+        ax.step(
+            [_shown(row[column]) for row in best], [row["cpu_per_s"] for row in best],
+            where="pre", color="0.75", linewidth=4.0, zorder=1, solid_capstyle="round",
+        )  # fmt: skip
+        for within in WITHIN:
+            ax.axvline(within, color="0.45", linewidth=0.8, linestyle=(0, (4, 2)), zorder=0)
+            ax.text(
+                within, 1.0, percent(within), transform=ax.get_xaxis_transform(),
+                fontsize=7.0, color="0.35", ha="center", va="bottom",
+            )  # fmt: skip
+        floor = max((row[f"{column}.floor"] for row in rows), default=0.0)
+        if floor > LEAST:
+            ax.axvspan(LEAST / 2.0, _shown(floor), color="0.94", zorder=0)
+    for variant, colour in colours.items():
+        for method, mark in marks.items():
+            for role in (POINT, PEER):
+                of = [r for r in good if (r["variant"], r["method"], r["role"]) == (variant, method, role)]
+                _curve(ax, of, column, colour, mark, hollow=role == PEER)
+    for row in good:
+        if row["role"] == AUTOMATIC:
+            _automatic(ax, row, [r for r in good if r["role"] == JOB], column, colours, marks)
+    known = [_shown(row[column]) for row in good]
+    ax.set_xlim(LEAST / 1.6, 2.0 * max([*known, 0.5 * ROOM, ax.get_xlim()[1] / 2.0]))
+    ax.xaxis.set_major_locator(LogLocator(numticks=12))
+    ax.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _curve(ax: "Axes", rows: Sequence[Row], column: str, colour: str, mark: str, hollow: bool) -> None:
+    """The settings of a method, joined from the coarsest."""
+    if rows:
+        ax.plot(
+            [_shown(row[column]) for row in rows], [row["cpu_per_s"] for row in rows],
+            color=colour, marker=mark, markersize=4.5, linewidth=0.7, markeredgewidth=0.8,
+            linestyle="--" if hollow else "-", markerfacecolor="white" if hollow else colour, zorder=3,
+        )  # fmt: skip
+
+
+def _automatic(ax: "Axes", row: Row, jobs: Sequence[Row], column: str, colours: dict, marks: dict) -> None:
+    """The automatic choice in full, ringed; a star where a job of it lies."""
+    colour, x, y = colours[row["variant"]], _shown(row[column]), row["cpu_per_s"]
+    ax.plot(x, y, marker=marks[row["method"]], color=colour, markersize=4.5, zorder=4)
+    ax.plot(x, y, marker="o", markersize=11.0, markerfacecolor="none", markeredgecolor=colour, mew=1.4, zorder=5)
+    for job in jobs:
+        if job["variant"] == row["variant"]:
+            x_job, y_job = _shown(job[column]), job["cpu_per_s"]
+            ax.plot([x, x_job], [y, y_job], color=colour, linewidth=0.8, linestyle=":", zorder=2)
+            ax.plot(x_job, y_job, marker="*", color=colour, markersize=8.0, mec="black", mew=0.5, zorder=5)
+
+
+def _shown(error: float) -> float:
+    return min(max(error, LEAST), MOST)
+
+
+def _rail(ax: "Axes", rows: Sequence[Row], colours: dict, marks: dict) -> None:
+    """What failed, in the order of the rows: the CSV says why."""
+    failed = [row for row in rows if row["failure"]]
+    if not failed:
+        return
+    ax.plot([0.0, 1.0], [RAIL, RAIL], transform=ax.transAxes, color="0.6", linewidth=0.8, clip_on=False)
+    ax.text(0.0, RAIL + 0.02, "failed", transform=ax.transAxes, fontsize=7.0, va="bottom", color="0.3")
+    for n, row in enumerate(failed):
+        ax.plot(
+            (n + 1.5) / (len(failed) + 1.5), RAIL, transform=ax.transAxes, clip_on=False,
+            marker=marks.get(row["method"], "x"), color=colours[row["variant"]], markersize=5.0,
+            markerfacecolor="white", zorder=6,
+        )  # fmt: skip
+
+
+def _legend(rows: Sequence[Row], colours: dict, marks: dict) -> list[Any]:
+    chaotic = {row["variant"] for row in rows if row["chaotic"] == 1.0}
+    found: list[Any] = [
+        Line2D([], [], color=colour, linewidth=4.0, label=name + " (chaotic)" * (name in chaotic))
+        for name, colour in colours.items()
+    ]
+    peers = {row["method"] for row in rows if row["role"] == PEER}
+    for name, mark in marks.items():
+        if name:
+            fill = "white" if name in peers else "0.3"
+            line: dict[str, Any] = {"linestyle": "--" if name in peers else "-", "linewidth": 0.7}
+            found.append(Line2D([], [], color="0.3", marker=mark, ms=4.5, mfc=fill, label=name, **line))
+    instant = [row for row in rows if row["role"] == AUTOMATIC and not row["method"]]
+    if instant:
+        found.append(Line2D([], [], color="0.3", marker=marks[""], ms=4.5, ls="none", label="instant by instant"))
+    ring: dict[str, Any] = {"marker": "o", "ms": 10.0, "mfc": "none", "mec": "0.2", "mew": 1.4}
+    found.append(Line2D([], [], color="0.3", ls="none", label="automatic choice, in full", **ring))
+    star: dict[str, Any] = {"marker": "*", "ms": 8.0, "mfc": "0.6", "mec": "black", "mew": 0.5}
+    found.append(Line2D([], [], ls="none", label="the same as a job: it may repeat", **star))
+    found.append(Line2D([], [], color="0.75", linewidth=4.0, label="Pareto front of all models, in full"))
+    return found

@@ -1,0 +1,98 @@
+"""docs/speed-accuracy.md: the chart of ``bearingsim bench``, with the peers of ``make bench`` in one scene.
+
+    python -m benchmarks.speed_accuracy [--quick] [--jobs N] [--out results/bench-chart]
+
+The whole chart is written into docs/, text and figures; that of `--quick` stays in its folder.
+"""
+
+import argparse
+import shutil
+import time
+from pathlib import Path
+
+import numpy as np
+
+from bearingsim.bench import outside, report
+from bearingsim.bench.plan import Setting, Settings
+from bearingsim.cli.bench import chart
+from benchmarks.speed import peers
+
+DOCS = Path(__file__).parents[1] / "docs"
+SCENE = "slot-0.8"
+SOLVERS = {
+    "CVODE Adams": "scikit-sundae",
+    "CVODE BDF": "scikit-sundae",
+    "numbalsoda lsoda": "numbalsoda",
+    "numbalsoda dop853": "numbalsoda",
+}
+"""What ``peers.solvers`` gives beside SciPy's, and the package of each."""
+OF_SCIPY: Settings = {
+    "scipy-lsoda": (Setting(tolerance=1e-3), Setting(tolerance=1e-5)),
+    "scipy-dop853": (Setting(tolerance=1e-3),),
+}
+TOLERANCES, FEW = (1e-4, 1e-5, 1e-6, 1e-7), (1e-5, 1e-6)
+
+
+def solver(name: str) -> outside.Solver:
+    """A peer as the chart calls it; it shows no steps, and so no largest force."""
+
+    def solve(given: outside.Equations) -> outside.Solution:
+        problem = peers.problem(given.model, given.y, given.instants)
+        problem.derivatives(
+            0.0, problem.u, np.empty_like(problem.u), problem.y.copy()
+        )  # compiled before the clock
+        integrate = dict(peers.solvers(problem))[name]
+        began = time.thread_time()
+        try:
+            states = integrate(float(given.asked.rtol))
+        except RuntimeError as error:
+            raise outside.GaveUp(str(error)) from error
+        return outside.Solution(in_si(states.T, int(given.model.bearing.Z)), time.thread_time() - began)
+
+    return solve
+
+
+def in_si(states: np.ndarray, Z: int) -> np.ndarray:
+    """States of a peer, (rollers, ring; um, then m/s) by instants, as the chart has them: ring first, in SI."""
+    places, velocities = states[: Z + 2] * peers.MICRO, states[Z + 2 :]
+    order = [Z, Z + 1, *range(Z)]
+    return np.concatenate([places[order], velocities[order]])
+
+
+def settings(quick: bool) -> Settings:
+    """Peers that are here, at some tolerances."""
+    gone = peers.absent()
+    of = tuple(Setting(tolerance=tolerance) for tolerance in (FEW if quick else TOLERANCES))
+    theirs = {name: of for name, package in SOLVERS.items() if package not in gone}
+    return theirs if quick else {**OF_SCIPY, **theirs}
+
+
+def main() -> None:
+    """Make the chart, and the page."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--out", type=Path)
+    asked = parser.parse_args()
+    folder = asked.out or Path("results") / ("bench-chart-quick" if asked.quick else "bench-chart")
+    others = settings(asked.quick)
+    outside.SOLVERS.update({name: solver(name) for name in others if name in SOLVERS})
+    left_out = {name: why for name, why in peers.absent().items() if name in SOLVERS.values()}
+    files = chart(None, [], asked.quick, folder, asked.jobs, {SCENE: others}, left_out)
+    print(*files, sep="\n")
+    if not asked.quick:
+        into_docs(folder)
+
+
+def into_docs(folder: Path) -> None:
+    """Copy text and figures to where the documentation has them."""
+    for figure in sorted(folder.glob("speed-accuracy-*.png")):
+        shutil.copyfile(figure, DOCS / "figures" / figure.name)
+    text = (folder / report.NAME).read_text(encoding="utf-8")
+    page = DOCS / report.NAME
+    page.write_text(text.replace("](speed-accuracy-", "](figures/speed-accuracy-"), encoding="utf-8")
+    print(page)
+
+
+if __name__ == "__main__":
+    main()
