@@ -9,7 +9,7 @@ from bearingsim.catalogue import MODELS, REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES
 from bearingsim.errors import UserError
-from bearingsim.selection.trials import ladder, reference
+from bearingsim.selection.candidates import ladder, reference
 from bearingsim.study import Study, load_study
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import StudyError
@@ -22,7 +22,6 @@ ORDER = (
 """The program's own scenes, in the order of the report."""
 MOST_CASES = 3
 LONGEST = 0.5  # s: of a study's record so much is computed
-KINEMATIC = "{motion: kinematic}"
 
 
 @dataclass(frozen=True)
@@ -99,9 +98,6 @@ def _lower(study: Study, path: Path, n: int, judged: Case, quick: bool) -> list[
     found = []
     for candidate, given in ladder(judged).items():
         asked = {"model": REFERENCE} | given
-        cage = judged.cage
-        if given.get("model") and MODELS[given["model"]].slips and cage is not None and cage.motion == "kinematic":
-            asked["cage"] = KINEMATIC  # as of the reference
         try:
             case, why = _all_by(study, path, asked, quick)[n], ""
         except StudyError as error:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim.store.spread import standard_error
 from bearingsim.study.goal import HEALTHY
+from bearingsim.study.uncertainty import RIGID
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -55,7 +56,7 @@ def nearness(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     for name in COLUMNS[:3]:
         of_features = pd.DataFrame({feature: part[name] for feature, part in parts.items()})
         found.loc[cases, name] = of_features.max(axis=1).reindex(cases)
-    if not plan.get("assumptions"):
+    if RIGID not in plan.get("assumptions", ()):
         sums = pd.DataFrame({feature: part.sum(axis=1, skipna=False) for feature, part in parts.items()})
         found.loc[cases, "error"] = sums.max(axis=1).reindex(cases)
     return found

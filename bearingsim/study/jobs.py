@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from bearingsim.catalogue import AUTO, MODELS
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
-from bearingsim.study.uncertainty import RIGID, USUAL, Uncertain, assumes_rigid_ring, sampled, variations
+from bearingsim.config.rules.hierarchy import speaks_of_slip
+from bearingsim.study.uncertainty import NO_SLIP, RIGID, USUAL, Uncertain, assumes_rigid_ring, sampled, variations
 from bearingsim.study.used import used
 
 if TYPE_CHECKING:
@@ -134,7 +135,8 @@ class Study:
     def assumptions(self) -> tuple[str, ...]:
         """What is assumed of the rig because the study says nothing of it, in words."""
         drawn = [name for figure in self.figures for name in figure.y]
-        return (RIGID,) * assumes_rigid_ring(self.cases(), drawn, self.uncertainty)
+        slips = self.goal is None or any(speaks_of_slip(case) for case in self.cases())
+        return (RIGID,) * assumes_rigid_ring(self.cases(), drawn, self.uncertainty) + (NO_SLIP,) * (not slips)
 
     def variations(self) -> list[Variation]:
         """What is varied of the cases: of all by `uncertainty`, or of a few if the study does not speak of it."""

@@ -259,6 +259,7 @@ def variations(case: Case, uncertain: Sequence[Uncertain]) -> list[tuple[str, fl
 
 
 RIGID = "rigid ring assumed (docs/ring.md: bending moves lines by factors)"
+NO_SLIP = "no slip assumed: cage and rollers roll (docs/accuracy.md: oil moves lines by percents, an RMS by more)"
 _OF_RING = ("ring.", "displacement", "velocity", "acceleration")
 
 

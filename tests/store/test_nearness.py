@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from bearingsim.store.nearness import audited, nearness, scales
+from bearingsim.study.uncertainty import RIGID
 
 LINE, RMS, FORCE = "velocity@BPFO", "velocity.rms", "outer_force.max"
 
@@ -72,7 +73,7 @@ def test_model_step_and_scatter_add_up_and_the_worst_feature_counts() -> None:
 
 
 def test_no_sum_where_the_ring_is_only_assumed_to_be_rigid() -> None:
-    found = nearness(plan([LINE], {LINE: 0.03}) | {"assumptions": ["rigid"]}, frame({LINE: [1.0, 2.0, 2.0]}))
+    found = nearness(plan([LINE], {LINE: 0.03}) | {"assumptions": [RIGID]}, frame({LINE: [1.0, 2.0, 2.0]}))
     assert found["error"].isna().all()
     assert found["error.model"].tolist() == [0.03] * 3
 
