@@ -9,7 +9,7 @@ VENV ?= .venv
 JOBS ?= 2
 BIN := $(VENV)/bin
 FIGURES := fig14 fig15 fig16
-STUDIES := $(FIGURES) damping excitations inner_race roller_defect slip length offset tilt misalignment shapes ring_bends ring_trends paper_literal
+STUDIES := $(FIGURES) damping excitations inner_race roller_defect slip length offset tilt misalignment shapes ring_bends ring_trends paper_literal models
 REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 

@@ -6,10 +6,11 @@ A scene is a study of one case, which asks 5, 2 and 1 % of the fault's line, the
 What its trials cost is told for 5 % of the line. The truth is the reference with half of its step, `spatial` with
 48 slices, and where its motion is chaotic, 10 s long (`spatial` 2 s, a ring that bends 4 s; the largest force is
 that of a record as long as the other's). OUT/scenes.jsonl has a line for each scene, OUT/trials its trials; one
-that is there is not computed again, or with `--again` only its trials are.
+that is there is not computed again, or with `--again` only its trials are. OUT/promise.csv has what came of each.
 """
 
 import argparse
+import csv
 import json
 import tempfile
 import time
@@ -264,6 +265,28 @@ def report(rows: list[dict[str, Any]], known: Known) -> None:
         print(f"  {name}: {of_group(of)}")
 
 
+def write_csv(path: Path, rows: list[dict[str, Any]], known: Known) -> None:
+    """A line for each scene, accuracy and feature: what was taken, how far off it is, what was said (shares)."""
+    about = ("seed", "number", "reference", "race", "shape", "offset", "bends", "clearance_um", "repeats")
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        kinds = ("within", "taken", "chaotic", "feature", "off", "model", "step", "scatter", "both")
+        writer.writerow([*about, *kinds])
+        for row in rows:
+            if "results" not in row:
+                continue
+            study = study_of(row["number"], row["seed"])
+            for within in WITHIN:
+                choice = replay(row, study, within, False, known).choice
+                for name in asked_of(row):
+                    of = kept(name, row["results"][choice.candidate], row["truth"], choice.error.get(name, 0.0))
+                    told = [f"{of[kind]:.3g}" for kind in kinds[4:]]
+                    chaotic = int(row["truth"]["chaotic"] == 1.0)
+                    writer.writerow(
+                        [*(row[what] for what in about), within, choice.candidate, chaotic, name, *told]
+                    )
+
+
 def of_kind(kind: str, within: float, told: list[Replayed]) -> str:
     """How often a kind of feature was as close as promised; its misses are printed."""
     held, longer, honest = 0, 0, 0
@@ -325,7 +348,10 @@ def main() -> None:
         rows.append(row)
         with path.open("a") as file:
             file.write(json.dumps(row) + "\n")
-    report([row for row in rows if row["seed"] == given.seed], store.read_trials(given.out))
+    rows = [row for row in rows if row["seed"] == given.seed]
+    known = store.read_trials(given.out)
+    write_csv(given.out / "promise.csv", sorted(rows, key=lambda row: row["number"]), known)
+    report(rows, known)
 
 
 if __name__ == "__main__":
