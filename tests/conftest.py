@@ -8,6 +8,7 @@ from hypothesis import settings
 
 ROOT = Path(__file__).parents[1]
 os.environ["BEARINGSIM_CACHE"] = os.environ.get("BEARINGSIM_CACHE") or str(Path.home() / ".cache/bearingsim-tests")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in the command: sums are rounded alike in every process
 os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
 # tests compile the core for types of their own; who reads that cache must be able to import them: so it is kept
 # apart from the user's, and the processes that tests start find the tests

@@ -1,6 +1,7 @@
 """The commands."""
 
 import json
+import os
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -42,8 +43,15 @@ Json = Annotated[bool, typer.Option("--json", help="for a script to read")]
 Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="worker processes; 1: no pool")]
 
 
+THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
+"""Of linear algebra, read as NumPy is imported. One: with more, sums are rounded otherwise, and a run by one
+process would differ in its last digits from one by several."""
+
+
 def main() -> None:
     """Entry point of the command `bearingsim`."""
+    for name in THREADS:
+        os.environ.setdefault(name, "1")
     app()
 
 
