@@ -20,7 +20,7 @@ from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES
 from bearingsim.simulation import SimulationError, simulate
 from bearingsim.study import load_study
-from benchmarks.promise import KINDS, draw, kind_of
+from benchmarks.promise import KINDS, OF_RMS_SCATTER, draw, kind_of
 
 FREE: dict[str, dict[str, Any]] = {
     "dry friction": {"friction": "static-dynamic"},
@@ -28,7 +28,6 @@ FREE: dict[str, dict[str, Any]] = {
 }
 USUAL = {"model": "planar", "settle": "0.5 s"}  # a cage takes a while to come to its slip
 KINEMATIC = {"cage": {"motion": "kinematic"}, "friction": "none"}
-OF_RMS_SCATTER = 2.5
 
 
 def scenes(seed: int, count: int) -> list[dict[str, Any]]:

@@ -4,7 +4,7 @@ import csv
 import json
 import sys
 import time
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -83,7 +83,7 @@ def _append(path: Path, todo: Sequence[Run], jobs: int) -> None:
         elif not path.read_text(encoding="utf-8").endswith("\n"):
             file.write("\n")  # the last writer was stopped in the middle of a row
         try:
-            for rows in _spread(_rows, [(run, outside.SOLVERS.get(run.method)) for run in todo], jobs):
+            for rows in spread(_rows, [(run, outside.SOLVERS.get(run.method)) for run in todo], jobs):
                 table.writerows({name: _text(value) for name, value in row.items()} for row in rows)
                 file.flush()
                 done += 1
@@ -106,21 +106,13 @@ def _compile(todo: Sequence[Run], jobs: int) -> None:
     """Compile before anything is timed: what one model needs, in one process."""
     groups = kinds(todo)
     print(f"getting ready: {len(groups)} models, {len(todo)} runs to do", file=sys.stderr, flush=True)
-    for done, model in enumerate(_spread(_ready, [(group, dict(outside.SOLVERS)) for group in groups], jobs), 1):
+    for done, model in enumerate(spread(_ready, [(group, dict(outside.SOLVERS)) for group in groups], jobs), 1):
         print(f"ready, {done} of {len(groups)}: {model}", file=sys.stderr, flush=True)
 
 
 def _ready(group: Sequence[Run], solvers: dict[str, outside.Solver]) -> str:
     outside.SOLVERS.update(solvers)
     return [measure.ready(run) for run in group][-1]
-
-
-def _spread(function: Callable, units: Sequence[tuple], jobs: int) -> Generator[Any, None, None]:
-    """What a function makes of each unit, in any order, computed by ``jobs`` processes."""
-    if jobs == 1:
-        yield from (function(*unit) for unit in units)
-        return
-    yield from spread(function, units, jobs)
 
 
 def _text(value: Any) -> Any:

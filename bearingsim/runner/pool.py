@@ -31,8 +31,7 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
     one that dies alone becomes a failure.
     """
     if workers == 1:
-        for work in works:  # not `map`, which a StopIteration from within would end in silence
-            yield compute(work)
+        yield from spread(compute, [(work,) for work in works], workers)
         return
     waiting, barren = list(works), 0
     while waiting:
@@ -64,7 +63,11 @@ def _in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
 
 
 def spread(function: Callable, arguments: Sequence[tuple], workers: int) -> Generator[Any, None, None]:
-    """What a function makes of each tuple of arguments, as it is done, computed by other processes."""
+    """What a function makes of each tuple of arguments, as it is done, by so many processes: one is this one."""
+    if workers == 1:
+        for given in arguments:  # not `map`, which a StopIteration from within would end in silence
+            yield function(*given)
+        return
     from joblib import Parallel, delayed, parallel_config
 
     with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=(os.getpid(),)):

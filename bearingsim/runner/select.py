@@ -108,8 +108,7 @@ def _tried(
     costs = {one.id: min(price(one.case), 1e6) for one in todo}
     with progress(shown, len(todo), sum(costs.values())) as report:
         try:
-            one_by_one = (_compute(*of) for of in arguments)
-            with closing(one_by_one if workers == 1 else spread(_compute, arguments, workers)) as coming:
+            with closing(spread(_compute, arguments, workers)) as coming:
                 for done, failed in coming:
                     report(len(done), len(failed), sum(costs[name] for name in (*done, *failed)))
         except BrokenProcessPool as death:

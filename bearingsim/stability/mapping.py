@@ -3,7 +3,7 @@
 import csv
 import sys
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,7 @@ def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: P
     with path.open("w", newline="", encoding="utf-8") as file:
         table: csv.DictWriter | None = None
         try:
-            for row in chain.from_iterable(_spread(map_of if jobs == 1 else _whole, units, jobs)):
+            for row in chain.from_iterable(spread(map_of if jobs == 1 else _whole, units, jobs)):
                 if table is None:
                     table = csv.DictWriter(file, list(row))
                     table.writeheader()
@@ -49,7 +49,7 @@ def _compile(models: Sequence[str], methods: Sequence[str], grid: Grid, jobs: in
     """Compile before any cell is run, so that none is slow for it."""
     units = [(model, method, grid) for model in models for method in (*methods, *judges(methods))]
     print(f"getting ready: {len(units)} pairs of model and method", file=sys.stderr, flush=True)
-    for done, (model, method) in enumerate(_spread(_warmed, units, jobs), 1):
+    for done, (model, method) in enumerate(spread(_warmed, units, jobs), 1):
         print(f"ready, {done} of {len(units)}: {model}, {method}", file=sys.stderr, flush=True)
 
 
@@ -61,14 +61,6 @@ def _warmed(model: str, method: str, grid: Grid) -> tuple[str, str]:
 def _whole(unit: Material, methods: Sequence[str], grid: Grid) -> list[dict[str, Any]]:
     """``map_of`` at once: from another process rows cannot come one by one."""
     return list(map_of(unit, methods, grid))
-
-
-def _spread(function: Callable, units: Sequence[tuple], jobs: int) -> Generator[Any, None, None]:
-    """What a function makes of each unit, in any order, computed by ``jobs`` processes."""
-    if jobs == 1:
-        yield from (function(*unit) for unit in units)
-        return
-    yield from spread(function, units, jobs)
 
 
 def _text(value: Any) -> Any:

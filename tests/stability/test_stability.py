@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from bearingsim.plots import stability as maps
+from bearingsim.runner.pool import spread
 from bearingsim.stability import judge, mapping, matrix
 from bearingsim.stability.judge import CLASSES, Reference, agreeing_solutions
 from bearingsim.stability.scene import SAMPLE_INTERVAL, SAMPLES, TIMES
@@ -166,7 +167,7 @@ def test_each_exponent_and_kind_of_pit_is_made_ready(monkeypatch):
 
 
 def test_units_are_spread_over_processes():
-    found = mapping._spread(os.path.join, [("a", "b"), ("c", "d")], jobs=2)
+    found = spread(os.path.join, [("a", "b"), ("c", "d")], workers=2)
     assert sorted(found) == ["a/b", "c/d"]
 
 
@@ -175,7 +176,7 @@ def test_a_map_that_is_interrupted_keeps_its_rows(small, monkeypatch):
         yield [{"model": "ring", "class": "ok"}, {"model": "ring", "class": "blow-up"}]
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(mapping, "_spread", some)
+    monkeypatch.setattr(mapping, "spread", some)
     monkeypatch.setattr(mapping, "_compile", lambda *given: None)
     _, told = type_(*small, code=130)
     assert "has 2 of 8 cells" in told
