@@ -6,27 +6,43 @@ from functools import lru_cache
 
 from bearingsim.catalogue import MODELS, below
 from bearingsim.config import Case
+from bearingsim.config.channels import slice_number
+from bearingsim.config.rules.slicing import slice_count
+from bearingsim.config.sections.contact import MOST_SLICES
 from bearingsim.config.sections.ring import MAX_HARMONICS
 from bearingsim.simulation.time_grid import estimate
 from bearingsim.study import Study
 from bearingsim.study.jobs import identity
 
 AS_SAID, FEW_HARMONICS = "the harmonics that are said", 8
-SLICES = {"half the slices": 0.5, "a quarter of the slices": 0.25, "a sixth of the slices": 1.0 / 6.0}
+SLICES = {
+    "the slices that are said": 1.0,
+    "half the slices": 0.5,
+    "a quarter of the slices": 0.25,
+    "a sixth of the slices": 1.0 / 6.0,
+}
 """Of the slices that are said, how many a candidate takes; its error is of their second power."""
 FEWEST_SLICES = 2
+FINER = 2  # how many times as many slices or harmonics the reference has
 CANDIDATES = (*SLICES, AS_SAID, f"{FEW_HARMONICS} harmonics", *reversed(MODELS))
 """The names of all of them, from the highest."""
 WORTH_TRYING = 0.8  # of what the reference takes: a model that saves less is not tried
 
 
 def reference(case: Case) -> Case:
-    """What a case is judged by: itself, with twice the harmonics where its ring bends."""
+    """What a case is judged by: itself, with twice the slices, or twice the harmonics where its ring bends."""
     ring = case.rig.ring
-    if ring is None:
-        return case
-    more = ring.model_copy(update={"harmonics": min(MAX_HARMONICS, 2 * int(ring.harmonics))})
-    return case.model_copy(update={"rig": case.rig.model_copy(update={"ring": more})})
+    if ring is not None:
+        more = ring.model_copy(update={"harmonics": min(MAX_HARMONICS, FINER * int(ring.harmonics))})
+        return case.model_copy(update={"rig": case.rig.model_copy(update={"ring": more})})
+    return _finely_sliced(case) if MODELS[case.model].sliced else case
+
+
+def _finely_sliced(case: Case) -> Case:
+    """The case with twice the slices; itself where its pits cut too many then, or it records slices by number."""
+    more = {"slices": min(MOST_SLICES, FINER * int(case.contact.slices))}
+    finer = case.model_copy(update={"contact": case.contact.model_copy(update=more)})
+    return case if slice_count(finer) is None or any(map(slice_number, case.record)) else finer
 
 
 def candidates(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case]]:
@@ -85,11 +101,13 @@ def _same_cage(case: Case, name: str) -> dict[str, str]:
 
 
 def _fewer_slices(case: Case) -> Iterator[tuple[str, dict[str, str]]]:
-    """Candidates with fewer slices than a case says, each number once."""
-    before = int(case.contact.slices)
+    """Candidates with no more slices than a case says, each number once."""
+    said = before = int(case.contact.slices)
     for name, part in SLICES.items():
-        count = max(FEWEST_SLICES, round(part * int(case.contact.slices)))
-        if count < before:
+        count = max(FEWEST_SLICES, round(part * said))
+        if part == 1.0:
+            yield name, {}
+        elif count < before:
             before = count
             yield name, {"contact.slices": str(count)}
 

@@ -25,7 +25,7 @@ SPATIAL = TEXT + "misalignment: {inner: 0.2 mrad}\n"
 OFFSET = TEXT.replace("length: 12 mm", "length: 3 mm, offset: 2 mm")
 BENDS = "rig: {ring: {bends: true}}\n"
 RING = "{bends: true, harmonics: 16}"
-HALF, QUARTER, SIXTH = candidates.SLICES
+SAID, HALF, QUARTER, SIXTH = candidates.SLICES
 
 
 def decided(study: Study, of: Of) -> list[Choice]:
@@ -255,7 +255,7 @@ def test_what_two_cases_come_to_is_no_candidate(write: Write, dear: dict[str, fl
 
 def test_what_changes_its_speed_is_left_to_the_reference(write: Write, dear: dict[str, float]) -> None:
     """Its first passes are at one speed."""
-    assert names(write, SPATIAL) == {HALF: [0, 1, 2], QUARTER: [0, 1, 2], SIXTH: [0, 1, 2]}
+    assert names(write, SPATIAL) == {of: [0, 1, 2] for of in candidates.SLICES}
     study = near(write, SPATIAL + "ramp: {to: 7000 rpm, time: 0.1 s}\n")
     assert selection.Choosing(study, range(3)).wanted({}) == []
     assert [one.why for one in decided(study, by_model(FAR))] == ["nothing that can do this costs less"] * 3
@@ -274,7 +274,7 @@ def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear
     found = {key(study, case): Choice(HALF, "spatial", "", {}) for case in study.cases()}
     more = near(write, text.replace("{slices: 20}]", "{slices: 20}, {slices: 40}]"))
     found |= {key(more, more.cases()[2]): Choice("reference", "spatial", "", {})}
-    assert [case.contact.slices for case in selection.chosen(more, found).cases()] == [5, 10, 40]
+    assert [case.contact.slices for case in selection.chosen(more, found).cases()] == [5, 10, 48]
 
 
 def test_a_ring_that_bends_is_judged_by_twice_its_harmonics(write: Write) -> None:
@@ -288,6 +288,22 @@ def test_a_ring_that_bends_is_judged_by_twice_its_harmonics(write: Write) -> Non
     assert int(above.harmonics) == 2 * int(own.harmonics)
     assert list(candidates.ladder(case)) == [candidates.AS_SAID, "8 harmonics", "ring", "static"]
     assert candidates.reference(near(write).cases()[0]) == near(write).cases()[0]
+
+
+def test_a_sliced_roller_is_judged_by_twice_its_slices(write: Write) -> None:
+    case = near(write, SPATIAL).cases()[0]
+    assert (case.model, case.contact.slices) == ("spatial", 24)
+    assert candidates.reference(case).contact.slices == 48
+    assert list(candidates.ladder(case))[:4] == [SAID, HALF, QUARTER, SIXTH]
+    assert candidates.computed_by(near(write, SPATIAL), 0, SAID) == case
+    most = near(write, SPATIAL + "contact: {slices: 40}\n").cases()[0]
+    assert candidates.reference(most).contact.slices == 48
+
+
+def test_slices_that_are_recorded_by_number_stay(write: Write) -> None:
+    """Number 7 of 48 slices is elsewhere than number 7 of 24."""
+    case = near(write, SPATIAL + "record: [roller.outer_line_load]\n").cases()[0]
+    assert candidates.reference(case) == case
 
 
 # The study with what was chosen

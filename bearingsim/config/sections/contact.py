@@ -28,6 +28,8 @@ from bearingsim.config.fields import (
 from bearingsim.config.sections.laws import laws_of
 from bearingsim.core.laws.oil_viscosity import COLDEST, GRADES, HOTTEST, ZERO_CELSIUS, iso_viscosity
 
+MOST_SLICES = 48  # that can be asked for: more is in vain beside the errors of the model
+
 
 def _oil(given: Any) -> str:
     """`VG 68`, whatever its spelling."""
@@ -227,7 +229,7 @@ class Contact(Section):
     stiffness: Stiffness | None = None
     damping: Damping = Kraemer()
     length_nodes: Annotated[int, whole(1, 64)] = 24
-    slices: Annotated[int, whole(1, 48)] = 24
+    slices: Annotated[int, whole(1, MOST_SLICES)] = 24
 
     @property
     def elastic_law(self) -> str:
