@@ -1,9 +1,11 @@
 """From a tree to a case, or to every problem with its place in the file."""
 
 from collections.abc import Iterator
-from typing import Any
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Annotated, Any
 
-from pydantic import ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
 from bearingsim.config import Case
@@ -33,14 +35,56 @@ _STAND_INS: dict[str, Any] = {
 }
 
 
-def case_of(tree: Node, swept: frozenset[Path], found: Found) -> Case | None:
+@dataclass
+class Sections:
+    """Sections of cases that have been validated: one that many cases share is validated once, and is one object."""
+
+    known: dict[int, tuple[Node, Any]] = field(
+        default_factory=dict
+    )  # the node is kept, so that its id stays its own
+
+    def of(self, tree: Node) -> dict[str, Any]:
+        """The tree as plain values, its sections as what they come to; a section with a mistake stays plain."""
+        return {key: self._section(key, node) for key, node in tree.mapping.items()}
+
+    def _section(self, key: str, node: Node) -> Any:
+        if key not in _ALONE:
+            return plain(node)
+        if id(node) not in self.known:
+            self.known[id(node)] = node, _validated(key, plain(node))
+        return self.known[id(node)][1]
+
+
+_ALONE = frozenset({"bearing", "rig", "contact", "friction", "cage", "drag", "shaft", "unbalance", "misalignment"})
+"""Sections whose values are right or wrong by themselves."""
+
+
+def _validated(key: str, value: Any) -> Any:
+    try:
+        return _adapter(key).validate_python(value)
+    except ValidationError:
+        return value
+
+
+@cache
+def _adapter(key: str) -> TypeAdapter[Any]:
+    known = Case.model_fields[key]
+    kind: Any = Annotated[known.annotation, Field(), *known.metadata]
+    return TypeAdapter(kind)
+
+
+def case_of(tree: Node, swept: frozenset[Path], found: Found, sections: Sections) -> Case | None:
     """The case of an expanded tree; if it has none, None, and what is wrong goes into `found`.
 
     A conflict between values is shown at the one that is swept, if one is.
     """
+    try:
+        return Case.model_validate(sections.of(tree))
+    except ValidationError:
+        pass
     data = plain(tree)
     try:
-        return Case.model_validate(data)
+        Case.model_validate(data)
     except ValidationError as error:
         errors = error.errors(include_url=False)
     for details in errors:

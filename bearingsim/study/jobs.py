@@ -1,10 +1,9 @@
 """What a study expands to: cases, their ids, and the jobs that a runner works through."""
 
 import hashlib
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.catalogue import AUTO, MODELS
@@ -12,7 +11,7 @@ from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
 from bearingsim.config.rules.hierarchy import speaks_of_slip
 from bearingsim.study.uncertainty import NO_SLIP, RIGID, USUAL, Uncertain, assumes_rigid_ring, sampled, variations
-from bearingsim.study.used import used
+from bearingsim.study.used import extensions, json_text, used
 
 if TYPE_CHECKING:
     from bearingsim.study.goal import Goal
@@ -121,6 +120,10 @@ class Study:
 
     def planned(self) -> list[Job]:
         """The cases, then the healthy baselines they are compared with."""
+        return list(self._planned)
+
+    @cached_property
+    def _planned(self) -> tuple[Job, ...]:
         jobs: dict[str, Job] = {}
         twins: dict[str, Job] = {}
         for case, swept in self.swept_cases:
@@ -129,7 +132,7 @@ class Study:
             jobs.setdefault(job_id, Job(job_id, case, swept, twin.id if twin else None))
             if twin:
                 twins.setdefault(twin.id, twin)
-        return list((jobs | {key: twin for key, twin in twins.items() if key not in jobs}).values())
+        return (*jobs.values(), *(twin for key, twin in twins.items() if key not in jobs))
 
     @cached_property
     def assumptions(self) -> tuple[str, ...]:
@@ -176,19 +179,15 @@ def identity(case: Case, found: Mapping[str, Any] | None = None) -> str:
     """
     from bearingsim.core import MODEL_VERSION
 
-    values = used(case) | {"record": sorted(set(case.record)), "model_version": MODEL_VERSION} | dict(found or {})
-    text = json.dumps(_canonical(values), sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+    besides = {"model_version": MODEL_VERSION} | extensions(case) | dict(found or {})
+    return _digest(case, tuple((name, json_text(value)) for name, value in besides.items()))
 
 
-def _canonical(value: Any) -> Any:
-    if isinstance(value, float):
-        return float(f"{value:.12g}") + 0.0  # no negative zero
-    if isinstance(value, dict):
-        return {key: _canonical(inner) for key, inner in value.items() if key not in ("name", "source")}
-    if isinstance(value, list | tuple):
-        return [_canonical(inner) for inner in value]
-    return value
+@lru_cache(maxsize=1 << 18)
+def _digest(case: Case, besides: tuple[tuple[str, str], ...]) -> str:
+    texts = used(case) | dict(besides)
+    whole = ",".join(f'"{name}":{texts[name]}' for name in sorted(texts))
+    return hashlib.sha256(f"{{{whole}}}".encode()).hexdigest()[:16]
 
 
 def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:

@@ -11,7 +11,7 @@ from bearingsim.config import Bearing, Case
 from bearingsim.config.fields import described
 from bearingsim.config.rules.conflicts import Path
 from bearingsim.study import aliases
-from bearingsim.study.diagnose import STUDY_KEYS, Found, case_of
+from bearingsim.study.diagnose import STUDY_KEYS, Found, Sections, case_of
 from bearingsim.study.expand import expanded
 from bearingsim.study.figures import check_known, parse_figures
 from bearingsim.study.goal import asks_for_reference, check_goal, parse_goal
@@ -122,6 +122,7 @@ class _Plan:
     found: Found = field(default_factory=dict)
     asked: set[str] = field(default_factory=set)  # paths that a sweep names, right or wrong
     places: dict[str, Path] = field(default_factory=dict)  # where those lead that are right
+    sections: Sections = field(default_factory=Sections)
     others: dict[tuple, list[Case | None]] = field(default_factory=dict)  # what was asked for otherwise
 
     @classmethod
@@ -251,7 +252,7 @@ class _Plan:
             if dimension(path) is None:
                 tree = expanded(tree, self.folder, self.problems)
         try:
-            return case_of(tree, frozenset(self.places[path] for path, _ in row), self.found)
+            return case_of(tree, frozenset(self.places[path] for path, _ in row), self.found, self.sections)
         except StudyError as error:  # a file named here is no YAML
             self.problems += error.problems
             return None

@@ -1,10 +1,14 @@
 """What a case uses of all it can say: the part that shapes its numbers, and so its id."""
 
+import json
+from functools import lru_cache, reduce
+from operator import getitem
 from typing import Any
 
 from bearingsim import catalogue
 from bearingsim.config import Case
 from bearingsim.config.case_fields import OLD_WORDS
+from bearingsim.config.fields import Section
 from bearingsim.config.rules.conflicts import MOUNT_FIELDS
 
 INACTIVE: dict[str, Any] = {
@@ -32,6 +36,9 @@ INACTIVE: dict[str, Any] = {
 }
 """Values that do nothing. They are left out, so that a field that is new does not rename results that exist."""
 
+OLD_NAMES = {new: old for old, new in OLD_WORDS.items()}
+"""The words that ids were first made of: a new word must not rename results that exist."""
+
 IN_SPACE: dict[str, tuple[str, ...]] = {
     "bearing": ("roller_profile", "flanges"),
     "contact": ("slices",),
@@ -41,33 +48,84 @@ IN_SPACE: dict[str, tuple[str, ...]] = {
 """Values that only the spatial model looks at."""
 
 
-def used(case: Case) -> dict[str, Any]:
-    """The case as nested values, without what does not shape its numbers."""
-    values: dict[str, Any] = _without(_in_old_words(case.model_dump()), INACTIVE)
-    if not _by_material(case) and case.bearing.element == "roller" and not _by_pressure(case):
-        material = values["bearing"]["material"]
-        del material["young_modulus"], material["poisson_ratio"]
-    del values["rig"]["sensor"]["angle"]  # that of `sensor_angle`
-    if case.rig.ring is None:
-        del values["rig"]["sensor"], values["rig"]["load"]
+ANGLE_OF_SENSOR = "sensor.angle"
+"""It stands in `rig.sensor_angle`, too."""
+
+
+def used(case: Case) -> dict[str, str]:
+    """What shapes a case's numbers: the JSON text of each field, by name, 12 significant digits to a number."""
+    found = {OLD_NAMES.get(name, name): getattr(case, name) for name in Case.model_fields}
+    texts = {
+        name: _text(name, value, _unused(name, case))
+        for name, value in found.items()
+        if name not in INACTIVE or isinstance(INACTIVE[name], dict) or value != INACTIVE[name]
+    }
     if not case.defects:
-        values.pop("excitation", None)
-    for defect in values["defects"]:
-        defect.pop("file")  # what is in it counts, not where it lies
+        texts.pop("excitation", None)
     if case.method is None:
-        values.pop("prove", None)
+        texts.pop("prove", None)
     if not catalogue.MODELS[case.model].slips and case.excitation != "random-impulses":
-        values.pop("seed", None)
-    if catalogue.MODELS[case.model].sliced:
-        del values["contact"]["length_nodes"]
-    else:
-        for section, names in IN_SPACE.items():
-            for name in names if section in values else ():
-                del values[section][name]
-    return values | _extensions(case)
+        texts.pop("seed", None)
+    return texts
 
 
-def _extensions(case: Case) -> dict[str, str]:
+def _unused(name: str, case: Case) -> tuple[str, ...]:
+    """The paths within a field that do not shape the case's numbers."""
+    sliced = catalogue.MODELS[case.model].sliced
+    found = () if sliced else IN_SPACE.get(name, ())
+    if (
+        name == "bearing"
+        and not _by_material(case)
+        and case.bearing.element == "roller"
+        and not _by_pressure(case)
+    ):
+        return (*found, "material.young_modulus", "material.poisson_ratio")
+    if name == "rig":
+        return ("sensor", "load") if case.rig.ring is None else (ANGLE_OF_SENSOR,)
+    if name == "defects":
+        return ("file",)  # what is in it counts, not where it lies
+    return (*found, "length_nodes") if name == "contact" and sliced else found
+
+
+def _text(name: str, value: Any, unused: tuple[str, ...]) -> str:
+    if isinstance(value, Section):
+        return _text_of_section(name, value, unused)
+    if name == "defects":
+        return "[" + ",".join(_text_of_section(name, defect, unused) for defect in value) + "]"
+    return _text_of_plain(tuple(sorted(set(value))) if name == "record" else value)
+
+
+@lru_cache(maxsize=1 << 16, typed=True)
+def _text_of_plain(value: Any) -> str:
+    return json_text(value)
+
+
+@lru_cache(maxsize=1 << 16)
+def _text_of_section(name: str, section: Section, unused: tuple[str, ...]) -> str:
+    """Cached, because many cases share a section."""
+    values = _without(section.model_dump(), INACTIVE.get(name))
+    for path in unused:
+        *sections, last = path.split(".")
+        del reduce(getitem, sections, values)[last]
+    return json_text(values)
+
+
+def json_text(value: Any) -> str:
+    """JSON with 12 significant digits, without names and sources."""
+    return json.dumps(_canonical(value), sort_keys=True, separators=(",", ":"))
+
+
+def _canonical(value: Any) -> Any:
+    if isinstance(value, float):
+        return float(f"{value:.12g}") + 0.0  # no negative zero
+    if isinstance(value, dict):
+        return {key: _canonical(inner) for key, inner in value.items() if key not in ("name", "source")}
+    if isinstance(value, list | tuple):
+        return [_canonical(inner) for inner in value]
+    return value
+
+
+def extensions(case: Case) -> dict[str, str]:
     """What the code of other packages was, if the case uses any: results of an edited law are others."""
     code = [catalogue.MODELS[case.model].module]
     code += [method.module for method in catalogue.METHODS.values() if method.name == case.method]
@@ -77,12 +135,6 @@ def _extensions(case: Case) -> dict[str, str]:
     code += [catalogue.SHAPES[defect.shape].build for defect in case.defects]
     foreign = any(not where.startswith("bearingsim.") for where in code)
     return {"extensions": catalogue.extension_digest()} if foreign else {}
-
-
-def _in_old_words(values: dict[str, Any]) -> dict[str, Any]:
-    """The values by the words that ids were first made of: a new word must not rename results that exist."""
-    new_to_old = {new: old for old, new in OLD_WORDS.items()}
-    return {new_to_old.get(key, key): value for key, value in values.items()}
 
 
 def _by_material(case: Case) -> bool:
@@ -103,5 +155,8 @@ def _without(value: Any, idle: Any) -> Any:
         return [_without(inner, idle) for inner in value]
     if not isinstance(value, dict) or not isinstance(idle, dict):
         return value
-    kept = {key: _without(inner, idle.get(key)) for key, inner in value.items()}
-    return {key: inner for key, inner in kept.items() if key not in idle or inner != idle[key]}
+    return {
+        key: _without(inner, idle[key]) if isinstance(idle.get(key), dict) else inner
+        for key, inner in value.items()
+        if key not in idle or inner != idle[key]
+    }

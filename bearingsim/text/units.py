@@ -206,9 +206,10 @@ def display(value: float, word: str, dimension: Dimension | None = None) -> floa
     `dimension` is needed only where the word means two things (Hz: a frequency or a rotation speed).
     Raises UnitError for an unknown word, or one that means two things.
     """
-    factors = {d: f[_spelling(word)] for d, f in UNITS.items() if _spelling(word) in f}
+    spelt = _spelling(word)
+    factors = {d: f[spelt] for d, f in UNITS.items() if spelt in f}
     if dimension is not None and dimension not in factors:
-        raise UnitError(word, f"a unit of {dimension}", *_unit_hint(_spelling(word), dimension))
+        raise UnitError(word, f"a unit of {dimension}", *_unit_hint(spelt, dimension))
     chosen = {factors[dimension]} if dimension else set(factors.values())
     if len(chosen) != 1:
         raise UnitError(word, "a unit with one meaning", "say which dimension is meant")
@@ -238,6 +239,7 @@ def suggestion(word: str, words: Collection[str]) -> str:
     return f"did you mean `{near}`?" if near else ""
 
 
+@lru_cache(maxsize=256)
 def _spelling(word: str) -> str:
     """The word as the table has it: one blank between the factors of a product, powers with `^`."""
     word = " ".join(word.translate(_SPELLING).split())

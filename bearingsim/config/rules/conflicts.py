@@ -44,9 +44,8 @@ def conflicts(case: "CaseFields") -> Iterator[Conflict]:
 
 
 def _model(case: "CaseFields") -> Iterator[Conflict]:
-    found = hierarchy.unmet_needs(case)
-    hint = _able(case)
-    for need in found:
+    for need in hierarchy.unmet_needs(case):
+        hint = _able(case)
         message = f"the {case.model} model cannot do this: {need.why}"
         yield Conflict(f"model {need.what}", (*need.paths, ("model",)), message, hint)
     yield from _method(case)

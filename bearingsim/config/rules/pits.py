@@ -100,13 +100,15 @@ def _length(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict
 def _offset(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
     track, name, key = _track(defect, bearing)
     paths: tuple[Path, ...] = ((*at, "offset"), (*at, "length"), ("bearing", key))
-    offset, end = show(defect.offset, "mm"), show(track / 2.0, "mm")
-    if defect.length > track:
+    beyond = abs(defect.offset) - defect.length / 2.0 >= track / 2.0 - 1e-9
+    hangs = defect.race == "roller" and abs(defect.offset) + defect.length / 2.0 > track / 2.0 + 1e-9
+    if defect.length > track or not (beyond or hangs):
         return
-    if abs(defect.offset) - defect.length / 2.0 >= track / 2.0 - 1e-9:
+    offset, end = show(defect.offset, "mm"), show(track / 2.0, "mm")
+    if beyond:
         message = f"a defect {offset} off the middle is beyond the {name}'s end ({end}): nothing of it is felt"
         yield Conflict("offset", paths, message)
-    elif defect.race == "roller" and abs(defect.offset) + defect.length / 2.0 > track / 2.0 + 1e-9:
+    else:
         message = f"a defect of {show(defect.length, 'mm')}, {offset} off the middle, hangs over the {name}'s end"
         yield Conflict("offset", paths, message, f"the end is {end} from the middle")
 
