@@ -4,6 +4,7 @@ import json
 import math
 import re
 from collections.abc import Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +24,8 @@ __all__ = ["show_failures", "show_jobs", "usual_features"]
 
 Column = tuple[str, list[str]]  # head and cells
 STATISTICS = ("velocity.rms", "outer_force.max")
+MOST_ROWS = 1000
+"""Of a table that is printed: nobody reads more, and 100 000 take minutes."""
 PROOF = ("step_error.line", "step_error.rms", "step_error.record", "chaotic")
 
 
@@ -38,9 +41,12 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
         asked = rows[["job", *chosen]] if columns else rows
         typer.echo(json.dumps([_plain(row) for row in asked.to_dict("records")], indent=1))
         return
-    found = [("job", [job[:8] for job in rows["job"]]), *(_column(results, rows, name) for name in chosen)]
+    shown = rows[:MOST_ROWS]
+    found = [("job", [job[:8] for job in shown["job"]]), *(_column(results, shown, name) for name in chosen)]
     kept = found if columns else _fitting(found, [name in features for name in ["job", *chosen]])
     print_table([head for head, _ in kept], list(zip(*(cells for _, cells in kept), strict=True)))
+    if len(shown) < len(rows):
+        typer.echo(f"and {len(rows) - len(shown)} jobs more: results.csv has them, and `--json`")
     typer.echo(_counts(table) + _varied(results))
     info = results.info().reindex(table["job"])
     of_choices = (results.plan.get("accuracy") or {}).get("notes", ())
@@ -147,12 +153,14 @@ def show_failures(folder: Path, tracebacks: bool = False) -> None:
     known = results.failures()
     failures = {job: known[job] for job in results.jobs if job in known}
     varied = {one["job"]: f"{one['what']} {one['value']:.3g} (SI) of {one['of']}" for one in results.variations}
-    for job, failure in failures.items():
+    for job, failure in islice(failures.items(), MOST_ROWS):
         typer.echo(f"{job}  {varied.get(job) or described(swept[job], results.plan['units'])}")
         told = failure.time is None or "into the run" in failure.reason
         when = "" if told else f", {1e3 * (failure.time or 0.0):.4g} ms into the run"
         typer.echo(f"    {failure.reason}{when}" + (f" ({failure.advice})" if failure.advice else ""))
         if tracebacks:
             typer.echo(failure.traceback)
+    if len(failures) > MOST_ROWS:
+        typer.echo(f"and {len(failures) - MOST_ROWS} jobs more: failed/ has them, a file each")
     commands = dict.fromkeys(failure.command for failure in failures.values())
     typer.echo("\n".join(f"again: {command}" for command in commands) or "no job failed")

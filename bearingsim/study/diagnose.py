@@ -37,11 +37,9 @@ _STAND_INS: dict[str, Any] = {
 
 @dataclass
 class Sections:
-    """Sections of cases that have been validated: one that many cases share is validated once, and is one object."""
+    """Sections that have been validated, each with its node, by the node's id: what cases share is one object."""
 
-    known: dict[int, tuple[Node, Any]] = field(
-        default_factory=dict
-    )  # the node is kept, so that its id stays its own
+    known: dict[int, tuple[Node, Any]] = field(default_factory=dict)
 
     def of(self, tree: Node) -> dict[str, Any]:
         """The tree as plain values, its sections as what they come to; a section with a mistake stays plain."""

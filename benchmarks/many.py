@@ -1,0 +1,126 @@
+"""What a study of many jobs costs beside computing it: check, a run with all done, show, plot, and the disk.
+
+    python benchmarks/many.py [--jobs 100000] [--out results/many]
+
+The jobs are not computed: one is, and the others have its record and features with other noise. A job's series take
+3 kB. Each command is a process of its own, whose CPU time and largest memory are told.
+"""
+
+import argparse
+import os
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from math import ceil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bearingsim import runner
+from bearingsim.config import Case
+from bearingsim.runner import Engine
+from bearingsim.simulation import simulate
+from bearingsim.simulation.simulate import Record
+from bearingsim.study import load_study
+from bearingsim.study.jobs import identity
+
+ENGINE = Engine("benchmarks.many:made_up", "benchmarks.many:free", "benchmarks.many:nothing")
+STUDY = """\
+study: many
+bearing: nf308
+model: static
+speed: 1800 rpm
+duration: 36 ms
+record: [ring.velocity]
+defect: {{race: outer, shape: rectangular, length: 12 mm}}
+sweep:
+  load: {{linspace: [150 N, 300 N, 10]}}
+  defect.width: {{linspace: [0.2 mm, 2 mm, {widths}]}}
+  defect.depth: {{linspace: [1 um, 50 um, 20]}}
+  defect.angle: {{linspace: [0 deg, 60 deg, 10]}}
+figures:
+  - {{y: velocity.rms, x: defect.width, by: load, where: {{defect.angle: 0 deg, defect.depth: 50 um}}}}
+"""
+NOISE = 1e-6  # m/s
+
+
+@cache
+def one() -> Record:
+    """The record that all others are made of."""
+    path = Path("results/many-one.yaml")
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(STUDY.format(widths=2))
+    return simulate(load_study(path).cases()[0])
+
+
+def made_up(case: Case) -> Record:
+    """A record as long as a case's, with noise of its own."""
+    noise = np.random.default_rng(int(identity(case), 16))
+    series = {name: values + noise.normal(0.0, NOISE, values.shape) for name, values in one().series.items()}
+    return replace(
+        one(), series=series, features={name: value * noise.random() for name, value in one().features.items()}
+    )
+
+
+class Free:
+    """The price of a job that is not computed."""
+
+    cpu_seconds, bytes, most_memory = 1e-3, 3000, 0.0
+
+
+def free(case: Case) -> Any:
+    """The price of a job that is not computed."""
+    return Free
+
+
+def nothing(cases: list[Case], about_to: Callable[..., Any] | None = None) -> None:
+    """Compile nothing."""
+
+
+def measured(*command: str) -> tuple[float, float, str]:
+    """CPU time (s) and largest memory (MB) of a command, and what it prints last."""
+    with open(os.devnull) as nowhere:
+        began = time.perf_counter()
+        child = subprocess.Popen(
+            [sys.executable, "-m", "bearingsim", *command], stdin=nowhere, stdout=subprocess.PIPE, text=True
+        )
+        assert child.stdout is not None
+        said = child.stdout.read()
+        _, status, used = os.wait4(child.pid, 0)
+    took = time.perf_counter() - began
+    assert status == 0, f"bearingsim {' '.join(command)} ended with {status}:\n{said}"
+    print(
+        f"{command[0]:6} {used.ru_utime + used.ru_stime:7.1f} s CPU, {took:6.1f} s, {used.ru_maxrss / 1e3:6.0f} MB"
+    )
+    return used.ru_utime + used.ru_stime, used.ru_maxrss / 1e3, said
+
+
+def main() -> None:
+    """Make the results, then measure."""
+    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    asked.add_argument("--jobs", type=int, default=100_000)
+    asked.add_argument("--out", type=Path, default=Path("results/many"))
+    given = asked.parse_args()
+    given.out.mkdir(parents=True, exist_ok=True)
+    study = given.out / "many.yaml"
+    study.write_text(STUDY.format(widths=max(2, ceil(given.jobs / 2000))))
+    measured("check", str(study))
+    results = given.out / "results"
+    summary = runner.run(load_study(study), results, jobs=1, progress=False, engine=ENGINE)
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    print(f"made   {summary.done} jobs, {used.ru_utime:.0f} s CPU, {used.ru_maxrss / 1e3:.0f} MB")
+    units = sum(path.stat().st_size for path in (results / "units").rglob("*.h5"))
+    every = sum(path.stat().st_size for path in results.rglob("*") if path.is_file())
+    count = summary.planned
+    print(f"disk   {units / count:.0f} bytes a job in units, {every / count:.0f} in all")
+    for command in (["run", str(study), "--out"], ["show"], ["plot"]):
+        measured(*command, str(results))
+
+
+if __name__ == "__main__":
+    main()
