@@ -12,7 +12,7 @@ from bearingsim.config.rules.conflicts import Conflict, Path
 from bearingsim.config.sections.contact import WORD
 from bearingsim.study.paths import all_paths, label
 from bearingsim.text.units import EXPECTED, suggestion
-from bearingsim.text.yamlfile import Mark, Node, Problem, plain, problem
+from bearingsim.text.yamlfile import MAX_TOLD, Mark, Node, Problem, plain, problem
 
 STUDY_KEYS = ("study", "figures", "sweep", "quick", "uncertainty", "accuracy")
 
@@ -42,7 +42,7 @@ def case_of(tree: Node, swept: frozenset[Path], found: Found) -> Case | None:
     try:
         return Case.model_validate(data)
     except ValidationError as error:
-        errors = error.errors(include_url=False)
+        errors = error.errors(include_url=False)[:MAX_TOLD]
     for details in errors:
         for path, kind, entry in _problems(details, tree, swept):
             found.setdefault((_mark_of(entry), label(path, 0), kind), entry)
@@ -50,6 +50,21 @@ def case_of(tree: Node, swept: frozenset[Path], found: Found) -> Case | None:
         entry = _conflict_problem(conflict, tree, swept)
         found.setdefault((_mark_of(entry), label(conflict.paths[0], 0), conflict.kind), entry)
     return None
+
+
+def check_replaced(tree: Node, swept: frozenset[Path], found: Found) -> None:
+    """Note what is wrong with the values of a tree that a sweep replaces, though no case has them.
+
+    What is missing there, or does not go with other values, is right as soon as it is replaced.
+    """
+    try:
+        Case.model_validate(plain(tree))
+    except ValidationError as error:
+        for details in error.errors(include_url=False)[:MAX_TOLD]:
+            alone = "conflicts" not in details.get("ctx", {})
+            for path, kind, entry in _problems(details, tree, swept) if alone else ():
+                if kind != "missing" and any(path[: len(s)] == s for s in swept):
+                    found.setdefault((_mark_of(entry), label(path, 0), kind), entry)
 
 
 def _mark_of(entry: Problem) -> Mark:

@@ -11,7 +11,7 @@ from bearingsim.config import Bearing, Case
 from bearingsim.config.fields import described
 from bearingsim.config.rules.conflicts import Path
 from bearingsim.study import aliases
-from bearingsim.study.diagnose import STUDY_KEYS, Found, case_of
+from bearingsim.study.diagnose import STUDY_KEYS, Found, case_of, check_replaced
 from bearingsim.study.expand import expanded
 from bearingsim.study.figures import check_known, parse_figures
 from bearingsim.study.goal import asks_for_reference, check_goal, parse_goal
@@ -34,6 +34,10 @@ from bearingsim.text.yamlfile import (
 )
 
 MAX_CASES = 1_000_000
+MAX_WRONG = 500
+"""Cases that are wrong before no more are looked at: they take milliseconds each, and are mostly wrong alike."""
+MAX_PATHS = 100
+"""Paths that a study sweeps: more than there are to sweep with sense, few enough to be told what each should be."""
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
 _LIST_VALUED = ("defects", "record", "rig.load.angles", "rig.load.at")
 
@@ -145,7 +149,12 @@ class _Plan:
 
     def take_sweep(self, sweep: Node) -> list[Axis]:
         """The axes of a `sweep:`."""
-        self.asked |= written_paths(sweep)
+        found = written_paths(sweep)
+        if len(found) > MAX_PATHS:
+            message = f"sweep: {len(found)} paths; at most {MAX_PATHS} are possible"
+            self.problems.append(problem(sweep.key or sweep.mark, message))
+            return []
+        self.asked |= found
         return parse_sweep(sweep, self.problems)
 
     def take_quick(self, quick: Node) -> None:
@@ -215,11 +224,15 @@ class _Plan:
             mark = self.axes[0].keys[0].mark
             self.problems.append(problem(mark, f"sweep: {count} cases; at most {MAX_CASES} are possible"))
             return []
+        check_replaced(self.base, frozenset(self.places.values()), self.found)
         cases: dict[str, tuple[Case, Swept]] = {}
+        wrong = 0
         for row in rows_of(self.axes):
             case = self.case(row)
             if case is not None:
                 cases.setdefault(identity(case), (case, self.swept(case, row)))
+            elif (wrong := wrong + 1) == MAX_WRONG:
+                break
         return list(cases.values())
 
     def otherwise(self, given: Mapping[str, str]) -> list[Case | None]:
