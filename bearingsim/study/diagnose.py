@@ -19,6 +19,11 @@ STUDY_KEYS = ("study", "figures", "sweep", "quick", "uncertainty", "accuracy")
 _WITH_NAME: tuple[Path, ...] = (("bearing",), ("bearing", "material"), ("rig",))
 """Sections that have a name and a source."""
 
+NO_SECTION = ("word", "list", "mapping", "tuple_type", "model_type", "model_attributes_type", "dict_type")
+"""Kinds of mistakes that leave no section to put a swept value in."""
+ALONE = (*NO_SECTION, "quantity", "bound", "whole", "text", "scan", "value_error", "extra_forbidden")
+"""Kinds of mistakes in one value, whatever the others are."""
+
 Found = dict[tuple[Mark, str, str], Problem]
 """Problems by place, path and kind: of the same one met in many cases the first is kept."""
 
@@ -61,9 +66,9 @@ def check_replaced(tree: Node, swept: frozenset[Path], found: Found) -> None:
         Case.model_validate(plain(tree))
     except ValidationError as error:
         for details in error.errors(include_url=False)[:MAX_TOLD]:
-            alone = "conflicts" not in details.get("ctx", {})
-            for path, kind, entry in _problems(details, tree, swept) if alone else ():
-                if kind != "missing" and any(path[: len(s)] == s for s in swept):
+            for path, kind, entry in _problems(details, tree, swept):
+                above = kind in NO_SECTION and any(s[: len(path)] == path for s in swept)
+                if above or (kind in ALONE and any(path[: len(s)] == s for s in swept)):
                     found.setdefault((_mark_of(entry), label(path, 0), kind), entry)
 
 
@@ -102,6 +107,8 @@ def _said(details: ErrorDetails) -> tuple[str, str | None]:
     context = details.get("ctx", {})
     if details["type"] == "bearingsim":
         return context["message"], context["hint"]
+    if details["type"] == "too_long":
+        return f"at most {context['max_length']} are possible", None
     if details["type"] == "tuple_type":
         return "expected a list such as `[a, b]`", None
     if details["type"] in ("model_type", "model_attributes_type", "dict_type"):

@@ -37,7 +37,7 @@ MAX_CASES = 1_000_000
 MAX_WRONG = 500
 """Cases that are wrong before no more are looked at: they take milliseconds each, and are mostly wrong alike."""
 MAX_PATHS = 100
-"""Paths that a study sweeps: more than there are to sweep with sense, few enough to be told what each should be."""
+"""Paths that a study sweeps: more than make sense, few enough to find what each should be."""
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
 _LIST_VALUED = ("defects", "record", "rig.load.angles", "rig.load.at")
 
@@ -106,7 +106,7 @@ def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
 def load_bearing(name: str) -> Bearing:
     """The bearing of a name or path; StudyError, pointing into its file, if something is wrong."""
     mark = argument_mark(name, 1)
-    probe = {"bearing": name, "speed": "1 rad/s", "load": "1 N", "duration": "1e9 s"}
+    probe = {"bearing": name, "speed": "1 rad/s", "load": "1 N", "duration": "1e3 s"}
     plan = _Plan(Node({key: Node(text, mark) for key, text in probe.items()}, mark), FilePath())
     plan.expand()
     found = plan.cases()

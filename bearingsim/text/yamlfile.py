@@ -199,6 +199,7 @@ def parse(text: str, file: str) -> Document:
 
 
 _BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
+_OWN = "tag:yaml.org,2002:"
 _NO_TEXT = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 """Letters that no file of results can hold, or that a terminal takes for commands."""
 
@@ -316,8 +317,8 @@ class _Walk:
         import yaml
 
         usual = {yaml.MappingNode: "map", yaml.SequenceNode: "seq", yaml.ScalarNode: "str"}
-        if raw.tag != f"tag:yaml.org,2002:{usual[type(raw)]}":
-            return self.refuse(raw, f"the tag `{raw.tag}` means nothing here")
+        if raw.tag != _OWN + usual[type(raw)]:
+            return self.refuse(raw, f"the tag `{raw.tag.replace(_OWN, '!!')}` means nothing here")
         if isinstance(raw, yaml.MappingNode):
             return Node(self.entries(raw), self.mark(raw))
         if isinstance(raw, yaml.SequenceNode):
