@@ -108,8 +108,8 @@ def fast(case: Case) -> str:
     """What is said of a speed."""
     found = top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR
     return (
-        f"{show(top_speed(case), 'rpm')} is n d_m = {found:.2g}e6 mm/min, over 1e6: bearings run so fast only with cages"
-        " and oil jets of their own, and heat and growth of the rings are not computed"
+        f"{show(top_speed(case), 'rpm')} is n d_m = {found:.2g}e6 mm/min, over 1e6: bearings run so fast only with"
+        " cages and oil jets of their own, and heat and growth of the rings are not computed"
     )
 
 

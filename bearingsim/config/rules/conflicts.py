@@ -227,7 +227,7 @@ def _bursting(case: "CaseFields") -> Iterator[Conflict]:
     if stress > BURSTS_AT:
         at: Path = ("speed",) if case.ramp is None or case.speed >= case.ramp.to else ("ramp", "to")
         message = (
-            f"at {show(fastest, 'rpm')} the inner race moves at {surface:.3g} m/s: its hoop stress rho v^2, {stress:.2g}"
-            f" Pa, bursts the ring (over {BURSTS_AT:.2g} Pa)"
+            f"at {show(fastest, 'rpm')} the inner race moves at {surface:.3g} m/s: its hoop stress rho v^2,"
+            f" {stress:.2g} Pa, bursts the ring (over {BURSTS_AT:.2g} Pa)"
         )
         yield Conflict("bursts", (at, ("bearing",)), message, "is the unit right?")
