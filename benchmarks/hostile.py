@@ -5,9 +5,9 @@
 Malformed files are written out below: bombs of aliases, deep nesting, numbers of 5000 digits, other encodings,
 devices. Mutants are seeded changes of the files in `studies/` and `configs/`. Each goes through `check`. What is
 refused must end with exit code 2, name the file, show no traceback and take under 2 s of CPU time. A seeded share
-goes through the commands `run`, `bench` and `show` too, and through processes of its own, under limits of the system,
-whose memory counts (300 MB). OUT/hostile.csv has a line for each file, OUT/files the files. Files that are valid are
-told apart: they are planned, which may compile.
+goes through the commands `run`, `bench` and `show` too, and through processes of its own, under limits of the
+system, whose memory counts (300 MB). OUT/hostile.csv has a line for each file, OUT/files the files. Files that are
+valid are told apart: they are planned, which may compile.
 """
 
 import argparse
