@@ -2,11 +2,12 @@
 
     python benchmarks/many.py [--jobs 100000] [--out results/many]
 
-The jobs are not computed: one is, and the others have its record and features with other noise. A job's series take
-3 kB. Each command is a process of its own, whose CPU time and largest memory are told.
+The jobs are not computed: one is, and the others have its record and features with other noise. A job's series
+take 3 kB. Each command is a process of its own, whose CPU time and largest memory are told.
 """
 
 import argparse
+import multiprocessing
 import os
 import resource
 import subprocess
@@ -82,8 +83,8 @@ def nothing(cases: list[Case], about_to: Callable[..., Any] | None = None) -> No
     """Compile nothing."""
 
 
-def measured(*command: str) -> tuple[float, float, str]:
-    """CPU time (s) and largest memory (MB) of a command, and what it prints last."""
+def measured(*command: str) -> None:
+    """Print CPU time and largest memory of a command."""
     with open(os.devnull) as nowhere:
         began = time.perf_counter()
         child = subprocess.Popen(
@@ -100,6 +101,16 @@ def measured(*command: str) -> tuple[float, float, str]:
     return used.ru_utime + used.ru_stime, used.ru_maxrss / 1e3, said
 
 
+def fill(study: Path, results: Path) -> None:
+    """Make the results, and print what they take."""
+    summary = runner.run(load_study(study), results, jobs=1, progress=False, engine=ENGINE)
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    print(f"made   {summary.done} jobs, {used.ru_utime:.0f} s CPU, {used.ru_maxrss / 1e3:.0f} MB")
+    units = sum(path.stat().st_size for path in (results / "units").rglob("*.h5"))
+    every = sum(path.stat().st_size for path in results.rglob("*") if path.is_file())
+    print(f"disk   {units / summary.planned:.0f} bytes a job in units, {every / summary.planned:.0f} in all", flush=True)
+
+
 def main() -> None:
     """Make the results, then measure."""
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -111,13 +122,9 @@ def main() -> None:
     study.write_text(STUDY.format(widths=max(2, ceil(given.jobs / 2000))))
     measured("check", str(study))
     results = given.out / "results"
-    summary = runner.run(load_study(study), results, jobs=1, progress=False, engine=ENGINE)
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    print(f"made   {summary.done} jobs, {used.ru_utime:.0f} s CPU, {used.ru_maxrss / 1e3:.0f} MB")
-    units = sum(path.stat().st_size for path in (results / "units").rglob("*.h5"))
-    every = sum(path.stat().st_size for path in results.rglob("*") if path.is_file())
-    count = summary.planned
-    print(f"disk   {units / count:.0f} bytes a job in units, {every / count:.0f} in all")
+    filling = multiprocessing.get_context("spawn").Process(target=fill, args=(study, results))
+    filling.start()  # apart: a process counts the memory of the one that starts it as its own
+    filling.join()
     for command in (["run", str(study), "--out"], ["show"], ["plot"]):
         measured(*command, str(results))
 

@@ -279,7 +279,7 @@ def as_json(plan: Plan) -> str:
         "bytes": plan.bytes,
         "refused_jobs": len(plan.refusals),
         "refused": list(plan.refused),
-        "notes": [*plan.study.notes, *notes(plan.study.cases())],
+        "notes": [*plan.study.assumptions, *plan.study.notes, *notes(plan.study.cases())],
         "jobs": [_job_entry(priced) for priced in plan.everything],
     }
     return json.dumps(found, indent=1)

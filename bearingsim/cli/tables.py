@@ -50,7 +50,8 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     typer.echo(_counts(table) + _varied(results))
     info = results.info().reindex(table["job"])
     of_choices = (results.plan.get("accuracy") or {}).get("notes", ())
-    for told in (*of_choices, *repetitions(info), *damping.of_jobs(info)):
+    assumed = results.plan.get("assumptions", ())
+    for told in (*of_choices, *repetitions(info), *assumed, *damping.of_jobs(info)):
         typer.echo(told)
     if len(kept) < len(found):
         heads = {_stacked(head) for head, _ in kept}

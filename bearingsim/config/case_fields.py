@@ -40,6 +40,9 @@ else:
     MethodName = Literal[(catalogue.AUTO, *catalogue.METHODS)]
 
 
+MAX_PITS = 100
+"""Each is compared with all others, and with chains of them that overlap: that many in half a second."""
+
 OLD_WORDS = {"prove": "step_check"}
 """Keys of a case that have been replaced, and the words that stand for them now. Old ones are still read."""
 
@@ -84,7 +87,7 @@ class CaseFields(Section):
     load_across: SignedForce = 0.0
     gravity: Switch = False
     clearance: Clearance = 0.0
-    defects: Annotated[tuple[Defect, ...], BeforeValidator(_one_or_many)] = ()
+    defects: Annotated[tuple[Defect, ...], Field(max_length=MAX_PITS), BeforeValidator(_one_or_many)] = ()
     excitation: Annotated[Excitation, one_of(*get_args(Excitation))] = "envelope"
     contact: Contact = Contact()
     friction: free.Friction | None = None

@@ -10,6 +10,11 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse, suggestion
 
+SMALLEST, LARGEST = 1e-30, 1e30
+"""In SI, of any quantity but zero: far beyond all that is measured, yet the powers of it still fit into floats."""
+MOST_EXPONENT = 10.0
+"""Of a law: contacts have up to 3, and of more than this the floats of their constants end."""
+
 
 class Section(BaseModel):
     """A part of a study: frozen, and closed to unknown keys."""
@@ -36,6 +41,9 @@ class Quantity:
     def __call__(self, given: Any) -> float:
         """The value in SI; refuses what is no quantity of the dimension, or out of bounds."""
         value = _number(given, self.dimension)
+        if value != 0.0 and not SMALLEST <= abs(value) <= LARGEST:
+            hint = f"nothing is so {'large' if abs(value) > 1.0 else 'small'}"
+            refuse("bound", f"expected {EXPECTED[self.dimension]}, got {described(given)}", hint)
         if value <= self.above or value < self.least or value > self.most:
             what, example = EXPECTED[self.dimension].split(" such as ")
             expected = f"{what} {self._bound()}" + (f", such as {example}" if self.most == math.inf else "")
@@ -92,7 +100,8 @@ TorsionalDamping = Annotated[float, Quantity("torsional damping", least=0.0)]
 Number = Annotated[float, Quantity("number", least=0.0)]
 Coefficient = Annotated[float, Quantity("coefficient in N, mm and s", least=0.0)]
 PositiveCoefficient = Annotated[float, Quantity("coefficient in N, mm and s", above=0.0)]
-PositiveNumber = Annotated[float, Quantity("number", above=0.0)]
+Exponent = Annotated[float, Quantity("number", least=0.0, most=MOST_EXPONENT)]
+PositiveExponent = Annotated[float, Quantity("number", above=0.0, most=MOST_EXPONENT)]
 SignedNumber = Annotated[float, Quantity("number")]
 Share = Annotated[float, Quantity("number", least=0.0, most=1.0)]
 Percentage = Annotated[float, Quantity("share", least=0.0, most=1.0)]

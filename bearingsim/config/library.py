@@ -1,6 +1,7 @@
 """Bearings, rigs and materials kept in files: a name, or a path, becomes a tree."""
 
 from functools import lru_cache
+from os.path import isfile
 from pathlib import Path
 from typing import Any, Literal
 
@@ -33,7 +34,7 @@ def find(kind: Kind, name: str, beside: Path | None = None) -> Path:
     else:
         candidates = [folder / f"{name}.yaml" for folder in folders(kind)]
     for path in candidates:
-        if name and path.is_file():
+        if name and isfile(path):
             return path
     raise ValueError(_not_found(kind, name))
 

@@ -13,8 +13,10 @@ PATHS = ("x", "by", "panels")
 def renamed(node: Node, is_path: bool = False) -> Node:
     """The file with every replaced word in its new form: keys, paths of a sweep, and paths of figures."""
     if isinstance(node.value, dict):
-        entries = {new_path(key): renamed(inner, key in PATHS) for key, inner in node.value.items()}
-        return replace(node, value=entries)
+        new = {key: new_path(key) for key in node.value}
+        # The case refuses a file that has both words.
+        kept = {key: key if word in node.value else word for key, word in new.items()}
+        return replace(node, value={kept[key]: renamed(inner, key in PATHS) for key, inner in node.value.items()})
     if isinstance(node.value, tuple):
         return replace(node, value=tuple(renamed(inner, is_path) for inner in node.value))
     return replace(node, value=new_path(node.value)) if is_path else node

@@ -14,12 +14,17 @@ from bearingsim.config.rules.conflicts import Conflict, Path
 from bearingsim.config.sections.contact import WORD
 from bearingsim.study.paths import all_paths, label
 from bearingsim.text.units import EXPECTED, suggestion
-from bearingsim.text.yamlfile import Mark, Node, Problem, plain, problem
+from bearingsim.text.yamlfile import MAX_TOLD, Mark, Node, Problem, plain, problem
 
 STUDY_KEYS = ("study", "figures", "sweep", "quick", "uncertainty", "accuracy")
 
 _WITH_NAME: tuple[Path, ...] = (("bearing",), ("bearing", "material"), ("rig",))
 """Sections that have a name and a source."""
+
+NO_SECTION = ("word", "list", "mapping", "tuple_type", "model_type", "model_attributes_type", "dict_type")
+"""Kinds of mistakes that leave no section to put a swept value in."""
+ALONE = (*NO_SECTION, "quantity", "bound", "whole", "text", "scan", "value_error", "extra_forbidden")
+"""Kinds of mistakes in one value, whatever the others are."""
 
 Found = dict[tuple[Mark, str, str], Problem]
 """Problems by place, path and kind: of the same one met in many cases the first is kept."""
@@ -84,7 +89,7 @@ def case_of(tree: Node, swept: frozenset[Path], found: Found, sections: Sections
     try:
         Case.model_validate(data)
     except ValidationError as error:
-        errors = error.errors(include_url=False)
+        errors = error.errors(include_url=False)[:MAX_TOLD]
     for details in errors:
         for path, kind, entry in _problems(details, tree, swept):
             found.setdefault((_mark_of(entry), label(path, 0), kind), entry)
@@ -92,6 +97,21 @@ def case_of(tree: Node, swept: frozenset[Path], found: Found, sections: Sections
         entry = _conflict_problem(conflict, tree, swept)
         found.setdefault((_mark_of(entry), label(conflict.paths[0], 0), conflict.kind), entry)
     return None
+
+
+def check_replaced(tree: Node, swept: frozenset[Path], found: Found) -> None:
+    """Note what is wrong with the values of a tree that a sweep replaces, though no case has them.
+
+    What is missing there, or does not go with other values, is right as soon as it is replaced.
+    """
+    try:
+        Case.model_validate(plain(tree))
+    except ValidationError as error:
+        for details in error.errors(include_url=False)[:MAX_TOLD]:
+            for path, kind, entry in _problems(details, tree, swept):
+                above = kind in NO_SECTION and any(s[: len(path)] == path for s in swept)
+                if above or (kind in ALONE and any(path[: len(s)] == s for s in swept)):
+                    found.setdefault((_mark_of(entry), label(path, 0), kind), entry)
 
 
 def _mark_of(entry: Problem) -> Mark:
@@ -129,6 +149,8 @@ def _said(details: ErrorDetails) -> tuple[str, str | None]:
     context = details.get("ctx", {})
     if details["type"] == "bearingsim":
         return context["message"], context["hint"]
+    if details["type"] == "too_long":
+        return f"at most {context['max_length']} are possible", None
     if details["type"] == "tuple_type":
         return "expected a list such as `[a, b]`", None
     if details["type"] in ("model_type", "model_attributes_type", "dict_type"):

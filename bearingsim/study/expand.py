@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import reduce
+from os.path import isfile
 from pathlib import Path as FilePath
 
 from bearingsim.config.case import LAWS
@@ -46,9 +47,7 @@ def _with_scans(tree: Node, folder: FilePath) -> Node:
     for number, defect in enumerate(tree.mapping.get("defects", _NOTHING).items):
         file = defect.mapping.get("file")
         if file is not None and isinstance(file.value, str):
-            found = next(
-                (base / file.value for base in (FilePath(), folder) if (base / file.value).is_file()), None
-            )
+            found = next((base / file.value for base in (FilePath(), folder) if isfile(base / file.value)), None)
             if found is not None:
                 tree = put(tree, ("defects", number, "file"), replace(file, value=str(found.absolute())))
     return tree

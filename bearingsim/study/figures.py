@@ -6,7 +6,7 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config import FEATURES
 from bearingsim.study.jobs import Figure
 from bearingsim.text.units import suggestion
-from bearingsim.text.yamlfile import Node, Problem, problem
+from bearingsim.text.yamlfile import MAX_TOLD, Node, Problem, problem
 
 DRAWN = (*FEATURES, "seconds")
 """Columns of the results table that can stand on a y axis: features, and the CPU time of a job."""
@@ -96,7 +96,7 @@ def _check_word(
 ) -> None:
     if word not in words:
         few = "known: " + ", ".join(words) if 0 < len(words) < 10 else None
-        hint = suggestion(word, words) or few
+        hint = (suggestion(word, words) or few) if len(problems) < MAX_TOLD else None
         mark = node.key if node.key and node.key.column and where in ("figures", "where") else node.mark
         problems.append(problem(mark, f"{where}: no {what} `{word}`", hint))
 

@@ -11,7 +11,7 @@ from bearingsim.config import Bearing, Case
 from bearingsim.config.fields import described
 from bearingsim.config.rules.conflicts import Path
 from bearingsim.study import aliases
-from bearingsim.study.diagnose import STUDY_KEYS, Found, Sections, case_of
+from bearingsim.study.diagnose import STUDY_KEYS, Found, Sections, case_of, check_replaced
 from bearingsim.study.expand import expanded
 from bearingsim.study.figures import check_known, parse_figures
 from bearingsim.study.goal import asks_for_reference, check_goal, parse_goal
@@ -34,6 +34,10 @@ from bearingsim.text.yamlfile import (
 )
 
 MAX_CASES = 1_000_000
+MAX_WRONG = 500
+"""Cases that are wrong before no more are looked at: they take milliseconds each, and are mostly wrong alike."""
+MAX_PATHS = 100
+"""Paths that a study sweeps: more than make sense, few enough to find what each should be."""
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
 _LIST_VALUED = ("defects", "record", "rig.load.angles", "rig.load.at")
 
@@ -102,7 +106,7 @@ def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
 def load_bearing(name: str) -> Bearing:
     """The bearing of a name or path; StudyError, pointing into its file, if something is wrong."""
     mark = argument_mark(name, 1)
-    probe = {"bearing": name, "speed": "1 rad/s", "load": "1 N", "duration": "1e9 s"}
+    probe = {"bearing": name, "speed": "1 rad/s", "load": "1 N", "duration": "1e3 s"}
     plan = _Plan(Node({key: Node(text, mark) for key, text in probe.items()}, mark), FilePath())
     plan.expand()
     found = plan.cases()
@@ -146,7 +150,12 @@ class _Plan:
 
     def take_sweep(self, sweep: Node) -> list[Axis]:
         """The axes of a `sweep:`."""
-        self.asked |= written_paths(sweep)
+        found = written_paths(sweep)
+        if len(found) > MAX_PATHS:
+            message = f"sweep: {len(found)} paths; at most {MAX_PATHS} are possible"
+            self.problems.append(problem(sweep.key or sweep.mark, message))
+            return []
+        self.asked |= found
         return parse_sweep(sweep, self.problems)
 
     def take_quick(self, quick: Node) -> None:
@@ -216,11 +225,15 @@ class _Plan:
             mark = self.axes[0].keys[0].mark
             self.problems.append(problem(mark, f"sweep: {count} cases; at most {MAX_CASES} are possible"))
             return []
+        check_replaced(self.base, frozenset(self.places.values()), self.found)
         cases: dict[str, tuple[Case, Swept]] = {}
+        wrong = 0
         for row in rows_of(self.axes):
             case = self.case(row)
             if case is not None:
                 cases.setdefault(identity(case), (case, self.swept(case, row)))
+            elif (wrong := wrong + 1) == MAX_WRONG:
+                break
         return list(cases.values())
 
     def otherwise(self, given: Mapping[str, str]) -> list[Case | None]:

@@ -1,6 +1,7 @@
 """The `sweep:` section: lists, linspace, range, logspace, their product, and `zip`."""
 
 import math
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -156,9 +157,10 @@ def _converted(text: str, word: str, unit: str) -> float:
 
 
 def _count(node: Node) -> int:
-    if not isinstance(node.value, str) or not node.value.isdecimal() or not 2 <= int(node.value) <= MAX_VALUES:
+    written = isinstance(node.value, str) and re.fullmatch(r"\d{1,9}", node.value, re.ASCII)
+    if not written or not 2 <= int(node.text) <= MAX_VALUES:
         raise _Wrong(node, f"expected the number of values, from 2 to {MAX_VALUES}, got `{node.text}`")
-    return int(node.value)
+    return int(node.text)
 
 
 def _between(first: Node, last: Node, count: Node, at: Callable[[float, float, float], float]) -> tuple[Node, ...]:

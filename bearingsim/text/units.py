@@ -156,6 +156,8 @@ DISPLAY: dict[Dimension, str] = {
 }
 """Unit in which a quantity of each dimension is shown when nobody asked for another."""
 
+MAX_DIGITS = 100
+"""Of a number, its sign, point and exponent counted: a float holds 17, and Python refuses whole ones of 4300."""
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
 _SPELLING = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"})
@@ -181,6 +183,8 @@ def split(text: str) -> tuple[str, str]:
     number = _NUMBER.match(text.strip())
     if number is None or _DECIMAL_COMMA.match(text.strip()):
         raise UnitError(text, "a number with its unit", _number_hint(text))
+    if number.end() > MAX_DIGITS:
+        raise UnitError(text, "a number with its unit", f"more than {MAX_DIGITS} digits")
     return number.group(), _spelling(text.strip()[number.end() :])
 
 

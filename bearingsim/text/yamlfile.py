@@ -21,6 +21,14 @@ if TYPE_CHECKING:
 
 ARGUMENT = "command line"
 """Stands for the file's name where a value came from the command line."""
+MAX_LETTERS = 100_000
+"""Of a file, its aliases written out: they are read in some 2 s. The longest study here has 4000."""
+MAX_DEPTH = 20
+"""Of lists and mappings in each other: a study's deepest value is in 8 of them, Python gives up at some 300."""
+MAX_TOLD = 50
+"""Problems that are told at a time: nobody mends more, and to find a valid word near each takes milliseconds."""
+LONGEST_ECHO, LONGEST_MESSAGE, LONGEST_LINE = 200, 2000, 160
+"""Letters of a value that a message repeats, of a message, of the line that it points into."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +82,26 @@ class Problem:
 
     def __str__(self) -> str:
         place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
-        text = f"{place}: {self.message}" + (f" ({self.hint})" if self.hint else "")
+        text = f"{place}: {_clipped(self.message)}" + (f" ({_clipped(self.hint)})" if self.hint else "")
+        text = "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
         if not self.column:
             return text
-        return f"{text}\n    {self.source_line}\n    {' ' * (self.column - 1)}^"
+        start = max(0, self.column - LONGEST_LINE // 2) if self.column > LONGEST_LINE else 0
+        line = self.source_line[start : start + LONGEST_LINE]
+        line = "".join(letter if letter.isprintable() else " " for letter in line)
+        return f"{text}\n    {line}\n    {' ' * (self.column - 1 - start)}^"
+
+
+def _clipped(text: str) -> str:
+    """A message whose quoted values are no longer than one reads."""
+    return _QUOTED.sub(lambda found: _cut(found[1], LONGEST_ECHO).join("``"), text)[:LONGEST_MESSAGE]
+
+
+def _cut(text: str, most: int) -> str:
+    return text if len(text) <= most else text[:most] + "..."
+
+
+_QUOTED = re.compile(r"`([^`]*)`")
 
 
 class StudyError(UserError):
@@ -85,7 +109,9 @@ class StudyError(UserError):
 
     def __init__(self, problems: Iterable[Problem]) -> None:
         self.problems = list(problems)
-        super().__init__("\n".join(map(str, self.problems)))
+        left = len(self.problems) - MAX_TOLD
+        more = [f"and {left} more like these"] if left > 0 else []
+        super().__init__("\n".join([*map(str, self.problems[:MAX_TOLD]), *more]))
 
 
 def problem(mark: Mark, message: str, hint: str | None = None) -> Problem:
@@ -103,15 +129,37 @@ def plain(node: Node) -> Any:
 
 
 def read_text(path: Path) -> str:
-    """The text of a file; raises StudyError if it cannot be read as UTF-8 text."""
+    """The text of a file; raises StudyError if it cannot be read as UTF-8 text, or is too long for a study."""
+    content = _content(path)
     try:
-        return path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise StudyError([Problem(str(path), 0, 0, "", "no such file")]) from None
-    except UnicodeDecodeError:
-        raise StudyError([Problem(str(path), 0, 0, "", "not a text file in UTF-8")]) from None
+        text = content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+    except UnicodeDecodeError as error:
+        before = content[: error.start].decode("utf-8", "replace")
+        mark = _mark_at(before, len(before), str(path))
+        raise StudyError([problem(mark, "not a text file in UTF-8", "save it as UTF-8")]) from None
+    if len(text) > MAX_LETTERS:
+        raise StudyError([problem(Mark(str(path)), *_TOO_LONG)])
+    return text
+
+
+def _content(path: Path) -> bytes:
+    """What is in a file, but no more than a study can have."""
+    try:
+        if path.exists() and not path.is_file():  # the end of a pipe or a device may never come
+            what = "a folder" if path.is_dir() else "a pipe or a device"
+            raise StudyError([problem(Mark(str(path)), f"this is {what}", "name a file")])
+        with path.open("rb") as file:
+            content = file.read(4 * MAX_LETTERS + 1)  # a letter has four bytes at most
+    except (FileNotFoundError, ValueError):  # ValueError: a name that no file can have
+        raise StudyError([problem(Mark(str(path)), "no such file")]) from None
     except OSError as error:
-        raise StudyError([Problem(str(path), 0, 0, "", f"cannot be read: {error.strerror}")]) from None
+        raise StudyError([problem(Mark(str(path)), f"cannot be read: {error.strerror}")]) from None
+    if len(content) > 4 * MAX_LETTERS:
+        raise StudyError([problem(Mark(str(path)), *_TOO_LONG)])
+    return content
+
+
+_TOO_LONG = f"more than {MAX_LETTERS} letters, those that aliases repeat counted", "give ranges, or more studies"
 
 
 class Document(NamedTuple):
@@ -122,17 +170,50 @@ class Document(NamedTuple):
 
 
 def parse(text: str, file: str) -> Document:
-    """The tree of a YAML text; raises StudyError on a syntax error."""
+    """The tree of a YAML text; raises StudyError on a syntax error, and on a tree too deep or too large."""
     import yaml
 
+    class Loader(yaml.BaseLoader):
+        """As PyYAML's, but it refuses what is too deep."""
+
+        depth = 0
+
+        def compose_node(self, parent: Any, index: Any) -> Any:
+            """The node that begins here."""
+            self.depth += 1
+            if self.depth > MAX_DEPTH:
+                place = self.peek_event().start_mark
+                raise yaml.MarkedYAMLError(None, None, f"more than {MAX_DEPTH} levels within each other", place)
+            node = super().compose_node(parent, index)
+            self.depth -= 1
+            return node
+
     try:
-        root = yaml.compose(text, Loader=yaml.BaseLoader)
+        root = yaml.compose(text, Loader=Loader)
     except yaml.YAMLError as error:
         raise StudyError([_syntax_problem(error, text, file)]) from None
     if root is None:
         return Document(Node({}, Mark(file)), ())
-    walk = _Walk(file, text.splitlines())
+    walk = _Walk(file, _lines(text))
     return Document(walk.node(root), tuple(walk.problems))
+
+
+_BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
+_OWN = "tag:yaml.org,2002:"
+_NO_TEXT = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
+"""Letters that no file of results can hold, or that a terminal takes for commands."""
+
+
+def _lines(text: str) -> list[str]:
+    """The lines as YAML counts them."""
+    return _BREAK.split(text.removesuffix("\n"))
+
+
+def _mark_at(text: str, index: int, file: str) -> Mark:
+    """The place of a letter of a text."""
+    before = _BREAK.split(text[:index])
+    rest = _BREAK.split(text[index:], maxsplit=1)[0]
+    return Mark(file, len(before), len(before[-1]) + 1, before[-1] + rest)
 
 
 def parse_argument(text: str, typed: str) -> Document:
@@ -169,14 +250,18 @@ def _moved(node: Node, typed: str) -> Node:
 
 
 def _syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
-    place = getattr(error, "problem_mark", None)
+    place, at = getattr(error, "problem_mark", None), getattr(error, "position", None)
     what = getattr(error, "problem", None) or str(error).splitlines()[0]
-    if place is None:
-        return Problem(file, 0, 0, "", f"not valid YAML: {what}")
-    lines = text.splitlines()
-    line = min(place.line, len(lines) - 1)
-    column = place.column if line == place.line else len(lines[line])
-    return Problem(file, line + 1, column + 1, lines[line], f"not valid YAML: {what}")
+    if getattr(error, "context", None) == "expected a single document in the stream":
+        what = "a second document begins here"
+    if place is not None:
+        lines = _lines(text)
+        line = min(place.line, len(lines) - 1)
+        column = place.column if line == place.line else len(lines[line])
+        mark = Mark(file, line + 1, column + 1, lines[line])
+    else:
+        mark = Mark(file) if at is None else _mark_at(text, at, file)
+    return problem(mark, f"not valid YAML: {what}")
 
 
 _UNIT = re.compile(r"[^\W\d]|%|°")
@@ -200,7 +285,8 @@ class _Walk:
     def __init__(self, file: str, lines: list[str]) -> None:
         self.file, self.lines = file, lines
         self.problems: list[Problem] = []
-        self.done: dict[int, Node | None] = {}  # None while a node is being walked
+        self.done: dict[int, tuple[Node, int] | None] = {}  # with its letters; None while it is being walked
+        self.letters = 0  # so far, those that aliases repeat counted
 
     def mark(self, node: yaml.Node) -> Mark:
         place = node.start_mark
@@ -210,22 +296,36 @@ class _Walk:
     def node(self, raw: yaml.Node) -> Node:
         if id(raw) in self.done:  # an alias: the same node again
             known = self.done[id(raw)]
-            return known or self.refuse(raw, "an alias inside its own anchor")
+            if known is None:
+                return self.refuse(raw, "an alias inside its own anchor")
+            self.count(raw, known[1])
+            return known[0]
         self.done[id(raw)] = None
+        before = self.letters
+        self.count(raw, 1 + len(raw.value) * isinstance(raw.value, str))
         node = self.fresh(raw)
-        self.done[id(raw)] = node
+        self.done[id(raw)] = node, self.letters - before
         return node
+
+    def count(self, raw: yaml.Node, letters: int) -> None:
+        """Refuse a tree that grows beyond all use: nine lists of ten aliases each stand for 1e9 values."""
+        self.letters += letters
+        if self.letters > MAX_LETTERS:
+            raise StudyError([problem(self.mark(raw), *_TOO_LONG)])
 
     def fresh(self, raw: yaml.Node) -> Node:
         import yaml
 
-        if raw.tag.startswith("!"):
-            return self.refuse(raw, f"the tag `{raw.tag}` means nothing here")
+        usual = {yaml.MappingNode: "map", yaml.SequenceNode: "seq", yaml.ScalarNode: "str"}
+        if raw.tag != _OWN + usual[type(raw)]:
+            return self.refuse(raw, f"the tag `{raw.tag.replace(_OWN, '!!')}` means nothing here")
         if isinstance(raw, yaml.MappingNode):
             return Node(self.entries(raw), self.mark(raw))
         if isinstance(raw, yaml.SequenceNode):
             items = [self.node(child) for child in raw.value]
             return Node(tuple(self.rejoined(raw.value, items)), self.mark(raw))
+        if _NO_TEXT.search(raw.value):
+            return self.refuse(raw, f"a letter that is none in {ascii(raw.value)[:LONGEST_ECHO]}")
         return Node(str(raw.value), self.mark(raw))
 
     def entries(self, raw: yaml.MappingNode) -> dict[str, Node]:

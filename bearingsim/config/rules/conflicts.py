@@ -21,6 +21,11 @@ if TYPE_CHECKING:
     from bearingsim.config.sections.machine import Rig
 
 MAX_TILT = 0.02  # rad: beyond it a bearing is not mounted askew but broken
+MAX_SAMPLES = 1e9
+"""4 GB of each channel in single precision, a day at 10 kHz: what no one could look at, and few machines hold."""
+BURSTS_AT = 2.5e9
+"""Pa: tensile strength of hardened bearing steel, 2.0 to 2.5 GPa. A ring of the density rho that turns at v is
+stretched by rho v^2 at least (hoop stress of a thin ring), so that one of steel bursts at some 560 m/s."""
 MOUNT_FIELDS = ("axial_stiffness", "axial_damping", "tilting_stiffness", "tilting_damping")
 HELD_BY_CAGE = ("cage.slip", "cage.axial", "cage.lean", "roller.cage_force", "roller.skew", "roller.axial")
 
@@ -198,6 +203,11 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
     if case.ramp is not None and getattr(case.contact.damping, "of_one_speed", False):
         message = f"the damping law `{getattr(case.contact.damping, 'law', '')}` is that of one speed"
         yield Conflict("film", (("ramp",), ("contact", "damping")), message, "take another law, or no ramp")
+    yield from _bursting(case)
+    if case.duration * case.sampling > MAX_SAMPLES:
+        message = f"{case.duration * case.sampling:.2g} samples: a record has at most {MAX_SAMPLES:.0e}"
+        many: tuple[Path, ...] = (("duration",), ("sampling",))
+        yield Conflict("samples", many, message, "take a shorter `duration`, or a lower `sampling`")
     ball_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
     if case.duration < ball_pass:
         shown, needed = show(case.duration, "ms"), show(ball_pass, "ms")
@@ -206,3 +216,17 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
     if case.excitation in IMPULSE_EXCITATIONS and not catalogue.MODELS[case.model].takes_pits and not case.defects:
         paths: tuple[Path, ...] = (("model",), ("excitation",))
         yield Conflict("silent", paths, "without a defect there are no impulses", "give a `defect`")
+
+
+def _bursting(case: "CaseFields") -> Iterator[Conflict]:
+    """An inner ring that turns faster than any ring can."""
+    fastest = case.speed if case.ramp is None else max(case.speed, case.ramp.to)
+    surface = fastest * (case.bearing.pitch_diameter - case.bearing.roller_diameter) / 2.0
+    stress = case.bearing.material.density * surface**2
+    if stress > BURSTS_AT:
+        at: Path = ("speed",) if case.ramp is None or case.speed >= case.ramp.to else ("ramp", "to")
+        message = (
+            f"at {show(fastest, 'rpm')} the inner race moves at {surface:.3g} m/s: its hoop stress rho v^2,"
+            f" {stress:.2g} Pa, bursts the ring (over {BURSTS_AT:.2g} Pa)"
+        )
+        yield Conflict("bursts", (at, ("bearing",)), message, "is the unit right?")

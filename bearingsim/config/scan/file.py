@@ -21,6 +21,7 @@ import io
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
+from os.path import isdir, isfile
 from pathlib import Path
 from typing import NamedTuple
 
@@ -71,9 +72,9 @@ class Grid(NamedTuple):
 
 def read_file(path: Path) -> tuple[Grid, str]:
     """The grid of a file, ascending, and the digest of what was read. Raises ScanError for what is no scan."""
-    if path.is_dir():
+    if isdir(path):
         raise ScanError(f"`{path}` is a folder", "name the file in it")
-    if not path.is_file():
+    if not isfile(path):
         raise ScanError(f"no file `{path}`", "a path is relative to the working folder, or else to the study")
     form = FORMS.get(path.suffix.lower())
     if form is None:

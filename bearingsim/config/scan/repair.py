@@ -6,6 +6,7 @@ does and why.
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
+from os.path import isfile
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -48,7 +49,7 @@ class Scan(NamedTuple):
 def read_scan(path: str | Path) -> Scan:
     """The scan in a file. Raises ScanError if it is not of the format, or not fit for use."""
     file = Path(path)
-    if not file.is_file():
+    if not isfile(file):
         return _read(file, 0, 0)  # which refuses it
     stat = file.stat()
     return _read(file.absolute(), stat.st_mtime_ns, stat.st_size)

@@ -9,12 +9,12 @@ from pydantic import BeforeValidator, Discriminator, Tag, model_validator
 from bearingsim.config.fields import (
     Coefficient,
     Delay,
+    Exponent,
     Frequency,
     InverseVelocity,
-    Number,
     Percentage,
     PositiveCoefficient,
-    PositiveNumber,
+    PositiveExponent,
     PressureCoefficient,
     Section,
     Temperature,
@@ -152,8 +152,8 @@ class General(Section):
 
     law: Literal["general"] = "general"
     coefficient: Coefficient
-    velocity_exponent: Number = 1.0
-    indentation_exponent: Number
+    velocity_exponent: Exponent = 1.0
+    indentation_exponent: Exponent
 
     def jumps(self, touch_down_stiffness: bool) -> bool:
         """Whether the force jumps as a contact closes: damping that does not grow with the approach."""
@@ -165,7 +165,7 @@ class Constant(Section):
 
     law: Literal["constant"] = "constant"
     coefficient: PositiveCoefficient
-    exponent: PositiveNumber
+    exponent: PositiveExponent
 
     @property
     def stiff_at_touch_down(self) -> bool:

@@ -1,0 +1,143 @@
+"""Where a study leaves the range that its physics is good for: computed all the same, with a note."""
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from math import hypot, pi
+
+from bearingsim.config import Case
+from bearingsim.config.names import FAULT_LINES, LINES
+from bearingsim.config.sections.machine import Bearing
+from bearingsim.core.geometry import kinematics
+from bearingsim.core.laws import hertz
+from bearingsim.text.units import show
+
+RATED_PRESSURE = {"roller": 4.0e9, "ball": 4.2e9}
+"""Pa: by which ISO 76:2006 rates bearings; the most loaded contact then keeps a dent of 1e-4 of its roller."""
+SPEED_FACTOR = 1e6 * 1e-3 * 2.0 * pi / 60.0
+"""n d_m (rad/s m): 1e6 mm/min. Limiting speeds in catalogues (SKF: NU 210 ECP, 6205) come to 0.6e6 to 0.7e6 with
+oil; beyond 1e6 are spindles and turbines, with their own cages and oil jets."""
+
+Range = tuple[Callable[[Case], float], Callable[[Case], str]]
+"""How far a case goes, as a part of what is sensible, and what is said of it where that is over 1."""
+
+
+def beyond(cases: Sequence[Case], drawn: Sequence[str]) -> Iterator[str]:
+    """A text for each range that some cases leave: how many, and the worst; drawn: the figures' features."""
+    lines = dict.fromkeys(name.partition("@")[2].partition("-healthy")[0].partition(".")[0] for name in drawn)
+    sampled = partial(highest_line, drawn=[name for name in lines if name in LINES])
+    ranges: tuple[Range, ...] = (
+        (lambda case: pressure(case) / RATED_PRESSURE[case.bearing.element], pressed),
+        (lambda case: load(case) / static_rating(case), overloaded),
+        (lambda case: top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR, fast),
+        (lambda case: 2.0 * sampled(case)[0] / case.sampling, lambda case: unseen(case, *sampled(case))),
+    )
+    for reach, said in ranges:
+        over = [(part, number) for number, part in enumerate(map(reach, cases)) if part > 1.0]
+        if over:
+            count = f"{len(over)} of {len(cases)} cases, at worst " if len(cases) > 1 else ""
+            yield f"warning: {count}{said(cases[max(over)[1]])}"
+
+
+# Contact pressure, static rating
+
+
+def load(case: Case) -> float:
+    """The bearing's load (N)."""
+    return hypot(case.load, case.load_across)
+
+
+def pressure(case: Case) -> float:
+    """Largest Hertz pressure (Pa) of the most loaded element at rest; 0 where the bearing finds no rest."""
+    from bearingsim.assemble.rest import largest_load
+    from bearingsim.core.models.equilibrium import NoEquilibrium
+
+    try:
+        return contact_pressure(case.bearing, largest_load(case))
+    except NoEquilibrium:  # which is refused elsewhere
+        return 0.0
+
+
+def contact_pressure(bearing: Bearing, force: float) -> float:
+    """Hertz pressure (Pa) of an element under a force (N), at the inner race: the convex one, pressed more."""
+    E, nu = bearing.material.young_modulus, bearing.material.poisson_ratio
+    D_w, R_i = bearing.roller_diameter, (bearing.pitch_diameter - bearing.roller_diameter) / 2.0
+    if bearing.roller_length is None:
+        groove = float(bearing.inner_groove_radius or 0.0)
+        return hertz.ball_on_race(E, nu, D_w, groove, R_i).pressure(force)
+    relative = 1.0 / (2.0 / D_w + 1.0 / R_i)
+    return hertz.line_pressure(force / bearing.roller_length, relative, hertz.effective_modulus(E, nu))
+
+
+def static_rating(case: Case) -> float:
+    """C0 (N) by ISO 76: of rollers 44 (1 - D_w/d_m) Z L D_w (N, mm), L their length.
+
+    Of balls Z Q/5, Q the force that presses a ball to 4.2 GPa: what the standard's factor f_0 stands for.
+    """
+    b = case.bearing
+    if b.roller_length is None:
+        rated = RATED_PRESSURE["ball"] / contact_pressure(b, 1.0)
+        return b.rollers * rated**3 / 5.0
+    share = 1.0 - b.roller_diameter / b.pitch_diameter
+    return 44.0 * share * b.rollers * (1e3 * b.roller_length) * (1e3 * b.roller_diameter)
+
+
+def pressed(case: Case) -> str:
+    """What is said of a pressure."""
+    limit = show(RATED_PRESSURE[case.bearing.element], "GPa")
+    return (
+        f"the most loaded contact is pressed to {pressure(case) / 1e9:.3g} GPa at rest, over the {limit} at which"
+        " races keep dents (ISO 76): the contacts computed here stay elastic"
+    )
+
+
+def overloaded(case: Case) -> str:
+    """What is said of a load."""
+    rating = f"{static_rating(case) / 1e3:.3g} kN"
+    return f"a load of {load(case) / 1e3:.4g} kN is over the bearing's static rating C0, about {rating} (ISO 76)"
+
+
+# Speed
+
+
+def top_speed(case: Case) -> float:
+    """The highest speed (rad/s) of a case."""
+    return case.speed if case.ramp is None else max(case.speed, case.ramp.to)
+
+
+def fast(case: Case) -> str:
+    """What is said of a speed."""
+    found = top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR
+    return (
+        f"{show(top_speed(case), 'rpm')} is n d_m = {found:.2g}e6 mm/min, over 1e6: bearings run so fast only with"
+        " cages and oil jets of their own, and heat and growth of the rings are not computed"
+    )
+
+
+# Sampling
+
+
+def highest_line(case: Case, drawn: Sequence[str]) -> tuple[float, str]:
+    """The highest (Hz) of the lines drawn, or if none is, of those of the defects; and its name."""
+    names = drawn or [FAULT_LINES[defect.race] for defect in case.defects] or ["BPFO"]
+    return max((frequency(case, name), name) for name in names)
+
+
+def frequency(case: Case, name: str) -> float:
+    """The frequency (Hz) of a line at the highest speed of a case, without slip."""
+    b, line, speed = case.bearing, LINES[name], top_speed(case)
+    D_w, d_m, Z = b.roller_diameter, b.pitch_diameter, b.rollers
+    return (
+        line.outer * kinematics.ball_pass_frequency_outer(speed, D_w, d_m, Z)
+        + line.inner * kinematics.ball_pass_frequency_inner(speed, D_w, d_m, Z)
+        + line.spin * kinematics.ball_spin_frequency(speed, D_w, d_m)
+        + line.cage * kinematics.fundamental_train_frequency(speed, D_w, d_m)
+        + line.shaft * speed / (2.0 * pi)
+    )
+
+
+def unseen(case: Case, hertz: float, name: str) -> str:
+    """What is said of a sampling."""
+    return (
+        f"`sampling: {show(case.sampling, 'Hz', 'frequency')}` shows nothing over half of it: record, RMS and peak"
+        f" lack {name}, at {hertz:.4g} Hz (lines are read before, and have it)"
+    )

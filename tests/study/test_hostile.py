@@ -1,0 +1,155 @@
+"""Broken, mistaken and hostile study files: exit code 2, a place, no traceback."""
+
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from bearingsim.study import StudyError, load_study
+from bearingsim.text import yamlfile
+from bearingsim.text.yamlfile import LONGEST_ECHO, LONGEST_LINE, MAX_LETTERS, MAX_TOLD
+from benchmarks import hostile
+from tests.conftest import Write
+
+VALID = ["load 150 N # \u202e"]
+"""Of the malformed files: a comment may say anything."""
+
+
+def told(path: Path) -> list[str]:
+    with pytest.raises(StudyError) as caught:
+        load_study(path)
+    return str(caught.value).splitlines()
+
+
+def test_malformed_files_end_with_a_place(tmp_path: Path) -> None:
+    """Each as `check` ends, in this process."""
+    wrong, valid = {}, []
+    for name, path in hostile.malformed(tmp_path):
+        ended = hostile.in_here("check", str(path))
+        found = hostile.faults(ended, path)
+        if found:
+            wrong[name] = found
+        if ended.code == 0:
+            valid.append(name)
+    assert wrong == {}
+    assert valid == VALID
+
+
+def test_a_bomb_and_a_device_end_in_a_process_of_their_own(tmp_path: Path) -> None:
+    """Under limits of the system, which would end a process that reads on."""
+    files = dict(hostile.malformed(tmp_path))
+    for name in ("bomb in load", "a device", "a pipe"):
+        ended = hostile.alone("check", str(files[name]))
+        assert (ended.code, hostile.faults(ended, files[name])) == (2, [])
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_mutants_load_or_are_refused(tmp_path: Path, seed: int) -> None:
+    """Nothing else comes of them: neither another error, nor a message without a place."""
+    refused = 0
+    for _, path in hostile.mutants(tmp_path, 80, seed):
+        with suppress(StudyError):
+            load_study(path)
+            continue
+        refused += 1
+        assert str(path.parent) in "\n".join(told(path))
+    assert 40 < refused < 80
+
+
+def test_mutants_are_those_of_their_seed(tmp_path: Path) -> None:
+    def texts(seed: int) -> list[bytes]:
+        return [path.read_bytes() for _, path in hostile.mutants(tmp_path, 20, seed)]
+
+    assert texts(3) == texts(3) != texts(4)
+
+
+# What messages look like
+
+
+def test_an_echo_is_clipped_and_the_caret_still_points(write: Write) -> None:
+    first, line, caret = told(write(hostile.with_(f"load: [{'150 N, ' * 100}&a &b]")))
+    assert line[caret.index("^")] == "&"
+    assert len(line) <= LONGEST_LINE + 4
+    first, *_ = told(write(hostile.with_(f"load: {'x' * 5000}")))
+    assert f"`{'x' * LONGEST_ECHO}...`" in first
+
+
+def test_a_message_has_no_letters_of_control(write: Write) -> None:
+    said = "\n".join(told(write(hostile.with_('"load\u202e\u00a0": "a\\nb"'))))
+    assert r"unknown key `load\u202e\xa0`" in said
+    assert all(letter.isprintable() or letter == "\n" for letter in said)
+
+
+def test_no_more_problems_are_told_than_one_mends(write: Write) -> None:
+    said = told(write(hostile.BASE + "".join(f"figures{n}: 1\n" for n in range(40)) + "load: 1 N\n" * 200))
+    assert said[-1] == "and 190 more like these"
+    assert sum(line.strip() == "^" for line in said) == MAX_TOLD
+
+
+def test_a_file_that_is_no_text_says_where(tmp_path: Path) -> None:
+    path = tmp_path / "study.yaml"
+    path.write_bytes(b"study: a\nload: \xff N\n")
+    assert told(path) == [f"{path}:2:7: not a text file in UTF-8 (save it as UTF-8)", "    load: ", "          ^"]
+
+
+def test_letters_are_counted_with_their_aliases() -> None:
+    text = "a" * (MAX_LETTERS // 10)
+    assert yamlfile.parse(f"[&a {text}, {', '.join(['*a'] * 7)}]", "f").root.items[7].value == text
+    with pytest.raises(StudyError, match="f:1:2: more than 100000 letters"):
+        yamlfile.parse(f"[&a {text}, {', '.join(['*a'] * 10)}]", "f")
+
+
+def test_twenty_levels_are_read_and_one_more_is_not() -> None:
+    yamlfile.parse("[" * 20 + "]" * 20, "f")
+    with pytest.raises(StudyError, match="f:1:21: not valid YAML: more than 20 levels within each other"):
+        yamlfile.parse("[" * 21 + "]" * 21, "f")
+
+
+@pytest.mark.parametrize("tag", ["!!python/object/apply:os.system", "!!int", "!mine"])
+def test_a_tag_is_refused(write: Write, tag: str) -> None:
+    assert f"the tag `{tag}` means nothing here" in told(write(hostile.with_(f"load: {tag} 150 N")))[0]
+
+
+# Base values that a sweep replaces
+
+
+@pytest.mark.parametrize(
+    ("said", "swept", "message"),
+    [
+        ("load: 150 mm", "load: [1 N, 2 N]", "load: expected a force"),
+        ("defect: {shape: circular, length: 1 N}", "{defect.length: [1 mm], defect.width: [1 mm], defect.depth: [1 um]}", "defect.length: expected a length"),  # noqa: E501
+        ("contact: {damping: {law: kraemer, beta: 3 mm}}", "contact.damping.beta: [1 us]", "contact.damping.beta: expected a time"),  # noqa: E501
+        ("contact: {damping: {law: kraemr}}", "contact.damping.law: [kraemer]", "contact.damping: expected"),
+        ("contact: 5 mm", "contact.damping: [kraemer]", "contact: expected a mapping"),
+        ("bearing: nf38", "bearing: [nf308, nf308-catalogue]", "bearing: no bearing `nf38`"),
+        ("rig: {bracket_stiffness: 1e7 N}", "rig.bracket_stiffness: [1e7 N/m]", "rig.bracket_stiffness: expected"),
+        ("model: rolers", "model: [ring, rollers]", "model: expected"),
+        ("seed: x", "seed: [1, 2]", "seed: expected a whole number"),
+    ],
+)  # fmt: skip
+def test_a_base_value_that_a_sweep_replaces_is_checked(write: Write, said: str, swept: str, message: str) -> None:
+    first, line, caret = told(write(f"{hostile.with_(said)}sweep: {{{swept.strip('{}')}}}\n"))
+    assert message in first
+    assert line.strip() == said
+    assert caret.strip() == "^"
+
+
+@pytest.mark.parametrize(
+    ("said", "swept"),
+    [
+        ("defect: {shape: rectangular, length: 12 mm, depth: 0.05 mm}", "defect.width: [1 mm]"),  # missing
+        (
+            "defect: {shape: circular, length: 12 mm, width: 80 mm, depth: 9 um}",
+            "defect.width: [1 mm]",
+        ),  # too wide
+        ("contact: {damping: kraemer}", "contact.damping.beta: [1 us]"),
+        ("clearance: C3", "clearance: [0 um]"),
+    ],
+)
+def test_a_base_that_only_the_sweep_makes_whole_is_right(write: Write, said: str, swept: str) -> None:
+    load_study(write(f"{hostile.with_(said)}sweep: {{{swept}}}\n"))
+
+
+def test_both_words_of_a_key_are_refused(write: Write) -> None:
+    """The old one would be taken for the new one, and one value lost."""
+    assert "is the old word for" in told(write(hostile.BASE + "prove: true\nstep_check: false\n"))[0]

@@ -1,0 +1,128 @@
+"""Notes on studies that leave the range of their physics, and refusals of what no physics has."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from bearingsim import store
+from bearingsim.config import Case
+from bearingsim.study import StudyError, load_bearing, load_study
+from bearingsim.study.ranges import SPEED_FACTOR, contact_pressure, frequency, static_rating
+from tests.conftest import Write
+from tests.scenes.commands import type_
+
+BASE = """\
+study: a
+bearing: nf308
+speed: 1800 rpm
+duration: 0.1 s
+rig: {ring: {bends: false}}
+"""
+
+
+def case(bearing: str, **values: object) -> Case:
+    return Case.model_validate({"bearing": bearing, "speed": "1800 rpm", "load": "150 N", **values})
+
+
+def warned(write: Write, said: str) -> list[str]:
+    return [note for note in load_study(write(BASE + said)).assumptions if note.startswith("warning: ")]
+
+
+@pytest.mark.parametrize(
+    ("bearing", "printed"),  # kN: C0 of NU 210 ECP, 6205 and 6309 in SKF's catalogue
+    [("nu210", 69.5), ("6205", 7.8), ("6309", 31.5)],
+)
+def test_the_static_rating_is_that_of_catalogues(bearing: str, printed: float) -> None:
+    assert static_rating(case(bearing)) == pytest.approx(1e3 * printed, rel=0.04)
+
+
+@pytest.mark.parametrize("name", ["nf308", "nu210", "nu204"])
+def test_a_rated_roller_is_pressed_to_4_gpa(name: str) -> None:
+    """Rollers are rated by a formula, pressures are Hertz's: ISO 76 ties them by Q = 5 F/Z."""
+    bearing = load_bearing(name)
+    force = 5.0 * static_rating(case(name)) / bearing.rollers
+    assert contact_pressure(bearing, force) == pytest.approx(4e9, rel=0.01)
+
+
+def test_lines_stand_where_freq_says() -> None:
+    """`bearingsim freq nf308`: orders 5.3 and 7.7 of BPFO and BPFI, 0.4077 of the cage."""
+    found = case("nf308")
+    orders = {"2BPFO": 10.6, "BPFI-fr": 6.7, "2BSF+FTF": 2.0 * 2.616 + 0.4077, "fr": 1.0}
+    for name, order in orders.items():
+        assert frequency(found, name) == pytest.approx(30.0 * order, rel=1e-3)
+
+
+def test_what_is_in_range_is_not_spoken_of(write: Write) -> None:
+    assert warned(write, "load: 10 kN\nsweep: {speed: [1000 rpm, 14000 rpm]}\n") == []
+
+
+@pytest.mark.parametrize(
+    ("said", "parts"),
+    [
+        (
+            "sweep: {load: [1 kN, 70 kN, 95 kN]}",
+            ["pressed to 4.", "2 of 3 cases, at worst a load of 95 kN is over"],
+        ),
+        (
+            "load: 1 N\nload_across: 95 kN",
+            ["pressed to 4.", "a load of 95 kN is over the bearing's static rating C0"],
+        ),
+        ("load: 1 N\nspeed: 20000 rpm", ["20000 rpm is n d_m = 1.3e6 mm/min"]),
+        ("load: 1 N\nmodel: planar\nramp: {to: 20000 rpm, time: 0.1 s}", ["20000 rpm is n d_m = 1.3e6 mm/min"]),
+        (
+            "load: 1 N\nsampling: 200 Hz",
+            ["`sampling: 200 Hz` shows nothing over half of it", "lack BPFO, at 159 Hz"],
+        ),
+    ],
+)
+def test_what_leaves_its_range_is_told_once(write: Write, said: str, parts: list[str]) -> None:
+    lines = said.splitlines()
+    base = "".join(
+        f"{old}\n" for old in BASE.splitlines() if old.split(":")[0] not in {s.split(":")[0] for s in lines}
+    )
+    found = [note for note in load_study(write(f"{base}{said}\n")).assumptions if note.startswith("warning: ")]
+    for part in parts:
+        assert sum(part in note for note in found) == 1
+    assert len(found) <= len(parts)
+
+
+def test_the_highest_line_drawn_counts(write: Write) -> None:
+    drawn = "load: 1 N\nsampling: 400 Hz\nsweep: {clearance: [0 um, 5 um]}\nfigures: [{x: clearance, y: [Y]}]\n"
+    assert warned(write, drawn.replace("Y", "velocity@BPFO, velocity.rms")) == []
+    (found,) = warned(write, drawn.replace("Y", "velocity@BPFO, velocity@2BPFO-healthy"))
+    assert "2 of 2 cases" in found
+    assert "lack 2BPFO, at 318 Hz" in found
+
+
+def test_check_says_it_and_results_keep_it(write: Write, tmp_path: Path) -> None:
+    path = write(BASE + "load: 1 N\nsampling: 200 Hz\nmodel: static\n")
+    assert type_("check", path)[0].count("shows nothing over half of it") == 1
+    assert any("shows nothing" in note for note in json.loads(type_("check", path, "--json")[0])["notes"])
+    assert "shows nothing over half of it" in str(store.provenance(load_study(path))["assumptions"])
+
+
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        ("speed: 1e9 rpm", "the inner race moves at 2.78e+06 m/s: its hoop stress rho v^2"),
+        ("ramp: {to: 1e6 rpm, time: 1 s}\nmodel: planar", "ramp.to: at 1e+06 rpm the inner race moves"),
+        ("duration: 1e9 s", "1e+13 samples: a record has at most 1e+09"),
+        ("load: 1e31 N", "nothing is so large"),
+        ("speed: 1e-40 rpm", "nothing is so small"),
+        ("contact: {damping: {law: general, coefficient: 1, indentation_exponent: 1e9}}", "from 0 to 10"),
+    ],
+)
+def test_what_no_physics_has_is_refused(write: Write, said: str, message: str) -> None:
+    key = said.partition(":")[0]
+    base = "".join(f"{line}\n" for line in f"{BASE}load: 1 N".splitlines() if not line.startswith(f"{key}:"))
+    with pytest.raises(StudyError) as caught:
+        load_study(write(f"{base}{said}\n"))
+    (found,) = caught.value.problems
+    assert message in str(found)
+
+
+def test_the_fastest_ring_of_steel_does_not_burst(write: Write) -> None:
+    """NF308, 560 m/s of its inner race; n d_m is 200 times its limit then."""
+    load_study(write(BASE.replace("1800 rpm", "200000 rpm") + "load: 1 N\n"))
+    assert pytest.approx(104.72, rel=1e-4) == SPEED_FACTOR  # 1e6 mm/min in rad/s m
