@@ -20,9 +20,9 @@ class Distrusted(OSError):
 def own_folder(base: Path, *names: str) -> Path:
     """The folder ``base``/names, links resolved: nobody else can put anything there, or change where it leads.
 
-    What is missing of it is made for this user alone (0700). Of the ``names``, all but the last are closed to others
-    if they are this user's; that one held what others could write. Raises ``Distrusted``, and OSError or
-    RuntimeError if there is no such place.
+    What is missing of it is made for this user alone (0700). Of the ``names``, all but the last are closed to
+    others if they are this user's; not the last, in which others may have put something. Raises ``Distrusted``,
+    and OSError or RuntimeError if there is no such place.
     """
     named = base.joinpath(*names)
     _refuse_loose_links(named)

@@ -7,6 +7,7 @@ import numpy as np
 
 BLOCK = 1 << 16  # samples that are worked on at a time
 
+
 def lines_by_pass(fine: np.ndarray, M: int, harmonics: Sequence[int], start: int, Z_theta_0: float) -> np.ndarray:
     """Complex amplitudes of lines in each whole ball pass of a series with M samples per pass.
 

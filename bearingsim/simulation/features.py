@@ -305,7 +305,9 @@ def cage_and_load_zone(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dic
     start, M = of_record.start, of_record.M
     slip, loaded = np.empty(of_record.distinct * M), 0.0
     for first, end in blocks(len(slip)):
-        rollers, speed = raw.read(start + first, end - first, np.array([ROW_OF[lay.LOADED_ROLLERS], ROW_OF[CAGE_SPEED]]))
+        rollers, speed = raw.read(
+            start + first, end - first, np.array([ROW_OF[lay.LOADED_ROLLERS], ROW_OF[CAGE_SPEED]])
+        )
         time = (start + np.arange(first, end)) / cut.fine_rate
         slip[first:end] = -speed / (model.bearing.omega_c * speed_factor(model, time))
         loaded += rollers @ of_record.weights[np.arange(first, end) // M]
