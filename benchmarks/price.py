@@ -1,11 +1,12 @@
 """Do jobs take the CPU time and the memory that they are priced at?
 
-    python -m benchmarks.price [--jobs 40] [--seed 1] [--most 60] [--csv FILE]
+    python -m benchmarks.price [--jobs 40] [--seed 1] [--most 60] [--csv FILE] [--kept FILE]
 
 Jobs are drawn over all models and methods, records of 1 to 300 s, with all that changes their price (``draw``);
 those that may take over ``most`` s are drawn anew. Each runs in a process of its own: compiled and run once for a
 moment, then measured: CPU time, the rise of the peak memory, and what it writes. Prices hold for one machine, so
 the CPU times are divided by one number: the median of measured over priced in some jobs that are run first.
+What was measured is kept (JSON lines), and priced anew if the file is there: after a change of prices.
 """
 
 import argparse
@@ -17,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from itertools import chain
 from math import exp, log
 from pathlib import Path
 from statistics import median
@@ -53,26 +55,53 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--most", type=float, default=60.0)
     parser.add_argument("--csv", type=Path)
+    parser.add_argument("--kept", type=Path)
     parser.add_argument("--job", help=argparse.SUPPRESS)
     asked = parser.parse_args()
     if asked.job:
         print(json.dumps(measured(case_of(json.loads(asked.job)))))
         return
-    found = [
-        apart(one | {"periodic": False, "defect": SLOT, "load": 150.0, "speed": "1800 rpm"}) for one in REFERENCES
-    ]
-    machine = median(one["cpu_s"] / one["priced_s"] for one in found)
-    print(f"this machine takes {machine:.2f} times the priced CPU time ({len(found)} reference jobs)", flush=True)
-    chance, rows = random.Random(asked.seed), []
-    for drawn in (affordable(chance, asked.most) for _ in range(asked.jobs)):
-        rows.append(row(drawn, apart(drawn), machine))
-        print(
-            *(f"{value:>10.3g}" if isinstance(value, float) else f"{value:>15}" for value in rows[-1]), flush=True
-        )
+    jobs = kept(asked.kept) if asked.kept and asked.kept.exists() else measure(asked)
+    priced = [(drawn, found, prices(case_of(drawn), found)) for drawn, found in jobs]
+    machine = median(found["cpu_s"] / price["seconds"] for _, found, price in priced[: len(REFERENCES)])
+    print(f"this machine takes {machine:.2f} times the priced CPU time ({len(REFERENCES)} reference jobs)")
+    rows = [row(*one, machine) for one in priced[len(REFERENCES) :]]
+    for one in [FIELDS, *rows]:
+        print(*(f"{value:>12.3g}" if isinstance(value, float) else f"{value:>15}" for value in one))
     told(rows)
     if asked.csv:
         with asked.csv.open("w", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows([FIELDS, *rows])
+
+
+Measured = tuple[dict[str, Any], dict[str, Any]]
+"""Fields of a job, and what was measured of it."""
+
+
+def kept(file: Path) -> list[Measured]:
+    """What was measured before."""
+    return [tuple(json.loads(line)) for line in file.read_text(encoding="utf-8").splitlines()]
+
+
+def measure(asked: argparse.Namespace) -> list[Measured]:
+    """The reference jobs and those drawn, each in a process of its own."""
+    chance, found = random.Random(asked.seed), []
+    full = {"periodic": False, "defect": SLOT, "load": 150.0, "speed": "1800 rpm"}
+    drawn = [one | full for one in REFERENCES]
+    for one in chain(drawn, (affordable(chance, asked.most) for _ in range(asked.jobs))):
+        found.append((one, apart(one)))
+        if asked.kept:
+            with asked.kept.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(found[-1]) + "\n")
+    return found
+
+
+def prices(case: Case, found: dict[str, Any]) -> dict[str, float]:
+    """CPU time (s) and memory (bytes) that a case is priced at, if it repeats itself as it was found to."""
+    price = time_grid.estimate(case)
+    if found["repeats"]:
+        return {"seconds": price.cpu_seconds, "bytes": PROGRAM + price.memory}
+    return {"seconds": price.most_seconds, "bytes": PROGRAM + price.most_memory}
 
 
 def case_of(drawn: dict[str, Any]) -> Case:
@@ -132,22 +161,17 @@ def measured(case: Case) -> dict[str, Any]:
     for flags in ({}, {"periodic": False}):
         moment = {"duration": 6.0 / case.bearing.ball_pass_frequency(case.speed), "settle": 0.0}
         _run(case.model_copy(update=moment | flags))
-    priced = time_grid.estimate(case)
     before, began = _peak(), time.process_time()
     record = _run(case)
-    cpu, rise = time.process_time() - began, _peak() - before
-    in_full = record is None or record.info["period_passes"] == 0
-    return {
-        "cpu_s": cpu,
-        "priced_s": priced.most_seconds if in_full else priced.cpu_seconds,
-        "bytes": PROGRAM + rise,
-        "priced_bytes": PROGRAM + (priced.most_memory if in_full else priced.memory),
-        "repeats": not in_full,
+    found = {
+        "cpu_s": time.process_time() - began,
+        "bytes": PROGRAM + _peak() - before,
         "given": record is not None,
-        "method": str(record.info["method"]) if record else "",
-        "base": before,
-        "integrator_s": record.info["integrator_cpu_s"] if record else 0.0,
     }
+    if record is None:
+        return found | {"repeats": False, "method": ""}
+    repeats, method = record.info["period_passes"] > 0, str(record.info["method"])
+    return found | {"repeats": repeats, "method": method, "integrator_s": record.info["integrator_cpu_s"]}
 
 
 def _run(case: Case) -> Record | None:
@@ -166,7 +190,7 @@ def _peak() -> float:
     return 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
-def row(drawn: dict[str, Any], found: dict[str, Any], machine: float) -> list[Any]:
+def row(drawn: dict[str, Any], found: dict[str, Any], price: dict[str, float], machine: float) -> list[Any]:
     """A line of the table; a job that gave no record has no ratio of CPU times."""
     cpu = found["cpu_s"] / machine
     return [
@@ -176,11 +200,11 @@ def row(drawn: dict[str, Any], found: dict[str, Any], machine: float) -> list[An
         drawn["sampling"],
         "yes" if found["repeats"] else "no",
         cpu,
-        found["priced_s"],
-        cpu / found["priced_s"] if found["given"] else float("nan"),
+        price["seconds"],
+        cpu / price["seconds"] if found["given"] else float("nan"),
         found["bytes"] / 1e6,
-        found["priced_bytes"] / 1e6,
-        found["bytes"] / found["priced_bytes"],
+        price["bytes"] / 1e6,
+        found["bytes"] / price["bytes"],
     ]
 
 
