@@ -10,6 +10,7 @@ from bearingsim.cli.screen import console, print_table, significant, span
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
+    from bearingsim.runner.packing import Cost
     from bearingsim.simulation.choice import Choice
     from bearingsim.simulation.limits import Limits
     from bearingsim.simulation.time_grid import Estimate
@@ -46,7 +47,22 @@ class Plan:
     baselines: tuple[Priced, ...]
     variations: tuple[Priced, ...]
     refusals: tuple[tuple["Job", str], ...]
-    workers: int
+    asked_workers: int
+
+    @property
+    def costs(self) -> list["Cost"]:
+        """What packs jobs for workers, and tells how many of these there is memory for."""
+        from bearingsim.runner.packing import Cost
+
+        found = [one.estimate for one in self.everything]
+        return [Cost(one.cpu_seconds, one.bytes, one.most_memory) for one in found]
+
+    @property
+    def workers(self) -> int:
+        """Worker processes: as many as asked for, if there is memory for them."""
+        from bearingsim.runner.packing import fitting
+
+        return fitting(self.costs, self.asked_workers)
 
     @property
     def refused(self) -> tuple[str, ...]:
@@ -99,7 +115,7 @@ def plan_of(study: "Study", workers: int | None) -> Plan:
         baselines=tuple(one for one in priced if one.job.is_baseline),
         variations=tuple(one for one in priced if one.job.is_variation),
         refusals=tuple(refusals),
-        workers=workers or cpu_count(),
+        asked_workers=workers or cpu_count(),
     )
 
 
@@ -170,6 +186,7 @@ LINES: tuple[Line, ...] = (
     ("impact force, about (N)", lambda p: p.limits.impact_force),
 )
 COST: Line = ("CPU time of a job (s)", lambda p: p.estimate.cpu_seconds)
+MEMORY: Line = ("memory of a job, at most (MB)", lambda p: 1e-6 * p.estimate.most_memory)
 PROOF: Line = ("of it to prove its step (s)", lambda p: p.estimate.check_seconds)
 FRICTION: tuple[Line, ...] = (
     ("friction at rest, at most (N)", lambda p: p.friction_scale[0]),
@@ -183,6 +200,7 @@ def show(plan: Plan, verbose: bool) -> None:
     """Print the plan; verbose: a line for each case, too."""
     from bearingsim.cli.remarks import remarks
     from bearingsim.config.scan.repair import notes
+    from bearingsim.runner.packing import fewer
     from bearingsim.runner.progress import duration
 
     study, out = plan.study, console()
@@ -196,7 +214,7 @@ def show(plan: Plan, verbose: bool) -> None:
     rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
     print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
-    for told in [*remarks(plan), *study.notes, *notes(study.cases())]:
+    for told in [*fewer(plan.costs, plan.asked_workers), *remarks(plan), *study.notes, *notes(study.cases())]:
         out.print(told, markup=False)
     if verbose:
         _show_cases(plan)
@@ -219,7 +237,7 @@ def _lines(plan: Plan) -> tuple[Line, ...]:
     proves = any(one.job.case.checks_step for one in plan.everything)
     own = [takes_own_steps(one) for one in plan.everything]
     steps = (*((CHOSEN,) if not all(own) else ()), *((RECORDED,) if any(own) else ()))
-    return (*steps, *LINES, *(FRICTION if rubs else ()), COST, *((PROOF,) if proves else ()))
+    return (*steps, *LINES, *(FRICTION if rubs else ()), COST, *((PROOF,) if proves else ()), MEMORY)
 
 
 def _counts(plan: Plan) -> str:

@@ -17,11 +17,14 @@ looks only at the file of the function itself and would serve stale code after a
 that the core asks of the catalogue.)
 """
 
+import atexit
 import hashlib
 import os
+import shutil
+import sys
 import tempfile
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal, TypeVar
@@ -33,6 +36,7 @@ from numba.extending import overload
 
 from bearingsim.catalogue import extension_sources
 from bearingsim.core import linking
+from bearingsim.own_folder import Distrusted, own_folder
 
 numba_config: Any = config  # its names are made at run time
 
@@ -53,41 +57,64 @@ def source_digest() -> str:
     return digest.hexdigest()[:12]
 
 
-def cache_folder() -> Path:
-    """Where compiled code is kept: ``$BEARINGSIM_CACHE``, else the user's cache, else the temporary folder."""
-    chosen = os.environ.get("BEARINGSIM_CACHE") or os.environ.get("XDG_CACHE_HOME")
-    with suppress(OSError, RuntimeError):  # no such place, or nobody's home
-        base = Path(chosen) if chosen else Path.home() / ".cache"
-        folder = base / "bearingsim" / source_digest()
-        folder.mkdir(parents=True, exist_ok=True)
-        if os.access(folder, os.W_OK):
-            return folder
-    folder = private_temporary_folder() / source_digest()
-    folder.mkdir(exist_ok=True)
-    return folder
+def cache_folder() -> Path | None:
+    """Where compiled code is kept: ``$BEARINGSIM_CACHE``, else the user's cache, else the temporary folder.
+
+    What is kept is run, so nobody else may write there. Of the first place where others can, one line to stderr
+    says so, and the processes that this one starts take the place found instead. None if there is none.
+    """
+    digest, why = source_digest(), ""
+    for place in (chosen_folder, temporary_folder, passing_folder):
+        with suppress(RuntimeError):  # nobody's home
+            try:
+                folder = own_folder(place(), "bearingsim", digest)
+            except OSError as error:  # no such place, or others can write there
+                why = why or (str(error) if isinstance(error, Distrusted) else "")
+                continue
+            if os.access(folder, os.W_OK):
+                if why:
+                    told(f"compiled code is kept in {folder.parent}: {why}")
+                    os.environ["BEARINGSIM_CACHE"] = str(folder.parent.parent)
+                return folder
+    told(f"compiled code is not kept, so each process compiles anew: {why or 'no folder can be written'}")
+    return None
 
 
-def private_temporary_folder() -> Path:
-    """A folder in the temporary one that is this user's own: what lies there is run."""
+def told(what: str) -> None:
+    """A line to stderr."""
+    print(f"bearingsim: {what}", file=sys.stderr)
+
+
+def chosen_folder() -> Path:
+    """The folder that the user names, or the user's cache."""
+    named = os.environ.get("BEARINGSIM_CACHE") or os.environ.get("XDG_CACHE_HOME")
+    return Path(named) if named else Path.home() / ".cache"
+
+
+def temporary_folder() -> Path:
+    """This user's own in the temporary folder."""
     user = os.getuid() if hasattr(os, "getuid") else "user"
-    folder = Path(tempfile.gettempdir()) / f"bearingsim-{user}"
-    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    if hasattr(os, "getuid") and folder.stat().st_uid != user:
-        return Path(tempfile.mkdtemp(prefix="bearingsim-"))
-    return folder
+    return own_folder(Path(tempfile.gettempdir()), f"bearingsim-{user}")
 
 
-_CACHE = str(cache_folder())
+def passing_folder() -> Path:
+    """A new one, removed as this process ends."""
+    folder, maker = tempfile.mkdtemp(prefix="bearingsim-"), os.getpid()
+    atexit.register(lambda: os.getpid() == maker and shutil.rmtree(folder, ignore_errors=True))
+    return Path(folder)
+
+
+_CACHE = cache_folder()
 UNREADABLE = (ImportError, AttributeError)  # a type of another module, which is not here or has changed
-_SAVING = FileLock(Path(_CACHE) / "saving.lock")
+_SAVING = FileLock(_CACHE / "saving.lock") if _CACHE else nullcontext()
 
 
 def jit(function: Callable, **options: Any) -> Any:
     """Compile ``function`` on first call, or load it from the cache; options: of ``numba.njit``, besides ours."""
     before = numba_config.CACHE_DIR
-    numba_config.CACHE_DIR = _CACHE  # read while the decorator runs, so other users of numba keep their own
+    numba_config.CACHE_DIR = str(_CACHE)  # read while the decorator runs, so other users of numba keep their own
     try:
-        return kept_safely(numba.njit(cache=True, **(OPTIONS | options))(function))
+        return kept_safely(numba.njit(cache=_CACHE is not None, **(OPTIONS | options))(function))
     finally:
         numba_config.CACHE_DIR = before
 

@@ -4,10 +4,13 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from bearingsim import memory
+from bearingsim.memory import PROGRAM
+
 if TYPE_CHECKING:
     from bearingsim.study import Job
 
-__all__ = ["Cost", "pack", "shard_of"]
+__all__ = ["Cost", "fewer", "fitting", "pack", "shard_of"]
 
 UNIT_S = 2.0  # computing that makes the 40 ms of a file small
 SHORTEST_UNIT_S, LONGEST_UNIT_S = 0.25, 10.0
@@ -16,10 +19,11 @@ UNIT_BYTES = 64e6
 
 
 class Cost(NamedTuple):
-    """Estimated price of a job: CPU time in s, series in bytes."""
+    """Estimated price of a job: CPU time in s, series in bytes, and the most memory in bytes that it may take."""
 
     seconds: float
     bytes: float
+    memory: float = 0.0
 
 
 def shard_of(jobs: Sequence["Job"], shard: tuple[int, int]) -> list["Job"]:
@@ -52,6 +56,28 @@ def unit_seconds(total: float, workers: int) -> float:
     share = total / workers
     wanted = max(min(UNIT_S, share / MIN_UNITS), share / MAX_UNITS)
     return min(max(wanted, SHORTEST_UNIT_S), LONGEST_UNIT_S)
+
+
+def fitting(costs: Sequence[Cost], workers: int) -> int:
+    """How many worker processes have memory enough at once, whichever jobs they are given: at least one.
+
+    Each holds what it has computed of its unit, in twice the precision, besides the job in hand.
+    """
+    heaviest = sorted((PROGRAM + cost.memory for cost in costs), reverse=True)
+    held = 2.0 * min(UNIT_BYTES, sum(cost.bytes for cost in costs))
+    each = [bytes + held for bytes in heaviest[:workers]]
+    return next((n for n in range(workers, 1, -1) if PROGRAM + sum(each[:n]) <= memory.limit()), 1)
+
+
+def fewer(costs: Sequence[Cost], workers: int) -> Iterator[str]:
+    """A line that says so, if fewer run than asked for."""
+    able = fitting(costs, workers)
+    if able < workers:
+        most = max(cost.memory for cost in costs)
+        yield (
+            f"{able} worker{'s' * (able > 1)} in place of {workers}: a job may take {most / 1e9:.2g} GB of memory,"
+            f" and there are {memory.limit() / 1e9:.2g} GB"
+        )
 
 
 def _axis(case: Any) -> str:

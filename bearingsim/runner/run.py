@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from bearingsim import store
 from bearingsim.config.rules import damping
 from bearingsim.runner.commands import command
-from bearingsim.runner.packing import Cost, pack, shard_of
+from bearingsim.runner.packing import Cost, fewer, fitting, pack, shard_of
 from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import Patience, getting_ready
 from bearingsim.runner.progress import progress as shown_progress
@@ -74,7 +74,10 @@ def run(
         if plan.todo:
             with getting_ready(progress) as patience:
                 patience.begin("estimating what the jobs take")
-                works = _works(root, study, plan.todo, workers, engine)
+                costs = _costs(engine, plan.todo)
+                told += fewer(costs, workers)
+                workers = fitting(costs, workers)
+                works = _works(root, study, plan.todo, costs, workers, engine)
                 _warm(root, engine, plan.todo, patience)
             _compute(works, workers, tally, progress)
     except KeyboardInterrupt:
@@ -252,10 +255,10 @@ class _Tally:
         told.write(self.root)
 
 
-def _works(root: Path, study: "Study", todo: Sequence["Job"], workers: int, engine: Engine) -> list[Work]:
+def _works(
+    root: Path, study: "Study", todo: Sequence["Job"], costs: Sequence[Cost], workers: int, engine: Engine
+) -> list[Work]:
     """Pack the jobs left to do into units of work."""
-    estimate = load(engine.estimate)
-    costs = [_cost(estimate, job.case) for job in todo]
     provenance = store.provenance(study)
     return [
         Work(root, tuple(todo[i] for i in unit), tuple(costs[i].seconds for i in unit), engine, provenance)
@@ -271,13 +274,18 @@ def _warm(root: Path, engine: Engine, todo: Sequence["Job"], patience: Patience)
         store.log(root, "warm-up failed", reason=f"{type(error).__name__}: {error}")
 
 
+def _costs(engine: Engine, todo: Sequence["Job"]) -> list[Cost]:
+    estimate = load(engine.estimate)
+    return [_cost(estimate, job.case) for job in todo]
+
+
 def _cost(estimate: Callable[[Any], Any], case: Any) -> Cost:
     """Price of a job; nothing for a case that is refused: its simulation will say why."""
     try:
         found = estimate(case)
     except ValueError:
         return Cost(0.0, 0.0)
-    return Cost(float(found.cpu_seconds), float(found.bytes))
+    return Cost(float(found.cpu_seconds), float(found.bytes), float(found.most_memory))
 
 
 def _compute(works: Sequence[Work], workers: int, tally: _Tally, shown: bool | None) -> None:

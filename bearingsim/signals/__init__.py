@@ -7,6 +7,7 @@ from bearingsim.signals.lines import (
     line_at,
     lines_at,
     lines_by_pass,
+    lines_of_blocks,
     lines_of_windows,
     resolvable,
 )
@@ -25,6 +26,7 @@ __all__ = [
     "line_at",
     "lines_at",
     "lines_by_pass",
+    "lines_of_blocks",
     "lines_of_windows",
     "pick_from",
     "pick_line",

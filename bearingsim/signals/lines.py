@@ -5,6 +5,8 @@ from math import pi
 
 import numpy as np
 
+BLOCK = 1 << 16  # samples that are worked on at a time
+
 
 def lines_by_pass(fine: np.ndarray, M: int, harmonics: Sequence[int], start: int, Z_theta_0: float) -> np.ndarray:
     """Complex amplitudes of lines in each whole ball pass of a series with M samples per pass.
@@ -88,8 +90,10 @@ def lines_of_windows(
     again = w >= W - period
     times = np.where(again, (count - 1 - w) // max(1, period) + 1, 1)
     occurs = _turns(M * w, frequency) * _sum_of_turns(M * period * frequency, times[:, np.newaxis])
-    total = np.einsum("...wf,wf->...f", windows @ _turns(np.arange(M), frequency), occurs)
-    total += rest @ _turns(np.arange(count * M, N), frequency)
+    within = _turns(np.arange(M), frequency)
+    total = rest @ _turns(np.arange(count * M, N), frequency)
+    for some in np.array_split(w, 1 + W * M // BLOCK):  # products of real windows are complex: twice as large
+        total += np.einsum("...wf,wf->...f", windows[..., some, :] @ within, occurs[some])
     hann = np.array([0.5, -0.25, -0.25]) / (0.5 * (N - 1))
     sums = total.reshape(*total.shape[:-1], -1, 3) @ hann
     kernel = _sum_of_turns(frequency, np.array(N)).reshape(-1, 3) @ hann
@@ -97,10 +101,36 @@ def lines_of_windows(
     return np.where(np.abs(turn) * (N - 1) >= 4.0 * pi, found, complex(np.nan, np.nan))
 
 
+def lines_of_blocks(
+    blocks: Iterable[tuple[np.ndarray, np.ndarray, np.ndarray]], begin: np.ndarray, end: np.ndarray
+) -> np.ndarray:
+    """``line_at`` of L lines in Q series each, which come in blocks that follow each other.
+
+    A block: series (L, Q, n), the lines' angles (L, n) rad, and their growth from sample to sample (L, n). begin,
+    end: (L,) angles of the first sample and the last. Returns (L, Q) complex.
+    """
+    turns = (end - begin) / (2.0 * pi)
+    shift, mean, total, weights, kernels = None, 0.0, 0.0, 0.0, 0.0
+    for series, angle, slope in blocks:
+        shift = series.mean(axis=2, keepdims=True) if shift is None else shift
+        weight = np.sin((angle - begin[:, np.newaxis]) / (2.0 * turns[:, np.newaxis])) ** 2 * slope
+        kernel = weight * _turn(angle)
+        moving = series - shift  # the mean can be a thousand times a line
+        weights, kernels = weights + weight.sum(axis=1), kernels + kernel.sum(axis=1)
+        mean = mean + np.einsum("lqn,ln->lq", moving, weight)
+        total = total + np.einsum("lqn,ln->lq", moving, kernel)
+    found = 2.0 * (total - mean * (kernels / weights)[:, np.newaxis]) / np.expand_dims(weights, 1)
+    return np.where(np.abs(turns)[:, np.newaxis] >= 2.0, found, complex(np.nan, np.nan))
+
+
+def _turn(angle: np.ndarray) -> np.ndarray:
+    """exp(-i angle)."""
+    return np.cos(angle) - 1j * np.sin(angle)
+
+
 def _turns(n: np.ndarray, frequency: np.ndarray) -> np.ndarray:
     """exp(-i f n): (n, f)."""
-    angle = np.multiply.outer(n, frequency)
-    return np.cos(angle) - 1j * np.sin(angle)
+    return _turn(np.multiply.outer(n, frequency))
 
 
 def _sum_of_turns(frequency: np.ndarray, N: np.ndarray) -> np.ndarray:

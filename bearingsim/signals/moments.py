@@ -9,12 +9,14 @@ def statistics(series: np.ndarray, weights: np.ndarray | None = None) -> dict[st
     weights: (n,) how often each value occurs, if not once. A series that does not move has crest and kurtosis nan.
     """
     moving = series - np.average(series, weights=weights)
-    square = np.average(moving**2, weights=weights)
-    peak = np.abs(moving).max()
-    alive = peak > 1e-12 * np.abs(series).max()  # less is rounding
+    peak, level = (max(values.max(), -values.min()) for values in (moving, series))
+    power = np.square(moving, out=moving)
+    square = np.average(power, weights=weights)
+    alive = peak > 1e-12 * level  # less is rounding
+    fourth = np.average(np.square(power, out=power), weights=weights)
     return {
         "rms": float(np.sqrt(square)),
         "peak": float(peak),
         "crest": float(peak / np.sqrt(square)) if alive else float("nan"),
-        "kurtosis": float(np.average(moving**4, weights=weights) / square**2) if alive else float("nan"),
+        "kurtosis": float(fourth / square**2) if alive else float("nan"),
     }

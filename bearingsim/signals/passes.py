@@ -5,6 +5,7 @@ from math import pi
 import numpy as np
 
 TAPS = 32  # samples that make one interpolated value
+BLOCK = 1 << 16  # values that are interpolated at a time
 SHARPNESS = 8.5  # of the window: the largest error up to 0.4 of the sample rate is least here, 2.5e-5
 
 
@@ -35,6 +36,14 @@ def at_equal_angles(fine: np.ndarray, angle: np.ndarray, M: int) -> tuple[np.nda
 
 def interpolated(rows: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Rows (C, n) at positions ``at`` (P,), in samples, from 15 to n - 16: (C, P). See ``at_equal_angles``."""
+    found = np.empty((len(rows), len(at)))
+    for first in range(0, len(at), BLOCK):
+        block = slice(first, first + BLOCK)
+        found[:, block] = _interpolated(rows, at[block])
+    return found
+
+
+def _interpolated(rows: np.ndarray, at: np.ndarray) -> np.ndarray:
     before = np.minimum(np.floor(at).astype(int), rows.shape[1] - TAPS // 2 - 1)
     beyond = at - before
     found, total = np.zeros((len(rows), len(at))), np.zeros(len(at))

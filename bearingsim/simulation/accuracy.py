@@ -8,7 +8,7 @@ from scipy.special import stdtrit
 from bearingsim import signals
 from bearingsim.config import Case
 from bearingsim.core.sampling import sampling_kernel
-from bearingsim.simulation.features import along_sensor, of_base
+from bearingsim.simulation.features import sensed
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.record_windows import windows
 from bearingsim.simulation.time_grid import Grid
@@ -41,11 +41,11 @@ def standard_errors(case: Case, model: Any, cut: Grid, raw: RawRecord) -> Standa
         return StandardErrors(0.0, 0.0)
     if n < MIN_PASSES:
         return StandardErrors(np.inf, np.inf)
-    velocity = along_sensor(case, raw.read(of_record.start, n * M, of_base(case)), "velocity")
+    velocity = sensed(case, raw, "velocity", of_record.start, n * M)
     angle = case.bearing.rollers * model.bearing.theta_0
     (lines,) = signals.lines_by_pass(velocity, M, [1], of_record.start, angle)
-    low = raw.through(taps).read(of_record.start, n * M, of_base(case))
-    power = np.mean(along_sensor(case, low, "velocity").reshape(n, M) ** 2, axis=1)
+    low = sensed(case, raw.through(taps), "velocity", of_record.start, n * M)
+    power = np.mean(low.reshape(n, M) ** 2, axis=1)
     mean, rms = lines.mean(), np.sqrt(power.mean())
     along = (lines * np.exp(-1j * np.angle(mean))).real
     return StandardErrors(

@@ -125,7 +125,7 @@ def of_pilot(setup: Setup, raw: RawRecord, passes: int) -> Compared:
     """What is compared of a pilot: its last so many ball passes."""
     case, cut = setup.case, setup.cut
     start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
-    fine = features.along_sensor(case, raw.read(start, length, features.of_base(case)), "velocity")
+    fine = features.sensed(case, raw, "velocity", start, length)
     rows = low_passed(setup, raw, start, length) if case.antialias else raw_values(setup, raw.picked, passes)
     lines = np.stack([amplitudes(setup, name, passes, fine) for name in fault_lines(case)])
     before = floor(case.settle * cut.rate + 1e-6)

@@ -1,5 +1,6 @@
 """Numbers read from a run: lines at characteristic frequencies, statistics, what rollers and cage did."""
 
+from collections.abc import Callable, Iterator
 from math import ceil, floor, pi
 from typing import Any, NamedTuple
 
@@ -10,7 +11,6 @@ from bearingsim.catalogue import FEATURES, MODELS, Feature, code
 from bearingsim.config import Case
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import RING_MOTION
 from bearingsim.core.geometry.motion import kinematic_times, speed_factor, steady
 from bearingsim.core.sampling import sampling_kernel
 from bearingsim.errors import UserError
@@ -24,7 +24,7 @@ from bearingsim.simulation.channels import (
     base,
     places_of,
 )
-from bearingsim.simulation.raw_record import RawRecord
+from bearingsim.simulation.raw_record import LowPassed, RawRecord
 from bearingsim.simulation.record_windows import first_sample, whole_passes, windows
 from bearingsim.simulation.repetition import EXTREMES
 from bearingsim.simulation.time_grid import Grid
@@ -87,14 +87,26 @@ def of_base(case: Case) -> np.ndarray:
     return np.arange(len(base(case)))
 
 
-def of_ring(case: Case) -> np.ndarray:
-    """Those of them that ``along_sensor`` takes."""
-    return np.arange(len(RING_MOTION)) if case.rig.ring is None else of_base(case)
-
-
 def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
     """A quantity of the ring in the direction the sensor looks; of a ring that bends, where the sensor sits."""
     return along(case, [rows[ROW_OF[place]] for place in places_of(case, f"sensor.{quantity}")])
+
+
+BLOCK = 1 << 16
+"""Fine samples that are read at a time: of a long record a copy of all rows is larger than all else."""
+
+
+def blocks(count: int) -> Iterator[tuple[int, int]]:
+    """Where each block of so many samples begins and ends."""
+    return ((first, min(first + BLOCK, count)) for first in range(0, count, BLOCK))
+
+
+def sensed(case: Case, raw: RawRecord | LowPassed, quantity: str, start: int, count: int) -> np.ndarray:
+    """``along_sensor`` of fine samples (count,) from number ``start`` on."""
+    rows, out = np.array([ROW_OF[place] for place in places_of(case, f"sensor.{quantity}")]), np.empty(count)
+    for first, end in blocks(count):
+        out[first:end] = along(case, list(raw.read(start + first, end - first, rows)))
+    return out
 
 
 def slips(case: Case) -> bool:
@@ -127,8 +139,8 @@ def _lines_at_equal_times(case: Case, model: Any, cut: Grid, raw: RawRecord) -> 
     """The lines (harmonics, passes) of each quantity: a kinematic cage passes at equal times."""
     of_record = windows(case, cut, raw, reach=1)
     M, start = of_record.M, of_record.start
-    whole = raw.read(start, of_record.distinct * M + 1, of_base(case))
-    lines = _lines_of_passes(case, whole, M, start, cut.rate, case.bearing.rollers * model.bearing.theta_0)
+    place, speed = (sensed(case, raw, quantity, start, of_record.distinct * M + 1) for quantity in MOTION[:2])
+    lines = _lines_of_passes(place, speed, M, start, cut.rate, case.bearing.rollers * model.bearing.theta_0)
     return {quantity: found[:, of_record.index] for quantity, found in lines.items()}
 
 
@@ -136,32 +148,31 @@ def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) ->
     """The same where the cage slips: its passes take what time they take. None of a record that is too short."""
     M, start, Z = cut.fine_per_pass, first_sample(case, cut), case.bearing.rollers
     length = whole_passes(case, cut) * M + 1
-    whole = raw.read(start, length, of_base(case))
+    (slip,) = raw.read(start, length, np.array([ROW_OF[CAGE_ANGLE]]))
     angle = Z * model.bearing.theta_0
-    ball_pass = Z * sample_angles(model, cut, start, whole[ROW_OF[CAGE_ANGLE]]).cage - angle
+    ball_pass = Z * sample_angles(model, cut, start, slip).cage - angle
     enough = 2.0 * pi * MIN_PASSES * (1.0 - 1e-9)  # a record of just so many passes may be short by rounding
     if ball_pass[-1] - ball_pass[0] < enough or np.any(np.diff(ball_pass) <= 0.0):
         return {}
     M *= ceil(2.0 * pi / (M * np.diff(ball_pass).min()))  # the longest pass keeps all its samples
-    time, (whole, first) = np.arange(length) / cut.fine_rate, signals.at_equal_angles(whole, ball_pass, M)
-    passes = first + np.arange((whole.shape[1] - 1) // M + 1)
-    rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, ball_pass, time))
-    return _lines_of_passes(case, whole, M, 0, rate, angle)
+    motion = np.stack([sensed(case, raw, quantity, start, length) for quantity in MOTION[:2]])
+    (place, speed), first = signals.at_equal_angles(motion, ball_pass, M)
+    passes = first + np.arange((len(place) - 1) // M + 1)
+    rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, ball_pass, np.arange(length) / cut.fine_rate))
+    return _lines_of_passes(place, speed, M, 0, rate, angle)
 
 
 def _lines_of_passes(
-    case: Case, whole: np.ndarray, M: int, start: int, rate: Any, Z_theta_0: float
+    place: np.ndarray, speed: np.ndarray, M: int, start: int, rate: Any, Z_theta_0: float
 ) -> dict[str, np.ndarray]:
-    """Lines (harmonics, passes) of each quantity along the sensor, from whole passes and a sample more."""
-    velocity = along_sensor(case, whole, "velocity")
-    found = {
-        quantity: signals.lines_by_pass(along_sensor(case, whole, quantity)[:-1], M, HARMONICS, start, Z_theta_0)
-        for quantity in ("displacement", "velocity")
-    }
-    found["acceleration"] = signals.derivative_lines(
-        found["velocity"], velocity[::M], rate, HARMONICS, Z_theta_0 + 2.0 * pi * (start % M) / M
+    """Lines (harmonics, passes) of each quantity, from place and speed in whole passes and a sample more."""
+    displacement, velocity = (
+        signals.lines_by_pass(series[:-1], M, HARMONICS, start, Z_theta_0) for series in (place, speed)
     )
-    return found
+    acceleration = signals.derivative_lines(
+        velocity, speed[::M], rate, HARMONICS, Z_theta_0 + 2.0 * pi * (start % M) / M
+    )
+    return dict(zip(MOTION, (displacement, velocity, acceleration), strict=True))
 
 
 def _ball_pass_names() -> list[str]:
@@ -195,15 +206,14 @@ def _lines_at_constant_speed(
     M, start = of_record.M, of_record.start
     count = min(len(of_record.index), length // M)
     W = min(of_record.distinct, count)
-    series = [along_sensor(case, raw.read(start, W * M, of_base(case)), q) for q in MOTION[:2]]
-    rest = raw.read(start + count * M, length - count * M, of_base(case))
+    series = np.stack([sensed(case, raw, q, start, W * M) for q in MOTION[:2]])
+    rest = np.stack([sensed(case, raw, q, start + count * M, length - count * M) for q in MOTION[:2]])
     turning = sample_angles(model, cut, start, np.zeros(1))
     angle = np.array([turning.along(line, case.bearing.rollers) for line in LINES.values()])
     from_zero = sample_angles(model, cut, 0, np.zeros(2))  # where angles have all their digits
     turn = np.diff([from_zero.along(line, case.bearing.rollers) for line in LINES.values()])[:, 0]
-    of_rest = np.stack([along_sensor(case, rest, q) for q in MOTION[:2]])
     displacement, velocity = signals.lines_of_windows(
-        np.stack(series).reshape(2, W, M), count, of_record.period, of_rest, angle[:, 0], turn
+        series.reshape(2, W, M), count, of_record.period, rest, angle[:, 0], turn
     )
     # by parts from the velocity, which has fewer impacts to fold into the line than an acceleration
     acceleration = 1j * turn * cut.fine_rate * velocity
@@ -215,19 +225,27 @@ def _lines_as_they_turn(
     case: Case, model: Any, cut: Grid, raw: RawRecord, length: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """The same of bodies whose speeds change."""
-    start = first_sample(case, cut)
-    fine = raw.read(start, length, of_base(case))
-    turning = sample_angles(model, cut, start, fine[ROW_OF[CAGE_ANGLE]])
-    angles = [turning.along(line, case.bearing.rollers) for line in LINES.values()]
-    place, speed = (along_sensor(case, fine, quantity) for quantity in MOTION[:2])
-    by_parts = [1j * signals.line_at(np.gradient(angle) * cut.fine_rate * speed, angle) for angle in angles]
-    lines = {
-        "displacement": signals.lines_at(place, angles),
-        "velocity": signals.lines_at(speed, angles),
-        "acceleration": np.array(by_parts),
-    }
-    mean = [(angle[-1] - angle[0]) / (2.0 * pi * (length - 1)) for angle in angles]
-    return lines, np.array(mean) * cut.fine_rate
+    start, Z = first_sample(case, cut), case.bearing.rollers
+
+    def angles(first: int, end: int) -> np.ndarray:
+        (slip,) = raw.read(start + first, end - first, np.array([ROW_OF[CAGE_ANGLE]]))
+        turning = sample_angles(model, cut, start + first, slip)
+        return np.array([turning.along(line, Z) for line in LINES.values()])
+
+    def parts() -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        for first, end in blocks(length):
+            before, after = max(0, first - 1), min(length, end + 1)  # which slopes are taken from
+            inside = slice(first - before, end - before)
+            wide = angles(before, after)
+            slope = np.gradient(wide, axis=1)[:, inside]
+            place, speed = (sensed(case, raw, quantity, start + first, end - first) for quantity in MOTION[:2])
+            motion = (np.broadcast_to(place, slope.shape), np.broadcast_to(speed, slope.shape))
+            yield np.stack([*motion, slope * cut.fine_rate * speed], axis=1), wide[:, inside], slope
+
+    begin, end = angles(0, 1)[:, 0], angles(length - 1, length)[:, 0]
+    displacement, velocity, by_parts = signals.lines_of_blocks(parts(), begin, end).T
+    lines = dict(zip(MOTION, (displacement, velocity, 1j * by_parts), strict=True))
+    return lines, (end - begin) / (2.0 * pi * (length - 1)) * cut.fine_rate
 
 
 def statistics(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
@@ -236,26 +254,31 @@ def statistics(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
     Of the low-passed motion at fine samples: a peak between two samples of the record counts. Of a raw record, of
     its samples.
     """
-    if case.antialias:
-        motion, weights = _low_passed_motion(case, cut, raw)
-    else:
-        passes = len(windows(case, cut, raw, reach=0).index)
-        picked = raw.picked[:, : round(passes / cut.rate * case.sampling)]
-        motion, weights = {quantity: along_sensor(case, picked, quantity) for quantity in MOTION}, None
+    read = _low_passed_motion(case, cut, raw) if case.antialias else _raw_motion(case, cut, raw)
     return {
         f"{quantity}.{name}": value
         for quantity in MOTION
-        for name, value in signals.statistics(motion[quantity], weights).items()
+        for name, value in signals.statistics(*read(quantity)).items()
     }
 
 
-def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """The motion along the sensor (n,) in the record's distinct passes, and how often each sample occurs."""
+Motion = Callable[[str], tuple[np.ndarray, np.ndarray | None]]
+"""Gives of a quantity its values (n,) along the sensor, and how often each occurs, if not once."""
+
+
+def _raw_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
+    passes = len(windows(case, cut, raw, reach=0).index)
+    picked = raw.picked[:, : round(passes / cut.rate * case.sampling)]
+    return lambda quantity: (along_sensor(case, picked, quantity), None)
+
+
+def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
+    """Of the record's distinct passes."""
     taps = sampling_kernel(cut.fine_rate / case.sampling)
-    of_record = windows(case, cut, raw, reach=len(taps) // 2)
-    rows = raw.through(taps).read(of_record.start, of_record.distinct * of_record.M, of_ring(case))
-    motion = {quantity: along_sensor(case, rows, quantity) for quantity in MOTION}
-    return motion, np.repeat(of_record.weights, of_record.M)
+    of_record, low = windows(case, cut, raw, reach=len(taps) // 2), raw.through(taps)
+    count, weights = of_record.distinct * of_record.M, of_record.weights
+    often = np.repeat(weights, of_record.M) if np.any(weights > 1) else None
+    return lambda quantity: (sensed(case, low, quantity, of_record.start, count), often)
 
 
 def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
@@ -278,17 +301,21 @@ def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
 
 def cage_and_load_zone(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Mean extent of the load zone (rad), and the cage's slip; nan for what the model does not know."""
-    of_record = windows(case, cut, raw, reach=0)
-    weights = np.repeat(of_record.weights, of_record.M)
-    loaded, speed = raw.read(
-        of_record.start, len(weights), np.array([ROW_OF[lay.LOADED_ROLLERS], ROW_OF[CAGE_SPEED]])
-    )
-    time = (of_record.start + np.arange(len(weights))) / cut.fine_rate
-    slip = -speed / (model.bearing.omega_c * speed_factor(model, time))
-    extent = float(np.average(loaded, weights=weights)) * 2.0 * pi / model.bearing.Z
-    known = MODELS[case.model]
+    of_record, known = windows(case, cut, raw, reach=0), MODELS[case.model]
+    start, M = of_record.start, of_record.M
+    slip, loaded = np.empty(of_record.distinct * M), 0.0
+    for first, end in blocks(len(slip)):
+        rollers, speed = raw.read(
+            start + first, end - first, np.array([ROW_OF[lay.LOADED_ROLLERS], ROW_OF[CAGE_SPEED]])
+        )
+        time = (start + np.arange(first, end)) / cut.fine_rate
+        slip[first:end] = -speed / (model.bearing.omega_c * speed_factor(model, time))
+        loaded += rollers @ of_record.weights[np.arange(first, end) // M]
+    weights = of_record.weights
+    by_pass = slip.reshape(-1, M).mean(axis=1)
+    extent = 2.0 * pi / model.bearing.Z * loaded / (weights.sum() * M)
     return {
-        "load_zone.extent": extent if known.loaded else float("nan"),
-        "cage.slip.mean": float(np.average(slip, weights=weights)) if known.slips else float("nan"),
+        "load_zone.extent": float(extent) if known.loaded else float("nan"),
+        "cage.slip.mean": float(np.average(by_pass, weights=weights)) if known.slips else float("nan"),
         "cage.slip.std": float(slip.std()) if known.slips else float("nan"),
     }

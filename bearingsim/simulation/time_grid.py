@@ -3,16 +3,19 @@
 from dataclasses import dataclass
 from math import ceil, floor
 
-from bearingsim import assemble
+from bearingsim import assemble, memory
 from bearingsim.assemble.scales import MIN_STEPS_PER_CROSSING, at_full_speed
-from bearingsim.config import CHANNELS, Case
+from bearingsim.config import Case
 from bearingsim.core.sampling import DECIMATION_REACH, INTERPOLATION_REACH, RESAMPLE_REACH
 from bearingsim.errors import Refused
+from bearingsim.memory import PROGRAM
+from bearingsim.simulation import record_cost
 from bearingsim.simulation.automatic_step import automatic_step
 from bearingsim.simulation.choice import resolved
 from bearingsim.simulation.cost import cost, solved_once
 from bearingsim.simulation.limits import Limits, step_limits
 from bearingsim.simulation.prices import per_second, price
+from bearingsim.simulation.record_cost import Size
 
 SAFETY = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
 FINE_PER_SAMPLE, MIN_FINE = 4, 64
@@ -49,8 +52,8 @@ class Grid:
 class Estimate:
     """What a job will take: CPU seconds on one core, bytes on disk before compression, steps of the run itself.
 
-    check_seconds: of ``cpu_seconds``, to prove its step; most_seconds: as ``cpu_seconds``, of a motion that might
-    repeat itself and does not.
+    check_seconds: of ``cpu_seconds``, to prove its step; memory: bytes at once, besides those of the program;
+    most_seconds, most_memory: the same of a motion that might repeat itself and does not.
     """
 
     cpu_seconds: float
@@ -58,6 +61,8 @@ class Estimate:
     steps: int
     check_seconds: float = 0.0
     most_seconds: float = 0.0
+    memory: float = 0.0
+    most_memory: float = 0.0
 
 
 def requested_step(case: Case) -> float:
@@ -128,15 +133,42 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
 
 
 def estimate(case: Case) -> Estimate:
-    """What the case will take. Raises ``Refused`` like ``requested_step``."""
+    """What the case will take. Raises ``Refused`` like ``requested_step``, and for more memory than there is."""
     case = resolved(case)
     cut = grid(case)
     found = cost(case, cut.step, cut.passes)
-    columns = sum(len(CHANNELS[name].components) for name in case.record)
+    checked = found.proof / found.one_pass
+    expected, most = _size(case, cut, found.passes, checked), most_of(case, cut)
+    refuse_too_large(case, most)
+    plain = expected._replace(checked=0.0)
+    seconds, unchecked, longest = (record_cost.counts(case, one).seconds for one in (expected, plain, most))
     return Estimate(
-        cpu_seconds=price("job") + found.whole,
-        bytes=4 * columns * samples(case),
+        cpu_seconds=price("job") + found.whole + seconds,
+        bytes=4 * expected.columns * expected.samples,
         steps=found.passes * cut.steps_per_pass,
-        check_seconds=found.proof,
-        most_seconds=price("job") + found.at_most,
+        check_seconds=found.proof + seconds - unchecked,
+        most_seconds=price("job") + found.at_most + longest,
+        memory=record_cost.memory(case, expected),
+        most_memory=record_cost.memory(case, most),
     )
+
+
+def most_of(case: Case, cut: Grid) -> Size:
+    """The size of a case, its method named, if its motion does not repeat itself where it might."""
+    found = cost(case, cut.step, cut.passes)
+    passes = found.passes if found.at_most == found.whole else cut.passes
+    return _size(case, cut, passes, found.at_most / found.one_pass - passes)
+
+
+def _size(case: Case, cut: Grid, computed: int, checked: float) -> Size:
+    return record_cost.size(case, cut.fine_per_pass, cut.decimation, computed, checked)
+
+
+def refuse_too_large(case: Case, size: Size) -> None:
+    """Raise ``Refused`` if a run of that size may take more memory than there is."""
+    needed, there = PROGRAM + record_cost.memory(case, size), memory.limit()
+    if needed > there:
+        raise Refused(
+            f"it may take {needed / 1e9:.2g} GB of memory, and there are {there / 1e9:.2g} GB",
+            "take a shorter `duration`, a lower `sampling`, or a shorter `record`",
+        )

@@ -105,7 +105,9 @@ def case_id(case: FakeCase) -> str:
 def estimate(case: FakeCase) -> SimpleNamespace:
     if case.deed == "raise refused":
         raise ValueError("the step is over the limit")
-    return SimpleNamespace(cpu_seconds=max(case.seconds, 0.001), bytes=8 * case.duration * case.sampling)
+    return SimpleNamespace(
+        cpu_seconds=max(case.seconds, 0.001), bytes=8 * case.duration * case.sampling, most_memory=0.0
+    )
 
 
 def notes(cases: list[FakeCase]) -> list[str]:

@@ -1,0 +1,117 @@
+"""What is done with a run besides its steps, in CPU time and in memory: what is kept, filtered, read and written.
+
+CPU time is counts of what is done times measured prices (``prices.csv``). Memory is that of the arrays which stand
+beside each other: those of the step check come and go before those of the run.
+"""
+
+from math import ceil, sqrt
+from typing import NamedTuple
+
+from bearingsim.assemble.scales import at_full_speed
+from bearingsim.catalogue import MODELS
+from bearingsim.config import CHANNELS, Case
+from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
+from bearingsim.simulation import channels
+from bearingsim.simulation.prices import price
+from bearingsim.simulation.repetition import LONGEST_PERIOD, MOST_HELD, may_repeat
+
+FLOAT = 8  # bytes
+SENSED = 6  # rows along the sensor that are filtered for statistics
+PASSES_CHECKED = 2.0 / (1.0 + sqrt(5.0))  # in a step check that takes the steps of one pass: coarse ones and fine
+STEADY, TURNING, STATISTICS = 6.0, 16.0, 3.0  # values for each fine sample while lines, and statistics, are read
+PILOT = 3.0  # rows of a pilot's, as they are, filtered, and with filters' reach
+COMPARED = 6.0  # values for each fine sample that are kept of a pilot
+WRITTEN = 3.0  # values for each sample of a series: filtered, of one precision and of the other
+LOOKS = 11.0  # lengths of all that a record is looked at over that ends as it is accurate enough: 1 + 1/1.1 + ...
+SMALL = 8e6  # bytes of all that is small
+
+
+class Counts(NamedTuple):
+    """What is done with a run, by the rows of ``prices.csv`` that say what one of each costs.
+
+    kept_value: values recorded, one for each row and step; kept_pass: ball passes; tap: of the low-pass, over all
+    that is filtered; line_sample, turning_sample: fine samples that lines are read from, at constant speeds and at
+    others; ramp_sample: of these, at a speed that changes; sample: of the record's series; written: numbers.
+    """
+
+    kept_value: float
+    kept_pass: float
+    tap: float
+    line_sample: float
+    turning_sample: float
+    ramp_sample: float
+    sample: float
+    written: float
+
+    @property
+    def seconds(self) -> float:
+        """CPU time (s)."""
+        return sum(price(name.replace("_", " ")) * count for name, count in zip(self._fields, self, strict=True))
+
+
+class Size(NamedTuple):
+    """Numbers that a record is made of.
+
+    rows: recorded, of which ``asked`` make series; computed: ball passes of ``fine`` fine samples and ``steps``
+    steps each; read: fine samples that differ within the record; whole: fine samples of the record; samples: of
+    each of ``columns`` series; checked: passes' worth of steps in the step check.
+    """
+
+    rows: int
+    asked: int
+    computed: int
+    fine: int
+    steps: int
+    read: float
+    whole: float
+    samples: int
+    columns: int
+    checked: float
+
+
+def size(case: Case, fine: int, decimation: int, computed: int, checked: float) -> Size:
+    """The size of a case, its method named, with so many ball passes ``computed``, and ``checked`` besides."""
+    whole = case.duration * case.bearing.ball_pass_frequency(at_full_speed(case).speed) * fine
+    places = channels.recorded(case)
+    asked = len(channels.asked(case, places))
+    columns = sum(len(CHANNELS[name].components) for name in case.record)
+    samples = int(case.duration * case.sampling + 1e-6)
+    read = min(whole, float(computed * fine))
+    return Size(len(places), asked, computed, fine, fine * decimation, read, whole, samples, columns, checked)
+
+
+def counts(case: Case, of: Size) -> Counts:
+    """What is done with a run of that size."""
+    passes = of.computed + PASSES_CHECKED * of.checked
+    taps = 2.0 * ceil(RESAMPLE_REACH * of.whole / max(1, of.samples)) + 1.0
+    of_series = of.whole if of.read == of.whole else of.computed * of.fine
+    filtered = of.rows * PASSES_CHECKED * of.checked * of.fine
+    filtered += SENSED * of.read + of.asked * of_series if case.antialias else 0.0
+    turns = MODELS[case.model].slips and not (case.cage is not None and case.cage.motion == "kinematic")
+    ramps = case.ramp is not None
+    looks = LOOKS if case.until is not None else 0.0
+    return Counts(
+        kept_value=of.rows * of.steps * (of.computed + of.checked),
+        kept_pass=passes,
+        tap=taps * (filtered + looks * 2.0 * of.read),
+        line_sample=of.read * (1.0 + looks),
+        turning_sample=of.read if turns or ramps else 0.0,
+        ramp_sample=of.read if ramps else 0.0,
+        sample=float(of.samples * of.asked),
+        written=float(of.samples * of.columns),
+    )
+
+
+def memory(case: Case, of: Size) -> float:
+    """The most memory (bytes) that a run of that size takes at once, beside the program's own."""
+    turning = case.ramp is not None or MODELS[case.model].slips
+    per_sample = max(STATISTICS, TURNING if turning else STEADY)
+    lead = RESAMPLE_REACH * of.whole / max(1, of.samples)
+    held = 1 + LONGEST_PERIOD if may_repeat(case) else 1
+    passes = of.rows * (of.steps + 2 * DECIMATION_REACH * of.steps / of.fine)
+    picked = 0.0 if case.antialias else of.rows * of.samples
+    run = of.rows * (of.computed * of.fine + lead) + picked
+    run += max(per_sample * of.read, (of.asked + WRITTEN * of.columns + 2.0) * of.samples)
+    pilot = PASSES_CHECKED * of.checked / 2.0 * of.fine
+    check = (PILOT * of.rows + COMPARED) * pilot + 2.0 * passes
+    return FLOAT * (max(run, check) + passes) + min(MOST_HELD, FLOAT * held * passes) + SMALL

@@ -1,0 +1,220 @@
+"""Do jobs take the CPU time and the memory that they are priced at?
+
+    python -m benchmarks.price [--jobs 40] [--seed 1] [--most 60] [--csv FILE] [--kept FILE]
+
+Jobs are drawn over all models and methods, records of 1 to 300 s, with all that changes their price (``draw``);
+those that may take over ``most`` s are drawn anew. Each runs in a process of its own: compiled and run once for a
+moment, then measured: CPU time, the rise of the peak memory, and what it writes. Prices hold for one machine, so
+the CPU times are divided by one number: the median of measured over priced in some jobs that are run first.
+What was measured is kept (JSON lines), and priced anew if the file is there: after a change of prices.
+"""
+
+import argparse
+import csv
+import json
+import random
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from itertools import chain
+from math import exp, log
+from pathlib import Path
+from statistics import median
+from types import SimpleNamespace
+from typing import Any
+
+from bearingsim.catalogue import METHODS, MODELS
+from bearingsim.config import Case
+from bearingsim.memory import PROGRAM
+from bearingsim.simulation import simulate, time_grid, warm
+from bearingsim.simulation.integration import SimulationError
+from bearingsim.simulation.simulate import Record
+from bearingsim.store import write_units
+
+FIELDS = ["model", "method", "duration_s", "sampling_Hz", "repeats", "cpu_s", "priced_s", "cpu_ratio"]
+FIELDS += ["memory_MB", "priced_MB", "memory_ratio"]
+FIXED = {"bearing": "nf308", "settle": "0.05 s"}
+REFERENCES: list[dict[str, Any]] = [
+    {"model": "ring", "duration": 5.0},
+    {"model": "rollers", "duration": 1.0},
+    {"model": "planar", "duration": 0.5},
+    {"model": "spatial", "duration": 0.05},
+    {"model": "static", "duration": 0.5},
+    {"model": "planar", "duration": 0.3, "method": "rodas"},
+]
+"""Which say how fast the machine is: each of a motion that is computed in full."""
+SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+
+
+def main() -> None:
+    """Draw, measure, print; or measure one job."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--jobs", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--most", type=float, default=60.0)
+    parser.add_argument("--csv", type=Path)
+    parser.add_argument("--kept", type=Path)
+    parser.add_argument("--job", help=argparse.SUPPRESS)
+    asked = parser.parse_args()
+    if asked.job:
+        print(json.dumps(measured(case_of(json.loads(asked.job)))))
+        return
+    jobs = kept(asked.kept) if asked.kept and asked.kept.exists() else measure(asked)
+    priced = [(drawn, found, prices(case_of(drawn), found)) for drawn, found in jobs]
+    machine = median(found["cpu_s"] / price["seconds"] for _, found, price in priced[: len(REFERENCES)])
+    print(f"this machine takes {machine:.2f} times the priced CPU time ({len(REFERENCES)} reference jobs)")
+    rows = [row(*one, machine) for one in priced[len(REFERENCES) :]]
+    for one in [FIELDS, *rows]:
+        print(*(f"{value:>12.3g}" if isinstance(value, float) else f"{value:>15}" for value in one))
+    told(rows)
+    if asked.csv:
+        with asked.csv.open("w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows([FIELDS, *rows])
+
+
+Measured = tuple[dict[str, Any], dict[str, Any]]
+"""Fields of a job, and what was measured of it."""
+
+
+def kept(file: Path) -> list[Measured]:
+    """What was measured before."""
+    return [tuple(json.loads(line)) for line in file.read_text(encoding="utf-8").splitlines()]
+
+
+def measure(asked: argparse.Namespace) -> list[Measured]:
+    """The reference jobs and those drawn, each in a process of its own."""
+    chance, found = random.Random(asked.seed), []
+    full = {"periodic": False, "defect": SLOT, "load": 150.0, "speed": "1800 rpm"}
+    drawn = [one | full for one in REFERENCES]
+    for one in chain(drawn, (affordable(chance, asked.most) for _ in range(asked.jobs))):
+        found.append((one, apart(one)))
+        if asked.kept:
+            with asked.kept.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(found[-1]) + "\n")
+    return found
+
+
+def prices(case: Case, found: dict[str, Any]) -> dict[str, float]:
+    """CPU time (s) and memory (bytes) that a case is priced at, if it repeats itself as it was found to."""
+    price = time_grid.estimate(case)
+    if found["repeats"]:
+        return {"seconds": price.cpu_seconds, "bytes": PROGRAM + price.memory}
+    return {"seconds": price.most_seconds, "bytes": PROGRAM + price.most_memory}
+
+
+def case_of(drawn: dict[str, Any]) -> Case:
+    """The case of drawn fields."""
+    return Case.model_validate(FIXED | drawn)
+
+
+def affordable(chance: random.Random, most: float) -> dict[str, Any]:
+    """A job that can be run, and takes less than ``most`` s."""
+    while True:
+        drawn = draw(chance)
+        try:
+            if time_grid.estimate(case_of(drawn)).most_seconds < most:
+                return drawn
+        except ValueError:
+            continue
+
+
+def draw(chance: random.Random) -> dict[str, Any]:
+    """Fields of a job."""
+    model = chance.choice([*MODELS])
+    drawn: dict[str, Any] = {
+        "model": model,
+        "duration": exp(chance.uniform(0.0, log(300.0))),
+        "speed": f"{chance.uniform(300.0, 3000.0)} rpm",
+        "load": chance.uniform(100.0, 1000.0),
+        "sampling": chance.choice([5120.0, 10240.0, 20480.0, 51200.0]),
+        "periodic": chance.random() < 0.5,
+        "antialias": chance.random() < 0.8,
+        "step_check": chance.random() < 0.5,
+        "record": chance.choice(
+            [["ring.velocity"], [], ["ring.displacement", "ring.velocity", "ring.acceleration"]]
+        ),
+    }
+    if not MODELS[model].memoryless and not MODELS[model].own_method:
+        drawn["method"] = chance.choice(["auto", *METHODS])
+    if chance.random() < 0.8:
+        drawn["defect"] = SLOT | {"race": chance.choice(["outer", "outer", "inner"])}
+    if MODELS[model].slips:
+        drawn["cage"] = {"motion": chance.choice(["free", "kinematic"])}
+        if chance.random() < 0.2:
+            drawn["ramp"] = {"to": "3600 rpm", "time": "0.5 s"}
+    return drawn
+
+
+def apart(drawn: dict[str, Any]) -> dict[str, Any]:
+    """What a process of its own measures of a job."""
+    command = [sys.executable, "-m", "benchmarks.price", "--job", json.dumps(drawn)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return found
+
+
+def measured(case: Case) -> dict[str, Any]:
+    """CPU time (s) and memory (bytes) of a case, as it is and as priced; ``error``: why it gave no record."""
+    warm([case])
+    for flags in ({}, {"periodic": False}):
+        moment = {"duration": 6.0 / case.bearing.ball_pass_frequency(case.speed), "settle": 0.0}
+        _run(case.model_copy(update=moment | flags))
+    before, began = _peak(), time.process_time()
+    record = _run(case)
+    found = {
+        "cpu_s": time.process_time() - began,
+        "bytes": PROGRAM + _peak() - before,
+        "given": record is not None,
+    }
+    if record is None:
+        return found | {"repeats": False, "method": ""}
+    repeats, method = record.info["period_passes"] > 0, str(record.info["method"])
+    return found | {"repeats": repeats, "method": method, "integrator_s": record.info["integrator_cpu_s"]}
+
+
+def _run(case: Case) -> Record | None:
+    """Compute a case and write it; None if it gives no record."""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            record = simulate(case)
+        except SimulationError:
+            return None
+        write_units(Path(folder), [(SimpleNamespace(id="job", case=case), record)], {})
+        return record
+
+
+def _peak() -> float:
+    """The most memory (bytes) of this process so far."""
+    return 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def row(drawn: dict[str, Any], found: dict[str, Any], price: dict[str, float], machine: float) -> list[Any]:
+    """A line of the table; a job that gave no record has no ratio of CPU times."""
+    cpu = found["cpu_s"] / machine
+    return [
+        drawn["model"],
+        found["method"] or "no record",
+        round(drawn["duration"], 2),
+        drawn["sampling"],
+        "yes" if found["repeats"] else "no",
+        cpu,
+        price["seconds"],
+        cpu / price["seconds"] if found["given"] else float("nan"),
+        found["bytes"] / 1e6,
+        price["bytes"] / 1e6,
+        found["bytes"] / price["bytes"],
+    ]
+
+
+def told(rows: list[list[Any]]) -> None:
+    """How many are within a factor of 2."""
+    for name in ("cpu_ratio", "memory_ratio"):
+        ratios = [one[FIELDS.index(name)] for one in rows if one[FIELDS.index(name)] == one[FIELDS.index(name)]]
+        within = sum(0.5 <= ratio <= 2.0 for ratio in ratios)
+        print(f"{name}: {within} of {len(ratios)} within a factor of 2; {min(ratios):.2f} to {max(ratios):.2f}")
+
+
+if __name__ == "__main__":
+    main()

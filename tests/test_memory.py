@@ -1,0 +1,92 @@
+"""How much memory there is, read from files as Linux has them; and what is done with a study that needs more."""
+
+from math import inf
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from bearingsim import memory
+from bearingsim.cli.plan import plan_of
+from bearingsim.config import Case
+from bearingsim.errors import Refused
+from bearingsim.runner.packing import Cost, fewer, fitting
+from bearingsim.simulation import SimulationError, simulate, time_grid
+
+GB = 1e9
+MACHINE = {"proc/meminfo": "MemFree:  1 kB\nMemTotal:    8000000 kB\n"}
+VERSION_2 = MACHINE | {"proc/self/cgroup": "0::/user/job\n"}
+VERSION_1 = MACHINE | {"proc/self/cgroup": "5:cpu,cpuacct:/\n4:memory:/user/job\n0::/\n"}
+V1 = "sys/fs/cgroup/memory"
+
+
+@pytest.mark.parametrize(
+    ("files", "told"),
+    [
+        ({}, inf),
+        (MACHINE, 8.192 * GB),
+        (VERSION_2 | {"sys/fs/cgroup/user/job/memory.max": "max\n"}, 8.192 * GB),
+        (VERSION_2 | {"sys/fs/cgroup/user/job/memory.max": "2000000000\n"}, 2 * GB),
+        (VERSION_2 | {"sys/fs/cgroup/user/memory.max": "1000000000\n"}, 1 * GB),
+        (VERSION_2 | {"sys/fs/cgroup/memory.max": "3000000000\n"}, 3 * GB),
+        (VERSION_1 | {f"{V1}/user/job/memory.limit_in_bytes": "9223372036854771712\n"}, 8.192 * GB),
+        (VERSION_1 | {f"{V1}/user/job/memory.limit_in_bytes": "2000000000\n"}, 2 * GB),
+        (VERSION_1 | {f"{V1}/memory.limit_in_bytes": "3000000000\n"}, 3 * GB),
+    ],
+)
+def test_the_limit_is_the_smaller_of_the_machines_and_of_the_groups(
+    tmp_path: Path, files: dict[str, str], told: float
+) -> None:
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    assert memory.limit_in(tmp_path) == told
+
+
+def costs(*gigabytes: float) -> list[Cost]:
+    return [Cost(1.0, 0.0, one * GB) for one in gigabytes]
+
+
+@pytest.mark.parametrize(
+    ("jobs", "workers"), [(costs(0.1, 0.1, 0.1, 0.1), 4), (costs(2, 2, 2, 2), 3), (costs(7, 1, 0.1), 1), ([], 4)]
+)
+def test_workers_are_as_few_as_the_heaviest_jobs_leave_memory_for(
+    monkeypatch: pytest.MonkeyPatch, jobs: list[Cost], workers: int
+) -> None:
+    monkeypatch.setattr(memory, "limit", lambda: 8 * GB)
+    assert fitting(jobs, 4) == workers
+    told = [line.partition(":")[0] for line in fewer(jobs, 4)]
+    assert told == ([] if workers == 4 else [f"{workers} worker{'s' * (workers > 1)} in place of 4"])
+
+
+def long(**more: Any) -> Case:
+    return Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "ring"} | more)
+
+
+def test_a_job_that_cannot_fit_is_refused_before_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    given = long(duration="300 s", sampling="50 kHz")
+    needed = time_grid.estimate(given).most_memory
+    monkeypatch.setattr(memory, "limit", lambda: 0.5 * needed)
+    with pytest.raises(Refused, match=r"may take .* GB of memory, and there are .* GB") as caught:
+        time_grid.estimate(given)
+    assert "duration" in caught.value.advice
+    with pytest.raises(SimulationError, match="GB of memory"):
+        simulate(given)
+    study: Any = SimpleNamespace(
+        jobs=lambda: [SimpleNamespace(case=given, swept={}, is_baseline=False, is_variation=False)], units={}
+    )
+    (text,) = plan_of(study, 1).refused
+    assert "GB of memory" in text
+    assert "take a shorter `duration`" in text
+
+
+def test_memory_grows_with_what_is_computed_of_a_record_and_with_its_series() -> None:
+    def needed(**more: Any) -> float:
+        return time_grid.estimate(long(**more)).memory
+
+    full = {"periodic": False, "step_check": False}
+    assert needed(duration="100 s", **full) > 8.0 * needed(duration="10 s", **full) > 0.0
+    assert needed(duration="100 s") < 0.2 * needed(duration="100 s", **full)
+    assert needed(duration="100 s", record=[]) < 0.5 * needed(duration="100 s")
+    assert needed(duration="100 s", step_check="strict", periodic=False) > 1.2 * needed(duration="100 s", **full)
