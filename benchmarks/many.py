@@ -95,10 +95,8 @@ def measured(*command: str) -> None:
         _, status, used = os.wait4(child.pid, 0)
     took = time.perf_counter() - began
     assert status == 0, f"bearingsim {' '.join(command)} ended with {status}:\n{said}"
-    print(
-        f"{command[0]:6} {used.ru_utime + used.ru_stime:7.1f} s CPU, {took:6.1f} s, {used.ru_maxrss / 1e3:6.0f} MB"
-    )
-    return used.ru_utime + used.ru_stime, used.ru_maxrss / 1e3, said
+    cpu = used.ru_utime + used.ru_stime
+    print(f"{command[0]:6} {cpu:7.1f} s CPU, {took:6.1f} s, {used.ru_maxrss / 1e3:6.0f} MB", flush=True)
 
 
 def fill(study: Path, results: Path) -> None:
@@ -108,7 +106,10 @@ def fill(study: Path, results: Path) -> None:
     print(f"made   {summary.done} jobs, {used.ru_utime:.0f} s CPU, {used.ru_maxrss / 1e3:.0f} MB")
     units = sum(path.stat().st_size for path in (results / "units").rglob("*.h5"))
     every = sum(path.stat().st_size for path in results.rglob("*") if path.is_file())
-    print(f"disk   {units / summary.planned:.0f} bytes a job in units, {every / summary.planned:.0f} in all", flush=True)
+    print(
+        f"disk   {units / summary.planned:.0f} bytes a job in units, {every / summary.planned:.0f} in all",
+        flush=True,
+    )
 
 
 def main() -> None:

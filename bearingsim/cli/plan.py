@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
+from random import Random
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.cli.screen import console, print_table, significant, span
@@ -15,6 +16,9 @@ if TYPE_CHECKING:
     from bearingsim.simulation.limits import Limits
     from bearingsim.simulation.time_grid import Estimate
     from bearingsim.study import Job, Study
+
+MOST_PRICED = 1000
+"""Jobs: each takes a millisecond or two."""
 
 __all__ = ["Plan", "as_json", "plan_of", "show"]
 
@@ -39,10 +43,12 @@ class Priced:
 class Plan:
     """A study's cases, their healthy baselines and what is varied of them, priced.
 
-    refusals: those that cannot be run, and why.
+    jobs: all of them; of more than MOST_PRICED so many are priced, drawn at random, and stand for all. refusals:
+    those that cannot be run, and why.
     """
 
     study: "Study"
+    jobs: tuple["Job", ...]
     cases: tuple[Priced, ...]
     baselines: tuple[Priced, ...]
     variations: tuple[Priced, ...]
@@ -72,10 +78,14 @@ class Plan:
     @property
     def counted(self) -> tuple[int, int, int]:
         """How many cases, twins and variations the study has, refused ones too."""
-        twins = sum(job.is_baseline for job, _ in self.refusals)
-        varied = sum(job.is_variation for job, _ in self.refusals)
-        cases = len(self.cases) + len(self.refusals) - twins - varied
-        return cases, len(self.baselines) + twins, len(self.variations) + varied
+        twins = sum(job.is_baseline for job in self.jobs)
+        varied = sum(job.is_variation for job in self.jobs)
+        return len(self.jobs) - twins - varied, twins, varied
+
+    @property
+    def share(self) -> float:
+        """How many jobs one that is priced stands for."""
+        return len(self.jobs) / (len(self.everything) + len(self.refusals))
 
     @property
     def everything(self) -> tuple[Priced, ...]:
@@ -85,7 +95,7 @@ class Plan:
     @property
     def cpu_seconds(self) -> float:
         """Estimated CPU time (s) of all jobs."""
-        return sum(priced.estimate.cpu_seconds for priced in self.everything)
+        return self.share * sum(priced.estimate.cpu_seconds for priced in self.everything)
 
     @property
     def wall_seconds(self) -> float:
@@ -96,27 +106,36 @@ class Plan:
     @property
     def bytes(self) -> int:
         """Estimated bytes on disk of all series, before compression."""
-        return sum(priced.estimate.bytes for priced in self.everything)
+        return round(self.share * sum(priced.estimate.bytes for priced in self.everything))
 
 
 def plan_of(study: "Study", workers: int | None) -> Plan:
-    """Price every job of a study; refusals are gathered, not raised."""
+    """Price the jobs of a study, or some if they are many; refusals are gathered, not raised."""
     from joblib import cpu_count
 
-    priced, refusals = [], []
-    for job in study.jobs():
+    jobs, priced, refusals = study.jobs(), [], []
+    for job in drawn(jobs):
         try:
             priced.append(_priced(job))
         except ValueError as error:
             refusals.append((job, str(error)))
     return Plan(
         study=study,
+        jobs=tuple(jobs),
         cases=tuple(one for one in priced if not one.job.is_baseline and not one.job.is_variation),
         baselines=tuple(one for one in priced if one.job.is_baseline),
         variations=tuple(one for one in priced if one.job.is_variation),
         refusals=tuple(refusals),
         asked_workers=workers or cpu_count(),
     )
+
+
+def drawn(jobs: "Sequence[Job]") -> "Sequence[Job]":
+    """The jobs, in order; of many MOST_PRICED, the same each time, the first and the last among them."""
+    if len(jobs) <= MOST_PRICED:
+        return jobs
+    inner = sorted(Random(len(jobs)).sample(range(1, len(jobs) - 1), MOST_PRICED - 2))
+    return [jobs[n] for n in (0, *inner, len(jobs) - 1)]
 
 
 def _priced(job: "Job") -> Priced:
@@ -210,10 +229,13 @@ def show(plan: Plan, verbose: bool) -> None:
         return
     groups = _groups(plan.cases or plan.baselines)
     out.print()
+    drawn_only = " drawn" * (len(plan.everything) < len(plan.jobs))
     heads = ["", *groups]
     rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
-    print_table(heads, [["cases", *(str(len(group)) for group in groups.values())], *rows])
+    print_table(heads, [[f"cases{drawn_only}", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
+    if len(plan.everything) < len(plan.jobs):
+        out.print(f"{len(plan.everything)} jobs were drawn and priced, and stand for all {len(plan.jobs)}")
     for told in [*fewer(plan.costs, plan.asked_workers), *remarks(plan), *study.notes, *notes(study.cases())]:
         out.print(told, markup=False)
     if verbose:

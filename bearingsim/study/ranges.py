@@ -1,7 +1,7 @@
 """Where a study leaves the range that its physics is good for: computed all the same, with a note."""
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from math import hypot, pi
 
 from bearingsim.config import Case
@@ -48,6 +48,12 @@ def load(case: Case) -> float:
 
 def pressure(case: Case) -> float:
     """Largest Hertz pressure (Pa) of the most loaded element at rest; 0 where the bearing finds no rest."""
+    return healthy_pressure(case.model_copy(update={"defects": ()}))
+
+
+@lru_cache(maxsize=1 << 12)
+def healthy_pressure(case: Case) -> float:
+    """That of a case without defects: many cases that differ in these have one."""
     from bearingsim.assemble.rest import largest_load
     from bearingsim.core.models.equilibrium import NoEquilibrium
 

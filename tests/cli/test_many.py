@@ -1,0 +1,64 @@
+"""Studies of many jobs: some are priced, and some are printed."""
+
+import json
+
+import pytest
+
+from bearingsim.cli import plan, tables
+from bearingsim.study import load_study
+from tests.scenes.commands import type_
+
+STUDY = """\
+study: many
+bearing: nf308
+model: ring
+speed: 1800 rpm
+load: 150 N
+duration: 0.1 s
+defect: {race: outer, shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 5 um}
+sweep:
+  load: {linspace: [150 N, 300 N, 5]}
+  defect.width: {linspace: [0.2 mm, 1 mm, 10]}
+"""
+
+
+@pytest.fixture
+def many(tmp_path, monkeypatch):
+    path = tmp_path / "many.yaml"
+    path.write_text(STUDY)
+    monkeypatch.setattr(plan, "MOST_PRICED", 20)
+    return path
+
+
+def test_some_jobs_stand_for_all(many, monkeypatch):
+    some = plan.plan_of(load_study(many), 1)
+    monkeypatch.setattr(plan, "MOST_PRICED", 1000)
+    every = plan.plan_of(load_study(many), 1)
+    assert (len(some.everything), len(every.everything)) == (20, 55)
+    assert some.counted == every.counted
+    assert some.cpu_seconds == pytest.approx(every.cpu_seconds, rel=0.3)
+    assert some.bytes == every.bytes
+
+
+def test_it_is_said_that_some_were_priced(many):
+    said, _ = type_("check", many)
+    assert "20 jobs were drawn and priced, and stand for all 55" in said
+    assert "55 jobs (50 cases, 5 healthy twins)" in said
+    told = json.loads(type_("check", many, "--json")[0])
+    assert (told["cases"], len(told["jobs"])) == (50, 20)
+
+
+def test_the_first_and_the_last_job_are_priced(many):
+    jobs = load_study(many).jobs()
+    found = plan.drawn(jobs)
+    assert (found[0], found[-1]) == (jobs[0], jobs[-1])
+    assert len({job.id for job in found}) == 20
+    assert found == plan.drawn(jobs)
+
+
+def test_a_long_table_is_cut(done, monkeypatch):
+    monkeypatch.setattr(tables, "MOST_ROWS", 3)
+    said, _ = type_("show", done)
+    assert "and 5 jobs more: results.csv has them, and `--json`" in said
+    assert "8 jobs: 8 done" in said
+    assert len(json.loads(type_("show", done, "--json")[0])) == 8
