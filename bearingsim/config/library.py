@@ -5,7 +5,7 @@ from os.path import isfile
 from pathlib import Path
 from typing import Any, Literal
 
-from bearingsim.text import yamlfile
+from bearingsim.text import files_read, yamlfile
 from bearingsim.text.units import suggestion
 
 Kind = Literal["bearings", "rigs", "materials"]
@@ -34,6 +34,7 @@ def find(kind: Kind, name: str, beside: Path | None = None) -> Path:
     else:
         candidates = [folder / f"{name}.yaml" for folder in folders(kind)]
     for path in candidates:
+        files_read.note(path)
         if name and isfile(path):
             return path
     raise ValueError(_not_found(kind, name))

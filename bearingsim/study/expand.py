@@ -8,6 +8,7 @@ from pathlib import Path as FilePath
 from bearingsim.config.case import LAWS
 from bearingsim.config.library import Kind, find, read
 from bearingsim.study.paths import put
+from bearingsim.text.files_read import note
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem
 
 
@@ -47,7 +48,10 @@ def _with_scans(tree: Node, folder: FilePath) -> Node:
     for number, defect in enumerate(tree.mapping.get("defects", _NOTHING).items):
         file = defect.mapping.get("file")
         if file is not None and isinstance(file.value, str):
-            found = next((base / file.value for base in (FilePath(), folder) if isfile(base / file.value)), None)
+            places = [base / file.value for base in (FilePath(), folder)]
+            found = next(filter(isfile, places), None)
+            for place in places:
+                note(place)
             if found is not None:
                 tree = put(tree, ("defects", number, "file"), replace(file, value=str(found.absolute())))
     return tree

@@ -88,7 +88,7 @@ class Study:
 
     notes: what the user is to be told of the file, though it is read. goal: the accuracy that is asked for; then
     the swept cases have the model that others are judged by, and ``otherwise`` gives the same cases with other
-    values at some paths, None for those that cannot be.
+    values at some paths, None for those that cannot be. files: what it is made of (``text/files_read.py``).
     """
 
     name: str
@@ -101,6 +101,7 @@ class Study:
     swept_cases: tuple[tuple[Case, dict[str, float | str]], ...] = field(repr=False)
     notes: tuple[str, ...] = ()
     uncertainty: tuple[Uncertain, ...] | None = None
+    files: Mapping[str, str | None] = field(default_factory=dict, repr=False)
     goal: "Goal | None" = None
     selection: Selection | None = None
     otherwise: "Callable[[Mapping[str, str]], list[Case | None]] | None" = field(default=None, repr=False)

@@ -19,6 +19,7 @@ from bearingsim.study.jobs import Study, identity
 from bearingsim.study.paths import dimension, parse_path, put, value_at
 from bearingsim.study.sweep import Axis, is_sweep, parse_sweep, replaced, rows_of, single_axis, written_paths
 from bearingsim.study.uncertainty import check_possible, parse_uncertainty
+from bearingsim.text import files_read
 from bearingsim.text.units import UnitError, split
 from bearingsim.text.units import parse as quantity
 from bearingsim.text.yamlfile import (
@@ -50,17 +51,24 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     `overrides` maps paths to values as they would stand in the file (`{"load": "200 N"}`); `quick` takes the
     file's reduced grid, if it has one. Raises StudyError with everything that is wrong.
     """
-    text = read_text(FilePath(path))
+    with files_read.noted() as files:
+        study = _loaded(FilePath(path), overrides or {}, quick)
+    return replace(study, files=files)
+
+
+def _loaded(path: FilePath, overrides: Mapping[str, str], quick: bool) -> Study:
+    files_read.note(path)
+    text = read_text(path)
     root, flaws = parse(text, str(path))
     if not isinstance(root.value, dict):
         raise StudyError([*flaws, problem(root.mark, "expected `key: value` lines, as `bearingsim new` writes")])
     problems = list(flaws)
-    told, root = aliases.notes(root, overrides or {}), aliases.renamed(root)
-    given = {aliases.new_path(path): value for path, value in _texts(overrides or {}).items()}
+    told, root = aliases.notes(root, overrides), aliases.renamed(root)
+    given = {aliases.new_path(path): value for path, value in _texts(overrides).items()}
     whole, root = root, asks_for_reference(root) if "accuracy" in root.mapping else root
     # Both are checked, so that a mistake in `quick` is told now and not when it is first used.
     modes = (False, True) if "quick" in root.mapping else (False,)
-    plans = [_Plan.of(root, FilePath(path).parent, given, reduced) for reduced in modes]
+    plans = [_Plan.of(root, path.parent, given, reduced) for reduced in modes]
     cases = [plan.cases() for plan in plans]
     swept = {path: node for plan in plans for path, node in plan.entries().items()}
     uncertain = parse_uncertainty(root.mapping.get("uncertainty"), problems)

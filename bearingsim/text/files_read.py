@@ -1,0 +1,42 @@
+"""Which files a study is made of: what is read while it is noted, and where a file was looked for in vain."""
+
+import hashlib
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+
+__all__ = ["as_they_were", "note", "noted"]
+
+_files: ContextVar[dict[str, str | None] | None] = ContextVar("files", default=None)
+
+
+@contextmanager
+def noted() -> Iterator[dict[str, str | None]]:
+    """The SHA-256 of each file that is read from here on, by its full path; None where there was none."""
+    files: dict[str, str | None] = {}
+    token = _files.set(files)
+    try:
+        yield files
+    finally:
+        _files.reset(token)
+
+
+def note(path: Path) -> None:
+    """Note a file that is read, or looked for."""
+    files, whole = _files.get(), os.path.abspath(path)
+    if files is not None and whole not in files:
+        files[whole] = _digest(whole)
+
+
+def as_they_were(files: Mapping[str, str | None]) -> bool:
+    """Whether all files are still those that were noted."""
+    return all(_digest(path) == digest for path, digest in files.items())
+
+
+def _digest(path: str) -> str | None:
+    try:
+        return hashlib.sha256(Path(path).read_bytes()).hexdigest() if os.path.isfile(path) else None
+    except OSError:
+        return None
