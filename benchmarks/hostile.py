@@ -119,7 +119,7 @@ def numbers() -> Iterator[tuple[str, str]]:
     ):  # fmt: skip
         yield f"load {text[:30]}", with_(f"load: {text}")
     yield "a count of 5000 digits", with_(f"sweep: {{load: {{linspace: [1 N, 2 N, {many}]}}}}")
-    yield "ends of 5000 digits", with_(f"sweep: {{load: {{linspace: [0.{many} N, 2 kN, 5]}}}}")
+    yield "ends of 5000 digits", with_(f"sweep: {{load: {{linspace: [1 kN, 0.{many} N, 5]}}}}")
     yield "a range without end", with_("sweep: {load: {range: [1 N, 1e300 N, 1e-300 N]}}")
     yield "a range of no step", with_("sweep: {load: {range: [1 N, 2 N, 0 N]}}")
     yield (

@@ -137,7 +137,7 @@ def test_damping_is_chosen_by_its_law() -> None:
         ({"contact": {"stiffness": "hertz"}}, "expected `palmgren`, `iso16281`, `johnson`, `point` or `constant`"),
         ({"contact": {"stiffness": "constant"}}, "the law `constant` needs numbers"),
         ({"contact": {"stiffness": {"law": "johnson", "exponent": 1.1}}}, "the law `johnson` takes no numbers"),
-        ({"contact": {"stiffness": {"coefficient": 1e5, "exponent": 0}}}, "a plain number above zero"),
+        ({"contact": {"stiffness": {"coefficient": 1e5, "exponent": 0}}}, "a plain number above 0 and at most 10"),
         ({"contact": {"stiffness": "point"}}, "the law `point` is a ball's contact, not a roller's"),
         (
             {"bearing": "6205", "contact": {"stiffness": "johnson"}},
