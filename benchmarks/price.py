@@ -28,12 +28,12 @@ from typing import Any
 from bearingsim.catalogue import METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.memory import PROGRAM
-from bearingsim.simulation import simulate, time_grid, warm
+from bearingsim.simulation import choice, simulate, time_grid, warm
 from bearingsim.simulation.integration import SimulationError
 from bearingsim.simulation.simulate import Record
 from bearingsim.store import write_units
 
-FIELDS = ["model", "method", "duration_s", "sampling_Hz", "repeats", "cpu_s", "priced_s", "cpu_ratio"]
+FIELDS = ["model", "method", "duration_s", "sampling_Hz", "repeats", "step_held", "cpu_s", "priced_s", "cpu_ratio"]
 FIELDS += ["memory_MB", "priced_MB", "memory_ratio"]
 FIXED = {"bearing": "nf308", "settle": "0.05 s"}
 REFERENCES: list[dict[str, Any]] = [
@@ -86,7 +86,7 @@ def kept(file: Path) -> list[Measured]:
 def measure(asked: argparse.Namespace) -> list[Measured]:
     """The reference jobs and those drawn, each in a process of its own."""
     chance, found = random.Random(asked.seed), []
-    full = {"periodic": False, "defect": SLOT, "load": 150.0, "speed": "1800 rpm"}
+    full = {"periodic": False, "defect": SLOT, "load": 150.0, "speed": "1800 rpm", "step_check": False}
     drawn = [one | full for one in REFERENCES]
     for one in chain(drawn, (affordable(chance, asked.most) for _ in range(asked.jobs))):
         found.append((one, apart(one)))
@@ -131,7 +131,7 @@ def draw(chance: random.Random) -> dict[str, Any]:
         "sampling": chance.choice([5120.0, 10240.0, 20480.0, 51200.0]),
         "periodic": chance.random() < 0.5,
         "antialias": chance.random() < 0.8,
-        "step_check": chance.random() < 0.5,
+        "step_check": chance.random() < 0.3,
         "record": chance.choice(
             [["ring.velocity"], [], ["ring.displacement", "ring.velocity", "ring.acceleration"]]
         ),
@@ -169,9 +169,11 @@ def measured(case: Case) -> dict[str, Any]:
         "given": record is not None,
     }
     if record is None:
-        return found | {"repeats": False, "method": ""}
-    repeats, method = record.info["period_passes"] > 0, str(record.info["method"])
-    return found | {"repeats": repeats, "method": method, "integrator_s": record.info["integrator_cpu_s"]}
+        return found | {"repeats": False, "method": "", "held": False}
+    told = {name: float(record.info[name]) for name in ("period_passes", "step_part", "integrator_cpu_s")}
+    method, first = str(record.info["method"] or ""), choice.resolved(case).method or ""
+    held = told["step_part"] == 1.0 and method == first
+    return found | told | {"repeats": told["period_passes"] > 0, "method": method, "held": held}
 
 
 def _run(case: Case) -> Record | None:
@@ -181,7 +183,8 @@ def _run(case: Case) -> Record | None:
             record = simulate(case)
         except SimulationError:
             return None
-        write_units(Path(folder), [(SimpleNamespace(id="job", case=case), record)], {})
+        job: Any = SimpleNamespace(id="job", case=case)
+        write_units(Path(folder), [(job, record)], {})
         return record
 
 
@@ -195,10 +198,11 @@ def row(drawn: dict[str, Any], found: dict[str, Any], price: dict[str, float], m
     cpu = found["cpu_s"] / machine
     return [
         drawn["model"],
-        found["method"] or "no record",
+        found["method"] or ("-" if found["given"] else "no record"),
         round(drawn["duration"], 2),
         drawn["sampling"],
         "yes" if found["repeats"] else "no",
+        "yes" if found["held"] else "no",
         cpu,
         price["seconds"],
         cpu / price["seconds"] if found["given"] else float("nan"),
@@ -210,10 +214,12 @@ def row(drawn: dict[str, Any], found: dict[str, Any], price: dict[str, float], m
 
 def told(rows: list[list[Any]]) -> None:
     """How many are within a factor of 2."""
-    for name in ("cpu_ratio", "memory_ratio"):
-        ratios = [one[FIELDS.index(name)] for one in rows if one[FIELDS.index(name)] == one[FIELDS.index(name)]]
+    sure = [one for one in rows if one[FIELDS.index("step_held")] == "yes"]
+    for name, of in ("cpu_ratio", sure), ("memory_ratio", rows):
+        ratios = [one[FIELDS.index(name)] for one in of] or [float("nan")]
         within = sum(0.5 <= ratio <= 2.0 for ratio in ratios)
         print(f"{name}: {within} of {len(ratios)} within a factor of 2; {min(ratios):.2f} to {max(ratios):.2f}")
+    print(f"{len(rows) - len(sure)} jobs were given another step or method than was priced, or no record")
 
 
 if __name__ == "__main__":

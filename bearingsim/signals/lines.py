@@ -110,7 +110,7 @@ def lines_of_blocks(
     end: (L,) angles of the first sample and the last. Returns (L, Q) complex.
     """
     turns = (end - begin) / (2.0 * pi)
-    shift, mean, total, weights, kernels = None, 0.0, 0.0, 0.0, 0.0
+    shift, mean, total, weights, kernels = None, *(np.zeros(1) for _ in range(4))
     for series, angle, slope in blocks:
         shift = series.mean(axis=2, keepdims=True) if shift is None else shift
         weight = np.sin((angle - begin[:, np.newaxis]) / (2.0 * turns[:, np.newaxis])) ** 2 * slope

@@ -132,7 +132,7 @@ def test_a_cache_that_cannot_be_written_is_not_used(tmp_path: Path, monkeypatch:
 
 
 def test_compiled_code_goes_into_that_folder_and_nowhere_else() -> None:
-    assert Path(driver.advance._cache.cache_path).is_relative_to(jit._CACHE)
+    assert Path(driver.advance._cache.cache_path).is_relative_to(str(jit._CACHE))
     assert str(jit.numba_config.CACHE_DIR) == os.environ.get("NUMBA_CACHE_DIR", "")
 
 

@@ -368,7 +368,9 @@ def test_what_may_repeat_is_priced_by_the_passes_that_are_expected() -> None:
     given = case(defect=SLOT, method="verlet")
     long, short = (time_grid.estimate(given.model_copy(update={"duration": s})) for s in (20.0, 1.0))
     whole = time_grid.estimate(given.model_copy(update={"duration": 20.0, "periodic": False}))
-    assert long.cpu_seconds == short.cpu_seconds < 0.05 * whole.cpu_seconds
+    assert long.steps == short.steps
+    assert short.cpu_seconds < long.cpu_seconds < 0.05 * whole.cpu_seconds  # its series are longer
+    assert short.memory < long.memory < whole.memory == whole.most_memory == long.most_memory
     assert long.most_seconds == whole.cpu_seconds == whole.most_seconds
     assert 0.0 < long.check_seconds < long.cpu_seconds
 

@@ -1,0 +1,105 @@
+"""What a job takes besides its steps: priced for every model, and no copies of a long record made."""
+
+import tracemalloc
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bearingsim.catalogue import MODELS
+from bearingsim.config import Case
+from bearingsim.signals import line_at, lines, lines_of_blocks, passes
+from bearingsim.simulation import features, prices, record_cost, simulate, time_grid
+
+SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+FULL = {"periodic": False, "step_check": False}
+
+
+def case(**more: Any) -> Case:
+    return Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "defect": SLOT} | more)
+
+
+TURNING = {"model": "planar", "cage": {"motion": "free"}}
+RAMP = TURNING | {"ramp": {"to": "2400 rpm", "time": "0.1 s"}}
+
+
+@pytest.mark.parametrize("name", record_cost.Counts._fields)
+def test_everything_counted_has_a_price(name: str) -> None:
+    assert prices.price(name.replace("_", " ")) > 0.0
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_every_model_is_priced_whole(model: str) -> None:
+    short, long = (time_grid.estimate(case(model=model, duration=s, **FULL)) for s in (0.1, 1.0))
+    assert 0.0 < short.cpu_seconds < long.cpu_seconds
+    assert 0.0 < short.memory < long.memory
+
+
+def test_what_is_read_and_written_is_priced() -> None:
+    def seconds(**more: Any) -> float:
+        return time_grid.estimate(case(**({"model": "ring", "duration": "1 s"} | FULL | more))).cpu_seconds
+
+    assert seconds(record=["ring.velocity", "ring.displacement"]) > seconds() > seconds(record=[])
+    assert seconds(sampling="40 kHz") > 1.2 * seconds()
+    assert seconds(antialias=False) < seconds()
+    assert seconds(**RAMP) > seconds(**TURNING) > seconds(**TURNING | {"cage": {"motion": "kinematic"}})
+
+
+@pytest.mark.parametrize("more", [{"model": "ring"}, TURNING, RAMP, {"model": "ring", "antialias": False}])
+def test_features_are_the_same_whatever_is_read_at_a_time(monkeypatch: pytest.MonkeyPatch, more: Any) -> None:
+    given = case(duration="0.15 s", **more, **FULL)
+    at_once = simulate(given).features
+    for module in (features, passes, lines):
+        monkeypatch.setattr(module, "BLOCK", 1000)
+    in_blocks = simulate(given).features
+    for name, value in at_once.items():
+        quantity = name.partition("@")[0]
+        scale = at_once[f"{quantity}.rms"] if "@" in name and "phase" not in name else abs(value)
+        assert in_blocks[name] == pytest.approx(value, rel=1e-9, abs=1e-12 * scale, nan_ok=True), name
+
+
+@pytest.mark.parametrize(("more", "times"), [({"model": "ring"}, 0.8), (TURNING, 1.8)])
+def test_features_of_a_long_record_copy_little_of_it(
+    monkeypatch: pytest.MonkeyPatch, more: dict[str, Any], times: float
+) -> None:
+    """In bytes of the recording: 9 rows. All of it was copied two to five times."""
+    found: dict[str, float] = {}
+    compute = features.features
+
+    def watched(case: Case, model: Any, cut: Any, raw: Any) -> dict[str, float]:
+        tracemalloc.start()
+        try:
+            return compute(case, model, cut, raw)
+        finally:
+            found["peak"] = tracemalloc.get_traced_memory()[1] / raw.fine.nbytes
+            tracemalloc.stop()
+
+    monkeypatch.setattr(import_module("bearingsim.simulation.simulate"), "features", watched)
+    for module in (features, passes, lines):
+        monkeypatch.setattr(module, "BLOCK", 1 << 10)
+    simulate(case(duration="0.6 s", **more, **FULL))
+    assert found["peak"] < times
+
+
+def test_lines_of_blocks_are_those_of_the_whole_series() -> None:
+    n = 5000
+    t = np.arange(n) / n
+    angles = np.array([2.0 * np.pi * (40.0 * t + 5.0 * t**2), 2.0 * np.pi * 91.3 * t])
+    series = np.stack([1000.0 + np.cos(angles[0] + 0.3), 0.2 * np.sin(angles[1]) + np.cos(angles[0])])
+    slopes = np.gradient(angles, axis=1)
+
+    def blocks() -> Any:
+        for first in range(0, n, 777):
+            part = slice(first, first + 777)
+            yield (
+                np.broadcast_to(series[:, part], (2, 2, *series[:, part].shape[1:])),
+                angles[:, part],
+                slopes[:, part],
+            )
+
+    found = lines_of_blocks(blocks(), angles[:, 0], angles[:, -1])
+    expected = np.array([line_at(series, angle) for angle in angles])
+    assert np.abs(found - expected).max() < 1e-11
+    none = lines_of_blocks(blocks(), np.zeros(2), np.ones(2))
+    assert np.isnan(none).all()
