@@ -23,13 +23,15 @@ WORDS = {
     errno.EPERM: "you are not allowed to read or write here",
     errno.EROFS: "the disk can only be read",
     errno.ENOSPC: "the disk is full",
+    errno.EDQUOT: "no more room is allowed on this disk",
+    errno.EFBIG: "no file may grow so large here (`ulimit -f`)",
 }
 
 
 def sentence(error: OSError) -> str:
     """An error of the system in words: the path, and what is wrong with it."""
     if not error.filename or error.errno is None:
-        return f"bearingsim: {error}"
+        return f"bearingsim: {WORDS.get(error.errno or 0, error)}"
     path = Path(os.fsdecode(error.filename))
     if error.errno == errno.ENOENT and not path.parent.exists():
         return f"{path}: there is no folder {path.parent}"

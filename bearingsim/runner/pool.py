@@ -5,52 +5,103 @@ import re
 import signal
 import threading
 import warnings
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from bearingsim.errors import UserError
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
 
-__all__ = ["WorkersDie", "ignore_sigint", "outcomes", "spread"]
+__all__ = ["Deaths", "WorkersDie", "ignore_sigint", "outcomes", "spread"]
 
-RESTARTS_WITHOUT_PROGRESS = 3
+MOST_DEATHS = 3
+ADVICE = "no job is blamed; run again, with fewer --jobs if memory was short"
 
 
 class WorkersDie(UserError):
-    """Worker processes die before they compute anything."""
+    """Worker processes die, and it is not for one job."""
+
+
+class Deaths:
+    """Deaths of workers since something was last finished: of the third no job is the cause."""
+
+    def __init__(self, root: Path, doing: str) -> None:
+        """root: whose journal tells of them; doing: what they were doing, in words."""
+        self.root, self.doing, self.count = root, doing, 0
+
+    def add(self, death: BrokenProcessPool, suspects: Iterable[str] = ()) -> None:
+        """Take one in; suspects: jobs in hand then. Raises WorkersDie if it is one too many."""
+        self.count += 1
+        cause = _exit_codes(death)
+        log(self.root, "worker died", exit=cause, suspects=sorted(suspects))
+        if self.count == MOST_DEATHS:
+            often = f"{MOST_DEATHS} times, with nothing finished between"
+            raise WorkersDie(f"worker processes died {self.doing} {often} ({cause}): {ADVICE}") from death
+
+    def end(self) -> None:
+        """Something was finished."""
+        self.count = 0
 
 
 def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
     """Compute units of work and yield what became of each, as they come.
 
     One worker means this process; more are always other processes, even for one unit. A worker that dies takes
-    the pool with it and names no culprit: the jobs that were running then are computed one at a time, and the
-    one that dies alone becomes a failure.
+    the pool with it and names no culprit: the jobs that were running then are computed at the end, one at a time,
+    and the one that dies alone becomes a failure. Raises WorkersDie if nothing is finished between three deaths.
     """
-    if workers == 1:
+    if workers == 1 or not works:
         yield from spread(compute, [(work,) for work in works], workers)
         return
-    waiting, barren = list(works), 0
+    waiting, suspected = list(works), list[Work]()
+    deaths = Deaths(works[0].root, "at work")
     while waiting:
         returned: set[str] = set()
         try:
             for outcome in _in_pool(waiting, workers):
                 returned.add(outcome.unit)
+                deaths.end()
                 yield outcome
-            return
+            waiting = []
         except BrokenProcessPool as death:
             waiting = [work for work in waiting if work.unit not in returned]
             suspects = take_suspects(waiting[0].root, [work.unit for work in waiting])
-            barren = 0 if returned or suspects else barren + 1
-            if barren == RESTARTS_WITHOUT_PROGRESS:
-                raise WorkersDie(f"worker processes die as they start ({_exit_codes(death)})") from death
-            log(waiting[0].root, "worker died", exit=_exit_codes(death), suspects=sorted(suspects))
-        yield from (_alone(work.only([job]), workers) for work in waiting for job in _ids(work) & suspects)
-        remaining = (work.only(_ids(work) - suspects) for work in waiting)
-        waiting = [work for work in remaining if work.jobs]
+            deaths.add(death, suspects)
+            suspected += [work.only([job]) for work in waiting for job in _ids(work) & suspects]
+            remaining = (work.only(_ids(work) - suspects) for work in waiting)
+            waiting = [work for work in remaining if work.jobs]
+    yield from _one_by_one(suspected, deaths, workers)
+
+
+def _one_by_one(works: Sequence[Work], deaths: Deaths, workers: int) -> Iterator[Outcome]:
+    """Compute jobs with nothing beside them: a death names its culprit, unless it is one of three in a row."""
+    blamed: list[Outcome] = []
+    for work in works:
+        try:
+            outcome = next(iter(list(_in_pool([work], workers))))
+        except BrokenProcessPool as death:
+            take_suspects(work.root, [work.unit])
+            deaths.add(death, _ids(work))
+            blamed.append(_blamed(work, death))
+            continue
+        deaths.end()
+        yield from blamed
+        blamed.clear()
+        yield outcome
+    yield from blamed
+
+
+def _blamed(work: Work, death: BrokenProcessPool) -> Outcome:
+    failure = Failure(
+        job=work.jobs[0].id,
+        reason=f"the worker process died: {_exit_codes(death)}",
+        advice="if it was killed for memory, try fewer workers (--jobs) or a shorter duration",
+        attempts=2,
+    )
+    return Outcome(unit=work.unit, done=(), failed=(failure,))
 
 
 def _ids(work: Work) -> set[str]:
@@ -93,21 +144,6 @@ def ignore_sigint() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-def _alone(work: Work, workers: int) -> Outcome:
-    """Compute a single job with nothing beside it, so that a death names its culprit."""
-    try:
-        return next(iter(list(_in_pool([work], workers))))
-    except BrokenProcessPool as death:
-        take_suspects(work.root, [work.unit])
-        failure = Failure(
-            job=work.jobs[0].id,
-            reason=f"the worker process died: {_exit_codes(death)}",
-            advice="if it was killed for memory, try fewer workers (--jobs) or a shorter duration",
-            attempts=2,
-        )
-        return Outcome(unit=work.unit, done=(), failed=(failure,))
 
 
 def _exit_codes(death: BrokenProcessPool) -> str:

@@ -28,6 +28,10 @@ if TYPE_CHECKING:
 __all__ = ["run", "with_models"]
 
 
+LEAST_PART = 0.1
+"""Of the bytes of the series: what is surely left of them when they are compressed."""
+
+
 def run(
     study: "Study",
     out: str | Path | None = None,
@@ -75,6 +79,7 @@ def run(
             with getting_ready(progress) as patience:
                 patience.begin("estimating what the jobs take")
                 works = _works(root, study, plan.todo, workers, engine)
+                store.check_room(root, LEAST_PART * sum(work.bytes for work in works))
                 _warm(root, engine, plan.todo, patience)
             _compute(works, workers, tally, progress)
     except KeyboardInterrupt:
@@ -258,7 +263,14 @@ def _works(root: Path, study: "Study", todo: Sequence["Job"], workers: int, engi
     costs = [_cost(estimate, job.case) for job in todo]
     provenance = store.provenance(study)
     return [
-        Work(root, tuple(todo[i] for i in unit), tuple(costs[i].seconds for i in unit), engine, provenance)
+        Work(
+            root,
+            tuple(todo[i] for i in unit),
+            tuple(costs[i].seconds for i in unit),
+            engine,
+            provenance,
+            sum(costs[i].bytes for i in unit),
+        )
         for unit in pack(todo, costs, workers)
     ]
 

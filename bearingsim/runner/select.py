@@ -11,7 +11,7 @@ from bearingsim import selection, store
 from bearingsim.errors import UserError
 from bearingsim.runner.commands import command
 from bearingsim.runner.earlier import kept, plan_name
-from bearingsim.runner.pool import WorkersDie, spread
+from bearingsim.runner.pool import Deaths, spread
 from bearingsim.runner.progress import getting_ready, progress
 from bearingsim.runner.work import Engine, load
 from bearingsim.selection.candidates import price
@@ -97,24 +97,35 @@ def _tried(
     root: Path, wanted: Sequence["Trialled"], workers: int, engine: Engine, study: "Study", shown: bool | None
 ) -> "dict[str, Trial | None]":
     """All trials of the folder, once those that are wanted are among them: each batch is sealed as it is done."""
-    known = store.read_trials(root)  # another process may have added some
-    todo = [one for one in wanted if one.id not in known]
-    if not todo:
-        return known
     provenance = store.provenance(study)
-    with getting_ready(shown) as patience, suppress(Exception):  # what fails here fails as a trial, and is told
-        load(engine.warm)([one.case for one in todo], patience.compile)
-    arguments = [(root, batch, engine, provenance) for batch in _batches(todo, workers)]
-    costs = {one.id: min(price(one.case), 1e6) for one in todo}
-    with progress(shown, len(todo), sum(costs.values())) as report:
+    deaths = Deaths(root, "while models were tried")
+    while todo := _untried(root, wanted):
+        with (
+            getting_ready(shown) as patience,
+            suppress(Exception),
+        ):  # what fails here fails as a trial, and is told
+            load(engine.warm)([one.case for one in todo], patience.compile)
+        arguments = [(root, batch, engine, provenance) for batch in _batches(todo, workers)]
+        costs = {one.id: min(price(one.case), 1e6) for one in todo}
         try:
-            with closing(spread(_compute, arguments, workers)) as coming:
+            with (
+                progress(shown, len(todo), sum(costs.values())) as report,
+                closing(spread(_compute, arguments, workers)) as coming,
+            ):
                 for done, failed in coming:
+                    deaths.end()
                     report(len(done), len(failed), sum(costs[name] for name in (*done, *failed)))
         except BrokenProcessPool as death:
-            advice = "run again, with fewer --jobs if memory was short"
-            raise WorkersDie(f"a worker process died while models were tried: {advice}") from death
+            deaths.add(death)
+        else:
+            break
     return store.read_trials(root)
+
+
+def _untried(root: Path, wanted: Sequence["Trialled"]) -> "list[Trialled]":
+    """Those of which the folder holds no trial: another process may have added some."""
+    known = store.read_trials(root)
+    return [one for one in wanted if one.id not in known]
 
 
 def _batches(todo: Sequence["Trialled"], workers: int) -> list[tuple["Trialled", ...]]:

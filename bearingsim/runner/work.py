@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.store import Failure, start_marker, unit_name, write_units
+from bearingsim.store import DiskFull, Failure, room, start_marker, unit_name, write_units
 from bearingsim.store.units import Value
 
 if TYPE_CHECKING:
@@ -45,13 +45,14 @@ BEARINGSIM = Engine()
 
 @dataclass(frozen=True)
 class Work:
-    """Jobs to compute in one go, where to store them, and the estimated time in s of each."""
+    """Jobs to compute in one go, where to store them, the estimated time in s of each, and bytes of all series."""
 
     root: Path
     jobs: tuple["Job", ...]
     seconds: tuple[float, ...]
     engine: Engine
     provenance: Mapping[str, Value]
+    bytes: float = 0.0
 
     @property
     def unit(self) -> str:
@@ -91,7 +92,7 @@ def load(path: str) -> Callable[..., Any]:
 def compute(work: Work) -> Outcome:
     """Simulate the jobs of a unit, seal their records, and return failures as values.
 
-    Only what concerns the whole study is raised: a disk that is full, a bug outside the simulation.
+    Only what concerns the whole study is raised: DiskFull, a bug outside the simulation.
     """
     started = time.perf_counter()
     start_cpu_s = _start_up(work)
@@ -103,7 +104,10 @@ def compute(work: Work) -> Outcome:
         for job in work.jobs:
             note(job.id)
             try:
-                done.append((job, simulate(job.case)))
+                with room(work.root / unit):  # a full disk is no fault of the job
+                    done.append((job, simulate(job.case)))
+            except DiskFull:
+                raise
             except Exception as error:
                 failed.append(_failure(job.id, error))
         write_units(work.root, done, work.provenance)

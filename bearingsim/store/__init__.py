@@ -5,7 +5,7 @@ can be killed at any moment and several runs may share a folder.
 """
 
 from bearingsim.store.cases import case_of
-from bearingsim.store.files import lock, sweep
+from bearingsim.store.files import DiskFull, check_room, lock, room, sweep, write_bytes, write_text
 from bearingsim.store.folder import FolderInUse, discard, sealed_jobs
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
 from bearingsim.store.names import flat_parameters
@@ -28,6 +28,7 @@ from bearingsim.store.units import DamagedUnit, Series, check_unit, read_series,
 __all__ = [
     "DamagedChoices",
     "DamagedUnit",
+    "DiskFull",
     "Failure",
     "FolderInUse",
     "Results",
@@ -36,6 +37,7 @@ __all__ = [
     "audited",
     "build_table",
     "case_of",
+    "check_room",
     "check_unit",
     "clear_failure",
     "discard",
@@ -56,6 +58,7 @@ __all__ = [
     "read_plans",
     "read_series",
     "read_trials",
+    "room",
     "sealed_jobs",
     "spread",
     "start_marker",
@@ -63,8 +66,10 @@ __all__ = [
     "take_suspects",
     "unit_name",
     "unit_path",
+    "write_bytes",
     "write_choices",
     "write_plan",
+    "write_text",
     "write_trials",
     "write_units",
 ]

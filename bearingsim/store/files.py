@@ -4,19 +4,41 @@ Everything is written under a ``.part`` name that carries the host and process o
 renamed, so a power cut or ``kill -9`` never leaves half a file under a final name.
 """
 
+import errno
 import os
+import shutil
 import socket
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from filelock import BaseFileLock, FileLock
+from filelock import FileLock
 
-__all__ = ["lock", "sealing", "sweep", "temporary_files", "unit_files", "write_text", "writer", "writer_is_dead"]
+from bearingsim.errors import UserError
+
+__all__ = [
+    "DiskFull",
+    "check_room",
+    "lock",
+    "room",
+    "sweep",
+    "temporary_files",
+    "unit_files",
+    "write_bytes",
+    "write_text",
+    "writer",
+    "writer_is_dead",
+]
 
 LEFTOVER = (".part", ".started")
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+ADVICE = "make room, or take another folder by --out, and give the command again: what is stored stays"
 FOREIGN_AGE_S = 86400.0  # another host's process cannot be asked: longer than any job takes
+
+
+class DiskFull(UserError):
+    """There is no room for a file."""
 
 
 def writer() -> str:
@@ -26,24 +48,62 @@ def writer() -> str:
 
 
 @contextmanager
-def sealing(path: Path) -> Iterator[Path]:
-    """Give a ``.part`` path to write; on leaving fsync it and rename it to ``path``, on an error remove it."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f"{path.name}.{writer()}.part")
+def room(path: Path) -> Iterator[None]:
+    """Tell by name of a disk on which there is no room for ``path``. Raises DiskFull."""
     try:
-        yield part
-        _fsync(part)
-        os.replace(part, path)
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise
-    if os.name == "posix":
-        _fsync(path.parent)
+        yield
+    except OSError as error:
+        if error.errno not in FULL:
+            raise
+        raise DiskFull(f"{_what_is_full(path, error.errno)}: {ADVICE}") from error
 
 
-def _fsync(path: Path) -> None:
-    flags = os.O_RDONLY if path.is_dir() else os.O_RDWR
-    descriptor = os.open(path, flags)
+def _what_is_full(path: Path, number: int) -> str:
+    folder = _nearest(path.parent)
+    if number == errno.EFBIG:
+        return f"no file may grow so large (`ulimit -f`), and so {folder} takes no {path.name}"
+    left = f"{shutil.disk_usage(folder).free / 1e3:.0f} kB are left"
+    return f"the disk {_mount(folder)} is full ({left}), and so {folder} takes no {path.name}"
+
+
+def _nearest(folder: Path) -> Path:
+    """The folder, or the one above it that there is."""
+    return next((one for one in (folder, *folder.absolute().parents) if one.is_dir()), folder)
+
+
+def _mount(folder: Path) -> Path:
+    whole = folder.resolve()
+    return next(one for one in (whole, *whole.parents) if one.is_mount() or one == one.parent)
+
+
+def check_room(root: Path, wanted: float) -> None:
+    """Raises DiskFull if the disk of ``root`` has less room than ``wanted`` bytes."""
+    left = shutil.disk_usage(root).free
+    if left < wanted:
+        sizes = f"{left / 1e6:.3g} MB are left of the {wanted / 1e6:.3g} MB that the results take at least"
+        raise DiskFull(f"the disk {_mount(root)} has no room for {root}: {sizes}: {ADVICE}")
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all: under a temporary name, fsynced, renamed. Raises DiskFull, OSError."""
+    part = path.with_name(f"{path.name}.{writer()}.part")
+    with room(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with part.open("wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(part, path)
+        except BaseException:
+            part.unlink(missing_ok=True)
+            raise
+        if os.name == "posix":
+            _fsync(path.parent)
+
+
+def _fsync(folder: Path) -> None:
+    descriptor = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(descriptor)
     finally:
@@ -51,14 +111,15 @@ def _fsync(path: Path) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file whole or not at all."""
-    with sealing(path) as part:
-        part.write_text(text, encoding="utf-8")
+    """Write a text file whole or not at all. Raises DiskFull, OSError."""
+    write_bytes(path, text.encode())
 
 
-def lock(root: Path) -> BaseFileLock:
+@contextmanager
+def lock(root: Path) -> Iterator[None]:
     """The lock that parents sharing a folder hold while they build the table or sweep; dies with its holder."""
-    return FileLock(root / ".lock")
+    with room(root / ".lock"), FileLock(root / ".lock"):
+        yield
 
 
 def unit_files(root: Path) -> list[Path]:

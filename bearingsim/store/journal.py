@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from bearingsim.store.files import write_text, writer, writer_is_dead
+from bearingsim.store.files import room, write_text, writer, writer_is_dead
 
 __all__ = ["Failure", "clear_failure", "log", "now", "read_failures", "start_marker", "take_suspects"]
 
@@ -22,7 +22,8 @@ def now() -> str:
 def log(root: Path, event: str, **facts: Any) -> None:
     """Append one line to this process's journal ``journal-<host>-<pid>.jsonl``."""
     line = json.dumps({"when": now(), "event": event, **facts}, ensure_ascii=False)
-    with (root / f"journal-{writer()}.jsonl").open("a", encoding="utf-8") as journal:
+    path = root / f"journal-{writer()}.jsonl"
+    with room(path), path.open("a", encoding="utf-8") as journal:
         journal.write(line + "\n")
 
 
@@ -71,15 +72,11 @@ def start_marker(root: Path, unit: str) -> Iterator[Callable[[str], None]]:
     A process that is killed leaves the marker behind, and its last line names the job that was running.
     """
     path = root / "units" / unit[:2] / f"{unit}.{writer()}.started"
-    path.parent.mkdir(parents=True, exist_ok=True)
     try:
-        with path.open("w", encoding="utf-8") as marker:
-
-            def note(job: str) -> None:
-                marker.write(job + "\n")
-                marker.flush()
-
-            yield note
+        with room(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with path.open("w", encoding="utf-8") as marker:
+                yield lambda job: print(job, file=marker, flush=True)
     finally:
         path.unlink(missing_ok=True)
 

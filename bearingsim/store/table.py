@@ -16,12 +16,12 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from bearingsim.store.files import lock, sealing, unit_files, write_text
+from bearingsim.store.files import DiskFull, lock, unit_files, write_text
 from bearingsim.store.journal import read_failures
 from bearingsim.store.names import in_feature_order
 from bearingsim.store.nearness import nearness
 from bearingsim.store.spread import errors
-from bearingsim.store.units import GROUPS, LIBVER, TEXT, UNREADABLE, read_columns, write_columns, write_jobs
+from bearingsim.store.units import GROUPS, TEXT, UNREADABLE, new_hdf5, read_columns, write_columns, write_jobs
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -100,7 +100,7 @@ def job_frame(root: Path) -> "pd.DataFrame":
         return known
     try:
         return build_table(root)
-    except PermissionError:
+    except (OSError, DiskFull):
         return _make_frame(root, known)
 
 
@@ -110,8 +110,7 @@ def build_table(root: Path) -> "pd.DataFrame":
         fingerprint = _fingerprint(root)
         frame = _make_frame(root, _read_frame(root))
         _write_frame(root, frame, fingerprint)
-        with sealing(root / "results.csv") as part:
-            table(read_plan(root), frame).to_csv(part, index=False)
+        write_text(root / "results.csv", table(read_plan(root), frame).to_csv(index=False))
     return frame.sort_index(axis=1)
 
 
@@ -222,7 +221,7 @@ def _fingerprint(root: Path) -> str:
 
 
 def _write_frame(root: Path, frame: "pd.DataFrame", fingerprint: str) -> None:
-    with sealing(root / "study.h5") as part, h5py.File(part, "w", libver=LIBVER) as file:
+    with new_hdf5(root / "study.h5") as file:
         jobs = write_jobs(file, list(frame.index))
         for name in PER_JOB:
             column = file.create_dataset(name, data=frame[name].to_numpy(object), dtype=TEXT)

@@ -8,7 +8,8 @@ h5web and MATLAB open it unaided.
 
 import hashlib
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -19,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bearingsim.errors import UserError
-from bearingsim.store.files import sealing
+from bearingsim.store.files import write_bytes
 from bearingsim.store.names import channel_attributes, feature_attributes, flat_parameters, parameter_attributes
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ __all__ = [
     "DamagedUnit",
     "Series",
     "check_unit",
+    "new_hdf5",
     "read_columns",
     "read_series",
     "unit_name",
@@ -93,7 +95,7 @@ def _shape_key(record: "Record") -> tuple[bytes, tuple[str, ...]]:
 def _write_unit(root: Path, done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]) -> Path:
     ids = [job.id for job, _ in done]
     path = unit_path(root, unit_name(ids))
-    with sealing(path) as part, h5py.File(part, "w", libver=LIBVER) as file:
+    with new_hdf5(path) as file:
         jobs = write_jobs(file, ids)
         _write_series(file, jobs, [record for _, record in done])
         write_columns(file, jobs, "parameters", columns([flat_parameters(job.case) for job, _ in done]))
@@ -101,6 +103,16 @@ def _write_unit(root: Path, done: Sequence[tuple["Job", "Record"]], provenance: 
         write_columns(file, jobs, "info", columns([record.info for _, record in done]))
         _write_provenance(file, provenance)
     return path
+
+
+@contextmanager
+def new_hdf5(path: Path) -> Iterator[h5py.File]:
+    """A file to fill. It is made in memory, where HDF5 meets no full disk, and written on leaving."""
+    with h5py.File(path.name, "w", driver="core", backing_store=False, libver=LIBVER) as file:
+        yield file
+        file.flush()
+        image = file.id.get_file_image()
+    write_bytes(path, image)
 
 
 def write_jobs(file: h5py.File, ids: Sequence[str]) -> h5py.Dataset:

@@ -1,5 +1,6 @@
 """Small stand-ins for a study and its simulation, importable from worker processes."""
 
+import errno
 import hashlib
 import json
 import math
@@ -167,6 +168,8 @@ def simulate(case: FakeCase) -> SimpleNamespace:
     if deed == "die-once" and not Path(flag).exists():
         Path(flag).touch()
         os._exit(4)
+    if deed == "no":  # room
+        raise OSError(errno.ENOSPC, "no space left")
     if deed == "interrupt":
         raise KeyboardInterrupt
     if deed == "raise-unless" and not Path(flag).exists():

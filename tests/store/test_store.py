@@ -17,7 +17,7 @@ import xarray as xr
 
 from bearingsim import store
 from bearingsim.config import Case
-from bearingsim.store.files import sealing, writer, writer_is_dead
+from bearingsim.store.files import write_bytes, writer, writer_is_dead
 from bearingsim.store.names import parameter_attributes
 from bearingsim.store.units import columns
 from tests.scenes.fake_studies import FakeCase, FakeJob, FakeStudy, case_id, record_of
@@ -114,14 +114,13 @@ def test_parameters_carry_their_si_unit() -> None:
     assert parameter_attributes("defect.grown") == {}
 
 
-def test_nothing_stays_under_a_final_name_when_writing_fails(tmp_path: Path) -> None:
-    def write_half() -> None:
-        with sealing(tmp_path / "a.txt") as part:
-            part.write_text("half")
-            raise OSError("no space left")
+def test_nothing_stays_when_writing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(descriptor: int) -> None:
+        raise OSError("the cable is out")
 
-    with pytest.raises(OSError, match="no space"):
-        write_half()
+    monkeypatch.setattr(os, "fsync", broken)
+    with pytest.raises(OSError, match="cable"):
+        write_bytes(tmp_path / "a.txt", b"half")
     assert list(tmp_path.iterdir()) == []
 
 
