@@ -80,9 +80,9 @@ def _mat(found: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
         }
         for job, one in found.items()
     }
-    file = BytesIO()
+    file: Any = BytesIO()
     savemat(file, structs, oned_as="column", long_field_names=True)
-    return file.getvalue()
+    return bytes(file.getvalue())
 
 
 def _fields(named: Mapping[Any, Any]) -> dict[str, Any]:

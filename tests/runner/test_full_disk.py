@@ -59,7 +59,7 @@ def test_a_job_that_finds_no_room_is_not_blamed(tmp_path: Path) -> None:
 
 
 def test_room_is_looked_for_before_anything_is_computed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(files.shutil, "disk_usage", lambda _: SimpleNamespace(free=500))
+    monkeypatch.setattr("bearingsim.store.files.shutil.disk_usage", lambda _: SimpleNamespace(free=500))
     with pytest.raises(DiskFull, match=r"no room for .*0.0005 MB are left of the 0.00\d+ MB"):
         compute(FakeStudy(), tmp_path)
     assert not list(tmp_path.glob("units/*"))
@@ -68,7 +68,8 @@ def test_room_is_looked_for_before_anything_is_computed(tmp_path: Path, monkeypa
 @pytest.mark.parametrize("words", [("plot",), ("export", "--features"), ("export", "--series")])
 def test_figures_and_exports_meet_a_full_disk(done: Path, tmp_path: Path, words: tuple[str, ...]) -> None:
     job = store.open_results(done).jobs[0]
-    given = {"--features": [tmp_path / "f.csv"], "--series": [job, "--out", tmp_path / "s.mat"]}
+    given: dict[str, list[Any]] = {"--features": [tmp_path / "f.csv"]}
+    given["--series"] = [job, "--out", tmp_path / "s.mat"]
     with largest_file(1000):
         _, told = type_(words[0], done, *words[1:], *given.get(words[-1], ["--out", tmp_path]), code=2)
     assert len(told.splitlines()) == 1
@@ -76,11 +77,8 @@ def test_figures_and_exports_meet_a_full_disk(done: Path, tmp_path: Path, words:
     assert not list(tmp_path.iterdir())
 
 
-def test_a_full_disk_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with (
-        pytest.raises(DiskFull, match=r"the disk / is full|the disk /\S+ is full"),
-        files.room(tmp_path / "new" / "a"),
-    ):
+def test_a_full_disk_is_named(tmp_path: Path) -> None:
+    with pytest.raises(DiskFull, match=r"the disk /\S* is full"), files.room(tmp_path / "new" / "a"):
         raise OSError(28, "No space left on device")
 
 
