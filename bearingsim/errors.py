@@ -5,6 +5,10 @@ class UserError(Exception):
     """Its text says all that a user needs: the command line shows it without a traceback."""
 
 
+class DamageWarning(UserWarning):
+    """Something that a results folder holds cannot be read; the rest can."""
+
+
 class Refused(ValueError):
     """A case that must not be computed as it stands; ``advice`` says what to do instead."""
 

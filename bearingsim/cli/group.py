@@ -3,13 +3,14 @@
 import errno
 import os
 import traceback
+import warnings
 from pathlib import Path
 from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
-from bearingsim.errors import UserError
+from bearingsim.errors import DamageWarning, UserError
 
 __all__ = ["INTERRUPTED", "WRONG", "Commands"]
 
@@ -38,6 +39,12 @@ def sentence(error: OSError) -> str:
     return f"{path}: {WORDS.get(error.errno, error.strerror)}"
 
 
+def _tell(message: Warning | str, *place: Any, **more: Any) -> None:
+    """What a user must know, without its place in the program; all else as Python tells it."""
+    told = str(message) if isinstance(message, DamageWarning) else warnings.formatwarning(message, *place[:3])
+    typer.echo(told, err=True)
+
+
 class Commands(TyperGroup):
     """Commands whose expected errors end with a message on stderr and exit code 2, an interrupt with 130."""
 
@@ -49,7 +56,10 @@ class Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                warnings.simplefilter("once", DamageWarning)
+                warnings.showwarning = _tell
+                return super().invoke(ctx)
         except KeyboardInterrupt as stop:
             typer.echo(str(stop) or "interrupted", err=True)
             raise typer.Exit(INTERRUPTED) from None

@@ -6,7 +6,7 @@ can be killed at any moment and several runs may share a folder.
 
 from bearingsim.store.cases import case_of
 from bearingsim.store.files import DiskFull, check_room, lock, room, sweep, write_bytes, write_text
-from bearingsim.store.folder import FolderInUse, discard, sealed_jobs
+from bearingsim.store.folder import FolderInUse, Holdings, discard, holdings
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
 from bearingsim.store.names import flat_parameters
 from bearingsim.store.nearness import audited, nearness
@@ -31,6 +31,7 @@ __all__ = [
     "DiskFull",
     "Failure",
     "FolderInUse",
+    "Holdings",
     "Results",
     "ResultsError",
     "Series",
@@ -43,6 +44,7 @@ __all__ = [
     "discard",
     "errors",
     "flat_parameters",
+    "holdings",
     "info",
     "keep_scans",
     "lock",
@@ -59,7 +61,6 @@ __all__ = [
     "read_series",
     "read_trials",
     "room",
-    "sealed_jobs",
     "spread",
     "start_marker",
     "sweep",

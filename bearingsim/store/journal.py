@@ -2,16 +2,28 @@
 
 import json
 import shutil
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from bearingsim.store.files import room, write_text, writer, writer_is_dead
+from bearingsim.errors import DamageWarning
+from bearingsim.store.files import room, writer, writer_is_dead
+from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 
-__all__ = ["Failure", "clear_failure", "log", "now", "read_failures", "start_marker", "take_suspects"]
+__all__ = [
+    "Failure",
+    "clear_failure",
+    "judged_failures",
+    "log",
+    "now",
+    "read_failures",
+    "start_marker",
+    "take_suspects",
+]
 
 
 def now() -> str:
@@ -42,17 +54,38 @@ class Failure:
 
     def write(self, root: Path) -> None:
         """Write ``failed/<job>.json``."""
-        write_text(_failure_path(root, self.job), json.dumps(asdict(self), indent=1, ensure_ascii=False))
+        write_json(_failure_path(root, self.job), asdict(self))
 
 
 def _failure_path(root: Path, job: str) -> Path:
     return root / "failed" / f"{job}.json"
 
 
+def judged_failures(root: Path) -> tuple[dict[str, Failure], dict[Path, str]]:
+    """Failures on record, by job id; and what of them cannot be read, with the reason."""
+    found, damaged = dict[str, Failure](), dict[Path, str]()
+    for path in sorted((root / "failed").glob("*.json")):
+        try:
+            found[path.stem] = _failure(path)
+        except UNREADABLE as error:
+            damaged[path] = str(error)
+    return found, damaged
+
+
+def _failure(path: Path) -> Failure:
+    """Of an earlier version some entries may be lacking, or others there."""
+    told = read_json(path)
+    known = {entry.name: told[entry.name] for entry in fields(Failure) if entry.name in told}
+    return Failure(**{"reason": "not known", **known, "job": path.stem})
+
+
 def read_failures(root: Path) -> dict[str, Failure]:
-    """Failures on record, by job id."""
-    paths = sorted((root / "failed").glob("*.json"))
-    return {path.stem: Failure(**json.loads(path.read_text(encoding="utf-8"))) for path in paths}
+    """Failures on record, by job id; warns of those that cannot be read."""
+    found, damaged = judged_failures(root)
+    for path, reason in damaged.items():
+        told = f"{path} cannot be read ({reason}), its job counts as missing: run the study again"
+        warnings.warn(told, DamageWarning, stacklevel=2)
+    return found
 
 
 def clear_failure(root: Path, job: str) -> None:

@@ -8,8 +8,7 @@ h5web and MATLAB open it unaided.
 
 import hashlib
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -20,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bearingsim.errors import UserError
-from bearingsim.store.files import write_bytes
 from bearingsim.store.names import channel_attributes, feature_attributes, flat_parameters, parameter_attributes
+from bearingsim.store.sealed import UNREADABLE, Unreadable, new_hdf5, open_hdf5
 
 if TYPE_CHECKING:
     from bearingsim.simulation.simulate import Record
@@ -31,20 +30,19 @@ __all__ = [
     "DamagedUnit",
     "Series",
     "check_unit",
-    "new_hdf5",
+    "open_unit",
     "read_columns",
     "read_series",
+    "read_unit",
     "unit_name",
     "unit_path",
     "write_columns",
     "write_units",
 ]
 
-LIBVER = ("v108", "v108")  # object headers with checksums and no 64 kB limit on attributes
 TEXT = h5py.string_dtype()
 CHUNK_BYTES = 1 << 16
 LONGEST_CHUNK = 1 << 18  # samples
-UNREADABLE = (OSError, KeyError, TypeError, ValueError, RuntimeError, AttributeError)  # HDF5 of torn files
 GROUPS = ("parameters", "features", "info")
 
 Value = float | int | str
@@ -52,7 +50,7 @@ Row = Mapping[str, Value]
 
 
 class DamagedUnit(UserError):
-    """A unit file that does not open, or does not hold what its name promises."""
+    """A unit file that is not as it was written, or does not hold what its name promises."""
 
 
 @dataclass(frozen=True)
@@ -103,16 +101,6 @@ def _write_unit(root: Path, done: Sequence[tuple["Job", "Record"]], provenance: 
         write_columns(file, jobs, "info", columns([record.info for _, record in done]))
         _write_provenance(file, provenance)
     return path
-
-
-@contextmanager
-def new_hdf5(path: Path) -> Iterator[h5py.File]:
-    """A file to fill. It is made in memory, where HDF5 meets no full disk, and written on leaving."""
-    with h5py.File(path.name, "w", driver="core", backing_store=False, libver=LIBVER) as file:
-        yield file
-        file.flush()
-        image = file.id.get_file_image()
-    write_bytes(path, image)
 
 
 def write_jobs(file: h5py.File, ids: Sequence[str]) -> h5py.Dataset:
@@ -189,33 +177,49 @@ def _write_provenance(file: h5py.File, provenance: Mapping[str, Value]) -> None:
 # Reading
 
 
-def check_unit(path: Path, checksums: bool = False) -> list[str]:
-    """Return the ids of the jobs a unit holds, after checking that it holds them.
+def open_unit(path: Path) -> h5py.File:
+    """Open a unit, once it is known to be as it was written, and to hold what its name promises.
 
-    The file opens, is marked complete, its ids make its name and every channel has its full shape; with
-    ``checksums`` every byte is read against its checksum. Raises DamagedUnit.
+    One of an earlier version, without a digest, is read whole against HDF5's checksums. Raises DamagedUnit.
     """
     try:
-        with h5py.File(path) as file:
-            ids = _checked_ids(path, file)
-            if checksums:
-                _read_everything(file)
-            return ids
+        file = open_hdf5(path)
+        try:
+            _check(path, file)
+        except BaseException:
+            file.close()
+            raise
+    except PermissionError:  # no damage
+        raise
     except UNREADABLE as error:
         raise DamagedUnit(f"{path.name}: {error}") from error
+    return file
 
 
-def _checked_ids(path: Path, file: h5py.File) -> list[str]:
+def read_unit(path: Path) -> dict[str, NDArray[Any]]:
+    """The columns over ``job`` of a unit. Raises DamagedUnit."""
+    with open_unit(path) as file:
+        return read_columns(file)
+
+
+def check_unit(path: Path) -> list[str]:
+    """The ids of the jobs that a unit holds. Raises DamagedUnit."""
+    with open_unit(path) as file:
+        return list(file["job"].asstr()[()])
+
+
+def _check(path: Path, file: h5py.File) -> None:
     ids = list(file["job"].asstr()[()])
     if file.attrs.get("status") != "complete":
-        raise DamagedUnit(f"{path.name}: not marked complete")
+        raise Unreadable("not marked complete")
     if unit_name(ids) != path.stem:
-        raise DamagedUnit(f"{path.name}: its job ids are not those of its name")
+        raise Unreadable("its job ids are not those of its name")
     for name in _channels(file):
         whole = (len(ids), len(file["time"]))
         if file[name].shape != whole:
-            raise DamagedUnit(f"{path.name}: {name} has shape {file[name].shape}, not {whole}")
-    return ids
+            raise Unreadable(f"{name} has shape {file[name].shape}, not {whole}")
+    if "schema" not in file.attrs:
+        _read_everything(file)
 
 
 def _read_everything(folder: h5py.Group) -> None:
@@ -231,16 +235,12 @@ def _channels(file: h5py.File) -> list[str]:
     return [name for name, item in file.items() if isinstance(item, h5py.Dataset) and item.ndim == 2]
 
 
-def read_columns(path: Path, groups: Sequence[str] = GROUPS) -> dict[str, NDArray[Any]]:
+def read_columns(file: h5py.File, groups: Sequence[str] = GROUPS) -> dict[str, NDArray[Any]]:
     """Read the columns over ``job`` of a unit or of the table: ``job``, ``features/velocity@BPFO`` ..."""
-    with h5py.File(path) as file:
-        found = {
-            f"{group}/{name}": _read(item)
-            for group in groups
-            if group in file
-            for name, item in file[group].items()
-        }
-        return {"job": _read(file["job"]), **found}
+    found = {
+        f"{group}/{name}": _read(item) for group in groups if group in file for name, item in file[group].items()
+    }
+    return {"job": _read(file["job"]), **found}
 
 
 def _read(item: h5py.Dataset) -> NDArray[Any]:
@@ -248,8 +248,8 @@ def _read(item: h5py.Dataset) -> NDArray[Any]:
 
 
 def read_series(path: Path, job: str) -> Series:
-    """Read the series of one job from its unit. Raises KeyError if the unit does not hold the job."""
-    with h5py.File(path) as file:
+    """Read the series of one job from its unit. Raises DamagedUnit, and KeyError if it does not hold the job."""
+    with _opened(path) as file:
         ids = list(file["job"].asstr()[()])
         if job not in ids:
             raise KeyError(f"{path.name} does not hold job {job}")
@@ -259,3 +259,11 @@ def read_series(path: Path, job: str) -> Series:
             channels={name: file[name][row] for name in names},
             units={name: str(file[name].attrs["units"]) for name in names},
         )
+
+
+def _opened(path: Path) -> h5py.File:
+    try:
+        return open_unit(path)
+    except DamagedUnit as damage:
+        advice = "run the study again with --verify: what is damaged is computed again"
+        raise DamagedUnit(f"{path.parent}/{damage} ({advice})") from None

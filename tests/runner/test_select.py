@@ -55,7 +55,7 @@ def tried(log: Path) -> int:
 
 
 def choices(out: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((out / "choices.json").read_text())
+    found: dict[str, Any] = json.loads((out / "choices.json").read_text())["choices"]
     return found
 
 
@@ -371,7 +371,7 @@ def test_a_torn_trial_is_made_again(write: Write, tmp_path: Path, log: Path, kee
     lines(log)
     (out / "choices.json").unlink()
     torn = sorted((out / "trials").glob("*.json"))[0]
-    lost = len(json.loads(torn.read_text()))
+    lost = len(json.loads(torn.read_text())["trials"])
     torn.write_text(torn.read_text()[:keep])
     compute(near(write), out)
     assert choices(out) == before
