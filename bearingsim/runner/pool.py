@@ -17,7 +17,7 @@ from bearingsim.store import Failure, log, take_suspects
 
 __all__ = ["Deaths", "WorkersDie", "ignore_sigint", "outcomes", "spread"]
 
-MOST_DEATHS = 3
+RESTARTS_WITHOUT_PROGRESS = 3
 ADVICE = "no job is blamed; run again, with fewer --jobs if memory was short"
 
 
@@ -37,8 +37,8 @@ class Deaths:
         self.count += 1
         cause = _exit_codes(death)
         log(self.root, "worker died", exit=cause, suspects=sorted(suspects))
-        if self.count == MOST_DEATHS:
-            often = f"{MOST_DEATHS} times, with nothing finished between"
+        if self.count == RESTARTS_WITHOUT_PROGRESS:
+            often = f"{RESTARTS_WITHOUT_PROGRESS} times, with nothing finished between"
             raise WorkersDie(f"worker processes died {self.doing} {often} ({cause}): {ADVICE}") from death
 
     def end(self) -> None:

@@ -16,7 +16,7 @@ from bearingsim.runner.progress import getting_ready, progress
 from bearingsim.runner.work import Engine, load
 from bearingsim.selection.candidates import price
 from bearingsim.selection.choices import key
-from bearingsim.store.units import Value
+from bearingsim.store.columns import Value
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.store import DiskFull, Failure, room, start_marker, unit_name, write_units
-from bearingsim.store.units import Value
+from bearingsim.store.columns import Value
 
 if TYPE_CHECKING:
     from bearingsim.simulation.simulate import Record

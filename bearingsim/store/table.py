@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bearingsim.errors import DamageWarning
+from bearingsim.store.columns import GROUPS, TEXT, read_columns, write_columns, write_jobs
 from bearingsim.store.files import DiskFull, lock, unit_files, write_text
 from bearingsim.store.journal import Failure, read_failures
 from bearingsim.store.names import in_feature_order
@@ -23,7 +24,6 @@ from bearingsim.store.nearness import nearness
 from bearingsim.store.sealed import UNREADABLE, new_hdf5, open_hdf5, read_json, write_json
 from bearingsim.store.spread import errors
 from bearingsim.store.stock import Rows, judged
-from bearingsim.store.units import GROUPS, TEXT, read_columns, write_columns, write_jobs
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -232,7 +232,7 @@ def _column(values: "pd.Series[Any]") -> NDArray[Any]:
     return values.astype(str).to_numpy(object)
 
 
-def read_frame(root: Path, groups: Sequence[str] = GROUPS) -> "pd.DataFrame | None":
+def read_frame(root: Path, groups: Sequence[str] = tuple(GROUPS)) -> "pd.DataFrame | None":
     """The frame as ``study.h5`` holds it (of some groups of columns), None when there is none or it is damaged."""
     import pandas as pd
 

@@ -1,13 +1,12 @@
 """The unit file: one immutable HDF5 file with the series, parameters and features of one or more jobs.
 
 Root: ``time`` (float64, s) and ``job`` (ids) are dimension scales, each channel is a float32 dataset
-(job, time). Groups ``parameters``, ``features`` and ``info`` hold one dataset over ``job`` per name, in SI with
-a ``units`` attribute; group ``provenance`` tells what made the file. Plain HDF5: xarray (h5netcdf), ncdump,
+(job, time). ``parameters``, ``features`` and ``info`` are datasets (job, name) in SI (``columns.py``); group
+``provenance`` tells what made the file. Plain HDF5: xarray (h5netcdf), ncdump,
 h5web and MATLAB open it unaided.
 """
 
 import hashlib
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -19,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bearingsim.errors import UserError
-from bearingsim.store.names import channel_attributes, feature_attributes, flat_parameters, parameter_attributes
+from bearingsim.store.columns import GROUPS, TEXT, Value, columns, read_columns, write_columns, write_jobs
+from bearingsim.store.names import channel_attributes, flat_parameters
 from bearingsim.store.sealed import UNREADABLE, Unreadable, new_hdf5, open_hdf5
 
 if TYPE_CHECKING:
@@ -31,22 +31,15 @@ __all__ = [
     "Series",
     "check_unit",
     "open_unit",
-    "read_columns",
     "read_series",
     "read_unit",
     "unit_name",
     "unit_path",
-    "write_columns",
     "write_units",
 ]
 
-TEXT = h5py.string_dtype()
 CHUNK_BYTES = 1 << 16
 LONGEST_CHUNK = 1 << 18  # samples
-GROUPS = ("parameters", "features", "info")
-
-Value = float | int | str
-Row = Mapping[str, Value]
 
 
 class DamagedUnit(UserError):
@@ -103,14 +96,6 @@ def _write_unit(root: Path, done: Sequence[tuple["Job", "Record"]], provenance: 
     return path
 
 
-def write_jobs(file: h5py.File, ids: Sequence[str]) -> h5py.Dataset:
-    """Write the ``job`` dimension: a scale of ids."""
-    jobs = file.create_dataset("job", data=np.array(ids, object), dtype=TEXT)
-    jobs.make_scale("job")
-    jobs.attrs["long_name"] = "job id"
-    return jobs
-
-
 def _write_series(file: h5py.File, jobs: h5py.Dataset, records: Sequence["Record"]) -> None:
     first = records[0]
     if not first.series:
@@ -132,35 +117,6 @@ def _chunks(jobs: int, samples: int) -> tuple[int, int]:
     """One job per chunk, or as many short ones as make a chunk worth its overhead."""
     width = max(1, min(samples, LONGEST_CHUNK))
     return min(jobs, max(1, CHUNK_BYTES // (4 * width))), width
-
-
-def columns(rows: Sequence[Row]) -> dict[str, NDArray[Any]]:
-    """Turn one mapping per job into one array per name: float64, or text as soon as one value is a word.
-
-    A name that a job does not have reads NaN, or the empty text.
-    """
-    names = dict.fromkeys(name for row in rows for name in row)
-    return {name: _column([row.get(name) for row in rows]) for name in names}
-
-
-def _column(values: Sequence[Value | None]) -> NDArray[Any]:
-    if any(isinstance(value, str) for value in values):
-        return np.array(["" if value is None else str(value) for value in values], object)
-    return np.array([math.nan if value is None else value for value in values], np.float64)
-
-
-def write_columns(file: h5py.File, jobs: h5py.Dataset, group: str, named: Mapping[str, NDArray[Any]]) -> None:
-    """Write one dataset over ``job`` per name into a group, with ``units`` and ``long_name`` where known."""
-    attributes = {"parameters": parameter_attributes, "features": feature_attributes}.get(group)
-    folder = file.require_group(group)
-    for name, values in named.items():
-        if values.dtype == object:
-            column = folder.create_dataset(name, data=values, dtype=TEXT)
-        else:
-            column = folder.create_dataset(name, data=values, chunks=values.shape, fletcher32=True)
-        column.dims[0].attach_scale(jobs)
-        if attributes is not None:
-            column.attrs.update(attributes(name))
 
 
 def _write_provenance(file: h5py.File, provenance: Mapping[str, Value]) -> None:
@@ -232,19 +188,9 @@ def _read_everything(folder: h5py.Group) -> None:
 
 
 def _channels(file: h5py.File) -> list[str]:
-    return [name for name, item in file.items() if isinstance(item, h5py.Dataset) and item.ndim == 2]
-
-
-def read_columns(file: h5py.File, groups: Sequence[str] = GROUPS) -> dict[str, NDArray[Any]]:
-    """Read the columns over ``job`` of a unit or of the table: ``job``, ``features/velocity@BPFO`` ..."""
-    found = {
-        f"{group}/{name}": _read(item) for group in groups if group in file for name, item in file[group].items()
-    }
-    return {"job": _read(file["job"]), **found}
-
-
-def _read(item: h5py.Dataset) -> NDArray[Any]:
-    return item.asstr()[()] if item.dtype == object else item[()]
+    columns = (*GROUPS, *(f"{one}_text" for one in GROUPS.values()))
+    series = {name: item for name, item in file.items() if name not in columns}
+    return [name for name, item in series.items() if isinstance(item, h5py.Dataset) and item.ndim == 2]
 
 
 def read_series(path: Path, job: str) -> Series:

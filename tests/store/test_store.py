@@ -17,10 +17,10 @@ import xarray as xr
 
 from bearingsim import store
 from bearingsim.config import Case
+from bearingsim.store.columns import columns
 from bearingsim.store.files import write_bytes, writer, writer_is_dead
 from bearingsim.store.names import parameter_attributes
 from bearingsim.store.sealed import new_hdf5
-from bearingsim.store.units import columns
 from tests.scenes.fake_studies import FakeCase, FakeJob, FakeStudy, case_id, record_of
 
 PROVENANCE: dict[str, int | str] = {"model_version": 1, "study_text": "study: fake\n" + "# long\n" * 20_000}
@@ -53,11 +53,28 @@ def test_unit_file_is_compressed_and_has_checksums(tmp_path: Path, study: FakeSt
         channel = file["ring.velocity.x"]
         assert (channel.dtype, file["time"].dtype) == (np.float32, np.float64)
         assert (channel.compression, channel.shuffle, channel.fletcher32) == ("gzip", True, True)
-        assert file["features/velocity@BPFO"].fletcher32
-        assert file["features/velocity@BPFO"].attrs["units"] == "m/s"
-        assert file["parameters/defects.1.width"].attrs["units"] == "m"
+        names = list(file["feature"].asstr())
+        assert names == ["velocity.rms", "velocity@BPFO", "velocity@BPFO.phase"]
+        assert (file["features"].shape, file["features"].dtype) == ((4, 3), np.float64)
+        assert list(file["feature_units"].asstr()) == ["m/s", "m/s", "rad"]
+        assert (
+            dict(zip(file["parameter"].asstr(), file["parameter_units"].asstr(), strict=True))["defects.1.width"]
+            == "m"
+        )
         assert file.attrs["model_version"] == 1
         assert file["provenance/study_text"].asstr()[()] == PROVENANCE["study_text"]
+
+
+def test_a_job_of_3_kb_of_series_takes_less_than_8_kb(tmp_path: Path) -> None:
+    cases = [FakeCase(width=1e-3 * n, duration=0.0375) for n in range(100)]  # 384 samples, twice, as float32
+    jobs: list[Any] = [FakeJob(case_id(case), case, {}, None) for case in cases]
+    records = [record_of(case) for case in cases]
+    for number, record in enumerate(records):
+        values = np.random.default_rng(number).normal(size=120)
+        record.features |= {f"feature {n} of a hundred": value for n, value in enumerate(values)}
+        record.info |= {f"fact {n}": f"word {n % 3}" for n in range(25)}
+    [path] = store.write_units(tmp_path, list(zip(jobs, records, strict=True)), PROVENANCE)
+    assert path.stat().st_size / 100 < 8000
 
 
 def test_xarray_opens_a_unit_unaided(tmp_path: Path, study: FakeStudy) -> None:
@@ -67,8 +84,11 @@ def test_xarray_opens_a_unit_unaided(tmp_path: Path, study: FakeStudy) -> None:
         assert data["ring.velocity.x"].attrs == {"units": "m/s", "long_name": "velocity of the outer ring x"}
         assert list(data["job"].values) == sorted(job.id for job in study.jobs())
         assert data["time"].attrs["units"] == "s"
-    with xr.open_dataset(path, engine="h5netcdf", group="features") as features:
-        assert features["velocity@BPFO"].dims == ("job",)
+        by_id = {job.id: 1e-3 if job.is_baseline else job.case.width for job in study.jobs()}
+        assert data["features"].dims == ("job", "feature")
+        assert list(data["features"].sel(feature="velocity@BPFO").values) == [
+            by_id[job] for job in data["job"].values
+        ]
 
 
 def test_jobs_of_other_time_axes_get_their_own_unit(tmp_path: Path) -> None:
@@ -309,9 +329,9 @@ def test_job_in_two_units_is_counted_once(tmp_path: Path, study: FakeStudy) -> N
 def test_table_file_opens_in_xarray(tmp_path: Path, study: FakeStudy) -> None:
     seal(tmp_path, study)
     store.build_table(tmp_path)
-    with xr.open_dataset(tmp_path / "study.h5", engine="h5netcdf", group="features") as features:
-        assert features["velocity@BPFO-healthy"].dims == ("job",)
-        assert features["velocity@BPFO"].attrs["units"] == "m/s"
+    with xr.open_dataset(tmp_path / "study.h5", engine="h5netcdf") as data:
+        assert data["features"].sel(feature="velocity@BPFO-healthy").dims == ("job",)
+        assert data["feature_units"].sel(feature="velocity@BPFO") == "m/s"
 
 
 def test_plan_tells_what_was_asked(tmp_path: Path, study: Any) -> None:
