@@ -1,7 +1,7 @@
 """Columns over the jobs of a file: parameters, features, and what the solver said.
 
-All numbers of a group are one float64 dataset (job, name), such as ``features``. The scale of its second dimension,
-``feature``, has the names, and ``feature_units`` the units. All its words are another, ``feature_text``. Files of
+All numbers of a group are one float64 dataset (job, name), such as ``features``. The scale of its second dimension
+is ``feature``, the names; ``feature_units`` has the units. All its words are another, ``feature_text``. Files of
 earlier versions have a dataset for each name, ``features/velocity.rms``.
 """
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearingsim.errors import UserError
-from bearingsim.store.files import lock, temporary_files, unit_files, writer_is_dead
+from bearingsim.store.files import left_behind, lock, temporary_files, unit_files
 from bearingsim.store.journal import Failure, clear_failures, judged_failures, log
 from bearingsim.store.sealed import set_aside
 from bearingsim.store.stock import judged
@@ -61,8 +61,11 @@ def discard(root: Path) -> None:
     Raises FolderInUse while another run is computing into it.
     """
     with lock(root):
-        if any(not writer_is_dead(path) for path in temporary_files(root)):
-            raise FolderInUse(f"another run is writing to {root}: wait for it, or choose another folder")
+        for path in temporary_files(root):
+            with left_behind(path) as left:
+                if not left and path.exists():
+                    advice = "wait for it, or choose another folder (on a disk without locks: remove this file)"
+                    raise FolderInUse(f"another run is writing {path}: {advice}")
         shutil.rmtree(root / "units", ignore_errors=True)
         clear_failures(root)
         clear_choices(root)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bearingsim.errors import DamageWarning
-from bearingsim.store.files import room, writer, writer_is_dead
+from bearingsim.store.files import left_behind, room, temporary, writer
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 
 __all__ = [
@@ -104,25 +104,22 @@ def start_marker(root: Path, unit: str) -> Iterator[Callable[[str], None]]:
 
     A process that is killed leaves the marker behind, and its last line names the job that was running.
     """
-    path = root / "units" / unit[:2] / f"{unit}.{writer()}.started"
-    try:
-        with room(path):
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with path.open("w", encoding="utf-8") as marker:
-                yield lambda job: print(job, file=marker, flush=True)
-    finally:
-        path.unlink(missing_ok=True)
+    folder = root / "units" / unit[:2]
+    with room(folder / unit), temporary(folder, unit, "started") as marker:
+
+        def note(job: str) -> None:
+            marker.write(f"{job}\n".encode())
+            marker.flush()
+
+        yield note
 
 
 def take_suspects(root: Path, units: Iterable[str]) -> set[str]:
     """Jobs that were running in ``units`` when their processes died; removes the markers that told."""
-    markers = [
-        path
-        for unit in units
-        for path in (root / "units" / unit[:2]).glob(f"{unit}.*.started")
-        if writer_is_dead(path)
-    ]
-    last_lines = [path.read_text(encoding="utf-8").split()[-1:] for path in markers]
-    for path in markers:
-        path.unlink(missing_ok=True)
-    return {job for line in last_lines for job in line}
+    suspects = set[str]()
+    for path in (path for unit in units for path in (root / "units" / unit[:2]).glob(f"{unit}.*.started")):
+        with left_behind(path) as left:
+            if left:
+                suspects.update(path.read_text(encoding="utf-8").split()[-1:])
+                path.unlink()
+    return suspects

@@ -356,7 +356,7 @@ def test_ctrl_c_ends_a_pool_cleanly(tmp_path: Path) -> None:
 def test_workers_die_with_their_parent(tmp_path: Path) -> None:
     with other_process(tmp_path, jobs=2, count=2, seconds=30.0) as process:
         wait_for(lambda: len([*tmp_path.rglob("*.started")]) == 2)
-        workers = [int(path.stem.rpartition("-")[2]) for path in tmp_path.rglob("*.started")]
+        workers = [int(path.stem.split("-")[-2]) for path in tmp_path.rglob("*.started")]
         process.kill()
         process.wait()
         wait_for(lambda: not any(runs(pid) for pid in workers), timeout=2.0)

@@ -1,11 +1,11 @@
 """The results folder: unit files, table, resuming, leftovers."""
 
+import errno
 import json
 import os
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -17,8 +17,9 @@ import xarray as xr
 
 from bearingsim import store
 from bearingsim.config import Case
+from bearingsim.store import files
 from bearingsim.store.columns import columns
-from bearingsim.store.files import write_bytes, writer, writer_is_dead
+from bearingsim.store.files import temporary, write_bytes
 from bearingsim.store.names import parameter_attributes
 from bearingsim.store.sealed import new_hdf5
 from tests.scenes.fake_studies import FakeCase, FakeJob, FakeStudy, case_id, record_of
@@ -184,35 +185,71 @@ def test_unit_with_a_missing_row_is_not_trusted(tmp_path: Path, study: FakeStudy
         store.check_unit(path)
 
 
+LEAVES = """import os, sys, time; from pathlib import Path; from bearingsim.store.files import temporary
+with temporary(Path(sys.argv[1]), "ab.h5", "part") as file: print(flush=True); {}
+"""
+
+
 def test_sweep_takes_leftovers_of_dead_writers_only(tmp_path: Path) -> None:
-    dead = subprocess.Popen([sys.executable, "-c", ""])
-    dead.wait()
-    host = writer().rpartition("-")[0]
     folder = tmp_path / "units" / "ab"
-    folder.mkdir(parents=True)
-    names = {
-        who: folder / f"ab.h5.{host}-{pid}.part" for who, pid in {"dead": dead.pid, "own": os.getpid()}.items()
-    }
-    names |= {"parent": folder / f"ab.{host}-{os.getppid()}.started", "there": folder / "ab.h5.elsewhere-1.part"}
-    names["long ago"] = folder / "ab.h5.elsewhere-2.part"
-    for path in names.values():
-        path.touch()
-    os.utime(names["long ago"], (time.time() - 2 * 86400,) * 2)
-    assert set(store.sweep(tmp_path)) == {names["dead"], names["long ago"]}
-    assert not names["dead"].exists()
-    assert names["own"].exists()
+    subprocess.run([sys.executable, "-c", LEAVES.format("os._exit(9)"), str(folder)], check=False, stdout=-1)
+    [left] = folder.iterdir()
+    command = [sys.executable, "-c", LEAVES.format("time.sleep(60)"), str(folder)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as other, temporary(folder, "own", "part") as own:
+        assert other.stdout is not None
+        other.stdout.readline()
+        assert store.sweep(tmp_path) == [left]
+        assert len(list(folder.iterdir())) == 2
+        other.kill()
+        os.waitid(os.P_PID, other.pid, os.WEXITED | os.WNOWAIT)  # dead, but not yet waited for
+        assert len(store.sweep(tmp_path)) == 1
+        assert [str(path) for path in folder.iterdir()] == [own.name]
+    assert not list(folder.iterdir())
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
-def test_killed_writer_counts_as_dead_before_it_is_waited_for(tmp_path: Path) -> None:
-    process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
-    part = tmp_path / f"x.{writer().rpartition('-')[0]}-{process.pid}.part"
-    part.touch()
-    assert not writer_is_dead(part)
-    process.kill()
-    os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
-    assert writer_is_dead(part)
-    process.wait()
+def test_a_sweep_that_is_quicker_than_the_lock_costs_a_file_and_no_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain, swept = files._take, list[str]()
+
+    def take(file: Any, wait: bool) -> bool:
+        if not swept:
+            swept.append(file.name)
+            Path(file.name).unlink()
+        return plain(file, wait)
+
+    monkeypatch.setattr(files, "_take", take)
+    write_bytes(tmp_path / "a", b"whole")
+    assert (tmp_path / "a").read_bytes() == b"whole"
+    assert [path.name for path in tmp_path.iterdir()] == ["a"]
+
+
+def test_without_locks_nothing_is_taken_for_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(*arguments: Any) -> None:
+        raise OSError(errno.ENOLCK, "no locks available")
+
+    monkeypatch.setattr("fcntl.flock", none)
+    (tmp_path / "a.part").touch()
+    write_bytes(tmp_path / "b", b"whole")
+    assert store.sweep(tmp_path) == []
+    with pytest.raises(store.FolderInUse, match="on a disk without locks"):
+        store.discard(tmp_path)
+
+
+@pytest.mark.parametrize("number", [errno.EROFS, errno.EACCES, errno.ENOSPC])
+def test_a_stale_table_is_read_where_nothing_can_be_written(
+    tmp_path: Path, study: FakeStudy, monkeypatch: pytest.MonkeyPatch, number: int
+) -> None:
+    seal(tmp_path, study)
+    whole = store.open_results(tmp_path).table()
+    (tmp_path / "study.h5").write_bytes(b"stale")
+
+    def refuse(*arguments: Any) -> None:
+        raise OSError(number, "cannot be written")
+
+    monkeypatch.setattr(files, "_locked", refuse)
+    monkeypatch.setattr("filelock.FileLock.acquire", refuse)
+    assert store.open_results(tmp_path).table().equals(whole)
 
 
 def test_fresh_start_refuses_a_folder_in_use(tmp_path: Path, study: FakeStudy) -> None:
@@ -232,10 +269,6 @@ def test_marker_of_a_dead_process_names_the_job_in_hand(tmp_path: Path) -> None:
         assert store.take_suspects(tmp_path, ["cafe"]) == {"b"}
         assert store.take_suspects(tmp_path, ["cafe"]) == set()
     assert not list(tmp_path.rglob("*.started"))
-
-
-def test_writer_of_a_vanished_file_counts_as_dead(tmp_path: Path) -> None:
-    assert writer_is_dead(tmp_path / f"x.{writer()}.part")
 
 
 # The table
