@@ -2,6 +2,7 @@
 
 import errno
 import os
+import signal
 import traceback
 import warnings
 from pathlib import Path
@@ -12,9 +13,9 @@ from typer.core import TyperGroup
 
 from bearingsim.errors import DamageWarning, UserError
 
-__all__ = ["INTERRUPTED", "WRONG", "Commands"]
+__all__ = ["WRONG", "Commands"]
 
-WRONG, INTERRUPTED = 2, 130
+WRONG = 2
 
 WORDS = {
     errno.ENOENT: "there is no such file or folder",
@@ -46,7 +47,7 @@ def _tell(message: Warning | str, *place: Any, **more: Any) -> None:
 
 
 class Commands(TyperGroup):
-    """Commands whose expected errors end with a message on stderr and exit code 2, an interrupt with 130."""
+    """Commands whose expected errors end with a message on stderr and exit code 2, a signal with 128 and its number."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Take `-v` wherever it stands."""
@@ -62,7 +63,7 @@ class Commands(TyperGroup):
                 return super().invoke(ctx)
         except KeyboardInterrupt as stop:
             typer.echo(str(stop) or "interrupted", err=True)
-            raise typer.Exit(INTERRUPTED) from None
+            raise typer.Exit(128 + getattr(stop, "number", signal.SIGINT)) from None
         except BrokenPipeError:  # who reads has read enough: typer ends quietly
             raise
         except (OSError, UserError) as error:

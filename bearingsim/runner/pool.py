@@ -2,20 +2,19 @@
 
 import os
 import re
-import signal
-import threading
 import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
 from bearingsim.errors import UserError
+from bearingsim.runner.stopping import asked, flag_for_workers, heeding, ignoring
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
 
-__all__ = ["Deaths", "WorkersDie", "ignore_sigint", "outcomes", "spread"]
+__all__ = ["Deaths", "WorkersDie", "outcomes", "spread"]
 
 RESTARTS_WITHOUT_PROGRESS = 3
 ADVICE = "no job is blamed; run again, with fewer --jobs if memory was short"
@@ -114,17 +113,28 @@ def _in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
 
 
 def spread(function: Callable, arguments: Sequence[tuple], workers: int) -> Generator[Any, None, None]:
-    """What a function makes of each tuple of arguments, as it is done, by so many processes: one is this one."""
-    if workers == 1:
-        for given in arguments:  # not `map`, which a StopIteration from within would end in silence
-            yield function(*given)
-        return
+    """What a function makes of each tuple of arguments, as it is done, by so many processes: one is this one.
+
+    Raises Signalled, once what was in hand is done, if the program has been asked to stop meanwhile.
+    """
+    with heeding():
+        if workers == 1:
+            for given in _until_asked(
+                arguments
+            ):  # not `map`, which a StopIteration from within would end in silence
+                yield function(*given)
+        else:
+            yield from _by_workers(function, arguments, workers)
+
+
+def _by_workers(function: Callable, arguments: Sequence[tuple], workers: int) -> Generator[Any, None, None]:
     from joblib import Parallel, delayed, parallel_config
 
-    with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=(os.getpid(),)):
+    given_them = (os.getpid(), flag_for_workers())
+    with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=given_them):
         pool = Parallel(n_jobs=workers, return_as="generator_unordered", batch_size=1, max_nbytes=None)
-    with ignore_sigint():
-        results = pool(delayed(function)(*given) for given in arguments)
+    with ignoring():
+        results = pool(delayed(function)(*given) for given in _until_asked(arguments))
     try:
         yield from results
     finally:
@@ -133,17 +143,9 @@ def spread(function: Callable, arguments: Sequence[tuple], workers: int) -> Gene
             results.close()
 
 
-@contextmanager
-def ignore_sigint() -> Iterator[None]:
-    """Ignore Ctrl-C while workers start: they inherit it, and leave interrupting to this process from birth."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+def _until_asked(arguments: Iterable[tuple]) -> Iterator[tuple]:
+    """Nothing more is begun once the program has been asked to stop."""
+    return takewhile(lambda _: not asked(), arguments)
 
 
 def _exit_codes(death: BrokenProcessPool) -> str:

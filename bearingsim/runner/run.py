@@ -1,5 +1,6 @@
 """Running a study: what is not done yet is computed and stored, whatever happens meanwhile."""
 
+import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, suppress
@@ -73,7 +74,7 @@ def run(
     plan = _plan(root, ours, retry_failed, verify)
     store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
     tally = _Tally(root, command("run", study, root, "--retry-failed"), plan.failures)
-    interrupted = False
+    interrupted = 0
     try:
         if plan.todo:
             with getting_ready(progress) as patience:
@@ -82,8 +83,8 @@ def run(
                 store.check_room(root, LEAST_PART * sum(work.bytes for work in works))
                 _warm(root, engine, plan.todo, patience)
             _compute(works, workers, tally, progress)
-    except KeyboardInterrupt:
-        interrupted = True
+    except KeyboardInterrupt as stop:
+        interrupted = getattr(stop, "number", signal.SIGINT)
     store.sweep(root)
     frame = store.build_table(root, plan.held.rows)
     seconds = time.perf_counter() - started
@@ -112,7 +113,7 @@ def _before_jobs(study: "Study", root: Path, stop: Stopped, seconds: float) -> R
         start_cpu_s=0.0,
         cpu_s=0.0,
         integrator_cpu_s=0.0,
-        interrupted=True,
+        interrupted=stop.number,
         notes=(stop.what,),
     )
 
@@ -228,7 +229,7 @@ class _Tally:
         status: "pd.Series[str]",
         resumed: int,
         seconds: float,
-        interrupted: bool,
+        interrupted: int,
         notes: tuple[str, ...],
     ) -> RunSummary:
         """What the run comes to. status: what the table says of each job asked for: both count alike."""

@@ -1,9 +1,11 @@
 """Before the jobs of a study that names an accuracy: models are tried on each case, and one is chosen."""
 
+import signal
 from collections.abc import Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, suppress
 from dataclasses import replace
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +15,7 @@ from bearingsim.runner.commands import command
 from bearingsim.runner.earlier import kept, plan_name
 from bearingsim.runner.pool import Deaths, spread
 from bearingsim.runner.progress import getting_ready, progress
+from bearingsim.runner.stopping import asked
 from bearingsim.runner.work import Engine, load
 from bearingsim.selection.candidates import price
 from bearingsim.selection.choices import key
@@ -39,10 +42,12 @@ class NoChoices(UserError):
 
 
 class Stopped(KeyboardInterrupt):
-    """Models were being tried when the user interrupted: what was tried is kept. ``what``: that, in words."""
+    """Models were being tried when the user interrupted: what was tried is kept. ``what``: that, in words;
+    ``number``: of the signal."""
 
-    def __init__(self, root: Path, kept: int) -> None:
+    def __init__(self, root: Path, kept: int, number: int) -> None:
         self.what = f"models were being tried, before the first job: {kept} trial{'s' * (kept != 1)} kept"
+        self.number = number
         super().__init__(f"interrupted: {self.what} in {root}; run the same command to continue")
 
 
@@ -86,10 +91,11 @@ def _decided(
         while wanted := choosing.wanted(known):
             known |= dict.fromkeys((one.id for one in wanted), None)  # what the machine fails is not wanted again
             known |= _tried(root, wanted, workers, engine, study, shown)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
         store.sweep(root)
         store.log(root, "interrupted while models were tried")
-        raise Stopped(root, len(store.read_trials(root))) from None
+        number = getattr(stop, "number", signal.SIGINT)
+        raise Stopped(root, len(store.read_trials(root)), number) from None
     return choosing.decide(known)
 
 
@@ -147,12 +153,12 @@ def _compute(
 ) -> tuple[list[str], list[str]]:
     """The trials of a batch; a reference that repeats itself is stored as a job, too. Ids done and failed.
 
-    Who interrupts keeps those that are done.
+    Who is asked to stop keeps those that are done.
     """
     found: dict[str, Trial | None] = {}
     records: list[tuple[Job, Record]] = []
     try:
-        for one in batch:
+        for one in takewhile(lambda _: not asked(), batch):
             _try(root, one, engine, found, records)
     finally:
         store.write_units(root, records, provenance)

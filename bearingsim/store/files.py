@@ -1,8 +1,8 @@
 """Files of a results folder that are either whole or absent.
 
 Everything is written under a ``.part`` name, fsynced and renamed, so a power cut or ``kill -9`` never leaves half
-a file under a final name. Whoever writes a temporary file holds its lock, which ends with the process, wherever that
-runs: so what was left behind can be told from what is being written.
+a file under a final name. Whoever writes a temporary file holds its lock, which ends with the process, wherever
+that runs: so what was left behind can be told from what is being written.
 """
 
 import errno

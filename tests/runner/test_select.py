@@ -276,7 +276,7 @@ def test_an_interrupt_while_models_are_tried_keeps_what_was_tried(
         compute(near(write), tmp_path)
     summary = stop.value.summary
     assert (summary.planned, summary.resumed, summary.done, summary.missing) == (6, 0, 0, 6)
-    assert (summary.exit_code, summary.interrupted) == (130, True)
+    assert (summary.exit_code, summary.interrupted) == (130, signal.SIGINT)
     assert "models were being tried, before the first job: 4 trials kept" in str(stop.value).splitlines()
     assert "run the same command to continue" in str(stop.value)
     assert len(store.read_trials(tmp_path)) == 4

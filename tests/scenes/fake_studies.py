@@ -172,6 +172,8 @@ def simulate(case: FakeCase) -> SimpleNamespace:
         raise OSError(errno.ENOSPC, "no space left")
     if deed == "interrupt":
         raise KeyboardInterrupt
+    if deed == "signal":
+        os.kill(os.getpid(), getattr(signal, flag))
     if deed == "raise-unless" and not Path(flag).exists():
         raise FakeError("not yet", "wait", None)
     if deed == "pid":
