@@ -5,6 +5,18 @@ class UserError(Exception):
     """Its text says all that a user needs: the command line shows it without a traceback."""
 
 
+class Signalled(KeyboardInterrupt):
+    """A signal has asked the program to end; ``number``: which."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__("interrupted")
+        self.number = number
+
+
+class DamageWarning(UserWarning):
+    """Something that a results folder holds cannot be read; the rest can."""
+
+
 class Refused(ValueError):
     """A case that must not be computed as it stands; ``advice`` says what to do instead."""
 

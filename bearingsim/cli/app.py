@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,7 +13,7 @@ from bearingsim import __version__
 from bearingsim.cli.group import Commands
 from bearingsim.cli.opening import job_meant, near
 from bearingsim.cli.opening import opened as opened_results
-from bearingsim.errors import UserError
+from bearingsim.errors import Signalled, UserError
 
 if TYPE_CHECKING:
     from bearingsim.study import Study
@@ -52,7 +53,14 @@ def main() -> None:
     """Entry point of the command `bearingsim`."""
     for name in THREADS:
         os.environ.setdefault(name, "1")
+    for name in ("SIGTERM", "SIGHUP"):
+        if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) == signal.SIG_DFL:
+            signal.signal(getattr(signal, name), _end)
     app()
+
+
+def _end(number: int, frame: object) -> None:
+    raise Signalled(number)
 
 
 def _version(asked: bool) -> None:

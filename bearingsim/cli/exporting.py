@@ -1,6 +1,7 @@
 """`bearingsim export`: features and series in files that other programs read."""
 
 from collections.abc import Callable, Mapping, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,28 +17,29 @@ __all__ = ["features", "series"]
 
 def features(results: "Results", path: Path | None, file_format: str | None) -> Path:
     """Write the table of jobs (swept values and features in SI) to csv or parquet; return the file."""
-    writers: dict[str, Callable[[pd.DataFrame, Path], Any]] = {
-        "csv": lambda table, file: table.to_csv(file, index=False),
-        "parquet": lambda table, file: table.to_parquet(file, index=False),
+    from bearingsim.store import write_bytes
+
+    made: dict[str, Callable[[pd.DataFrame], bytes]] = {
+        "csv": lambda table: table.to_csv(index=False).encode(),
+        "parquet": lambda table: table.to_parquet(None, index=False),
     }
     target = path or Path(f"{results.plan['study']}-features.{file_format or 'csv'}")
-    write = writers[_suffix(target, tuple(writers))]
-    write(results.table(), target)
+    make = made[_suffix(target, tuple(made))]
+    write_bytes(target, make(results.table()))
     return target
 
 
 def series(results: "Results", jobs: Sequence[str], path: Path | None, file_format: str | None) -> Path:
     """Write the recorded series (SI) of some jobs to csv or mat; return the file. Raises ResultsError."""
+    from bearingsim.store import write_bytes
+
     target = path or Path(f"{results.plan['study']}-series.{file_format or 'csv'}")
     suffix = _suffix(target, ("csv", "mat"))
     found = {job: results.series(job) for job in jobs}
     empty = [job for job, one in found.items() if not one.channels]
     if empty:
         raise UserError(f"job {empty[0]} has no series: the study says `record: []`")
-    if suffix == "csv":
-        _to_csv(found, target)
-    else:
-        _to_mat(found, results.parameters(), target)
+    write_bytes(target, _csv(found) if suffix == "csv" else _mat(found, results.parameters()))
     return target
 
 
@@ -51,7 +53,7 @@ def _suffix(path: Path, known: tuple[str, ...]) -> str:
     return suffix
 
 
-def _to_csv(found: "dict[str, Series]", path: Path) -> None:
+def _csv(found: "dict[str, Series]") -> bytes:
     """One time column, one column per channel (and job, if there are several); units in the heads."""
     import numpy as np
     import pandas as pd
@@ -63,10 +65,10 @@ def _to_csv(found: "dict[str, Series]", path: Path) -> None:
     for job, one in found.items():
         before = f"{job}/" if len(found) > 1 else ""
         columns |= {f"{before}{name} [{one.units[name]}]": values for name, values in one.channels.items()}
-    pd.DataFrame(columns).to_csv(path, index=False)
+    return pd.DataFrame(columns).to_csv(index=False).encode()
 
 
-def _to_mat(found: "dict[str, Series]", parameters: "pd.DataFrame", path: Path) -> None:
+def _mat(found: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
     """One struct per job, `job_<id>`: time, channels, their units, the job's parameters (SI, or words)."""
     from scipy.io import savemat
 
@@ -78,7 +80,9 @@ def _to_mat(found: "dict[str, Series]", parameters: "pd.DataFrame", path: Path) 
         }
         for job, one in found.items()
     }
-    savemat(path, structs, oned_as="column", long_field_names=True)
+    file: Any = BytesIO()
+    savemat(file, structs, oned_as="column", long_field_names=True)
+    return bytes(file.getvalue())
 
 
 def _fields(named: Mapping[Any, Any]) -> dict[str, Any]:

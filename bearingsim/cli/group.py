@@ -2,18 +2,20 @@
 
 import errno
 import os
+import signal
 import traceback
+import warnings
 from pathlib import Path
 from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
-from bearingsim.errors import UserError
+from bearingsim.errors import DamageWarning, UserError
 
-__all__ = ["INTERRUPTED", "WRONG", "Commands"]
+__all__ = ["WRONG", "Commands"]
 
-WRONG, INTERRUPTED = 2, 130
+WRONG = 2
 
 WORDS = {
     errno.ENOENT: "there is no such file or folder",
@@ -23,21 +25,29 @@ WORDS = {
     errno.EPERM: "you are not allowed to read or write here",
     errno.EROFS: "the disk can only be read",
     errno.ENOSPC: "the disk is full",
+    errno.EDQUOT: "no more room is allowed on this disk",
+    errno.EFBIG: "no file may grow so large here (`ulimit -f`)",
 }
 
 
 def sentence(error: OSError) -> str:
     """An error of the system in words: the path, and what is wrong with it."""
     if not error.filename or error.errno is None:
-        return f"bearingsim: {error}"
+        return f"bearingsim: {WORDS.get(error.errno or 0, error)}"
     path = Path(os.fsdecode(error.filename))
     if error.errno == errno.ENOENT and not path.parent.exists():
         return f"{path}: there is no folder {path.parent}"
     return f"{path}: {WORDS.get(error.errno, error.strerror)}"
 
 
+def _tell(message: Warning | str, *place: Any, **more: Any) -> None:
+    """What a user must know, without its place in the program; all else as Python tells it."""
+    told = str(message) if isinstance(message, DamageWarning) else warnings.formatwarning(message, *place[:3])
+    typer.echo(told, err=True)
+
+
 class Commands(TyperGroup):
-    """Commands whose expected errors end with a message on stderr and exit code 2, an interrupt with 130."""
+    """Commands whose expected errors end with a message on stderr and exit code 2, a signal with 128 and its number."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Take `-v` wherever it stands."""
@@ -47,10 +57,13 @@ class Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                warnings.simplefilter("once", DamageWarning)
+                warnings.showwarning = _tell
+                return super().invoke(ctx)
         except KeyboardInterrupt as stop:
             typer.echo(str(stop) or "interrupted", err=True)
-            raise typer.Exit(INTERRUPTED) from None
+            raise typer.Exit(128 + getattr(stop, "number", signal.SIGINT)) from None
         except BrokenPipeError:  # who reads has read enough: typer ends quietly
             raise
         except (OSError, UserError) as error:

@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -83,7 +84,11 @@ def _check_done(results: "Results") -> None:
 
 
 def _written(canvas: "Canvas", path: Path) -> Path:
-    canvas.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+    from bearingsim.store import write_bytes
+
+    drawing, kind = BytesIO(), path.suffix.removeprefix(".")
+    canvas.savefig(drawing, format=kind, metadata={"Date": None} if kind == "svg" else None)
+    write_bytes(path, drawing.getvalue())
     return path
 
 

@@ -2,55 +2,105 @@
 
 import os
 import re
-import signal
-import threading
 import warnings
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from itertools import takewhile
+from pathlib import Path
 from typing import Any
 
 from bearingsim.errors import UserError
+from bearingsim.runner.stopping import asked, flag_for_workers, heeding, ignoring
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
 
-__all__ = ["WorkersDie", "ignore_sigint", "outcomes", "spread"]
+__all__ = ["Deaths", "WorkersDie", "outcomes", "spread"]
 
 RESTARTS_WITHOUT_PROGRESS = 3
+ADVICE = "no job is blamed; run again, with fewer --jobs if memory was short"
 
 
 class WorkersDie(UserError):
-    """Worker processes die before they compute anything."""
+    """Worker processes die, and it is not for one job."""
+
+
+class Deaths:
+    """Deaths of workers since something was last finished: of the third no job is the cause."""
+
+    def __init__(self, root: Path, doing: str) -> None:
+        """root: whose journal tells of them; doing: what they were doing, in words."""
+        self.root, self.doing, self.count = root, doing, 0
+
+    def add(self, death: BrokenProcessPool, suspects: Iterable[str] = ()) -> None:
+        """Take one in; suspects: jobs in hand then. Raises WorkersDie if it is one too many."""
+        self.count += 1
+        cause = _exit_codes(death)
+        log(self.root, "worker died", exit=cause, suspects=sorted(suspects))
+        if self.count == RESTARTS_WITHOUT_PROGRESS:
+            often = f"{RESTARTS_WITHOUT_PROGRESS} times, with nothing finished between"
+            raise WorkersDie(f"worker processes died {self.doing} {often} ({cause}): {ADVICE}") from death
+
+    def end(self) -> None:
+        """Something was finished."""
+        self.count = 0
 
 
 def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
     """Compute units of work and yield what became of each, as they come.
 
     One worker means this process; more are always other processes, even for one unit. A worker that dies takes
-    the pool with it and names no culprit: the jobs that were running then are computed one at a time, and the
-    one that dies alone becomes a failure.
+    the pool with it and names no culprit: the jobs that were running then are computed at the end, one at a time,
+    and the one that dies alone becomes a failure. Raises WorkersDie if nothing is finished between three deaths.
     """
-    if workers == 1:
+    if workers == 1 or not works:
         yield from spread(compute, [(work,) for work in works], workers)
         return
-    waiting, barren = list(works), 0
+    waiting, suspected = list(works), list[Work]()
+    deaths = Deaths(works[0].root, "at work")
     while waiting:
         returned: set[str] = set()
         try:
             for outcome in _in_pool(waiting, workers):
                 returned.add(outcome.unit)
+                deaths.end()
                 yield outcome
-            return
+            waiting = []
         except BrokenProcessPool as death:
             waiting = [work for work in waiting if work.unit not in returned]
             suspects = take_suspects(waiting[0].root, [work.unit for work in waiting])
-            barren = 0 if returned or suspects else barren + 1
-            if barren == RESTARTS_WITHOUT_PROGRESS:
-                raise WorkersDie(f"worker processes die as they start ({_exit_codes(death)})") from death
-            log(waiting[0].root, "worker died", exit=_exit_codes(death), suspects=sorted(suspects))
-        yield from (_alone(work.only([job]), workers) for work in waiting for job in _ids(work) & suspects)
-        remaining = (work.only(_ids(work) - suspects) for work in waiting)
-        waiting = [work for work in remaining if work.jobs]
+            deaths.add(death, suspects)
+            suspected += [work.only([job]) for work in waiting for job in _ids(work) & suspects]
+            remaining = (work.only(_ids(work) - suspects) for work in waiting)
+            waiting = [work for work in remaining if work.jobs]
+    yield from _one_by_one(suspected, deaths, workers)
+
+
+def _one_by_one(works: Sequence[Work], deaths: Deaths, workers: int) -> Iterator[Outcome]:
+    """Compute jobs with nothing beside them: a death names its culprit, unless it is one of three in a row."""
+    blamed: list[Outcome] = []
+    for work in works:
+        try:
+            outcome = next(iter(list(_in_pool([work], workers))))
+        except BrokenProcessPool as death:
+            take_suspects(work.root, [work.unit])
+            deaths.add(death, _ids(work))
+            blamed.append(_blamed(work, death))
+            continue
+        deaths.end()
+        yield from blamed
+        blamed.clear()
+        yield outcome
+    yield from blamed
+
+
+def _blamed(work: Work, death: BrokenProcessPool) -> Outcome:
+    failure = Failure(
+        job=work.jobs[0].id,
+        reason=f"the worker process died: {_exit_codes(death)}",
+        advice="if it was killed for memory, try fewer workers (--jobs) or a shorter duration",
+        attempts=2,
+    )
+    return Outcome(unit=work.unit, done=(), failed=(failure,))
 
 
 def _ids(work: Work) -> set[str]:
@@ -63,17 +113,28 @@ def _in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
 
 
 def spread(function: Callable, arguments: Sequence[tuple], workers: int) -> Generator[Any, None, None]:
-    """What a function makes of each tuple of arguments, as it is done, by so many processes: one is this one."""
-    if workers == 1:
-        for given in arguments:  # not `map`, which a StopIteration from within would end in silence
-            yield function(*given)
-        return
+    """What a function makes of each tuple of arguments, as it is done, by so many processes: one is this one.
+
+    Raises Signalled, once what was in hand is done, if the program has been asked to stop meanwhile.
+    """
+    with heeding():
+        if workers == 1:
+            for given in _until_asked(
+                arguments
+            ):  # not `map`, which a StopIteration from within would end in silence
+                yield function(*given)
+        else:
+            yield from _by_workers(function, arguments, workers)
+
+
+def _by_workers(function: Callable, arguments: Sequence[tuple], workers: int) -> Generator[Any, None, None]:
     from joblib import Parallel, delayed, parallel_config
 
-    with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=(os.getpid(),)):
+    given_them = (os.getpid(), flag_for_workers())
+    with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=given_them):
         pool = Parallel(n_jobs=workers, return_as="generator_unordered", batch_size=1, max_nbytes=None)
-    with ignore_sigint():
-        results = pool(delayed(function)(*given) for given in arguments)
+    with ignoring():
+        results = pool(delayed(function)(*given) for given in _until_asked(arguments))
     try:
         yield from results
     finally:
@@ -82,32 +143,9 @@ def spread(function: Callable, arguments: Sequence[tuple], workers: int) -> Gene
             results.close()
 
 
-@contextmanager
-def ignore_sigint() -> Iterator[None]:
-    """Ignore Ctrl-C while workers start: they inherit it, and leave interrupting to this process from birth."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-def _alone(work: Work, workers: int) -> Outcome:
-    """Compute a single job with nothing beside it, so that a death names its culprit."""
-    try:
-        return next(iter(list(_in_pool([work], workers))))
-    except BrokenProcessPool as death:
-        take_suspects(work.root, [work.unit])
-        failure = Failure(
-            job=work.jobs[0].id,
-            reason=f"the worker process died: {_exit_codes(death)}",
-            advice="if it was killed for memory, try fewer workers (--jobs) or a shorter duration",
-            attempts=2,
-        )
-        return Outcome(unit=work.unit, done=(), failed=(failure,))
+def _until_asked(arguments: Iterable[tuple]) -> Iterator[tuple]:
+    """Nothing more is begun once the program has been asked to stop."""
+    return takewhile(lambda _: not asked(), arguments)
 
 
 def _exit_codes(death: BrokenProcessPool) -> str:

@@ -1,5 +1,6 @@
 """Running a study: what is not done yet is computed and stored, whatever happens meanwhile."""
 
+import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, suppress
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
     from bearingsim.study import Job, Study
 
 __all__ = ["run", "with_models"]
+
+
+LEAST_PART = 0.1
+"""Of the bytes of the series: what is surely left of them when they are compressed."""
 
 
 def run(
@@ -69,7 +74,7 @@ def run(
     plan = _plan(root, ours, retry_failed, verify)
     store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
     tally = _Tally(root, command("run", study, root, "--retry-failed"), plan.failures)
-    interrupted = False
+    interrupted = 0
     try:
         if plan.todo:
             with getting_ready(progress) as patience:
@@ -78,16 +83,18 @@ def run(
                 told += fewer(costs, workers)
                 workers = fitting(costs, workers)
                 works = _works(root, study, plan.todo, costs, workers, engine)
+                store.check_room(root, LEAST_PART * sum(work.bytes for work in works))
                 _warm(root, engine, plan.todo, patience)
             _compute(works, workers, tally, progress)
-    except KeyboardInterrupt:
-        interrupted = True
+    except KeyboardInterrupt as stop:
+        interrupted = getattr(stop, "number", signal.SIGINT)
     store.sweep(root)
-    frame = store.build_table(root)
+    frame = store.build_table(root, plan.held.rows)
     seconds = time.perf_counter() - started
-    left_out = len((earlier & plan.sealed) - {job.id for job in every})
-    notes = (*_notes(left_out, plan.damaged), *told, *_of_results(root, every, frame))
-    summary = tally.summary(study.name, len(ours), plan.resumed, seconds, interrupted, notes)
+    left_out = len((earlier & plan.held.sealed) - {job.id for job in every})
+    notes = (*_notes(left_out, plan.held.damaged), *told, *_of_results(root, every, frame))
+    status = frame["status"].loc[[job.id for job in ours]]
+    summary = tally.summary(study.name, status, plan.resumed, seconds, interrupted, notes)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
     if interrupted:
         raise Interrupted(summary)
@@ -97,7 +104,7 @@ def run(
 def _before_jobs(study: "Study", root: Path, stop: Stopped, seconds: float) -> RunSummary:
     """What a run comes to that was interrupted while models were tried: some trials are jobs' results, too."""
     jobs = {job.id for job in study.jobs()}
-    sealed, _ = store.sealed_jobs(root)
+    sealed = store.holdings(root).sealed
     return RunSummary(
         study=study.name,
         folder=root,
@@ -109,7 +116,7 @@ def _before_jobs(study: "Study", root: Path, stop: Stopped, seconds: float) -> R
         start_cpu_s=0.0,
         cpu_s=0.0,
         integrator_cpu_s=0.0,
-        interrupted=True,
+        interrupted=stop.number,
         notes=(stop.what,),
     )
 
@@ -133,15 +140,15 @@ def _folder(study: "Study", out: str | Path | None) -> Path:
     return Path(out if out is not None else Path("results") / name).resolve()
 
 
-def _notes(left_out: int, damaged: int) -> Iterator[str]:
+def _notes(left_out: int, damaged: Sequence[str]) -> Iterator[str]:
     """What is worth knowing of the results that were there before."""
     if left_out:
         jobs = f"{left_out} job{'s' * (left_out > 1)}"
         stay = "results stay in units/ (a run of the earlier plan brings them back)"
         yield f"out of the table, for not being in this plan: {jobs} of the earlier one; {stay}"
     if damaged:
-        units = f"{damaged} damaged unit{'s' * (damaged > 1)}"
-        yield f"{units} found and set aside (units/*/*.damaged): their jobs are computed again"
+        files = f"1 damaged file ({damaged[0]})" if len(damaged) == 1 else f"{len(damaged)} damaged files"
+        yield f"{files} found and set aside as .damaged: what they held is computed again"
 
 
 def _of_results(root: Path, jobs: Sequence["Job"], frame: "pd.DataFrame") -> Iterator[str]:
@@ -177,23 +184,22 @@ def _prepare(root: Path, fresh: bool, shard: tuple[int, int]) -> None:
 class _Plan:
     """What is left to do: jobs to compute, number of jobs done before, failures that are not tried again.
 
-    sealed: ids of all jobs that the folder holds, of this study or not; damaged: number of damaged units.
+    held: what the folder holds, of this study or not.
     """
 
     todo: list["Job"]
     resumed: int
     failures: dict[str, store.Failure]
-    sealed: set[str]
-    damaged: int
+    held: store.Holdings
 
 
 def _plan(root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool) -> _Plan:
-    sealed, damaged = store.sealed_jobs(root, checksums=verify)
-    left = [job for job in jobs if job.id not in sealed]
+    held = store.holdings(root, verify)
+    left = [job for job in jobs if job.id not in held.sealed]
     ids = {job.id for job in left}
-    failures = {job: failure for job, failure in store.read_failures(root).items() if job in ids}
+    failures = {job: failure for job, failure in held.failures.items() if job in ids}
     todo = left if retry_failed else [job for job in left if job.id not in failures]
-    return _Plan(todo, len(jobs) - len(left), failures, sealed, damaged)
+    return _Plan(todo, len(jobs) - len(left), failures, held)
 
 
 @dataclass
@@ -203,14 +209,12 @@ class _Tally:
     root: Path
     command: str
     failures: dict[str, store.Failure]
-    done: int = 0
     start_cpu_s: float = 0.0
     cpu_s: float = 0.0
     integrator_cpu_s: float = 0.0
 
     def add(self, outcome: Outcome) -> None:
         """Take an outcome in."""
-        self.done += len(outcome.done)
         self.start_cpu_s += outcome.start_cpu_s
         self.cpu_s += outcome.cpu_s
         self.integrator_cpu_s += outcome.integrator_cpu_s
@@ -225,20 +229,22 @@ class _Tally:
     def summary(
         self,
         study: str,
-        planned: int,
+        status: "pd.Series[str]",
         resumed: int,
         seconds: float,
-        interrupted: bool,
+        interrupted: int,
         notes: tuple[str, ...],
     ) -> RunSummary:
-        """What the run comes to."""
+        """What the run comes to. status: what the table says of each job asked for: both count alike."""
         return RunSummary(
             study=study,
             folder=self.root,
-            planned=planned,
+            planned=len(status),
             resumed=resumed,
-            done=self.done,
-            failures=grouped(self.failures.values()),
+            done=int((status == "done").sum()) - resumed,
+            failures=grouped(
+                self.failures[job] for job in status.index[status == "failed"] if job in self.failures
+            ),
             seconds=seconds,
             start_cpu_s=self.start_cpu_s,
             cpu_s=self.cpu_s,
@@ -261,7 +267,14 @@ def _works(
     """Pack the jobs left to do into units of work."""
     provenance = store.provenance(study)
     return [
-        Work(root, tuple(todo[i] for i in unit), tuple(costs[i].seconds for i in unit), engine, provenance)
+        Work(
+            root,
+            tuple(todo[i] for i in unit),
+            tuple(costs[i].seconds for i in unit),
+            engine,
+            provenance,
+            sum(costs[i].bytes for i in unit),
+        )
         for unit in pack(todo, costs, workers)
     ]
 

@@ -1,9 +1,11 @@
 """Before the jobs of a study that names an accuracy: models are tried on each case, and one is chosen."""
 
+import signal
 from collections.abc import Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, suppress
 from dataclasses import replace
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,12 +13,13 @@ from bearingsim import selection, store
 from bearingsim.errors import UserError
 from bearingsim.runner.commands import command
 from bearingsim.runner.earlier import kept, plan_name
-from bearingsim.runner.pool import WorkersDie, spread
+from bearingsim.runner.pool import Deaths, spread
 from bearingsim.runner.progress import getting_ready, progress
+from bearingsim.runner.stopping import asked
 from bearingsim.runner.work import Engine, load
 from bearingsim.selection.candidates import price
 from bearingsim.selection.choices import key
-from bearingsim.store.units import Value
+from bearingsim.store.columns import Value
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -39,10 +42,12 @@ class NoChoices(UserError):
 
 
 class Stopped(KeyboardInterrupt):
-    """Models were being tried when the user interrupted: what was tried is kept. ``what``: that, in words."""
+    """Models were being tried when the user interrupted: what was tried is kept. ``what``: that, in words;
+    ``number``: of the signal."""
 
-    def __init__(self, root: Path, kept: int) -> None:
+    def __init__(self, root: Path, kept: int, number: int) -> None:
         self.what = f"models were being tried, before the first job: {kept} trial{'s' * (kept != 1)} kept"
+        self.number = number
         super().__init__(f"interrupted: {self.what} in {root}; run the same command to continue")
 
 
@@ -86,10 +91,11 @@ def _decided(
         while wanted := choosing.wanted(known):
             known |= dict.fromkeys((one.id for one in wanted), None)  # what the machine fails is not wanted again
             known |= _tried(root, wanted, workers, engine, study, shown)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
         store.sweep(root)
         store.log(root, "interrupted while models were tried")
-        raise Stopped(root, len(store.read_trials(root))) from None
+        number = getattr(stop, "number", signal.SIGINT)
+        raise Stopped(root, len(store.read_trials(root)), number) from None
     return choosing.decide(known)
 
 
@@ -97,24 +103,35 @@ def _tried(
     root: Path, wanted: Sequence["Trialled"], workers: int, engine: Engine, study: "Study", shown: bool | None
 ) -> "dict[str, Trial | None]":
     """All trials of the folder, once those that are wanted are among them: each batch is sealed as it is done."""
-    known = store.read_trials(root)  # another process may have added some
-    todo = [one for one in wanted if one.id not in known]
-    if not todo:
-        return known
     provenance = store.provenance(study)
-    with getting_ready(shown) as patience, suppress(Exception):  # what fails here fails as a trial, and is told
-        load(engine.warm)([one.case for one in todo], patience.compile)
-    arguments = [(root, batch, engine, provenance) for batch in _batches(todo, workers)]
-    costs = {one.id: min(price(one.case), 1e6) for one in todo}
-    with progress(shown, len(todo), sum(costs.values())) as report:
+    deaths = Deaths(root, "while models were tried")
+    while todo := _untried(root, wanted):
+        with (
+            getting_ready(shown) as patience,
+            suppress(Exception),
+        ):  # what fails here fails as a trial, and is told
+            load(engine.warm)([one.case for one in todo], patience.compile)
+        arguments = [(root, batch, engine, provenance) for batch in _batches(todo, workers)]
+        costs = {one.id: min(price(one.case), 1e6) for one in todo}
         try:
-            with closing(spread(_compute, arguments, workers)) as coming:
+            with (
+                progress(shown, len(todo), sum(costs.values())) as report,
+                closing(spread(_compute, arguments, workers)) as coming,
+            ):
                 for done, failed in coming:
+                    deaths.end()
                     report(len(done), len(failed), sum(costs[name] for name in (*done, *failed)))
         except BrokenProcessPool as death:
-            advice = "run again, with fewer --jobs if memory was short"
-            raise WorkersDie(f"a worker process died while models were tried: {advice}") from death
+            deaths.add(death)
+        else:
+            break
     return store.read_trials(root)
+
+
+def _untried(root: Path, wanted: Sequence["Trialled"]) -> "list[Trialled]":
+    """Those of which the folder holds no trial: another process may have added some."""
+    known = store.read_trials(root)
+    return [one for one in wanted if one.id not in known]
 
 
 def _batches(todo: Sequence["Trialled"], workers: int) -> list[tuple["Trialled", ...]]:
@@ -136,12 +153,12 @@ def _compute(
 ) -> tuple[list[str], list[str]]:
     """The trials of a batch; a reference that repeats itself is stored as a job, too. Ids done and failed.
 
-    Who interrupts keeps those that are done.
+    Who is asked to stop keeps those that are done.
     """
     found: dict[str, Trial | None] = {}
     records: list[tuple[Job, Record]] = []
     try:
-        for one in batch:
+        for one in takewhile(lambda _: not asked(), batch):
             _try(root, one, engine, found, records)
     finally:
         store.write_units(root, records, provenance)

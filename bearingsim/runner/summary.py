@@ -114,6 +114,7 @@ def kind_of(reason: str) -> str:
 class RunSummary:
     """Result of a run: numbers of jobs planned, done before and done now, failures; times in s.
 
+    ``interrupted``: number of the signal, or 0.
     ``start_cpu_s`` is what the workers took to import and compile, ``cpu_s`` their CPU time after that and
     ``integrator_cpu_s`` the part of it inside the integrator; ``notes`` tell what became of earlier results, and
     what was repaired or assumed.
@@ -129,7 +130,7 @@ class RunSummary:
     start_cpu_s: float
     cpu_s: float
     integrator_cpu_s: float
-    interrupted: bool = False
+    interrupted: int = 0
     notes: tuple[str, ...] = ()
 
     @property
@@ -149,8 +150,8 @@ class RunSummary:
 
     @property
     def exit_code(self) -> int:
-        """0 all done, 1 some failed, 130 interrupted."""
-        return 130 if self.interrupted else int(self.failed > 0)
+        """0 all done, 1 some failed, 128 and the number of the signal if interrupted: 130 by Ctrl-C."""
+        return 128 + self.interrupted if self.interrupted else int(self.failed > 0)
 
     def __str__(self) -> str:
         counts = {"done before": self.resumed, "failed": self.failed, "left": self.missing}
@@ -168,4 +169,4 @@ class Interrupted(KeyboardInterrupt):
     def __init__(self, summary: RunSummary) -> None:
         advice = f"results so far: {summary.folder}; run the same command to continue"
         super().__init__(f"interrupted: {summary}\n{advice}")
-        self.summary = summary
+        self.summary, self.number = summary, summary.interrupted

@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.store import Failure, start_marker, unit_name, write_units
-from bearingsim.store.units import Value
+from bearingsim.runner.stopping import asked, take_flag
+from bearingsim.store import DiskFull, Failure, room, start_marker, unit_name, write_units
+from bearingsim.store.columns import Value
 
 if TYPE_CHECKING:
     from bearingsim.simulation.simulate import Record
@@ -45,13 +46,14 @@ BEARINGSIM = Engine()
 
 @dataclass(frozen=True)
 class Work:
-    """Jobs to compute in one go, where to store them, and the estimated time in s of each."""
+    """Jobs to compute in one go, where to store them, the estimated time in s of each, and bytes of all series."""
 
     root: Path
     jobs: tuple["Job", ...]
     seconds: tuple[float, ...]
     engine: Engine
     provenance: Mapping[str, Value]
+    bytes: float = 0.0
 
     @property
     def unit(self) -> str:
@@ -91,8 +93,11 @@ def load(path: str) -> Callable[..., Any]:
 def compute(work: Work) -> Outcome:
     """Simulate the jobs of a unit, seal their records, and return failures as values.
 
-    Only what concerns the whole study is raised: a disk that is full, a bug outside the simulation.
+    Whoever is asked to stop seals what is done. Only what concerns the whole study is raised: DiskFull, a bug
+    outside the simulation.
     """
+    if asked():
+        return Outcome(work.unit, (), ())
     started = time.perf_counter()
     start_cpu_s = _start_up(work)
     cpu = time.process_time()
@@ -101,9 +106,17 @@ def compute(work: Work) -> Outcome:
     simulate, unit = load(work.engine.simulate), work.unit
     with start_marker(work.root, unit) as note:
         for job in work.jobs:
+            if asked():
+                break
             note(job.id)
             try:
-                done.append((job, simulate(job.case)))
+                with room(work.root / unit):  # a full disk is no fault of the job
+                    done.append((job, simulate(job.case)))
+            except DiskFull:
+                raise
+            except KeyboardInterrupt:  # where nobody heeds signals
+                write_units(work.root, done, work.provenance)
+                raise
             except Exception as error:
                 failed.append(_failure(job.id, error))
         write_units(work.root, done, work.provenance)
@@ -138,9 +151,9 @@ def _failure(job: str, error: Exception) -> Failure:
     )
 
 
-def die_with_parent(parent: int) -> None:
-    """Let this worker be killed when its parent dies, and leave Ctrl-C to the parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def die_with_parent(parent: int, flag: Any) -> None:
+    """Let this worker be killed when its parent dies, and stop when the parent's flag says so."""
+    take_flag(flag)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     else:

@@ -5,8 +5,8 @@ can be killed at any moment and several runs may share a folder.
 """
 
 from bearingsim.store.cases import case_of
-from bearingsim.store.files import lock, sweep
-from bearingsim.store.folder import FolderInUse, discard, sealed_jobs
+from bearingsim.store.files import DiskFull, check_room, lock, room, sweep, write_bytes, write_text
+from bearingsim.store.folder import FolderInUse, Holdings, discard, holdings
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
 from bearingsim.store.names import flat_parameters
 from bearingsim.store.nearness import audited, nearness
@@ -28,19 +28,23 @@ from bearingsim.store.units import DamagedUnit, Series, check_unit, read_series,
 __all__ = [
     "DamagedChoices",
     "DamagedUnit",
+    "DiskFull",
     "Failure",
     "FolderInUse",
+    "Holdings",
     "Results",
     "ResultsError",
     "Series",
     "audited",
     "build_table",
     "case_of",
+    "check_room",
     "check_unit",
     "clear_failure",
     "discard",
     "errors",
     "flat_parameters",
+    "holdings",
     "info",
     "keep_scans",
     "lock",
@@ -56,15 +60,17 @@ __all__ = [
     "read_plans",
     "read_series",
     "read_trials",
-    "sealed_jobs",
+    "room",
     "spread",
     "start_marker",
     "sweep",
     "take_suspects",
     "unit_name",
     "unit_path",
+    "write_bytes",
     "write_choices",
     "write_plan",
+    "write_text",
     "write_trials",
     "write_units",
 ]

@@ -1,49 +1,152 @@
 """Files of a results folder that are either whole or absent.
 
-Everything is written under a ``.part`` name that carries the host and process of its writer, fsynced and
-renamed, so a power cut or ``kill -9`` never leaves half a file under a final name.
+Everything is written under a ``.part`` name, fsynced and renamed, so a power cut or ``kill -9`` never leaves half
+a file under a final name. Whoever writes a temporary file holds its lock, which ends with the process, wherever
+that runs: so what was left behind can be told from what is being written.
 """
 
+import errno
 import os
+import secrets
+import shutil
 import socket
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
-from filelock import BaseFileLock, FileLock
+from filelock import FileLock
 
-__all__ = ["lock", "sealing", "sweep", "temporary_files", "unit_files", "write_text", "writer", "writer_is_dead"]
+from bearingsim.errors import UserError
+
+__all__ = [
+    "DiskFull",
+    "check_room",
+    "left_behind",
+    "lock",
+    "room",
+    "sweep",
+    "temporary",
+    "temporary_files",
+    "unit_files",
+    "write_bytes",
+    "write_text",
+    "writer",
+]
 
 LEFTOVER = (".part", ".started")
-FOREIGN_AGE_S = 86400.0  # another host's process cannot be asked: longer than any job takes
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+ADVICE = "make room, or take another folder by --out, and give the command again: what is stored stays"
+NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
+
+
+class DiskFull(UserError):
+    """There is no room for a file."""
 
 
 def writer() -> str:
-    """``host-pid`` of this process, as it stands in the names of its temporary files."""
+    """``host-pid`` of this process, as it stands in the names of its files."""
     host = "".join(c if c.isalnum() or c == "-" else "_" for c in socket.gethostname())
     return f"{host or 'host'}-{os.getpid()}"
 
 
 @contextmanager
-def sealing(path: Path) -> Iterator[Path]:
-    """Give a ``.part`` path to write; on leaving fsync it and rename it to ``path``, on an error remove it."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f"{path.name}.{writer()}.part")
+def room(path: Path) -> Iterator[None]:
+    """Tell by name of a disk on which there is no room for ``path``. Raises DiskFull."""
     try:
-        yield part
-        _fsync(part)
-        os.replace(part, path)
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise
-    if os.name == "posix":
-        _fsync(path.parent)
+        yield
+    except OSError as error:
+        if error.errno not in FULL:
+            raise
+        raise DiskFull(f"{_what_is_full(path, error.errno)}: {ADVICE}") from error
 
 
-def _fsync(path: Path) -> None:
-    flags = os.O_RDONLY if path.is_dir() else os.O_RDWR
-    descriptor = os.open(path, flags)
+def _what_is_full(path: Path, number: int) -> str:
+    folder = _nearest(path.parent)
+    if number == errno.EFBIG:
+        return f"no file may grow so large (`ulimit -f`), and so {folder} takes no {path.name}"
+    left = f"{shutil.disk_usage(folder).free / 1e3:.0f} kB are left"
+    return f"the disk {_mount(folder)} is full ({left}), and so {folder} takes no {path.name}"
+
+
+def _nearest(folder: Path) -> Path:
+    """The folder, or the one above it that there is."""
+    return next((one for one in (folder, *folder.absolute().parents) if one.is_dir()), folder)
+
+
+def _mount(folder: Path) -> Path:
+    whole = folder.resolve()
+    return next(one for one in (whole, *whole.parents) if one.is_mount() or one == one.parent)
+
+
+def check_room(root: Path, wanted: float) -> None:
+    """Raises DiskFull if the disk of ``root`` has less room than ``wanted`` bytes."""
+    left = shutil.disk_usage(root).free
+    if left < wanted:
+        sizes = f"{left / 1e6:.3g} MB are left of the {wanted / 1e6:.3g} MB that the results take at least"
+        raise DiskFull(f"the disk {_mount(root)} has no room for {root}: {sizes}: {ADVICE}")
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all: under a temporary name, fsynced, renamed. Raises DiskFull, OSError."""
+    with room(path), temporary(path.parent, path.name, "part") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+        os.replace(file.name, path)
+        if os.name == "posix":
+            _fsync(path.parent)
+
+
+@contextmanager
+def temporary(folder: Path, name: str, end: str) -> Iterator[BinaryIO]:
+    """A new file whose lock lives and dies with its writer; on leaving it is removed, unless it was renamed."""
+    folder.mkdir(parents=True, exist_ok=True)
+    file = _locked(folder, name, end)
+    try:
+        with file:
+            yield file
+    finally:
+        Path(file.name).unlink(missing_ok=True)
+
+
+def _locked(folder: Path, name: str, end: str) -> BinaryIO:
+    while True:
+        path = folder / f"{name}.{writer()}-{secrets.token_hex(4)}.{end}"
+        file = path.open("xb")
+        _take(file, wait=True)
+        if path.exists():
+            return file
+        file.close()  # a sweep was quicker than the lock
+
+
+def _take(file: BinaryIO, wait: bool) -> bool:
+    """Lock a file; False if another holds it, or where there are no locks."""
+    try:
+        import fcntl
+
+        fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+    except (ImportError, OSError):
+        return False
+    return True
+
+
+@contextmanager
+def left_behind(path: Path) -> Iterator[bool]:
+    """Whether the writer of a temporary file is known to be gone; nobody else finds so until this is left."""
+    try:
+        file = path.open("r+b")
+    except OSError:  # it has just been removed, or is not ours to remove
+        file = None
+    if file is None:
+        yield False
+        return
+    with file:
+        yield _take(file, wait=False)
+
+
+def _fsync(folder: Path) -> None:
+    descriptor = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(descriptor)
     finally:
@@ -51,14 +154,27 @@ def _fsync(path: Path) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file whole or not at all."""
-    with sealing(path) as part:
-        part.write_text(text, encoding="utf-8")
+    """Write a text file whole or not at all. Raises DiskFull, OSError."""
+    write_bytes(path, text.encode())
 
 
-def lock(root: Path) -> BaseFileLock:
-    """The lock that parents sharing a folder hold while they build the table or sweep; dies with its holder."""
-    return FileLock(root / ".lock")
+@contextmanager
+def lock(root: Path) -> Iterator[None]:
+    """The lock that parents sharing a folder hold while they build the table or sweep; dies with its holder.
+
+    On a disk that has no locks nothing is held.
+    """
+    held = FileLock(root / ".lock")
+    try:
+        with room(root / ".lock"):
+            held.acquire()
+    except OSError as error:
+        if error.errno not in NO_LOCKS:
+            raise
+    try:
+        yield
+    finally:
+        held.release()
 
 
 def unit_files(root: Path) -> list[Path]:
@@ -67,12 +183,15 @@ def unit_files(root: Path) -> list[Path]:
 
 
 def sweep(root: Path) -> list[Path]:
-    """Remove temporary files whose writers no longer run; return what was removed."""
+    """Remove temporary files whose writers are gone; return what was removed."""
+    removed = []
     with lock(root):
-        leftovers = [path for path in temporary_files(root) if writer_is_dead(path)]
-        for path in leftovers:
-            path.unlink(missing_ok=True)
-    return leftovers
+        for path in temporary_files(root):
+            with left_behind(path) as left:
+                if left:
+                    path.unlink()
+                    removed.append(path)
+    return removed
 
 
 def temporary_files(root: Path) -> list[Path]:
@@ -81,36 +200,3 @@ def temporary_files(root: Path) -> list[Path]:
         f"{folder}*{end}" for folder in ("", "failed/", "scans/", "trials/", "units/??/") for end in LEFTOVER
     ]
     return [path for pattern in patterns for path in root.glob(pattern)]
-
-
-def writer_is_dead(path: Path) -> bool:
-    """True when the process named in a temporary file's name is known, or old enough, to be gone."""
-    host, _, pid = path.name.rsplit(".", 2)[-2].rpartition("-")
-    here, _, own = writer().rpartition("-")
-    if host == here and pid != own and pid.isdigit() and _is_dead(int(pid)):
-        return True
-    try:
-        return time.time() - path.stat().st_mtime > FOREIGN_AGE_S
-    except FileNotFoundError:
-        return True
-
-
-def _is_dead(pid: int) -> bool:
-    if os.name == "nt":  # there os.kill(pid, 0) is a Ctrl-C, not a question
-        return False
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return True
-    except PermissionError:
-        return False
-    return _is_zombie(pid)
-
-
-def _is_zombie(pid: int) -> bool:
-    """Killed, but not yet waited for by whoever inherited it (Linux; elsewhere not known)."""
-    try:
-        status = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace")
-    except OSError:
-        return False
-    return status.rpartition(")")[2].split()[0] in "ZX"

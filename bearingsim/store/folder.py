@@ -1,37 +1,56 @@
 """Resuming: what a results folder holds already, and clearing it."""
 
 import shutil
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from bearingsim.errors import UserError
-from bearingsim.store.files import lock, temporary_files, unit_files, writer_is_dead
-from bearingsim.store.journal import clear_failures, log
+from bearingsim.store.files import left_behind, lock, temporary_files, unit_files
+from bearingsim.store.journal import Failure, clear_failures, judged_failures, log
+from bearingsim.store.sealed import set_aside
+from bearingsim.store.stock import judged
+from bearingsim.store.table import read_frame
 from bearingsim.store.trials import clear_choices
-from bearingsim.store.units import DamagedUnit, check_unit
 
-__all__ = ["FolderInUse", "discard", "sealed_jobs"]
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["FolderInUse", "Holdings", "discard", "holdings"]
 
 
 class FolderInUse(UserError):
     """A results folder cannot be cleared while another run writes to it."""
 
 
-def sealed_jobs(root: Path, checksums: bool = False) -> tuple[set[str], int]:
-    """Ids of the jobs that lie in sound units, and the number of damaged units found.
+@dataclass(frozen=True)
+class Holdings:
+    """What a folder holds: ids of jobs in sound units, failures by job, rows that are not in the table.
 
-    Units that do not open, or do not hold what they promise, are renamed to ``.damaged`` and noted in the
-    journal; with ``checksums`` every byte of every unit is read.
+    damaged: names of files that could not be read, and have been set aside.
     """
-    jobs: set[str] = set()
-    damaged = 0
-    for path in unit_files(root):
-        try:
-            jobs.update(check_unit(path, checksums))
-        except DamagedUnit as damage:
-            path.replace(path.with_suffix(".damaged"))
-            log(root, "unit damaged", unit=path.stem, reason=str(damage))
-            damaged += 1
-    return jobs, damaged
+
+    sealed: set[str]
+    failures: dict[str, Failure]
+    rows: "dict[str, pd.DataFrame]"
+    damaged: list[str]
+
+
+def holdings(root: Path, verify: bool = False) -> Holdings:
+    """Judge all units and failures; what cannot be read is renamed to ``.damaged`` and noted in the journal.
+
+    verify: read the units that the table knows, too.
+    """
+    known = read_frame(root, groups=())
+    stock = judged(unit_files(root), known, {}, verify)
+    failures, unreadable = judged_failures(root)
+    damaged = stock.damaged | unreadable
+    for path, reason in damaged.items():
+        set_aside(path)
+        log(root, "damaged", file=str(path.relative_to(root)), reason=reason)
+    jobs = set() if known is None else set(known.index[known["unit"].isin(stock.known)])
+    jobs = jobs.union(*(rows.index for rows in stock.read.values()))
+    return Holdings(jobs, failures, stock.read, [str(path.relative_to(root)) for path in damaged])
 
 
 def discard(root: Path) -> None:
@@ -42,8 +61,11 @@ def discard(root: Path) -> None:
     Raises FolderInUse while another run is computing into it.
     """
     with lock(root):
-        if any(not writer_is_dead(path) for path in temporary_files(root)):
-            raise FolderInUse(f"another run is writing to {root}: wait for it, or choose another folder")
+        for path in temporary_files(root):
+            with left_behind(path) as left:
+                if not left and path.exists():
+                    advice = "wait for it, or choose another folder (on a disk without locks: remove this file)"
+                    raise FolderInUse(f"another run is writing {path}: {advice}")
         shutil.rmtree(root / "units", ignore_errors=True)
         clear_failures(root)
         clear_choices(root)

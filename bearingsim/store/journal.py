@@ -2,16 +2,28 @@
 
 import json
 import shutil
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from bearingsim.store.files import write_text, writer, writer_is_dead
+from bearingsim.errors import DamageWarning
+from bearingsim.store.files import left_behind, room, temporary, writer
+from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 
-__all__ = ["Failure", "clear_failure", "log", "now", "read_failures", "start_marker", "take_suspects"]
+__all__ = [
+    "Failure",
+    "clear_failure",
+    "judged_failures",
+    "log",
+    "now",
+    "read_failures",
+    "start_marker",
+    "take_suspects",
+]
 
 
 def now() -> str:
@@ -22,7 +34,8 @@ def now() -> str:
 def log(root: Path, event: str, **facts: Any) -> None:
     """Append one line to this process's journal ``journal-<host>-<pid>.jsonl``."""
     line = json.dumps({"when": now(), "event": event, **facts}, ensure_ascii=False)
-    with (root / f"journal-{writer()}.jsonl").open("a", encoding="utf-8") as journal:
+    path = root / f"journal-{writer()}.jsonl"
+    with room(path), path.open("a", encoding="utf-8") as journal:
         journal.write(line + "\n")
 
 
@@ -41,17 +54,38 @@ class Failure:
 
     def write(self, root: Path) -> None:
         """Write ``failed/<job>.json``."""
-        write_text(_failure_path(root, self.job), json.dumps(asdict(self), indent=1, ensure_ascii=False))
+        write_json(_failure_path(root, self.job), asdict(self))
 
 
 def _failure_path(root: Path, job: str) -> Path:
     return root / "failed" / f"{job}.json"
 
 
+def judged_failures(root: Path) -> tuple[dict[str, Failure], dict[Path, str]]:
+    """Failures on record, by job id; and what of them cannot be read, with the reason."""
+    found, damaged = dict[str, Failure](), dict[Path, str]()
+    for path in sorted((root / "failed").glob("*.json")):
+        try:
+            found[path.stem] = _failure(path)
+        except UNREADABLE as error:
+            damaged[path] = str(error)
+    return found, damaged
+
+
+def _failure(path: Path) -> Failure:
+    """Of an earlier version some entries may be lacking, or others there."""
+    told = read_json(path)
+    known = {entry.name: told[entry.name] for entry in fields(Failure) if entry.name in told}
+    return Failure(**{"reason": "not known", **known, "job": path.stem})
+
+
 def read_failures(root: Path) -> dict[str, Failure]:
-    """Failures on record, by job id."""
-    paths = sorted((root / "failed").glob("*.json"))
-    return {path.stem: Failure(**json.loads(path.read_text(encoding="utf-8"))) for path in paths}
+    """Failures on record, by job id; warns of those that cannot be read."""
+    found, damaged = judged_failures(root)
+    for path, reason in damaged.items():
+        told = f"{path} cannot be read ({reason}), its job counts as missing: run the study again"
+        warnings.warn(told, DamageWarning, stacklevel=2)
+    return found
 
 
 def clear_failure(root: Path, job: str) -> None:
@@ -70,29 +104,22 @@ def start_marker(root: Path, unit: str) -> Iterator[Callable[[str], None]]:
 
     A process that is killed leaves the marker behind, and its last line names the job that was running.
     """
-    path = root / "units" / unit[:2] / f"{unit}.{writer()}.started"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        with path.open("w", encoding="utf-8") as marker:
+    folder = root / "units" / unit[:2]
+    with room(folder / unit), temporary(folder, unit, "started") as marker:
 
-            def note(job: str) -> None:
-                marker.write(job + "\n")
-                marker.flush()
+        def note(job: str) -> None:
+            marker.write(f"{job}\n".encode())
+            marker.flush()
 
-            yield note
-    finally:
-        path.unlink(missing_ok=True)
+        yield note
 
 
 def take_suspects(root: Path, units: Iterable[str]) -> set[str]:
     """Jobs that were running in ``units`` when their processes died; removes the markers that told."""
-    markers = [
-        path
-        for unit in units
-        for path in (root / "units" / unit[:2]).glob(f"{unit}.*.started")
-        if writer_is_dead(path)
-    ]
-    last_lines = [path.read_text(encoding="utf-8").split()[-1:] for path in markers]
-    for path in markers:
-        path.unlink(missing_ok=True)
-    return {job for line in last_lines for job in line}
+    suspects = set[str]()
+    for path in (path for unit in units for path in (root / "units" / unit[:2]).glob(f"{unit}.*.started")):
+        with left_behind(path) as left:
+            if left:
+                suspects.update(path.read_text(encoding="utf-8").split()[-1:])
+                path.unlink()
+    return suspects

@@ -11,6 +11,7 @@ import numpy as np
 from bearingsim.errors import UserError
 from bearingsim.store.journal import Failure, read_failures
 from bearingsim.store.names import channel_attributes, feature_attributes, parameter_attributes
+from bearingsim.store.sealed import UNREADABLE
 from bearingsim.store.spread import spread
 from bearingsim.store.table import info, job_frame, read_plan, table
 from bearingsim.store.units import Series, read_series, unit_path
@@ -34,14 +35,16 @@ def open_results(path: str | Path) -> "Results":
     root = Path(path)
     if not (root / "plan.json").is_file():
         raise ResultsError(f"{root} holds no results of a study (it has no plan.json)")
-    results = Results(root)
+    results, reason = Results(root), ""
     try:
         jobs = results.plan["jobs"]
         sound = results.plan.keys() >= PLANNED and jobs and all(job.keys() >= PLANNED_JOB for job in jobs)
-    except (ValueError, KeyError, TypeError, AttributeError):
-        sound = False
+    except UNREADABLE as error:
+        if isinstance(error, PermissionError):
+            raise
+        sound, reason = False, f" ({error})"
     if not sound:
-        raise ResultsError(f"{root / 'plan.json'} is damaged or of an earlier version: run the study again")
+        raise ResultsError(f"{root / 'plan.json'} is damaged or of another version: run the study again{reason}")
     return results
 
 

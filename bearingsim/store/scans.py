@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearingsim.store.files import sealing
+from bearingsim.store.files import write_bytes
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
@@ -21,9 +21,7 @@ def keep_scans(root: Path, cases: Iterable["Case"]) -> None:
     for digest, file in sorted(scans):
         kept = kept_scan(root, digest, file)
         if not _holds(kept, digest):
-            content = _content(Path(file), digest)
-            with sealing(kept) as part:
-                part.write_bytes(content)
+            write_bytes(kept, _content(Path(file), digest))
 
 
 def kept_scan(root: Path, digest: str, file: str) -> Path:

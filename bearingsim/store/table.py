@@ -5,32 +5,34 @@ rows of units already in ``study.h5`` are taken from there.
 """
 
 import hashlib
-import json
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from bearingsim.store.files import lock, sealing, unit_files, write_text
-from bearingsim.store.journal import read_failures
+from bearingsim.errors import DamageWarning
+from bearingsim.store.columns import GROUPS, TEXT, read_columns, write_columns, write_jobs
+from bearingsim.store.files import DiskFull, lock, unit_files, write_text
+from bearingsim.store.journal import Failure, read_failures
 from bearingsim.store.names import in_feature_order
 from bearingsim.store.nearness import nearness
+from bearingsim.store.sealed import UNREADABLE, new_hdf5, open_hdf5, read_json, write_json
 from bearingsim.store.spread import errors
-from bearingsim.store.units import GROUPS, LIBVER, TEXT, UNREADABLE, read_columns, write_columns, write_jobs
+from bearingsim.store.stock import Rows, judged
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from bearingsim.study import Job, Study
 
-__all__ = ["build_table", "info", "job_frame", "read_plan", "table", "write_plan"]
+__all__ = ["build_table", "info", "job_frame", "read_frame", "read_plan", "table", "write_plan"]
 
-PER_JOB = ("status", "reason", "healthy", "unit")
+PER_JOB = ("status", "reason", "healthy", "unit", "stamp")
 
 
 def write_plan(root: Path, study: "Study", jobs: Iterable["Job"]) -> None:
@@ -63,7 +65,7 @@ def write_plan(root: Path, study: "Study", jobs: Iterable["Job"]) -> None:
         ],
     }
     write_text(root / "study.yaml", study.text)
-    write_text(root / "plan.json", json.dumps(plan, indent=1, ensure_ascii=False) + "\n")
+    write_json(root / "plan.json", plan)
 
 
 def _accuracy(study: "Study") -> dict[str, Any] | None:
@@ -83,9 +85,8 @@ def _accuracy(study: "Study") -> dict[str, Any] | None:
 
 
 def read_plan(root: Path) -> dict[str, Any]:
-    """What the study expanded to. Raises FileNotFoundError when the folder holds no results."""
-    plan: dict[str, Any] = json.loads((root / "plan.json").read_text(encoding="utf-8"))
-    return plan
+    """What the study expanded to. Raises one of UNREADABLE when the folder holds no results, or it is damaged."""
+    return read_json(root / "plan.json")
 
 
 def job_frame(root: Path) -> "pd.DataFrame":
@@ -95,23 +96,24 @@ def job_frame(root: Path) -> "pd.DataFrame":
     Read from ``study.h5`` when that is up to date, made anew (and written, where possible) otherwise.
     """
     print_now = _fingerprint(root)
-    known = _read_frame(root)
+    known = read_frame(root)
     if known is not None and known.attrs["fingerprint"] == print_now:
         return known
-    try:
+    with suppress(OSError, DiskFull):
         return build_table(root)
-    except PermissionError:
-        return _make_frame(root, known)
+    return _make_frame(root, known, {}, read_failures(root))
 
 
-def build_table(root: Path) -> "pd.DataFrame":
-    """Make ``study.h5`` and ``results.csv`` from what the folder holds; return the frame of ``job_frame``."""
+def build_table(root: Path, rows: Rows | None = None) -> "pd.DataFrame":
+    """Make ``study.h5`` and ``results.csv`` from what the folder holds; return the frame of ``job_frame``.
+
+    rows: of units that have been read before, by unit. Warns of what cannot be read.
+    """
     with lock(root):
         fingerprint = _fingerprint(root)
-        frame = _make_frame(root, _read_frame(root))
+        frame = _make_frame(root, read_frame(root), rows or {}, read_failures(root))
         _write_frame(root, frame, fingerprint)
-        with sealing(root / "results.csv") as part:
-            table(read_plan(root), frame).to_csv(part, index=False)
+        write_text(root / "results.csv", table(read_plan(root), frame).to_csv(index=False))
     return frame.sort_index(axis=1)
 
 
@@ -150,14 +152,14 @@ def info(frame: "pd.DataFrame") -> "pd.DataFrame":
 # Making the frame
 
 
-def _make_frame(root: Path, known: "pd.DataFrame | None") -> "pd.DataFrame":
+def _make_frame(
+    root: Path, known: "pd.DataFrame | None", rows: Rows, failures: Mapping[str, Failure]
+) -> "pd.DataFrame":
     import pandas as pd
 
-    plan, failures = read_plan(root), read_failures(root)
+    plan = read_plan(root)
     ids = [entry["job"] for entry in plan["jobs"]]
-    if known is not None and known.index.isin(ids).sum() < len(ids):
-        known = None  # of a narrower plan: it lacks some jobs of the units that it has read
-    stored = _collect(unit_files(root), known).reindex(ids)
+    stored = _collect(root, known, rows).reindex(ids)
     done = stored["unit"].notna()
     reasons = pd.Series({job: failure.reason for job, failure in failures.items()}, dtype=object)
     reason = reasons.reindex(stored.index).where(~done)
@@ -170,32 +172,21 @@ def _make_frame(root: Path, known: "pd.DataFrame | None") -> "pd.DataFrame":
     return pd.concat([frame, healthy_differences(frame)], axis=1)
 
 
-def _collect(units: Sequence[Path], known: "pd.DataFrame | None") -> "pd.DataFrame":
-    """Rows of all sealed units, a job that lies in several taken from the first; units in ``known`` from there."""
+def _collect(root: Path, known: "pd.DataFrame | None", rows: Rows) -> "pd.DataFrame":
+    """Rows of all sound units, a job that lies in several taken from the first."""
     import pandas as pd
 
-    by_name = {path.stem: path for path in units}
-    frames = [pd.DataFrame({"unit": pd.Series(dtype=object)}, index=pd.Index([], name="job"))]
+    stock = judged(unit_files(root), known, rows)
+    for path, reason in stock.damaged.items():
+        told = f"{path} cannot be read ({reason}), its jobs count as missing: run the study again"
+        warnings.warn(told, DamageWarning, stacklevel=2)
+    empty = {name: pd.Series(dtype=object) for name in ("unit", "stamp")}
+    frames = [pd.DataFrame(empty, index=pd.Index([], name="job")), *stock.read.values()]
     if known is not None:
-        kept = known[known["unit"].isin(by_name)].drop(columns=["status", "reason", "healthy"])
+        kept = known[known["unit"].isin(stock.known)].drop(columns=["status", "reason", "healthy"])
         frames.append(kept.loc[:, ~kept.columns.str.endswith("-healthy")])
-    read = set(frames[-1]["unit"])
-    frames += [
-        frame for name, path in by_name.items() if name not in read and (frame := _unit_frame(path)) is not None
-    ]
     whole = pd.concat([frame for frame in frames if len(frame)] or frames[:1])
     return whole[~whole.index.duplicated()]
-
-
-def _unit_frame(path: Path) -> "pd.DataFrame":
-    import pandas as pd
-
-    try:
-        columns = read_columns(path)
-    except UNREADABLE as error:
-        warnings.warn(f"{path} cannot be read, its jobs count as missing: {error}", stacklevel=2)
-        return pd.DataFrame()
-    return pd.DataFrame({**columns, "unit": path.stem}).set_index("job")
 
 
 def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
@@ -215,14 +206,15 @@ def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def _fingerprint(root: Path) -> str:
-    """Digest of what the table is made from: the plan, names and sizes of units and failures."""
+    """Digest of what the table is made from: the plan; names, sizes and times of units and failures."""
     sources = [*unit_files(root), *sorted((root / "failed").glob("*.json"))]
-    listing = "\n".join(f"{path.name} {path.stat().st_size}" for path in sources)
+    told = ((path.name, path.stat()) for path in sources)
+    listing = "\n".join(f"{name} {stat.st_size} {stat.st_mtime_ns}" for name, stat in told)
     return hashlib.sha256((root / "plan.json").read_bytes() + listing.encode()).hexdigest()
 
 
 def _write_frame(root: Path, frame: "pd.DataFrame", fingerprint: str) -> None:
-    with sealing(root / "study.h5") as part, h5py.File(part, "w", libver=LIBVER) as file:
+    with new_hdf5(root / "study.h5") as file:
         jobs = write_jobs(file, list(frame.index))
         for name in PER_JOB:
             column = file.create_dataset(name, data=frame[name].to_numpy(object), dtype=TEXT)
@@ -240,15 +232,13 @@ def _column(values: "pd.Series[Any]") -> NDArray[Any]:
     return values.astype(str).to_numpy(object)
 
 
-def _read_frame(root: Path) -> "pd.DataFrame | None":
-    """The frame as ``study.h5`` holds it, None when there is none or it does not open."""
+def read_frame(root: Path, groups: Sequence[str] = tuple(GROUPS)) -> "pd.DataFrame | None":
+    """The frame as ``study.h5`` holds it (of some groups of columns), None when there is none or it is damaged."""
     import pandas as pd
 
-    path = root / "study.h5"
     try:
-        columns = read_columns(path)
-        with h5py.File(path) as file:
-            columns |= {name: file[name].asstr()[()] for name in PER_JOB}
+        with open_hdf5(root / "study.h5") as file:
+            columns = read_columns(file, groups) | {name: file[name].asstr()[()] for name in PER_JOB}
             fingerprint = file.attrs["fingerprint"]
     except UNREADABLE:
         return None

@@ -4,7 +4,6 @@
 what names the plan of the study that it was made for.
 """
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -15,7 +14,7 @@ import numpy as np
 from bearingsim.errors import UserError
 from bearingsim.selection import Choice, Choices
 from bearingsim.simulation.trial import Trial
-from bearingsim.store.files import write_text
+from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 
 __all__ = [
     "DamagedChoices",
@@ -37,7 +36,7 @@ class DamagedChoices(UserError):
 def write_trials(root: Path, unit: str, found: Mapping[str, Trial | None]) -> None:
     """Write the trials of a unit, by id; None for one that failed."""
     told = {name: None if one is None else _plain(one) for name, one in found.items()}
-    write_text(root / TRIALS / f"{unit}.json", json.dumps(told) + "\n")
+    write_json(root / TRIALS / f"{unit}.json", {TRIALS: told}, indent=None)
 
 
 def read_trials(root: Path) -> dict[str, Trial | None]:
@@ -45,9 +44,10 @@ def read_trials(root: Path) -> dict[str, Trial | None]:
     found: dict[str, Trial | None] = {}
     for path in sorted((root / TRIALS).glob("*.json")):
         try:
-            told = json.loads(path.read_text(encoding="utf-8"))
+            told = read_json(path)
+            told = told.get(TRIALS, told)  # of earlier versions: nothing around them
             found |= {name: None if one is None else _trial(one) for name, one in told.items()}
-        except (ValueError, KeyError, TypeError, AttributeError):
+        except UNREADABLE:
             continue
     return found
 
@@ -71,7 +71,7 @@ def write_choices(root: Path, choices: Choices, plans: Mapping[str, str] | None 
     """Write what was chosen, all at once; plans: what names the plan that each choice was made for."""
     named = plans or {}
     told = {name: asdict(one) | {PLAN: named.get(name, "")} for name, one in sorted(choices.items())}
-    write_text(root / CHOICES, json.dumps(told, indent=1, ensure_ascii=False) + "\n")
+    write_json(root / CHOICES, {"choices": told})
 
 
 def read_choices(root: Path) -> Choices:
@@ -87,11 +87,11 @@ def read_plans(root: Path) -> dict[str, str]:
 def _read(root: Path) -> dict[str, tuple[Choice, str]]:
     path = root / CHOICES
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
-        return {name: _choice(one) for name, one in told.items()}
+        told = read_json(path)
+        return {name: _choice(one) for name, one in told.get("choices", told).items()}
     except FileNotFoundError:
         return {}
-    except (ValueError, TypeError, AttributeError) as error:
+    except UNREADABLE as error:
         raise DamagedChoices(
             f"{path} cannot be read ({error}): put it back, or remove it to decide again (results stay)"
         ) from error

@@ -1,13 +1,12 @@
 """The unit file: one immutable HDF5 file with the series, parameters and features of one or more jobs.
 
 Root: ``time`` (float64, s) and ``job`` (ids) are dimension scales, each channel is a float32 dataset
-(job, time). Groups ``parameters``, ``features`` and ``info`` hold one dataset over ``job`` per name, in SI with
-a ``units`` attribute; group ``provenance`` tells what made the file. Plain HDF5: xarray (h5netcdf), ncdump,
+(job, time). ``parameters``, ``features`` and ``info`` are datasets (job, name) in SI (``columns.py``); group
+``provenance`` tells what made the file. Plain HDF5: xarray (h5netcdf), ncdump,
 h5web and MATLAB open it unaided.
 """
 
 import hashlib
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -19,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bearingsim.errors import UserError
-from bearingsim.store.files import sealing
-from bearingsim.store.names import channel_attributes, feature_attributes, flat_parameters, parameter_attributes
+from bearingsim.store.columns import GROUPS, TEXT, Value, columns, read_columns, write_columns, write_jobs
+from bearingsim.store.names import channel_attributes, flat_parameters
+from bearingsim.store.sealed import UNREADABLE, Unreadable, new_hdf5, open_hdf5
 
 if TYPE_CHECKING:
     from bearingsim.simulation.simulate import Record
@@ -30,27 +30,20 @@ __all__ = [
     "DamagedUnit",
     "Series",
     "check_unit",
-    "read_columns",
+    "open_unit",
     "read_series",
+    "read_unit",
     "unit_name",
     "unit_path",
-    "write_columns",
     "write_units",
 ]
 
-LIBVER = ("v108", "v108")  # object headers with checksums and no 64 kB limit on attributes
-TEXT = h5py.string_dtype()
 CHUNK_BYTES = 1 << 16
 LONGEST_CHUNK = 1 << 18  # samples
-UNREADABLE = (OSError, KeyError, TypeError, ValueError, RuntimeError, AttributeError)  # HDF5 of torn files
-GROUPS = ("parameters", "features", "info")
-
-Value = float | int | str
-Row = Mapping[str, Value]
 
 
 class DamagedUnit(UserError):
-    """A unit file that does not open, or does not hold what its name promises."""
+    """A unit file that is not as it was written, or does not hold what its name promises."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +86,7 @@ def _shape_key(record: "Record") -> tuple[bytes, tuple[str, ...]]:
 def _write_unit(root: Path, done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]) -> Path:
     ids = [job.id for job, _ in done]
     path = unit_path(root, unit_name(ids))
-    with sealing(path) as part, h5py.File(part, "w", libver=LIBVER) as file:
+    with new_hdf5(path) as file:
         jobs = write_jobs(file, ids)
         _write_series(file, jobs, [record for _, record in done])
         write_columns(file, jobs, "parameters", columns([flat_parameters(job.case) for job, _ in done]))
@@ -101,14 +94,6 @@ def _write_unit(root: Path, done: Sequence[tuple["Job", "Record"]], provenance: 
         write_columns(file, jobs, "info", columns([record.info for _, record in done]))
         _write_provenance(file, provenance)
     return path
-
-
-def write_jobs(file: h5py.File, ids: Sequence[str]) -> h5py.Dataset:
-    """Write the ``job`` dimension: a scale of ids."""
-    jobs = file.create_dataset("job", data=np.array(ids, object), dtype=TEXT)
-    jobs.make_scale("job")
-    jobs.attrs["long_name"] = "job id"
-    return jobs
 
 
 def _write_series(file: h5py.File, jobs: h5py.Dataset, records: Sequence["Record"]) -> None:
@@ -134,35 +119,6 @@ def _chunks(jobs: int, samples: int) -> tuple[int, int]:
     return min(jobs, max(1, CHUNK_BYTES // (4 * width))), width
 
 
-def columns(rows: Sequence[Row]) -> dict[str, NDArray[Any]]:
-    """Turn one mapping per job into one array per name: float64, or text as soon as one value is a word.
-
-    A name that a job does not have reads NaN, or the empty text.
-    """
-    names = dict.fromkeys(name for row in rows for name in row)
-    return {name: _column([row.get(name) for row in rows]) for name in names}
-
-
-def _column(values: Sequence[Value | None]) -> NDArray[Any]:
-    if any(isinstance(value, str) for value in values):
-        return np.array(["" if value is None else str(value) for value in values], object)
-    return np.array([math.nan if value is None else value for value in values], np.float64)
-
-
-def write_columns(file: h5py.File, jobs: h5py.Dataset, group: str, named: Mapping[str, NDArray[Any]]) -> None:
-    """Write one dataset over ``job`` per name into a group, with ``units`` and ``long_name`` where known."""
-    attributes = {"parameters": parameter_attributes, "features": feature_attributes}.get(group)
-    folder = file.require_group(group)
-    for name, values in named.items():
-        if values.dtype == object:
-            column = folder.create_dataset(name, data=values, dtype=TEXT)
-        else:
-            column = folder.create_dataset(name, data=values, chunks=values.shape, fletcher32=True)
-        column.dims[0].attach_scale(jobs)
-        if attributes is not None:
-            column.attrs.update(attributes(name))
-
-
 def _write_provenance(file: h5py.File, provenance: Mapping[str, Value]) -> None:
     """Short facts become attributes of the file; the study's text, of any length, a dataset."""
     folder = file.require_group("provenance")
@@ -177,33 +133,49 @@ def _write_provenance(file: h5py.File, provenance: Mapping[str, Value]) -> None:
 # Reading
 
 
-def check_unit(path: Path, checksums: bool = False) -> list[str]:
-    """Return the ids of the jobs a unit holds, after checking that it holds them.
+def open_unit(path: Path) -> h5py.File:
+    """Open a unit, once it is known to be as it was written, and to hold what its name promises.
 
-    The file opens, is marked complete, its ids make its name and every channel has its full shape; with
-    ``checksums`` every byte is read against its checksum. Raises DamagedUnit.
+    One of an earlier version, without a digest, is read whole against HDF5's checksums. Raises DamagedUnit.
     """
     try:
-        with h5py.File(path) as file:
-            ids = _checked_ids(path, file)
-            if checksums:
-                _read_everything(file)
-            return ids
+        file = open_hdf5(path)
+        try:
+            _check(path, file)
+        except BaseException:
+            file.close()
+            raise
+    except PermissionError:  # no damage
+        raise
     except UNREADABLE as error:
         raise DamagedUnit(f"{path.name}: {error}") from error
+    return file
 
 
-def _checked_ids(path: Path, file: h5py.File) -> list[str]:
+def read_unit(path: Path) -> dict[str, NDArray[Any]]:
+    """The columns over ``job`` of a unit. Raises DamagedUnit."""
+    with open_unit(path) as file:
+        return read_columns(file)
+
+
+def check_unit(path: Path) -> list[str]:
+    """The ids of the jobs that a unit holds. Raises DamagedUnit."""
+    with open_unit(path) as file:
+        return list(file["job"].asstr()[()])
+
+
+def _check(path: Path, file: h5py.File) -> None:
     ids = list(file["job"].asstr()[()])
     if file.attrs.get("status") != "complete":
-        raise DamagedUnit(f"{path.name}: not marked complete")
+        raise Unreadable("not marked complete")
     if unit_name(ids) != path.stem:
-        raise DamagedUnit(f"{path.name}: its job ids are not those of its name")
+        raise Unreadable("its job ids are not those of its name")
     for name in _channels(file):
         whole = (len(ids), len(file["time"]))
         if file[name].shape != whole:
-            raise DamagedUnit(f"{path.name}: {name} has shape {file[name].shape}, not {whole}")
-    return ids
+            raise Unreadable(f"{name} has shape {file[name].shape}, not {whole}")
+    if "schema" not in file.attrs:
+        _read_everything(file)
 
 
 def _read_everything(folder: h5py.Group) -> None:
@@ -216,28 +188,14 @@ def _read_everything(folder: h5py.Group) -> None:
 
 
 def _channels(file: h5py.File) -> list[str]:
-    return [name for name, item in file.items() if isinstance(item, h5py.Dataset) and item.ndim == 2]
-
-
-def read_columns(path: Path, groups: Sequence[str] = GROUPS) -> dict[str, NDArray[Any]]:
-    """Read the columns over ``job`` of a unit or of the table: ``job``, ``features/velocity@BPFO`` ..."""
-    with h5py.File(path) as file:
-        found = {
-            f"{group}/{name}": _read(item)
-            for group in groups
-            if group in file
-            for name, item in file[group].items()
-        }
-        return {"job": _read(file["job"]), **found}
-
-
-def _read(item: h5py.Dataset) -> NDArray[Any]:
-    return item.asstr()[()] if item.dtype == object else item[()]
+    columns = (*GROUPS, *(f"{one}_text" for one in GROUPS.values()))
+    series = {name: item for name, item in file.items() if name not in columns}
+    return [name for name, item in series.items() if isinstance(item, h5py.Dataset) and item.ndim == 2]
 
 
 def read_series(path: Path, job: str) -> Series:
-    """Read the series of one job from its unit. Raises KeyError if the unit does not hold the job."""
-    with h5py.File(path) as file:
+    """Read the series of one job from its unit. Raises DamagedUnit, and KeyError if it does not hold the job."""
+    with _opened(path) as file:
         ids = list(file["job"].asstr()[()])
         if job not in ids:
             raise KeyError(f"{path.name} does not hold job {job}")
@@ -247,3 +205,11 @@ def read_series(path: Path, job: str) -> Series:
             channels={name: file[name][row] for name in names},
             units={name: str(file[name].attrs["units"]) for name in names},
         )
+
+
+def _opened(path: Path) -> h5py.File:
+    try:
+        return open_unit(path)
+    except DamagedUnit as damage:
+        advice = "run the study again with --verify: what is damaged is computed again"
+        raise DamagedUnit(f"{path.parent}/{damage} ({advice})") from None

@@ -260,9 +260,7 @@ def test_an_interrupt_is_130_and_tells_what_is_done(here, monkeypatch):
     from bearingsim import runner
 
     def interrupted(*_):
-        raise runner.Interrupted(
-            runner.RunSummary("small", here, 8, 1, 2, (), 0.5, 0.2, 0.4, 0.3, interrupted=True)
-        )
+        raise runner.Interrupted(runner.RunSummary("small", here, 8, 1, 2, (), 0.5, 0.2, 0.4, 0.3, interrupted=2))
 
     monkeypatch.setattr(runner, "run", interrupted)
     _, told = type_("run", "small.yaml", code=130)

@@ -12,7 +12,7 @@ from tests.scenes.commands import type_
 def test_a_damaged_plan_is_told_with_its_remedy(tmp_path, command, text):
     (tmp_path / "plan.json").write_bytes(text.encode(errors="surrogateescape"))
     _, told = type_(command, tmp_path, code=2)
-    assert f"{tmp_path / 'plan.json'} is damaged or of an earlier version: run the study again" in told
+    assert f"{tmp_path / 'plan.json'} is damaged or of another version: run the study again" in told
 
 
 def test_the_newest_sound_results_are_taken(done, tmp_path, monkeypatch):

@@ -55,7 +55,7 @@ def tried(log: Path) -> int:
 
 
 def choices(out: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((out / "choices.json").read_text())
+    found: dict[str, Any] = json.loads((out / "choices.json").read_text())["choices"]
     return found
 
 
@@ -276,7 +276,7 @@ def test_an_interrupt_while_models_are_tried_keeps_what_was_tried(
         compute(near(write), tmp_path)
     summary = stop.value.summary
     assert (summary.planned, summary.resumed, summary.done, summary.missing) == (6, 0, 0, 6)
-    assert (summary.exit_code, summary.interrupted) == (130, True)
+    assert (summary.exit_code, summary.interrupted) == (130, signal.SIGINT)
     assert "models were being tried, before the first job: 4 trials kept" in str(stop.value).splitlines()
     assert "run the same command to continue" in str(stop.value)
     assert len(store.read_trials(tmp_path)) == 4
@@ -371,7 +371,7 @@ def test_a_torn_trial_is_made_again(write: Write, tmp_path: Path, log: Path, kee
     lines(log)
     (out / "choices.json").unlink()
     torn = sorted((out / "trials").glob("*.json"))[0]
-    lost = len(json.loads(torn.read_text()))
+    lost = len(json.loads(torn.read_text())["trials"])
     torn.write_text(torn.read_text()[:keep])
     compute(near(write), out)
     assert choices(out) == before

@@ -1,5 +1,6 @@
 """Small stand-ins for a study and its simulation, importable from worker processes."""
 
+import errno
 import hashlib
 import json
 import math
@@ -169,8 +170,12 @@ def simulate(case: FakeCase) -> SimpleNamespace:
     if deed == "die-once" and not Path(flag).exists():
         Path(flag).touch()
         os._exit(4)
+    if deed == "no":  # room
+        raise OSError(errno.ENOSPC, "no space left")
     if deed == "interrupt":
         raise KeyboardInterrupt
+    if deed == "signal":
+        os.kill(os.getpid(), getattr(signal, flag))
     if deed == "raise-unless" and not Path(flag).exists():
         raise FakeError("not yet", "wait", None)
     if deed == "pid":

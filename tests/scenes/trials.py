@@ -32,6 +32,9 @@ LOG = "FAKE_TRIALS"
 SECONDS = "FAKE_SECONDS"
 """Another: what a trial takes (s)."""
 
+DIE = "FAKE_DEATHS"
+"""Another: if it is there, a trial ends its process."""
+
 HEAD = """\
 study: near
 bearing: nf308
@@ -96,6 +99,8 @@ def _log(what: str, case: Case) -> None:
 def try_out(case: Case, asked: Sequence[str], passes: int, turn: float) -> tuple[Trial, Any]:
     _log("try", case)
     time.sleep(float(os.environ.get(SECONDS, "0")))
+    if DIE in os.environ:
+        os._exit(3)
     return trial(case.load * OFF[case.model], passes, names=asked), None
 
 

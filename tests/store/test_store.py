@@ -1,11 +1,11 @@
 """The results folder: unit files, table, resuming, leftovers."""
 
+import errno
 import json
 import os
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -17,9 +17,11 @@ import xarray as xr
 
 from bearingsim import store
 from bearingsim.config import Case
-from bearingsim.store.files import sealing, writer, writer_is_dead
+from bearingsim.store import files
+from bearingsim.store.columns import columns
+from bearingsim.store.files import temporary, write_bytes
 from bearingsim.store.names import parameter_attributes
-from bearingsim.store.units import columns
+from bearingsim.store.sealed import new_hdf5
 from tests.scenes.fake_studies import FakeCase, FakeJob, FakeStudy, case_id, record_of
 
 PROVENANCE: dict[str, int | str] = {"model_version": 1, "study_text": "study: fake\n" + "# long\n" * 20_000}
@@ -52,11 +54,28 @@ def test_unit_file_is_compressed_and_has_checksums(tmp_path: Path, study: FakeSt
         channel = file["ring.velocity.x"]
         assert (channel.dtype, file["time"].dtype) == (np.float32, np.float64)
         assert (channel.compression, channel.shuffle, channel.fletcher32) == ("gzip", True, True)
-        assert file["features/velocity@BPFO"].fletcher32
-        assert file["features/velocity@BPFO"].attrs["units"] == "m/s"
-        assert file["parameters/defects.1.width"].attrs["units"] == "m"
+        names = list(file["feature"].asstr())
+        assert names == ["velocity.rms", "velocity@BPFO", "velocity@BPFO.phase"]
+        assert (file["features"].shape, file["features"].dtype) == ((4, 3), np.float64)
+        assert list(file["feature_units"].asstr()) == ["m/s", "m/s", "rad"]
+        assert (
+            dict(zip(file["parameter"].asstr(), file["parameter_units"].asstr(), strict=True))["defects.1.width"]
+            == "m"
+        )
         assert file.attrs["model_version"] == 1
         assert file["provenance/study_text"].asstr()[()] == PROVENANCE["study_text"]
+
+
+def test_a_job_of_3_kb_of_series_takes_less_than_8_kb(tmp_path: Path) -> None:
+    cases = [FakeCase(width=1e-3 * n, duration=0.0375) for n in range(100)]  # 384 samples, twice, as float32
+    jobs: list[Any] = [FakeJob(case_id(case), case, {}, None) for case in cases]
+    records = [record_of(case) for case in cases]
+    for number, record in enumerate(records):
+        values = np.random.default_rng(number).normal(size=120)
+        record.features |= {f"feature {n} of a hundred": value for n, value in enumerate(values)}
+        record.info |= {f"fact {n}": f"word {n % 3}" for n in range(25)}
+    [path] = store.write_units(tmp_path, list(zip(jobs, records, strict=True)), PROVENANCE)
+    assert path.stat().st_size / 100 < 8000
 
 
 def test_xarray_opens_a_unit_unaided(tmp_path: Path, study: FakeStudy) -> None:
@@ -66,8 +85,11 @@ def test_xarray_opens_a_unit_unaided(tmp_path: Path, study: FakeStudy) -> None:
         assert data["ring.velocity.x"].attrs == {"units": "m/s", "long_name": "velocity of the outer ring x"}
         assert list(data["job"].values) == sorted(job.id for job in study.jobs())
         assert data["time"].attrs["units"] == "s"
-    with xr.open_dataset(path, engine="h5netcdf", group="features") as features:
-        assert features["velocity@BPFO"].dims == ("job",)
+        by_id = {job.id: 1e-3 if job.is_baseline else job.case.width for job in study.jobs()}
+        assert data["features"].dims == ("job", "feature")
+        assert list(data["features"].sel(feature="velocity@BPFO").values) == [
+            by_id[job] for job in data["job"].values
+        ]
 
 
 def test_jobs_of_other_time_axes_get_their_own_unit(tmp_path: Path) -> None:
@@ -75,7 +97,8 @@ def test_jobs_of_other_time_axes_get_their_own_unit(tmp_path: Path) -> None:
     jobs: list[Any] = [FakeJob(case_id(case), case, {}, None) for case in cases]
     units = store.write_units(tmp_path, [(job, record_of(job.case)) for job in jobs], PROVENANCE)
     assert sorted(len(store.check_unit(unit)) for unit in units) == [1, 1, 2]
-    assert store.sealed_jobs(tmp_path) == ({job.id for job in jobs}, 0)
+    held = store.holdings(tmp_path)
+    assert (held.sealed, held.damaged) == ({job.id for job in jobs}, [])
     [bare] = [unit for unit in units if jobs[2].id in store.check_unit(unit)]
     assert store.read_series(bare, jobs[2].id).channels == {}
 
@@ -114,14 +137,13 @@ def test_parameters_carry_their_si_unit() -> None:
     assert parameter_attributes("defect.grown") == {}
 
 
-def test_nothing_stays_under_a_final_name_when_writing_fails(tmp_path: Path) -> None:
-    def write_half() -> None:
-        with sealing(tmp_path / "a.txt") as part:
-            part.write_text("half")
-            raise OSError("no space left")
+def test_nothing_stays_when_writing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(descriptor: int) -> None:
+        raise OSError("the cable is out")
 
-    with pytest.raises(OSError, match="no space"):
-        write_half()
+    monkeypatch.setattr(os, "fsync", broken)
+    with pytest.raises(OSError, match="cable"):
+        write_bytes(tmp_path / "a.txt", b"half")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -134,24 +156,13 @@ def test_truncated_unit_is_found_and_set_aside(tmp_path: Path, study: FakeStudy,
     [bad], [_] = seal(tmp_path, study, first), seal(tmp_path, study, second)
     content = bad.read_bytes()
     bad.write_bytes(content[: int(kept if kept >= 1 else kept * len(content))])
-    assert store.sealed_jobs(tmp_path) == ({job.id for job in second}, 1)
+    held = store.holdings(tmp_path)
+    assert held.sealed == {job.id for job in second}
+    assert held.damaged == [str(bad.relative_to(tmp_path))]
     assert not bad.exists()
     assert bad.with_suffix(".damaged").exists()
     [journal] = tmp_path.glob("journal-*.jsonl")
-    assert json.loads(journal.read_text())["unit"] == bad.stem
-
-
-def test_flipped_byte_is_found_by_reading_checksums(tmp_path: Path, study: FakeStudy) -> None:
-    [path] = seal(tmp_path, study)
-    with h5py.File(path) as file:
-        offset = file["ring.velocity.x"].id.get_chunk_info(0).byte_offset
-    content = bytearray(path.read_bytes())
-    content[offset + 50] ^= 1
-    path.write_bytes(bytes(content))
-    assert len(store.check_unit(path)) == 4
-    with pytest.raises(store.DamagedUnit, match=path.name):
-        store.check_unit(path, checksums=True)
-    assert store.sealed_jobs(tmp_path, checksums=True) == (set(), 1)
+    assert json.loads(journal.read_text())["file"] == held.damaged[0]
 
 
 def test_unit_under_another_name_is_not_trusted(tmp_path: Path, study: FakeStudy) -> None:
@@ -163,7 +174,10 @@ def test_unit_under_another_name_is_not_trusted(tmp_path: Path, study: FakeStudy
 
 def test_unit_with_a_missing_row_is_not_trusted(tmp_path: Path, study: FakeStudy) -> None:
     [path] = seal(tmp_path, study)
-    with h5py.File(path, "r+") as file:
+    with h5py.File(path) as old, new_hdf5(path) as file:
+        for name in old:
+            old.copy(name, file)
+        file.attrs["status"] = "complete"
         short = file["ring.velocity.x"][1:]
         del file["ring.velocity.x"]
         file["ring.velocity.x"] = short
@@ -171,35 +185,71 @@ def test_unit_with_a_missing_row_is_not_trusted(tmp_path: Path, study: FakeStudy
         store.check_unit(path)
 
 
+LEAVES = """import os, sys, time; from pathlib import Path; from bearingsim.store.files import temporary
+with temporary(Path(sys.argv[1]), "ab.h5", "part") as file: print(flush=True); {}
+"""
+
+
 def test_sweep_takes_leftovers_of_dead_writers_only(tmp_path: Path) -> None:
-    dead = subprocess.Popen([sys.executable, "-c", ""])
-    dead.wait()
-    host = writer().rpartition("-")[0]
     folder = tmp_path / "units" / "ab"
-    folder.mkdir(parents=True)
-    names = {
-        who: folder / f"ab.h5.{host}-{pid}.part" for who, pid in {"dead": dead.pid, "own": os.getpid()}.items()
-    }
-    names |= {"parent": folder / f"ab.{host}-{os.getppid()}.started", "there": folder / "ab.h5.elsewhere-1.part"}
-    names["long ago"] = folder / "ab.h5.elsewhere-2.part"
-    for path in names.values():
-        path.touch()
-    os.utime(names["long ago"], (time.time() - 2 * 86400,) * 2)
-    assert set(store.sweep(tmp_path)) == {names["dead"], names["long ago"]}
-    assert not names["dead"].exists()
-    assert names["own"].exists()
+    subprocess.run([sys.executable, "-c", LEAVES.format("os._exit(9)"), str(folder)], check=False, stdout=-1)
+    [left] = folder.iterdir()
+    command = [sys.executable, "-c", LEAVES.format("time.sleep(60)"), str(folder)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as other, temporary(folder, "own", "part") as own:
+        assert other.stdout is not None
+        other.stdout.readline()
+        assert store.sweep(tmp_path) == [left]
+        assert len(list(folder.iterdir())) == 2
+        other.kill()
+        os.waitid(os.P_PID, other.pid, os.WEXITED | os.WNOWAIT)  # dead, but not yet waited for
+        assert len(store.sweep(tmp_path)) == 1
+        assert [str(path) for path in folder.iterdir()] == [own.name]
+    assert not list(folder.iterdir())
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
-def test_killed_writer_counts_as_dead_before_it_is_waited_for(tmp_path: Path) -> None:
-    process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
-    part = tmp_path / f"x.{writer().rpartition('-')[0]}-{process.pid}.part"
-    part.touch()
-    assert not writer_is_dead(part)
-    process.kill()
-    os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
-    assert writer_is_dead(part)
-    process.wait()
+def test_a_sweep_that_is_quicker_than_the_lock_costs_a_file_and_no_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain, swept = files._take, list[str]()
+
+    def take(file: Any, wait: bool) -> bool:
+        if not swept:
+            swept.append(file.name)
+            Path(file.name).unlink()
+        return plain(file, wait)
+
+    monkeypatch.setattr(files, "_take", take)
+    write_bytes(tmp_path / "a", b"whole")
+    assert (tmp_path / "a").read_bytes() == b"whole"
+    assert [path.name for path in tmp_path.iterdir()] == ["a"]
+
+
+def test_without_locks_nothing_is_taken_for_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(*arguments: Any) -> None:
+        raise OSError(errno.ENOLCK, "no locks available")
+
+    monkeypatch.setattr("fcntl.flock", none)
+    (tmp_path / "a.part").touch()
+    write_bytes(tmp_path / "b", b"whole")
+    assert store.sweep(tmp_path) == []
+    with pytest.raises(store.FolderInUse, match="on a disk without locks"):
+        store.discard(tmp_path)
+
+
+@pytest.mark.parametrize("number", [errno.EROFS, errno.EACCES, errno.ENOSPC])
+def test_a_stale_table_is_read_where_nothing_can_be_written(
+    tmp_path: Path, study: FakeStudy, monkeypatch: pytest.MonkeyPatch, number: int
+) -> None:
+    seal(tmp_path, study)
+    whole = store.open_results(tmp_path).table()
+    (tmp_path / "study.h5").write_bytes(b"stale")
+
+    def refuse(*arguments: Any) -> None:
+        raise OSError(number, "cannot be written")
+
+    monkeypatch.setattr(files, "_locked", refuse)
+    monkeypatch.setattr("filelock.FileLock.acquire", refuse)
+    assert store.open_results(tmp_path).table().equals(whole)
 
 
 def test_fresh_start_refuses_a_folder_in_use(tmp_path: Path, study: FakeStudy) -> None:
@@ -219,10 +269,6 @@ def test_marker_of_a_dead_process_names_the_job_in_hand(tmp_path: Path) -> None:
         assert store.take_suspects(tmp_path, ["cafe"]) == {"b"}
         assert store.take_suspects(tmp_path, ["cafe"]) == set()
     assert not list(tmp_path.rglob("*.started"))
-
-
-def test_writer_of_a_vanished_file_counts_as_dead(tmp_path: Path) -> None:
-    assert writer_is_dead(tmp_path / f"x.{writer()}.part")
 
 
 # The table
@@ -278,8 +324,9 @@ def test_table_is_rebuilt_when_lost_damaged_or_stale(tmp_path: Path, study: Fake
 def test_table_is_read_without_the_units_while_up_to_date(tmp_path: Path, study: FakeStudy) -> None:
     [path] = seal(tmp_path, study)
     first = store.open_results(tmp_path).table()
-    written = (tmp_path / "study.h5").stat().st_mtime_ns
-    path.write_bytes(b"x" * path.stat().st_size)
+    written, unit = (tmp_path / "study.h5").stat().st_mtime_ns, path.stat()
+    path.write_bytes(b"x" * unit.st_size)
+    os.utime(path, ns=(unit.st_atime_ns, unit.st_mtime_ns))
     assert store.open_results(tmp_path).table().equals(first)
     assert (tmp_path / "study.h5").stat().st_mtime_ns == written
 
@@ -315,9 +362,9 @@ def test_job_in_two_units_is_counted_once(tmp_path: Path, study: FakeStudy) -> N
 def test_table_file_opens_in_xarray(tmp_path: Path, study: FakeStudy) -> None:
     seal(tmp_path, study)
     store.build_table(tmp_path)
-    with xr.open_dataset(tmp_path / "study.h5", engine="h5netcdf", group="features") as features:
-        assert features["velocity@BPFO-healthy"].dims == ("job",)
-        assert features["velocity@BPFO"].attrs["units"] == "m/s"
+    with xr.open_dataset(tmp_path / "study.h5", engine="h5netcdf") as data:
+        assert data["features"].sel(feature="velocity@BPFO-healthy").dims == ("job",)
+        assert data["feature_units"].sel(feature="velocity@BPFO") == "m/s"
 
 
 def test_plan_tells_what_was_asked(tmp_path: Path, study: Any) -> None:

@@ -1,0 +1,106 @@
+"""Columns over the jobs of a file: parameters, features, and what the solver said.
+
+All numbers of a group are one float64 dataset (job, name), such as ``features``. The scale of its second dimension
+is ``feature``, the names; ``feature_units`` has the units. All its words are another, ``feature_text``. Files of
+earlier versions have a dataset for each name, ``features/velocity.rms``.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from bearingsim.store.names import feature_attributes, parameter_attributes
+
+__all__ = ["GROUPS", "TEXT", "Value", "columns", "read_columns", "write_columns", "write_jobs"]
+
+TEXT = h5py.string_dtype()
+GROUPS = {"parameters": "parameter", "features": "feature", "info": "fact"}
+"""Datasets, and what one of their columns is called."""
+ATTRIBUTES = {"parameters": parameter_attributes, "features": feature_attributes}
+
+Value = float | int | str
+Row = Mapping[str, Value]
+
+
+def columns(rows: Sequence[Row]) -> dict[str, NDArray[Any]]:
+    """Turn one mapping per job into one array per name: float64, or text as soon as one value is a word.
+
+    A name that a job does not have reads NaN, or the empty text.
+    """
+    names = dict.fromkeys(name for row in rows for name in row)
+    return {name: _column([row.get(name) for row in rows]) for name in names}
+
+
+def _column(values: Sequence[Value | None]) -> NDArray[Any]:
+    if any(isinstance(value, str) for value in values):
+        return np.array(["" if value is None else str(value) for value in values], object)
+    return np.array([math.nan if value is None else value for value in values], np.float64)
+
+
+def write_jobs(file: h5py.File, ids: Sequence[str]) -> h5py.Dataset:
+    """Write the ``job`` dimension: a scale of ids."""
+    jobs = file.create_dataset("job", data=np.array(ids, object), dtype=TEXT)
+    jobs.make_scale("job")
+    jobs.attrs["long_name"] = "job id"
+    return jobs
+
+
+def write_columns(file: h5py.File, jobs: h5py.Dataset, group: str, named: Mapping[str, NDArray[Any]]) -> None:
+    """Write a group of columns over ``job``, in the order of their names."""
+    names = sorted(named)
+    numbers = [name for name in names if named[name].dtype != object]
+    words = [name for name in names if named[name].dtype == object]
+    one = GROUPS[group]
+    if numbers:
+        scale = _table(file, jobs, group, one, np.stack([named[name] for name in numbers], axis=1), numbers)
+        if group in ATTRIBUTES:
+            told = [ATTRIBUTES[group](name).get("units", "") for name in numbers]
+            units = file.create_dataset(f"{one}_units", data=told, dtype=TEXT)
+            units.dims[0].attach_scale(scale)
+    if words:
+        texts = _fixed(np.stack([named[name] for name in words], axis=1))
+        _table(file, jobs, f"{one}_text", f"{one}_text_name", texts, words)
+
+
+def _table(
+    file: h5py.File, jobs: h5py.Dataset, name: str, along: str, values: NDArray[Any], names: Sequence[str]
+) -> h5py.Dataset:
+    """Write a dataset (job, name) with its scales; return that of the names."""
+    table = file.create_dataset(name, data=values, compression="gzip", compression_opts=1, shuffle=True)
+    scale = file.create_dataset(along, data=names, dtype=TEXT)
+    scale.make_scale(along)
+    table.dims[0].attach_scale(jobs)
+    table.dims[1].attach_scale(scale)
+    return scale
+
+
+def _fixed(words: NDArray[Any]) -> NDArray[np.bytes_]:
+    """Words of one length, in UTF-8: of these many alike are compressed to next to nothing."""
+    coded = np.char.encode(words.astype(str), "utf-8")
+    return coded.astype(h5py.string_dtype(length=max(coded.dtype.itemsize, 1)))
+
+
+def read_columns(file: h5py.File, groups: Sequence[str] = tuple(GROUPS)) -> dict[str, NDArray[Any]]:
+    """Read the columns over ``job`` of a unit or of the table: ``job``, ``features/velocity@BPFO`` ..."""
+    found = {f"{group}/{name}": column for group in groups for name, column in _group(file, group)}
+    return {"job": _read(file["job"]), **found}
+
+
+def _group(file: h5py.File, group: str) -> Iterator[tuple[str, NDArray[Any]]]:
+    one = GROUPS[group]
+    if isinstance(file.get(group), h5py.Group):  # of an earlier version
+        yield from ((name, _read(item)) for name, item in file[group].items())
+        return
+    if group in file:
+        yield from zip(_read(file[one]), file[group][()].T, strict=True)
+    if f"{one}_text" in file:
+        words = np.char.decode(file[f"{one}_text"][()].astype(np.bytes_), "utf-8").astype(object)
+        yield from zip(_read(file[f"{one}_text_name"]), words.T, strict=True)
+
+
+def _read(item: h5py.Dataset) -> NDArray[Any]:
+    return item.asstr()[()] if item.dtype == object else item[()]

@@ -1,0 +1,171 @@
+"""One flipped bit in any stored file: it is refused by name, or repaired by the next run; never another result."""
+
+import random
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bearingsim import store
+from bearingsim.errors import DamageWarning
+from bearingsim.runner import RunSummary, run
+from bearingsim.selection import Choice
+from bearingsim.store.units import read_unit
+from tests.scenes.commands import type_
+from tests.scenes.fake_studies import ENGINE, FakeStudy
+
+STUDY: Any = FakeStudy(deeds={1: "raise"})
+
+
+def compute(out: Path, **options: Any) -> RunSummary:
+    return run(STUDY, out, jobs=1, progress=False, engine=ENGINE, **options)
+
+
+def flip(path: Path, bit: int) -> None:
+    content = bytearray(path.read_bytes())
+    content[bit // 8 % len(content)] ^= 1 << bit % 8
+    path.write_bytes(bytes(content))
+
+
+def told(out: Path) -> tuple[pd.DataFrame, list[Any]]:
+    """All that a user reads: table, parameters, failures, series."""
+    results = store.open_results(out)
+    table = results.table()
+    series = [results.series(job)["ring.velocity.x"].tolist() for job in table["job"][table["status"] == "done"]]
+    failures = [(job, one.reason, one.advice) for job, one in results.failures().items()]
+    return table, [results.parameters(), failures, series]
+
+
+def same(one: tuple[pd.DataFrame, list[Any]], other: tuple[pd.DataFrame, list[Any]]) -> bool:
+    return one[0].equals(other[0]) and one[1][0].equals(other[1][0]) and one[1][1:] == other[1][1:]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("whole") / "out"
+    compute(out)
+    return out
+
+
+@pytest.mark.parametrize("kind", ["units/??/*.h5", "failed/*.json", "study.h5", "plan.json", "results.csv"])
+@pytest.mark.parametrize("lost", [False, True])
+def test_one_run_repairs_a_flipped_bit(whole: Path, tmp_path: Path, kind: str, lost: bool) -> None:
+    right, csv = told(whole), (whole / "results.csv").read_bytes()
+    [name] = [path.relative_to(whole) for path in whole.glob(kind)]
+    for bit in random.Random(kind).sample(range(8 * (whole / name).stat().st_size), 4):
+        out = tmp_path / str(bit)
+        shutil.copytree(whole, out)
+        if lost:
+            (out / "study.h5").unlink(missing_ok=True)
+        if (out / name).exists():
+            flip(out / name, bit)
+        summary = compute(out)
+        assert (summary.done + summary.resumed, summary.failed, summary.missing) == (3, 1, 0)
+        assert same(told(out), right)
+        assert (out / "results.csv").read_bytes() == csv
+        if kind.startswith(("units", "failed")):
+            assert f"1 damaged file ({name})" in str(summary)
+
+
+def test_no_bit_of_a_unit_goes_unnoticed(whole: Path, tmp_path: Path) -> None:
+    [sound] = whole.glob("units/??/*.h5")
+    content, path = sound.read_bytes(), tmp_path / sound.name
+    ends = range(8 * len(content) - 8 * 80, 8 * len(content))  # the digest itself
+    for bit in [*random.Random(1).sample(range(8 * len(content)), 300), *ends]:
+        path.write_bytes(content)
+        flip(path, bit)
+        with pytest.raises(store.DamagedUnit):
+            store.check_unit(path)
+
+
+def test_no_bit_of_the_choices_goes_unnoticed(tmp_path: Path) -> None:
+    choice = Choice(candidate="planar", model="planar", why="it is the reference", error={"velocity.rms": 0.01})
+    store.write_choices(tmp_path, {"a" * 16: choice})
+    path = tmp_path / "choices.json"
+    content = path.read_bytes()
+    for bit in random.Random(2).sample(range(8 * len(content)), 200):
+        flip(path, bit)
+        with pytest.raises(store.DamagedChoices, match=r"choices.json cannot be read .*: put it back"):
+            store.read_choices(tmp_path)
+        path.write_bytes(content)
+    assert store.read_choices(tmp_path) == {"a" * 16: choice}
+
+
+def test_a_flipped_bit_of_a_trial_loses_the_trial_only(tmp_path: Path) -> None:
+    store.write_trials(tmp_path, "ab", {"one": None})
+    store.write_trials(tmp_path, "cd", {"two": None})
+    flip(tmp_path / "trials" / "ab.json", 200)
+    assert store.read_trials(tmp_path) == {"two": None}
+
+
+def test_a_damaged_series_is_refused_with_its_remedy(whole: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole, out)
+    results = store.open_results(out)
+    [path] = out.glob("units/??/*.h5")
+    results.table()
+    flip(path, 8 * 3000)
+    with pytest.raises(store.DamagedUnit, match=rf"{path}: .* \(run the study again with --verify"):
+        results.series(results.jobs[0])
+    with pytest.warns(DamageWarning, match=r"cannot be read .* run the study again"):
+        assert set(store.open_results(out).table()["status"]) == {"missing", "failed"}
+
+
+# Files of other versions, or of no version
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("{", "Expecting property name"),
+        ("[]", "it holds no mapping"),
+        ('{"schema": 2, "job": "x"}', "its digest is missing"),
+    ],
+)
+def test_a_failure_that_cannot_be_read_is_told(whole: Path, tmp_path: Path, text: str, reason: str) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole, out)
+    [path] = out.glob("failed/*.json")
+    path.write_text(text)
+    said, warned = type_("show", out)
+    assert "3 done, 1 missing" in said
+    assert f"{path} cannot be read ({reason}" in warned
+    assert "run the study again" in warned
+    assert len(warned.splitlines()) == 1
+
+
+def test_a_failure_of_another_version_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
+    (tmp_path / "failed").mkdir()
+    (tmp_path / "failed" / "ab.json").write_text('{"reason": "diverged", "mood": "bad"}')
+    (tmp_path / "failed" / "cd.json").write_text('{"job": "cd", "advice": "none"}')
+    found = store.read_failures(tmp_path)
+    assert (found["ab"].job, found["ab"].reason) == ("ab", "diverged")
+    assert (found["cd"].reason, found["cd"].advice) == ("not known", "none")
+
+
+def test_another_schema_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("bearingsim.store.sealed.SCHEMA", 9)
+    store.write_choices(tmp_path, {})
+    monkeypatch.undo()
+    with pytest.raises(store.DamagedChoices, match="it has schema 9, and this version reads 2"):
+        store.read_choices(tmp_path)
+
+
+def test_a_unit_is_read_once(whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole, out)
+    (out / "study.h5").unlink()
+    read = list[Path]()
+
+    def reading(path: Path) -> Any:
+        read.append(path)
+        return read_unit(path)
+
+    monkeypatch.setattr("bearingsim.store.stock.read_unit", reading)
+    for _ in range(3):
+        assert compute(out).resumed == 3
+    assert len(read) == 1
+    assert np.isfinite(store.open_results(out).table()["velocity@BPFO"]).sum() == 3

@@ -1,0 +1,107 @@
+"""A full disk, and workers that die one after the other: the run ends with the cause, and no job is blamed."""
+
+import contextlib
+import resource
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from bearingsim import store
+from bearingsim.runner import RunSummary, WorkersDie, run
+from bearingsim.store import DiskFull, files
+from tests.scenes.commands import type_
+from tests.scenes.fake_studies import ENGINE, FakeStudy
+from tests.scenes.study_text import Write
+from tests.scenes.trials import DIE, near
+from tests.scenes.trials import ENGINE as TRIALS
+
+
+def compute(study: Any, out: Path, jobs: int = 1) -> RunSummary:
+    return run(study, out, jobs=jobs, progress=False, engine=ENGINE)
+
+
+@contextlib.contextmanager
+def largest_file(size: int) -> Iterator[None]:
+    """No file of this process, or of one that it starts, may grow beyond ``size`` bytes."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.parametrize("size", [100, 1000, 8_000, 24_000])
+def test_no_room_ends_the_run_and_blames_no_job(tmp_path: Path, size: int) -> None:
+    study, out = FakeStudy([1e-3 * (i + 1) for i in range(40)]), tmp_path / "out"
+    with largest_file(size), pytest.raises(DiskFull, match="ulimit -f") as told:
+        compute(study, out)
+    assert str(tmp_path / "out") in str(told.value)
+    assert not list(out.glob("failed/*"))
+    assert not list(out.rglob("*.part"))
+    compute(study, out)
+    assert set(store.open_results(out).table()["status"]) == {"done"}
+
+
+def test_workers_meet_a_full_disk_too(tmp_path: Path) -> None:
+    with largest_file(8_000), pytest.raises(DiskFull, match="make room"):
+        compute(FakeStudy([1e-3 * (i + 1) for i in range(40)]), tmp_path, jobs=2)
+    assert not list(tmp_path.glob("failed/*"))
+
+
+def test_a_job_that_finds_no_room_is_not_blamed(tmp_path: Path) -> None:
+    with pytest.raises(DiskFull):
+        compute(FakeStudy(deeds={0: "no room"}), tmp_path)
+    assert not list(tmp_path.glob("failed/*"))
+
+
+def test_room_is_looked_for_before_anything_is_computed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("bearingsim.store.files.shutil.disk_usage", lambda _: SimpleNamespace(free=500))
+    with pytest.raises(DiskFull, match=r"no room for .*0.0005 MB are left of the 0.00\d+ MB"):
+        compute(FakeStudy(), tmp_path)
+    assert not list(tmp_path.glob("units/*"))
+
+
+@pytest.mark.parametrize("words", [("plot",), ("export", "--features"), ("export", "--series")])
+def test_figures_and_exports_meet_a_full_disk(done: Path, tmp_path: Path, words: tuple[str, ...]) -> None:
+    job = store.open_results(done).jobs[0]
+    given: dict[str, list[Any]] = {"--features": [tmp_path / "f.csv"]}
+    given["--series"] = [job, "--out", tmp_path / "s.mat"]
+    with largest_file(1000):
+        _, told = type_(words[0], done, *words[1:], *given.get(words[-1], ["--out", tmp_path]), code=2)
+    assert len(told.splitlines()) == 1
+    assert str(tmp_path) in told
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_full_disk_is_named(tmp_path: Path) -> None:
+    with pytest.raises(DiskFull, match=r"the disk /\S* is full"), files.room(tmp_path / "new" / "a"):
+        raise OSError(28, "No space left on device")
+
+
+# Workers that die
+
+
+def test_three_deaths_with_nothing_finished_between_blame_no_job(tmp_path: Path) -> None:
+    study = FakeStudy([1e-3 * (i + 1) for i in range(6)], deeds=dict.fromkeys(range(6), "exit"))
+    study.deeds[3] = "kill"
+    with pytest.raises(WorkersDie, match=r"3 times, with nothing finished between \((EXIT\(3\)|SIGKILL)"):
+        compute(study, tmp_path, jobs=2)
+    assert not list(tmp_path.glob("failed/*"))
+
+
+def test_two_jobs_that_kill_are_blamed_where_others_are_done(tmp_path: Path) -> None:
+    study = FakeStudy([1e-3 * (i + 1) for i in range(8)], deeds={0: "exit", 5: "kill"}, seconds=0.02)
+    summary = compute(study, tmp_path, jobs=2)
+    assert (summary.done, summary.failed) == (7, 2)
+
+
+def test_deaths_while_models_are_tried_are_told(
+    write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(DIE, "1")
+    with pytest.raises(WorkersDie, match="while models were tried 3 times"):
+        run(near(write), tmp_path / "out", jobs=2, progress=False, engine=TRIALS)
