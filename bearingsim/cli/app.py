@@ -162,10 +162,13 @@ def run(
     share = _share(shard)
     if fresh and share != (1, 1):
         raise typer.BadParameter(FRESH_SHARD, param_hint="--fresh")
-    asked = _loaded(study, set_, quick)
     from bearingsim import runner
 
-    summary = runner.run(asked, out, jobs, fresh, retry_failed, share, verify)
+    summary = None
+    if share == (1, 1) and not (fresh or verify):
+        summary = runner.finished(study, out, dict(map(_assignment, set_ or [])), quick)
+    if summary is None:
+        summary = runner.run(_loaded(study, set_, quick), out, jobs, fresh, retry_failed, share, verify)
     typer.echo(str(summary))
     if _verbose(ctx) and summary.failed:
         from bearingsim.cli import tables

@@ -9,16 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
-from bearingsim.config.rules import damping
 from bearingsim.runner.commands import command
+from bearingsim.runner.findings import of_results
 from bearingsim.runner.packing import Cost, fewer, fitting, pack, shard_of
 from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import Patience, getting_ready
 from bearingsim.runner.progress import progress as shown_progress
-from bearingsim.runner.promises import promises
 from bearingsim.runner.select import NoChoices, Stopped, selected
-from bearingsim.runner.summary import Interrupted, RunSummary, chaos, grouped, repetitions, step_errors
-from bearingsim.runner.unknowns import examined
+from bearingsim.runner.summary import Interrupted, RunSummary, grouped
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
 
 if TYPE_CHECKING:
@@ -57,7 +55,7 @@ def run(
     computed, and OSError when the folder cannot be written.
     """
     started = time.perf_counter()
-    root = _folder(study, out)
+    root = store.results_folder(study.name, study.quick, out)
     told = [*study.notes, *load(engine.notes)(study.cases())]  # now: files that it reads may go
     workers = _workers(jobs)
     shard_of([], shard)  # a share that does not exist is refused before models are tried
@@ -70,7 +68,7 @@ def run(
     ours = shard_of(every, shard)
     store.keep_scans(root, [job.case for job in every])
     earlier = store.planned_jobs(root)
-    store.write_plan(root, study, every)
+    store.write_plan(root, study, every, told)
     plan = _plan(root, ours, retry_failed, verify)
     store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
     tally = _Tally(root, command("run", study, root, "--retry-failed"), plan.failures)
@@ -92,7 +90,7 @@ def run(
     frame = store.build_table(root, plan.held.rows)
     seconds = time.perf_counter() - started
     left_out = len((earlier & plan.held.sealed) - {job.id for job in every})
-    notes = (*_notes(left_out, plan.held.damaged), *told, *_of_results(root, every, frame))
+    notes = (*_notes(left_out, plan.held.damaged), *told, *of_results(store.read_plan(root), frame))
     status = frame["status"].loc[[job.id for job in ours]]
     summary = tally.summary(study.name, status, plan.resumed, seconds, interrupted, notes)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
@@ -126,18 +124,12 @@ def with_models(study: "Study", out: str | Path | None, jobs: int | None, try_th
 
     try_them: make the choice, and keep it there.
     """
-    root = _folder(study, out)
+    root = store.results_folder(study.name, study.quick, out)
     if try_them:
         _prepare(root, False, (1, 1))
     with suppress(NoChoices):
         return selected(study, root, _workers(jobs), BEARINGSIM, alone=try_them)
     return study
-
-
-def _folder(study: "Study", out: str | Path | None) -> Path:
-    """Where results of a study go."""
-    name = f"{study.name}-quick" if study.quick else study.name
-    return Path(out if out is not None else Path("results") / name).resolve()
 
 
 def _notes(left_out: int, damaged: Sequence[str]) -> Iterator[str]:
@@ -149,17 +141,6 @@ def _notes(left_out: int, damaged: Sequence[str]) -> Iterator[str]:
     if damaged:
         files = f"1 damaged file ({damaged[0]})" if len(damaged) == 1 else f"{len(damaged)} damaged files"
         yield f"{files} found and set aside as .damaged: what they held is computed again"
-
-
-def _of_results(root: Path, jobs: Sequence["Job"], frame: "pd.DataFrame") -> Iterator[str]:
-    """What is worth knowing of the results: of the jobs asked for, and of what was varied of them."""
-    own = frame.loc[[job.id for job in jobs if not job.is_variation]]
-    yield from promises(store.read_plan(root), frame)
-    yield from repetitions(store.info(own))
-    yield from damping.of_jobs(store.info(own))
-    yield from examined(store.read_plan(root), frame)
-    yield from chaos(own)
-    yield from step_errors(own)
 
 
 def _workers(asked: int | None) -> int:

@@ -10,11 +10,12 @@ from bearingsim.store.folder import FolderInUse, Holdings, discard, holdings
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
 from bearingsim.store.names import flat_parameters
 from bearingsim.store.nearness import audited, nearness
-from bearingsim.store.provenance import provenance
-from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs
+from bearingsim.store.provenance import made_of, provenance
+from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs, results_folder
 from bearingsim.store.scans import keep_scans
+from bearingsim.store.sealed import UNREADABLE
 from bearingsim.store.spread import errors, spread
-from bearingsim.store.table import build_table, info, read_plan, write_plan
+from bearingsim.store.table import build_table, info, job_frame, read_plan, write_plan
 from bearingsim.store.trials import (
     DamagedChoices,
     read_choices,
@@ -26,6 +27,7 @@ from bearingsim.store.trials import (
 from bearingsim.store.units import DamagedUnit, Series, check_unit, read_series, unit_name, unit_path, write_units
 
 __all__ = [
+    "UNREADABLE",
     "DamagedChoices",
     "DamagedUnit",
     "DiskFull",
@@ -46,9 +48,11 @@ __all__ = [
     "flat_parameters",
     "holdings",
     "info",
+    "job_frame",
     "keep_scans",
     "lock",
     "log",
+    "made_of",
     "nearness",
     "now",
     "open_results",
@@ -60,6 +64,7 @@ __all__ = [
     "read_plans",
     "read_series",
     "read_trials",
+    "results_folder",
     "room",
     "spread",
     "start_marker",

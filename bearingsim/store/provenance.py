@@ -3,14 +3,15 @@
 import platform
 import socket
 import subprocess
+from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from bearingsim.study import Study
 
-__all__ = ["provenance"]
+__all__ = ["made_of", "provenance"]
 
 PACKAGES = ("bearingsim", "numpy", "numba", "scipy", "h5py")
 
@@ -34,6 +35,26 @@ def provenance(study: "Study") -> dict[str, str | int]:
         "git_commit": _commit(),
     }
     return {name: value for name, value in facts.items() if value != ""}
+
+
+def made_of(files: Mapping[str, str | None], overrides: Mapping[str, str], quick: bool) -> dict[str, Any] | None:
+    """All that decides what a study expands to; None where that cannot be told: of a program that is being changed.
+
+    files: those that the study is made of (``text/files_read.py``).
+    """
+    from bearingsim.catalogue import extension_digest
+    from bearingsim.core import MODEL_VERSION
+
+    commit = _commit()
+    if not files or commit.endswith("-dirty"):
+        return None
+    return {
+        "files": dict(files),
+        "overrides": dict(overrides),
+        "quick": quick,
+        "folder": str(Path.cwd()),
+        "program": [_version("bearingsim"), MODEL_VERSION, commit, extension_digest()],
+    }
 
 
 def _version(package: str) -> str:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["Results", "ResultsError", "open_results", "planned_jobs"]
+__all__ = ["Results", "ResultsError", "open_results", "planned_jobs", "results_folder"]
 
 PLANNED = {"study", "quick", "units", "figures", "jobs"}  # what is read of a plan, and of each of its jobs
 PLANNED_JOB = {"job", "healthy", "twin", "swept"}
@@ -46,6 +46,12 @@ def open_results(path: str | Path) -> "Results":
     if not sound:
         raise ResultsError(f"{root / 'plan.json'} is damaged or of another version: run the study again{reason}")
     return results
+
+
+def results_folder(name: str, quick: bool, out: str | Path | None) -> Path:
+    """Where results of a study go, if not to a folder that is named."""
+    usual = Path("results") / (f"{name}-quick" if quick else name)
+    return Path(usual if out is None else out).resolve()
 
 
 def planned_jobs(root: Path) -> set[str]:

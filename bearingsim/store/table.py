@@ -21,6 +21,7 @@ from bearingsim.store.files import DiskFull, lock, unit_files, write_text
 from bearingsim.store.journal import Failure, read_failures
 from bearingsim.store.names import in_feature_order
 from bearingsim.store.nearness import nearness
+from bearingsim.store.provenance import made_of
 from bearingsim.store.sealed import UNREADABLE, new_hdf5, open_hdf5, read_json, write_json
 from bearingsim.store.spread import errors
 from bearingsim.store.stock import Rows, judged
@@ -35,8 +36,11 @@ __all__ = ["build_table", "info", "job_frame", "read_frame", "read_plan", "table
 PER_JOB = ("status", "reason", "healthy", "unit", "stamp")
 
 
-def write_plan(root: Path, study: "Study", jobs: Iterable["Job"]) -> None:
-    """Write ``study.yaml`` (the text as given) and ``plan.json`` (the jobs it expanded to)."""
+def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> None:
+    """Write ``study.yaml`` (the text as given) and ``plan.json`` (the jobs it expanded to).
+
+    notes: what was said of the study.
+    """
     from bearingsim.core import MODEL_VERSION
 
     plan = {
@@ -45,6 +49,8 @@ def write_plan(root: Path, study: "Study", jobs: Iterable["Job"]) -> None:
         "overrides": dict(study.overrides),
         "quick": bool(study.quick),
         "model_version": MODEL_VERSION,
+        "made_of": made_of(study.files, study.overrides, bool(study.quick)),
+        "notes": list(notes),
         "units": dict(study.units),
         "figures": [asdict(figure) for figure in study.figures],
         "jobs": [

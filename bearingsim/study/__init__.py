@@ -1,7 +1,7 @@
 """Study files: read, checked, and expanded into jobs."""
 
 from bearingsim.study.jobs import Figure, Job, Study, case_id, healthy_twin
-from bearingsim.study.load import load_bearing, load_study
+from bearingsim.study.load import load_bearing, load_study, named
 from bearingsim.study.paths import dimension
 from bearingsim.study.schema import json_schema
 from bearingsim.study.template import NEW_STUDY
@@ -20,4 +20,5 @@ __all__ = [
     "json_schema",
     "load_bearing",
     "load_study",
+    "named",
 ]

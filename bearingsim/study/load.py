@@ -56,6 +56,15 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     return replace(study, files=files)
 
 
+def named(path: FilePath, quick: bool) -> tuple[str, bool] | None:
+    """Name of the study in a file, and whether it is reduced; None of one that cannot be read."""
+    try:
+        root, _ = parse(read_text(path), str(path))
+    except StudyError:
+        return None
+    return (root.mapping["study"].text, quick and "quick" in root.mapping) if "study" in root.mapping else None
+
+
 def _loaded(path: FilePath, overrides: Mapping[str, str], quick: bool) -> Study:
     files_read.note(path)
     text = read_text(path)

@@ -81,6 +81,7 @@ class FakeStudy:
     figures: tuple[Any, ...] = ()
     notes: tuple[str, ...] = ()
     assumptions: tuple[str, ...] = ()
+    files: dict[str, str | None] = field(default_factory=dict)
     uncertainty: Any = None
     goal: Any = None
     selection: Any = None
