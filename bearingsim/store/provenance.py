@@ -38,7 +38,7 @@ def provenance(study: "Study") -> dict[str, str | int]:
 
 
 def made_of(files: Mapping[str, str | None], overrides: Mapping[str, str], quick: bool) -> dict[str, Any] | None:
-    """All that decides what a study expands to; None where that cannot be told: of a program that is being changed.
+    """What decides what a study expands to; None where that cannot be told: the program is being changed.
 
     files: those that the study is made of (``text/files_read.py``).
     """
