@@ -100,13 +100,18 @@ def temporary_folder() -> Path:
 def passing_folder() -> Path:
     """A new one, removed as this process ends."""
     folder, maker = tempfile.mkdtemp(prefix="bearingsim-"), os.getpid()
-    atexit.register(lambda: os.getpid() == maker and shutil.rmtree(folder, ignore_errors=True))
+
+    def remove() -> None:
+        if os.getpid() == maker:  # not a child, which ends before
+            shutil.rmtree(folder, ignore_errors=True)
+
+    atexit.register(remove)
     return Path(folder)
 
 
 _CACHE = cache_folder()
 UNREADABLE = (ImportError, AttributeError)  # a type of another module, which is not here or has changed
-_SAVING = FileLock(_CACHE / "saving.lock") if _CACHE else nullcontext()
+_SAVING: Any = FileLock(_CACHE / "saving.lock") if _CACHE else nullcontext()
 
 
 def jit(function: Callable, **options: Any) -> Any:

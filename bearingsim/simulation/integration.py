@@ -99,7 +99,7 @@ class Setup:
 def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup:
     """Ready a case whose method is named; it may take ``max_cpu`` (s). Raises ``Refused``."""
     cut, found = time_grid.grid(case, part, max_cpu or 0.0), choice.limits(case)
-    time_grid.refuse_too_large(case, time_grid.most_of(case, cut))
+    time_grid.refuse_too_large(case, cut)
     kind = assemble.method_kind(case)
     lag = kind.lag * cut.step
     model = assemble.with_friction_lag(assemble.model(case), lag)

@@ -68,6 +68,11 @@ class Size(NamedTuple):
     columns: int
     checked: float
 
+    def with_passes(self, computed: int, checked: float) -> "Size":
+        """The same with so many passes computed, and checked."""
+        read = min(self.whole, float(computed * self.fine))
+        return self._replace(computed=computed, checked=checked, read=read)
+
 
 def size(case: Case, fine: int, decimation: int, computed: int, checked: float) -> Size:
     """The size of a case, its method named, with so many ball passes ``computed``, and ``checked`` besides."""

@@ -12,7 +12,7 @@ from bearingsim.memory import PROGRAM
 from bearingsim.simulation import record_cost
 from bearingsim.simulation.automatic_step import automatic_step
 from bearingsim.simulation.choice import resolved
-from bearingsim.simulation.cost import cost, solved_once
+from bearingsim.simulation.cost import Cost, cost, solved_once
 from bearingsim.simulation.limits import Limits, step_limits
 from bearingsim.simulation.prices import per_second, price
 from bearingsim.simulation.record_cost import Size
@@ -137,9 +137,8 @@ def estimate(case: Case) -> Estimate:
     case = resolved(case)
     cut = grid(case)
     found = cost(case, cut.step, cut.passes)
-    checked = found.proof / found.one_pass
-    expected, most = _size(case, cut, found.passes, checked), most_of(case, cut)
-    refuse_too_large(case, most)
+    expected, most = _sizes(case, cut, found)
+    _refuse_too_large(case, most)
     plain = expected._replace(checked=0.0)
     seconds, unchecked, longest = (record_cost.counts(case, one).seconds for one in (expected, plain, most))
     return Estimate(
@@ -153,19 +152,22 @@ def estimate(case: Case) -> Estimate:
     )
 
 
-def most_of(case: Case, cut: Grid) -> Size:
-    """The size of a case, its method named, if its motion does not repeat itself where it might."""
-    found = cost(case, cut.step, cut.passes)
-    passes = found.passes if found.at_most == found.whole else cut.passes
-    return _size(case, cut, passes, found.at_most / found.one_pass - passes)
+def _sizes(case: Case, cut: Grid, found: Cost) -> tuple[Size, Size]:
+    """Of a case, its method named, as expected, and if its motion does not repeat itself where it might."""
+    expected = record_cost.size(
+        case, cut.fine_per_pass, cut.decimation, found.passes, found.proof / found.one_pass
+    )
+    if found.at_most == found.whole:
+        return expected, expected
+    return expected, expected.with_passes(cut.passes, found.at_most / found.one_pass - cut.passes)
 
 
-def _size(case: Case, cut: Grid, computed: int, checked: float) -> Size:
-    return record_cost.size(case, cut.fine_per_pass, cut.decimation, computed, checked)
+def refuse_too_large(case: Case, cut: Grid) -> None:
+    """Raise ``Refused`` if a case, its method named, may take more memory than there is."""
+    _refuse_too_large(case, _sizes(case, cut, cost(case, cut.step, cut.passes))[1])
 
 
-def refuse_too_large(case: Case, size: Size) -> None:
-    """Raise ``Refused`` if a run of that size may take more memory than there is."""
+def _refuse_too_large(case: Case, size: Size) -> None:
     needed, there = PROGRAM + record_cost.memory(case, size), memory.limit()
     if needed > there:
         raise Refused(
