@@ -14,7 +14,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick check lint studies $(STUDIES) stability lock clean bench bench-compare bench-peers speed-accuracy
+.PHONY: help install install-dev demo test test-quick check lint studies $(STUDIES) stability lock clean bench bench-compare bench-peers speed-accuracy faults
 
 help:
 	@sed -n '1,6s/^# //p' Makefile
@@ -82,6 +82,10 @@ bench: install-dev
 # the whole chart is written into docs/, the small one beside its figures
 speed-accuracy: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.speed_accuracy $(REDUCED) --jobs $(JOBS)
+
+# is anything lost when a disk is full, a bit flips, a process ends? As root also on small disks
+faults: install-dev
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/faults.py $(ONLY)
 
 bench-compare: install-dev
 	$(BIN)/python -m benchmarks.speed.compare

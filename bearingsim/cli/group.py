@@ -47,7 +47,7 @@ def _tell(message: Warning | str, *place: Any, **more: Any) -> None:
 
 
 class Commands(TyperGroup):
-    """Commands whose expected errors end with a message on stderr and exit code 2, a signal with 128 and its number."""
+    """Commands: expected errors end with a message on stderr and exit code 2, signals with 128 + their number."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Take `-v` wherever it stands."""

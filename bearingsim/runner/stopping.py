@@ -1,4 +1,4 @@
-"""Ending early: at the first Ctrl-C, SIGTERM or SIGHUP the jobs in hand end and are sealed; the second is at once."""
+"""Ending early: at a first Ctrl-C, SIGTERM or SIGHUP the jobs in hand end and are sealed; a second is at once."""
 
 import signal
 import sys
