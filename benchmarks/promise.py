@@ -3,10 +3,11 @@
     python benchmarks/promise.py [--seed 1] [--count 120] [--jobs 2] [--out results/promise] [--again]
 
 A scene is a study of one case, which asks 5, 2 and 1 % of the fault's line, the RMS and the largest outer force.
-What its trials cost is told for 5 % of the line. The truth is the reference with half of its step (or a tolerance of 1e-7), `spatial`
-with 48 slices, and where its motion is chaotic, 10 s long (`spatial` 2 s, a ring that bends 4 s; the largest force is
-that of a record as long as the other's). OUT/scenes.jsonl has a line for each scene, OUT/trials its trials; one
-that is there is not computed again, or with `--again` only its trials are. OUT/promise.csv has what came of each.
+What its trials cost is told for 5 % of the line. The truth is the reference with half of its step or a tolerance
+of 1e-7, `spatial` with 48 slices, and where its motion is chaotic, 10 s long (`spatial` 2 s, a ring that bends 4
+s; the largest force is that of a record as long as the other's). OUT/scenes.jsonl has a line for each scene,
+OUT/trials its trials; one that is there is not computed again, or with `--again` only its trials are.
+OUT/promise.csv has what came of each.
 """
 
 import argparse
