@@ -156,6 +156,7 @@ def _prepare(root: Path, fresh: bool, shard: tuple[int, int]) -> None:
     if fresh and shard != (1, 1):
         raise ValueError("a fresh start would throw away the other shards' results: remove the folder first")
     root.mkdir(parents=True, exist_ok=True)
+    store.refuse_links(root)
     store.sweep(root)
     if fresh:
         store.discard(root)

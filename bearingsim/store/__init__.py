@@ -5,7 +5,17 @@ can be killed at any moment and several runs may share a folder.
 """
 
 from bearingsim.store.cases import case_of
-from bearingsim.store.files import DiskFull, check_room, lock, room, sweep, write_bytes, write_text
+from bearingsim.store.files import (
+    DiskFull,
+    LinkWithin,
+    check_room,
+    lock,
+    refuse_links,
+    room,
+    sweep,
+    write_bytes,
+    write_text,
+)
 from bearingsim.store.folder import FolderInUse, Holdings, discard, holdings
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
 from bearingsim.store.names import flat_parameters
@@ -34,6 +44,7 @@ __all__ = [
     "Failure",
     "FolderInUse",
     "Holdings",
+    "LinkWithin",
     "Results",
     "ResultsError",
     "Series",
@@ -64,6 +75,7 @@ __all__ = [
     "read_plans",
     "read_series",
     "read_trials",
+    "refuse_links",
     "results_folder",
     "room",
     "spread",

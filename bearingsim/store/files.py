@@ -13,7 +13,7 @@ import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, TextIO
 
 from filelock import FileLock
 
@@ -21,9 +21,12 @@ from bearingsim.errors import UserError
 
 __all__ = [
     "DiskFull",
+    "LinkWithin",
     "check_room",
     "left_behind",
     "lock",
+    "open_to_append",
+    "refuse_links",
     "room",
     "sweep",
     "temporary",
@@ -35,6 +38,8 @@ __all__ = [
 ]
 
 LEFTOVER = (".part", ".started")
+FOLDERS = ("failed", "scans", "trials", "units", "units/??")
+"""In a results folder: each is a folder, and no link."""
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 ADVICE = "make room, or take another folder by --out, and give the command again: what is stored stays"
 NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
@@ -42,6 +47,10 @@ NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
 
 class DiskFull(UserError):
     """There is no room for a file."""
+
+
+class LinkWithin(UserError):
+    """A part of a results folder lies elsewhere."""
 
 
 def writer() -> str:
@@ -153,6 +162,12 @@ def _fsync(folder: Path) -> None:
         os.close(descriptor)
 
 
+def open_to_append(path: Path) -> TextIO:
+    """A text file to add lines to; an OSError if a link stands for it."""
+    flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+    return os.fdopen(os.open(path, flags, 0o666), "a", encoding="utf-8")
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a text file whole or not at all. Raises DiskFull, OSError."""
     write_bytes(path, text.encode())
@@ -177,6 +192,15 @@ def lock(root: Path) -> Iterator[None]:
         held.release()
 
 
+def refuse_links(root: Path) -> None:
+    """Raises LinkWithin where a link stands for one of the folders: it would lead what is written out of them."""
+    for path in (path for name in FOLDERS for path in root.glob(name)):
+        if path.is_symlink():
+            raise LinkWithin(
+                f"{path} is a link, and would lead what is written out of the results folder: remove it"
+            )
+
+
 def unit_files(root: Path) -> list[Path]:
     """Sealed unit files of a results folder, sorted by name."""
     return sorted((root / "units").glob("??/*.h5"))
@@ -196,7 +220,5 @@ def sweep(root: Path) -> list[Path]:
 
 def temporary_files(root: Path) -> list[Path]:
     """``.part`` files and start markers of a results folder, of living and dead writers alike."""
-    patterns = [
-        f"{folder}*{end}" for folder in ("", "failed/", "scans/", "trials/", "units/??/") for end in LEFTOVER
-    ]
+    patterns = [f"{folder}*{end}" for folder in ("", *(f"{name}/" for name in FOLDERS)) for end in LEFTOVER]
     return [path for pattern in patterns for path in root.glob(pattern)]

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bearingsim.errors import DamageWarning
-from bearingsim.store.files import left_behind, room, temporary, writer
+from bearingsim.store.files import left_behind, open_to_append, room, temporary, writer
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 
 __all__ = [
@@ -35,7 +35,7 @@ def log(root: Path, event: str, **facts: Any) -> None:
     """Append one line to this process's journal ``journal-<host>-<pid>.jsonl``."""
     line = json.dumps({"when": now(), "event": event, **facts}, ensure_ascii=False)
     path = root / f"journal-{writer()}.jsonl"
-    with room(path), path.open("a", encoding="utf-8") as journal:
+    with room(path), open_to_append(path) as journal:
         journal.write(line + "\n")
 
 
