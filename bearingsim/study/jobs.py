@@ -183,13 +183,14 @@ def identity(case: Case, found: Mapping[str, Any] | None = None) -> str:
     """
     from bearingsim.core import MODEL_VERSION
 
-    besides = {"model_version": MODEL_VERSION} | extensions(case) | dict(found or {})
-    return _digest(case, tuple((name, json_text(value)) for name, value in besides.items()))
+    besides = ((name, tuple(value) if isinstance(value, list) else value) for name, value in (found or {}).items())
+    return _digest(case, tuple(besides), MODEL_VERSION)
 
 
 @lru_cache(maxsize=1 << 18)
-def _digest(case: Case, besides: tuple[tuple[str, str], ...]) -> str:
-    texts = used(case) | dict(besides)
+def _digest(case: Case, found: tuple[tuple[str, Any], ...], version: int) -> str:
+    besides = {"model_version": version} | extensions(case) | dict(found)
+    texts = used(case) | {name: json_text(value) for name, value in besides.items()}
     whole = ",".join(f'"{name}":{texts[name]}' for name in sorted(texts))
     return hashlib.sha256(f"{{{whole}}}".encode()).hexdigest()[:16]
 
