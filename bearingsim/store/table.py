@@ -107,7 +107,8 @@ def job_frame(root: Path) -> "pd.DataFrame":
 def build_table(root: Path, rows: Rows | None = None) -> "pd.DataFrame":
     """Make ``study.h5`` and ``results.csv`` from what the folder holds; return the frame of ``job_frame``.
 
-    Nothing is written where both are up to date. rows: of units that have been read before, by unit. Warns of what cannot be read.
+    Nothing is written where both are up to date. rows: of units that have been read before, by unit. Warns of what
+    cannot be read.
     """
     with lock(root):
         fingerprint = _fingerprint(root)
