@@ -7,8 +7,8 @@ disks     `run`, `plot` and `export` into disks of 19 sizes (tmpfs, where mounti
           `failed/`
 flips     1000 single bits, seeded, of all kinds of stored files: the next run repairs the results, or refuses the
           file by name; never another result
-signals   a study that is ended 30 times at random moments, by SIGKILL, SIGTERM and SIGINT in turn: the features
-          are those of an undisturbed run; the jobs that were begun and lost are counted
+signals   a study that is ended 30 times at random moments, by SIGKILL, SIGTERM and SIGINT in turn: features are
+          those of an undisturbed run; the jobs that were begun and lost are counted
 """
 
 import argparse

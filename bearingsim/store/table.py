@@ -113,13 +113,18 @@ def job_frame(root: Path) -> "pd.DataFrame":
 def build_table(root: Path, rows: Rows | None = None) -> "pd.DataFrame":
     """Make ``study.h5`` and ``results.csv`` from what the folder holds; return the frame of ``job_frame``.
 
-    rows: of units that have been read before, by unit. Warns of what cannot be read.
+    Nothing is written where both are up to date. rows: of units that have been read before, by unit. Warns of what
+    cannot be read.
     """
     with lock(root):
         fingerprint = _fingerprint(root)
-        frame = _make_frame(root, read_frame(root), rows or {}, read_failures(root))
-        _write_frame(root, frame, fingerprint)
+        known = read_frame(root)
+        now = {"fingerprint": fingerprint, "csv": _digest(root / "results.csv")}
+        if known is not None and known.attrs == now:
+            return known
+        frame = _make_frame(root, known, rows or {}, read_failures(root))
         write_text(root / "results.csv", table(read_plan(root), frame).to_csv(index=False))
+        _write_frame(root, frame, fingerprint)
     return frame.sort_index(axis=1)
 
 
@@ -219,6 +224,10 @@ def _fingerprint(root: Path) -> str:
     return hashlib.sha256((root / "plan.json").read_bytes() + listing.encode()).hexdigest()
 
 
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
+
+
 def _write_frame(root: Path, frame: "pd.DataFrame", fingerprint: str) -> None:
     with new_hdf5(root / "study.h5") as file:
         jobs = write_jobs(file, list(frame.index))
@@ -229,7 +238,7 @@ def _write_frame(root: Path, frame: "pd.DataFrame", fingerprint: str) -> None:
             names = [name for name in frame.columns if name.startswith(f"{group}/")]
             columns = {name.partition("/")[2]: _column(frame[name]) for name in names}
             write_columns(file, jobs, group, columns)
-        file.attrs["fingerprint"] = fingerprint
+        file.attrs.update(fingerprint=fingerprint, csv=_digest(root / "results.csv"))
 
 
 def _column(values: "pd.Series[Any]") -> NDArray[Any]:
@@ -245,9 +254,10 @@ def read_frame(root: Path, groups: Sequence[str] = tuple(GROUPS)) -> "pd.DataFra
     try:
         with open_hdf5(root / "study.h5") as file:
             columns = read_columns(file, groups) | {name: file[name].asstr()[()] for name in PER_JOB}
-            fingerprint = file.attrs["fingerprint"]
+            told = {name: file.attrs[name] for name in ("fingerprint", "csv")}
     except UNREADABLE:
         return None
     frame = pd.DataFrame(columns).set_index("job")
-    frame.attrs["fingerprint"] = fingerprint
-    return frame.sort_index(axis=1)
+    frame = frame.sort_index(axis=1)
+    frame.attrs.update(told)
+    return frame
