@@ -25,10 +25,14 @@ def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     yield f"models for {within} of {', '.join(accuracy['of'])}: {told} of {len(accuracy['jobs'])} cases"
     yield from accuracy["notes"]
     near = store.nearness(plan, frame)
-    sums = near[["error.model", "error.step", "error.scatter"]].sum(axis=1, min_count=1).dropna()
+    done = [job for job in accuracy["jobs"] if frame["status"].get(job) == "done"]
+    sums = near.loc[done, ["error.model", "error.step", "error.scatter"]].sum(axis=1, skipna=False).dropna()
     held = int((sums <= accuracy["within"]).sum())
     longer = _longer(near, sums, accuracy)
-    yield f"{held} of {len(sums)} cases hold it, against this ladder of models, not a rig{longer}"
+    yield f"{held} of {len(done)} cases hold it, against this ladder of models, not a rig{longer}"
+    if len(sums) < len(done):
+        count = len(done) - len(sums)
+        yield f"of {count} chaotic cases the scatter of a line is not known, and so not whether they hold it"
     found = list(store.audited(plan, frame))
     if found:
         kept = sum(one.off <= accuracy["within"] + one.scatter for one in found)

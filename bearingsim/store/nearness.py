@@ -4,9 +4,10 @@ All over the largest value of the curve that a result is drawn in (of the lowest
 """
 
 from collections.abc import Iterator, Mapping
+from math import inf, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bearingsim.store.spread import standard_error
+from bearingsim.store.spread import scatters_unknown, standard_error
 from bearingsim.study.goal import HEALTHY
 from bearingsim.study.uncertainty import RIGID
 
@@ -43,7 +44,8 @@ def scales(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
 def nearness(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     """``error.model``, ``.step``, ``.scatter`` and their sum ``error`` by case: of what is asked, the largest.
 
-    No ``error`` where the study leaves open what moves its results more than any model: whether its ring bends.
+    No ``error`` where the study leaves open what moves its results more than any model: whether its ring bends. No
+    ``.scatter`` and no ``error`` of a chaotic motion if a line is asked for whose scatter is not told.
     """
     import pandas as pd
 
@@ -55,10 +57,10 @@ def nearness(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     parts = {feature: _parts(plan, frame, feature) for feature in accuracy["of"] if f"features/{feature}" in frame}
     for name in COLUMNS[:3]:
         of_features = pd.DataFrame({feature: part[name] for feature, part in parts.items()})
-        found.loc[cases, name] = of_features.max(axis=1).reindex(cases)
+        found.loc[cases, name] = of_features.max(axis=1).replace(inf, nan).reindex(cases)
     if RIGID not in plan.get("assumptions", ()):
         sums = pd.DataFrame({feature: part.sum(axis=1, skipna=False) for feature, part in parts.items()})
-        found.loc[cases, "error"] = sums.max(axis=1).reindex(cases)
+        found.loc[cases, "error"] = sums.max(axis=1).replace(inf, nan).reindex(cases)
     return found
 
 
@@ -73,7 +75,7 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
         f"features/step_error.{STEP_OF.get(feature.rpartition('.')[2], 'line')}", pd.Series(0.0, frame.index)
     )
     step = relative.fillna(0.0) * frame[f"features/{plain}"].abs() / size
-    scatter = standard_error(frame, plain) / size
+    scatter = standard_error(frame, plain).where(~scatters_unknown(frame, plain), inf) / size
     return pd.DataFrame({"error.model": model, "error.step": step, "error.scatter": scatter}).where(
         frame["status"] == "done"
     )

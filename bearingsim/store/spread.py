@@ -65,6 +65,12 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     return found.replace(np.inf, np.nan).where(_chaotic(frame), 0.0)
 
 
+def scatters_unknown(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":
+    """Where a feature is a line of a chaotic motion whose scatter nothing tells: it is no multiple of BPFO."""
+    told = "@" not in feature or f"features/{feature}-scatter" in frame
+    return _chaotic(frame) & (not told)
+
+
 def _chaotic(frame: "pd.DataFrame") -> "pd.Series[bool]":
     import pandas as pd
 

@@ -6,6 +6,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
+from bearingsim.runner.promises import promises
 from bearingsim.store.nearness import audited, nearness, scales
 from bearingsim.study.uncertainty import RIGID
 
@@ -15,7 +16,14 @@ LINE, RMS, FORCE = "velocity@BPFO", "velocity.rms", "outer_force.max"
 def plan(of: list[str], error: dict[str, float] | None = None, **others: Any) -> dict[str, Any]:
     jobs = {name: {"model": "ring", "why": "", "error": error or {}} for name in ("a", "b", "c")}
     curves = others.pop("curves", [{"feature": name, "jobs": ["a", "b"]} for name in of])
-    accuracy = {"within": 0.05, "of": of, "jobs": jobs, "curves": curves, "audits": others.pop("audits", [])}
+    accuracy = {
+        "within": 0.05,
+        "of": of,
+        "jobs": jobs,
+        "curves": curves,
+        "audits": others.pop("audits", []),
+        "notes": [],
+    }
     return {"accuracy": accuracy, "assumptions": [], **others}
 
 
@@ -70,6 +78,18 @@ def test_model_step_and_scatter_add_up_and_the_worst_feature_counts() -> None:
     assert found["error.step"].tolist() == pytest.approx([0.02, 0.01, 0.0])
     assert found["error.scatter"].tolist() == pytest.approx([0.05, 0.1, 0.0])
     assert found["error"].tolist() == pytest.approx([0.03 + 0.005 + 0.05, 0.03 + 0.01 + 0.1, 0.03])
+
+
+def test_a_chaotic_line_whose_scatter_nothing_tells_has_no_sum() -> None:
+    columns = {"velocity@2BSF": [1.0, 2.0, 2.0], RMS: [1.0, 1.0, 1.0], "chaotic": [1.0, 0.0, 0.0]}
+    asked = plan(["velocity@2BSF", RMS], {RMS: 0.03})
+    found = nearness(asked, frame(columns))
+    assert found["error.scatter"].isna().tolist() == [True, False, False]
+    assert found["error"].isna().tolist() == [True, False, False]
+    assert found["error.model"].tolist() == [0.03] * 3
+    told = list(promises(asked, frame(columns)))
+    assert "2 of 3 cases hold it, against this ladder of models, not a rig" in told
+    assert "of 1 chaotic cases the scatter of a line is not known, and so not whether they hold it" in told
 
 
 def test_no_sum_where_the_ring_is_only_assumed_to_be_rigid() -> None:
