@@ -414,7 +414,14 @@ def limited() -> None:
 PLACED = re.compile(r"^.+\.ya?ml:\d+:\d+: ", re.MULTILINE)
 
 
-def faults(ended: Ended, path: Path) -> list[str]:
+class Limits(NamedTuple):
+    """CPU time (s) and memory (bytes) that refusing a file may take."""
+
+    cpu: float = MOST_CPU
+    memory: float = MOST_MEMORY
+
+
+def faults(ended: Ended, path: Path, limits: Limits = Limits()) -> list[str]:  # noqa: B008 (it is immutable)
     """What is wrong with how a command ended."""
     found = [ended.crash] if ended.crash else []
     found += ["a traceback"] if "Traceback" in ended.said else []
@@ -422,8 +429,8 @@ def faults(ended: Ended, path: Path) -> list[str]:
         return found
     found += [f"exit code {ended.code}"] if ended.code != 2 else []
     found += ["no place"] if not PLACED.search(ended.said) and str(path) not in ended.said else []
-    found += [f"{ended.cpu:.1f} s"] if ended.cpu > MOST_CPU else []
-    found += [f"{ended.memory / 1e6:.0f} MB"] if ended.memory > MOST_MEMORY else []
+    found += [f"{ended.cpu:.1f} s"] if ended.cpu > limits.cpu else []
+    found += [f"{ended.memory / 1e6:.0f} MB"] if ended.memory > limits.memory else []
     found += [f"{len(ended.said)} letters"] if len(ended.said) > 100_000 else []
     return found
 

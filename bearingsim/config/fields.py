@@ -41,7 +41,8 @@ class Quantity:
     def __call__(self, given: Any) -> float:
         """The value in SI; refuses what is no quantity of the dimension, or out of bounds."""
         value = _number(given, self.dimension)
-        if value != 0.0 and not SMALLEST <= abs(value) <= LARGEST:
+        too_small = self.above == 0.0 and 0.0 < abs(value) < SMALLEST  # of others it is as good as none
+        if too_small or abs(value) > LARGEST:
             hint = f"nothing is so {'large' if abs(value) > 1.0 else 'small'}"
             refuse("bound", f"expected {EXPECTED[self.dimension]}, got {described(given)}", hint)
         if value <= self.above or value < self.least or value > self.most:

@@ -3,14 +3,11 @@
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from bearingsim import store
 from bearingsim.runner.findings import of_results
 from bearingsim.runner.summary import RunSummary
-from bearingsim.study import named
-from bearingsim.study.aliases import new_path
-from bearingsim.text.files_read import as_they_were
+from bearingsim.study import outline
 
 __all__ = ["finished"]
 
@@ -21,13 +18,14 @@ def finished(path: Path, out: Path | None, overrides: Mapping[str, str], quick: 
     It can where study, files, program and working folder are those of the plan, and no accuracy is asked for.
     """
     started = time.perf_counter()
-    about = named(path, quick)
-    if about is None or about[1] != quick:
+    about = outline(path, overrides, quick)
+    if about is None or about.quick != quick:
         return None
-    root = store.results_folder(*about, out)
+    root = store.results_folder(about.name, quick, out)
     try:
         plan = store.read_plan(root)
-        same = _made_alike(plan["made_of"], overrides, quick) and plan["accuracy"] is None
+        made_of = store.made_of(about.files, about.overrides, quick)
+        same = made_of != "" and made_of == plan["made_of"] and plan["accuracy"] is None
         frame = store.job_frame(root) if same else None
     except store.UNREADABLE:
         return None
@@ -46,11 +44,3 @@ def finished(path: Path, out: Path | None, overrides: Mapping[str, str], quick: 
         integrator_cpu_s=0.0,
         notes=(*plan["notes"], *of_results(plan, frame)),
     )
-
-
-def _made_alike(before: Any, overrides: Mapping[str, str], quick: bool) -> bool:
-    """Whether a study would be made of what its plan was made of."""
-    given = {new_path(path): text for path, text in overrides.items()}
-    if before is None or before != store.made_of(before["files"], given, quick):
-        return False
-    return as_they_were(before["files"])

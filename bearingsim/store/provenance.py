@@ -1,12 +1,14 @@
 """What made a result: model, packages, commit, host."""
 
+import hashlib
+import json
 import platform
 import socket
 import subprocess
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from bearingsim.study import Study
@@ -37,8 +39,8 @@ def provenance(study: "Study") -> dict[str, str | int]:
     return {name: value for name, value in facts.items() if value != ""}
 
 
-def made_of(files: Mapping[str, str | None], overrides: Mapping[str, str], quick: bool) -> dict[str, Any] | None:
-    """What decides what a study expands to; None where that cannot be told: the program is being changed.
+def made_of(files: Mapping[str, str | None], overrides: Mapping[str, str], quick: bool) -> str:
+    """SHA-256 of what decides what a study expands to; empty where nothing tells: the program is being changed.
 
     files: those that the study is made of (``text/files_read.py``).
     """
@@ -47,14 +49,10 @@ def made_of(files: Mapping[str, str | None], overrides: Mapping[str, str], quick
 
     commit = _commit()
     if not files or commit.endswith("-dirty"):
-        return None
-    return {
-        "files": dict(files),
-        "overrides": dict(overrides),
-        "quick": quick,
-        "folder": str(Path.cwd()),
-        "program": [_version("bearingsim"), MODEL_VERSION, commit, extension_digest()],
-    }
+        return ""
+    program = [_version("bearingsim"), MODEL_VERSION, commit, extension_digest()]
+    told = [sorted(files.items()), sorted(overrides.items()), quick, str(Path.cwd()), program]
+    return hashlib.sha256(json.dumps(told).encode()).hexdigest()
 
 
 def _version(package: str) -> str:

@@ -1,7 +1,7 @@
 """Study files: read, checked, and expanded into jobs."""
 
 from bearingsim.study.jobs import Figure, Job, Study, case_id, healthy_twin
-from bearingsim.study.load import load_bearing, load_study, named
+from bearingsim.study.load import Outline, load_bearing, load_study, outline
 from bearingsim.study.paths import dimension
 from bearingsim.study.schema import json_schema
 from bearingsim.study.template import NEW_STUDY
@@ -11,6 +11,7 @@ __all__ = [
     "NEW_STUDY",
     "Figure",
     "Job",
+    "Outline",
     "Problem",
     "Study",
     "StudyError",
@@ -20,5 +21,5 @@ __all__ = [
     "json_schema",
     "load_bearing",
     "load_study",
-    "named",
+    "outline",
 ]

@@ -2,10 +2,12 @@
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from pathlib import Path as FilePath
+from typing import NamedTuple
 
 from bearingsim.config import Bearing, Case
 from bearingsim.config.fields import described
@@ -51,33 +53,9 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     `overrides` maps paths to values as they would stand in the file (`{"load": "200 N"}`); `quick` takes the
     file's reduced grid, if it has one. Raises StudyError with everything that is wrong.
     """
-    with files_read.noted() as files:
-        study = _loaded(FilePath(path), overrides or {}, quick)
-    return replace(study, files=files)
-
-
-def named(path: FilePath, quick: bool) -> tuple[str, bool] | None:
-    """Name of the study in a file, and whether it is reduced; None of one that cannot be read."""
-    try:
-        root, _ = parse(read_text(path), str(path))
-    except StudyError:
-        return None
-    return (root.mapping["study"].text, quick and "quick" in root.mapping) if "study" in root.mapping else None
-
-
-def _loaded(path: FilePath, overrides: Mapping[str, str], quick: bool) -> Study:
-    files_read.note(path)
-    text = read_text(path)
-    root, flaws = parse(text, str(path))
-    if not isinstance(root.value, dict):
-        raise StudyError([*flaws, problem(root.mark, "expected `key: value` lines, as `bearingsim new` writes")])
-    problems = list(flaws)
-    told, root = aliases.notes(root, overrides), aliases.renamed(root)
-    given = {aliases.new_path(path): value for path, value in _texts(overrides).items()}
-    whole, root = root, asks_for_reference(root) if "accuracy" in root.mapping else root
-    # Both are checked, so that a mistake in `quick` is told now and not when it is first used.
-    modes = (False, True) if "quick" in root.mapping else (False,)
-    plans = [_Plan.of(root, path.parent, given, reduced) for reduced in modes]
+    opened = _opened(FilePath(path), overrides or {})
+    text, root, whole, plans = opened.text, opened.root, opened.whole, opened.plans
+    given, problems = opened.given, list(opened.flaws)
     cases = [plan.cases() for plan in plans]
     swept = {path: node for plan in plans for path, node in plan.entries().items()}
     uncertain = parse_uncertainty(root.mapping.get("uncertainty"), problems)
@@ -98,10 +76,68 @@ def _loaded(path: FilePath, overrides: Mapping[str, str], quick: bool) -> Study:
     chosen = -1 if reduced else 0
     units, swept_cases = plans[chosen].units(), tuple(cases[chosen])
     tried = () if reduced and uncertain else uncertain  # a first look tries nothing else
-    study = Study(name, str(path), text, given, reduced, figures, units, swept_cases, told, tried)
+    told = opened.notes
+    study = Study(name, str(path), text, given, reduced, figures, units, swept_cases, told, tried, opened.files)
     if goal is None:
         return study
     return replace(study, goal=goal, otherwise=plans[chosen].otherwise)
+
+
+class Outline(NamedTuple):
+    """What is known of a study before its cases are made: ``files`` are those that it is made of."""
+
+    name: str
+    overrides: dict[str, str]
+    quick: bool
+    files: Mapping[str, str | None]
+
+
+def outline(path: FilePath, overrides: Mapping[str, str], quick: bool) -> Outline | None:
+    """That of a study file; None of one in which something is wrong."""
+    try:
+        opened = _opened(path, overrides)
+    except StudyError:
+        return None
+    named = opened.root.mapping.get("study")
+    if opened.flaws or named is None:
+        return None
+    return Outline(named.text, opened.given, quick and "quick" in opened.root.mapping, opened.files)
+
+
+class _Opened(NamedTuple):
+    """A study file: its tree as written (``whole``) and as it is computed, its plans without and with `quick`.
+
+    given: what is said instead of the file's values.
+    """
+
+    text: str
+    whole: Node
+    root: Node
+    flaws: Sequence[Problem]
+    notes: tuple[str, ...]
+    given: dict[str, str]
+    plans: list["_Plan"]
+    files: Mapping[str, str | None]
+
+
+def _opened(path: FilePath, overrides: Mapping[str, str]) -> _Opened:
+    with files_read.noted() as files:
+        files_read.note(path)
+        text = read_text(path)
+        root, flaws = parse(text, str(path))
+        if not isinstance(root.value, dict):
+            raise StudyError(
+                [*flaws, problem(root.mark, "expected `key: value` lines, as `bearingsim new` writes")]
+            )
+        notes, root = aliases.notes(root, overrides), aliases.renamed(root)
+        given = {aliases.new_path(path): value for path, value in _texts(overrides).items()}
+        whole, root = root, asks_for_reference(root) if "accuracy" in root.mapping else root
+        # Both are checked, so that a mistake in `quick` is told now and not when it is first used.
+        modes = (False, True) if "quick" in root.mapping else (False,)
+        plans = [_Plan.of(root, path.parent, given, reduced) for reduced in modes]
+        for plan in plans:
+            plan.open_files()
+    return _Opened(text, whole, root, flaws, notes, given, plans, files)
 
 
 def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
@@ -234,6 +270,19 @@ class _Plan:
             elif place:
                 self.places[path] = place
         return len(self.problems) == before
+
+    def open_files(self) -> None:
+        """Open the references of all swept values."""
+        for axis in self.axes:
+            for path in axis.paths:
+                if dimension(path) is None:
+                    self._open_column(path, axis)
+
+    def _open_column(self, path: str, axis: Axis) -> None:
+        for row in axis.rows:
+            with suppress(StudyError):  # it is told where the case is made
+                value = row[axis.paths.index(path)]
+                expanded(put(self.base, self.places[path], value), self.folder, [])
 
     def cases(self) -> list[tuple[Case, Swept]]:
         """The cases, each once, with their swept values; what is wrong with others is noted."""

@@ -2,12 +2,12 @@
 
 import hashlib
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 
-__all__ = ["as_they_were", "note", "noted"]
+__all__ = ["note", "noted"]
 
 _files: ContextVar[dict[str, str | None] | None] = ContextVar("files", default=None)
 
@@ -28,11 +28,6 @@ def note(path: Path) -> None:
     files, whole = _files.get(), os.path.abspath(path)
     if files is not None and whole not in files:
         files[whole] = _digest(whole)
-
-
-def as_they_were(files: Mapping[str, str | None]) -> bool:
-    """Whether all files are still those that were noted."""
-    return all(_digest(path) == digest for path, digest in files.items())
 
 
 def _digest(path: str) -> str | None:

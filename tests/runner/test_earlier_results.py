@@ -25,7 +25,7 @@ def test_a_torn_unit_is_computed_again_and_told(tmp_path, share):
     path.write_bytes(whole)
     summary = compute(study, tmp_path, verify=True)
     assert summary.done == 4
-    assert "1 damaged unit found and set aside" in str(summary)
+    assert "1 damaged file (units/" in str(summary)
     assert set(store.open_results(tmp_path).table()["status"]) == {"done"}
 
 
@@ -36,7 +36,7 @@ def test_whatever_reading_raises_is_damage(tmp_path, monkeypatch, error):
 
     study = FakeStudy()
     compute(study, tmp_path)
-    monkeypatch.setattr("bearingsim.store.units._checked_ids", torn)
+    monkeypatch.setattr("bearingsim.store.units._check", torn)
     [path] = tmp_path.glob("units/??/*.h5")
     with pytest.raises(store.DamagedUnit, match="torn"):
         store.check_unit(path)

@@ -1,6 +1,7 @@
 """Broken, mistaken and hostile study files: exit code 2, a place, no traceback."""
 
 from contextlib import suppress
+from math import inf
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from bearingsim.text.yamlfile import LONGEST_ECHO, LONGEST_LINE, MAX_LETTERS, MA
 from benchmarks import hostile
 from tests.conftest import Write
 
+SLOWLY = hostile.Limits(cpu=60.0, memory=inf)  # of a slow machine: here it counts that there is an end
 VALID = ["load 150 N # \u202e"]
 """Of the malformed files: a comment may say anything."""
 
@@ -26,7 +28,7 @@ def test_malformed_files_end_with_a_place(tmp_path: Path) -> None:
     wrong, valid = {}, []
     for name, path in hostile.malformed(tmp_path):
         ended = hostile.in_here("check", str(path))
-        found = hostile.faults(ended, path)
+        found = hostile.faults(ended, path, SLOWLY)
         if found:
             wrong[name] = found
         if ended.code == 0:
@@ -40,7 +42,7 @@ def test_a_bomb_and_a_device_end_in_a_process_of_their_own(tmp_path: Path) -> No
     files = dict(hostile.malformed(tmp_path))
     for name in ("bomb in load", "a device", "a pipe"):
         ended = hostile.alone("check", str(files[name]))
-        assert (ended.code, hostile.faults(ended, files[name])) == (2, [])
+        assert (ended.code, hostile.faults(ended, files[name], SLOWLY)) == (2, [])
 
 
 @pytest.mark.parametrize("seed", [1])
