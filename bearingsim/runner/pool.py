@@ -119,9 +119,8 @@ def spread(function: Callable, arguments: Sequence[tuple], workers: int) -> Gene
     """
     with heeding():
         if workers == 1:
-            for given in _until_asked(
-                arguments
-            ):  # not `map`, which a StopIteration from within would end in silence
+            # Not `map`, which a StopIteration from within would end in silence.
+            for given in _until_asked(arguments):
                 yield function(*given)
         else:
             yield from _by_workers(function, arguments, workers)
