@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import reduce
+from functools import lru_cache, reduce
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
@@ -369,8 +369,13 @@ def _unit(path: str, node: Node) -> str:
 
 def _is_word(path: str, node: Node) -> bool:
     """Whether a word stands where a quantity could, such as `auto`, or a clearance's class."""
+    return _is_no_quantity(path, node.text)
+
+
+@lru_cache(maxsize=1 << 12)
+def _is_no_quantity(path: str, text: str) -> bool:
     try:
-        return dimension(path) is not None and not split(node.text)
+        return dimension(path) is not None and not split(text)
     except UnitError:
         return True
 

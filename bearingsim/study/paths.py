@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, get_args
 
 from bearingsim.config import Case
@@ -23,6 +23,7 @@ def known_paths() -> dict[str, Dimension | None]:
     return dict(_walk(Case, ""))
 
 
+@lru_cache(maxsize=1 << 12)
 def dimension(path: str) -> Dimension | None:
     """The dimension of the values at a path; KeyError if there is no such path."""
     first, dot, rest = _without_number(path).partition(".")
@@ -69,9 +70,9 @@ def put(tree: Node, path: Path, value: Node) -> Node:
     if isinstance(head, int):
         items = list(tree.items) or [empty]
         items[head] = put(items[head], rest, value)
-        return replace(tree, value=tuple(items))
+        return Node(tuple(items), tree.mark, tree.key)
     child = put(tree.mapping.get(head, empty), rest, value)
-    return replace(tree, value={**tree.mapping, head: child})
+    return Node({**tree.mapping, head: child}, tree.mark, tree.key)
 
 
 def value_at(case: Case, path: Path) -> Any:
