@@ -366,16 +366,16 @@ def test_a_study_of_many_cases_is_made_otherwise_once_for_each_candidate(
     write: Write, monkeypatch: pytest.MonkeyPatch, dear: dict[str, float]
 ) -> None:
     """Not once for each case: that would be a million cases to check, of a thousand."""
-    from bearingsim.study import load
+    from bearingsim.study.plan import Plan
 
     calls: list[Any] = []
-    once = load._Plan._otherwise
+    once = Plan._otherwise
 
-    def counted(plan: Any, given: Mapping[str, str]) -> list[Case | None]:
+    def counted(plan: Plan, given: Mapping[str, str]) -> list[Case | None]:
         calls.append(given)
         return once(plan, given)
 
-    monkeypatch.setattr(load._Plan, "_otherwise", counted)
+    monkeypatch.setattr(Plan, "_otherwise", counted)
     study = near(write)
     found = known(study, by_model(FAR | {"rollers": 1.01}))
     selection.chosen(study, selection.Choosing(study, range(3)).decide(found).choices)

@@ -1,0 +1,240 @@
+"""A plan: a study's base and its axes, and the cases that they make together."""
+
+import math
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import lru_cache, reduce
+from pathlib import Path as FilePath
+
+from bearingsim.config import Case
+from bearingsim.config.rules.conflicts import Path
+from bearingsim.study.diagnose import STUDY_KEYS, Found, Sections, case_of, check_replaced
+from bearingsim.study.expand import expanded
+from bearingsim.study.jobs import identity
+from bearingsim.study.paths import dimension, parse_path, put, value_at
+from bearingsim.study.sweep import Axis, is_sweep, parse_sweep, replaced, rows_of, single_axis, written_paths
+from bearingsim.text.units import UnitError, split
+from bearingsim.text.units import parse as quantity
+from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_mark, parse_argument, problem
+
+MAX_CASES = 1_000_000
+MAX_WRONG = 500
+"""Cases that are wrong before no more are looked at: they take milliseconds each, and are mostly wrong alike."""
+MAX_PATHS = 100
+"""Paths that a study sweeps: more than make sense, few enough to find what each should be."""
+_LIST_VALUED = ("defects", "record", "rig.load.angles", "rig.load.at")
+
+Swept = dict[str, float | str]
+
+
+@dataclass
+class Plan:
+    """A study on its way: its base, its axes, and what was found wrong so far."""
+
+    base: Node
+    folder: FilePath
+    axes: list[Axis] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
+    found: Found = field(default_factory=dict)
+    asked: set[str] = field(default_factory=set)  # paths that a sweep names, right or wrong
+    places: dict[str, Path] = field(default_factory=dict)  # where those lead that are right
+    sections: Sections = field(default_factory=Sections)
+    others: dict[tuple, list[Case | None]] = field(default_factory=dict)  # what was asked for otherwise
+
+    @classmethod
+    def of(cls, root: Node, folder: FilePath, overrides: Mapping[str, str], quick: bool) -> "Plan":
+        """The plan of a file: its base and sweep, then `quick`, then the overrides."""
+        entries = {key: node for key, node in root.mapping.items() if key not in STUDY_KEYS}
+        plan = cls(Node(entries, root.mark), folder)
+        plan.expand()
+        if "sweep" in root.mapping:
+            plan.axes = plan.take_sweep(root.mapping["sweep"])
+        if quick and "quick" in root.mapping:
+            plan.take_quick(root.mapping["quick"])
+        for path, text in overrides.items():
+            plan.override(path, text)
+        plan.axes = [axis for axis in plan.axes if plan.check(axis)]
+        return plan
+
+    def expand(self) -> None:
+        """Open the references of the base."""
+        self.base = expanded(self.base, self.folder, self.problems)
+
+    def take_sweep(self, sweep: Node) -> list[Axis]:
+        """The axes of a `sweep:`."""
+        found = written_paths(sweep)
+        if len(found) > MAX_PATHS:
+            message = f"sweep: {len(found)} paths; at most {MAX_PATHS} are possible"
+            self.problems.append(problem(sweep.key or sweep.mark, message))
+            return []
+        self.asked |= found
+        return parse_sweep(sweep, self.problems)
+
+    def take_quick(self, quick: Node) -> None:
+        """Take over the entries of `quick:`."""
+        if not isinstance(quick.value, dict):
+            message = "quick: expected a mapping such as `{duration: 0.3 s, sweep: {load: [150 N]}}`"
+            self.problems.append(problem(quick.mark, message))
+        for key, node in quick.mapping.items():
+            if key == "sweep":
+                new = self.take_sweep(node)
+                if any(axis.zipped for axis in new):
+                    self.axes = [axis for axis in self.axes if not axis.zipped]
+                self.axes = reduce(replaced, new, self.axes)
+            else:
+                self.fix(key, node, node.key or node.mark)
+
+    def override(self, path: str, text: str) -> None:
+        """Take over a value from the command line."""
+        typed = f"--set {path}={text}"
+        try:
+            value, flaws = parse_argument(text, typed)
+        except StudyError as error:
+            self.problems += error.problems
+            return
+        self.problems += flaws
+        mark = argument_mark(typed, len("--set ") + 1)
+        if is_sweep(value) and path not in _LIST_VALUED:
+            axis = single_axis(path, Node(value.value, value.mark, mark), self.problems)
+            self.axes = replaced(self.axes, axis) if axis else self.axes
+        else:
+            self.fix(path, value, mark)
+
+    def fix(self, path: str, value: Node, mark: Mark) -> None:
+        """Give a path one value: in the base, and instead of its sweep."""
+        place = self.place(path, mark)
+        if place is None:
+            return
+        self.base = put(self.base, place, value)
+        self.expand()
+        if any(path in axis.paths for axis in self.axes):
+            self.axes = replaced(self.axes, Axis((path,), ((value,),), (value,)))
+
+    def place(self, path: str, mark: Mark) -> Path | None:
+        """Where a path leads, or None, which is noted."""
+        try:
+            return parse_path(path, len(self.base.mapping.get("defects", self.base).items))
+        except ValueError as error:
+            self.problems.append(problem(mark, str(error)))
+            return None
+
+    def check(self, axis: Axis) -> bool:
+        """Whether an axis' paths exist and are not swept twice."""
+        before = len(self.problems)
+        for path, node in zip(axis.paths, axis.keys, strict=True):
+            mark = node.key or node.mark
+            place = self.place(path, mark)
+            if place in self.places.values():
+                self.problems.append(problem(mark, f"`{path}` is swept twice"))
+            elif place:
+                self.places[path] = place
+        return len(self.problems) == before
+
+    def open_files(self) -> None:
+        """Open the references of all swept values."""
+        for axis in self.axes:
+            for path in axis.paths:
+                if dimension(path) is None:
+                    self._open_column(path, axis)
+
+    def _open_column(self, path: str, axis: Axis) -> None:
+        for row in axis.rows:
+            with suppress(StudyError):  # it is told where the case is made
+                value = row[axis.paths.index(path)]
+                expanded(put(self.base, self.places[path], value), self.folder, [])
+
+    def cases(self) -> list[tuple[Case, Swept]]:
+        """The cases, each once, with their swept values; what is wrong with others is noted."""
+        count = math.prod(len(axis.rows) for axis in self.axes)
+        if count > MAX_CASES:
+            mark = self.axes[0].keys[0].mark
+            self.problems.append(problem(mark, f"sweep: {count} cases; at most {MAX_CASES} are possible"))
+            return []
+        check_replaced(self.base, frozenset(self.places.values()), self.found)
+        cases: dict[str, tuple[Case, Swept]] = {}
+        wrong = 0
+        for row in rows_of(self.axes):
+            case = self.case(row)
+            if case is not None:
+                cases.setdefault(identity(case), (case, self.swept(case, row)))
+            elif (wrong := wrong + 1) == MAX_WRONG:
+                break
+        return list(cases.values())
+
+    def otherwise(self, given: Mapping[str, str]) -> list[Case | None]:
+        """The same cases with other values at some paths; None for one that cannot be. Each is made once."""
+        named = tuple(given.items())
+        if named not in self.others:
+            self.others[named] = self._otherwise(given)
+        return self.others[named]
+
+    def _otherwise(self, given: Mapping[str, str]) -> list[Case | None]:
+        other = Plan(self.base, self.folder, list(self.axes), places=dict(self.places))
+        mark = self.base.mark
+        places = {path: other.place(path, mark) for path in given}
+        other.places |= {path: place for path, place in places.items() if place is not None}
+        fixed = [(path, Node(text, mark)) for path, text in given.items()]
+        found: dict[str, Case | None] = {}
+        for row in rows_of(self.axes):
+            case = self.case(row)
+            if case is not None:
+                kept = [pair for pair in row if self.places[pair[0]] not in places.values()]
+                found.setdefault(identity(case), other.case(kept + fixed))
+        return list(found.values())
+
+    def case(self, row: list[tuple[str, Node]]) -> Case | None:
+        """The case of one combination of swept values."""
+        tree = self.base
+        for path, value in sorted(row, key=lambda pair: len(self.places[pair[0]])):  # sections before parts
+            tree = put(tree, self.places[path], value)
+            if dimension(path) is None:
+                tree = expanded(tree, self.folder, self.problems)
+        try:
+            return case_of(tree, frozenset(self.places[path] for path, _ in row), self.found, self.sections)
+        except StudyError as error:  # a file named here is no YAML
+            self.problems += error.problems
+            return None
+
+    def swept(self, case: Case, row: list[tuple[str, Node]]) -> Swept:
+        """The swept values of a case: numbers in SI, everything else as written."""
+        values: Swept = {}
+        for path, node in row:
+            value, known = value_at(case, self.places[path]), dimension(path)
+            if value is None and known and not _is_word(path, node):
+                value = quantity(node.text, known)  # of a section that does nothing, as at zero misalignment
+            is_number = isinstance(value, int | float) and not isinstance(value, bool)
+            values[path] = float(value) if is_number and not _is_word(path, node) else node.text
+        return values
+
+    def entries(self) -> dict[str, Node]:
+        """The swept paths, and where each is said."""
+        return {path: node for axis in self.axes for path, node in zip(axis.paths, axis.keys, strict=True)}
+
+    def units(self) -> dict[str, str]:
+        """The unit of each swept path as first written; empty for words."""
+        firsts = {path: node for axis in self.axes for path, node in zip(axis.paths, axis.rows[0], strict=True)}
+        return {path: _unit(path, node) for path, node in firsts.items()}
+
+    def all_problems(self) -> list[Problem]:
+        """What was found, less the values that are missing only because their sweep is wrong."""
+        wrong = self.asked - self.places.keys()
+        kept = [p for (_, path, kind), p in self.found.items() if not (kind == "missing" and path in wrong)]
+        return self.problems + kept
+
+
+def _unit(path: str, node: Node) -> str:
+    return split(node.text)[1] if dimension(path) and not _is_word(path, node) else ""
+
+
+def _is_word(path: str, node: Node) -> bool:
+    """Whether a word stands where a quantity could, such as `auto`, or a clearance's class."""
+    return _is_no_quantity(path, node.text)
+
+
+@lru_cache(maxsize=1 << 12)
+def _is_no_quantity(path: str, text: str) -> bool:
+    try:
+        return dimension(path) is not None and not split(text)
+    except UnitError:
+        return True
