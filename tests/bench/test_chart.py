@@ -347,4 +347,4 @@ def test_the_command_writes_table_figures_text_and_provenance(tmp_path, counted,
         "provenance.json",
     ]
     assert all(file.exists() for file in files)
-    assert "least within 5 %" in capsys.readouterr().out
+    assert "all three within 5 %" in capsys.readouterr().out
