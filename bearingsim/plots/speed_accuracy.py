@@ -7,6 +7,7 @@ solvers. Failures stand on a rail above.
 
 from collections.abc import Sequence
 from io import BytesIO
+from math import hypot, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,6 +40,7 @@ SIDES = {
     "force": "largest force",
 }
 LEAST, MOST, ROOM = 1e-4, 10.0, 0.1  # errors beyond are drawn at the edge; so far each panel reaches at least
+APART = 0.3  # decades between marks that are named
 PALER = 0.35  # of the way to white: each further variant of a model
 
 
@@ -109,14 +111,14 @@ def _told(rows: Sequence[Row]) -> str:
 def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: dict, marks: dict) -> None:
     column = f"{kind}.{quantity}"
     good = [row for row in rows if not row["failure"] and row[column] == row[column]]
-    ax.set(xscale="log", yscale="log")
+    ax.set(xscale="log", yscale="log", ymargin=0.09)
     if kind == TOTAL:
         best = front([row for row in good if row["role"] in (POINT, AUTOMATIC)], f"{column}.counted")
         ax.step(
             [_shown(row[f"{column}.counted"]) for row in best], [row["cpu_per_s"] for row in best],
             where="pre", color="0.75", linewidth=4.0, zorder=1, solid_capstyle="round",
         )  # fmt: skip
-        for row in best:
+        for row in _spread([row for row in best if row[column] < MOST], column):
             _name(ax, row, _shown(row[column]))
         floor = max((row[f"{column}.floor"] for row in rows), default=0.0)
         if floor > LEAST:
@@ -141,6 +143,16 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
     ax.set_xlim(LEAST / 1.6, 2.0 * max(error for error in [*known, ROOM] if error == error))
     ax.xaxis.set_major_locator(LogLocator(numticks=12))
     ax.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _spread(rows: Sequence[Row], column: str) -> list[Row]:
+    """Those of the rows whose marks are far enough from each other to be named."""
+    found: list[Row] = []
+    for row in rows:
+        places = [(log10(_shown(one[column])), log10(one["cpu_per_s"])) for one in (row, *found)]
+        if all(hypot(places[0][0] - x, 1.5 * (places[0][1] - y)) > APART for x, y in places[1:]):
+            found.append(row)
+    return found
 
 
 def _name(ax: "Axes", row: Row, x: float) -> None:
@@ -182,13 +194,17 @@ def _rail(ax: "Axes", rows: Sequence[Row], colours: dict) -> None:
     failed = [row for row in rows if row["failure"]]
     if not failed:
         return
-    ax.plot([0.0, 2.0], [RAIL, RAIL], transform=ax.transAxes, color="0.6", linewidth=0.8, clip_on=False)
-    ax.text(0.0, RAIL + 0.02, "failed", transform=ax.transAxes, fontsize=7.0, va="bottom", color="0.3")
-    for n, row in enumerate(failed):
+    ax.plot([0.0, 2.05], [RAIL, RAIL], transform=ax.transAxes, color="0.6", lw=0.8, clip_on=False, in_layout=False)
+    names = [("failed", "0.3"), *((_failed(row), colours[row["variant"]]) for row in failed)]
+    for n, (name, colour) in enumerate(names):
         ax.text(
-            2.0 * (n + 1.0) / (len(failed) + 1.0), RAIL + 0.02, f"{row['method']} {label(row)}".strip() or "any",
-            transform=ax.transAxes, fontsize=7.0, va="bottom", ha="center", color=colours[row["variant"]],
+            2.05 * n / len(names), RAIL + 0.02, name, transform=ax.transAxes,
+            fontsize=7.0, va="bottom", color=colour, in_layout=False,
         )  # fmt: skip
+
+
+def _failed(row: Row) -> str:
+    return "any method" if row["role"] == JOB else f"{row['method']} {label(row)}".strip()
 
 
 def _legend(rows: Sequence[Row], colours: dict, marks: dict) -> list[Any]:
