@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import warnings
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -157,9 +158,18 @@ def run(
     shard: Annotated[str, typer.Option(metavar="K/N", help="share K of N of the jobs")] = "1/1",
     quick: Quick = False,
     verify: Annotated[bool, typer.Option("--verify", help="read stored results against their checksums")] = False,
+    fail_fast: Annotated[bool, typer.Option("--fail-fast", help="end at the first job that fails")] = False,
+    max_failures: Annotated[
+        int | None, typer.Option(min=1, metavar="N", help="end when N jobs have failed")
+    ] = None,
+    max_cpu: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="CPU time that a job may take, such as `10 min`; dearer ones stay out"),
+    ] = None,
 ) -> None:
-    """Compute what is not done yet, and store it. Exit code 1: some jobs failed, the rest is stored."""
+    """Compute what is not done yet, and store it. Exit code 1: some failed or are left, the rest is stored."""
     share = _share(shard)
+    failures, cpu = _most_failures(fail_fast, max_failures), _time("--max-cpu", max_cpu) if max_cpu else inf
     if fresh and share != (1, 1):
         raise typer.BadParameter(FRESH_SHARD, param_hint="--fresh")
     from bearingsim import runner
@@ -168,7 +178,10 @@ def run(
     if share == (1, 1) and not (fresh or verify):
         summary = runner.finished(study, out, dict(map(_assignment, set_ or [])), quick)
     if summary is None:
-        summary = runner.run(_loaded(study, set_, quick), out, jobs, fresh, retry_failed, share, verify)
+        asked = _loaded(study, set_, quick)
+        summary = runner.run(
+            asked, out, jobs, fresh, retry_failed, share, verify, max_failures=failures, max_cpu=cpu
+        )
     typer.echo(str(summary))
     if _verbose(ctx) and summary.failed:
         from bearingsim.cli import tables
@@ -365,6 +378,12 @@ def _time(option: str, text: str) -> float:
     if seconds <= 0.0:
         raise typer.BadParameter(f"expected a time above zero, got `{text}`", param_hint=option)
     return seconds
+
+
+def _most_failures(fail_fast: bool, max_failures: int | None) -> float:
+    if fail_fast and max_failures:
+        raise typer.BadParameter("ends at the first failure: leave out `--max-failures`", param_hint="--fail-fast")
+    return 1 if fail_fast else max_failures or inf
 
 
 def _share(text: str) -> tuple[int, int]:
