@@ -288,6 +288,20 @@ def export(
 
 
 @app.command()
+def merge(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR...", help="results folders of one study", show_default=False)
+    ],
+    out: Annotated[Path, typer.Option(metavar="DIR", help="folder for all of them", show_default=False)],
+) -> None:
+    """Make one results folder of several: those of shards, or of other machines. They stay as they are."""
+    from bearingsim import store
+
+    typer.echo(str(store.merge(folders, out)))
+    typer.echo(f"results: {near(out)}")
+
+
+@app.command()
 def freq(
     bearing: Annotated[str, typer.Argument(metavar="BEARING", help="a name in configs/bearings, or a path")],
     speed: Annotated[str, typer.Option(help="speed of the inner ring")] = "1800 rpm",

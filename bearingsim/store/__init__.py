@@ -18,6 +18,7 @@ from bearingsim.store.files import (
 )
 from bearingsim.store.folder import FolderInUse, Holdings, discard, holdings
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
+from bearingsim.store.merge import Merged, Unmergeable, merge
 from bearingsim.store.names import flat_parameters
 from bearingsim.store.nearness import audited, nearness
 from bearingsim.store.provenance import made_of, provenance
@@ -45,9 +46,11 @@ __all__ = [
     "FolderInUse",
     "Holdings",
     "LinkWithin",
+    "Merged",
     "Results",
     "ResultsError",
     "Series",
+    "Unmergeable",
     "audited",
     "build_table",
     "case_of",
@@ -64,6 +67,7 @@ __all__ = [
     "lock",
     "log",
     "made_of",
+    "merge",
     "nearness",
     "now",
     "open_results",
