@@ -1,8 +1,8 @@
 """Formulas in a study: `defect.width / 4`, `min(load, 200 N) * 2 < 300 N`.
 
 Python's own grammar (`ast`, in eval mode) reads them, but nothing of Python runs: every node must be on the list
-below, and is worked out here, in SI. Quantities and paths such as `defects.2.width` are no Python. Names of the same
-length replace them before it is read, so that its columns stay those of the text.
+below, and is worked out here, in SI. Quantities and paths such as `defects.2.width` are no Python: names of the
+same length stand in for them, so that Python's columns are those of the text.
 """
 
 import ast
