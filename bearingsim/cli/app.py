@@ -302,6 +302,27 @@ def merge(
 
 
 @app.command()
+def prune(
+    ctx: typer.Context,
+    results: Results = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run/--no-dry-run", help="only say what would be removed, or remove it")
+    ] = True,
+) -> None:
+    """Remove what the plan no longer names: units, failures, trials, scans, damaged and temporary files."""
+    from bearingsim import store
+
+    root = opened_results(results).path
+    found = store.superfluous(root) if dry_run else store.prune(root)
+    if _verbose(ctx):
+        typer.echo("".join(f"{near(path)}\n" for path in found.paths), nl=False)
+    typer.echo(str(found))
+    if found.paths:
+        later = f"nothing is removed yet: `bearingsim prune {near(root)} --no-dry-run` does it"
+        typer.echo(later if dry_run else "removed")
+
+
+@app.command()
 def freq(
     bearing: Annotated[str, typer.Argument(metavar="BEARING", help="a name in configs/bearings, or a path")],
     speed: Annotated[str, typer.Option(help="speed of the inner ring")] = "1800 rpm",

@@ -22,6 +22,7 @@ from bearingsim.store.merge import Merged, Unmergeable, merge
 from bearingsim.store.names import flat_parameters
 from bearingsim.store.nearness import audited, nearness
 from bearingsim.store.provenance import made_of, provenance
+from bearingsim.store.prune import Superfluous, prune, superfluous
 from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs, results_folder
 from bearingsim.store.scans import keep_scans
 from bearingsim.store.sealed import UNREADABLE
@@ -50,6 +51,7 @@ __all__ = [
     "Results",
     "ResultsError",
     "Series",
+    "Superfluous",
     "Unmergeable",
     "audited",
     "build_table",
@@ -73,6 +75,7 @@ __all__ = [
     "open_results",
     "planned_jobs",
     "provenance",
+    "prune",
     "read_choices",
     "read_failures",
     "read_plan",
@@ -84,6 +87,7 @@ __all__ = [
     "room",
     "spread",
     "start_marker",
+    "superfluous",
     "sweep",
     "take_suspects",
     "unit_name",
