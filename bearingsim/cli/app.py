@@ -195,7 +195,7 @@ def run(
 def plot(
     results: Results = None,
     kind: Annotated[
-        str, typer.Option(help="sweep, phase; of jobs series, spectrum, envelope, roller, load, pit, ring")
+        str, typer.Option(help="sweep, phase, design; of jobs series, spectrum, envelope, roller, load, pit, ring")
     ] = "sweep",
     x: Annotated[str | None, typer.Option(metavar="PATH", help="swept path on the x axis")] = None,
     by: Annotated[list[str] | None, typer.Option(metavar="PATH", help="a curve per value; repeatable")] = None,
