@@ -37,6 +37,7 @@ from bearingsim.plots.sweep import (
     y_axis,
 )
 from bearingsim.study import Figure
+from bearingsim.study.design import COUNTED
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,7 +50,7 @@ MOST_LEVELS = 12  # values on x, up to which each has its own median
 MOST_GROUPS = 20
 MOST_COLUMNS = 3
 POINTS: dict[str, Any] = {"linestyle": "", "markersize": 3.0, "alpha": 0.55, "markeredgewidth": 0.0}
-TREND = "line: median of points side by side, band: the middle half of them"
+TREND = ("line: median of points side by side", "band: the middle half of them")
 
 
 class Trend(NamedTuple):
@@ -83,8 +84,8 @@ def trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
 
 
 def said(design: Mapping[str, Any]) -> str:
-    """A design in a caption: `sobol design of 64, seed 1`."""
-    return f"{design['kind']} design of {design['n']}, seed {design['seed']}"
+    """A design in a caption: `sobol design of 64 points, seed 1`."""
+    return f"{design['kind']} design of {design['n']} {COUNTED[design['kind']]}, seed {design['seed']}"
 
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:

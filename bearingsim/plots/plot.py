@@ -155,7 +155,7 @@ def _of_design(results: "Results", changes: Mapping[str, Any]) -> list[tuple[str
 def _design_said(results: "Results") -> list[str]:
     from bearingsim.plots import design
 
-    return [design.said(results.plan["design"]), design.TREND]
+    return [design.said(results.plan["design"]), *design.TREND]
 
 
 def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple[Canvas, Figure]":
