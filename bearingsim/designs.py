@@ -25,7 +25,7 @@ EXTENDED: tuple[Kind, ...] = ("sobol", "saltelli", "morris")
 LEVELS = (1 / 16, 5 / 16, 11 / 16, 15 / 16)
 """Values that a parameter takes in a design by Morris: one in each quarter of equal probability."""
 MORRIS_STEP = 5 / 8
-"""By how much a parameter moves there: two levels up or down. Half of the range, which it is not, would be blind to
+"""By how much a parameter moves there: two levels up or down. It is not half of the range, which would be blind to
 whatever repeats itself within half of the range."""
 
 Cube = NDArray[np.float64]
@@ -73,8 +73,8 @@ def _saltelli(n: int, d: int, random: np.random.Generator) -> Cube:
 def _morris(n: int, d: int, random: np.random.Generator) -> Cube:
     """Trajectories of d + 1 points: each step moves one parameter, in a random order, up or down by MORRIS_STEP.
 
-    Morris, Technometrics 33 (1991) 161-174, with p = 4 levels and steps of two. His levels are 0, 1/3, 2/3, 1; those
-    here lie within, so a normal distribution is not always tried at its bounds.
+    Morris, Technometrics 33 (1991) 161-174, with p = 4 levels and steps of two. His levels are 0, 1/3, 2/3, 1;
+    those here lie within, so a normal distribution is not always tried at its bounds.
     """
     start, way, order = np.moveaxis(random.random((n, 3, d)), 1, 0)
     half = len(LEVELS) // 2
