@@ -26,7 +26,7 @@ def estimate(statistic: Callable[[Array], Array], blocks: Array) -> Estimate:
     """What a statistic makes of the blocks (n, ...), and how far chance moves it.
 
     Blocks are drawn with replacement, each as a whole, since its rows belong together. An interval lies between
-    two percentiles of what 999 such draws give (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, ch. 13).
+    two percentiles of what 999 draws give (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, ch. 13).
     The draws are seeded: the same blocks give the same interval. Needs two blocks at least. Blocks of one Sobol'
     sequence are more even than draws, so intervals of their indices are rather too wide.
     """
