@@ -85,6 +85,7 @@ class FakeStudy:
     uncertainty: Any = None
     goal: Any = None
     selection: Any = None
+    design: Any = None
 
     def jobs(self) -> list[Any]:
         twin = FakeCase(healthy=True, seconds=self.seconds)
