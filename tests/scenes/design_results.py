@@ -6,7 +6,7 @@ from typing import Any
 
 from bearingsim.designs import cube
 from bearingsim.runner import run
-from bearingsim.store.sealed import read_json, write_json
+from bearingsim.study.design import Design
 from tests.scenes.fake_studies import ENGINE, FakeCase, FakeJob, FakeStudy, case_id
 
 PATHS = ("defect.width", "load")
@@ -16,31 +16,34 @@ SLOPES = (3e-3, 1e-3)
 
 @dataclass
 class DesignStudy(FakeStudy):
-    """A study whose cases are a design; ``deeds`` by row."""
+    """A study whose cases are a design; ``deeds`` by row. Rows that are one job are there once."""
 
     kind: Any = "saltelli"
     n: int = 16
 
-    def points(self) -> Any:
-        return cube(self.kind, self.n, len(PATHS), 1)
+    def __post_init__(self) -> None:
+        self.units = dict(zip(PATHS, ("mm", "N"), strict=True))
+        self.overrides = {}
+        self.design = Design(self.kind, self.n, 1, PATHS, tuple(job.id for job in self.rows()))
+
+    def rows(self) -> list[Any]:
+        """A job for each row of the design."""
+        return [self.job(*row) for row in enumerate(cube(self.kind, self.n, len(PATHS), 1))]
+
+    def job(self, row: int, point: Any) -> Any:
+        width, load = point
+        case = FakeCase(1e-2 + float(point @ SLOPES), self.deeds.get(row, ""))
+        swept = {"defect.width": 1e-3 * float(width), "load": 100.0 + 100.0 * float(load)}
+        return FakeJob(case_id(case), case, swept, case_id(FakeCase(healthy=True)))
 
     def jobs(self) -> list[Any]:
         twin = FakeCase(healthy=True)
-        found = {}
-        for row, (width, load) in enumerate(self.points()):
-            line = 1e-2 + SLOPES[0] * width + SLOPES[1] * load
-            case = FakeCase(line, self.deeds.get(row, ""))
-            swept = {"defect.width": 1e-3 * width, "load": 100.0 + 100.0 * load}
-            found.setdefault(row, FakeJob(case_id(case), case, swept, case_id(twin)))
-        return [*found.values(), FakeJob(case_id(twin), twin, {}, None, is_baseline=True)]
+        cases = {job.id: job for job in self.rows()}
+        return [*cases.values(), FakeJob(case_id(twin), twin, {}, None, is_baseline=True)]
 
 
 def computed(root: Path, **study: Any) -> Path:
     """The results of a design, in a folder."""
-    asked: Any = DesignStudy(units={"defect.width": "mm", "load": "N"}, **study)
+    asked: Any = DesignStudy(**study)
     run(asked, root, jobs=1, progress=False, engine=ENGINE)
-    plan = read_json(root / "plan.json")
-    ids = [job.id for job in asked.jobs() if not job.is_baseline]
-    plan["design"] = {"kind": asked.kind, "n": asked.n, "seed": 1, "paths": list(PATHS), "ids": ids}
-    write_json(root / "plan.json", plan)
     return root
