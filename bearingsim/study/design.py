@@ -89,6 +89,8 @@ def drawn(kind: Kind, entry: Node, most: int, problems: list[Problem]) -> tuple[
 
 
 def _drawn(kind: Kind, entry: Node, most: int) -> tuple[Drawn, Axis]:
+    if not isinstance(entry.value, dict):
+        raise Wrong(entry, f": expected a mapping such as `{EXAMPLE}`")
     for key, node in entry.mapping.items():
         if key not in KEYS:
             near = suggestion(key, KEYS) or f"known: {', '.join(KEYS)}"
@@ -120,9 +122,8 @@ def _count(kind: Kind, entry: Node, most: int) -> int:
     n, d = int(node.text), len(entry.mapping["over"].mapping)
     rows = n * block(kind, d)
     if rows > most:
-        raise Wrong(
-            node, f".n: {node.text} {COUNTED[kind]} of {d} paths are {rows} cases; at most {most} are possible"
-        )
+        every = f"{node.text} {COUNTED[kind]} of {d} path{'s' * (d > 1)} are {rows} cases"
+        raise Wrong(node, f".n: {every}; at most {most} are possible")
     return n
 
 
@@ -245,8 +246,10 @@ def _uniform(path: str, node: Node) -> Range:
 
 def _log(path: str, node: Node) -> Range:
     first, last, low, high, unit = _bounds(path, node.mapping["log"])
-    if low <= 0.0 or any(factor.zero for word, factor in UNITS["temperature"].items() if word == unit):
-        raise Wrong(first, "`log` needs values above zero, counted from a zero that is none by agreement")
+    if low <= 0.0:
+        raise Wrong(first, "`log` needs values above zero")
+    if unit in UNITS["temperature"]:
+        raise Wrong(first, "a temperature has no logarithm", "take `uniform`")
     return Range(first, last, low, high, unit, lambda shares: _geometric(low, high, shares.tolist()))
 
 

@@ -245,10 +245,12 @@ class Plan:
 
     def _check_words(self, cases: Sequence[Case]) -> None:
         """Note where `where` leaves nothing, and `repeat` repeats what is not random."""
-        if not cases and self.relations.dropped and not self.found:
+        if self.problems or self.found:
+            return
+        if not cases:
             self.problems.append(self.relations.nothing_left())
         node = self.words.get("repeat")
-        if node is not None and cases and not any(map(is_random, cases)):
+        if node is not None and not any(map(is_random, cases)):
             message = "repeat: nothing is random in this study: another `seed` gives the same"
             advice = "it is with `excitation: random-impulses`, or rollers loose in a free cage (`model: planar`)"
             self.problems.append(problem(node.key or node.mark, message, advice))

@@ -76,7 +76,7 @@ class Relations:
         (number, _), *_ = self.dropped.most_common(1)
         count = self.dropped.total()
         every = f"all {count} combinations are" if count > 1 else "the only combination is"
-        return problem(self.where[number].node.mark, f"where: {every} left out", "let some be")
+        return problem(self.where[number].node.mark, f"where: {every} left out")
 
     def _value(self, what: str, formula: Expression, tree: Node) -> float:
         try:
@@ -99,7 +99,7 @@ class Unrelated(Exception):
 def _number(path: str, node: Node | None) -> float:
     """The value (SI) at a path; ValueError where there is none, or no number."""
     if node is None:
-        raise ValueError(f"the study says nothing of `{path}`, so that a formula could use it")
+        raise ValueError(f"the study writes no value of `{path}`, which a formula could use")
     found = _number_of(path, node.value) if isinstance(node.value, str) else None
     if found is None:
         raise ValueError(f"`{path}` is no number here: `{node.text}`")
