@@ -13,7 +13,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from bearingsim.plots import labels
 from bearingsim.plots.caption import fixed_values
 from bearingsim.plots.style import COLOURS, RC
-from bearingsim.plots.sweep import axis_label, finish
+from bearingsim.plots.sweep import finish
 from bearingsim.sensitivity import LEVEL, Blocks, Effects, Estimate, Indices
 
 if TYPE_CHECKING:
@@ -100,6 +100,7 @@ def _bars(ax: "Axes", found: Indices, places: Sequence[int], names: Sequence[str
 
 def _points(ax: "Axes", blocks: Blocks, found: Effects, names: Sequence[str]) -> None:
     unit, factor = labels.feature_axis(blocks.feature, float(found.magnitude.high.max()))
+    in_unit = f" ({unit})" if unit else ""
     across, up = (Estimate(*(factor * ends for ends in one)) for one in (found.magnitude, found.spread))
     for place, name in enumerate(names):
         point = (across.value[place], up.value[place])
@@ -112,8 +113,8 @@ def _points(ax: "Axes", blocks: Blocks, found: Effects, names: Sequence[str]) ->
     ax.annotate("sigma = mu*", (0.93 * most, 0.95 * most), fontsize=7.0, color="0.4", ha="right")
     ax.set_xlim(0.0, most)
     ax.set_ylim(0.0, most)
-    ax.set_xlabel(axis_label("mu*, over the whole range", unit))
-    ax.set_ylabel(axis_label("sigma", unit))
+    ax.set_xlabel(f"mu*, over the whole range{in_unit}")
+    ax.set_ylabel(f"sigma{in_unit}")
     ax.set_title(textwrap.fill(labels.feature_text(blocks.feature), LABEL_LETTERS), loc="left")
 
 

@@ -22,7 +22,8 @@ __all__ = ["FAILED_AT_MOST", "Blocks", "SensitivityError", "design_of", "of_resu
 
 FAILED_AT_MOST = 0.1
 """Share of jobs without a value up to which the rest still stands for the whole."""
-LEAST_BLOCKS = 2
+LEAST_BLOCKS = 4
+"""With fewer there is nothing to draw anew from."""
 READ_BY = ("saltelli", "morris")
 TO_WRITE = (
     "`sweep: {saltelli: {n: 128, seed: 1, over: {defect.width: {uniform: [0.2 mm, 0.8 mm]}, ...}}}`,"

@@ -27,8 +27,8 @@ def estimate(statistic: Callable[[Array], Array], blocks: Array) -> Estimate:
 
     Blocks are drawn with replacement, each as a whole, since its rows belong together. An interval lies between
     two percentiles of what 999 draws give (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, ch. 13).
-    The draws are seeded: the same blocks give the same interval. Needs two blocks at least. Blocks of one Sobol'
-    sequence are more even than draws, so intervals of their indices are rather too wide.
+    The draws are seeded: the same blocks give the same interval. Blocks of one Sobol' sequence are more even than
+    draws, so intervals of their indices are rather too wide.
     """
     from scipy.stats import bootstrap
 

@@ -33,7 +33,7 @@ class DesignStudy(FakeStudy):
     def job(self, row: int, point: Any) -> Any:
         width, load = point
         case = FakeCase(1e-2 + float(point @ SLOPES), self.deeds.get(row, ""))
-        swept = {"defect.width": 1e-3 * float(width), "load": 100.0 + 100.0 * float(load)}
+        swept: dict[str, float | str] = {"defect.width": 1e-3 * float(width), "load": 100.0 + 100.0 * float(load)}
         return FakeJob(case_id(case), case, swept, case_id(FakeCase(healthy=True)))
 
     def jobs(self) -> list[Any]:

@@ -110,8 +110,9 @@ def test_what_does_not_vary_has_no_indices():
         of_results(constant, LINE)
 
 
-def test_a_single_block_has_no_interval():
-    assert refused(n=1) == "too few blocks for an interval (the design has n: 1): raise `n`"
+def test_few_blocks_have_no_interval():
+    assert refused(n=3) == "too few blocks for an interval (the design has n: 3): raise `n`"
+    assert len(of_results(results(n=4), LINE).values) == 4
 
 
 def test_chaotic_jobs_are_counted():
