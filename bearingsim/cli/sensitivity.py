@@ -125,8 +125,8 @@ def _remarks(blocks: "Blocks") -> list[str]:
         told.append(f"{blocks.losses()}; indices are those of the rest")
     if blocks.chaotic:
         told.append(
-            f"{blocks.chaotic} of {blocks.jobs} jobs are chaotic: how much one draw of a line differs from another"
-            " counts as parameters that act together"
+            f"{blocks.chaotic} of {blocks.jobs} jobs are chaotic: how far one draw differs from another counts"
+            " as parameters that act together"
         )
     return told
 

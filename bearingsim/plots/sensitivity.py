@@ -12,7 +12,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from bearingsim.plots import labels
 from bearingsim.plots.caption import fixed_values
-from bearingsim.plots.style import COLOURS, RC
+from bearingsim.plots.style import COLOURS, MARKERS, RC
 from bearingsim.plots.sweep import finish
 from bearingsim.sensitivity import LEVEL, Blocks, Effects, Estimate, Indices
 
@@ -63,9 +63,9 @@ def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:
             ax.set_title(textwrap.fill(labels.feature_text(own.feature), LABEL_LETTERS), loc="left")
         else:
             _points(ax, own, answer, names)
-    if bars:
-        handles, texts = axes[0].get_legend_handles_labels()
-        canvas.legend(handles, texts, loc="outside upper center", ncols=2)
+    handles, texts = axes[0].get_legend_handles_labels()
+    place = {"loc": "outside upper center", "ncols": 2} if bars else {"loc": "outside right upper"}
+    canvas.legend(handles, texts, **place)
     finish(canvas, None, [*fixed_values(results, rows, set(blocks.paths)), *_told(answers)])
     return canvas
 
@@ -103,11 +103,10 @@ def _points(ax: "Axes", blocks: Blocks, found: Effects, names: Sequence[str]) ->
     in_unit = f" ({unit})" if unit else ""
     across, up = (Estimate(*(factor * ends for ends in one)) for one in (found.magnitude, found.spread))
     for place, name in enumerate(names):
-        point = (across.value[place], up.value[place])
-        whiskers = [_whiskers(one)[:, [place]] for one in (across, up)]
-        colour = COLOURS[place % len(COLOURS)]
-        ax.errorbar(*point, whiskers[1], whiskers[0], fmt="o", color=colour, **{**WHISKER, "ecolor": colour})
-        ax.annotate(name.split("\n")[0], point, (5, 4), textcoords="offset points", fontsize=8.0, color=colour)
+        look = {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
+        sides = [_whiskers(one)[:, [place]] for one in (up, across)]
+        bars = WHISKER | {"ecolor": look["color"]}
+        ax.errorbar(across.value[place], up.value[place], *sides, ls="", label=name, clip_on=False, **look, **bars)
     most = 1.05 * float(max(across.high.max(), up.high.max()))
     ax.plot([0.0, most], [0.0, most], color="0.6", linewidth=0.8, linestyle="--")
     ax.annotate("sigma = mu*", (0.93 * most, 0.95 * most), fontsize=7.0, color="0.4", ha="right")
