@@ -87,7 +87,7 @@ def _sweep() -> dict[str, Any]:
     block = {"type": "object", "additionalProperties": values}
     zipped = {"anyOf": [block, {"type": "array", "items": block}]}
     words = {"type": "string"}
-    own = {
+    own: dict[str, Any] = {
         "zip": zipped,
         **dict.fromkeys(KINDS, _design()),
         "derived": {"type": "object", "additionalProperties": {"type": ["string", "number"]}},
@@ -99,7 +99,7 @@ def _sweep() -> dict[str, Any]:
 
 def _design() -> dict[str, Any]:
     two = {"type": "array", "items": {"type": ["string", "number"]}, "minItems": 2, "maxItems": 2}
-    spread = {word: two for word in (*DISTRIBUTIONS, "within")}
+    spread = dict.fromkeys((*DISTRIBUTIONS, "within"), two)
     ranges = {"anyOf": [two, {"type": "object", "properties": spread, "additionalProperties": False}]}
     keys = {
         "n": {"type": "integer", "minimum": 1},
