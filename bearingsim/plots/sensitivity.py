@@ -1,8 +1,7 @@
 """What decides a feature: Sobol' indices as bars, Morris' effects as points, both with their intervals."""
 
-import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +16,6 @@ from bearingsim.plots.sweep import finish
 from bearingsim.sensitivity import LEVEL, Blocks, Effects, Estimate, Indices
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.axes import Axes
 
     from bearingsim.store import Results
@@ -48,9 +46,8 @@ def draw(results: "Results", answers: Sequence[Answer], path: Path) -> Path:
 def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:
     """A column of axes for each feature. All answers are of one design."""
     blocks, found = answers[0]
-    table = results.table()[["job", *blocks.paths]].set_index("job")
-    rows = table.loc[list(results.plan["design"]["ids"])].reset_index()
-    names = [label_of(path, rows, results) for path in blocks.paths]
+    design, units = results.plan["design"], results.plan["units"]
+    names = [label_of(path, ends, units) for path, ends in zip(blocks.paths, design["ranges"], strict=True)]
     bars = isinstance(found, Indices)
     width = len(answers) * COLUMN_IN + NAMES_IN
     height = (len(names) * BAR_IN if bars else POINTS_IN) + 1.3
@@ -64,20 +61,20 @@ def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:
         else:
             _points(ax, own, answer, names)
     handles, texts = axes[0].get_legend_handles_labels()
-    place = {"loc": "outside upper center", "ncols": 2} if bars else {"loc": "outside right upper"}
+    place: dict[str, Any] = {"loc": "outside upper center", "ncols": 2} if bars else {"loc": "outside right upper"}
     canvas.legend(handles, texts, **place)
+    table = results.table()[["job"]]
+    rows = table[table["job"].isin(design["ids"])]
     finish(canvas, None, [*fixed_values(results, rows, set(blocks.paths)), *_told(answers)])
     return canvas
 
 
-def label_of(path: str, rows: "pd.DataFrame", results: "Results") -> str:
-    """A parameter and the range over which the design has moved it, to a hundredth of it."""
-    unit = labels.unit_of(path, results.plan["units"])
-    least, largest = (labels.shown(path, float(end), unit) for end in (rows[path].min(), rows[path].max()))
-    digits = 1 - math.floor(math.log10(largest - least))
-    ends = " to ".join(labels.number_text(round(end, digits)) for end in (least, largest))
+def label_of(path: str, ends: Sequence[float], units: Mapping[str, str]) -> str:
+    """A parameter and its range (SI) in the unit of the study: two lines."""
+    unit = labels.unit_of(path, units)
+    least, largest = (labels.number_text(labels.shown(path, end, unit)) for end in ends)
     name = labels.name_text(path)
-    return f"{name[:1].upper()}{name[1:]}\n{ends} {labels.pretty(unit)}".rstrip()
+    return f"{name[:1].upper()}{name[1:]}\n{least} to {largest} {labels.pretty(unit)}".rstrip()
 
 
 def _places(found: Indices) -> list[int]:
@@ -103,10 +100,10 @@ def _points(ax: "Axes", blocks: Blocks, found: Effects, names: Sequence[str]) ->
     in_unit = f" ({unit})" if unit else ""
     across, up = (Estimate(*(factor * ends for ends in one)) for one in (found.magnitude, found.spread))
     for place, name in enumerate(names):
-        look = {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
-        sides = [_whiskers(one)[:, [place]] for one in (up, across)]
-        bars = WHISKER | {"ecolor": look["color"]}
-        ax.errorbar(across.value[place], up.value[place], *sides, ls="", label=name, clip_on=False, **look, **bars)
+        colour, mark = COLOURS[place % len(COLOURS)], MARKERS[place % len(MARKERS)]
+        bars: dict[str, Any] = WHISKER | {"ecolor": colour, "color": colour, "marker": mark, "clip_on": False}
+        bars |= {"xerr": _whiskers(across)[:, [place]], "yerr": _whiskers(up)[:, [place]], "linestyle": ""}
+        ax.errorbar(across.value[place], up.value[place], label=name, **bars)
     most = 1.05 * float(max(across.high.max(), up.high.max()))
     ax.plot([0.0, most], [0.0, most], color="0.6", linewidth=0.8, linestyle="--")
     ax.annotate("sigma = mu*", (0.93 * most, 0.95 * most), fontsize=7.0, color="0.4", ha="right")

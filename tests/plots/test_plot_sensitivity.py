@@ -23,6 +23,7 @@ def test_bars_are_the_indices_the_largest_on_top(tmp_path):
     first, total = (one for one in canvas.axes[0].containers if isinstance(one, BarContainer))
     for bars, known in ((first, found.first), (total, found.total)):
         assert [bar.get_width() for bar in bars] == pytest.approx(known.value)
+        assert bars.errorbar is not None
         [whiskers] = bars.errorbar[2]
         for segment, low, high in zip(whiskers.get_segments(), known.low, known.high, strict=True):
             assert segment[:, 0] == pytest.approx([low, high])

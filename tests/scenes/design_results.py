@@ -10,6 +10,7 @@ from bearingsim.study.design import Design
 from tests.scenes.fake_studies import ENGINE, FakeCase, FakeJob, FakeStudy, case_id
 
 PATHS = ("defect.width", "load")
+RANGES = ((0.0, 1e-3), (100.0, 200.0))
 SLOPES = (3e-3, 1e-3)
 """Of the line (m/s) over the whole range of a parameter."""
 
@@ -24,7 +25,7 @@ class DesignStudy(FakeStudy):
     def __post_init__(self) -> None:
         self.units = dict(zip(PATHS, ("mm", "N"), strict=True))
         self.overrides = {}
-        self.design = Design(self.kind, self.n, 1, PATHS, tuple(job.id for job in self.rows()))
+        self.design = Design(self.kind, self.n, 1, PATHS, RANGES, tuple(job.id for job in self.rows()))
 
     def rows(self) -> list[Any]:
         """A job for each row of the design."""
