@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-__all__ = ["FORMATS", "KINDS", "drawn", "plot"]
+__all__ = ["FORMATS", "KINDS", "drawn", "plot", "slug", "written"]
 
 PIT, LOAD, RING = "pit", "load", "ring"
 OF_JOBS = ("series", "spectrum", "envelope", "roller", LOAD, PIT, RING)
@@ -59,7 +59,7 @@ def plot(
     with mpl.rc_context(RC):  # type: ignore[arg-type]
         sheets = drawn(results, kind, x, jobs, **changes)
         folder.mkdir(parents=True, exist_ok=True)
-        return [_written(canvas, folder / f"{name}.{file_format}") for name, canvas in sheets]
+        return [written(canvas, folder / f"{name}.{file_format}") for name, canvas in sheets]
 
 
 def drawn(
@@ -83,7 +83,8 @@ def _check_done(results: "Results") -> None:
     raise PlotError(f"no job is done, there is nothing to draw{failed}")
 
 
-def _written(canvas: "Canvas", path: Path) -> Path:
+def written(canvas: "Canvas", path: Path) -> Path:
+    """Write a figure as the ending of its name says; return the file."""
     from bearingsim.store import write_bytes
 
     drawing, kind = BytesIO(), path.suffix.removeprefix(".")
@@ -160,10 +161,11 @@ def _name(number: int, figure: "Figure", x: str | None, changes: Mapping[str, An
     for key in ("by", "panels"):
         words += [key, *changes[key]] if changes.get(key) else []
     where = [f"{path} {value.replace('-', 'minus ')}" for path, value in (changes.get("where") or {}).items()]
-    return _slug([*words, *(["where", *where] if where else [])])
+    return slug([*words, *(["where", *where] if where else [])])
 
 
-def _slug(words: Sequence[str]) -> str:
+def slug(words: Sequence[str]) -> str:
+    """Words as the name of a file: `fig1-velocity-bpfo`."""
     return "-".join("".join(c if c.isalnum() else " " for c in " ".join(words).lower()).split())
 
 
@@ -195,7 +197,7 @@ def _of_pits(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas
     from bearingsim.plots import pit
 
     return [
-        (_slug([PIT, one.jobs[0][:8], *([str(one.number)] if one.of > 1 else [])]), pit.draw_pit(results, one))
+        (slug([PIT, one.jobs[0][:8], *([str(one.number)] if one.of > 1 else [])]), pit.draw_pit(results, one))
         for one in pit.sheets(results, jobs)
     ]
 
@@ -207,7 +209,7 @@ def _of_rings(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canva
     sheets, problems = [], []
     for job in jobs:
         try:
-            sheets.append((_slug([RING, job[:8]]), ring.draw_ring(results, job)))
+            sheets.append((slug([RING, job[:8]]), ring.draw_ring(results, job)))
         except PlotError as error:
             problems.append((job, error))
     if not sheets:
@@ -227,4 +229,4 @@ def _check_changes(kind: str, changes: Mapping[str, Any]) -> None:
 
 def _name_of_jobs(kind: str, y: Sequence[str], jobs: Sequence[str]) -> str:
     more = [f"and {len(jobs) - MAX_NAMED} more"] if len(jobs) > MAX_NAMED else []
-    return _slug([kind, *y, *(job[:8] for job in jobs[:MAX_NAMED]), *more])
+    return slug([kind, *y, *(job[:8] for job in jobs[:MAX_NAMED]), *more])

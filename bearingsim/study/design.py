@@ -43,15 +43,16 @@ IN_BLOCKS: tuple[Kind, ...] = ("saltelli", "morris")
 class Design:
     """A design that a study sweeps: ``ids`` of the jobs of all its rows, in order; two rows may be one job.
 
-    kind, n, seed: as ``designs.cube`` takes them; paths: one for each column of it. Beside `lhs` and `sobol` a
-    study may sweep more, and drop combinations: then ``ids`` has each combination that is left, the design's row
-    slowest.
+    kind, n, seed: as ``designs.cube`` takes them; paths: one for each column of it; ranges: their bounds (SI).
+    Beside `lhs` and `sobol` a study may sweep more, and drop combinations: then ``ids`` has each combination that
+    is left, the design's row slowest.
     """
 
     kind: Kind
     n: int
     seed: int
     paths: tuple[str, ...]
+    ranges: tuple[tuple[float, float], ...]
     ids: tuple[str, ...]
 
     def __str__(self) -> str:
@@ -68,6 +69,7 @@ class Drawn:
     n: int
     seed: int
     paths: tuple[str, ...]
+    ranges: tuple[tuple[float, float], ...]
     cases: tuple[int, ...] = ()
 
     def notes(self) -> Iterator[str]:
@@ -108,7 +110,7 @@ def _drawn(kind: Kind, entry: Node, most: int) -> tuple[Drawn, Axis]:
     columns = [each.nodes(column) for each, column in zip(ranges, cube(kind, n, len(ranges), seed).T, strict=True)]
     paths = tuple(over.mapping)
     axis = Axis(paths, tuple(zip(*columns, strict=True)), tuple(over.mapping.values()))
-    return Drawn(kind, n, seed, paths), axis
+    return Drawn(kind, n, seed, paths, tuple(map(_ends, paths, ranges))), axis
 
 
 def _count(kind: Kind, entry: Node, most: int) -> int:
@@ -230,6 +232,13 @@ def _pair(path: str, node: Node) -> tuple[Node, Node, float, float, str]:
     a, unit = number_in(first, None)
     b, _ = number_in(second, unit)
     return first, second, a, b, unit
+
+
+def _ends(path: str, found: Range) -> tuple[float, float]:
+    """The bounds of a range in SI."""
+    known = dimension(path)
+    assert known is not None
+    return parse(found.first.text, known), parse(found.last.text, known)
 
 
 def _check(path: str, node: Node) -> None:

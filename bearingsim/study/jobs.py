@@ -134,7 +134,7 @@ class Study:
         if found is None:
             return None
         ids = tuple(self._ids[number] for number in found.cases)
-        return Design(found.kind, found.n, found.seed, found.paths, ids)
+        return Design(found.kind, found.n, found.seed, found.paths, found.ranges, ids)
 
     @cached_property
     def _ids(self) -> tuple[str, ...]:

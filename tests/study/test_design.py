@@ -69,11 +69,17 @@ def test_the_seed_is_zero_unless_it_is_said(write: Write) -> None:
     assert design_of(load_study(write(text))).seed == 0
 
 
+def test_ranges_are_kept_in_si(write: Write) -> None:
+    ranges = "load: [150 N, 0.3 kN], defect.width: {log: [0.2 mm, 2 mm]}"
+    study = load_study(write(f"{BASE}sweep: {{sobol: {{n: 2, over: {{{ranges}}}}}}}\n"))
+    assert design_of(study).ranges == ((150.0, 300.0), (0.0002, 0.002))
+
+
 def test_two_rows_may_be_one_case(write: Write) -> None:
     """A trajectory of Morris in two parameters meets itself and others: each row has the id of its case."""
     study = load_study(write(sweep("morris", 40)))
     found = design_of(study)
-    assert len(study.cases()) <= designs.LEVELS**2 < len(found.ids) == 120
+    assert len(study.cases()) <= len(designs.LEVELS) ** 2 < len(found.ids) == 120
     assert set(found.ids) == {case_id(case) for case in study.cases()}
 
 
@@ -289,7 +295,8 @@ def test_the_plan_holds_the_design(write: Write, tmp_path: Path) -> None:
     store.write_plan(tmp_path, study, study.jobs())
     found = store.read_plan(tmp_path)["design"]
     assert found == json.loads(json.dumps(asdict(design_of(study))))
-    assert set(found) == {"kind", "n", "seed", "paths", "ids"}
+    assert set(found) == {"kind", "n", "seed", "paths", "ranges", "ids"}
+    assert len(found["ranges"]) == len(found["paths"])
     assert set(found["ids"]) <= {job["job"] for job in store.read_plan(tmp_path)["jobs"]}
 
 
