@@ -42,7 +42,7 @@ def test_paths_that_move_with_x_part_no_curve(write: Write) -> None:
 
 
 def test_the_points_of_a_design_are_one_cloud(write: Write) -> None:
-    """Rows of `saltelli` share values: neither what else moves at one of them parts the cloud, nor what follows."""
+    """Rows of `saltelli` share values: what else moves at one of them parts no cloud, nor does what follows."""
     blocks = "sweep: {saltelli: {n: 4, over: {load: [150 N, 300 N], defect.width: [0.2 mm, 0.8 mm]}}, %s}\n"
     derived = blocks % "derived: {defect.depth: defect.width / 20}"
     assert drawn(write, "y: velocity@BPFO, x: load", sweep=derived) == [tuple(range(16))]
