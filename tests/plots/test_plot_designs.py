@@ -132,3 +132,14 @@ def test_a_parameter_that_has_one_value_has_no_panel(results):
     row = opened.table().iloc[0]
     with pytest.raises(PlotError, match="no parameter of the design varies"):
         drawn(opened, kind="design", where={"load": f"{row['load']:.17g} N"})
+
+
+def test_a_range_that_is_filled_by_its_logarithm_has_a_log_axis(results):
+    even = np.linspace(1.0, 40.0, 64)
+    assert design.by_logarithm(list(np.geomspace(1.0, 40.0, 64)))
+    assert not design.by_logarithm(list(even))
+    assert not design.by_logarithm(list(even - 1.0))
+    assert not design.by_logarithm(list(np.geomspace(1.0, 3.0, 64)))
+    text = SOBOL.replace("defect.length: [3 mm, 9 mm]", "contact.damping.beta: {log: [0.5 us, 10 us]}")
+    _, canvas = only(drawn(results(text), kind="design", y=["velocity@BPFO"]))
+    assert [ax.get_xscale() for ax in canvas.axes] == ["linear", "log", "linear"]
