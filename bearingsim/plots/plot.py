@@ -16,14 +16,15 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-__all__ = ["FORMATS", "KINDS", "drawn", "plot"]
+__all__ = ["FORMATS", "KINDS", "drawn", "plot", "slug", "written"]
 
-PIT, LOAD, RING = "pit", "load", "ring"
+PIT, LOAD, RING, DESIGN = "pit", "load", "ring", "design"
 OF_JOBS = ("series", "spectrum", "envelope", "roller", LOAD, PIT, RING)
-KINDS = ("sweep", "phase", *OF_JOBS)
+KINDS = ("sweep", "phase", DESIGN, *OF_JOBS)
 ALL = "all"
 UNUSED_OPTIONS = {
     **dict.fromkeys(("sweep", "phase"), ("span",)),
+    DESIGN: ("x", "panels", "span"),
     **dict.fromkeys(OF_JOBS, ("x", "by", "panels", "span")),
     **dict.fromkeys(("series", LOAD), ("x", "by", "panels")),
     **dict.fromkeys((PIT, RING), ("x", "y", "by", "panels", "span")),
@@ -44,7 +45,8 @@ def plot(
 ) -> list[Path]:
     """Draw figures of a study into ``out`` (default: its ``figures`` folder); return the files.
 
-    kind: `sweep` features against swept paths, `phase` the phase of the line against them; of some jobs (ids, or
+    kind: `sweep` features against swept paths, `phase` the phase of the line against them, `design` a feature
+    against each parameter of a design; of some jobs (ids, or
     `all`) their `series`, `spectrum`, the spectrum of the squared `envelope`, what a `roller` meets on its way
     round, the `load` along a roller, each `pit` to scale, and the outer `ring` at rest. Instead of what the study
     says: x, and among changes y (features; of jobs channels), by, panels (lists), where (paths and values) and
@@ -59,7 +61,7 @@ def plot(
     with mpl.rc_context(RC):  # type: ignore[arg-type]
         sheets = drawn(results, kind, x, jobs, **changes)
         folder.mkdir(parents=True, exist_ok=True)
-        return [_written(canvas, folder / f"{name}.{file_format}") for name, canvas in sheets]
+        return [written(canvas, folder / f"{name}.{file_format}") for name, canvas in sheets]
 
 
 def drawn(
@@ -71,6 +73,8 @@ def drawn(
         _check_done(results)
     if kind in OF_JOBS:
         return _of_jobs(results, kind, jobs, changes)
+    if kind == DESIGN or (kind == "sweep" and _shows_design(results, x, changes)):
+        return _of_design(results, changes)
     return _of_table(results, kind, x, changes)
 
 
@@ -83,7 +87,8 @@ def _check_done(results: "Results") -> None:
     raise PlotError(f"no job is done, there is nothing to draw{failed}")
 
 
-def _written(canvas: "Canvas", path: Path) -> Path:
+def written(canvas: "Canvas", path: Path) -> Path:
+    """Write a figure as the ending of its name says; return the file."""
     from bearingsim.store import write_bytes
 
     drawing, kind = BytesIO(), path.suffix.removeprefix(".")
@@ -115,14 +120,56 @@ def _of_table(
     return sheets
 
 
+def _shows_design(results: "Results", x: str | None, changes: Mapping[str, Any]) -> bool:
+    """Whether a design is all there is to draw: no figure is named, nor how one is to be arranged."""
+    from bearingsim.plots import select
+
+    named = x or results.plan["figures"] or changes.get("panels")
+    return not named and bool(select.design_paths(results))
+
+
+def _of_design(results: "Results", changes: Mapping[str, Any]) -> list[tuple[str, "Canvas"]]:
+    """A figure for each feature, with a panel for each parameter of the design that varies."""
+    from bearingsim.plots import design, select
+    from bearingsim.plots.caption import fixed_values, moved_along
+    from bearingsim.study import Figure
+
+    rows, units, every = select.case_rows(results), results.plan["units"], select.design_paths(results)
+    if not every:
+        raise PlotError("the study sweeps no design (`lhs`, `sobol`, `saltelli`, `morris`): try `--kind sweep`")
+    where, by = changes.get("where") or {}, tuple(changes.get("by") or ())
+    features = tuple(changes.get("y") or select.default_y(results, rows))
+    paths = [path for path in select.varied(select.matching(rows, where, units), every) if path not in by]
+    if not paths:
+        raise PlotError("no parameter of the design varies in these cases")
+    sheets = []
+    for name in features:
+        wanted = Figure(y=(name,), x=paths[0], by=by, where=where)
+        figure, part = select.completed(wanted, rows, units, every)
+        others = {path: unit for path, unit in units.items() if path not in paths}
+        along = moved_along(figure, part, others)
+        caption = [*fixed_values(results, part, {*paths, *figure.by}), *along, *_design_said(results)]
+        sheets.append((_name_of_design(name, changes), design.draw_paths(figure, paths, part, units, caption)))
+    return sheets
+
+
+def _design_said(results: "Results") -> list[str]:
+    from bearingsim.plots import design
+
+    return [design.said(results.plan["design"]), *design.TREND]
+
+
 def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple[Canvas, Figure]":
     """The figure drawn, and as it was completed."""
-    from bearingsim.plots import categories, select, sweep
-    from bearingsim.plots.caption import fixed_values
+    from bearingsim.plots import categories, design, select, sweep
+    from bearingsim.plots.caption import fixed_values, moved_along
 
-    units = results.plan["units"]
-    figure, part = select.completed(wanted, rows, units)
+    units, together = results.plan["units"], select.design_paths(results)
+    figure, part = select.completed(wanted, rows, units, together)
     caption = fixed_values(results, part, {figure.x, *select.varied(part, [*figure.by, *figure.panels])})
+    caption += moved_along(figure, part, units)
+    if select.scattered(figure, part, together):
+        return design.draw(figure, part, units, [*caption, *_design_said(results)]), figure
     if categories.are_many(figure, part, units):
         return categories.draw(figure, part, units, caption), figure
     part = select.with_spread(results, part, figure.y)
@@ -157,13 +204,23 @@ def _name(number: int, figure: "Figure", x: str | None, changes: Mapping[str, An
     asked = x or any(changes.values())
     y = figure.y if changes.get("y") else figure.y[:1]
     words = [f"{'plot' if asked else 'fig'}{number}", *y, "vs", figure.x]
-    for key in ("by", "panels"):
-        words += [key, *changes[key]] if changes.get(key) else []
+    return slug([*words, *_asked(changes)])
+
+
+def _asked(changes: Mapping[str, Any]) -> list[str]:
+    """Words of a file's name for what was asked for."""
+    words = [word for key in ("by", "panels") if changes.get(key) for word in (key, *changes[key])]
     where = [f"{path} {value.replace('-', 'minus ')}" for path, value in (changes.get("where") or {}).items()]
-    return _slug([*words, *(["where", *where] if where else [])])
+    return [*words, *(["where", *where] if where else [])]
 
 
-def _slug(words: Sequence[str]) -> str:
+def _name_of_design(feature: str, changes: Mapping[str, Any]) -> str:
+    """`design-velocity-bpfo`."""
+    return slug([DESIGN, feature, *_asked(changes)])
+
+
+def slug(words: Sequence[str]) -> str:
+    """Words as the name of a file: `fig1-velocity-bpfo`."""
     return "-".join("".join(c if c.isalnum() else " " for c in " ".join(words).lower()).split())
 
 
@@ -195,7 +252,7 @@ def _of_pits(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas
     from bearingsim.plots import pit
 
     return [
-        (_slug([PIT, one.jobs[0][:8], *([str(one.number)] if one.of > 1 else [])]), pit.draw_pit(results, one))
+        (slug([PIT, one.jobs[0][:8], *([str(one.number)] if one.of > 1 else [])]), pit.draw_pit(results, one))
         for one in pit.sheets(results, jobs)
     ]
 
@@ -207,7 +264,7 @@ def _of_rings(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canva
     sheets, problems = [], []
     for job in jobs:
         try:
-            sheets.append((_slug([RING, job[:8]]), ring.draw_ring(results, job)))
+            sheets.append((slug([RING, job[:8]]), ring.draw_ring(results, job)))
         except PlotError as error:
             problems.append((job, error))
     if not sheets:
@@ -227,4 +284,4 @@ def _check_changes(kind: str, changes: Mapping[str, Any]) -> None:
 
 def _name_of_jobs(kind: str, y: Sequence[str], jobs: Sequence[str]) -> str:
     more = [f"and {len(jobs) - MAX_NAMED} more"] if len(jobs) > MAX_NAMED else []
-    return _slug([kind, *y, *(job[:8] for job in jobs[:MAX_NAMED]), *more])
+    return slug([kind, *y, *(job[:8] for job in jobs[:MAX_NAMED]), *more])

@@ -32,7 +32,8 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     cases = [plan.cases() for plan in plans]
     swept = {path: node for plan in plans for path, node in plan.entries().items()}
     uncertain = parse_uncertainty(root.mapping.get("uncertainty"), problems)
-    figures = parse_figures(root.mapping.get("figures"), swept, problems)
+    named = sorted({path for plan in plans for path in plan.asked} - swept.keys())  # in a sweep that is wrong
+    figures = parse_figures(root.mapping.get("figures"), [*swept, *named], problems)
     name = _name(root, problems)
     goal = parse_goal(whole.mapping.get("accuracy"), figures, problems)
     if all(cases):
@@ -49,8 +50,10 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     chosen = -1 if reduced else 0
     units, swept_cases = plans[chosen].units(), tuple(cases[chosen])
     tried = () if reduced and uncertain else uncertain  # a first look tries nothing else
-    told = opened.notes
+    drawn = plans[chosen].drawn
+    told = (*opened.notes, *(drawn.notes() if drawn is not None else ()))
     study = Study(name, str(path), text, given, reduced, figures, units, swept_cases, told, tried, opened.files)
+    study = replace(study, drawn=drawn)
     if goal is None:
         return study
     return replace(study, goal=goal, otherwise=plans[chosen].otherwise)
