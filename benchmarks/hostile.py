@@ -139,10 +139,10 @@ def formulas() -> Iterator[tuple[str, str]]:
     """Formulas that are none, and designs that nobody could compute."""
     for text in (
         "__import__('os').system('true') > 1", "().__class__.__bases__[0] > 1", "load.__class__ > 1",
-        "10**10**10 > 1", "[x for x in (1,)] == 1", "(lambda: 1)() > 0", "open('/etc/passwd') == 1", "load > load[0]",
-        f"{'(' * 390}", f"{'-' * 390}1 > 0", f"{'9' * 5000} > 1", f"{'+'.join('1' * 190)} > 0", "load / 0 > 1 N",
-        "1 if load else 2",
-        "f'{load}' == 1", "load > 1 mm", "lod > 1 N", "\\0 > 1", "9**9**9**9 * load > 1 N", "not " * 90 + "load",
+        "10**10**10 > 1", "[x for x in (1,)] == 1", "(lambda: 1)() > 0", "open('/etc/passwd') == 1",
+        "load > load[0]", f"{'(' * 390}", f"{'-' * 390}1 > 0", f"{'9' * 5000} > 1", f"{'+'.join('1' * 190)} > 0",
+        "load / 0 > 1 N", "1 if load else 2", "f'{load}' == 1", "load > 1 mm", "lod > 1 N", "\\0 > 1",
+        "9**9**9**9 * load > 1 N", "not " * 90 + "load",
     ):  # fmt: skip
         yield f"where {text[:30]}", with_(f'sweep: {{where: ["{text}"]}}')
     circle = ", ".join(

@@ -262,6 +262,13 @@ def test_a_figure_draws_paths_of_a_design(write: Write) -> None:
     assert load_study(write(sweep(more=more) + figures)).figures[0].x == "defect.depth"
 
 
+def test_a_figure_of_a_design_that_is_wrong_is_no_second_mistake(write: Write) -> None:
+    path = write(sweep("sobol", 0) + "figures: [{y: velocity@BPFO, x: load}]\n")
+    with pytest.raises(StudyError) as caught:
+        load_study(path)
+    assert len(caught.value.problems) == 1
+
+
 # Repeats
 
 
