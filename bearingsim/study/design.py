@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MAX_SEED = 999_999_999
+VALUES_A_ROW = 10
+"""Of the largest design: more paths leave room for fewer rows."""
 KEYS = ("n", "seed", "over")
 EXAMPLE = "{n: 64, over: {load: [100 N, 200 N]}}"
 COUNTED: dict[Kind, str] = {
@@ -126,6 +128,11 @@ def _count(kind: Kind, entry: Node, most: int) -> int:
     if rows > most:
         every = f"{node.text} {COUNTED[kind]} of {d} path{'s' * (d > 1)} are {rows} cases"
         raise Wrong(node, f".n: {every}; at most {most} are possible")
+    if rows * d > VALUES_A_ROW * most:
+        message = (
+            f".n: {rows} cases of {d} paths are {rows * d} values; at most {VALUES_A_ROW * most} are possible"
+        )
+        raise Wrong(node, message)
     return n
 
 
@@ -174,8 +181,12 @@ class Range(NamedTuple):
     at: Callable[["NDArray"], Sequence[float]]
 
     def nodes(self, shares: "NDArray") -> tuple[Node, ...]:
-        """The values as they would stand in the file."""
-        return tuple(self._node(number) for number in self.at(shares))
+        """The values as they would stand in the file; equal ones are one object, for designs repeat them."""
+        import numpy as np
+
+        different, places = np.unique(shares, return_inverse=True)
+        made = [self._node(number) for number in self.at(different)]
+        return tuple(made[place] for place in places.tolist())
 
     def _node(self, number: float) -> Node:
         found = written(number, self.unit, self.first)

@@ -18,6 +18,7 @@ from bearingsim.designs import KINDS, Kind
 from bearingsim.selection.choices import Choice, key
 from bearingsim.study import Design, Study, StudyError, case_id, load_study
 from bearingsim.study.design import EXAMPLE, _range
+from bearingsim.study.paths import known_paths
 from bearingsim.text.yamlfile import Node, parse
 from tests.scenes.study_text import BASE, Write
 
@@ -261,6 +262,13 @@ def test_a_figure_draws_paths_of_a_design(write: Write) -> None:
     assert load_study(write(sweep(more=more) + figures)).figures[0].x == "defect.depth"
 
 
+def test_a_figure_of_a_design_that_is_wrong_is_no_second_mistake(write: Write) -> None:
+    path = write(sweep("sobol", 0) + "figures: [{y: velocity@BPFO, x: load}]\n")
+    with pytest.raises(StudyError) as caught:
+        load_study(path)
+    assert len(caught.value.problems) == 1
+
+
 # Repeats
 
 
@@ -376,6 +384,16 @@ def test_a_word_of_no_design_is_refused_on_the_command_line(write: Write) -> Non
     message, caret = told(write(BASE), {"sobol.n": "4"})
     assert message == "the study has no `sobol` (name it in `sweep`)"
     assert caret == "sobol.n=4"
+
+
+def test_many_paths_leave_room_for_fewer_rows(write: Write) -> None:
+    paths = [path for path, known in known_paths().items() if known][:21]
+    over = ", ".join(f"{path}: [1 N, 2 N]" for path in paths)
+    message, caret = told(write(sweep("sobol", 500_000, f"{{{over}}}")))
+    assert message == (
+        "sweep.sobol.n: 500000 cases of 21 paths are 10500000 values; at most 10000000 are possible"
+    )
+    assert caret.startswith("500000")
 
 
 def test_a_product_that_is_too_large_is_refused_before_it_is_made(write: Write) -> None:
