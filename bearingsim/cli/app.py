@@ -157,6 +157,10 @@ def run(
     shard: Annotated[str, typer.Option(metavar="K/N", help="share K of N of the jobs")] = "1/1",
     quick: Quick = False,
     verify: Annotated[bool, typer.Option("--verify", help="read stored results against their checksums")] = False,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="let the workers of the dask scheduler at tcp://HOST:PORT compute"),
+    ] = None,
 ) -> None:
     """Compute what is not done yet, and store it. Exit code 1: some jobs failed, the rest is stored."""
     share = _share(shard)
@@ -168,7 +172,8 @@ def run(
     if share == (1, 1) and not (fresh or verify):
         summary = runner.finished(study, out, dict(map(_assignment, set_ or [])), quick)
     if summary is None:
-        summary = runner.run(_loaded(study, set_, quick), out, jobs, fresh, retry_failed, share, verify)
+        asked = _loaded(study, set_, quick)
+        summary = runner.run(asked, out, jobs, fresh, retry_failed, share, verify, scheduler=scheduler)
     typer.echo(str(summary))
     if _verbose(ctx) and summary.failed:
         from bearingsim.cli import tables

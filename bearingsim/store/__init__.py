@@ -22,7 +22,7 @@ from bearingsim.store.names import flat_parameters
 from bearingsim.store.nearness import audited, nearness
 from bearingsim.store.provenance import made_of, provenance
 from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs, results_folder
-from bearingsim.store.scans import keep_scans
+from bearingsim.store.scans import keep_scans, kept_scans, with_short_paths
 from bearingsim.store.sealed import UNREADABLE
 from bearingsim.store.spread import errors, spread
 from bearingsim.store.table import build_table, info, job_frame, read_plan, write_plan
@@ -34,7 +34,16 @@ from bearingsim.store.trials import (
     write_choices,
     write_trials,
 )
-from bearingsim.store.units import DamagedUnit, Series, check_unit, read_series, unit_name, unit_path, write_units
+from bearingsim.store.units import (
+    DamagedUnit,
+    Series,
+    check_unit,
+    read_series,
+    take_unit,
+    unit_name,
+    unit_path,
+    write_units,
+)
 
 __all__ = [
     "UNREADABLE",
@@ -61,6 +70,7 @@ __all__ = [
     "info",
     "job_frame",
     "keep_scans",
+    "kept_scans",
     "lock",
     "log",
     "made_of",
@@ -82,8 +92,10 @@ __all__ = [
     "start_marker",
     "sweep",
     "take_suspects",
+    "take_unit",
     "unit_name",
     "unit_path",
+    "with_short_paths",
     "write_bytes",
     "write_choices",
     "write_plan",

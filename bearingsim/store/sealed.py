@@ -23,6 +23,7 @@ __all__ = [
     "Unreadable",
     "new_hdf5",
     "open_hdf5",
+    "open_sealed",
     "read_json",
     "set_aside",
     "write_json",
@@ -78,7 +79,11 @@ SEAL_BYTES = len(_seal(b""))
 
 def open_hdf5(path: Path) -> h5py.File:
     """Open a file after comparing its bytes with its digest. Raises one of UNREADABLE."""
-    content = path.read_bytes()
+    return open_sealed(path.read_bytes())
+
+
+def open_sealed(content: bytes) -> h5py.File:
+    """Open what a file holds after comparing it with its digest. Raises one of UNREADABLE."""
     image, seal = content[:-SEAL_BYTES], content[-SEAL_BYTES:]
     if seal.startswith(HDF5_MARK) and seal != _seal(image):
         raise Unreadable("its bytes are not those that were written")

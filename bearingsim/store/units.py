@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 
 from bearingsim.errors import UserError
 from bearingsim.store.columns import GROUPS, TEXT, Value, columns, read_columns, write_columns, write_jobs
+from bearingsim.store.files import write_bytes
 from bearingsim.store.names import channel_attributes, flat_parameters
-from bearingsim.store.sealed import UNREADABLE, Unreadable, new_hdf5, open_hdf5
+from bearingsim.store.sealed import UNREADABLE, Unreadable, new_hdf5, open_hdf5, open_sealed
 
 if TYPE_CHECKING:
     from bearingsim.simulation.simulate import Record
@@ -33,6 +34,7 @@ __all__ = [
     "open_unit",
     "read_series",
     "read_unit",
+    "take_unit",
     "unit_name",
     "unit_path",
     "write_units",
@@ -76,6 +78,18 @@ def write_units(root: Path, done: Sequence[tuple["Job", "Record"]], provenance: 
     ordered = sorted(done, key=lambda pair: (_shape_key(pair[1]), pair[0].id))
     groups = [list(group) for _, group in groupby(ordered, key=lambda pair: _shape_key(pair[1]))]
     return [_write_unit(root, group, provenance) for group in groups]
+
+
+def take_unit(root: Path, unit: str, content: bytes) -> Path:
+    """Write a unit that was sealed elsewhere, as it is. Raises DamagedUnit if it is not as it was sealed."""
+    path = unit_path(root, unit)
+    try:
+        with open_sealed(content) as file:
+            _check(path, file)
+    except UNREADABLE as error:
+        raise DamagedUnit(f"{path.name}, as it came: {error}") from error
+    write_bytes(path, content)
+    return path
 
 
 def _shape_key(record: "Record") -> tuple[bytes, tuple[str, ...]]:
