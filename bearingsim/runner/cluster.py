@@ -4,6 +4,7 @@ A worker gets a unit as a value, computes it into a folder of its own, and gives
 it sealed. Only this process writes into the results folder. A worker never chooses: a case travels with its model.
 """
 
+import asyncio
 import hashlib
 import os
 import pickle
@@ -13,7 +14,7 @@ import tempfile
 import threading
 import time
 from collections import Counter, defaultdict
-from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cache
@@ -46,7 +47,10 @@ LOOK_S = 2.0
 """How often it is looked who works."""
 JOINING_S = 30.0
 """How long a scheduler may take to answer."""
+CLOSING_S = 3.0
 THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
+LOADING = "import bearingsim.runner.cluster"
+"""What takes seconds at first, and so is done beside the thread in which a worker says that it is alive."""
 SOURCES = (".py", ".csv")
 ADVICE = "no job is blamed; their logs may tell why, and they may need more memory (`dask worker --memory-limit`)"
 
@@ -120,6 +124,15 @@ def differences(there: Mapping[str, str], here: Mapping[str, str]) -> str:
     )
 
 
+def _refuse(address: str, there: Mapping[str, str], here: Mapping[str, str]) -> None:
+    """Raises OtherInstallation if a worker differs."""
+    other = differences(there, here)
+    if other:
+        raise OtherInstallation(
+            f"worker {address}: {other} (a worker has all as it is where `bearingsim run` is given)"
+        )
+
+
 _stops: defaultdict[str, threading.Event] = defaultdict(threading.Event)
 """In a worker, by run: whether it has been asked to stop."""
 
@@ -132,9 +145,7 @@ def stop(run: str) -> None:
 def deliver(parcel: Parcel) -> Delivery:
     """In a worker: compute a unit. Raises OtherInstallation, WorkerFailed, and what is a bug."""
     worker = get_worker()
-    other = differences(installation(), parcel.installed)
-    if other:
-        raise OtherInstallation(f"worker {worker.address}: {other}")
+    _refuse(worker.address, installation(), parcel.installed)
     heed(_stops[parcel.run])
     work: Work = pickle.loads(parcel.work)
     try:
@@ -203,7 +214,8 @@ def joined(address: str) -> Iterator["Cluster"]:
     try:
         yield Cluster(client, address)
     finally:
-        client.close(timeout=0 if client.status != "running" else 10)
+        with suppress(TimeoutError):  # who is gone says no goodbye
+            client.close(timeout=CLOSING_S)
 
 
 class Killed(Exception):
@@ -283,7 +295,7 @@ class Cluster:
                 flying |= self._sent(list(islice(waiting, max(room, 0))))
             elif not stopping:
                 stopping = True
-                self.client.run(stop, self.run, on_error="ignore")
+                self._run(stop, self.run)
             if not flying:
                 return
             yield from self._received(flying)
@@ -372,20 +384,26 @@ class Cluster:
                     f"worker {address} has {threads} threads, and a job takes a process: start it by"
                     f" `dask worker --nthreads 1 --nworkers {threads}`"
                 )
-        for address, found in self.client.run(installation, on_error="return").items():
+        for address, found in self._run(asyncio.to_thread, exec, LOADING, {}).items():
             if isinstance(found, Exception):
-                raise OtherInstallation(f"worker {address} cannot load bearingsim ({found})")
-            other = differences(found, self.installed)
-            if other:
-                raise OtherInstallation(f"worker {address}: {other}")
+                raise OtherInstallation(f"worker {address} cannot load bearingsim: {found}")
+        for address, found in self._run(installation).items():
+            _refuse(address, found, self.installed)
         self._look()
+
+    def _run(self, function: Callable, *arguments: Any) -> dict[str, Any]:
+        """What a function gives on each worker, or the error, by address."""
+        return self.client.run(function, *arguments, on_error="return")
 
     @contextmanager
     def _reached(self) -> Iterator[None]:
         """Say it by name if the scheduler is lost."""
         try:
             yield
-        except (CommClosedError, TimeoutError) as error:
+        except Exception as error:
+            lost = self.client.status != "running" or isinstance(error, (CommClosedError, TimeoutError))
+            if isinstance(error, UserError) or not lost:
+                raise
             told = (
                 f"the scheduler at {self.address} is gone: what has come back is stored, what was under way is not"
             )

@@ -179,6 +179,9 @@ def simulate(case: FakeCase) -> SimpleNamespace:
         os.kill(os.getpid(), getattr(signal, flag))
     if deed == "raise-unless" and not Path(flag).exists():
         raise FakeError("not yet", "wait", None)
+    if deed == "count":
+        with open(flag, "a") as file:
+            file.write(f"{case_id(case)}\n")
     if deed == "pid":
         Path(flag).write_text(str(os.getpid()))
     if deed == "threads":
