@@ -106,6 +106,11 @@ def installation() -> dict[str, str]:
     }
 
 
+def needed() -> dict[str, str]:
+    """What a worker must have: what is here, and one thread, for with more sums are rounded otherwise."""
+    return installation() | {"threads of linear algebra": "1"}
+
+
 def _sources() -> str:
     """First 12 hex digits of SHA-256 over the program: a checkout may have changed while its version has not."""
     package, digest = Path(__file__).parents[1], hashlib.sha256()
@@ -231,8 +236,7 @@ class Cluster:
 
     def __init__(self, client: Client, address: str) -> None:
         """Take on the workers that are there. Raises OtherInstallation for one that does not fit."""
-        self.client, self.address, self.run = client, address, token_hex(8)
-        self.installed = installation() | {"threads of linear algebra": "1"}
+        self.client, self.address, self.run, self.installed = client, address, token_hex(8), needed()
         self.landed: SimpleQueue[Future] = SimpleQueue()
         self.looked, self.count, self.deaths, self.alone = 0.0, 0, 0, False
         with self._reached():

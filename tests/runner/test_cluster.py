@@ -5,9 +5,11 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +23,21 @@ from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
 
 pytest.importorskip("distributed", reason="needs the extra `cluster`")
-from bearingsim.runner import cluster  # noqa: E402
+from distributed import Client
 
+from bearingsim.runner import cluster
+
+SCANNED = """\
+study: small
+bearing: nf308
+speed: 1800 rpm
+load: 150 N
+model: ring
+defect: {shape: scan, file: map.csv}
+sweep: {load: [150 N, 300 N]}
+duration: 30 ms
+settle: 10 ms
+"""
 WAIT_S = 60.0
 SPOKEN = {"DASK_DISTRIBUTED__LOGGING__DISTRIBUTED": "warning"}
 
@@ -77,10 +92,8 @@ class Machines:
 
 def kill_all(process: subprocess.Popen) -> None:
     """SIGKILL a process, and what it started: the nanny and its worker."""
-    try:
+    with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
-    except ProcessLookupError:
-        pass
     process.wait()
 
 
@@ -89,6 +102,22 @@ def until(done: Callable[[], Any], what: str = "") -> None:
     while not done():
         assert time.monotonic() < end, what
         time.sleep(0.05)
+
+
+def workers_at(machines: Machines) -> int:
+    with Client(machines.address, set_as_default=False) as client:
+        return len(client.nthreads())
+
+
+@contextmanager
+def meanwhile(deed: Callable[[], None]) -> Iterator[None]:
+    """Something happens in another thread."""
+    thread = threading.Thread(target=deed)
+    thread.start()
+    try:
+        yield
+    finally:
+        thread.join()
 
 
 @pytest.fixture(scope="module")
@@ -119,7 +148,7 @@ def journal_of(out: Path, event: str) -> list[dict[str, Any]]:
 def numbers_of(out: Path) -> pd.DataFrame:
     """All that was computed and found of it, but what tells of time."""
     frame = store.open_results(out).table()
-    return frame[[name for name in frame if name.startswith(("features/", "parameters/"))]].sort_index()
+    return frame[[name for name in frame if str(name).startswith(("features/", "parameters/"))]].sort_index()
 
 
 def same_series(first: Path, second: Path, jobs: list[str]) -> bool:
@@ -142,3 +171,125 @@ def test_results_are_those_of_a_local_run(tmp_path: Path, machines: Machines) ->
     assert same_series(tmp_path / "there", tmp_path / "here", done)
     assert not [*(tmp_path / "there").rglob("*.part"), *(tmp_path / "there").rglob("*.started")]
     assert compute(study, tmp_path / "there", machines.address).resumed == 29
+
+
+def test_real_numbers_and_scans_travel(
+    tmp_path: Path, machines: Machines, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # where no worker is
+    s, z = np.meshgrid(np.linspace(-0.5, 0.5, 11), np.linspace(-6.0, 6.0, 7))
+    points = np.stack([s, z, np.where(np.abs(s) < 0.4, 50.0, 0.0)], axis=-1).reshape(-1, 3)
+    np.savetxt("map.csv", points, delimiter=",", header="s [mm],z [mm],depth [um]", comments="")
+    Path("small.yaml").write_text(SCANNED)
+    type_("run", "small.yaml", "--jobs", "1", "--out", "here")
+    said, _ = type_("run", "small.yaml", "--scheduler", machines.address, "--out", "there")
+    assert "3 done of 3 jobs" in said
+    here, there = numbers_of(Path("here")), numbers_of(Path("there"))
+    pd.testing.assert_frame_equal(there, here, check_exact=True)
+    assert same_series(Path("there"), Path("here"), list(here.index))
+
+
+def test_a_job_that_kills_its_worker_fails_alone(tmp_path: Path, machines: Machines) -> None:
+    study: Any = FakeStudy([1e-3 * n for n in range(1, 9)], deeds={3: "kill"}, seconds=0.05)
+    summary = compute(study, tmp_path, machines.address)
+    (failure,) = store.read_failures(tmp_path).values()
+    assert (summary.done, summary.failed) == (8, 1)
+    assert (failure.job, failure.attempts) == (study.jobs()[3].id, 2)
+    assert "its worker died" in failure.reason
+    assert sum(failure.job in line["suspects"] for line in journal_of(tmp_path, "worker died")) == 2
+
+
+def test_where_all_die_no_job_is_blamed(
+    tmp_path: Path, machines: Machines, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "RESTARTS_WITHOUT_PROGRESS", 1)
+    study: Any = FakeStudy(deeds=dict.fromkeys(range(3), "kill"))
+    until(lambda: workers_at(machines) == 2, "a worker that died was not started anew")
+    with pytest.raises(WorkersDie, match="no job is blamed"):
+        compute(study, tmp_path, machines.address)
+    assert not store.read_failures(tmp_path)
+
+
+def test_stopping_lets_jobs_in_hand_end(tmp_path: Path, machines: Machines) -> None:
+    until(lambda: workers_at(machines) == 2, "a worker that died was not started anew")
+    out, count = tmp_path / "out", tmp_path / "count"
+    widths = [1e-3 * n for n in range(1, 60)]
+    study: Any = FakeStudy(widths, deeds=dict.fromkeys(range(60), f"count {count}"), seconds=0.05)
+
+    def interrupt() -> None:
+        until(lambda: counted(count).total() > 8)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    with meanwhile(interrupt), pytest.raises(Interrupted) as stopped:
+        compute(study, out, machines.address)
+    summary = stopped.value.summary
+    assert summary.exit_code == 130
+    assert 8 < summary.done == counted(count).total() < 30
+    assert compute(study, out, machines.address).done == 60 - summary.done
+    assert set(counted(count).values()) == {1}
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_another_installation_is_refused(
+    tmp_path: Path, machines: Machines, monkeypatch: pytest.MonkeyPatch, late: bool
+) -> None:
+    ours = cluster.needed() | {"numpy": "1.0", "model version": "0"}
+    monkeypatch.setattr(cluster, "needed", lambda: ours)
+    if late:  # it came when the others had been asked
+        monkeypatch.setattr(cluster.Cluster, "_check", lambda self: None)
+    told = rf"worker tcp://\S+: numpy {np.__version__} in place of 1.0, model version \d+ in place of 0"
+    with pytest.raises(cluster.OtherInstallation, match=told):
+        compute(FakeStudy(), tmp_path, machines.address)
+    assert not [*tmp_path.glob("units/??/*.h5")]
+
+
+def test_a_worker_of_several_threads_is_refused(tmp_path: Path, machines: Machines) -> None:
+    extra = machines.worker("--nthreads", "2", "--no-nanny")
+    try:
+        until(lambda: workers_at(machines) == 3)
+        with pytest.raises(cluster.OtherInstallation, match=r"has 2 threads.*--nthreads 1 --nworkers 2"):
+            compute(FakeStudy(), tmp_path, machines.address)
+    finally:
+        kill_all(extra)
+        until(lambda: workers_at(machines) == 2)
+
+
+def test_nobody_there_and_nothing_installed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "JOINING_S", 0.5)
+    words = ("run", "small.yaml", "--scheduler", "tcp://127.0.0.1:9")
+    assert "no scheduler answers at tcp://127.0.0.1:9" in type_(*words, code=2)[1]
+    monkeypatch.delitem(sys.modules, "bearingsim.runner.cluster")
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert "pip install 'bearingsim[cluster]'" in type_(*words, code=2)[1]
+
+
+def test_a_worker_dies_and_then_the_scheduler(tmp_path: Path, machines: Machines) -> None:
+    until(lambda: workers_at(machines) == 2)
+    out, count, here = tmp_path / "out", tmp_path / "count", tmp_path / "here"
+    widths = [1e-3 * n for n in range(1, 80)]
+    deeds = dict.fromkeys(range(80), f"count {count}")
+    study: Any = FakeStudy(widths, deeds=deeds, seconds=0.05)
+    first = machines.started[1]
+
+    def disaster() -> None:
+        until(lambda: counted(count).total() > 10)
+        kill_all(first)
+        seen = counted(count).total()
+        until(lambda: counted(count).total() > seen + 20)
+        machines.die()
+
+    with meanwhile(disaster), pytest.raises(cluster.SchedulerGone, match="give the command again"):
+        compute(study, out, machines.address)
+    before, sealed = counted(count), store.holdings(out).sealed
+    suspects = {job for line in journal_of(out, "worker died") for job in line["suspects"]}
+    assert 5 < len(sealed) < 80
+    machines.again()
+    machines.worker()
+    machines.worker()
+    summary = compute(study, out, machines.address)
+    assert (summary.resumed, summary.done, summary.failed) == (len(sealed), 80 - len(sealed), 0)
+    twice = {job for job, times in counted(count).items() if times > 1}
+    assert twice <= suspects | (set(before) - sealed)  # what was under way, and no more
+    assert all(counted(count)[job] == before[job] for job in sealed)
+    run(study, here, jobs=1, progress=False, engine=ENGINE)
+    pd.testing.assert_frame_equal(numbers_of(out), numbers_of(here), check_exact=True)
