@@ -1,7 +1,7 @@
 """Computing units of work by the workers of a dask scheduler, on other machines, with no disk in common.
 
-A worker gets a unit as a value, computes it into a folder of its own, and gives back the bytes of the files that
-it sealed. Only this process writes into the results folder. A worker never chooses: a case travels with its model.
+A worker gets a unit as a value, computes it, and gives back the bytes of the files that are to hold it. Only this
+process writes into the results folder. A worker never chooses: a case travels with its model.
 """
 
 import asyncio
@@ -10,15 +10,16 @@ import os
 import pickle
 import platform
 import socket
-import tempfile
+import sys
 import threading
 import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import islice
+from itertools import count, islice
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from secrets import token_hex
@@ -37,14 +38,20 @@ from bearingsim.store.provenance import versions
 if TYPE_CHECKING:
     from distributed import Scheduler
 
+    from bearingsim.simulation.simulate import Record
+    from bearingsim.store.columns import Value
+    from bearingsim.study import Job
+
 __all__ = ["Cluster", "OtherInstallation", "SchedulerGone", "installation", "joined"]
 
 EACH, LEAST = 4, 16
 """Units that are under way for each worker, and at least: what is on its way keeps none waiting."""
 BATCH, BATCH_BYTES = 64, 64e6
 """Units, and bytes of their series, that are fetched at once: they pass through the scheduler."""
-LOOK_S = 2.0
-"""How often it is looked who works."""
+SEALING = 8
+"""Files that are written at a time."""
+WAITING_S, LOOK_S = 0.2, 2.0
+"""Between looks whether something has come back, or the first worker; and at who works."""
 JOINING_S = 30.0
 """How long a scheduler may take to answer."""
 CLOSING_S = 3.0
@@ -153,19 +160,17 @@ def deliver(parcel: Parcel) -> Delivery:
     _refuse(worker.address, installation(), parcel.installed)
     heed(_stops[parcel.run])
     work: Work = pickle.loads(parcel.work)
+    folder, files = Path(worker.local_directory), dict[str, bytes]()
+    made_by = {**work.provenance, "host": socket.gethostname(), "platform": platform.platform()}
+
+    def seal(_: Path, done: "Sequence[tuple[Job, Record]]", provenance: "Mapping[str, Value]") -> None:
+        files.update(store.sealed_units(done, provenance))
+
     try:
-        with (
-            tempfile.TemporaryDirectory(prefix="unit-", dir=worker.local_directory) as folder,
-            _brought(parcel.scans, Path(folder)),
-        ):
-            outcome = compute(replace(work, root=Path(folder), provenance={**work.provenance, **_host()}))
-            return Delivery(outcome, {p.stem: p.read_bytes() for p in Path(folder).glob("units/??/*.h5")})
+        with _brought(parcel.scans, folder):
+            return Delivery(compute(replace(work, root=folder, provenance=made_by), seal), files)
     except (UserError, OSError) as error:  # its disk is full
         raise WorkerFailed(f"worker {worker.address}: {error}") from None
-
-
-def _host() -> dict[str, str]:
-    return {"host": socket.gethostname(), "platform": platform.platform()}
 
 
 @contextmanager
@@ -175,8 +180,9 @@ def _brought(scans: Mapping[str, bytes], folder: Path) -> Iterator[None]:
 
     for name, content in scans.items():
         path = folder / "scans" / name
-        path.parent.mkdir(exist_ok=True)
-        path.write_bytes(content)
+        if not path.exists():
+            path.parent.mkdir(exist_ok=True)
+            path.write_bytes(content)
         BROUGHT[path.stem] = path
     try:
         yield
@@ -199,7 +205,9 @@ def back_at_first_death() -> SchedulerPlugin:
 
         def update_graph(self, scheduler: "Scheduler", **told: Any) -> None:
             for key in told["tasks"]:
-                if str(key).startswith("bearingsim-"):  # as if it had died as often as it may
+                if isinstance(key, tuple) and str(key[0]).startswith(
+                    "bearingsim-"
+                ):  # as if it had died as often as it may
                     scheduler.tasks[key].suspicious = scheduler.allowed_failures
 
     return BackAtFirstDeath()
@@ -238,14 +246,14 @@ class Cluster:
         """Take on the workers that are there. Raises OtherInstallation for one that does not fit."""
         self.client, self.address, self.run, self.installed = client, address, token_hex(8), needed()
         self.landed: SimpleQueue[Future] = SimpleQueue()
-        self.looked, self.count, self.deaths, self.alone = 0.0, 0, 0, False
+        self.looked, self.count, self.deaths, self.alone, self.number = 0.0, 0, 0, False, count()
         with self._reached():
             self._check()
             client.register_plugin(back_at_first_death())
 
     @property
     def workers(self) -> int:
-        """How many there are: at least 1, for units are made before the first has come."""
+        """How many there are; 1 while there is none."""
         return max(1, self.count)
 
     def outcomes(self, works: Sequence[Work]) -> Generator[Outcome, None, None]:
@@ -308,7 +316,7 @@ class Cluster:
         if not works:
             return {}
         parcels = [Parcel(pickle.dumps(_short(work)), _scans(work), self.run, self.installed) for work in works]
-        names = [f"bearingsim-{work.unit}-{token_hex(4)}" for work in works]
+        names = [(f"bearingsim-{self.run}", next(self.number)) for _ in works]  # of one group: they queue up
         futures = self.client.map(deliver, parcels, key=names, pure=False, retries=0)
         for future in futures:
             future.add_done_callback(self.landed.put)
@@ -317,10 +325,16 @@ class Cluster:
     def _received(self, flying: dict[Future, Work]) -> "Iterator[Outcome | Killed]":
         """What has come back, and is no longer under way."""
         done = self._landed(flying)
-        for future, delivery in self._fetched([one for one in done if one.status == "finished"]):
-            work = flying.pop(future)
-            for unit, content in delivery.files.items():
-                store.take_unit(work.root, unit, content)
+        fetched = dict(self._fetched([one for one in done if one.status == "finished"]))
+        files = [
+            (work.root, *file)
+            for one, work in [(one, flying.pop(one)) for one in fetched]
+            for file in fetched[one].files.items()
+        ]
+        if files:
+            with ThreadPoolExecutor(SEALING) as threads:  # a disk says only after a while that it has a file
+                list(threads.map(store.take_unit, *zip(*files, strict=True)))
+        for delivery in fetched.values():
             self.deaths = 0
             yield delivery.outcome
         killed = [Killed(flying.pop(one), self._death(one)) for one in done if one.status == "error"]
@@ -334,7 +348,7 @@ class Cluster:
         size = 0.0
         with suppress(Empty):
             while len(found) < BATCH and size < BATCH_BYTES:
-                found.append(self.landed.get(timeout=0.0 if found else LOOK_S / 4))
+                found.append(self.landed.get(timeout=0.0 if found else WAITING_S))
                 size += flying[found[-1]].bytes
         if any(one.status in ("cancelled", "lost") for one in found):
             raise CommClosedError
@@ -344,10 +358,10 @@ class Cluster:
         """What workers gave back. Who dies before has worked in vain, and the scheduler has it done anew."""
         if not done:
             return
-        found = self.client.gather({str(one.key): one for one in done}, errors="skip")
+        found = self.client.gather({one.key: one for one in done}, errors="skip")
         for future in done:
-            if str(future.key) in found:
-                yield future, found[str(future.key)]
+            if future.key in found:
+                yield future, found[future.key]
             else:
                 future.add_done_callback(self.landed.put)
 
@@ -377,11 +391,17 @@ class Cluster:
             return
         self.count, self.looked = len(self.client.nthreads()), time.monotonic()
         if not self.count and not self.alone:
-            print(f"no worker has come to {self.address}: waiting (`dask worker` starts some)", flush=True)
+            told = (
+                f"no worker is at {self.address}: waiting (`dask worker {self.address} --nthreads 1` starts one)"
+            )
+            print(told, file=sys.stderr, flush=True)
         self.alone = not self.count
 
     def _check(self) -> None:
-        """Raises OtherInstallation, if a worker does not fit."""
+        """Wait for the first worker. Raises OtherInstallation, if one does not fit."""
+        while not self.count:
+            self._look()
+            time.sleep(WAITING_S)
         for address, threads in self.client.nthreads().items():
             if threads != 1:
                 raise OtherInstallation(
@@ -393,7 +413,6 @@ class Cluster:
                 raise OtherInstallation(f"worker {address} cannot load bearingsim: {found}")
         for address, found in self._run(installation).items():
             _refuse(address, found, self.installed)
-        self._look()
 
     def _run(self, function: Callable, *arguments: Any) -> dict[str, Any]:
         """What a function gives on each worker, or the error, by address."""

@@ -293,6 +293,6 @@ def test_a_worker_dies_and_then_the_scheduler(tmp_path: Path, machines: Machines
     twice = {job for job, times in counted(count).items() if times > 1}
     assert twice <= suspects | (set(before) - sealed)  # what was under way, and no more
     assert all(counted(count)[job] == before[job] for job in sealed)
-    print(len(suspects), len(set(before)-sealed), len(twice), len(sealed))
+    print(len(suspects), len(set(before) - sealed), len(twice), len(sealed))
     run(study, here, jobs=1, progress=False, engine=ENGINE)
     pd.testing.assert_frame_equal(numbers_of(out), numbers_of(here), check_exact=True)
