@@ -2,6 +2,9 @@
 
 All are relative, of the fault's line, the RMS of the velocity and the largest outer force. A solution is known no
 better than the two that agree best lie apart: errors below that floor count as the floor.
+
+An error may be small by chance: a coarse step makes up for what a model leaves out. So a run counts with the
+largest error of itself, of all finer runs of its model and method, and of its model where no step is left.
 """
 
 from collections.abc import Sequence
@@ -10,7 +13,7 @@ from math import isfinite, nan
 from typing import NamedTuple
 
 from bearingsim.bench.measure import QUANTITIES, Row
-from bearingsim.bench.plan import JUDGE
+from bearingsim.bench.plan import JOB, JUDGE
 
 NUMERICAL, TOTAL = "numerical", "total"
 CHAOS = 0.02
@@ -72,7 +75,7 @@ def error(row: Row, right: Truth, name: str) -> float:
 
 
 def with_errors(rows: Sequence[Row]) -> list[Row]:
-    """The rows of one scene, the reference's first, with their errors and floors.
+    """The rows of one scene, the reference's first, with their errors, floors, and what counts of their errors.
 
     chaotic: whether the motion of the row's model is; against: the solutions that the numerical error is measured
     against.
@@ -80,7 +83,37 @@ def with_errors(rows: Sequence[Row]) -> list[Row]:
     variants = list(dict.fromkeys(row["variant"] for row in rows))
     known = {name: truth([row for row in rows if row["variant"] == name]) for name in variants}
     judged = known[variants[0]] if variants else None
-    return [_with_error(row, known[row["variant"]], judged) for row in rows if row["role"] != JUDGE]
+    found = [_with_error(row, known[row["variant"]], judged) for row in rows if row["role"] != JUDGE]
+    of_model = {name: _of_model(own, judged) for name, own in known.items()}
+    return [row | _counted(row, found, of_model[row["variant"]]) for row in found]
+
+
+def _of_model(own: Truth | None, judged: Truth | None) -> dict[str, float]:
+    """The total errors of a model whose solution is known."""
+    if own is None or judged is None:
+        return dict.fromkeys(QUANTITIES, 0.0)
+    return {name: relative(own.values[name], judged.values[name]) for name in QUANTITIES}
+
+
+def _counted(row: Row, rows: Sequence[Row], of_model: dict[str, float]) -> Row:
+    """What counts of a row's errors."""
+    no_better = [row, *(one for one in rows if _finer(one, row))]
+    found = {}
+    for kind, least in ((NUMERICAL, dict.fromkeys(QUANTITIES, 0.0)), (TOTAL, of_model)):
+        for name in QUANTITIES:
+            known = [one[f"{kind}.{name}"] for one in no_better if isfinite(one[f"{kind}.{name}"])]
+            own = row[f"{kind}.{name}"]
+            found[f"{kind}.{name}.counted"] = max(*known, least[name]) if isfinite(own) else own
+    return found
+
+
+def _finer(one: Row, row: Row) -> bool:
+    """Whether a run in full is another's, but for a smaller step or tolerance."""
+    same = (one["variant"], one["method"]) == (row["variant"], row["method"]) and JOB not in (
+        one["role"],
+        row["role"],
+    )
+    return same and (one["step_s"] < row["step_s"] or one["tolerance"] < row["tolerance"])
 
 
 def _with_error(row: Row, own: Truth | None, judged: Truth | None) -> Row:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from bearingsim.bench.errors import NUMERICAL, TOTAL
 from bearingsim.bench.measure import QUANTITIES, Row
-from bearingsim.bench.plan import PEER
+from bearingsim.bench.plan import AUTOMATIC, PEER, POINT
 from bearingsim.bench.table import ABOUT
 from bearingsim.bench.verdict import (
     WITHIN,
@@ -16,6 +16,7 @@ from bearingsim.bench.verdict import (
     Verdict,
     automatic_rows,
     by,
+    chosen,
     off_the_front,
     percent,
     seconds,
@@ -24,8 +25,21 @@ from bearingsim.bench.verdict import (
     worst,
 )
 
+CHOICES = (
+    "automatic choice",
+    "method",
+    "step or tolerance",
+    "repeats",
+    "as a job",
+    "in full",
+    "line",
+    "RMS",
+    "force",
+)
 NAME = "speed-accuracy.md"
-HEADS = ("scene", *(f"least within {percent(within)}" for within in WITHIN))
+ASKED = [(of, within) for of in (("line",), QUANTITIES) for within in WITHIN]
+"""Of what, how close: the columns of the first table."""
+HEADS = ("scene", *(f"{'line' if len(of) == 1 else 'all three'} within {percent(within)}" for of, within in ASKED))
 WIDTH = 138  # letters in a line
 NOTABLE = 1.5  # times the cheapest run of a model that is as close: less is no news
 
@@ -46,7 +60,7 @@ def figure_name(part: Part) -> str:
 
 def line_of(part: Part) -> tuple[str, ...]:
     """A scene's row of the table of verdicts."""
-    return part.title, *(_cell(verdict(part.rows, within)) for within in WITHIN)
+    return part.title, *(_cell(verdict(part.rows, within, of)) for of, within in ASKED)
 
 
 def _cell(found: Verdict) -> str:
@@ -69,7 +83,8 @@ def lines(parts: Sequence[Part], about: dict[str, Any]) -> Iterator[str]:
     """The text in Markdown. about: where the numbers come from."""
     how = Path(__file__).with_name("how_to_read.md").read_text(encoding="utf-8")
     yield from ("# Speed against accuracy", "", how.rstrip(), "", "## What to take", "")
-    yield "CPU seconds for a simulated second, of a job as a user gets it, where nothing else is said."
+    yield "The cheapest automatic choice that is so close, and its CPU seconds for a simulated second, as a job."
+    yield "All three: the line, the RMS and the largest force at once."
     yield ""
     yield from _table(HEADS, [line_of(part) for part in parts])
     for part in parts:
@@ -81,7 +96,9 @@ def lines(parts: Sequence[Part], about: dict[str, Any]) -> Iterator[str]:
                 f"- {told}", WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
             )
         yield ""
-        yield from _table(("automatic choice", "method", "as a job", "line", "RMS", "force"), _ladder(part))
+        yield from _table(CHOICES, _ladder(part))
+        yield ""
+        yield from _table(("asked of", *(f"within {percent(within)}" for within in WITHIN)), _taken(part))
     yield from ("", "## Where these numbers come from", "", *_origin(about))
 
 
@@ -92,53 +109,65 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]
 
 
 def _ladder(part: Part) -> list[tuple[str, ...]]:
-    """Each model's automatic choice as a job: its cost and total errors."""
+    """Each model's automatic choice: what it comes to, its costs, and its total errors as a job."""
+    full = {row["variant"]: row["cpu_per_s"] for row in part.rows if row["role"] == AUTOMATIC}
     return [
         (
             row["variant"],
             row["method"] or "none",
+            chosen(row, part.rows),
+            "yes" if row["period_passes"] > 0 else "no",
             seconds(row["cpu_per_s"]),
+            seconds(full[row["variant"]]),
             *(percent(row[f"{TOTAL}.{name}"]) for name in QUANTITIES),
         )
         for row in automatic_rows(part.rows)
     ]
 
 
+def _taken(part: Part) -> list[tuple[str, ...]]:
+    """What to take for each quantity alone, and for all."""
+    asked = [(WORDS[name], (name,)) for name in QUANTITIES] + [("all three", QUANTITIES)]
+    return [(words, *(_cell(verdict(part.rows, within, of)) for within in WITHIN)) for words, of in asked]
+
+
 def _method(part: Part) -> Iterator[str]:
-    """Of the least model within 1 % (or 5 %): how its automatic choice compares with its other runs in full."""
+    """Of the cheapest model within 1 % (or 5 %): how its automatic choice compares with its other runs in full."""
     named = [found.model for found in (verdict(part.rows, w) for w in reversed(WITHIN)) if found.model]
     for off in off_the_front(part.rows, NUMERICAL):
         if named and off.row["variant"] == named[0] and worst(off.row, NUMERICAL) < 1.0:
-            chosen = f"of `{named[0]}` the automatic choice, {off.row['method']}"
-            took = f"{seconds(off.row['cpu_per_s'])}, {percent(worst(off.row, NUMERICAL))} numerical error"
+            which = f"of `{named[0]}` the automatic choice, {off.row['method']}"
+            error = f"{percent(worst(off.row, NUMERICAL))} numerical error of the worst of the three"
+            told = f"**Method, in full:** {which} ({seconds(off.row['cpu_per_s'])}, {error})"
             if off.times < NOTABLE:
-                yield f"**Method, in full:** {chosen} ({took}), is near the front."
+                yield f"{told}, is near the front: nothing as close costs less by over {NOTABLE} times."
             else:
-                yield (
-                    f"**Method, in full:** {chosen} ({took}), is off the front: {by(off.cheapest)} is as close for"
-                    f" {seconds(off.cheapest['cpu_per_s'])}."
-                )
+                yield f"{told}, is off the front: {by(off.cheapest)} is as close for {_cost(off.cheapest)}."
 
 
 def _peers(part: Part) -> Iterator[str]:
     """The cheapest solver of another package within 1 % of its model, and the cheapest of our own runs there."""
     rows = [row for row in part.rows if not row["failure"]]
-    known = [row for row in rows if row["role"] == PEER and _both(row) <= WITHIN[-1]]
-    if known:
-        best = min(known, key=lambda row: row["cpu_per_s"])
-        own = [r for r in rows if r["variant"] == best["variant"] and r["role"] != PEER and _both(r) <= WITHIN[-1]]
-        in_full = [row["cpu_per_s"] for row in own if row["role"] != "job"]
-        if in_full:
-            yield (
-                f"**Peers:** the cheapest within 1 % (numerical) of line and RMS is {by(best)},"
-                f" {seconds(best['cpu_per_s'])}; of our methods {seconds(min(in_full))}."
-            )
+    peers = [row for row in rows if row["role"] == PEER]
+    close = [row for row in peers if _both(row) <= WITHIN[-1]]
+    if peers and not close:
+        names = _words(sorted({row["method"] for row in peers}))
+        yield f"**Peers:** none of {names} is within 1 % (numerical) of line and RMS."
+    if close:
+        best = min(close, key=lambda row: row["cpu_per_s"])
+        own = [r for r in rows if r["variant"] == best["variant"] and r["role"] in (POINT, AUTOMATIC)]
+        in_full = min((r for r in own if _both(r) <= WITHIN[-1]), key=lambda row: row["cpu_per_s"], default=None)
+        told = f"**Peers:** the cheapest within 1 % (numerical) of line and RMS is {by(best)}, {_cost(best)}"
+        yield f"{told}; of our methods " + (f"{by(in_full)}, {_cost(in_full)}." if in_full else "none.")
+
+
+def _cost(row: Row) -> str:
+    return seconds(row["cpu_per_s"])
 
 
 def _both(row: Row) -> float:
     """The larger numerical error of line and RMS: peers that do not show their steps have no largest force."""
-    errors = [row[f"{NUMERICAL}.{name}"] for name in QUANTITIES[:2]]
-    return max(errors) if all(error == error for error in errors) else float("inf")
+    return worst(row, NUMERICAL, QUANTITIES[:2])
 
 
 def _remarks(part: Part) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""What to take: the least model within 5 % and within 1 %, the Pareto front, and what to say of it."""
+"""What to take: the cheapest model within 5 % and within 1 %, the Pareto front, and what to say of it."""
 
 from collections.abc import Sequence
 from math import inf, isfinite
@@ -13,7 +13,7 @@ WORDS = {"line": "line", "rms": "RMS", "force": "largest force"}
 
 
 class Verdict(NamedTuple):
-    """What is sufficient in a scene for an accuracy.
+    """What is sufficient in a scene for an accuracy ``within`` of the quantities ``of``.
 
     job: the cheapest automatic choice that is, as a user gets it; point: the cheapest run in full that is, of any
     method and setting; unknown: why nothing can be said, in words.
@@ -23,34 +23,31 @@ class Verdict(NamedTuple):
     job: Row | None
     point: Row | None
     unknown: str = ""
+    of: Sequence[str] = QUANTITIES
 
     @property
     def model(self) -> str:
-        """The least sufficient model (or one of its variants)."""
+        """The cheapest sufficient model (or one of its variants)."""
         found = self.job or self.point
         return found["variant"] if found else ""
 
 
-def worst(row: Row, kind: str = TOTAL) -> float:
-    """The largest error of a row; infinite if one is not known."""
-    errors = [row[f"{kind}.{name}"] for name in QUANTITIES]
+def worst(row: Row, kind: str = TOTAL, of: Sequence[str] = QUANTITIES) -> float:
+    """The largest error of a row, as it counts; infinite if one is not known."""
+    errors = [row[f"{kind}.{name}.counted"] for name in of]
     return max(errors) if all(map(isfinite, errors)) else inf
 
 
-def verdict(rows: Sequence[Row], within: float) -> Verdict:
-    """The verdict of a scene's rows for an accuracy."""
-    floors = {name: max((row[f"{TOTAL}.{name}.floor"] for row in rows), default=inf) for name in QUANTITIES}
+def verdict(rows: Sequence[Row], within: float, of: Sequence[str] = QUANTITIES) -> Verdict:
+    """The verdict of a scene's rows for an accuracy of some quantities."""
+    floors = {name: max((row[f"{TOTAL}.{name}.floor"] for row in rows), default=inf) for name in of}
     name = max(floors, key=floors.__getitem__)
     if not floors[name] <= within:
-        return Verdict(
-            within, None, None, f"the reference's {WORDS[name]} is known to {percent(floors[name])} only"
-        )
-    enough = [row for row in rows if not row["failure"] and worst(row) <= within]
-    return Verdict(
-        within,
-        _cheapest([row for row in enough if row["role"] == JOB]),
-        _cheapest([row for row in enough if row["role"] in (POINT, AUTOMATIC)]),
-    )
+        unknown = f"the reference's {WORDS[name]} is known to {percent(floors[name])} only"
+        return Verdict(within, None, None, unknown, of)
+    enough = [row for row in rows if not row["failure"] and worst(row, of=of) <= within]
+    job = _cheapest([row for row in enough if row["role"] == JOB])
+    return Verdict(within, job, _cheapest([row for row in enough if row["role"] in (POINT, AUTOMATIC)]), of=of)
 
 
 def _cheapest(rows: Sequence[Row]) -> Row | None:
@@ -96,8 +93,30 @@ def setting(row: Row) -> str:
         return " as it is chosen by `auto`"
     part, of_step, _ = row["setting"].partition(" of the step")
     if of_step:
-        return " at its automatic step" if part == "1" else f" at {part} times its automatic step"
+        return " at its first step" if part == "1" else f" at {part} times its first step"
     return f" at a tolerance of {part}" if part else ""
+
+
+def label(row: Row) -> str:
+    """A row's step or tolerance in the fewest letters: `2x`, `1e-3`; of what is chosen by `auto`, `auto`."""
+    if row["role"] == AUTOMATIC:
+        return "auto"
+    part, of_step, _ = row["setting"].partition(" of the step")
+    return f"{part}x" if of_step else f"{float(part):.0e}".replace("e-0", "e-") if part else ""
+
+
+def chosen(row: Row, rows: Sequence[Row]) -> str:
+    """What an automatic choice comes to, once checked: its step over the method's first one, or its tolerance."""
+    firsts = [
+        one["step_s"]
+        for one in rows
+        if (one["variant"], one["method"], label(one)) == (row["variant"], row["method"], "1x")
+    ]
+    if isfinite(row["tolerance"]):
+        return f"{row['tolerance']:.0e}".replace("e-0", "e-")
+    if firsts and isfinite(row["step_s"]):
+        return f"{row['step_s'] / firsts[0]:.2g} x {1e6 * firsts[0]:.2g} us"
+    return f"{1e6 * row['step_s']:.2g} us" if isfinite(row["step_s"]) else ""
 
 
 def short(found: Verdict) -> str:
@@ -111,7 +130,7 @@ def automatic_rows(rows: Sequence[Row]) -> list[Row]:
 
 
 def why(rows: Sequence[Row]) -> list[str]:
-    """Sentences on a scene, from its numbers: how far off the least model is, how far the next cheaper one."""
+    """Sentences on a scene, from its numbers: how far off the cheapest model is, how far the next cheaper one."""
     jobs = automatic_rows(rows)
     if not jobs:
         return ["Nothing could be computed."]
@@ -143,14 +162,15 @@ def _of(found: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> str:
     if cheaper:
         next_one = max(cheaper, key=lambda row: row["cpu_per_s"])
         told += (
-            f" `{next_one['variant']}` costs {seconds(next_one['cpu_per_s'])} and is off by {_errors(next_one)}."
+            f" The next cheaper will not do: `{next_one['variant']}` costs {seconds(next_one['cpu_per_s'])} and is"
+            f" off by {_errors(next_one)}."
         )
     else:
-        told += " Nothing costs less."
+        told += " No job costs less."
     if found.point is not None:
         told += (
-            f" In full the cheapest is `{found.point['variant']}` by {by(found.point)},"
-            f" {seconds(found.point['cpu_per_s'])}."
+            f" Where every second is computed in full, the cheapest is `{found.point['variant']}` by"
+            f" {by(found.point)}, {seconds(found.point['cpu_per_s'])}."
         )
     return told
 

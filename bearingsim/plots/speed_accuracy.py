@@ -1,15 +1,18 @@
 """The chart of speed against accuracy: a figure for each scene, CPU time over error, numerical and total beside.
 
-Rows of panels: the fault's line, the RMS, the largest force. A colour is a model, a mark a method; marks of one
-method are joined. Hollow marks are other packages' solvers. Failures stand on a rail above.
+Rows of panels: the fault's line, the RMS, the largest force. A colour is a model, its paler shades those with
+fewer harmonics or slices; a mark is a method, and marks of one method are joined. Hollow marks are other packages'
+solvers. Failures stand on a rail above.
 """
 
 from collections.abc import Sequence
 from io import BytesIO
+from math import hypot, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
@@ -18,7 +21,7 @@ from PIL import Image
 from bearingsim.bench.errors import NUMERICAL, TOTAL
 from bearingsim.bench.measure import QUANTITIES, Row
 from bearingsim.bench.plan import AUTOMATIC, JOB, PEER, POINT
-from bearingsim.bench.verdict import WITHIN, by, front, percent, seconds, verdict
+from bearingsim.bench.verdict import WITHIN, by, front, label, percent, seconds, verdict
 from bearingsim.catalogue import MODELS
 from bearingsim.plots.style import COLOURS, MARKERS, RC
 
@@ -36,7 +39,9 @@ SIDES = {
     "rms": "RMS of the velocity",
     "force": "largest force",
 }
-LEAST, MOST, ROOM = 1e-5, 10.0, 0.1  # errors beyond are drawn at the edge; so far each panel reaches at least
+LEAST, MOST, ROOM = 1e-4, 10.0, 0.1  # errors beyond are drawn at the edge; so far each panel reaches at least
+APART = 0.3  # decades between marks that are named
+PALER = 0.35  # of the way to white: each further variant of a model
 
 
 def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
@@ -56,14 +61,14 @@ def figure(rows: Sequence[Row], title: str) -> Canvas:
     colours = _colours(rows)
     marks = {name: MARKERS[n % len(MARKERS)] for n, name in enumerate(filter(None, methods))} | {"": MARKERS[-1]}
     canvas = Canvas(figsize=SIZE_IN, layout="constrained")
-    panels = canvas.subplots(len(QUANTITIES), 2, sharex="col", sharey=True, squeeze=False)
+    panels = canvas.subplots(len(QUANTITIES), 2, sharex=True, sharey=True, squeeze=False)
     for i, quantity in enumerate(QUANTITIES):
         for j, kind in enumerate((NUMERICAL, TOTAL)):
             _panel(panels[i][j], rows, kind, quantity, colours, marks)
         panels[i][0].set_ylabel(f"{SIDES[quantity]}\nCPU s for a simulated second")
     for ax, kind in zip(panels[0], HEADS, strict=True):
         ax.set_title(HEADS[kind], fontsize=8.5, pad=24)
-        _rail(ax, rows, colours, marks)
+    _rail(panels[0][0], rows, colours)
     for ax in panels[-1]:
         ax.set_xlabel("relative error")
     canvas.suptitle(f"{title}\n{_told(rows)}", x=0.01, ha="left", fontsize=9.5)
@@ -73,13 +78,18 @@ def figure(rows: Sequence[Row], title: str) -> Canvas:
 
 
 def _colours(rows: Sequence[Row]) -> dict[str, str]:
-    """A colour for each variant: a model's own in every scene, for more variants of it those that are left."""
-    own, found = dict(zip(reversed(MODELS), COLOURS, strict=False)), dict[str, str]()
-    models = {row["variant"]: row["model"] for row in rows}
-    left = [colour for colour in COLOURS if colour not in {own.get(model) for model in models.values()}]
-    for variant, model in models.items():
-        found[variant] = own.pop(model, "") or (left.pop(0) if left else "0.5")
+    """A colour for each variant: a model's own in every scene, paler for each further variant of it."""
+    own, found, seen = dict(zip(reversed(MODELS), COLOURS, strict=False)), dict[str, str](), list[str]()
+    for variant, model in {row["variant"]: row["model"] for row in rows}.items():
+        found[variant] = _paler(own[model], 1.0 - (1.0 - PALER) ** seen.count(model))
+        seen.append(model)
     return found
+
+
+def _paler(colour: str, part: float) -> str:
+    """A colour, so far on the way to white."""
+    red, green, blue = (value + part * (1.0 - value) for value in to_rgb(colour))
+    return to_hex((red, green, blue))
 
 
 def _told(rows: Sequence[Row]) -> str:
@@ -93,30 +103,32 @@ def _told(rows: Sequence[Row]) -> str:
         elif found.point is not None:
             what = f"{found.point['variant']} ({by(found.point)})"
         else:
-            what = f"not to be told: {found.unknown}" if found.unknown else "none that was run"
-        lines.append(f"least model within {percent(within)}: {what}")
+            what = f"not to be told ({found.unknown})" if found.unknown else "none that was run"
+        lines.append(f"line, RMS and force all within {percent(within)}: cheapest is {what}")
     return "\n".join(lines)
 
 
 def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: dict, marks: dict) -> None:
     column = f"{kind}.{quantity}"
     good = [row for row in rows if not row["failure"] and row[column] == row[column]]
-    ax.set(xscale="log", yscale="log")
+    ax.set(xscale="log", yscale="log", ymargin=0.09)
     if kind == TOTAL:
-        best = front([row for row in good if row["role"] in (POINT, AUTOMATIC)], column)
+        best = front([row for row in good if row["role"] in (POINT, AUTOMATIC)], f"{column}.counted")
         ax.step(
-            [_shown(row[column]) for row in best], [row["cpu_per_s"] for row in best],
+            [_shown(row[f"{column}.counted"]) for row in best], [row["cpu_per_s"] for row in best],
             where="pre", color="0.75", linewidth=4.0, zorder=1, solid_capstyle="round",
         )  # fmt: skip
-        for within in WITHIN:
-            ax.axvline(within, color="0.45", linewidth=0.8, linestyle=(0, (4, 2)), zorder=0)
-            ax.text(
-                within, 1.0, percent(within), transform=ax.get_xaxis_transform(),
-                fontsize=7.0, color="0.35", ha="center", va="bottom",
-            )  # fmt: skip
+        for row in _spread([row for row in best if row[column] < MOST], column):
+            _name(ax, row, _shown(row[column]))
         floor = max((row[f"{column}.floor"] for row in rows), default=0.0)
         if floor > LEAST:
             ax.axvspan(LEAST / 2.0, _shown(floor), color="0.94", zorder=0)
+    for within in WITHIN:
+        ax.axvline(within, color="0.45", linewidth=0.8, linestyle=(0, (4, 2)), zorder=0)
+        ax.text(
+            within, 1.0, percent(within), transform=ax.get_xaxis_transform(),
+            fontsize=7.0, color="0.35", ha="center", va="bottom",
+        )  # fmt: skip
     for variant, colour in colours.items():
         for method, mark in marks.items():
             for role in (POINT, PEER):
@@ -125,10 +137,30 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
     for row in good:
         if row["role"] == AUTOMATIC:
             _automatic(ax, row, [r for r in good if r["role"] == JOB], column, colours, marks)
-    known = [_shown(row[column]) for row in good]
-    ax.set_xlim(LEAST / 1.6, 2.0 * max([*known, 0.5 * ROOM, ax.get_xlim()[1] / 2.0]))
+    known = [
+        _shown(row[f"{of}.{name}"]) for row in rows for of in HEADS for name in QUANTITIES if not row["failure"]
+    ]
+    ax.set_xlim(LEAST / 1.6, 2.0 * max(error for error in [*known, ROOM] if error == error))
     ax.xaxis.set_major_locator(LogLocator(numticks=12))
     ax.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _spread(rows: Sequence[Row], column: str) -> list[Row]:
+    """Those of the rows whose marks are far enough from each other to be named."""
+    found: list[Row] = []
+    for row in rows:
+        places = [(log10(_shown(one[column])), log10(one["cpu_per_s"])) for one in (row, *found)]
+        if all(hypot(places[0][0] - x, 1.5 * (places[0][1] - y)) > APART for x, y in places[1:]):
+            found.append(row)
+    return found
+
+
+def _name(ax: "Axes", row: Row, x: float) -> None:
+    """A run's step or tolerance beside its mark."""
+    ax.annotate(
+        label(row), (x, row["cpu_per_s"]), xytext=(-4.0, -3.0), textcoords="offset points",
+        fontsize=6.0, color="0.25", ha="right", va="top", zorder=6,
+    )  # fmt: skip
 
 
 def _curve(ax: "Axes", rows: Sequence[Row], column: str, colour: str, mark: str, hollow: bool) -> None:
@@ -157,19 +189,22 @@ def _shown(error: float) -> float:
     return min(max(error, LEAST), MOST)
 
 
-def _rail(ax: "Axes", rows: Sequence[Row], colours: dict, marks: dict) -> None:
+def _rail(ax: "Axes", rows: Sequence[Row], colours: dict) -> None:
     """What failed, in the order of the rows: the CSV says why."""
     failed = [row for row in rows if row["failure"]]
     if not failed:
         return
-    ax.plot([0.0, 1.0], [RAIL, RAIL], transform=ax.transAxes, color="0.6", linewidth=0.8, clip_on=False)
-    ax.text(0.0, RAIL + 0.02, "failed", transform=ax.transAxes, fontsize=7.0, va="bottom", color="0.3")
-    for n, row in enumerate(failed):
-        ax.plot(
-            (n + 1.5) / (len(failed) + 1.5), RAIL, transform=ax.transAxes, clip_on=False,
-            marker=marks.get(row["method"], "x"), color=colours[row["variant"]], markersize=5.0,
-            markerfacecolor="white", zorder=6,
+    ax.plot([0.0, 2.05], [RAIL, RAIL], transform=ax.transAxes, color="0.6", lw=0.8, clip_on=False, in_layout=False)
+    names = [("failed", "0.3"), *((_failed(row), colours[row["variant"]]) for row in failed)]
+    for n, (name, colour) in enumerate(names):
+        ax.text(
+            2.05 * n / len(names), RAIL + 0.02, name, transform=ax.transAxes,
+            fontsize=7.0, va="bottom", color=colour, in_layout=False,
         )  # fmt: skip
+
+
+def _failed(row: Row) -> str:
+    return "any method" if row["role"] == JOB else f"{row['method']} {label(row)}".strip()
 
 
 def _legend(rows: Sequence[Row], colours: dict, marks: dict) -> list[Any]:
@@ -190,6 +225,6 @@ def _legend(rows: Sequence[Row], colours: dict, marks: dict) -> list[Any]:
     ring: dict[str, Any] = {"marker": "o", "ms": 10.0, "mfc": "none", "mec": "0.2", "mew": 1.4}
     found.append(Line2D([], [], color="0.3", ls="none", label="automatic choice, in full", **ring))
     star: dict[str, Any] = {"marker": "*", "ms": 8.0, "mfc": "0.6", "mec": "black", "mew": 0.5}
-    found.append(Line2D([], [], ls="none", label="the same as a job: it may repeat", **star))
+    found.append(Line2D([], [], ls="none", label="the same as a job (see the text)", **star))
     found.append(Line2D([], [], color="0.75", linewidth=4.0, label="Pareto front of all models, in full"))
     return found
