@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from bearingsim.simulation.choice import Choice
     from bearingsim.simulation.limits import Limits
     from bearingsim.simulation.time_grid import Estimate
-    from bearingsim.study import Job, Study
+    from bearingsim.study import Design, Job, Study
 
 MOST_PRICED = 1000
 """Jobs: each takes a millisecond or two."""
@@ -225,6 +225,8 @@ def show(plan: Plan, verbose: bool) -> None:
     study, out = plan.study, console()
     swept = ", ".join(study.units) or "nothing"
     out.print(f"{study.name}: {_counts(plan)}; sweeps {swept}", markup=False)
+    if study.design is not None:
+        out.print(f"design: {study.design}; {_rows(study.design)}", markup=False)
     if plan.refusals or not plan.everything:
         return
     groups = _groups(plan.cases or plan.baselines)
@@ -272,6 +274,11 @@ def _counts(plan: Plan) -> str:
     return f"{every} job{'s' * (every != 1)} ({', '.join(kinds)}){told}"
 
 
+def _rows(design: "Design") -> str:
+    rows, cases = len(design.ids), len(set(design.ids))
+    return f"{rows} row{'s' * (rows != 1)}, {cases} case{'s' * (cases != 1)}"
+
+
 def _groups(priced: Sequence[Priced]) -> dict[str, list[Priced]]:
     groups: dict[str, list[Priced]] = {}
     for one in priced:
@@ -317,6 +324,7 @@ def as_json(plan: Plan) -> str:
         "wall_seconds": plan.wall_seconds,
         "workers": plan.workers,
         "bytes": plan.bytes,
+        "design": None if plan.study.design is None else asdict(plan.study.design),
         "refused_jobs": len(plan.refusals),
         "refused": list(plan.refused),
         "notes": [*plan.study.assumptions, *plan.study.notes, *notes(plan.study.cases())],

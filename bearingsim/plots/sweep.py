@@ -29,9 +29,13 @@ __all__ = [
     "legend_width",
     "letter",
     "mark_chaotic",
+    "mark_lost",
+    "positions",
     "share_scales",
     "styles_of_curves",
     "ticks_between",
+    "x_axis",
+    "y_axis",
 ]
 
 ROW_IN = 2.7
@@ -175,8 +179,8 @@ def _panel(
         mark_models(ax, x, y, curve.rows, models_of(rows))
         mark_chaotic(ax, x, y, curve.rows)
         mark_lost(ax, x, curve.rows["status"])
-    _x_axis(ax, figure, rows, units)
-    _y_axis(ax, name, figure)
+    x_axis(ax, figure, rows, units)
+    y_axis(ax, name, figure)
 
 
 def mark_spread(ax: "Axes", x: Sequence[float], curve: Curve, name: str, factor: float) -> None:
@@ -271,7 +275,8 @@ def mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None:
             ax.plot(where, [0.025] * len(where), marker, transform=ax.get_xaxis_transform(), **marks)
 
 
-def _x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> None:
+def x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> None:
+    """Ticks of the x axis: at each value if these are few, words as such."""
     known = select.values(rows, figure.x)
     if not select.is_numeric(known):
         ax.set_xticks(range(len(known)), [labels.value_text(figure.x, value, units) for value in known])
@@ -285,7 +290,8 @@ def _x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str
         ax.set_xticks(ticks, [labels.number_text(tick) for tick in ticks])
 
 
-def _y_axis(ax: "Axes", name: str, figure: Figure) -> None:
+def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
+    """Ends and ticks of the y axis of a feature: from zero where nothing is below."""
     if "y" in figure.log and not name.endswith(".phase"):
         ax.set_yscale("log", nonpositive="mask")
         ticks_between(ax.yaxis, ax.dataLim.minposy, ax.dataLim.y1)

@@ -11,9 +11,11 @@ import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bearingsim import cpu_time
 from bearingsim.runner.stopping import asked, take_flag
 from bearingsim.store import DiskFull, Failure, room, start_marker, unit_name, write_units
 from bearingsim.store.columns import Value
@@ -49,7 +51,10 @@ Seal = Callable[[Path, Sequence[tuple["Job", "Record"]], Mapping[str, Value]], o
 
 @dataclass(frozen=True)
 class Work:
-    """Jobs to compute in one go, where to store them, the estimated time in s of each, and bytes of all series."""
+    """Jobs to compute in one go, where to store them, the estimated time in s of each, and bytes of all series.
+
+    max_cpu: CPU time (s) that a job may take; max_failures: jobs that may fail before no more is begun.
+    """
 
     root: Path
     jobs: tuple["Job", ...]
@@ -57,6 +62,8 @@ class Work:
     engine: Engine
     provenance: Mapping[str, Value]
     bytes: float = 0.0
+    max_cpu: float = inf
+    max_failures: float = inf
 
     @property
     def unit(self) -> str:
@@ -109,11 +116,11 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
     simulate, unit = load(work.engine.simulate), work.unit
     with start_marker(work.root, unit) as note:
         for job in work.jobs:
-            if asked():
+            if asked() or len(failed) >= work.max_failures:
                 break
             note(job.id)
             try:
-                with room(work.root / unit):  # a full disk is no fault of the job
+                with room(work.root / unit), cpu_time.at_most(work.max_cpu):  # a full disk is no fault of the job
                     done.append((job, simulate(job.case)))
             except DiskFull:
                 raise

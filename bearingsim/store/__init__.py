@@ -18,9 +18,11 @@ from bearingsim.store.files import (
 )
 from bearingsim.store.folder import FolderInUse, Holdings, discard, holdings
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
+from bearingsim.store.merge import Merged, Unmergeable, merge
 from bearingsim.store.names import flat_parameters
 from bearingsim.store.nearness import audited, nearness
 from bearingsim.store.provenance import made_of, provenance
+from bearingsim.store.prune import Superfluous, prune, superfluous
 from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs, results_folder
 from bearingsim.store.scans import keep_scans, kept_scans, with_short_paths
 from bearingsim.store.sealed import UNREADABLE
@@ -55,9 +57,12 @@ __all__ = [
     "FolderInUse",
     "Holdings",
     "LinkWithin",
+    "Merged",
     "Results",
     "ResultsError",
     "Series",
+    "Superfluous",
+    "Unmergeable",
     "audited",
     "build_table",
     "case_of",
@@ -75,11 +80,13 @@ __all__ = [
     "lock",
     "log",
     "made_of",
+    "merge",
     "nearness",
     "now",
     "open_results",
     "planned_jobs",
     "provenance",
+    "prune",
     "read_choices",
     "read_failures",
     "read_plan",
@@ -92,6 +99,7 @@ __all__ = [
     "sealed_units",
     "spread",
     "start_marker",
+    "superfluous",
     "sweep",
     "take_suspects",
     "take_unit",

@@ -9,7 +9,15 @@ from bearingsim.store.files import write_bytes
 if TYPE_CHECKING:
     from bearingsim.config import Case
 
-__all__ = ["keep_scans", "kept_scan", "kept_scans", "short_path", "with_short_paths"]
+__all__ = [
+    "copy_scans",
+    "held_scans",
+    "keep_scans",
+    "kept_scan",
+    "kept_scans",
+    "short_path",
+    "with_short_paths",
+]
 
 
 def keep_scans(root: Path, cases: Iterable["Case"]) -> None:
@@ -40,6 +48,25 @@ def with_short_paths(case: "Case") -> "Case":
 def _scans(cases: Iterable["Case"]) -> list[tuple[str, str]]:
     """Digest and file of each scan that some cases have."""
     return sorted({(d.digest, d.file) for case in cases for d in case.defects if d.file and d.digest})
+
+
+def held_scans(root: Path) -> list[Path]:
+    """The scans that a results folder keeps. Raises ScanError for one that is not what its name says."""
+    from bearingsim.config.scan.file import ScanError
+
+    found = sorted(path for path in (root / "scans").glob("*") if path.suffix != ".part")
+    for path in found:
+        if not _holds(path, path.stem):
+            raise ScanError(f"`{path}` is not as it was written", "remove it, and run the study there again")
+    return found
+
+
+def copy_scans(scans: Iterable[Path], root: Path) -> None:
+    """Copy scans that another results folder keeps, unless they are there."""
+    for path in scans:
+        kept = root / "scans" / path.name
+        if not _holds(kept, path.stem):
+            write_bytes(kept, path.read_bytes())
 
 
 def kept_scan(root: Path, digest: str, file: str) -> Path:

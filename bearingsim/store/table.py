@@ -63,6 +63,7 @@ def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequenc
             }
             for job in jobs
         ],
+        "design": None if study.design is None else asdict(study.design),
         "assumptions": list(study.assumptions),
         "accuracy": _accuracy(study),
         "nothing_uncertain": study.uncertainty == (),
@@ -91,8 +92,11 @@ def _accuracy(study: "Study") -> dict[str, Any] | None:
 
 
 def read_plan(root: Path) -> dict[str, Any]:
-    """What the study expanded to. Raises one of UNREADABLE when the folder holds no results, or it is damaged."""
-    return read_json(root / "plan.json")
+    """What the study expanded to. Raises one of UNREADABLE when the folder holds no results, or it is damaged.
+
+    Of a plan of a version without designs the entry `design` is None.
+    """
+    return {"design": None} | read_json(root / "plan.json")
 
 
 def job_frame(root: Path) -> "pd.DataFrame":

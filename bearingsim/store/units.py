@@ -7,7 +7,7 @@ h5web and MATLAB open it unaided.
 """
 
 import hashlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -31,6 +31,7 @@ __all__ = [
     "DamagedUnit",
     "Series",
     "check_unit",
+    "computed",
     "open_unit",
     "read_series",
     "read_unit",
@@ -187,6 +188,38 @@ def check_unit(path: Path) -> list[str]:
     """The ids of the jobs that a unit holds. Raises DamagedUnit."""
     with open_unit(path) as file:
         return list(file["job"].asstr()[()])
+
+
+def computed(path: Path, jobs: Collection[str]) -> dict[str, dict[str, bytes]]:
+    """What was computed of some jobs of a unit, by job and name: features that have a value, time, channels.
+
+    As bytes: what is equal here is equal in every bit. How, when and where it was computed is not part of it.
+    Raises DamagedUnit.
+    """
+    with open_unit(path) as file:
+        features = read_columns(file, ("features",))
+        rows = {job: row for row, job in enumerate(features.pop("job")) if job in jobs}
+        names = _channels(file)
+        time = {"time": file["time"][()].tobytes()} if names else {}
+        return {
+            job: time
+            | {name: file[name][row].tobytes() for name in names}
+            | {
+                name.partition("/")[2]: _bytes(column[row])
+                for name, column in features.items()
+                if _said(column[row])
+            }
+            for job, row in rows.items()
+        }
+
+
+def _said(value: float | str) -> bool:
+    """Whether a job has a feature: one that it lacks reads NaN, or empty, beside jobs that have it."""
+    return value == value and value != ""
+
+
+def _bytes(value: Any) -> bytes:
+    return value.encode() if isinstance(value, str) else np.float64(value).tobytes()
 
 
 def _check(path: Path, file: h5py.File) -> None:

@@ -1,5 +1,6 @@
 """Study files: read, checked, and expanded into jobs."""
 
+from bearingsim.study.design import Design
 from bearingsim.study.jobs import Figure, Job, Study, case_id, healthy_twin
 from bearingsim.study.load import Outline, load_bearing, load_study, outline
 from bearingsim.study.paths import dimension
@@ -9,6 +10,7 @@ from bearingsim.text.yamlfile import Problem, StudyError
 
 __all__ = [
     "NEW_STUDY",
+    "Design",
     "Figure",
     "Job",
     "Outline",

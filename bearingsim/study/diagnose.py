@@ -92,10 +92,10 @@ def case_of(tree: Node, swept: frozenset[Path], found: Found, sections: Sections
         errors = error.errors(include_url=False)[:MAX_TOLD]
     for details in errors:
         for path, kind, entry in _problems(details, tree, swept):
-            found.setdefault((_mark_of(entry), label(path, 0), kind), entry)
+            found.setdefault((mark_of(entry), label(path, 0), kind), entry)
     for conflict in _hidden_conflicts(data, errors):
         entry = _conflict_problem(conflict, tree, swept)
-        found.setdefault((_mark_of(entry), label(conflict.paths[0], 0), conflict.kind), entry)
+        found.setdefault((mark_of(entry), label(conflict.paths[0], 0), conflict.kind), entry)
     return None
 
 
@@ -111,10 +111,11 @@ def check_replaced(tree: Node, swept: frozenset[Path], found: Found) -> None:
             for path, kind, entry in _problems(details, tree, swept):
                 above = kind in NO_SECTION and any(s[: len(path)] == path for s in swept)
                 if above or (kind in ALONE and any(path[: len(s)] == s for s in swept)):
-                    found.setdefault((_mark_of(entry), label(path, 0), kind), entry)
+                    found.setdefault((mark_of(entry), label(path, 0), kind), entry)
 
 
-def _mark_of(entry: Problem) -> Mark:
+def mark_of(entry: Problem) -> Mark:
+    """The place of a problem."""
     return Mark(entry.file, entry.line, entry.column, entry.source_line)
 
 

@@ -10,6 +10,7 @@ from bearingsim.catalogue import AUTO, MODELS
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
 from bearingsim.config.rules.hierarchy import speaks_of_slip
+from bearingsim.study.design import Design, Drawn
 from bearingsim.study.uncertainty import NO_SLIP, RIGID, USUAL, Uncertain, assumes_rigid_ring, sampled, variations
 from bearingsim.study.used import extensions, json_text, used
 
@@ -88,7 +89,9 @@ class Study:
 
     notes: what the user is to be told of the file, though it is read. goal: the accuracy that is asked for; then
     the swept cases have the model that others are judged by, and ``otherwise`` gives the same cases with other
-    values at some paths, None for those that cannot be. files: what it is made of (``text/files_read.py``).
+    values at some paths, None for those that cannot be. drawn: the design that is swept, by numbers of cases;
+    ``design`` says it by the jobs' ids, those of the models that have been chosen. files: what it is made of
+    (``text/files_read.py``).
     """
 
     name: str
@@ -105,6 +108,7 @@ class Study:
     goal: "Goal | None" = None
     selection: Selection | None = None
     otherwise: "Callable[[Mapping[str, str]], list[Case | None]] | None" = field(default=None, repr=False)
+    drawn: Drawn | None = None
 
     def cases(self) -> list[Case]:
         """The swept cases, in order: the last entry of `sweep` changes fastest."""
@@ -124,12 +128,25 @@ class Study:
         return list(self._planned)
 
     @cached_property
+    def design(self) -> Design | None:
+        """The design that the study sweeps, with the ids of its rows; None of a study without."""
+        found = self.drawn
+        if found is None:
+            return None
+        ids = tuple(self._ids[number] for number in found.cases)
+        return Design(found.kind, found.n, found.seed, found.paths, ids)
+
+    @cached_property
+    def _ids(self) -> tuple[str, ...]:
+        """The job's id of each swept case."""
+        return tuple(case_id(case) for case, _ in self.swept_cases)
+
+    @cached_property
     def _planned(self) -> tuple[Job, ...]:
         jobs: dict[str, Job] = {}
         twins: dict[str, Job] = {}
-        for case, swept in self.swept_cases:
+        for job_id, (case, swept) in zip(self._ids, self.swept_cases, strict=True):
             twin = _baseline(case, swept)
-            job_id = case_id(case)
             jobs.setdefault(job_id, Job(job_id, case, swept, twin.id if twin else None))
             if twin:
                 twins.setdefault(twin.id, twin)

@@ -49,8 +49,10 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     chosen = -1 if reduced else 0
     units, swept_cases = plans[chosen].units(), tuple(cases[chosen])
     tried = () if reduced and uncertain else uncertain  # a first look tries nothing else
-    told = opened.notes
+    drawn = plans[chosen].drawn
+    told = (*opened.notes, *(drawn.notes() if drawn is not None else ()))
     study = Study(name, str(path), text, given, reduced, figures, units, swept_cases, told, tried, opened.files)
+    study = replace(study, drawn=drawn)
     if goal is None:
         return study
     return replace(study, goal=goal, otherwise=plans[chosen].otherwise)

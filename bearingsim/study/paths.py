@@ -75,6 +75,16 @@ def put(tree: Node, path: Path, value: Node) -> Node:
     return Node({**tree.mapping, head: child}, tree.mark, tree.key)
 
 
+def node_at(tree: Node, path: Path) -> Node | None:
+    """What a tree says at a path; None if nothing."""
+    for step in path:
+        below = tree.mapping.get(step) if isinstance(step, str) else dict(enumerate(tree.items)).get(step)
+        if below is None:
+            return None
+        tree = below
+    return tree
+
+
 def value_at(case: Case, path: Path) -> Any:
     """What stands at a path of a case; None in a section that was left out for doing nothing."""
     found: Any = case

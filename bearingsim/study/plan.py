@@ -1,19 +1,34 @@
 """A plan: a study's base and its axes, and the cases that they make together."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, reduce
 from pathlib import Path as FilePath
 
 from bearingsim.config import Case
 from bearingsim.config.rules.conflicts import Path
-from bearingsim.study.diagnose import STUDY_KEYS, Found, Sections, case_of, check_replaced
+from bearingsim.designs import KINDS
+from bearingsim.study.design import IN_BLOCKS, Drawn, beside, drawn
+from bearingsim.study.diagnose import STUDY_KEYS, Found, Sections, case_of, check_replaced, mark_of
 from bearingsim.study.expand import expanded
 from bearingsim.study.jobs import identity
 from bearingsim.study.paths import dimension, parse_path, put, value_at
-from bearingsim.study.sweep import Axis, is_sweep, parse_sweep, replaced, rows_of, single_axis, written_paths
+from bearingsim.study.relations import Relations, Row, Unrelated, parse_relations
+from bearingsim.study.sweep import (
+    Axis,
+    dropped,
+    is_sweep,
+    parse_sweep,
+    repeated,
+    replaced,
+    rows_of,
+    single_axis,
+    written_paths,
+)
+from bearingsim.study.used import is_random
+from bearingsim.study.words import OF_COMMAND_LINE, WORDS, Words, entries_of, named_by, renewed, without
 from bearingsim.text.units import UnitError, split
 from bearingsim.text.units import parse as quantity
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_mark, parse_argument, problem
@@ -30,11 +45,17 @@ Swept = dict[str, float | str]
 
 @dataclass
 class Plan:
-    """A study on its way: its base, its axes, and what was found wrong so far."""
+    """A study on its way: its base, its axes, and what was found wrong so far.
+
+    words: what the sweep says besides paths; from these follow ``drawn``, an axis of its own, and ``relations``.
+    """
 
     base: Node
     folder: FilePath
     axes: list[Axis] = field(default_factory=list)
+    words: Words = field(default_factory=dict)
+    drawn: Drawn | None = None
+    relations: Relations = field(default_factory=Relations)
     problems: list[Problem] = field(default_factory=list)
     found: Found = field(default_factory=dict)
     asked: set[str] = field(default_factory=set)  # paths that a sweep names, right or wrong
@@ -54,7 +75,9 @@ class Plan:
             plan.take_quick(root.mapping["quick"])
         for path, text in overrides.items():
             plan.override(path, text)
+        plan.draw()
         plan.axes = [axis for axis in plan.axes if plan.check(axis)]
+        plan.relate()
         return plan
 
     def expand(self) -> None:
@@ -69,6 +92,12 @@ class Plan:
             self.problems.append(problem(sweep.key or sweep.mark, message))
             return []
         self.asked |= found
+        kinds = [node for key, node in sweep.mapping.items() if key in KINDS]
+        if len(kinds) > 1:
+            message = "sweep: a second design; a study has one"
+            self.problems.append(problem(kinds[1].key or kinds[1].mark, message))
+        for key in (key for key in sweep.mapping if key in WORDS):
+            self.words = renewed(self.words, key, sweep.mapping[key])
         return parse_sweep(sweep, self.problems)
 
     def take_quick(self, quick: Node) -> None:
@@ -81,6 +110,8 @@ class Plan:
                 new = self.take_sweep(node)
                 if any(axis.zipped for axis in new):
                     self.axes = [axis for axis in self.axes if not axis.zipped]
+                self.axes = dropped(self.axes, named_by(node.mapping))
+                self.words = reduce(without, (path for axis in new for path in axis.paths), self.words)
                 self.axes = reduce(replaced, new, self.axes)
             else:
                 self.fix(key, node, node.key or node.mark)
@@ -95,11 +126,25 @@ class Plan:
             return
         self.problems += flaws
         mark = argument_mark(typed, len("--set ") + 1)
-        if is_sweep(value) and path not in _LIST_VALUED:
+        if path in OF_COMMAND_LINE:
+            self.say(path, Node(value.value, value.mark, mark))
+        elif is_sweep(value) and path not in _LIST_VALUED:
             axis = single_axis(path, Node(value.value, value.mark, mark), self.problems)
+            self.words = without(self.words, path)
             self.axes = replaced(self.axes, axis) if axis else self.axes
         else:
             self.fix(path, value, mark)
+
+    def say(self, path: str, value: Node) -> None:
+        """Take over `repeat`, or a word of the design such as `sobol.n`."""
+        kind, _, word = path.partition(".")
+        if not word:
+            self.words = renewed(self.words, kind, value)
+        elif kind in self.words:
+            self.words = renewed(self.words, kind, Node({word: value}, value.mark, self.words[kind].key))
+        else:
+            mark = value.key or value.mark
+            self.problems.append(problem(mark, f"the study has no `{kind}`", "name it in `sweep`"))
 
     def fix(self, path: str, value: Node, mark: Mark) -> None:
         """Give a path one value: in the base, and instead of its sweep."""
@@ -108,16 +153,44 @@ class Plan:
             return
         self.base = put(self.base, place, value)
         self.expand()
+        self.words = without(self.words, path)
         if any(path in axis.paths for axis in self.axes):
             self.axes = replaced(self.axes, Axis((path,), ((value,),), (value,)))
 
     def place(self, path: str, mark: Mark) -> Path | None:
         """Where a path leads, or None, which is noted."""
         try:
-            return parse_path(path, len(self.base.mapping.get("defects", self.base).items))
+            return self.leads(path)
         except ValueError as error:
             self.problems.append(problem(mark, str(error)))
             return None
+
+    def draw(self) -> None:
+        """Make axes of the design and of `repeat`: the design's is the slowest, that of `repeat` the fastest."""
+        kind = next((kind for kind in KINDS if kind in self.words), None)
+        if kind in IN_BLOCKS:
+            self.problems += beside(kind, self.axes, self.words)
+        if "repeat" in self.words:
+            self.axes += repeated(self.words["repeat"], self.problems)
+        if kind is None:
+            return
+        entry = self.words[kind]
+        marks = {path: node.key or node.mark for path, node in entries_of(kind, entry).items()}
+        if None not in [self.place(path, mark) for path, mark in marks.items()]:
+            found = drawn(kind, entry, MAX_CASES, self.problems)
+            if found is not None:
+                self.drawn, axis = found
+                self.axes.insert(0, axis)
+
+    def relate(self) -> None:
+        """Read `derived` and `where`, now that it is known what is swept."""
+        taken = set(self.places.values())
+        self.relations = parse_relations(self.words, self.leads, taken.__contains__, self.problems)
+        self.places |= {one.path: one.place for one in self.relations.derived}
+
+    def leads(self, path: str) -> Path:
+        """Where a path leads; ValueError if nowhere."""
+        return parse_path(path, len(self.base.mapping.get("defects", self.base).items))
 
     def check(self, axis: Axis) -> bool:
         """Whether an axis' paths exist and are not swept twice."""
@@ -153,14 +226,34 @@ class Plan:
             return []
         check_replaced(self.base, frozenset(self.places.values()), self.found)
         cases: dict[str, tuple[Case, Swept]] = {}
+        numbers: dict[str, int] = {}
+        order: list[int] = []
         wrong = 0
-        for row in rows_of(self.axes):
+        for row in self.rows():
             case = self.case(row)
             if case is not None:
-                cases.setdefault(identity(case), (case, self.swept(case, row)))
+                name = identity(case)
+                if name not in cases:
+                    cases[name] = (case, self.swept(case, row))
+                order.append(numbers.setdefault(name, len(numbers)))
             elif (wrong := wrong + 1) == MAX_WRONG:
                 break
+        self._check_words([case for case, _ in cases.values()])
+        if self.drawn is not None:
+            self.drawn = replace(self.drawn, cases=tuple(order))
         return list(cases.values())
+
+    def _check_words(self, cases: Sequence[Case]) -> None:
+        """Note where `where` leaves nothing, and `repeat` repeats what is not random."""
+        if self.problems or self.found:
+            return
+        if not cases:
+            self.problems.append(self.relations.nothing_left())
+        node = self.words.get("repeat")
+        if node is not None and not any(map(is_random, cases)):
+            message = "repeat: nothing is random in this study: another `seed` gives the same"
+            advice = "it is with `excitation: random-impulses`, or rollers loose in a free cage (`model: planar`)"
+            self.problems.append(problem(node.key or node.mark, message, advice))
 
     def otherwise(self, given: Mapping[str, str]) -> list[Case | None]:
         """The same cases with other values at some paths; None for one that cannot be. Each is made once."""
@@ -170,26 +263,45 @@ class Plan:
         return self.others[named]
 
     def _otherwise(self, given: Mapping[str, str]) -> list[Case | None]:
-        other = Plan(self.base, self.folder, list(self.axes), places=dict(self.places))
+        other = Plan(self.base, self.folder, places=dict(self.places))
         mark = self.base.mark
         places = {path: other.place(path, mark) for path in given}
         other.places |= {path: place for path, place in places.items() if place is not None}
         fixed = [(path, Node(text, mark)) for path, text in given.items()]
         found: dict[str, Case | None] = {}
-        for row in rows_of(self.axes):
+        for row in self.rows():
             case = self.case(row)
             if case is not None:
                 kept = [pair for pair in row if self.places[pair[0]] not in places.values()]
                 found.setdefault(identity(case), other.case(kept + fixed))
         return list(found.values())
 
-    def case(self, row: list[tuple[str, Node]]) -> Case | None:
-        """The case of one combination of swept values."""
+    def rows(self) -> Iterator[Row]:
+        """The combinations that the study has, with what follows from each; what is wrong with others is noted."""
+        wrong = 0
+        for row in rows_of(self.axes):
+            try:
+                more = self.relations.completed(self.tree(row)) if self.relations else []
+            except Unrelated as error:
+                self.found.setdefault((mark_of(error.problem), "", "no value"), error.problem)
+                if (wrong := wrong + 1) == MAX_WRONG:
+                    return
+                continue
+            if more is not None:
+                yield row + more
+
+    def tree(self, row: Row) -> Node:
+        """The base with the values of one combination."""
         tree = self.base
         for path, value in sorted(row, key=lambda pair: len(self.places[pair[0]])):  # sections before parts
             tree = put(tree, self.places[path], value)
             if dimension(path) is None:
                 tree = expanded(tree, self.folder, self.problems)
+        return tree
+
+    def case(self, row: Row) -> Case | None:
+        """The case of one combination of values."""
+        tree = self.tree(row)
         try:
             return case_of(tree, frozenset(self.places[path] for path, _ in row), self.found, self.sections)
         except StudyError as error:  # a file named here is no YAML
@@ -208,13 +320,15 @@ class Plan:
         return values
 
     def entries(self) -> dict[str, Node]:
-        """The swept paths, and where each is said."""
-        return {path: node for axis in self.axes for path, node in zip(axis.paths, axis.keys, strict=True)}
+        """The paths with values of their own in each case, and where each is said."""
+        swept = {path: node for axis in self.axes for path, node in zip(axis.paths, axis.keys, strict=True)}
+        return swept | {one.path: one.entry for one in self.relations.derived}
 
     def units(self) -> dict[str, str]:
         """The unit of each swept path as first written; empty for words."""
         firsts = {path: node for axis in self.axes for path, node in zip(axis.paths, axis.rows[0], strict=True)}
-        return {path: _unit(path, node) for path, node in firsts.items()}
+        derived = {one.path: one.unit for one in self.relations.derived}
+        return {path: _unit(path, node) for path, node in firsts.items()} | derived
 
     def all_problems(self) -> list[Problem]:
         """What was found, less the values that are missing only because their sweep is wrong."""

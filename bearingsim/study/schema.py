@@ -4,6 +4,8 @@ from typing import Any
 
 from bearingsim.config import Case
 from bearingsim.config.case import LAWS
+from bearingsim.designs import KINDS
+from bearingsim.study.design import DISTRIBUTIONS
 from bearingsim.study.figures import DRAWN
 from bearingsim.study.sweep import GENERATORS
 from bearingsim.study.uncertainty import NONE, UNKNOWN, UNKNOWNS
@@ -84,4 +86,24 @@ def _sweep() -> dict[str, Any]:
     values = {"anyOf": [{"type": "array", "minItems": 1}, *generated]}
     block = {"type": "object", "additionalProperties": values}
     zipped = {"anyOf": [block, {"type": "array", "items": block}]}
-    return {"type": "object", "properties": {"zip": zipped}, "additionalProperties": values}
+    words = {"type": "string"}
+    own = {
+        "zip": zipped,
+        **dict.fromkeys(KINDS, _design()),
+        "derived": {"type": "object", "additionalProperties": {"type": ["string", "number"]}},
+        "where": {"anyOf": [words, {"type": "array", "items": words}]},
+        "repeat": {"type": "integer", "minimum": 1},
+    }
+    return {"type": "object", "properties": own, "additionalProperties": values}
+
+
+def _design() -> dict[str, Any]:
+    two = {"type": "array", "items": {"type": ["string", "number"]}, "minItems": 2, "maxItems": 2}
+    spread = dict.fromkeys((*DISTRIBUTIONS, "within"), two)
+    ranges = {"anyOf": [two, {"type": "object", "properties": spread, "additionalProperties": False}]}
+    keys = {
+        "n": {"type": "integer", "minimum": 1},
+        "seed": {"type": "integer", "minimum": 0},
+        "over": {"type": "object", "additionalProperties": ranges},
+    }
+    return {"type": "object", "properties": keys, "additionalProperties": False}

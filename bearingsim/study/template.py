@@ -34,6 +34,9 @@ sweep:
   load: {linspace: [150 N, 300 N, 3]}
   # zip: {defect.width: [0.2 mm, 0.4 mm], defect.depth: [0.02 mm, 0.05 mm]}   # moves several together
   # zip: {model: [impulse, ring, rollers], excitation: [impulse-train, half-sine-pulse, envelope]}
+  # sobol: {n: 64, over: {defect.width: [0.2 mm, 2 mm], load: {log: [50 N, 500 N]}}}   # or lhs, saltelli, morris
+  # derived: {defect.depth: defect.width / 16}      # follows from other values
+  # where: [defect.length > 2 * defect.width]       # leaves out the other combinations
 
 # The model
 # model: rollers                  # impulse, static, ring, rollers, planar, spatial, or reference

@@ -69,6 +69,12 @@ def used(case: Case) -> dict[str, str]:
     return texts
 
 
+def is_random(case: Case) -> bool:
+    """Whether another `seed` gives another result: of impulses at random, or of where rollers begin in a cage."""
+    loose = case.cage is not None and case.cage.motion == "free" and catalogue.MODELS[case.model].slips
+    return case.excitation == "random-impulses" or loose
+
+
 def _unused(name: str, case: Case) -> tuple[str, ...]:
     """The paths within a field that do not shape the case's numbers."""
     sliced = catalogue.MODELS[case.model].sliced

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from bearingsim import cpu_time
 from bearingsim.runner import Engine, Interrupted, run
 
 ENGINE = Engine(
@@ -85,6 +86,7 @@ class FakeStudy:
     uncertainty: Any = None
     goal: Any = None
     selection: Any = None
+    design: Any = None
 
     def jobs(self) -> list[Any]:
         twin = FakeCase(healthy=True, seconds=self.seconds)
@@ -155,7 +157,7 @@ def simulate(case: FakeCase) -> SimpleNamespace:
     """Take its time, do its deed, and give the record if that can still be."""
     end = time.process_time() + spun(case)
     while time.process_time() < end:
-        pass
+        cpu_time.check()
     time.sleep(case.seconds - spun(case))
     deed, _, flag = case.deed.partition(" ")
     if deed == "raise":

@@ -1,0 +1,98 @@
+"""Designs that fill a space: points in the unit cube, from a few numbers, the same on every machine.
+
+=========  ==========================================================  ==============  ===========================
+kind       what it is                                                  rows            a larger n
+=========  ==========================================================  ==============  ===========================
+lhs        Latin hypercube (McKay, Beckman, Conover 1979)              n               other points
+sobol      scrambled Sobol' sequence (Owen 1998; Joe, Kuo 2008)        n               keeps the points, adds more
+saltelli   two such samples and their mixtures, for Sobol' indices     n (d + 2)       keeps the points, adds more
+morris     trajectories that move one parameter at a time              n (d + 1)       keeps the points, adds more
+=========  ==========================================================  ==============  ===========================
+"""
+
+from typing import TYPE_CHECKING, Literal, get_args
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+Kind = Literal["lhs", "sobol", "saltelli", "morris"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+EXTENDED: tuple[Kind, ...] = ("sobol", "saltelli", "morris")
+"""Designs whose first rows stay as they are when ``n`` grows."""
+LEVELS = 4
+"""Values that a parameter takes in a design by Morris; even."""
+MORRIS_STEP = 0.5
+"""By how much a parameter moves there, in the unit cube: half of the levels."""
+
+
+def cube(kind: Kind, n: int, d: int, seed: int) -> "NDArray[np.float64]":
+    """The points of a design: an array (rows, d) in [0, 1).
+
+    n: points of `lhs` and `sobol`, base points of `saltelli`, trajectories of `morris`. Rows lie in blocks of
+    ``block(kind, d)``.
+    """
+    import numpy as np
+
+    return _MADE[kind](n, d, np.random.default_rng(seed))
+
+
+def block(kind: Kind, d: int) -> int:
+    """Rows that belong together: one of `lhs` and `sobol`, d + 2 of `saltelli`, d + 1 of `morris`."""
+    return {"saltelli": d + 2, "morris": d + 1}.get(kind, 1)
+
+
+def _lhs(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
+    from scipy.stats import qmc
+
+    return qmc.LatinHypercube(d, seed=random).random(n)
+
+
+def _sobol(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
+    """Drawn by a power of two, which is what keeps the sequence in balance, and cut."""
+    from scipy.stats import qmc
+
+    return qmc.Sobol(d, seed=random).random_base2((n - 1).bit_length())[:n]
+
+
+def _saltelli(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
+    """Blocks A_i, B_i, AB_i^(1) ... AB_i^(d), where AB_i^(j) is A_i with column j of B_i.
+
+    A and B are the halves of one sequence in 2d dimensions. Saltelli et al., Computer Physics Communications 181
+    (2010) 259-270, table 2 (b) and (f), as ``scipy.stats.sobol_indices`` takes them.
+    """
+    import numpy as np
+
+    both = _sobol(n, 2 * d, random)
+    a, b = both[:, :d], both[:, d:]
+    mixed = np.where(np.eye(d, dtype=bool), b[:, None, :], a[:, None, :])
+    return np.concatenate([a[:, None, :], b[:, None, :], mixed], axis=1).reshape(-1, d)
+
+
+def _morris(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
+    """Trajectories of d + 1 points: each step moves one parameter, in a random order, up or down by MORRIS_STEP.
+
+    Morris, Technometrics 33 (1991) 161-174, with p = 4 levels. His levels 0, 1/3, 2/3, 1 and steps of 2/3 are put
+    at 1/8, 3/8, 5/8, 7/8 with steps of 1/2 here, in the middles of quarters of equal probability: so a normal
+    distribution is not always tried at its bounds.
+    """
+    import numpy as np
+
+    start, way, order = np.moveaxis(random.random((n, 3, d)), 1, 0)
+    half = LEVELS // 2
+    low = np.floor(half * start)
+    falls = way < 0.5
+    rank = order.argsort(axis=1).argsort(axis=1)
+    moved = rank[:, None, :] < np.arange(d + 1)[:, None]
+    level = low[:, None, :] + half * (moved ^ falls[:, None, :])
+    return ((level + 0.5) / LEVELS).reshape(-1, d)
+
+
+_MADE: dict[Kind, "Callable[[int, int, np.random.Generator], NDArray[np.float64]]"] = {
+    "lhs": _lhs,
+    "sobol": _sobol,
+    "saltelli": _saltelli,
+    "morris": _morris,
+}

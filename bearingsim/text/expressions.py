@@ -1,0 +1,406 @@
+"""Formulas in a study: `defect.width / 4`, `min(load, 200 N) * 2 < 300 N`.
+
+Python's own grammar (`ast`, in eval mode) reads them, but nothing of Python runs: every node must be on the list
+below, and is worked out here, in SI. Quantities and paths such as `defects.2.width` are no Python: names of the
+same length stand in for them, so that Python's columns are those of the text.
+"""
+
+import ast
+import math
+import operator
+import re
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import NamedTuple
+
+from bearingsim.text.units import EXPECTED, UNITS, Dimension, parse, split, suggestion
+from bearingsim.text.yamlfile import Mark, Node
+
+__all__ = ["PLAIN", "TRUTH", "Expression", "ExpressionError", "Kind", "kind_of", "read", "said"]
+
+MAX_LETTERS, MAX_DEPTH = 400, 100
+"""Of a formula: more than anybody writes, and few enough for Python's parser and for a walk by recursion."""
+MOST_POWER = 10
+"""Exponent of a quantity with a unit: its unit has no meaning beyond."""
+
+Kind = tuple[Fraction, ...]
+"""What a value is: its powers of m, kg, s, K and rad; none at all for what is true or false."""
+TRUTH: Kind = ()
+
+_BASES = ("m", "kg", "s", "K", "rad")
+_SYMBOLS: dict[str, tuple[int, ...]] = {
+    "m": (1, 0, 0, 0, 0),
+    "kg": (0, 1, 0, 0, 0),
+    "s": (0, 0, 1, 0, 0),
+    "K": (0, 0, 0, 1, 0),
+    "rad": (0, 0, 0, 0, 1),
+    "N": (1, 1, -2, 0, 0),
+    "Pa": (-1, 1, -2, 0, 0),
+    "Hz": (0, 0, -1, 0, 0),
+}
+PLAIN: Kind = (Fraction(0),) * len(_BASES)
+
+
+def kind_of(dimension: Dimension) -> Kind:
+    """The powers of a dimension's SI unit; shares and numbers are plain."""
+    word = next((word for word, factor in UNITS[dimension].items() if factor == (1, False, 0)), "")
+    above, *below = word.replace("^2", "2").replace("^3", "3").split("/")
+    powers = list(PLAIN)
+    for sign, factors in ((1, above), *((-1, part) for part in below)):
+        for factor in factors.replace("1", "").split():
+            symbol, power = factor.rstrip("23"), int(factor[-1]) if factor[-1] in "23" else 1
+            powers = [p + sign * power * one for p, one in zip(powers, _SYMBOLS[symbol], strict=True)]
+    return tuple(powers)
+
+
+_DIMENSIONS: dict[str, Dimension] = {word: dimension for dimension in UNITS for word in UNITS[dimension] if word}
+"""The dimension of a unit; of `Hz` the last one, a frequency: a speed is said in rpm or rad/s."""
+_KINDS = {dimension: kind_of(dimension) for dimension in UNITS}
+_OF_KIND = {kind: dimension for dimension, kind in _KINDS.items()}
+
+
+class ExpressionError(Exception):
+    """A formula is none, or has no value: the place in its file, and what would mend it."""
+
+    def __init__(self, mark: Mark, message: str, hint: str | None = None) -> None:
+        self.mark, self.hint = mark, hint
+        super().__init__(message)
+
+
+class _Function(NamedTuple):
+    """What a formula may call: how many values it takes, and what it makes of them and of their kind."""
+
+    least: int
+    most: int
+    call: Callable[..., float]
+    kind: Callable[[Kind], Kind] = lambda given: given
+
+
+_FUNCTIONS = {
+    "sqrt": _Function(1, 1, math.sqrt, lambda given: _scaled(given, Fraction(1, 2))),
+    "abs": _Function(1, 1, abs),
+    "min": _Function(2, MAX_LETTERS, min),
+    "max": _Function(2, MAX_LETTERS, max),
+}
+_CONSTANTS = {"pi": math.pi}
+_SUMS: dict[type[ast.operator], Callable[[float, float], float]] = {ast.Add: operator.add, ast.Sub: operator.sub}
+_PRODUCTS: dict[type[ast.operator], Callable[[float, float], float]] = {
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+}
+_BINARY = _SUMS | _PRODUCTS | {ast.Pow: operator.pow}
+_SIGNS: dict[type[ast.unaryop], Callable[[float], float]] = {ast.USub: operator.neg, ast.UAdd: operator.pos}
+_COMPARED: dict[type[ast.cmpop], Callable[[float, float], bool]] = {
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+}
+_POSSIBLE = (
+    "possible are numbers with their units, paths, `+ - * / **`, comparisons, `and`, `or`, `not`, and "
+    + ", ".join(f"`{name}`" for name in (*_FUNCTIONS, *_CONSTANTS))
+)
+_UNITS = "|".join(re.escape(word) for word in sorted((*_DIMENSIONS, "°"), key=len, reverse=True))
+_NO_PYTHON = re.compile(
+    rf"(?<![\w.])(?P<quantity>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![\d.]) *(?:{_UNITS})(?![\w.^]))"
+    r"|(?<![\w.])(?P<path>[A-Za-z_]\w*(?:\.\w+)+)",
+    re.ASCII,
+)
+_ONE_LETTER = str.maketrans({"µ": "u", "μ": "u", "\n": " "})
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A formula that has been read: its tree, and by column the quantities and the paths in it."""
+
+    node: Node
+    tree: ast.expr
+    quantities: dict[int, str]
+    paths: dict[int, str]
+    shift: int  # letters before it that are blank
+
+    def names(self) -> Iterator[tuple[str, Mark]]:
+        """The paths in it, and where."""
+        for found in ast.walk(self.tree):
+            if isinstance(found, ast.Name) and not self._is_own(found):
+                yield self._path(found), self._mark(found)
+
+    def kind(self, of: Callable[[str], Kind]) -> Kind:
+        """What its value is, where ``of`` says what each path is (ValueError: there is none).
+
+        Raises ExpressionError of a node that is not on the list, and of units that do not go together: ``value``
+        relies on it.
+        """
+        return self._kind(self.tree, of, 0)
+
+    def value(self, of: Callable[[str], float]) -> float:
+        """Its value in SI (of a comparison True or False), where ``of`` gives that of each path.
+
+        Raises ExpressionError where it has none: a division by zero, a root of less than zero, no finite number.
+        """
+        return self._value(self.tree, of)
+
+    # What it is
+
+    def _kind(self, node: ast.expr, of: Callable[[str], Kind], depth: int) -> Kind:
+        if depth > MAX_DEPTH:
+            raise self._wrong(node, f"more than {MAX_DEPTH} levels within each other")
+        within = [self._kind(part, of, depth + 1) for part in _parts(node)]
+        match node:
+            case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
+                self._finite(node, lambda: float(number))
+                return PLAIN
+            case ast.Name():
+                return self._kind_of_name(node, of)
+            case ast.UnaryOp(op=op) if type(op) in _SIGNS:
+                return self._number(node.operand, within[0])
+            case ast.UnaryOp(op=ast.Not()):
+                return self._truth(node.operand, within[0])
+            case ast.BinOp(op=op) if type(op) in _BINARY:
+                return self._kind_of_pair(node, *within)
+            case ast.BoolOp():
+                for part, kind in zip(node.values, within, strict=True):
+                    self._truth(part, kind)
+                return TRUTH
+            case ast.Compare() if all(type(op) in _COMPARED for op in node.ops):
+                self._alike(_parts(node), within)
+                return TRUTH
+            case ast.Call(func=ast.Name(id=name), keywords=[]) if name in _FUNCTIONS:
+                return self._kind_of_call(node, _FUNCTIONS[name], within)
+            case ast.Call(func=ast.Name(id=name) as called) if name not in _FUNCTIONS:
+                raise self._wrong(called, f"no function `{name}`", suggestion(name, _FUNCTIONS) or _POSSIBLE)
+        raise self._wrong(node, "this cannot stand in a formula", _POSSIBLE)
+
+    def _kind_of_name(self, node: ast.Name, of: Callable[[str], Kind]) -> Kind:
+        if node.id in _CONSTANTS:
+            return PLAIN
+        if node.col_offset in self.quantities:
+            return _KINDS[_dimension(self.quantities[node.col_offset])]
+        if node.id in _FUNCTIONS:
+            raise self._wrong(node, f"`{node.id}` without what it is taken of", f"as in `{node.id}(...)`")
+        try:
+            return of(self._path(node))
+        except ValueError as error:
+            raise self._wrong(node, str(error)) from None
+
+    def _kind_of_pair(self, node: ast.BinOp, left: Kind, right: Kind) -> Kind:
+        self._number(node.left, left)
+        self._number(node.right, right)
+        if type(node.op) in _SUMS:
+            self._alike([node.left, node.right], [left, right])
+            return left
+        if isinstance(node.op, ast.Pow):
+            return self._kind_of_power(node, left, right)
+        sign = 1 if isinstance(node.op, ast.Mult) else -1
+        return tuple(a + sign * b for a, b in zip(left, right, strict=True))
+
+    def _kind_of_power(self, node: ast.BinOp, base: Kind, exponent: Kind) -> Kind:
+        if exponent != PLAIN:
+            raise self._wrong(node.right, f"an exponent is a plain number, and this is {said(exponent)}")
+        if base == PLAIN:
+            return PLAIN
+        if any(isinstance(part, ast.Name) for part in ast.walk(node.right)):
+            raise self._wrong(node.right, f"the exponent of {said(base)} must be written as a number")
+        power = self._value(node.right, _no_path)
+        if abs(power) > MOST_POWER:
+            raise self._wrong(node.right, f"the exponent of {said(base)} is at most {MOST_POWER}")
+        return _scaled(base, Fraction(power).limit_denominator(1000))
+
+    def _kind_of_call(self, node: ast.Call, function: _Function, within: list[Kind]) -> Kind:
+        if not function.least <= len(within) <= function.most:
+            count = "one value" if function.most == 1 else "two values or more"
+            raise self._wrong(node, f"expected {count}, got {len(within)}")
+        for part, kind in zip(node.args, within, strict=True):
+            self._number(part, kind)
+        self._alike(node.args, within)
+        return function.kind(within[0])
+
+    def _number(self, node: ast.expr, kind: Kind) -> Kind:
+        if kind == TRUTH:
+            raise self._wrong(node, "expected a number, and this is true or false")
+        return kind
+
+    def _truth(self, node: ast.expr, kind: Kind) -> Kind:
+        if kind != TRUTH:
+            raise self._wrong(node, f"expected a comparison such as `load < 200 N`, and this is {said(kind)}")
+        return kind
+
+    def _alike(self, nodes: list[ast.expr], kinds: list[Kind]) -> None:
+        for node, kind in zip(nodes, kinds, strict=True):
+            self._number(node, kind)
+            if kind != kinds[0]:
+                raise self._wrong(node, f"expected {said(kinds[0])} as on the left, and this is {said(kind)}")
+
+    # What it comes to
+
+    def _value(self, node: ast.expr, of: Callable[[str], float]) -> float:
+        match node:
+            case ast.Constant(value=int() | float() as number):
+                return float(number)
+            case ast.Name():
+                return self._value_of_name(node, of)
+            case ast.UnaryOp(op=ast.Not()):
+                return not self._value(node.operand, of)
+            case ast.UnaryOp():
+                return _SIGNS[type(node.op)](self._value(node.operand, of))
+            case ast.BinOp():
+                left, right = self._value(node.left, of), self._value(node.right, of)
+                return self._finite(node, lambda: _BINARY[type(node.op)](left, right))
+            case ast.BoolOp(op=ast.And()):
+                return all(self._value(part, of) for part in node.values)
+            case ast.BoolOp():
+                return any(self._value(part, of) for part in node.values)
+            case ast.Compare():
+                return self._compared(node, of)
+            case ast.Call(func=ast.Name(id=name)):
+                given = [self._value(part, of) for part in node.args]
+                return self._finite(node, lambda: _FUNCTIONS[name].call(*given))
+        raise AssertionError("`kind` has let this pass")
+
+    def _value_of_name(self, node: ast.Name, of: Callable[[str], float]) -> float:
+        if node.id in _CONSTANTS:
+            return _CONSTANTS[node.id]
+        if node.col_offset in self.quantities:
+            text = self.quantities[node.col_offset]
+            return parse(text, _dimension(text))
+        try:
+            return of(self._path(node))
+        except ValueError as error:
+            raise self._wrong(node, str(error)) from None
+
+    def _compared(self, node: ast.Compare, of: Callable[[str], float]) -> bool:
+        """As Python chains comparisons: what stands behind a false one is not looked at."""
+        left = self._value(node.left, of)
+        for op, part in zip(node.ops, node.comparators, strict=True):
+            right = self._value(part, of)
+            if not _COMPARED[type(op)](left, right):
+                return False
+            left = right
+        return True
+
+    def _finite(self, node: ast.expr, found: Callable[[], float]) -> float:
+        try:
+            value = found()
+        except ZeroDivisionError:
+            raise self._wrong(node, "a division by zero") from None
+        except OverflowError:
+            raise self._wrong(node, "the number is too large") from None
+        except ValueError:
+            raise self._wrong(node, "a root of less than zero") from None
+        if isinstance(value, complex):
+            raise self._wrong(node, "a root of less than zero")
+        if not math.isfinite(value):
+            raise self._wrong(node, "the number is too large")
+        return value
+
+    # Where it is
+
+    def _is_own(self, node: ast.Name) -> bool:
+        """Whether a name is none of the study's."""
+        return node.id in _CONSTANTS or node.id in _FUNCTIONS or node.col_offset in self.quantities
+
+    def _path(self, node: ast.Name) -> str:
+        return self.paths.get(node.col_offset, node.id)
+
+    def _mark(self, node: ast.expr) -> Mark:
+        column = self.shift + node.col_offset
+        if isinstance(node, ast.BinOp):  # at its operator
+            column = self.shift + (node.left.end_col_offset or 0)
+            rest = self.node.text[column:]
+            column += len(rest) - len(rest.lstrip(" )"))
+        return _mark_at(self.node, column)
+
+    def _wrong(self, node: ast.expr, message: str, hint: str | None = None) -> ExpressionError:
+        return ExpressionError(self._mark(node), message, hint)
+
+
+def read(node: Node) -> Expression:
+    """The formula that a scalar of a file says. Raises ExpressionError if it is none."""
+    if not isinstance(node.value, str) or not node.value.strip():
+        raise ExpressionError(node.mark, "expected a formula such as `defect.width / 4`")
+    if len(node.value) > MAX_LETTERS:
+        raise ExpressionError(node.mark, f"more than {MAX_LETTERS} letters in a formula")
+    text = node.value.translate(_ONE_LETTER)
+    shift = len(text) - len(text.lstrip())
+    quantities: dict[int, str] = {}
+    paths: dict[int, str] = {}
+
+    def replaced(found: re.Match[str]) -> str:
+        kept = quantities if found["quantity"] else paths
+        kept[found.start()] = found.group()
+        return "_" * len(found.group())
+
+    python = _NO_PYTHON.sub(replaced, text.strip())
+    strange = next((at for at, letter in enumerate(python) if not letter.isascii()), None)
+    if strange is not None:
+        message = f"a letter that is in no formula: {python[strange]!a}"
+        raise ExpressionError(_mark_at(node, shift + strange), message)
+    return Expression(node, _tree(node, python, shift), quantities, paths, shift)
+
+
+def _tree(node: Node, python: str, shift: int) -> ast.expr:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of what would be refused anyway, as in `1if`
+            return ast.parse(python, mode="eval").body
+    except SyntaxError as error:
+        at = max(0, min((error.offset or 1) - 1, len(python) - 1))
+        hint = "units are those of docs/studies.md, as in `3 mm`; what has a comma stands in quotes"
+        raise ExpressionError(_mark_at(node, shift + at), "this is no formula", hint) from None
+    except (ValueError, MemoryError, RecursionError):
+        raise ExpressionError(node.mark, "this is no formula") from None
+
+
+def _parts(node: ast.expr) -> list[ast.expr]:
+    """The formulas within a formula, from left to right."""
+    match node:
+        case ast.UnaryOp():
+            return [node.operand]
+        case ast.BinOp():
+            return [node.left, node.right]
+        case ast.BoolOp():
+            return node.values
+        case ast.Compare():
+            return [node.left, *node.comparators]
+        case ast.Call(func=ast.Name()):
+            return node.args
+    return []
+
+
+def _scaled(kind: Kind, power: Fraction) -> Kind:
+    return tuple(power * one for one in kind)
+
+
+def said(kind: Kind) -> str:
+    """A kind in words: `a length`, `in m^2`, `true or false`."""
+    if kind == TRUTH:
+        return "true or false"
+    if kind == PLAIN:
+        return "a plain number"
+    if kind in _OF_KIND:
+        return EXPECTED[_OF_KIND[kind]].split(" such as ")[0]
+    powers = [(base, power) for base, power in zip(_BASES, kind, strict=True) if power]
+    return "in " + " ".join(base if power == 1 else f"{base}^{power}" for base, power in powers)
+
+
+def _dimension(quantity: str) -> Dimension:
+    """That of a quantity as written."""
+    return _DIMENSIONS[split(quantity)[1]]
+
+
+def _no_path(path: str) -> float:
+    raise AssertionError(f"a constant has no path `{path}`")
+
+
+def _mark_at(node: Node, column: int) -> Mark:
+    """The place of a letter of a scalar; of one that is not written in one piece, its beginning."""
+    mark = node.mark
+    for quote in (0, 1):
+        start = mark.column - 1 + quote
+        if mark.source_line[start : start + len(node.text)] == node.text:
+            return replace(mark, column=start + column + 1)
+    return mark
