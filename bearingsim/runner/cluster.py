@@ -221,7 +221,7 @@ def joined(address: str) -> Iterator["Cluster"]:
     """The workers of the scheduler at ``tcp://HOST:PORT``. Raises SchedulerGone if nobody answers there."""
     try:
         client = Client(address, timeout=JOINING_S, set_as_default=False)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, TypeError) as error:  # no such scheme, no certificates
         advice = "`dask scheduler` starts one, and tells its address"
         raise SchedulerGone(f"no scheduler answers at {address} ({error}): {advice}") from None
     try:
