@@ -191,13 +191,15 @@ def test_real_numbers_and_scans_travel(
 
 
 def test_a_job_that_kills_its_worker_fails_alone(tmp_path: Path, machines: Machines) -> None:
-    study: Any = FakeStudy([1e-3 * n for n in range(1, 9)], deeds={3: "kill"}, seconds=0.05)
-    summary = compute(study, tmp_path, machines.address)
-    (failure,) = store.read_failures(tmp_path).values()
+    out, count = tmp_path / "out", tmp_path / "count"
+    study: Any = FakeStudy([1e-3 * n for n in range(1, 9)], deeds={3: f"kill {count}"}, seconds=0.05)
+    summary = compute(study, out, machines.address)
+    (failure,) = store.read_failures(out).values()
     assert (summary.done, summary.failed) == (8, 1)
     assert (failure.job, failure.attempts) == (study.jobs()[3].id, 2)
     assert "its worker died" in failure.reason
-    assert sum(failure.job in line["suspects"] for line in journal_of(tmp_path, "worker died")) == 2
+    assert counted(count) == {failure.job: 2}
+    assert sum(failure.job in line["suspects"] for line in journal_of(out, "worker died")) == 2
 
 
 def test_where_all_die_no_job_is_blamed(
@@ -293,6 +295,5 @@ def test_a_worker_dies_and_then_the_scheduler(tmp_path: Path, machines: Machines
     twice = {job for job, times in counted(count).items() if times > 1}
     assert twice <= suspects | (set(before) - sealed)  # what was under way, and no more
     assert all(counted(count)[job] == before[job] for job in sealed)
-    print(len(suspects), len(set(before) - sealed), len(twice), len(sealed))
     run(study, here, jobs=1, progress=False, engine=ENGINE)
     pd.testing.assert_frame_equal(numbers_of(out), numbers_of(here), check_exact=True)
