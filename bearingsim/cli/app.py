@@ -158,6 +158,10 @@ def run(
     shard: Annotated[str, typer.Option(metavar="K/N", help="share K of N of the jobs")] = "1/1",
     quick: Quick = False,
     verify: Annotated[bool, typer.Option("--verify", help="read stored results against their checksums")] = False,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="let the workers of the dask scheduler at tcp://HOST:PORT compute"),
+    ] = None,
     fail_fast: Annotated[bool, typer.Option("--fail-fast", help="end at the first job that fails")] = False,
     max_failures: Annotated[
         int | None, typer.Option(min=1, metavar="N", help="end when N jobs have failed")
@@ -180,7 +184,16 @@ def run(
     if summary is None:
         asked = _loaded(study, set_, quick)
         summary = runner.run(
-            asked, out, jobs, fresh, retry_failed, share, verify, max_failures=failures, max_cpu=cpu
+            asked,
+            out,
+            jobs,
+            fresh,
+            retry_failed,
+            share,
+            verify,
+            scheduler=scheduler,
+            max_failures=failures,
+            max_cpu=cpu,
         )
     typer.echo(str(summary))
     if _verbose(ctx) and summary.failed:

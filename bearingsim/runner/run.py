@@ -2,14 +2,16 @@
 
 import signal
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, suppress
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import AbstractContextManager, closing, suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
+from bearingsim.errors import UserError
 from bearingsim.runner.bounds import affordable, ended_early, refuse_bounds
 from bearingsim.runner.commands import command
 from bearingsim.runner.findings import of_results
@@ -25,6 +27,7 @@ from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
 if TYPE_CHECKING:
     import pandas as pd
 
+    from bearingsim.runner.cluster import Cluster
     from bearingsim.study import Job, Study
 
 __all__ = ["run", "with_models"]
@@ -46,6 +49,7 @@ def run(
     engine: Engine = BEARINGSIM,
     max_failures: float = inf,
     max_cpu: float = inf,
+    scheduler: str | None = None,
 ) -> RunSummary:
     """Compute the jobs of a study that are not stored yet, into ``out``.
 
@@ -55,7 +59,9 @@ def run(
     first. retry_failed: try failed jobs again. shard: ``(k, n)`` computes share k of n. verify: read every
     stored byte against its checksum before trusting it. progress: False shows none. max_failures: jobs that may
     fail now before no more is begun. max_cpu: CPU time (s) of a job: one estimated to take more is left out, one
-    that takes more fails; neither is part of a job's id, for both leave out results and change none.
+    that takes more fails; neither is part of a job's id, for both leave out results and change none. scheduler:
+    ``tcp://HOST:PORT`` of a dask scheduler, whose workers compute the jobs in place of this machine's; models are
+    still chosen here.
 
     Raises Interrupted (with the summary; what is done stays done), ValueError for options that contradict each
     other, store.FolderInUse, WorkersDie, ScanError when a scan's file is gone, or another, before anything is
@@ -64,7 +70,7 @@ def run(
     started = time.perf_counter()
     root = store.results_folder(study.name, study.quick, out)
     told = [*study.notes, *load(engine.notes)(study.cases())]  # now: files that it reads may go
-    workers = _workers(jobs)
+    workers, joined = _workers(jobs), _joined(scheduler)
     refuse_bounds(max_failures, max_cpu)
     shard_of([], shard)  # a share that does not exist is refused before models are tried
     _prepare(root, fresh, shard)
@@ -82,7 +88,15 @@ def run(
     tally = _Tally(root, command("run", study, root, "--retry-failed"), plan.failures, max_failures)
     interrupted = 0
     try:
-        if plan.todo:
+        if plan.todo and joined is not None:
+            todo, costs, left = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
+            told += left
+            with joined() as cluster:
+                works = _works(root, study, todo, costs, cluster.workers, engine)
+                works = [replace(work, max_cpu=max_cpu, max_failures=max_failures) for work in works]
+                store.check_room(root, LEAST_PART * sum(work.bytes for work in works))
+                _compute(works, cluster.outcomes(works), tally, progress)
+        elif plan.todo:
             with getting_ready(progress) as patience:
                 patience.begin("estimating what the jobs take")
                 todo, costs, left = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
@@ -92,7 +106,7 @@ def run(
                 works = [replace(work, max_cpu=max_cpu, max_failures=max_failures) for work in works]
                 store.check_room(root, LEAST_PART * sum(work.bytes for work in works))
                 _warm(root, engine, todo, patience)
-            _compute(works, workers, tally, progress)
+            _compute(works, outcomes(works, workers), tally, progress)
     except KeyboardInterrupt as stop:
         interrupted = getattr(stop, "number", signal.SIGINT)
     store.sweep(root)
@@ -161,6 +175,17 @@ def _workers(asked: int | None) -> int:
     if asked is not None and asked < 1:
         raise ValueError(f"expected at least 1 worker process, got {asked}")
     return asked or int(cpu_count())
+
+
+def _joined(scheduler: str | None) -> "Callable[[], AbstractContextManager[Cluster]] | None":
+    """What joins the workers of a scheduler, if one is named. Raises UserError without the package for it."""
+    if scheduler is None:
+        return None
+    try:
+        from bearingsim.runner.cluster import joined
+    except ModuleNotFoundError as error:
+        raise UserError(f"--scheduler needs `{error.name}`: pip install 'bearingsim[cluster]'") from None
+    return partial(joined, scheduler)
 
 
 def _prepare(root: Path, fresh: bool, shard: tuple[int, int]) -> None:
@@ -302,11 +327,13 @@ def _cost(estimate: Callable[[Any], Any], case: Any) -> Cost:
     return Cost(float(found.cpu_seconds), float(found.bytes), float(found.most_memory))
 
 
-def _compute(works: Sequence[Work], workers: int, tally: _Tally, shown: bool | None) -> None:
-    """Compute units of work, taking each outcome in as it comes."""
+def _compute(
+    works: Sequence[Work], outcomes: Generator[Outcome, None, None], tally: _Tally, shown: bool | None
+) -> None:
+    """Take in the outcome of each unit of work as it comes."""
     price = {job.id: seconds for work in works for job, seconds in zip(work.jobs, work.seconds, strict=True)}
     bar = shown_progress(shown, len(price), sum(price.values()))
-    with bar as report, ending() as end, closing(outcomes(works, workers)) as coming:
+    with bar as report, ending() as end, closing(outcomes) as coming:
         for outcome in coming:
             tally.add(outcome)
             if tally.full:

@@ -13,7 +13,7 @@ from typing import Any
 
 from bearingsim.errors import Signalled
 
-__all__ = ["asked", "ending", "flag_for_workers", "heeding", "ignoring", "take_flag"]
+__all__ = ["asked", "ending", "flag_for_workers", "heed", "heeding", "ignoring", "take_flag"]
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 _received = 0  # number of the signal, in the process that got it
@@ -36,10 +36,15 @@ def flag_for_workers() -> Any:
     return _flag
 
 
-def take_flag(flag: Any) -> None:
-    """In a worker: heed the flag, and no signal; these often go to all processes at once."""
+def heed(flag: Any) -> None:
+    """In a worker: from now on the flag tells it to stop."""
     global _flag
     _flag = flag
+
+
+def take_flag(flag: Any) -> None:
+    """In a worker: heed the flag, and no signal; these often go to all processes at once."""
+    heed(flag)
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
 

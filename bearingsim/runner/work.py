@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf
@@ -44,6 +44,9 @@ class Engine:
 
 
 BEARINGSIM = Engine()
+
+Seal = Callable[[Path, Sequence[tuple["Job", "Record"]], Mapping[str, Value]], object]
+"""Puts records where they stay: told of the results folder, jobs and their records, and what made them."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +100,7 @@ def load(path: str) -> Callable[..., Any]:
     return function
 
 
-def compute(work: Work) -> Outcome:
+def compute(work: Work, seal: Seal = write_units) -> Outcome:
     """Simulate the jobs of a unit, seal their records, and return failures as values.
 
     Whoever is asked to stop seals what is done. Only what concerns the whole study is raised: DiskFull, a bug
@@ -122,11 +125,11 @@ def compute(work: Work) -> Outcome:
             except DiskFull:
                 raise
             except KeyboardInterrupt:  # where nobody heeds signals
-                write_units(work.root, done, work.provenance)
+                seal(work.root, done, work.provenance)
                 raise
             except Exception as error:
                 failed.append(_failure(job.id, error))
-        write_units(work.root, done, work.provenance)
+        seal(work.root, done, work.provenance)
     return Outcome(
         unit=unit,
         done=tuple(job.id for job, _ in done),

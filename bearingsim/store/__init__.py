@@ -24,7 +24,7 @@ from bearingsim.store.nearness import audited, nearness
 from bearingsim.store.provenance import made_of, provenance
 from bearingsim.store.prune import Superfluous, prune, superfluous
 from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs, results_folder
-from bearingsim.store.scans import keep_scans
+from bearingsim.store.scans import keep_scans, kept_scans, with_short_paths
 from bearingsim.store.sealed import UNREADABLE
 from bearingsim.store.spread import errors, spread
 from bearingsim.store.table import build_table, info, job_frame, read_plan, write_plan
@@ -36,7 +36,17 @@ from bearingsim.store.trials import (
     write_choices,
     write_trials,
 )
-from bearingsim.store.units import DamagedUnit, Series, check_unit, read_series, unit_name, unit_path, write_units
+from bearingsim.store.units import (
+    DamagedUnit,
+    Series,
+    check_unit,
+    read_series,
+    sealed_units,
+    take_unit,
+    unit_name,
+    unit_path,
+    write_units,
+)
 
 __all__ = [
     "UNREADABLE",
@@ -66,6 +76,7 @@ __all__ = [
     "info",
     "job_frame",
     "keep_scans",
+    "kept_scans",
     "lock",
     "log",
     "made_of",
@@ -85,13 +96,16 @@ __all__ = [
     "refuse_links",
     "results_folder",
     "room",
+    "sealed_units",
     "spread",
     "start_marker",
     "superfluous",
     "sweep",
     "take_suspects",
+    "take_unit",
     "unit_name",
     "unit_path",
+    "with_short_paths",
     "write_bytes",
     "write_choices",
     "write_plan",
