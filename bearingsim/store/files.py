@@ -179,10 +179,10 @@ def lock(root: Path, wait: bool = True) -> Iterator[None]:
 
     On a disk that has no locks nothing is held. Without ``wait`` raises filelock.Timeout if another holds it.
     """
-    held = FileLock(root / ".lock")
+    held = FileLock(root / ".lock", timeout=-1 if wait else 0)
     try:
         with room(root / ".lock"):
-            held.acquire(blocking=wait)
+            held.acquire()
     except OSError as error:
         if error.errno not in NO_LOCKS:
             raise
