@@ -5,6 +5,7 @@
 # make stability   where each method fails             make ring_bends | ring_trends | paper_literal   (QUICK=1: fewer)
 # make bench       how fast, beside peers                make bench-compare   whether speed was lost
 # make speed-accuracy   which model and method to take: charts, docs/speed-accuracy.md  (QUICK=1: a small one)
+# make sensitivity   what decides the line of Fig. 16: Sobol' indices, docs/sensitivity.md  (QUICK=1: fewer blocks)
 PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
@@ -15,10 +16,10 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick check lint studies study $(STUDIES) stability lock clean bench bench-compare bench-peers speed-accuracy faults
+.PHONY: help install install-dev demo test test-quick check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults
 
 help:
-	@sed -n '1,7s/^# //p' Makefile
+	@sed -n '1,8s/^# //p' Makefile
 
 install: $(VENV)/installed
 install-dev: $(VENV)/installed-dev
@@ -64,6 +65,10 @@ study: install
 	$(BIN)/bearingsim check "$(STUDY)" $(REDUCED) --jobs $(JOBS)
 	$(BIN)/bearingsim run "$(STUDY)" --jobs $(JOBS) $(REDUCED) --out "$(OUT)"; code=$$?; \
 	  if [ $$code -le 1 ]; then $(BIN)/bearingsim plot "$(OUT)" || exit $$?; fi; exit $$code
+
+sensitivity: install
+	$(BIN)/bearingsim run studies/sensitivity.yaml --jobs $(JOBS) $(REDUCED) --out $(RESULTS)
+	$(BIN)/bearingsim sensitivity $(RESULTS) --of velocity@BPFO --of velocity@BPFO-healthy
 
 stability: install
 	$(BIN)/bearingsim stability $(REDUCED) --jobs $(JOBS)

@@ -22,10 +22,11 @@ Kind = Literal["lhs", "sobol", "saltelli", "morris"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 EXTENDED: tuple[Kind, ...] = ("sobol", "saltelli", "morris")
 """Designs whose first rows stay as they are when ``n`` grows."""
-LEVELS = 4
-"""Values that a parameter takes in a design by Morris; even."""
-MORRIS_STEP = 0.5
-"""By how much a parameter moves there, in the unit cube: half of the levels."""
+LEVELS = (1 / 16, 5 / 16, 11 / 16, 15 / 16)
+"""Values that a parameter takes in a design by Morris: one in each quarter of equal probability."""
+MORRIS_STEP = 5 / 8
+"""By how much a parameter moves there: two levels up or down. It is not half of the range, which would be blind to
+whatever repeats itself within half of the range."""
 
 
 def cube(kind: Kind, n: int, d: int, seed: int) -> "NDArray[np.float64]":
@@ -74,20 +75,19 @@ def _saltelli(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.floa
 def _morris(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
     """Trajectories of d + 1 points: each step moves one parameter, in a random order, up or down by MORRIS_STEP.
 
-    Morris, Technometrics 33 (1991) 161-174, with p = 4 levels. His levels 0, 1/3, 2/3, 1 and steps of 2/3 are put
-    at 1/8, 3/8, 5/8, 7/8 with steps of 1/2 here, in the middles of quarters of equal probability: so a normal
-    distribution is not always tried at its bounds.
+    Morris, Technometrics 33 (1991) 161-174, with p = 4 levels and steps of two. His levels are 0, 1/3, 2/3, 1;
+    those here lie within, so a normal distribution is not always tried at its bounds.
     """
     import numpy as np
 
     start, way, order = np.moveaxis(random.random((n, 3, d)), 1, 0)
-    half = LEVELS // 2
-    low = np.floor(half * start)
+    half = len(LEVELS) // 2
+    low = np.floor(half * start).astype(int)
     falls = way < 0.5
     rank = order.argsort(axis=1).argsort(axis=1)
     moved = rank[:, None, :] < np.arange(d + 1)[:, None]
     level = low[:, None, :] + half * (moved ^ falls[:, None, :])
-    return ((level + 0.5) / LEVELS).reshape(-1, d)
+    return np.array(LEVELS)[level].reshape(-1, d)
 
 
 _MADE: dict[Kind, "Callable[[int, int, np.random.Generator], NDArray[np.float64]]"] = {

@@ -135,6 +135,33 @@ def numbers() -> Iterator[tuple[str, str]]:
     yield "a width that is replaced", with_("sweep: {defect.width: [1 mm]}").replace("0.8 mm", "0.8 N")
 
 
+def formulas() -> Iterator[tuple[str, str]]:
+    """Formulas that are none, and designs that nobody could compute."""
+    for text in (
+        "__import__('os').system('true') > 1", "().__class__.__bases__[0] > 1", "load.__class__ > 1",
+        "10**10**10 > 1", "[x for x in (1,)] == 1", "(lambda: 1)() > 0", "open('/etc/passwd') == 1",
+        "load > load[0]", f"{'(' * 390}", f"{'-' * 390}1 > 0", f"{'9' * 5000} > 1", f"{'+'.join('1' * 190)} > 0",
+        "load / 0 > 1 N", "1 if load else 2", "f'{load}' == 1", "load > 1 mm", "lod > 1 N", "\\0 > 1",
+        "9**9**9**9 * load > 1 N", "not " * 90 + "load",
+    ):  # fmt: skip
+        yield f"where {text[:30]}", with_(f'sweep: {{where: ["{text}"]}}')
+    circle = ", ".join(
+        f"defect.{a}: defect.{b}" for a, b in (("width", "depth"), ("depth", "length"), ("length", "width"))
+    )
+    yield "derived in a circle", with_(f"sweep: {{derived: {{{circle}}}}}")
+    yield "5000 derived", BASE + "sweep:\n  derived:\n" + "".join(f"    x{n}: 1\n" for n in range(5000))
+    yield "5000 conditions", with_(f"sweep: {{where: [{', '.join(['1 > 0'] * 5000)}]}}")
+    for kind in ("lhs", "sobol", "saltelli", "morris"):
+        for n in ("1000000000", "9" * 5000, "-1", "1e9", "[1]"):
+            yield f"{kind} of {n[:10]} points", with_(f"sweep: {{{kind}: {{n: {n}, over: {{load: [1 N, 2 N]}}}}}}")
+        yield f"{kind} of nothing", with_(f"sweep: {{{kind}: {{n: 8, over: {{}}}}}}")
+    yield (
+        "a seed of 5000 digits",
+        with_(f"sweep: {{lhs: {{n: 8, seed: {'9' * 5000}, over: {{load: [1 N, 2 N]}}}}}}"),
+    )
+    yield "a billion repeats", with_("sweep: {repeat: 1000000000}")
+
+
 def letters() -> Iterator[tuple[str, bytes]]:
     """Letters and bytes that are no text of a study."""
     text = BASE.encode()
@@ -210,7 +237,7 @@ VALID |= {("figures", "[]"), ("quick", "{}"), ("uncertainty", "{}")}
 
 def malformed(folder: Path) -> Iterator[tuple[str, Path]]:
     """Every malformed file, by name, written into a folder."""
-    texts = [*bombs(), *deep(), *numbers(), *shapes()]
+    texts = [*bombs(), *deep(), *numbers(), *formulas(), *shapes()]
     contents = [(name, text.encode("utf-8", "surrogatepass")) for name, text in texts] + list(letters())
     for number, (name, content) in enumerate(contents):
         path = folder / f"malformed-{number}.yaml"

@@ -273,6 +273,25 @@ def show(
 
 
 @app.command()
+def sensitivity(
+    results: Results = None,
+    of: Annotated[
+        list[str] | None,
+        typer.Option("--of", metavar="FEATURE", help="default: the fault's line; repeatable"),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FIGURE", help="file of the figure (.png, .svg, .pdf; default: in RESULTS/figures)"),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Tell which parameters decide a feature: Sobol' indices or Morris' effects of a design, with intervals."""
+    from bearingsim.cli import sensitivity as deciding
+
+    deciding.show(opened_results(results), of or [], as_json, out)
+
+
+@app.command()
 def export(
     results: Results = None,
     features: Annotated[

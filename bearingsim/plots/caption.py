@@ -91,8 +91,9 @@ def _range(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
     """`150 to 300 N`; words one by one."""
     found = select.values(rows, path)
     if select.is_numeric(found):
-        low = labels.number_text(labels.shown(path, found[0], labels.unit_of(path, units)))
-        return f"{low} to {labels.value_text(path, found[-1], units)}"
+        unit = labels.unit_of(path, units)
+        low, high = (labels.shown(path, value, unit) for value in (found[0], found[-1]))
+        return f"{low:.4g} to {high:.4g}{'' if unit in ('deg', '') else ' '}{labels.pretty(unit)}"
     told = [labels.value_text(path, value, units) for value in found]
     return " / ".join(told if len(told) <= MOST_WORDS else [*told[:MOST_WORDS], f"{len(told) - MOST_WORDS} more"])
 

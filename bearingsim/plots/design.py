@@ -37,19 +37,21 @@ from bearingsim.plots.sweep import (
     y_axis,
 )
 from bearingsim.study import Figure
+from bearingsim.study.design import COUNTED
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-__all__ = ["TREND", "Trend", "draw", "draw_paths", "said", "trend"]
+__all__ = ["TREND", "Trend", "by_logarithm", "draw", "draw_paths", "said", "trend"]
 
 FEWEST = 24  # points that have a middle worth drawing
 MOST_LEVELS = 12  # values on x, up to which each has its own median
 MOST_GROUPS = 20
+WIDE = 5.0  # ratio of the ends of a range from which on a log axis is worth its odd ticks
 MOST_COLUMNS = 3
 POINTS: dict[str, Any] = {"linestyle": "", "markersize": 3.0, "alpha": 0.55, "markeredgewidth": 0.0}
-TREND = "line: median of points side by side, band: the middle half of them"
+TREND = ("line: median of points side by side", "band: the middle half of them")
 
 
 class Trend(NamedTuple):
@@ -83,8 +85,8 @@ def trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
 
 
 def said(design: Mapping[str, Any]) -> str:
-    """A design in a caption: `sobol design of 64, seed 1`."""
-    return f"{design['kind']} design of {design['n']}, seed {design['seed']}"
+    """A design in a caption: `sobol design of 64 points, seed 1`."""
+    return f"{design['kind']} design of {design['n']} {COUNTED[design['kind']]}, seed {design['seed']}"
 
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
@@ -121,7 +123,8 @@ def draw_paths(
     canvas = Canvas(figsize=(width, lines * ROW_IN * 0.9 + 0.55), layout=layout)
     axes = list(canvas.subplots(lines, columns, sharey=True, squeeze=False).flat)
     for number, (ax, path) in enumerate(zip(axes, paths, strict=False)):
-        _panel(ax, name, replace(figure, x=path), rows, rows, units)
+        log = (*figure.log, "x") if by_logarithm(list(rows[path])) else figure.log
+        _panel(ax, name, replace(figure, x=path, log=log), rows, rows, units)
         ax.set_xlabel(_x_label(path, rows, units))
         letter(ax, number, len(paths), "")
         if number % columns:
@@ -132,6 +135,16 @@ def draw_paths(
         canvas.legend(handles=entries, loc="outside right upper")
     finish(canvas, figure.title, caption)
     return canvas
+
+
+def by_logarithm(values: Sequence[float]) -> bool:
+    """Whether values fill their range evenly by their logarithm: their median is nearer to the geometric mean of
+    its ends than to the other one.
+    """
+    low, high = min(values), max(values)
+    if not 0.0 < low * WIDE <= high:
+        return False
+    return float(np.median(values)) < math.sqrt(math.sqrt(low * high) * (low + high) / 2.0)
 
 
 def _x_label(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-__all__ = ["FORMATS", "KINDS", "drawn", "plot"]
+__all__ = ["FORMATS", "KINDS", "drawn", "plot", "slug", "written"]
 
 PIT, LOAD, RING, DESIGN = "pit", "load", "ring", "design"
 OF_JOBS = ("series", "spectrum", "envelope", "roller", LOAD, PIT, RING)
@@ -61,7 +61,7 @@ def plot(
     with mpl.rc_context(RC):  # type: ignore[arg-type]
         sheets = drawn(results, kind, x, jobs, **changes)
         folder.mkdir(parents=True, exist_ok=True)
-        return [_written(canvas, folder / f"{name}.{file_format}") for name, canvas in sheets]
+        return [written(canvas, folder / f"{name}.{file_format}") for name, canvas in sheets]
 
 
 def drawn(
@@ -87,7 +87,8 @@ def _check_done(results: "Results") -> None:
     raise PlotError(f"no job is done, there is nothing to draw{failed}")
 
 
-def _written(canvas: "Canvas", path: Path) -> Path:
+def written(canvas: "Canvas", path: Path) -> Path:
+    """Write a figure as the ending of its name says; return the file."""
     from bearingsim.store import write_bytes
 
     drawing, kind = BytesIO(), path.suffix.removeprefix(".")
@@ -155,7 +156,7 @@ def _of_design(results: "Results", changes: Mapping[str, Any]) -> list[tuple[str
 def _design_said(results: "Results") -> list[str]:
     from bearingsim.plots import design
 
-    return [design.said(results.plan["design"]), design.TREND]
+    return [design.said(results.plan["design"]), *design.TREND]
 
 
 def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple[Canvas, Figure]":
@@ -203,7 +204,7 @@ def _name(number: int, figure: "Figure", x: str | None, changes: Mapping[str, An
     asked = x or any(changes.values())
     y = figure.y if changes.get("y") else figure.y[:1]
     words = [f"{'plot' if asked else 'fig'}{number}", *y, "vs", figure.x]
-    return _slug([*words, *_asked(changes)])
+    return slug([*words, *_asked(changes)])
 
 
 def _asked(changes: Mapping[str, Any]) -> list[str]:
@@ -215,10 +216,11 @@ def _asked(changes: Mapping[str, Any]) -> list[str]:
 
 def _name_of_design(feature: str, changes: Mapping[str, Any]) -> str:
     """`design-velocity-bpfo`."""
-    return _slug([DESIGN, feature, *_asked(changes)])
+    return slug([DESIGN, feature, *_asked(changes)])
 
 
-def _slug(words: Sequence[str]) -> str:
+def slug(words: Sequence[str]) -> str:
+    """Words as the name of a file: `fig1-velocity-bpfo`."""
     return "-".join("".join(c if c.isalnum() else " " for c in " ".join(words).lower()).split())
 
 
@@ -250,7 +252,7 @@ def _of_pits(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas
     from bearingsim.plots import pit
 
     return [
-        (_slug([PIT, one.jobs[0][:8], *([str(one.number)] if one.of > 1 else [])]), pit.draw_pit(results, one))
+        (slug([PIT, one.jobs[0][:8], *([str(one.number)] if one.of > 1 else [])]), pit.draw_pit(results, one))
         for one in pit.sheets(results, jobs)
     ]
 
@@ -262,7 +264,7 @@ def _of_rings(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canva
     sheets, problems = [], []
     for job in jobs:
         try:
-            sheets.append((_slug([RING, job[:8]]), ring.draw_ring(results, job)))
+            sheets.append((slug([RING, job[:8]]), ring.draw_ring(results, job)))
         except PlotError as error:
             problems.append((job, error))
     if not sheets:
@@ -282,4 +284,4 @@ def _check_changes(kind: str, changes: Mapping[str, Any]) -> None:
 
 def _name_of_jobs(kind: str, y: Sequence[str], jobs: Sequence[str]) -> str:
     more = [f"and {len(jobs) - MAX_NAMED} more"] if len(jobs) > MAX_NAMED else []
-    return _slug([kind, *y, *(job[:8] for job in jobs[:MAX_NAMED]), *more])
+    return slug([kind, *y, *(job[:8] for job in jobs[:MAX_NAMED]), *more])

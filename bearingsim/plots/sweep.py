@@ -41,6 +41,7 @@ __all__ = [
 ROW_IN = 2.7
 HEADROOM = 1.05  # an axis from zero ends so much above the largest value
 LABEL_LETTERS = 34  # of an axis label, in a line
+CAPTION_LINES, CAPTION_LINE_IN = 4, 0.13  # lines that find room below any figure; height of one more
 CHARACTER_IN = 0.066  # width of a letter of the legend
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
@@ -85,12 +86,14 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
 
 
 def finish(canvas: Canvas, title: str | None, caption: Sequence[str]) -> None:
-    """Put the title above and the caption, wrapped to the figure's width, below."""
+    """Put the title above and the caption, wrapped to the figure's width, below; a long one makes it higher."""
     if title:
         canvas.suptitle(title, fontsize=10.0)
     width = int(canvas.get_size_inches()[0] / 0.053)
     whole = [item.replace(" ", NO_BREAK) for item in caption]
     text = textwrap.fill(", ".join(whole), width, break_on_hyphens=False)
+    inches, height = canvas.get_size_inches()
+    canvas.set_size_inches(inches, height + CAPTION_LINE_IN * max(0, text.count("\n") + 1 - CAPTION_LINES))
     canvas.supxlabel(text, x=0.01, ha="left", fontsize=7.0, color="0.35")
 
 

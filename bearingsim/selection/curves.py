@@ -19,40 +19,45 @@ class Curve:
 def curves(study: Study) -> list[Curve]:
     """Every curve of a study's figures whose feature it asks an accuracy of."""
     asked = study.goal.of if study.goal is not None else ()
+    design = study.drawn.paths if study.drawn is not None else ()
     swept = [values for _, values in study.swept_cases]
     return [
         Curve(feature, cases)
         for figure in study.figures
         for feature in figure.y
         if feature in asked
-        for cases in _of_figure(figure, swept)
+        for cases in _of_figure(figure, swept, design)
     ]
 
 
-def _of_figure(figure: Figure, swept: Sequence[dict[str, float | str]]) -> Iterator[tuple[int, ...]]:
+def _of_figure(
+    figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]
+) -> Iterator[tuple[int, ...]]:
     """The cases of each curve of a figure: one for each combination of what it draws apart."""
     meant = [
         number
         for number, values in enumerate(swept)
         if all(_is_meant(path, text, values.get(path)) for path, text in figure.where.items())
     ]
-    paths = _apart(figure, [swept[number] for number in meant])
+    paths = _apart(figure, [swept[number] for number in meant], design)
     found: dict[tuple, list[int]] = {}
     for number in meant:
         found.setdefault(tuple(swept[number].get(path) for path in paths), []).append(number)
     return (tuple(numbers) for numbers in found.values())
 
 
-def _apart(figure: Figure, swept: Sequence[dict[str, float | str]]) -> list[str]:
+def _apart(figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]) -> list[str]:
     """The paths that part a figure's curves: those it names, then every other that still varies at one x.
 
-    As figures are drawn (``plots/select.py``).
+    As figures are drawn (``plots/select.py``). The points of a design are one cloud: what it moves parts nothing.
     """
     paths = [*figure.by, *figure.panels]
-    for path in dict.fromkeys(name for values in swept for name in values if name not in (figure.x, *paths)):
+    free = [path for path in design if path not in (figure.x, *paths)]
+    others = (name for values in swept for name in values if name not in (figure.x, *paths, *free))
+    for path in dict.fromkeys(others):
         at: dict[tuple, set] = {}
         for values in swept:
-            place = tuple(values.get(name) for name in (figure.x, *paths))
+            place = tuple(values.get(name) for name in (figure.x, *free, *paths))
             at.setdefault(place, set()).add(values.get(path))
         if any(len(found) > 1 for found in at.values()):
             paths.append(path)

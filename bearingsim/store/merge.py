@@ -106,7 +106,7 @@ def _refuse_other_plan(one: Results, other: Results) -> None:
         if name in apart:
             raise Unmergeable(
                 f"{one.path} and {other.path} hold results of two plans: {_difference(name, one.plan, other.plan)}"
-                " (run one study file in both: what is done is kept)"
+                + (" (run one study file in both: what is done is kept)" if name != "study" else "")
             )
 
 

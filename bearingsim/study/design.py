@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MAX_SEED = 999_999_999
+VALUES_A_ROW = 10
+"""Of the largest design: more paths leave room for fewer rows."""
 KEYS = ("n", "seed", "over")
 EXAMPLE = "{n: 64, over: {load: [100 N, 200 N]}}"
 COUNTED: dict[Kind, str] = {
@@ -41,15 +43,16 @@ IN_BLOCKS: tuple[Kind, ...] = ("saltelli", "morris")
 class Design:
     """A design that a study sweeps: ``ids`` of the jobs of all its rows, in order; two rows may be one job.
 
-    kind, n, seed: as ``designs.cube`` takes them; paths: one for each column of it. Beside `lhs` and `sobol` a
-    study may sweep more, and drop combinations: then ``ids`` has each combination that is left, the design's row
-    slowest.
+    kind, n, seed: as ``designs.cube`` takes them; paths: one for each column of it; ranges: their bounds (SI).
+    Beside `lhs` and `sobol` a study may sweep more, and drop combinations: then ``ids`` has each combination that
+    is left, the design's row slowest.
     """
 
     kind: Kind
     n: int
     seed: int
     paths: tuple[str, ...]
+    ranges: tuple[tuple[float, float], ...]
     ids: tuple[str, ...]
 
     def __str__(self) -> str:
@@ -66,6 +69,7 @@ class Drawn:
     n: int
     seed: int
     paths: tuple[str, ...]
+    ranges: tuple[tuple[float, float], ...]
     cases: tuple[int, ...] = ()
 
     def notes(self) -> Iterator[str]:
@@ -106,7 +110,7 @@ def _drawn(kind: Kind, entry: Node, most: int) -> tuple[Drawn, Axis]:
     columns = [each.nodes(column) for each, column in zip(ranges, cube(kind, n, len(ranges), seed).T, strict=True)]
     paths = tuple(over.mapping)
     axis = Axis(paths, tuple(zip(*columns, strict=True)), tuple(over.mapping.values()))
-    return Drawn(kind, n, seed, paths), axis
+    return Drawn(kind, n, seed, paths, tuple(map(_ends, paths, ranges))), axis
 
 
 def _count(kind: Kind, entry: Node, most: int) -> int:
@@ -124,6 +128,11 @@ def _count(kind: Kind, entry: Node, most: int) -> int:
     if rows > most:
         every = f"{node.text} {COUNTED[kind]} of {d} path{'s' * (d > 1)} are {rows} cases"
         raise Wrong(node, f".n: {every}; at most {most} are possible")
+    if rows * d > VALUES_A_ROW * most:
+        message = (
+            f".n: {rows} cases of {d} paths are {rows * d} values; at most {VALUES_A_ROW * most} are possible"
+        )
+        raise Wrong(node, message)
     return n
 
 
@@ -172,8 +181,12 @@ class Range(NamedTuple):
     at: Callable[["NDArray"], Sequence[float]]
 
     def nodes(self, shares: "NDArray") -> tuple[Node, ...]:
-        """The values as they would stand in the file."""
-        return tuple(self._node(number) for number in self.at(shares))
+        """The values as they would stand in the file; equal ones are one object, for designs repeat them."""
+        import numpy as np
+
+        different, places = np.unique(shares, return_inverse=True)
+        made = [self._node(number) for number in self.at(different)]
+        return tuple(made[place] for place in places.tolist())
 
     def _node(self, number: float) -> Node:
         found = written(number, self.unit, self.first)
@@ -219,6 +232,13 @@ def _pair(path: str, node: Node) -> tuple[Node, Node, float, float, str]:
     a, unit = number_in(first, None)
     b, _ = number_in(second, unit)
     return first, second, a, b, unit
+
+
+def _ends(path: str, found: Range) -> tuple[float, float]:
+    """The bounds of a range in SI."""
+    known = dimension(path)
+    assert known is not None
+    return parse(found.first.text, known), parse(found.last.text, known)
 
 
 def _check(path: str, node: Node) -> None:

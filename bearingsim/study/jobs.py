@@ -134,7 +134,7 @@ class Study:
         if found is None:
             return None
         ids = tuple(self._ids[number] for number in found.cases)
-        return Design(found.kind, found.n, found.seed, found.paths, ids)
+        return Design(found.kind, found.n, found.seed, found.paths, found.ranges, ids)
 
     @cached_property
     def _ids(self) -> tuple[str, ...]:
@@ -163,13 +163,16 @@ class Study:
         return (RIGID,) * rigid + (NO_SLIP,) * (not slips) + tuple(beyond(self.cases(), drawn))
 
     def variations(self) -> list[Variation]:
-        """What is varied of the cases: of all by `uncertainty`, or of a few if the study does not speak of it."""
+        """What is varied of the cases: of all by `uncertainty`; of a few if the study does not speak of it.
+
+        Of a design nothing unasked: a larger one computes its new points only.
+        """
         return self._variations
 
     @cached_property
     def _variations(self) -> list[Variation]:
-        if self.uncertainty is not None:
-            cases, uncertain = self.cases(), self.uncertainty
+        if self.uncertainty is not None or self.drawn is not None:  # what a design is to vary is in it
+            cases, uncertain = self.cases(), self.uncertainty or ()
         else:
             cases, uncertain = sampled(self.cases(), len(self.planned())), (USUAL,)
         return [

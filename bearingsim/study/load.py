@@ -32,7 +32,8 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     cases = [plan.cases() for plan in plans]
     swept = {path: node for plan in plans for path, node in plan.entries().items()}
     uncertain = parse_uncertainty(root.mapping.get("uncertainty"), problems)
-    figures = parse_figures(root.mapping.get("figures"), swept, problems)
+    wrong = sorted({path for plan in plans for path in plan.asked} - swept.keys())  # told where they are swept
+    figures = parse_figures(root.mapping.get("figures"), [*swept, *wrong], problems)
     name = _name(root, problems)
     goal = parse_goal(whole.mapping.get("accuracy"), figures, problems)
     if all(cases):

@@ -247,7 +247,7 @@ class Plan:
         """Note where `where` leaves nothing, and `repeat` repeats what is not random."""
         if self.problems or self.found:
             return
-        if not cases:
+        if not cases and self.relations.dropped:
             self.problems.append(self.relations.nothing_left())
         node = self.words.get("repeat")
         if node is not None and not any(map(is_random, cases)):

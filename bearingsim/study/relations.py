@@ -210,9 +210,10 @@ def _in_order(derived: list[Derived], place: Place, problems: list[Problem]) -> 
     try:
         return tuple(by_place[where] for where in TopologicalSorter(needs).static_order())
     except CycleError as error:
-        circle = [by_place[where] for where in error.args[1]]
-        first = min(circle, key=lambda one: list(by_place).index(one.place))
-        chain = ", which follows from ".join(f"`{one.path}`" for one in circle[::-1][1:])
-        message = f"derived: `{circle[-1].path}` follows from {chain}: none can be first"
+        circle = [by_place[where] for where in error.args[1][:0:-1]]  # each follows from the next
+        at = circle.index(min(circle, key=lambda one: list(by_place).index(one.place)))
+        first, *others = circle[at:] + circle[:at]
+        chain = ", which follows from ".join(f"`{one.path}`" for one in (*others, first))
+        message = f"derived: `{first.path}` follows from {chain}: none can be first"
         problems.append(problem(first.entry.key or first.entry.mark, message))
         return ()

@@ -87,7 +87,7 @@ def _sweep() -> dict[str, Any]:
     block = {"type": "object", "additionalProperties": values}
     zipped = {"anyOf": [block, {"type": "array", "items": block}]}
     words = {"type": "string"}
-    own = {
+    own: dict[str, Any] = {
         "zip": zipped,
         **dict.fromkeys(KINDS, _design()),
         "derived": {"type": "object", "additionalProperties": {"type": ["string", "number"]}},

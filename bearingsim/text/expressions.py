@@ -348,8 +348,8 @@ def _tree(node: Node, python: str, shift: int) -> ast.expr:
             warnings.simplefilter("ignore")  # of what would be refused anyway, as in `1if`
             return ast.parse(python, mode="eval").body
     except SyntaxError as error:
-        at = max(0, min((error.offset or 1) - 1, len(python) - 1))
-        hint = "units are those of docs/studies.md, as in `3 mm`; what has a comma stands in quotes"
+        at = min(error.offset or len(python), len(python)) - 1  # no offset: it ends too early
+        hint = "a quantity is written as in `3 mm`; what has a comma stands in quotes"
         raise ExpressionError(_mark_at(node, shift + at), "this is no formula", hint) from None
     except (ValueError, MemoryError, RecursionError):
         raise ExpressionError(node.mark, "this is no formula") from None

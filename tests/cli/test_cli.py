@@ -95,6 +95,26 @@ def test_check_prints_the_plan(here):
     assert "\ndamping: c/k 2.5 us (plausible: 0.3 to 25 us), damping ratio 0.0765 to 0.0789;" in said
 
 
+def test_check_shows_the_design(here):
+    sweep = STUDY.replace("load: [150 N, 300 N]", "morris: {n: 6, over: {load: [150 N, 300 N]}}")
+    Path("design.yaml").write_text(sweep.replace("model: [static, ring]", "model: [static]"))
+    said, _ = type_("check", "design.yaml")
+    assert said.splitlines()[1] == "design: morris, 6 trajectories of 1 path, seed 0; 12 rows, 4 cases"
+    found = json.loads(type_("check", "design.yaml", "--json")[0])
+    assert (found["design"]["kind"], found["design"]["paths"]) == ("morris", ["load"])
+    assert set(found["design"]["ids"]) == {job["job"] for job in found["jobs"] if not job["twin"]}
+    assert json.loads(type_("check", "small.yaml", "--json")[0])["design"] is None
+
+
+def test_a_design_of_a_billion_points_is_refused(here):
+    sweep = STUDY.replace("load: [150 N, 300 N]", "sobol: {n: 1000000000, over: {load: [150 N, 300 N]}}")
+    Path("design.yaml").write_text(sweep)
+    _, told = type_("check", "design.yaml", code=2)
+    first, line, caret = told.splitlines()
+    assert first.startswith("design.yaml:7:14: sweep.sobol.n: 1000000000 points of 1 path")
+    assert line[caret.index("^") :].startswith("1000000000")
+
+
 @pytest.mark.parametrize(
     ("found", "text"),
     [([0.2, 0.35], "0.2 .. 0.35"), ([2.0, 2.001], "2"), ([math.inf, 2.0, 0.0], "2"), ([math.inf], "-")],

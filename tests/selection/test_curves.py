@@ -41,6 +41,17 @@ def test_paths_that_move_with_x_part_no_curve(write: Write) -> None:
     assert drawn(write, "y: velocity@BPFO, x: load", sweep=zipped) == [(0, 1)]
 
 
+def test_the_points_of_a_design_are_one_cloud(write: Write) -> None:
+    """Rows of `saltelli` share values: what else moves at one of them parts no cloud, nor does what follows."""
+    blocks = "sweep: {saltelli: {n: 4, over: {load: [150 N, 300 N], defect.width: [0.2 mm, 0.8 mm]}}, %s}\n"
+    derived = blocks % "derived: {defect.depth: defect.width / 20}"
+    assert drawn(write, "y: velocity@BPFO, x: load", sweep=derived) == [tuple(range(16))]
+    clouds = blocks.replace("saltelli", "sobol") % "clearance: [0 um, 5 um]"
+    apart = [tuple(range(0, 8, 2)), tuple(range(1, 8, 2))]
+    assert drawn(write, "y: velocity@BPFO, x: load", sweep=clouds) == apart
+    assert drawn(write, "y: velocity@BPFO, x: load, by: clearance", sweep=clouds) == apart
+
+
 def test_where_knows_words_and_plain_numbers(write: Write) -> None:
     words = "sweep: {load: [150 N, 300 N], excitation: [envelope, soft-edge]}\n"
     assert drawn(write, "y: velocity@BPFO, x: load, where: {excitation: soft-edge}", sweep=words) == [(1, 3)]

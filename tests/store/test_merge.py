@@ -223,10 +223,11 @@ def test_a_job_that_one_has_done_has_not_failed_and_the_last_failure_counts(tmp_
     study = FakeStudy(WIDTHS)
     first = folder(tmp_path / "a", study, [[0]], failed=[1, 2])
     second = folder(tmp_path / "b", study, [[1]], failed=[0, 2], host="bb")
-    merged = store.merge([second, first], tmp_path / "out")
-    assert merged.jobs == {"done": 2, "failed": 1, "missing": 5}
-    [failure] = store.read_failures(tmp_path / "out").values()
-    assert (failure.job, failure.when) == (study.jobs()[2].id, "2026-01-02")
+    for number, order in enumerate([[first, second], [second, first]]):
+        merged = store.merge(order, tmp_path / f"out{number}")
+        assert merged.jobs == {"done": 2, "failed": 1, "missing": 5}
+        [failure] = store.read_failures(tmp_path / f"out{number}").values()
+        assert (failure.job, failure.when) == (study.jobs()[2].id, "2026-01-02")
 
 
 def test_scans_trials_and_choices_come_along(tmp_path: Path) -> None:

@@ -257,6 +257,9 @@ def test_the_schema_knows_what_a_study_may_say() -> None:
     assert schema["$defs"]["Defect"]["properties"]["shape"]["enum"] == [*get_args(Shape)]
     assert schema["properties"]["friction"]["anyOf"][0]["enum"] == ["static-dynamic", "traction", "none"]
     assert schema["properties"]["drag"]["anyOf"][0] == {"const": "none"}
+    assert {"zip", "sobol", "morris", "derived", "where", "repeat"} < schema["properties"]["sweep"][
+        "properties"
+    ].keys()
     assert "a class: C2, CN" in schema["properties"]["clearance"]["description"]
     assert "palmgren" in schema["$defs"]["Contact"]["properties"]["stiffness"]["anyOf"][0]["enum"]
     assert schema["properties"]["load"]["type"] == "string"

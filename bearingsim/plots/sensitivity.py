@@ -1,0 +1,125 @@
+"""What decides a feature: Sobol' indices as bars, Morris' effects as points, both with their intervals."""
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+from bearingsim.plots import labels
+from bearingsim.plots.caption import fixed_values
+from bearingsim.plots.style import COLOURS, MARKERS, RC
+from bearingsim.plots.sweep import finish
+from bearingsim.sensitivity import LEVEL, Blocks, Effects, Estimate, Indices
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from bearingsim.store import Results
+
+__all__ = ["Answer", "draw", "figure", "label_of"]
+
+Answer = tuple[Blocks, Indices | Effects]
+COLUMN_IN, BAR_IN, NAMES_IN, POINTS_IN = 2.9, 0.42, 1.3, 2.9
+THICK = 0.38
+LABEL_LETTERS = 36
+BARS = (
+    ("first", "first index: alone", "#9BD0F0"),
+    ("total", "total index: also with others", COLOURS[0]),
+)
+WHISKER: dict[str, Any] = {"ecolor": "0.15", "elinewidth": 1.0, "capsize": 2.0}
+
+
+def draw(results: "Results", answers: Sequence[Answer], path: Path) -> Path:
+    """Write the figure of ``figure`` as the ending of its name says; return the file."""
+    import matplotlib as mpl
+
+    from bearingsim.plots.plot import written
+
+    with mpl.rc_context(RC):  # type: ignore[arg-type]
+        return written(figure(results, answers), path)
+
+
+def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:
+    """A column of axes for each feature. All answers are of one design."""
+    blocks, found = answers[0]
+    design, units = results.plan["design"], results.plan["units"]
+    names = [label_of(path, ends, units) for path, ends in zip(blocks.paths, design["ranges"], strict=True)]
+    bars = isinstance(found, Indices)
+    width = len(answers) * COLUMN_IN + NAMES_IN
+    height = (len(names) * BAR_IN if bars else POINTS_IN) + 1.3
+    canvas = Canvas(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06))
+    axes = canvas.subplots(1, len(answers), sharey=bars, squeeze=False)[0]
+    places = _places(found) if isinstance(found, Indices) else []
+    for ax, (own, answer) in zip(axes, answers, strict=True):
+        if isinstance(answer, Indices):
+            _bars(ax, answer, places, names)
+            ax.set_title(textwrap.fill(labels.feature_text(own.feature), LABEL_LETTERS), loc="left")
+        else:
+            _points(ax, own, answer, names)
+    handles, texts = axes[0].get_legend_handles_labels()
+    place: dict[str, Any] = {"loc": "outside upper center", "ncols": 2} if bars else {"loc": "outside right upper"}
+    canvas.legend(handles, texts, **place)
+    table = results.table()[["job"]]
+    rows = table[table["job"].isin(design["ids"])]
+    finish(canvas, None, [*fixed_values(results, rows, set(blocks.paths)), *_told(answers)])
+    return canvas
+
+
+def label_of(path: str, ends: Sequence[float], units: Mapping[str, str]) -> str:
+    """A parameter and its range (SI) in the unit of the study: two lines."""
+    unit = labels.unit_of(path, units)
+    least, largest = (labels.number_text(labels.shown(path, end, unit)) for end in ends)
+    name = labels.name_text(path)
+    return f"{name[:1].upper()}{name[1:]}\n{least} to {largest} {labels.pretty(unit)}".rstrip()
+
+
+def _places(found: Indices) -> list[int]:
+    """Where each parameter stands from the top: by its total index."""
+    return [int(place) for place in np.argsort(np.argsort(-found.total.value, kind="stable"))]
+
+
+def _bars(ax: "Axes", found: Indices, places: Sequence[int], names: Sequence[str]) -> None:
+    for number, (name, text, colour) in enumerate(BARS):
+        one: Estimate = getattr(found, name)
+        where = [place + (number - 0.5) * THICK for place in places]
+        ax.barh(where, one.value, THICK, color=colour, label=text, xerr=_whiskers(one), error_kw=WHISKER)
+    ax.set_yticks(places, names)
+    ax.set_ylim(len(names) - 0.4, -0.6)
+    ax.axvline(0.0, color="0.3", linewidth=0.8)
+    ax.set_xlim(min(-0.05, ax.get_xlim()[0]), max(1.0, ax.get_xlim()[1]))
+    ax.set_xlabel("Share of the variance")
+    ax.grid(visible=False, axis="y")
+
+
+def _points(ax: "Axes", blocks: Blocks, found: Effects, names: Sequence[str]) -> None:
+    unit, factor = labels.feature_axis(blocks.feature, float(found.magnitude.high.max()))
+    in_unit = f" ({unit})" if unit else ""
+    across, up = (Estimate(*(factor * ends for ends in one)) for one in (found.magnitude, found.spread))
+    for place, name in enumerate(names):
+        colour, mark = COLOURS[place % len(COLOURS)], MARKERS[place % len(MARKERS)]
+        bars: dict[str, Any] = WHISKER | {"ecolor": colour, "color": colour, "marker": mark, "clip_on": False}
+        bars |= {"xerr": _whiskers(across)[:, [place]], "yerr": _whiskers(up)[:, [place]], "linestyle": ""}
+        ax.errorbar(across.value[place], up.value[place], label=name, **bars)
+    most = 1.05 * float(max(across.high.max(), up.high.max()))
+    ax.plot([0.0, most], [0.0, most], color="0.6", linewidth=0.8, linestyle="--")
+    ax.annotate("sigma = mu*", (0.93 * most, 0.95 * most), fontsize=7.0, color="0.4", ha="right")
+    ax.set_xlim(0.0, most)
+    ax.set_ylim(0.0, most)
+    ax.set_xlabel(f"mu*, over the whole range{in_unit}")
+    ax.set_ylabel(f"sigma{in_unit}")
+    ax.set_title(textwrap.fill(labels.feature_text(blocks.feature), LABEL_LETTERS), loc="left")
+
+
+def _whiskers(found: Estimate) -> np.ndarray:
+    """Down and up from the value (2, d), as matplotlib takes it; never negative, though rounding may be."""
+    return np.maximum([found.value - found.low, found.high - found.value], 0.0)
+
+
+def _told(answers: Sequence[Answer]) -> list[str]:
+    """Of how many blocks, and what their whiskers are."""
+    counts = dict.fromkeys(f"{len(blocks.values)} of {blocks.planned} blocks" for blocks, _ in answers)
+    return [f"{' and '.join(counts)} ({answers[0][0].kind})", f"whiskers: {100 * LEVEL:.0f} % by bootstrap"]

@@ -1,0 +1,147 @@
+"""From a results folder to the blocks of its design: what a feature is in each row."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bearingsim import designs
+from bearingsim.config import FEATURES
+from bearingsim.errors import UserError
+from bearingsim.runner.commands import typed
+from bearingsim.sensitivity.intervals import Array
+from bearingsim.text.units import suggestion
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from bearingsim.store import Results
+
+__all__ = ["FAILED_AT_MOST", "Blocks", "SensitivityError", "design_of", "of_results"]
+
+FAILED_AT_MOST = 0.1
+"""Share of jobs without a value up to which the rest still stands for the whole."""
+LEAST_BLOCKS = 4
+"""With fewer there is nothing to draw anew from."""
+READ_BY = ("saltelli", "morris")
+TO_WRITE = (
+    "`sweep: {saltelli: {n: 128, seed: 1, over: {defect.width: {uniform: [0.2 mm, 0.8 mm]}, ...}}}`,"
+    " or `morris` in its place for a first look in fewer jobs"
+)
+
+
+class SensitivityError(UserError):
+    """A question that these results cannot answer."""
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """A feature (SI) in those blocks of a design that are whole.
+
+    points: (n, rows, d), in the unit cube; values: (n, rows); paths: the d parameters. dropped: blocks left out
+    for a job that failed or has no value; jobs, failed, valueless, chaotic: how many the design has of each.
+    """
+
+    feature: str
+    kind: str
+    paths: tuple[str, ...]
+    points: Array
+    values: Array
+    dropped: int
+    jobs: int
+    failed: int
+    valueless: int
+    chaotic: int
+
+    @property
+    def planned(self) -> int:
+        """Blocks of the design, dropped ones too."""
+        return len(self.values) + self.dropped
+
+    def losses(self) -> str:
+        """`31 of 128 blocks dropped: ...`; empty where none is."""
+        if not self.dropped:
+            return ""
+        causes = ((self.failed, "failed"), (self.valueless, f"have no `{self.feature}`"))
+        told = " and ".join(f"{count} {what}" for count, what in causes if count)
+        return f"{self.dropped} of {self.planned} blocks dropped: of {self.jobs} jobs {told}"
+
+
+def design_of(results: "Results") -> Mapping[str, Any]:
+    """The design of a study that has one from which indices follow. Raises SensitivityError for another."""
+    design = results.plan.get("design")
+    if design is None:
+        raise SensitivityError(f"{results.path}: the study has no design. For indices write {TO_WRITE}")
+    if design["kind"] not in READ_BY:
+        raise SensitivityError(
+            f"{results.path}: no indices follow from the design `{design['kind']}`: `bearingsim plot` draws"
+            f" features against each of its parameters. For indices write {TO_WRITE}"
+        )
+    return dict(design)
+
+
+def of_results(results: "Results", feature: str) -> Blocks:
+    """The blocks of a feature.
+
+    Raises SensitivityError for results without a design, a feature that they do not have or that does not vary,
+    jobs that are not computed yet, and where more than FAILED_AT_MOST of the jobs have no value.
+    """
+    design = design_of(results)
+    table = results.table().set_index("job")
+    _check_feature(feature, table)
+    rows = table.loc[list(design["ids"])]
+    jobs = rows[~rows.index.duplicated()]
+    _check_computed(results, jobs)
+    failed = jobs["status"] == "failed"
+    valueless = ~failed & ~np.isfinite(jobs[feature])
+    lost = int(failed.sum() + valueless.sum())
+    if lost > FAILED_AT_MOST * len(jobs):
+        raise SensitivityError(
+            f"{lost} of {len(jobs)} jobs have no `{feature}` ({int(failed.sum())} failed). Over"
+            f" {100 * FAILED_AT_MOST:.0f} %, the rest does not stand for the whole. `bearingsim show --failed` has"
+            " the reasons; mend them, or leave the place where they fail out of the ranges"
+        )
+    paths = tuple(design["paths"])
+    size = designs.block(design["kind"], len(paths))
+    values = rows[feature].to_numpy(float).reshape(-1, size)
+    points = designs.cube(design["kind"], len(values), len(paths), design["seed"]).reshape(-1, size, len(paths))
+    whole = np.isfinite(values).all(axis=1)
+    kept = Blocks(
+        feature,
+        design["kind"],
+        paths,
+        points[whole],
+        values[whole],
+        dropped=int((~whole).sum()),
+        jobs=len(jobs),
+        failed=int(failed.sum()),
+        valueless=int(valueless.sum()),
+        chaotic=int((jobs["chaotic"] == 1.0).sum()) if "chaotic" in jobs else 0,
+    )
+    _check_enough(kept)
+    return kept
+
+
+def _check_feature(feature: str, table: "pd.DataFrame") -> None:
+    known = [name for name in map(str, table) if name in FEATURES and not name.endswith(".phase")]
+    if feature not in known:
+        why = " (a phase has no variance: it turns round)" if feature.endswith(".phase") else ""
+        advice = suggestion(feature, known) or f"there are: {', '.join(known) or 'none'}"
+        raise SensitivityError(f"no feature `{feature}` in these results{why} ({advice})")
+
+
+def _check_computed(results: "Results", jobs: "pd.DataFrame") -> None:
+    missing = int((jobs["status"] == "missing").sum())
+    if missing:
+        plan = results.plan
+        again = typed("run", plan["file"], results.path, plan["overrides"], plan["quick"])
+        raise SensitivityError(f"{missing} of {len(jobs)} jobs are not computed yet: {again}")
+
+
+def _check_enough(kept: Blocks) -> None:
+    if len(kept.values) < LEAST_BLOCKS:
+        told = kept.losses() or f"the design has n: {kept.planned}"
+        raise SensitivityError(f"too few blocks for an interval ({told}): raise `n`")
+    if np.ptp(kept.values) == 0.0:
+        raise SensitivityError(f"`{kept.feature}` is the same in all jobs: there is nothing to share out")

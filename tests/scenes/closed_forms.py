@@ -1,0 +1,47 @@
+"""Functions of the unit cube whose Sobol' indices are known in closed form."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Known(NamedTuple):
+    """A function of points (..., d), and its indices (d,)."""
+
+    of: Callable[[Array], Array]
+    first: Array
+    total: Array
+
+
+def _ishigami(a: float = 7.0, b: float = 0.1) -> Known:
+    """sin x + a sin^2 y + b z^4 sin x, each of them from -pi to pi (Ishigami and Homma, 1990)."""
+
+    def of(u: Array) -> Array:
+        x, y, z = np.moveaxis(math.pi * (2.0 * u - 1.0), -1, 0)
+        return np.asarray(np.sin(x) + a * np.sin(y) ** 2 + b * z**4 * np.sin(x))
+
+    of_x = 0.5 * (1.0 + b * math.pi**4 / 5.0) ** 2
+    of_y = a**2 / 8.0
+    both = b**2 * math.pi**8 * (1.0 / 18.0 - 1.0 / 50.0)  # x and z
+    whole = of_x + of_y + both
+    return Known(of, np.array([of_x, of_y, 0.0]) / whole, np.array([of_x + both, of_y, both]) / whole)
+
+
+def _sobol_g(a: Array) -> Known:
+    """The product of (|4 x_j - 2| + a_j)/(1 + a_j) (Saltelli and Sobol', 1995)."""
+
+    def of(u: Array) -> Array:
+        return np.asarray(np.prod((np.abs(4.0 * u - 2.0) + a) / (1.0 + a), axis=-1))
+
+    alone = 1.0 / 3.0 / (1.0 + a) ** 2
+    whole = np.prod(1.0 + alone) - 1.0
+    return Known(of, alone / whole, alone * np.prod(1.0 + alone) / (1.0 + alone) / whole)
+
+
+ISHIGAMI = _ishigami()
+SOBOL_G = _sobol_g(np.array([0.0, 1.0, 4.5, 9.0]))

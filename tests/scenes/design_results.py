@@ -1,0 +1,50 @@
+"""Results of a design over two parameters, by the fake engine: the line is a plane over them."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bearingsim.designs import cube
+from bearingsim.runner import run
+from bearingsim.study.design import Design
+from tests.scenes.fake_studies import ENGINE, FakeCase, FakeJob, FakeStudy, case_id
+
+PATHS = ("defect.width", "load")
+RANGES = ((0.0, 1e-3), (100.0, 200.0))
+SLOPES = (3e-3, 1e-3)
+"""Of the line (m/s) over the whole range of a parameter."""
+
+
+@dataclass
+class DesignStudy(FakeStudy):
+    """A study whose cases are a design; ``deeds`` by row. Rows that are one job are there once."""
+
+    kind: Any = "saltelli"
+    n: int = 16
+
+    def __post_init__(self) -> None:
+        self.units = dict(zip(PATHS, ("mm", "N"), strict=True))
+        self.overrides = {}
+        self.design = Design(self.kind, self.n, 1, PATHS, RANGES, tuple(job.id for job in self.rows()))
+
+    def rows(self) -> list[Any]:
+        """A job for each row of the design."""
+        return [self.job(*row) for row in enumerate(cube(self.kind, self.n, len(PATHS), 1))]
+
+    def job(self, row: int, point: Any) -> Any:
+        width, load = point
+        case = FakeCase(1e-2 + float(point @ SLOPES), self.deeds.get(row, ""))
+        swept: dict[str, float | str] = {"defect.width": 1e-3 * float(width), "load": 100.0 + 100.0 * float(load)}
+        return FakeJob(case_id(case), case, swept, case_id(FakeCase(healthy=True)))
+
+    def jobs(self) -> list[Any]:
+        twin = FakeCase(healthy=True)
+        cases = {job.id: job for job in self.rows()}
+        return [*cases.values(), FakeJob(case_id(twin), twin, {}, None, is_baseline=True)]
+
+
+def computed(root: Path, **study: Any) -> Path:
+    """The results of a design, in a folder."""
+    asked: Any = DesignStudy(**study)
+    run(asked, root, jobs=1, progress=False, engine=ENGINE)
+    return root

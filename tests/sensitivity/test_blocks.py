@@ -1,0 +1,120 @@
+"""What a results folder gives of a feature in the rows of its design, and what it refuses."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bearingsim.designs import block, cube
+from bearingsim.sensitivity import SensitivityError, of_results, sobol
+from tests.scenes.closed_forms import ISHIGAMI
+
+LINE = "velocity@BPFO"
+PATHS = ["defect.width", "load", "clearance"]
+
+
+def results(kind="saltelli", n=8, failed=(), missing=(), without=(), of=ISHIGAMI.of, **columns):
+    """Results with the values of a function in the rows of a design; some jobs, by row, without."""
+    points = cube(kind, n, len(PATHS), 1)
+    ids = [f"{row:04}" for row in range(len(points))]
+    table = pd.DataFrame({"job": ids, "status": "done", LINE: of(points), **columns})
+    for rows, status in ((failed, "failed"), (missing, "missing")):
+        table.loc[list(rows), ["status"]] = status
+    table.loc[[*failed, *missing, *without], [LINE]] = np.nan
+    twin = pd.DataFrame({"job": ["twin"], "status": ["done"], LINE: [1e9]})
+    design = {"kind": kind, "n": n, "seed": 1, "paths": PATHS, "ids": ids}
+    plan = {"design": design, "file": "my study.yaml", "overrides": {"speed": "900 rpm"}, "quick": True}
+    shuffled = pd.concat([table[::-1], twin], ignore_index=True)  # what belongs together is told by ids alone
+    return SimpleNamespace(path=Path("results/mine"), plan=plan, table=lambda: shuffled)
+
+
+def refused(*asked, of=LINE, **told):
+    with pytest.raises(SensitivityError) as caught:
+        of_results(results(*asked, **told), of)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("kind", ["saltelli", "morris"])
+def test_values_stand_in_the_rows_of_the_design(kind):
+    found = of_results(results(kind), LINE)
+    assert found.values.shape == (8, block(kind, 3))
+    assert found.values == pytest.approx(ISHIGAMI.of(found.points))
+    assert (found.dropped, found.failed, found.valueless, found.jobs) == (0, 0, 0, found.values.size)
+    assert found.losses() == ""
+
+
+def test_a_job_without_a_value_spoils_its_block():
+    found = of_results(results(failed=[0, 1, 7], without=[39]), LINE)  # blocks 0, 1 and 7 of 8, 5 rows each
+    assert found.values == pytest.approx(ISHIGAMI.of(found.points))
+    assert (len(found.values), found.dropped, found.planned, found.failed, found.valueless) == (5, 3, 8, 3, 1)
+    assert found.losses() == "3 of 8 blocks dropped: of 40 jobs 3 failed and 1 have no `velocity@BPFO`"
+
+
+def test_three_per_cent_of_failures_leave_the_indices():
+    n = 2**14
+    failed = np.flatnonzero(np.random.default_rng(3).random(5 * n) < 0.03)
+    found = of_results(results(n=n, failed=failed), LINE)
+    assert found.failed == len(failed)
+    assert 0.12 < found.dropped / n < 0.16
+    indices = sobol.indices(found.values)
+    assert np.abs(indices - [ISHIGAMI.first, ISHIGAMI.total]).max() < 0.05
+
+
+def test_over_a_tenth_of_failures_is_refused():
+    assert of_results(results(failed=range(4)), LINE).dropped == 1  # 4 of 40
+    told = refused(failed=range(4), without=[4])
+    assert told.startswith("5 of 40 jobs have no `velocity@BPFO` (4 failed). Over 10 %, the rest does not stand")
+    assert "`bearingsim show --failed`" in told
+
+
+def test_what_is_not_computed_yet_is_refused_with_the_command():
+    told = refused(missing=[3, 4])
+    assert told == (
+        "2 of 40 jobs are not computed yet: "
+        "bearingsim run 'my study.yaml' --out results/mine --set 'speed=900 rpm' --quick"
+    )
+
+
+def test_a_job_that_stands_in_several_rows_counts_once():
+    told = results("morris", n=8, failed=[0])
+    told.plan["design"]["ids"][4] = "0000"  # the first rows of two trajectories
+    found = of_results(told, LINE)
+    assert (found.dropped, found.failed, found.jobs) == (2, 1, 31)
+
+
+@pytest.mark.parametrize("kind", ["lhs", "sobol"])
+def test_points_without_blocks_tell_no_indices(kind):
+    told = refused(kind)
+    assert f"no indices follow from the design `{kind}`: `bearingsim plot` draws features" in told
+    assert "`sweep: {saltelli: {n: 128, seed: 1, over: {defect.width: {uniform:" in told
+
+
+def test_a_study_without_a_design_is_told_what_to_write():
+    plain = results()
+    plain.plan["design"] = None
+    with pytest.raises(SensitivityError, match=r"mine: the study has no design\. .*saltelli: \{n: 128, seed"):
+        of_results(plain, LINE)
+
+
+def test_a_feature_is_one_that_the_results_have():
+    assert refused(of="velocity@BPF").endswith("(did you mean `velocity@BPFO`?)")
+    assert refused(of="status") == "no feature `status` in these results (there are: velocity@BPFO)"
+    assert "a phase has no variance" in refused(of=f"{LINE}.phase", **{f"{LINE}.phase": 1.0})
+
+
+def test_what_does_not_vary_has_no_indices():
+    constant = results(of=lambda points: np.ones(len(points)))
+    with pytest.raises(SensitivityError, match="`velocity@BPFO` is the same in all jobs"):
+        of_results(constant, LINE)
+
+
+def test_few_blocks_have_no_interval():
+    assert refused(n=3) == "too few blocks for an interval (the design has n: 3): raise `n`"
+    assert len(of_results(results(n=4), LINE).values) == 4
+
+
+def test_chaotic_jobs_are_counted():
+    assert of_results(results(chaotic=1.0), LINE).chaotic == 40
+    assert of_results(results(), LINE).chaotic == 0

@@ -1,0 +1,127 @@
+"""Sobol' indices and Morris' effects against closed forms and SciPy."""
+
+import numpy as np
+import pytest
+from scipy.stats import sobol_indices
+
+from bearingsim.designs import cube
+from bearingsim.sensitivity import morris, sobol
+from bearingsim.sensitivity.intervals import estimate
+from tests.scenes.closed_forms import ISHIGAMI, SOBOL_G, Known
+
+KNOWN = pytest.mark.parametrize("known", [ISHIGAMI, SOBOL_G], ids=["ishigami", "sobol-g"])
+BOTH = np.stack
+
+
+def blocks_of(known: Known, n: int, seed: int = 1):
+    d = len(known.first)
+    return known.of(cube("saltelli", n, d, seed)).reshape(n, d + 2)
+
+
+def test_closed_forms_are_those_of_the_literature():
+    assert ISHIGAMI.first == pytest.approx([0.3139, 0.4424, 0.0], abs=1e-4)
+    assert ISHIGAMI.total == pytest.approx([0.5576, 0.4424, 0.2437], abs=1e-4)
+    assert SOBOL_G.first.sum() < 1.0 < SOBOL_G.total.sum()
+
+
+@KNOWN
+@pytest.mark.parametrize("seed", [1, 2])
+def test_indices_are_those_of_closed_forms(known, seed):
+    found = sobol.indices(blocks_of(known, 2**14, seed))
+    assert np.abs(found - BOTH([known.first, known.total])).max() < 0.02
+
+
+@KNOWN
+def test_dropped_blocks_leave_the_indices(known):
+    f = blocks_of(known, 2**14)
+    f[np.random.default_rng(1).random(f.shape) < 0.03] = np.nan
+    whole = f[np.isfinite(f).all(axis=1)]
+    assert 0.8 < len(whole) / len(f) < 0.9
+    assert np.abs(sobol.indices(whole) - BOTH([known.first, known.total])).max() < 0.05
+
+
+@KNOWN
+@pytest.mark.parametrize("offset", [0.0, 1e3])
+def test_indices_are_those_of_scipy(known, offset):
+    f = blocks_of(known, 256) + offset
+    theirs = sobol_indices(func={"f_A": f[:, 0], "f_B": f[:, 1], "f_AB": f[:, None, 2:].T}, n=256)
+    assert sobol.indices(f) == pytest.approx(BOTH([theirs.first_order, theirs.total_order]), abs=1e-9)
+
+
+def test_a_large_mean_does_not_blur_the_first_indices():
+    plain, shifted = (blocks_of(ISHIGAMI, 128) + offset for offset in (0.0, 1e4))
+    assert sobol.indices(shifted) == pytest.approx(sobol.indices(plain), abs=1e-8)
+
+
+def test_what_acts_only_together_is_the_rest():
+    d = 2
+    f = np.prod(cube("saltelli", 4096, d, 1) - 0.5, axis=1).reshape(-1, d + 2)  # x y: nothing alone
+    found = sobol.of_blocks(f)
+    assert found.together.value == pytest.approx([1.0], abs=0.05)
+    assert found.together.low[0] > 0.9
+    assert found.total.value == pytest.approx([1.0, 1.0], abs=0.05)
+
+
+def independent(n, d, seed):
+    a, b = np.random.default_rng(seed).random((2, n, d))
+    mixed = np.where(np.eye(d, dtype=bool), b[:, None, :], a[:, None, :])
+    return np.concatenate([a[:, None], b[:, None], mixed], axis=1).reshape(-1, d)
+
+
+def of_design(n, d, seed):
+    return cube("saltelli", n, d, seed)
+
+
+@pytest.mark.parametrize(
+    ("points", "tries", "least", "most"), [(independent, 60, 0.9, 0.985), (of_design, 10, 0.99, 1.0)]
+)
+def test_intervals_hold_the_value_as_often_as_they_say(points, tries, least, most):
+    """Of independent draws; a design by Sobol' is more even, and its intervals hold it more often still."""
+    weights, n, d = np.array([3.0, 2.0, 1.0]), 128, 3
+    first, held = weights**2 / (weights**2).sum(), 0
+    for seed in range(tries):
+        found = sobol.of_blocks((points(n, d, seed) @ weights).reshape(n, d + 2)).first
+        held += int(np.count_nonzero((found.low <= first) & (first <= found.high)))
+    assert least <= held / (tries * d) <= most
+
+
+def test_intervals_are_the_same_each_time_and_shrink_with_the_design():
+    few, again, many = (sobol.of_blocks(blocks_of(ISHIGAMI, n)) for n in (128, 128, 2048))
+    assert np.array_equal(few.total.low, again.total.low)
+    narrower = (many.total.high - many.total.low) / (few.total.high - few.total.low)
+    assert narrower == pytest.approx(0.25, abs=0.08)  # 16 times as many blocks
+
+
+def test_blocks_are_drawn_whole():
+    """Rows drawn each for itself would tear A from its mixtures: the total index of a constant step would move."""
+    a = np.random.default_rng(1).normal(size=200)
+    found = estimate(lambda f: (f[:, 2] - f[:, 0]).mean(keepdims=True), np.stack([a, a, a + 1.0], axis=1))
+    assert found.low == pytest.approx([1.0])
+    assert found.high == pytest.approx([1.0])
+
+
+@KNOWN
+@pytest.mark.parametrize("n", [128, 2**14])
+def test_morris_ranks_by_total_index(known, n):
+    d = len(known.first)
+    points = cube("morris", n, d, 1).reshape(n, d + 1, d)
+    magnitude = np.abs(morris.elementary(points, known.of(points))).mean(axis=0)
+    assert np.argsort(-magnitude).tolist() == np.argsort(-known.total).tolist()
+
+
+def test_effects_of_a_plane_are_its_slopes():
+    points = cube("morris", 20, 3, 1).reshape(20, 4, 3)
+    found = morris.of_trajectories(points, points @ np.array([3.0, -2.0, 0.0]))
+    assert found.mean.value == pytest.approx([3.0, -2.0, 0.0])
+    assert found.magnitude.value == pytest.approx([3.0, 2.0, 0.0])
+    assert found.spread.value == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
+
+
+def test_what_depends_on_the_others_has_a_spread():
+    points = cube("morris", 400, 2, 1).reshape(400, 3, 2)
+    x, y = np.moveaxis(points, -1, 0)
+    found = morris.of_trajectories(points, x * (y - 0.5))
+    assert found.spread.low[0] > np.abs(found.mean.high[0])
+    assert found.magnitude.low[0] > 0.2
+    of_levels = np.sqrt((3**2 + 7**2) / 2) / 16  # y - 0.5 at four levels
+    assert found.spread.value[0] == pytest.approx(of_levels, abs=0.01)

@@ -1,0 +1,61 @@
+"""What is said of indices and effects: no more than their intervals allow."""
+
+import numpy as np
+import pytest
+
+from bearingsim.sensitivity import Effects, Estimate, Indices
+from bearingsim.sensitivity.verdict import leaders, negligible, of_effects, of_indices
+
+PATHS = ("defect.width", "load", "clearance")
+
+
+def known(*ends):
+    """An estimate from (value, low, high) of each parameter."""
+    return Estimate(*(np.array(part) for part in zip(*ends, strict=True)))
+
+
+ALONE = known((0.5, 0.4, 0.6), (0.2, 0.1, 0.3), (0.0, -0.01, 0.02))
+
+
+def test_one_parameter_decides_where_its_interval_stands_clear():
+    total = known((0.7, 0.6, 0.8), (0.3, 0.2, 0.59), (0.01, 0.0, 0.04))
+    assert of_indices(Indices(ALONE, total, known((0.3, 0.1, 0.5))), "velocity@BPFO", PATHS) == (
+        "One parameter decides velocity@BPFO most, its interval clear of all others: `defect.width`, total index"
+        " 0.70 (0.60 to 0.80), alone 0.50 (0.40 to 0.60). `clearance` hardly matters: surely under 5 % of the"
+        " variance. Parameters act together (1 - sum of first indices = 0.30 (0.10 to 0.50)): moving one at a time"
+        " would not show all."
+    )
+
+
+def test_overlapping_intervals_leave_the_order_open():
+    total = known((0.5, 0.4, 0.6), (0.6, 0.45, 0.7), (0.2, 0.1, 0.3))
+    told = of_indices(Indices(ALONE, total, known((0.3, -0.1, 0.5))), "velocity.rms", PATHS)
+    assert told.startswith(
+        "2 parameters decide velocity.rms most, in an order that their intervals leave open: `load`"
+    )
+    assert told.index("`load`") < told.index("`defect.width`")
+    assert "hardly" not in told
+    assert (
+        "Whether parameters act together cannot be told (1 - sum of first indices = 0.30 (-0.10 to 0.50))." in told
+    )
+
+
+@pytest.mark.parametrize(("high", "count"), [(0.599, 1), (0.6, 2)])
+def test_intervals_that_touch_overlap(high, count):
+    assert len(leaders(known((0.7, 0.6, 0.8), (0.5, 0.4, high), (0.1, 0.0, 0.2)))) == count
+
+
+@pytest.mark.parametrize(("high", "found"), [(0.049, [2]), (0.051, [])])
+def test_little_is_what_surely_is(high, found):
+    assert negligible(known((0.7, 0.6, 0.8), (0.5, 0.4, 0.6), (0.01, 0.0, high)), 1.0) == found
+
+
+def test_effects_are_said_in_the_unit_of_the_feature():
+    size = known((3e-6, 2.5e-6, 3.5e-6), (1e-6, 0.9e-6, 1.1e-6), (1e-8, 0.0, 2e-8))
+    mean = known((1e-6, 0.5e-6, 1.5e-6), (1e-6, 0.9e-6, 1.1e-6), (0.0, 0.0, 0.0))
+    spread = known((2e-6, 1.6e-6, 2.5e-6), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    assert of_effects(Effects(mean, size, spread), "velocity@BPFO", PATHS, "um/s", 1e6) == (
+        "One parameter decides velocity@BPFO most, its interval clear of all others: `defect.width`, mu* 3.00"
+        " (2.50 to 3.50) um/s. `clearance` hardly matters: surely under 5 % of that. What `defect.width` does"
+        " depends on the others, or is no straight line: sigma is over mu."
+    )

@@ -1,0 +1,401 @@
+# ruff: noqa: E501 (a table of messages, one line each)
+"""Designs in a sweep: what is drawn, how it is distributed, which jobs it comes to, and what is refused."""
+
+import json
+import math
+import re
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import integrate, stats
+
+from bearingsim import designs, selection, store
+from bearingsim.designs import KINDS, Kind
+from bearingsim.selection.choices import Choice, key
+from bearingsim.study import Design, Study, StudyError, case_id, load_study
+from bearingsim.study.design import EXAMPLE, _range
+from bearingsim.study.paths import known_paths
+from bearingsim.text.yamlfile import Node, parse
+from tests.scenes.study_text import BASE, Write
+
+OVER = "{defect.width: [0.2 mm, 2 mm], load: {log: [50 N, 500 N]}}"
+
+
+def sweep(kind: str = "sobol", n: int = 16, over: str = OVER, more: str = "") -> str:
+    return f"{BASE}sweep: {{{kind}: {{n: {n}, seed: 1, over: {over}}}{more}}}\n"
+
+
+def design_of(study: Study) -> Design:
+    assert study.design is not None
+    return study.design
+
+
+def values(study: Study, path: str) -> list[float]:
+    """Those of each row of a design."""
+    swept = {case_id(case): values for case, values in study.swept_cases}
+    return [float(swept[name][path]) for name in design_of(study).ids]
+
+
+def told(path: Path, overrides: dict[str, str] | None = None, quick: bool = False) -> tuple[str, str]:
+    """The first message, and the text at its caret."""
+    with pytest.raises(StudyError) as caught:
+        load_study(path, overrides, quick)
+    found = caught.value.problems[0]
+    hint = f" ({found.hint})" if found.hint else ""
+    return found.message + hint, found.source_line[found.column - 1 :]
+
+
+# What is drawn
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_design_moves_its_paths_as_the_points_of_the_cube(write: Write, kind: Kind) -> None:
+    study = load_study(write(sweep(kind, 8)))
+    cube = designs.cube(kind, 8, 2, seed=1)
+    assert values(study, "defect.width") == pytest.approx(0.2e-3 + 1.8e-3 * cube[:, 0], rel=1e-11)
+    assert values(study, "load") == pytest.approx(50.0 * 10.0 ** cube[:, 1], rel=1e-11)
+    found = design_of(study)
+    assert (found.kind, found.n, found.seed, found.paths) == (kind, 8, 1, ("defect.width", "load"))
+    assert len(found.ids) == 8 * designs.block(kind, 2)
+    assert study.units == {"defect.width": "mm", "load": "N"}
+
+
+def test_the_seed_is_zero_unless_it_is_said(write: Write) -> None:
+    text = f"{BASE}sweep: {{lhs: {{n: 4, over: {{load: [1 N, 2 N]}}}}}}\n"
+    assert design_of(load_study(write(text))).seed == 0
+
+
+def test_ranges_are_kept_in_si(write: Write) -> None:
+    ranges = "load: [150 N, 0.3 kN], defect.width: {log: [0.2 mm, 2 mm]}"
+    study = load_study(write(f"{BASE}sweep: {{sobol: {{n: 2, over: {{{ranges}}}}}}}\n"))
+    assert design_of(study).ranges == ((150.0, 300.0), (0.0002, 0.002))
+
+
+def test_two_rows_may_be_one_case(write: Write) -> None:
+    """A trajectory of Morris in two parameters meets itself and others: each row has the id of its case."""
+    study = load_study(write(sweep("morris", 40)))
+    found = design_of(study)
+    assert len(study.cases()) <= len(designs.LEVELS) ** 2 < len(found.ids) == 120
+    assert set(found.ids) == {case_id(case) for case in study.cases()}
+
+
+def test_the_ids_are_those_that_results_were_named_by(write: Write) -> None:
+    """Another machine, or another version of a library, must come to the same digits."""
+    over = "{defect.width: [0.2 mm, 2 mm], load: {log: [50 N, 500 N]}, speed: {normal: [1800 rpm, 90 rpm], within: [1500 rpm, 2000 rpm]}}"
+    study = load_study(write(sweep("saltelli", 2, over)))
+    rows = [[swept[path] for path in design_of(study).paths] for _, swept in study.swept_cases]
+    assert rows[:2] == [
+        [0.000715104491636, 72.7118690658, 190.41786060330833],
+        [0.000716319520585, 162.421347177, 198.63202204625617],
+    ]
+    assert design_of(study).ids[:2] == ("9bc95c5052f59f83", "0a3e2fbeeb08395e")
+
+
+@pytest.mark.parametrize(("kind", "kept"), [("sobol", 64), ("saltelli", 256), ("morris", 192), ("lhs", 0)])
+def test_a_larger_design_keeps_the_ids_or_says_that_it_does_not(write: Write, kind: str, kept: int) -> None:
+    few, many = (load_study(write(sweep(kind, n))) for n in (64, 256))
+    assert sum(a == b for a, b in zip(design_of(few).ids, design_of(many).ids, strict=False)) == kept
+    assert any("another `n` gives other points" in note for note in many.notes) == (kept == 0)
+
+
+def test_points_out_of_balance_are_told_of(write: Write) -> None:
+    assert load_study(write(sweep("sobol", 64))).notes == ()
+    assert load_study(write(sweep("sobol", 100))).notes == (
+        "sobol: points fill the space evenly where `n` is a power of two, and 100 is none",
+    )
+
+
+# Distributions
+
+
+def range_of(text: str, path: str = "load") -> Node:
+    return parse(f"{path}: {text}", "f").root.mapping[path]
+
+
+def drawn(text: str, shares: list[float], path: str = "load") -> list[float]:
+    """The numbers that shares come to, in the unit of the range."""
+    found = _range(path, range_of(text, path))
+    return [float(node.text.split()[0]) for node in found.nodes(np.array(shares))]
+
+
+SHARES = [0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 0.999]
+
+
+@pytest.mark.parametrize("text", ["[100 N, 200 N]", "{uniform: [100 N, 0.2 kN]}"])
+def test_uniform(text: str) -> None:
+    assert drawn(text, SHARES) == pytest.approx([100.0 + 100.0 * t for t in SHARES], rel=1e-12)
+
+
+def test_log() -> None:
+    assert drawn("{log: [0.5 N, 10 N]}", SHARES) == pytest.approx([0.5 * 20.0**t for t in SHARES], rel=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("text", "mean", "deviation", "low", "high"),
+    [
+        ("{normal: [150 N, 20 N], within: [100 N, 200 N]}", 150.0, 20.0, 100.0, 200.0),
+        ("{normal: [150 N, 0.02 kN], within: [0.16 kN, 300 N]}", 150.0, 20.0, 160.0, 300.0),
+        ("{normal: [0.15 kN, 20 N], within: [30 N, 120 N]}", 0.15, 0.02, 0.03, 0.12),
+    ],
+)
+def test_normal_is_cut_at_its_bounds(text: str, mean: float, deviation: float, low: float, high: float) -> None:
+    """The share below each value, by quadrature of the density."""
+
+    def density(x: float) -> float:
+        return math.exp(-0.5 * ((x - mean) / deviation) ** 2)
+
+    whole, _ = integrate.quad(density, low, high, epsabs=0.0, epsrel=1e-12)
+    found = drawn(text, SHARES)
+    below = [integrate.quad(density, low, x, epsabs=0.0, epsrel=1e-12)[0] / whole for x in found]
+    assert below == pytest.approx(SHARES, abs=2e-9)
+    assert found[0] == low
+
+
+def test_a_deviation_of_a_temperature_is_a_difference() -> None:
+    path = "contact.damping.temperature"
+    in_kelvin = drawn("{normal: [55 C, 5 K], within: [40 C, 70 C]}", SHARES, path)
+    assert in_kelvin == drawn("{normal: [55 C, 5 C], within: [40 C, 70 C]}", SHARES, path)
+    assert in_kelvin[3] == 55.0
+
+
+@given(
+    st.floats(1e-6, 1e6),
+    st.floats(1e-9, 10.0),
+    st.sampled_from(["[{a} N, {b} N]", "{{log: [{a} N, {b} N]}}", "{{normal: [{a} N, {s} N], within: [{a} N, {b} N]}}"]),
+    st.lists(st.floats(0.0, 1.0, exclude_max=True), min_size=1, max_size=5),
+)  # fmt: skip
+def test_values_lie_within_their_ranges(low: float, width: float, form: str, shares: list[float]) -> None:
+    high = low * (1.0 + width)
+    if not low < high:
+        return
+    found = drawn(form.format(a=repr(low), b=repr(high), s=repr(high - low)), [*shares, 0.0, 1.0 - 2.0**-53])
+    assert all(low <= value <= high for value in found)
+    by_share = [value for _, value in sorted(zip(shares, found, strict=False))]
+    assert by_share == sorted(by_share)
+
+
+def test_a_design_of_many_points_is_distributed_as_it_says(write: Write) -> None:
+    text = sweep("lhs", 400, "{load: {normal: [150 N, 20 N], within: [130 N, 200 N]}}")
+    found = (np.array(values(load_study(write(text)), "load")) - 150.0) / 20.0
+    assert stats.kstest(found, stats.truncnorm(-1.0, 2.5).cdf).statistic < 1.0 / 400
+
+
+# What else a study says
+
+
+def test_lists_beside_sobol_multiply_it(write: Write) -> None:
+    study = load_study(write(sweep("sobol", 4, more=", model: [ring, rollers]")))
+    found = design_of(study)
+    assert len(found.ids) == 8 == len(study.cases())
+    models = {case_id(case): case.model for case in study.cases()}
+    assert [models[name] for name in found.ids] == 4 * ["ring", "rollers"]
+
+
+def test_where_takes_points_out(write: Write) -> None:
+    whole = load_study(write(sweep("sobol", 32)))
+    some = load_study(write(sweep("sobol", 32, more=", where: [load < 200 N, defect.width > 0.5 mm]")))
+    kept = [
+        name
+        for name, load, width in zip(
+            design_of(whole).ids, values(whole, "load"), values(whole, "defect.width"), strict=True
+        )
+        if load < 200.0 and width > 0.5e-3
+    ]
+    assert 0 < len(kept) < 32
+    assert list(design_of(some).ids) == kept
+
+
+def test_quick_takes_fewer_points(write: Write) -> None:
+    path = write(sweep("sobol", 64) + "quick: {sweep: {sobol: {n: 4}}}\n")
+    whole, quick = load_study(path), load_study(path, quick=True)
+    assert design_of(quick).ids == design_of(whole).ids[:4]
+
+
+def test_quick_takes_another_design(write: Write) -> None:
+    path = write(sweep("sobol", 64) + "quick: {sweep: {morris: {n: 2, over: {speed: [1000 rpm, 2000 rpm]}}}}\n")
+    assert design_of(load_study(path, quick=True)).paths == ("speed",)
+
+
+def test_quick_lists_a_path_of_the_design(write: Write) -> None:
+    path = write(sweep("sobol", 64) + "quick: {sweep: {load: [100 N, 200 N], sobol: {n: 4}}}\n")
+    study = load_study(path, quick=True)
+    assert design_of(study).paths == ("defect.width",)
+    assert sorted({case.load for case in study.cases()}) == [100.0, 200.0]
+    assert len(study.cases()) == 8
+
+
+def test_quick_draws_a_path_that_was_listed(write: Write) -> None:
+    path = write(BASE + "sweep: {load: [1 N, 2 N]}\nquick: {sweep: {sobol: {n: 8, over: {load: [1 N, 2 N]}}}}\n")
+    assert len(load_study(path, quick=True).cases()) == 8
+
+
+@pytest.mark.parametrize(
+    ("given", "paths", "count"),
+    [
+        ({"sobol.n": "4"}, ("defect.width", "load"), 4),
+        ({"load": "200 N"}, ("defect.width",), 16),
+        ({"load": "[200 N, 300 N]"}, ("defect.width",), 32),
+        ({"load": "200 N", "defect.width": "1 mm"}, None, 1),
+    ],
+)
+def test_the_command_line_has_the_last_word(
+    write: Write, given: dict[str, str], paths: tuple[str, ...] | None, count: int
+) -> None:
+    study = load_study(write(sweep()), given)
+    assert (study.design and study.design.paths, len(study.cases())) == (paths, count)
+
+
+def test_another_seed_is_another_design(write: Write) -> None:
+    path = write(sweep())
+    first, second = load_study(path), load_study(path, {"sobol.seed": "2"})
+    assert design_of(second).seed == 2
+    assert not set(design_of(first).ids) & set(design_of(second).ids)
+
+
+def test_a_figure_draws_paths_of_a_design(write: Write) -> None:
+    more = ", derived: {defect.depth: defect.width / 40}"
+    figures = "figures: [{y: velocity@BPFO, x: defect.depth, by: load}]\n"
+    assert load_study(write(sweep(more=more) + figures)).figures[0].x == "defect.depth"
+
+
+def test_a_figure_of_a_design_that_is_wrong_is_no_second_mistake(write: Write) -> None:
+    path = write(sweep("sobol", 0) + "figures: [{y: velocity@BPFO, x: load}]\n")
+    with pytest.raises(StudyError) as caught:
+        load_study(path)
+    assert len(caught.value.problems) == 1
+
+
+# Repeats
+
+
+def test_repeat_tries_seeds(write: Write) -> None:
+    text = BASE + "model: planar\nsweep: {load: [100 N, 200 N], repeat: 3}\n"
+    study = load_study(write(text))
+    assert [(case.load, case.seed) for case in study.cases()] == [
+        (load, seed) for load in (100.0, 200.0) for seed in (1, 2, 3)
+    ]
+    assert len({case_id(case) for case in study.cases()}) == 6
+    assert len(load_study(write(text), {"repeat": "5"}).cases()) == 10
+
+
+@pytest.mark.parametrize("said", ["model: rollers", "model: planar\ncage: {motion: kinematic}"])
+def test_what_is_not_random_is_not_repeated(write: Write, said: str) -> None:
+    message, caret = told(write(f"{BASE}{said}\nsweep: {{repeat: 3}}\n"))
+    assert message.startswith("repeat: nothing is random in this study: another `seed` gives the same")
+    assert caret == "repeat: 3}"
+
+
+def test_random_impulses_are_repeated(write: Write) -> None:
+    text = BASE + "model: impulse\nexcitation: random-impulses\nsweep: {repeat: 3}\n"
+    assert len(load_study(write(text)).cases()) == 3
+
+
+# What is stored
+
+
+def test_the_plan_holds_the_design(write: Write, tmp_path: Path) -> None:
+    study = load_study(write(sweep("saltelli", 4)))
+    store.write_plan(tmp_path, study, study.jobs())
+    found = store.read_plan(tmp_path)["design"]
+    assert found == json.loads(json.dumps(asdict(design_of(study))))
+    assert set(found) == {"kind", "n", "seed", "paths", "ranges", "ids"}
+    assert len(found["ranges"]) == len(found["paths"])
+    assert set(found["ids"]) <= {job["job"] for job in store.read_plan(tmp_path)["jobs"]}
+
+
+def test_a_plan_of_an_older_version_has_no_design(write: Write, tmp_path: Path) -> None:
+    study = load_study(write(BASE))
+    store.write_plan(tmp_path, study, study.jobs())
+    plan = store.read_plan(tmp_path)
+    assert plan.pop("design") is None
+    store.sealed.write_json(tmp_path / "plan.json", plan)
+    assert store.read_plan(tmp_path) == {"design": None} | plan
+
+
+def test_with_an_accuracy_the_ids_are_those_of_the_models_chosen(write: Write) -> None:
+    figures = "duration: 0.2 s\naccuracy: 5 %\nfigures: [{y: velocity@BPFO, x: load}]\n"
+    study = load_study(write(sweep("saltelli", 4) + figures))
+    found = {key(study, case): Choice("ring", "ring", "told", {}) for case in study.cases()}
+    after = selection.chosen(study, found)
+    named = load_study(write(sweep("saltelli", 4) + "duration: 0.2 s\nmodel: ring\n"))
+    assert design_of(after) == design_of(named) != design_of(study)
+    assert set(design_of(after).ids) <= {job.id for job in after.planned()}
+
+
+# What is refused
+
+
+@pytest.mark.parametrize(
+    ("said", "message", "caret"),
+    [
+        ("sobol: {n: 1000000000, over: {load: [1 N, 2 N]}}", "sweep.sobol.n: 1000000000 points of 1 path are 1000000000 cases; at most 1000000 are possible", "1000000000"),
+        ("saltelli: {n: 300000, over: {load: [1 N, 2 N], speed: [1 Hz, 2 Hz]}}", "sweep.saltelli.n: 300000 base points of 2 paths are 1200000 cases; at most 1000000 are possible", "300000"),
+        (f"sobol: {{n: {'9' * 90}, over: {{load: [1 N, 2 N]}}}}", None, "999"),
+        ("sobol: {n: 1e9, over: {load: [1 N, 2 N]}}", "sweep.sobol.n: expected the number of points, a whole number above zero, got `1e9`", "1e9"),
+        ("morris: {n: 0, over: {load: [1 N, 2 N]}}", "sweep.morris.n: expected the number of trajectories, a whole number above zero, got `0`", "0,"),
+        ("lhs: {n: [1], over: {load: [1 N, 2 N]}}", "sweep.lhs.n: expected the number of points, a whole number above zero, got `[1]`", "[1]"),
+        ("lhs: {n: 4, seed: -1, over: {load: [1 N, 2 N]}}", "sweep.lhs.seed: expected a whole number from 0 to 999999999, got `-1`", "-1"),
+        ("lhs: {n: 4, sed: 1, over: {load: [1 N, 2 N]}}", "sweep.lhs: unknown key `sed` (did you mean `seed`?)", "sed: 1"),
+        ("lhs: 5", f"sweep.lhs: expected a mapping such as `{EXAMPLE}`", "5}"),
+        ("lhs: {n: 5}", f"sweep.lhs: `over` is missing (as in `lhs: {EXAMPLE}`)", "lhs: {n"),
+        ("lhs: {over: {load: [1 N, 2 N]}}", f"sweep.lhs: `n` is missing (as in `lhs: {EXAMPLE}`)", "lhs: {over"),
+        ("lhs: {n: 5, over: [load]}", "sweep.lhs.over: expected paths with their ranges, as in `{load: [100 N, 200 N]}`", "[load]"),
+        ("lhs: {n: 5, over: {lod: [1 N, 2 N]}}", "no such path `lod` (did you mean `load`?)", "lod"),
+        ("lhs: {n: 5, over: {model: [ring, rollers]}}", "sweep.lhs.over.model: only a quantity has a range (list values, as in `model: [...]` in `sweep`)", "model: [r"),
+        ("lhs: {n: 5, over: {load: 3 N}}", "sweep.lhs.over.load: expected a range such as `[a, b]`, `{log: [a, b]}` or `{normal: [mean, deviation], within: [a, b]}`", "3 N"),
+        ("lhs: {n: 5, over: {load: {lg: [1 N, 2 N]}}}", "sweep.lhs.over.load: expected a range such as `[a, b]`, `{log: [a, b]}` or `{normal: [mean, deviation], within: [a, b]}` (did you mean `log`?)", "{lg"),
+        ("lhs: {n: 5, over: {load: [1 N, 2 N, 3 N]}}", "sweep.lhs.over.load: expected two values, as in `[a, b]`", "[1 N, 2 N, 3 N]"),
+        ("lhs: {n: 5, over: {load: [2 N, 1 N]}}", "sweep.lhs.over.load: expected a value above `2 N`, got `1 N`", "1 N"),
+        ("lhs: {n: 5, over: {load: [1 N, 0.001 kN]}}", "sweep.lhs.over.load: expected a value above `1 N`, got `0.001 kN`", "0.001 kN"),
+        ("lhs: {n: 5, over: {load: [1 N, 2 mm]}}", "sweep.lhs.over.load: expected a force such as `150 N`, got `2 mm` (`mm` is a unit of length)", "2 mm"),
+        ("lhs: {n: 5, over: {load: [1 N, [2 N]]}}", "sweep.lhs.over.load: expected a number with its unit", "[2 N]"),
+        ("lhs: {n: 5, over: {load: {log: [0 N, 2 N]}}}", "sweep.lhs.over.load: `log` needs values above zero", "0 N"),
+        ("lhs: {n: 5, over: {contact.damping.temperature: {log: [20 C, 30 C]}}}", "sweep.lhs.over.contact.damping.temperature: a temperature has no logarithm (take `uniform`)", "20 C"),
+        ("lhs: {n: 5, over: {load: {log: [1 N, 2 N], within: [1 N, 2 N]}}}", "sweep.lhs.over.load: unknown key `within` beside `log`", "within"),
+        ("lhs: {n: 5, over: {load: {normal: [1 N, 2 N]}}}", "sweep.lhs.over.load: `within` is missing (a normal distribution is cut at bounds)", "normal"),
+        ("lhs: {n: 5, over: {load: {normal: [1 N, 0 N], within: [1 N, 2 N]}}}", "sweep.lhs.over.load: expected a standard deviation above zero, got `0 N`", "0 N"),
+        ("lhs: {n: 5, over: {load: {normal: [1 N, 1 N], within: [10 N, 20 N]}}}", "sweep.lhs.over.load: these are over 8 standard deviations from the mean", "[10 N"),
+        ("lhs: {n: 5, over: {load: [1 N, 2 N]}, sobol: {n: 5}}", "sweep.lhs: unknown key `sobol` (known: n, seed, over)", "sobol"),
+        ("lhs: {n: 5, over: {load: [1 N, 2 N]}}, sobol: {n: 5, over: {load: [1 N, 2 N]}}", "sweep: a second design; a study has one", "sobol"),
+        ("lhs: {n: 5, over: {load: [1 N, 2 N]}}, load: [1 N, 2 N]", "`load` is swept twice", "load: [1 N, 2 N]}"),
+        ("saltelli: {n: 4, over: {load: [1 N, 2 N]}}, where: [load < 3 N]", "`where` beside `saltelli`, whose rows are compared in whole blocks (leave it out: ranges and `derived` can keep parameters apart)", "where"),
+        ("morris: {n: 4, over: {load: [1 N, 2 N]}}, repeat: 3", "`repeat` beside `morris`, whose rows are compared in whole blocks (leave it out, or take `sobol`)", "repeat"),
+        ("morris: {n: 4, over: {load: [1 N, 2 N]}}, model: [ring, rollers]", "`model` is swept beside `morris`, whose rows are compared in whole blocks (give it one value, or a range in `over`)", "model"),
+        ("repeat: 0", "sweep.repeat: expected a whole number from 1 to 100000, got `0`", "0}"),
+        ("repeat: [2]", "sweep.repeat: expected a whole number from 1 to 100000, got a list", "[2]"),
+        ("seed: [1, 2], repeat: 3", "`seed` is swept twice", "repeat"),
+    ],
+)  # fmt: skip
+def test_what_is_refused_and_where(write: Write, said: str, message: str | None, caret: str) -> None:
+    found, rest = told(write(f"{BASE}model: rollers\nsweep: {{{said}}}\n"))
+    assert found == message or message is None
+    assert rest.startswith(caret)
+
+
+def test_a_single_value_beside_blocks_is_let_be(write: Write) -> None:
+    assert len(load_study(write(sweep("saltelli", 4, more=", model: [ring]"))).cases()) == 16
+
+
+def test_a_word_of_no_design_is_refused_on_the_command_line(write: Write) -> None:
+    message, caret = told(write(BASE), {"sobol.n": "4"})
+    assert message == "the study has no `sobol` (name it in `sweep`)"
+    assert caret == "sobol.n=4"
+
+
+def test_many_paths_leave_room_for_fewer_rows(write: Write) -> None:
+    paths = [path for path, known in known_paths().items() if known][:21]
+    over = ", ".join(f"{path}: [1 N, 2 N]" for path in paths)
+    message, caret = told(write(sweep("sobol", 500_000, f"{{{over}}}")))
+    assert message == (
+        "sweep.sobol.n: 500000 cases of 21 paths are 10500000 values; at most 10000000 are possible"
+    )
+    assert caret.startswith("500000")
+
+
+def test_a_product_that_is_too_large_is_refused_before_it_is_made(write: Write) -> None:
+    text = sweep("sobol", 2048, more=", speed: {linspace: [10 Hz, 20 Hz, 1000]}")
+    assert re.match("sweep: 2048000 cases; at most 1000000 are possible", told(write(text))[0])

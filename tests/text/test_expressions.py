@@ -1,0 +1,332 @@
+"""Formulas: what they come to, what their units are, and what is refused where."""
+
+import math
+import re
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bearingsim.study.paths import dimension, known_paths
+from bearingsim.text.expressions import (
+    MAX_LETTERS,
+    PLAIN,
+    TRUTH,
+    ExpressionError,
+    Kind,
+    kind_of,
+    read,
+    said,
+)
+from bearingsim.text.units import UNITS, Dimension, parse
+from bearingsim.text.yamlfile import Mark, Node
+
+VALUES = {"load": 150.0, "defect.width": 0.0008, "defects.2.width": 0.002, "speed": 188.5, "seed": 3.0}
+
+
+def node(text: str, before: str = "  - ") -> Node:
+    return Node(text, Mark("f", 3, len(before) + 1, before + text))
+
+
+def kind(path: str) -> Kind:
+    if path not in VALUES:
+        raise ValueError(f"no such path `{path}`")
+    known = dimension(path)
+    return kind_of(known) if known else PLAIN
+
+
+def value(text: str, values: dict[str, float] = VALUES) -> tuple[float, str]:
+    """What a formula comes to, and what it is."""
+    found = read(node(text))
+    what = said(found.kind(kind))
+    return found.value(values.__getitem__), what
+
+
+def refused(text: str) -> tuple[str, str]:
+    """The message, and the text at the caret."""
+    with pytest.raises(ExpressionError) as caught:
+        value(text)
+    return str(caught.value), caught.value.mark.source_line[caught.value.mark.column - 1 :]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected", "what"),
+    [
+        ("defect.width / 4", 0.0002, "a length"),
+        ("defects.2.width - defect.width", 0.0012, "a length"),
+        ("2 * 3 mm", 0.006, "a length"),
+        ("2 * 3mm", 0.006, "a length"),
+        ("-3 um + 1 mm", 0.000997, "a length"),
+        ("3 µm", 3e-6, "a length"),
+        ("load / 1e8 N/m", 1.5e-6, "a length"),
+        ("load/defect.width", 187500.0, "a stiffness"),
+        ("3 N / defect.width", 3750.0, "a stiffness"),
+        ("sqrt(2 mm * 8 mm)", 0.004, "a length"),
+        ("2 mm ** 2", 4e-6, "in m^2"),
+        ("(4 N) ** (1/2)", 2.0, "in m^1/2 kg^1/2 s^-1"),
+        ("min(load, 100 N, 1 kN)", 100.0, "a force"),
+        ("max(2, 3) * abs(-2)", 6.0, "a plain number"),
+        ("pi * 2", 2.0 * math.pi, "a plain number"),
+        ("50 %", 0.5, "a plain number"),
+        ("90 deg", math.pi / 2.0, "an angle"),
+        ("90 °", math.pi / 2.0, "an angle"),
+        ("60 rpm / 2", math.pi, "a rotation speed"),
+        ("30 Hz", 30.0, "a frequency"),
+        ("20 1/GPa", 2e-8, "a pressure coefficient of viscosity"),
+        ("200 N s/m", 200.0, "a damping coefficient"),
+        ("7.8 g/cm^3", 7800.0, "a density"),
+        ("seed + 1", 4.0, "a plain number"),
+        (" load ", 150.0, "a force"),
+        ("2 ** 3 ** 2", 512.0, "a plain number"),
+        ("load < 200 N", True, "true or false"),
+        ("100 N < load <= 150 N", True, "true or false"),
+        ("not load > 1 N or defect.width > 1 mm", False, "true or false"),
+        ("seed == 0 or 1 / seed > 1", False, "true or false"),
+    ],
+)  # fmt: skip
+def test_what_a_formula_comes_to(text: str, expected: float, what: str) -> None:
+    found, found_kind = value(text)
+    assert found == pytest.approx(expected, rel=1e-14)
+    assert found_kind == what
+
+
+def test_what_stands_behind_a_decided_condition_is_not_worked_out() -> None:
+    """As in Python: a guard before a division guards it."""
+    assert value("seed == 0 or 1 / seed > 1", {"seed": 0.0})[0] is True
+    assert value("seed != 0 and 1 / seed > 1", {"seed": 0.0})[0] is False
+    assert value("1 < seed < 1 / seed", {"seed": 0.0})[0] is False
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "caret"),
+    [
+        ("load / (2 - 2)", "a division by zero", "/ (2"),
+        ("0 ** -1", "a division by zero", "** -1"),
+        ("(load)  / 0", "a division by zero", "/ 0"),
+        ("10**10**10", "the number is too large", "**10"),
+        ("1e308 * 10", "the number is too large", "* 10"),
+        ("1e999", "the number is too large", "1e999"),
+        ("9" * 350, "the number is too large", "9" * 350),
+        ("sqrt(2 - 3)", "a root of less than zero", "sqrt"),
+        ("(2 - 3) ** 0.5", "a root of less than zero", "** 0.5"),
+        ("load + 3 mm", "expected a force as on the left, and this is a length", "3 mm"),
+        ("min(load, 3)", "expected a force as on the left, and this is a plain number", "3)"),
+        ("2 < 3 < load", "expected a plain number as on the left, and this is a force", "load"),
+        ("speed < 30 Hz", "expected a rotation speed as on the left, and this is a frequency", "30 Hz"),
+        ("2 ** load", "an exponent is a plain number, and this is a force", "load"),
+        ("load ** seed", "the exponent of a force must be written as a number", "seed"),
+        ("load ** 11", "the exponent of a force is at most 10", "11"),
+        ("load and 1 < 2", "expected a comparison such as `load < 200 N`, and this is a force", "load"),
+        ("1 < 2 and load", "expected a comparison such as `load < 200 N`, and this is a force", "load"),
+        ("not load", "expected a comparison such as `load < 200 N`, and this is a force", "load"),
+        ("1 + (1 < 2)", "expected a number, and this is true or false", "1 < 2"),
+        ("(1 < 2) < 3", "expected a number, and this is true or false", "1 < 2"),
+        ("-(1 < 2)", "expected a number, and this is true or false", "1 < 2"),
+        ("abs(1 < 2)", "expected a number, and this is true or false", "1 < 2"),
+        ("defect.widt / 4", "no such path `defect.widt`", "defect.widt"),
+        ("2 * lod", "no such path `lod`", "lod"),
+        ("2 * GPa", "no such path `GPa`", "GPa"),
+        ("201/GPa", "no such path `GPa`", "GPa"),
+        ("sqr(4)", "no function `sqr`", "sqr(4)"),
+        ("min", "`min` without what it is taken of", "min"),
+        ("min(1)", "expected two values or more, got 1", "min(1)"),
+        ("sqrt(1, 2)", "expected one value, got 2", "sqrt"),
+        ("3 foo", "this is no formula", "foo"),
+        ("5 m^2", "this is no formula", "m^2"),
+        ("1 +", "this is no formula", "+"),
+        ("1) + (2", "this is no formula", ") + (2"),
+        ("2 × 3", "a letter that is in no formula: '\\xd7'", "× 3"),
+        ("", "expected a formula such as `defect.width / 4`", ""),
+        ("1" + " " * MAX_LETTERS, f"more than {MAX_LETTERS} letters in a formula", "1"),
+    ],
+)  # fmt: skip
+def test_what_is_refused_and_where(text: str, message: str, caret: str) -> None:
+    found, rest = refused(text)
+    assert found == message
+    assert rest.startswith(caret)
+
+
+HOSTILE = [
+    "__import__('os').system('true')", "().__class__.__bases__[0]", "load.__class__", "[1][0]", "{1: 2}",
+    "'a' * 9",
+    "(lambda: 1)()", "[x for x in (1,)]", "1 if 1 < 2 else 2", "f'{load}'", "True", "None", "...", "1j", "b'a'",
+    "(x := 3)", "x := 3", "*load", "min(*[1, 2])", "min(1, 2, key=abs)", "7 % 2", "7 // 2", "1 << 99", "~1",
+    "1 in [1]", "1 is 1", "3 @ 4", "await load", "yield 1", "min.__call__(1, 2)", "open('x')", "print(1)",
+    "abs.__self__", "load[0]", "1; 2", "import os", "-" * 399 + "1", "(" * 200 + "1" + ")" * 199,
+    "+".join("1" * 200),
+    "1if 2else 3", "not " * 99 + "1", "\x00", "1\x002", "9**9**9**9", "_" * 20, "((((1)(1))(1))(1))",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_nothing_of_python_gets_through(text: str) -> None:
+    before = set(sys.modules)
+    refused(text)
+    assert "os.system" not in set(sys.modules) - before
+
+
+def test_a_formula_opens_no_file(tmp_path: Path) -> None:
+    refused(f"open('{tmp_path}/x', 'w')")
+    assert not list(tmp_path.iterdir())
+
+
+@given(st.text(alphabet="0123456789.+-*/()<>=! ,abdefhilmnopqrstwxy_°µ'[]{}:^%@", max_size=60))
+def test_any_text_has_a_value_or_is_refused(text: str) -> None:
+    with suppress(ExpressionError):
+        assert math.isfinite(value(text)[0])
+
+
+# Against Python
+
+NUMBERS = st.one_of(
+    st.integers(0, 20).map(lambda whole: f"{whole}.0"),
+    st.floats(0.0, 10.0).map(lambda number: f"{number:.6f}"),
+    st.sampled_from(["a.x", "b", "pi"]),
+)
+NAMES = {"a.x": 2.5, "b": -3.0}
+
+
+def larger(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+    """Numbers made of numbers."""
+    pairs = st.tuples(inner, st.sampled_from(["+", "-", "*", "/", "**"]), inner)
+    calls = st.tuples(st.sampled_from(["min", "max"]), inner, inner)
+    return st.one_of(
+        pairs.map(lambda p: f"({p[0]}) {p[1]} ({p[2]})"),
+        pairs.map("".join),
+        calls.map(lambda c: f"{c[0]}({c[1]}, {c[2]})"),
+        inner.map(lambda one: f"-({one})"),
+        inner.map(lambda one: f"abs({one})"),
+        inner.map(lambda one: f"sqrt({one})"),
+    )
+
+
+ARITHMETIC = st.recursive(NUMBERS, larger, max_leaves=8)
+COMPARISONS = st.tuples(
+    ARITHMETIC, st.sampled_from(["<", "<=", ">", ">=", "==", "!="]), ARITHMETIC, st.sampled_from(["", " < 2.0"])
+).map("".join)
+CONDITIONS = st.recursive(
+    COMPARISONS,
+    lambda inner: st.one_of(
+        inner.map(lambda one: f"not ({one})"),
+        st.tuples(inner, st.sampled_from([" and ", " or "]), inner).map("".join),
+    ),
+    max_leaves=4,
+)
+
+
+class Finite(float):
+    """A float whose arithmetic ends where that of formulas does: at infinity, and at complex roots."""
+
+    def __neg__(self) -> "Finite":
+        return Finite(-float(self))
+
+    def __abs__(self) -> "Finite":
+        return Finite(abs(float(self)))
+
+
+def checked(operation: str) -> Callable[[Finite, float], Finite]:
+    """An operation of floats whose result is finite; ArithmeticError if it is not."""
+
+    def call(a: Finite, b: float) -> Finite:
+        found = getattr(float, operation)(float(a), float(b))
+        if isinstance(found, complex) or not math.isfinite(found):
+            raise ArithmeticError
+        return Finite(found)
+
+    return call
+
+
+for name in ("__add__", "__sub__", "__mul__", "__truediv__", "__pow__"):
+    setattr(Finite, name, checked(name))
+
+
+def by_python(text: str) -> float | bool | None:
+    """What Python itself makes of a formula; None where it comes to no number."""
+    floats = re.sub(r"\d+\.\d+", r"F(\g<0>)", text.replace("a.x", "a_x"))
+    known: dict[str, Any] = {"F": Finite, "a_x": Finite(2.5), "b": Finite(-3.0), "pi": Finite(math.pi)}
+    known |= {"sqrt": lambda one: Finite(math.sqrt(one)), "min": min, "max": max, "abs": abs}
+    try:
+        found: float | bool = eval(floats, {"__builtins__": {}}, known)
+    except (ArithmeticError, ValueError):
+        return None
+    return found if isinstance(found, bool) else float(found)
+
+
+@given(st.one_of(ARITHMETIC, CONDITIONS).filter(lambda text: len(text) <= MAX_LETTERS))
+def test_values_are_those_of_python(text: str) -> None:
+    found = read(Node(text, Mark("f")))
+    found.kind(lambda _: PLAIN)
+    try:
+        ours: float | bool | None = found.value(NAMES.__getitem__)
+    except ExpressionError:
+        ours = None
+    theirs = by_python(text)
+    assert (ours, type(ours)) == (theirs, type(theirs))
+
+
+# Units
+
+
+@pytest.mark.parametrize("known", list(UNITS))
+def test_a_quantity_of_each_unit_is_what_the_table_says(known: Dimension) -> None:
+    for word in UNITS[known]:
+        if word == "Hz" and known == "rotation":  # a frequency in formulas
+            continue
+        found, _ = value(f"2 {word}".strip() + " * 1")
+        assert found == parse(f"2 {word}".strip(), known)
+        assert read(node(f"2 {word}".strip())).kind(kind) == kind_of(known)
+
+
+@pytest.mark.parametrize(
+    ("known", "made_of"),
+    [
+        ("stiffness", "1 N / 1 m"),
+        ("stiffness per length", "1 N / 1 m / 1 m"),
+        ("damping", "1 N * 1 s / 1 m"),
+        ("velocity", "1 m / 1 s"),
+        ("inverse velocity", "1 s / 1 m"),
+        ("density", "1 kg / 1 m ** 3"),
+        ("pressure", "1 N / 1 m ** 2"),
+        ("viscosity", "1 Pa * 1 s"),
+        ("pressure coefficient", "1 / 1 Pa"),
+        ("unbalance", "1 kg * 1 m"),
+        ("torsional stiffness", "1 N * 1 m / 1 rad"),
+        ("torsional damping", "1 N * 1 m * 1 s / 1 rad"),
+        ("rotation", "1 rad / 1 s"),
+        ("force", "1 kg * 1 m / 1 s ** 2"),
+        ("frequency", "1 / 1 s"),
+    ],
+)
+def test_units_are_made_of_others(known: Dimension, made_of: str) -> None:
+    assert read(node(made_of)).kind(kind) == kind_of(known) != TRUTH
+
+
+def test_every_path_can_be_named() -> None:
+    """None is a word of the formulas, or a unit that follows a number."""
+    for path in known_paths():
+        found = read(node(f"2 * {path} + 1"))
+        assert [name for name, _ in found.names()] == [path]
+
+
+# Places
+
+
+@pytest.mark.parametrize("quote", ["'", '"'])
+def test_the_caret_counts_the_quote(quote: str) -> None:
+    text = "min(load, 3)"
+    place = Mark("f", 1, 4, f"a: {quote}{text}{quote}")
+    with pytest.raises(ExpressionError) as caught:
+        read(Node(text, place)).kind(kind)
+    assert caught.value.mark.source_line[caught.value.mark.column - 1] == "3"
+
+
+def test_a_formula_of_several_lines_is_pointed_at_its_beginning() -> None:
+    place = Mark("f", 1, 4, "a: >")
+    with pytest.raises(ExpressionError) as caught:
+        read(Node("load\n/ 0", place)).value(VALUES.__getitem__)
+    assert caught.value.mark == place
