@@ -73,7 +73,8 @@ def test_what_is_swept_beside_a_design_makes_colours(results):
 
 @pytest.mark.parametrize("kind", ["saltelli", "morris"])
 def test_values_that_come_again_make_no_curves(results, kind):
-    opened = results(f"{HEAD}sweep:\n  {kind}: {{n: 8, seed: 1, {OVER}}}\n")
+    derived = "  derived: {defect.width: defect.length / 10}\n"
+    opened = results(f"{HEAD}sweep:\n  {kind}: {{n: 8, seed: 1, {OVER}}}\n{derived}")
     cases = len(set(opened.plan["design"]["ids"]))
     for asked in ({"kind": "design"}, {"x": "load"}):
         _, canvas = only(drawn(opened, y=["velocity@BPFO"], **asked))
