@@ -25,6 +25,7 @@ from queue import Empty, SimpleQueue
 from secrets import token_hex
 from typing import TYPE_CHECKING, Any
 
+import dask.config
 from distributed import Client, Future, KilledWorker, SchedulerPlugin, get_worker
 from distributed.comm.core import CommClosedError
 
@@ -205,10 +206,8 @@ def back_at_first_death() -> SchedulerPlugin:
 
         def update_graph(self, scheduler: "Scheduler", **told: Any) -> None:
             for key in told["tasks"]:
-                if isinstance(key, tuple) and str(key[0]).startswith(
-                    "bearingsim-"
-                ):  # as if it had died as often as it may
-                    scheduler.tasks[key].suspicious = scheduler.allowed_failures
+                if isinstance(key, tuple) and str(key[0]).startswith("bearingsim-"):
+                    scheduler.tasks[key].suspicious = scheduler.allowed_failures  # as often as it may die
 
     return BackAtFirstDeath()
 
@@ -317,15 +316,21 @@ class Cluster:
             return {}
         parcels = [Parcel(pickle.dumps(_short(work)), _scans(work), self.run, self.installed) for work in works]
         names = [(f"bearingsim-{self.run}", next(self.number)) for _ in works]  # of one group: they queue up
-        futures = self.client.map(deliver, parcels, key=names, pure=False, retries=0)
+        with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1 GB"}):  # scans are large
+            futures = self.client.map(deliver, parcels, key=names, pure=False, retries=0)
         for future in futures:
             future.add_done_callback(self.landed.put)
         return dict(zip(futures, works, strict=True))
 
     def _received(self, flying: dict[Future, Work]) -> "Iterator[Outcome | Killed]":
         """What has come back, and is no longer under way."""
-        done = self._landed(flying)
-        fetched = dict(self._fetched([one for one in done if one.status == "finished"]))
+        done = {one: one.status for one in self._landed(flying)}
+        if "cancelled" in done.values():  # by the client, which has lost the scheduler
+            raise CommClosedError
+        for one, status in done.items():
+            if status not in ("finished", "error"):  # its worker died just now: it is computed anew
+                one.add_done_callback(self.landed.put)
+        fetched = dict(self._fetched([one for one, status in done.items() if status == "finished"]))
         files = [
             (work.root, *file)
             for one, work in [(one, flying.pop(one)) for one in fetched]
@@ -337,7 +342,7 @@ class Cluster:
         for delivery in fetched.values():
             self.deaths = 0
             yield delivery.outcome
-        killed = [Killed(flying.pop(one), self._death(one)) for one in done if one.status == "error"]
+        killed = [Killed(flying.pop(one), self._death(one)) for one, status in done.items() if status == "error"]
         if killed:
             self._count_deaths(killed)
         yield from killed
@@ -350,8 +355,6 @@ class Cluster:
             while len(found) < BATCH and size < BATCH_BYTES:
                 found.append(self.landed.get(timeout=0.0 if found else WAITING_S))
                 size += flying[found[-1]].bytes
-        if any(one.status in ("cancelled", "lost") for one in found):
-            raise CommClosedError
         return found
 
     def _fetched(self, done: list[Future]) -> Iterator[tuple[Future, Delivery]]:
