@@ -1,6 +1,7 @@
 # make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's figures
 # make test    all tests (test-quick: not the long)     make excitations | inner_race | roller_defect | slip | damping
 # make check   tests, lint, types, import contract     make length | offset | tilt | misalignment | shapes
+# make study STUDY=my.yaml   a study of your own: checked, run and drawn in results/my  (QUICK=1: its reduced grid)
 # make stability   where each method fails             make ring_bends | ring_trends | paper_literal   (QUICK=1: fewer)
 # make bench       how fast, beside peers                make bench-compare   whether speed was lost
 # make speed-accuracy   which model and method to take: charts, docs/speed-accuracy.md  (QUICK=1: a small one)
@@ -15,10 +16,10 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick check lint studies $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults
+.PHONY: help install install-dev demo test test-quick check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults
 
 help:
-	@sed -n '1,7s/^# //p' Makefile
+	@sed -n '1,8s/^# //p' Makefile
 
 install: $(VENV)/installed
 install-dev: $(VENV)/installed-dev
@@ -56,6 +57,14 @@ tilt: MORE = for kind in pit load; do $(BIN)/bearingsim plot $(RESULTS) --kind $
   $(BIN)/bearingsim plot $(RESULTS) --kind roller --job all --y roller.1.tilt --y roller.2.tilt \
   --y roller.1.skew --y roller.2.skew
 misalignment: MORE = $(BIN)/bearingsim plot $(RESULTS) --kind load --job all
+
+# a study with failed jobs is drawn, too; make then ends with the exit code of the run
+study: OUT = results/$(basename $(notdir $(STUDY)))$(if $(QUICK),-quick)
+study: install
+	@test -f "$(STUDY)" || { echo "name a study file: make study STUDY=my.yaml"; exit 2; }
+	$(BIN)/bearingsim check "$(STUDY)" $(REDUCED) --jobs $(JOBS)
+	$(BIN)/bearingsim run "$(STUDY)" --jobs $(JOBS) $(REDUCED) --out "$(OUT)"; code=$$?; \
+	  if [ $$code -le 1 ]; then $(BIN)/bearingsim plot "$(OUT)" || exit $$?; fi; exit $$code
 
 sensitivity: install
 	$(BIN)/bearingsim run studies/sensitivity.yaml --jobs $(JOBS) $(REDUCED) --out $(RESULTS)

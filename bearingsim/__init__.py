@@ -31,7 +31,7 @@ def run(study: "Study", out: "str | Path | None" = None, jobs: int | None = None
     """Compute what is not done yet of a study and open its results; failures are in ``failures()``.
 
     out: folder (default ``results/<study>``); jobs: worker processes (default the CPUs, 1: none); options:
-    fresh, retry_failed, shard, verify, progress, as of the command ``bearingsim run``.
+    fresh, retry_failed, shard, verify, progress, max_failures, max_cpu (s), as of the command ``bearingsim run``.
     """
     # By name: what the store asks of this module must not lead to the runner.
     summary = import_module(f"{__name__}.runner").run(study, out, jobs, **options)

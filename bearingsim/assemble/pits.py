@@ -13,6 +13,7 @@ from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.assemble.rest import largest_load
 from bearingsim.catalogue import SHAPES, code
 from bearingsim.config import Case
+from bearingsim.config.scan.file import BROUGHT
 from bearingsim.config.scan.repair import CACHED_SCANS, read_scan
 from bearingsim.config.sections.defect import EDGE_RADIUS, SIMPLE_SHAPES
 from bearingsim.core.pits import excitations
@@ -160,7 +161,7 @@ def scan(d: config.Defect) -> Scanned:
 @lru_cache(maxsize=CACHED_SCANS)
 def scanned(file: str, digest: str) -> Scanned:
     """The map in a file. Raises ValueError if the file is no longer what the case was made from."""
-    found = read_scan(file)
+    found = read_scan(BROUGHT.get(digest, file))
     if found.digest != digest:
         raise ValueError(f"{file} has changed since the study was read")
     return Scanned(digest, found.s, found.z, found.depth)

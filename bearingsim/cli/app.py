@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import warnings
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -157,9 +158,22 @@ def run(
     shard: Annotated[str, typer.Option(metavar="K/N", help="share K of N of the jobs")] = "1/1",
     quick: Quick = False,
     verify: Annotated[bool, typer.Option("--verify", help="read stored results against their checksums")] = False,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="let the workers of the dask scheduler at tcp://HOST:PORT compute"),
+    ] = None,
+    fail_fast: Annotated[bool, typer.Option("--fail-fast", help="end at the first job that fails")] = False,
+    max_failures: Annotated[
+        int | None, typer.Option(min=1, metavar="N", help="end when N jobs have failed")
+    ] = None,
+    max_cpu: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="CPU time that a job may take, such as `10 min`; dearer ones stay out"),
+    ] = None,
 ) -> None:
-    """Compute what is not done yet, and store it. Exit code 1: some jobs failed, the rest is stored."""
+    """Compute what is not done yet, and store it. Exit code 1: some failed or are left, the rest is stored."""
     share = _share(shard)
+    failures, cpu = _most_failures(fail_fast, max_failures), _time("--max-cpu", max_cpu) if max_cpu else inf
     if fresh and share != (1, 1):
         raise typer.BadParameter(FRESH_SHARD, param_hint="--fresh")
     from bearingsim import runner
@@ -168,7 +182,19 @@ def run(
     if share == (1, 1) and not (fresh or verify):
         summary = runner.finished(study, out, dict(map(_assignment, set_ or [])), quick)
     if summary is None:
-        summary = runner.run(_loaded(study, set_, quick), out, jobs, fresh, retry_failed, share, verify)
+        asked = _loaded(study, set_, quick)
+        summary = runner.run(
+            asked,
+            out,
+            jobs,
+            fresh,
+            retry_failed,
+            share,
+            verify,
+            scheduler=scheduler,
+            max_failures=failures,
+            max_cpu=cpu,
+        )
     typer.echo(str(summary))
     if _verbose(ctx) and summary.failed:
         from bearingsim.cli import tables
@@ -182,7 +208,7 @@ def run(
 def plot(
     results: Results = None,
     kind: Annotated[
-        str, typer.Option(help="sweep, phase; of jobs series, spectrum, envelope, roller, load, pit, ring")
+        str, typer.Option(help="sweep, phase, design; of jobs series, spectrum, envelope, roller, load, pit, ring")
     ] = "sweep",
     x: Annotated[str | None, typer.Option(metavar="PATH", help="swept path on the x axis")] = None,
     by: Annotated[list[str] | None, typer.Option(metavar="PATH", help="a curve per value; repeatable")] = None,
@@ -294,6 +320,41 @@ def export(
 
 
 @app.command()
+def merge(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR...", help="results folders of one study", show_default=False)
+    ],
+    out: Annotated[Path, typer.Option(metavar="DIR", help="folder for all of them", show_default=False)],
+) -> None:
+    """Make one results folder of several: those of shards, or of other machines. They stay as they are."""
+    from bearingsim import store
+
+    typer.echo(str(store.merge(folders, out)))
+    typer.echo(f"results: {near(out)}")
+
+
+@app.command()
+def prune(
+    ctx: typer.Context,
+    results: Results = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run/--no-dry-run", help="only say what would be removed, or remove it")
+    ] = True,
+) -> None:
+    """Remove what the plan no longer names: units, failures, trials, scans, damaged and temporary files."""
+    from bearingsim import store
+
+    root = opened_results(results).path
+    found = store.superfluous(root) if dry_run else store.prune(root)
+    if _verbose(ctx):
+        typer.echo("".join(f"{near(path)}\n" for path in found.paths), nl=False)
+    typer.echo(str(found))
+    if found.paths:
+        later = f"nothing is removed yet: `bearingsim prune {near(root)} --no-dry-run` does it"
+        typer.echo(later if dry_run else "removed")
+
+
+@app.command()
 def freq(
     bearing: Annotated[str, typer.Argument(metavar="BEARING", help="a name in configs/bearings, or a path")],
     speed: Annotated[str, typer.Option(help="speed of the inner ring")] = "1800 rpm",
@@ -384,6 +445,12 @@ def _time(option: str, text: str) -> float:
     if seconds <= 0.0:
         raise typer.BadParameter(f"expected a time above zero, got `{text}`", param_hint=option)
     return seconds
+
+
+def _most_failures(fail_fast: bool, max_failures: int | None) -> float:
+    if fail_fast and max_failures:
+        raise typer.BadParameter("ends at the first failure: leave out `--max-failures`", param_hint="--fail-fast")
+    return 1 if fail_fast else max_failures or inf
 
 
 def _share(text: str) -> tuple[int, int]:

@@ -4,14 +4,15 @@ from collections.abc import Iterator, Mapping
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
-from bearingsim.plots import labels
+from bearingsim.plots import labels, select
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from bearingsim.store import Results
+    from bearingsim.study import Figure
 
-__all__ = ["fixed_values"]
+__all__ = ["fixed_values", "moved_along"]
 
 CAPTION_FIELDS = (  # parameters worth saying, in order, with the word that introduces the value
     ("bearing.name", ""),
@@ -61,6 +62,9 @@ SMALL = {
 }
 
 
+MOST_WORDS = 4
+
+
 def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
     """Resolved parameters that do not vary over the finished jobs of ``rows``, in words.
 
@@ -71,6 +75,27 @@ def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> l
     units = SMALL | dict(results.plan["units"])
     said = [*_defects(known, drawn, units), *_machine(known, drawn, units)]
     return [*said, "quick grid"] if results.plan["quick"] else said
+
+
+def moved_along(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:
+    """What varies in a completed figure and stands on none of its axes, curves and panels, with its range.
+
+    Of a `zip`, a design, or derived: `load moves along: 150 to 300 N`, with x or with what is named.
+    """
+    for path, leader in select.moving_along(figure, rows, units):
+        with_it = "" if leader in ("", *figure.x.split(", ")) else f" with {labels.name_text(leader)}"
+        yield f"{labels.name_text(path)} moves along{with_it}: {_range(path, rows, units)}"
+
+
+def _range(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
+    """`150 to 300 N`; words one by one."""
+    found = select.values(rows, path)
+    if select.is_numeric(found):
+        unit = labels.unit_of(path, units)
+        low, high = (labels.shown(path, value, unit) for value in (found[0], found[-1]))
+        return f"{low:.4g} to {high:.4g}{'' if unit in ('deg', '') else ' '}{labels.pretty(unit)}"
+    told = [labels.value_text(path, value, units) for value in found]
+    return " / ".join(told if len(told) <= MOST_WORDS else [*told[:MOST_WORDS], f"{len(told) - MOST_WORDS} more"])
 
 
 def _machine(known: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:

@@ -18,12 +18,13 @@ if TYPE_CHECKING:
 
 __all__ = ["FORMATS", "KINDS", "drawn", "plot", "slug", "written"]
 
-PIT, LOAD, RING = "pit", "load", "ring"
+PIT, LOAD, RING, DESIGN = "pit", "load", "ring", "design"
 OF_JOBS = ("series", "spectrum", "envelope", "roller", LOAD, PIT, RING)
-KINDS = ("sweep", "phase", *OF_JOBS)
+KINDS = ("sweep", "phase", DESIGN, *OF_JOBS)
 ALL = "all"
 UNUSED_OPTIONS = {
     **dict.fromkeys(("sweep", "phase"), ("span",)),
+    DESIGN: ("x", "panels", "span"),
     **dict.fromkeys(OF_JOBS, ("x", "by", "panels", "span")),
     **dict.fromkeys(("series", LOAD), ("x", "by", "panels")),
     **dict.fromkeys((PIT, RING), ("x", "y", "by", "panels", "span")),
@@ -44,7 +45,8 @@ def plot(
 ) -> list[Path]:
     """Draw figures of a study into ``out`` (default: its ``figures`` folder); return the files.
 
-    kind: `sweep` features against swept paths, `phase` the phase of the line against them; of some jobs (ids, or
+    kind: `sweep` features against swept paths, `phase` the phase of the line against them, `design` a feature
+    against each parameter of a design; of some jobs (ids, or
     `all`) their `series`, `spectrum`, the spectrum of the squared `envelope`, what a `roller` meets on its way
     round, the `load` along a roller, each `pit` to scale, and the outer `ring` at rest. Instead of what the study
     says: x, and among changes y (features; of jobs channels), by, panels (lists), where (paths and values) and
@@ -71,6 +73,8 @@ def drawn(
         _check_done(results)
     if kind in OF_JOBS:
         return _of_jobs(results, kind, jobs, changes)
+    if kind == DESIGN or (kind == "sweep" and _shows_design(results, x, changes)):
+        return _of_design(results, changes)
     return _of_table(results, kind, x, changes)
 
 
@@ -116,14 +120,56 @@ def _of_table(
     return sheets
 
 
+def _shows_design(results: "Results", x: str | None, changes: Mapping[str, Any]) -> bool:
+    """Whether a design is all there is to draw: no figure is named, nor how one is to be arranged."""
+    from bearingsim.plots import select
+
+    named = x or results.plan["figures"] or changes.get("panels")
+    return not named and bool(select.design_paths(results))
+
+
+def _of_design(results: "Results", changes: Mapping[str, Any]) -> list[tuple[str, "Canvas"]]:
+    """A figure for each feature, with a panel for each parameter of the design that varies."""
+    from bearingsim.plots import design, select
+    from bearingsim.plots.caption import fixed_values, moved_along
+    from bearingsim.study import Figure
+
+    rows, units, every = select.case_rows(results), results.plan["units"], select.design_paths(results)
+    if not every:
+        raise PlotError("the study sweeps no design (`lhs`, `sobol`, `saltelli`, `morris`): try `--kind sweep`")
+    where, by = changes.get("where") or {}, tuple(changes.get("by") or ())
+    features = tuple(changes.get("y") or select.default_y(results, rows))
+    paths = [path for path in select.varied(select.matching(rows, where, units), every) if path not in by]
+    if not paths:
+        raise PlotError("no parameter of the design varies in these cases")
+    sheets = []
+    for name in features:
+        wanted = Figure(y=(name,), x=paths[0], by=by, where=where)
+        figure, part = select.completed(wanted, rows, units, every)
+        others = {path: unit for path, unit in units.items() if path not in paths}
+        along = moved_along(figure, part, others)
+        caption = [*fixed_values(results, part, {*paths, *figure.by}), *along, *_design_said(results)]
+        sheets.append((_name_of_design(name, changes), design.draw_paths(figure, paths, part, units, caption)))
+    return sheets
+
+
+def _design_said(results: "Results") -> list[str]:
+    from bearingsim.plots import design
+
+    return [design.said(results.plan["design"]), *design.TREND]
+
+
 def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple[Canvas, Figure]":
     """The figure drawn, and as it was completed."""
-    from bearingsim.plots import categories, select, sweep
-    from bearingsim.plots.caption import fixed_values
+    from bearingsim.plots import categories, design, select, sweep
+    from bearingsim.plots.caption import fixed_values, moved_along
 
-    units = results.plan["units"]
-    figure, part = select.completed(wanted, rows, units)
+    units, together = results.plan["units"], select.design_paths(results)
+    figure, part = select.completed(wanted, rows, units, together)
     caption = fixed_values(results, part, {figure.x, *select.varied(part, [*figure.by, *figure.panels])})
+    caption += moved_along(figure, part, units)
+    if select.scattered(figure, part, together):
+        return design.draw(figure, part, units, [*caption, *_design_said(results)]), figure
     if categories.are_many(figure, part, units):
         return categories.draw(figure, part, units, caption), figure
     part = select.with_spread(results, part, figure.y)
@@ -158,10 +204,19 @@ def _name(number: int, figure: "Figure", x: str | None, changes: Mapping[str, An
     asked = x or any(changes.values())
     y = figure.y if changes.get("y") else figure.y[:1]
     words = [f"{'plot' if asked else 'fig'}{number}", *y, "vs", figure.x]
-    for key in ("by", "panels"):
-        words += [key, *changes[key]] if changes.get(key) else []
+    return slug([*words, *_asked(changes)])
+
+
+def _asked(changes: Mapping[str, Any]) -> list[str]:
+    """Words of a file's name for what was asked for."""
+    words = [word for key in ("by", "panels") if changes.get(key) for word in (key, *changes[key])]
     where = [f"{path} {value.replace('-', 'minus ')}" for path, value in (changes.get("where") or {}).items()]
-    return slug([*words, *(["where", *where] if where else [])])
+    return [*words, *(["where", *where] if where else [])]
+
+
+def _name_of_design(feature: str, changes: Mapping[str, Any]) -> str:
+    """`design-velocity-bpfo`."""
+    return slug([DESIGN, feature, *_asked(changes)])
 
 
 def slug(words: Sequence[str]) -> str:

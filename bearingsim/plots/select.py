@@ -24,12 +24,15 @@ __all__ = [
     "completed",
     "default_phases",
     "default_y",
+    "design_paths",
     "is_drawable",
     "is_numeric",
     "joined",
     "matching",
+    "moving_along",
     "phases",
     "planned",
+    "scattered",
     "splits",
     "spread_said",
     "values",
@@ -48,6 +51,17 @@ def case_rows(results: "Results") -> "pd.DataFrame":
     """The rows of the table that are cases of the study, not the healthy baselines they are compared with."""
     table, twins = results.table(), {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
     return table[~table["job"].isin(twins)].reset_index(drop=True)
+
+
+def design_paths(results: "Results") -> tuple[str, ...]:
+    """The paths that move together as points of a design; none of a study that has none."""
+    design = results.plan.get("design")
+    return tuple(design["paths"]) if design else ()
+
+
+def scattered(figure: Figure, rows: "pd.DataFrame", design: Sequence[str]) -> list[str]:
+    """The paths of a design that move freely along the curves of a figure: its points make no line then."""
+    return varied(rows, [path for path in design if path not in (figure.x, *figure.by, *figure.panels)])
 
 
 def varied(rows: "pd.DataFrame", paths: Sequence[str]) -> list[str]:
@@ -108,7 +122,9 @@ def arranged(results: "Results", x: str, rows: "pd.DataFrame") -> Figure:
     """A figure over x, other paths as curves, that with the fewest values as panels if curves are too many."""
     units = results.plan["units"]
     beside = joined(x, [], rows, units)
-    others = [path for path in varied(rows, list(units)) if path not in beside and not _follows(path, x, rows)]
+    leading = [x, *(path for path in design_paths(results) if path != x)]
+    paths = [path for path in varied(rows, list(units)) if path not in (*beside, *leading)]
+    others = [path for path in paths if not _follows(path, leading, rows)]
     ordered = sorted(others, key=lambda path: len(values(rows, path)))
     curves = rows.groupby(list(others)).ngroups if others else 1
     panels = tuple(ordered[:1]) if curves > MAX_CURVES and len(ordered) > 1 else ()
@@ -116,9 +132,9 @@ def arranged(results: "Results", x: str, rows: "pd.DataFrame") -> Figure:
     return Figure(y=default_y(results, rows), x=x, by=curves_of, panels=panels)
 
 
-def _follows(path: str, x: str, rows: "pd.DataFrame") -> bool:
-    """Whether a path has one value for each x: it moves together with it."""
-    return x in rows and bool(rows.groupby(x)[path].nunique().max() <= 1)
+def _follows(path: str, leading: Sequence[str], rows: "pd.DataFrame") -> bool:
+    """Whether a path has one value for each combination of others: it moves together with them."""
+    return set(leading) <= set(rows) and bool(rows.groupby(list(leading))[path].nunique().max() <= 1)
 
 
 def default_y(results: "Results", rows: "pd.DataFrame") -> tuple[str, ...]:
@@ -183,10 +199,13 @@ def spread_said(results: "Results", rows: "pd.DataFrame") -> list[str]:
     return [f"bands and bars: {band}" + ", in part chaotic (with its standard error)" * chaotic]
 
 
-def completed(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> tuple[Figure, "pd.DataFrame"]:
+def completed(
+    figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], design: Sequence[str] = ()
+) -> tuple[Figure, "pd.DataFrame"]:
     """The rows of a figure, and the figure with every path that still varies among its curves.
 
-    Raises PlotError for a path or feature that the results do not have.
+    design: paths that move together, and so make no curves. Raises PlotError for a path or feature that the
+    results do not have.
     """
     paths = (figure.x, *figure.by, *figure.panels)
     for path in paths:
@@ -199,8 +218,9 @@ def completed(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) ->
     together = joined(figure.x, (*figure.by, *figure.panels), rows, units)
     x, rows = _as_categories(together, rows, units)
     by = list(figure.by)
-    for path in varied(rows, [path for path in units if path not in (*together, *by, *figure.panels)]):
-        if rows.groupby([x, *by, *figure.panels])[path].nunique().max() > 1:
+    free = scattered(figure, rows, design)
+    for path in varied(rows, [path for path in units if path not in (*together, *by, *figure.panels, *free)]):
+        if rows.groupby([x, *free, *by, *figure.panels])[path].nunique().max() > 1:
             by.append(path)
     return replace(figure, x=x, by=tuple(by)), rows
 
@@ -274,6 +294,16 @@ def _matches(column: "pd.Series[Any]", path: str, text: str) -> "pd.Series[bool]
     if value is None or not is_numeric(list(column.dropna())):
         return column == text
     return (column - value).abs() <= 1e-9 * abs(value) + 1e-300
+
+
+def moving_along(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """The swept paths that vary in a completed figure without being drawn, and the drawn one that each follows.
+
+    Empty for one that follows none of them alone.
+    """
+    drawn = [*figure.x.split(", "), *figure.by, *figure.panels]
+    for path in varied(rows, [path for path in units if path not in drawn]):
+        yield path, next((one for one in drawn if _follows(path, [one], rows)), "")
 
 
 def splits(

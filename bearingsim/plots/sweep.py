@@ -29,14 +29,19 @@ __all__ = [
     "legend_width",
     "letter",
     "mark_chaotic",
+    "mark_lost",
+    "positions",
     "share_scales",
     "styles_of_curves",
     "ticks_between",
+    "x_axis",
+    "y_axis",
 ]
 
 ROW_IN = 2.7
 HEADROOM = 1.05  # an axis from zero ends so much above the largest value
 LABEL_LETTERS = 34  # of an axis label, in a line
+CAPTION_LINES, CAPTION_LINE_IN = 4, 0.13  # lines that find room below any figure; height of one more
 CHARACTER_IN = 0.066  # width of a letter of the legend
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
@@ -81,12 +86,14 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
 
 
 def finish(canvas: Canvas, title: str | None, caption: Sequence[str]) -> None:
-    """Put the title above and the caption, wrapped to the figure's width, below."""
+    """Put the title above and the caption, wrapped to the figure's width, below; a long one makes it higher."""
     if title:
         canvas.suptitle(title, fontsize=10.0)
     width = int(canvas.get_size_inches()[0] / 0.053)
     whole = [item.replace(" ", NO_BREAK) for item in caption]
     text = textwrap.fill(", ".join(whole), width, break_on_hyphens=False)
+    inches, height = canvas.get_size_inches()
+    canvas.set_size_inches(inches, height + CAPTION_LINE_IN * max(0, text.count("\n") + 1 - CAPTION_LINES))
     canvas.supxlabel(text, x=0.01, ha="left", fontsize=7.0, color="0.35")
 
 
@@ -175,8 +182,8 @@ def _panel(
         mark_models(ax, x, y, curve.rows, models_of(rows))
         mark_chaotic(ax, x, y, curve.rows)
         mark_lost(ax, x, curve.rows["status"])
-    _x_axis(ax, figure, rows, units)
-    _y_axis(ax, name, figure)
+    x_axis(ax, figure, rows, units)
+    y_axis(ax, name, figure)
 
 
 def mark_spread(ax: "Axes", x: Sequence[float], curve: Curve, name: str, factor: float) -> None:
@@ -271,7 +278,8 @@ def mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None:
             ax.plot(where, [0.025] * len(where), marker, transform=ax.get_xaxis_transform(), **marks)
 
 
-def _x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> None:
+def x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> None:
+    """Ticks of the x axis: at each value if these are few, words as such."""
     known = select.values(rows, figure.x)
     if not select.is_numeric(known):
         ax.set_xticks(range(len(known)), [labels.value_text(figure.x, value, units) for value in known])
@@ -285,7 +293,8 @@ def _x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str
         ax.set_xticks(ticks, [labels.number_text(tick) for tick in ticks])
 
 
-def _y_axis(ax: "Axes", name: str, figure: Figure) -> None:
+def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
+    """Ends and ticks of the y axis of a feature: from zero where nothing is below."""
     if "y" in figure.log and not name.endswith(".phase"):
         ax.set_yscale("log", nonpositive="mask")
         ticks_between(ax.yaxis, ax.dataLim.minposy, ax.dataLim.y1)

@@ -78,7 +78,7 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
 def _one_by_one(works: Sequence[Work], deaths: Deaths, workers: int) -> Iterator[Outcome]:
     """Compute jobs with nothing beside them: a death names its culprit, unless it is one of three in a row."""
     blamed: list[Outcome] = []
-    for work in works:
+    for work in takewhile(lambda _: not asked(), works):
         try:
             outcome = next(iter(list(_in_pool([work], workers))))
         except BrokenProcessPool as death:

@@ -2,13 +2,17 @@
 
 import signal
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, suppress
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import AbstractContextManager, closing, suppress
 from dataclasses import dataclass, replace
+from functools import partial
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
+from bearingsim.errors import UserError
+from bearingsim.runner.bounds import affordable, ended_early, refuse_bounds
 from bearingsim.runner.commands import command
 from bearingsim.runner.findings import of_results
 from bearingsim.runner.packing import Cost, fewer, fitting, pack, shard_of
@@ -16,12 +20,14 @@ from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import Patience, getting_ready
 from bearingsim.runner.progress import progress as shown_progress
 from bearingsim.runner.select import NoChoices, Stopped, selected
+from bearingsim.runner.stopping import ending
 from bearingsim.runner.summary import Interrupted, RunSummary, grouped
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from bearingsim.runner.cluster import Cluster
     from bearingsim.study import Job, Study
 
 __all__ = ["run", "with_models"]
@@ -41,6 +47,9 @@ def run(
     verify: bool = False,
     progress: bool | None = None,
     engine: Engine = BEARINGSIM,
+    max_failures: float = inf,
+    max_cpu: float = inf,
+    scheduler: str | None = None,
 ) -> RunSummary:
     """Compute the jobs of a study that are not stored yet, into ``out``.
 
@@ -48,7 +57,11 @@ def run(
 
     jobs: worker processes (default: the CPUs); 1 computes in this process. fresh: throw stored results away
     first. retry_failed: try failed jobs again. shard: ``(k, n)`` computes share k of n. verify: read every
-    stored byte against its checksum before trusting it. progress: False shows none.
+    stored byte against its checksum before trusting it. progress: False shows none. max_failures: jobs that may
+    fail now before no more is begun. max_cpu: CPU time (s) of a job: one estimated to take more is left out, one
+    that takes more fails; neither is part of a job's id, for both leave out results and change none. scheduler:
+    ``tcp://HOST:PORT`` of a dask scheduler, whose workers compute the jobs in place of this machine's; models are
+    still chosen here.
 
     Raises Interrupted (with the summary; what is done stays done), ValueError for options that contradict each
     other, store.FolderInUse, WorkersDie, ScanError when a scan's file is gone, or another, before anything is
@@ -57,7 +70,8 @@ def run(
     started = time.perf_counter()
     root = store.results_folder(study.name, study.quick, out)
     told = [*study.notes, *load(engine.notes)(study.cases())]  # now: files that it reads may go
-    workers = _workers(jobs)
+    workers, joined = _workers(jobs), _joined(scheduler)
+    refuse_bounds(max_failures, max_cpu)
     shard_of([], shard)  # a share that does not exist is refused before models are tried
     _prepare(root, fresh, shard)
     try:
@@ -71,27 +85,38 @@ def run(
     store.write_plan(root, study, every, told)
     plan = _plan(root, ours, retry_failed, verify)
     store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
-    tally = _Tally(root, command("run", study, root, "--retry-failed"), plan.failures)
+    tally = _Tally(root, command("run", study, root, "--retry-failed"), plan.failures, max_failures)
     interrupted = 0
     try:
-        if plan.todo:
+        if plan.todo and joined is not None:
+            todo, costs, left = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
+            told += left
+            with joined() as cluster:
+                works = _works(root, study, todo, costs, cluster.workers, engine)
+                works = [replace(work, max_cpu=max_cpu, max_failures=max_failures) for work in works]
+                store.check_room(root, LEAST_PART * sum(work.bytes for work in works))
+                _compute(works, cluster.outcomes(works), tally, progress)
+        elif plan.todo:
             with getting_ready(progress) as patience:
                 patience.begin("estimating what the jobs take")
-                costs = _costs(engine, plan.todo)
-                told += fewer(costs, workers)
+                todo, costs, left = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
+                told += [*left, *fewer(costs, workers)]
                 workers = fitting(costs, workers)
-                works = _works(root, study, plan.todo, costs, workers, engine)
+                works = _works(root, study, todo, costs, workers, engine)
+                works = [replace(work, max_cpu=max_cpu, max_failures=max_failures) for work in works]
                 store.check_room(root, LEAST_PART * sum(work.bytes for work in works))
-                _warm(root, engine, plan.todo, patience)
-            _compute(works, workers, tally, progress)
+                _warm(root, engine, todo, patience)
+            _compute(works, outcomes(works, workers), tally, progress)
     except KeyboardInterrupt as stop:
         interrupted = getattr(stop, "number", signal.SIGINT)
     store.sweep(root)
     frame = store.build_table(root, plan.held.rows)
     seconds = time.perf_counter() - started
     left_out = len((earlier & plan.held.sealed) - {job.id for job in every})
-    notes = (*_notes(left_out, plan.held.damaged), *told, *of_results(store.read_plan(root), frame))
     status = frame["status"].loc[[job.id for job in ours]]
+    if tally.full and (status == "missing").any():
+        told.insert(0, ended_early(tally.failed, max_failures))
+    notes = (*_notes(left_out, plan.held.damaged), *told, *of_results(store.read_plan(root), frame))
     summary = tally.summary(study.name, status, plan.resumed, seconds, interrupted, notes)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
     if interrupted:
@@ -152,6 +177,17 @@ def _workers(asked: int | None) -> int:
     return asked or int(cpu_count())
 
 
+def _joined(scheduler: str | None) -> "Callable[[], AbstractContextManager[Cluster]] | None":
+    """What joins the workers of a scheduler, if one is named. Raises UserError without the package for it."""
+    if scheduler is None:
+        return None
+    try:
+        from bearingsim.runner.cluster import joined
+    except ModuleNotFoundError as error:
+        raise UserError(f"--scheduler needs `{error.name}`: pip install 'bearingsim[cluster]'") from None
+    return partial(joined, scheduler)
+
+
 def _prepare(root: Path, fresh: bool, shard: tuple[int, int]) -> None:
     if fresh and shard != (1, 1):
         raise ValueError("a fresh start would throw away the other shards' results: remove the folder first")
@@ -191,12 +227,20 @@ class _Tally:
     root: Path
     command: str
     failures: dict[str, store.Failure]
+    max_failures: float = inf
+    failed: int = 0
     start_cpu_s: float = 0.0
     cpu_s: float = 0.0
     integrator_cpu_s: float = 0.0
 
+    @property
+    def full(self) -> bool:
+        """Whether as many jobs have failed now as may."""
+        return self.failed >= self.max_failures
+
     def add(self, outcome: Outcome) -> None:
         """Take an outcome in."""
+        self.failed += len(outcome.failed)
         self.start_cpu_s += outcome.start_cpu_s
         self.cpu_s += outcome.cpu_s
         self.integrator_cpu_s += outcome.integrator_cpu_s
@@ -283,12 +327,16 @@ def _cost(estimate: Callable[[Any], Any], case: Any) -> Cost:
     return Cost(float(found.cpu_seconds), float(found.bytes), float(found.most_memory))
 
 
-def _compute(works: Sequence[Work], workers: int, tally: _Tally, shown: bool | None) -> None:
-    """Compute units of work, taking each outcome in as it comes."""
+def _compute(
+    works: Sequence[Work], outcomes: Generator[Outcome, None, None], tally: _Tally, shown: bool | None
+) -> None:
+    """Take in the outcome of each unit of work as it comes."""
     price = {job.id: seconds for work in works for job, seconds in zip(work.jobs, work.seconds, strict=True)}
     bar = shown_progress(shown, len(price), sum(price.values()))
-    with bar as report, closing(outcomes(works, workers)) as coming:
+    with bar as report, ending() as end, closing(outcomes) as coming:
         for outcome in coming:
             tally.add(outcome)
+            if tally.full:
+                end()
             ids = [*outcome.done, *(failure.job for failure in outcome.failed)]
             report(len(outcome.done), len(outcome.failed), sum(price[job] for job in ids))

@@ -1,25 +1,29 @@
-"""Ending early: at a first Ctrl-C, SIGTERM or SIGHUP the jobs in hand end and are sealed; a second is at once."""
+"""Ending early: at a first Ctrl-C, SIGTERM or SIGHUP the jobs in hand end and are sealed; a second is at once.
+
+So they do where the run itself has seen enough.
+"""
 
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
 from bearingsim.errors import Signalled
 
-__all__ = ["asked", "flag_for_workers", "heeding", "ignoring", "take_flag"]
+__all__ = ["asked", "ending", "flag_for_workers", "heed", "heeding", "ignoring", "take_flag"]
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 _received = 0  # number of the signal, in the process that got it
 _flag: Any = None  # the same for its workers
+_enough = False  # whether this process has seen enough, of itself
 
 
 def asked() -> bool:
     """Whether this process, or the one that it works for, has been asked to stop."""
-    return _received != 0 or (_flag is not None and bool(_flag.is_set()))
+    return _received != 0 or _enough or (_flag is not None and bool(_flag.is_set()))
 
 
 def flag_for_workers() -> Any:
@@ -32,10 +36,15 @@ def flag_for_workers() -> Any:
     return _flag
 
 
-def take_flag(flag: Any) -> None:
-    """In a worker: heed the flag, and no signal; these often go to all processes at once."""
+def heed(flag: Any) -> None:
+    """In a worker: from now on the flag tells it to stop."""
     global _flag
     _flag = flag
+
+
+def take_flag(flag: Any) -> None:
+    """In a worker: heed the flag, and no signal; these often go to all processes at once."""
+    heed(flag)
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
 
@@ -56,6 +65,25 @@ def heeding() -> Iterator[None]:
             _received = 0
             if _flag is not None:
                 _flag.clear()
+
+
+@contextmanager
+def ending() -> Iterator[Callable[[], None]]:
+    """Gives what ends a run as a signal does, without one: until this is left nothing more is begun."""
+    global _enough
+
+    def end() -> None:
+        global _enough
+        _enough = True
+        if _flag is not None:
+            _flag.set()
+
+    try:
+        yield end
+    finally:
+        _enough = False
+        if _flag is not None:
+            _flag.clear()
 
 
 @contextmanager

@@ -150,8 +150,8 @@ class RunSummary:
 
     @property
     def exit_code(self) -> int:
-        """0 all done, 1 some failed, 128 and the number of the signal if interrupted: 130 by Ctrl-C."""
-        return 128 + self.interrupted if self.interrupted else int(self.failed > 0)
+        """0 all done, 1 some failed or left, 128 and the number of the signal if interrupted: 130 by Ctrl-C."""
+        return 128 + self.interrupted if self.interrupted else int(self.failed > 0 or self.missing > 0)
 
     def __str__(self) -> str:
         counts = {"done before": self.resumed, "failed": self.failed, "left": self.missing}

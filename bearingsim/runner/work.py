@@ -8,12 +8,14 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bearingsim import cpu_time
 from bearingsim.runner.stopping import asked, take_flag
 from bearingsim.store import DiskFull, Failure, room, start_marker, unit_name, write_units
 from bearingsim.store.columns import Value
@@ -43,10 +45,16 @@ class Engine:
 
 BEARINGSIM = Engine()
 
+Seal = Callable[[Path, Sequence[tuple["Job", "Record"]], Mapping[str, Value]], object]
+"""Puts records where they stay: told of the results folder, jobs and their records, and what made them."""
+
 
 @dataclass(frozen=True)
 class Work:
-    """Jobs to compute in one go, where to store them, the estimated time in s of each, and bytes of all series."""
+    """Jobs to compute in one go, where to store them, the estimated time in s of each, and bytes of all series.
+
+    max_cpu: CPU time (s) that a job may take; max_failures: jobs that may fail before no more is begun.
+    """
 
     root: Path
     jobs: tuple["Job", ...]
@@ -54,6 +62,8 @@ class Work:
     engine: Engine
     provenance: Mapping[str, Value]
     bytes: float = 0.0
+    max_cpu: float = inf
+    max_failures: float = inf
 
     @property
     def unit(self) -> str:
@@ -90,7 +100,7 @@ def load(path: str) -> Callable[..., Any]:
     return function
 
 
-def compute(work: Work) -> Outcome:
+def compute(work: Work, seal: Seal = write_units) -> Outcome:
     """Simulate the jobs of a unit, seal their records, and return failures as values.
 
     Whoever is asked to stop seals what is done. Only what concerns the whole study is raised: DiskFull, a bug
@@ -106,20 +116,20 @@ def compute(work: Work) -> Outcome:
     simulate, unit = load(work.engine.simulate), work.unit
     with start_marker(work.root, unit) as note:
         for job in work.jobs:
-            if asked():
+            if asked() or len(failed) >= work.max_failures:
                 break
             note(job.id)
             try:
-                with room(work.root / unit):  # a full disk is no fault of the job
+                with room(work.root / unit), cpu_time.at_most(work.max_cpu):  # a full disk is no fault of the job
                     done.append((job, simulate(job.case)))
             except DiskFull:
                 raise
             except KeyboardInterrupt:  # where nobody heeds signals
-                write_units(work.root, done, work.provenance)
+                seal(work.root, done, work.provenance)
                 raise
             except Exception as error:
                 failed.append(_failure(job.id, error))
-        write_units(work.root, done, work.provenance)
+        seal(work.root, done, work.provenance)
     return Outcome(
         unit=unit,
         done=tuple(job.id for job, _ in done),

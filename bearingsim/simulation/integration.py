@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim import assemble
+from bearingsim import assemble, cpu_time
 from bearingsim.catalogue import MODELS, lowest
 from bearingsim.config import Case
 from bearingsim.config.rules import hierarchy
@@ -258,6 +258,7 @@ def _record_steps(
         )
         n += taken
         clock[0] += time.thread_time() - began
+        cpu_time.check()
         if outcome == outcomes.SUCCESS and clock[0] > setup.max_cpu and setup.case.step == "auto":
             outcome = outcomes.TOO_SLOW
         if outcome != outcomes.SUCCESS:

@@ -18,11 +18,13 @@ from bearingsim.store.files import (
 )
 from bearingsim.store.folder import FolderInUse, Holdings, discard, holdings
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
+from bearingsim.store.merge import Merged, Unmergeable, merge
 from bearingsim.store.names import flat_parameters
 from bearingsim.store.nearness import audited, nearness
 from bearingsim.store.provenance import made_of, provenance
+from bearingsim.store.prune import Superfluous, prune, superfluous
 from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs, results_folder
-from bearingsim.store.scans import keep_scans
+from bearingsim.store.scans import keep_scans, kept_scans, with_short_paths
 from bearingsim.store.sealed import UNREADABLE
 from bearingsim.store.spread import errors, spread
 from bearingsim.store.table import build_table, info, job_frame, read_plan, write_plan
@@ -34,7 +36,17 @@ from bearingsim.store.trials import (
     write_choices,
     write_trials,
 )
-from bearingsim.store.units import DamagedUnit, Series, check_unit, read_series, unit_name, unit_path, write_units
+from bearingsim.store.units import (
+    DamagedUnit,
+    Series,
+    check_unit,
+    read_series,
+    sealed_units,
+    take_unit,
+    unit_name,
+    unit_path,
+    write_units,
+)
 
 __all__ = [
     "UNREADABLE",
@@ -45,9 +57,12 @@ __all__ = [
     "FolderInUse",
     "Holdings",
     "LinkWithin",
+    "Merged",
     "Results",
     "ResultsError",
     "Series",
+    "Superfluous",
+    "Unmergeable",
     "audited",
     "build_table",
     "case_of",
@@ -61,14 +76,17 @@ __all__ = [
     "info",
     "job_frame",
     "keep_scans",
+    "kept_scans",
     "lock",
     "log",
     "made_of",
+    "merge",
     "nearness",
     "now",
     "open_results",
     "planned_jobs",
     "provenance",
+    "prune",
     "read_choices",
     "read_failures",
     "read_plan",
@@ -78,12 +96,16 @@ __all__ = [
     "refuse_links",
     "results_folder",
     "room",
+    "sealed_units",
     "spread",
     "start_marker",
+    "superfluous",
     "sweep",
     "take_suspects",
+    "take_unit",
     "unit_name",
     "unit_path",
+    "with_short_paths",
     "write_bytes",
     "write_choices",
     "write_plan",

@@ -174,15 +174,15 @@ def write_text(path: Path, text: str) -> None:
 
 
 @contextmanager
-def lock(root: Path) -> Iterator[None]:
+def lock(root: Path, wait: bool = True) -> Iterator[None]:
     """The lock that parents sharing a folder hold while they build the table or sweep; dies with its holder.
 
-    On a disk that has no locks nothing is held.
+    On a disk that has no locks nothing is held. Without ``wait`` raises filelock.Timeout if another holds it.
     """
     held = FileLock(root / ".lock")
     try:
         with room(root / ".lock"):
-            held.acquire()
+            held.acquire(blocking=wait)
     except OSError as error:
         if error.errno not in NO_LOCKS:
             raise

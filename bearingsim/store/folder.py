@@ -16,7 +16,7 @@ from bearingsim.store.trials import clear_choices
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["FolderInUse", "Holdings", "discard", "holdings"]
+__all__ = ["FolderInUse", "Holdings", "discard", "holdings", "refuse_use"]
 
 
 class FolderInUse(UserError):
@@ -53,6 +53,15 @@ def holdings(root: Path, verify: bool = False) -> Holdings:
     return Holdings(jobs, failures, stock.read, [str(path.relative_to(root)) for path in damaged])
 
 
+def refuse_use(root: Path) -> None:
+    """Raises FolderInUse while another run is computing into a folder."""
+    for path in temporary_files(root):
+        with left_behind(path) as left:
+            if not left and path.exists():
+                advice = "wait for it, or choose another folder (on a disk without locks: remove this file)"
+                raise FolderInUse(f"another run is writing {path}: {advice}")
+
+
 def discard(root: Path) -> None:
     """Throw away all units, failures, choices and the table of a folder.
 
@@ -61,11 +70,7 @@ def discard(root: Path) -> None:
     Raises FolderInUse while another run is computing into it.
     """
     with lock(root):
-        for path in temporary_files(root):
-            with left_behind(path) as left:
-                if not left and path.exists():
-                    advice = "wait for it, or choose another folder (on a disk without locks: remove this file)"
-                    raise FolderInUse(f"another run is writing {path}: {advice}")
+        refuse_use(root)
         shutil.rmtree(root / "units", ignore_errors=True)
         clear_failures(root)
         clear_choices(root)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from bearingsim.study import Study
 
-__all__ = ["made_of", "provenance"]
+__all__ = ["made_of", "provenance", "versions"]
 
 PACKAGES = ("bearingsim", "numpy", "numba", "scipy", "h5py")
 
@@ -33,7 +33,7 @@ def provenance(study: "Study") -> dict[str, str | int]:
         "host": socket.gethostname(),
         "platform": platform.platform(),
         "python": platform.python_version(),
-        "packages": ", ".join(f"{name} {_version(name)}" for name in PACKAGES),
+        "packages": ", ".join(f"{name} {version}" for name, version in versions().items()),
         "git_commit": _commit(),
     }
     return {name: value for name, value in facts.items() if value != ""}
@@ -53,6 +53,11 @@ def made_of(files: Mapping[str, str | None], overrides: Mapping[str, str], quick
     program = [_version("bearingsim"), MODEL_VERSION, commit, extension_digest()]
     told = [sorted(files.items()), sorted(overrides.items()), quick, str(Path.cwd()), program]
     return hashlib.sha256(json.dumps(told).encode()).hexdigest()
+
+
+def versions() -> dict[str, str]:
+    """Versions of the packages that shape results, by name."""
+    return {name: _version(name) for name in PACKAGES}
 
 
 def _version(package: str) -> str:

@@ -9,7 +9,15 @@ from bearingsim.store.files import write_bytes
 if TYPE_CHECKING:
     from bearingsim.config import Case
 
-__all__ = ["keep_scans", "kept_scan", "short_path"]
+__all__ = [
+    "copy_scans",
+    "held_scans",
+    "keep_scans",
+    "kept_scan",
+    "kept_scans",
+    "short_path",
+    "with_short_paths",
+]
 
 
 def keep_scans(root: Path, cases: Iterable["Case"]) -> None:
@@ -17,11 +25,48 @@ def keep_scans(root: Path, cases: Iterable["Case"]) -> None:
 
     Raises ScanError if one is gone, or is no longer what its case was made from.
     """
-    scans = {(d.digest, d.file) for case in cases for d in case.defects if d.file and d.digest}
-    for digest, file in sorted(scans):
+    for digest, file in _scans(cases):
         kept = kept_scan(root, digest, file)
         if not _holds(kept, digest):
             write_bytes(kept, _content(Path(file), digest))
+
+
+def kept_scans(root: Path, cases: Iterable["Case"]) -> dict[str, bytes]:
+    """The copies of the scans of some cases, by their names ``<digest>.<ext>``."""
+    copies = (kept_scan(root, digest, file) for digest, file in _scans(cases))
+    return {copy.name: copy.read_bytes() for copy in copies}
+
+
+def with_short_paths(case: "Case") -> "Case":
+    """The case with its scans' files named as results name them, for a machine where they are not."""
+    if all(d.file is None for d in case.defects):
+        return case
+    named = tuple(d if d.file is None else d.model_copy(update={"file": short_path(d.file)}) for d in case.defects)
+    return case.model_copy(update={"defects": named})
+
+
+def _scans(cases: Iterable["Case"]) -> list[tuple[str, str]]:
+    """Digest and file of each scan that some cases have."""
+    return sorted({(d.digest, d.file) for case in cases for d in case.defects if d.file and d.digest})
+
+
+def held_scans(root: Path) -> list[Path]:
+    """The scans that a results folder keeps. Raises ScanError for one that is not what its name says."""
+    from bearingsim.config.scan.file import ScanError
+
+    found = sorted(path for path in (root / "scans").glob("*") if path.suffix != ".part")
+    for path in found:
+        if not _holds(path, path.stem):
+            raise ScanError(f"`{path}` is not as it was written", "remove it, and run the study there again")
+    return found
+
+
+def copy_scans(scans: Iterable[Path], root: Path) -> None:
+    """Copy scans that another results folder keeps, unless they are there."""
+    for path in scans:
+        kept = root / "scans" / path.name
+        if not _holds(kept, path.stem):
+            write_bytes(kept, path.read_bytes())
 
 
 def kept_scan(root: Path, digest: str, file: str) -> Path:

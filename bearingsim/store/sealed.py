@@ -7,8 +7,9 @@ the version of its layout. Files of earlier versions have no digest, and are rea
 import hashlib
 import io
 import json
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,10 @@ __all__ = [
     "LIBVER",
     "UNREADABLE",
     "Unreadable",
+    "hdf5_in_memory",
     "new_hdf5",
     "open_hdf5",
+    "open_sealed",
     "read_json",
     "set_aside",
     "write_json",
@@ -58,15 +61,20 @@ def set_aside(path: Path) -> Path:
 # HDF5
 
 
-@contextmanager
-def new_hdf5(path: Path) -> Iterator[h5py.File]:
+def new_hdf5(path: Path) -> AbstractContextManager[h5py.File]:
     """A file to fill. It is made in memory, where HDF5 meets no full disk, and written on leaving."""
-    with h5py.File(path.name, "w", driver="core", backing_store=False, libver=LIBVER) as file:
+    return hdf5_in_memory(partial(write_bytes, path))
+
+
+@contextmanager
+def hdf5_in_memory(take: Callable[[bytes], None]) -> Iterator[h5py.File]:
+    """A file to fill; what it holds then, with its digest, is handed over on leaving."""
+    with h5py.File("in memory", "w", driver="core", backing_store=False, libver=LIBVER) as file:
         file.attrs["schema"] = SCHEMA
         yield file
         file.flush()
         image = file.id.get_file_image()
-    write_bytes(path, image + _seal(image))
+    take(image + _seal(image))
 
 
 def _seal(image: bytes) -> bytes:
@@ -78,7 +86,11 @@ SEAL_BYTES = len(_seal(b""))
 
 def open_hdf5(path: Path) -> h5py.File:
     """Open a file after comparing its bytes with its digest. Raises one of UNREADABLE."""
-    content = path.read_bytes()
+    return open_sealed(path.read_bytes())
+
+
+def open_sealed(content: bytes) -> h5py.File:
+    """Open what a file holds after comparing it with its digest. Raises one of UNREADABLE."""
     image, seal = content[:-SEAL_BYTES], content[-SEAL_BYTES:]
     if seal.startswith(HDF5_MARK) and seal != _seal(image):
         raise Unreadable("its bytes are not those that were written")

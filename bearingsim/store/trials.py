@@ -5,6 +5,7 @@ what names the plan of the study that it was made for.
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -14,11 +15,13 @@ import numpy as np
 from bearingsim.errors import UserError
 from bearingsim.selection import Choice, Choices
 from bearingsim.simulation.trial import Trial
+from bearingsim.store.files import write_bytes
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 
 __all__ = [
     "DamagedChoices",
     "clear_choices",
+    "copy_trials",
     "read_choices",
     "read_plans",
     "read_trials",
@@ -50,6 +53,15 @@ def read_trials(root: Path) -> dict[str, Trial | None]:
         except UNREADABLE:
             continue
     return found
+
+
+def copy_trials(source: Path, root: Path) -> None:
+    """Copy the trials of another results folder, less those that are there, or cannot be read."""
+    for path in sorted((source / TRIALS).glob("*.json")):
+        with suppress(*UNREADABLE):
+            read_json(path)
+            if not (root / TRIALS / path.name).exists():
+                write_bytes(root / TRIALS / path.name, path.read_bytes())
 
 
 def _plain(one: Trial) -> dict[str, Any]:

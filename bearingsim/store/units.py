@@ -7,7 +7,7 @@ h5web and MATLAB open it unaided.
 """
 
 import hashlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 
 from bearingsim.errors import UserError
 from bearingsim.store.columns import GROUPS, TEXT, Value, columns, read_columns, write_columns, write_jobs
+from bearingsim.store.files import write_bytes
 from bearingsim.store.names import channel_attributes, flat_parameters
-from bearingsim.store.sealed import UNREADABLE, Unreadable, new_hdf5, open_hdf5
+from bearingsim.store.sealed import UNREADABLE, Unreadable, hdf5_in_memory, open_hdf5, open_sealed
 
 if TYPE_CHECKING:
     from bearingsim.simulation.simulate import Record
@@ -30,9 +31,12 @@ __all__ = [
     "DamagedUnit",
     "Series",
     "check_unit",
+    "computed",
     "open_unit",
     "read_series",
     "read_unit",
+    "sealed_units",
+    "take_unit",
     "unit_name",
     "unit_path",
     "write_units",
@@ -73,9 +77,32 @@ def unit_path(root: Path, unit: str) -> Path:
 
 def write_units(root: Path, done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]) -> list[Path]:
     """Seal the records of some jobs, one file per common time axis and set of channels; return the files."""
+    return [_write(unit_path(root, unit), content) for unit, content in sealed_units(done, provenance)]
+
+
+def _write(path: Path, content: bytes) -> Path:
+    write_bytes(path, content)
+    return path
+
+
+def sealed_units(
+    done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]
+) -> Iterator[tuple[str, bytes]]:
+    """The names of the units that hold the records of some jobs, and what their files are to hold."""
     ordered = sorted(done, key=lambda pair: (_shape_key(pair[1]), pair[0].id))
-    groups = [list(group) for _, group in groupby(ordered, key=lambda pair: _shape_key(pair[1]))]
-    return [_write_unit(root, group, provenance) for group in groups]
+    for _, group in groupby(ordered, key=lambda pair: _shape_key(pair[1])):
+        yield _sealed(list(group), provenance)
+
+
+def take_unit(root: Path, unit: str, content: bytes) -> Path:
+    """Write a unit that was sealed elsewhere, as it is. Raises DamagedUnit if it is not as it was sealed."""
+    path = unit_path(root, unit)
+    try:
+        with open_sealed(content) as file:
+            _check(path, file)
+    except UNREADABLE as error:
+        raise DamagedUnit(f"{path.name}, as it came: {error}") from error
+    return _write(path, content)
 
 
 def _shape_key(record: "Record") -> tuple[bytes, tuple[str, ...]]:
@@ -83,17 +110,16 @@ def _shape_key(record: "Record") -> tuple[bytes, tuple[str, ...]]:
     return (np.asarray(record.time, np.float64).tobytes() if names else b""), names
 
 
-def _write_unit(root: Path, done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]) -> Path:
-    ids = [job.id for job, _ in done]
-    path = unit_path(root, unit_name(ids))
-    with new_hdf5(path) as file:
+def _sealed(done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]) -> tuple[str, bytes]:
+    ids, found = [job.id for job, _ in done], list[bytes]()
+    with hdf5_in_memory(found.append) as file:
         jobs = write_jobs(file, ids)
         _write_series(file, jobs, [record for _, record in done])
         write_columns(file, jobs, "parameters", columns([flat_parameters(job.case) for job, _ in done]))
         write_columns(file, jobs, "features", columns([record.features for _, record in done]))
         write_columns(file, jobs, "info", columns([record.info for _, record in done]))
         _write_provenance(file, provenance)
-    return path
+    return unit_name(ids), found[0]
 
 
 def _write_series(file: h5py.File, jobs: h5py.Dataset, records: Sequence["Record"]) -> None:
@@ -162,6 +188,38 @@ def check_unit(path: Path) -> list[str]:
     """The ids of the jobs that a unit holds. Raises DamagedUnit."""
     with open_unit(path) as file:
         return list(file["job"].asstr()[()])
+
+
+def computed(path: Path, jobs: Collection[str]) -> dict[str, dict[str, bytes]]:
+    """What was computed of some jobs of a unit, by job and name: features that have a value, time, channels.
+
+    As bytes: what is equal here is equal in every bit. How, when and where it was computed is not part of it.
+    Raises DamagedUnit.
+    """
+    with open_unit(path) as file:
+        features = read_columns(file, ("features",))
+        rows = {job: row for row, job in enumerate(features.pop("job")) if job in jobs}
+        names = _channels(file)
+        time = {"time": file["time"][()].tobytes()} if names else {}
+        return {
+            job: time
+            | {name: file[name][row].tobytes() for name in names}
+            | {
+                name.partition("/")[2]: _bytes(column[row])
+                for name, column in features.items()
+                if _said(column[row])
+            }
+            for job, row in rows.items()
+        }
+
+
+def _said(value: float | str) -> bool:
+    """Whether a job has a feature: one that it lacks reads NaN, or empty, beside jobs that have it."""
+    return value == value and value != ""
+
+
+def _bytes(value: Any) -> bytes:
+    return value.encode() if isinstance(value, str) else np.float64(value).tobytes()
 
 
 def _check(path: Path, file: h5py.File) -> None:

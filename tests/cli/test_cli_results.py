@@ -33,7 +33,7 @@ def test_plot_takes_the_newest_results(done, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--kind", "pie"], "sweep, phase, series, spectrum, envelope, roller, load, pit or ring"),
+        (["--kind", "pie"], "sweep, phase, design, series, spectrum, envelope, roller, load, pit or ring"),
         (["--format", "gif"], "png, svg or pdf"),
         (["--x", "lode"], "did you mean `load`?"),
         (["--kind", "series", "--job", "xyz"], "no job begins with `xyz`"),

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from bearingsim import cpu_time
 from bearingsim.runner import Engine, Interrupted, run
 
 ENGINE = Engine(
@@ -156,7 +157,7 @@ def simulate(case: FakeCase) -> SimpleNamespace:
     """Take its time, do its deed, and give the record if that can still be."""
     end = time.process_time() + spun(case)
     while time.process_time() < end:
-        pass
+        cpu_time.check()
     time.sleep(case.seconds - spun(case))
     deed, _, flag = case.deed.partition(" ")
     if deed == "raise":
@@ -166,6 +167,8 @@ def simulate(case: FakeCase) -> SimpleNamespace:
     if deed == "exit":
         os._exit(3)
     if deed == "kill":
+        if flag:
+            _count(flag, case)
         os.kill(os.getpid(), signal.SIGKILL)
     if deed == "told" and flag.startswith("in "):
         Path(flag.removeprefix("in ")).unlink()
@@ -180,11 +183,19 @@ def simulate(case: FakeCase) -> SimpleNamespace:
         os.kill(os.getpid(), getattr(signal, flag))
     if deed == "raise-unless" and not Path(flag).exists():
         raise FakeError("not yet", "wait", None)
+    if deed == "count":
+        _count(flag, case)
     if deed == "pid":
         Path(flag).write_text(str(os.getpid()))
     if deed == "threads":
         Path(flag).write_text(os.environ["OMP_NUM_THREADS"])
     return record_of(case)
+
+
+def _count(flag: str, case: FakeCase) -> None:
+    """Note that a case has been computed once more."""
+    with Path(flag).open("a") as file:
+        file.write(f"{case_id(case)}\n")
 
 
 def main(out: str, jobs: str, count: str, seconds: str) -> None:

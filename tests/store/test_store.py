@@ -435,3 +435,20 @@ def test_what_is_not_there_is_said(tmp_path: Path, study: FakeStudy) -> None:
         results.series(study.jobs()[0].id)
     with pytest.raises(store.ResultsError, match="no job nonsense"):
         results.series("nonsense")
+
+
+def test_a_unit_sealed_elsewhere_is_taken_as_it_is(tmp_path: Path, study: FakeStudy) -> None:
+    [path] = seal(tmp_path / "there", study)
+    content = path.read_bytes()
+    taken = store.take_unit(tmp_path / "here", path.stem, content)
+    assert taken.read_bytes() == content
+    assert taken.relative_to(tmp_path / "here") == path.relative_to(tmp_path / "there")
+    for wrong, unit in ((content[:-200], path.stem), (flipped(content), path.stem), (content, "0" * 16)):
+        with pytest.raises(store.DamagedUnit, match="as it came"):
+            store.take_unit(tmp_path / "other", unit, wrong)
+    assert not (tmp_path / "other").exists()
+
+
+def flipped(content: bytes) -> bytes:
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]

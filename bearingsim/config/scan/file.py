@@ -34,6 +34,8 @@ NAMES = ("s", "z", "depth", "height")
 MAX_POINTS = 4_000_000
 MIN_FILLED = 0.5  # share of a grid's cells that must be there at all
 LONGEST_ECHO, SHORTEST_ECHO = 60, 12  # letters of a file's first line that a message repeats
+BROUGHT: dict[str, Path] = {}
+"""Where the files of scans lie that came from another machine with what is to be computed, by digest."""
 _COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*(?:\[([^\]]*)\])?\s*")
 
 

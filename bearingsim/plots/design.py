@@ -1,0 +1,179 @@
+"""Features against the parameters of a design: a point for each job, and where the middle of them lies.
+
+All parameters of a design vary at once, so the points over one of them scatter by all others. What the parameter
+does alone shows in the median of points side by side; how much the others do, in the band around it.
+"""
+
+import math
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from numpy.typing import NDArray
+
+from bearingsim.plots import labels, select
+from bearingsim.plots.style import COLUMN_IN
+from bearingsim.plots.sweep import (
+    BAND_ALPHA,
+    LABEL_LETTERS,
+    ROW_IN,
+    Curve,
+    axis_label,
+    curves_of,
+    finish,
+    legend_entries,
+    legend_width,
+    letter,
+    mark_chaotic,
+    mark_lost,
+    positions,
+    share_scales,
+    styles_of_curves,
+    x_axis,
+    y_axis,
+)
+from bearingsim.study import Figure
+from bearingsim.study.design import COUNTED
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+__all__ = ["TREND", "Trend", "by_logarithm", "draw", "draw_paths", "said", "trend"]
+
+FEWEST = 24  # points that have a middle worth drawing
+MOST_LEVELS = 12  # values on x, up to which each has its own median
+MOST_GROUPS = 20
+WIDE = 5.0  # ratio of the ends of a range from which on a log axis is worth its odd ticks
+MOST_COLUMNS = 3
+POINTS: dict[str, Any] = {"linestyle": "", "markersize": 3.0, "alpha": 0.55, "markeredgewidth": 0.0}
+TREND = ("line: median of points side by side", "band: the middle half of them")
+
+
+class Trend(NamedTuple):
+    """Of groups of points side by side: where they lie, their median, and the quartiles below and above."""
+
+    x: NDArray[np.float64]
+    middle: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+
+
+def trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
+    """Medians and quartiles of groups of about sqrt(n) of n points, or of the points over each of few values of x.
+
+    None of so few points that chance makes it.
+    """
+    known = [(a, b) for a, b in zip(x, y, strict=True) if math.isfinite(a * b)]
+    if len(known) < FEWEST:
+        return None
+    points = np.array(sorted(known))
+    levels = np.unique(points[:, 0])
+    if len(levels) < 2:
+        return None
+    if len(levels) <= MOST_LEVELS:
+        groups = [points[points[:, 0] == level] for level in levels]
+    else:
+        groups = np.array_split(points, min(MOST_GROUPS, math.isqrt(len(points))))
+    middles = np.array([np.median(group[:, 0]) for group in groups])
+    low, middle, high = np.array([np.percentile(group[:, 1], (25, 50, 75)) for group in groups]).T
+    return Trend(middles, middle, low, high)
+
+
+def said(design: Mapping[str, Any]) -> str:
+    """A design in a caption: `sobol design of 64 points, seed 1`."""
+    return f"{design['kind']} design of {design['n']} {COUNTED[design['kind']]}, seed {design['seed']}"
+
+
+def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
+    """Draw a completed figure whose points make no line: arguments and arrangement as of ``sweep.draw``."""
+    panels = list(select.splits(rows, figure.panels, units))
+    entries = legend_entries(figure, styles_of_curves(figure, rows, units), rows)
+    width = len(figure.y) * COLUMN_IN + 0.55 + legend_width(entries)
+    layout = ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.06)
+    canvas = Canvas(figsize=(width, len(panels) * ROW_IN + 0.55), layout=layout)
+    axes = [list(line) for line in canvas.subplots(len(panels), len(figure.y), sharex=True, squeeze=False)]
+    for row, (text, part) in enumerate(panels):
+        for column, name in enumerate(figure.y):
+            _panel(axes[row][column], name, figure, rows, part, units)
+            letter(axes[row][column], row * len(figure.y) + column, len(panels) * len(figure.y), text)
+    share_scales(axes)
+    for ax in axes[-1]:
+        ax.set_xlabel(_x_label(figure.x, rows, units))
+    if entries:
+        canvas.legend(handles=entries, loc="outside right upper")
+    finish(canvas, figure.title, caption)
+    return canvas
+
+
+def draw_paths(
+    figure: Figure, paths: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]
+) -> Canvas:
+    """Draw the only feature of a completed figure against each of some paths, a panel for each, on one y axis."""
+    [name] = figure.y
+    entries = legend_entries(figure, styles_of_curves(figure, rows, units), rows)
+    columns = min(MOST_COLUMNS, len(paths))
+    lines = math.ceil(len(paths) / columns)
+    width = columns * COLUMN_IN * 0.8 + 0.55 + legend_width(entries)
+    layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.06)
+    canvas = Canvas(figsize=(width, lines * ROW_IN * 0.9 + 0.55), layout=layout)
+    axes = list(canvas.subplots(lines, columns, sharey=True, squeeze=False).flat)
+    for number, (ax, path) in enumerate(zip(axes, paths, strict=False)):
+        log = (*figure.log, "x") if by_logarithm(list(rows[path])) else figure.log
+        _panel(ax, name, replace(figure, x=path, log=log), rows, rows, units)
+        ax.set_xlabel(_x_label(path, rows, units))
+        letter(ax, number, len(paths), "")
+        if number % columns:
+            ax.set_ylabel("")
+    for ax in axes[len(paths) :]:
+        ax.remove()
+    if entries:
+        canvas.legend(handles=entries, loc="outside right upper")
+    finish(canvas, figure.title, caption)
+    return canvas
+
+
+def by_logarithm(values: Sequence[float]) -> bool:
+    """Whether values fill their range evenly by their logarithm: their median is nearer to the geometric mean of
+    its ends than to the other one.
+    """
+    low, high = min(values), max(values)
+    if not 0.0 < low * WIDE <= high:
+        return False
+    return float(np.median(values)) < math.sqrt(math.sqrt(low * high) * (low + high) / 2.0)
+
+
+def _x_label(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
+    return axis_label(labels.name_text(path), select.x_unit(path, rows, units))
+
+
+def _panel(
+    ax: "Axes",
+    name: str,
+    figure: Figure,
+    rows: "pd.DataFrame",
+    part: "pd.DataFrame",
+    units: Mapping[str, str],
+) -> None:
+    """Draw one feature's points over x; ``part``: the rows of the panel, of all ``rows``."""
+    unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))
+    ax.set_ylabel(textwrap.fill(axis_label(labels.feature_text(name), unit), LABEL_LETTERS))
+    order = {value: place for place, value in enumerate(select.values(rows, figure.x))}
+    for curve in curves_of(figure, part, units, styles_of_curves(figure, rows, units), order):
+        x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)
+        ax.plot(x, y, **curve.look.keywords() | POINTS)
+        _mark_trend(ax, curve, trend(x, y))
+        mark_chaotic(ax, x, y, curve.rows)
+        mark_lost(ax, x, curve.rows["status"])
+    x_axis(ax, figure, rows, units)
+    y_axis(ax, name, figure)
+
+
+def _mark_trend(ax: "Axes", curve: Curve, found: Trend | None) -> None:
+    if found is not None:
+        ax.fill_between(found.x, found.low, found.high, color=curve.look.colour, alpha=BAND_ALPHA, lw=0.0)
+        ax.plot(found.x, found.middle, color=curve.look.colour, ls=curve.look.line, lw=1.8)

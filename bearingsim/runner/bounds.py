@@ -1,0 +1,52 @@
+"""What bounds a run: jobs that would take too much CPU time are left out, and enough failed jobs end it."""
+
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from bearingsim.runner.packing import Cost
+from bearingsim.runner.progress import duration
+
+if TYPE_CHECKING:
+    from bearingsim.study import Job
+
+__all__ = ["Affordable", "affordable", "ended_early", "refuse_bounds"]
+
+
+class Affordable(NamedTuple):
+    """Jobs that a run may begin, with their costs; and lines on those that are left out, one if there are any."""
+
+    jobs: list["Job"]
+    costs: list[Cost]
+    notes: list[str]
+
+
+def refuse_bounds(max_failures: float, max_cpu: float) -> None:
+    """Raises ValueError for bounds by which no run could begin."""
+    if max_failures < 1:
+        raise ValueError(f"expected at least 1 failed job that ends the run, got {max_failures}")
+    if not max_cpu > 0.0:
+        raise ValueError(f"expected a CPU time above zero, got {max_cpu} s")
+
+
+def affordable(jobs: Sequence["Job"], costs: Sequence[Cost], max_cpu: float, shown: bool | None) -> Affordable:
+    """The jobs whose estimated CPU time is ``max_cpu`` s at most. shown: False says nothing at once."""
+    dear = [cost.seconds for cost in costs if cost.seconds > max_cpu]
+    kept = [pair for pair in zip(jobs, costs, strict=True) if pair[1].seconds <= max_cpu]
+    notes = []
+    if dear:
+        which = f"{len(dear)} jobs are" if len(dear) > 1 else "1 job is"
+        most = f"{'up to ' * (len(dear) > 1)}{duration(max(dear))}"
+        notes.append(
+            f"{which} left out: estimated to take {most} of CPU time, over {duration(max_cpu)} (`--max-cpu`)"
+        )
+        if shown is not False:
+            print(*notes, file=sys.stderr, flush=True)
+    return Affordable([job for job, _ in kept], [cost for _, cost in kept], notes)
+
+
+def ended_early(failed: int, max_failures: float) -> str:
+    """Why a run has ended before all was computed."""
+    jobs = f"{failed} jobs" if failed > 1 else "1 job"
+    allowed = "`--fail-fast`" if max_failures == 1 else f"`--max-failures {max_failures:g}`"
+    return f"ended early: {jobs} failed ({allowed}); run the same command to go on without what failed"

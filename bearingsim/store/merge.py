@@ -1,0 +1,211 @@
+"""Several results folders of one study made one: those of shards, or of runs on other machines.
+
+All is judged before anything is copied, and the folders that are merged are only read. What is copied is copied
+whole and as it is, so a merge that was interrupted can be repeated, and one that is repeated changes nothing.
+"""
+
+import json
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bearingsim.errors import UserError
+from bearingsim.store.files import refuse_links, sweep, unit_files, write_bytes
+from bearingsim.store.journal import Failure, clear_failure, log, read_failures
+from bearingsim.store.results import Results, open_results
+from bearingsim.store.scans import copy_scans, held_scans
+from bearingsim.store.table import build_table
+from bearingsim.store.trials import copy_trials, read_choices, read_plans, write_choices
+from bearingsim.store.units import DamagedUnit, check_unit, computed, unit_path
+
+__all__ = ["Merged", "Unmergeable", "merge"]
+
+OF_A_RUN = {"file", "made_of", "notes"}
+"""What a plan says of where and when it was run."""
+TOLD_FIRST = ("study", "model_version", "quick", "overrides", "jobs")
+LONGEST = 60
+"""Letters of a value that a message repeats."""
+
+
+class Unmergeable(UserError):
+    """Folders whose results do not belong together."""
+
+
+@dataclass(frozen=True)
+class Merged:
+    """What a merge came to: units copied, and there before; jobs of the plan by status."""
+
+    folders: int
+    copied: int
+    there: int
+    jobs: dict[str, int]
+
+    def __str__(self) -> str:
+        units = f"{self.copied} units copied" + (f", {self.there} there before" if self.there else "")
+        jobs = ", ".join(f"{count} {status}" for status, count in self.jobs.items() if count)
+        whole = sum(self.jobs.values())
+        return f"{self.folders} folder{'s' * (self.folders > 1)} merged: {units}; {jobs} of {whole} jobs"
+
+
+def merge(folders: Sequence[Path], out: Path) -> Merged:
+    """Copy the results of some folders into ``out``, and make its table.
+
+    ``out`` may hold results of the same plan. A job that several have must have the same results in all of them:
+    features, time and channels, bit by bit; how long it took, when and where, may differ. Raises Unmergeable where
+    it has not, and for other studies, plans or versions of the model; DamagedUnit, ScanError, DamagedChoices and
+    ResultsError for what is not as it was written. Then nothing has been copied.
+    """
+    _refuse_among(folders, out)
+    held = [out, *folders] if (out / "plan.json").is_file() else list(folders)
+    opened = [open_results(folder) for folder in held]
+    for other in opened[1:]:
+        _refuse_other_plan(opened[0], other)
+    units = {folder: unit_files(folder) for folder in (out, *folders)}
+    sealed = _judged([path for paths in units.values() for path in paths])
+    scans = [path for folder in folders for path in held_scans(folder)]
+    choices, plans = _choices(held)
+    out.mkdir(parents=True, exist_ok=True)
+    refuse_links(out)
+    sweep(out)
+    if out not in held:
+        for name in ("study.yaml", "plan.json"):
+            write_bytes(out / name, (folders[0] / name).read_bytes())
+    if choices != read_choices(out):
+        write_choices(out, choices, plans)
+    copy_scans(scans, out)
+    for folder in folders:
+        copy_trials(folder, out)
+    new = {path.stem: path for folder in reversed(folders) for path in units[folder]}  # the first's stays
+    for path in units[out]:
+        new.pop(path.stem, None)
+    for name, path in sorted(new.items()):
+        write_bytes(unit_path(out, name), path.read_bytes())
+    _take_failures(folders, out, sealed)
+    status = build_table(out)["status"]
+    if new:
+        log(out, "merged", folders=[str(folder) for folder in folders], units=len(new))
+    counts = {one: int((status == one).sum()) for one in ("done", "failed", "missing")}
+    return Merged(len(folders), len(new), len(units[out]), counts)
+
+
+def _refuse_among(folders: Sequence[Path], out: Path) -> None:
+    if any(folder.resolve() == out.resolve() for folder in folders):
+        raise Unmergeable(f"{out} is one of the folders that are merged, and these stay as they are: name another")
+
+
+# Plans
+
+
+def _refuse_other_plan(one: Results, other: Results) -> None:
+    apart = {name for name in {*one.plan, *other.plan} - OF_A_RUN if _text(one, name) != _text(other, name)}
+    for name in [*TOLD_FIRST, *sorted(apart)]:
+        if name in apart:
+            raise Unmergeable(
+                f"{one.path} and {other.path} hold results of two plans: {_difference(name, one.plan, other.plan)}"
+                + (" (run one study file in both: what is done is kept)" if name != "study" else "")
+            )
+
+
+def _text(results: Results, name: str) -> str:
+    return json.dumps(results.plan.get(name), sort_keys=True)
+
+
+def _difference(name: str, one: dict[str, Any], other: dict[str, Any]) -> str:
+    if name == "jobs":
+        first, second = ({entry["job"] for entry in plan["jobs"]} for plan in (one, other))
+        if first != second:
+            return f"{len(first - second)} jobs are only in the first, {len(second - first)} only in the second"
+        return "their jobs have other swept values"
+    texts = [json.dumps(plan.get(name)) for plan in (one, other)]
+    told = f" ({texts[0]} and {texts[1]})" if max(map(len, texts)) <= LONGEST else ""
+    return f"`{name}` differs{told}"
+
+
+# Units
+
+
+def _judged(paths: Sequence[Path]) -> set[str]:
+    """The jobs of all units. Raises DamagedUnit, and Unmergeable if one has other results in another unit."""
+    units = defaultdict[str, list[Path]](list)
+    for path in paths:
+        for job in _jobs(path):
+            units[job].append(path)
+    shared = defaultdict[tuple[Path, Path], list[str]](list)
+    for job, found in units.items():
+        for other in found[1:]:
+            shared[found[0], other].append(job)
+    for (one, other), jobs in shared.items():
+        if one.name != other.name or one.read_bytes() != other.read_bytes():
+            _refuse_other_results(one, other, jobs)
+    return set(units)
+
+
+def _jobs(path: Path) -> list[str]:
+    try:
+        return check_unit(path)
+    except DamagedUnit as damage:
+        advice = "run the study there again with --verify: what is damaged is computed again"
+        raise DamagedUnit(f"{path.parent}/{damage} ({advice})") from None
+
+
+def _refuse_other_results(one: Path, other: Path, jobs: Sequence[str]) -> None:
+    first, second = computed(one, jobs), computed(other, jobs)
+    for job in jobs:
+        for name in sorted({*first[job], *second[job]}):
+            a, b = first[job].get(name), second[job].get(name)
+            if a != b:
+                raise Unmergeable(
+                    f"job {job} has other results in {one} and in {other}: {_apart(name, a, b)}"
+                    " (by another processor, or other packages? Leave a folder out, or remove one of the units)"
+                )
+
+
+def _apart(name: str, *found: bytes | None) -> str:
+    """What two jobs have of one name, if that is a number each."""
+    if any(one is None for one in found):
+        return f"only one has `{name}`"
+    if all(one is not None and len(one) == 8 for one in found):
+        values = [float(np.frombuffer(one)[0]) for one in found if one is not None]
+        return f"`{name}` is {values[0]!r} and {values[1]!r}"
+    return f"`{name}` differs"
+
+
+# What is beside the units
+
+
+def _choices(folders: Sequence[Path]) -> tuple[dict[str, Any], dict[str, str]]:
+    """The choices of all folders, and what names the plan of each. Raises DamagedChoices, Unmergeable."""
+    choices: dict[str, Any] = {}
+    plans: dict[str, str] = {}
+    origin: dict[str, Path] = {}
+    for folder in folders:
+        for name, choice in read_choices(folder).items():
+            if choices.setdefault(name, choice) != choice:
+                paths = f"{origin[name] / 'choices.json'} and {folder / 'choices.json'}"
+                raise Unmergeable(f"other models were chosen for a case in {paths}: leave a folder out")
+            origin.setdefault(name, folder)
+        plans = read_plans(folder) | plans
+    return choices, plans
+
+
+def _take_failures(folders: Sequence[Path], out: Path, sealed: set[str]) -> None:
+    """Write down the last failure of each job that nobody has done, and forget those of jobs that are done."""
+    before = read_failures(out)
+    for job in before.keys() & sealed:
+        clear_failure(out, job)
+    last: dict[str, Failure] = {}
+    for failure in _failures([out, *folders]):
+        if failure.job not in sealed and (failure.job not in last or failure.when > last[failure.job].when):
+            last[failure.job] = failure
+    for job, failure in last.items():
+        if before.get(job) != failure:
+            failure.write(out)
+
+
+def _failures(folders: Sequence[Path]) -> Iterator[Failure]:
+    for folder in folders:
+        yield from read_failures(folder).values()

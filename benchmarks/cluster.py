@@ -1,0 +1,136 @@
+"""What a dask scheduler costs a unit of work: units that take no time, by two workers on this machine.
+
+    nice -n 10 python -m benchmarks.cluster [--units 100000] [--out FOLDER]
+
+Each unit holds one job with a case of its own, which gives 60 features at once. A worker seals them in a file, and
+its bytes come back and are sealed in the results folder, as in a run. Told are time, CPU time and memory.
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import psutil
+
+from bearingsim import store
+from bearingsim.runner.cluster import joined
+from bearingsim.runner.work import Engine, Work
+from bearingsim.study import Job, Study, load_study
+
+STUDY = """\
+study: many
+bearing: nf308
+rig: bvt5
+speed: 1800 rpm
+load: 150 N
+model: rollers
+defect: {race: outer, shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 5 um}
+"""
+ENGINE = Engine("benchmarks.cluster:record", warm="benchmarks.cluster:nothing")
+FEATURES = {f"feature.{n}": float(n) for n in range(60)}
+TELL_EVERY = 10_000
+
+
+def nothing(cases: Any) -> None:
+    """Nothing to compile."""
+
+
+def record(case: Any) -> Any:
+    """A result without series."""
+    return SimpleNamespace(time=[], series={}, features=FEATURES, info={"step_s": 1e-6, "model": "none"})
+
+
+@dataclass(frozen=True)
+class Used:
+    """What a process has used: CPU time in s, and its memory now, in bytes."""
+
+    cpu: float
+    memory: int
+
+    @classmethod
+    def by(cls, process: psutil.Process) -> "Used":
+        times = process.cpu_times()
+        return cls(times.user + times.system, process.memory_info().rss)
+
+
+@contextmanager
+def cluster(folder: Path) -> Iterator[tuple[str, psutil.Process]]:
+    """A scheduler and two workers: its address, and its process."""
+    told = folder / "scheduler.json"
+    dask = (sys.executable, "-m", "dask")
+    options = ("--no-dashboard", "--host", "127.0.0.1")
+    commands: list[tuple[str, ...]] = [
+        (*dask, "scheduler", *options, "--port", "0", "--scheduler-file", str(told))
+    ]
+    mine = ("--nthreads", "1", "--local-directory", str(folder))
+    commands += [(*dask, "worker", *options, *mine, "--scheduler-file", str(told))] * 2
+    with (folder / "log").open("w") as log:
+        started = [subprocess.Popen(command, stdout=log, stderr=log) for command in commands]
+        try:
+            while not (told.exists() and told.read_text().endswith("}")):
+                time.sleep(0.1)
+            (address,) = (word for word in told.read_text().split('"') if word.startswith("tcp://"))
+            yield address, psutil.Process(started[0].pid)
+        finally:
+            for process in reversed(started):
+                process.terminate()
+            for process in started:
+                process.wait()
+
+
+def works(study: Study, root: Path, count: int) -> list[Work]:
+    """Units of one job, each with a load of its own."""
+    case, provenance = study.cases()[0], store.provenance(study)
+    cases = (case.model_copy(update={"load": 100.0 + 1e-3 * n}) for n in range(count))
+    jobs = (Job(f"{n:016x}", case, {"load": case.load}, None) for n, case in enumerate(cases))
+    return [Work(root, (job,), (1.0,), ENGINE, provenance) for job in jobs]
+
+
+def main() -> None:
+    """Measure, and print a table."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--units", type=int, default=100_000)
+    parser.add_argument("--out", type=Path, help="results folder (default: a passing one)")
+    asked = parser.parse_args()
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        (folder / "study.yaml").write_text(STUDY)
+        root = asked.out or folder / "results"
+        root.mkdir(parents=True, exist_ok=True)
+        study = load_study(folder / "study.yaml", {}, False)
+        with cluster(folder) as (address, scheduler):
+            measure(works(study, root, asked.units), address, scheduler)
+
+
+def measure(units: list[Work], address: str, scheduler: psutil.Process) -> None:
+    """Send the units, and tell now and then what it takes."""
+    client = psutil.Process()
+    print(f"load of the machine {os.getloadavg()[0]:.1f} on {os.cpu_count()} CPUs")
+    print(f"{'units':>8} {'ms/unit':>8}   CPU ms/unit of client, scheduler;  MB of client, scheduler")
+    with joined(address) as workers:
+        began, before = time.perf_counter(), {"client": Used.by(client), "scheduler": Used.by(scheduler)}
+        for done, _ in enumerate(workers.outcomes(units), 1):
+            if done % TELL_EVERY == 0 or done == len(units):
+                tell(done, time.perf_counter() - began, before, Used.by(client), Used.by(scheduler))
+    print(f"load of the machine {os.getloadavg()[0]:.1f}")
+
+
+def tell(done: int, seconds: float, before: Mapping[str, Used], client: Used, scheduler: Used) -> None:
+    cpu = [
+        1e3 * (now.cpu - before[name].cpu) / done for name, now in (("client", client), ("scheduler", scheduler))
+    ]
+    row = f"{done:8} {1e3 * seconds / done:8.2f} {cpu[0]:8.2f} {cpu[1]:8.2f}"
+    print(f"{row} {client.memory / 1e6:8.0f} {scheduler.memory / 1e6:8.0f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

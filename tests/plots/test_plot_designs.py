@@ -1,0 +1,145 @@
+"""Designs drawn: points over each parameter, no line through them, and where their middle lies."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bearingsim.plots import PlotError, design
+from bearingsim.plots.plot import drawn
+from tests.plots.test_plot_along import caption_of
+from tests.plots.test_plots import STUDY, only, results, text_of
+
+__all__ = ["results"]
+
+HEAD = STUDY[: STUDY.index("sweep:")]
+OVER = "over: {load: [150 N, 300 N], defect.length: [3 mm, 9 mm], defect.angle: [0 deg, 30 deg]}"
+SOBOL = f"{HEAD}sweep:\n  sobol: {{n: 32, seed: 1, {OVER}}}\n"
+
+
+def points_of(ax):
+    """The clouds of points, by their x and y; not the lines through them, nor rings."""
+    return [
+        line.get_xydata() for line in ax.lines if line.get_linestyle() == "None" and line.get_markersize() < 4.0
+    ]
+
+
+def trends_of(ax):
+    return [line for line in ax.lines if line.get_linestyle() != "None"]
+
+
+def test_a_panel_for_each_parameter_with_all_points(results):
+    name, canvas = only(drawn(results(SOBOL), kind="design", y=["velocity@BPFO"]))
+    assert name == "design-velocity-bpfo"
+    assert [ax.get_xlabel() for ax in canvas.axes] == ["Load (N)", "Defect length (mm)", "Defect angle (°)"]
+    for ax in canvas.axes:
+        [points] = points_of(ax)
+        assert len(points) == 32
+        assert len(trends_of(ax)) == len(ax.collections) == 1
+    by_load = points_of(canvas.axes[0])[0]
+    by_length = points_of(canvas.axes[1])[0]
+    np.testing.assert_allclose(sorted(by_load[:, 1]), sorted(by_length[:, 1]))  # the same jobs
+    assert "sobol design of 32 points, seed 1, line: median" in caption_of(canvas)
+    assert "moves along" not in caption_of(canvas)
+    assert "load" not in caption_of(canvas)
+
+
+def test_a_figure_over_a_parameter_names_the_others(results):
+    text = SOBOL + "figures: [{y: [velocity@BPFO, velocity.rms], x: load}]\n"
+    name, canvas = only(drawn(results(text)))
+    assert name == "fig1-velocity-bpfo-vs-load"
+    assert [len(points_of(ax)[0]) for ax in canvas.axes] == [32, 32]
+    assert "defect length moves along: 3." in caption_of(canvas)
+    assert "defect angle moves along: 0." in caption_of(canvas)
+    assert not canvas.legends
+
+
+def test_a_design_alone_is_drawn_without_being_asked_for(results):
+    names = [name for name, _ in drawn(results(SOBOL))]
+    assert names == ["design-velocity-bpfo", "design-velocity-bpfo-healthy"]
+
+
+def test_what_is_swept_beside_a_design_makes_colours(results):
+    opened = results(SOBOL + "  model: [static, ring]\n")
+    _, canvas = only(drawn(opened, kind="design", y=["velocity@BPFO"]))
+    assert text_of(canvas) == ["model static", "model ring"]
+    assert [len(points) for points in points_of(canvas.axes[0])] == [32, 32]
+    _, canvas = only(drawn(opened, kind="design", y=["velocity@BPFO"], where={"model": "ring"}))
+    assert [len(points) for points in points_of(canvas.axes[0])] == [32]
+    _, canvas = only(drawn(opened, x="model", y=["velocity@BPFO"]))
+    assert [len(points) for points in points_of(canvas.axes[0])] == [64]
+    assert "load moves along: 15" in caption_of(canvas)
+
+
+@pytest.mark.parametrize("kind", ["saltelli", "morris"])
+def test_values_that_come_again_make_no_curves(results, kind):
+    opened = results(f"{HEAD}sweep:\n  {kind}: {{n: 8, seed: 1, {OVER}}}\n")
+    cases = len(set(opened.plan["design"]["ids"]))
+    for asked in ({"kind": "design"}, {"x": "load"}):
+        _, canvas = only(drawn(opened, y=["velocity@BPFO"], **asked))
+        assert [len(points) for points in points_of(canvas.axes[0])] == [cases]
+        assert not canvas.legends
+
+
+def test_what_is_derived_from_a_design_moves_along(results):
+    opened = results(SOBOL + "  derived: {defect.width: defect.length / 10}\n")
+    for asked in ({"kind": "design"}, {"x": "load"}):
+        _, canvas = only(drawn(opened, y=["velocity@BPFO"], **asked))
+        assert len(points_of(canvas.axes[0])) == 1
+        assert "defect width moves along" in caption_of(canvas)
+
+
+def test_lost_jobs_stand_on_the_axis(results):
+    _, canvas = only(drawn(results(SOBOL, lost={3: "failed", 4: "missing"}), kind="design", y=["velocity@BPFO"]))
+    assert text_of(canvas) == ["failed", "not computed"]
+    assert np.isfinite(points_of(canvas.axes[0])[0][:, 1]).sum() == 30
+
+
+def test_the_middle_of_points_is_found():
+    rng = np.random.default_rng(1)
+    x = rng.uniform(0.0, 1.0, 400)
+    y = 2.0 * x + rng.uniform(-0.5, 0.5, 400)
+    found = design.trend(list(x), [*y[:-1], math.nan])
+    assert len(found.x) == 19
+    np.testing.assert_allclose(found.middle, 2.0 * found.x, atol=0.25)
+    np.testing.assert_allclose(found.high - found.low, 0.5, atol=0.3)
+
+
+def test_few_values_on_x_have_a_median_each():
+    x = [0.0, 1.0, 5.0] * 9
+    found = design.trend(x, [3.0 * value + k for k in range(9) for value in (0.0, 1.0, 5.0)])
+    assert list(found.x) == [0.0, 1.0, 5.0]
+    assert list(found.middle) == [4.0, 7.0, 19.0]
+    assert list(found.high - found.low) == [4.0, 4.0, 4.0]
+
+
+@pytest.mark.parametrize("x", [list(range(23)), [1.0] * 40])
+def test_of_too_few_points_no_middle_is_drawn(x):
+    assert design.trend(x, x) is None
+
+
+def test_what_a_figure_of_a_design_does_not_take_is_refused(results):
+    opened = results()
+    with pytest.raises(PlotError, match="the study sweeps no design"):
+        drawn(opened, kind="design")
+    for option in ({"x": "load"}, {"panels": ["load"]}, {"span": 1.0}):
+        with pytest.raises(PlotError, match="a design takes no"):
+            drawn(opened, kind="design", **option)
+
+
+def test_a_parameter_that_has_one_value_has_no_panel(results):
+    opened = results(SOBOL)
+    row = opened.table().iloc[0]
+    with pytest.raises(PlotError, match="no parameter of the design varies"):
+        drawn(opened, kind="design", where={"load": f"{row['load']:.17g} N"})
+
+
+def test_a_range_that_is_filled_by_its_logarithm_has_a_log_axis(results):
+    even = np.linspace(1.0, 40.0, 64)
+    assert design.by_logarithm(list(np.geomspace(1.0, 40.0, 64)))
+    assert not design.by_logarithm(list(even))
+    assert not design.by_logarithm(list(even - 1.0))
+    assert not design.by_logarithm(list(np.geomspace(1.0, 3.0, 64)))
+    text = SOBOL.replace("defect.length: [3 mm, 9 mm]", "contact.damping.beta: {log: [0.5 us, 10 us]}")
+    _, canvas = only(drawn(results(text), kind="design", y=["velocity@BPFO"]))
+    assert [ax.get_xscale() for ax in canvas.axes] == ["linear", "log", "linear"]

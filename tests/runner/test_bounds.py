@@ -1,0 +1,141 @@
+"""What bounds a run: failures that end it, and CPU time that a job may take. Neither changes a result or an id."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bearingsim import cpu_time, simulation, store
+from bearingsim.runner import RunSummary, run
+from tests.scenes.commands import type_
+from tests.scenes.fake_studies import ENGINE, FakeStudy
+from tests.scenes.short_cases import case
+
+WIDTHS = [1e-3 * (i + 1) for i in range(9)]
+
+
+def compute(study: Any, out: Path, jobs: int = 1, **options: Any) -> RunSummary:
+    return run(study, out, jobs=jobs, progress=False, engine=ENGINE, **options)
+
+
+def status_of(out: Path) -> list[str]:
+    return list(store.open_results(out).table()["status"])
+
+
+def test_the_first_failed_job_ends_the_run_and_what_was_done_before_is_sealed(tmp_path: Path) -> None:
+    study = FakeStudy(WIDTHS, deeds={3: "raise", 5: "raise"})  # one unit
+    summary = compute(study, tmp_path, max_failures=1)
+    assert (summary.done, summary.failed, summary.missing, summary.exit_code) == (3, 1, 6, 1)
+    assert status_of(tmp_path) == ["done"] * 3 + ["failed"] + ["missing"] * 6
+    assert "ended early: 1 job failed (`--fail-fast`)" in str(summary)
+
+
+def test_the_same_command_goes_on_without_what_failed(tmp_path: Path) -> None:
+    study = FakeStudy(WIDTHS, deeds={3: "raise", 5: "raise"})
+    compute(study, tmp_path, max_failures=1)
+    summary = compute(study, tmp_path, max_failures=1)
+    assert (summary.resumed, summary.done, summary.failed, summary.missing) == (3, 1, 2, 4)
+    last = compute(study, tmp_path, max_failures=1)
+    assert (last.resumed, last.done, last.failed, last.missing) == (4, 4, 2, 0)
+    assert "ended early" not in str(last)
+
+
+def test_a_run_ends_when_so_many_have_failed(tmp_path: Path) -> None:
+    study = FakeStudy(WIDTHS, deeds={1: "raise", 3: "divide", 5: "raise"})
+    summary = compute(study, tmp_path, max_failures=2)
+    assert (summary.done, summary.failed, summary.missing) == (2, 2, 6)
+    assert "ended early: 2 jobs failed (`--max-failures 2`)" in str(summary)
+
+
+def test_fewer_failures_end_nothing(tmp_path: Path) -> None:
+    summary = compute(FakeStudy(WIDTHS, deeds={1: "raise"}), tmp_path, max_failures=2)
+    assert (summary.done, summary.failed, summary.missing) == (9, 1, 0)
+    assert "ended early" not in str(summary)
+
+
+def test_workers_seal_what_is_in_hand_when_another_s_job_has_failed(tmp_path: Path) -> None:
+    widths = [1e-3 * (i + 1) for i in range(200)]
+    study = FakeStudy(widths, deeds={0: "raise"}, seconds=0.1)
+    summary = compute(study, tmp_path, 2, max_failures=1)
+    assert summary.failed == 1
+    assert 0 < summary.done < 100  # those of the other's unit until it heard
+    assert summary.done + summary.missing == 200
+    assert summary.exit_code == 1
+    assert (
+        compute(FakeStudy(widths[:4], seconds=0.1), tmp_path, 2).missing == 0
+    )  # the next run hears nothing of it
+
+
+def test_a_job_that_kills_its_worker_ends_the_run_before_the_next_suspect(tmp_path: Path) -> None:
+    study = FakeStudy(WIDTHS, deeds={0: "exit", 8: "exit"}, seconds=0.1)
+    summary = compute(study, tmp_path, 2, max_failures=1)
+    assert summary.failed == 1
+    assert summary.exit_code == 1
+    assert "ended early" in str(summary)
+
+
+def test_dear_jobs_are_told_of_beforehand_and_left(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    study: Any = FakeStudy(seconds=0.2)
+    summary = run(study, tmp_path, jobs=1, engine=ENGINE, max_cpu=0.1)
+    told = "4 jobs are left out: estimated to take up to 0.2 s of CPU time, over 0.1 s (`--max-cpu`)"
+    assert (summary.done, summary.failed, summary.missing, summary.exit_code) == (0, 0, 4, 1)
+    assert told in summary.notes
+    assert told in capsys.readouterr().err
+    assert not store.read_failures(tmp_path)
+    again = compute(study, tmp_path)  # nothing of it is left behind
+    assert (again.done, again.exit_code) == (4, 0)
+
+
+def test_a_job_that_takes_longer_than_was_thought_is_stopped_and_fails(tmp_path: Path) -> None:
+    study = FakeStudy(deeds={1: "spin"}, seconds=0.3)
+    engine_of_optimists = ENGINE.__class__(ENGINE.simulate, "tests.runner.test_bounds:cheap", ENGINE.warm)
+    summary = run(study, tmp_path, jobs=1, progress=False, engine=engine_of_optimists, max_cpu=0.1)  # type: ignore
+    assert (summary.done, summary.failed) == (3, 1)
+    [group] = summary.failures
+    assert group.reason == "it took over 0.1 s of CPU time, and was stopped (`--max-cpu`)"
+    assert "--retry-failed" in group.advice
+    assert run(study, tmp_path, jobs=1, progress=False, engine=ENGINE, retry_failed=True).exit_code == 0  # type: ignore
+
+
+def cheap(case: Any) -> Any:
+    return type("Estimate", (), {"cpu_seconds": 0.001, "bytes": 0.0, "most_memory": 0.0})
+
+
+def test_a_simulation_is_stopped_between_its_steps_and_no_other_method_is_tried() -> None:
+    long = case(duration="5 s", periodic="false")
+    short = simulation.simulate(case())  # compiled
+    with pytest.raises(cpu_time.OutOfCpuTime, match="stopped"), cpu_time.at_most(0.02):
+        simulation.simulate(long)
+    with cpu_time.at_most(1e4):
+        bounded = simulation.simulate(case())
+    assert bounded.features == pytest.approx(short.features, rel=0.0, abs=0.0, nan_ok=True)
+    cpu_time.check()  # the bound ends with what it bounds
+
+
+@pytest.mark.parametrize("wrong", [{"max_failures": 0}, {"max_cpu": 0.0}])
+def test_bounds_by_which_no_run_could_begin_are_refused(tmp_path: Path, wrong: Any) -> None:
+    with pytest.raises(ValueError, match="expected"):
+        compute(FakeStudy(), tmp_path / "out", **wrong)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--max-cpu", "5"], "expected a time such as `50 ms`"),
+        (["--max-cpu", "5 mm"], "expected a time such as `50 ms`"),
+        (["--max-cpu", "0 s"], "expected a time above zero"),
+        (["--max-failures", "0"], "should be greater than or equal to 1"),
+        (["--fail-fast", "--max-failures", "3"], "leave out `--max-failures`"),
+    ],
+)
+def test_the_command_refuses_what_it_cannot_mean(here: Path, words: list[str], said: str) -> None:
+    _, told = type_("run", "small.yaml", *words, code=2)
+    assert said in " ".join(told.replace("│", " ").split())
+
+
+def test_the_command_leaves_what_is_too_dear(here: Path) -> None:
+    said, told = type_("run", "small.yaml", "--jobs", "1", "--max-cpu", "1 ns", code=1)
+    assert "8 left of 8 jobs" in said
+    assert "8 jobs are left out: estimated to take" in told
+    assert "(`--max-cpu`)" in told

@@ -1,0 +1,270 @@
+"""Results folders made one: the table of a single run, whatever was computed where, and nothing wrong let in."""
+
+import json
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bearingsim import store
+from bearingsim.runner import run
+from bearingsim.selection import Choice
+from tests.scenes.commands import type_
+from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
+
+WIDTHS = [1e-3 * (i + 1) for i in range(7)]  # and the healthy twin
+FAILED = "the ring left"
+
+
+def folder(
+    root: Path, study: Any, units: Sequence[Sequence[int]], failed: Sequence[int] = (), host: str = "a"
+) -> Path:
+    """A results folder of a study with units of these jobs, by number, computed by a host at its own pace."""
+    root.mkdir(parents=True)
+    jobs = study.jobs()
+    store.write_plan(root, study, jobs)
+    for unit in units:
+        done = [(jobs[number], record_of(jobs[number].case)) for number in unit]
+        for _, record in done:
+            record.info["cpu_s"] = float(len(host))
+        store.write_units(root, done, {"host": host})
+    for number in failed:
+        store.Failure(jobs[number].id, FAILED, when=f"2026-01-0{len(host)}").write(root)
+    return root
+
+
+def table_of(root: Path) -> pd.DataFrame:
+    """The table, less what tells where and how fast it was computed."""
+    return store.open_results(root).table().drop(columns=["unit", "seconds"])
+
+
+def content(*roots: Path) -> dict[Path, tuple[bytes, int]]:
+    """All files of some folders: bytes, and time of last change."""
+    files = [path for root in roots for path in sorted(root.rglob("*")) if path.is_file()]
+    return {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in files}
+
+
+jobs_of_units = st.lists(st.lists(st.integers(0, len(WIDTHS)), min_size=1, unique=True), max_size=4)
+
+
+@given(st.lists(jobs_of_units, min_size=1, max_size=4), st.integers(0, len(WIDTHS)))
+def test_any_split_and_any_overlap_gives_the_table_of_a_single_run(
+    tmp_path_factory: pytest.TempPathFactory, splits: list[list[list[int]]], lost: int
+) -> None:
+    root, study = tmp_path_factory.mktemp("merge"), FakeStudy(WIDTHS)
+    everything = {number for units in splits for unit in units for number in unit}
+    failed = [lost] if lost not in everything else []
+    single = folder(root / "single", study, [sorted(everything)] if everything else [], failed)
+    shards = [
+        folder(root / str(k), study, units, failed if k == 0 else [], host="x" * (k + 1))
+        for k, units in enumerate(splits)
+    ]
+    before = content(*shards)
+    merged = store.merge(shards, root / "out")
+    assert merged.jobs["done"] == len(everything)
+    assert merged.jobs["failed"] == len(failed)
+    pd.testing.assert_frame_equal(table_of(root / "out"), table_of(single), check_exact=True)
+    for path in [path for shard in shards for path in shard.glob("units/??/*.h5")]:
+        held = [one for one in before if one.name == path.name]
+        assert store.unit_path(root / "out", path.stem).read_bytes() in [before[one][0] for one in held]
+    after = content(root / "out")
+    again = store.merge(shards, root / "out")
+    assert (again.copied, again.jobs) == (0, merged.jobs)
+    assert content(root / "out") == after
+    assert content(*shards) == before
+
+
+def test_three_shards_give_the_table_of_a_single_run(tmp_path: Path) -> None:
+    study: Any = FakeStudy(WIDTHS, deeds={2: "raise", 5: "divide"})
+    run(study, tmp_path / "single", jobs=1, progress=False, engine=ENGINE)
+    shards = [tmp_path / f"shard{k}" for k in (1, 2, 3)]
+    for k, shard in enumerate(shards, 1):
+        run(study, shard, jobs=1, progress=False, engine=ENGINE, shard=(k, 3))
+    said, _ = type_("merge", *shards, "--out", tmp_path / "out")
+    assert said.splitlines()[0] == "3 folders merged: 3 units copied; 6 done, 2 failed of 8 jobs"
+    pd.testing.assert_frame_equal(table_of(tmp_path / "out"), table_of(tmp_path / "single"), check_exact=True)
+    assert (tmp_path / "out/study.yaml").read_bytes() == (tmp_path / "single/study.yaml").read_bytes()
+    resumed = run(study, tmp_path / "out", jobs=1, progress=False, engine=ENGINE)
+    assert (resumed.resumed, resumed.done, resumed.failed) == (6, 0, 2)
+
+
+@given(st.data())
+def test_one_changed_bit_anywhere_in_a_unit_is_found_and_nothing_is_copied(
+    tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    root, study = tmp_path_factory.mktemp("merge"), FakeStudy(WIDTHS)
+    shards = [folder(root / name, study, [jobs]) for name, jobs in (("a", [0, 1, 7]), ("b", [2, 3, 4, 5, 6]))]
+    [path] = data.draw(st.sampled_from(shards)).glob("units/??/*.h5")
+    changed = bytearray(path.read_bytes())
+    changed[data.draw(st.integers(0, len(changed) - 1))] ^= 1 << data.draw(st.integers(0, 7))
+    path.write_bytes(bytes(changed))
+    with pytest.raises(store.DamagedUnit, match=path.name):
+        store.merge(shards, root / "out")
+    assert not (root / "out").exists()
+
+
+@pytest.mark.parametrize("what", ["feature", "series", "time"])
+@pytest.mark.parametrize("others", [[1, 2], [0, 1]], ids=["another unit", "the same unit"])
+def test_a_job_with_other_results_is_refused_with_both_paths(tmp_path: Path, what: str, others: list[int]) -> None:
+    study = FakeStudy(WIDTHS)
+    first, second = folder(tmp_path / "a", study, [[0, 1]]), folder(tmp_path / "b", study, [])
+    jobs = study.jobs()
+    records = [record_of(jobs[number].case) for number in others]
+    changed = records[others.index(1)]
+    for record in records:
+        if what == "time":
+            record.time[-1] += 1e-12
+    if what == "feature":
+        changed.features["velocity@BPFO"] *= 1.0 + 1e-15
+    if what == "series":
+        changed.series["ring.velocity.y"][-1] += 1e-6
+    [path] = store.write_units(second, [(jobs[n], r) for n, r in zip(others, records, strict=True)], {})
+    [mine] = first.glob("units/??/*.h5")
+    with pytest.raises(store.Unmergeable) as refusal:
+        store.merge([first, second], tmp_path / "out")
+    assert all(
+        text in str(refusal.value) for text in (str(mine), str(path), jobs[1].id if what != "time" else "time")
+    )
+    assert not (tmp_path / "out").exists()
+
+
+def test_features_that_a_unit_s_other_jobs_have_make_no_difference(tmp_path: Path) -> None:
+    study = FakeStudy(WIDTHS)
+    first, second = folder(tmp_path / "a", study, [[0]]), folder(tmp_path / "b", study, [])
+    jobs = study.jobs()
+    records = [record_of(jobs[number].case) for number in (0, 1)]
+    records[1].features |= {"cage.slip.mean": 0.1}
+    store.write_units(second, list(zip(jobs, records, strict=False)), {})
+    assert store.merge([first, second], tmp_path / "out").jobs["done"] == 2
+
+
+@pytest.mark.parametrize(
+    ("other", "said"),
+    [
+        ({"name": "another"}, '`study` differs ("fake" and "another")'),
+        ({"widths": WIDTHS[:5]}, "2 jobs are only in the first, 0 only in the second"),
+        ({"overrides": {"load": "1 N"}}, '`overrides` differs ({"load": "200 N"} and {"load": "1 N"})'),
+        ({"quick": True}, "`quick` differs (false and true)"),
+        ({"units": {"defect.width": "um"}}, "`units` differs"),
+    ],
+)
+def test_other_plans_are_refused_with_what_differs(tmp_path: Path, other: dict[str, Any], said: str) -> None:
+    first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
+    second = folder(tmp_path / "b", FakeStudy(**{"widths": WIDTHS} | other), [[1]])
+    with pytest.raises(store.Unmergeable) as refusal:
+        store.merge([first, second], tmp_path / "out")
+    assert said in str(refusal.value)
+    assert all(str(path) in str(refusal.value) for path in (first, second))
+
+
+def test_another_version_of_the_model_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
+    monkeypatch.setattr("bearingsim.core.MODEL_VERSION", 1)
+    second = folder(tmp_path / "b", FakeStudy(WIDTHS), [[1]])
+    with pytest.raises(store.Unmergeable, match=r"`model_version` differs \(\d+ and 1\)"):
+        store.merge([first, second], tmp_path / "out")
+
+
+def test_where_a_study_lay_is_no_other_plan(tmp_path: Path) -> None:
+    first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
+    second = folder(tmp_path / "b", FakeStudy(WIDTHS, path=Path("/elsewhere/fake.yaml")), [[1]])
+    assert store.merge([first, second], tmp_path / "out").jobs["done"] == 2
+
+
+def test_what_was_there_counts_as_a_folder_that_is_merged(tmp_path: Path) -> None:
+    study = FakeStudy(WIDTHS)
+    first, second = folder(tmp_path / "a", study, [[0, 1]]), folder(tmp_path / "b", study, [[1, 2]], host="bb")
+    merged = store.merge([second], first)
+    assert (merged.copied, merged.there, merged.jobs["done"]) == (1, 1, 3)
+    other = folder(tmp_path / "c", FakeStudy(WIDTHS[:3]), [[0]])
+    with pytest.raises(store.Unmergeable, match="two plans"):
+        store.merge([other], first)
+
+
+def test_a_folder_is_not_merged_into_itself(tmp_path: Path) -> None:
+    first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
+    _, told = type_("merge", first, tmp_path / "a/../a", "--out", first, code=2)
+    assert "is one of the folders that are merged" in told
+
+
+def test_folders_without_results_are_refused(tmp_path: Path) -> None:
+    first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
+    _, told = type_("merge", first, tmp_path / "b", "--out", tmp_path / "out", code=2)
+    assert "b holds no results of a study" in told
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_interrupted_merge_can_be_repeated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    study = FakeStudy(WIDTHS)
+    shards = [folder(tmp_path / str(k), study, [[k], [k + 3]]) for k in range(3)]
+    write, written = store.merge.__globals__["write_bytes"], []
+
+    def write_a_few(path: Path, told: bytes) -> None:
+        if len(written) == 5:
+            raise KeyboardInterrupt
+        written.append(path)
+        write(path, told)
+
+    with monkeypatch.context() as patch:
+        patch.setitem(store.merge.__globals__, "write_bytes", write_a_few)
+        with pytest.raises(KeyboardInterrupt):
+            store.merge(shards, tmp_path / "out")
+    assert len([*tmp_path.glob("out/units/??/*.h5")]) == 3
+    merged = store.merge(shards, tmp_path / "out")
+    assert (merged.copied, merged.there, merged.jobs["done"]) == (3, 3, 6)
+
+
+def test_a_job_that_one_has_done_has_not_failed_and_the_last_failure_counts(tmp_path: Path) -> None:
+    study = FakeStudy(WIDTHS)
+    first = folder(tmp_path / "a", study, [[0]], failed=[1, 2])
+    second = folder(tmp_path / "b", study, [[1]], failed=[0, 2], host="bb")
+    for number, order in enumerate([[first, second], [second, first]]):
+        merged = store.merge(order, tmp_path / f"out{number}")
+        assert merged.jobs == {"done": 2, "failed": 1, "missing": 5}
+        [failure] = store.read_failures(tmp_path / f"out{number}").values()
+        assert (failure.job, failure.when) == (study.jobs()[2].id, "2026-01-02")
+
+
+def test_scans_trials_and_choices_come_along(tmp_path: Path) -> None:
+    from bearingsim.config.scan.file import digest_of
+
+    study = FakeStudy(WIDTHS)
+    first, second = folder(tmp_path / "a", study, [[0]]), folder(tmp_path / "b", study, [[1]])
+    scan = first / "scans" / f"{digest_of(b'1 2 3')}.csv"
+    scan.parent.mkdir()
+    scan.write_bytes(b"1 2 3")
+    chosen = {name: Choice("ring", "ring", "cheap", {}) for name in ("one", "two", "three")}
+    store.write_choices(first, {name: chosen[name] for name in ("one", "two")}, {"one": "p"})
+    store.write_choices(second, {name: chosen[name] for name in ("two", "three")}, {"three": "q"})
+    for name, shard in (("t1", first), ("t2", second)):
+        store.write_trials(shard, name, {f"trial of {name}": None})
+    (second / "trials/t3.json").write_text("{")
+    out = tmp_path / "out"
+    store.merge([first, second], out)
+    assert (out / "scans" / scan.name).read_bytes() == b"1 2 3"
+    assert store.read_choices(out) == chosen
+    assert store.read_plans(out)["three"] == "q"
+    assert set(store.read_trials(out)) == {"trial of t1", "trial of t2"}
+    assert sorted(path.name for path in (out / "trials").iterdir()) == ["t1.json", "t2.json"]
+    store.write_choices(second, {"two": Choice("planar", "planar", "near", {})})
+    with pytest.raises(store.Unmergeable, match="other models were chosen"):
+        store.merge([first, second], tmp_path / "other")
+    scan.write_bytes(b"1 2 4")
+    shutil.rmtree(out)
+    _, told = type_("merge", first, "--out", out, code=2)
+    assert f"{scan.name}` is not as it was written" in told
+    assert not out.exists()
+
+
+def test_the_journal_tells_of_a_merge_once(tmp_path: Path) -> None:
+    first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
+    for _ in range(2):
+        store.merge([first], tmp_path / "out")
+    [journal] = (tmp_path / "out").glob("journal-*.jsonl")
+    [line] = map(json.loads, journal.read_text().splitlines())
+    assert (line["event"], line["folders"], line["units"]) == ("merged", [str(first)], 1)

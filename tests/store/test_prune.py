@@ -1,0 +1,154 @@
+"""What a plan no longer names: said first, removed when asked, and nothing else with it."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+from filelock import FileLock
+
+from bearingsim import store
+from bearingsim.config.scan.file import digest_of
+from bearingsim.runner import RunSummary, run
+from bearingsim.store.files import temporary
+from bearingsim.store.units import write_units
+from tests.scenes.commands import type_
+from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
+
+UNITS, FAILURES = "units of jobs that the plan does not name", "failures of such jobs"
+
+
+def compute(study: Any, out: Path) -> RunSummary:
+    return run(study, out, jobs=1, progress=False, engine=ENGINE)
+
+
+def files_of(root: Path) -> set[Path]:
+    return {path for path in root.rglob("*") if path.is_file() and path.name != ".lock"}
+
+
+@pytest.fixture
+def narrowed(tmp_path: Path) -> Path:
+    """Results of a study of three widths, then of one: a unit holds what is wanted, another does not."""
+    compute(FakeStudy([2e-3]), tmp_path)
+    compute(FakeStudy([2e-3, 5e-3], deeds={1: "raise"}), tmp_path)
+    compute(FakeStudy([3e-3]), tmp_path)
+    [(job, *_)] = [FakeStudy([4e-3]).jobs()]
+    write_units(tmp_path, [(job, record_of(job.case))], {})
+    compute(FakeStudy([3e-3]), tmp_path)
+    return tmp_path
+
+
+def test_what_is_not_planned_is_told_and_nothing_changes(narrowed: Path) -> None:
+    before = {path: path.read_bytes() for path in files_of(narrowed)}
+    said, _ = type_("prune", narrowed)
+    found = store.superfluous(narrowed)
+    assert {what: len(paths) for what, paths in found.files.items()} == {UNITS: 1, FAILURES: 1}
+    assert found.bytes == sum(len(before[path]) for path in found.paths)
+    assert f"in all 2 files, {found.bytes} bytes" in said
+    assert "nothing is removed yet" in said
+    assert "1 unit stays whole, though the plan names only 1 of 2 jobs there" in said
+    assert {path: path.read_bytes() for path in files_of(narrowed)} == before
+
+
+def test_what_is_not_planned_is_removed_and_nothing_else(narrowed: Path) -> None:
+    before, table = files_of(narrowed), store.open_results(narrowed).table()
+    found = store.superfluous(narrowed)
+    said, _ = type_("prune", narrowed, "--no-dry-run", "-v")
+    assert said.splitlines()[-1] == "removed"
+    assert all(path.name in said for path in found.paths)
+    assert before - files_of(narrowed) == set(found.paths)
+    assert files_of(narrowed) <= before
+    pd.testing.assert_frame_equal(store.open_results(narrowed).table(), table)
+    assert compute(FakeStudy([3e-3]), narrowed).resumed == 2
+    assert type_("prune", narrowed, "--no-dry-run")[0].splitlines()[-1] == "in all 0 files, 0 bytes"
+
+
+def test_what_was_set_aside_and_what_the_dead_left_goes(tmp_path: Path) -> None:
+    compute(FakeStudy(), tmp_path)
+    for name in (
+        "units/00/x.damaged",
+        "failed/y.damaged",
+        "units/00/z.h5.host-1-a.part",
+        "units/00/z.host-1-a.started",
+    ):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(b"12345")
+    found = store.prune(tmp_path)
+    assert found.bytes == 20
+    assert {what: len(paths) for what, paths in found.files.items()} == {
+        "damaged files that were set aside": 2,
+        "temporary files of processes that are gone": 2,
+    }
+    assert not [*tmp_path.rglob("*.damaged"), *tmp_path.rglob("*.part"), *tmp_path.rglob("*.started")]
+
+
+def test_a_unit_that_cannot_be_read_stays(tmp_path: Path) -> None:
+    compute(FakeStudy(), tmp_path)
+    [path] = tmp_path.glob("units/??/*.h5")
+    path.write_bytes(path.read_bytes()[:-3])
+    found = store.prune(tmp_path)
+    assert not found.paths
+    assert f"{path.name}: its digest is missing: it stays" in str(found)
+    assert path.exists()
+
+
+def with_scan(root: Path, text: bytes) -> Path:
+    scan = root / "scans" / f"{digest_of(text)}.csv"
+    scan.parent.mkdir(exist_ok=True)
+    scan.write_bytes(text)
+    return scan
+
+
+def test_scans_go_once_all_jobs_are_done_and_none_is_made_from_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    root = tmp_path / "results"
+    flag = tmp_path / "flag"
+    study: Any = FakeStudy(deeds={1: f"raise-unless {flag}"})
+    used, orphan = with_scan(tmp_path, b"1 2"), b"3 4"
+    flat = store.flat_parameters
+
+    def with_digest(case: Any) -> dict[str, float | str]:
+        return flat(case) | ({} if case.healthy else {"defects.1.digest": used.stem})
+
+    monkeypatch.setattr("bearingsim.store.units.flat_parameters", with_digest)
+    compute(study, root)
+    kept = [with_scan(root, b"1 2"), with_scan(root, orphan)]
+    assert "scans stay (2 files): 1 jobs that may need them are not done" in str(store.superfluous(root))
+    assert not store.superfluous(root).paths
+    flag.touch()
+    run(study, root, jobs=1, progress=False, engine=ENGINE, retry_failed=True)
+    assert store.prune(root).paths == [kept[1]]
+    assert kept[0].exists()
+
+
+def test_trials_go_with_the_accuracy_that_asked_for_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    compute(FakeStudy(), tmp_path)
+    store.write_trials(tmp_path, "t1", {"one": None})
+    (tmp_path / "trials/t2.json").write_text("{")
+    assert [path.name for path in store.superfluous(tmp_path).paths] == ["t1.json", "t2.json"]
+    monkeypatch.setattr(store.Results, "plan", store.read_plan(tmp_path) | {"accuracy": {"within": 0.05}})
+    assert [path.name for path in store.prune(tmp_path).paths] == ["t2.json"]
+
+
+def test_a_folder_in_use_is_refused(narrowed: Path) -> None:
+    found = store.superfluous(narrowed)
+    with FileLock(narrowed / ".lock"):
+        assert "another run holds" in type_("prune", narrowed, "--no-dry-run", code=2)[1]
+    with temporary(narrowed / "units/00", "unit", "started"):
+        assert "another run is writing" in type_("prune", narrowed, "--no-dry-run", code=2)[1]
+        type_("prune", narrowed)
+    assert all(path.exists() for path in found.paths)
+    assert len(store.prune(narrowed).paths) == len(found.paths)
+
+
+def test_a_folder_without_a_plan_is_left_alone(tmp_path: Path) -> None:
+    compute(FakeStudy(), tmp_path)
+    plan = tmp_path / "plan.json"
+    plan.write_bytes(plan.read_bytes()[:-10])
+    before = files_of(tmp_path)
+    assert "plan.json is damaged" in type_("prune", tmp_path, "--no-dry-run", code=2)[1]
+    assert files_of(tmp_path) == before
+    os.remove(plan)
+    assert "holds no results" in type_("prune", tmp_path, "--no-dry-run", code=2)[1]
