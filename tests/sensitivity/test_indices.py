@@ -123,10 +123,5 @@ def test_what_depends_on_the_others_has_a_spread():
     found = morris.of_trajectories(points, x * (y - 0.5))
     assert found.spread.low[0] > np.abs(found.mean.high[0])
     assert found.magnitude.low[0] > 0.2
-<<<<<<< HEAD
-    levels = np.sqrt((3**2 + 7**2) / 2) / 16  # deviation of y - 0.5
-    assert found.spread.value[0] == pytest.approx(levels, abs=0.01)
-=======
     of_levels = np.sqrt((3**2 + 7**2) / 2) / 16  # y - 0.5 at four levels
     assert found.spread.value[0] == pytest.approx(of_levels, abs=0.01)
->>>>>>> 03fb588194efd5e9b299ba27b653c79c18fdff59
