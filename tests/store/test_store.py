@@ -244,7 +244,7 @@ def test_a_stale_table_is_read_where_nothing_can_be_written(
     whole = store.open_results(tmp_path).table()
     (tmp_path / "study.h5").write_bytes(b"stale")
 
-    def refuse(*arguments: Any) -> None:
+    def refuse(*arguments: Any, **options: Any) -> None:
         raise OSError(number, "cannot be written")
 
     monkeypatch.setattr(files, "_locked", refuse)
