@@ -4,6 +4,8 @@
 and effects of them, ``intervals`` says how well they are known, ``verdict`` puts them into words.
 """
 
+import numpy as np
+
 from bearingsim.sensitivity.blocks import Blocks, SensitivityError, design_of, of_results
 from bearingsim.sensitivity.intervals import LEVEL, Estimate
 from bearingsim.sensitivity.morris import Effects, of_trajectories
@@ -26,7 +28,15 @@ __all__ = [
 
 
 def analysed(blocks: Blocks) -> Indices | Effects:
-    """Sobol' indices of a design `saltelli`, Morris' effects of a design `morris`, with intervals."""
+    """Sobol' indices of a design `saltelli`, Morris' effects of a design `morris`, with intervals.
+
+    Raises SensitivityError where so few blocks vary that some of what the bootstrap draws do not.
+    """
+    found: Indices | Effects
     if blocks.kind == "saltelli":
-        return of_blocks(blocks.values)
-    return of_trajectories(blocks.points, blocks.values)
+        found = of_blocks(blocks.values)
+    else:
+        found = of_trajectories(blocks.points, blocks.values)
+    if not all(np.isfinite(ends).all() for one in found for ends in one):
+        raise SensitivityError(f"`{blocks.feature}` varies in too few blocks for an interval: raise `n`")
+    return found

@@ -1,5 +1,6 @@
 """How well an estimate from the blocks of a design is known: intervals by the bootstrap."""
 
+import warnings
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -28,17 +29,19 @@ def estimate(statistic: Callable[[Array], Array], blocks: Array) -> Estimate:
     Blocks are drawn with replacement, each as a whole, since its rows belong together. An interval lies between
     two percentiles of what 999 draws give (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, ch. 13).
     The draws are seeded: the same blocks give the same interval. Blocks of one Sobol' sequence are more even than
-    draws, so intervals of their indices are rather too wide.
+    draws, so intervals of their indices are rather too wide. NaN where a draw has no value of the statistic.
     """
-    from scipy.stats import bootstrap
+    from scipy.stats import DegenerateDataWarning, bootstrap
 
-    found = bootstrap(
-        (np.arange(len(blocks)),),
-        lambda drawn: statistic(blocks[drawn]),
-        n_resamples=RESAMPLES,
-        vectorized=False,
-        confidence_level=LEVEL,
-        method="percentile",
-        random_state=np.random.default_rng(SEED),
-    ).confidence_interval
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DegenerateDataWarning)  # the interval is NaN then, which says it
+        found = bootstrap(
+            (np.arange(len(blocks)),),
+            lambda drawn: statistic(blocks[drawn]),
+            n_resamples=RESAMPLES,
+            vectorized=False,
+            confidence_level=LEVEL,
+            method="percentile",
+            random_state=np.random.default_rng(SEED),
+        ).confidence_interval
     return Estimate(statistic(blocks), np.asarray(found.low), np.asarray(found.high))

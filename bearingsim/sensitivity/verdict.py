@@ -30,7 +30,8 @@ def of_effects(found: Effects, feature: str, paths: Sequence[str], unit: str = "
     first = leaders(found.magnitude)
     texts = [f"`{paths[place]}`, mu* {_interval(sized, place)}{f' {unit}' * bool(unit)}" for place in first]
     weak = _weak(negligible(found.magnitude, found.magnitude.low[first[0]]), paths, "that")
-    bent = [f"`{paths[place]}`" for place in first if found.spread.low[place] > np.abs(found.mean.high[place])]
+    slope = np.maximum(np.abs(found.mean.low), np.abs(found.mean.high))
+    bent = [f"`{paths[place]}`" for place in first if found.spread.low[place] > slope[place]]
     said = [f"What {_listed(bent)} does depends on the others, or is no straight line: sigma is over mu."]
     return " ".join([_deciding(texts, feature), *weak, *said * bool(bent)])
 

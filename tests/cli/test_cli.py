@@ -279,7 +279,7 @@ def test_a_folder_that_cannot_be_written(here):
 def test_an_interrupt_is_130_and_tells_what_is_done(here, monkeypatch):
     from bearingsim import runner
 
-    def interrupted(*_):
+    def interrupted(*_, **__):
         raise runner.Interrupted(runner.RunSummary("small", here, 8, 1, 2, (), 0.5, 0.2, 0.4, 0.3, interrupted=2))
 
     monkeypatch.setattr(runner, "run", interrupted)

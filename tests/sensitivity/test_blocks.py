@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from bearingsim.designs import block, cube
-from bearingsim.sensitivity import SensitivityError, of_results, sobol
+from bearingsim.sensitivity import SensitivityError, analysed, of_results, sobol
 from tests.scenes.closed_forms import ISHIGAMI
 
 LINE = "velocity@BPFO"
@@ -118,3 +118,10 @@ def test_few_blocks_have_no_interval():
 def test_chaotic_jobs_are_counted():
     assert of_results(results(chaotic=1.0), LINE).chaotic == 40
     assert of_results(results(), LINE).chaotic == 0
+
+
+def test_what_varies_in_one_block_has_no_interval():
+    """Draws without that block do not vary at all."""
+    of_one = of_results(results(of=lambda points: 1.0 * (np.arange(len(points)) == 1)), LINE)
+    with pytest.raises(SensitivityError, match="varies in too few blocks"):
+        analysed(of_one)

@@ -59,3 +59,10 @@ def test_effects_are_said_in_the_unit_of_the_feature():
         " (2.50 to 3.50) um/s. `clearance` hardly matters: surely under 5 % of that. What `defect.width` does"
         " depends on the others, or is no straight line: sigma is over mu."
     )
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_spread_within_the_mean_is_a_straight_line_whichever_way(sign):
+    low, high = sorted((sign * 4.0, sign * 6.0))
+    size, mean, spread = known((5.0, 4.0, 6.0)), known((sign * 5.0, low, high)), known((4.6, 4.5, 5.0))
+    assert "no straight line" not in of_effects(Effects(mean, size, spread), "velocity@BPFO", PATHS)
