@@ -91,6 +91,14 @@ _PRODUCTS: dict[type[ast.operator], Callable[[float, float], float]] = {
     ast.Div: operator.truediv,
 }
 _BINARY = _SUMS | _PRODUCTS | {ast.Pow: operator.pow}
+_SAID: dict[type[ast.operator], str] = {
+    ast.Add: "a sum",
+    ast.Sub: "a difference",
+    ast.Mult: "a product",
+    ast.Div: "a quotient",
+    ast.Pow: "a power",
+}
+_CELSIUS = ("C", "degC")
 _SIGNS: dict[type[ast.unaryop], Callable[[float], float]] = {ast.USub: operator.neg, ast.UAdd: operator.pos}
 _COMPARED: dict[type[ast.cmpop], Callable[[float, float], bool]] = {
     ast.Lt: operator.lt,
@@ -168,6 +176,7 @@ class Expression:
                 return TRUTH
             case ast.Compare() if all(type(op) in _COMPARED for op in node.ops):
                 self._alike(_parts(node), within)
+                self._no_celsius_beside_a_difference(_parts(node))
                 return TRUTH
             case ast.Call(func=ast.Name(id=name), keywords=[]) if name in _FUNCTIONS:
                 return self._kind_of_call(node, _FUNCTIONS[name], within)
@@ -192,6 +201,8 @@ class Expression:
         self._number(node.right, right)
         if type(node.op) in _SUMS:
             self._alike([node.left, node.right], [left, right])
+        self._no_celsius(f"{_SAID[type(node.op)]} with degrees Celsius", node.left, node.right)
+        if type(node.op) in _SUMS:
             return left
         if isinstance(node.op, ast.Pow):
             return self._kind_of_power(node, left, right)
@@ -217,7 +228,24 @@ class Expression:
         for part, kind in zip(node.args, within, strict=True):
             self._number(part, kind)
         self._alike(node.args, within)
+        if function.most == 1:
+            self._no_celsius("a function of degrees Celsius", *node.args)
+        else:  # it takes one of its values as it is
+            self._no_celsius_beside_a_difference(node.args)
         return function.kind(within[0])
+
+    def _no_celsius(self, message: str, *nodes: ast.expr) -> None:
+        """Degrees Celsius do not count from zero: 20 C + 10 C is neither 30 C nor what 293.15 K + 283.15 K is."""
+        for node in nodes:
+            if text := self._celsius(node):
+                kelvins = f"{parse(text, 'temperature'):.12g} K"
+                hint = f"write `{split(text)[0]} K` for a difference, `{kelvins}` for a temperature"
+                raise self._wrong(node, message, hint)
+
+    def _no_celsius_beside_a_difference(self, nodes: list[ast.expr]) -> None:
+        """A difference of temperatures counts from zero, and degrees Celsius do not."""
+        if any(isinstance(part, ast.Sub) for node in nodes for part in ast.walk(node)):
+            self._no_celsius("degrees Celsius beside a difference", *nodes)
 
     def _number(self, node: ast.expr, kind: Kind) -> Kind:
         if kind == TRUTH:
@@ -246,6 +274,8 @@ class Expression:
             case ast.UnaryOp(op=ast.Not()):
                 return not self._value(node.operand, of)
             case ast.UnaryOp():
+                if text := self._celsius(node):
+                    return parse(text, "temperature")
                 return _SIGNS[type(node.op)](self._value(node.operand, of))
             case ast.BinOp():
                 left, right = self._value(node.left, of), self._value(node.right, of)
@@ -302,6 +332,19 @@ class Expression:
     def _is_own(self, node: ast.Name) -> bool:
         """Whether a name is none of the study's."""
         return node.id in _CONSTANTS or node.id in _FUNCTIONS or node.col_offset in self.quantities
+
+    def _celsius(self, node: ast.expr) -> str | None:
+        """A quantity in degrees Celsius with the sign before it (`-5 C`: not the opposite of 278.15 K)."""
+        match node:
+            case ast.UnaryOp(op=ast.UAdd()):
+                return self._celsius(node.operand)
+            case ast.UnaryOp(op=ast.USub()):
+                text = self._celsius(node.operand)
+                return text and (text[1:] if text.startswith("-") else f"-{text}")
+            case ast.Name():
+                text = self.quantities.get(node.col_offset)
+                return text if text and split(text)[1] in _CELSIUS else None
+        return None
 
     def _path(self, node: ast.Name) -> str:
         return self.paths.get(node.col_offset, node.id)

@@ -27,6 +27,8 @@ from bearingsim.text.units import UNITS, Dimension, parse
 from bearingsim.text.yamlfile import Mark, Node
 
 VALUES = {"load": 150.0, "defect.width": 0.0008, "defects.2.width": 0.002, "speed": 188.5, "seed": 3.0}
+WARM = "contact.damping.temperature"
+VALUES[WARM] = 328.15  # 55 C
 
 
 def node(text: str, before: str = "  - ") -> Node:
@@ -93,6 +95,65 @@ def test_what_a_formula_comes_to(text: str, expected: float, what: str) -> None:
     found, found_kind = value(text)
     assert found == pytest.approx(expected, rel=1e-14)
     assert found_kind == what
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (f"{WARM} > -5 C", True),
+        (f"{WARM} > -5 degC", True),
+        (f"{WARM} < -5 C", False),
+        (f"{WARM} > - 60 C", True),
+        (f"{WARM} > +60 C", False),
+        (f"{WARM} == 55 C", True),
+        (f"50 C < {WARM} < --60 C", True),
+        (f"{WARM} + 10 K > 60 C", True),
+        (f"{WARM} - 293.15 K > 30 K", True),
+        ("-5 C", 268.15),
+        ("-(5 C)", 268.15),
+        (f"min({WARM}, 60 C) + 10 K", 338.15),
+        (f"max({WARM}, -5 C, 60 C)", 333.15),
+        (f"{WARM} * 2", 656.3),
+        ("-5 K", -5.0),
+    ],
+)
+def test_temperatures(text: str, expected: float) -> None:
+    assert value(text)[0] == pytest.approx(expected, rel=1e-14)
+
+
+def test_a_temperature_below_zero_is_told_from_one_above() -> None:
+    """A cold case: -10 C is not over -5 C, and -2 C is."""
+    assert value(f"{WARM} > -5 C", {WARM: 263.15})[0] is False
+    assert value(f"{WARM} > -5 C", {WARM: 271.15})[0] is True
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "caret"),
+    [
+        ("20 C + 10 C", "a sum with degrees Celsius", "20 C +"),
+        (f"{WARM} + 20 C", "a sum with degrees Celsius", "20 C"),
+        (f"({WARM} - 20 degC) > 30 C", "a difference with degrees Celsius", "20 degC)"),
+        ("2 * 20 C", "a product with degrees Celsius", "20 C"),
+        (f"{WARM} / 20 C", "a quotient with degrees Celsius", "20 C"),
+        ("(20 C) ** 2", "a power with degrees Celsius", "20 C)"),
+        ("abs(20 C)", "a function of degrees Celsius", "20 C)"),
+        ("sqrt(20 C)", "a function of degrees Celsius", "20 C)"),
+        (f"{WARM} - 280 K > 20 C", "degrees Celsius beside a difference", "20 C"),
+        (f"20 C > abs({WARM} - 280 K)", "degrees Celsius beside a difference", "20 C"),
+        (f"max({WARM} - 280 K, 20 C)", "degrees Celsius beside a difference", "20 C"),
+    ],
+)
+def test_degrees_celsius_do_not_count_from_zero(text: str, message: str, caret: str) -> None:
+    found, rest = refused(text)
+    assert found == message
+    assert rest.startswith(caret)
+
+
+@pytest.mark.parametrize(("degrees", "kelvins"), [("20", "293.15"), ("-20", "253.15"), ("0.5", "273.65")])
+def test_the_remedy_for_degrees_celsius(degrees: str, kelvins: str) -> None:
+    with pytest.raises(ExpressionError) as caught:
+        value(f"2 * {degrees} C")
+    assert caught.value.hint == f"write `{degrees} K` for a difference, `{kelvins} K` for a temperature"
 
 
 def test_what_stands_behind_a_decided_condition_is_not_worked_out() -> None:
@@ -277,7 +338,7 @@ def test_a_quantity_of_each_unit_is_what_the_table_says(known: Dimension) -> Non
     for word in UNITS[known]:
         if word == "Hz" and known == "rotation":  # a frequency in formulas
             continue
-        found, _ = value(f"2 {word}".strip() + " * 1")
+        found, _ = value(f"max({f'2 {word}'.strip()}, {f'1 {word}'.strip()})")
         assert found == parse(f"2 {word}".strip(), known)
         assert read(node(f"2 {word}".strip())).kind(kind) == kind_of(known)
 
