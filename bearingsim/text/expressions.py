@@ -25,6 +25,9 @@ MAX_LETTERS, MAX_DEPTH = 400, 100
 MOST_POWER = 10
 """Exponent of a quantity with a unit: its unit has no meaning beyond."""
 
+SAME = 1e-12
+"""Values are equal within this share of the larger one: 3 * 10 um is 30 um, which floats miss by a bit."""
+
 Kind = tuple[Fraction, ...]
 """What a value is: its powers of m, kg, s, K and rad; none at all for what is true or false."""
 TRUTH: Kind = ()
@@ -100,13 +103,19 @@ _SAID: dict[type[ast.operator], str] = {
 }
 _CELSIUS = ("C", "degC")
 _SIGNS: dict[type[ast.unaryop], Callable[[float], float]] = {ast.USub: operator.neg, ast.UAdd: operator.pos}
+
+
+def _same(a: float, b: float) -> bool:
+    return math.isclose(a, b, rel_tol=SAME, abs_tol=0.0)
+
+
 _COMPARED: dict[type[ast.cmpop], Callable[[float, float], bool]] = {
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
+    ast.Lt: lambda a, b: a < b and not _same(a, b),
+    ast.LtE: lambda a, b: a < b or _same(a, b),
+    ast.Gt: lambda a, b: a > b and not _same(a, b),
+    ast.GtE: lambda a, b: a > b or _same(a, b),
+    ast.Eq: _same,
+    ast.NotEq: lambda a, b: not _same(a, b),
 }
 _POSSIBLE = (
     "possible are numbers with their units, paths, `+ - * / **`, comparisons, `and`, `or`, `not`, and "
@@ -212,6 +221,7 @@ class Expression:
     def _kind_of_power(self, node: ast.BinOp, base: Kind, exponent: Kind) -> Kind:
         if exponent != PLAIN:
             raise self._wrong(node.right, f"an exponent is a plain number, and this is {said(exponent)}")
+        self._in_brackets(node)
         if base == PLAIN:
             return PLAIN
         if any(isinstance(part, ast.Name) for part in ast.walk(node.right)):
@@ -220,6 +230,19 @@ class Expression:
         if abs(power) > MOST_POWER:
             raise self._wrong(node.right, f"the exponent of {said(base)} is at most {MOST_POWER}")
         return _scaled(base, Fraction(power).limit_denominator(1000))
+
+    def _in_brackets(self, node: ast.BinOp) -> None:
+        """A power of a quantity needs brackets: `3 mm**2` is 9 mm^2 to some readers, and 3 mm^2 to others."""
+        base, exponent = node.left, node.right
+        if not isinstance(base, ast.Name) or base.col_offset not in self.quantities:
+            return
+        if self.node.text[self.shift + (base.end_col_offset or 0) :].lstrip().startswith("**"):
+            quantity = self.quantities[base.col_offset]
+            number, unit = split(quantity)
+            power = ast.unparse(exponent) if isinstance(exponent, ast.Constant) else "(...)"
+            known = f"{unit}^{power}" in _DIMENSIONS
+            other = f"{number} {unit}^{power}" if known else f"{number} * (1 {unit})**{power}"
+            raise self._wrong(node, f"a power of `{quantity}`", f"write `({quantity})**{power}` or `{other}`")
 
     def _kind_of_call(self, node: ast.Call, function: _Function, within: list[Kind]) -> Kind:
         if not function.least <= len(within) <= function.most:
