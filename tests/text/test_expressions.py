@@ -399,11 +399,9 @@ def by_python(text: str) -> float | bool | None:
     """What Python itself makes of a formula; None where it comes to no number."""
     floats = re.sub(r"\d+\.\d+", r"F(\g<0>)", text.replace("a.x", "a_x"))
     known: dict[str, Any] = {"F": Finite, "a_x": Finite(2.5), "b": Finite(-3.0), "pi": Finite(math.pi)}
-    known |= {"sqrt": lambda one: Finite(math.sqrt(one)), "abs": abs}
-    known |= {
-        "min": lambda *all_: Finite(min(map(float, all_))),
-        "max": lambda *all_: Finite(max(map(float, all_))),
-    }
+    known |= {"sqrt": lambda one: Finite(math.sqrt(one))}
+    known |= {"min": lambda *all_: Finite(min(map(float, all_))), "max": lambda *all_: Finite(max(map(float, all_)))}
+    known["abs"] = abs
     try:
         found: float | bool = eval(floats, {"__builtins__": {}}, known)
     except (ArithmeticError, ValueError):
