@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import NamedTuple
 
-from bearingsim.text.units import EXPECTED, UNITS, Dimension, parse, split, suggestion
+from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse, split, suggestion
 from bearingsim.text.yamlfile import Mark, Node
 
 __all__ = ["PLAIN", "TRUTH", "Expression", "ExpressionError", "Kind", "kind_of", "read", "said"]
@@ -197,13 +197,20 @@ class Expression:
         if node.id in _CONSTANTS:
             return PLAIN
         if node.col_offset in self.quantities:
-            return _KINDS[_dimension(self.quantities[node.col_offset])]
+            return self._kind_of_quantity(node, self.quantities[node.col_offset])
         if node.id in _FUNCTIONS:
             raise self._wrong(node, f"`{node.id}` without what it is taken of", f"as in `{node.id}(...)`")
         try:
             return of(self._path(node))
         except ValueError as error:
             raise self._wrong(node, str(error)) from None
+
+    def _kind_of_quantity(self, node: ast.Name, text: str) -> Kind:
+        try:
+            parse(text, _dimension(text))
+        except UnitError as error:
+            raise self._wrong(node, error.hint or str(error)) from None
+        return _KINDS[_dimension(text)]
 
     def _kind_of_pair(self, node: ast.BinOp, left: Kind, right: Kind) -> Kind:
         self._number(node.left, left)
@@ -242,7 +249,9 @@ class Expression:
             power = ast.unparse(exponent) if isinstance(exponent, ast.Constant) else "(...)"
             known = f"{unit}^{power}" in _DIMENSIONS
             other = f"{number} {unit}^{power}" if known else f"{number} * (1 {unit})**{power}"
-            raise self._wrong(node, f"a power of `{quantity}`", f"write `({quantity})**{power}` or `{other}`")
+            raise self._wrong(
+                node, f"a power of `{quantity}` without brackets", f"write `({quantity})**{power}` or `{other}`"
+            )
 
     def _kind_of_call(self, node: ast.Call, function: _Function, within: list[Kind]) -> Kind:
         if not function.least <= len(within) <= function.most:
