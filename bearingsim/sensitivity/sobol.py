@@ -33,8 +33,8 @@ def indices(blocks: Array) -> Array:
         S_j = (c_j - r e_j)/(1 - r^2),    T_j = mean((f(A) - f(AB^j))^2)/(2 V), V over A and B
 
     c_j alone would be S_j if A and B were independent, and r zero. In a design by Sobol' of few points, some
-    columns of A and B are correlated, and r is not zero: what it puts into c_j is taken out, as by Glen and Isaacs,
-    Environmental Modelling & Software 37 (2012) 157-166. An inert parameter has 0, the only one 1, whatever r is.
+    columns of A and B are correlated, and r is not zero: what it puts into c_j is taken out (Glen and Isaacs,
+    Environmental Modelling & Software 37 (2012) 157-166). An inert parameter has 0, the only one 1, whatever r is.
     T_j: Jansen 1999, as in Saltelli et al., Computer Physics Communications 181 (2010) 259-270, table 2 (f), and
     in ``scipy.stats.sobol_indices``. Estimates may be a little below 0 or above 1. NaN where f does not vary.
     """
