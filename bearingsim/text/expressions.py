@@ -25,6 +25,9 @@ MAX_LETTERS, MAX_DEPTH = 400, 100
 MOST_POWER = 10
 """Exponent of a quantity with a unit: its unit has no meaning beyond."""
 
+SAME = 1e-12
+"""Values are equal within this share of the larger one: 3 * 10 um is 30 um, which floats miss by a bit."""
+
 Kind = tuple[Fraction, ...]
 """What a value is: its powers of m, kg, s, K and rad; none at all for what is true or false."""
 TRUTH: Kind = ()
@@ -91,14 +94,28 @@ _PRODUCTS: dict[type[ast.operator], Callable[[float, float], float]] = {
     ast.Div: operator.truediv,
 }
 _BINARY = _SUMS | _PRODUCTS | {ast.Pow: operator.pow}
+_SAID: dict[type[ast.operator], str] = {
+    ast.Add: "a sum",
+    ast.Sub: "a difference",
+    ast.Mult: "a product",
+    ast.Div: "a quotient",
+    ast.Pow: "a power",
+}
+_CELSIUS = ("C", "degC")
 _SIGNS: dict[type[ast.unaryop], Callable[[float], float]] = {ast.USub: operator.neg, ast.UAdd: operator.pos}
+
+
+def _same(a: float, b: float) -> bool:
+    return math.isclose(a, b, rel_tol=SAME, abs_tol=0.0)
+
+
 _COMPARED: dict[type[ast.cmpop], Callable[[float, float], bool]] = {
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
+    ast.Lt: lambda a, b: a < b and not _same(a, b),
+    ast.LtE: lambda a, b: a < b or _same(a, b),
+    ast.Gt: lambda a, b: a > b and not _same(a, b),
+    ast.GtE: lambda a, b: a > b or _same(a, b),
+    ast.Eq: _same,
+    ast.NotEq: lambda a, b: not _same(a, b),
 }
 _POSSIBLE = (
     "possible are numbers with their units, paths, `+ - * / **`, comparisons, `and`, `or`, `not`, and "
@@ -168,6 +185,7 @@ class Expression:
                 return TRUTH
             case ast.Compare() if all(type(op) in _COMPARED for op in node.ops):
                 self._alike(_parts(node), within)
+                self._no_celsius_beside_a_difference(_parts(node))
                 return TRUTH
             case ast.Call(func=ast.Name(id=name), keywords=[]) if name in _FUNCTIONS:
                 return self._kind_of_call(node, _FUNCTIONS[name], within)
@@ -192,6 +210,8 @@ class Expression:
         self._number(node.right, right)
         if type(node.op) in _SUMS:
             self._alike([node.left, node.right], [left, right])
+        self._no_celsius(f"{_SAID[type(node.op)]} with degrees Celsius", node.left, node.right)
+        if type(node.op) in _SUMS:
             return left
         if isinstance(node.op, ast.Pow):
             return self._kind_of_power(node, left, right)
@@ -201,6 +221,7 @@ class Expression:
     def _kind_of_power(self, node: ast.BinOp, base: Kind, exponent: Kind) -> Kind:
         if exponent != PLAIN:
             raise self._wrong(node.right, f"an exponent is a plain number, and this is {said(exponent)}")
+        self._in_brackets(node)
         if base == PLAIN:
             return PLAIN
         if any(isinstance(part, ast.Name) for part in ast.walk(node.right)):
@@ -210,6 +231,19 @@ class Expression:
             raise self._wrong(node.right, f"the exponent of {said(base)} is at most {MOST_POWER}")
         return _scaled(base, Fraction(power).limit_denominator(1000))
 
+    def _in_brackets(self, node: ast.BinOp) -> None:
+        """A power of a quantity needs brackets: `3 mm**2` is 9 mm^2 to some readers, and 3 mm^2 to others."""
+        base, exponent = node.left, node.right
+        if not isinstance(base, ast.Name) or base.col_offset not in self.quantities:
+            return
+        if self.node.text[self.shift + (base.end_col_offset or 0) :].lstrip().startswith("**"):
+            quantity = self.quantities[base.col_offset]
+            number, unit = split(quantity)
+            power = ast.unparse(exponent) if isinstance(exponent, ast.Constant) else "(...)"
+            known = f"{unit}^{power}" in _DIMENSIONS
+            other = f"{number} {unit}^{power}" if known else f"{number} * (1 {unit})**{power}"
+            raise self._wrong(node, f"a power of `{quantity}`", f"write `({quantity})**{power}` or `{other}`")
+
     def _kind_of_call(self, node: ast.Call, function: _Function, within: list[Kind]) -> Kind:
         if not function.least <= len(within) <= function.most:
             count = "one value" if function.most == 1 else "two values or more"
@@ -217,7 +251,24 @@ class Expression:
         for part, kind in zip(node.args, within, strict=True):
             self._number(part, kind)
         self._alike(node.args, within)
+        if function.most == 1:
+            self._no_celsius("a function of degrees Celsius", *node.args)
+        else:  # it takes one of its values as it is
+            self._no_celsius_beside_a_difference(node.args)
         return function.kind(within[0])
+
+    def _no_celsius(self, message: str, *nodes: ast.expr) -> None:
+        """Degrees Celsius do not count from zero: 20 C + 10 C is neither 30 C nor what 293.15 K + 283.15 K is."""
+        for node in nodes:
+            if text := self._celsius(node):
+                kelvins = f"{parse(text, 'temperature'):.12g} K"
+                hint = f"write `{split(text)[0]} K` for a difference, `{kelvins}` for a temperature"
+                raise self._wrong(node, message, hint)
+
+    def _no_celsius_beside_a_difference(self, nodes: list[ast.expr]) -> None:
+        """A difference of temperatures counts from zero, and degrees Celsius do not."""
+        if any(isinstance(part, ast.Sub) for node in nodes for part in ast.walk(node)):
+            self._no_celsius("degrees Celsius beside a difference", *nodes)
 
     def _number(self, node: ast.expr, kind: Kind) -> Kind:
         if kind == TRUTH:
@@ -246,6 +297,8 @@ class Expression:
             case ast.UnaryOp(op=ast.Not()):
                 return not self._value(node.operand, of)
             case ast.UnaryOp():
+                if text := self._celsius(node):
+                    return parse(text, "temperature")
                 return _SIGNS[type(node.op)](self._value(node.operand, of))
             case ast.BinOp():
                 left, right = self._value(node.left, of), self._value(node.right, of)
@@ -302,6 +355,19 @@ class Expression:
     def _is_own(self, node: ast.Name) -> bool:
         """Whether a name is none of the study's."""
         return node.id in _CONSTANTS or node.id in _FUNCTIONS or node.col_offset in self.quantities
+
+    def _celsius(self, node: ast.expr) -> str | None:
+        """A quantity in degrees Celsius with the sign before it (`-5 C`: not the opposite of 278.15 K)."""
+        match node:
+            case ast.UnaryOp(op=ast.UAdd()):
+                return self._celsius(node.operand)
+            case ast.UnaryOp(op=ast.USub()):
+                text = self._celsius(node.operand)
+                return text and (text[1:] if text.startswith("-") else f"-{text}")
+            case ast.Name():
+                text = self.quantities.get(node.col_offset)
+                return text if text and split(text)[1] in _CELSIUS else None
+        return None
 
     def _path(self, node: ast.Name) -> str:
         return self.paths.get(node.col_offset, node.id)

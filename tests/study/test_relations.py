@@ -107,6 +107,25 @@ def test_conditions_leave_combinations_out(write: Write, said: str, left: list[t
     assert [(case.defects[0].width, case.load) for case in cases] == left
 
 
+@pytest.mark.parametrize(
+    ("swept", "condition"),
+    [
+        ("clearance: [10 um, 12 um]", "clearance * 3 == 30 um"),
+        ("defect.width: [0.1 mm, 0.4 mm]", "defect.width * 3 <= 0.3 mm"),
+        ("defect.width: [0.1 mm, 0.4 mm]", "0.3 mm >= 3 * defect.width"),
+        ("defect.width: [0.4 mm, 0.1 mm]", "defect.width * 3 > 0.3 mm"),
+        ("contact.damping.temperature: [-10 C, -2 C]", "contact.damping.temperature < -5 C"),
+    ],
+)
+def test_a_condition_holds_where_it_holds_on_paper(write: Write, swept: str, condition: str) -> None:
+    """Of 0.1 mm * 3 and 0.3 mm the floats differ in their last bit; -5 C is no -278.15 K."""
+    path, listed = swept.split(": ")
+    oil = "contact: {damping: {oil: VG 68, temperature: 20 C}}\n"
+    (kept,) = load_study(write(oil + sweep(f"{swept}\n  where: ['{condition}']"))).cases()
+    (first,) = load_study(write(oil + sweep(f"{path}: {listed.split(',')[0]}]"))).cases()
+    assert case_id(kept) == case_id(first)
+
+
 def test_a_condition_reads_derived_values(write: Write) -> None:
     said = WIDTHS + "derived: {defect.depth: defect.width / 40}\n  where: [defect.depth > 15 um]"
     assert [case.defects[0].width for case in load_study(write(sweep(said))).cases()] == [0.0008]

@@ -27,6 +27,8 @@ from bearingsim.text.units import UNITS, Dimension, parse
 from bearingsim.text.yamlfile import Mark, Node
 
 VALUES = {"load": 150.0, "defect.width": 0.0008, "defects.2.width": 0.002, "speed": 188.5, "seed": 3.0}
+WARM = "contact.damping.temperature"
+VALUES[WARM] = 328.15  # 55 C
 
 
 def node(text: str, before: str = "  - ") -> Node:
@@ -67,7 +69,9 @@ def refused(text: str) -> tuple[str, str]:
         ("load/defect.width", 187500.0, "a stiffness"),
         ("3 N / defect.width", 3750.0, "a stiffness"),
         ("sqrt(2 mm * 8 mm)", 0.004, "a length"),
-        ("2 mm ** 2", 4e-6, "in m^2"),
+        ("(2 mm) ** 2", 4e-6, "in m^2"),
+        ("2 * (1 mm)**2", 2e-6, "in m^2"),
+        ("defect.width**2", 0.0008**2, "in m^2"),
         ("(4 N) ** (1/2)", 2.0, "in m^1/2 kg^1/2 s^-1"),
         ("min(load, 100 N, 1 kN)", 100.0, "a force"),
         ("max(2, 3) * abs(-2)", 6.0, "a plain number"),
@@ -93,6 +97,128 @@ def test_what_a_formula_comes_to(text: str, expected: float, what: str) -> None:
     found, found_kind = value(text)
     assert found == pytest.approx(expected, rel=1e-14)
     assert found_kind == what
+
+
+@pytest.mark.parametrize(
+    ("text", "remedy"),
+    [
+        ("3 mm**2", "write `(3 mm)**2` or `3 * (1 mm)**2`"),
+        ("-3 mm**2", "write `(3 mm)**2` or `3 * (1 mm)**2`"),
+        ("(load * 3 mm ** 2)", "write `(3 mm)**2` or `3 * (1 mm)**2`"),
+        ("5 %**2", "write `(5 %)**2` or `5 * (1 %)**2`"),
+        ("2 N/mm**2", "write `(2 N/mm)**2` or `2 N/mm^2`"),
+        ("2 N/m ** 2", "write `(2 N/m)**2` or `2 N/m^2`"),
+        ("4 mm**(1/2)", "write `(4 mm)**(...)` or `4 * (1 mm)**(...)`"),
+    ],
+)
+def test_a_power_of_a_quantity_stands_behind_brackets(text: str, remedy: str) -> None:
+    with pytest.raises(ExpressionError) as caught:
+        value(text)
+    assert caught.value.hint == remedy
+    found, rest = refused(text)
+    assert found.startswith("a power of `")
+    assert rest.startswith("**")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("0.1 * 3 == 0.3", True),
+        ("0.1 * 3 != 0.3", False),
+        ("0.1 * 3 <= 0.3", True),
+        ("0.1 * 3 > 0.3", False),
+        ("0.3 >= 0.1 * 3", True),
+        ("0.3 < 0.1 * 3", False),
+        ("10 um * 3 == 30 um", True),
+        ("1.00000000001 == 1", False),
+        ("1.00000000001 > 1", True),
+        ("0.99999999999 < 1", True),
+        ("1 um - 1 um == 0 um", True),
+        ("1e-300 > 0", True),
+        ("0.1 * 3 - 0.3 == 0", False),
+        ("1 < 1 + 1e-13 < 2", False),
+    ],
+)
+def test_values_that_differ_in_the_last_bits_are_equal(text: str, expected: bool) -> None:
+    assert value(text)[0] is expected
+
+
+NEAR = st.floats(-1e3, 1e3).flatmap(
+    lambda a: st.tuples(
+        st.just(a), st.floats(-3e-12, 3e-12).map(lambda share: a * (1.0 + share)) | st.floats(-1e3, 1e3)
+    )
+)
+
+
+@given(NEAR)
+def test_of_less_equal_and_more_one_holds(pair: tuple[float, float]) -> None:
+    names = dict(zip(("a.x", "b"), pair, strict=True))
+    holds = {}
+    for sign in ("<", "<=", ">", ">=", "==", "!="):
+        found = read(Node(f"a.x {sign} b", Mark("f")))
+        found.kind(lambda _: PLAIN)
+        holds[sign] = bool(found.value(names.__getitem__))
+    assert holds["<"] + holds["=="] + holds[">"] == 1
+    assert [holds["<="], holds[">="], holds["!="]] == [not holds[">"], not holds["<"], not holds["=="]]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (f"{WARM} > -5 C", True),
+        (f"{WARM} > -5 degC", True),
+        (f"{WARM} < -5 C", False),
+        (f"{WARM} > - 60 C", True),
+        (f"{WARM} > +60 C", False),
+        (f"{WARM} == 55 C", True),
+        (f"50 C < {WARM} < --60 C", True),
+        (f"{WARM} + 10 K > 60 C", True),
+        (f"{WARM} - 293.15 K > 30 K", True),
+        ("-5 C", 268.15),
+        ("-(5 C)", 268.15),
+        (f"min({WARM}, 60 C) + 10 K", 338.15),
+        (f"max({WARM}, -5 C, 60 C)", 333.15),
+        (f"{WARM} * 2", 656.3),
+        ("-5 K", -5.0),
+    ],
+)
+def test_temperatures(text: str, expected: float) -> None:
+    assert value(text)[0] == pytest.approx(expected, rel=1e-14)
+
+
+def test_a_temperature_below_zero_is_told_from_one_above() -> None:
+    """A cold case: -10 C is not over -5 C, and -2 C is."""
+    assert value(f"{WARM} > -5 C", {WARM: 263.15})[0] is False
+    assert value(f"{WARM} > -5 C", {WARM: 271.15})[0] is True
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "caret"),
+    [
+        ("20 C + 10 C", "a sum with degrees Celsius", "20 C +"),
+        (f"{WARM} + 20 C", "a sum with degrees Celsius", "20 C"),
+        (f"({WARM} - 20 degC) > 30 C", "a difference with degrees Celsius", "20 degC)"),
+        ("2 * 20 C", "a product with degrees Celsius", "20 C"),
+        (f"{WARM} / 20 C", "a quotient with degrees Celsius", "20 C"),
+        ("(20 C) ** 2", "a power with degrees Celsius", "20 C)"),
+        ("abs(20 C)", "a function of degrees Celsius", "20 C)"),
+        ("sqrt(20 C)", "a function of degrees Celsius", "20 C)"),
+        (f"{WARM} - 280 K > 20 C", "degrees Celsius beside a difference", "20 C"),
+        (f"20 C > abs({WARM} - 280 K)", "degrees Celsius beside a difference", "20 C"),
+        (f"max({WARM} - 280 K, 20 C)", "degrees Celsius beside a difference", "20 C"),
+    ],
+)
+def test_degrees_celsius_do_not_count_from_zero(text: str, message: str, caret: str) -> None:
+    found, rest = refused(text)
+    assert found == message
+    assert rest.startswith(caret)
+
+
+@pytest.mark.parametrize(("degrees", "kelvins"), [("20", "293.15"), ("-20", "253.15"), ("0.5", "273.65")])
+def test_the_remedy_for_degrees_celsius(degrees: str, kelvins: str) -> None:
+    with pytest.raises(ExpressionError) as caught:
+        value(f"2 * {degrees} C")
+    assert caught.value.hint == f"write `{degrees} K` for a difference, `{kelvins} K` for a temperature"
 
 
 def test_what_stands_behind_a_decided_condition_is_not_worked_out() -> None:
@@ -220,7 +346,31 @@ CONDITIONS = st.recursive(
 
 
 class Finite(float):
-    """A float whose arithmetic ends where that of formulas does: at infinity, and at complex roots."""
+    """A float whose arithmetic ends where that of formulas does: at infinity, and at complex roots.
+
+    Two of them are equal if they differ by at most 1e-12 of the larger one.
+    """
+
+    __hash__ = float.__hash__
+
+    def __eq__(self, other: object) -> bool:
+        a, b = float(self), float(other)  # type: ignore[arg-type]
+        return abs(a - b) <= 1e-12 * max(abs(a), abs(b))
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    def __lt__(self, other: float) -> bool:
+        return self != other and float(self) < float(other)
+
+    def __gt__(self, other: float) -> bool:
+        return self != other and float(self) > float(other)
+
+    def __le__(self, other: float) -> bool:
+        return not self > other
+
+    def __ge__(self, other: float) -> bool:
+        return not self < other
 
     def __neg__(self) -> "Finite":
         return Finite(-float(self))
@@ -249,7 +399,11 @@ def by_python(text: str) -> float | bool | None:
     """What Python itself makes of a formula; None where it comes to no number."""
     floats = re.sub(r"\d+\.\d+", r"F(\g<0>)", text.replace("a.x", "a_x"))
     known: dict[str, Any] = {"F": Finite, "a_x": Finite(2.5), "b": Finite(-3.0), "pi": Finite(math.pi)}
-    known |= {"sqrt": lambda one: Finite(math.sqrt(one)), "min": min, "max": max, "abs": abs}
+    known |= {"sqrt": lambda one: Finite(math.sqrt(one)), "abs": abs}
+    known |= {
+        "min": lambda *all_: Finite(min(map(float, all_))),
+        "max": lambda *all_: Finite(max(map(float, all_))),
+    }
     try:
         found: float | bool = eval(floats, {"__builtins__": {}}, known)
     except (ArithmeticError, ValueError):
@@ -277,7 +431,7 @@ def test_a_quantity_of_each_unit_is_what_the_table_says(known: Dimension) -> Non
     for word in UNITS[known]:
         if word == "Hz" and known == "rotation":  # a frequency in formulas
             continue
-        found, _ = value(f"2 {word}".strip() + " * 1")
+        found, _ = value(f"max({f'2 {word}'.strip()}, {f'1 {word}'.strip()})")
         assert found == parse(f"2 {word}".strip(), known)
         assert read(node(f"2 {word}".strip())).kind(kind) == kind_of(known)
 
@@ -290,15 +444,15 @@ def test_a_quantity_of_each_unit_is_what_the_table_says(known: Dimension) -> Non
         ("damping", "1 N * 1 s / 1 m"),
         ("velocity", "1 m / 1 s"),
         ("inverse velocity", "1 s / 1 m"),
-        ("density", "1 kg / 1 m ** 3"),
-        ("pressure", "1 N / 1 m ** 2"),
+        ("density", "1 kg / (1 m) ** 3"),
+        ("pressure", "1 N / (1 m) ** 2"),
         ("viscosity", "1 Pa * 1 s"),
         ("pressure coefficient", "1 / 1 Pa"),
         ("unbalance", "1 kg * 1 m"),
         ("torsional stiffness", "1 N * 1 m / 1 rad"),
         ("torsional damping", "1 N * 1 m * 1 s / 1 rad"),
         ("rotation", "1 rad / 1 s"),
-        ("force", "1 kg * 1 m / 1 s ** 2"),
+        ("force", "1 kg * 1 m / (1 s) ** 2"),
         ("frequency", "1 / 1 s"),
     ],
 )
