@@ -85,8 +85,9 @@ def trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
 
 
 def said(design: Mapping[str, Any]) -> str:
-    """A design in a caption: `sobol design of 64 points, seed 1`."""
-    return f"{design['kind']} design of {design['n']} {COUNTED[design['kind']]}, seed {design['seed']}"
+    """A design in a caption: `sobol design of 64 points, seed 1`; so many of them if the study leaves some out."""
+    left = f"{len(design['ids'])} of " * (len(design["ids"]) < design["n"])
+    return f"{design['kind']} design of {left}{design['n']} {COUNTED[design['kind']]}, seed {design['seed']}"
 
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:

@@ -27,20 +27,25 @@ class Indices(NamedTuple):
 def indices(blocks: Array) -> Array:
     """First (row 0) and total (row 1) indices (2, d) of blocks (n, d + 2) f(A), f(B), f(AB^1) ... f(AB^d).
 
-    AB^j is A with parameter j from B. The estimators are those of ``scipy.stats.sobol_indices``, which takes only
-    whole designs of 2^m blocks:
+    AB^j is A with parameter j from B. By the correlations r of f(A) and f(B), c_j of f(B) and f(AB^j), e_j of f(A)
+    and f(AB^j):
 
-        S_j = mean(f(B) (f(AB^j) - f(A)))/V,    T_j = mean((f(A) - f(AB^j))^2)/(2 V)
+        S_j = (c_j - r e_j)/(1 - r^2),    T_j = mean((f(A) - f(AB^j))^2)/(2 V), V over A and B
 
-    (Saltelli et al., Computer Physics Communications 181 (2010) 259-270, table 2 (b); (f), after Jansen 1999), V
-    over A and B. f is centred first: S_j is a mean of products, whose error grows with the mean of f, which has
-    nothing to do with S_j. Estimates may be a little below 0 or above 1. NaN where f does not vary.
+    c_j alone would be S_j if A and B were independent, and r zero. In a design by Sobol' of few points, some
+    columns of A and B are correlated, and r is not zero: what it puts into c_j is taken out (Glen and Isaacs,
+    Environmental Modelling & Software 37 (2012) 157-166). An inert parameter has 0, the only one 1, whatever r is.
+    T_j: Jansen 1999, as in Saltelli et al., Computer Physics Communications 181 (2010) 259-270, table 2 (f), and
+    in ``scipy.stats.sobol_indices``. Estimates may be a little below 0 or above 1. NaN where f does not vary.
     """
-    f = blocks - blocks[:, :2].mean()
-    a, b, mixed = f[:, :1], f[:, 1:2], f[:, 2:]
+    f = blocks - blocks.mean(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
-        first = (b * (mixed - a)).mean(axis=0) / f[:, :2].var()
-        total = ((a - mixed) ** 2).mean(axis=0) / (2.0 * f[:, :2].var())
+        unit = f / np.sqrt((f**2).mean(axis=0))
+        a, b, mixed = unit[:, :1], unit[:, 1:2], unit[:, 2:]
+        r, c, e = (a * b).mean(), (b * mixed).mean(axis=0), (a * mixed).mean(axis=0)
+        first = (c - r * e) / (1.0 - r**2)
+        steps = blocks[:, :1] - blocks[:, 2:]
+        total = (steps**2).mean(axis=0) / (2.0 * blocks[:, :2].var())
     return np.stack([first, total])
 
 

@@ -8,6 +8,7 @@ from functools import partial
 from itertools import product
 
 from bearingsim.config.fields import described
+from bearingsim.designs import KINDS
 from bearingsim.study.words import WORDS, named_by
 from bearingsim.text.units import UnitError, common_dimension, display, parse, split, suggestion
 from bearingsim.text.yamlfile import Node, Problem, plain, problem
@@ -114,6 +115,10 @@ def _axis(entries: dict[str, Node], problems: list[Problem]) -> Axis | None:
 
 def _values(path: str, node: Node, problems: list[Problem]) -> tuple[Node, ...]:
     """The values of one entry; none if the entry is wrong, which is noted."""
+    if "over" in node.mapping:
+        near = suggestion(path, KINDS) or f"known: {', '.join(KINDS)}"
+        problems.append(problem(node.key or node.mark, f"sweep: there is no design `{path}`", near))
+        return ()
     try:
         return _listed(node) if isinstance(node.value, tuple) else _generated(node)
     except Wrong as wrong:

@@ -42,10 +42,32 @@ def test_dropped_blocks_leave_the_indices(known):
 
 @KNOWN
 @pytest.mark.parametrize("offset", [0.0, 1e3])
-def test_indices_are_those_of_scipy(known, offset):
-    f = blocks_of(known, 256) + offset
-    theirs = sobol_indices(func={"f_A": f[:, 0], "f_B": f[:, 1], "f_AB": f[:, None, 2:].T}, n=256)
-    assert sobol.indices(f) == pytest.approx(BOTH([theirs.first_order, theirs.total_order]), abs=1e-9)
+def test_total_indices_are_those_of_scipy_and_first_ones_near_them(known, offset):
+    f = blocks_of(known, 2**12) + offset
+    theirs = sobol_indices(func={"f_A": f[:, 0], "f_B": f[:, 1], "f_AB": f[:, None, 2:].T}, n=2**12)
+    first, total = sobol.indices(f)
+    assert total == pytest.approx(theirs.total_order, abs=1e-9)
+    assert first == pytest.approx(theirs.first_order, abs=0.01)
+
+
+def pair(u):
+    """The product of the first parameter and the fourth: neither does anything alone."""
+    return (u[..., 0] - 0.5) * (u[..., 3] - 0.5)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_correlated_columns_of_a_small_design_make_no_first_index(seed):
+    """Of six parameters at 128 blocks, those columns of A and B are correlated whatever the scramble."""
+    f = pair(cube("saltelli", 128, 6, seed)).reshape(128, 8)
+    assert abs(np.corrcoef(f[:, 0], f[:, 1])[0, 1]) > 0.3
+    found = sobol.of_blocks(f)
+    assert np.abs(found.first.value).max() < 0.12
+    assert np.all((found.first.low <= 0.0) & (found.first.high >= 0.0))
+
+
+def test_an_inert_parameter_has_no_index_and_the_only_one_all_of_it():
+    f = (cube("saltelli", 16, 2, 1)[:, 0] ** 2).reshape(16, 4)
+    assert sobol.indices(f)[0] == pytest.approx([1.0, 0.0], abs=1e-12)
 
 
 def test_a_large_mean_does_not_blur_the_first_indices():

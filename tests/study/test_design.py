@@ -340,6 +340,7 @@ def test_with_an_accuracy_the_ids_are_those_of_the_models_chosen(write: Write) -
         ("lhs: {n: [1], over: {load: [1 N, 2 N]}}", "sweep.lhs.n: expected the number of points, a whole number above zero, got `[1]`", "[1]"),
         ("lhs: {n: 4, seed: -1, over: {load: [1 N, 2 N]}}", "sweep.lhs.seed: expected a whole number from 0 to 999999999, got `-1`", "-1"),
         ("lhs: {n: 4, sed: 1, over: {load: [1 N, 2 N]}}", "sweep.lhs: unknown key `sed` (did you mean `seed`?)", "sed: 1"),
+        ("sobl: {n: 5, over: {load: [1 N, 2 N]}}", "sweep: there is no design `sobl` (did you mean `sobol`?)", "sobl"),
         ("lhs: 5", f"sweep.lhs: expected a mapping such as `{EXAMPLE}`", "5}"),
         ("lhs: {n: 5}", f"sweep.lhs: `over` is missing (as in `lhs: {EXAMPLE}`)", "lhs: {n"),
         ("lhs: {over: {load: [1 N, 2 N]}}", f"sweep.lhs: `n` is missing (as in `lhs: {EXAMPLE}`)", "lhs: {over"),
@@ -374,6 +375,14 @@ def test_what_is_refused_and_where(write: Write, said: str, message: str | None,
     found, rest = told(write(f"{BASE}model: rollers\nsweep: {{{said}}}\n"))
     assert found == message or message is None
     assert rest.startswith(caret)
+
+
+def test_a_figure_says_how_many_points_are_left() -> None:
+    from bearingsim.plots.design import said
+
+    told = {"kind": "sobol", "n": 32, "seed": 0, "ids": ("a",) * 24}
+    assert said(told) == "sobol design of 24 of 32 points, seed 0"
+    assert said(told | {"ids": ("a",) * 32}) == "sobol design of 32 points, seed 0"
 
 
 def test_a_single_value_beside_blocks_is_let_be(write: Write) -> None:
