@@ -25,7 +25,7 @@ MAX_LETTERS, MAX_DEPTH = 400, 100
 MOST_POWER = 10
 """Exponent of a quantity with a unit: its unit has no meaning beyond."""
 
-SAME = 1e-12
+SAME = 1e-11
 """Values are equal within this share of the larger one: 3 * 10 um is 30 um, which floats miss by a bit."""
 
 Kind = tuple[Fraction, ...]

@@ -352,14 +352,14 @@ CONDITIONS = st.recursive(
 class Finite(float):
     """A float whose arithmetic ends where that of formulas does: at infinity, and at complex roots.
 
-    Two of them are equal if they differ by at most 1e-12 of the larger one.
+    Two of them are equal if they differ by at most 1e-11 of the larger one.
     """
 
     __hash__ = float.__hash__
 
     def __eq__(self, other: object) -> bool:
         a, b = float(self), float(other)  # type: ignore[arg-type]
-        return abs(a - b) <= 1e-12 * max(abs(a), abs(b))
+        return abs(a - b) <= 1e-11 * max(abs(a), abs(b))
 
     def __ne__(self, other: object) -> bool:
         return not self == other
