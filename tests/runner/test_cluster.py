@@ -26,6 +26,7 @@ pytest.importorskip("distributed", reason="needs the extra `cluster`")
 from distributed import Client
 
 from bearingsim.runner import cluster
+from bearingsim.runner.delivery import OtherInstallation, needed
 
 SCANNED = """\
 study: small
@@ -238,12 +239,12 @@ def test_stopping_lets_jobs_in_hand_end(tmp_path: Path, machines: Machines) -> N
 def test_another_installation_is_refused(
     tmp_path: Path, machines: Machines, monkeypatch: pytest.MonkeyPatch, late: bool
 ) -> None:
-    ours = cluster.needed() | {"numpy": "1.0", "model version": "0"}
+    ours = needed() | {"numpy": "1.0", "model version": "0"}
     monkeypatch.setattr(cluster, "needed", lambda: ours)
     if late:  # it came when the others had been asked
-        monkeypatch.setattr(cluster.Cluster, "_check", lambda self: None)
+        monkeypatch.setattr(cluster.Cluster, "assembled", lambda self: 2)
     told = rf"worker tcp://\S+: numpy {np.__version__} in place of 1.0, model version \d+ in place of 0"
-    with pytest.raises(cluster.OtherInstallation, match=told):
+    with pytest.raises(OtherInstallation, match=told):
         compute(FakeStudy(), tmp_path, machines.address)
     assert not [*tmp_path.glob("units/??/*.h5")]
 
@@ -252,7 +253,7 @@ def test_a_worker_of_several_threads_is_refused(tmp_path: Path, machines: Machin
     extra = machines.worker("--nthreads", "2", "--no-nanny")
     try:
         until(lambda: workers_at(machines) == 3)
-        with pytest.raises(cluster.OtherInstallation, match=r"has 2 threads.*--nthreads 1 --nworkers 2"):
+        with pytest.raises(OtherInstallation, match=r"has 2 threads.*--nthreads 1 --nworkers 2"):
             compute(FakeStudy(), tmp_path, machines.address)
     finally:
         kill_all(extra)
