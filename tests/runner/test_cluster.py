@@ -161,6 +161,7 @@ class Scripted:
 
     def nthreads(self) -> dict[str, int]:
         self.looks += 1
+        assert self.looks < 200, "it does not end"
         return dict.fromkeys(map(str, range(self.workers)), 1)
 
     def map(self, function: Any, parcels: list[Any], key: list[Any], **how: Any) -> list[Any]:
