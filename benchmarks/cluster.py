@@ -117,6 +117,7 @@ def measure(units: list[Work], address: str, scheduler: psutil.Process) -> None:
     print(f"load of the machine {os.getloadavg()[0]:.1f} on {os.cpu_count()} CPUs")
     print(f"{'units':>8} {'ms/unit':>8}   CPU ms/unit of client, scheduler;  MB of client, scheduler")
     with joined(address) as workers:
+        workers.assembled()
         began, before = time.perf_counter(), {"client": Used.by(client), "scheduler": Used.by(scheduler)}
         for done, _ in enumerate(workers.outcomes(units), 1):
             if done % TELL_EVERY == 0 or done == len(units):

@@ -1,7 +1,6 @@
 """The commands."""
 
 import json
-import os
 import signal
 import warnings
 from math import inf
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bearingsim import __version__
+from bearingsim import __version__, blas_threads
 from bearingsim.cli.group import Commands
 from bearingsim.cli.opening import job_meant, near
 from bearingsim.cli.opening import opened as opened_results
@@ -45,15 +44,9 @@ Json = Annotated[bool, typer.Option("--json", help="for a script to read")]
 Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="worker processes; 1: no pool")]
 
 
-THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
-"""Of linear algebra, read as NumPy is imported. One: with more, sums are rounded otherwise, and a run by one
-process would differ in its last digits from one by several."""
-
-
 def main() -> None:
     """Entry point of the command `bearingsim`."""
-    for name in THREADS:
-        os.environ.setdefault(name, "1")
+    blas_threads.take_one()
     for name in ("SIGTERM", "SIGHUP"):
         if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) == signal.SIG_DFL:
             signal.signal(getattr(signal, name), _end)

@@ -1,49 +1,51 @@
 """Computing units of work by the workers of a dask scheduler, on other machines, with no disk in common.
 
-A worker gets a unit as a value, computes it, and gives back the bytes of the files that are to hold it. Only this
-process writes into the results folder. A worker never chooses: a case travels with its model.
+What a worker does is in ``delivery.py``. Only this process writes into the results folder. A worker never chooses:
+a case travels with its model.
 """
 
 import asyncio
-import hashlib
-import os
+import logging
 import pickle
-import platform
-import socket
 import sys
-import threading
 import time
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import replace
 from itertools import count, islice
-from pathlib import Path
 from queue import Empty, SimpleQueue
 from secrets import token_hex
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import dask.config
-from distributed import Client, Future, KilledWorker, SchedulerPlugin, get_worker
+from distributed import Client, Future, KilledWorker, SchedulerPlugin
 from distributed.comm.core import CommClosedError
 
 from bearingsim import store
 from bearingsim.errors import UserError
+from bearingsim.runner.delivery import (
+    LOADING,
+    Delivery,
+    OtherInstallation,
+    Parcel,
+    WorkerFailed,
+    deliver,
+    installation,
+    needed,
+    refuse_installation,
+    refuse_threads,
+    stop,
+)
 from bearingsim.runner.pool import RESTARTS_WITHOUT_PROGRESS, WorkersDie
-from bearingsim.runner.stopping import asked, heed, heeding
-from bearingsim.runner.work import Outcome, Work, compute
-from bearingsim.store.provenance import versions
+from bearingsim.runner.stopping import asked, heeding
+from bearingsim.runner.work import Outcome, Work
 
 if TYPE_CHECKING:
     from distributed import Scheduler
 
-    from bearingsim.simulation.simulate import Record
-    from bearingsim.store.columns import Value
-    from bearingsim.study import Job
-
-__all__ = ["Cluster", "OtherInstallation", "SchedulerGone", "installation", "joined"]
+__all__ = ["Cluster", "SchedulerGone", "joined"]
 
 EACH, LEAST = 4, 16
 """Units that are under way for each worker, and at least: what is on its way keeps none waiting."""
@@ -51,144 +53,21 @@ BATCH, BATCH_BYTES = 64, 64e6
 """Units, and bytes of their series, that are fetched at once: they pass through the scheduler."""
 SEALING = 8
 """Files that are written at a time."""
+TALKING = ("distributed", "distributed.client")
+"""Loggers that have a level of their own."""
 WAITING_S, LOOK_S = 0.2, 2.0
 """Between looks whether something has come back, or the first worker; and at who works."""
 JOINING_S = 30.0
 """How long a scheduler may take to answer."""
 CLOSING_S = 3.0
-THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
-LOADING = "import bearingsim.runner.cluster"
-"""What takes seconds at first, and so is done beside the thread in which a worker says that it is alive."""
-SOURCES = (".py", ".csv")
-ADVICE = "no job is blamed; their logs may tell why, and they may need more memory (`dask worker --memory-limit`)"
-
-
-class OtherInstallation(UserError):
-    """A worker would not compute what this process computes, or not as it is meant to."""
+ADVICE = (
+    "no job is blamed; the workers' logs may tell why, and the workers may need more memory"
+    " (`dask worker --memory-limit`)"
+)
 
 
 class SchedulerGone(UserError):
     """Nobody answers where the scheduler was."""
-
-
-class WorkerFailed(UserError):
-    """A worker cannot go on, for a reason that lies in its machine."""
-
-
-# On a worker
-
-
-@dataclass(frozen=True)
-class Parcel:
-    """What a worker is sent: the work, pickled; the scans that its cases name, by digest; whose run it belongs to;
-    and what must be installed there."""
-
-    work: bytes
-    scans: Mapping[str, bytes]
-    run: str
-    installed: Mapping[str, str]
-
-
-@dataclass(frozen=True)
-class Delivery:
-    """What a worker gives back: what became of a unit, and the unit files that hold it, by name."""
-
-    outcome: Outcome
-    files: Mapping[str, bytes]
-
-
-@cache
-def installation() -> dict[str, str]:
-    """What must be the same wherever jobs of one study are computed, by its name."""
-    from bearingsim.catalogue import extension_digest
-    from bearingsim.core import MODEL_VERSION
-
-    threads = {os.environ.get(name, "any number of") for name in THREADS}
-    return {
-        "Python": platform.python_version(),
-        **versions(),
-        "model version": str(MODEL_VERSION),
-        "sources of bearingsim": _sources(),
-        "extensions": extension_digest(),
-        "threads of linear algebra": " or ".join(sorted(threads)),
-    }
-
-
-def needed() -> dict[str, str]:
-    """What a worker must have: what is here, and one thread, for with more sums are rounded otherwise."""
-    return installation() | {"threads of linear algebra": "1"}
-
-
-def _sources() -> str:
-    """First 12 hex digits of SHA-256 over the program: a checkout may have changed while its version has not."""
-    package, digest = Path(__file__).parents[1], hashlib.sha256()
-    for path in sorted(path for path in package.rglob("*") if path.suffix in SOURCES):
-        digest.update(path.relative_to(package).as_posix().encode() + path.read_bytes())
-    return digest.hexdigest()[:12]
-
-
-def differences(there: Mapping[str, str], here: Mapping[str, str]) -> str:
-    """What is not the same, in words; empty if nothing is."""
-    names = dict.fromkeys((*here, *there))
-    return ", ".join(
-        f"{name} {there.get(name, 'absent')} in place of {here.get(name, 'none')}"
-        for name in names
-        if there.get(name) != here.get(name)
-    )
-
-
-def _refuse(address: str, there: Mapping[str, str], here: Mapping[str, str]) -> None:
-    """Raises OtherInstallation if a worker differs."""
-    other = differences(there, here)
-    if other:
-        raise OtherInstallation(
-            f"worker {address}: {other} (a worker has all as it is where `bearingsim run` is given)"
-        )
-
-
-_stops: defaultdict[str, threading.Event] = defaultdict(threading.Event)
-"""In a worker, by run: whether it has been asked to stop."""
-
-
-def stop(run: str) -> None:
-    """In a worker: of this run nothing more is begun."""
-    _stops[run].set()
-
-
-def deliver(parcel: Parcel) -> Delivery:
-    """In a worker: compute a unit. Raises OtherInstallation, WorkerFailed, and what is a bug."""
-    worker = get_worker()
-    _refuse(worker.address, installation(), parcel.installed)
-    heed(_stops[parcel.run])
-    work: Work = pickle.loads(parcel.work)
-    folder, files = Path(worker.local_directory), dict[str, bytes]()
-    made_by = {**work.provenance, "host": socket.gethostname(), "platform": platform.platform()}
-
-    def seal(_: Path, done: "Sequence[tuple[Job, Record]]", provenance: "Mapping[str, Value]") -> None:
-        files.update(store.sealed_units(done, provenance))
-
-    try:
-        with _brought(parcel.scans, folder):
-            return Delivery(compute(replace(work, root=folder, provenance=made_by), seal), files)
-    except (UserError, OSError) as error:  # its disk is full
-        raise WorkerFailed(f"worker {worker.address}: {error}") from None
-
-
-@contextmanager
-def _brought(scans: Mapping[str, bytes], folder: Path) -> Iterator[None]:
-    """Scans that came with the work lie in a folder, and are found there."""
-    from bearingsim.config.scan.file import BROUGHT
-
-    for name, content in scans.items():
-        path = folder / "scans" / name
-        if not path.exists():
-            path.parent.mkdir(exist_ok=True)
-            path.write_bytes(content)
-        BROUGHT[path.stem] = path
-    try:
-        yield
-    finally:
-        BROUGHT.clear()
 
 
 # At the scheduler
@@ -218,37 +97,64 @@ def back_at_first_death() -> SchedulerPlugin:
 @contextmanager
 def joined(address: str) -> Iterator["Cluster"]:
     """The workers of the scheduler at ``tcp://HOST:PORT``. Raises SchedulerGone if nobody answers there."""
+    with _silence():
+        try:
+            client = Client(address, timeout=JOINING_S, set_as_default=False)
+        except (OSError, ValueError, TypeError) as error:  # no such scheme, no certificates
+            advice = "`dask scheduler` starts one, and tells its address"
+            raise SchedulerGone(f"no scheduler answers at {address} ({error}): {advice}") from None
+        try:
+            yield Cluster(client, address)
+        finally:
+            with suppress(TimeoutError):  # who is gone says no goodbye
+                client.close(timeout=CLOSING_S)
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """What distributed has to say of a scheduler that is lost are tracebacks: here it is said in words."""
+    loggers = [logging.getLogger(name) for name in TALKING]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
     try:
-        client = Client(address, timeout=JOINING_S, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:  # no such scheme, no certificates
-        advice = "`dask scheduler` starts one, and tells its address"
-        raise SchedulerGone(f"no scheduler answers at {address} ({error}): {advice}") from None
-    try:
-        yield Cluster(client, address)
+        yield
     finally:
-        with suppress(TimeoutError):  # who is gone says no goodbye
-            client.close(timeout=CLOSING_S)
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
-class Killed(Exception):
-    """The worker at ``address`` died, and had the unit."""
+class Killed(NamedTuple):
+    """The worker at ``address`` died, and had the work."""
 
-    def __init__(self, work: Work, address: str) -> None:
-        super().__init__(work, address)
-        self.work, self.address = work, address
+    work: Work
+    address: str
 
 
 class Cluster:
     """The workers of a scheduler, as they come and go, for one run."""
 
     def __init__(self, client: Client, address: str) -> None:
-        """Take on the workers that are there. Raises OtherInstallation for one that does not fit."""
+        """Raises OtherInstallation if this process is not as a worker must be."""
         self.client, self.address, self.run, self.installed = client, address, token_hex(8), needed()
         self.landed: SimpleQueue[Future] = SimpleQueue()
+        self.lost: list[Future] = []
         self.looked, self.count, self.deaths, self.alone, self.number = 0.0, 0, 0, False, count()
         with self._reached():
-            self._check()
             client.register_plugin(back_at_first_death())
+
+    def assembled(self) -> int:
+        """How many workers there are, once there is one. Raises OtherInstallation for one that does not fit."""
+        with self._reached():
+            while not self.count:
+                self._look()
+                time.sleep(WAITING_S)
+            for address, threads in self.client.nthreads().items():
+                refuse_threads(address, threads)
+            self._told(asyncio.to_thread, exec, LOADING, {})
+            for address, found in self._told(installation).items():
+                refuse_installation(address, found, self.installed)
+        return self.count
 
     @property
     def workers(self) -> int:
@@ -300,13 +206,13 @@ class Cluster:
         """What became of units, a bounded number of which is under way; at_once: that, or as suits the workers."""
         waiting, flying, stopping = iter(works), dict[Future, Work](), False
         while True:
-            self._look()
+            looked = self._look()
             if not asked():
                 room = (at_once or max(LEAST, EACH * self.workers)) - len(flying)
                 flying |= self._sent(list(islice(waiting, max(room, 0))))
-            elif not stopping:
+            elif looked or not stopping:
                 stopping = True
-                self._run(stop, self.run)
+                self._stop(flying)
             if not flying:
                 return
             yield from self._received(flying)
@@ -322,15 +228,26 @@ class Cluster:
             future.add_done_callback(self.landed.put)
         return dict(zip(futures, works, strict=True))
 
+    def _stop(self, flying: dict[Future, Work]) -> None:
+        """Let no worker begin anything more, nor one that has come since; take back what none has."""
+        self.client.run(stop, self.run, on_error="ignore")
+        held = {key for keys in self.client.processing().values() for key in keys}
+        held |= {key for key, workers in self.client.who_has(list(flying)).items() if workers}  # done since
+        left = [one for one in flying if one.key not in held]
+        if left:
+            self.client.cancel(left)
+        for one in left:
+            del flying[one]
+
     def _received(self, flying: dict[Future, Work]) -> "Iterator[Outcome | Killed]":
         """What has come back, and is no longer under way."""
         done = {one: one.status for one in self._landed(flying)}
         if "cancelled" in done.values():  # by the client, which has lost the scheduler
             raise CommClosedError
-        for one, status in done.items():
-            if status not in ("finished", "error"):  # its worker died just now: it is computed anew
-                one.add_done_callback(self.landed.put)
-        fetched = dict(self._fetched([one for one, status in done.items() if status == "finished"]))
+        self.lost += [one for one, status in done.items() if status not in ("finished", "error")]  # died just now
+        fetched = self._fetched([one for one, status in done.items() if status == "finished"])
+        for one, delivery in fetched.items():
+            _refuse_others(flying[one], delivery)
         files = [
             (work.root, *file)
             for one, work in [(one, flying.pop(one)) for one in fetched]
@@ -353,20 +270,24 @@ class Cluster:
         size = 0.0
         with suppress(Empty):
             while len(found) < BATCH and size < BATCH_BYTES:
-                found.append(self.landed.get(timeout=0.0 if found else WAITING_S))
-                size += flying[found[-1]].bytes
+                one = self.landed.get(timeout=0.0 if found else WAITING_S)
+                if one in flying:  # and not taken back
+                    found.append(one)
+                    size += flying[one].bytes
         return found
 
-    def _fetched(self, done: list[Future]) -> Iterator[tuple[Future, Delivery]]:
-        """What workers gave back. Who dies before has worked in vain, and the scheduler has it done anew."""
-        if not done:
-            return
-        found = self.client.gather({one.key: one for one in done}, errors="skip")
-        for future in done:
-            if future.key in found:
-                yield future, found[future.key]
-            else:
-                future.add_done_callback(self.landed.put)
+    def _fetched(self, done: Sequence[Future]) -> dict[Future, Delivery]:
+        """What workers gave back. Who dies before has worked in vain, and the scheduler has it done anew.
+
+        Not by ``Client.gather``, which waits until that is done.
+        """
+        wanted = {one.key: one for one in done}
+        while wanted:
+            answer = self.client.sync(self.client.scheduler.gather, keys=list(wanted))
+            if answer["status"] == "OK":
+                return {wanted[key]: delivery for key, delivery in answer["data"].items()}
+            self.lost += [wanted.pop(key) for key in answer["keys"]]
+        return {}
 
     def _death(self, future: Future) -> str:
         """The address of the worker that died of a unit; raises what else is the matter."""
@@ -388,10 +309,13 @@ class Cluster:
         if self.deaths >= RESTARTS_WITHOUT_PROGRESS * self.workers:
             raise WorkersDie(f"{self.deaths} workers died at work, with nothing finished between: {ADVICE}")
 
-    def _look(self) -> None:
-        """See now and then who works, and say so when nobody does."""
+    def _look(self) -> bool:
+        """See now and then who works, and say so when nobody does; whether it was time to.
+
+        What was lost with a worker is then looked at again, too.
+        """
         if time.monotonic() - self.looked < LOOK_S:
-            return
+            return False
         self.count, self.looked = len(self.client.nthreads()), time.monotonic()
         if not self.count and not self.alone:
             told = (
@@ -399,27 +323,20 @@ class Cluster:
             )
             print(told, file=sys.stderr, flush=True)
         self.alone = not self.count
+        while self.lost:
+            self.landed.put(self.lost.pop())
+        return True
 
-    def _check(self) -> None:
-        """Wait for the first worker. Raises OtherInstallation, if one does not fit."""
-        while not self.count:
-            self._look()
-            time.sleep(WAITING_S)
-        for address, threads in self.client.nthreads().items():
-            if threads != 1:
-                raise OtherInstallation(
-                    f"worker {address} has {threads} threads, and a job takes a process: start it by"
-                    f" `dask worker --nthreads 1 --nworkers {threads}`"
-                )
-        for address, found in self._run(asyncio.to_thread, exec, LOADING, {}).items():
-            if isinstance(found, Exception):
+    def _told(self, function: Callable, *arguments: Any) -> dict[str, Any]:
+        """What a function gives on each worker, by address; who dies meanwhile is left out.
+
+        Raises OtherInstallation where it fails.
+        """
+        told = self.client.run(function, *arguments, on_error="return")
+        for address, found in told.items():
+            if isinstance(found, Exception) and not isinstance(found, OSError):  # which a lost worker is
                 raise OtherInstallation(f"worker {address} cannot load bearingsim: {found}")
-        for address, found in self._run(installation).items():
-            _refuse(address, found, self.installed)
-
-    def _run(self, function: Callable, *arguments: Any) -> dict[str, Any]:
-        """What a function gives on each worker, or the error, by address."""
-        return self.client.run(function, *arguments, on_error="return")
+        return {address: found for address, found in told.items() if not isinstance(found, OSError)}
 
     @contextmanager
     def _reached(self) -> Iterator[None]:
@@ -445,6 +362,13 @@ def _blamed(killed: Killed) -> Outcome:
         attempts=2,
     )
     return Outcome(unit=killed.work.unit, done=(), failed=(failure,))
+
+
+def _refuse_others(work: Work, delivery: Delivery) -> None:
+    """Raises WorkerFailed if a delivery tells of jobs that were not sent."""
+    outcome = delivery.outcome
+    if not {*outcome.done, *(one.job for one in outcome.failed)} <= {job.id for job in work.jobs}:
+        raise WorkerFailed(f"unit {work.unit} came back from its worker with jobs that were not sent")
 
 
 def _short(work: Work) -> Work:

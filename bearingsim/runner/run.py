@@ -75,7 +75,8 @@ def run(
     shard_of([], shard)  # a share that does not exist is refused before models are tried
     _prepare(root, fresh, shard)
     try:
-        study = selected(study, root, workers, engine, alone=shard == (1, 1), shown=progress)
+        reach = partial(_reach, joined)
+        study = selected(study, root, workers, engine, alone=shard == (1, 1), shown=progress, first=reach)
     except Stopped as stop:
         raise Interrupted(_before_jobs(study, root, stop, time.perf_counter() - started)) from None
     every = study.jobs()
@@ -92,7 +93,7 @@ def run(
             todo, costs, left = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
             told += left
             with joined() as cluster:
-                works = _works(root, study, todo, costs, cluster.workers, engine)
+                works = _works(root, study, todo, costs, cluster.assembled(), engine)
                 works = [replace(work, max_cpu=max_cpu, max_failures=max_failures) for work in works]
                 store.check_room(root, LEAST_PART * sum(work.bytes for work in works))
                 _compute(works, cluster.outcomes(works), tally, progress)
@@ -186,6 +187,13 @@ def _joined(scheduler: str | None) -> "Callable[[], AbstractContextManager[Clust
     except ModuleNotFoundError as error:
         raise UserError(f"--scheduler needs `{error.name}`: pip install 'bearingsim[cluster]'") from None
     return partial(joined, scheduler)
+
+
+def _reach(joined: "Callable[[], AbstractContextManager[Cluster]] | None") -> None:
+    """See that a scheduler which is named answers: a wrong address is told before models are tried, not after."""
+    if joined is not None:
+        with joined():
+            pass
 
 
 def _prepare(root: Path, fresh: bool, shard: tuple[int, int]) -> None:

@@ -1,7 +1,7 @@
 """Before the jobs of a study that names an accuracy: models are tried on each case, and one is chosen."""
 
 import signal
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, suppress
 from dataclasses import replace
@@ -52,12 +52,18 @@ class Stopped(KeyboardInterrupt):
 
 
 def selected(
-    study: "Study", root: Path, workers: int, engine: Engine, alone: bool = True, shown: bool | None = None
+    study: "Study",
+    root: Path,
+    workers: int,
+    engine: Engine,
+    alone: bool = True,
+    shown: bool | None = None,
+    first: Callable[[], None] = lambda: None,
 ) -> "Study":
     """The study with a model chosen for each case; itself if it names no accuracy.
 
-    Choices that the folder holds are taken as they are. alone: whether this is no share of the study. Raises
-    NoChoices, and Stopped by Ctrl-C.
+    Choices that the folder holds are taken as they are. alone: whether this is no share of the study. first: what
+    is done before a model is tried. Raises NoChoices, and Stopped by Ctrl-C.
     """
     if study.goal is None:
         return study
@@ -70,6 +76,7 @@ def selected(
             f" run `{command('check', study, root, '--pilots')}` first"
         )
     if missing:
+        first()
         found = _decided(study, root, missing, workers, engine, shown)
         choices |= found.choices
         plans |= dict.fromkeys(found.choices, plan_name(study, keys))

@@ -1,6 +1,7 @@
 """Running studies by the workers of a dask scheduler: the processes are real, and on this machine."""
 
 import json
+import logging
 import os
 import signal
 import subprocess
@@ -11,6 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,13 +21,24 @@ import pytest
 
 from bearingsim import store
 from bearingsim.runner import Interrupted, RunSummary, WorkersDie, run
+from bearingsim.runner.work import Outcome, Work
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
 
 pytest.importorskip("distributed", reason="needs the extra `cluster`")
 from distributed import Client
 
-from bearingsim.runner import cluster
+from bearingsim.runner import cluster, delivery, packing, select
+from bearingsim.runner.delivery import (
+    Delivery,
+    OtherInstallation,
+    Parcel,
+    WorkerFailed,
+    deliver,
+    installation,
+    needed,
+    stop,
+)
 
 SCANNED = """\
 study: small
@@ -130,6 +143,74 @@ def machines(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machines]:
         yield found
     finally:
         found.end()
+
+
+class Scripted:
+    """In place of a client: it has workers and loses units as a test says, and notes what it is told."""
+
+    status = "running"
+
+    def __init__(self, workers: int = 1) -> None:
+        self.workers, self.held, self.answers = workers, set[Any](), list[dict[str, Any]]()
+        self.ran, self.cancelled, self.futures = list[Any](), list[Any](), list[Any]()
+        self.looks = 0
+        self.scheduler = SimpleNamespace(gather=None)
+
+    def register_plugin(self, plugin: Any) -> None:
+        """Nobody dies here."""
+
+    def nthreads(self) -> dict[str, int]:
+        self.looks += 1
+        assert self.looks < 200, "it does not end"
+        return dict.fromkeys(map(str, range(self.workers)), 1)
+
+    def map(self, function: Any, parcels: list[Any], key: list[Any], **how: Any) -> list[Any]:
+        sent = [SomeFuture(one) for one in key]
+        self.futures += sent
+        return sent
+
+    def run(self, function: Any, *arguments: Any, on_error: str) -> dict[str, Any]:
+        self.ran.append(function)
+        return {}
+
+    def processing(self) -> dict[str, Any]:
+        return {"0": self.held}
+
+    def who_has(self, futures: list[Any]) -> dict[Any, list[str]]:
+        return {}
+
+    def cancel(self, futures: list[Any]) -> None:
+        self.cancelled += futures
+
+    def sync(self, function: Any, keys: list[Any]) -> dict[str, Any]:
+        return self.answers.pop(0)
+
+
+class SomeFuture:
+    """Of a scripted client: it is called back when the test says so."""
+
+    def __init__(self, key: Any) -> None:
+        self.key, self.status = key, "pending"
+
+    def add_done_callback(self, function: Callable[[Any], None]) -> None:
+        self.end = function
+
+    def becomes(self, status: str) -> None:
+        self.status = status
+        self.end(self)
+
+
+def flock(client: Any) -> Any:
+    return cluster.Cluster(client, "tcp://somewhere")
+
+
+def works_of(study: Any, root: Path) -> list[Work]:
+    """A unit for each job."""
+    return [Work(root, (job,), (0.1,), ENGINE, {}) for job in study.jobs()]
+
+
+def delivered(work: Work) -> Delivery:
+    return Delivery(Outcome(work.unit, tuple(job.id for job in work.jobs), ()), {})
 
 
 def compute(study: Any, out: Path, address: str) -> RunSummary:
@@ -238,12 +319,12 @@ def test_stopping_lets_jobs_in_hand_end(tmp_path: Path, machines: Machines) -> N
 def test_another_installation_is_refused(
     tmp_path: Path, machines: Machines, monkeypatch: pytest.MonkeyPatch, late: bool
 ) -> None:
-    ours = cluster.needed() | {"numpy": "1.0", "model version": "0"}
+    ours = needed() | {"numpy": "1.0", "model version": "0"}
     monkeypatch.setattr(cluster, "needed", lambda: ours)
     if late:  # it came when the others had been asked
-        monkeypatch.setattr(cluster.Cluster, "_check", lambda self: None)
+        monkeypatch.setattr(cluster.Cluster, "assembled", lambda self: 2)
     told = rf"worker tcp://\S+: numpy {np.__version__} in place of 1.0, model version \d+ in place of 0"
-    with pytest.raises(cluster.OtherInstallation, match=told):
+    with pytest.raises(OtherInstallation, match=told):
         compute(FakeStudy(), tmp_path, machines.address)
     assert not [*tmp_path.glob("units/??/*.h5")]
 
@@ -252,11 +333,115 @@ def test_a_worker_of_several_threads_is_refused(tmp_path: Path, machines: Machin
     extra = machines.worker("--nthreads", "2", "--no-nanny")
     try:
         until(lambda: workers_at(machines) == 3)
-        with pytest.raises(cluster.OtherInstallation, match=r"has 2 threads.*--nthreads 1 --nworkers 2"):
+        with pytest.raises(OtherInstallation, match=r"has 2 threads.*--nthreads 1 --nworkers 2"):
             compute(FakeStudy(), tmp_path, machines.address)
     finally:
         kill_all(extra)
         until(lambda: workers_at(machines) == 2)
+
+
+def test_a_worker_of_several_threads_that_comes_late_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
+    worker = SimpleNamespace(address="tcp://late:1", state=SimpleNamespace(nthreads=2))
+    monkeypatch.setattr(delivery, "get_worker", lambda: worker)
+    with pytest.raises(OtherInstallation, match=r"worker tcp://late:1 has 2 threads"):
+        deliver(Parcel(b"", {}, "", {}))
+
+
+def test_several_threads_here_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "4")
+    with pytest.raises(OtherInstallation, match=r"OPENBLAS_NUM_THREADS=4 is set here.*unset it"):
+        needed()
+
+
+def test_who_dies_while_it_is_asked_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    client: Any = Scripted()
+    answers: dict[str, Any] = {"there": {"numpy": "1"}, "gone": OSError("closed")}
+    monkeypatch.setattr(client, "run", lambda *told, on_error: answers)
+    assert flock(client)._told(installation) == {"there": {"numpy": "1"}}
+    answers["broken"] = ImportError("numba")
+    with pytest.raises(OtherInstallation, match="worker broken cannot load bearingsim: numba"):
+        flock(client).assembled()
+
+
+def test_stopping_ends_where_no_worker_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    client = Scripted(workers=0)
+    monkeypatch.setattr(cluster, "asked", lambda: bool(client.futures))
+    assert not list(flock(client)._computed(works_of(FakeStudy(), tmp_path), None))
+    assert client.cancelled == client.futures
+    assert len(client.futures) == 4
+
+
+def test_stopping_reaches_workers_that_come_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    client, works = Scripted(), works_of(FakeStudy(), tmp_path)
+    monkeypatch.setattr(cluster, "asked", lambda: bool(client.futures))
+    monkeypatch.setattr(cluster, "WAITING_S", 0.01)
+    monkeypatch.setattr(cluster, "LOOK_S", 0.02)
+
+    def run(function: Any, *arguments: Any, on_error: str) -> None:
+        client.ran.append(function)
+        client.held = {client.futures[0].key}
+        if len(client.ran) == 3:
+            client.answers = [{"status": "OK", "data": {client.futures[0].key: delivered(works[0])}}]
+            client.futures[0].becomes("finished")
+
+    monkeypatch.setattr(client, "run", run)
+    found = list(flock(client)._computed(works, None))
+    assert found == [delivered(works[0]).outcome]  # what a worker has is waited for
+    assert client.cancelled == client.futures[1:]
+    assert client.ran == [stop] * 3
+
+
+def test_a_lost_unit_is_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    client, works = Scripted(), works_of(FakeStudy([1e-3]), tmp_path)
+    monkeypatch.setattr(cluster, "WAITING_S", 0.01)
+    monkeypatch.setattr(cluster, "LOOK_S", 0.1)
+    flying = flock(client)
+    coming, seen = flying._computed(works, None), Counter[str]()
+    landed = flying._landed
+
+    def counting(under_way: Any) -> Any:
+        if not seen["rounds"]:
+            client.futures[0].becomes("finished")
+            client.futures[1].becomes("lost")
+        seen["rounds"] += 1
+        found = landed(under_way)
+        seen["looked at"] += len(found)
+        if seen["looked at"] == 6:
+            client.futures[1].status = "finished"
+        return found
+
+    monkeypatch.setattr(flying, "_landed", counting)
+    keys = [(f"bearingsim-{flying.run}", n) for n in range(2)]
+    client.answers = [  # its worker dies before it is fetched
+        {"status": "error", "keys": [keys[0]]},
+        {"status": "OK", "data": {keys[0]: delivered(works[0])}},
+        {"status": "OK", "data": {keys[1]: delivered(works[1])}},
+    ]
+    assert list(coming) == [delivered(work).outcome for work in works]
+    assert seen["rounds"] < 100
+    assert not client.answers
+
+
+def test_a_delivery_of_other_jobs_is_refused(tmp_path: Path) -> None:
+    client, works = Scripted(), works_of(FakeStudy([1e-3]), tmp_path)
+    flying = flock(client)
+    under_way = flying._sent(works)
+    client.answers = [{"status": "OK", "data": {client.futures[0].key: delivered(works[1])}}]
+    client.futures[0].becomes("finished")
+    with pytest.raises(WorkerFailed, match="jobs that were not sent"):
+        list(flying._received(under_way))
+
+
+def test_a_wrong_address_is_told_before_models_are_tried(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def tried(*told: Any) -> None:
+        raise AssertionError("models are tried")
+
+    monkeypatch.setattr(cluster, "JOINING_S", 0.5)
+    monkeypatch.setattr(select, "_decided", tried)
+    text = Path("small.yaml").read_text().partition("figures:")[0].replace("  model: [static, ring]\n", "")
+    Path("wanted.yaml").write_text(f"{text}accuracy: {{within: 5 %, of: [velocity.rms]}}\n")
+    words = ("run", "wanted.yaml", "--scheduler", "tcp://127.0.0.1:9")
+    assert "no scheduler answers at tcp://127.0.0.1:9" in type_(*words, code=2)[1]
 
 
 def test_nobody_there_and_nothing_installed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -268,8 +453,13 @@ def test_nobody_there_and_nothing_installed(here: Path, monkeypatch: pytest.Monk
     assert "pip install 'bearingsim[cluster]'" in type_(*words, code=2)[1]
 
 
-def test_a_worker_dies_and_then_the_scheduler(tmp_path: Path, machines: Machines) -> None:
+def test_a_worker_dies_and_then_the_scheduler(
+    tmp_path: Path, machines: Machines, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
     until(lambda: workers_at(machines) == 2)
+    monkeypatch.setattr(logging.getLogger("distributed.client"), "propagate", True)
+    for shortest in ("UNIT_S", "SHORTEST_UNIT_S"):
+        monkeypatch.setattr(packing, shortest, 0.1)  # two jobs are a unit
     out, count, here = tmp_path / "out", tmp_path / "count", tmp_path / "here"
     widths = [1e-3 * n for n in range(1, 80)]
     deeds = dict.fromkeys(range(80), f"count {count}")
@@ -285,6 +475,7 @@ def test_a_worker_dies_and_then_the_scheduler(tmp_path: Path, machines: Machines
 
     with meanwhile(disaster), pytest.raises(cluster.SchedulerGone, match="give the command again"):
         compute(study, out, machines.address)
+    assert not caplog.records  # the message says it all
     until(lambda: machines.started[2].poll() is not None, "a worker stays when its scheduler has gone")
     before, sealed = counted(count), store.holdings(out).sealed
     suspects = {job for line in journal_of(out, "worker died") for job in line["suspects"]}
@@ -295,6 +486,9 @@ def test_a_worker_dies_and_then_the_scheduler(tmp_path: Path, machines: Machines
     summary = compute(study, out, machines.address)
     assert (summary.resumed, summary.done, summary.failed) == (len(sealed), 80 - len(sealed), 0)
     twice = {job for job, times in counted(count).items() if times > 1}
+    assert (
+        len(twice) <= 2 * 2 * 2
+    )  # of two workers: the two of a pair in hand, and of one that was on its way back
     assert twice <= suspects | (set(before) - sealed)  # what was under way, and no more
     assert all(counted(count)[job] == before[job] for job in sealed)
     run(study, here, jobs=1, progress=False, engine=ENGINE)
