@@ -1,6 +1,7 @@
 """What a plan no longer names: said first, removed when asked, and nothing else with it."""
 
 import os
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -220,7 +221,7 @@ def test_nothing_goes_while_a_check_tries_models(
         seen.append(True)
         return study
 
-    monkeypatch.setattr("bearingsim.runner.run.selected", selected)
+    monkeypatch.setattr(sys.modules[with_models.__module__], "selected", selected)
     with_models(trials.near(write), narrowed, 1, try_them=True)
     assert seen
     assert store.prune(narrowed).paths
