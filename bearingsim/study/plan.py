@@ -15,7 +15,7 @@ from bearingsim.study.diagnose import STUDY_KEYS, Found, Sections, case_of, chec
 from bearingsim.study.expand import expanded
 from bearingsim.study.jobs import identity
 from bearingsim.study.paths import dimension, parse_path, put, unspelled, value_at
-from bearingsim.study.relations import Relations, Row, Unrelated, parse_relations
+from bearingsim.study.relations import Relations, Row, Valueless, parse_relations
 from bearingsim.study.sweep import (
     Axis,
     dropped,
@@ -289,7 +289,7 @@ class Plan:
         for row in rows_of(self.axes):
             try:
                 more = self.relations.completed(self.tree(row)) if self.relations else []
-            except Unrelated as error:
+            except Valueless as error:
                 self.found.setdefault((mark_of(error.problem), "", "no value"), error.problem)
                 if (wrong := wrong + 1) == MAX_WRONG:
                     return

@@ -127,7 +127,7 @@ def test_scans_go_once_all_jobs_are_done_and_none_is_made_from_them(
     monkeypatch.setattr("bearingsim.store.units.flat_parameters", with_digest)
     compute(study, root)
     kept = [with_scan(root, b"1 2"), with_scan(root, orphan)]
-    assert "scans stay (2 files): 1 jobs that may need them are not done" in str(store.superfluous(root))
+    assert "scans stay (2 files): 1 job that may need them is not done" in str(store.superfluous(root))
     assert not store.superfluous(root).paths
     flag.touch()
     run(study, root, jobs=1, progress=False, engine=ENGINE, retry_failed=True)
