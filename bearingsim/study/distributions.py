@@ -175,7 +175,7 @@ MOST_DEVIATIONS = 8
 
 
 MOST_RANGES = 1000
-"""Of which a standard deviation may be: beyond, the density is even within 1 %, and values are lost in rounding."""
+"""Of which a standard deviation may be: beyond, the density is even within 1 %, and values get lost."""
 
 
 def _difference(node: Node, unit: str) -> float:
