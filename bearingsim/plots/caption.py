@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-__all__ = ["fixed_values", "moved_along"]
+__all__ = ["fixed_values", "moved_along", "varying"]
 
 CAPTION_FIELDS = (  # parameters worth saying, in order, with the word that introduces the value
     ("bearing.name", ""),
@@ -80,11 +80,20 @@ def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> l
 def moved_along(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:
     """What varies in a completed figure and stands on none of its axes, curves and panels, with its range.
 
-    Of a `zip`, a design, or derived: `load moves along: 150 to 300 N`, with x or with what is named.
+    Of a `zip`, or derived: `load moves along: 150 to 300 N`, with x or with what is named.
     """
     for path, leader in select.moving_along(figure, rows, units):
         with_it = "" if leader in ("", *figure.x.split(", ")) else f" with {labels.name_text(leader)}"
         yield f"{labels.name_text(path)} moves along{with_it}: {_range(path, rows, units)}"
+
+
+def varying(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:
+    """What varies in a figure of points and stands on none of its axes and panels: `load varies: 150 to 300 N`.
+
+    In a design nothing follows x, and hardly a point has the x of another.
+    """
+    for path, _ in select.moving_along(figure, rows, units):
+        yield f"{labels.name_text(path)} varies: {_range(path, rows, units)}"
 
 
 def _range(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:

@@ -5,6 +5,7 @@ import re
 import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
@@ -53,7 +54,7 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
     and the one that dies alone becomes a failure. Raises WorkersDie if nothing is finished between three deaths.
     """
     if workers == 1 or not works:
-        yield from spread(compute, [(work,) for work in works], workers)
+        yield from _in_turn(works)
         return
     waiting, suspected = list(works), list[Work]()
     deaths = Deaths(works[0].root, "at work")
@@ -73,6 +74,15 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
             remaining = (work.only(_ids(work) - suspects) for work in waiting)
             waiting = [work for work in remaining if work.jobs]
     yield from _one_by_one(suspected, deaths, workers)
+
+
+def _in_turn(works: Sequence[Work]) -> Iterator[Outcome]:
+    """Compute units of work in this process, one after another: of the failures that end a run all count."""
+    failed = 0
+    given = ((replace(work, max_failures=work.max_failures - failed),) for work in works)  # made as each begins
+    for outcome in spread(compute, given, workers=1):
+        failed += len(outcome.failed)
+        yield outcome
 
 
 def _one_by_one(works: Sequence[Work], deaths: Deaths, workers: int) -> Iterator[Outcome]:
@@ -112,7 +122,7 @@ def _in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
     yield from spread(compute, [(work,) for work in works], max(2, min(workers, len(works))))
 
 
-def spread(function: Callable, arguments: Sequence[tuple], workers: int) -> Generator[Any, None, None]:
+def spread(function: Callable, arguments: Iterable[tuple], workers: int) -> Generator[Any, None, None]:
     """What a function makes of each tuple of arguments, as it is done, by so many processes: one is this one.
 
     Raises Signalled, once what was in hand is done, if the program has been asked to stop meanwhile.
@@ -126,7 +136,7 @@ def spread(function: Callable, arguments: Sequence[tuple], workers: int) -> Gene
             yield from _by_workers(function, arguments, workers)
 
 
-def _by_workers(function: Callable, arguments: Sequence[tuple], workers: int) -> Generator[Any, None, None]:
+def _by_workers(function: Callable, arguments: Iterable[tuple], workers: int) -> Generator[Any, None, None]:
     from joblib import Parallel, delayed, parallel_config
 
     given_them = (os.getpid(), flag_for_workers())

@@ -3,7 +3,7 @@
 import signal
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import AbstractContextManager, closing, suppress
+from contextlib import AbstractContextManager, closing, nullcontext, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
 from bearingsim.errors import UserError
-from bearingsim.runner.bounds import affordable, ended_early, refuse_bounds
+from bearingsim.runner.bounds import Affordable, affordable, ended_early, refuse_bounds
 from bearingsim.runner.commands import command
 from bearingsim.runner.findings import of_results
 from bearingsim.runner.packing import Cost, fewer, fitting, pack, shard_of
@@ -74,44 +74,41 @@ def run(
     refuse_bounds(max_failures, max_cpu)
     shard_of([], shard)  # a share that does not exist is refused before models are tried
     _prepare(root, fresh, shard)
-    try:
-        reach = partial(_reach, joined)
-        study = selected(study, root, workers, engine, alone=shard == (1, 1), shown=progress, first=reach)
-    except Stopped as stop:
-        raise Interrupted(_before_jobs(study, root, stop, time.perf_counter() - started)) from None
-    every = study.jobs()
-    ours = shard_of(every, shard)
-    store.keep_scans(root, [job.case for job in every])
-    earlier = store.planned_jobs(root)
-    store.write_plan(root, study, every, told)
-    plan = _plan(root, ours, retry_failed, verify)
-    store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
-    tally = _Tally(root, command("run", study, root, "--retry-failed"), plan.failures, max_failures)
-    interrupted = 0
-    try:
-        if plan.todo and joined is not None:
-            todo, costs, left = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
-            told += left
-            with joined() as cluster:
-                works = _works(root, study, todo, costs, cluster.assembled(), engine)
-                works = [replace(work, max_cpu=max_cpu, max_failures=max_failures) for work in works]
-                store.check_room(root, LEAST_PART * sum(work.bytes for work in works))
-                _compute(works, cluster.outcomes(works), tally, progress)
-        elif plan.todo:
-            with getting_ready(progress) as patience:
-                patience.begin("estimating what the jobs take")
-                todo, costs, left = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
-                told += [*left, *fewer(costs, workers)]
-                workers = fitting(costs, workers)
-                works = _works(root, study, todo, costs, workers, engine)
-                works = [replace(work, max_cpu=max_cpu, max_failures=max_failures) for work in works]
-                store.check_room(root, LEAST_PART * sum(work.bytes for work in works))
-                _warm(root, engine, todo, patience)
-            _compute(works, outcomes(works, workers), tally, progress)
-    except KeyboardInterrupt as stop:
-        interrupted = getattr(stop, "number", signal.SIGINT)
-    store.sweep(root)
-    frame = store.build_table(root, plan.held.rows)
+    with store.in_use(root):
+        try:
+            reach = partial(_reach, joined)
+            study = selected(study, root, workers, engine, alone=shard == (1, 1), shown=progress, first=reach)
+        except Stopped as stop:
+            raise Interrupted(_before_jobs(study, root, stop, time.perf_counter() - started)) from None
+        every = study.jobs()
+        ours = shard_of(every, shard)
+        store.keep_scans(root, [job.case for job in every])
+        earlier = store.planned_jobs(root)
+        store.write_plan(root, study, every, told)
+        plan = _plan(root, ours, retry_failed, verify)
+        store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
+        tally = _Tally(root, command("run", study, root, "--retry-failed"), plan.failures, max_failures)
+        interrupted = 0
+        try:
+            if plan.todo and joined is not None:
+                todo = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
+                told += todo.notes
+                with joined() as cluster:
+                    works = _works(root, study, todo, cluster.assembled(), engine, max_failures, max_cpu)
+                    _compute(works, cluster.outcomes(works), tally, progress)
+            elif plan.todo:
+                with getting_ready(progress) as patience:
+                    patience.begin("estimating what the jobs take")
+                    todo = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
+                    told += [*todo.notes, *fewer(todo.costs, workers)]
+                    workers = fitting(todo.costs, workers)
+                    works = _works(root, study, todo, workers, engine, max_failures, max_cpu)
+                    _warm(root, engine, todo.jobs, patience)
+                _compute(works, outcomes(works, workers), tally, progress)
+        except KeyboardInterrupt as stop:
+            interrupted = getattr(stop, "number", signal.SIGINT)
+        store.sweep(root)
+        frame = store.build_table(root, plan.held.rows)
     seconds = time.perf_counter() - started
     left_out = len((earlier & plan.held.sealed) - {job.id for job in every})
     status = frame["status"].loc[[job.id for job in ours]]
@@ -153,7 +150,7 @@ def with_models(study: "Study", out: str | Path | None, jobs: int | None, try_th
     root = store.results_folder(study.name, study.quick, out)
     if try_them:
         _prepare(root, False, (1, 1))
-    with suppress(NoChoices):
+    with store.in_use(root) if try_them else nullcontext(), suppress(NoChoices):
         return selected(study, root, _workers(jobs), BEARINGSIM, alone=try_them)
     return study
 
@@ -296,21 +293,31 @@ class _Tally:
 
 
 def _works(
-    root: Path, study: "Study", todo: Sequence["Job"], costs: Sequence[Cost], workers: int, engine: Engine
+    root: Path,
+    study: "Study",
+    todo: Affordable,
+    workers: int,
+    engine: Engine,
+    max_failures: float,
+    max_cpu: float,
 ) -> list[Work]:
-    """Pack the jobs left to do into units of work."""
+    """Pack the jobs left to do into units of work. Raises DiskFull if there is surely no room for them."""
     provenance = store.provenance(study)
-    return [
+    works = [
         Work(
             root,
-            tuple(todo[i] for i in unit),
-            tuple(costs[i].seconds for i in unit),
+            tuple(todo.jobs[i] for i in unit),
+            tuple(todo.costs[i].seconds for i in unit),
             engine,
             provenance,
-            sum(costs[i].bytes for i in unit),
+            sum(todo.costs[i].bytes for i in unit),
+            max_cpu,
+            max_failures,
         )
-        for unit in pack(todo, costs, workers)
+        for unit in pack(todo.jobs, todo.costs, workers)
     ]
+    store.check_room(root, LEAST_PART * sum(work.bytes for work in works))
+    return works
 
 
 def _warm(root: Path, engine: Engine, todo: Sequence["Job"], patience: Patience) -> None:

@@ -16,7 +16,7 @@ from bearingsim.store.files import (
     write_bytes,
     write_text,
 )
-from bearingsim.store.folder import FolderInUse, Holdings, discard, holdings
+from bearingsim.store.folder import FolderInUse, Holdings, discard, holdings, in_use
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
 from bearingsim.store.merge import Merged, Unmergeable, merge
 from bearingsim.store.names import flat_parameters
@@ -73,6 +73,7 @@ __all__ = [
     "errors",
     "flat_parameters",
     "holdings",
+    "in_use",
     "info",
     "job_frame",
     "keep_scans",

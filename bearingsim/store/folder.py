@@ -1,12 +1,14 @@
 """Resuming: what a results folder holds already, and clearing it."""
 
 import shutil
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearingsim.errors import UserError
-from bearingsim.store.files import left_behind, lock, temporary_files, unit_files
+from bearingsim.store.files import left_behind, lock, room, temporary, temporary_files, unit_files
 from bearingsim.store.journal import Failure, clear_failures, judged_failures, log
 from bearingsim.store.sealed import set_aside
 from bearingsim.store.stock import judged
@@ -16,7 +18,7 @@ from bearingsim.store.trials import clear_choices
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["FolderInUse", "Holdings", "discard", "holdings", "refuse_use"]
+__all__ = ["FolderInUse", "Holdings", "discard", "holdings", "in_use", "refuse_use"]
 
 
 class FolderInUse(UserError):
@@ -53,8 +55,17 @@ def holdings(root: Path, verify: bool = False) -> Holdings:
     return Holdings(jobs, failures, stock.read, [str(path.relative_to(root)) for path in damaged])
 
 
+@contextmanager
+def in_use(root: Path) -> Iterator[None]:
+    """Say that a run works in a folder, until it ends or dies. Others may, too; nothing is cleared meanwhile."""
+    with ExitStack() as held:
+        with room(root / "run"), lock(root):  # under which whoever clears the folder looks for runs, and clears
+            held.enter_context(temporary(root, "run", "started"))
+        yield
+
+
 def refuse_use(root: Path) -> None:
-    """Raises FolderInUse while another run is computing into a folder."""
+    """Raises FolderInUse while another run works in a folder."""
     for path in temporary_files(root):
         with left_behind(path) as left:
             if not left and path.exists():
@@ -67,7 +78,7 @@ def discard(root: Path) -> None:
 
     Journals, scans, figures and other files stay.
 
-    Raises FolderInUse while another run is computing into it.
+    Raises FolderInUse while another run works in it.
     """
     with lock(root):
         refuse_use(root)

@@ -45,7 +45,9 @@ class Merged:
     jobs: dict[str, int]
 
     def __str__(self) -> str:
-        units = f"{self.copied} units copied" + (f", {self.there} there before" if self.there else "")
+        units = f"{self.copied} unit{'s' * (self.copied != 1)} copied" + (
+            f", {self.there} there before" if self.there else ""
+        )
         jobs = ", ".join(f"{count} {status}" for status, count in self.jobs.items() if count)
         whole = sum(self.jobs.values())
         return f"{self.folders} folder{'s' * (self.folders > 1)} merged: {units}; {jobs} of {whole} jobs"
@@ -111,7 +113,10 @@ def _refuse_other_plan(one: Results, other: Results) -> None:
 
 
 def _text(results: Results, name: str) -> str:
-    return json.dumps(results.plan.get(name), sort_keys=True)
+    said = results.plan.get(name)
+    if name == "accuracy" and said:  # its notes are of a run: they tell from which plan a choice was taken
+        said = {key: value for key, value in said.items() if key != "notes"}
+    return json.dumps(said, sort_keys=True)
 
 
 def _difference(name: str, one: dict[str, Any], other: dict[str, Any]) -> str:

@@ -71,9 +71,9 @@ def superfluous(root: Path) -> Superfluous:
     scans = [path for path in (root / "scans").glob("*") if path.suffix != ".part"]
     done = set[str]().union(*(unit.planned for unit in units))
     if scans and done != planned:
-        notes.append(
-            f"scans stay ({_files(len(scans))}): {len(planned - done)} jobs that may need them are not done"
-        )
+        left = len(planned - done)
+        which = f"{left} jobs that may need them are" if left > 1 else "1 job that may need them is"
+        notes.append(f"scans stay ({_files(len(scans))}): {which} not done")
         scans = []
     named = set[str]().union(*(unit.scans for unit in units))
     found = {

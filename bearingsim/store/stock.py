@@ -1,4 +1,6 @@
-"""What a results folder holds: the one place where a unit is judged. Runs, table and export go by it.
+"""What a results folder holds: which units are sound. Runs, table and export go by it.
+
+`prune` and `merge` remove and copy what they judge, so they trust no table: they read every unit themselves.
 
 A unit whose size and time of last change are those that the table remembers was compared with its digest before,
 and its rows are in the table: it is not read again. All others are read whole.

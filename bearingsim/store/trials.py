@@ -56,7 +56,10 @@ def read_trials(root: Path) -> dict[str, Trial | None]:
 
 
 def copy_trials(source: Path, root: Path) -> None:
-    """Copy the trials of another results folder, less those that are there, or cannot be read."""
+    """Copy the trials of another results folder, less those that are there, or cannot be read.
+
+    A file of the same name stays as it is, and is not compared: its trials are of the same cases.
+    """
     for path in sorted((source / TRIALS).glob("*.json")):
         with suppress(*UNREADABLE):
             read_json(path)

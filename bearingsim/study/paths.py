@@ -53,6 +53,16 @@ def parse_path(text: str, defects: int) -> Path:
     return SAME_PLACE.get((head, *rest), (head, *rest))
 
 
+def unspelled(text: str) -> Path:
+    """What all spellings of a path have in common, be it right or wrong: `defect.width` and `defects.1.width`."""
+    head, *rest = text.split(".")
+    if head == "defect":
+        return ("defects", "1", *rest)
+    if head == "defects" and rest:
+        return ("defects", rest[0].lstrip("0"), *rest[1:])
+    return SAME_PLACE.get((head, *rest), (head, *rest))
+
+
 def label(path: Path, defects: int) -> str:
     """A path as a user types it."""
     if len(path) > 1 and path[0] == "defects":

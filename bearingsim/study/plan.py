@@ -14,8 +14,8 @@ from bearingsim.study.design import IN_BLOCKS, Drawn, beside, drawn
 from bearingsim.study.diagnose import STUDY_KEYS, Found, Sections, case_of, check_replaced, mark_of
 from bearingsim.study.expand import expanded
 from bearingsim.study.jobs import identity
-from bearingsim.study.paths import dimension, parse_path, put, value_at
-from bearingsim.study.relations import Relations, Row, Unrelated, parse_relations
+from bearingsim.study.paths import dimension, parse_path, put, unspelled, value_at
+from bearingsim.study.relations import Relations, Row, Valueless, parse_relations
 from bearingsim.study.sweep import (
     Axis,
     dropped,
@@ -119,6 +119,7 @@ class Plan:
     def override(self, path: str, text: str) -> None:
         """Take over a value from the command line."""
         typed = f"--set {path}={text}"
+        path = self.spelled(path)
         try:
             value, flaws = parse_argument(text, typed)
         except StudyError as error:
@@ -153,9 +154,15 @@ class Plan:
             return
         self.base = put(self.base, place, value)
         self.expand()
+        path = self.spelled(path)
         self.words = without(self.words, path)
         if any(path in axis.paths for axis in self.axes):
             self.axes = replaced(self.axes, Axis((path,), ((value,),), (value,)))
+
+    def spelled(self, path: str) -> str:
+        """A path as the axes spell it: figures and results name it so."""
+        every = (one for axis in self.axes for one in axis.paths)
+        return next((one for one in every if unspelled(one) == unspelled(path)), path)
 
     def place(self, path: str, mark: Mark) -> Path | None:
         """Where a path leads, or None, which is noted."""
@@ -282,7 +289,7 @@ class Plan:
         for row in rows_of(self.axes):
             try:
                 more = self.relations.completed(self.tree(row)) if self.relations else []
-            except Unrelated as error:
+            except Valueless as error:
                 self.found.setdefault((mark_of(error.problem), "", "no value"), error.problem)
                 if (wrong := wrong + 1) == MAX_WRONG:
                     return

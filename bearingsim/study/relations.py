@@ -59,7 +59,7 @@ class Relations:
         return bool(self.derived or self.where)
 
     def completed(self, tree: Node) -> Row | None:
-        """What follows for a case; None if the study leaves it out. Raises Unrelated."""
+        """What follows for a case; None if the study leaves it out. Raises Valueless."""
         row: Row = []
         for one in self.derived:
             node = one.node(self._value(f"derived.{one.path}", one.formula, tree))
@@ -85,10 +85,10 @@ class Relations:
             values = [(path, node_at(tree, self.place(path))) for path in dict(formula.names())]
             told = ", ".join(f"{path} = {node.text}" for path, node in values if node is not None)
             message = f"{what}: {error}" + (f", at {told}" if told else "")
-            raise Unrelated(problem(error.mark, message, error.hint)) from None
+            raise Valueless(problem(error.mark, message, error.hint)) from None
 
 
-class Unrelated(Exception):
+class Valueless(Exception):
     """A formula has no value in a case; ``problem`` says why."""
 
     def __init__(self, found: Problem) -> None:

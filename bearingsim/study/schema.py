@@ -5,7 +5,7 @@ from typing import Any
 from bearingsim.config import Case
 from bearingsim.config.case import LAWS
 from bearingsim.designs import KINDS
-from bearingsim.study.design import DISTRIBUTIONS
+from bearingsim.study.distributions import DISTRIBUTIONS
 from bearingsim.study.figures import DRAWN
 from bearingsim.study.sweep import GENERATORS
 from bearingsim.study.uncertainty import NONE, UNKNOWN, UNKNOWNS

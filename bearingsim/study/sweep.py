@@ -9,6 +9,7 @@ from itertools import product
 
 from bearingsim.config.fields import described
 from bearingsim.designs import KINDS
+from bearingsim.study.paths import unspelled
 from bearingsim.study.words import WORDS, named_by
 from bearingsim.text.units import UnitError, common_dimension, display, parse, split, suggestion
 from bearingsim.text.yamlfile import Node, Problem, plain, problem
@@ -74,7 +75,7 @@ def replaced(axes: list[Axis], new: Axis) -> list[Axis]:
     found: list[Axis] = []
     placed = False
     for axis in axes:
-        clashes = not set(axis.paths).isdisjoint(new.paths)
+        clashes = not set(map(unspelled, axis.paths)).isdisjoint(map(unspelled, new.paths))
         if clashes and not placed:
             found.append(new)
             placed = True
@@ -83,8 +84,9 @@ def replaced(axes: list[Axis], new: Axis) -> list[Axis]:
 
 
 def _without(axis: Axis, paths: Collection[str]) -> list[Axis]:
-    """The axis less some paths; nothing if none is left."""
-    kept = [i for i, path in enumerate(axis.paths) if path not in paths]
+    """The axis less some paths, however they are spelled; nothing if none is left."""
+    gone = set(map(unspelled, paths))
+    kept = [i for i, path in enumerate(axis.paths) if unspelled(path) not in gone]
     if not kept:
         return []
     rows = tuple(tuple(row[i] for i in kept) for row in axis.rows)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from bearingsim.designs import KINDS
+from bearingsim.study.paths import unspelled
 from bearingsim.text.yamlfile import Node
 
 WORDS = (*KINDS, "derived", "where", "repeat")
@@ -24,21 +25,20 @@ def renewed(words: Words, key: str, node: Node) -> Words:
 
 
 def named_by(words: Mapping[str, Node]) -> set[str]:
-    """The paths to which designs and `derived` give values."""
+    """The paths to which designs, `derived` and `repeat` give values."""
     return {path for word, node in words.items() if word in WORDS for path in entries_of(word, node)}
 
 
 def without(words: Words, path: str) -> Words:
-    """The words, none of which gives a path its values; a design of nothing is none."""
+    """The words, none of which gives a path its values, however it is spelled; a design of nothing is none."""
     found: Words = {}
     for word, node in words.items():
         entries = entries_of(word, node)
-        if path in entries:
-            rest = {name: entry for name, entry in entries.items() if name != path}
-            if rest:
-                found[word] = _withentries_of(word, node, rest)
-        else:
+        rest = {name: entry for name, entry in entries.items() if unspelled(name) != unspelled(path)}
+        if len(rest) == len(entries):
             found[word] = node
+        elif rest:
+            found[word] = _with_entries(word, node, rest)
     return found
 
 
@@ -46,10 +46,13 @@ def entries_of(word: str, node: Node) -> dict[str, Node]:
     """The paths to which a word gives values, with what is said of each."""
     if word in KINDS:
         return node.mapping["over"].mapping if "over" in node.mapping else {}
+    if word == "repeat":
+        return {"seed": node}
     return node.mapping if word == "derived" else {}
 
 
-def _withentries_of(word: str, node: Node, entries: dict[str, Node]) -> Node:
+def _with_entries(word: str, node: Node, entries: dict[str, Node]) -> Node:
+    """What a design or `derived` says, of these paths only."""
     if word not in KINDS:
         return replace(node, value=entries)
     return replace(node, value=node.mapping | {"over": replace(node.mapping["over"], value=entries)})

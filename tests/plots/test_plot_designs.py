@@ -49,8 +49,8 @@ def test_a_figure_over_a_parameter_names_the_others(results):
     name, canvas = only(drawn(results(text)))
     assert name == "fig1-velocity-bpfo-vs-load"
     assert [len(points_of(ax)[0]) for ax in canvas.axes] == [32, 32]
-    assert "defect length moves along: 3." in caption_of(canvas)
-    assert "defect angle moves along: 0." in caption_of(canvas)
+    assert "defect length varies: 3." in caption_of(canvas)
+    assert "defect angle varies: 0." in caption_of(canvas)
     assert not canvas.legends
 
 
@@ -68,7 +68,7 @@ def test_what_is_swept_beside_a_design_makes_colours(results):
     assert [len(points) for points in points_of(canvas.axes[0])] == [32]
     _, canvas = only(drawn(opened, x="model", y=["velocity@BPFO"]))
     assert [len(points) for points in points_of(canvas.axes[0])] == [64]
-    assert "load moves along: 15" in caption_of(canvas)
+    assert "load varies: 15" in caption_of(canvas)
 
 
 @pytest.mark.parametrize("kind", ["saltelli", "morris"])
@@ -82,12 +82,12 @@ def test_values_that_come_again_make_no_curves(results, kind):
         assert not canvas.legends
 
 
-def test_what_is_derived_from_a_design_moves_along(results):
+def test_what_is_derived_from_a_design_varies(results):
     opened = results(SOBOL + "  derived: {defect.width: defect.length / 10}\n")
     for asked in ({"kind": "design"}, {"x": "load"}):
         _, canvas = only(drawn(opened, y=["velocity@BPFO"], **asked))
         assert len(points_of(canvas.axes[0])) == 1
-        assert "defect width moves along" in caption_of(canvas)
+        assert "defect width varies: " in caption_of(canvas)
 
 
 def test_lost_jobs_stand_on_the_axis(results):

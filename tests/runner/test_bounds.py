@@ -7,6 +7,8 @@ import pytest
 
 from bearingsim import cpu_time, simulation, store
 from bearingsim.runner import RunSummary, run
+from bearingsim.runner.pool import outcomes
+from bearingsim.runner.work import Work
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
 from tests.scenes.short_cases import case
@@ -51,6 +53,15 @@ def test_fewer_failures_end_nothing(tmp_path: Path) -> None:
     summary = compute(FakeStudy(WIDTHS, deeds={1: "raise"}), tmp_path, max_failures=2)
     assert (summary.done, summary.failed, summary.missing) == (9, 1, 0)
     assert "ended early" not in str(summary)
+
+
+def test_failures_of_all_units_count(tmp_path: Path) -> None:
+    """In one process each unit begins after the one before."""
+    jobs = FakeStudy(WIDTHS, deeds={1: "raise", 2: "raise", 3: "raise", 4: "raise", 5: "raise"}).jobs()
+    units = (jobs[:3], jobs[3:6], jobs[6:9])
+    works = [Work(tmp_path, tuple(unit), (0.0,) * 3, ENGINE, {}, max_failures=3) for unit in units]
+    found = list(outcomes(works, 1))
+    assert [(len(one.done), len(one.failed)) for one in found] == [(1, 2), (0, 1), (0, 0)]
 
 
 def test_workers_seal_what_is_in_hand_when_another_s_job_has_failed(tmp_path: Path) -> None:

@@ -364,7 +364,7 @@ def test_a_signal_lets_the_job_in_hand_end_and_seals_what_is_done(tmp_path: Path
 def test_signals_end_a_pool_cleanly(tmp_path: Path, name: str) -> None:
     number = getattr(signal, name)
     with other_process(tmp_path, jobs=2, count=600, seconds=0.1) as process:  # more than a busy machine gets done
-        wait_for(lambda: any(len(path.read_text().split()) > 2 for path in tmp_path.rglob("*.started")))
+        wait_for(lambda: any(len(path.read_text().split()) > 2 for path in tmp_path.glob("units/??/*.started")))
         os.killpg(process.pid, number)
         output, _ = process.communicate(timeout=20)
     assert process.returncode == 128 + number
@@ -375,7 +375,7 @@ def test_signals_end_a_pool_cleanly(tmp_path: Path, name: str) -> None:
 
 def test_a_second_signal_ends_at_once(tmp_path: Path) -> None:
     with other_process(tmp_path, jobs=2, count=2, seconds=30.0) as process:
-        wait_for(lambda: len([*tmp_path.rglob("*.started")]) == 2)
+        wait_for(lambda: len([*tmp_path.glob("units/??/*.started")]) == 2)
         os.killpg(process.pid, signal.SIGINT)
         time.sleep(0.2)
         assert process.poll() is None
@@ -386,8 +386,8 @@ def test_a_second_signal_ends_at_once(tmp_path: Path) -> None:
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_workers_die_with_their_parent(tmp_path: Path) -> None:
     with other_process(tmp_path, jobs=2, count=2, seconds=30.0) as process:
-        wait_for(lambda: len([*tmp_path.rglob("*.started")]) == 2)
-        workers = [int(path.stem.split("-")[-2]) for path in tmp_path.rglob("*.started")]
+        wait_for(lambda: len([*tmp_path.glob("units/??/*.started")]) == 2)
+        workers = [int(path.stem.split("-")[-2]) for path in tmp_path.glob("units/??/*.started")]
         process.kill()
         process.wait()
         wait_for(lambda: not any(runs(pid) for pid in workers), timeout=2.0)

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from bearingsim import store
 from bearingsim.runner import run
 from bearingsim.selection import Choice
+from bearingsim.store.sealed import write_json
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 
@@ -174,6 +175,18 @@ def test_where_a_study_lay_is_no_other_plan(tmp_path: Path) -> None:
     first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
     second = folder(tmp_path / "b", FakeStudy(WIDTHS, path=Path("/elsewhere/fake.yaml")), [[1]])
     assert store.merge([first, second], tmp_path / "out").jobs["done"] == 2
+
+
+def test_what_is_said_of_an_earlier_plan_s_choices_is_no_other_plan(tmp_path: Path) -> None:
+    folders = [folder(tmp_path / name, FakeStudy(WIDTHS), [[n]]) for n, name in enumerate("ab")]
+    for one, notes in zip(folders, ([], ["3 choices were made for an earlier plan"]), strict=True):
+        said = {"accuracy": {"within": 0.05, "notes": notes, "jobs": {}}}
+        write_json(one / "plan.json", store.read_plan(one) | said)
+    assert "2 units copied" in str(store.merge(folders, tmp_path / "out"))
+    assert "1 unit copied" in str(store.merge(folders[:1], tmp_path / "one"))
+    write_json(folders[1] / "plan.json", store.read_plan(folders[1]) | {"accuracy": {"within": 0.02, "jobs": {}}})
+    with pytest.raises(store.Unmergeable, match="`accuracy` differs"):
+        store.merge(folders, tmp_path / "other")
 
 
 def test_what_was_there_counts_as_a_folder_that_is_merged(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """What a plan no longer names: said first, removed when asked, and nothing else with it."""
 
 import os
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +11,13 @@ from filelock import FileLock
 
 from bearingsim import store
 from bearingsim.config.scan.file import digest_of
-from bearingsim.runner import RunSummary, run
+from bearingsim.runner import RunSummary, run, with_models
 from bearingsim.store.files import temporary
 from bearingsim.store.units import write_units
+from tests.scenes import fake_studies, trials
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
+from tests.scenes.study_text import Write
 
 UNITS, FAILURES = "units of jobs that the plan does not name", "failures of such jobs"
 
@@ -25,6 +28,15 @@ def compute(study: Any, out: Path) -> RunSummary:
 
 def files_of(root: Path) -> set[Path]:
     return {path for path in root.rglob("*") if path.is_file() and path.name != ".lock"}
+
+
+@pytest.fixture
+def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """What the engine was asked for, in order."""
+    path = tmp_path / "log"
+    path.touch()
+    monkeypatch.setenv(trials.LOG, str(path))
+    return path
 
 
 @pytest.fixture
@@ -115,7 +127,7 @@ def test_scans_go_once_all_jobs_are_done_and_none_is_made_from_them(
     monkeypatch.setattr("bearingsim.store.units.flat_parameters", with_digest)
     compute(study, root)
     kept = [with_scan(root, b"1 2"), with_scan(root, orphan)]
-    assert "scans stay (2 files): 1 jobs that may need them are not done" in str(store.superfluous(root))
+    assert "scans stay (2 files): 1 job that may need them is not done" in str(store.superfluous(root))
     assert not store.superfluous(root).paths
     flag.touch()
     run(study, root, jobs=1, progress=False, engine=ENGINE, retry_failed=True)
@@ -152,3 +164,64 @@ def test_a_folder_without_a_plan_is_left_alone(tmp_path: Path) -> None:
     assert files_of(tmp_path) == before
     os.remove(plan)
     assert "holds no results" in type_("prune", tmp_path, "--no-dry-run", code=2)[1]
+
+
+def refused(root: Path, study: Any) -> None:
+    """Nothing is cleared in a folder now, and another run may work there."""
+    before = files_of(root)
+    with pytest.raises(store.FolderInUse, match="another run is writing"):
+        store.prune(root)
+    with pytest.raises(store.FolderInUse, match="another run is writing"):
+        run(study, root, jobs=1, fresh=True, progress=False, engine=ENGINE)
+    assert files_of(root) >= before
+
+
+def test_nothing_goes_while_models_are_tried(
+    write: Write, tmp_path: Path, log: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The plan is still the one before, which names no accuracy."""
+    out, tried = tmp_path / "out", list[bool]()
+    compute(FakeStudy(), out)
+    plain = trials.try_out
+
+    def try_out(*given: Any) -> Any:
+        refused(out, FakeStudy())
+        tried.append(True)
+        return plain(*given)
+
+    monkeypatch.setattr(trials, "try_out", try_out)
+    run(trials.near(write), out, jobs=1, progress=False, engine=trials.ENGINE)
+    assert len(tried) == len([line for line in log.read_text().splitlines() if line.startswith("try")]) > 3
+    assert not list(out.rglob("*.started"))
+
+
+def test_nothing_goes_before_the_first_job(narrowed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the folder holds has been judged, and counts."""
+    plain, seen, study = fake_studies.estimate, list[bool](), FakeStudy([4e-3, 6e-3])
+
+    def estimate(case: Any) -> Any:
+        seen.append(True)
+        refused(narrowed, FakeStudy())
+        if len(seen) == 1:
+            compute(study, narrowed)
+        return plain(case)
+
+    monkeypatch.setattr(fake_studies, "estimate", estimate)
+    assert compute(study, narrowed).resumed == 2
+    assert len(seen) == 2  # of the run within, too
+
+
+def test_nothing_goes_while_a_check_tries_models(
+    write: Write, narrowed: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen = list[bool]()
+
+    def selected(study: Any, *_: Any, **__: Any) -> Any:
+        refused(narrowed, FakeStudy())
+        seen.append(True)
+        return study
+
+    monkeypatch.setattr(sys.modules[with_models.__module__], "selected", selected)
+    with_models(trials.near(write), narrowed, 1, try_them=True)
+    assert seen
+    assert store.prune(narrowed).paths

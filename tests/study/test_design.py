@@ -16,8 +16,8 @@ from scipy import integrate, stats
 from bearingsim import designs, selection, store
 from bearingsim.designs import KINDS, Kind
 from bearingsim.selection.choices import Choice, key
-from bearingsim.study import Design, Study, StudyError, case_id, load_study
-from bearingsim.study.design import EXAMPLE, _range
+from bearingsim.study import Design, Study, StudyError, case_id, distributions, load_study
+from bearingsim.study.design import EXAMPLE
 from bearingsim.study.paths import known_paths
 from bearingsim.text.yamlfile import Node, parse
 from tests.scenes.study_text import BASE, Write
@@ -118,7 +118,7 @@ def range_of(text: str, path: str = "load") -> Node:
 
 def drawn(text: str, shares: list[float], path: str = "load") -> list[float]:
     """The numbers that shares come to, in the unit of the range."""
-    found = _range(path, range_of(text, path))
+    found = distributions.range_of(path, range_of(text, path))
     return [float(node.text.split()[0]) for node in found.nodes(np.array(shares))]
 
 
@@ -359,6 +359,8 @@ def test_with_an_accuracy_the_ids_are_those_of_the_models_chosen(write: Write) -
         ("lhs: {n: 5, over: {load: {log: [1 N, 2 N], within: [1 N, 2 N]}}}", "sweep.lhs.over.load: unknown key `within` beside `log`", "within"),
         ("lhs: {n: 5, over: {load: {normal: [1 N, 2 N]}}}", "sweep.lhs.over.load: `within` is missing (a normal distribution is cut at bounds)", "normal"),
         ("lhs: {n: 5, over: {load: {normal: [1 N, 0 N], within: [1 N, 2 N]}}}", "sweep.lhs.over.load: expected a standard deviation above zero, got `0 N`", "0 N"),
+        ("lhs: {n: 5, over: {load: {normal: [150 N, 1e300 N], within: [100 N, 200 N]}}}", "sweep.lhs.over.load: a standard deviation over 1000 times the range is none that shows (take `uniform`)", "1e300 N"),
+        ("lhs: {n: 5, over: {load: {normal: [150 N, 100.1 kN], within: [100 N, 200 N]}}}", "sweep.lhs.over.load: a standard deviation over 1000 times the range is none that shows (take `uniform`)", "100.1 kN"),
         ("lhs: {n: 5, over: {load: {normal: [1 N, 1 N], within: [10 N, 20 N]}}}", "sweep.lhs.over.load: these are over 8 standard deviations from the mean", "[10 N"),
         ("lhs: {n: 5, over: {load: [1 N, 2 N]}, sobol: {n: 5}}", "sweep.lhs: unknown key `sobol` (known: n, seed, over)", "sobol"),
         ("lhs: {n: 5, over: {load: [1 N, 2 N]}}, sobol: {n: 5, over: {load: [1 N, 2 N]}}", "sweep: a second design; a study has one", "sobol"),

@@ -387,3 +387,47 @@ def test_pads_and_springs_are_set_as_a_whole(write: Write) -> None:
     assert len(pads.rig.load.angles or ()) == 2
     (turned,) = load_study(path, {"rig.sensor_angle": "90 deg"}).cases()
     assert turned.rig.sensor.angle == turned.rig.sensor_angle == math.pi / 2.0
+
+
+ALIASES = [
+    ("defect.width", "defects.1.width"),
+    ("defects.1.width", "defect.width"),
+    ("defect.width", "defects.01.width"),
+]
+
+
+@pytest.mark.parametrize(("written", "said"), ALIASES)
+@pytest.mark.parametrize("value", ["0.5 mm", "[0.5 mm]"])
+def test_another_spelling_of_a_path_replaces_its_values(write: Write, written: str, said: str, value: str) -> None:
+    """In lists, in a zip, in a design, and where they are derived; from the command line, and in `quick`."""
+    for sweep in (
+        f"{written}: [1 mm, 2 mm]",
+        f"zip: {{{written}: [1 mm, 2 mm], load: [1 N, 2 N]}}",
+        f"sobol: {{n: 4, over: {{{written}: [1 mm, 2 mm], load: [1 N, 2 N]}}}}",
+        f"derived: {{{written}: defect.length / 10}}",
+    ):
+        text = BASE + f"sweep: {{{sweep}}}\n"
+        given = f"sweep: {{{said}: {value}}}" if value.startswith("[") else f"{said}: {value}"
+        for study in (
+            load_study(write(text), {said: value}),
+            load_study(write(f"{text}quick: {{{given}}}\n"), quick=True),
+        ):
+            assert {case.defects[0].width for case in study.cases()} == {0.5e-3}, sweep
+
+
+def test_a_figure_finds_its_path_by_the_spelling_of_the_file(write: Write) -> None:
+    text = BASE + "sweep: {defect.width: [1 mm, 2 mm]}\nfigures: [{y: velocity@BPFO, x: defect.width}]\n"
+    for value in ("[3 mm, 4 mm]", "3 mm"):
+        assert list(load_study(write(text), {"defects.1.width": value}).units) == ["defect.width"]
+
+
+def test_a_seed_takes_the_place_of_repeat(write: Write) -> None:
+    text = BASE + "model: planar\nsweep: {load: [1 N, 2 N], repeat: 3}\nquick: {seed: 7}\n"
+    for study, seeds in (
+        (load_study(write(text)), [1, 2, 3] * 2),
+        (load_study(write(text), {"seed": "7"}), [7] * 2),
+        (load_study(write(text), {"seed": "[8, 9]"}), [8, 9] * 2),
+        (load_study(write(text), quick=True), [7] * 2),
+        (load_study(write(text), {"repeat": "2"}, quick=True), [1, 2] * 2),
+    ):
+        assert [case.seed for case in study.cases()] == seeds
