@@ -437,3 +437,10 @@ def test_every_word_offered_is_built() -> None:
 def test_every_stiffness_offered_is_built(law: str) -> None:
     bearing = "6205" if law == "point" else "nf308"
     assert contacts.outer(case(bearing=bearing, contact={"stiffness": law}))
+
+
+@pytest.mark.parametrize("density", ["1e-9 kg/m^3", "0 kg/m^3", "1e6 kg/m^3"])
+def test_a_material_that_is_none_is_refused(density: str) -> None:
+    """Rollers of next to no mass would take steps of next to no time, in an estimate too."""
+    with pytest.raises(ValidationError, match="expected a density"):
+        Material.model_validate({"density": density})

@@ -8,12 +8,12 @@ from pydantic import BeforeValidator, Field, model_validator
 from bearingsim.config.fields import (
     Angle,
     Damping,
-    Density,
     Length,
     Mass,
     PoissonRatio,
     Pressure,
     Section,
+    SolidDensity,
     Stiffness,
     StiffnessOrZero,
     Text,
@@ -45,7 +45,7 @@ class Material(Section):
     """What rollers and rings are made of. The elastic constants are for the laws `johnson` and `point`."""
 
     name: Text = ""
-    density: Density
+    density: SolidDensity
     young_modulus: Pressure = 207e9
     poisson_ratio: PoissonRatio = 0.3
     source: Text = ""
