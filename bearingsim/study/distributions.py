@@ -4,6 +4,7 @@ A range is `[a, b]` or `{uniform: [a, b]}`, `{log: [a, b]}` (its logarithm is un
 `{normal: [mean, standard deviation], within: [a, b]}` (cut there).
 """
 
+import math
 from collections.abc import Callable, Sequence
 from decimal import Context, Decimal
 from typing import TYPE_CHECKING, NamedTuple
@@ -111,6 +112,8 @@ def _bounds(path: str, node: Node) -> tuple[Node, Node, float, float, str]:
     first, last, low, high, unit = _pair(path, node)
     if not low < high:
         raise Wrong(last, f"expected a value above `{first.text}`, got `{last.text}`")
+    if not math.isfinite(high - low):
+        raise Wrong(node, "the range is larger than any number")
     return first, last, low, high, unit
 
 

@@ -351,6 +351,7 @@ def test_with_an_accuracy_the_ids_are_those_of_the_models_chosen(write: Write) -
         ("lhs: {n: 5, over: {load: {lg: [1 N, 2 N]}}}", "sweep.lhs.over.load: expected a range such as `[a, b]`, `{log: [a, b]}` or `{normal: [mean, deviation], within: [a, b]}` (did you mean `log`?)", "{lg"),
         ("lhs: {n: 5, over: {load: [1 N, 2 N, 3 N]}}", "sweep.lhs.over.load: expected two values, as in `[a, b]`", "[1 N, 2 N, 3 N]"),
         ("lhs: {n: 5, over: {load: [2 N, 1 N]}}", "sweep.lhs.over.load: expected a value above `2 N`, got `1 N`", "1 N"),
+        ("lhs: {n: 5, over: {load: [-1e308 N, 1e308 N]}}", "sweep.lhs.over.load: the range is larger than any number", "[-1e308 N"),
         ("lhs: {n: 5, over: {load: [1 N, 0.001 kN]}}", "sweep.lhs.over.load: expected a value above `1 N`, got `0.001 kN`", "0.001 kN"),
         ("lhs: {n: 5, over: {load: [1 N, 2 mm]}}", "sweep.lhs.over.load: expected a force such as `150 N`, got `2 mm` (`mm` is a unit of length)", "2 mm"),
         ("lhs: {n: 5, over: {load: [1 N, [2 N]]}}", "sweep.lhs.over.load: expected a number with its unit", "[2 N]"),
