@@ -7,6 +7,7 @@ a case travels with its model.
 import asyncio
 import logging
 import pickle
+import socket
 import sys
 import time
 from collections import Counter
@@ -21,6 +22,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import dask.config
 from distributed import Client, Future, KilledWorker, SchedulerPlugin
+from distributed.comm.addressing import parse_address, parse_host_port
 from distributed.comm.core import CommClosedError
 
 from bearingsim import store
@@ -99,6 +101,7 @@ def joined(address: str) -> Iterator["Cluster"]:
     """The workers of the scheduler at ``tcp://HOST:PORT``. Raises SchedulerGone if nobody answers there."""
     with _silence():
         try:
+            _knock(address)
             client = Client(address, timeout=JOINING_S, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:  # no such scheme, no certificates
             advice = "`dask scheduler` starts one, and tells its address"
@@ -108,6 +111,18 @@ def joined(address: str) -> Iterator["Cluster"]:
         finally:
             with suppress(TimeoutError):  # who is gone says no goodbye
                 client.close(timeout=CLOSING_S)
+
+
+def _knock(address: str) -> None:
+    """Raises OSError if nothing listens at an address, ValueError if it is none.
+
+    A client would try for JOINING_S, deaf to Ctrl-C, and take a minute to give up.
+    """
+    scheme, place = parse_address(address)
+    if scheme not in ("tcp", "tls"):
+        raise ValueError("expected tcp://HOST:PORT or tls://HOST:PORT")
+    with socket.create_connection(parse_host_port(place), timeout=JOINING_S):
+        pass
 
 
 @contextmanager

@@ -21,7 +21,7 @@ def of_indices(found: Indices, feature: str, paths: Sequence[str]) -> str:
         for place in leaders(found.total)
     ]
     weak = _weak(negligible(found.total, 1.0), paths, "the variance")
-    return " ".join([_deciding(texts, feature), *weak, _together(found.together)])
+    return " ".join([_deciding(texts, feature, len(paths)), *weak, _together(found.together)])
 
 
 def of_effects(found: Effects, feature: str, paths: Sequence[str], unit: str = "", factor: float = 1.0) -> str:
@@ -33,7 +33,7 @@ def of_effects(found: Effects, feature: str, paths: Sequence[str], unit: str = "
     slope = np.maximum(np.abs(found.mean.low), np.abs(found.mean.high))
     bent = [f"`{paths[place]}`" for place in first if found.spread.low[place] > slope[place]]
     said = [f"What {_listed(bent)} does depends on the others, or is no straight line: sigma is over mu."]
-    return " ".join([_deciding(texts, feature), *weak, *said * bool(bent)])
+    return " ".join([_deciding(texts, feature, len(paths)), *weak, *said * bool(bent)])
 
 
 def leaders(ranked: Estimate) -> list[int]:
@@ -47,7 +47,11 @@ def negligible(ranked: Estimate, whole: float) -> list[int]:
     return [int(place) for place in np.flatnonzero(ranked.high < LITTLE * whole)]
 
 
-def _deciding(texts: Sequence[str], feature: str) -> str:
+def _deciding(texts: Sequence[str], feature: str, many: int) -> str:
+    """texts: of those that may decide most, of ``many`` parameters."""
+    if 1 < len(texts) == many:
+        told = "; ".join(texts)
+        return f"Which parameter decides {feature} most is not to be told: all intervals overlap: {told}."
     if len(texts) == 1:
         return f"One parameter decides {feature} most, its interval clear of all others: {texts[0]}."
     told = "; ".join(texts)

@@ -444,6 +444,18 @@ def test_a_wrong_address_is_told_before_models_are_tried(here: Path, monkeypatch
     assert "no scheduler answers at tcp://127.0.0.1:9" in type_(*words, code=2)[1]
 
 
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "http://127.0.0.1:9", "tcp://127.0.0.1", "nonsense"])
+def test_no_client_is_made_where_nobody_listens(monkeypatch: pytest.MonkeyPatch, address: str) -> None:
+    """It would wait for half a minute, deaf to Ctrl-C."""
+
+    def made(*told: Any, **more: Any) -> None:
+        raise AssertionError("a client is made")
+
+    monkeypatch.setattr(cluster, "Client", made)
+    with pytest.raises(cluster.SchedulerGone, match="no scheduler answers"), cluster.joined(address):
+        pass
+
+
 def test_nobody_there_and_nothing_installed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "JOINING_S", 0.5)
     words = ("run", "small.yaml", "--scheduler", "tcp://127.0.0.1:9")

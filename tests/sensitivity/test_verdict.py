@@ -66,3 +66,9 @@ def test_a_spread_within_the_mean_is_a_straight_line_whichever_way(sign):
     low, high = sorted((sign * 4.0, sign * 6.0))
     size, mean, spread = known((5.0, 4.0, 6.0)), known((sign * 5.0, low, high)), known((4.6, 4.5, 5.0))
     assert "no straight line" not in of_effects(Effects(mean, size, spread), "velocity@BPFO", PATHS)
+
+
+def test_where_all_intervals_overlap_nothing_decides():
+    total = known((0.5, 0.2, 0.9), (0.4, 0.1, 0.8), (0.3, 0.1, 0.7))
+    told = of_indices(Indices(ALONE, total, known((0.3, -0.1, 0.5))), "velocity.rms", PATHS)
+    assert told.startswith("Which parameter decides velocity.rms most is not to be told: all intervals overlap:")

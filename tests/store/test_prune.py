@@ -73,7 +73,7 @@ def test_what_is_not_planned_is_removed_and_nothing_else(narrowed: Path) -> None
     assert files_of(narrowed) <= before
     pd.testing.assert_frame_equal(store.open_results(narrowed).table(), table)
     assert compute(FakeStudy([3e-3]), narrowed).resumed == 2
-    assert type_("prune", narrowed, "--no-dry-run")[0].splitlines()[-1] == "in all 0 files, 0 bytes"
+    assert type_("prune", narrowed, "--no-dry-run")[0].splitlines()[-1] == "nothing to remove"
 
 
 def test_what_was_set_aside_and_what_the_dead_left_goes(tmp_path: Path) -> None:
