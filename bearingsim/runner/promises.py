@@ -29,7 +29,8 @@ def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     sums = near.loc[done, ["error.model", "error.step", "error.scatter"]].sum(axis=1, skipna=False).dropna()
     held = int((sums <= accuracy["within"]).sum())
     longer = _longer(near, sums, accuracy)
-    yield f"{held} of {len(done)} cases hold it, against this ladder of models, not a rig{longer}"
+    if done:
+        yield f"{held} of {len(done)} cases hold it, against this ladder of models, not a rig{longer}"
     if len(sums) < len(done):
         count = len(done) - len(sums)
         yield f"of {count} chaotic cases the scatter of a line is not known, and so not whether they hold it"

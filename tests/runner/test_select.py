@@ -475,6 +475,14 @@ def test_no_sum_is_told_where_the_ring_is_only_assumed_to_be_rigid(write: Write,
     assert "audit: 3 of 3 jobs computed again by their reference kept it; the worst is 0.99 % off" in said
 
 
+def test_nothing_holds_an_accuracy_before_it_is_computed(write: Write, tmp_path: Path) -> None:
+    from bearingsim.runner.promises import promises
+
+    compute(near(write), tmp_path)
+    frame = store.job_frame(tmp_path).assign(status="missing")
+    assert "hold it" not in "\n".join(promises(store.read_plan(tmp_path), frame))
+
+
 def test_audits_of_what_is_measured_against_a_twin_compare_that(
     write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
