@@ -161,7 +161,7 @@ def run(
     ] = None,
     max_cpu: Annotated[
         str | None,
-        typer.Option(metavar="TIME", help="CPU time that a job may take, such as `10 min`; dearer ones stay out"),
+        typer.Option(metavar="TIME", help="CPU time that a job may take, such as `10 min`; longer ones stay out"),
     ] = None,
 ) -> None:
     """Compute what is not done yet, and store it. Exit code 1: some failed or are left, the rest is stored."""

@@ -31,12 +31,12 @@ def refuse_bounds(max_failures: float, max_cpu: float) -> None:
 
 def affordable(jobs: Sequence["Job"], costs: Sequence[Cost], max_cpu: float, shown: bool | None) -> Affordable:
     """The jobs whose estimated CPU time is ``max_cpu`` s at most. shown: False says nothing at once."""
-    dear = [cost.seconds for cost in costs if cost.seconds > max_cpu]
+    longer = [cost.seconds for cost in costs if cost.seconds > max_cpu]
     kept = [pair for pair in zip(jobs, costs, strict=True) if pair[1].seconds <= max_cpu]
     notes = []
-    if dear:
-        which = f"{len(dear)} jobs are" if len(dear) > 1 else "1 job is"
-        most = f"{'up to ' * (len(dear) > 1)}{duration(max(dear))}"
+    if longer:
+        which = f"{len(longer)} jobs are" if len(longer) > 1 else "1 job is"
+        most = f"{'up to ' * (len(longer) > 1)}{duration(max(longer))}"
         notes.append(
             f"{which} left out: estimated to take {most} of CPU time, over {duration(max_cpu)} (`--max-cpu`)"
         )
