@@ -16,7 +16,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults
+.PHONY: help install install-dev demo test test-quick check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -103,6 +103,10 @@ speed-accuracy: install-dev
 # is anything lost when a disk is full, a bit flips, a process ends? As root also on small disks
 faults: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/faults.py $(ONLY)
+
+# is a wrong scheduler told in time, and does Ctrl-C end the run meanwhile? Writes docs/data/handshakes.csv
+handshakes: install-dev
+	$(BIN)/python -m benchmarks.handshakes
 
 bench-compare: install-dev
 	$(BIN)/python -m benchmarks.speed.compare

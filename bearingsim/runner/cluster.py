@@ -5,9 +5,7 @@ a case travels with its model.
 """
 
 import asyncio
-import logging
 import pickle
-import socket
 import sys
 import time
 from collections import Counter
@@ -15,14 +13,14 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Se
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from itertools import count, islice
 from queue import Empty, SimpleQueue
 from secrets import token_hex
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import dask.config
-from distributed import Client, Future, KilledWorker, SchedulerPlugin
-from distributed.comm.addressing import parse_address, parse_host_port
+from distributed import Client, Future, KilledWorker
 from distributed.comm.core import CommClosedError
 
 from bearingsim import store
@@ -40,12 +38,10 @@ from bearingsim.runner.delivery import (
     refuse_threads,
     stop,
 )
+from bearingsim.runner.handshake import SchedulerGone, client_of, within
 from bearingsim.runner.pool import RESTARTS_WITHOUT_PROGRESS, WorkersDie
 from bearingsim.runner.stopping import asked, heeding
 from bearingsim.runner.work import Outcome, Work
-
-if TYPE_CHECKING:
-    from distributed import Scheduler
 
 __all__ = ["Cluster", "SchedulerGone", "joined"]
 
@@ -55,88 +51,21 @@ BATCH, BATCH_BYTES = 64, 64e6
 """Units, and bytes of their series, that are fetched at once: they pass through the scheduler."""
 SEALING = 8
 """Files that are written at a time."""
-TALKING = ("distributed", "distributed.client")
-"""Loggers that have a level of their own."""
 WAITING_S, LOOK_S = 0.2, 2.0
 """Between looks whether something has come back, or the first worker; and at who works."""
-JOINING_S = 30.0
-"""How long a scheduler may take to answer."""
-CLOSING_S = 3.0
+ANSWER_S, WORKERS_S = 20.0, 300.0
+"""How long a scheduler may take to answer a question; workers, the first of which load the program."""
 ADVICE = (
     "no job is blamed; the workers' logs may tell why, and the workers may need more memory"
     " (`dask worker --memory-limit`)"
 )
 
 
-class SchedulerGone(UserError):
-    """Nobody answers where the scheduler was."""
-
-
-# At the scheduler
-
-
-def back_at_first_death() -> SchedulerPlugin:
-    """By it a unit whose worker dies comes back at once: it is not handed on to kill the next.
-
-    A class made here travels whole, and so the scheduler needs no bearingsim.
-    """
-
-    class BackAtFirstDeath(SchedulerPlugin):
-        name = "bearingsim"
-        idempotent = True  # one serves all runs
-
-        def update_graph(self, scheduler: "Scheduler", **told: Any) -> None:
-            for key in told["tasks"]:
-                if isinstance(key, tuple) and str(key[0]).startswith("bearingsim-"):
-                    scheduler.tasks[key].suspicious = scheduler.allowed_failures  # as often as it may die
-
-    return BackAtFirstDeath()
-
-
-# Here
-
-
 @contextmanager
 def joined(address: str) -> Iterator["Cluster"]:
-    """The workers of the scheduler at ``tcp://HOST:PORT``. Raises SchedulerGone if nobody answers there."""
-    with _silence():
-        try:
-            _knock(address)
-            client = Client(address, timeout=JOINING_S, set_as_default=False)
-        except (OSError, ValueError, TypeError) as error:  # no such scheme, no certificates
-            advice = "`dask scheduler` starts one, and tells its address"
-            raise SchedulerGone(f"no scheduler answers at {address} ({error}): {advice}") from None
-        try:
-            yield Cluster(client, address)
-        finally:
-            with suppress(TimeoutError):  # who is gone says no goodbye
-                client.close(timeout=CLOSING_S)
-
-
-def _knock(address: str) -> None:
-    """Raises OSError if nothing listens at an address, ValueError if it is none.
-
-    A client would try for JOINING_S, deaf to Ctrl-C, and take a minute to give up.
-    """
-    scheme, place = parse_address(address)
-    if scheme not in ("tcp", "tls"):
-        raise ValueError("expected tcp://HOST:PORT or tls://HOST:PORT")
-    with socket.create_connection(parse_host_port(place), timeout=JOINING_S):
-        pass
-
-
-@contextmanager
-def _silence() -> Iterator[None]:
-    """What distributed has to say of a scheduler that is lost are tracebacks: here it is said in words."""
-    loggers = [logging.getLogger(name) for name in TALKING]
-    levels = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.CRITICAL)
-    try:
-        yield
-    finally:
-        for logger, level in zip(loggers, levels, strict=True):
-            logger.setLevel(level)
+    """The workers of the scheduler at ``tcp://HOST:PORT``. Raises SchedulerGone if none answers there in time."""
+    with client_of(address) as client:
+        yield Cluster(client, address)
 
 
 class Killed(NamedTuple):
@@ -155,8 +84,6 @@ class Cluster:
         self.landed: SimpleQueue[Future] = SimpleQueue()
         self.lost: list[Future] = []
         self.looked, self.count, self.deaths, self.alone, self.number = 0.0, 0, 0, False, count()
-        with self._reached():
-            client.register_plugin(back_at_first_death())
 
     def assembled(self) -> int:
         """How many workers there are, once there is one. Raises OtherInstallation for one that does not fit."""
@@ -164,7 +91,7 @@ class Cluster:
             while not self.count:
                 self._look()
                 time.sleep(WAITING_S)
-            for address, threads in self.client.nthreads().items():
+            for address, threads in within(ANSWER_S, self.client.nthreads).items():
                 refuse_threads(address, threads)
             self._told(asyncio.to_thread, exec, LOADING, {})
             for address, found in self._told(installation).items():
@@ -245,12 +172,14 @@ class Cluster:
 
     def _stop(self, flying: dict[Future, Work]) -> None:
         """Let no worker begin anything more, nor one that has come since; take back what none has."""
-        self.client.run(stop, self.run, on_error="ignore")
-        held = {key for keys in self.client.processing().values() for key in keys}
-        held |= {key for key, workers in self.client.who_has(list(flying)).items() if workers}  # done since
+        with suppress(TimeoutError):  # who does not answer is told again
+            within(ANSWER_S, partial(self.client.run, stop, self.run, on_error="ignore"))
+        held = {key for keys in within(ANSWER_S, self.client.processing).values() for key in keys}
+        places = within(ANSWER_S, partial(self.client.who_has, list(flying)))
+        held |= {key for key, workers in places.items() if workers}  # done since
         left = [one for one in flying if one.key not in held]
         if left:
-            self.client.cancel(left)
+            within(ANSWER_S, partial(self.client.cancel, left))
         for one in left:
             del flying[one]
 
@@ -298,7 +227,8 @@ class Cluster:
         """
         wanted = {one.key: one for one in done}
         while wanted:
-            answer = self.client.sync(self.client.scheduler.gather, keys=list(wanted))
+            gather = partial(self.client.sync, self.client.scheduler.gather, keys=list(wanted))
+            answer = within(WORKERS_S, gather)
             if answer["status"] == "OK":
                 return {wanted[key]: delivery for key, delivery in answer["data"].items()}
             self.lost += [wanted.pop(key) for key in answer["keys"]]
@@ -331,7 +261,7 @@ class Cluster:
         """
         if time.monotonic() - self.looked < LOOK_S:
             return False
-        self.count, self.looked = len(self.client.nthreads()), time.monotonic()
+        self.count, self.looked = len(within(ANSWER_S, self.client.nthreads)), time.monotonic()
         if not self.count and not self.alone:
             told = (
                 f"no worker is at {self.address}: waiting (`dask worker {self.address} --nthreads 1` starts one)"
@@ -347,7 +277,11 @@ class Cluster:
 
         Raises OtherInstallation where it fails.
         """
-        told = self.client.run(function, *arguments, on_error="return")
+        try:
+            told = within(WORKERS_S, partial(self.client.run, function, *arguments, on_error="return"))
+        except TimeoutError:
+            silent = f"of {self.count} workers some do not answer within {WORKERS_S:.0f} s"
+            raise WorkerFailed(f"{silent}: end those whose logs stand still") from None
         for address, found in told.items():
             if isinstance(found, Exception) and not isinstance(found, OSError):  # which a lost worker is
                 raise OtherInstallation(f"worker {address} cannot load bearingsim: {found}")
@@ -362,10 +296,11 @@ class Cluster:
             lost = self.client.status != "running" or isinstance(error, (CommClosedError, TimeoutError))
             if isinstance(error, UserError) or not lost:
                 raise
-            told = (
-                f"the scheduler at {self.address} is gone: what has come back is stored, what was under way is not"
-            )
-            raise SchedulerGone(f"{told}; start it and its workers, and give the command again") from error
+            silent = isinstance(error, TimeoutError)
+            lost = f"the scheduler at {self.address} " + ("does not answer" if silent else "is gone")
+            kept = "what has come back is stored, what was under way is not"
+            advice = "start it and its workers, and give the command again"
+            raise SchedulerGone(f"{lost}: {kept}; {advice}") from error
 
 
 def _blamed(killed: Killed) -> Outcome:

@@ -91,9 +91,9 @@ def run(
         interrupted = 0
         try:
             if plan.todo and joined is not None:
-                todo = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
-                told += todo.notes
-                with joined() as cluster:
+                with joined() as cluster:  # first: estimating what the jobs take may compile code
+                    todo = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
+                    told += todo.notes
                     works = _works(root, study, todo, cluster.assembled(), engine, max_failures, max_cpu)
                     _compute(works, cluster.outcomes(works), tally, progress)
             elif plan.todo:

@@ -28,7 +28,7 @@ from tests.scenes.fake_studies import ENGINE, FakeStudy
 pytest.importorskip("distributed", reason="needs the extra `cluster`")
 from distributed import Client
 
-from bearingsim.runner import cluster, delivery, packing, select
+from bearingsim.runner import cluster, delivery, handshake, packing, select
 from bearingsim.runner.delivery import (
     Delivery,
     OtherInstallation,
@@ -436,7 +436,7 @@ def test_a_wrong_address_is_told_before_models_are_tried(here: Path, monkeypatch
     def tried(*told: Any) -> None:
         raise AssertionError("models are tried")
 
-    monkeypatch.setattr(cluster, "JOINING_S", 0.5)
+    monkeypatch.setattr(handshake, "JOINING_S", 0.5)
     monkeypatch.setattr(select, "_decided", tried)
     text = Path("small.yaml").read_text().partition("figures:")[0].replace("  model: [static, ring]\n", "")
     Path("wanted.yaml").write_text(f"{text}accuracy: {{within: 5 %, of: [velocity.rms]}}\n")
@@ -451,13 +451,13 @@ def test_no_client_is_made_where_nobody_listens(monkeypatch: pytest.MonkeyPatch,
     def made(*told: Any, **more: Any) -> None:
         raise AssertionError("a client is made")
 
-    monkeypatch.setattr(cluster, "Client", made)
+    monkeypatch.setattr(handshake, "_Client", made)
     with pytest.raises(cluster.SchedulerGone, match="no scheduler answers"), cluster.joined(address):
         pass
 
 
 def test_nobody_there_and_nothing_installed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "JOINING_S", 0.5)
+    monkeypatch.setattr(handshake, "JOINING_S", 0.5)
     words = ("run", "small.yaml", "--scheduler", "tcp://127.0.0.1:9")
     assert "no scheduler answers at tcp://127.0.0.1:9" in type_(*words, code=2)[1]
     monkeypatch.delitem(sys.modules, "bearingsim.runner.cluster")

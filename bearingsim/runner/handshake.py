@@ -1,0 +1,199 @@
+"""Joining a dask scheduler, and asking it, with a deadline for each answer.
+
+The time-outs of distributed bound the connection, not the exchange of greetings after it: a port that accepts and
+keeps silent is waited for without end. A client that is given up waits again, as it is collected.
+"""
+
+import logging
+import socket
+import ssl
+import struct
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, suppress
+from functools import partial
+from queue import Empty, SimpleQueue
+from threading import Thread
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+
+from distributed import Client, SchedulerPlugin
+from distributed.comm.addressing import parse_address, parse_host_port
+from distributed.security import Security
+
+from bearingsim.errors import UserError
+
+if TYPE_CHECKING:
+    from distributed import Scheduler
+
+__all__ = ["SchedulerGone", "client_of", "within"]
+
+Answer = TypeVar("Answer")
+
+GREETING_S, JOINING_S, CLOSING_S = 15.0, 20.0, 1.5
+"""How long a scheduler may take to greet; to greet and register a client; and to let it go."""
+TALKING = ("distributed", "distributed.client")
+"""Loggers that have a level of their own."""
+LARGEST = 1 << 16
+"""Bytes of a greeting; those of distributed 2026.8 have 169."""
+WORD = b"pickle-protocol"
+"""Key that every greeting of distributed contains."""
+
+
+class SchedulerGone(UserError):
+    """Nobody answers where the scheduler was."""
+
+
+class NotDask(OSError):
+    """Something that is not of dask listens at an address."""
+
+
+def within(seconds: float, question: Callable[[], Answer]) -> Answer:
+    """Return the answer to a question, or raise its error. Raises TimeoutError if there is none in time.
+
+    A thread of its own asks, so that Ctrl-C is heard meanwhile. One without an answer ends with the process.
+    """
+    outcome: SimpleQueue[Callable[[], Answer]] = SimpleQueue()
+    Thread(target=_ask, args=(question, outcome), daemon=True).start()
+    try:
+        answer = outcome.get(timeout=max(seconds, 0.0))
+    except Empty:
+        raise TimeoutError(f"no answer within {seconds:.0f} s") from None
+    return answer()
+
+
+def _ask(question: Callable[[], Answer], outcome: SimpleQueue[Callable[[], Answer]]) -> None:
+    try:
+        answer = question()
+    except Exception as error:
+        outcome.put(partial(_fail, error))
+    else:
+        outcome.put(lambda: answer)
+
+
+def _fail(error: Exception) -> NoReturn:
+    raise error
+
+
+def refuse_strangers(address: str, seconds: float) -> None:
+    """Exchange greetings as distributed does, with limits of time and size.
+
+    Raises NotDask if something else listens there, OSError if nothing does, ValueError if this is no address.
+    """
+    scheme, place = parse_address(address)
+    if scheme not in ("tcp", "tls"):
+        raise ValueError("expected tcp://HOST:PORT or tls://HOST:PORT")
+    end = time.monotonic() + seconds
+    with (
+        socket.create_connection(parse_host_port(place), timeout=seconds) as plain,
+        _secured(plain, scheme) as peer,
+    ):
+        (size,) = struct.unpack("Q", _received(peer, 8, end))
+        greeting = _received(peer, size, end) if size <= LARGEST else b""
+        if WORD not in greeting:
+            raise NotDask("it sends something else")
+        peer.sendall(struct.pack("Q", size) + greeting)  # its own, which fits it, so that it does not complain
+
+
+def _secured(plain: socket.socket, scheme: str) -> AbstractContextManager[socket.socket]:
+    """The connection itself, or one over TLS with the certificates that dask is configured for."""
+    if scheme == "tcp":
+        return plain
+    context = Security().get_connection_args("client")["ssl_context"]
+    if not isinstance(context, ssl.SSLContext):
+        raise ValueError("dask's configuration names no certificates for tls://")
+    return context.wrap_socket(plain)
+
+
+def _received(peer: socket.socket, count: int, end: float) -> bytes:
+    """As many bytes as asked for. Raises NotDask if they do not come until ``end`` (of ``time.monotonic``)."""
+    content = b""
+    while len(content) < count:
+        peer.settimeout(max(end - time.monotonic(), 1e-3))
+        try:
+            more = peer.recv(count - len(content))
+        except TimeoutError:
+            raise NotDask("it says nothing, as a web server does, or a scheduler that hangs") from None
+        if not more:
+            raise NotDask("it closes the connection")
+        content += more
+    return content
+
+
+# The client
+
+
+class _Client(Client):
+    """A client that ends without farewell: the usual one waits for its scheduler again as it is collected."""
+
+    def __del__(self) -> None:
+        """Leave the connection to the end of the process."""
+
+
+@contextmanager
+def client_of(address: str) -> Iterator[Client]:
+    """A client of the scheduler at ``tcp://HOST:PORT``. Raises SchedulerGone if none answers within JOINING_S."""
+    with _silence():
+        client = _joined(address)
+        try:
+            yield client
+        finally:
+            with suppress(TimeoutError):  # who is gone says no goodbye
+                within(CLOSING_S, client.close)
+
+
+def _joined(address: str) -> Client:
+    end = time.monotonic() + JOINING_S
+    try:
+        within(JOINING_S, partial(refuse_strangers, address, GREETING_S))
+        return within(end - time.monotonic(), partial(_registered, address))
+    except NotDask as error:
+        advice = "take the address that `dask scheduler` prints, tcp:// or tls://, not its dashboard's (port 8787)"
+        raise SchedulerGone(f"what listens at {address} is not a dask scheduler ({error}): {advice}") from None
+    except Exception as error:  # whatever distributed makes of who dies meanwhile, or is a worker
+        advice = "`dask scheduler` starts one, and tells its address"
+        raise SchedulerGone(f"no scheduler answers at {address} ({error}): {advice}") from None
+
+
+def _registered(address: str) -> Client:
+    """A client that the scheduler knows, and its plugin there."""
+    try:
+        client = _Client(address, timeout=JOINING_S, set_as_default=False)
+    except TypeError as error:
+        raise NotDask(f"a worker, perhaps: {error}") from None
+    client.register_plugin(back_at_first_death())
+    return client
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """What distributed has to say of a scheduler that is lost are tracebacks: here it is said in words."""
+    loggers = [logging.getLogger(name) for name in TALKING]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
+
+
+# At the scheduler
+
+
+def back_at_first_death() -> SchedulerPlugin:
+    """By it a unit whose worker dies comes back at once: it is not handed on to kill the next.
+
+    A class made here travels whole, and so the scheduler needs no bearingsim.
+    """
+
+    class BackAtFirstDeath(SchedulerPlugin):
+        name = "bearingsim"
+        idempotent = True  # one serves all runs
+
+        def update_graph(self, scheduler: "Scheduler", **told: Any) -> None:
+            for key in told["tasks"]:
+                if isinstance(key, tuple) and str(key[0]).startswith("bearingsim-"):
+                    scheduler.tasks[key].suspicious = scheduler.allowed_failures  # as often as it may die
+
+    return BackAtFirstDeath()

@@ -1,0 +1,129 @@
+"""Is a wrong scheduler told in time, and does Ctrl-C end the run meanwhile?
+
+    python -m benchmarks.handshakes [--runs 8] [--seed 1] [--csv docs/data/handshakes.csv]
+
+`run --scheduler` is typed at ports of 127.0.0.1 that are no dask scheduler's, and at schedulers that die or hang
+as they are joined. Half of the runs wait: they must end within 30 s, with exit code 2 and a message. The others
+get a SIGINT at a random moment, from which they must end within 2 s, with exit code 130.
+"""
+
+import argparse
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+
+from benchmarks import peers
+
+STUDY = """\
+study: handshakes
+bearing: nf308
+speed: 1800 rpm
+load: 150 N
+model: static
+duration: 0.04 s
+defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 0.05 mm}
+"""
+TOLD_S, INTERRUPTED_S = 30.0, 2.0
+"""Limits, from the start of a run and from its SIGINT."""
+EARLIEST_S = 0.2
+"""When a SIGINT may come, after the start; at last when the run before, which waited, had ended."""
+GIVEN_UP_S = 60.0
+
+
+class Attempt(NamedTuple):
+    """A run: seconds from its start, or from its SIGINT, to its end; ``lost``: the demand that is not met."""
+
+    peer: str
+    sigint_s: float | None
+    exit_code: int
+    seconds: float
+    message: str
+    lost: str
+
+
+def attempts(runs: int, seed: int) -> Iterator[Attempt]:
+    """So many runs of each kind of peer: every other one is interrupted."""
+    chance = random.Random(seed)
+    with tempfile.TemporaryDirectory() as folder, peers.scheduler() as scheduler:
+        study = Path(folder) / "study.yaml"
+        study.write_text(STUDY)
+        for name, peer in peers.kinds(scheduler).items():
+            latest = EARLIEST_S
+            for number in range(runs):
+                moment = chance.uniform(EARLIEST_S, latest) if number % 2 else None
+                with peer(chance) as address:
+                    out = Path(folder) / f"{name} {number}"
+                    found = attempt(name, ["run", str(study), "--scheduler", address, "--out", str(out)], moment)
+                latest = found.seconds if moment is None else latest
+                yield found
+
+
+def attempt(peer: str, words: list[str], moment: float | None) -> Attempt:
+    """Type a command; moment: s after its start at which it gets a SIGINT, if it has not ended before."""
+    began = time.monotonic()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "bearingsim", *words],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        message = process.communicate(timeout=GIVEN_UP_S if moment is None else moment)[1]
+        moment = None
+    except subprocess.TimeoutExpired:
+        began = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        message = _given_up(process)
+    seconds, code = time.monotonic() - began, process.returncode
+    return Attempt(peer, moment, code, seconds, _last(message), _lost(moment is not None, code, seconds, message))
+
+
+def _given_up(process: subprocess.Popen[str]) -> str:
+    """The messages of a process that is to end, or is killed."""
+    try:
+        return process.communicate(timeout=GIVEN_UP_S)[1]
+    except subprocess.TimeoutExpired:
+        process.kill()
+        return process.communicate()[1]
+
+
+def _last(message: str) -> str:
+    return message.strip().rpartition("\n")[2]
+
+
+def _lost(interrupted: bool, code: int, seconds: float, message: str) -> str:
+    if seconds > (INTERRUPTED_S if interrupted else TOLD_S):
+        return "too late"
+    if code != (128 + signal.SIGINT if interrupted else 2):
+        return f"exit code {code}"
+    return "traceback" if "Traceback" in message else ""
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=8, help="of each kind of peer")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--csv", default="docs/data/handshakes.csv")
+    asked = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell ignores it in the background
+    tried = []
+    for one in attempts(asked.runs, asked.seed):
+        tried.append(one)
+        how = "waits" if one.sigint_s is None else f"SIGINT after {one.sigint_s:.1f} s"
+        print(f"{one.peer}, {how}: exit code {one.exit_code} after {one.seconds:.2f} s {one.lost}", flush=True)
+    table = pd.DataFrame(tried)
+    table["message"] = table["message"].str.replace(r":\d+", ":PORT", regex=True)
+    table.to_csv(asked.csv, index=False, float_format="%.2f", lineterminator="\n")
+    sys.exit(int((table["lost"] != "").any()))
+
+
+if __name__ == "__main__":
+    main()

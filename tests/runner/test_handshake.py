@@ -1,0 +1,99 @@
+"""A wrong scheduler is told before a deadline, and Ctrl-C is heard meanwhile."""
+
+import os
+import random
+import signal
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("distributed", reason="needs the extra `cluster`")
+
+from bearingsim.runner import handshake
+from bearingsim.runner.handshake import SchedulerGone, client_of, within
+from benchmarks import handshakes, peers
+
+
+@pytest.fixture
+def soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Deadlines that a test can wait for."""
+    monkeypatch.setattr(handshake, "GREETING_S", 0.3)
+    monkeypatch.setattr(handshake, "JOINING_S", 0.6)
+
+
+def test_an_answer_in_time_is_given_and_so_is_an_error() -> None:
+    assert within(5.0, lambda: 3) == 3
+    with pytest.raises(ZeroDivisionError):
+        within(5.0, lambda: 1 / 0)
+
+
+def test_a_question_without_an_answer_is_given_up() -> None:
+    answer = threading.Event()
+    with pytest.raises(TimeoutError, match="no answer within"):
+        within(0.05, answer.wait)
+    answer.set()
+
+
+def test_ctrl_c_is_heard_while_an_answer_is_waited_for() -> None:
+    answer = threading.Event()
+    threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        within(30.0, answer.wait)
+    answer.set()
+    assert time.monotonic() - began < 2.0
+
+
+@pytest.mark.usefixtures("soon")
+@pytest.mark.parametrize(
+    ("peer", "told"),
+    [
+        (peers.web_server(), "is not a dask scheduler (it says nothing"),
+        (peers.silent(), "is not a dask scheduler (it says nothing"),
+        (peers.closed(), "no scheduler answers at"),
+        *(
+            (peers.rubbish(random.Random(seed)), "is not a dask scheduler (it sends something else)")
+            for seed in (1, 2)
+        ),
+        (peers.listening(lambda peer: peer.close()), "is not a dask scheduler (it closes the connection)"),
+    ],
+)
+def test_what_is_no_scheduler_is_told(peer: peers.Peer, told: str) -> None:
+    with peer as address, pytest.raises(SchedulerGone) as refused, client_of(address):
+        pass
+    assert told in str(refused.value)
+    assert address in str(refused.value)
+    assert "`dask scheduler`" in str(refused.value)
+
+
+@pytest.mark.usefixtures("soon")
+def test_a_greeting_and_nothing_more_is_told() -> None:
+    greeting = b"\x20" + bytes(7) + handshake.WORD.ljust(32)
+    with (
+        peers.listening(lambda peer: peer.sendall(greeting)) as address,
+        pytest.raises(SchedulerGone, match="no scheduler"),
+        client_of(address),
+    ):
+        pass
+
+
+def test_a_greeting_of_any_size_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its length is believed up to 64 kB; of a web page it would be 3e18 bytes."""
+    monkeypatch.setattr(handshake, "GREETING_S", 60.0)
+    with peers.listening(lambda peer: peer.sendall(b"HTTP/1.1")) as address:
+        began = time.monotonic()
+        with pytest.raises(SchedulerGone, match="sends something else"), client_of(address):
+            pass
+    assert time.monotonic() - began < 5.0
+
+
+def test_ctrl_c_ends_a_run_that_waits_for_a_greeting(tmp_path: Path) -> None:
+    """One run of the campaign `benchmarks/handshakes.py`: a process of its own, and a real SIGINT."""
+    study = tmp_path / "study.yaml"
+    study.write_text(handshakes.STUDY)
+    with peers.silent() as address:
+        words = ["run", str(study), "--scheduler", address, "--out", str(tmp_path / "out")]
+        found = handshakes.attempt("silent", words, 4.0)
+    assert (found.lost, found.exit_code) == ("", 130)
