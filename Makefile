@@ -108,6 +108,10 @@ faults: install-dev
 handshakes: install-dev
 	$(BIN)/python -m benchmarks.handshakes
 
+# a wrong scheduler, and one that dies as it is joined: told in time, and ended at once by Ctrl-C?
+handshakes: install-dev
+	$(BIN)/python -m benchmarks.handshakes
+
 bench-compare: install-dev
 	$(BIN)/python -m benchmarks.speed.compare
 
