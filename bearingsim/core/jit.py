@@ -111,7 +111,9 @@ def passing_folder() -> Path:
 
 _CACHE = cache_folder()
 UNREADABLE = (ImportError, AttributeError)  # a type of another module, which is not here or has changed
-_SAVING: Any = FileLock(_CACHE / "saving.lock") if _CACHE else nullcontext()
+SAVING_S = 10.0
+"""How long another process may save: then this one does not, for it may be suspended."""
+_SAVING: Any = FileLock(_CACHE / "saving.lock", timeout=SAVING_S) if _CACHE else nullcontext()
 
 
 def jit(function: Callable, **options: Any) -> Any:

@@ -10,12 +10,13 @@ import os
 import secrets
 import shutil
 import socket
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO, TextIO
 
-from filelock import FileLock
+from filelock import FileLock, Timeout
 
 from bearingsim.errors import UserError
 
@@ -42,6 +43,8 @@ FOLDERS = ("failed", "scans", "trials", "units", "units/??")
 """In a results folder: each is a folder, and no link."""
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 ADVICE = "make room, or take another folder by --out, and give the command again: what is stored stays"
+PATIENCE_S = 5.0
+"""How long a lock is waited for in silence."""
 NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
 
 
@@ -177,12 +180,21 @@ def write_text(path: Path, text: str) -> None:
 def lock(root: Path, wait: bool = True) -> Iterator[None]:
     """The lock that parents sharing a folder hold while they build the table or sweep; dies with its holder.
 
-    On a disk that has no locks nothing is held. Without ``wait`` raises filelock.Timeout if another holds it.
+    On a disk that has no locks nothing is held. Whoever waits for long says for whom. Without ``wait`` raises
+    filelock.Timeout if another holds it.
     """
-    held = FileLock(root / ".lock", timeout=-1 if wait else 0)
+    held = FileLock(root / ".lock", timeout=PATIENCE_S if wait else 0)
     try:
         with room(root / ".lock"):
             held.acquire()
+    except Timeout:
+        if not wait:
+            raise
+        advice = "end it if it is suspended or hangs"
+        print(
+            f"waiting for {_other_runs(root)}, which holds {held.lock_file}: {advice}", file=sys.stderr, flush=True
+        )
+        held.acquire(timeout=-1)  # the holder may be building a large table
     except OSError as error:
         if error.errno not in NO_LOCKS:
             raise
@@ -190,6 +202,12 @@ def lock(root: Path, wait: bool = True) -> Iterator[None]:
         yield
     finally:
         held.release()
+
+
+def _other_runs(root: Path) -> str:
+    """The processes at work in a folder, as their start markers name them, but this one."""
+    names = {path.name.split(".")[1].rpartition("-")[0] for path in root.glob("run.*.started")} - {writer()}
+    return f"another run ({', '.join(sorted(names))})" if names else "another process"
 
 
 def refuse_links(root: Path) -> None:

@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
+from filelock import FileLock
 
 from bearingsim import store
 from bearingsim.config import Case
@@ -452,3 +453,27 @@ def test_a_unit_sealed_elsewhere_is_taken_as_it_is(tmp_path: Path, study: FakeSt
 def flipped(content: bytes) -> bytes:
     middle = len(content) // 2
     return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+def test_whoever_waits_for_a_lock_says_for_whom(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(files, "PATIENCE_S", 0.1)
+    (tmp_path / "run.elsewhere-123-abcdef01.started").touch()
+    other, released = FileLock(tmp_path / ".lock"), threading.Event()
+
+    def hold() -> None:
+        with other:
+            held.set()
+            released.wait()
+
+    held = threading.Event()
+    holder = threading.Thread(target=hold)
+    holder.start()
+    held.wait()
+    threading.Timer(0.4, released.set).start()
+    with store.lock(tmp_path):
+        assert (
+            f"waiting for another run (elsewhere-123), which holds {tmp_path / '.lock'}" in capsys.readouterr().err
+        )
+    holder.join()
