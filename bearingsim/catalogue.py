@@ -234,7 +234,7 @@ register(
     Model(
         "impulse",
         f"{_M}.impulse",
-        frozenset({"impulses", "acceleration"}),
+        frozenset({"impulses", "acceleration", "balls", "damping"}),
         own_method=f"{_S}.impulses",
         build=f"{_A}.impulses:model",
     ),

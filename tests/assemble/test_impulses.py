@@ -1,8 +1,10 @@
 """What the model `impulse` is built from."""
 
+import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.assemble import contacts
 from bearingsim.config import Case
 from bearingsim.simulation.limits import loads_at_rest
 
@@ -28,3 +30,51 @@ def test_twice_the_damping_time_damps_twice() -> None:
     bracket = impulse().rig.bracket_damping
     assert twice.C_x - bracket == pytest.approx(2.0 * (once.C_x - bracket))
     assert twice.C_y - bracket == pytest.approx(2.0 * (once.C_y - bracket))
+
+
+# Balls
+
+
+def places_at_rest(case: Case, pit: bool, k_b: float, anchor: np.ndarray, part: np.ndarray) -> np.ndarray:
+    """Ring (2, n) m at parts of a ball pass: Hertz's contacts in series and a bracket, by Newton's method."""
+    b, d, R_w = case.bearing, case.defects[0], case.bearing.roller_diameter / 2.0
+    k_o, k_i = (contacts.stiffness(case, on_outer).k for on_outer in (True, False))
+    k = (k_o ** (-2 / 3) + k_i ** (-2 / 3)) ** -1.5
+    R_o = (b.pitch_diameter + b.roller_diameter) / 2.0
+    theta = 2.0 * np.pi * (part[:, None] + np.arange(b.rollers)) / b.rollers
+    s = (np.remainder(theta - d.angle + np.pi, 2.0 * np.pi) - np.pi) * R_o
+    rim = np.maximum(d.width / 2.0 - np.abs(s), 0.0)
+    h = np.minimum(rim**2 / 2.0 * (1.0 / R_w - 1.0 / R_o), d.depth) * pit
+    e = np.stack([np.cos(theta), np.sin(theta)])
+    u = np.tile(np.array([[-5e-6], [0.0]]), len(part))
+    for _ in range(40):
+        delta = np.maximum(-np.einsum("anj,an->nj", e, u) - h, 0.0)
+        force = np.einsum("anj,nj->an", e, k * delta**1.5) - k_b * (u - anchor) - np.array([[case.load], [0.0]])
+        slope = np.einsum("anj,bnj,nj->nab", e, e, 1.5 * k * np.sqrt(delta)) + k_b * np.eye(2)
+        u += np.linalg.solve(slope, force.T[:, :, None])[:, :, 0].T
+    assert np.abs(force).max() < 1e-8 * case.load
+    return u
+
+
+def line_at_rest(case: Case) -> np.ndarray:
+    """BPFO displacement line (2,) m of a slowly turning bearing, less the healthy one."""
+    part, k_b = (np.arange(2000) + 0.5) / 2000, case.rig.bracket_stiffness
+    anchor = places_at_rest(case, False, 0.0, np.zeros((2, 1)), part).mean(axis=1, keepdims=True)
+    struck, healthy = (places_at_rest(case, pit, k_b, anchor, part) for pit in (True, False))
+    return np.abs(2.0 * np.mean((struck - healthy) * np.exp(-2j * np.pi * part), axis=1))
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5])
+@pytest.mark.parametrize(("bearing", "width"), [("6205", 0.3e-3), ("6205", 0.8e-3), ("6309", 0.8e-3)])
+def test_the_line_of_balls_is_that_of_a_bearing_at_rest(bearing: str, width: float, angle: float) -> None:
+    """A pit across the balls' path: within 8 % along the load, 10 % of that across."""
+    pit = SLOT | {"length": "7 mm", "width": width, "angle": angle}
+    case = impulse(bearing=bearing, load="500 N", speed="60 rpm", duration="2 s", defect=pit)
+    model, omega = assemble.model(case), 2.0 * np.pi * case.bearing.ball_pass_frequency(case.speed)
+    of_train = [
+        omega / np.pi * abs(J[0] / (K - model.m * omega**2 + 1j * omega * C))
+        for J, K, C in ((model.J_x, model.K_x, model.C_x), (model.J_y, model.K_y, model.C_y))
+    ]
+    at_rest = line_at_rest(case)
+    assert of_train[0] == pytest.approx(at_rest[0], rel=0.08)
+    assert of_train[1] == pytest.approx(at_rest[1], abs=0.1 * at_rest[0])

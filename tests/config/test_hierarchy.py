@@ -219,3 +219,14 @@ def test_impulses_that_came_with_the_model_are_not_asked_for() -> None:
     assert "impulses" not in {need.what for need in needs(case(model="impulse", defect=PIT))}
     asked = case(model="impulse", excitation="impulse-train", defect=PIT)
     assert "impulses" in {need.what for need in needs(asked)}
+
+
+def test_balls_are_refused_by_the_spatial_model_alone() -> None:
+    for name in MODELS:
+        fields = {"bearing": "6205", "model": name, "defect": PIT | {"length": "1 mm"}}
+        if name != "spatial":
+            assert case(**fields).model == name
+            continue
+        ((message, hint),) = refusals(**fields)
+        assert "its elements are balls, which have no axis to tilt" in message
+        assert hint == "the least that can is `model: static`"

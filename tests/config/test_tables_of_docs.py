@@ -1,0 +1,126 @@
+"""The tables of the docs that say what a model, a method, a law or a shape can do, against the catalogue."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from bearingsim.catalogue import LAWS, METHODS, MODELS, SHAPES
+from bearingsim.config import CHANNELS
+from bearingsim.config.rules.hierarchy import _RECORDED
+from bearingsim.config.sections.defect import IMPULSE_EXCITATIONS, Excitation
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+NEEDS = {
+    "impulses": {"impulses"},
+    "a healthy bearing's varying compliance": {"balance"},
+    "pits that move rollers": {"shapes"},
+    "contact forces, load zone": {"forces"},
+    "a second load": {"a second load"},
+    "the contact's force at the pit": {"weakened contact", "shared pressure"},
+    "damping": {"damping"},
+    "the ring's acceleration": {"acceleration"},
+    "inertia of the rollers": {"inertia of rollers"},
+    "a ramp, gravity, friction, cage, drag, a shaft, an unbalance, rotation of the ring": {
+        *("ramp", "gravity", "friction", "cage", "drag", "shaft", "ring rotation", "slip"),
+    },
+    "an outer ring that bends": {"bending ring"},
+    "tilt": {"tilt"},
+    "load along the roller, tilt of rings": {"leaning rings", "profile"},
+    "balls": {"balls"},
+}
+"""Abilities of each row of the table of needs."""
+PARTLY = {("spatial", "the contact's force at the pit"): ("but `pressure-share`", {"weakened contact"})}
+"""What a cell says of a model that has some abilities of its row, and which."""
+
+
+def rows_of(page: str, head: str) -> Iterator[list[str]]:
+    """The cells of the table whose first line begins so."""
+    lines = iter((DOCS / page).read_text(encoding="utf-8").splitlines())
+    for line in lines:
+        if line.startswith(head):
+            break
+    next(lines)  # the rule
+    for line in lines:
+        if not line.startswith("|"):
+            return
+        yield [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
+
+
+def named(cell: str) -> list[str]:
+    """The words in backquotes."""
+    return re.findall(r"`([^`]+)`", cell)
+
+
+def heads(page: str, head: str) -> list[str]:
+    """The names in the first cells of a table."""
+    return [name for cells in rows_of(page, head) for name in named(cells[0])]
+
+
+TABLE_OF_NEEDS = [(cells[0], cells[2:]) for cells in rows_of("model.md", "| need | asked for by |")]
+
+
+@pytest.mark.parametrize(("need", "cells"), TABLE_OF_NEEDS)
+def test_the_table_of_needs_is_that_of_the_catalogue(need: str, cells: list[str]) -> None:
+    row = re.sub(r" \(\[.*", "", need.replace("*", ""))
+    for model, cell in zip(MODELS.values(), cells, strict=True):
+        words, abilities = PARTLY.get((model.name, row), ("yes", NEEDS[row]))
+        assert cell in ("", words), (model.name, cell)
+        assert NEEDS[row] & model.abilities == (abilities if cell else set()), model.name
+
+
+def test_every_ability_has_its_row() -> None:
+    assert set().union(*NEEDS.values()) == set().union(*(model.abilities for model in MODELS.values()))
+    assert len(TABLE_OF_NEEDS) == len(NEEDS)
+
+
+def models_of(cell: str) -> set[str]:
+    """The models that a cell of the table of channels names."""
+    shown = set(named(cell.partition(" with ")[0].partition(";")[0]))
+    return set(MODELS) - shown if cell.startswith("all") else shown
+
+
+def test_the_models_of_each_channel_are_those_that_can() -> None:
+    """But of those that a model only computes badly, which is not refused."""
+    shown = {name: cells[3] for cells in rows_of("results.md", "| channel | unit |") for name in named(cells[0])}
+    shown.pop(".x")
+    shown.pop(".y")
+    assert set(shown) == set(CHANNELS)
+    for channel, cell in shown.items():
+        ability, _ = _RECORDED.get(channel, ("acceleration", ""))
+        able = {name for name, model in MODELS.items() if ability in model.abilities or ability == "acceleration"}
+        assert models_of(cell) == able, channel
+
+
+def test_methods_are_those_of_the_catalogue() -> None:
+    table = {named(cells[0])[0]: cells for cells in rows_of("methods.md", "| `method` | order |")}
+    assert set(table) == set(METHODS)
+    for name, (head, _, steps, *_) in table.items():
+        assert ("(auto)" in head, steps == "adaptive") == (METHODS[name].automatic, METHODS[name].adaptive), name
+
+
+def test_laws_are_those_of_the_catalogue() -> None:
+    elements = {"rollers": "roller", "balls": "ball", "both": ""}
+    shown = {
+        re.split(r"[,}]", named(cells[0])[0].removeprefix("{law: "))[0]: elements[cells[3]]
+        for cells in rows_of("contact.md", "| `contact.stiffness` |")
+    }
+    assert shown == {law.name: law.element for law in LAWS["stiffness"].values()}
+    for page in ("contact.md", "damping.md"):
+        assert set(heads(page, "| `contact.damping.law` |")) == set(LAWS["damping"])
+    assert set(heads("planar.md", "| `friction` |")) == set(LAWS["friction"])
+
+
+def test_shapes_and_excitations_are_those_of_the_catalogue() -> None:
+    assert heads("defects.md", "| `shape` |") == list(SHAPES)
+    assert heads("excitations.md", "| `excitation` |") == [
+        name for name in get_args(Excitation) if name not in IMPULSE_EXCITATIONS
+    ]
+
+
+def test_models_are_those_of_the_catalogue() -> None:
+    for page, head in (("model.md", "| `model` | unknowns |"), ("../README.md", "| model | moves |")):
+        assert heads(page, head) == list(MODELS), page
