@@ -355,16 +355,26 @@ def prune(
 def freq(
     bearing: Annotated[str, typer.Argument(metavar="BEARING", help="a name in configs/bearings, or a path")],
     speed: Annotated[str, typer.Option(help="speed of the inner ring")] = "1800 rpm",
+    outer_speed: Annotated[
+        str | None,
+        typer.Option(help="of the outer ring, negative: against the inner one; default: it stands"),
+    ] = None,
+    contact_angle: Annotated[
+        str | None, typer.Option(help="such as `15 deg`; default: that of the bearing's file, or 0")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Print the characteristic frequencies of a bearing, and their harmonics."""
+    """Print the characteristic frequencies of a bearing, and their harmonics.
+
+    Of a bearing's file `rollers`, `roller_diameter` and `pitch_diameter` suffice, and `element: ball` for balls.
+    """
     from bearingsim.cli import frequencies
 
-    found = frequencies.of_bearing(bearing, speed)
+    found = frequencies.of_bearing(bearing, speed, outer_speed, contact_angle)
     if as_json:
         typer.echo(json.dumps(found, indent=1))
     else:
-        frequencies.show(bearing, speed, found)
+        frequencies.show(bearing, speed, found, outer_speed)
 
 
 @app.command()

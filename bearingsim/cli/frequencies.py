@@ -16,29 +16,47 @@ NAMES = {
 }
 
 
-def of_bearing(name: str, speed: str) -> dict[str, Any]:
-    """Orders of shaft speed and harmonics (Hz) of the bearing's frequencies. Raises StudyError, UnitError."""
+def of_bearing(
+    name: str, speed: str, outer_speed: str | None = None, contact_angle: str | None = None
+) -> dict[str, Any]:
+    """Compute the characteristic frequencies of a bearing, as orders of its shaft's speed and with harmonics (Hz).
+
+    The speeds of both rings count in one sense: with unlike signs the rings turn against each other. With g =
+    d cos(a)/D the cage turns at FTF = [f_i (1 - g) + f_o (1 + g)]/2, in the same sense; BPFO = Z |FTF - f_o|,
+    BPFI = Z |f_i - FTF|, and BSF = D/(2 d) |f_i - f_o| (1 - g^2), relative to the cage (Harris, Rolling Bearing
+    Analysis, ch. 8). All depend on the speed of the inner ring relative to the outer one; only the cage turns with
+    the outer ring besides. Frequencies are magnitudes; `cage_hz` has the sign of the cage's sense. Orders are of
+    the outer ring's speed where the inner ring stands, else of the inner ring's.
+
+    Raises StudyError, UnitError.
+    """
     from math import pi
 
     from bearingsim.config.names import HARMONICS
     from bearingsim.core.geometry import kinematics
-    from bearingsim.study import load_bearing
-    from bearingsim.text.units import UnitError, parse
+    from bearingsim.study import load_rolling_parts
+    from bearingsim.text.units import parse
 
-    bearing, omega = load_bearing(name), parse(speed, "rotation")
-    if omega <= 0.0:
-        raise UnitError(speed, "a rotation speed above zero, such as `1800 rpm`")
-    Z, D_w, d_m = bearing.rollers, bearing.roller_diameter, bearing.pitch_diameter
+    parts, inner = load_rolling_parts(name), parse(speed, "rotation")
+    outer = 0.0 if outer_speed is None else parse(outer_speed, "rotation")
+    _check_turning(speed, inner, outer_speed, outer)
+    angle = parts.contact_angle if contact_angle is None else _contact_angle(contact_angle)
+    D_w, d_m, Z = parts.roller_diameter, parts.pitch_diameter, parts.rollers
+    cage = outer / (2.0 * pi) + kinematics.fundamental_train_frequency(inner - outer, D_w, d_m, angle)
     hertz = {
-        "BPFO": kinematics.ball_pass_frequency_outer(omega, D_w, d_m, Z),
-        "BPFI": kinematics.ball_pass_frequency_inner(omega, D_w, d_m, Z),
-        "FTF": kinematics.fundamental_train_frequency(omega, D_w, d_m),
-        "BSF": kinematics.ball_spin_frequency(omega, D_w, d_m),
+        "BPFO": abs(kinematics.ball_pass_frequency_outer(inner - outer, D_w, d_m, Z, angle)),
+        "BPFI": abs(kinematics.ball_pass_frequency_inner(inner - outer, D_w, d_m, Z, angle)),
+        "FTF": abs(cage),
+        "BSF": abs(kinematics.ball_spin_frequency(inner - outer, D_w, d_m, angle)),
     }
-    shaft = omega / (2.0 * pi)
+    shaft = abs(inner or outer) / (2.0 * pi)
     return {
-        "bearing": bearing.name,
-        "element": bearing.element,
+        "bearing": parts.name,
+        "element": parts.element,
+        "contact_angle_deg": angle * 180.0 / pi,
+        "inner_hz": inner / (2.0 * pi),
+        "outer_hz": outer / (2.0 * pi),
+        "cage_hz": cage,
         "shaft_hz": shaft,
         "frequencies": {
             key: {"order": value / shaft, "hz": [k * value for k in HARMONICS]} for key, value in hertz.items()
@@ -46,16 +64,42 @@ def of_bearing(name: str, speed: str) -> dict[str, Any]:
     }
 
 
-def show(name: str, speed: str, found: dict[str, Any]) -> None:
+def _check_turning(speed: str, inner: float, outer_speed: str | None, outer: float) -> None:
+    """Refuse an inner ring that does not turn forwards, unless the outer ring turns."""
+    from bearingsim.text.units import UnitError
+
+    if inner <= 0.0 and outer_speed is None:
+        raise UnitError(speed, "a rotation speed above zero, such as `1800 rpm`")
+    if inner == outer == 0.0:
+        raise UnitError(speed, "a rotation speed of one of the rings, such as `1800 rpm`", "both stand")
+
+
+def _contact_angle(text: str) -> float:
+    """The angle of an option, rad."""
+    from math import pi
+
+    from bearingsim.text.units import UnitError, parse
+
+    angle = parse(text, "angle")
+    if not 0.0 <= angle <= pi / 2.0:
+        raise UnitError(text, "a contact angle from 0 to 90 deg, such as `15 deg`")
+    return angle
+
+
+def show(name: str, speed: str, found: dict[str, Any], outer_speed: str | None = None) -> None:
     """Print the frequencies as a table."""
     from bearingsim.config.names import HARMONICS
 
-    typer.echo(f"{found['bearing'] or name} at {speed} (shaft {found['shaft_hz']:.4g} Hz)")
+    outer = "" if outer_speed is None else f", its outer ring at {outer_speed}"
+    angle = f", contact angle {found['contact_angle_deg']:.4g} deg" if found["contact_angle_deg"] else ""
+    ring = "shaft" if found["inner_hz"] else "outer ring"
+    typer.echo(f"{found['bearing'] or name} at {speed}{outer}{angle} ({ring} {found['shaft_hz']:.4g} Hz)")
     heads = ["", "what", "order", *(f"{k} x (Hz)" for k in HARMONICS)]
+    against = found["cage_hz"] * (found["inner_hz"] or found["outer_hz"]) < 0.0
     rows = [
         [
             key,
-            NAMES[key].format(found["element"]),
+            NAMES[key].format(found["element"]) + f", against the {ring}" * (against and key == "FTF"),
             f"{entry['order']:.4f}",
             *(f"{value:.3f}" for value in entry["hz"]),
         ]

@@ -12,6 +12,9 @@ from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse, 
 
 SMALLEST, LARGEST = 1e-30, 1e30
 """In SI, of any quantity but zero: far beyond all that is measured, yet the powers of it still fit into floats."""
+FULL_TURN = 2.0 * math.pi * (1.0 + 1e-5)
+"""rad: the largest angle, a full turn, which may be rounded to 6.2832 rad. An angle of 1e9 deg has a wrong unit,
+and has lost its digits besides."""
 MOST_EXPONENT = 10.0
 """Of a law: contacts have up to 3, and of more than this the floats of their constants end."""
 
@@ -62,6 +65,8 @@ class Quantity:
 
     def _said(self, bound: float) -> str:
         """A bound, as a value of the field is written."""
+        if self.dimension == "angle":
+            return f"{math.degrees(bound):.4g} deg"
         return f"{100.0 * bound:g} %" if self.dimension == "share" else f"{bound:g}"
 
 
@@ -76,7 +81,8 @@ class QuantityOrAuto(Quantity):
 Length = Annotated[float, Quantity("length", above=0.0)]
 SignedLength = Annotated[float, Quantity("length")]
 LengthOrZero = Annotated[float, Quantity("length", least=0.0)]
-Angle = Annotated[float, Quantity("angle")]
+Angle = Annotated[float, Quantity("angle", least=-FULL_TURN, most=FULL_TURN)]
+ContactAngle = Annotated[float, Quantity("angle", least=0.0, most=math.pi / 2.0)]
 Rotation = Annotated[float, Quantity("rotation", above=0.0)]
 Force = Annotated[float, Quantity("force", above=0.0)]
 SignedForce = Annotated[float, Quantity("force")]

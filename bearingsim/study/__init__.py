@@ -2,8 +2,9 @@
 
 from bearingsim.study.design import Design
 from bearingsim.study.jobs import Figure, Job, Study, case_id, healthy_twin
-from bearingsim.study.load import Outline, load_bearing, load_study, outline
+from bearingsim.study.load import Outline, load_study, outline
 from bearingsim.study.paths import dimension
+from bearingsim.study.rolling_parts import load_rolling_parts
 from bearingsim.study.schema import json_schema
 from bearingsim.study.template import NEW_STUDY
 from bearingsim.text.yamlfile import Problem, StudyError
@@ -21,7 +22,7 @@ __all__ = [
     "dimension",
     "healthy_twin",
     "json_schema",
-    "load_bearing",
+    "load_rolling_parts",
     "load_study",
     "outline",
 ]

@@ -114,6 +114,12 @@ def check_replaced(tree: Node, swept: frozenset[Path], found: Found) -> None:
                     found.setdefault((mark_of(entry), label(path, 0), kind), entry)
 
 
+def problems_of(error: ValidationError, tree: Node) -> list[Problem]:
+    """Everything that is wrong with the sections of a tree that are no case."""
+    errors = error.errors(include_url=False)[:MAX_TOLD]
+    return [entry for details in errors for _, _, entry in _problems(details, tree, frozenset())]
+
+
 def mark_of(entry: Problem) -> Mark:
     """The place of a problem."""
     return Mark(entry.file, entry.line, entry.column, entry.source_line)

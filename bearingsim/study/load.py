@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
-from bearingsim.config import Bearing
 from bearingsim.config.fields import described
 from bearingsim.study import aliases
 from bearingsim.study.figures import check_known, parse_figures
@@ -130,18 +129,6 @@ def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
     if wrong:
         raise StudyError(wrong)
     return dict(overrides)
-
-
-def load_bearing(name: str) -> Bearing:
-    """The bearing of a name or path; StudyError, pointing into its file, if something is wrong."""
-    mark = argument_mark(name, 1)
-    probe = {"bearing": name, "speed": "1 rad/s", "load": "1 N", "duration": "1e3 s"}
-    plan = Plan(Node({key: Node(text, mark) for key, text in probe.items()}, mark), FilePath())
-    plan.expand()
-    found = plan.cases()
-    if not found:
-        raise StudyError(_in_order(plan.all_problems(), ""))
-    return found[0][0].bearing
 
 
 def _name(root: Node, problems: list[Problem]) -> str:

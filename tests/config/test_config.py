@@ -170,7 +170,7 @@ def test_wrong_values_are_refused(fields: dict[str, Any], part: str) -> None:
     assert part in "\n".join(messages(**fields))
 
 
-@pytest.mark.parametrize(("apart", "fits"), [("1.19 deg", False), ("1.20 deg", True), ("361.19 deg", False)])
+@pytest.mark.parametrize(("apart", "fits"), [("1.19 deg", False), ("1.20 deg", True), ("-358.81 deg", False)])
 def test_defects_of_one_race_do_not_overlap_but_merge(apart: str, fits: bool) -> None:
     # 0.8 mm on a race of 38.5 mm radius is 1.1906 deg
     pair = [SLOT, SLOT | {"angle": apart}]
@@ -444,3 +444,31 @@ def test_a_material_that_is_none_is_refused(density: str) -> None:
     """Rollers of next to no mass would take steps of next to no time, in an estimate too."""
     with pytest.raises(ValidationError, match="expected a density"):
         Material.model_validate({"density": density})
+
+
+@pytest.mark.parametrize("angle", ["361 deg", "-361 deg", "1e9 deg", "6.29 rad"])
+@pytest.mark.parametrize(
+    "field",
+    [
+        lambda angle: {"start_angle": angle},
+        lambda angle: {"defect": SLOT | {"angle": angle}},
+        lambda angle: {"rig": {"sensor_angle": angle}},
+        lambda angle: {"rig": {"sensor": {"angle": angle}}},
+        lambda angle: {"misalignment": {"direction": angle}, "model": "spatial"},
+        lambda angle: {"rig": {"ring": {"bends": True}, "load": {"by": "pads", "angles": [angle]}}},
+        lambda angle: {
+            "model": "planar",
+            "shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"},
+            "unbalance": {"mass_radius": "1 g mm", "angle": angle},
+        },
+    ],
+)
+def test_an_angle_beyond_a_turn_is_refused(field: Any, angle: str) -> None:
+    with pytest.raises(ValidationError, match=f"expected an angle from -360 deg to 360 deg, got `{angle}`"):
+        case(**field(angle))
+    for turn in ("360 deg", "-360 deg"):
+        case(**field(turn))
+
+
+def test_a_full_turn_may_be_rounded() -> None:
+    assert case(start_angle="6.2832 rad").start_angle == 6.2832

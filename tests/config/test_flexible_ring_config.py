@@ -264,7 +264,7 @@ LINES: list[tuple[str, str, str]] = [
     (_loaded("by: points, at: [45 deg]"), "45 deg", "rig.load.at: expected a mapping such as `{angle: 0 deg, stiffness: 1e8 N/m}`, got `45 deg`"),
     (_loaded("by: points, at: [{angle: 0 deg}]"), "{angle", "rig.load.at: `stiffness` is missing (expected a stiffness such as `1e7 N/m`)"),
     (_loaded("by: points, at: [{angle: 0 deg, stifness: 1 N/m, stiffness: 1 N/m}]"), "stifness", "rig.load.at: unknown key `stifness` (did you mean `stiffness`?)"),
-    (_loaded(_at("20 380")), "[{angle", "rig.load.at: two springs stand at the same angle (give each angle once)"),
+    (_loaded(_at("20 -340")), "[{angle", "rig.load.at: two springs stand at the same angle (give each angle once)"),
     (_loaded(_at("120 -90")), "[{angle", "rig.load.at: no spring stands within 90 deg of the load line: nothing carries the load (give one at `angle: 0 deg`)"),
     (f"rig: {{{BEND}, bracket_stiffness: 0 N/m, load: {{{_at('0')}}}}}", "[{angle", "rig.load.at: springs that push only do not hold the carrier here (give springs on both sides of the load line)"),
     (_loaded("by: housing"), "housing", "rig.load.by: `by: housing` needs `stiffness` (say `stiffness: 1e10 N/m/m`)"),

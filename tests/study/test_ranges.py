@@ -7,7 +7,7 @@ import pytest
 
 from bearingsim import store
 from bearingsim.config import Case
-from bearingsim.study import StudyError, load_bearing, load_study
+from bearingsim.study import StudyError, load_study
 from bearingsim.study.ranges import SPEED_FACTOR, contact_pressure, frequency, static_rating
 from tests.conftest import Write
 from tests.scenes.commands import type_
@@ -40,8 +40,8 @@ def test_the_static_rating_is_that_of_catalogues(bearing: str, printed: float) -
 @pytest.mark.parametrize("name", ["nf308", "nu210", "nu204"])
 def test_a_rated_roller_is_pressed_to_4_gpa(name: str) -> None:
     """Rollers are rated by a formula, pressures are Hertz's: ISO 76 ties them by Q = 5 F/Z."""
-    bearing = load_bearing(name)
-    force = 5.0 * static_rating(case(name)) / bearing.rollers
+    rated, bearing = case(name), case(name).bearing
+    force = 5.0 * static_rating(rated) / bearing.rollers
     assert contact_pressure(bearing, force) == pytest.approx(4e9, rel=0.01)
 
 

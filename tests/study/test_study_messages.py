@@ -8,7 +8,7 @@ import pytest
 
 from bearingsim.config import CHANNELS
 from bearingsim.config.fields import alternatives
-from bearingsim.study import Problem, StudyError, load_bearing, load_study
+from bearingsim.study import Problem, StudyError, load_rolling_parts, load_study
 from tests.scenes.study_text import BASE, Write
 
 
@@ -241,7 +241,7 @@ def test_a_mistake_in_a_bearings_file_is_shown_there(write: Write, tmp_path: Pat
         (str(own), "bearing: unknown key `wdth`"),
     ]
     with pytest.raises(StudyError, match="wdth"):
-        load_bearing(str(own))
+        load_rolling_parts(str(own))
     own.write_text(bearing.read_text().replace("bore: 40 mm", "bore: 60 mm"))
     (found,) = problems(write(BASE.replace("nf308", "own.yaml")))
     assert (found.file, found.message) == (str(own), "bearing.bore: the inner race (53 mm) is inside the bore")
@@ -249,9 +249,9 @@ def test_a_mistake_in_a_bearings_file_is_shown_there(write: Write, tmp_path: Pat
 
 
 def test_a_bearing_by_name() -> None:
-    assert load_bearing("nf308").rollers == 13
+    assert load_rolling_parts("nf308").rollers == 13
     with pytest.raises(StudyError, match="did you mean `nf308`"):
-        load_bearing("nf38")
+        load_rolling_parts("nf38")
 
 
 def test_a_bearings_file_that_is_no_yaml(write: Write, tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from bearingsim.config.fields import (
     Angle,
+    ContactAngle,
     Damping,
     Length,
     Mass,
@@ -126,9 +127,7 @@ class Bearing(Section):
     @model_validator(mode="after")
     def _fits(self) -> "Bearing":
         pitch, roller = self.pitch_diameter, self.roller_diameter
-        if roller >= pitch * math.sin(math.pi / self.rollers):
-            most = int(math.pi / math.asin(min(roller / pitch, 1.0)))
-            refuse("crowded", f"{self.rollers} rollers do not fit: at most {most}", at="rollers")
+        _check_circle(self)
         if pitch + roller >= self.outside_diameter:
             race = show(pitch + roller, "mm")
             refuse("outside", f"the outer race ({race}) is outside the outer ring", at="outside_diameter")
@@ -136,6 +135,30 @@ class Bearing(Section):
             race = show(pitch - roller, "mm")
             refuse("bore", f"the inner race ({race}) is inside the bore", at="bore")
         return self
+
+
+class RollingParts(Section):
+    """The numbers of a bearing that its characteristic frequencies follow from, with the contact angle (rad)."""
+
+    name: Text = ""
+    element: Annotated[Element, one_of(*get_args(Element))] = "roller"
+    rollers: Annotated[int, whole(3, 104)]
+    roller_diameter: Length
+    pitch_diameter: Length
+    contact_angle: ContactAngle = 0.0
+
+    @model_validator(mode="after")
+    def _fits(self) -> "RollingParts":
+        _check_circle(self)
+        return self
+
+
+def _check_circle(bearing: Bearing | RollingParts) -> None:
+    """Refuse more rolling elements than their circle has room for."""
+    pitch, roller = bearing.pitch_diameter, bearing.roller_diameter
+    if roller >= pitch * math.sin(math.pi / bearing.rollers):
+        most = int(math.pi / math.asin(min(roller / pitch, 1.0)))
+        refuse("crowded", f"{bearing.rollers} rollers do not fit: at most {most}", at="rollers")
 
 
 class Rig(Section):

@@ -1,36 +1,39 @@
 """Rolling without slip: cage speed and the frequencies at which elements pass.
 
-Contact angle zero. Angles in rad, speeds in rad/s, frequencies in Hz, lengths in m.
+Angles in rad, speeds in rad/s, frequencies in Hz, lengths in m. ``omega_i`` is the speed of the inner ring
+relative to the outer one; where both turn, so is the speed of the cage. ``angle`` is the contact angle: 0 in every
+model, all of which are of radial bearings.
 Source: any bearing text, e.g. Harris, Rolling Bearing Analysis, ch. 8; Schaeffler's and CWRU's tables agree.
 """
 
-from math import pi
+from math import cos, pi
 
 
-def cage_speed(omega_i: float, D_w: float, d_m: float) -> float:
+def cage_speed(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> float:
     """Angular speed of the cage (rad/s) when the inner ring turns at ``omega_i`` and the outer stands."""
-    return omega_i * (1.0 - D_w / d_m) / 2.0
+    return omega_i * (1.0 - D_w / d_m * cos(angle)) / 2.0
 
 
-def fundamental_train_frequency(omega_i: float, D_w: float, d_m: float) -> float:
+def fundamental_train_frequency(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> float:
     """FTF: the cage's turns per second (Hz)."""
-    return cage_speed(omega_i, D_w, d_m) / (2.0 * pi)
+    return cage_speed(omega_i, D_w, d_m, angle) / (2.0 * pi)
 
 
-def ball_pass_frequency_outer(omega_i: float, D_w: float, d_m: float, Z: int) -> float:
+def ball_pass_frequency_outer(omega_i: float, D_w: float, d_m: float, Z: int, angle: float = 0.0) -> float:
     """BPFO: rolling elements passing a point of the outer race per second (Hz)."""
-    return Z * fundamental_train_frequency(omega_i, D_w, d_m)
+    return Z * fundamental_train_frequency(omega_i, D_w, d_m, angle)
 
 
-def ball_pass_frequency_inner(omega_i: float, D_w: float, d_m: float, Z: int) -> float:
+def ball_pass_frequency_inner(omega_i: float, D_w: float, d_m: float, Z: int, angle: float = 0.0) -> float:
     """BPFI: rolling elements passing a point of the inner race per second (Hz)."""
-    return Z * (omega_i / (2.0 * pi) - fundamental_train_frequency(omega_i, D_w, d_m))
+    return Z * (omega_i / (2.0 * pi) - fundamental_train_frequency(omega_i, D_w, d_m, angle))
 
 
-def ball_spin_frequency(omega_i: float, D_w: float, d_m: float) -> float:
+def ball_spin_frequency(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> float:
     """BSF: turns of a rolling element about its own axis, seen from the cage, per second (Hz).
 
     A spot on the element meets a race twice a turn, so its line stands at 2 BSF.
     """
-    gamma = D_w / d_m
-    return omega_i / (2.0 * pi) * (1.0 - gamma * gamma) / (2.0 * gamma)
+    ratio = D_w / d_m
+    gamma = ratio * cos(angle)
+    return omega_i / (2.0 * pi) * (1.0 - gamma * gamma) / (2.0 * ratio)

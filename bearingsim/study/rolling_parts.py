@@ -1,0 +1,55 @@
+"""The bearing of `bearingsim freq`: of its file only what decides the characteristic frequencies need be there."""
+
+from dataclasses import replace
+from typing import Any
+
+from pydantic import ValidationError
+
+from bearingsim.config.fields import Section
+from bearingsim.config.library import read
+from bearingsim.config.sections.machine import Bearing, RollingParts
+from bearingsim.study.diagnose import problems_of
+from bearingsim.text.units import suggestion
+from bearingsim.text.yamlfile import Node, StudyError, argument_mark, plain, problem
+
+__all__ = ["load_rolling_parts"]
+
+KEYS = (*RollingParts.model_fields, *(key for key in Bearing.model_fields if key not in RollingParts.model_fields))
+"""Keys that a file may have: those that are used, then those of a bearing that are not."""
+
+
+class _Holder(Section):
+    """A tree that holds a bearing, so that its problems have the paths of a study."""
+
+    bearing: RollingParts
+
+
+def load_rolling_parts(name: str) -> RollingParts:
+    """Read the rolling elements of a named bearing, or of a file. Raises StudyError with all that is wrong."""
+    mark = argument_mark(name, 1)
+    try:
+        document = read("bearings", name)
+    except ValueError as error:
+        raise StudyError([problem(mark, f"bearing: {error}")]) from None
+    problems = list(document.problems)
+    for key, node in document.root.mapping.items():
+        if key not in KEYS:
+            hint = suggestion(key, KEYS) or f"known: {', '.join(KEYS)}"
+            problems.append(problem(node.key or node.mark, f"bearing: unknown key `{key}`", hint))
+    tree = Node({"bearing": replace(_of_used_keys(document.root), mark=mark)}, mark)
+    data: Any = plain(tree)
+    try:
+        parts = _Holder.model_validate(data).bearing
+    except ValidationError as error:
+        problems += problems_of(error, tree)
+    if problems:
+        raise StudyError(problems)
+    return parts
+
+
+def _of_used_keys(root: Node) -> Node:
+    if not isinstance(root.value, dict):
+        return root
+    return replace(
+        root, value={key: node for key, node in root.mapping.items() if key in RollingParts.model_fields}
+    )
