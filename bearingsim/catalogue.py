@@ -278,6 +278,7 @@ register(
     Law("film", "damping", f"{_C}.contact:Film", f"{_A}.contacts:film"),
     Law("loss-factor", "damping", f"{_C}.contact:LossFactor", f"{_A}.contacts:kraemer", material=False),
     Law("general", "damping", f"{_C}.contact:General", f"{_A}.contacts:general", material=False),
+    Law("none", "damping", f"{_C}.contact:Undamped", f"{_A}.contacts:kraemer", bare=True, material=False),
     Law("static-dynamic", "friction", f"{_C}.free:StaticDynamic", f"{_A}.free:static_dynamic", bare=True),
     Law("traction", "friction", f"{_C}.free:Traction", f"{_A}.free:traction", bare=True),
     Law("none", "friction", f"{_C}.free:Frictionless", f"{_A}.free:frictionless", bare=True),

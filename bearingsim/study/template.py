@@ -50,7 +50,7 @@ sweep:
 # until: 0.5 %                    # with `record: []`: end as soon as line and RMS are known so well
 # contact:
 #   stiffness: palmgren           # or iso16281, johnson; point for balls; {law: constant, ...}
-#   damping: {law: kraemer, beta: 2.5 us}      # or {law: hunt-crossley, chi: 50 s/m}, film, loss-factor, general
+#   damping: {law: kraemer, beta: 2.5 us}  # or {law: hunt-crossley, chi: 50 s/m}, film, loss-factor, general, none
 
 # What only the planar model can: slip, cage, changing speed
 # friction: static-dynamic        # or traction, none, or {law: static-dynamic, static: 0.3, dynamic: 0.15}

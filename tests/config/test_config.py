@@ -82,7 +82,7 @@ def test_damping_is_chosen_by_its_law() -> None:
     general = {"law": "general", "coefficient": "1e6", "indentation_exponent": "2"}
     assert case(contact={"damping": general}).contact.damping.model_dump()["coefficient"] == 1e6
     assert (
-        "expected `kraemer`, `hunt-crossley`, `film`, `loss-factor` or `general`"
+        "expected `kraemer`, `hunt-crossley`, `film`, `loss-factor`, `general` or `none`"
         in messages(contact={"damping": "kramer"})[0]
     )
 

@@ -6,9 +6,10 @@ from typing import Any
 
 import pytest
 
+from bearingsim.assemble import contacts
 from bearingsim.config import Case, Film, HuntCrossley, Kraemer
 from bearingsim.config.sections.contact import Contact
-from bearingsim.study import case_id, json_schema, load_study
+from bearingsim.study import StudyError, case_id, json_schema, load_study
 from tests.scenes.commands import type_
 from tests.scenes.study_text import BASE, Write
 
@@ -153,7 +154,7 @@ TEMPERATURE = "expected a temperature such as `55 C`"
         (
             "law: kramer",
             "{law: kramer",
-            "damping: expected `kraemer`, `hunt-crossley`, `film`, `loss-factor` or `general`, got `kramer` (did you mean `kraemer`?)",
+            "damping: expected `kraemer`, `hunt-crossley`, `film`, `loss-factor`, `general` or `none`, got `kramer` (did you mean `kraemer`?)",
         ),
         ("chi: 50 s/m, beta: 10 us", "chi", "damping: unknown key `chi` (known: law, beta)"),
         ("beta: -1 us", "-1 us", "damping.beta: expected a time"),
@@ -199,3 +200,23 @@ def test_units_of_the_library_are_read(write: Write) -> None:
     given: Any = found.contact.damping
     assert (given.viscosity, given.pressure_coefficient, given.loss_factor) == (0.03, pytest.approx(2e-8), 0.02)
     assert Path(load_study(write(BASE)).path).exists()
+
+
+@pytest.mark.parametrize("given", ["none", {"law": "none"}])
+def test_a_contact_without_damping_is_that_of_a_damping_time_of_zero(given: Any) -> None:
+    undamped, zero = (case(damping) for damping in (given, {"beta": "0 s"}))
+    assert undamped.contact.damping.model_dump() == {"law": "none"}
+    assert contacts.outer(undamped) == contacts.outer(zero)
+    assert type(contacts.outer(undamped)) is type(contacts.outer(zero))  # so that nothing else is compiled
+    assert not undamped.contact.jumps
+    assert Case.model_validate(undamped.model_dump()) == undamped
+
+
+def test_no_damping_takes_no_numbers(write: Write) -> None:
+    with pytest.raises(StudyError, match=r"contact\.damping: unknown key `beta`"):
+        load_study(write(BASE + "contact: {damping: {law: none, beta: 1 us}}\n"))
+
+
+def test_no_damping_is_swept_beside_other_laws(write: Write) -> None:
+    study = load_study(write(BASE + "sweep: {contact.damping: [none, kraemer]}\n"))
+    assert [one.contact.damping.law for one in study.cases()] == ["none", "kraemer"]

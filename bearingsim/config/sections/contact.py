@@ -82,6 +82,17 @@ class Kraemer(_ByStiffness):
         return self.beta
 
 
+class Undamped(_ByStiffness):
+    """No damping: contacts that only spring, as `kraemer` with a `beta` of 0."""
+
+    law: Literal["none"] = "none"
+
+    @property
+    def damping_time(self) -> float:
+        """c/k (s)."""
+        return 0.0
+
+
 class Film(Section):
     """An oil film, and hysteresis in the steel.
 
