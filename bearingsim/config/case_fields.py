@@ -31,6 +31,7 @@ from bearingsim.config.sections.contact import Contact
 from bearingsim.config.sections.defect import Defect, Excitation
 from bearingsim.config.sections.machine import Bearing, Rig, default_rig, named
 from bearingsim.config.sections.space import Misalignment
+from bearingsim.config.vocabulary import sentence
 
 if TYPE_CHECKING:
     ModelName = str
@@ -50,6 +51,12 @@ OLD_WORDS = {"prove": "step_check"}
 def _one_or_many(given: Any) -> Any:
     if isinstance(given, str):
         refuse("list", f"expected a list of mappings, got `{given}`")
+    return given
+
+
+def _of_inner_ring(given: Any) -> Any:
+    if isinstance(given, dict):
+        refuse("quantity", "expected one speed such as `1800 rpm`, got a mapping", sentence("outer_speed"))
     return given
 
 
@@ -81,7 +88,7 @@ class CaseFields(Section):
 
     bearing: Annotated[Bearing, named("bearings")]
     rig: Annotated[Rig, named("rigs")] = Field(default_factory=default_rig)
-    speed: Rotation
+    speed: Annotated[Rotation, BeforeValidator(_of_inner_ring)]
     ramp: Annotated[free.Ramp | None, BeforeValidator(unless_none)] = None
     load: Force
     load_across: SignedForce = 0.0

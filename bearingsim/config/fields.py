@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal, NoReturn
 from pydantic import BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse, suggestion
+from bearingsim.config.vocabulary import advice
+from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse
 
 SMALLEST, LARGEST = 1e-30, 1e30
 """In SI, of any quantity but zero: far beyond all that is measured, yet the powers of it still fit into floats."""
@@ -146,7 +147,7 @@ def one_of(*words: str) -> BeforeValidator:
 
 def raise_unknown_word(given: Any, words: tuple[str, ...]) -> NoReturn:
     """Refuse a word, naming the valid ones and the nearest."""
-    hint = suggestion(given, words) if isinstance(given, str) else ""
+    hint = advice(given, words) if isinstance(given, str) else ""
     refuse("word", f"expected {alternatives(words)}, got {described(given)}", hint or None)
 
 

@@ -67,5 +67,7 @@ def _shown(path: Path) -> str:
 
 def _not_found(kind: Kind, name: str) -> str:
     known = library_names(kind)
-    advice = suggestion(name, known) or f"there are: {', '.join(known)}; or give a path"
-    return f"no {kind[:-1]} `{name}` ({advice})"
+    listed = f"there are: {', '.join(known)}; or give the path of a file"
+    if kind == "bearings":  # a similar number is another bearing
+        return f"no bearing `{name}` ({listed} of your own, docs/bearings.md)"
+    return f"no {kind[:-1]} `{name}` ({suggestion(name, known) or listed})"

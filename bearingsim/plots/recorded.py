@@ -106,7 +106,8 @@ def is_of_slice(channel: str) -> bool:
 def _check(job: str, channel: str, recorded: Sequence[str]) -> None:
     known = [*recorded, *(name for whole in recorded for name in dataset_names(whole))]
     if recorded_as(channel, known) is None:
-        advice = suggestion(channel, known) or f"there are: {', '.join(recorded)}"
+        near = "" if channel in CHANNELS else suggestion(channel, known)
+        advice = near or f"there are: {', '.join(recorded)}"
         raise PlotError(f"job {job} has recorded no `{channel}` ({advice})")
 
 

@@ -280,7 +280,8 @@ def phases(features: Sequence[str]) -> tuple[str, ...]:
 
 def _check(word: str, known: Any, what: str) -> None:
     if word not in known:
-        advice = suggestion(word, list(known)) or f"there are: {', '.join(known) or 'none'}"
+        near = "" if word in FEATURES else suggestion(word, list(known))  # another line is not the one asked for
+        advice = near or f"there are: {', '.join(known) or 'none'}"
         raise PlotError(f"no {what} `{word}` in these results ({advice})")
 
 

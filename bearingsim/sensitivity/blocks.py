@@ -127,7 +127,8 @@ def _check_feature(feature: str, table: "pd.DataFrame") -> None:
     known = [name for name in map(str, table) if name in FEATURES and not name.endswith(".phase")]
     if feature not in known:
         why = " (a phase has no variance: it turns round)" if feature.endswith(".phase") else ""
-        advice = suggestion(feature, known) or f"there are: {', '.join(known) or 'none'}"
+        near = "" if feature in FEATURES else suggestion(feature, known)
+        advice = near or f"there are: {', '.join(known) or 'none'}"
         raise SensitivityError(f"no feature `{feature}` in these results{why} ({advice})")
 
 

@@ -12,8 +12,8 @@ from bearingsim.config import Case
 from bearingsim.config.case import LAWS
 from bearingsim.config.rules.conflicts import Conflict, Path
 from bearingsim.config.sections.contact import WORD
-from bearingsim.study.paths import all_paths, label
-from bearingsim.text.units import EXPECTED, suggestion
+from bearingsim.study.paths import advice_on, all_paths, label
+from bearingsim.text.units import EXPECTED
 from bearingsim.text.yamlfile import MAX_TOLD, Mark, Node, Problem, plain, problem
 
 STUDY_KEYS = ("study", "figures", "sweep", "quick", "uncertainty", "accuracy")
@@ -167,7 +167,7 @@ def _said(details: ErrorDetails) -> tuple[str, str | None]:
 
 def _unknown_key(name: str, path: Path, tree: Node) -> tuple[str, str]:
     known = _keys_at(path[:-1], tree)
-    return f"unknown key `{name}`", suggestion(name, known) or f"known: {', '.join(known)}"
+    return f"unknown key `{name}`", advice_on(name, known, label(path[:-1], 0)) or f"known: {', '.join(known)}"
 
 
 def _keys_at(path: Path, tree: Node) -> list[str]:

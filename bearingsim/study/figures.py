@@ -4,6 +4,7 @@ from collections.abc import Collection
 
 from bearingsim.catalogue import MODELS
 from bearingsim.config import FEATURES
+from bearingsim.config.vocabulary import sentence
 from bearingsim.study.jobs import Figure
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import MAX_TOLD, Node, Problem, problem
@@ -96,7 +97,7 @@ def _check_word(
 ) -> None:
     if word not in words:
         few = "known: " + ", ".join(words) if 0 < len(words) < 10 else None
-        hint = (suggestion(word, words) or few) if len(problems) < MAX_TOLD else None
+        hint = (sentence(word) or suggestion(word, words) or few) if len(problems) < MAX_TOLD else None
         mark = node.key if node.key and node.key.column and where in ("figures", "where") else node.mark
         problems.append(problem(mark, f"{where}: no {what} `{word}`", hint))
 

@@ -1,6 +1,6 @@
 """Paths into a case, as a user types them: `load`, `defect.length`, `defects.2.width`, `contact.damping.chi`."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import cache, lru_cache
 from typing import Any, get_args
@@ -10,6 +10,7 @@ from bearingsim.config.case_fields import OLD_WORDS
 from bearingsim.config.fields import Quantity, Section
 from bearingsim.config.rules.conflicts import Path
 from bearingsim.config.sections.ring import SupportPoint
+from bearingsim.config.vocabulary import sentence
 from bearingsim.text.units import Dimension, suggestion
 from bearingsim.text.yamlfile import Node
 
@@ -43,7 +44,7 @@ def parse_path(text: str, defects: int) -> Path:
     """Where a path leads in a case with that many defects; ValueError if nowhere."""
     plain = _without_number(text)
     if plain not in known_paths():
-        near = suggestion(text, list(known_paths()))
+        near = advice_on(plain, known_paths())
         raise ValueError(f"no such path `{text}`" + (f" ({near})" if near else ""))
     head, *rest = text.split(".")
     if head == "defect":
@@ -51,6 +52,28 @@ def parse_path(text: str, defects: int) -> Path:
     if head == "defects" and rest:
         return ("defects", _numbered_defect(int(rest[0]), defects), *rest[1:])
     return SAME_PLACE.get((head, *rest), (head, *rest))
+
+
+MOST_PLACES = 4  # that are listed of a key: of more the list says nothing
+
+
+def advice_on(path: str, known: Collection[str], section: str | None = None) -> str:
+    """A hint for a path, or a key of a section, that there is not; empty if there is none.
+
+    What is true of its last word, which other sections have a key of that name, or the nearest of ``known``.
+    """
+    word = path.rpartition(".")[2]
+    return sentence(word) or _places(word, section) or suggestion(path, known)
+
+
+def _places(word: str, section: str | None) -> str:
+    """The sections that have a key of a name; nothing of a key that a section has with another law."""
+    paths = [path.rpartition(".") for path in all_paths()]
+    sections = sorted((above for above, _, key in paths if key == word), key=lambda above: above.count("."))
+    if section in sections or not 0 < len(sections) <= MOST_PLACES:
+        return ""
+    *others, last = (f"`{above}`" if above else "the study" for above in sections)
+    return f"`{word}` is a key of {', '.join(others)}{' and ' * bool(others)}{last}"
 
 
 def unspelled(text: str) -> Path:

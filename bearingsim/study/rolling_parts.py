@@ -8,8 +8,8 @@ from pydantic import ValidationError
 from bearingsim.config.fields import Section
 from bearingsim.config.library import read
 from bearingsim.config.sections.machine import Bearing, RollingParts
+from bearingsim.config.vocabulary import advice
 from bearingsim.study.diagnose import problems_of
-from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import Node, StudyError, argument_mark, plain, problem
 
 __all__ = ["load_rolling_parts"]
@@ -34,7 +34,7 @@ def load_rolling_parts(name: str) -> RollingParts:
     problems = list(document.problems)
     for key, node in document.root.mapping.items():
         if key not in KEYS:
-            hint = suggestion(key, KEYS) or f"known: {', '.join(KEYS)}"
+            hint = advice(key, KEYS) or f"known: {', '.join(KEYS)}"
             problems.append(problem(node.key or node.mark, f"bearing: unknown key `{key}`", hint))
     tree = Node({"bearing": replace(_of_used_keys(document.root), mark=mark)}, mark)
     data: Any = plain(tree)

@@ -10,7 +10,6 @@ Inside the program angles are in rad, rotation speeds in rad/s, frequencies in H
 import math
 import re
 from collections.abc import Collection
-from difflib import get_close_matches
 from fractions import Fraction
 from functools import lru_cache
 from typing import Literal, NamedTuple
@@ -231,16 +230,57 @@ def common_dimension(first: str, second: str) -> Dimension | None:
 
 
 def nearest_word(word: str, words: Collection[str]) -> str | None:
-    """The word of `words` closest to `word`, regardless of case; None if none is close."""
-    folded = {candidate.lower(): candidate for candidate in sorted(words, reverse=True)}
-    close = get_close_matches(word.lower(), folded, n=1, cutoff=0.5)
-    return folded[close[0]] if close else None
+    """The word of `words` that `word` is likely a slip of, regardless of case; None if there is none."""
+    return next(iter(_nearest_words(word, words)), None)
 
 
 def suggestion(word: str, words: Collection[str]) -> str:
-    """`did you mean ...?` with the closest of `words`; empty if none is close."""
-    near = nearest_word(word, words)
-    return f"did you mean `{near}`?" if near else ""
+    """`did you mean ...?` with the words that `word` is likely a slip of; empty if there is none."""
+    nearest = [f"`{near}`" for near in _nearest_words(word, words)[:MOST_SUGGESTED]]
+    return f"did you mean {' or '.join(nearest)}?" if nearest else ""
+
+
+MOST_SUGGESTED = 3
+SLIPS_FROM = (3, 9, 14)
+"""Letters from which on a word may have one slip, two, three: of shorter ones another word is another thing."""
+_ALIKE = str.maketrans("01", "ol")
+
+
+def _nearest_words(typed: str, words: Collection[str]) -> list[str]:
+    """Those with the fewest slips, or the only one that begins so and has no further word behind."""
+    folded = typed.lower()
+    slips = {word: _slips(folded, word.lower()) for word in sorted(words) if _may_be_slip(folded, word.lower())}
+    likely = {word: count for word, count in slips.items() if count <= _most_slips(folded, word)}
+    if likely:
+        return [word for word, count in likely.items() if count == min(likely.values())]
+    longer = [word for word in words if len(typed) > 1 and word.lower().startswith(folded)]
+    whole = [word for word in longer if not word[len(typed)].isalnum()]  # `N m/rad` of `N m`, not `N mm/rad`
+    begun = whole or longer
+    return begun if len(begun) == 1 and begun[0][len(typed)] not in "_-" else []
+
+
+def _may_be_slip(typed: str, meant: str) -> bool:
+    """Whether lengths are close enough, and numbers equal: `6204` is no slip of `6205`."""
+    numbers = {"".join(filter(str.isdecimal, word)) for word in (typed, meant)} - {""}
+    return abs(len(typed) - len(meant)) <= _most_slips(typed, meant) and len(numbers) < 2
+
+
+def _most_slips(typed: str, meant: str) -> int:
+    return sum(max(len(typed), len(meant)) >= length for length in SLIPS_FROM)
+
+
+def _slips(typed: str, meant: str) -> int:
+    """How many letters are wrong, missing, too many, or have changed places with the next."""
+    typed, meant = typed.translate(_ALIKE), meant.translate(_ALIKE)
+    before, row = [0] * (len(meant) + 1), list(range(len(meant) + 1))
+    for i, a in enumerate(typed, 1):
+        above, before, row = before, row, [i]
+        for j, b in enumerate(meant, 1):
+            least = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (a != b))
+            if i > 1 and j > 1 and a == meant[j - 2] and typed[i - 2] == b:
+                least = min(least, above[j - 2] + 1)
+            row.append(least)
+    return row[-1]
 
 
 @lru_cache(maxsize=256)

@@ -254,7 +254,7 @@ def test_failed_jobs_are_stored_and_told(here):
     [
         (["--set", "load"], "expected PATH=VALUE"),
         (["--set", "method="], "expected PATH=VALUE"),
-        (["--set", "lode=150 N"], "did you mean `load`?"),
+        (["--set", "laod=150 N"], "did you mean `load`?"),
         (["--shard", "3/2"], "expected K/N"),
         (["--shard", "1/2", "--fresh"], "other shards"),
         (["--jobs", "0"], "greater than or equal to 1"),
@@ -313,7 +313,7 @@ def test_freq_at_another_speed_for_a_script():
 
 @pytest.mark.parametrize(
     ("words", "message"),
-    [(["nf309"], "did you mean `nf308`?"), (["nf308", "--speed", "1800"], "the unit is missing")],
+    [(["nf309"], "there are: 6203, 6205, 6309, nf308, "), (["nf308", "--speed", "1800"], "the unit is missing")],
 )
 def test_freq_refuses_what_it_does_not_know(words, message):
     assert message in type_("freq", *words, code=2)[1]

@@ -35,7 +35,7 @@ def test_plot_takes_the_newest_results(done, monkeypatch):
     [
         (["--kind", "pie"], "sweep, phase, design, series, spectrum, envelope, roller, load, pit or ring"),
         (["--format", "gif"], "png, svg or pdf"),
-        (["--x", "lode"], "did you mean `load`?"),
+        (["--x", "laod"], "did you mean `load`?"),
         (["--kind", "series", "--job", "xyz"], "no job begins with `xyz`"),
         (["--kind", "series", "--span", "20"], "expected a time such as `50 ms`"),
         (["--kind", "series", "--span", "0 ms"], "expected a time above zero, got `0 ms`"),

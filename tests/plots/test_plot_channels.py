@@ -104,7 +104,10 @@ def test_a_roller_without_a_number_is_the_first_one():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"kind": "series", "y": ["roller.3.outer_force"]}, "did you mean `roller.2.outer_force`"),
+        (
+            {"kind": "series", "y": ["roller.3.outer_force"]},
+            "no `roller.3.outer_force` .there are: roller.2",
+        ),
         ({"kind": "series", "y": ["roller.x.y"]}, "has recorded no `roller.x.y`"),
         ({"kind": "spectrum", "y": ["ring.velocity"]}, "has recorded no `ring.velocity`"),
         ({"kind": "roller", "y": ["cage.slip"]}, "`cage.slip` is of no roller"),

@@ -14,8 +14,8 @@ TEXT = STUDY + FIGURES
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"where": {"lode": "150 N"}}, "no swept path `lode`.*did you mean `load`"),
-        ({"kind": "spectrum", "where": {"lode": "150 N"}}, "no swept path `lode`.*did you mean `load`"),
+        ({"where": {"laod": "150 N"}}, "no swept path `laod`.*did you mean `load`"),
+        ({"kind": "spectrum", "where": {"laod": "150 N"}}, "no swept path `laod`.*did you mean `load`"),
         *(({"y": [name]}, f"no feature `{name}`") for name in ("status", "job", "unit", "healthy", "reason")),
         ({"kind": "series", "y": ["velocity.rms"]}, "has recorded no `velocity.rms`"),
         ({"kind": "series", "by": ["load"]}, "a series takes no by"),

@@ -5,7 +5,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bearingsim.text.units import DISPLAY, EXPECTED, UNITS, Dimension, UnitError, display, parse, show, split
+from bearingsim.text.units import (
+    DISPLAY,
+    EXPECTED,
+    UNITS,
+    Dimension,
+    UnitError,
+    display,
+    parse,
+    show,
+    split,
+    suggestion,
+)
 
 
 @pytest.mark.parametrize(
@@ -68,7 +79,7 @@ def test_quantity_becomes_si(text: str, dimension: Dimension, value: float) -> N
         ("150 mm", "force", "`mm` is a unit of length", None),
         ("5 MM", "length", "did you mean `mm`?", "mm"),
         ("1800 rmp", "rotation", "did you mean `rpm`?", "rpm"),
-        ("1.5.2 mm", "length", "did you mean", "mm"),
+        ("1.5.2 mm", "length", "units: m, mm, um, nm", None),
         ("3 N", "number", "no unit here", None),
         ("", "length", "nothing is written", None),
         ("１ mm", "length", "got `１ mm`", None),
@@ -127,3 +138,31 @@ def test_an_unknown_prefix_lists_the_units(text, dimension):
         parse(text, dimension)
     assert refused.value.hint == f"units: {', '.join(UNITS[dimension])}"
     assert refused.value.nearest is None
+
+
+@pytest.mark.parametrize(
+    ("typed", "words", "meant"),
+    [
+        ("lod", ["load", "model"], "`load`"),
+        ("lenght", ["length", "depth"], "`length`"),
+        ("rmp", ["rpm", "Hz"], "`rpm`"),
+        ("LOAD", ["load"], "`load`"),
+        ("velocity@BPF0", ["velocity@BPFI", "velocity@BPFO"], "`velocity@BPFO`"),
+        ("velocity@BPF", ["velocity@BPFI", "velocity@BPFO"], "`velocity@BPFI` or `velocity@BPFO`"),
+        ("outer_force", ["outer_force.max", "inner_force.max"], "`outer_force.max`"),
+        ("N m", ["N m/rad", "N mm/rad"], "`N m/rad`"),
+        ("slip", ["step"], ""),
+        ("rows", ["rollers", "speed"], ""),
+        ("outer_speed", ["speed"], ""),
+        ("contact_angle", ["start_angle"], ""),
+        ("damping", ["sampling"], ""),
+        ("6204", ["6203", "6205"], ""),
+        ("2BPFO", ["3BPFO"], ""),
+        ("cm", ["mm", "um"], ""),
+        ("rms", ["rms_scatter"], ""),
+        ("pocket", ["pocket_damping", "pocket_stiffness"], ""),
+        ("", ["load"], ""),
+    ],
+)
+def test_only_a_likely_slip_is_suggested(typed: str, words: list[str], meant: str) -> None:
+    assert suggestion(typed, words) == (f"did you mean {meant}?" if meant else "")
