@@ -292,12 +292,15 @@ def sensitivity(
 def export(
     results: Results = None,
     features: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="write the table of features (.csv, .parquet)")
+        Path | None,
+        typer.Option(metavar="FILE", help="write the table of features (.csv, .parquet; -: csv to stdout)"),
     ] = None,
     series: Annotated[
         list[str] | None, typer.Option(metavar="JOB", help="write the series of a job; repeatable")
     ] = None,
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="file of the series (.csv, .mat)")] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="file of the series (.csv, .mat; -: csv to stdout)")
+    ] = None,
     file_format: Annotated[
         str | None, typer.Option("--format", help="csv, parquet or mat, where no file is named")
     ] = None,
@@ -307,13 +310,15 @@ def export(
 
     opened = opened_results(results)
     ids = [job_meant(opened, word) for word in series or []]
+    exporting.check(features, ids, out, file_format)
     written = []
     if features or not ids:
         written.append(exporting.features(opened, features, None if ids else file_format))
     if ids:
         written.append(exporting.series(opened, ids, out, file_format))
     for path in written:
-        typer.echo(near(path))
+        if path != exporting.STDOUT:
+            typer.echo(near(path), err=exporting.STDOUT in written)
 
 
 @app.command()

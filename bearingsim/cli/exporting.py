@@ -5,6 +5,8 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import typer
+
 from bearingsim.errors import UserError
 
 if TYPE_CHECKING:
@@ -12,39 +14,61 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results, Series
 
-__all__ = ["features", "series"]
+__all__ = ["STDOUT", "check", "features", "series"]
 
 
 def features(results: "Results", path: Path | None, file_format: str | None) -> Path:
     """Write the table of jobs (swept values and features in SI) to csv or parquet; return the file."""
-    from bearingsim.store import write_bytes
-
     made: dict[str, Callable[[pd.DataFrame], bytes]] = {
         "csv": lambda table: table.to_csv(index=False).encode(),
         "parquet": lambda table: table.to_parquet(None, index=False),
     }
     target = path or Path(f"{results.plan['study']}-features.{file_format or 'csv'}")
     make = made[_suffix(target, tuple(made))]
-    write_bytes(target, make(results.table()))
+    _write(target, make(results.table()))
     return target
 
 
 def series(results: "Results", jobs: Sequence[str], path: Path | None, file_format: str | None) -> Path:
     """Write the recorded series (SI) of some jobs to csv or mat; return the file. Raises ResultsError."""
-    from bearingsim.store import write_bytes
-
     target = path or Path(f"{results.plan['study']}-series.{file_format or 'csv'}")
     suffix = _suffix(target, ("csv", "mat"))
     found = {job: results.series(job) for job in jobs}
     empty = [job for job, one in found.items() if not one.channels]
     if empty:
         raise UserError(f"job {empty[0]} has no series: the study says `record: []`")
-    write_bytes(target, _csv(found) if suffix == "csv" else _mat(found, results.parameters()))
+    _write(target, _csv(found) if suffix == "csv" else _mat(found, results.parameters()))
     return target
+
+
+STDOUT = Path("-")
+"""The file that stands for stdout, which gets csv."""
+
+
+def check(features: Path | None, jobs: Sequence[str], out: Path | None, file_format: str | None) -> None:
+    """Refuse a file of series without a job, two tables on one stdout, and any format there but csv."""
+    if out is not None and not jobs:
+        raise UserError("`--out` is the file of series: name a job with `--series`, or say `--features FILE`")
+    if features == out == STDOUT:
+        raise UserError("--features - and --out -: one of them can go to stdout, name a file for the other")
+    if STDOUT in (features, out) and file_format not in (None, "csv"):
+        raise UserError(f"stdout gets csv, not {file_format}: leave `--format` out, or name a file")
+
+
+def _write(target: Path, content: bytes) -> None:
+    """Write a file, or stdout."""
+    from bearingsim.store import write_bytes
+
+    if target == STDOUT:
+        typer.echo(content, nl=False)
+    else:
+        write_bytes(target, content)
 
 
 def _suffix(path: Path, known: tuple[str, ...]) -> str:
     """The format that a file's name asks for. Raises UserError for another, or where there is no folder."""
+    if path == STDOUT:
+        return "csv"
     suffix = path.suffix.removeprefix(".").lower()
     if suffix not in known:
         raise UserError(f"{path}: expected a name that ends in .{' or .'.join(known)}")

@@ -34,7 +34,7 @@ def _newest_first() -> list[Path]:
 
 def job_meant(results: "Results", word: str) -> str:
     """The id of the job whose id begins with ``word``. Raises UserError if none does, or several do."""
-    found = [job for job in results.jobs if job.startswith(word.lower())]
+    found = [job for job in results.planned if job.startswith(word.lower())]
     if len(found) != 1:
         problem = f"{len(found)} jobs begin with" if found else "no job begins with"
         raise UserError(f"{problem} `{word}`: `bearingsim show {near(results.path)}` lists them")

@@ -152,7 +152,7 @@ def show_failures(folder: Path, tracebacks: bool = False) -> None:
     results = open_results(folder)
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
     known = results.failures()
-    failures = {job: known[job] for job in results.jobs if job in known}
+    failures = {job: known[job] for job in results.planned if job in known}
     varied = {one["job"]: f"{one['what']} {one['value']:.3g} (SI) of {one['of']}" for one in results.variations}
     for job, failure in islice(failures.items(), MOST_ROWS):
         typer.echo(f"{job}  {varied.get(job) or described(swept[job], results.plan['units'])}")

@@ -65,7 +65,7 @@ class _Unit(NamedTuple):
 def superfluous(root: Path) -> Superfluous:
     """What may be removed from a results folder; changes nothing. Raises ResultsError without a sound plan."""
     results = open_results(root)
-    planned = set(results.jobs)
+    planned = set(results.planned)
     units, notes = list[_Unit](), list[str]()
     for path in unit_files(root):
         try:

@@ -13,7 +13,7 @@ from bearingsim.store.journal import Failure, read_failures
 from bearingsim.store.names import channel_attributes, feature_attributes, parameter_attributes
 from bearingsim.store.sealed import UNREADABLE
 from bearingsim.store.spread import spread
-from bearingsim.store.table import info, job_frame, read_plan, table
+from bearingsim.store.table import info, job_frame, read_plan, rows_of, table
 from bearingsim.store.units import Series, read_series, unit_path
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def results_folder(name: str, quick: bool, out: str | Path | None) -> Path:
 def planned_jobs(root: Path) -> set[str]:
     """Ids of the jobs of the plan in a folder; none without a sound plan."""
     try:
-        return set(open_results(root).jobs)
+        return set(open_results(root).planned)
     except ResultsError:
         return set()
 
@@ -75,7 +75,12 @@ class Results:
 
     @cached_property
     def jobs(self) -> tuple[str, ...]:
-        """Ids of all planned jobs: cases, then healthy baselines, then variations."""
+        """Ids of the rows of ``table()``: cases, then healthy baselines."""
+        return tuple(entry["job"] for entry in rows_of(self.plan))
+
+    @cached_property
+    def planned(self) -> tuple[str, ...]:
+        """Ids of all that the plan names: ``jobs``, then their variations."""
         return tuple(entry["job"] for entry in self.plan["jobs"])
 
     @cached_property

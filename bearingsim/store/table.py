@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from bearingsim.study import Job, Study
 
-__all__ = ["build_table", "info", "job_frame", "read_frame", "read_plan", "table", "write_plan"]
+__all__ = ["build_table", "info", "job_frame", "read_frame", "read_plan", "rows_of", "table", "write_plan"]
 
 PER_JOB = ("status", "reason", "healthy", "unit", "stamp")
 
@@ -132,6 +132,11 @@ def build_table(root: Path, rows: Rows | None = None) -> "pd.DataFrame":
     return frame.sort_index(axis=1)
 
 
+def rows_of(plan: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The jobs of a plan that have a row in its table: all but variations."""
+    return [entry for entry in plan["jobs"] if not entry.get("variation")]
+
+
 def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     """One row per case and twin: ``job``, swept paths (SI), features, status, reason, seconds, healthy, unit.
 
@@ -139,7 +144,7 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     """
     import pandas as pd
 
-    ours = [entry for entry in plan["jobs"] if not entry.get("variation")]
+    ours = rows_of(plan)
     spreads = errors(plan, frame)
     frame = frame.loc[[entry["job"] for entry in ours]]
     swept = pd.DataFrame([entry["swept"] for entry in ours], index=frame.index)

@@ -51,8 +51,11 @@ class DamagedUnit(UserError):
 
 
 @dataclass(frozen=True)
-class Series:
-    """The recorded series of one job: ``time`` (n,) in s, ``channels`` name -> (n,) in SI, ``units`` by name."""
+class Series(Mapping[str, NDArray[np.float32]]):
+    """The recorded series of one job: ``time`` (n,) in s, ``channels`` name -> (n,) in SI, ``units`` by name.
+
+    As a mapping it is that of its channels.
+    """
 
     time: NDArray[np.float64]
     channels: dict[str, NDArray[np.float32]]
@@ -60,6 +63,12 @@ class Series:
 
     def __getitem__(self, channel: str) -> NDArray[np.float32]:
         return self.channels[channel]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.channels)
+
+    def __len__(self) -> int:
+        return len(self.channels)
 
 
 def unit_name(jobs: Iterable[str]) -> str:

@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -126,6 +127,31 @@ def test_series_are_exported_to_matlab(done, tmp_path):
     assert struct["parameters"]["load"] == 150.0
     assert struct["parameters"]["model"] == "ring"
     assert len(struct["ring_velocity_x"]) == len(struct["time"]) == 307
+
+
+def test_tables_go_to_stdout(done, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said, told = type_("export", done, "--features", "-")
+    assert (said, told) == ((done / "results.csv").read_text(), "")
+    job = ids(done)[0]
+    said, told = type_("export", done, "--series", job, "--out", "-", "--features", "own.csv")
+    assert pd.read_csv(StringIO(said)).columns[0] == "time [s]"
+    assert told == "own.csv\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["own.csv"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--features", "-", "--format", "parquet"], "stdout gets csv, not parquet"),
+        (["--features", "-", "--series", "JOB", "--out", "-"], "one of them can go to stdout"),
+        (["--out", "x.csv"], "`--out` is the file of series: name a job with `--series`"),
+    ],
+)
+def test_what_stdout_cannot_hold_is_refused(done, words, message):
+    assert (
+        message in type_("export", done, *(ids(done)[0] if word == "JOB" else word for word in words), code=2)[1]
+    )
 
 
 def test_export_refuses_other_formats(done, tmp_path):

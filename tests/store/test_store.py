@@ -7,7 +7,9 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import h5py
@@ -17,6 +19,7 @@ import xarray as xr
 from filelock import FileLock
 
 from bearingsim import store
+from bearingsim.cli.opening import job_meant
 from bearingsim.config import Case
 from bearingsim.store import files
 from bearingsim.store.columns import columns
@@ -47,6 +50,53 @@ def test_unit_file_returns_what_was_stored(tmp_path: Path, study: FakeStudy) -> 
     np.testing.assert_array_equal(series["ring.velocity.y"], record.series["ring.velocity.y"].astype("f4"))
     assert series.units == {"ring.velocity.x": "m/s", "ring.velocity.y": "m/s"}
     assert path == store.unit_path(tmp_path, store.unit_name(job.id for job in study.jobs()))
+
+
+def test_series_are_a_mapping_of_channels(tmp_path: Path, study: FakeStudy) -> None:
+    [path] = seal(tmp_path, study)
+    series = store.read_series(path, study.jobs()[1].id)
+    assert list(series) == ["ring.velocity.x", "ring.velocity.y"]
+    assert (len(series), "ring.velocity.x" in series, "ring.velocity.z" in series, "time" in series) == (
+        *(2, True, False, False),
+    )
+    as_dict = dict(series)
+    assert as_dict.keys() == series.channels.keys()
+    np.testing.assert_array_equal(as_dict["ring.velocity.x"], series.channels["ring.velocity.x"])
+    with pytest.raises(KeyError):
+        series["ring.velocity.z"]
+
+
+class OfVariations(FakeStudy):
+    """A study whose jobs have one variation more each."""
+
+    def jobs(self) -> list[Any]:
+        """Cases and healthy twins, then variations."""
+        return [*super().jobs(), *(one.job for one in self.variations())]
+
+    def variations(self) -> list[Any]:
+        """Each case once more, twice as wide."""
+        own = [job for job in super().jobs() if not job.is_baseline]
+        varied = [replace(job.case, width=2.0 * job.case.width, seconds=1.0) for job in own]
+        jobs = [FakeJob(case_id(case), case, {}, None, is_variation=True) for case in varied]
+        return [
+            SimpleNamespace(of=job.id, what="damping", value=1e-6, job=one)
+            for job, one in zip(own, jobs, strict=True)
+        ]
+
+
+def test_jobs_are_the_rows_of_the_table_and_the_plan_names_variations_too(tmp_path: Path) -> None:
+    study = OfVariations()
+    seal(tmp_path, study)
+    results = store.open_results(tmp_path)
+    ids, own = [job.id for job in study.jobs()], [job.id for job in study.jobs() if not job.is_variation]
+    assert results.jobs == tuple(own) == tuple(results.table()["job"])
+    assert results.planned == tuple(ids)
+    assert len(ids) > len(own)
+    assert store.planned_jobs(tmp_path) == set(ids)
+    assert not store.superfluous(tmp_path).paths  # variations are not pruned
+    varied = study.variations()[0].job.id
+    assert job_meant(results, varied) == varied
+    assert len(results.series(varied)) == 2
 
 
 def test_unit_file_is_compressed_and_has_checksums(tmp_path: Path, study: FakeStudy) -> None:
