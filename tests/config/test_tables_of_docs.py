@@ -2,13 +2,16 @@
 
 import re
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 from typing import get_args
 
 import pytest
+from pydantic import ValidationError
 
+from bearingsim import assemble
 from bearingsim.catalogue import LAWS, METHODS, MODELS, SHAPES
-from bearingsim.config import CHANNELS
+from bearingsim.config import CHANNELS, Case
 from bearingsim.config.rules.hierarchy import _RECORDED
 from bearingsim.config.sections.defect import IMPULSE_EXCITATIONS, Excitation
 
@@ -124,3 +127,22 @@ def test_shapes_and_excitations_are_those_of_the_catalogue() -> None:
 def test_models_are_those_of_the_catalogue() -> None:
     for page, head in (("model.md", "| `model` | unknowns |"), ("../README.md", "| model | moves |")):
         assert heads(page, head) == list(MODELS), page
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_what_a_model_is_said_to_do_can_be_made(model: str) -> None:
+    """Each excitation and element that a case may have with it: there are parameters for it."""
+    made = set[tuple[str, str]]()
+    for bearing, excitation in product(("nf308", "6205"), get_args(Excitation)):
+        defect = {"shape": "rectangular", "length": "3 mm", "width": "0.4 mm", "depth": "20 um"}
+        fields = {"bearing": bearing, "speed": "1800 rpm", "load": "150 N", "model": model, "defect": defect}
+        try:
+            case = Case.model_validate(fields | {"excitation": excitation})
+        except ValidationError:
+            continue
+        assemble.model(case)
+        made.add((bearing, excitation))
+    able = MODELS[model].abilities
+    assert ("6205" in {bearing for bearing, _ in made}) == ("balls" in able)
+    assert ("nf308", "impulse-train") in made or "impulses" not in able
+    assert ("nf308", "soft-edge") in made or "weakened contact" not in able

@@ -86,7 +86,8 @@ class OfVariations(FakeStudy):
 
 def test_jobs_are_the_rows_of_the_table_and_the_plan_names_variations_too(tmp_path: Path) -> None:
     study = OfVariations()
-    seal(tmp_path, study)
+    for varied in (False, True):
+        seal(tmp_path, study, [job for job in study.jobs() if job.is_variation == varied])
     results = store.open_results(tmp_path)
     ids, own = [job.id for job in study.jobs()], [job.id for job in study.jobs() if not job.is_variation]
     assert results.jobs == tuple(own) == tuple(results.table()["job"])
@@ -94,9 +95,9 @@ def test_jobs_are_the_rows_of_the_table_and_the_plan_names_variations_too(tmp_pa
     assert len(ids) > len(own)
     assert store.planned_jobs(tmp_path) == set(ids)
     assert not store.superfluous(tmp_path).paths  # variations are not pruned
-    varied = study.variations()[0].job.id
-    assert job_meant(results, varied) == varied
-    assert len(results.series(varied)) == 2
+    one = study.variations()[0].job.id
+    assert job_meant(results, one) == one
+    assert len(results.series(one)) == 2
 
 
 def test_unit_file_is_compressed_and_has_checksums(tmp_path: Path, study: FakeStudy) -> None:
