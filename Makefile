@@ -10,13 +10,17 @@ PYTHON ?= python3
 VENV ?= .venv
 JOBS ?= 2
 BIN := $(VENV)/bin
+LOCK = $(BIN)/uv pip compile --quiet --python-version 3.11 --generate-hashes --no-header --no-emit-index-url --no-annotate
+PYTHONS := 3.11 3.12 3.13
+FIND_PYTHON = PATH="$$PATH$$(printf ':%s' "$${PYENV_ROOT:-$$HOME/.pyenv}"/versions/*/bin)" $(BIN)/uv python find --system --no-python-downloads 2>/dev/null
+SMOKE := tests/cli/test_smoke.py tests/store
 FIGURES := fig14 fig15 fig16
 STUDIES := $(FIGURES) damping excitations inner_race roller_defect slip length offset tilt misalignment shapes ring_bends ring_trends paper_literal models
 REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes
+.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -84,6 +88,26 @@ test: install-dev
 test-quick: install-dev
 	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -m "not slow"
 
+# the fast tests on each supported Python, in an environment of its own
+test-versions: install-dev
+	@for version in $(PYTHONS); do \
+	  python=$$($(FIND_PYTHON) $$version) || { echo "Python $$version skipped: none on PATH or in pyenv"; continue; }; \
+	  echo "Python $$version: $$python"; \
+	  $(MAKE) --no-print-directory test-quick VENV=.venv-$$version PYTHON=$$python || exit 1; \
+	done
+
+# the lowest versions that pyproject.toml allows, without extras, on the lowest Python: commands and stored results.
+# Deprecations that old packages report of each other are not ours
+smoke-lowest: .venv-lowest/installed
+	.venv-lowest/bin/python -m pytest $(SMOKE) -m "not slow" --numprocesses 2 --dist loadfile \
+	  -W ignore::DeprecationWarning -W ignore::PendingDeprecationWarning
+
+.venv-lowest/installed: requirements-lowest.lock pyproject.toml $(VENV)/installed-dev
+	python=$$($(FIND_PYTHON) $(firstword $(PYTHONS))) || python=$(PYTHON); $$python -m venv --clear .venv-lowest
+	.venv-lowest/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r $<
+	.venv-lowest/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
 lint: install-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -108,24 +132,17 @@ faults: install-dev
 handshakes: install-dev
 	$(BIN)/python -m benchmarks.handshakes
 
-# a wrong scheduler, and one that dies as it is joined: told in time, and ended at once by Ctrl-C?
-handshakes: install-dev
-	$(BIN)/python -m benchmarks.handshakes
-
 bench-compare: install-dev
 	$(BIN)/python -m benchmarks.speed.compare
 
 bench-peers: install-dev
-	$(BIN)/python -m pip install --quiet uv
 	$(BIN)/uv pip install --quiet --python $(BIN)/python --group peers
 	-$(BIN)/uv pip install --quiet --python $(BIN)/python --group peers-from-source
 
 lock: install-dev
-	$(BIN)/python -m pip install --quiet uv
-	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header \
-	  --no-emit-index-url --no-annotate --group build pyproject.toml -o requirements.lock
-	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header \
-	  --no-emit-index-url --no-annotate --group dev pyproject.toml -o requirements-dev.lock
+	$(LOCK) --universal --group build pyproject.toml -o requirements.lock
+	$(LOCK) --universal --group dev pyproject.toml -o requirements-dev.lock
+	$(LOCK) --resolution lowest-direct --group build --group tests pyproject.toml -o requirements-lowest.lock
 
 clean:
 	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

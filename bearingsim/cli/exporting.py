@@ -21,7 +21,7 @@ def features(results: "Results", path: Path | None, file_format: str | None) -> 
     """Write the table of jobs (swept values and features in SI) to csv or parquet; return the file."""
     made: dict[str, Callable[[pd.DataFrame], bytes]] = {
         "csv": lambda table: table.to_csv(index=False).encode(),
-        "parquet": lambda table: table.to_parquet(None, index=False),
+        "parquet": _parquet,
     }
     target = path or Path(f"{results.plan['study']}-features.{file_format or 'csv'}")
     make = made[_suffix(target, tuple(made))]
@@ -75,6 +75,17 @@ def _suffix(path: Path, known: tuple[str, ...]) -> str:
     if not path.parent.is_dir():
         raise UserError(f"{path}: there is no folder {path.parent}")
     return suffix
+
+
+def _parquet(table: "pd.DataFrame") -> bytes:
+    """Return the content of a parquet file. Raises UserError without pyarrow, or with one too old for pandas."""
+    try:
+        content: bytes = table.to_parquet(None, engine="pyarrow", index=False)
+    except ImportError:
+        raise UserError(
+            "parquet needs pyarrow: `pip install 'bearingsim[parquet]'`, or name a .csv file"
+        ) from None
+    return content
 
 
 def _csv(found: "dict[str, Series]") -> bytes:

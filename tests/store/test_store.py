@@ -27,6 +27,7 @@ from bearingsim.store.files import temporary, write_bytes
 from bearingsim.store.names import parameter_attributes
 from bearingsim.store.sealed import new_hdf5
 from tests.scenes.fake_studies import FakeCase, FakeJob, FakeStudy, case_id, record_of
+from tests.scenes.reading import EVERY_DIGIT
 
 PROVENANCE: dict[str, int | str] = {"model_version": 1, "study_text": "study: fake\n" + "# long\n" * 20_000}
 
@@ -353,7 +354,7 @@ def test_csv_reads_back_exactly(tmp_path: Path, study: FakeStudy) -> None:
 
     seal(tmp_path, study)
     store.build_table(tmp_path)
-    again = pd.read_csv(tmp_path / "results.csv", dtype={"job": str})
+    again = pd.read_csv(tmp_path / "results.csv", dtype={"job": str}, **EVERY_DIGIT)
     table = store.open_results(tmp_path).table()
     assert list(again.columns[:2]) == ["job", "defect.width"]
     for name in ("velocity@BPFO", "velocity.rms", "velocity@BPFO-healthy", "seconds"):
