@@ -16,6 +16,7 @@ from bearingsim.bench.provenance import provenance
 from bearingsim.bench.scene import Scene
 from bearingsim.runner.pool import spread
 from bearingsim.runner.progress import duration
+from bearingsim.store import claim
 
 RUNS, ABOUT = "runs.csv", "provenance.json"
 LINE_EVERY_S = 5.0
@@ -35,7 +36,7 @@ def compute(
     others: by scene, solvers of other packages (``outside.SOLVERS``) at their settings; left_out: those that are
     not here, and why. Told on stderr how far it is. A run that is interrupted leaves the rows it has.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    claim(folder, "a chart", "bearingsim bench", "results/bench-chart-2")
     wanted = [run for scene in scenes for run in runs(scene, quick, (others or {}).get(scene.name))]
     path, began = folder / RUNS, (time.monotonic(), time.process_time())
     known = read(path)

@@ -304,6 +304,7 @@ def export(
     file_format: Annotated[
         str | None, typer.Option("--format", help="csv, parquet or mat, where no file is named")
     ] = None,
+    force: Annotated[bool, typer.Option("--force", help="replace files that are there")] = False,
 ) -> None:
     """Write features to csv or parquet, or the series of chosen jobs to csv or mat."""
     from bearingsim.cli import exporting
@@ -313,9 +314,9 @@ def export(
     exporting.check(features, ids, out, file_format)
     written = []
     if features or not ids:
-        written.append(exporting.features(opened, features, None if ids else file_format))
+        written.append(exporting.features(opened, features, None if ids else file_format, force))
     if ids:
-        written.append(exporting.series(opened, ids, out, file_format))
+        written.append(exporting.series(opened, ids, out, file_format, force))
     for path in written:
         if path != exporting.STDOUT:
             typer.echo(near(path), err=exporting.STDOUT in written)

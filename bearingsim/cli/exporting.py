@@ -17,22 +17,32 @@ if TYPE_CHECKING:
 __all__ = ["STDOUT", "check", "features", "series"]
 
 
-def features(results: "Results", path: Path | None, file_format: str | None) -> Path:
-    """Write the table of jobs (swept values and features in SI) to csv or parquet; return the file."""
+def features(results: "Results", path: Path | None, file_format: str | None, force: bool) -> Path:
+    """Write the table of jobs (swept values and features in SI) to csv or parquet; return the file.
+
+    force: in place of a file that is there. Raises UserError for one without it.
+    """
     made: dict[str, Callable[[pd.DataFrame], bytes]] = {
         "csv": lambda table: table.to_csv(index=False).encode(),
         "parquet": _parquet,
     }
     target = path or Path(f"{results.plan['study']}-features.{file_format or 'csv'}")
     make = made[_suffix(target, tuple(made))]
+    _refuse_existing(target, force)
     _write(target, make(results.table()))
     return target
 
 
-def series(results: "Results", jobs: Sequence[str], path: Path | None, file_format: str | None) -> Path:
-    """Write the recorded series (SI) of some jobs to csv or mat; return the file. Raises ResultsError."""
+def series(
+    results: "Results", jobs: Sequence[str], path: Path | None, file_format: str | None, force: bool
+) -> Path:
+    """Write the recorded series (SI) of some jobs to csv or mat; return the file.
+
+    force: in place of a file that is there. Raises UserError for one without it, ResultsError.
+    """
     target = path or Path(f"{results.plan['study']}-series.{file_format or 'csv'}")
     suffix = _suffix(target, ("csv", "mat"))
+    _refuse_existing(target, force)
     found = {job: results.series(job) for job in jobs}
     empty = [job for job, one in found.items() if not one.channels]
     if empty:
@@ -53,6 +63,11 @@ def check(features: Path | None, jobs: Sequence[str], out: Path | None, file_for
         raise UserError("--features - and --out -: one of them can go to stdout, name a file for the other")
     if STDOUT in (features, out) and file_format not in (None, "csv"):
         raise UserError(f"stdout gets csv, not {file_format}: leave `--format` out, or name a file")
+
+
+def _refuse_existing(target: Path, force: bool) -> None:
+    if not force and target != STDOUT and (target.exists() or target.is_symlink()):
+        raise UserError(f"{target} exists already: name another file, or say --force to replace it")
 
 
 def _write(target: Path, content: bytes) -> None:

@@ -47,10 +47,10 @@ def show(results: "Results", features: Sequence[str], as_json: bool, out: Path |
 
 def _target(results: "Results", features: Sequence[str], out: Path | None) -> Path:
     """The file of the figure. Raises UserError for a name of another format, or in no folder."""
-    from bearingsim.plots.plot import FORMATS, slug
+    from bearingsim.plots.plot import FIGURES, FORMATS, slug
 
     if out is None:
-        return results.path / "figures" / f"{slug(['sensitivity', *features])}.png"
+        return results.path / FIGURES / f"{slug(['sensitivity', *features])}.png"
     if out.suffix.removeprefix(".").lower() not in FORMATS:
         raise UserError(f"{out}: expected a name that ends in .{', .'.join(FORMATS[:-1])} or .{FORMATS[-1]}")
     if not out.parent.is_dir():
@@ -61,8 +61,7 @@ def _target(results: "Results", features: Sequence[str], out: Path | None) -> Pa
 def _draw(results: "Results", answers: "Sequence[Answer]", target: Path, quiet: bool) -> None:
     from bearingsim.plots import sensitivity
 
-    if target.parent == results.path / "figures":
-        target.parent.mkdir(exist_ok=True)
+    target.parent.mkdir(exist_ok=True)
     file = sensitivity.draw(results, answers, target)
     if not quiet:
         typer.echo(near(file))

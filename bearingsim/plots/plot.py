@@ -32,6 +32,15 @@ UNUSED_OPTIONS = {
 """What a kind of figure does not take."""
 MAX_NAMED = 4  # jobs in the name of a file
 FORMATS = ("png", "svg", "pdf")
+FIGURES = "figures"
+"""The folder of a study's figures, among its results."""
+MARK = b"made by bearingsim"
+"""What every figure says of itself."""
+MADE_BY = {
+    "png": {"Software": MARK.decode()},
+    "svg": {"Creator": MARK.decode(), "Date": None},
+    "pdf": {"Creator": MARK.decode()},
+}
 
 
 def plot(
@@ -57,11 +66,11 @@ def plot(
 
     from bearingsim.plots.style import RC
 
-    folder = out or results.path / "figures"
+    folder = out or results.path / FIGURES
     with mpl.rc_context(RC):  # type: ignore[arg-type]
         sheets = drawn(results, kind, x, jobs, **changes)
         folder.mkdir(parents=True, exist_ok=True)
-        return [written(canvas, folder / f"{name}.{file_format}") for name, canvas in sheets]
+        return [written(canvas, folder / f"{name}.{file_format}", results) for name, canvas in sheets]
 
 
 def drawn(
@@ -87,12 +96,21 @@ def _check_done(results: "Results") -> None:
     raise PlotError(f"no job is done, there is nothing to draw{failed}")
 
 
-def written(canvas: "Canvas", path: Path) -> Path:
-    """Write a figure as the ending of its name says; return the file."""
+def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
+    """Write a figure as the ending of its name says; return the file.
+
+    Raises PlotError where a file of that name is no figure of this program: it stays as it is.
+    """
     from bearingsim.store import write_bytes
 
     drawing, kind = BytesIO(), path.suffix.removeprefix(".")
-    canvas.savefig(drawing, format=kind, metadata={"Date": None} if kind == "svg" else None)
+    canvas.savefig(drawing, format=kind, metadata=MADE_BY[kind])
+    if (
+        path.exists()
+        and path.parent.resolve() != results.path.resolve() / FIGURES
+        and MARK not in path.read_bytes()
+    ):
+        raise PlotError(f"{path} is no figure of this program: name another place by --out, or move it away")
     write_bytes(path, drawing.getvalue())
     return path
 

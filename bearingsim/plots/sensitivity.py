@@ -40,7 +40,7 @@ def draw(results: "Results", answers: Sequence[Answer], path: Path) -> Path:
     from bearingsim.plots.plot import written
 
     with mpl.rc_context(RC):  # type: ignore[arg-type]
-        return written(figure(results, answers), path)
+        return written(figure(results, answers), path, results)
 
 
 def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:

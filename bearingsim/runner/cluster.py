@@ -323,7 +323,8 @@ def _refuse_others(work: Work, delivery: Delivery) -> None:
 
 def _short(work: Work) -> Work:
     """The work as it travels: scans are named as results name them, for a worker has another working folder."""
-    return replace(work, jobs=tuple(replace(job, case=store.with_short_paths(job.case)) for job in work.jobs))
+    jobs = tuple(replace(job, case=store.with_short_paths(job.case)) for job in work.jobs)
+    return replace(work, others=None, jobs=jobs)
 
 
 def _scans(work: Work) -> dict[str, bytes]:

@@ -1,6 +1,7 @@
 """Running a study: what is not done yet is computed and stored, whatever happens meanwhile."""
 
 import signal
+import sys
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import AbstractContextManager, closing, nullcontext, suppress
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
 from bearingsim.errors import UserError
+from bearingsim.runner import beside
 from bearingsim.runner.bounds import Affordable, affordable, ended_early, refuse_bounds
 from bearingsim.runner.commands import command
 from bearingsim.runner.findings import of_results
@@ -73,7 +75,7 @@ def run(
     workers, joined = _workers(jobs), _joined(scheduler)
     refuse_bounds(max_failures, max_cpu)
     shard_of([], shard)  # a share that does not exist is refused before models are tried
-    _prepare(root, fresh, shard)
+    _prepare(root, study, fresh, shard, progress)
     with store.in_use(root):
         try:
             reach = partial(_reach, joined)
@@ -84,7 +86,7 @@ def run(
         ours = shard_of(every, shard)
         store.keep_scans(root, [job.case for job in every])
         earlier = store.planned_jobs(root)
-        store.write_plan(root, study, every, told)
+        written = store.write_plan(root, study, every, told)
         plan = _plan(root, ours, retry_failed, verify)
         store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
         tally = _Tally(root, command("run", study, root, "--retry-failed"), plan.failures, max_failures)
@@ -108,13 +110,15 @@ def run(
         except KeyboardInterrupt as stop:
             interrupted = getattr(stop, "number", signal.SIGINT)
         store.sweep(root)
-        frame = store.build_table(root, plan.held.rows)
+        store.build_table(root, plan.held.rows)
+        frame = store.own_frame(root, written, plan.held.rows)
     seconds = time.perf_counter() - started
     left_out = len((earlier & plan.held.sealed) - {job.id for job in every})
     status = frame["status"].loc[[job.id for job in ours]]
     if tally.full and (status == "missing").any():
         told.insert(0, ended_early(tally.failed, max_failures))
-    notes = (*_notes(left_out, plan.held.damaged), *told, *of_results(store.read_plan(root), frame))
+    before = _notes(left_out, plan.held.damaged)
+    notes = (*before, *beside.notes(root, written, tally.elsewhere), *told, *of_results(written, frame))
     summary = tally.summary(study.name, status, plan.resumed, seconds, interrupted, notes)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
     if interrupted:
@@ -149,7 +153,7 @@ def with_models(study: "Study", out: str | Path | None, jobs: int | None, try_th
     """
     root = store.results_folder(study.name, study.quick, out)
     if try_them:
-        _prepare(root, False, (1, 1))
+        _prepare(root, study, False, (1, 1), None)
     with store.in_use(root) if try_them else nullcontext(), suppress(NoChoices):
         return selected(study, root, _workers(jobs), BEARINGSIM, alone=try_them)
     return study
@@ -193,14 +197,15 @@ def _reach(joined: "Callable[[], AbstractContextManager[Cluster]] | None") -> No
             pass
 
 
-def _prepare(root: Path, fresh: bool, shard: tuple[int, int]) -> None:
+def _prepare(root: Path, study: "Study", fresh: bool, shard: tuple[int, int], shown: bool | None) -> None:
     if fresh and shard != (1, 1):
         raise ValueError("a fresh start would throw away the other shards' results: remove the folder first")
-    root.mkdir(parents=True, exist_ok=True)
+    store.claim_results(root, study.name, bool(study.quick), fresh)
     store.refuse_links(root)
     store.sweep(root)
-    if fresh:
-        store.discard(root)
+    thrown_away = store.discard(root, study.name) if fresh else ""
+    if thrown_away and shown is not False:
+        print(thrown_away, file=sys.stderr, flush=True)
 
 
 @dataclass(frozen=True)
@@ -234,6 +239,7 @@ class _Tally:
     failures: dict[str, store.Failure]
     max_failures: float = inf
     failed: int = 0
+    elsewhere: int = 0
     start_cpu_s: float = 0.0
     cpu_s: float = 0.0
     integrator_cpu_s: float = 0.0
@@ -246,10 +252,11 @@ class _Tally:
     def add(self, outcome: Outcome) -> None:
         """Take an outcome in."""
         self.failed += len(outcome.failed)
+        self.elsewhere += len(outcome.elsewhere)
         self.start_cpu_s += outcome.start_cpu_s
         self.cpu_s += outcome.cpu_s
         self.integrator_cpu_s += outcome.integrator_cpu_s
-        for job in outcome.done:
+        for job in (*outcome.done, *outcome.elsewhere):
             if self.failures.pop(job, None) is not None:
                 store.clear_failure(self.root, job)
         for failure in outcome.failed:
@@ -303,6 +310,9 @@ def _works(
 ) -> list[Work]:
     """Pack the jobs left to do into units of work. Raises DiskFull if there is surely no room for them."""
     provenance = store.provenance(study)
+    units = pack(todo.jobs, todo.costs, workers)
+    ours = {store.unit_name(todo.jobs[i].id for i in unit) for unit in units}
+    theirs = beside.OtherRuns(root, frozenset(ours | store.unit_names(root)))
     works = [
         Work(
             root,
@@ -313,8 +323,9 @@ def _works(
             sum(todo.costs[i].bytes for i in unit),
             max_cpu,
             max_failures,
+            theirs,
         )
-        for unit in pack(todo.jobs, todo.costs, workers)
+        for unit in units
     ]
     store.check_room(root, LEAST_PART * sum(work.bytes for work in works))
     return works
@@ -353,5 +364,6 @@ def _compute(
             tally.add(outcome)
             if tally.full:
                 end()
-            ids = [*outcome.done, *(failure.job for failure in outcome.failed)]
-            report(len(outcome.done), len(outcome.failed), sum(price[job] for job in ids))
+            done = (*outcome.done, *outcome.elsewhere)
+            ids = [*done, *(failure.job for failure in outcome.failed)]
+            report(len(done), len(outcome.failed), sum(price[job] for job in ids))

@@ -78,9 +78,7 @@ def selected(
     if missing:
         first()
         found = _decided(study, root, missing, workers, engine, shown)
-        choices |= found.choices
-        plans |= dict.fromkeys(found.choices, plan_name(study, keys))
-        store.write_choices(root, choices, plans)
+        choices, plans = store.add_choices(root, found.choices, plan_name(study, keys))
         store.log(root, "models chosen", cases=len(missing), repeating=found.repeating)
     done = selection.chosen(study, choices)
     assert done.selection is not None

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import cpu_time
+from bearingsim.runner.beside import OtherRuns
 from bearingsim.runner.stopping import asked, take_flag
 from bearingsim.store import DiskFull, Failure, room, start_marker, unit_name, write_units
 from bearingsim.store.columns import Value
@@ -54,6 +55,7 @@ class Work:
     """Jobs to compute in one go, where to store them, the estimated time in s of each, and bytes of all series.
 
     max_cpu: CPU time (s) that a job may take; max_failures: jobs that may fail before no more is begun.
+    others: the runs beside this one in the folder.
     """
 
     root: Path
@@ -64,6 +66,7 @@ class Work:
     bytes: float = 0.0
     max_cpu: float = inf
     max_failures: float = inf
+    others: OtherRuns | None = None
 
     @property
     def unit(self) -> str:
@@ -79,7 +82,7 @@ class Work:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a unit of work: jobs sealed, jobs failed, time in s.
+    """What became of a unit of work: jobs sealed, jobs failed, time in s; ``elsewhere``: sealed by another run.
 
     ``start_cpu_s`` is CPU time of importing and compiling (or loading what is compiled), not part of ``cpu_s``.
     """
@@ -91,6 +94,7 @@ class Outcome:
     start_cpu_s: float = 0.0
     cpu_s: float = 0.0
     integrator_cpu_s: float = 0.0
+    elsewhere: tuple[str, ...] = ()
 
 
 def load(path: str) -> Callable[..., Any]:
@@ -113,11 +117,15 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
     cpu = time.process_time()
     done: list[tuple[Job, Record]] = []
     failed: list[Failure] = []
+    elsewhere: list[str] = []
     simulate, unit = load(work.engine.simulate), work.unit
     with start_marker(work.root, unit) as note:
         for job in work.jobs:
             if asked() or len(failed) >= work.max_failures:
                 break
+            if work.others is not None and work.others.have(job.id):
+                elsewhere.append(job.id)
+                continue
             note(job.id)
             try:
                 with room(work.root / unit), cpu_time.at_most(work.max_cpu):  # a full disk is no fault of the job
@@ -134,6 +142,7 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
         unit=unit,
         done=tuple(job.id for job, _ in done),
         failed=tuple(failed),
+        elsewhere=tuple(elsewhere),
         seconds=time.perf_counter() - started,
         start_cpu_s=start_cpu_s,
         cpu_s=time.process_time() - cpu,

@@ -11,6 +11,7 @@ from typing import Any
 from bearingsim.runner.pool import spread
 from bearingsim.runner.progress import duration
 from bearingsim.stability.matrix import Grid, Material, count, judges, map_of, materials, warm
+from bearingsim.store import claim
 
 NAME = "stability.csv"
 LINE_EVERY_S = 5.0
@@ -19,9 +20,9 @@ LINE_EVERY_S = 5.0
 def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: Path, jobs: int) -> Path:
     """Compute the map into ``folder``, which is made; the CSV, one row per cell. Told on stderr how far it is.
 
-    A run that is interrupted leaves the rows it has.
+    A run that is interrupted leaves the rows it has. Raises NotOurs, OtherStudy as ``store.claim``.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    claim(folder, "a map", "bearingsim stability", "results/stability-2")
     path = folder / NAME
     _compile(models, methods, grid, jobs)
     units = [(unit, methods, grid) for unit in materials(models, grid)]

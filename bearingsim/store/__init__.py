@@ -16,8 +16,9 @@ from bearingsim.store.files import (
     write_bytes,
     write_text,
 )
-from bearingsim.store.folder import FolderInUse, Holdings, discard, holdings, in_use
+from bearingsim.store.folder import FolderInUse, Holdings, claim_results, discard, holdings, in_use
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
+from bearingsim.store.marker import NotOurs, OtherStudy, claim
 from bearingsim.store.merge import Merged, Unmergeable, merge
 from bearingsim.store.names import flat_parameters
 from bearingsim.store.nearness import audited, nearness
@@ -27,9 +28,10 @@ from bearingsim.store.results import Results, ResultsError, open_results, planne
 from bearingsim.store.scans import keep_scans, kept_scans, with_short_paths
 from bearingsim.store.sealed import UNREADABLE
 from bearingsim.store.spread import errors, spread
-from bearingsim.store.table import build_table, info, job_frame, read_plan, write_plan
+from bearingsim.store.table import build_table, info, job_frame, own_frame, plan_of, read_plan, write_plan
 from bearingsim.store.trials import (
     DamagedChoices,
+    add_choices,
     read_choices,
     read_plans,
     read_trials,
@@ -40,10 +42,12 @@ from bearingsim.store.units import (
     DamagedUnit,
     Series,
     check_unit,
+    jobs_named,
     read_series,
     sealed_units,
     take_unit,
     unit_name,
+    unit_names,
     unit_path,
     write_units,
 )
@@ -58,16 +62,21 @@ __all__ = [
     "Holdings",
     "LinkWithin",
     "Merged",
+    "NotOurs",
+    "OtherStudy",
     "Results",
     "ResultsError",
     "Series",
     "Superfluous",
     "Unmergeable",
+    "add_choices",
     "audited",
     "build_table",
     "case_of",
     "check_room",
     "check_unit",
+    "claim",
+    "claim_results",
     "clear_failure",
     "discard",
     "errors",
@@ -76,6 +85,7 @@ __all__ = [
     "in_use",
     "info",
     "job_frame",
+    "jobs_named",
     "keep_scans",
     "kept_scans",
     "lock",
@@ -85,6 +95,8 @@ __all__ = [
     "nearness",
     "now",
     "open_results",
+    "own_frame",
+    "plan_of",
     "planned_jobs",
     "provenance",
     "prune",
@@ -105,6 +117,7 @@ __all__ = [
     "take_suspects",
     "take_unit",
     "unit_name",
+    "unit_names",
     "unit_path",
     "with_short_paths",
     "write_bytes",

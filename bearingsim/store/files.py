@@ -19,6 +19,7 @@ from typing import BinaryIO, TextIO
 from filelock import FileLock, Timeout
 
 from bearingsim.errors import UserError
+from bearingsim.store.own_files import FOLDERS, temporary_files
 
 __all__ = [
     "DiskFull",
@@ -31,16 +32,11 @@ __all__ = [
     "room",
     "sweep",
     "temporary",
-    "temporary_files",
-    "unit_files",
     "write_bytes",
     "write_text",
     "writer",
 ]
 
-LEFTOVER = (".part", ".started")
-FOLDERS = ("failed", "scans", "trials", "units", "units/??")
-"""In a results folder: each is a folder, and no link."""
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 ADVICE = "make room, or take another folder by --out, and give the command again: what is stored stays"
 PATIENCE_S = 5.0
@@ -219,11 +215,6 @@ def refuse_links(root: Path) -> None:
             )
 
 
-def unit_files(root: Path) -> list[Path]:
-    """Sealed unit files of a results folder, sorted by name."""
-    return sorted((root / "units").glob("??/*.h5"))
-
-
 def sweep(root: Path) -> list[Path]:
     """Remove temporary files whose writers are gone; return what was removed."""
     removed = []
@@ -234,9 +225,3 @@ def sweep(root: Path) -> list[Path]:
                     path.unlink()
                     removed.append(path)
     return removed
-
-
-def temporary_files(root: Path) -> list[Path]:
-    """``.part`` files and start markers of a results folder, of living and dead writers alike."""
-    patterns = [f"{folder}*{end}" for folder in ("", *(f"{name}/" for name in FOLDERS)) for end in LEFTOVER]
-    return [path for pattern in patterns for path in root.glob(pattern)]

@@ -1,6 +1,5 @@
 """Resuming: what a results folder holds already, and clearing it."""
 
-import shutil
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -8,17 +7,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearingsim.errors import UserError
-from bearingsim.store.files import left_behind, lock, room, temporary, temporary_files, unit_files
-from bearingsim.store.journal import Failure, clear_failures, judged_failures, log
+from bearingsim.store import own_files
+from bearingsim.store.files import left_behind, lock, room, temporary
+from bearingsim.store.journal import Failure, judged_failures, log
+from bearingsim.store.marker import OtherStudy, claim, mark, owner
+from bearingsim.store.results import ResultsError, open_results, results_folder
 from bearingsim.store.sealed import set_aside
 from bearingsim.store.stock import judged
 from bearingsim.store.table import read_frame
-from bearingsim.store.trials import clear_choices
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["FolderInUse", "Holdings", "discard", "holdings", "in_use", "refuse_use"]
+__all__ = ["FolderInUse", "Holdings", "claim_results", "discard", "holdings", "in_use", "refuse_use"]
+
+RESULTS = "results"
+"""What the marker of a results folder says that it is."""
 
 
 class FolderInUse(UserError):
@@ -44,7 +48,7 @@ def holdings(root: Path, verify: bool = False) -> Holdings:
     verify: read the units that the table knows, too.
     """
     known = read_frame(root, groups=())
-    stock = judged(unit_files(root), known, {}, verify)
+    stock = judged(own_files.UNITS.of(root), known, {}, verify)
     failures, unreadable = judged_failures(root)
     damaged = stock.damaged | unreadable
     for path, reason in damaged.items():
@@ -66,24 +70,78 @@ def in_use(root: Path) -> Iterator[None]:
 
 def refuse_use(root: Path) -> None:
     """Raises FolderInUse while another run works in a folder."""
-    for path in temporary_files(root):
+    for path in own_files.temporary_files(root):
         with left_behind(path) as left:
             if not left and path.exists():
                 advice = "wait for it, or choose another folder (on a disk without locks: remove this file)"
                 raise FolderInUse(f"another run is writing {path}: {advice}")
 
 
-def discard(root: Path) -> None:
-    """Throw away all units, failures, choices and the table of a folder.
+def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> None:
+    """Mark a folder, made if need be, as that of a study's results.
 
-    Journals, scans, figures and other files stay.
+    Raises NotOurs for a folder that holds files of the user, OtherStudy for that of another study (unless a fresh
+    start is asked for) or of something else. Nothing is written then.
+    """
+    instead = _instead(root, study, quick)
+    before = _study_in(root)
+    if before is None:
+        claim(root, RESULTS, study, instead)
+    elif before != study and not fresh:
+        raise OtherStudy(
+            f"{root} holds results of the study `{before}` ({_held(root)}): name another folder, such as"
+            f" --out {instead}, or say --fresh, which throws them away"
+        )
+    elif owner(root) is None:  # of an earlier version
+        mark(root, RESULTS, study)
+
+
+def _instead(root: Path, study: str, quick: bool) -> str:
+    """A folder to propose in place of ``root``."""
+    usual = "results/" + results_folder(study, quick, None).name
+    return f"{usual}-2" if root.resolve() == Path(usual).resolve() else usual
+
+
+def _study_in(root: Path) -> str | None:
+    """The study whose results a folder holds, by its marker or else by its plan; None if it holds none."""
+    kind, name = owner(root) or ("", "")
+    if kind == RESULTS:
+        return name
+    try:
+        return None if kind else str(open_results(root).plan["study"])
+    except (ResultsError, OSError):
+        return None
+
+
+def _held(root: Path) -> str:
+    """`12 units, 1 failure`, of what a fresh start throws away."""
+    counts = {"unit": len(own_files.UNITS.of(root)), "failure": len(own_files.FAILURES.of(root))}
+    return ", ".join(f"{count} {what}{'s' * (count != 1)}" for what, count in counts.items())
+
+
+THROWN_AWAY = (
+    own_files.UNITS,
+    own_files.FAILURES,
+    *own_files.DAMAGED,
+    own_files.CHOICES,
+    own_files.TRIALS,
+    own_files.TABLES,
+)
+
+
+def discard(root: Path, study: str) -> str:
+    """Throw away all units, failures, choices and the table of a folder, which is then that of ``study``.
+
+    Journals, scans, figures and files of the user stay. Returns what is gone if it was another study's, in words.
 
     Raises FolderInUse while another run works in it.
     """
     with lock(root):
         refuse_use(root)
-        shutil.rmtree(root / "units", ignore_errors=True)
-        clear_failures(root)
-        clear_choices(root)
-        for name in ("study.h5", "results.csv"):
-            (root / name).unlink(missing_ok=True)
+        before, held = _study_in(root), _held(root)
+        own_files.remove(root, *THROWN_AWAY)
+        if before == study:
+            return ""
+        mark(root, RESULTS, study)
+        (root / "plan.json").unlink(missing_ok=True)
+    return f"thrown away in {root}: the results of the study `{before}` ({held})"

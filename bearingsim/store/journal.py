@@ -1,7 +1,6 @@
 """What happened: the journal of each running parent, start markers of units, and failed jobs."""
 
 import json
-import shutil
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -12,6 +11,7 @@ from typing import Any
 
 from bearingsim.errors import DamageWarning
 from bearingsim.store.files import left_behind, open_to_append, room, temporary, writer
+from bearingsim.store.own_files import FAILURES, temporary_files
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 
 __all__ = [
@@ -64,7 +64,7 @@ def _failure_path(root: Path, job: str) -> Path:
 def judged_failures(root: Path) -> tuple[dict[str, Failure], dict[Path, str]]:
     """Failures on record, by job id; and what of them cannot be read, with the reason."""
     found, damaged = dict[str, Failure](), dict[Path, str]()
-    for path in sorted((root / "failed").glob("*.json")):
+    for path in FAILURES.of(root):
         try:
             found[path.stem] = _failure(path)
         except UNREADABLE as error:
@@ -93,11 +93,6 @@ def clear_failure(root: Path, job: str) -> None:
     _failure_path(root, job).unlink(missing_ok=True)
 
 
-def clear_failures(root: Path) -> None:
-    """Forget every failure."""
-    shutil.rmtree(root / "failed", ignore_errors=True)
-
-
 @contextmanager
 def start_marker(root: Path, unit: str) -> Iterator[Callable[[str], None]]:
     """Mark a unit as being computed; the function given notes the job in hand.
@@ -116,8 +111,9 @@ def start_marker(root: Path, unit: str) -> Iterator[Callable[[str], None]]:
 
 def take_suspects(root: Path, units: Iterable[str]) -> set[str]:
     """Jobs that were running in ``units`` when their processes died; removes the markers that told."""
-    suspects = set[str]()
-    for path in (path for unit in units for path in (root / "units" / unit[:2]).glob(f"{unit}.*.started")):
+    suspects, wanted = set[str](), set(units)
+    markers = [path for path in temporary_files(root) if path.suffix == ".started"]
+    for path in (path for path in markers if path.name.partition(".")[0] in wanted):
         with left_behind(path) as left:
             if left:
                 suspects.update(path.read_text(encoding="utf-8").split()[-1:])

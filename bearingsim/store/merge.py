@@ -14,8 +14,10 @@ from typing import Any
 import numpy as np
 
 from bearingsim.errors import UserError
-from bearingsim.store.files import refuse_links, sweep, unit_files, write_bytes
+from bearingsim.store.files import refuse_links, sweep, write_bytes
+from bearingsim.store.folder import claim_results
 from bearingsim.store.journal import Failure, clear_failure, log, read_failures
+from bearingsim.store.own_files import UNITS
 from bearingsim.store.results import Results, open_results
 from bearingsim.store.scans import copy_scans, held_scans
 from bearingsim.store.table import build_table
@@ -66,11 +68,11 @@ def merge(folders: Sequence[Path], out: Path) -> Merged:
     opened = [open_results(folder) for folder in held]
     for other in opened[1:]:
         _refuse_other_plan(opened[0], other)
-    units = {folder: unit_files(folder) for folder in (out, *folders)}
+    units = {folder: UNITS.of(folder) for folder in (out, *folders)}
     sealed = _judged([path for paths in units.values() for path in paths])
     scans = [path for folder in folders for path in held_scans(folder)]
     choices, plans = _choices(held)
-    out.mkdir(parents=True, exist_ok=True)
+    claim_results(out, opened[0].plan["study"], opened[0].plan["quick"])
     refuse_links(out)
     sweep(out)
     if out not in held:

@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 from filelock import Timeout
 
-from bearingsim.store.files import left_behind, lock, temporary_files, unit_files
+from bearingsim.store import own_files
+from bearingsim.store.files import left_behind, lock
 from bearingsim.store.folder import FolderInUse, refuse_use
 from bearingsim.store.journal import log
 from bearingsim.store.results import Results, open_results
 from bearingsim.store.sealed import UNREADABLE, read_json
 from bearingsim.store.table import build_table
-from bearingsim.store.trials import TRIALS
 from bearingsim.store.units import DamagedUnit, read_unit
 
 __all__ = ["Superfluous", "prune", "superfluous"]
@@ -67,12 +67,12 @@ def superfluous(root: Path) -> Superfluous:
     results = open_results(root)
     planned = set(results.planned)
     units, notes = list[_Unit](), list[str]()
-    for path in unit_files(root):
+    for path in own_files.UNITS.of(root):
         try:
             units.append(_unit(path, planned))
         except DamagedUnit as damage:
             notes.append(f"{path.parent}/{damage}: it stays (a run with --verify computes its jobs again)")
-    scans = [path for path in (root / "scans").glob("*") if path.suffix != ".part"]
+    scans = own_files.SCANS.of(root)
     done = set[str]().union(*(unit.planned for unit in units))
     if scans and done != planned:
         left = len(planned - done)
@@ -80,13 +80,14 @@ def superfluous(root: Path) -> Superfluous:
         notes.append(f"scans stay ({_files(len(scans))}): {which} not done")
         scans = []
     named = set[str]().union(*(unit.scans for unit in units))
+    temporary = own_files.temporary_files(root)
     found = {
         "units of jobs that the plan does not name": [unit.path for unit in units if not unit.planned],
-        "failures of such jobs": [path for path in (root / "failed").glob("*.json") if path.stem not in planned],
-        "damaged files that were set aside": [*root.glob("units/??/*.damaged"), *root.glob("failed/*.damaged")],
+        "failures of such jobs": [path for path in own_files.FAILURES.of(root) if path.stem not in planned],
+        "damaged files that were set aside": [path for kind in own_files.DAMAGED for path in kind.of(root)],
         "trials that nothing reads": _trials(results),
         "scans of no job": [path for path in scans if path.stem not in named],
-        "temporary files of processes that are gone": [path for path in temporary_files(root) if _is_left(path)],
+        "temporary files of processes that are gone": [path for path in temporary if _is_left(path)],
     }
     sizes = {what: {path: path.stat().st_size for path in sorted(paths)} for what, paths in found.items()}
     return Superfluous({what: files for what, files in sizes.items() if files}, (*notes, *_whole(units)))
@@ -121,9 +122,7 @@ def _is_left(path: Path) -> bool:
 def _trials(results: Results) -> list[Path]:
     """Those of a study that names no accuracy any more, and those that cannot be read: these are made again."""
     return [
-        path
-        for path in (results.path / TRIALS).glob("*.json")
-        if not (results.plan.get("accuracy") and _reads(path))
+        path for path in own_files.TRIALS.of(results.path) if not (results.plan.get("accuracy") and _reads(path))
     ]
 
 

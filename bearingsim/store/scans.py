@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearingsim.store.files import write_bytes
+from bearingsim.store.own_files import SCANS
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
@@ -54,7 +55,7 @@ def held_scans(root: Path) -> list[Path]:
     """The scans that a results folder keeps. Raises ScanError for one that is not what its name says."""
     from bearingsim.config.scan.file import ScanError
 
-    found = sorted(path for path in (root / "scans").glob("*") if path.suffix != ".part")
+    found = SCANS.of(root)
     for path in found:
         if not _holds(path, path.stem):
             raise ScanError(f"`{path}` is not as it was written", "remove it, and run the study there again")

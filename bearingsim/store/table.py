@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from bearingsim.errors import DamageWarning
 from bearingsim.store.columns import GROUPS, TEXT, read_columns, write_columns, write_jobs
-from bearingsim.store.files import DiskFull, lock, unit_files, write_text
+from bearingsim.store.files import DiskFull, lock, write_text
 from bearingsim.store.journal import Failure, read_failures
 from bearingsim.store.names import in_feature_order
 from bearingsim.store.nearness import nearness
+from bearingsim.store.own_files import FAILURES, UNITS
 from bearingsim.store.provenance import made_of
 from bearingsim.store.sealed import UNREADABLE, new_hdf5, open_hdf5, read_json, write_json
 from bearingsim.store.spread import errors
@@ -31,19 +32,38 @@ if TYPE_CHECKING:
 
     from bearingsim.study import Job, Study
 
-__all__ = ["build_table", "info", "job_frame", "read_frame", "read_plan", "rows_of", "table", "write_plan"]
+__all__ = [
+    "build_table",
+    "info",
+    "job_frame",
+    "own_frame",
+    "plan_of",
+    "read_frame",
+    "read_plan",
+    "rows_of",
+    "table",
+    "write_plan",
+]
 
 PER_JOB = ("status", "reason", "healthy", "unit", "stamp")
 
 
-def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> None:
-    """Write ``study.yaml`` (the text as given) and ``plan.json`` (the jobs it expanded to).
+def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> dict[str, Any]:
+    """Write ``study.yaml`` (the text as given) and ``plan.json``, which is returned (``plan_of``)."""
+    plan = plan_of(study, jobs, notes)
+    write_text(root / "study.yaml", study.text)
+    write_json(root / "plan.json", plan)
+    return plan
+
+
+def plan_of(study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> dict[str, Any]:
+    """What a study expands to, as plain data: its name, overrides, figures and jobs.
 
     notes: what was said of the study.
     """
     from bearingsim.core import MODEL_VERSION
 
-    plan = {
+    return {
         "study": study.name,
         "file": str(study.path) if study.path else None,
         "overrides": dict(study.overrides),
@@ -71,8 +91,6 @@ def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequenc
             {"of": one.of, "what": one.what, "value": one.value, "job": one.job.id} for one in study.variations()
         ],
     }
-    write_text(root / "study.yaml", study.text)
-    write_json(root / "plan.json", plan)
 
 
 def _accuracy(study: "Study") -> dict[str, Any] | None:
@@ -111,7 +129,12 @@ def job_frame(root: Path) -> "pd.DataFrame":
         return known
     with suppress(OSError, DiskFull):
         return build_table(root)
-    return _make_frame(root, known, {}, read_failures(root))
+    return _make_frame(root, read_plan(root), known, {}, read_failures(root))
+
+
+def own_frame(root: Path, plan: Mapping[str, Any], rows: Rows) -> "pd.DataFrame":
+    """The frame of ``job_frame`` for a plan that need not be the folder's; rows: of units read before, by unit."""
+    return _make_frame(root, plan, read_frame(root), rows, read_failures(root)).sort_index(axis=1)
 
 
 def build_table(root: Path, rows: Rows | None = None) -> "pd.DataFrame":
@@ -126,8 +149,9 @@ def build_table(root: Path, rows: Rows | None = None) -> "pd.DataFrame":
         now = {"fingerprint": fingerprint, "csv": _digest(root / "results.csv")}
         if known is not None and known.attrs == now:
             return known
-        frame = _make_frame(root, known, rows or {}, read_failures(root))
-        write_text(root / "results.csv", table(read_plan(root), frame).to_csv(index=False))
+        plan = read_plan(root)
+        frame = _make_frame(root, plan, known, rows or {}, read_failures(root))
+        write_text(root / "results.csv", table(plan, frame).to_csv(index=False))
         _write_frame(root, frame, fingerprint)
     return frame.sort_index(axis=1)
 
@@ -173,11 +197,14 @@ def info(frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def _make_frame(
-    root: Path, known: "pd.DataFrame | None", rows: Rows, failures: Mapping[str, Failure]
+    root: Path,
+    plan: Mapping[str, Any],
+    known: "pd.DataFrame | None",
+    rows: Rows,
+    failures: Mapping[str, Failure],
 ) -> "pd.DataFrame":
     import pandas as pd
 
-    plan = read_plan(root)
     ids = [entry["job"] for entry in plan["jobs"]]
     stored = _collect(root, known, rows).reindex(ids)
     done = stored["unit"].notna()
@@ -196,7 +223,7 @@ def _collect(root: Path, known: "pd.DataFrame | None", rows: Rows) -> "pd.DataFr
     """Rows of all sound units, a job that lies in several taken from the first."""
     import pandas as pd
 
-    stock = judged(unit_files(root), known, rows)
+    stock = judged(UNITS.of(root), known, rows)
     for path, reason in stock.damaged.items():
         told = f"{path} cannot be read ({reason}), its jobs count as missing: run the study again"
         warnings.warn(told, DamageWarning, stacklevel=2)
@@ -227,7 +254,7 @@ def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
 
 def _fingerprint(root: Path) -> str:
     """Digest of what the table is made from: the plan; names, sizes and times of units and failures."""
-    sources = [*unit_files(root), *sorted((root / "failed").glob("*.json"))]
+    sources = [*UNITS.of(root), *FAILURES.of(root)]
     told = ((path.name, path.stat()) for path in sources)
     listing = "\n".join(f"{name} {stat.st_size} {stat.st_mtime_ns}" for name, stat in told)
     return hashlib.sha256((root / "plan.json").read_bytes() + listing.encode()).hexdigest()

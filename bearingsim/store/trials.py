@@ -15,12 +15,13 @@ import numpy as np
 from bearingsim.errors import UserError
 from bearingsim.selection import Choice, Choices
 from bearingsim.simulation.trial import Trial
-from bearingsim.store.files import write_bytes
+from bearingsim.store import own_files
+from bearingsim.store.files import lock, write_bytes
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 
 __all__ = [
     "DamagedChoices",
-    "clear_choices",
+    "add_choices",
     "copy_trials",
     "read_choices",
     "read_plans",
@@ -45,7 +46,7 @@ def write_trials(root: Path, unit: str, found: Mapping[str, Trial | None]) -> No
 def read_trials(root: Path) -> dict[str, Trial | None]:
     """All trials of a folder, by id. A file that cannot be read counts as absent: its trials are made again."""
     found: dict[str, Trial | None] = {}
-    for path in sorted((root / TRIALS).glob("*.json")):
+    for path in own_files.TRIALS.of(root):
         try:
             told = read_json(path)
             told = told.get(TRIALS, told)  # of earlier versions: nothing around them
@@ -60,7 +61,7 @@ def copy_trials(source: Path, root: Path) -> None:
 
     A file of the same name stays as it is, and is not compared: its trials are of the same cases.
     """
-    for path in sorted((source / TRIALS).glob("*.json")):
+    for path in own_files.TRIALS.of(source):
         with suppress(*UNREADABLE):
             read_json(path)
             if not (root / TRIALS / path.name).exists():
@@ -89,6 +90,17 @@ def write_choices(root: Path, choices: Choices, plans: Mapping[str, str] | None 
     write_json(root / CHOICES, {"choices": told})
 
 
+def add_choices(root: Path, found: Choices, plan: str) -> tuple[Choices, dict[str, str]]:
+    """Add choices made for a plan to those of a folder, which stay; all choices, and what names the plan of each.
+
+    Raises DamagedChoices.
+    """
+    with lock(root):
+        choices, plans = found | read_choices(root), dict.fromkeys(found, plan) | read_plans(root)
+        write_choices(root, choices, plans)
+    return choices, plans
+
+
 def read_choices(root: Path) -> Choices:
     """What was chosen in a folder; nothing yet if it has no ``choices.json``. Raises DamagedChoices."""
     return {name: choice for name, (choice, _) in _read(root).items()}
@@ -115,10 +127,3 @@ def _read(root: Path) -> dict[str, tuple[Choice, str]]:
 def _choice(told: dict[str, Any]) -> tuple[Choice, str]:
     plan = told.pop(PLAN, "")
     return Choice(**told), str(plan)
-
-
-def clear_choices(root: Path) -> None:
-    """Forget trials and choices."""
-    (root / CHOICES).unlink(missing_ok=True)
-    for path in (root / TRIALS).glob("*.json"):
-        path.unlink(missing_ok=True)

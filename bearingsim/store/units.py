@@ -21,6 +21,7 @@ from bearingsim.errors import UserError
 from bearingsim.store.columns import GROUPS, TEXT, Value, columns, read_columns, write_columns, write_jobs
 from bearingsim.store.files import write_bytes
 from bearingsim.store.names import channel_attributes, flat_parameters
+from bearingsim.store.own_files import UNITS
 from bearingsim.store.sealed import UNREADABLE, Unreadable, hdf5_in_memory, open_hdf5, open_sealed
 
 if TYPE_CHECKING:
@@ -32,12 +33,14 @@ __all__ = [
     "Series",
     "check_unit",
     "computed",
+    "jobs_named",
     "open_unit",
     "read_series",
     "read_unit",
     "sealed_units",
     "take_unit",
     "unit_name",
+    "unit_names",
     "unit_path",
     "write_units",
 ]
@@ -74,6 +77,11 @@ class Series(Mapping[str, NDArray[np.float32]]):
 def unit_name(jobs: Iterable[str]) -> str:
     """Name of the unit that holds these jobs: 16 hex digits of SHA-256 over the ids in sorted order."""
     return hashlib.sha256("\n".join(sorted(jobs)).encode()).hexdigest()[:16]
+
+
+def unit_names(root: Path) -> set[str]:
+    """Names of the units in a results folder."""
+    return {path.stem for path in UNITS.of(root)}
 
 
 def unit_path(root: Path, unit: str) -> Path:
@@ -197,6 +205,18 @@ def check_unit(path: Path) -> list[str]:
     """The ids of the jobs that a unit holds. Raises DamagedUnit."""
     with open_unit(path) as file:
         return list(file["job"].asstr()[()])
+
+
+def jobs_named(path: Path) -> list[str]:
+    """The ids of the jobs that a unit says it holds; its bytes are not compared with its digest.
+
+    Raises DamagedUnit.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            return list(file["job"].asstr()[()])
+    except UNREADABLE as error:
+        raise DamagedUnit(f"{path.name}: {error}") from error
 
 
 def computed(path: Path, jobs: Collection[str]) -> dict[str, dict[str, bytes]]:

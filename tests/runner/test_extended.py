@@ -44,5 +44,5 @@ def test_from_64_to_256_points(write: Write, tmp_path: Path, kind: str, over: st
 
 
 def test_a_latin_hypercube_says_that_it_is_not_extended(write: Write, tmp_path: Path) -> None:
-    notes = compute(study_of(write, "lhs", 4, OVER_PITS), tmp_path).notes
+    notes = compute(study_of(write, "lhs", 4, OVER_PITS), tmp_path / "out").notes
     assert "lhs: another `n` gives other points, and all jobs anew; `sobol` keeps its points" in notes

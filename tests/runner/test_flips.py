@@ -50,7 +50,9 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-@pytest.mark.parametrize("kind", ["units/??/*.h5", "failed/*.json", "study.h5", "plan.json", "results.csv"])
+@pytest.mark.parametrize(
+    "kind", ["units/??/*.h5", "failed/*.json", "study.h5", "plan.json", "results.csv", "bearingsim.json"]
+)
 @pytest.mark.parametrize("lost", [False, True])
 def test_one_run_repairs_a_flipped_bit(whole: Path, tmp_path: Path, kind: str, lost: bool) -> None:
     right, csv = told(whole), (whole / "results.csv").read_bytes()
@@ -95,9 +97,9 @@ def test_no_bit_of_the_choices_goes_unnoticed(tmp_path: Path) -> None:
 
 
 def test_a_flipped_bit_of_a_trial_loses_the_trial_only(tmp_path: Path) -> None:
-    store.write_trials(tmp_path, "ab", {"one": None})
-    store.write_trials(tmp_path, "cd", {"two": None})
-    flip(tmp_path / "trials" / "ab.json", 200)
+    store.write_trials(tmp_path, "ab" * 8, {"one": None})
+    store.write_trials(tmp_path, "cd" * 8, {"two": None})
+    flip(tmp_path / "trials" / f"{'ab' * 8}.json", 200)
     assert store.read_trials(tmp_path) == {"two": None}
 
 
@@ -139,11 +141,12 @@ def test_a_failure_that_cannot_be_read_is_told(whole: Path, tmp_path: Path, text
 
 def test_a_failure_of_another_version_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
     (tmp_path / "failed").mkdir()
-    (tmp_path / "failed" / "ab.json").write_text('{"reason": "diverged", "mood": "bad"}')
-    (tmp_path / "failed" / "cd.json").write_text('{"job": "cd", "advice": "none"}')
+    first, second = "ab" * 8, "cd" * 8
+    (tmp_path / f"failed/{first}.json").write_text('{"reason": "diverged", "mood": "bad"}')
+    (tmp_path / f"failed/{second}.json").write_text('{"job": "cd", "advice": "none"}')
     found = store.read_failures(tmp_path)
-    assert (found["ab"].job, found["ab"].reason) == ("ab", "diverged")
-    assert (found["cd"].reason, found["cd"].advice) == ("not known", "none")
+    assert (found[first].job, found[first].reason) == (first, "diverged")
+    assert (found[second].reason, found[second].advice) == ("not known", "none")
 
 
 def test_another_schema_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

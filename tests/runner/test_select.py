@@ -120,6 +120,7 @@ def test_a_share_does_not_choose_for_all(write: Write, tmp_path: Path, log: Path
 def test_shards_come_to_what_one_run_does(write: Write, tmp_path: Path) -> None:
     one, shared = tmp_path / "one", tmp_path / "shared"
     compute(near(write), one)
+    store.claim_results(shared, "near", quick=False)
     selected(near(write), shared, 1, ENGINE, shown=False)  # as `check --pilots` does
     for number in (1, 2, 3):
         compute(near(write), shared, shard=(number, 3))
@@ -221,40 +222,42 @@ def test_who_extends_a_study_is_told_what_is_kept(write: Write, tmp_path: Path) 
 
 
 def test_who_leaves_cases_out_is_told_too(write: Write, tmp_path: Path) -> None:
-    compute(near(write), tmp_path)
-    compute(extended(write, "150 N"), tmp_path)
-    assert len(notes(tmp_path)) == 1
-    assert notes(tmp_path)[0].startswith("1 of 1 cases keeps the model")
+    compute(near(write), tmp_path / "out")
+    compute(extended(write, "150 N"), tmp_path / "out")
+    assert len(notes(tmp_path / "out")) == 1
+    assert notes(tmp_path / "out")[0].startswith("1 of 1 cases keeps the model")
 
 
 def test_what_has_no_say_in_choices_makes_no_other_plan(write: Write, tmp_path: Path) -> None:
-    compute(near(write), tmp_path)
-    before = (tmp_path / "choices.json").read_bytes()
-    compute(extended(write, "450 N, 300 N, 150 N"), tmp_path)
-    compute(near(write, TEXT + "uncertainty: none\n"), tmp_path)
-    assert notes(tmp_path) == []
-    assert (tmp_path / "choices.json").read_bytes() == before
-    compute(near(write, TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: velocity@BPFO}")), tmp_path)
-    assert notes(tmp_path) == []
+    compute(near(write), tmp_path / "out")
+    before = (tmp_path / "out/choices.json").read_bytes()
+    compute(extended(write, "450 N, 300 N, 150 N"), tmp_path / "out")
+    compute(near(write, TEXT + "uncertainty: none\n"), tmp_path / "out")
+    assert notes(tmp_path / "out") == []
+    assert (tmp_path / "out/choices.json").read_bytes() == before
+    compute(
+        near(write, TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: velocity@BPFO}")), tmp_path / "out"
+    )
+    assert notes(tmp_path / "out") == []
     alone = TEXT.replace("5 %", "{within: 5 %, of: velocity@BPFO}").replace("y: velocity@BPFO", "y: velocity.rms")
-    compute(near(write, alone), tmp_path)  # no curve of it: other choices might be made
-    assert notes(tmp_path)[0].startswith("3 of 3 cases keep the model")
+    compute(near(write, alone), tmp_path / "out")  # no curve of it: other choices might be made
+    assert notes(tmp_path / "out")[0].startswith("3 of 3 cases keep the model")
 
 
 def test_models_that_part_on_a_curve_because_it_was_extended_are_told(
     write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One model a curve, unless several cost under a third: so it is among those that are chosen together."""
-    compute(near(write), tmp_path)
+    compute(near(write), tmp_path / "out")
     monkeypatch.setitem(trials.OFF, "rollers", 1.3)
-    summary = compute(extended(write, f"{LOADS}, 600 N"), tmp_path)
+    summary = compute(extended(write, f"{LOADS}, 600 N"), tmp_path / "out")
     told = (
         "on 1 of 1 curves other models were chosen then than now: `rollers`, `planar` (reference);"
         " a step between them may come from that"
     )
-    assert notes(tmp_path)[1:] == [told]
+    assert notes(tmp_path / "out")[1:] == [told]
     assert told in str(summary).splitlines()
-    assert told in type_("show", tmp_path)[0].splitlines()
+    assert told in type_("show", tmp_path / "out")[0].splitlines()
 
 
 # Interrupts
@@ -273,18 +276,18 @@ def test_an_interrupt_while_models_are_tried_keeps_what_was_tried(
 
     monkeypatch.setattr(trials, "try_out", interrupted)
     with pytest.raises(Interrupted) as stop:
-        compute(near(write), tmp_path)
+        compute(near(write), tmp_path / "out")
     summary = stop.value.summary
     assert (summary.planned, summary.resumed, summary.done, summary.missing) == (6, 0, 0, 6)
     assert (summary.exit_code, summary.interrupted) == (130, signal.SIGINT)
     assert "models were being tried, before the first job: 4 trials kept" in str(stop.value).splitlines()
     assert "run the same command to continue" in str(stop.value)
-    assert len(store.read_trials(tmp_path)) == 4
-    assert not (tmp_path / "choices.json").exists()
+    assert len(store.read_trials(tmp_path / "out")) == 4
+    assert not (tmp_path / "out/choices.json").exists()
     left[0] = 0
-    assert compute(near(write), tmp_path).failed == 0
+    assert compute(near(write), tmp_path / "out").failed == 0
     compute(near(write), tmp_path / "whole")
-    assert choices(tmp_path) == choices(tmp_path / "whole")
+    assert choices(tmp_path / "out") == choices(tmp_path / "whole")
 
 
 def test_jobs_that_trials_have_done_count(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -298,7 +301,7 @@ def test_jobs_that_trials_have_done_count(write: Write, tmp_path: Path, monkeypa
 
     monkeypatch.setattr(trials, "try_out", repeating)
     with pytest.raises(Interrupted) as stop:
-        compute(near(write), tmp_path)
+        compute(near(write), tmp_path / "out")
     assert (stop.value.summary.planned, stop.value.summary.resumed) == (6, 2)
 
 
@@ -451,8 +454,8 @@ def test_a_reference_that_repeats_itself_is_not_computed_again(
 
 
 def test_the_table_tells_models_and_how_far_off_they_may_be(write: Write, tmp_path: Path) -> None:
-    compute(near(write, TEXT + RIGID), tmp_path)
-    table = store.open_results(tmp_path).table()
+    compute(near(write, TEXT + RIGID), tmp_path / "out")
+    table = store.open_results(tmp_path / "out").table()
     near_columns = ["model", "error.model", "error.step", "error.scatter", "error"]
     assert [name for name in table.columns if name in near_columns] == near_columns
     own, twins = table[table["healthy"] != ""], table[table["healthy"] == ""]
@@ -465,8 +468,8 @@ def test_the_table_tells_models_and_how_far_off_they_may_be(write: Write, tmp_pa
 
 
 def test_no_sum_is_told_where_the_ring_is_only_assumed_to_be_rigid(write: Write, tmp_path: Path) -> None:
-    summary = compute(near(write), tmp_path)
-    table = store.open_results(tmp_path).table()
+    summary = compute(near(write), tmp_path / "out")
+    table = store.open_results(tmp_path / "out").table()
     assert table["error"].isna().all()
     assert table["error.model"].notna().sum() == 3
     said = str(summary)
@@ -478,9 +481,9 @@ def test_no_sum_is_told_where_the_ring_is_only_assumed_to_be_rigid(write: Write,
 def test_nothing_holds_an_accuracy_before_it_is_computed(write: Write, tmp_path: Path) -> None:
     from bearingsim.runner.promises import promises
 
-    compute(near(write), tmp_path)
-    frame = store.job_frame(tmp_path).assign(status="missing")
-    assert "hold it" not in "\n".join(promises(store.read_plan(tmp_path), frame))
+    compute(near(write), tmp_path / "out")
+    frame = store.job_frame(tmp_path / "out").assign(status="missing")
+    assert "hold it" not in "\n".join(promises(store.read_plan(tmp_path / "out"), frame))
 
 
 def test_audits_of_what_is_measured_against_a_twin_compare_that(
@@ -500,7 +503,7 @@ def test_audits_of_what_is_measured_against_a_twin_compare_that(
     monkeypatch.setattr(
         trials, "simulate", lambda case: _line(plain(case), 1.5 if case.model == "rollers" else 1.0)
     )
-    said = str(compute(study, tmp_path))
+    said = str(compute(study, tmp_path / "out"))
     assert "audit: 0 of 3 jobs computed again by their reference kept it; the worst is 34 % off" in said
 
 

@@ -73,21 +73,21 @@ def test_nobody_s_folder_is_stored(home: Path, tmp_path: Path, monkeypatch: Any)
 
 
 def test_scans_are_kept_once_whatever_is_run_again(home: Path, tmp_path: Path) -> None:
-    compute(home, tmp_path, shard=(1, 2))
-    [kept, other] = [tmp_path / "scans" / f"{digest}.csv" for digest in digests(home)]
+    compute(home, tmp_path / "out", shard=(1, 2))
+    [kept, other] = [tmp_path / "out/scans" / f"{digest}.csv" for digest in digests(home)]
     written = kept.stat().st_ino
     other.write_bytes(b"torn")
-    summary = compute(home, tmp_path, shard=(2, 2))
-    assert compute(home, tmp_path).resumed == 3
+    summary = compute(home, tmp_path / "out", shard=(2, 2))
+    assert compute(home, tmp_path / "out").resumed == 3
     assert summary.failed == 0
     assert kept.stat().st_ino == written
     assert other.read_bytes() == (home / "scans" / "b.CSV").read_bytes()
     (home / "scans").rename(home / "moved")
     (home / "study.yaml").write_text(TEXT.replace("scans/", "moved/"))
-    assert compute(home, tmp_path).resumed == 3
-    compute(home, tmp_path, fresh=True)
+    assert compute(home, tmp_path / "out").resumed == 3
+    compute(home, tmp_path / "out", fresh=True)
     assert kept.is_file()
-    assert not list(tmp_path.glob("scans/*.part"))
+    assert not list((tmp_path / "out").glob("scans/*.part"))
 
 
 @pytest.mark.parametrize(("changed", "message"), [(b"else", "has changed since"), (None, "no file")])
@@ -102,6 +102,10 @@ def test_a_scan_that_goes_before_the_run_is_told(home: Path, tmp_path: Path, cha
 
 def test_a_leftover_of_a_dead_writer_is_swept(tmp_path: Path) -> None:
     (tmp_path / "scans").mkdir()
-    left = tmp_path / "scans" / f"0123.csv.{store.files.writer().rpartition('-')[0]}-4194304.part"
+    left = (
+        tmp_path
+        / "scans"
+        / f"0123456789abcdef.csv.{store.files.writer().rpartition('-')[0]}-4194304-0123abcd.part"
+    )
     left.touch()
     assert store.sweep(tmp_path) == [left]

@@ -243,6 +243,9 @@ def test_a_job_that_one_has_done_has_not_failed_and_the_last_failure_counts(tmp_
         assert (failure.job, failure.when) == (study.jobs()[2].id, "2026-01-02")
 
 
+TRIALS = [letter * 16 for letter in "abc"]
+
+
 def test_scans_trials_and_choices_come_along(tmp_path: Path) -> None:
     from bearingsim.config.scan.file import digest_of
 
@@ -254,16 +257,16 @@ def test_scans_trials_and_choices_come_along(tmp_path: Path) -> None:
     chosen = {name: Choice("ring", "ring", "cheap", {}) for name in ("one", "two", "three")}
     store.write_choices(first, {name: chosen[name] for name in ("one", "two")}, {"one": "p"})
     store.write_choices(second, {name: chosen[name] for name in ("two", "three")}, {"three": "q"})
-    for name, shard in (("t1", first), ("t2", second)):
+    for name, shard in ((TRIALS[0], first), (TRIALS[1], second)):
         store.write_trials(shard, name, {f"trial of {name}": None})
-    (second / "trials/t3.json").write_text("{")
+    (second / f"trials/{TRIALS[2]}.json").write_text("{")
     out = tmp_path / "out"
     store.merge([first, second], out)
     assert (out / "scans" / scan.name).read_bytes() == b"1 2 3"
     assert store.read_choices(out) == chosen
     assert store.read_plans(out)["three"] == "q"
-    assert set(store.read_trials(out)) == {"trial of t1", "trial of t2"}
-    assert sorted(path.name for path in (out / "trials").iterdir()) == ["t1.json", "t2.json"]
+    assert set(store.read_trials(out)) == {f"trial of {name}" for name in TRIALS[:2]}
+    assert sorted(path.name for path in (out / "trials").iterdir()) == [f"{name}.json" for name in TRIALS[:2]]
     store.write_choices(second, {"two": Choice("planar", "planar", "near", {})})
     with pytest.raises(store.Unmergeable, match="other models were chosen"):
         store.merge([first, second], tmp_path / "other")

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 from tests.scenes.study_text import Write
 
+ID, OTHER = "0123456789abcdef", "1123456789abcdef"
 UNITS, FAILURES = "units of jobs that the plan does not name", "failures of such jobs"
 
 
@@ -79,10 +81,10 @@ def test_what_is_not_planned_is_removed_and_nothing_else(narrowed: Path) -> None
 def test_what_was_set_aside_and_what_the_dead_left_goes(tmp_path: Path) -> None:
     compute(FakeStudy(), tmp_path)
     for name in (
-        "units/00/x.damaged",
-        "failed/y.damaged",
-        "units/00/z.h5.host-1-a.part",
-        "units/00/z.host-1-a.started",
+        f"units/00/{ID}.damaged",
+        f"failed/{ID}.damaged",
+        f"units/00/{ID}.h5.host-1-0123abcd.part",
+        f"units/00/{ID}.host-1-0123abcd.started",
     ):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_bytes(b"12345")
@@ -137,18 +139,18 @@ def test_scans_go_once_all_jobs_are_done_and_none_is_made_from_them(
 
 def test_trials_go_with_the_accuracy_that_asked_for_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     compute(FakeStudy(), tmp_path)
-    store.write_trials(tmp_path, "t1", {"one": None})
-    (tmp_path / "trials/t2.json").write_text("{")
-    assert [path.name for path in store.superfluous(tmp_path).paths] == ["t1.json", "t2.json"]
+    store.write_trials(tmp_path, ID, {"one": None})
+    (tmp_path / f"trials/{OTHER}.json").write_text("{")
+    assert [path.name for path in store.superfluous(tmp_path).paths] == [f"{ID}.json", f"{OTHER}.json"]
     monkeypatch.setattr(store.Results, "plan", store.read_plan(tmp_path) | {"accuracy": {"within": 0.05}})
-    assert [path.name for path in store.prune(tmp_path).paths] == ["t2.json"]
+    assert [path.name for path in store.prune(tmp_path).paths] == [f"{OTHER}.json"]
 
 
 def test_a_folder_in_use_is_refused(narrowed: Path) -> None:
     found = store.superfluous(narrowed)
     with FileLock(narrowed / ".lock"):
         assert "another run holds" in type_("prune", narrowed, "--no-dry-run", code=2)[1]
-    with temporary(narrowed / "units/00", "unit", "started"):
+    with temporary(narrowed / "units/00", ID, "started"):
         assert "another run is writing" in type_("prune", narrowed, "--no-dry-run", code=2)[1]
         type_("prune", narrowed)
     assert all(path.exists() for path in found.paths)
@@ -181,11 +183,11 @@ def test_nothing_goes_while_models_are_tried(
 ) -> None:
     """The plan is still the one before, which names no accuracy."""
     out, tried = tmp_path / "out", list[bool]()
-    compute(FakeStudy(), out)
+    compute(FakeStudy(name="near"), out)
     plain = trials.try_out
 
     def try_out(*given: Any) -> Any:
-        refused(out, FakeStudy())
+        refused(out, FakeStudy(name="near"))
         tried.append(True)
         return plain(*given)
 
@@ -222,6 +224,7 @@ def test_nothing_goes_while_a_check_tries_models(
         return study
 
     monkeypatch.setattr(sys.modules[with_models.__module__], "selected", selected)
-    with_models(trials.near(write), narrowed, 1, try_them=True)
+    near = trials.near(write)
+    with_models(replace(near, name="fake"), narrowed, 1, try_them=True)
     assert seen
     assert store.prune(narrowed).paths

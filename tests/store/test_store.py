@@ -238,8 +238,9 @@ def test_unit_with_a_missing_row_is_not_trusted(tmp_path: Path, study: FakeStudy
         store.check_unit(path)
 
 
+UNIT = "cafe" * 4
 LEAVES = """import os, sys, time; from pathlib import Path; from bearingsim.store.files import temporary
-with temporary(Path(sys.argv[1]), "ab.h5", "part") as file: print(flush=True); {}
+with temporary(Path(sys.argv[1]), "ab" * 8 + ".h5", "part") as file: print(flush=True); {}
 """
 
 
@@ -248,7 +249,10 @@ def test_sweep_takes_leftovers_of_dead_writers_only(tmp_path: Path) -> None:
     subprocess.run([sys.executable, "-c", LEAVES.format("os._exit(9)"), str(folder)], check=False, stdout=-1)
     [left] = folder.iterdir()
     command = [sys.executable, "-c", LEAVES.format("time.sleep(60)"), str(folder)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE) as other, temporary(folder, "own", "part") as own:
+    with (
+        subprocess.Popen(command, stdout=subprocess.PIPE) as other,
+        temporary(folder, f"{UNIT}.h5", "part") as own,
+    ):
         assert other.stdout is not None
         other.stdout.readline()
         assert store.sweep(tmp_path) == [left]
@@ -282,11 +286,11 @@ def test_without_locks_nothing_is_taken_for_left(tmp_path: Path, monkeypatch: py
         raise OSError(errno.ENOLCK, "no locks available")
 
     monkeypatch.setattr("fcntl.flock", none)
-    (tmp_path / "a.part").touch()
+    (tmp_path / "plan.json.host-1-0123abcd.part").touch()
     write_bytes(tmp_path / "b", b"whole")
     assert store.sweep(tmp_path) == []
     with pytest.raises(store.FolderInUse, match="on a disk without locks"):
-        store.discard(tmp_path)
+        store.discard(tmp_path, "study")
 
 
 @pytest.mark.parametrize("number", [errno.EROFS, errno.EACCES, errno.ENOSPC])
@@ -308,19 +312,19 @@ def test_a_stale_table_is_read_where_nothing_can_be_written(
 def test_fresh_start_refuses_a_folder_in_use(tmp_path: Path, study: FakeStudy) -> None:
     [path] = seal(tmp_path, study)
     with store.start_marker(tmp_path, path.stem), pytest.raises(store.FolderInUse, match="another run"):
-        store.discard(tmp_path)
-    store.discard(tmp_path)
+        store.discard(tmp_path, study.name)
+    store.discard(tmp_path, study.name)
     assert not path.exists()
 
 
 def test_marker_of_a_dead_process_names_the_job_in_hand(tmp_path: Path) -> None:
     code = "import os, sys; from pathlib import Path; from bearingsim import store\n"
-    code += "with store.start_marker(Path(sys.argv[1]), 'cafe') as note: note('a'); note('b'); os._exit(9)"
+    code += "with store.start_marker(Path(sys.argv[1]), 'cafe' * 4) as note: note('a'); note('b'); os._exit(9)"
     subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=False)
-    with store.start_marker(tmp_path, "cafe") as note:
+    with store.start_marker(tmp_path, UNIT) as note:
         note("mine")
-        assert store.take_suspects(tmp_path, ["cafe"]) == {"b"}
-        assert store.take_suspects(tmp_path, ["cafe"]) == set()
+        assert store.take_suspects(tmp_path, [UNIT]) == {"b"}
+        assert store.take_suspects(tmp_path, [UNIT]) == set()
     assert not list(tmp_path.rglob("*.started"))
 
 
@@ -384,7 +388,7 @@ def test_table_is_read_without_the_units_while_up_to_date(tmp_path: Path, study:
     assert (tmp_path / "study.h5").stat().st_mtime_ns == written
 
 
-@pytest.mark.parametrize("action", [store.build_table, store.sweep, store.discard])
+@pytest.mark.parametrize("action", [store.build_table, store.sweep, lambda root: store.discard(root, "study")])
 def test_parents_that_share_a_folder_take_turns(
     tmp_path: Path, study: FakeStudy, action: Callable[[Path], Any]
 ) -> None:

@@ -1,0 +1,60 @@
+"""Other runs in the same folder: what they have sealed meanwhile is not computed again."""
+
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from bearingsim import store
+
+__all__ = ["OtherRuns", "notes"]
+
+LOOK_S = 0.5
+"""How long what was seen of other runs is taken to be all."""
+
+
+@dataclass
+class OtherRuns:
+    """What other runs have sealed in a folder since this one began.
+
+    known: names of the units that were there then, and of those that this run will write.
+    """
+
+    root: Path
+    known: frozenset[str]
+    _jobs: set[str] = field(default_factory=set, init=False)
+    _looked: float = field(default=-LOOK_S, init=False)
+
+    def have(self, job: str) -> bool:
+        """Whether another run has sealed a job, as far as was to be seen within the last half second."""
+        if time.monotonic() - self._looked >= LOOK_S:
+            others = store.unit_names(self.root) - self.known
+            self._jobs = {name for unit in others for name in _jobs(store.unit_path(self.root, unit))}
+            self._looked = time.monotonic()
+        return job in self._jobs
+
+
+@cache
+def _jobs(path: Path) -> list[str]:
+    """Of a unit, which never changes; none of one that cannot be read: its jobs are computed again."""
+    try:
+        return store.jobs_named(path)
+    except store.DamagedUnit:
+        return []
+
+
+def notes(root: Path, plan: Mapping[str, Any], elsewhere: int) -> Iterator[str]:
+    """What other runs in the folder did meanwhile. plan: that of this run; elsewhere: jobs that others did."""
+    if elsewhere:
+        jobs = f"{elsewhere} jobs were" if elsewhere > 1 else "1 job was"
+        yield f"{jobs} computed by another run in this folder meanwhile"
+    now = {entry["job"] for entry in store.read_plan(root)["jobs"]}
+    ours = {entry["job"] for entry in plan["jobs"]}
+    if now != ours:
+        lacking = f"lacks {len(ours - now)} of this run's {len(ours)} jobs" if ours - now else "has more jobs"
+        yield (
+            f"another run has replaced the plan of this folder meanwhile: its table {lacking}"
+            " (all results are kept: give this command again for the table of its plan)"
+        )

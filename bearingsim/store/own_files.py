@@ -1,0 +1,80 @@
+"""The names of the files that the program makes in a results folder: a file of any other name is the user's.
+
+Only what has one of these names is ever replaced, renamed or removed.
+"""
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+__all__ = [
+    "CHOICES",
+    "DAMAGED",
+    "FAILURES",
+    "FOLDERS",
+    "SCANS",
+    "TABLES",
+    "TRIALS",
+    "UNITS",
+    "OwnFiles",
+    "remove",
+    "strangers",
+    "temporary_files",
+]
+
+ID = "[0-9a-f]{16}"
+"""Of a job, a unit, or the content of a scan."""
+
+
+class OwnFiles(NamedTuple):
+    """Files of one kind: the folders in which they lie, as a glob pattern, and a pattern of their names."""
+
+    folder: str
+    name: str
+
+    def of(self, root: Path) -> list[Path]:
+        """Those in a results folder, sorted."""
+        return sorted(path for path in root.glob(f"{self.folder}*") if re.fullmatch(self.name, path.name))
+
+
+UNITS = OwnFiles("units/??/", rf"{ID}\.h5")
+FAILURES = OwnFiles("failed/", rf"{ID}\.json")
+TRIALS = OwnFiles("trials/", rf"{ID}\.json")
+SCANS = OwnFiles("scans/", rf"{ID}\.\w+")
+CHOICES = OwnFiles("", r"choices\.json")
+TABLES = OwnFiles("", r"study\.h5|results\.csv")
+DAMAGED = (OwnFiles("units/??/", rf"{ID}\.damaged"), OwnFiles("failed/", rf"{ID}\.damaged"))
+FOLDERS = ("failed", "scans", "trials", "units", "units/??")
+"""In a results folder: each is a folder, and no link."""
+
+AT_TOP = r"bearingsim\.json|plan\.json|study\.yaml|study\.h5|results\.csv|choices\.json"
+TEMPORARY = re.compile(rf"(run|{AT_TOP}|{ID}(\.\w+)?)\.[\w-]+-\d+-[0-9a-f]{{8}}\.(part|started)")
+LOCK = ".lock"
+
+
+def temporary_files(root: Path) -> list[Path]:
+    """``.part`` files and start markers of a results folder, of living and dead writers alike."""
+    folders = [root, *(path for name in FOLDERS for path in root.glob(name) if path.is_dir())]
+    return [path for folder in folders for path in sorted(folder.iterdir()) if TEMPORARY.fullmatch(path.name)]
+
+
+def strangers(root: Path) -> list[str]:
+    """Names in a folder that holds no results, but for what a run that was killed at its start has left there."""
+    return sorted(path.name for path in root.iterdir() if path.name != LOCK and not TEMPORARY.fullmatch(path.name))
+
+
+def remove(root: Path, *kinds: OwnFiles) -> int:
+    """Remove all files of some kinds, and the folders that are empty then; the number of files."""
+    files = [path for kind in kinds for path in kind.of(root)]
+    for path in files:
+        path.unlink(missing_ok=True)
+    for folder in sorted({path.parent for path in files} - {root}):
+        _remove_empty(folder, root)
+    return len(files)
+
+
+def _remove_empty(folder: Path, root: Path) -> None:
+    """Remove a folder, and those above it in ``root``, as far as nothing is in them."""
+    while folder != root and not any(folder.iterdir()):
+        folder.rmdir()
+        folder = folder.parent
