@@ -13,7 +13,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from bearingsim.hdf5 import Hdf5
 from bearingsim.store.names import feature_attributes, parameter_attributes
+from bearingsim.store.regular import Unreadable
+from bearingsim.text.terminal import is_line
 
 __all__ = ["GROUPS", "TEXT", "Value", "columns", "read_columns", "write_columns", "write_jobs"]
 
@@ -84,23 +87,36 @@ def _fixed(words: NDArray[Any]) -> NDArray[np.bytes_]:
     return coded.astype(h5py.string_dtype(length=max(coded.dtype.itemsize, 1)))
 
 
-def read_columns(file: h5py.File, groups: Sequence[str] = tuple(GROUPS)) -> dict[str, NDArray[Any]]:
-    """Read the columns over ``job`` of a unit or of the table: ``job``, ``features/velocity@BPFO`` ..."""
+def read_columns(file: Hdf5, groups: Sequence[str] = tuple(GROUPS)) -> dict[str, NDArray[Any]]:
+    """Read the columns over ``job`` of a unit or of the table: ``job``, ``features/velocity@BPFO`` ...
+
+    Raises one of UNREADABLE for what is damaged, and for columns that are not over ``job``.
+    """
+    tables = [name for group in groups for name in _tables(file, group)]
+    file.afford("the sum of its columns", file.cost("job", *tables))
+    jobs = file.texts("job")
     found = {f"{group}/{name}": column for group in groups for name, column in _group(file, group)}
-    return {"job": _read(file["job"]), **found}
+    for name, column in found.items():
+        if column.shape != jobs.shape:
+            raise Unreadable(f"{name} has {len(column)} rows, not {len(jobs)}")
+        if not is_line(name):
+            raise Unreadable(f"{name!a} is no name of a column")
+    return {"job": jobs} | found
 
 
-def _group(file: h5py.File, group: str) -> Iterator[tuple[str, NDArray[Any]]]:
+def _tables(file: Hdf5, group: str) -> list[str]:
+    """The datasets with the values of a group; in files of an earlier version one for each column."""
+    if group in file and file.is_group(group):
+        return [f"{group}/{name}" for name in file.names(group)]
+    return [name for name in (group, f"{GROUPS[group]}_text") if name in file]
+
+
+def _group(file: Hdf5, group: str) -> Iterator[tuple[str, NDArray[Any]]]:
     one = GROUPS[group]
-    if isinstance(file.get(group), h5py.Group):  # of an earlier version
-        yield from ((name, _read(item)) for name, item in file[group].items())
-        return
-    if group in file:
-        yield from zip(_read(file[one]), file[group][()].T, strict=True)
-    if f"{one}_text" in file:
-        words = np.char.decode(file[f"{one}_text"][()].astype(np.bytes_), "utf-8").astype(object)
-        yield from zip(_read(file[f"{one}_text_name"]), words.T, strict=True)
-
-
-def _read(item: h5py.Dataset) -> NDArray[Any]:
-    return item.asstr()[()] if item.dtype == object else item[()]
+    for table in _tables(file, group):
+        if table == group:
+            yield from zip(file.texts(one), file.numbers(group).T, strict=True)
+        elif table == f"{one}_text":
+            yield from zip(file.texts(f"{one}_text_name"), file.texts(table).T, strict=True)
+        else:
+            yield table.removeprefix(f"{group}/"), file.values(table)

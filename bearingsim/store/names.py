@@ -8,6 +8,7 @@ from bearingsim.text.units import UNITS, Dimension
 
 __all__ = [
     "channel_attributes",
+    "channel_unit",
     "feature_attributes",
     "flat_parameters",
     "in_feature_order",
@@ -71,6 +72,14 @@ def channel_attributes(name: str) -> dict[str, str]:
         whole, component = name, ""
     channel = CHANNELS[whole]
     return {"units": channel.unit, "long_name": f"{channel.long_name} {component}".strip()}
+
+
+def channel_unit(name: str) -> str:
+    """The unit of a stored channel; empty for one that this version does not know."""
+    try:
+        return channel_attributes(name)["units"]
+    except KeyError:
+        return ""
 
 
 def feature_attributes(name: str) -> dict[str, str]:

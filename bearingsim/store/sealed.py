@@ -11,12 +11,13 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import h5py
 
-from bearingsim.errors import UserError
+from bearingsim.hdf5 import Hdf5
 from bearingsim.store.files import write_bytes
+from bearingsim.store.regular import BLOCK, COST, Unreadable, open_regular, read_regular
 
 __all__ = [
     "LIBVER",
@@ -26,6 +27,7 @@ __all__ = [
     "new_hdf5",
     "open_hdf5",
     "open_sealed",
+    "open_unverified",
     "read_json",
     "set_aside",
     "write_json",
@@ -36,11 +38,7 @@ LIBVER = ("v108", "v108")  # object headers with checksums and no 64 kB limit on
 HDF5_MARK, JSON_MARK = b"\nSHA-256 ", ',\n "sha256": "'
 
 
-class Unreadable(UserError):
-    """A file is not as it was written, or is of another version: the text says which."""
-
-
-UNREADABLE = (OSError, KeyError, TypeError, ValueError, RuntimeError, AttributeError, Unreadable)
+UNREADABLE = (OSError, LookupError, TypeError, ValueError, RuntimeError, AttributeError, MemoryError, Unreadable)
 """What is raised by what is read of damaged files."""
 
 
@@ -81,32 +79,61 @@ def hdf5_in_memory(take: Callable[[bytes], None]) -> Iterator[h5py.File]:
 
 
 def _seal(image: bytes) -> bytes:
-    return HDF5_MARK + _digest(image).encode() + b"\n"
+    return _as_seal(_digest(image))
+
+
+def _as_seal(digest: str) -> bytes:
+    return HDF5_MARK + digest.encode() + b"\n"
 
 
 SEAL_BYTES = len(_seal(b""))
 
 
-def open_hdf5(path: Path) -> h5py.File:
+def open_hdf5(path: Path) -> Hdf5:
     """Open a file after comparing its bytes with its digest. Raises one of UNREADABLE."""
-    return open_sealed(path.read_bytes())
+    return open_sealed(open_regular(path))
 
 
-def open_sealed(content: bytes) -> h5py.File:
-    """Open what a file holds after comparing it with its digest. Raises one of UNREADABLE."""
-    image, seal = content[:-SEAL_BYTES], content[-SEAL_BYTES:]
-    if seal.startswith(HDF5_MARK) and seal != _seal(image):
-        raise Unreadable("its bytes are not those that were written")
-    file = h5py.File(io.BytesIO(content), "r")
+def open_unverified(path: Path) -> Hdf5:
+    """Open a file without reading it against its digest. Raises one of UNREADABLE."""
+    stream = open_regular(path)
     try:
-        if seal.startswith(HDF5_MARK):
-            _check_schema(file.attrs["schema"])
-        elif "schema" in file.attrs:
+        return Hdf5(stream, COST * stream.seek(0, io.SEEK_END))
+    except BaseException:
+        stream.close()
+        raise
+
+
+def open_sealed(stream: BinaryIO) -> Hdf5:
+    """Open what a stream holds after comparing it with its digest; the stream is closed with the file.
+
+    What is read of it at a time takes at most ``COST`` times its bytes. Raises one of UNREADABLE.
+    """
+    try:
+        size, digest, seal = _read_through(stream)
+        is_sealed = seal.startswith(HDF5_MARK)
+        if is_sealed and seal != _as_seal(digest):
+            raise Unreadable("its bytes are not those that were written")
+        file = Hdf5(stream, COST * size)
+        if is_sealed:
+            _check_schema(file.attribute("schema"))
+        elif file.attribute("schema") is not None:
             raise Unreadable("its digest is missing")
     except BaseException:
-        file.close()
+        stream.close()
         raise
     return file
+
+
+def _read_through(stream: BinaryIO) -> tuple[int, str, bytes]:
+    """Bytes of a stream; digest of all but the last of them, which may be a seal; and these."""
+    size = stream.seek(0, io.SEEK_END)
+    left, digest = max(size - SEAL_BYTES, 0), hashlib.sha256()
+    stream.seek(0)
+    while left and (block := stream.read(min(left, BLOCK))):
+        digest.update(block)
+        left -= len(block)
+    return size, digest.hexdigest(), stream.read()
 
 
 # JSON
@@ -124,7 +151,7 @@ def _json_seal(body: str) -> str:
 
 def read_json(path: Path) -> dict[str, Any]:
     """The mapping in a file; of an earlier version without a digest, as it stands. Raises one of UNREADABLE."""
-    text = path.read_bytes().decode()
+    text = read_regular(path).decode()
     body, mark, _ = text.rpartition(JSON_MARK)
     if mark and text != body + _json_seal(body):
         raise Unreadable("its text is not what was written")

@@ -46,6 +46,8 @@ __all__ = [
 ]
 
 PER_JOB = ("status", "reason", "healthy", "unit", "stamp")
+DIGESTS = ("fingerprint", "csv")
+"""Attributes of ``study.h5``: of what it is made from, and of ``results.csv``."""
 
 
 def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> dict[str, Any]:
@@ -274,7 +276,8 @@ def _write_frame(root: Path, frame: "pd.DataFrame", fingerprint: str) -> None:
             names = [name for name in frame.columns if name.startswith(f"{group}/")]
             columns = {name.partition("/")[2]: _column(frame[name]) for name in names}
             write_columns(file, jobs, group, columns)
-        file.attrs.update(fingerprint=fingerprint, csv=_digest(root / "results.csv"))
+        digests = (fingerprint, _digest(root / "results.csv"))
+        file.attrs.update({name: np.bytes_(digest) for name, digest in zip(DIGESTS, digests, strict=True)})
 
 
 def _column(values: "pd.Series[Any]") -> NDArray[Any]:
@@ -289,8 +292,9 @@ def read_frame(root: Path, groups: Sequence[str] = tuple(GROUPS)) -> "pd.DataFra
 
     try:
         with open_hdf5(root / "study.h5") as file:
-            columns = read_columns(file, groups) | {name: file[name].asstr()[()] for name in PER_JOB}
-            told = {name: file.attrs[name] for name in ("fingerprint", "csv")}
+            file.afford("its columns", file.cost("job", *PER_JOB))
+            columns = read_columns(file, groups) | {name: file.texts(name) for name in PER_JOB}
+            told = {name: file.attribute(name) for name in DIGESTS}
     except UNREADABLE:
         return None
     frame = pd.DataFrame(columns).set_index("job")

@@ -7,7 +7,9 @@ h5web and MATLAB open it unaided.
 """
 
 import hashlib
+import io
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -18,11 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bearingsim.errors import UserError
+from bearingsim.hdf5 import Hdf5
 from bearingsim.store.columns import GROUPS, TEXT, Value, columns, read_columns, write_columns, write_jobs
 from bearingsim.store.files import write_bytes
-from bearingsim.store.names import channel_attributes, flat_parameters
+from bearingsim.store.names import channel_attributes, channel_unit, flat_parameters
 from bearingsim.store.own_files import UNITS
-from bearingsim.store.sealed import UNREADABLE, Unreadable, hdf5_in_memory, open_hdf5, open_sealed
+from bearingsim.store.regular import Unreadable
+from bearingsim.store.sealed import UNREADABLE, hdf5_in_memory, open_hdf5, open_sealed, open_unverified
+from bearingsim.text.terminal import is_line
 
 if TYPE_CHECKING:
     from bearingsim.simulation.simulate import Record
@@ -115,7 +120,7 @@ def take_unit(root: Path, unit: str, content: bytes) -> Path:
     """Write a unit that was sealed elsewhere, as it is. Raises DamagedUnit if it is not as it was sealed."""
     path = unit_path(root, unit)
     try:
-        with open_sealed(content) as file:
+        with open_sealed(io.BytesIO(content)) as file:
             _check(path, file)
     except UNREADABLE as error:
         raise DamagedUnit(f"{path.name}, as it came: {error}") from error
@@ -176,23 +181,21 @@ def _write_provenance(file: h5py.File, provenance: Mapping[str, Value]) -> None:
 # Reading
 
 
-def open_unit(path: Path) -> h5py.File:
+@contextmanager
+def open_unit(path: Path) -> Iterator[Hdf5]:
     """Open a unit, once it is known to be as it was written, and to hold what its name promises.
 
-    One of an earlier version, without a digest, is read whole against HDF5's checksums. Raises DamagedUnit.
+    One of an earlier version, without a digest, is read whole against HDF5's checksums. Raises DamagedUnit, for
+    what is read of it, too.
     """
     try:
-        file = open_hdf5(path)
-        try:
+        with open_hdf5(path) as file:
             _check(path, file)
-        except BaseException:
-            file.close()
-            raise
+            yield file
     except PermissionError:  # no damage
         raise
     except UNREADABLE as error:
         raise DamagedUnit(f"{path.name}: {error}") from error
-    return file
 
 
 def read_unit(path: Path) -> dict[str, NDArray[Any]]:
@@ -204,7 +207,7 @@ def read_unit(path: Path) -> dict[str, NDArray[Any]]:
 def check_unit(path: Path) -> list[str]:
     """The ids of the jobs that a unit holds. Raises DamagedUnit."""
     with open_unit(path) as file:
-        return list(file["job"].asstr()[()])
+        return list(file.texts("job"))
 
 
 def jobs_named(path: Path) -> list[str]:
@@ -213,8 +216,8 @@ def jobs_named(path: Path) -> list[str]:
     Raises DamagedUnit.
     """
     try:
-        with h5py.File(path, "r") as file:
-            return list(file["job"].asstr()[()])
+        with open_unverified(path) as file:
+            return list(file.texts("job"))
     except UNREADABLE as error:
         raise DamagedUnit(f"{path.name}: {error}") from error
 
@@ -222,17 +225,17 @@ def jobs_named(path: Path) -> list[str]:
 def computed(path: Path, jobs: Collection[str]) -> dict[str, dict[str, bytes]]:
     """What was computed of some jobs of a unit, by job and name: features that have a value, time, channels.
 
-    As bytes: what is equal here is equal in every bit. How, when and where it was computed is not part of it.
+    As digests: what is equal here is equal in every bit. How, when and where it was computed is not part of it.
     Raises DamagedUnit.
     """
     with open_unit(path) as file:
         features = read_columns(file, ("features",))
         rows = {job: row for row, job in enumerate(features.pop("job")) if job in jobs}
         names = _channels(file)
-        time = {"time": file["time"][()].tobytes()} if names else {}
+        time = {"time": _digest(file.numbers("time"))} if names else {}
         return {
             job: time
-            | {name: file[name][row].tobytes() for name in names}
+            | {name: _digest(file.numbers(name, row)) for name in names}
             | {
                 name.partition("/")[2]: _bytes(column[row])
                 for name, column in features.items()
@@ -251,52 +254,70 @@ def _bytes(value: Any) -> bytes:
     return value.encode() if isinstance(value, str) else np.float64(value).tobytes()
 
 
-def _check(path: Path, file: h5py.File) -> None:
-    ids = list(file["job"].asstr()[()])
-    if file.attrs.get("status") != "complete":
+def _digest(values: NDArray[Any]) -> bytes:
+    return hashlib.sha256(values.tobytes()).digest()
+
+
+def _check(path: Path, file: Hdf5) -> None:
+    ids = list(file.texts("job"))
+    if not file.has_attribute("status"):  # the last that is written
         raise Unreadable("not marked complete")
     if unit_name(ids) != path.stem:
         raise Unreadable("its job ids are not those of its name")
     for name in _channels(file):
-        whole = (len(ids), len(file["time"]))
-        if file[name].shape != whole:
-            raise Unreadable(f"{name} has shape {file[name].shape}, not {whole}")
-    if "schema" not in file.attrs:
+        whole = (len(ids), *file.shape("time"))
+        if file.shape(name) != whole:
+            raise Unreadable(f"{name} has shape {file.shape(name)}, not {whole}")
+    if not file.has_attribute("schema"):
         _read_everything(file)
 
 
-def _read_everything(folder: h5py.Group) -> None:
+def _read_everything(file: Hdf5, group: str = "") -> None:
     """Read every dataset: HDF5 raises on the first chunk that does not match its checksum."""
-    for item in folder.values():
-        if isinstance(item, h5py.Group):
-            _read_everything(item)
+    for item in file.names(group):
+        name = f"{group}/{item}".removeprefix("/")
+        if file.is_group(name):
+            _read_everything(file, name)
+        elif len(file.shape(name)) == 2:
+            for row in range(file.shape(name)[0]):
+                file.numbers(name, row)
         else:
-            item[()]
+            file.values(name)
 
 
-def _channels(file: h5py.File) -> list[str]:
+def _channels(file: Hdf5) -> list[str]:
+    """Names of the recorded channels. Raises Unreadable for one that is none of this program's."""
     columns = (*GROUPS, *(f"{one}_text" for one in GROUPS.values()))
-    series = {name: item for name, item in file.items() if name not in columns}
-    return [name for name, item in series.items() if isinstance(item, h5py.Dataset) and item.ndim == 2]
+    series = [name for name in file.names() if name not in columns and not file.is_group(name)]
+    channels = [name for name in series if len(file.shape(name)) == 2]
+    for name in channels:
+        if not is_line(name):
+            raise Unreadable(f"{name!a} is no name of a channel")
+    return channels
 
 
 def read_series(path: Path, job: str) -> Series:
     """Read the series of one job from its unit. Raises DamagedUnit, and KeyError if it does not hold the job."""
-    with _opened(path) as file:
-        ids = list(file["job"].asstr()[()])
-        if job not in ids:
-            raise KeyError(f"{path.name} does not hold job {job}")
-        row, names = ids.index(job), _channels(file)
-        return Series(
-            time=file["time"][()] if names else np.empty(0),
-            channels={name: file[name][row] for name in names},
-            units={name: str(file[name].attrs["units"]) for name in names},
-        )
+    with _advised(path), open_unit(path) as file:
+        ids = list(file.texts("job"))
+        if job in ids:
+            return _series(file, ids.index(job), len(ids))
+    raise KeyError(f"{path.name} does not hold job {job}")
 
 
-def _opened(path: Path) -> h5py.File:
+def _series(file: Hdf5, row: int, rows: int) -> Series:
+    names = _channels(file)
+    if not names:
+        return Series(np.empty(0), {}, {})
+    file.afford("the series of a job", file.cost("time") + file.cost(*names) / rows)
+    channels = {name: file.numbers(name, row) for name in names}
+    return Series(file.numbers("time"), channels, {name: channel_unit(name) for name in names})
+
+
+@contextmanager
+def _advised(path: Path) -> Iterator[None]:
     try:
-        return open_unit(path)
+        yield
     except DamagedUnit as damage:
         advice = "run the study again with --verify: what is damaged is computed again"
         raise DamagedUnit(f"{path.parent}/{damage} ({advice})") from None

@@ -32,6 +32,9 @@ def note(path: Path) -> None:
 
 def _digest(path: str) -> str | None:
     try:
-        return hashlib.sha256(Path(path).read_bytes()).hexdigest() if os.path.isfile(path) else None
+        if not os.path.isfile(path):
+            return None
+        with Path(path).open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError:
         return None

@@ -1,6 +1,7 @@
 """Scan files: what is read, what is repaired and told, what is refused."""
 
 import hashlib
+import re
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from bearingsim.study import load_study
 from bearingsim.study.jobs import case_id
 from bearingsim.study.schema import json_schema
 from bearingsim.text.yamlfile import StudyError
+from tests.scenes.bombs import DATASETS
 
 S, Z = np.linspace(-1.5, 1.5, 61), np.linspace(-4.0, 4.0, 41)  # mm
 
@@ -500,3 +502,32 @@ def test_a_wrong_file_is_told_at_its_place(tmp_path: Path, file: str, message: s
         load_study(path)
     (found,) = caught.value.problems
     assert str(found).splitlines()[0] == f"{path}:5:{found.column}: {message}"
+
+
+@pytest.mark.parametrize("kind", DATASETS)
+def test_an_hdf5_dataset_that_is_not_what_it_states_is_refused(tmp_path: Path, kind: str) -> None:
+    add, message = DATASETS[kind]
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        add(file, "depth", tmp_path / "other.h5")
+        is_link = not isinstance(file.get("depth", getlink=True), h5py.HardLink)
+        for name, n in zip("zs", (1, 1) if is_link else file["depth"].shape, strict=True):
+            file.create_dataset(name, (n,), "f8", chunks=True)
+        for name in "sz" if is_link else ("s", "z", "depth"):
+            file[name].attrs["units"] = "um"
+    assert re.search(f"{message}|points; at most", refusal(tmp_path / "a.h5"))
+
+
+def test_a_scan_of_many_points_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name, shape in (("s", (2_000_000_000,)), ("z", (2,)), ("depth", (2, 2_000_000_000))):
+            file.create_dataset(name, shape, "f8", chunks=True, compression="gzip").attrs["units"] = "um"
+    assert "4000000000 points; at most 4000000 (thin it out)" in refusal(tmp_path / "a.h5")
+    (tmp_path / "a.csv").write_bytes(b"s [mm],z [mm],depth [um]\n" + b",,\n" * 3_000_000)
+    assert "more than 4000000 cells" in refusal(tmp_path / "a.csv")
+
+
+def test_a_scan_larger_than_any_is_not_read(tmp_path: Path) -> None:
+    for name in ("a.csv", "a.h5"):
+        with (tmp_path / name).open("wb") as file:
+            file.truncate(300_000_000_000)
+        assert "has more than 200 MB" in refusal(tmp_path / name)

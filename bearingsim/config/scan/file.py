@@ -20,7 +20,7 @@ import hashlib
 import io
 import math
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from os.path import isdir, isfile
 from pathlib import Path
 from typing import NamedTuple
@@ -32,6 +32,8 @@ from bearingsim.text.units import UnitError, parse
 
 NAMES = ("s", "z", "depth", "height")
 MAX_POINTS = 4_000_000
+POINT_BYTES, MAX_BYTES = 16, 200_000_000
+"""Largest sizes of a number in an HDF5 file, and of a file: 4 million cells of text take about 100 MB."""
 MIN_FILLED = 0.5  # share of a grid's cells that must be there at all
 LONGEST_ECHO, SHORTEST_ECHO = 60, 12  # letters of a file's first line that a message repeats
 BROUGHT: dict[str, Path] = {}
@@ -61,6 +63,7 @@ HDF5 = Wording(
     "`s` (n_s,), `z` (n_z,) and `depth` (n_z, n_s), each with the attribute `units`",
     "give `{}` the attribute `units`: um, or mm, m, nm",
 )
+PLAIN = "write `s`, `z` and `depth` as floating-point numbers into the file itself, with gzip or uncompressed"
 
 
 class Grid(NamedTuple):
@@ -82,10 +85,14 @@ def read_file(path: Path) -> tuple[Grid, str]:
     if form is None:
         raise ScanError(f"expected a file that ends in .csv, .h5 or .hdf5, got `{path.name}`")
     try:
+        if path.stat().st_size > MAX_BYTES:
+            raise ScanError(f"`{path.name}` has more than {MAX_BYTES / 1e6:.0f} MB", "thin it out")
         content = path.read_bytes()
+        return form(path.name, content), digest_of(content)
     except OSError as error:
         raise ScanError(f"`{path.name}` cannot be read: {error.strerror}") from None
-    return form(path.name, content), digest_of(content)
+    except MemoryError:
+        raise ScanError(f"`{path.name}` takes more memory than there is", "thin it out") from None
 
 
 def digest_of(content: bytes) -> str:
@@ -97,6 +104,8 @@ def digest_of(content: bytes) -> str:
 
 
 def _csv(name: str, content: bytes) -> Grid:
+    if content.count(b",") + content.count(b"\n") > 2 * MAX_POINTS:  # before they become objects; comments count
+        raise ScanError(f"`{name}` has more than {MAX_POINTS} cells", "thin it out")
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -224,36 +233,31 @@ def _number(cell: str, line: int) -> float:
 
 
 def _hdf5(name: str, content: bytes) -> Grid:
-    import h5py
+    from bearingsim.hdf5 import Hdf5, Unsafe
 
     try:
-        with h5py.File(io.BytesIO(content), "r") as file:
-            held = {name: file[name] for name in NAMES if isinstance(file.get(name), h5py.Dataset)}
-            heads = [f"{name} [{_text(data.attrs.get('units', ''))}]" for name, data in held.items()]
-            columns = _columns(heads or list(file), HDF5)
-            values = {name: _values(name, held[name][()]) * columns[name][1] for name in held}
-    except (OSError, RuntimeError):
+        with Hdf5(io.BytesIO(content), MAX_POINTS * POINT_BYTES) as file:
+            held = [data for data in NAMES if data in file]
+            heads = [f"{data} [{file.attribute('units', data, '', variable=True)}]" for data in held]
+            columns = _columns(heads or file.names(), HDF5)
+            _check_shapes({data: file.shape(data) for data in held})
+            values = {data: file.numbers(data).astype(float) * columns[data][1] for data in held}
+    except Unsafe as error:
+        raise ScanError(str(error), PLAIN) from None
+    except (OSError, RuntimeError, KeyError):
         raise ScanError(f"`{name}` is not an HDF5 file, or cut off") from None
-    s, z, p = values["s"], values["z"], values["depth" if "depth" in values else "height"]
-    if s.ndim != 1 or z.ndim != 1 or p.shape != (len(z), len(s)):
-        shapes = f"s {s.shape}, z {z.shape}, depth {p.shape}"
-        raise ScanError(f"expected s (n_s,), z (n_z,) and depth (n_z, n_s), got {shapes}")
+    p = values["depth" if "depth" in values else "height"]
     p[np.isinf(p)] = np.nan
-    return _ascending(s, z, p)
+    return _ascending(values["s"], values["z"], p)
 
 
-def _values(name: str, given: object) -> np.ndarray:
-    """What a dataset holds, as numbers."""
-    try:
-        return np.array(given, dtype=float)
-    except (TypeError, ValueError):
-        raise ScanError(
-            f"`{name}` holds something else than numbers", "write it as floating-point numbers"
-        ) from None
-
-
-def _text(given: object) -> str:
-    return given.decode() if isinstance(given, bytes) else str(given)
+def _check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> None:
+    """Raises ScanError for datasets that do not fit each other, or are too large."""
+    s, z, p = shapes["s"], shapes["z"], shapes["depth" if "depth" in shapes else "height"]
+    if len(s) != 1 or len(z) != 1 or p != (*z, *s):
+        raise ScanError(f"expected s (n_s,), z (n_z,) and depth (n_z, n_s), got s {s}, z {z}, depth {p}")
+    if math.prod(p) > MAX_POINTS:
+        raise ScanError(f"{math.prod(p)} points; at most {MAX_POINTS}", "thin it out")
 
 
 def _ascending(s: np.ndarray, z: np.ndarray, depth: np.ndarray) -> Grid:

@@ -1,0 +1,221 @@
+"""HDF5 files of unknown origin: nothing is read before its size, and the place of its bytes, are checked.
+
+A dataset states its own shape, and a file of some kB may state gigabytes: chunks that were never written, zeros
+that gzip has made small, texts that share their letters. It may also lie in another file (links, external and
+virtual storage).
+"""
+
+import zlib
+from math import prod
+from types import TracebackType
+from typing import Any, BinaryIO, Self
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from bearingsim.errors import UserError
+
+__all__ = ["Hdf5", "Unsafe"]
+
+DEFLATE_RATIO = 1032
+"""Largest ratio of sizes that deflate reaches (zlib, technical details)."""
+FILTERS = {
+    h5py.h5z.FILTER_DEFLATE: "gzip",
+    h5py.h5z.FILTER_SHUFFLE: "shuffle",
+    h5py.h5z.FILTER_FLETCHER32: "fletcher32",
+}
+CHECKSUM_BYTES = 4  # of fletcher32, at the end of a chunk
+REFERENCE = np.dtype([("letters", "<u4"), ("heap", "<u8"), ("place", "<u4")])
+"""A text of variable length, as it lies in a dataset."""
+NUMBERS = "fiub"  # kinds of NumPy's types
+TEXT_BYTES, LETTER_BYTES = 70, 5
+"""Memory of a text as an object of Python, and of each of its letters while they are decoded."""
+
+
+class Unsafe(UserError, ValueError):
+    """Something in an HDF5 file that is not read; the text names it, and the reason."""
+
+
+class Hdf5:
+    """An open HDF5 file. most: bytes of memory that what is read of it at a time may take.
+
+    Names are paths in the file. All methods raise Unsafe for what lies in another file, takes more than ``most``
+    or holds something else than was asked for, and OSError, KeyError, RuntimeError where the file is damaged.
+    """
+
+    def __init__(self, stream: BinaryIO, most: float) -> None:
+        self.most, self._stream = most, stream
+        self._file = h5py.File(stream, "r")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file, and the stream that it is read from."""
+        self._file.close()
+        self._stream.close()
+
+    def names(self, group: str = "") -> list[str]:
+        """Names of the datasets and groups in a group, or in the file."""
+        return list(self._item(group))
+
+    def __contains__(self, name: str) -> bool:
+        parent, _, last = name.rpartition("/")
+        return last in self._item(parent)
+
+    def is_group(self, name: str) -> bool:
+        """Whether a name is that of a group."""
+        return isinstance(self._item(name), h5py.Group)
+
+    def shape(self, name: str) -> tuple[int, ...]:
+        """The shape of a dataset; nothing of it is read."""
+        return tuple(self._dataset(name).shape)
+
+    def afford(self, what: str, size: float) -> None:
+        """Raises Unsafe if ``size`` bytes are more than may be read at a time."""
+        if size > self.most:
+            sizes = f"{size / 1e6:.3g} MB, over the {self.most / 1e6:.3g} MB that are plausible for this file"
+            raise Unsafe(f"{what} would take {sizes}")
+
+    def has_attribute(self, name: str, of: str = "") -> bool:
+        """Whether there is an attribute, of whatever value."""
+        return name in self._item(of).attrs
+
+    def attribute(self, name: str, of: str = "", default: Any = None, variable: bool = False) -> Any:
+        """An attribute that is one number or text; ``default`` without it.
+
+        variable: take a text of variable length, too; its length, of up to 4 GB, is known only once it is read.
+        """
+        attributes = self._item(of).attrs
+        if name not in attributes:
+            return default
+        attribute = attributes.get_id(name)
+        kind = h5py.check_string_dtype(attribute.dtype)
+        if attribute.shape != () or not (attribute.dtype.kind in NUMBERS + "S" or (kind is not None and variable)):
+            raise Unsafe(f"the attribute `{name}` is not one number or text")
+        value = attributes[name]
+        return value.decode() if isinstance(value, bytes) else value
+
+    def cost(self, *names: str) -> int:
+        """Bytes of memory that the values of some datasets take."""
+        return sum(self._cost(self._dataset(name)) for name in names)
+
+    def values(self, name: str) -> NDArray[Any]:
+        """The numbers, or else the texts, of a dataset."""
+        return self.numbers(name) if self._dataset(name).dtype.kind in NUMBERS else self.texts(name)
+
+    def numbers(self, name: str, row: int | None = None) -> NDArray[Any]:
+        """The numbers of a dataset, or of one of its rows."""
+        item = self._dataset(name)
+        if item.dtype.kind not in NUMBERS:
+            raise Unsafe(f"`{name}` holds something else than numbers")
+        self.afford(f"`{name}`", prod(item.shape if row is None else item.shape[1:]) * item.dtype.itemsize)
+        self._check_chunks(item, row)
+        return np.asarray(item[() if row is None else row])
+
+    def texts(self, name: str) -> NDArray[np.object_]:
+        """The texts of a dataset."""
+        item = self._dataset(name)
+        kind = h5py.check_string_dtype(item.dtype)
+        if kind is None:
+            raise Unsafe(f"`{name}` holds something else than texts")
+        self.afford(f"`{name}`", self._cost(item))
+        self._check_chunks(item)
+        if kind.length is None:
+            return np.asarray(item.asstr()[()], dtype=object)
+        return np.char.decode(item[()].astype(np.bytes_), "utf-8").astype(object)
+
+    def _item(self, name: str) -> Any:
+        """A group or dataset that lies in this file."""
+        item: Any = self._file
+        for word in filter(None, name.split("/")):
+            link = item.get(word, getlink=True)
+            if link is None:
+                raise KeyError(f"there is no `{name}`")
+            if not isinstance(link, h5py.HardLink):
+                raise Unsafe(f"`{name}` is a link to another place")
+            item = item[word]
+        return item
+
+    def _dataset(self, name: str) -> h5py.Dataset:
+        """A dataset whose bytes lie in this file, as they are or behind filters of ``FILTERS``."""
+        item = self._item(name)
+        if not isinstance(item, h5py.Dataset) or item.shape is None:
+            raise Unsafe(f"`{name}` is no dataset")
+        if item.is_virtual:
+            raise Unsafe(f"`{name}` is a virtual dataset: it is made of other files")
+        if item.external is not None:
+            raise Unsafe(f"`{name}` lies in another file (external storage)")
+        filters = _filters(item)
+        strange = [number for number in filters if number not in FILTERS]
+        if strange or len(set(filters)) < len(filters):
+            raise Unsafe(f"`{name}` passes through filters other than {', '.join(FILTERS.values())}, each once")
+        return item
+
+    def _cost(self, item: h5py.Dataset) -> int:
+        """Bytes of memory that the values of a dataset take."""
+        kind = h5py.check_string_dtype(item.dtype)
+        if kind is None:
+            return int(item.size * item.dtype.itemsize)
+        letters = self._letters(item) if kind.length is None else item.size * kind.length
+        return int(TEXT_BYTES * item.size + LETTER_BYTES * letters)
+
+    def _letters(self, item: h5py.Dataset) -> int:
+        """Letters of all texts of variable length, by what the dataset states of each."""
+        layout = item.id.get_create_plist().get_layout()
+        sizes = self._file.id.get_create_plist().get_sizes()
+        if layout != h5py.h5d.CONTIGUOUS or sizes != (8, 8):
+            raise Unsafe(f"`{_name(item)}` holds texts of variable length, but is not contiguous")
+        start = item.id.get_offset()
+        if start is None:  # nothing was written
+            return 0
+        self.afford(f"`{_name(item)}`", TEXT_BYTES * item.size)
+        self._stream.seek(start)
+        stated = np.frombuffer(self._stream.read(item.size * REFERENCE.itemsize), REFERENCE)
+        return int(stated["letters"].sum(dtype=np.uint64))
+
+    def _check_chunks(self, item: h5py.Dataset, row: int | None = None) -> None:
+        """Raises Unsafe if a chunk takes more than ``most`` bytes, by its shape or once it is inflated."""
+        if item.chunks is None:
+            return
+        whole, filters = prod(item.chunks) * item.dtype.itemsize, _filters(item)
+        self.afford(f"a chunk of `{_name(item)}`", whole)
+        if h5py.h5z.FILTER_DEFLATE not in filters:
+            return
+        skipped, large = 1 << filters.index(h5py.h5z.FILTER_DEFLATE), []
+
+        def note(chunk: Any) -> None:
+            start = chunk.chunk_offset
+            is_read = row is None or start[0] <= row < start[0] + item.chunks[0]
+            if is_read and not chunk.filter_mask & skipped and chunk.size * DEFLATE_RATIO > self.most:
+                large.append(start)
+
+        item.id.chunk_iter(note)
+        for start in large:
+            _, content = item.id.read_direct_chunk(start)
+            if _inflates_beyond(content, whole + CHECKSUM_BYTES):
+                raise Unsafe(f"a chunk of `{_name(item)}` inflates to more than its {whole} bytes")
+
+
+def _name(item: h5py.Dataset) -> str:
+    return str(item.name).removeprefix("/")
+
+
+def _filters(item: h5py.Dataset) -> list[int]:
+    """Numbers of the filters that a dataset passes through."""
+    listed = item.id.get_create_plist()
+    return [listed.get_filter(place)[0] for place in range(listed.get_nfilters())]
+
+
+def _inflates_beyond(content: bytes, size: int) -> bool:
+    """Whether deflated bytes inflate to more than ``size``."""
+    try:
+        return len(zlib.decompressobj().decompress(content, size + 1)) > size
+    except zlib.error as error:
+        raise Unsafe(f"a chunk cannot be inflated ({error})") from None

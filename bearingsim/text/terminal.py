@@ -1,0 +1,29 @@
+"""Text on its way to a terminal, and names that may stand there: no control characters.
+
+Escape sequences move the cursor, set titles and type in the user's name; marks of direction (bidi) show a text
+in another order than it has. A results folder of somebody else may hold both.
+"""
+
+import sys
+
+__all__ = ["is_line", "plain", "say"]
+
+LONGEST_LINE = 1000  # letters of a text on one line
+LAYOUT = "\n\t"
+
+
+def plain(text: str) -> str:
+    """Return a text without control characters, marks of direction and surrogates; lines and tabs stay."""
+    if text.isprintable():
+        return text
+    return "".join(letter for letter in text if letter.isprintable() or letter in LAYOUT)
+
+
+def is_line(text: str) -> bool:
+    """Whether a text is one line that a terminal shows as it is."""
+    return 0 < len(text) <= LONGEST_LINE and text.isprintable()
+
+
+def say(text: str, err: bool = False) -> None:
+    """Print a text to stdout, or to stderr, as ``plain`` leaves it."""
+    print(plain(text), file=sys.stderr if err else sys.stdout, flush=True)
