@@ -1,0 +1,142 @@
+"""Is a job lost, or computed in vain, when several runs of a study that is edited share one results folder?
+
+    python -m benchmarks.one_folder [--timings 20] [--seed 1] [--csv docs/data/one_folder.csv]
+
+Three commands are given at moments drawn by chance: the study as it is, with a longer sweep, and with another
+load by `--set` for some of its cases. All must end with exit code 0, every planned job must be stored, and a job
+that is stored twice must have been in hand of both runs at once.
+"""
+
+import argparse
+import json
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from collections import defaultdict
+from datetime import datetime
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+
+from bearingsim.store import check_unit
+from bearingsim.study import load_study
+
+STUDY = """\
+study: shared
+bearing: 6205
+speed: 1797 rpm
+load: 200 N
+model: rollers
+periodic: false
+duration: 1 s
+record: []
+defect: {{race: outer, shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 0.1 mm}}
+sweep: {{load: {{linspace: [100 N, 300 N, {loads}]}}}}
+"""
+PLANS = {"original": (9, ()), "longer": (17, ()), "set": (9, ("--set", "load=[100 N, 150 N, 260 N, 300 N]"))}
+"""Number of loads, and more words of the command."""
+LATEST_S = 12.0
+"""When the last of the three commands is given, at most: the first is at work then."""
+LOOK_S = 1.0
+"""How long after a unit is sealed another run may begin one of its jobs, not having seen it yet."""
+
+
+class Timing(NamedTuple):
+    """What three runs came to: seconds at which they began, their exit codes; numbers of jobs."""
+
+    seed: int
+    original_s: float
+    longer_s: float
+    set_s: float
+    exit_codes: str
+    planned: int
+    lost: int
+    twice: int
+    in_vain: int
+    replaced: int
+
+
+def timing(seed: int, folder: Path) -> Timing:
+    """Give the three commands at moments drawn from ``seed``, and look at what the folder holds then."""
+    chance, out = random.Random(seed), folder / "out"
+    moments = {name: round(chance.uniform(0.0, LATEST_S), 2) for name in PLANS}
+    planned, running = set[str](), dict[str, subprocess.Popen[str]]()
+    for name, (loads, _) in PLANS.items():
+        (folder / f"{name}.yaml").write_text(STUDY.format(loads=loads))
+    began = time.monotonic()
+    for name in sorted(PLANS, key=lambda name: moments[name]):
+        time.sleep(max(0.0, began + moments[name] - time.monotonic()))
+        path, more = folder / f"{name}.yaml", PLANS[name][1]
+        command = ["run", str(path), "--jobs", str(chance.choice((1, 2))), "--out", str(out), *more]
+        running[name] = subprocess.Popen(
+            [sys.executable, "-m", "bearingsim", *command],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        overrides = dict(word.split("=", 1) for word in more if "=" in word)
+        planned |= {job.id for job in load_study(path, overrides).jobs()}
+    said = [process.communicate()[0] for process in running.values()]
+    codes = [running[name].returncode for name in PLANS]
+    units = {path.stem: check_unit(path) for path in (out / "units").glob("??/*.h5")}
+    twice, in_vain = computed_twice(out, units)
+    return Timing(
+        seed,
+        original_s=moments["original"],
+        longer_s=moments["longer"],
+        set_s=moments["set"],
+        exit_codes=" ".join(map(str, codes)),
+        planned=len(planned),
+        lost=len(planned - {job for jobs in units.values() for job in jobs}),
+        twice=twice,
+        in_vain=in_vain,
+        replaced=sum("has replaced the plan" in text for text in said),
+    )
+
+
+def computed_twice(out: Path, units: dict[str, list[str]]) -> tuple[int, int]:
+    """How many jobs lie in two units; and how many of them were begun when the other unit was sealed already.
+
+    The journals tell when a unit was done, and how long it took.
+    """
+    spans = dict[str, tuple[float, float]]()
+    for journal in out.glob("journal-*.jsonl"):
+        for line in map(json.loads, journal.read_text().splitlines()):
+            if line["event"] == "unit":
+                end = datetime.fromisoformat(line["when"]).timestamp()
+                spans[line["unit"]] = (end - line["seconds"], end)
+    holders = defaultdict[str, list[str]](list)
+    for unit, jobs in units.items():
+        for job in jobs:
+            holders[job].append(unit)
+    several = [sorted(names, key=lambda name: spans[name]) for names in holders.values() if len(names) > 1]
+    late = [names for names in several if any(spans[b][0] > spans[a][1] + LOOK_S for a, b in pairwise(names))]
+    return len(several), len(late)
+
+
+def main() -> None:
+    """Try all timings, and write a row of each."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--timings", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--csv", type=Path, default=Path("docs/data/one_folder.csv"))
+    asked = parser.parse_args()
+    rows = []
+    for seed in range(asked.seed, asked.seed + asked.timings):
+        with tempfile.TemporaryDirectory() as folder:
+            rows.append(timing(seed, Path(folder)))
+            print(rows[-1], flush=True)
+    table = pd.DataFrame(rows)
+    asked.csv.parent.mkdir(parents=True, exist_ok=True)
+    table.to_csv(asked.csv, index=False)
+    kept = (table["exit_codes"] == "0 0 0") & (table["lost"] == 0) & (table["in_vain"] == 0)
+    print(f"{kept.sum()} of {len(table)} timings hold; {table['twice'].sum()} jobs were in two hands at once")
+    sys.exit(int(not kept.all()))
+
+
+if __name__ == "__main__":
+    main()

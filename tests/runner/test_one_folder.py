@@ -1,0 +1,68 @@
+"""Several runs in one folder: none loses a job, or computes what another has done."""
+
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bearingsim import store
+from bearingsim.runner import RunSummary, beside, run
+from tests.scenes import fake_studies
+from tests.scenes.fake_studies import ENGINE, FakeStudy, case_id
+
+MM = [1e-3, 2e-3, 3e-3, 4e-3]
+
+
+def compute(widths: list[float], out: Path) -> RunSummary:
+    study: Any = FakeStudy(widths)
+    return run(study, out, jobs=1, progress=False, engine=ENGINE)
+
+
+@pytest.mark.parametrize(
+    ("other", "lacking"),
+    [
+        (MM[:1], "lacks 3 of this run's 5 jobs"),
+        ([*MM, 5e-3, 6e-3], "has more jobs"),
+        ([7e-3, *MM[1:]], "lacks 1 of"),
+    ],
+    ids=["shorter", "longer", "other"],
+)
+def test_a_run_beside_that_replaces_the_plan_loses_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, other: list[float], lacking: str
+) -> None:
+    """The other begins while this one has its first job in hand, and ends before that is done."""
+    plain, computed, ended = fake_studies.simulate, list[str](), list[RunSummary]()
+
+    def simulate(case: Any) -> Any:
+        computed.append(case_id(case))
+        if len(computed) == 1:
+            ended.append(compute(other, tmp_path))
+        return plain(case)
+
+    monkeypatch.setattr(fake_studies, "simulate", simulate)
+    monkeypatch.setattr(beside, "LOOK_S", 0.0)
+    summary = compute(MM, tmp_path)
+    assert (summary.exit_code, ended[0].exit_code) == (0, 0)
+    assert (summary.done, summary.planned, summary.missing) == (5, 5, 0)
+    counts = Counter(computed)
+    del counts[computed[0]]  # in hand of both
+    assert {*counts.values()} == {1}
+    assert "another run has replaced the plan of this folder meanwhile" in str(summary)
+    assert lacking in str(summary)
+    shared = len({*other} & {*MM[1:]}) + 1  # and the healthy baseline
+    assert f"{shared} job" in str(summary)
+    study: Any = FakeStudy(other)
+    assert store.open_results(tmp_path).jobs == tuple(job.id for job in study.jobs())
+    again = compute(MM, tmp_path)
+    assert (again.resumed, again.done) == (5, 0)
+
+
+def test_choices_of_a_run_beside_stay(tmp_path: Path) -> None:
+    from bearingsim.selection import Choice
+
+    first, second = (Choice(candidate=name, model=name, why="", error={}) for name in ("ring", "planar"))
+    store.add_choices(tmp_path, {"a": first, "b": first}, "p")
+    choices, plans = store.add_choices(tmp_path, {"b": second, "c": second}, "q")
+    assert {name: one.model for name, one in choices.items()} == {"a": "ring", "b": "ring", "c": "planar"}
+    assert (plans, store.read_choices(tmp_path)) == ({"a": "p", "b": "p", "c": "q"}, choices)
