@@ -262,7 +262,8 @@ class _Tally:
         for failure in outcome.failed:
             self._add_failure(failure)
         facts = {"done": len(outcome.done), "failed": len(outcome.failed)}
-        store.log(self.root, "unit", unit=outcome.unit, **facts, seconds=round(outcome.seconds, 3))
+        unit = store.unit_name(outcome.done) if outcome.done else outcome.unit  # as it was sealed
+        store.log(self.root, "unit", unit=unit, **facts, seconds=round(outcome.seconds, 3))
 
     def summary(
         self,
