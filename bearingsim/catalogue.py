@@ -2,7 +2,8 @@
 
 An entry is words and numbers: the name that a study file says, what the thing can do, and where its code stands
 (``package.module`` or ``package.module:name``), which is imported when it is first needed. So this file imports
-nothing of the program but its errors, and every other package asks it instead of naming a model or a method.
+nothing of the program but how extensions are found, and every other package asks it instead of naming a model or a
+method.
 
 Another package adds its own with one line each in the module that its entry point names:
 
@@ -22,15 +23,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from bearingsim.errors import UserError
+from bearingsim import extensions
+from bearingsim.errors import Refused, UserError
+from bearingsim.extensions import BrokenExtension
 
-GROUP = "bearingsim.extensions"
-"""The group of entry points under which other packages are found."""
+OWN = "bearingsim"
+"""The package of the program's own code."""
 
 
 @dataclass(frozen=True)
@@ -162,8 +164,10 @@ Entry = Model | Method | Law | Shape | Feature
 
 
 def register(*entries: Entry) -> None:
-    """Add to the tables. Raises ValueError for a name that is taken, and for a law of nothing known."""
+    """Add to the tables. Raises ValueError for a name that is taken, a law of nothing known, what is no entry."""
     for entry in entries:
+        if not isinstance(entry, Entry):
+            raise ValueError(f"expected a Model, Method, Law, Shape or Feature, got `{entry!r}`")
         table = _table_of(entry)
         if entry.name in (REFERENCE, AUTO, FORMER_LEAST):
             raise ValueError(f"`{entry.name}` leaves the choice to the program: take another name")
@@ -189,14 +193,50 @@ def _table_of(entry: Entry) -> dict[str, Any]:
     raise ValueError(f"a law is of {', '.join(LAWS)}, not of `{entry.what}`")
 
 
-def code(where: str) -> Any:
-    """What stands at ``package.module`` or ``package.module:name``. Raises UserError if it cannot be loaded."""
-    module, _, name = where.partition(":")
+def places(entry: Entry) -> list[str]:
+    """Return where the code of an entry stands."""
+    named = (getattr(entry, name, "") for name in ("module", "own_method", "section", "build", "compute"))
+    return [place for place in named if place]
+
+
+def foreign(place: str) -> bool:
+    """Return whether code belongs to another package."""
+    return extensions.package(place) != OWN
+
+
+def code(place: str, expected: type = object) -> Any:
+    """Return what stands at ``package.module`` or ``package.module:name``.
+
+    Raises UserError if it does not load, or is not of the type expected; BrokenExtension if it is an extension's.
+    """
+    module, _, name = place.partition(":")
     try:
         found = import_module(module)
-        return getattr(found, name) if name else found
-    except (ImportError, AttributeError) as error:
-        raise UserError(f"`{where}` of the catalogue does not load: {error}") from error
+        found = getattr(found, name) if name else found
+    except (Exception, SystemExit) as error:  # whatever another package does
+        raise _error_of(place, f"does not load ({extensions.reason(error)})") from error
+    if not isinstance(found, expected):
+        raise _error_of(place, f"is of type {type(found).__name__}, not {expected.__name__}")
+    return found
+
+
+def call(place: str, *arguments: Any) -> Any:
+    """Return what the function at ``place`` gives. Raises like ``code``; BrokenExtension if an extension fails."""
+    function = code(place)
+    try:
+        return function(*arguments)
+    except (UserError, Refused):
+        raise
+    except (Exception, SystemExit) as error:
+        if not foreign(place):
+            raise
+        raise _error_of(place, f"fails ({extensions.reason(error)})") from error
+
+
+def _error_of(place: str, what: str) -> UserError:
+    if not foreign(place):
+        return UserError(f"`{place}` {what}")
+    return BrokenExtension(f"`{place}` of the extension `{extensions.owner(place)}` {what}")
 
 
 def below(name: str) -> list[str]:
@@ -301,37 +341,35 @@ EXPLICIT = "verlet"
 # Other packages
 
 
-def extensions() -> list[EntryPoint]:
-    """The entry points of other packages, by name."""
-    return sorted(entry_points(group=GROUP), key=lambda entry: entry.name)
-
-
 def extension_sources() -> Iterator[Path]:
-    """Every Python file of the packages that add something: what compiled code depends on beside the core."""
-    for package in sorted({entry.module.partition(".")[0] for entry in extensions()}):
-        spec = find_spec(package)
+    """Yield every Python file of the packages that add something: compiled code and results depend on them."""
+    for package in _packages():
+        try:
+            spec = find_spec(package)
+        except (ImportError, ValueError):  # a broken one; a script
+            continue
         if spec is not None and spec.submodule_search_locations:
             for folder in spec.submodule_search_locations:
-                yield from sorted(Path(folder).rglob("*.py"))
+                yield from (path for path in sorted(Path(folder).rglob("*.py")) if path.is_file())
         elif spec is not None and spec.origin:
             yield Path(spec.origin)
 
 
+def _packages() -> tuple[str, ...]:
+    """Return the packages of all extensions, and those of the code that they register."""
+    tables: tuple[dict[str, Any], ...] = (MODELS, METHODS, SHAPES, FEATURES, *LAWS.values())
+    registered = [place for table in tables for entry in table.values() for place in places(entry)]
+    values = [entry.value for entry in extensions.installed()]
+    return tuple(sorted({extensions.package(place) for place in (*values, *filter(foreign, registered))}))
+
+
 @cache
 def extension_digest() -> str:
-    """First 12 hex digits of SHA-256 over every Python file of the packages that add something."""
+    """Return the first 12 hex digits of SHA-256 over ``extension_sources``."""
     digest = hashlib.sha256()
     for source in extension_sources():
         digest.update(source.read_bytes())
     return digest.hexdigest()[:12]
 
 
-def _load_extensions() -> None:
-    for entry in extensions():
-        try:
-            entry.load()
-        except Exception as error:  # whatever another package does
-            raise UserError(f"the extension `{entry.name}` ({entry.value}) does not load: {error}") from error
-
-
-_load_extensions()
+extensions.load()

@@ -11,7 +11,7 @@ import numpy as np
 
 from bearingsim.assemble import bending, contacts, free, geometry, pits, scales, space
 from bearingsim.assemble.rest import bracket_anchor, static_model
-from bearingsim.catalogue import EXPLICIT, METHODS, MODELS, code
+from bearingsim.catalogue import EXPLICIT, METHODS, MODELS, call, code
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
@@ -36,6 +36,7 @@ __all__ = [
     "healthy",
     "kind",
     "kind_of_method",
+    "kind_of_model",
     "method",
     "method_kind",
     "model",
@@ -72,13 +73,18 @@ PARAMETER_BUILDERS: dict[str, Any] = {
 
 def kind(case: Case) -> ModelKind:
     """What belongs to the code of the case's model."""
-    found: ModelKind = code(MODELS[case.model].module).KIND
+    return kind_of_model(case.model)
+
+
+def kind_of_model(name: str) -> ModelKind:
+    """What belongs to the code of a model."""
+    found: ModelKind = code(f"{MODELS[name].module}:KIND", ModelKind)
     return found
 
 
 def kind_of_method(name: str) -> MethodKind:
     """What belongs to the code of a method that a case can name."""
-    found: MethodKind = code(METHODS[name].module).KIND
+    found: MethodKind = code(f"{METHODS[name].module}:KIND", MethodKind)
     return found
 
 
@@ -86,7 +92,7 @@ def method_kind(case: Case) -> MethodKind:
     """What belongs to the code of the case's method, which must be named, or of its model's own."""
     if case.method is not None:
         return kind_of_method(case.method)
-    found: MethodKind = code(MODELS[case.model].own_method).KIND
+    found: MethodKind = code(f"{MODELS[case.model].own_method}:KIND", MethodKind)
     return found
 
 
@@ -103,7 +109,7 @@ def model(case: Case) -> Any:
     """
     known = MODELS[case.model]
     if known.build:
-        return code(known.build)(case, support(case))
+        return call(known.build, case, support(case))
     return _made_by_field(bearing_of(case))
 
 

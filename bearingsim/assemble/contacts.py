@@ -5,7 +5,7 @@ from typing import Any
 
 from bearingsim.assemble import film as oil
 from bearingsim.assemble.geometry import inner_radius, outer_radius
-from bearingsim.catalogue import LAWS, code
+from bearingsim.catalogue import LAWS, call
 from bearingsim.config import Case
 from bearingsim.core.laws.damping import general as multibody
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
@@ -37,7 +37,7 @@ def powers(case: Case) -> int:
 def damped(case: Case, on_outer: bool) -> Any:
     """The case's law at one race: ``build(case, section, stiffness, on_outer)`` of the catalogue's damping law."""
     section: Any = case.contact.damping
-    return code(LAWS["damping"][section.law].build)(case, section, stiffness(case, on_outer), on_outer)
+    return call(LAWS["damping"][section.law].build, case, section, stiffness(case, on_outer), on_outer)
 
 
 def hunt_crossley(case: Case, section: Any, stiffness: Any, on_outer: bool) -> HuntCrossley:
@@ -65,7 +65,7 @@ def film(case: Case, section: Any, elastic: Any, on_outer: bool) -> Tabulated:
 def stiffness(case: Case, on_outer: bool) -> Any:
     """The case's stiffness law at one race: ``build(case, section, on_outer)`` of the catalogue's law."""
     law = LAWS["stiffness"][case.contact.elastic_law]
-    return code(law.build)(case, case.contact.stiffness, on_outer)
+    return call(law.build, case, case.contact.stiffness, on_outer)
 
 
 def constant(case: Case, section: Any, on_outer: bool) -> Any:

@@ -7,7 +7,7 @@ import numpy as np
 
 from bearingsim import config
 from bearingsim.assemble import geometry
-from bearingsim.catalogue import LAWS, code
+from bearingsim.catalogue import LAWS, call
 from bearingsim.config import Case
 from bearingsim.core.geometry.motion import Ramp, Steady
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
@@ -35,7 +35,7 @@ def motion(case: Case) -> Any:
 def friction(case: Case) -> Any:
     """Friction between rollers and races: ``build(section)`` of the catalogue's law."""
     section: Any = case.friction
-    return code(LAWS["friction"][section.law].build)(section) if section else Frictionless()
+    return call(LAWS["friction"][section.law].build, section) if section else Frictionless()
 
 
 def static_dynamic(section: Any) -> StaticDynamic:

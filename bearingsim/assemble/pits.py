@@ -11,7 +11,7 @@ from bearingsim import config
 from bearingsim.assemble.contacts import point_contact
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.assemble.rest import largest_load
-from bearingsim.catalogue import SHAPES, code
+from bearingsim.catalogue import SHAPES, call
 from bearingsim.config import Case
 from bearingsim.config.scan.file import BROUGHT
 from bearingsim.config.scan.repair import CACHED_SCANS, read_scan
@@ -142,8 +142,8 @@ def contact_length(case: Case, side: int) -> float:
 def depth_map(d: config.Defect) -> Any:
     """A defect's depth map around its own middle."""
     shape = SHAPES[d.shape]
-    made = code(shape.build)
-    pit = made(d) if shape.of_section else made(d.length, d.width, d.depth)
+    given = (d,) if shape.of_section else (d.length, d.width, d.depth)
+    pit = call(shape.build, *given)
     return pit if d.edge is None else Eased(pit, d.edge.radius or 0.0, d.edge.ramp or 0.0)
 
 
@@ -285,7 +285,7 @@ def _narrower(d: config.Defect) -> str:
 def closed_form_groups(case: Case, d: config.Defect, side: int, zetas: Places | None) -> list:
     """The groups along the contact that a pit with a closed form is cut into, or those of given slices."""
     L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
-    pit = code(SHAPES[d.shape].build)(d.length, d.width, d.depth)
+    pit = call(SHAPES[d.shape].build, d.length, d.width, d.depth)
     rows = groups_of(pit, L_w, R, nodes, d.offset) if zetas is None else groups_of_slices(pit, R, zetas, d.offset)
     found = excitations.response_groups(excitation(case), pit, rows, R)
     if zetas is not None and len(found) != len(zetas):

@@ -5,12 +5,15 @@ import os
 import signal
 import traceback
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
+from bearingsim import extensions
 from bearingsim.errors import DamageWarning, UserError
 
 __all__ = ["WRONG", "Commands"]
@@ -46,6 +49,25 @@ def _tell(message: Warning | str, *place: Any, **more: Any) -> None:
     typer.echo(told, err=True)
 
 
+@contextmanager
+def _left_out_told() -> Iterator[None]:
+    """Name the extensions that did not load when a command ends that goes on without them."""
+    try:
+        yield
+    except extensions.BrokenExtension:
+        raise
+    except BaseException:
+        _tell_left_out()
+        raise
+    else:
+        _tell_left_out()
+
+
+def _tell_left_out() -> None:
+    for sentence in extensions.BROKEN.values():
+        typer.echo(f"{sentence} (left out)", err=True)
+
+
 class Commands(TyperGroup):
     """Commands: expected errors end with a message on stderr and exit code 2, signals with 128 + their number."""
 
@@ -57,7 +79,7 @@ class Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""
         try:
-            with warnings.catch_warnings():
+            with warnings.catch_warnings(), _left_out_told():
                 warnings.simplefilter("once", DamageWarning)
                 warnings.showwarning = _tell
                 return super().invoke(ctx)

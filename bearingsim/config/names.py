@@ -4,8 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from bearingsim import catalogue
-from bearingsim.errors import UserError
+from bearingsim import catalogue, extensions
 
 
 class Channel(NamedTuple):
@@ -172,12 +171,11 @@ def _statistics(quantity: str, unit: str) -> dict[str, Feature]:
 
 
 def _of_extensions(own: Mapping[str, Feature]) -> dict[str, Feature]:
-    for name in catalogue.FEATURES:
-        if name in own:
-            raise UserError(
-                f"an extension registers the feature `{name}`, which the program has: take another name"
-            )
-    return {name: Feature(one.unit, one.long_name) for name, one in catalogue.FEATURES.items()}
+    for name in catalogue.FEATURES.keys() & own.keys():
+        extension = extensions.owner(catalogue.FEATURES[name].compute)
+        why = f"the extension `{extension}` registers the feature `{name}`, which the program has: rename it"
+        extensions.leave_out(extension, why)
+    return {name: Feature(one.unit, one.long_name) for name, one in catalogue.FEATURES.items() if name not in own}
 
 
 UNKNOWNS = ("damping", "clearance", "bracket", "support")
@@ -218,5 +216,7 @@ def _features() -> dict[str, Feature]:
 
 
 _OWN = _features()
+NO_VALUE = "no_value."
+"""Before the name of an extension's feature: the fact that says why a job has no number for it."""
 FEATURES: dict[str, Feature] = _OWN | _of_extensions(_OWN)
 """Columns of the results table that are computed, along the sensor's direction."""

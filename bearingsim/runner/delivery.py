@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from distributed import get_worker
 
-from bearingsim import blas_threads, store
+from bearingsim import blas_threads, extensions, store
 from bearingsim.errors import UserError
 from bearingsim.runner.stopping import heed
 from bearingsim.runner.work import Outcome, Work, compute
@@ -124,10 +124,11 @@ def stop(run: str) -> None:
 
 @cache
 def installation() -> dict[str, str]:
-    """What must be the same wherever jobs of one study are computed, by its name."""
+    """What must be the same wherever jobs of one study are computed, by its name. Raises BrokenExtension."""
     from bearingsim.catalogue import extension_digest
     from bearingsim.core import MODEL_VERSION
 
+    extensions.refuse_broken()
     threads = {os.environ.get(name, "not limited") for name in blas_threads.NAMES}
     return {
         "Python": platform.python_version(),

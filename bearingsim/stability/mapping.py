@@ -8,6 +8,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from bearingsim import extensions
 from bearingsim.runner.pool import spread
 from bearingsim.runner.progress import duration
 from bearingsim.stability.matrix import Grid, Material, count, judges, map_of, materials, warm
@@ -20,8 +21,9 @@ LINE_EVERY_S = 5.0
 def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: Path, jobs: int) -> Path:
     """Compute the map into ``folder``, which is made; the CSV, one row per cell. Told on stderr how far it is.
 
-    A run that is interrupted leaves the rows it has. Raises NotOurs, OtherStudy as ``store.claim``.
+    A run that is interrupted leaves the rows it has. Raises BrokenExtension; NotOurs, OtherStudy as ``store.claim``.
     """
+    extensions.refuse_broken()
     claim(folder, "a map", "bearingsim stability", "results/stability-2")
     path = folder / NAME
     _compile(models, methods, grid, jobs)

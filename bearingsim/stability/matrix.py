@@ -13,7 +13,7 @@ import numpy as np
 
 from bearingsim import assemble
 from bearingsim.assemble import scales
-from bearingsim.catalogue import METHODS, MODELS, USUAL_MODEL, code
+from bearingsim.catalogue import METHODS, MODELS, USUAL_MODEL
 from bearingsim.config import Case
 from bearingsim.core.methods.interface import Tolerances
 from bearingsim.core.models.interface import degrees_of_freedom, linearise
@@ -109,9 +109,7 @@ def methods_known() -> tuple[str, ...]:
 
 def models_known() -> tuple[str, ...]:
     """Names of all models that have equations of motion."""
-    return tuple(
-        model.name for model in MODELS.values() if code(model.module).KIND.parameters in degrees_of_freedom.types
-    )
+    return tuple(name for name in MODELS if assemble.kind_of_model(name).parameters in degrees_of_freedom.types)
 
 
 def materials(models: Sequence[str], grid: Grid) -> list[Material]:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
+from bearingsim import extensions
 from bearingsim.config.fields import described
 from bearingsim.study import aliases
 from bearingsim.study.figures import check_known, parse_figures
@@ -23,8 +24,9 @@ def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None,
     """Read and check a study file.
 
     `overrides` maps paths to values as they would stand in the file (`{"load": "200 N"}`); `quick` takes the
-    file's reduced grid, if it has one. Raises StudyError with everything that is wrong.
+    file's reduced grid, if it has one. Raises StudyError with everything that is wrong, BrokenExtension.
     """
+    extensions.refuse_broken()
     opened = _opened(FilePath(path), overrides or {})
     text, root, whole, plans = opened.text, opened.root, opened.whole, opened.plans
     given, problems = opened.given, list(opened.flaws)

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Union
 
 from pydantic import BeforeValidator, Discriminator, Tag
 
-from bearingsim import catalogue
+from bearingsim import catalogue, extensions
 from bearingsim.config.fields import Section, raise_unknown_word
 
 
@@ -56,5 +56,19 @@ def laws_of(what: str, default: str) -> Laws:
     default: of a mapping that could be of several.
     """
     known = catalogue.LAWS[what].values()
-    sections = {law.name: catalogue.code(law.section) for law in known if law.section}
+    sections = {law.name: section for law in known if law.section and (section := _section(law.section))}
     return Laws(sections, default, tuple(law.name for law in known if law.bare))
+
+
+def _section(place: str) -> type[Section] | None:
+    """Return the section of a law; None if it is an extension's that does not load, which is then left out."""
+    try:
+        section: type[Section] = catalogue.code(place, type)
+    except extensions.BrokenExtension as error:
+        why = str(error)
+    else:
+        if issubclass(section, Section):
+            return section
+        why = f"`{place}` of the extension `{extensions.owner(place)}` is no Section of bearingsim.config.fields"
+    extensions.leave_out(extensions.owner(place), why)
+    return None
