@@ -11,6 +11,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from bearingsim import extensions, load_study
+
 TOYS = Path(__file__).parent / "toys"
 STUDY = """\
 study: toys
@@ -44,6 +46,8 @@ WRONG = {
     "unfinished": UNFINISHED,
     "unfinished, implicit": f"{UNFINISHED}method: rodas",
 }
+OWN = {"own": f"{STATIC}{PIT}"}
+"""A study of the program's own."""
 TYPE = """\
 import json, sys
 from typer.testing import CliRunner
@@ -84,7 +88,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the toys as an installed package, and studies of them."""
     folder = tmp_path_factory.mktemp("site")
     shutil.copytree(TOYS, folder, dirs_exist_ok=True)
-    for name, more in (ADDED | WRONG).items():
+    for name, more in (ADDED | WRONG | OWN).items():
         (folder / f"{name}.yaml").write_text(f"{STUDY}{more}\n")
     return folder
 
@@ -196,12 +200,71 @@ def test_a_figure_draws_a_feature(site: Path, edited: Said) -> None:
     assert list((site / "out" / "figure" / "figures").glob("*.png"))
 
 
-def test_an_extension_that_does_not_load_is_told_in_one_line(site: Path, tmp_path: Path) -> None:
-    broken = tmp_path / "site"
-    shutil.copytree(TOYS, broken)
-    (broken / "toy_bearing" / "__init__.py").write_text("import nothing_of_that_name\n")
-    (broken / "study.yaml").write_text(STUDY + PIT)
-    said = started(broken, "-m", "bearingsim", "check", "study.yaml")
-    assert said.returncode == 2
-    assert "the extension `toys` (toy_bearing) does not load" in said.stderr
-    assert "Traceback" not in said.stderr
+def test_a_feature_without_a_finite_value_is_named(site: Path, said: Said) -> None:
+    """A healthy bearing has no depth: the number is left out, not stored as inf, and the run says so."""
+    found = table(site, said, "shape")
+    healthy = found["healthy"].isna()
+    assert found["velocity.per_depth"].isna().equals(healthy)
+    assert f"feature `velocity.per_depth` has no value in {healthy.sum()} of 3 jobs: computed as inf" in "".join(
+        said[run("shape")][1:]
+    )
+
+
+@pytest.fixture(scope="module")
+def broken(site: Path, before: pd.DataFrame, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with results of the toys, whose package does not load any more."""
+    folder = tmp_path_factory.mktemp("broken") / "site"
+    shutil.copytree(site, folder, ignore=shutil.ignore_patterns("cache"))
+    (folder / "toy_bearing" / "__init__.py").write_text("import nothing_of_that_name\n")
+    return folder
+
+
+REASON = (
+    "the extension `toys` (toy_bearing) does not load: ModuleNotFoundError: No module named 'nothing_of_that_name'"
+)
+RESULTS = "out/contact law"
+WITHOUT = [
+    ("--help",),
+    ("new", "new.yaml"),
+    ("freq", "nf308"),
+    ("check", "--schema"),
+    ("show", RESULTS),
+    ("export", RESULTS, "--features", "-"),
+    ("plot", RESULTS, "--y", "velocity.rms"),
+    ("prune", RESULTS),
+]
+"""Commands that need no extension."""
+COMPUTING = [("check", "own.yaml"), run("own"), ("stability", "--quick")]
+
+
+def test_what_needs_no_extension_goes_on_without_it(broken: Path) -> None:
+    """A line on stderr names the extension and its error; what computes ends with it, and with the way out."""
+    answers = typed(broken, *WITHOUT, *COMPUTING)
+    for words in WITHOUT:
+        code, stdout, stderr = answers[words]
+        assert (code, stderr) == (0, f"{REASON} (left out)\n" if words != ("--help",) else ""), words
+        assert stdout, words
+    for words in COMPUTING:
+        way_out = "mend it, or set BEARINGSIM_SKIP_EXTENSIONS=toys to compute without it"
+        assert answers[words] == (2, "", f"{REASON}; {way_out}\n"), words
+
+
+IDS = "from bearingsim import load_study\nprint(*(job.id for job in load_study('own.yaml').jobs()))"
+
+
+def test_an_edited_feature_gives_other_jobs(site: Path, broken: Path) -> None:
+    """Of a study, too, that uses nothing else of an extension; one that is skipped leaves the ids of none."""
+    feature = site / "toy_bearing" / "span.py"
+    text = feature.read_text()
+    ids = [started(site, "-c", IDS).stdout.split()]
+    try:
+        feature.write_text(text.replace("velocity.max() -", "velocity.max() +"))
+        ids.append(started(site, "-c", IDS).stdout.split())
+    finally:
+        feature.write_text(text)
+    assert len({*ids[0], *ids[1]}) == 4
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(extensions.SKIP, "other, toys")
+        without = started(broken, "-c", IDS).stdout.split()
+    assert without == [job.id for job in load_study(site / "own.yaml").jobs()]
+    assert not {*without} & {*ids[0], *ids[1]}

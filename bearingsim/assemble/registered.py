@@ -1,10 +1,12 @@
-"""Whether model, method and laws of a case bring all that a run calls: an extension may have forgotten some."""
+"""Whether model, method, laws and features bring all that a run calls: an extension may have forgotten some."""
 
 from collections.abc import Iterator
 from typing import Any
 
+from bearingsim import assemble
 from bearingsim.assemble import contacts, free
-from bearingsim.catalogue import AUTO, METHODS, MODELS, code
+from bearingsim.catalogue import AUTO, FEATURES, MODELS, code
+from bearingsim.config import FEATURES as DECLARED
 from bearingsim.config import Case
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
 from bearingsim.core.laws.friction.interface import mu, mu_slope, mu_slope_bound
@@ -22,6 +24,7 @@ from bearingsim.core.models.interface import (
     update_extremes,
 )
 from bearingsim.core.pits.crossings import count_crossings
+from bearingsim.errors import UserError
 
 DAMPING = (normal_force, stiffness_bound, damping_bound), (slopes,)
 STIFFNESS = (elastic, tangent), (curvature,)
@@ -36,14 +39,15 @@ METHOD = (step, stability_ratio), ()
 
 def missing(case: Case, implicit: bool) -> Iterator[str]:
     """What model, method and laws of a case do not register, in words; ``implicit``: of derivatives too."""
-    model, contact, damping = code(MODELS[case.model].module).KIND.parameters, case.contact, case.contact.damping
+    model: Any = assemble.kind(case).parameters
+    contact, damping = case.contact, case.contact.damping
     yield from _missing(f"model `{case.model}`", model, MODEL, implicit)
     if "pits" not in model._fields and model not in count_crossings.types:
         yield f"the model `{case.model}` has neither `pits` nor a `count_crossings` of its own"
     if not MODELS[case.model].own_method and not accelerations.serves(model):
         yield f"the model `{case.model}` has no `accelerations`"
     if case.method not in (None, AUTO):
-        method = code(METHODS[str(case.method)].module).KIND.parameters
+        method = assemble.kind_of_method(str(case.method)).parameters
         yield from _missing(f"method `{case.method}`", method, METHOD, implicit)
     law = contacts.outer(case)
     yield from _missing(f"stiffness law `{contact.elastic_law}`", type(law.stiffness), STIFFNESS, implicit)
@@ -58,3 +62,12 @@ def _missing(what: str, kind: type, called: tuple[tuple[Any, ...], ...], implici
     for function in (*always, *(solved_with if implicit else ())):
         if not function.serves(kind):
             yield f"the {what} has no `{function.__name__}`"
+
+
+def refuse_features() -> None:
+    """Raise UserError if a feature of another package does not load, or was registered too late to be declared."""
+    for feature in FEATURES.values():
+        if not callable(code(feature.compute)):
+            raise UserError(f"feature `{feature.name}`: `{feature.compute}` is no function")
+        if feature.name not in DECLARED:
+            raise UserError(f"feature `{feature.name}` is not declared: register it where its entry point leads")

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
+from bearingsim.config.names import NO_VALUE
 from bearingsim.config.rules import damping
 from bearingsim.runner.promises import promises
 from bearingsim.runner.summary import chaos, repetitions, step_errors
@@ -24,3 +25,14 @@ def of_results(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     yield from examined(plan, frame)
     yield from chaos(own)
     yield from step_errors(own)
+    yield from without_value(store.info(own))
+
+
+def without_value(info: "pd.DataFrame") -> Iterator[str]:
+    """Name the features of other packages that jobs have no number for; ``info``: of finished jobs, a row each."""
+    for column in (name for name in map(str, info) if name.startswith(NO_VALUE)):
+        reasons = info[column][info[column] != ""]
+        for reason, jobs in reasons.groupby(reasons):
+            count = f"{len(jobs)} of {len(info)} jobs"
+            feature = column.removeprefix(NO_VALUE)
+            yield f"feature `{feature}` has no value in {count}: {reason} (for example {jobs.index[0]})"

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import cpu_time
+from bearingsim.errors import UserError
 from bearingsim.runner.beside import OtherRuns
 from bearingsim.runner.stopping import asked, take_flag
 from bearingsim.store import DiskFull, Failure, room, start_marker, unit_name, write_units
@@ -161,9 +162,10 @@ def _start_up(work: Work) -> float:
 def _failure(job: str, error: Exception) -> Failure:
     """A failure as a value; an error of the simulation brings its own reason, advice and time."""
     text = str(error).strip().partition("\n")[0]
+    kind = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
     return Failure(
         job=job,
-        reason=str(getattr(error, "reason", "") or f"{type(error).__name__}: {text}".rstrip(": ")),
+        reason=str(getattr(error, "reason", "") or f"{kind}{text}".rstrip(": ")),
         advice=str(getattr(error, "advice", "") or ""),
         time=getattr(error, "time", None),
         traceback="".join(traceback.format_exception(error)),

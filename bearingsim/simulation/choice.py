@@ -9,7 +9,7 @@ from functools import lru_cache
 from math import inf
 from typing import NamedTuple
 
-from bearingsim.assemble.registered import missing
+from bearingsim.assemble.registered import missing, refuse_features
 from bearingsim.catalogue import AUTO, EXPLICIT, METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.errors import Refused
@@ -152,7 +152,8 @@ def is_frictionless(case: Case) -> bool:
 
 
 def _refuse_incomplete(case: Case) -> None:
-    """Raise ``Refused`` if laws, or the model, do not bring what the case's method calls."""
+    """Raise ``Refused`` if laws or model do not bring what the case's method calls, UserError for features."""
+    refuse_features()
     implicit = case.method not in (None, AUTO) and METHODS[str(case.method)].implicit
     found = next(missing(case, implicit), "")
     if found:

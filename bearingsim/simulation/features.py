@@ -7,13 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim import signals
-from bearingsim.catalogue import FEATURES, MODELS, Feature, code
+from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_times, speed_factor, steady
 from bearingsim.core.sampling import sampling_kernel
-from bearingsim.errors import UserError
 from bearingsim.simulation.channels import (
     AT_SENSOR,
     BASE,
@@ -63,23 +62,6 @@ def features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, flo
         **extremes(case, cut, raw),
         **cage_and_load_zone(case, model, cut, raw),
     }
-
-
-def of_extensions(case: Case, time: np.ndarray, series: dict[str, np.ndarray]) -> dict[str, float]:
-    """Features that other packages read from the record: ``time`` (n,) in s, ``series`` (n,) by name, in SI.
-
-    One that asks for a series that was not recorded is nan. Raises UserError for one that fails otherwise.
-    """
-    return {name: _of_extension(one, case, time, series) for name, one in FEATURES.items()}
-
-
-def _of_extension(one: Feature, case: Case, time: np.ndarray, series: dict[str, np.ndarray]) -> float:
-    try:
-        return float(code(one.compute)(case, time, series))
-    except KeyError:
-        return float("nan")
-    except Exception as error:  # whatever another package does
-        raise UserError(f"the feature `{one.name}` of another package ({one.compute}) fails: {error}") from error
 
 
 def of_base(case: Case) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from bearingsim import assemble
+from bearingsim import assemble, extensions
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case, Section, dataset_names
 from bearingsim.core import layout as lay
@@ -16,7 +16,7 @@ from bearingsim.core.sampling import INTERPOLATION_REACH, interpolate, interpola
 from bearingsim.errors import Refused
 from bearingsim.simulation import accuracy, channels, choice, record_windows, step_check, time_grid, trial
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE
-from bearingsim.simulation.features import features, of_extensions
+from bearingsim.simulation.features import features
 from bearingsim.simulation.integration import (
     MethodFailure,
     NotRepeating,
@@ -27,6 +27,7 @@ from bearingsim.simulation.integration import (
     integrate,
     set_up,
 )
+from bearingsim.simulation.other_features import of_extensions, refuse_undeclared
 from bearingsim.simulation.pilot import longer_duration
 from bearingsim.simulation.prices import price
 from bearingsim.simulation.raw_record import RawRecord
@@ -104,6 +105,7 @@ def try_out(case: Case, asked: Sequence[str], passes: int, turn: float = 0.0) ->
 
 def _in_turn(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
     """What comes of the first attempt at a case that proves right."""
+    extensions.refuse_broken()
     failed: dict[str, SimulationError] = {}
     left: set[tuple[str | None, int]] = set()  # methods that shorter steps do not help, with their patience
     enough: dict[str, float] = {}  # of a method, the part of its step that may do
@@ -173,12 +175,14 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
     sampled = _sampled(case, setup.cut, raw, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
     series = channels.series(case, setup.model, sampled, raw.places[rows], case.settle + instants)
-    found = features(case, setup.model, setup.cut, raw) | _check_features(checks_step, _kept(setup, raw))
+    own = features(case, setup.model, setup.cut, raw) | _check_features(checks_step, _kept(setup, raw))
+    others, reasons = of_extensions(case, instants, series)
+    refuse_undeclared(own | others)
     return Record(
         time=instants,
         series=series,
-        features=found | of_extensions(case, instants, series),
-        info=_info(setup, raw) | {"cpu_s": time.process_time() - began},
+        features=own | others,
+        info=_info(setup, raw) | reasons | {"cpu_s": time.process_time() - began},
     )
 
 

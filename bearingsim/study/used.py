@@ -132,15 +132,21 @@ def _canonical(value: Any) -> Any:
 
 
 def extensions(case: Case) -> dict[str, str]:
-    """What the code of other packages was, if the case uses any: results of an edited law are others."""
-    code = [catalogue.MODELS[case.model].module]
-    code += [method.module for method in catalogue.METHODS.values() if method.name == case.method]
+    """Return what the code of other packages was, if the case uses any: results of an edited law are others.
+
+    Features of other packages are read from the record of every case.
+    """
     laws = {"stiffness": case.contact.elastic_law, "damping": getattr(case.contact.damping, "law", "")}
     laws |= {"friction": getattr(case.friction, "law", "none")}
-    code += [catalogue.LAWS[what][name].build for what, name in laws.items()]
-    code += [catalogue.SHAPES[defect.shape].build for defect in case.defects]
-    foreign = any(not where.startswith("bearingsim.") for where in code)
-    return {"extensions": catalogue.extension_digest()} if foreign else {}
+    entries: list[catalogue.Entry] = [
+        catalogue.MODELS[case.model],
+        *(method for method in catalogue.METHODS.values() if method.name == case.method),
+        *(catalogue.LAWS[what][name] for what, name in laws.items()),
+        *(catalogue.SHAPES[defect.shape] for defect in case.defects),
+        *catalogue.FEATURES.values(),
+    ]
+    used = any(catalogue.foreign(place) for entry in entries for place in catalogue.places(entry))
+    return {"extensions": catalogue.extension_digest()} if used else {}
 
 
 def _by_material(case: Case) -> bool:
