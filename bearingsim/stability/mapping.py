@@ -21,7 +21,7 @@ LINE_EVERY_S = 5.0
 def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: Path, jobs: int) -> Path:
     """Compute the map into ``folder``, which is made; the CSV, one row per cell. Told on stderr how far it is.
 
-    A run that is interrupted leaves the rows it has. Raises BrokenExtension; NotOurs, OtherStudy as ``store.claim``.
+    A run that is interrupted leaves the rows it has. Raises BrokenExtension, and as ``store.claim``.
     """
     extensions.refuse_broken()
     claim(folder, "a map", "bearingsim stability", "results/stability-2")
