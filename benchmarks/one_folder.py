@@ -32,14 +32,14 @@ speed: 1797 rpm
 load: 200 N
 model: rollers
 periodic: false
-duration: 1 s
+duration: 0.5 s
 record: []
 defect: {{race: outer, shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 0.1 mm}}
 sweep: {{load: {{linspace: [100 N, 300 N, {loads}]}}}}
 """
 PLANS = {"original": (9, ()), "longer": (17, ()), "set": (9, ("--set", "load=[100 N, 150 N, 260 N, 300 N]"))}
 """Number of loads, and more words of the command."""
-LATEST_S = 12.0
+LATEST_S = 8.0
 """When the last of the three commands is given, at most: the first is at work then."""
 LOOK_S = 1.0
 """How long after a unit is sealed another run may begin one of its jobs, not having seen it yet."""

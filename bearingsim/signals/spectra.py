@@ -53,14 +53,19 @@ def analytic(positive: np.ndarray, n: int) -> np.ndarray:
     return np.fft.ifft(both)
 
 
+FLAT = 0.4
+"""Of the sampling: up to there the records of this program are as computed. Between 0.5 and 0.6 of it something is
+left that folds, and what has folded stands where no line is: an envelope shows it beside its lines."""
+
+
 def envelope_spectrum(
     series: np.ndarray, fs: float, band: tuple[float, float] | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Amplitude spectrum of the squared envelope of a series (n,) sampled at ``fs`` (Hz): where damage shows.
 
     Impacts ring at resonances; their repetition is in the envelope (Randall and Antoni 2011; squared,
-    since its root adds harmonics that alias). ``band`` (Hz): where it rings; all of it if not given. Returns
-    frequencies (Hz) and amplitudes in the series' unit squared, as ``spectrum`` does. ValueError as
+    since its root adds harmonics that alias). ``band`` (Hz): where it rings; up to ``FLAT`` of ``fs`` if not
+    given. Returns frequencies (Hz) and amplitudes in the series' unit squared, as ``spectrum`` does. ValueError as
     ``squared_envelope``.
     """
-    return spectrum(squared_envelope(series, fs, band), fs)
+    return spectrum(squared_envelope(series, fs, band or (0.0, FLAT * fs)), fs)

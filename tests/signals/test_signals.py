@@ -7,6 +7,7 @@ import pytest
 import scipy.signal
 import scipy.stats
 
+from bearingsim.core.sampling import RESAMPLE_REACH, kaiser_sinc
 from bearingsim.signals import (
     at_equal_angles,
     derivative_lines,
@@ -218,6 +219,25 @@ def test_the_envelope_spectrum_shows_how_a_resonance_is_modulated_and_the_band_c
     assert at[53] < 1e-9
     with pytest.raises(ValueError, match="6000"):
         envelope_spectrum(one, FS, (2500.0, 6000.0))
+
+
+def test_an_envelope_shows_no_line_that_does_not_exist() -> None:
+    """Of events that repeat exactly, seen through the record's own low-pass: what that lets fold is left out."""
+    rate, passes = 159.2, 500  # no part of the sampling
+    instants = np.arange(int(passes * FS / rate))
+    events = [(k * FS / rate, 1.0) for k in range(-20, passes + 20)]
+    events += [(at + 3.8, -0.6) for at, _ in events]
+    pulses = (height * kaiser_sinc(instants - at, 0.5, RESAMPLE_REACH, 80.0) for at, height in events)
+    series = np.sum(list(pulses), axis=0)
+
+    def largest_beside(band: tuple[float, float] | None) -> float:
+        frequencies, amplitudes = envelope_spectrum(series, FS, band)
+        orders = frequencies / rate
+        off = np.abs(orders - np.round(orders)) > 0.05
+        return float(amplitudes[off].max() / amplitudes[np.argmin(np.abs(orders - 1.0))])
+
+    assert largest_beside(None) < 1e-3
+    assert largest_beside((0.0, FS / 2.0)) > 5e-3
 
 
 def two_lines(duration: float, ratio: float, seed: int, wander: float = 0.0, noise: float = 0.0) -> np.ndarray:
