@@ -13,7 +13,7 @@ from bearingsim import __version__, blas_threads
 from bearingsim.cli.group import Commands
 from bearingsim.cli.opening import job_meant, near
 from bearingsim.cli.opening import opened as opened_results
-from bearingsim.errors import Signalled, UserError
+from bearingsim.errors import Signalled
 
 if TYPE_CHECKING:
     from bearingsim.study import Study
@@ -81,14 +81,12 @@ def common(
 def new(
     path: Annotated[Path, typer.Argument(metavar="PATH", help="file to write")] = Path("study.yaml"),
 ) -> None:
-    """Write a commented study file to start from."""
-    from bearingsim.study import NEW_STUDY
+    """Write a commented study file to start from, and beside it its schema for editors."""
+    from bearingsim.cli.new import write_schema, write_study
 
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(NEW_STUDY)
-    except FileExistsError:
-        raise UserError(f"{path} exists already: give another path, or remove it") from None
+    write_study(path)
+    for line in write_schema(path.parent):
+        typer.echo(line, err=True)
     typer.echo(f"{path} written: next `bearingsim check {path}`")
 
 
@@ -112,9 +110,9 @@ def check(
 ) -> None:
     """Validate a study and print its plan: jobs, steps, time and disk. Runs nothing but pilots, if asked to."""
     if schema:
-        from bearingsim.study import json_schema
+        from bearingsim.study import schema_text
 
-        typer.echo(json.dumps(json_schema(), indent=1))
+        typer.echo(schema_text(), nl=False)
         return
     if study is None:
         raise typer.BadParameter("name a study file (or --schema)", param_hint="STUDY")

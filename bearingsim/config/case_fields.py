@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 from pydantic import BeforeValidator, Field
 
 from bearingsim import catalogue
-from bearingsim.config.channels import channel
+from bearingsim.config.channels import channel, channel_schema
 from bearingsim.config.fields import (
+    OR_NONE,
     Accuracy,
     Angle,
     Delay,
@@ -20,9 +21,9 @@ from bearingsim.config.fields import (
     StepCheckMode,
     Switch,
     Tolerance,
+    Written,
     one_of,
     refuse,
-    unless_none,
     whole,
 )
 from bearingsim.config.sections import free
@@ -89,7 +90,7 @@ class CaseFields(Section):
     bearing: Annotated[Bearing, named("bearings")]
     rig: Annotated[Rig, named("rigs")] = Field(default_factory=default_rig)
     speed: Annotated[Rotation, BeforeValidator(_of_inner_ring)]
-    ramp: Annotated[free.Ramp | None, BeforeValidator(unless_none)] = None
+    ramp: Annotated[free.Ramp | None, OR_NONE] = None
     load: Force
     load_across: SignedForce = 0.0
     gravity: Switch = False
@@ -99,10 +100,10 @@ class CaseFields(Section):
     contact: Contact = Contact()
     friction: free.Friction | None = None
     cage: free.Cage | None = None
-    drag: Annotated[free.Drag | None, BeforeValidator(unless_none)] = None
-    shaft: Annotated[free.Shaft | None, BeforeValidator(unless_none)] = None
-    unbalance: Annotated[free.Unbalance | None, BeforeValidator(unless_none)] = None
-    misalignment: Annotated[Misalignment | None, BeforeValidator(unless_none)] = None
+    drag: Annotated[free.Drag | None, OR_NONE] = None
+    shaft: Annotated[free.Shaft | None, OR_NONE] = None
+    unbalance: Annotated[free.Unbalance | None, OR_NONE] = None
+    misalignment: Annotated[Misalignment | None, OR_NONE] = None
     model: Annotated[ModelName, one_of(catalogue.REFERENCE, *catalogue.MODELS), BeforeValidator(_not_least)] = (
         catalogue.USUAL_MODEL
     )
@@ -118,7 +119,7 @@ class CaseFields(Section):
     seed: Annotated[int, whole(0, 999_999_999)] = 0
     sampling: Frequency = 10240.0
     antialias: Switch = True
-    record: tuple[Annotated[str, BeforeValidator(channel)], ...] = ("ring.velocity",)
+    record: tuple[Annotated[str, Written(channel, channel_schema)], ...] = ("ring.velocity",)
 
     @property
     def checks_step(self) -> bool:

@@ -3,8 +3,8 @@
 import re
 from typing import Any
 
-from bearingsim.config.fields import raise_unknown_word
-from bearingsim.config.names import CHANNELS, LINE_LOADS
+from bearingsim.config.fields import Schema, or_words, raise_unknown_word
+from bearingsim.config.names import CHANNELS, LINE_LOADS, ROLLER
 
 _OF_ROLLER = re.compile(r"roller\.(?:([1-9]\d?)\.)?([a-z_]+)(?:\.([1-9]\d?))?", re.ASCII)
 
@@ -33,6 +33,13 @@ def line_load_of(channel: str) -> str | None:
     if not found or found[2] not in LINE_LOADS or found[3]:
         return None
     return f"roller.{found[1] or 1}.{found[2]}"
+
+
+def channel_schema(own: Schema) -> Schema:
+    """Schema of a name in `record`."""
+    number, sliced = r"(\.[1-9][0-9]?)?", "|".join(LINE_LOADS)
+    numbered = rf"^roller{number}\.(({'|'.join(ROLLER)})|({sliced}){number})$"
+    return or_words(own | {"pattern": numbered}, *CHANNELS)
 
 
 def channel(given: Any) -> Any:

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NoReturn
 
@@ -9,7 +10,10 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandle
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from bearingsim.config.vocabulary import advice
-from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse
+from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse, pattern
+
+Schema = dict[str, Any]
+"""JSON schema of a value, as a study file has it."""
 
 SMALLEST, LARGEST = 1e-30, 1e30
 """In SI, of any quantity but zero: far beyond all that is measured, yet the powers of it still fit into floats."""
@@ -38,9 +42,21 @@ class Quantity:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_before_validator_function(self, handler(source))
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        kinds = ["string", "number"] if "" in UNITS[self.dimension] else "string"
-        return {"type": kinds, "description": EXPECTED[self.dimension]}
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        return quantity_schema(self.dimension, self._sign()) | self._limits()
+
+    def _sign(self) -> str:
+        """Pattern of what stands before the digits of a number within the bounds."""
+        if self.above >= 0.0:
+            return POSITIVE
+        return NOT_NEGATIVE if self.least >= 0.0 else ""
+
+    def _limits(self) -> Schema:
+        """Bounds of a plain number."""
+        if "" not in UNITS[self.dimension]:
+            return {}
+        limits = {"exclusiveMinimum": self.above, "minimum": self.least, "maximum": self.most}
+        return {key: bound for key, bound in limits.items() if math.isfinite(bound)}
 
     def __call__(self, given: Any) -> float:
         """The value in SI; refuses what is no quantity of the dimension, or out of bounds."""
@@ -74,9 +90,45 @@ class Quantity:
 class QuantityOrAuto(Quantity):
     """Mark of a field that may also say `auto`."""
 
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        return or_words(super().__get_pydantic_json_schema__(schema, handler), "auto")
+
     def __call__(self, given: Any) -> Any:
         """The value in SI, or the word."""
         return given if given == "auto" else super().__call__(given)
+
+
+NOT_NEGATIVE, POSITIVE = r"(?!-[0.]*[1-9])", r"(?!-)(?=\+?[0.]*[1-9])"
+
+
+def quantity_schema(dimension: Dimension, sign: str = "") -> Schema:
+    """Schema of a quantity; ``sign``: pattern of what stands before its digits."""
+    expected = EXPECTED[dimension]
+    return {
+        "type": ["number", "string"] if "" in UNITS[dimension] else "string",
+        "pattern": rf"^\s*{sign}{pattern(dimension)}$",
+        "description": expected,
+        "patternErrorMessage": f"expected {expected}",
+    }
+
+
+def or_words(schema: Schema, *words: str) -> Schema:
+    """The schema of a value that may also be one of some words."""
+    return {"anyOf": [{"type": "string", "enum": list(words)}, schema]}
+
+
+@dataclass(frozen=True)
+class Written:
+    """Mark of a field: what reads its value as a file has it, and the schema of that, made of the field's own."""
+
+    read: Callable[[Any], Any]
+    schema: Callable[[Schema], Schema]
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self.read, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        return self.schema(handler(schema))
 
 
 Length = Annotated[float, Quantity("length", above=0.0)]
@@ -187,19 +239,26 @@ def _proving(given: Any) -> bool | str:
     return "strict"
 
 
-def unless_none(given: Any) -> Any:
-    """Nothing for the word `none`: before an optional section, so that a sweep can switch it off."""
-    return None if given == "none" else given
+OR_NONE = Written(lambda given: None if given == "none" else given, lambda own: or_words(own, "none"))
+"""Mark of an optional section: nothing for the word `none`, so that a sweep can switch it off."""
 
 
-def whole(least: int, most: int) -> BeforeValidator:
-    """Validator of a whole number between two bounds."""
-    return BeforeValidator(lambda given: _whole(given, least, most))
+def whole(least: int, most: int) -> Written:
+    """Mark of a whole number between two bounds."""
+    return Written(lambda given: _whole(given, least, most), lambda _: whole_schema(least, most))
 
 
-def whole_or_auto(least: int, most: int) -> BeforeValidator:
-    """Validator of a whole number between two bounds, or the word `auto`."""
-    return BeforeValidator(lambda given: given if given == "auto" else _whole(given, least, most, ", or `auto`"))
+def whole_or_auto(least: int, most: int) -> Written:
+    """Mark of a whole number between two bounds, or the word `auto`."""
+    return Written(
+        lambda given: given if given == "auto" else _whole(given, least, most, ", or `auto`"),
+        lambda _: or_words(whole_schema(least, most), "auto"),
+    )
+
+
+def whole_schema(least: int, most: int) -> Schema:
+    """Schema of a whole number between two bounds."""
+    return {"type": "integer", "minimum": least, "maximum": most}
 
 
 def _whole(given: Any, least: int, most: int, other: str = "") -> int:
@@ -220,4 +279,4 @@ Switch = Annotated[bool, BeforeValidator(_switch)]
 StepCheckMode = Annotated[bool | Literal["strict"], BeforeValidator(_proving)]
 Step = Annotated[float | Literal["auto"], QuantityOrAuto("time", above=0.0)]
 Tolerance = Annotated[float | Literal["auto"], QuantityOrAuto("tolerance", least=1e-13, most=0.1)]
-Text = Annotated[str, BeforeValidator(_text)]
+Text = Annotated[str, Written(_text, lambda _: {"type": ["string", "number", "boolean"]})]

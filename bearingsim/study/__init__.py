@@ -5,12 +5,13 @@ from bearingsim.study.jobs import Figure, Job, Study, case_id, healthy_twin
 from bearingsim.study.load import Outline, load_study, outline
 from bearingsim.study.paths import dimension
 from bearingsim.study.rolling_parts import load_rolling_parts
-from bearingsim.study.schema import json_schema
-from bearingsim.study.template import NEW_STUDY
+from bearingsim.study.schema import json_schema, schema_text
+from bearingsim.study.template import NEW_STUDY, SCHEMA_FILE
 from bearingsim.text.yamlfile import Problem, StudyError
 
 __all__ = [
     "NEW_STUDY",
+    "SCHEMA_FILE",
     "Design",
     "Figure",
     "Job",
@@ -25,4 +26,5 @@ __all__ = [
     "load_rolling_parts",
     "load_study",
     "outline",
+    "schema_text",
 ]

@@ -82,6 +82,8 @@ def _check_keys(node: Node, problems: list[Problem]) -> None:
             problems.append(problem(node.mark, f"figures: `{key}` is missing"))
     if "x" in node.mapping and not isinstance(node.mapping["x"].value, str):
         problems.append(problem(node.mapping["x"].mark, "figures.x: expected one swept path"))
+    if "title" in node.mapping and not isinstance(node.mapping["title"].value, str):
+        problems.append(problem(node.mapping["title"].mark, "figures.title: expected a text"))
     if "where" in node.mapping and not isinstance(node.mapping["where"].value, dict):
         problems.append(problem(node.mapping["where"].mark, "figures.where: expected `{path: value}`"))
 

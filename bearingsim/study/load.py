@@ -17,7 +17,7 @@ from bearingsim.study.uncertainty import check_possible, parse_uncertainty
 from bearingsim.text import files_read
 from bearingsim.text.yamlfile import Node, Problem, StudyError, argument_mark, parse, problem, read_text
 
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
 
 
 def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None, quick: bool = False) -> Study:
@@ -138,7 +138,7 @@ def _name(root: Node, problems: list[Problem]) -> str:
     if node is None:
         problems.append(problem(root.mark, "`study` is missing", "give the study a name, as in `study: first`"))
         return ""
-    if not isinstance(node.value, str) or not _NAME.fullmatch(node.value):
+    if not isinstance(node.value, str) or not NAME.fullmatch(node.value):
         message = f"study: expected a name of letters, digits, `-`, `_` and `.`, got `{node.text}`"
         problems.append(problem(node.mark, message))
     return node.text

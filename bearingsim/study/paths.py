@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import cache, lru_cache
-from typing import Any, get_args
+from typing import Any, NamedTuple, get_args
 
 from bearingsim.config import Case
 from bearingsim.config.case_fields import OLD_WORDS
@@ -18,10 +18,37 @@ SAME_PLACE: dict[Path, Path] = {("rig", "sensor_angle"): ("rig", "sensor", "angl
 """Paths that are another word for a place, and that place."""
 
 
+class Field(NamedTuple):
+    """A field of a section."""
+
+    section: type[Section]
+    name: str
+
+    @property
+    def marks(self) -> list[Any]:
+        """The classes and marks of its type."""
+        field = self.section.model_fields[self.name]
+        return [*field.metadata, *_leaves(field.annotation)]
+
+    @property
+    def dimension(self) -> Dimension | None:
+        """That of its values; None of words and sections."""
+        return next((mark.dimension for mark in self.marks if isinstance(mark, Quantity)), None)
+
+
 @cache
 def known_paths() -> dict[str, Dimension | None]:
     """Every path that can be swept, with its dimension (None: words or whole sections)."""
-    return dict(_walk(Case, ""))
+    return {path: fields[-1].dimension for path, fields in fields_at().items()}
+
+
+@cache
+def fields_at() -> dict[str, list[Field]]:
+    """The field at every path that can be swept; laws that stand for each other may each have one there."""
+    fields: dict[str, list[Field]] = {}
+    for path, field in _walk(Case, ""):
+        fields.setdefault(path, []).append(field)
+    return fields
 
 
 @lru_cache(maxsize=1 << 12)
@@ -37,7 +64,8 @@ def dimension(path: str) -> Dimension | None:
 @cache
 def all_paths() -> dict[str, Dimension | None]:
     """The paths that can be swept, and those into the springs of `rig.load.at`, which is swept as a whole."""
-    return known_paths() | dict(_walk(SupportPoint, "rig.load.at."))
+    springs = {path: field.dimension for path, field in _walk(SupportPoint, "rig.load.at.")}
+    return known_paths() | springs
 
 
 def parse_path(text: str, defects: int) -> Path:
@@ -128,16 +156,16 @@ def value_at(case: Case, path: Path) -> Any:
     return found
 
 
-def _walk(section: type[Section], prefix: str) -> Iterator[tuple[str, Dimension | None]]:
-    for name, field in section.model_fields.items():
+def _walk(section: type[Section], prefix: str) -> Iterator[tuple[str, Field]]:
+    for name in section.model_fields:
         if name in ("name", "source", "digest"):  # not for users to set, or labels that shape no result
             continue
-        marks = [*field.metadata, *_leaves(field.annotation)]
-        yield prefix + name, next((m.dimension for m in marks if isinstance(m, Quantity)), None)
+        field = Field(section, name)
+        yield prefix + name, field
         below = prefix + ("defect" if name == "defects" else name)
         if name == "defects":
-            yield below, None
-        for inner in marks if name != "at" else ():  # that list is swept as a whole
+            yield below, field
+        for inner in field.marks if name != "at" else ():  # that list is swept as a whole
             if isinstance(inner, type) and issubclass(inner, Section):
                 yield from _walk(inner, below + ".")
 

@@ -1,109 +1,259 @@
-"""A JSON schema of study files, for editors."""
+"""The JSON schema of study files, by which editors complete and check what is typed.
 
-from typing import Any
+Draft 7, which editors of YAML support. `check` refuses whatever the schema refuses, and more: a schema does not
+see how values go together. Sections that a sweep reaches into require nothing, because the sweep may give it.
+"""
 
-from bearingsim.config import Case
-from bearingsim.config.case import LAWS
+import json
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+
+from pydantic.json_schema import models_json_schema
+
+from bearingsim.catalogue import AUTO
+from bearingsim.config import Case, Defect, Section
+from bearingsim.config.case_fields import OLD_WORDS
+from bearingsim.config.fields import POSITIVE, Schema, quantity_schema, whole_schema
 from bearingsim.designs import KINDS
+from bearingsim.study.design import MAX_SEED
 from bearingsim.study.distributions import DISTRIBUTIONS
 from bearingsim.study.figures import DRAWN
-from bearingsim.study.sweep import GENERATORS
-from bearingsim.study.uncertainty import NONE, UNKNOWN, UNKNOWNS
+from bearingsim.study.goal import KNOWN, NOT_BESIDE, STEPPED
+from bearingsim.study.load import NAME
+from bearingsim.study.paths import fields_at, known_paths
+from bearingsim.study.sweep import GENERATORS, MAX_VALUES
+from bearingsim.study.uncertainty import NONE, UNKNOWN, UNKNOWNS, Unknown
+from bearingsim.text.units import UNITS
 
-_WORDS = {"type": ["string", "array"], "items": {"type": "string"}}
+__all__ = ["json_schema", "schema_text"]
+
+_TEXT = {"type": ["string", "number", "boolean"]}
+_NUMBERED = r"^defects\.[0-9]{1,4}"
 
 
-def json_schema() -> dict[str, Any]:
-    """The schema of a study file (JSON Schema 2020-12)."""
-    case = Case.model_json_schema()
-    fields = _case_fields(case)
-    own = {
-        "study": {"type": "string", "description": "name of the study: letters, digits, - _ ."},
-        "figures": {"type": "array", "items": _figure()},
-        "sweep": _sweep(),
-        "uncertainty": _uncertainty(),
-        "quick": {"type": "object", "properties": fields | {"sweep": _sweep()}},
+def schema_text() -> str:
+    """The schema as a file."""
+    return json.dumps(json_schema(), indent=1) + "\n"
+
+
+def json_schema() -> Schema:
+    """The schema of a study file."""
+    names, sections = _sections()
+    case = sections.pop(names[Case])["properties"]
+    defect = case["defects"]["items"]
+
+    def at(path: str) -> Schema:
+        """The schema of one value of a path."""
+        if path == "defect":
+            return defect
+        return _one_of(_ref(names, *field) for field in fields_at()[OLD_WORDS.get(path, path)])
+
+    shared = {
+        "Feature": {"enum": list(DRAWN)},
+        "Path": {"anyOf": [{"enum": _paths()}, {"type": "string", "pattern": _NUMBERED}]},
+        "Values": _by_path(_paths(), lambda path: _values(path, at(path))),
+        "Ranges": _by_path(filter(known_paths().get, known_paths()), lambda path: _shared(f"Range {_kind(path)}")),
+        "Generated whole": _generated({"type": "number"}),
     }
+    for dimension in UNITS:
+        any_value = _shared(f"Any {dimension}")
+        shared |= {
+            f"Any {dimension}": quantity_schema(dimension),
+            f"Generated {dimension}": _generated(any_value),
+            f"Range {dimension}": _range(any_value),
+        }
     return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "bearingsim study",
         "type": "object",
-        "properties": own | fields,
+        "properties": {
+            "study": _TEXT | {"pattern": f"^{NAME.pattern}$", "description": "letters, digits, - _ ."},
+            **case,
+            "defect": defect,
+            **{old: at(old) | {"deprecated": True} for old in OLD_WORDS},
+            "accuracy": _accuracy(),
+            "sweep": _sweep(required=["n", "over"]),
+            "figures": {"type": "array", "items": _figure()},
+            "uncertainty": {"anyOf": [{"const": NONE}, _closed({w: _tried(u) for w, u in UNKNOWNS.items()})]},
+            "quick": _by_path(_paths(), at, {"sweep": _sweep(required=[])}),
+        },
         "required": ["study"],
         "additionalProperties": False,
-        "$defs": case["$defs"],
+        "allOf": [*_together(), *_needs()],
+        "$defs": sections | {name.replace(" ", "-"): schema for name, schema in shared.items()},
     }
 
 
-def _case_fields(case: dict[str, Any]) -> dict[str, Any]:
-    """The fields of a case; what is a section in Python may be a name in a file."""
-    fields = dict(case["properties"])
-    del case["$defs"]["Defect"]["properties"]["digest"]  # not for users to set
-    for name in ("bearing", "rig"):
-        fields[name] = {"anyOf": [{"type": "string"}, {"$ref": f"#/$defs/{name.capitalize()}"}]}
-    material = {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/Material"}]}
-    case["$defs"]["Bearing"]["properties"]["material"] = material
-    for path, laws in LAWS.items():
-        where = case["$defs"]["Contact"]["properties"] if path[0] == "contact" else fields
-        where[path[-1]] = {"anyOf": [{"type": "string", "enum": list(laws.words)}, where[path[-1]]]}
-    rig = case["$defs"]["Rig"]["properties"]
-    for holder, names in ((fields, ("ramp", "drag", "shaft", "unbalance")), (rig, ("ring", "load"))):
-        holder.update({name: {"anyOf": [{"const": "none"}, holder[name]]} for name in names})
-    return fields | {"defect": {"$ref": "#/$defs/Defect"}}
+# Sections
 
 
-def _uncertainty() -> dict[str, Any]:
-    values = {"type": "array", "items": {"type": ["string", "number"]}, "minItems": 2}
-    properties = {what: {"const": UNKNOWN} if known.choices else values for what, known in UNKNOWNS.items()}
-    return {
-        "anyOf": [
-            {"const": NONE},
-            {"type": "object", "properties": properties, "additionalProperties": False},
-        ]
+def _sections() -> tuple[dict[type[Section], str], dict[str, Schema]]:
+    """The name of every section that a path leads into, and the schemas of all sections by name."""
+    swept = dict.fromkeys(field.section for fields in fields_at().values() for field in fields)
+    refs, whole = models_json_schema([(section, "validation") for section in swept])
+    names = {section: refs[section, "validation"]["$ref"].rpartition("/")[2] for section in swept}
+    sections = {name: _as_written(schema) for name, schema in whole["$defs"].items()}
+    for name in names.values():
+        sections[name].pop("required", None)
+    return names, sections
+
+
+def _as_written(schema: Schema) -> Schema:
+    """The schema without what only Python sees: titles, defaults in SI, and None, which no file has."""
+    kept = {key: value for key, value in schema.items() if key not in ("title", "default", "anyOf", "oneOf")}
+    if "properties" in kept:
+        kept["properties"] = {name: _as_written(inner) for name, inner in kept["properties"].items()}
+    if "items" in kept:
+        kept["items"] = _as_written(kept["items"])
+    choices = [_as_written(inner) for inner in schema.get("anyOf") or schema.get("oneOf") or ()]
+    return kept | (_one_of(one for one in choices if one != {"type": "null"}) if choices else {})
+
+
+def _one_of(choices: Iterable[Schema]) -> Schema:
+    """The schema of a value that is one of several; choices among choices are set side by side."""
+    flat = [inner for one in choices for inner in (one["anyOf"] if one.keys() == {"anyOf"} else [one])]
+    return flat[0] if len(flat) == 1 else {"anyOf": flat}
+
+
+def _closed(properties: Mapping[str, Schema], required: Iterable[str] = ()) -> Schema:
+    """A mapping of these keys and no others."""
+    found = {"type": "object", "properties": dict(properties), "additionalProperties": False}
+    return found | ({"required": [*required]} if required else {})
+
+
+# Paths
+
+
+def _paths() -> list[str]:
+    """Every path that a study may sweep, in old words too."""
+    return [*known_paths(), *OLD_WORDS]
+
+
+def _ref(names: Mapping[type[Section], str], section: type[Section], name: str) -> Schema:
+    place = "#" if section is Case else f"#/$defs/{names[section]}"
+    return {"$ref": f"{place}/properties/{name}"}
+
+
+def _shared(name: str) -> Schema:
+    return {"$ref": f"#/$defs/{name.replace(' ', '-')}"}
+
+
+def _by_path(paths: Iterable[str], schema: Callable[[str], Schema], more: Mapping[str, Schema] = {}) -> Schema:
+    """A mapping whose keys are paths, some with the number of a defect, and perhaps a few more."""
+    schemas = {path: schema(path) for path in paths}
+    of_defects = [path for path in schemas if path.split(".")[0] == "defect"]
+    numbered = {_NUMBERED + re.escape(path.removeprefix("defect")) + "$": schemas[path] for path in of_defects}
+    return _closed(schemas | dict(more)) | {"patternProperties": numbered}
+
+
+def _kind(path: str) -> str:
+    """What the values of a path can be generated as: quantities of a dimension, whole numbers; empty: nothing."""
+    dimension = known_paths().get(path)
+    return dimension or ("whole" if any(int in field.marks for field in fields_at().get(path, ())) else "")
+
+
+def _values(path: str, value: Schema) -> Schema:
+    """The values that a path is swept over: listed, or generated where they are numbers."""
+    listed = {"type": "array", "items": value, "minItems": 1}
+    kind = _kind(path)
+    return _one_of([listed, _shared(f"Generated {kind}")] if kind else [listed])
+
+
+def _generated(end: Schema) -> Schema:
+    third = dict.fromkeys(GENERATORS, whole_schema(2, MAX_VALUES)) | {"range": end}
+    return _one_of(_closed({word: _list_of(end, end, third[word])}, required=[word]) for word in GENERATORS)
+
+
+def _range(end: Schema) -> Schema:
+    """The range that a design covers: its ends, or a distribution between them."""
+    two = _list_of(end, end)
+    return _one_of([two, _closed(dict.fromkeys((*DISTRIBUTIONS, "within"), two)) | {"minProperties": 1}])
+
+
+def _list_of(*items: Schema) -> Schema:
+    return {"type": "array", "items": [*items], "minItems": len(items), "maxItems": len(items)}
+
+
+def _some(schema: Schema) -> Schema:
+    """One value, or a list of them."""
+    return _one_of([schema, {"type": "array", "items": schema, "minItems": 1}])
+
+
+# What a study says besides its cases
+
+
+def _sweep(required: list[str]) -> Schema:
+    """The section `sweep`; required: the keys of a design, which `quick` need not repeat."""
+    values = _shared("Values")
+    design = {"n": whole_schema(1, 10**99), "seed": whole_schema(0, MAX_SEED), "over": _shared("Ranges")}
+    formulas = {
+        "type": "object",
+        "propertyNames": _shared("Path"),
+        "additionalProperties": {"type": ["string", "number"]},
     }
-
-
-def _figure() -> dict[str, Any]:
-    names = {"type": "string", "enum": list(DRAWN)}
-    properties = {
-        "y": {"anyOf": [names, {"type": "array", "items": names}]},
-        "x": {"type": "string"},
-        "by": _WORDS,
-        "panels": _WORDS,
-        "where": {"type": "object"},
-        "title": {"type": "string"},
-        "log": _WORDS,
+    words: dict[str, Schema] = {
+        "zip": _one_of([values, {"type": "array", "items": values}]),
+        **dict.fromkeys(KINDS, _closed(design, required)),
+        "derived": formulas,
+        "where": _one_of([{"type": "string"}, {"type": "array", "items": {"type": "string"}}]),
+        "repeat": whole_schema(1, MAX_VALUES),
     }
-    return {"type": "object", "properties": properties, "required": ["y", "x"], "additionalProperties": False}
+    return _by_path(_paths(), lambda path: {"$ref": f"#/$defs/Values/properties/{path}"}, words)
 
 
-def _sweep() -> dict[str, Any]:
-    three = {"type": "array", "minItems": 3, "maxItems": 3}
-    generated = [
-        {"type": "object", "properties": {word: three}, "required": [word], "additionalProperties": False}
-        for word in GENERATORS
-    ]
-    values = {"anyOf": [{"type": "array", "minItems": 1}, *generated]}
-    block = {"type": "object", "additionalProperties": values}
-    zipped = {"anyOf": [block, {"type": "array", "items": block}]}
-    words = {"type": "string"}
-    own: dict[str, Any] = {
-        "zip": zipped,
-        **dict.fromkeys(KINDS, _design()),
-        "derived": {"type": "object", "additionalProperties": {"type": ["string", "number"]}},
-        "where": {"anyOf": [words, {"type": "array", "items": words}]},
-        "repeat": {"type": "integer", "minimum": 1},
-    }
-    return {"type": "object", "properties": own, "additionalProperties": values}
-
-
-def _design() -> dict[str, Any]:
-    two = {"type": "array", "items": {"type": ["string", "number"]}, "minItems": 2, "maxItems": 2}
-    spread = dict.fromkeys((*DISTRIBUTIONS, "within"), two)
-    ranges = {"anyOf": [two, {"type": "object", "properties": spread, "additionalProperties": False}]}
+def _figure() -> Schema:
+    feature, path = _shared("Feature"), _shared("Path")
     keys = {
-        "n": {"type": "integer", "minimum": 1},
-        "seed": {"type": "integer", "minimum": 0},
-        "over": {"type": "object", "additionalProperties": ranges},
+        "y": _some(feature),
+        "x": path,
+        "by": _some(path),
+        "panels": _some(path),
+        "where": {"type": "object", "propertyNames": path},
+        "title": _TEXT,
+        "log": _some({"enum": ["x", "y"]}),
     }
-    return {"type": "object", "properties": keys, "additionalProperties": False}
+    return _closed(keys, required=["y", "x"])
+
+
+def _tried(unknown: Unknown) -> Schema:
+    if unknown.choices:
+        return {"const": UNKNOWN}
+    value = quantity_schema(unknown.dimension, POSITIVE if unknown.positive else "")
+    return {"type": "array", "items": value, "minItems": 2}
+
+
+def _accuracy() -> Schema:
+    share = quantity_schema("share", POSITIVE)
+    return _one_of([share, _closed({"within": share, "of": _some({"enum": list(KNOWN)})}, required=["within"])])
+
+
+# What goes together
+
+
+def _together() -> Iterator[Schema]:
+    """Keys that exclude each other."""
+    for words in (("defect", "defects"), *OLD_WORDS.items()):
+        yield {"not": {"required": [*words]}}
+    beside = {path: {"const": AUTO} if why == STEPPED else False for path, why in NOT_BESIDE.items()}
+    yield {"if": {"required": ["accuracy"]}, "then": {"properties": beside}}
+
+
+def _needs() -> Iterator[Schema]:
+    """Keys that a study and its defect need."""
+    for name in _required(Case):
+        yield _unless_swept({"required": [name]}, name)
+    is_scan = {"properties": {"shape": {"const": "scan"}}, "required": ["shape"]}
+    for name in _required(Defect):
+        of_defect = {"required": ["shape"]} if name == "shape" else _one_of([{"required": [name]}, is_scan])
+        swept = ("defect", "defect.shape", f"defect.{name}")
+        yield _unless_swept({"properties": {"defect": of_defect}}, *swept)
+
+
+def _required(section: type[Section]) -> list[str]:
+    return [name for name, field in section.model_fields.items() if field.is_required()]
+
+
+def _unless_swept(needed: Schema, *paths: str) -> Schema:
+    """What a study needs whose sweep gives none of the paths."""
+    given = [{"required": [word]} for word in (*paths, "zip", "derived", *KINDS)]
+    return {"if": {"properties": {"sweep": {"not": {"anyOf": given}}}}, "then": needed}

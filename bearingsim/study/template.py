@@ -1,6 +1,11 @@
 """The study that `bearingsim new` writes."""
 
-NEW_STUDY = """\
+SCHEMA_FILE = "study.schema.json"
+"""Name of the schema beside a study, by which editors complete and check it."""
+
+NEW_STUDY = (
+    f"# yaml-language-server: $schema=./{SCHEMA_FILE}\n"
+    + """\
 # A parametric study. Check it with `bearingsim check FILE`, run it with `bearingsim run FILE`.
 # Every quantity carries its unit. Lines that begin with # show what else may be said, at its default.
 
@@ -88,3 +93,4 @@ quick:
   duration: 0.3 s
   sweep: {load: [150 N]}
 """
+)

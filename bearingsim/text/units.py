@@ -203,6 +203,25 @@ def parse(text: str, dimension: Dimension) -> float:
     return _convert(text, number, factor, dimension)
 
 
+def pattern(dimension: Dimension) -> str:
+    """Regular expression (ECMA 262) of a quantity of a dimension, in every spelling that ``parse`` reads."""
+    words = "|".join(map(_spellings, UNITS[dimension]))
+    return rf"{_NUMBER.pattern}[\s·*]*({words})\s*"
+
+
+def _spellings(word: str) -> str:
+    """Pattern of a unit word of the table however it is spelled: `N s/m` may be `N·s / m`."""
+    parts = {
+        " ": r"[\s.·*]*",
+        "/": r"\s*/\s*",
+        "u": "[uµμ]",
+        "^2": "(\\^?2|²)",
+        "^3": "(\\^?3|³)",
+        "deg": "(deg|°)",
+    }
+    return re.sub(r"deg|\^[23]|.", lambda found: parts.get(found[0], found[0]), word)
+
+
 def display(value: float, word: str, dimension: Dimension | None = None) -> float:
     """An SI value in the unit `word`.
 

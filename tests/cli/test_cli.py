@@ -14,6 +14,7 @@ from bearingsim import __version__
 from bearingsim.cli import app, screen
 from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.simulation import limits
+from bearingsim.study import SCHEMA_FILE
 from tests.scenes.commands import STUDY, type_
 
 # The program
@@ -73,6 +74,32 @@ def test_new_writes_a_study_that_checks(here):
     assert "mine.yaml" in said
     said, _ = type_("check", "mine.yaml")
     assert said.startswith("defect-length: 15 jobs (12 cases, 3 healthy twins)")
+
+
+def test_new_writes_the_schema_that_the_study_names(here):
+    type_("new", "sub/mine.yaml", code=2)
+    assert not Path("sub").exists()
+    Path("sub").mkdir()
+    assert type_("new", "sub/mine.yaml")[1] == ""
+    assert Path("sub/mine.yaml").read_text().startswith(f"# yaml-language-server: $schema=./{SCHEMA_FILE}\n")
+    assert Path("sub", SCHEMA_FILE).read_text() == type_("check", "--schema")[0]
+    assert type_("new", "sub/second.yaml")[1] == ""  # the same schema serves both
+
+
+@pytest.mark.parametrize(
+    "made", [lambda path: path.write_text("{}"), Path.mkdir, lambda path: path.symlink_to("x")]
+)
+def test_new_leaves_another_schema(here, made):
+    def stamps():
+        found = {path.name: path.lstat() for path in Path().iterdir() if path.name != "mine.yaml"}
+        return {name: (stat.st_ino, stat.st_mode, stat.st_size, stat.st_mtime_ns) for name, stat in found.items()}
+
+    made(Path(SCHEMA_FILE))
+    before = stamps()
+    _, told = type_("new", "mine.yaml")
+    assert told.startswith(f"{SCHEMA_FILE} is another file")
+    assert "`bearingsim check --schema`" in told
+    assert stamps() == before
 
 
 def test_new_overwrites_nothing(here):

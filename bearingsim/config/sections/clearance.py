@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
-from bearingsim.config.fields import Quantity, refuse
+from bearingsim.config.fields import Quantity, Schema, or_words, refuse
 
 Class = Literal["C2", "CN", "C3", "C4", "C5"]
 CLASSES: tuple[Class, ...] = get_args(Class)
@@ -79,9 +79,8 @@ class _ClearanceOrClass(Quantity):
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_before_validator_function(self._checked, handler(source))
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        length = super().__get_pydantic_json_schema__(schema, handler)
-        return length | {"description": f"{length['description']}, or a class: {', '.join(CLASSES)}"}
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        return or_words(super().__get_pydantic_json_schema__(schema, handler), *CLASSES)
 
     def _checked(self, given: Any, info: ValidationInfo) -> float:
         if not isinstance(given, str) or not re.match(r"\s*[A-Za-z]", given):

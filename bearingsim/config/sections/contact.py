@@ -4,7 +4,7 @@ from abc import abstractmethod
 from math import isclose, pi
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Discriminator, Tag, model_validator
+from pydantic import Discriminator, Tag, model_validator
 
 from bearingsim.config.fields import (
     Coefficient,
@@ -19,8 +19,10 @@ from bearingsim.config.fields import (
     Section,
     Temperature,
     Viscosity,
+    Written,
     described,
     one_of,
+    or_words,
     raise_unknown_word,
     refuse,
     whole,
@@ -31,12 +33,19 @@ from bearingsim.core.laws.oil_viscosity import COLDEST, GRADES, HOTTEST, ZERO_CE
 MOST_SLICES = 48  # that can be asked for: more is in vain beside the errors of the model
 
 
+KNOWN_OILS = tuple(f"VG {grade}" for grade in GRADES)
+SPELLED_OIL = {
+    "type": ["string", "number"],
+    "pattern": rf"^\s*([Ii][Ss][Oo])?\s*([Vv][Gg])?\s*({'|'.join(map(str, GRADES))})\s*$",
+}
+
+
 def _oil(given: Any) -> str:
     """`VG 68`, whatever its spelling."""
     word = str(given).upper().replace("ISO", "").replace("VG", "").strip()
     if not word.isdecimal() or int(word) not in GRADES:
-        known = ", ".join(f"VG {grade}" for grade in GRADES)
-        refuse("word", f"expected an ISO grade such as `VG 68`, got {described(given)}", f"there are {known}")
+        listed = f"there are {', '.join(KNOWN_OILS)}"
+        refuse("word", f"expected an ISO grade such as `VG 68`, got {described(given)}", listed)
     return f"VG {int(word)}"
 
 
@@ -103,7 +112,7 @@ class Film(Section):
 
     law: Literal["film"] = "film"
     viscosity: Viscosity | None = None
-    oil: Annotated[str, BeforeValidator(_oil)] | None = None
+    oil: Annotated[str, Written(_oil, lambda _: or_words(SPELLED_OIL, *KNOWN_OILS))] | None = None
     temperature: Temperature | None = None
     pressure_coefficient: PressureCoefficient = 2e-8
     loss_factor: Percentage = 0.015
@@ -225,7 +234,7 @@ else:
     Stiffness = Annotated[
         Annotated[Literal[WORDS], Tag(WORD)] | STIFFNESS.union(),
         Discriminator(_stiffness_tag),
-        BeforeValidator(_stiffness),
+        Written(_stiffness, lambda own: or_words(own, *WORDS, *STIFFNESS.words)),
     ]
 
 

@@ -3,19 +3,22 @@
 from math import isclose
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import GetJsonSchemaHandler, model_validator
+from pydantic_core import CoreSchema
 
 from bearingsim import catalogue
 from bearingsim.config.fields import (
+    OR_NONE,
     Angle,
     Length,
     Percentage,
+    Schema,
     Section,
     SignedLength,
     Text,
     one_of,
+    or_words,
     refuse,
-    unless_none,
     whole,
 )
 
@@ -93,11 +96,19 @@ class Defect(Section):
     depth: Length
     angle: Angle = 0.0
     offset: SignedLength = 0.0
-    edge: Annotated[Edge | None, BeforeValidator(unless_none)] = None
+    edge: Annotated[Edge | None, OR_NONE] = None
     grown: Percentage | None = None
     seed: Annotated[int, whole(0, 999_999_999)] | None = None
     file: Text | None = None
     digest: Text | None = None
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        schema = handler(core)
+        keys = handler.resolve_ref_schema(schema)["properties"]
+        keys |= {name: or_words(keys[name], "none") for name in _MAY_BE_NONE if name != "edge"}
+        del keys["digest"]  # not for users to set
+        return schema
 
     @property
     def element(self) -> tuple[str, int]:

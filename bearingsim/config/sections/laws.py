@@ -4,10 +4,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any, Union
 
-from pydantic import BeforeValidator, Discriminator, Tag
+from pydantic import Discriminator, Tag
 
 from bearingsim import catalogue, extensions
-from bearingsim.config.fields import Section, raise_unknown_word
+from bearingsim.config.fields import Section, Written, or_words, raise_unknown_word
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,9 @@ class Laws:
 
     def field(self) -> Any:
         """The type of a field that holds one of them."""
-        return Annotated[self.union(), Discriminator(self.tag), BeforeValidator(self.spelled)]
+        return Annotated[
+            self.union(), Discriminator(self.tag), Written(self.spelled, lambda own: or_words(own, *self.words))
+        ]
 
     def union(self) -> Any:
         """The sections, each with its law as a tag."""

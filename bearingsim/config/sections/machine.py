@@ -3,9 +3,10 @@
 import math
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from bearingsim.config.fields import (
+    OR_NONE,
     Angle,
     ContactAngle,
     Damping,
@@ -20,12 +21,12 @@ from bearingsim.config.fields import (
     Text,
     TorsionalDamping,
     TorsionalStiffness,
+    Written,
     one_of,
     refuse,
-    unless_none,
     whole,
 )
-from bearingsim.config.library import Kind, described
+from bearingsim.config.library import Kind, described, library_names
 from bearingsim.config.sections.ring import FlexibleRing, RingLoad, Sensor
 from bearingsim.config.sections.space import Flanges, Profile, RollerProfile
 from bearingsim.core.geometry.kinematics import ball_pass_frequency_outer
@@ -37,9 +38,12 @@ _GROOVES = ("inner_groove_radius", "outer_groove_radius")
 _OF_ELEMENT = {"roller_length": "roller"} | dict.fromkeys(_GROOVES, "ball")
 
 
-def named(kind: Kind) -> BeforeValidator:
-    """Validator that lets a section be given by name or path."""
-    return BeforeValidator(lambda given: described(kind, given))
+def named(kind: Kind) -> Written:
+    """Mark of a section that may be given by name or path."""
+    return Written(
+        lambda given: described(kind, given),
+        lambda own: {"anyOf": [{"type": ["string", "number"], "examples": library_names(kind)}, own]},
+    )
 
 
 class Material(Section):
@@ -181,8 +185,8 @@ class Rig(Section):
     tilting_damping: TorsionalDamping | None = None
     sensor_angle: Angle = 0.0
     sensor: Sensor = Sensor()
-    ring: Annotated[FlexibleRing | None, BeforeValidator(unless_none)] = None
-    load: Annotated[RingLoad | None, BeforeValidator(unless_none)] = None
+    ring: Annotated[FlexibleRing | None, OR_NONE] = None
+    load: Annotated[RingLoad | None, OR_NONE] = None
     ring_mass: Mass | None = None
     source: Text = ""
 

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import model_validator
 
 from bearingsim.config.fields import (
     Angle,
@@ -11,7 +11,9 @@ from bearingsim.config.fields import (
     LengthOrZero,
     Section,
     Stiffness,
+    Written,
     one_of,
+    or_words,
     refuse,
     whole,
 )
@@ -45,7 +47,9 @@ class Profile(Section):
         return self
 
 
-RollerProfile = Annotated[Profile, BeforeValidator(_spelled)]
+BARE = ("straight", "logarithmic")
+"""Shapes that need no numbers."""
+RollerProfile = Annotated[Profile, Written(_spelled, lambda own: or_words(own, *BARE))]
 
 
 class Flanges(Section):

@@ -1,0 +1,49 @@
+"""`bearingsim new`: a study to start from, and its schema; no file that exists is touched."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from bearingsim.errors import UserError
+from bearingsim.study import NEW_STUDY, SCHEMA_FILE, schema_text
+
+__all__ = ["write_schema", "write_study"]
+
+
+def write_study(path: Path) -> None:
+    """Write the study. Raises UserError if there is a file of that name."""
+    try:
+        _write(path, NEW_STUDY)
+    except FileExistsError:
+        raise UserError(f"{path} exists already: give another path, or remove it") from None
+
+
+def write_schema(folder: Path) -> Iterator[str]:
+    """Write the schema into a folder; yield what to do if there is another file of its name."""
+    path, text = folder / SCHEMA_FILE, schema_text()
+    try:
+        _write(path, text)
+    except FileExistsError:
+        if not _holds(path, text):
+            yield (
+                f"{path} is another file, or another version's schema, and stays: `bearingsim check --schema`"
+                " prints this version's"
+            )
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a new file, all of it or nothing."""
+    with path.open("x", encoding="utf-8") as file:
+        try:
+            file.write(text)
+            file.flush()
+        except BaseException:
+            path.unlink()
+            raise
+
+
+def _holds(path: Path, text: str) -> bool:
+    """Whether a file holds a text."""
+    try:
+        return path.stat().st_size == len(text.encode()) and path.read_text(encoding="utf-8") == text
+    except (OSError, UnicodeDecodeError):
+        return False
