@@ -9,7 +9,7 @@ import pytest
 from bearingsim.study import StudyError, load_study
 from bearingsim.text import yamlfile
 from bearingsim.text.yamlfile import LONGEST_ECHO, LONGEST_LINE, MAX_LETTERS, MAX_TOLD
-from benchmarks import hostile
+from benchmarks import hostile, malformed, mutants
 from tests.conftest import Write
 
 SLOWLY = hostile.Limits(cpu=60.0, memory=inf)  # of a slow machine: here it counts that there is an end
@@ -26,7 +26,7 @@ def told(path: Path) -> list[str]:
 def test_malformed_files_end_with_a_place(tmp_path: Path) -> None:
     """Each as `check` ends, in this process."""
     wrong, valid = {}, []
-    for name, path in hostile.malformed(tmp_path):
+    for name, path in malformed.malformed(tmp_path):
         ended = hostile.in_here("check", str(path))
         found = hostile.faults(ended, path, SLOWLY)
         if found:
@@ -39,7 +39,7 @@ def test_malformed_files_end_with_a_place(tmp_path: Path) -> None:
 
 def test_a_bomb_and_a_device_end_in_a_process_of_their_own(tmp_path: Path) -> None:
     """Under limits of the system, which would end a process that reads on."""
-    files = dict(hostile.malformed(tmp_path))
+    files = dict(malformed.malformed(tmp_path))
     for name in ("bomb in load", "a device", "a pipe"):
         ended = hostile.alone("check", str(files[name]))
         assert (ended.code, hostile.faults(ended, files[name], SLOWLY)) == (2, [])
@@ -49,7 +49,7 @@ def test_a_bomb_and_a_device_end_in_a_process_of_their_own(tmp_path: Path) -> No
 def test_mutants_load_or_are_refused(tmp_path: Path, seed: int) -> None:
     """Nothing else comes of them: neither another error, nor a message without a place."""
     refused = 0
-    for _, path in hostile.mutants(tmp_path, 80, seed):
+    for _, path in mutants.mutants(tmp_path, 80, seed):
         with suppress(StudyError):
             load_study(path)
             continue
@@ -60,7 +60,7 @@ def test_mutants_load_or_are_refused(tmp_path: Path, seed: int) -> None:
 
 def test_mutants_are_those_of_their_seed(tmp_path: Path) -> None:
     def texts(seed: int) -> list[bytes]:
-        return [path.read_bytes() for _, path in hostile.mutants(tmp_path, 20, seed)]
+        return [path.read_bytes() for _, path in mutants.mutants(tmp_path, 20, seed)]
 
     assert texts(3) == texts(3) != texts(4)
 
@@ -69,21 +69,21 @@ def test_mutants_are_those_of_their_seed(tmp_path: Path) -> None:
 
 
 def test_an_echo_is_clipped_and_the_caret_still_points(write: Write) -> None:
-    first, line, caret = told(write(hostile.with_(f"load: [{'150 N, ' * 100}&a &b]")))
+    first, line, caret = told(write(malformed.with_(f"load: [{'150 N, ' * 100}&a &b]")))
     assert line[caret.index("^")] == "&"
     assert len(line) <= LONGEST_LINE + 4
-    first, *_ = told(write(hostile.with_(f"load: {'x' * 5000}")))
+    first, *_ = told(write(malformed.with_(f"load: {'x' * 5000}")))
     assert f"`{'x' * LONGEST_ECHO}...`" in first
 
 
 def test_a_message_has_no_letters_of_control(write: Write) -> None:
-    said = "\n".join(told(write(hostile.with_('"load\u202e\u00a0": "a\\nb"'))))
+    said = "\n".join(told(write(malformed.with_('"load\u202e\u00a0": "a\\nb"'))))
     assert r"unknown key `load\u202e\xa0`" in said
     assert all(letter.isprintable() or letter == "\n" for letter in said)
 
 
 def test_no_more_problems_are_told_than_one_mends(write: Write) -> None:
-    said = told(write(hostile.BASE + "".join(f"figures{n}: 1\n" for n in range(40)) + "load: 1 N\n" * 200))
+    said = told(write(malformed.BASE + "".join(f"figures{n}: 1\n" for n in range(40)) + "load: 1 N\n" * 200))
     assert said[-1] == "and 190 more like these"
     assert sum(line.strip() == "^" for line in said) == MAX_TOLD
 
@@ -109,7 +109,7 @@ def test_twenty_levels_are_read_and_one_more_is_not() -> None:
 
 @pytest.mark.parametrize("tag", ["!!python/object/apply:os.system", "!!int", "!mine"])
 def test_a_tag_is_refused(write: Write, tag: str) -> None:
-    assert f"the tag `{tag}` means nothing here" in told(write(hostile.with_(f"load: {tag} 150 N")))[0]
+    assert f"the tag `{tag}` means nothing here" in told(write(malformed.with_(f"load: {tag} 150 N")))[0]
 
 
 # Base values that a sweep replaces
@@ -130,7 +130,7 @@ def test_a_tag_is_refused(write: Write, tag: str) -> None:
     ],
 )  # fmt: skip
 def test_a_base_value_that_a_sweep_replaces_is_checked(write: Write, said: str, swept: str, message: str) -> None:
-    first, line, caret = told(write(f"{hostile.with_(said)}sweep: {{{swept.strip('{}')}}}\n"))
+    first, line, caret = told(write(f"{malformed.with_(said)}sweep: {{{swept.strip('{}')}}}\n"))
     assert message in first
     assert line.strip() == said
     assert caret.strip() == "^"
@@ -149,9 +149,9 @@ def test_a_base_value_that_a_sweep_replaces_is_checked(write: Write, said: str, 
     ],
 )
 def test_a_base_that_only_the_sweep_makes_whole_is_right(write: Write, said: str, swept: str) -> None:
-    load_study(write(f"{hostile.with_(said)}sweep: {{{swept}}}\n"))
+    load_study(write(f"{malformed.with_(said)}sweep: {{{swept}}}\n"))
 
 
 def test_both_words_of_a_key_are_refused(write: Write) -> None:
     """The old one would be taken for the new one, and one value lost."""
-    assert "is the old word for" in told(write(hostile.BASE + "prove: true\nstep_check: false\n"))[0]
+    assert "is the old word for" in told(write(malformed.BASE + "prove: true\nstep_check: false\n"))[0]

@@ -1,0 +1,221 @@
+"""Study files that are broken, mistaken or made to break a reader of them: each with a name."""
+
+import gzip
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from random import Random
+
+BASE = """\
+study: hostile
+bearing: nf308
+speed: 1800 rpm
+load: 150 N
+duration: 0.1 s
+defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 0.05 mm}
+"""
+
+
+def with_(line: str) -> str:
+    """The study with another line for the key that this one begins with, or with a line more."""
+    key = line.partition(":")[0]
+    kept = [old for old in BASE.splitlines() if not old.startswith(f"{key}:")]
+    return "\n".join([*kept, line]) + "\n"
+
+
+def bomb(levels: int = 9, aliases: int = 10) -> str:
+    """A flow mapping whose last entry, `*b8`, stands for so many values."""
+    lists = [f"&b{n} [{', '.join([f'*b{n - 1}'] * aliases)}]" for n in range(1, levels)]
+    return ", ".join([f"&b0 [{', '.join(['q'] * aliases)}]", *lists])
+
+
+def bombs() -> Iterator[tuple[str, str]]:
+    """Aliases that multiply, at all places of a study."""
+    places = {
+        "load": "load: [{}]",
+        "defects": "defects: [{}]",
+        "key": "? [{}]\n: 1",
+        "record": "record: [{}]",
+        "study": "study: [{}]",
+        "swept value": "sweep: {{load: [{}]}}",
+        "swept path": "sweep:\n  ? [{}]\n  : [1 N]",
+        "figures": "figures: [{}]",
+        "quick": "quick: {{load: [{}]}}",
+        "uncertainty": "uncertainty: {{damping: [{}]}}",
+        "accuracy": "accuracy: [{}]",
+        "bearing": "bearing: {{rollers: [{}]}}",
+        "contact": "contact: {{damping: [{}]}}",
+    }
+    for place, line in places.items():
+        yield f"bomb in {place}", with_(line.format(bomb()))
+    yield "bomb of one long text", with_(f"load: [&a {'q' * 900}, {', '.join(['*a'] * 900)}]")
+    yield "bomb of mappings", with_("load: {a: &a {x: 1, y: 2}, b: &b {x: *a, y: *a}, c: &c {x: *b, y: *b}}")
+    yield "an alias in itself", with_("load: &a [*a]")
+    yield "an alias of nothing", with_("load: *a")
+    yield "merge keys", "base: &b {load: 150 N}\n" + with_("<<: *b")
+    yield "merge keys in a defect", with_("defect: {<<: {shape: rectangular}, width: 1 mm}")
+
+
+def deep() -> Iterator[tuple[str, str]]:
+    """Values within values."""
+    for count in (21, 400, 3000):
+        yield f"{count} lists", with_(f"load: {'[' * count}{']' * count}")
+        yield f"{count} mappings", with_(f"load: {'{a: ' * count}1{'}' * count}")
+    yield "3000 lists that do not end", with_(f"load: {'[' * 3000}")
+    yield "400 mappings in a sweep", with_(f"sweep: {'{a: ' * 400}1{'}' * 400}")
+    yield "blocks", "\n".join(f"{' ' * n}a:" for n in range(300)) + "\n"
+    yield "dashes", with_(f"load:\n  {'- ' * 400}1")
+    yield "questions", with_(f"load:\n  {'? ' * 400}1")
+
+
+def numbers() -> Iterator[tuple[str, str]]:
+    """Numbers that no float or no bearing has."""
+    many = "9" * 5000
+    for text in (
+        "nan N", "inf N", "-inf N", ".inf", "1e400 N", "-1e400 N", "1e-400 N", "1e99999999999 N", f"{many} N",
+        f"0.{many} N", f"1e{many} N", f"-{many}", "0x1F N", "0o17 N", "1_000 N", "1,5 N", "2026-07-01", "12:30:45",
+        "~", "null", "yes", "150", "150 mm", "N", "150 N N", "- N", "--150 N", "\uff11\uff15\uff10 N", "\u0661 N",
+        "1e308 kN", "150 N # \u202e", "!!float 150", "!!python/object/apply:os.system [ls]", "!mine 150 N",
+    ):  # fmt: skip
+        yield f"load {text[:30]}", with_(f"load: {text}")
+    yield "a count of 5000 digits", with_(f"sweep: {{load: {{linspace: [1 N, 2 N, {many}]}}}}")
+    yield "ends of 5000 digits", with_(f"sweep: {{load: {{linspace: [1 kN, 0.{many} N, 5]}}}}")
+    yield "a range without end", with_("sweep: {load: {range: [1 N, 1e300 N, 1e-300 N]}}")
+    yield "a range of no step", with_("sweep: {load: {range: [1 N, 2 N, 0 N]}}")
+    yield (
+        "a million million cases",
+        with_("sweep: {load: {linspace: [1 N, 2 N, 99999]}, speed: {linspace: [1 rpm, 2 rpm, 99999]}}"),
+    )
+    yield "logspace from nothing", with_("sweep: {load: {logspace: [0 N, 2 N, 5]}}")
+    yield "a defect of 5000 digits", with_(f"sweep: {{defects.{many}.width: [1 mm]}}")
+    yield "rollers of 5000 digits", with_(f"seed: {many}")
+    yield "a speed that bursts", with_("speed: 1e9 rpm")
+    yield "a record without end", with_("duration: 1e9 s")
+    yield "a base that is replaced", with_("load: 150 mm") + "sweep: {load: [1 N, 2 N]}\n"
+    yield "a width that is replaced", with_("sweep: {defect.width: [1 mm]}").replace("0.8 mm", "0.8 N")
+
+
+def formulas() -> Iterator[tuple[str, str]]:
+    """Formulas that are none, and designs that nobody could compute."""
+    for text in (
+        "__import__('os').system('true') > 1", "().__class__.__bases__[0] > 1", "load.__class__ > 1",
+        "10**10**10 > 1", "[x for x in (1,)] == 1", "(lambda: 1)() > 0", "open('/etc/passwd') == 1",
+        "load > load[0]", f"{'(' * 390}", f"{'-' * 390}1 > 0", f"{'9' * 5000} > 1", f"{'+'.join('1' * 190)} > 0",
+        "load / 0 > 1 N", "1 if load else 2", "f'{load}' == 1", "load > 1 mm", "lod > 1 N", "\\0 > 1",
+        "9**9**9**9 * load > 1 N", "not " * 90 + "load",
+    ):  # fmt: skip
+        yield f"where {text[:30]}", with_(f'sweep: {{where: ["{text}"]}}')
+    circle = ", ".join(
+        f"defect.{a}: defect.{b}" for a, b in (("width", "depth"), ("depth", "length"), ("length", "width"))
+    )
+    yield "derived in a circle", with_(f"sweep: {{derived: {{{circle}}}}}")
+    yield "5000 derived", BASE + "sweep:\n  derived:\n" + "".join(f"    x{n}: 1\n" for n in range(5000))
+    yield "5000 conditions", with_(f"sweep: {{where: [{', '.join(['1 > 0'] * 5000)}]}}")
+    for kind in ("lhs", "sobol", "saltelli", "morris"):
+        for n in ("1000000000", "9" * 5000, "-1", "1e9", "[1]"):
+            yield f"{kind} of {n[:10]} points", with_(f"sweep: {{{kind}: {{n: {n}, over: {{load: [1 N, 2 N]}}}}}}")
+        yield f"{kind} of nothing", with_(f"sweep: {{{kind}: {{n: 8, over: {{}}}}}}")
+    yield (
+        "a seed of 5000 digits",
+        with_(f"sweep: {{lhs: {{n: 8, seed: {'9' * 5000}, over: {{load: [1 N, 2 N]}}}}}}"),
+    )
+    yield "a billion repeats", with_("sweep: {repeat: 1000000000}")
+
+
+def letters() -> Iterator[tuple[str, bytes]]:
+    """Letters and bytes that are no text of a study."""
+    text = BASE.encode()
+    for name, escape in (("surrogate", "\\ud800"), ("NUL", "\\0"), ("escape", "\\e[31m"), ("bell", "\\a")):
+        yield f"a {name} in a name", with_(f'bearing: "{escape}"').encode()
+        yield f"a {name} in a key", with_(f'"{escape}": 1').encode()
+    yield "a surrogate in a title", with_('figures: [{x: load, y: velocity.rms, title: "\\ud800"}]').encode()
+    for byte in (0, 1, 7, 8, 11, 12, 27, 31, 127):
+        yield f"the byte {byte}", text + bytes([byte])
+    for encoding in ("utf-16", "utf-16-be", "utf-32", "cp037"):
+        yield encoding, BASE.encode(encoding)
+    yield "latin-1", text + "x: \u00e9\n".encode("latin-1")
+    yield "a surrogate in UTF-8", text + b"x: \xed\xa0\x80\n"
+    yield "an overlong letter", text + b"x: \xc0\xaf\n"
+    yield "half a letter", text + b"x: \xe2\x82"
+    yield "random bytes", Random(0).randbytes(5000)
+    yield "an archive", gzip.compress(text)
+    yield "HDF5", b"\x89HDF\r\n\x1a\n" + bytes(2000)
+    yield "zeros", bytes(100_000)
+    yield "one long line", b"study: " + b"a" * 90_000
+    yield "too long", text + b"# comment\n" * 40_000
+    yield "ten megabytes", b"- a\n" * 2_500_000
+    yield "empty", b""
+    yield "a mark and nothing", b"\xef\xbb\xbf"
+    yield "blanks", b" \n \n"
+    yield "comments", b"# a\n# b\n"
+
+
+def shapes() -> Iterator[tuple[str, str]]:
+    """YAML that is no study."""
+    yield "two documents", BASE + "---\n" + BASE
+    yield "a document's end", BASE + "...\nx\n"
+    yield "a directive", "%YAML 9.9\n---\n" + BASE
+    yield "a list", "- a\n- b\n"
+    yield "a text", "hello\n"
+    yield "a key twice", BASE + "load: 200 N\n"
+    yield "a key by both words", BASE + "prove: true\nstep_check: true\n"
+    yield "tabs", BASE.replace("load: ", "load:\t\n\t")
+    yield "a quote that stays open", with_('bearing: "nf308')
+    yield "a list that stays open", with_("record: [ring.velocity")
+    yield "no blank after a colon", BASE.replace(": ", ":")
+    yield "a value below a value", with_("load: 150 N\n  more: 1")
+    yield "JSON cut short", '{"study": "a", "load": "150'
+    yield "5000 unknown keys", BASE + "".join(f"x{n}: 1\n" for n in range(5000))
+    yield "5000 unknown paths", BASE + "sweep:\n" + "".join(f"  x{n}: [1]\n" for n in range(5000))
+    yield "5000 unknown channels", with_(f"record: [{', '.join(f'x{n}' for n in range(5000))}]")
+    yield "5000 unknown features", with_(f"figures: [{{x: load, y: [{', '.join(f'x{n}' for n in range(5000))}]}}]")
+    defect = "{shape: rectangular, length: 1 mm, width: 1 mm, depth: 1 um}"
+    yield "1000 defects", BASE.replace("defect:", "#") + f"defects: [{', '.join([defect] * 1000)}]\n"
+    yield "5000 wrong cases", with_("load: 150 mm") + "sweep: {defect.width: {linspace: [1 mm, 2 mm, 5000]}}\n"
+    for key in SECTIONS:
+        for value in ("[]", "{}", "''", "[[]]", "{a: {b: [c]}}"):
+            if (key, value) not in VALID:
+                yield f"{key} is {value}", with_(f"{key}: {value}")
+    for path in (
+        "/dev/zero",
+        "/",
+        "../../../../etc/passwd",
+        "a" * 5000,
+        "nf308.yaml",
+        "~/nf308.yaml",
+        "a\\0.yaml",
+    ):
+        yield f"a bearing in {path[:30]}", with_(f'bearing: "{path}"')
+        yield f"a scan in {path[:30]}", with_(f'defect: {{shape: scan, file: "{path}"}}')
+
+
+SECTIONS = ("bearing", "rig", "contact", "defect", "defects", "record", "sweep", "figures", "quick", "uncertainty")
+VALID = {("rig", "{}"), ("contact", "{}"), ("defects", "[]"), ("record", "[]"), ("sweep", "{}")}
+VALID |= {("figures", "[]"), ("quick", "{}"), ("uncertainty", "{}")}
+"""Empty sections that ask for nothing."""
+
+
+def malformed(folder: Path) -> Iterator[tuple[str, Path]]:
+    """Every malformed file, by name, written into a folder."""
+    texts = [*bombs(), *deep(), *numbers(), *formulas(), *shapes()]
+    contents = [(name, text.encode("utf-8", "surrogatepass")) for name, text in texts] + list(letters())
+    for number, (name, content) in enumerate(contents):
+        path = folder / f"malformed-{number}.yaml"
+        path.write_bytes(content)
+        yield name, path
+    yield "a folder", folder
+    yield "no file", folder / "none.yaml"
+    yield "a device", Path("/dev/zero")
+    yield "a name that is too long", folder / f"{'a' * 300}.yaml"
+    for name, make in SPECIAL.items():
+        path = folder / f"{name.replace(' ', '-')}.yaml"
+        make(path)
+        yield name, path
+
+
+SPECIAL: dict[str, Callable[[Path], object]] = {
+    "a pipe": os.mkfifo,
+    "a loop of links": lambda path: path.symlink_to(path),
+    "a link to nothing": lambda path: path.symlink_to(path.with_name("nothing")),
+    "a link to a device": lambda path: path.symlink_to("/dev/zero"),
+}
