@@ -5,11 +5,15 @@ that it calls, again at each level. But most functions of the core are called by
 optimised code is linked. So a function is made ready when Python calls it, and not when a caller is compiled.
 Results are the same, bit for bit.
 
+And signals wait while LLVM makes machine code (``signals_held``).
+
 This reaches into numba's compiler, more than it promises to keep. If a part is not there, ``OPTIONS`` is empty and
 ``ready_when_called`` does nothing: functions are then compiled as numba does it.
 """
 
 import gc
+import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -23,10 +27,40 @@ try:
 except ImportError:  # another numba
     FOUND = False
 
+
+SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+"""What asks a process to end."""
+
+
+@contextmanager
+def signals_held() -> Iterator[None]:
+    """Run the handlers of ``SIGNALS`` at the end.
+
+    LLVM calls back into Python as it makes machine code. A signal that came meanwhile is handled in that callback,
+    whose exceptions are dropped: a Ctrl-C was lost, or the machine code.
+    """
+    if threading.current_thread() is not threading.main_thread():  # which alone handles signals
+        yield
+        return
+    arrived: list[int] = []
+    handlers = {number: signal.getsignal(number) for number in SIGNALS}
+    held = {number: handler for number, handler in handlers.items() if callable(handler)}
+    for number in held:
+        signal.signal(number, lambda number, frame: arrived.append(number))
+    try:
+        yield
+    finally:
+        for number, handler in held.items():
+            signal.signal(number, handler)
+        for number in arrived:
+            signal.raise_signal(number)
+
+
 OPTIONS: dict[str, Any] = {}
 """Of every function of the core, for ``numba.njit``."""
 
 if FOUND:
+    JITCodeLibrary._finalize_specific = signals_held()(JITCodeLibrary._finalize_specific)  # type: ignore[method-assign]
 
     class LinkedLibrary(JITCodeLibrary):
         """Optimised code that callers link, and nobody runs."""

@@ -1,12 +1,15 @@
 """What is compiled for a caller has no machine code of its own, until Python calls it."""
 
+import signal
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
+import pytest
+from numba.core.codegen import JitEngine
 
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.linking import FOUND, is_linked
+from bearingsim.core.linking import FOUND, is_linked, signals_held
 
 
 class Scaled(NamedTuple):
@@ -95,3 +98,37 @@ def test_threads_may_compile_at_once() -> None:
             threads.submit(inner, Scaled(2.0), 1.0),
         ]
         assert [one.result() for one in asked] == [3.0, 3.0]
+
+
+def test_an_interrupt_waits_until_there_is_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would be handled while LLVM calls back, and be lost there."""
+    finalize, finalized = JitEngine.finalize_object, []
+
+    def interrupted(engine: Any) -> None:
+        signal.raise_signal(signal.SIGINT)
+        finalize(engine)
+        finalized.append(engine)
+
+    monkeypatch.setattr(JitEngine, "finalize_object", interrupted)
+    _, outer = functions()
+    with pytest.raises(KeyboardInterrupt):
+        outer(Scaled(3.0), np.array([1.0]))
+    assert finalized
+    monkeypatch.undo()
+    assert outer(Scaled(3.0), np.array([1.0, 2.0])) == 11.0
+
+
+def test_signals_that_are_ignored_or_unhandled_stay_so() -> None:
+    """And in another thread than the main one nothing is held."""
+    handlers = []
+    before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    try:
+        with signals_held():
+            handlers.append(signal.getsignal(signal.SIGTERM))
+            signal.raise_signal(signal.SIGTERM)
+        handlers.append(signal.getsignal(signal.SIGTERM))
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert handlers == [signal.SIG_IGN, signal.SIG_IGN]
+    with ThreadPoolExecutor() as threads:
+        threads.submit(signals_held().__enter__).result()
