@@ -61,3 +61,13 @@ def test_a_study_is_run_and_opened(study, tmp_path):
 def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="no attribute 'simulat'"):
         _ = bs.simulat
+
+
+def test_the_command_frees_no_objects_as_it_ends():
+    """An interrupted run would take half a second more for it."""
+    code = (
+        "import atexit, gc\nfrom bearingsim.cli import main\n"
+        "atexit.register(lambda: print(gc.get_freeze_count() > 1000))\nmain()"
+    )
+    ended = subprocess.run([sys.executable, "-c", code, "--version"], capture_output=True, text=True, check=True)
+    assert ended.stdout.endswith("\nTrue\n")

@@ -1,5 +1,6 @@
 """The commands."""
 
+import gc
 import json
 import signal
 import warnings
@@ -53,6 +54,7 @@ def main() -> None:
     try:
         app()
     finally:
+        gc.freeze()  # what is left ends with the process: to free it object by object takes 0.5 s of CPU time
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, signal.SIG_DFL)  # nobody hears it while the interpreter ends
 
