@@ -29,7 +29,7 @@ __all__ = ["SchedulerGone", "client_of", "within"]
 
 Answer = TypeVar("Answer")
 
-GREETING_S, JOINING_S, CLOSING_S = 15.0, 20.0, 1.5
+GREETING_S, JOINING_S, CLOSING_S = 10.0, 15.0, 1.5
 """How long a scheduler may take to greet; to greet and register a client; and to let it go."""
 TALKING = ("distributed", "distributed.client")
 """Loggers that have a level of their own."""
