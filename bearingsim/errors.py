@@ -1,5 +1,10 @@
 """What all errors that a user can mend have in common."""
 
+import errno
+
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Numbers of the system's errors when a file can take no more bytes."""
+
 
 class UserError(Exception):
     """Its text says all that a user needs: the command line shows it without a traceback."""

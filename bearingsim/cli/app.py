@@ -2,6 +2,7 @@
 
 import gc
 import json
+import os
 import signal
 import warnings
 from math import inf
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bearingsim import __version__, blas_threads
+from bearingsim.cli import streams
 from bearingsim.cli.group import Commands
 from bearingsim.cli.opening import job_meant, near
 from bearingsim.cli.opening import opened as opened_results
@@ -47,6 +49,8 @@ Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, metavar="N", he
 
 def main() -> None:
     """Entry point of the command `bearingsim`."""
+    streams.prepare()
+    os.environ.pop("MPLBACKEND", None)  # a notebook's: figures are files, and it may not be installed here
     blas_threads.take_one()
     for name in ("SIGTERM", "SIGHUP"):
         if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) == signal.SIG_DFL:

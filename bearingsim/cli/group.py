@@ -14,7 +14,8 @@ import typer
 from typer.core import TyperGroup
 
 from bearingsim import extensions
-from bearingsim.errors import DamageWarning, UserError
+from bearingsim.cli.streams import reader_is_gone
+from bearingsim.errors import NO_ROOM, DamageWarning, UserError
 
 __all__ = ["WRONG", "Commands"]
 
@@ -30,14 +31,20 @@ WORDS = {
     errno.ENOSPC: "the disk is full",
     errno.EDQUOT: "no more room is allowed on this disk",
     errno.EFBIG: "no file may grow so large here (`ulimit -f`)",
+    errno.EPIPE: "a process that this one writes to has ended (broken pipe): give the command again",
 }
 
 
 def sentence(error: OSError) -> str:
     """An error of the system in words: the path, and what is wrong with it."""
     if not error.filename or error.errno is None:
-        return f"bearingsim: {WORDS.get(error.errno or 0, error)}"
+        place = " (stdout, or a file that the system does not name)" if error.errno in NO_ROOM else ""
+        return f"bearingsim: {WORDS.get(error.errno or 0, error)}{place}"
     path = Path(os.fsdecode(error.filename))
+    if error.errno in NO_ROOM:
+        from bearingsim.store.files import what_is_full
+
+        return f"{what_is_full(path, error.errno)}: make room, or name another folder"
     if error.errno == errno.ENOENT and not path.parent.exists():
         return f"{path}: there is no folder {path.parent}"
     return f"{path}: {WORDS.get(error.errno, error.strerror)}"
@@ -68,29 +75,37 @@ def _tell_left_out() -> None:
         typer.echo(f"{sentence} (left out)", err=True)
 
 
+@contextmanager
+def _ended_by_message(ctx: Any) -> Iterator[None]:
+    """End with a message on stderr: expected errors with exit code 2, signals with 128 + their number."""
+    try:
+        yield
+    except KeyboardInterrupt as stop:
+        typer.echo(str(stop) or "interrupted", err=True)
+        raise typer.Exit(128 + getattr(stop, "number", signal.SIGINT)) from None
+    except (OSError, UserError) as error:
+        if isinstance(error, BrokenPipeError) and reader_is_gone():
+            raise  # typer ends quietly
+        if ctx.params.get("verbose"):
+            typer.echo("Traceback (most recent call last):", err=True)
+            traceback.print_tb(error.__traceback__)
+        typer.echo(sentence(error) if isinstance(error, OSError) else str(error), err=True)
+        raise typer.Exit(WRONG) from None
+
+
 class Commands(TyperGroup):
-    """Commands: expected errors end with a message on stderr and exit code 2, signals with 128 + their number."""
+    """Commands whose errors end with a message and an exit code."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Take `-v` wherever it stands."""
+        """Take `-v` wherever it stands; print the help or the version that is asked for."""
         loud = [word for word in args if word in ("-v", "--verbose")]
-        return super().parse_args(ctx, loud[:1] + [word for word in args if word not in loud])
+        with _ended_by_message(ctx):
+            return super().parse_args(ctx, loud[:1] + [word for word in args if word not in loud])
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""
-        try:
-            with warnings.catch_warnings(), _left_out_told():
-                warnings.simplefilter("once", DamageWarning)
-                warnings.showwarning = _tell
-                return super().invoke(ctx)
-        except KeyboardInterrupt as stop:
-            typer.echo(str(stop) or "interrupted", err=True)
-            raise typer.Exit(128 + getattr(stop, "number", signal.SIGINT)) from None
-        except BrokenPipeError:  # who reads has read enough: typer ends quietly
-            raise
-        except (OSError, UserError) as error:
-            if ctx.params.get("verbose"):
-                typer.echo("Traceback (most recent call last):", err=True)
-                traceback.print_tb(error.__traceback__)
-            typer.echo(sentence(error) if isinstance(error, OSError) else str(error), err=True)
-            raise typer.Exit(WRONG) from None
+        with _ended_by_message(ctx), warnings.catch_warnings(), _left_out_told():
+            warnings.simplefilter("once", DamageWarning)
+            warnings.filterwarnings("ignore", message=".*joblib will operate in serial mode")  # --jobs 1 may
+            warnings.showwarning = _tell
+            return super().invoke(ctx)

@@ -62,12 +62,10 @@ def plot(
     span (s; of a series or load).
     Raises PlotError, ResultsError; warns (PlotWarning) of a figure left out.
     """
-    import matplotlib as mpl
-
-    from bearingsim.plots.style import RC
+    from bearingsim.plots.style import drawing
 
     folder = out or results.path / FIGURES
-    with mpl.rc_context(RC):  # type: ignore[arg-type]
+    with drawing():
         sheets = drawn(results, kind, x, jobs, **changes)
         folder.mkdir(parents=True, exist_ok=True)
         return [written(canvas, folder / f"{name}.{file_format}", results) for name, canvas in sheets]

@@ -11,7 +11,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from bearingsim.plots import labels
 from bearingsim.plots.caption import fixed_values
-from bearingsim.plots.style import COLOURS, MARKERS, RC
+from bearingsim.plots.style import COLOURS, MARKERS, drawing
 from bearingsim.plots.sweep import finish
 from bearingsim.sensitivity import LEVEL, Blocks, Effects, Estimate, Indices
 
@@ -35,11 +35,9 @@ WHISKER: dict[str, Any] = {"ecolor": "0.15", "elinewidth": 1.0, "capsize": 2.0}
 
 def draw(results: "Results", answers: Sequence[Answer], path: Path) -> Path:
     """Write the figure of ``figure`` as the ending of its name says; return the file."""
-    import matplotlib as mpl
-
     from bearingsim.plots.plot import written
 
-    with mpl.rc_context(RC):  # type: ignore[arg-type]
+    with drawing():
         return written(figure(results, answers), path, results)
 
 

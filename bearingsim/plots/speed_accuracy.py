@@ -11,7 +11,6 @@ from math import hypot, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import matplotlib
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
@@ -23,7 +22,7 @@ from bearingsim.bench.measure import QUANTITIES, Row
 from bearingsim.bench.plan import AUTOMATIC, JOB, PEER, POINT
 from bearingsim.bench.verdict import WITHIN, by, front, label, percent, seconds, verdict
 from bearingsim.catalogue import MODELS
-from bearingsim.plots.style import COLOURS, MARKERS, RC
+from bearingsim.plots.style import COLOURS, MARKERS, RC, drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,7 +45,7 @@ PALER = 0.35  # of the way to white: each further variant of a model
 
 def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
     """Draw a scene's rows (``errors.with_errors``) into a PNG; its path."""
-    with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
+    with drawing(LOOK):
         canvas = figure(rows, title)
         whole = BytesIO()
         canvas.savefig(whole, dpi=DPI)

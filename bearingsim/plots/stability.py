@@ -7,13 +7,12 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from bearingsim.plots.style import RC
+from bearingsim.plots.style import RC, drawing
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -83,7 +82,7 @@ def draw(table: "pd.DataFrame", model: str, pit: str, path: Path) -> list[Path]:
         rows = chosen[chosen[axis].notna()]
         if len(rows):
             file = path.with_name(f"{path.name}-{ending}.png")
-            with matplotlib.rc_context(PLAIN):  # type: ignore[arg-type]
+            with drawing(PLAIN):
                 figure(rows, axis, f"{model}, {pit}").savefig(file)
             made.append(file)
     return made

@@ -1,10 +1,12 @@
 """How figures look: for a column of a journal, colour-blind safe, and readable in grey print."""
 
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
-from matplotlib import colormaps
+import matplotlib as mpl
 
-__all__ = ["COLUMN_IN", "RC", "CurveStyle", "curve_styles"]
+__all__ = ["COLUMN_IN", "RC", "CurveStyle", "curve_styles", "drawing"]
 
 COLUMN_IN = 3.3  # width of one column of axes
 FEW = 4  # curves up to this are drawn each thinner than the one before
@@ -36,6 +38,15 @@ RC: dict[str, Any] = {
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9")  # Okabe and Ito
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h")
 LINES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (3, 1, 1, 1, 1, 1)))
+
+
+@contextmanager
+def drawing(changes: Mapping[str, Any] = RC) -> Iterator[None]:
+    """Draw with these settings over matplotlib's defaults, whatever a user's matplotlibrc sets."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(changes)  # type: ignore[arg-type]
+        yield
 
 
 class CurveStyle(NamedTuple):
@@ -77,5 +88,5 @@ def curve_styles(first: int, second: int, ordered: bool) -> list[list[CurveStyle
 
 
 def _shades(count: int) -> list[Any]:
-    scale = colormaps["viridis"]
+    scale = mpl.colormaps["viridis"]
     return [scale(0.86 * i / (count - 1)) for i in range(count)]

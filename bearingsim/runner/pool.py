@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bearingsim.errors import UserError
+from bearingsim.runner.shared_memory import in_shared_memory
 from bearingsim.runner.stopping import asked, flag_for_workers, heeding, ignoring
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
@@ -142,7 +143,7 @@ def _by_workers(function: Callable, arguments: Iterable[tuple], workers: int) ->
     given_them = (os.getpid(), flag_for_workers())
     with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=given_them):
         pool = Parallel(n_jobs=workers, return_as="generator_unordered", batch_size=1, max_nbytes=None)
-    with ignoring():
+    with in_shared_memory(), ignoring():
         results = pool(delayed(function)(*given) for given in _until_asked(arguments))
     try:
         yield from results

@@ -20,7 +20,7 @@ def progress(shown: bool | None, jobs: int, seconds: float) -> AbstractContextMa
     """Show the progress of ``jobs`` jobs of ``seconds`` estimated computing; ``shown`` False shows nothing."""
     if shown is False or jobs == 0:
         return nullcontext(lambda done, failed, cost: None)
-    return _bar(jobs, seconds) if sys.stderr.isatty() else _lines(jobs, seconds)
+    return _bar(jobs, seconds) if sys.stderr and sys.stderr.isatty() else _lines(jobs, seconds)
 
 
 class Patience:

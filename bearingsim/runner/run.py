@@ -22,7 +22,7 @@ from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import Patience, getting_ready
 from bearingsim.runner.progress import progress as shown_progress
 from bearingsim.runner.select import NoChoices, Stopped, selected
-from bearingsim.runner.stopping import ending
+from bearingsim.runner.stopping import ending, flag_for_workers
 from bearingsim.runner.summary import Interrupted, RunSummary, grouped
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
 
@@ -75,6 +75,8 @@ def run(
     workers, joined = _workers(jobs), _joined(scheduler)
     refuse_bounds(max_failures, max_cpu)
     shard_of([], shard)  # a share that does not exist is refused before models are tried
+    if fresh and workers > 1 and joined is None:
+        flag_for_workers()  # without shared memory it raises, before anything is thrown away
     _prepare(root, study, fresh, shard, progress)
     with store.in_use(root):
         try:

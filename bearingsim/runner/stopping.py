@@ -12,6 +12,7 @@ from types import FrameType
 from typing import Any
 
 from bearingsim.errors import Signalled
+from bearingsim.runner.shared_memory import in_shared_memory
 
 __all__ = ["asked", "ending", "flag_for_workers", "heed", "heeding", "ignoring", "take_flag"]
 
@@ -27,12 +28,16 @@ def asked() -> bool:
 
 
 def flag_for_workers() -> Any:
-    """What workers learn it by: one for the life of this process, since another would need other workers."""
+    """What workers learn it by: one for the life of this process, since another would need other workers.
+
+    Raises NoSharedMemory.
+    """
     global _flag
     if _flag is None:
         from joblib.externals.loky.backend.context import get_context
 
-        _flag = get_context("loky").Event()
+        with in_shared_memory():
+            _flag = get_context("loky").Event()
     return _flag
 
 

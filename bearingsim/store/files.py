@@ -18,7 +18,7 @@ from typing import BinaryIO, TextIO
 
 from filelock import FileLock, Timeout
 
-from bearingsim.errors import UserError
+from bearingsim.errors import NO_ROOM, UserError
 from bearingsim.store.own_files import FOLDERS, temporary_files
 
 __all__ = [
@@ -32,12 +32,12 @@ __all__ = [
     "room",
     "sweep",
     "temporary",
+    "what_is_full",
     "write_bytes",
     "write_text",
     "writer",
 ]
 
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 ADVICE = "make room, or take another folder by --out, and give the command again: what is stored stays"
 PATIENCE_S = 5.0
 """How long a lock is waited for in silence."""
@@ -64,17 +64,26 @@ def room(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if error.errno not in FULL:
+        if error.errno not in NO_ROOM:
             raise
-        raise DiskFull(f"{_what_is_full(path, error.errno)}: {ADVICE}") from error
+        raise DiskFull(f"{what_is_full(path, error.errno)}: {ADVICE}") from error
 
 
-def _what_is_full(path: Path, number: int) -> str:
+def what_is_full(path: Path, number: int) -> str:
+    """Tell why there is no room for a file; number: of the system's error, one of NO_ROOM."""
     folder = _nearest(path.parent)
     if number == errno.EFBIG:
         return f"no file may grow so large (`ulimit -f`), and so {folder} takes no {path.name}"
     left = f"{shutil.disk_usage(folder).free / 1e3:.0f} kB are left"
-    return f"the disk {_mount(folder)} is full ({left}), and so {folder} takes no {path.name}"
+    full = f"has no inodes left for more files, though {left}" if _inodes_are_out(folder) else f"is full ({left})"
+    return f"the disk {_mount(folder)} {full}, and so {folder} takes no {path.name}"
+
+
+def _inodes_are_out(folder: Path) -> bool:
+    if not hasattr(os, "statvfs"):
+        return False
+    disk = os.statvfs(folder)
+    return disk.f_files > 0 and disk.f_favail == 0  # some file systems count none
 
 
 def _nearest(folder: Path) -> Path:

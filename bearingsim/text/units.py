@@ -159,7 +159,8 @@ MAX_DIGITS = 100
 """Of a number, its sign, point and exponent counted: a float holds 17, and Python refuses whole ones of 4300."""
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
-_SPELLING = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"})
+SPELLING = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"})
+"""Letters of units in ASCII, as the table of units has them."""
 
 
 class UnitError(UserError, ValueError):
@@ -305,7 +306,7 @@ def _slips(typed: str, meant: str) -> int:
 @lru_cache(maxsize=256)
 def _spelling(word: str) -> str:
     """The word as the table has it: one blank between the factors of a product, powers with `^`."""
-    word = " ".join(word.translate(_SPELLING).split())
+    word = " ".join(word.translate(SPELLING).split())
     word = re.sub(r"\b(N|Pa|mPa) ?[. ] ?s\b", r"\1 s", re.sub(r"\b(Pa|mPa)s\b", r"\1 s", word))
     word = re.sub(r"\bN ?[. ]? ?(m|mm)( ?[. ] ?s)?(?= ?/ ?rad)", _torsional, word)
     return re.sub(r"(?<=m)([23])$", r"^\1", re.sub(r" ?/ ?", "/", word))

@@ -12,6 +12,7 @@ from bearingsim.bench.plan import AUTOMATIC, JOB, JUDGE, PEER, POINT
 from bearingsim.cli import bench as command
 from bearingsim.errors import UserError
 from bearingsim.plots import speed_accuracy
+from tests.scenes.bench_runs import rows_of
 from tests.scenes.commands import type_
 
 
@@ -219,8 +220,7 @@ def counted(monkeypatch):
 
     def rows(run):
         made.append(run)
-        one = measure._about(run) | dict.fromkeys(QUANTITIES, 1.0) | {"cpu_per_s": 1.0}
-        return [one, one | {"role": AUTOMATIC, "method": "verlet"}] if run.role == JOB else [one]
+        return rows_of(run)
 
     monkeypatch.setattr(measure, "rows", rows)
     monkeypatch.setattr(measure, "ready", lambda run: run.model)

@@ -16,6 +16,7 @@ from bearingsim.stability.judge import CLASSES, Reference, agreeing_solutions
 from bearingsim.stability.scene import SAMPLE_INTERVAL, SAMPLES, TIMES
 from bearingsim.stability.traces import Trace
 from tests.scenes.commands import type_
+from tests.scenes.stability_map import table
 
 WINDOW = [(0.5e-3, 0.6e-3)]
 
@@ -94,24 +95,6 @@ def test_a_reference_is_two_solutions_that_agree():
 
 
 # The map
-
-
-def table():
-    """A row of each class, for a method with a step and one with a tolerance."""
-    rows = []
-    for number, name in enumerate(CLASSES):
-        cell = {
-            "model": "rollers",
-            "pit": "0.2 mm slot",
-            "stiffness": "printed",
-            "k": 1e8,
-            "m3": float(number % 3),
-            "c": 10.0**number,
-        }
-        told = {"class": name, "measure": "RMS" if number == 1 else "L2", "step_limit": 2e-6}
-        rows.append(cell | told | {"method": "verlet", "step": 1e-6, "tolerance": np.nan})
-        rows.append(cell | told | {"method": "rodas", "step": np.nan, "tolerance": 1e-4, "step_limit": np.inf})
-    return pd.DataFrame(rows)
 
 
 def test_no_cell_of_the_map_is_left_out(tmp_path):

@@ -1,0 +1,68 @@
+"""Standard streams that work in any environment: closed, with an encoding of few letters, or read by nobody."""
+
+import codecs
+import os
+import select
+import sys
+from io import TextIOWrapper
+from typing import Any
+
+__all__ = ["prepare", "reader_is_gone"]
+
+SPELL = "bearingsim.spell"
+"""Name of the error handler of both streams."""
+
+
+class Messages(TextIOWrapper):
+    """Stderr whose reader may go, or whose disk may fill: the command goes on without messages."""
+
+    def write(self, text: str) -> int:
+        """Write a text, or drop it."""
+        try:
+            return super().write(text)
+        except OSError:
+            return len(text)
+
+    def flush(self) -> None:
+        """Flush, or drop what is left."""
+        try:
+            super().flush()
+        except OSError:
+            return
+
+
+def prepare() -> None:
+    """Lead closed streams to the null device, and give both an encoder that never fails."""
+    _reserve_descriptors()
+    codecs.register_error(SPELL, _spelled)
+    sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors=SPELL)
+    if sys.stderr is None:
+        sys.stderr = Messages(os.fdopen(2, "wb", closefd=False), errors=SPELL)
+    elif type(sys.stderr) is TextIOWrapper:
+        sys.stderr = Messages(sys.stderr.buffer, sys.stderr.encoding, SPELL, line_buffering=True)
+
+
+def _reserve_descriptors() -> None:
+    """Open the null device on each closed descriptor of 0 to 2: else a file of results gets it, and its prints."""
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
+        os.set_inheritable(descriptor, True)
+    os.close(descriptor)
+
+
+def _spelled(error: UnicodeError) -> tuple[str, int]:
+    """Spell units as study files may (µm: um), and escape any other letter that an encoding lacks."""
+    from bearingsim.text.units import SPELLING
+
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    letters = error.object[error.start : error.end].translate(SPELLING)
+    return letters.encode("ascii", "backslashreplace").decode(), error.end
+
+
+def reader_is_gone() -> bool:
+    """Whether stdout is a pipe that nobody reads any more, as after `| head`."""
+    stdout: Any = select.poll()
+    stdout.register(1, 0)
+    return any(event & (select.POLLERR | select.POLLHUP) for _, event in stdout.poll(0))

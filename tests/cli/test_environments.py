@@ -1,0 +1,180 @@
+"""Every command in every environment: no traceback, and a message where an environment rules it out."""
+
+import errno
+import io
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Set
+from importlib import import_module
+from pathlib import Path
+from types import MappingProxyType, SimpleNamespace
+from typing import Any, NamedTuple
+
+import pytest
+
+from bearingsim.cli import app, group, streams
+from bearingsim.runner import stopping
+from tests.scenes.commands import type_
+from tests.scenes.design_results import computed
+from tests.scenes.every_command import COMMANDS, WRITING, refused_lock
+
+NOTEBOOK = {"MPLBACKEND": "module://matplotlib_inline.backend_inline", "MPLCONFIGDIR": "{}/tex"}
+ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "PYTHONIOENCODING": "ascii"}
+A_FILE, NOWHERE = "{}/file", "/proc/no/home"
+PRINTING = frozenset({*COMMANDS, "help"})
+
+
+class Environment(NamedTuple):
+    """The surroundings of a command; ``{}``: the folder above the working one.
+
+    variables: HOME among them takes BEARINGSIM_CACHE away; redirections: of the shell; jobs: of `run`; fault: of
+    ``tests.scenes.every_command``; refused: the commands that end with exit code 2, each with the message.
+    """
+
+    variables: MappingProxyType[str, str] = MappingProxyType({})
+    redirections: str = ">{}/out 2>{}/err"
+    jobs: int = 1
+    fault: str = ""
+    refused: Set[str] = frozenset()
+    message: str = ""
+
+
+ENVIRONMENTS = {
+    "notebook": Environment(MappingProxyType(NOTEBOOK | {"HOME": A_FILE})),
+    "ascii": Environment(MappingProxyType(ASCII | {"HOME": NOWHERE})),
+    "closed streams": Environment(redirections="<&- >&- 2>&-", jobs=2),
+    "full stdout": Environment(
+        redirections=">/dev/full 2>{}/err", refused=PRINTING, message="the disk is full (stdout"
+    ),
+    "no shared memory": Environment(
+        jobs=2, fault="no /dev/shm", refused={"run"}, message="/dev/shm, which is missing"
+    ),
+    "no inodes": Environment(fault="no inodes", refused=WRITING, message="has no inodes left"),
+}
+
+
+@pytest.fixture(scope="session")
+def design(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return computed(tmp_path_factory.mktemp("design") / "design", n=16)
+
+
+def surroundings(root: Path, variables: MappingProxyType[str, str]) -> dict[str, str]:
+    """The variables of an environment; without a home the compiled code lies in the temporary folder."""
+    (root / "tex").mkdir()
+    (root / "tex/matplotlibrc").write_text("text.usetex: True\n")
+    (root / "file").touch()
+    usual = dict(os.environ)
+    if "HOME" in variables:
+        kept = Path(usual.pop("BEARINGSIM_CACHE"), "bearingsim")
+        kept.mkdir(parents=True, exist_ok=True)
+        (root / f"bearingsim-{os.getuid()}").mkdir(mode=0o700)
+        (root / f"bearingsim-{os.getuid()}/bearingsim").symlink_to(kept)
+        usual.pop("XDG_CACHE_HOME", None)
+        usual["TMPDIR"] = str(root)
+    return usual | {name: value.format(root) for name, value in variables.items()}
+
+
+@pytest.mark.parametrize("name", ENVIRONMENTS)
+def test_every_command_ends_well_or_with_a_message(name: str, done: Path, design: Path, tmp_path: Path) -> None:
+    environment = ENVIRONMENTS[name]
+    folder = tmp_path / "here"
+    folder.mkdir()
+    shell = f'exec "$@" {environment.redirections.replace("{}", str(tmp_path))}'
+    words = [tmp_path / "record", done, design, environment.jobs, *filter(None, [environment.fault])]
+    subprocess.run(
+        ["sh", "-c", shell, "sh", sys.executable, "-m", "tests.scenes.every_command", *map(str, words)],
+        cwd=folder,
+        env=surroundings(tmp_path, environment.variables),
+        check=False,
+        timeout=300,
+    )
+    ends = json.loads((tmp_path / "record").read_text())
+    assert set(ends) == PRINTING
+    assert {command: end["traceback"] for command, end in ends.items() if end["traceback"]} == {}
+    assert {command: end["code"] for command, end in ends.items() if end["code"]} == dict.fromkeys(
+        environment.refused, 2
+    )
+    messages = (tmp_path / "err").read_text() if (tmp_path / "err").exists() else ""
+    assert "Traceback" not in messages
+    assert not environment.message or messages.count(environment.message) == len(environment.refused)
+    if "run" not in environment.refused:
+        assert "4 jobs: 4 done" in type_("show", folder / "ran")[0]
+
+
+def test_every_command_is_tried() -> None:
+    assert {command.callback and command.callback.__name__ for command in app.registered_commands} == set(COMMANDS)
+
+
+@pytest.mark.parametrize(
+    ("number", "state"),
+    [
+        (errno.ENOSPC, "is full"),
+        (errno.EROFS, "is read-only"),
+        (errno.ENOENT, "is missing"),
+        (errno.EACCES, "is closed"),
+    ],
+)
+def test_shared_memory_is_named_before_results_are_thrown_away(here, done, monkeypatch, number, state) -> None:
+    type_("merge", done, "--out", "kept")
+    monkeypatch.setattr(
+        import_module("joblib.externals.loky.backend.synchronize"), "_SemLock", refused_lock(number)
+    )
+    monkeypatch.setattr(stopping, "_flag", None)
+    _, messages = type_("run", "small.yaml", "--fresh", "--jobs", "2", "--out", "kept", code=2)
+    assert f"worker processes need /dev/shm, which {state}" in messages
+    assert "`--jobs 1`" in messages
+    assert "8 jobs: 8 done" in type_("show", "kept")[0]
+
+
+def test_a_broken_pipe_that_is_not_stdout_is_told(here, monkeypatch) -> None:
+    def broken(*arguments: Any) -> None:
+        raise BrokenPipeError(errno.EPIPE, "Broken pipe")
+
+    monkeypatch.setattr("bearingsim.study.load_study", broken)
+    _, messages = type_("check", "small.yaml", code=2)
+    assert "a process that this one writes to has ended (broken pipe)" in messages
+
+
+def test_stdout_that_nobody_reads_is_seen() -> None:
+    """A child sees the pipe of its stdout before and after the reader closes it."""
+    script = (
+        "import sys; from bearingsim.cli.streams import reader_is_gone; print(reader_is_gone(), flush=True);"
+        "sys.stdin.readline(); print(reader_is_gone(), file=sys.stderr)"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as child:
+        assert None not in (child.stdin, child.stdout, child.stderr)
+        assert child.stdout.readline() == b"False\n"
+        child.stdout.close()
+        child.stdin.write(b"\n")
+        child.stdin.flush()
+        assert child.stderr.read() == b"True\n"
+
+
+def test_units_are_spelt_in_ascii_and_other_letters_escaped() -> None:
+    error = UnicodeEncodeError("ascii", "µm/s² at Gießen, \udcff", 0, 20, "")
+    assert streams._spelled(error) == ("um/s^2 at Gie\\xdfen, \\udcff", 20)
+
+
+def test_messages_that_cannot_be_written_are_dropped() -> None:
+    class Full(io.RawIOBase):
+        def writable(self) -> bool:
+            return True
+
+        def write(self, content: Any) -> int:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    messages = streams.Messages(io.BufferedWriter(Full(), 8), line_buffering=True)
+    print("a message of more than 8 bytes", file=messages, flush=True)
+    messages.detach()
+
+
+def test_a_full_disk_is_told_from_one_without_inodes(tmp_path, monkeypatch) -> None:
+    disk = SimpleNamespace(f_files=1000, f_favail=0)
+    error = OSError(errno.ENOSPC, "No space left on device", str(tmp_path / "file"))
+    assert "is full" in group.sentence(error)
+    monkeypatch.setattr("bearingsim.store.files._inodes_are_out", lambda folder: disk.f_favail == 0)
+    assert "has no inodes left" in group.sentence(error)
