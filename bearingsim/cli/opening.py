@@ -14,15 +14,15 @@ __all__ = ["job_meant", "near", "opened"]
 
 
 def opened(folder: Path | None) -> "Results":
-    """The results in a folder, or the newest sound ones in ./results. Raises UserError, ResultsError."""
-    from bearingsim.store import ResultsError, open_results
+    """The results in a folder, or the newest sound ones in ./results. Raises UserError, as ``open_results``."""
+    from bearingsim.store import LinkWithin, ResultsError, open_results
 
     if folder is not None:
         return open_results(folder)
     for root in _newest_first():
         try:
             return open_results(root)
-        except ResultsError as error:
+        except (ResultsError, LinkWithin) as error:
             typer.echo(f"{error} (left out)", err=True)
     raise UserError("there are no results in ./results: name a folder, or run a study first")
 

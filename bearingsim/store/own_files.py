@@ -44,7 +44,7 @@ SCANS = OwnFiles("scans/", rf"{ID}\.\w+")
 CHOICES = OwnFiles("", r"choices\.json")
 TABLES = OwnFiles("", r"study\.h5|results\.csv")
 DAMAGED = (OwnFiles("units/??/", rf"{ID}\.damaged"), OwnFiles("failed/", rf"{ID}\.damaged"))
-FOLDERS = ("failed", "scans", "trials", "units", "units/??")
+FOLDERS = ("failed", "figures", "scans", "trials", "units", "units/??")
 """In a results folder: each is a folder, and no link."""
 
 AT_TOP = r"bearingsim\.json|plan\.json|study\.yaml|study\.h5|results\.csv|choices\.json"

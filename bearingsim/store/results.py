@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bearingsim.errors import UserError
+from bearingsim.store.files import refuse_links
 from bearingsim.store.journal import Failure, read_failures
 from bearingsim.store.names import channel_attributes, feature_attributes, parameter_attributes
 from bearingsim.store.sealed import UNREADABLE
@@ -31,10 +32,11 @@ class ResultsError(UserError):
 
 
 def open_results(path: str | Path) -> "Results":
-    """Open the results folder of a study. Raises ResultsError if it is none, or its plan is damaged."""
+    """Open the results folder of a study. Raises ResultsError if it is none or its plan is damaged, LinkWithin."""
     root = Path(path)
     if not (root / "plan.json").is_file():
         raise ResultsError(f"{root} holds no results of a study (it has no plan.json)")
+    refuse_links(root)
     results, reason = Results(root), ""
     try:
         jobs = results.plan["jobs"]

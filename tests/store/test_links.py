@@ -10,6 +10,7 @@ from bearingsim.runner import run
 from bearingsim.store import LinkWithin
 from bearingsim.store.files import writer
 from bearingsim.store.own_files import FOLDERS
+from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
 
 
@@ -30,6 +31,29 @@ def test_a_link_for_a_folder_is_refused(tmp_path: Any, name: str) -> None:
     with pytest.raises(LinkWithin, match=f"{link} is a link"):
         run(study, root, jobs=1, progress=False, engine=ENGINE)
     assert not list(outside.iterdir())
+
+
+@pytest.mark.parametrize("name", FOLDERS)
+def test_no_command_follows_a_link_for_a_folder(tmp_path: Any, name: str) -> None:
+    outside, root, study = tmp_path / "outside", tmp_path / "results", FakeStudy()
+    run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
+    outside.mkdir()
+    for ending in ("h5", "json", "damaged", "csv"):
+        (outside / f"0123456789abcdef.{ending}").write_text("precious")
+    before = {path: path.read_bytes() for path in outside.iterdir()}
+    link = root / name.replace("??", "zz")
+    if link.exists():
+        link.rename(tmp_path / "before")
+    link.symlink_to(outside)
+    for words in (
+        ["prune", root, "--no-dry-run"],
+        ["plot", root],
+        ["show", root],
+        ["export", root, "--features", tmp_path / "table.csv"],
+        ["merge", root, "--out", tmp_path / "merged"],
+    ):
+        assert f"{link.name} is a link" in " ".join(type_(*words, code=2)[1].split())
+    assert {path: path.read_bytes() for path in outside.iterdir()} == before
 
 
 @pytest.mark.skipif(not hasattr(os, "O_NOFOLLOW"), reason="this system follows links")
