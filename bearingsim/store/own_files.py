@@ -27,23 +27,29 @@ ID = "[0-9a-f]{16}"
 
 
 class OwnFiles(NamedTuple):
-    """Files of one kind: the folders in which they lie, as a glob pattern, and a pattern of their names."""
+    """Files of one kind: the folders in which they lie, as a glob pattern, and a pattern of their paths."""
 
     folder: str
-    name: str
+    path: str
 
     def of(self, root: Path) -> list[Path]:
-        """Those in a results folder, sorted."""
-        return sorted(path for path in root.glob(f"{self.folder}*") if re.fullmatch(self.name, path.name))
+        """Those in a results folder, sorted; a folder of such a name is the user's."""
+        paths = sorted(root.glob(f"{self.folder}*"))
+        return [path for path in paths if self._names(path.relative_to(root)) and not path.is_dir()]
+
+    def _names(self, path: Path) -> bool:
+        return re.fullmatch(self.path, path.as_posix()) is not None
 
 
-UNITS = OwnFiles("units/??/", rf"{ID}\.h5")
-FAILURES = OwnFiles("failed/", rf"{ID}\.json")
-TRIALS = OwnFiles("trials/", rf"{ID}\.json")
-SCANS = OwnFiles("scans/", rf"{ID}\.\w+")
+UNIT = r"units/(?=(..)/\1)../" + ID
+"""Of a unit: it lies in the folder of its first two digits."""
+UNITS = OwnFiles("units/??/", rf"{UNIT}\.h5")
+FAILURES = OwnFiles("failed/", rf"failed/{ID}\.json")
+TRIALS = OwnFiles("trials/", rf"trials/{ID}\.json")
+SCANS = OwnFiles("scans/", rf"scans/{ID}\.\w+")
 CHOICES = OwnFiles("", r"choices\.json")
 TABLES = OwnFiles("", r"study\.h5|results\.csv")
-DAMAGED = (OwnFiles("units/??/", rf"{ID}\.damaged"), OwnFiles("failed/", rf"{ID}\.damaged"))
+DAMAGED = (OwnFiles("units/??/", rf"{UNIT}\.damaged"), OwnFiles("failed/", rf"failed/{ID}\.damaged"))
 FOLDERS = ("failed", "figures", "scans", "trials", "units", "units/??")
 """In a results folder: each is a folder, and no link."""
 
@@ -60,7 +66,12 @@ def temporary_files(root: Path) -> list[Path]:
 
 def strangers(root: Path) -> list[str]:
     """Names in a folder that holds no results, but for what a run that was killed at its start has left there."""
-    return sorted(path.name for path in root.iterdir() if path.name != LOCK and not TEMPORARY.fullmatch(path.name))
+    return sorted(path.name for path in root.iterdir() if not (TEMPORARY.fullmatch(path.name) or _is_lock(path)))
+
+
+def _is_lock(path: Path) -> bool:
+    """Whether a file is the lock, which is always empty: locking one truncates it."""
+    return path.name == LOCK and path.is_file() and not path.is_symlink() and path.stat().st_size == 0
 
 
 def remove(root: Path, *kinds: OwnFiles) -> int:

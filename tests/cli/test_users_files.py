@@ -25,6 +25,11 @@ ANYWHERE = [
     "units/ab/lab.damaged",
     "units/ab/movie.part",
     "units/ab/0123456789ABCDEF.h5",
+    "units/ab/0123456789abcdef.h5",
+    "units/my/0123456789abcdef.damaged",
+    "units/01/0123456789abcdef.h5/notes.txt",
+    "failed/0123456789abcdef.json/notes.txt",
+    "trials/0123456789abcdef.json/notes.txt",
     "units/notes/0123456789abcdef.txt",
     "failed/notes.txt",
     "failed/motor.json",
@@ -88,7 +93,7 @@ def bytes_of(folder, names):
 
 @pytest.fixture
 def users(tmp_path, monkeypatch):
-    """A folder of the user, with 42 files and a link, that is the working folder."""
+    """A folder of the user, with 47 files and a link, that is the working folder."""
     folder = tmp_path / "users"
     put(folder, [*ANYWHERE, *ELSEWHERE])
     monkeypatch.chdir(folder)
@@ -175,6 +180,13 @@ def test_a_proposed_folder_is_named(users):
     assert "such as --out results/small-quick" in " ".join(told.split())
     put(users / "results/small", ["mine.txt"])
     assert "such as --out results/small-2" in " ".join(type_("run", "small.yaml", code=2)[1].split())
+
+
+def test_a_lock_with_content_is_a_file_of_the_user(users):
+    put(users / "locked", [".lock"])
+    assert "holds files of your own (.lock" in " ".join(
+        type_("run", "small.yaml", "--out", "locked", code=2)[1].split()
+    )
 
 
 IN_RESULTS = [
