@@ -4,7 +4,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import AbstractContextManager, closing, nullcontext, suppress
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
@@ -77,8 +77,7 @@ def run(
     shard_of([], shard)  # a share that does not exist is refused before models are tried
     if fresh and workers > 1 and joined is None:
         flag_for_workers()  # without shared memory it raises, before anything is thrown away
-    _prepare(root, study, fresh, shard, progress)
-    with store.in_use(root):
+    with _prepared(root, study, fresh, shard, progress):
         try:
             reach = partial(_reach, joined)
             study = selected(study, root, workers, engine, alone=shard == (1, 1), shown=progress, first=reach)
@@ -154,9 +153,7 @@ def with_models(study: "Study", out: str | Path | None, jobs: int | None, try_th
     try_them: make the choice, and keep it there.
     """
     root = store.results_folder(study.name, study.quick, out)
-    if try_them:
-        _prepare(root, study, False, (1, 1), None)
-    with store.in_use(root) if try_them else nullcontext(), suppress(NoChoices):
+    with _prepared(root, study) if try_them else nullcontext(), suppress(NoChoices):
         return selected(study, root, _workers(jobs), BEARINGSIM, alone=try_them)
     return study
 
@@ -199,7 +196,11 @@ def _reach(joined: "Callable[[], AbstractContextManager[Cluster]] | None") -> No
             pass
 
 
-def _prepare(root: Path, study: "Study", fresh: bool, shard: tuple[int, int], shown: bool | None) -> None:
+@contextmanager
+def _prepared(
+    root: Path, study: "Study", fresh: bool = False, shard: tuple[int, int] = (1, 1), shown: bool | None = None
+) -> Iterator[None]:
+    """Claim the folder, clear it if asked to, and say that it is in use until this is left."""
     if fresh and shard != (1, 1):
         raise ValueError("a fresh start would throw away the other shards' results: remove the folder first")
     store.claim_results(root, study.name, bool(study.quick), fresh)
@@ -208,6 +209,9 @@ def _prepare(root: Path, study: "Study", fresh: bool, shard: tuple[int, int], sh
     thrown_away = store.discard(root, study.name) if fresh else ""
     if thrown_away and shown is not False:
         print(thrown_away, file=sys.stderr, flush=True)
+    with store.in_use(root):
+        store.claim_results(root, study.name, bool(study.quick))  # again: until now another run could clear it
+        yield
 
 
 @dataclass(frozen=True)

@@ -216,11 +216,11 @@ def _other_runs(root: Path) -> str:
 
 
 def refuse_links(root: Path) -> None:
-    """Raises LinkWithin where a link stands for one of the folders: files outside would be read, written, removed."""
+    """Raises LinkWithin where a link stands for one of the folders: it leads to files outside."""
     for path in (path for name in FOLDERS for path in root.glob(name)):
         if path.is_symlink():
             raise LinkWithin(
-                f"{path} is a link, and nothing outside a results folder is read or written: put a folder in its place"
+                f"{path} is a link, and would lead out of the results folder: put a folder in its place"
             )
 
 

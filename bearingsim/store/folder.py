@@ -92,8 +92,8 @@ def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> N
             f"{root} holds results of the study `{before}` ({_held(root)}): name another folder, such as"
             f" --out {instead}, or say --fresh, which throws them away"
         )
-    elif owner(root) is None:  # of an earlier version
-        mark(root, RESULTS, study)
+    elif owner(root) is None:  # of an earlier version; another study's stay so until they are thrown away
+        mark(root, RESULTS, before)
 
 
 def _instead(root: Path, study: str, quick: bool) -> str:

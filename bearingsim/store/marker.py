@@ -5,14 +5,16 @@
 """
 
 import secrets
+from collections.abc import Sequence
 from pathlib import Path
 
 from bearingsim.errors import UserError
 from bearingsim.store.files import lock
 from bearingsim.store.own_files import strangers
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
+from bearingsim.text.terminal import is_line
 
-__all__ = ["MARKER", "NotOurs", "OtherStudy", "claim", "owner", "refuse_strangers"]
+__all__ = ["MARKER", "NotOurs", "OtherStudy", "claim", "mark", "owner"]
 
 MARKER = "bearingsim.json"
 NAMED = 3
@@ -31,7 +33,8 @@ def owner(folder: Path) -> tuple[str, str] | None:
     """Kind and name that the marker of a folder tells; None without a sound marker."""
     try:
         told = read_json(folder / MARKER)
-        return str(told["format"]), str(told["name"])
+        kind, name = told["format"], told["name"]
+        return (kind, name) if is_line(kind) and is_line(name) else None
     except UNREADABLE:
         return None
 
@@ -42,9 +45,10 @@ def claim(folder: Path, kind: str, name: str, instead: str) -> None:
     instead: the folder that a message proposes. Raises NotOurs for one that holds files of others, OtherStudy for
     one that is marked as something else. Nothing is written then.
     """
-    if _is_marked(folder, kind, name, instead):
+    names = _strangers(folder, instead)
+    if _is_marked(folder, kind, name, instead):  # after: another run may just have marked it, and begun to write
         return
-    refuse_strangers(folder, instead)
+    _refuse(folder, names, instead)
     folder.mkdir(parents=True, exist_ok=True)
     with lock(folder):
         if not _is_marked(folder, kind, name, instead):
@@ -66,11 +70,15 @@ def _is_marked(folder: Path, kind: str, name: str, instead: str) -> bool:
     return marked is not None
 
 
-def refuse_strangers(folder: Path, instead: str) -> None:
-    """Raises NotOurs if there are files in a folder, but such as the program leaves when it is killed."""
+def _strangers(folder: Path, instead: str) -> list[str]:
+    """Names of the files in a folder, but such as a killed run leaves. Raises NotOurs for what is no folder."""
     if folder.exists() and not folder.is_dir():
         raise NotOurs(f"{folder} is a file: name a folder, such as --out {instead}")
-    names = strangers(folder) if folder.exists() else []
+    return strangers(folder) if folder.exists() else []
+
+
+def _refuse(folder: Path, names: Sequence[str], instead: str) -> None:
+    """Raises NotOurs if there are files of the user in a folder."""
     if names:
         more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         raise NotOurs(

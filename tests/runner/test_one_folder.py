@@ -8,6 +8,7 @@ import pytest
 
 from bearingsim import store
 from bearingsim.runner import RunSummary, beside, run
+from bearingsim.store import marker
 from tests.scenes import fake_studies
 from tests.scenes.fake_studies import ENGINE, FakeStudy, case_id
 
@@ -56,6 +57,48 @@ def test_a_run_beside_that_replaces_the_plan_loses_nothing(
     assert store.open_results(tmp_path).jobs == tuple(job.id for job in study.jobs())
     again = compute(MM, tmp_path)
     assert (again.resumed, again.done) == (5, 0)
+
+
+def test_a_folder_that_a_run_beside_has_just_marked_is_claimed_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain, calls = marker.owner, list[Path]()
+
+    def owner(folder: Path) -> tuple[str, str] | None:
+        calls.append(folder)
+        found = plain(folder)
+        if len(calls) == 1:  # between this look and the next
+            marker.mark(tmp_path, "results", "fake")
+        return found
+
+    monkeypatch.setattr(marker, "owner", owner)
+    store.claim(tmp_path, "results", "fake", "elsewhere")
+    assert plain(tmp_path) == ("results", "fake")
+
+
+def test_a_folder_that_another_study_has_cleared_before_the_first_job_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = store.in_use
+
+    def in_use(root: Path) -> Any:
+        store.claim_results(root, "other", quick=False, fresh=True)
+        store.discard(root, "other")
+        return plain(root)
+
+    monkeypatch.setattr(store, "in_use", in_use)
+    with pytest.raises(store.OtherStudy, match="results of the study `other`"):
+        compute(MM, tmp_path)
+    assert not (tmp_path / "plan.json").exists()
+
+
+def test_a_fresh_start_names_what_goes_of_an_earlier_version(tmp_path: Path) -> None:
+    compute(MM, tmp_path)
+    (tmp_path / marker.MARKER).unlink()
+    store.claim_results(tmp_path, "other", quick=False, fresh=True)
+    assert marker.owner(tmp_path) == ("results", "fake")
+    assert "the results of the study `fake`" in store.discard(tmp_path, "other")
+    assert marker.owner(tmp_path) == ("results", "other")
 
 
 def test_choices_of_a_run_beside_stay(tmp_path: Path) -> None:
