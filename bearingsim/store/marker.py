@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bearingsim.errors import UserError
-from bearingsim.store.files import lock
+from bearingsim.store.files import LinkWithin, lock
 from bearingsim.store.own_files import strangers
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 from bearingsim.text.terminal import is_line
@@ -43,10 +43,11 @@ def claim(folder: Path, kind: str, name: str, instead: str) -> None:
     """Mark a folder, made if need be, as one of the program's: that of some ``kind`` of results of ``name``.
 
     instead: the folder that a message proposes. Raises NotOurs for one that holds files of others, OtherStudy for
-    one that is marked as something else. Nothing is written then.
+    one that is marked as something else, LinkWithin for one with a link to a file. Nothing is written then.
     """
     names = _strangers(folder, instead)
     if _is_marked(folder, kind, name, instead):  # after: another run may just have marked it, and begun to write
+        _refuse_links_to_files(folder)
         return
     _refuse(folder, names, instead)
     folder.mkdir(parents=True, exist_ok=True)
@@ -75,6 +76,13 @@ def _strangers(folder: Path, instead: str) -> list[str]:
     if folder.exists() and not folder.is_dir():
         raise NotOurs(f"{folder} is a file: name a folder, such as --out {instead}")
     return strangers(folder) if folder.exists() else []
+
+
+def _refuse_links_to_files(folder: Path) -> None:
+    """Raises LinkWithin: a table that is written through a link would replace a file outside."""
+    for path in sorted(folder.iterdir()):
+        if path.is_symlink() and not path.is_dir():
+            raise LinkWithin(f"{path} is a link, and would lead out of the folder: remove it")
 
 
 def _refuse(folder: Path, names: Sequence[str], instead: str) -> None:

@@ -56,6 +56,16 @@ def test_no_command_follows_a_link_for_a_folder(tmp_path: Any, name: str) -> Non
     assert {path: path.read_bytes() for path in outside.iterdir()} == before
 
 
+@pytest.mark.parametrize("name", ["stability.csv", "runs.csv", "stability-ring-0.2-mm-slot-steps.png"])
+def test_no_table_or_map_is_written_through_a_link(tmp_path: Any, name: str) -> None:
+    precious, folder = tmp_path / "precious", tmp_path / "folder"
+    precious.write_text("precious")
+    store.claim(folder, "a map", "bearingsim stability", "elsewhere")
+    (folder / name).symlink_to(precious)
+    with pytest.raises(LinkWithin, match=f"{name} is a link"):
+        store.claim(folder, "a map", "bearingsim stability", "elsewhere")
+
+
 @pytest.mark.skipif(not hasattr(os, "O_NOFOLLOW"), reason="this system follows links")
 def test_no_journal_is_written_through_a_link(tmp_path: Any) -> None:
     precious, root = tmp_path / "precious", marked(tmp_path / "results")
