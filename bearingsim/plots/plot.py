@@ -101,16 +101,19 @@ def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
     """
     from bearingsim.store import write_bytes
 
-    drawing, kind = BytesIO(), path.suffix.removeprefix(".")
+    drawing, kind = BytesIO(), path.suffix.removeprefix(".").lower()
     canvas.savefig(drawing, format=kind, metadata=MADE_BY[kind])
-    if (
-        path.exists()
-        and path.parent.resolve() != results.path.resolve() / FIGURES
-        and MARK not in path.read_bytes()
-    ):
+    if path.parent.resolve() != results.path.resolve() / FIGURES and not _is_replaceable(path):
         raise PlotError(f"{path} is no figure of this program: name another place by --out, or move it away")
     write_bytes(path, drawing.getvalue())
     return path
+
+
+def _is_replaceable(path: Path) -> bool:
+    """Whether nothing has the name of a figure, or a figure of this program."""
+    if path.is_symlink() or not path.is_file():
+        return not path.is_symlink() and not path.exists()
+    return MARK in path.read_bytes()
 
 
 def _of_table(

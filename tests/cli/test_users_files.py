@@ -254,6 +254,23 @@ def test_a_figure_of_this_program_is_drawn_anew(done, tmp_path):
         assert type_("plot", done, "--out", tmp_path, "--format", file_format)[0] == first
 
 
+@pytest.mark.parametrize("kind", ["link", "folder"])
+def test_a_link_or_a_folder_is_no_figure(done, tmp_path, kind):
+    path = tmp_path / "fig1-velocity-bpfo-vs-load.png"
+    if kind == "link":
+        path.symlink_to(tmp_path / "nowhere")
+    else:
+        path.mkdir()
+    told = type_("plot", done, "--out", tmp_path, code=2)[1]
+    assert "is no figure of this program" in " ".join(told.split())
+    assert path.is_symlink() or path.is_dir()
+
+
+def test_a_figure_with_an_ending_in_capitals_is_drawn(plane, tmp_path):
+    type_("sensitivity", plane, "--of", "velocity@BPFO", "--out", tmp_path / "plane.PNG")
+    assert (tmp_path / "plane.PNG").read_bytes().startswith(b"\x89PNG")
+
+
 def test_force_replaces_an_export(done, tmp_path):
     table = tmp_path / "table.csv"
     table.write_text("mine")
