@@ -19,7 +19,7 @@ LOOK_S = 0.5
 class OtherRuns:
     """What other runs have sealed in a folder since this one began.
 
-    known: names of the units that were there then, and of those that this run will write.
+    known: names of the units that were there then. Of its own units a run begins no job that it has sealed.
     """
 
     root: Path
@@ -50,7 +50,7 @@ def notes(root: Path, plan: Mapping[str, Any], elsewhere: int) -> Iterator[str]:
     if elsewhere:
         jobs = f"{elsewhere} jobs were" if elsewhere > 1 else "1 job was"
         yield f"{jobs} computed by another run in this folder meanwhile"
-    now = {entry["job"] for entry in store.read_plan(root)["jobs"]}
+    now = store.planned_jobs(root)
     ours = {entry["job"] for entry in plan["jobs"]}
     if now != ours:
         lacking = f"lacks {len(ours - now)} of this run's {len(ours)} jobs" if ours - now else "has more jobs"

@@ -318,8 +318,7 @@ def _works(
     """Pack the jobs left to do into units of work. Raises DiskFull if there is surely no room for them."""
     provenance = store.provenance(study)
     units = pack(todo.jobs, todo.costs, workers)
-    ours = {store.unit_name(todo.jobs[i].id for i in unit) for unit in units}
-    theirs = beside.OtherRuns(root, frozenset(ours | store.unit_names(root)))
+    theirs = beside.OtherRuns(root, frozenset(store.unit_names(root)))
     works = [
         Work(
             root,

@@ -67,6 +67,8 @@ def judged_failures(root: Path) -> tuple[dict[str, Failure], dict[Path, str]]:
     for path in FAILURES.of(root):
         try:
             found[path.stem] = _failure(path)
+        except FileNotFoundError:  # another run has just computed the job
+            continue
         except UNREADABLE as error:
             damaged[path] = str(error)
     return found, damaged

@@ -8,7 +8,7 @@ import hashlib
 import io
 import json
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -51,9 +51,10 @@ def _check_schema(schema: Any) -> None:
         raise Unreadable(f"it has schema {schema}, and this version reads {SCHEMA}")
 
 
-def set_aside(path: Path) -> Path:
-    """Give a damaged file a name under which nobody looks for it."""
-    return path.replace(path.with_suffix(".damaged"))
+def set_aside(path: Path) -> None:
+    """Give a damaged file a name under which nobody looks for it, unless another run has done so."""
+    with suppress(FileNotFoundError):
+        path.replace(path.with_suffix(".damaged"))
 
 
 # HDF5

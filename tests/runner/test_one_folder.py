@@ -8,7 +8,7 @@ import pytest
 
 from bearingsim import store
 from bearingsim.runner import RunSummary, beside, run
-from bearingsim.store import marker
+from bearingsim.store import journal, marker, own_files, sealed
 from tests.scenes import fake_studies
 from tests.scenes.fake_studies import ENGINE, FakeStudy, case_id
 
@@ -57,6 +57,39 @@ def test_a_run_beside_that_replaces_the_plan_loses_nothing(
     assert store.open_results(tmp_path).jobs == tuple(job.id for job in study.jobs())
     again = compute(MM, tmp_path)
     assert (again.resumed, again.done) == (5, 0)
+
+
+def test_the_same_run_beside_computes_each_job_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its units have the same names: the other ends while this one has its first job in hand."""
+    plain, computed = fake_studies.simulate, list[str]()
+
+    def simulate(case: Any) -> Any:
+        computed.append(case_id(case))
+        if len(computed) == 1:
+            compute(MM, tmp_path)
+        return plain(case)
+
+    monkeypatch.setattr(fake_studies, "simulate", simulate)
+    monkeypatch.setattr(beside, "LOOK_S", 0.0)
+    summary = compute(MM, tmp_path)
+    assert (summary.exit_code, summary.done) == (0, 5)
+    assert len(computed) == 6  # the job in hand of both
+
+
+def test_a_plan_that_is_gone_at_the_end_is_told(tmp_path: Path) -> None:
+    compute(MM, tmp_path)
+    plan = store.read_plan(tmp_path)
+    (tmp_path / "plan.json").unlink()
+    assert "lacks 5 of this run's 5 jobs" in "".join(beside.notes(tmp_path, plan, 0))
+
+
+def test_what_another_run_has_just_set_aside_is_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    store.Failure("0123456789abcdef", "none").write(tmp_path)
+    gone = own_files.FAILURES.of(tmp_path)
+    gone[0].unlink()
+    sealed.set_aside(gone[0])
+    monkeypatch.setattr(own_files.OwnFiles, "of", lambda *_: gone)
+    assert journal.judged_failures(tmp_path) == ({}, {})
 
 
 def test_a_folder_that_a_run_beside_has_just_marked_is_claimed_too(
