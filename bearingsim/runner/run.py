@@ -205,6 +205,7 @@ def _prepared(
         raise ValueError("a fresh start would throw away the other shards' results: remove the folder first")
     store.claim_results(root, study.name, bool(study.quick), fresh)
     store.refuse_links(root)
+    store.refuse_users_study(root, study)
     store.sweep(root)
     thrown_away = store.discard(root, study.name) if fresh else ""
     if thrown_away and shown is not False:

@@ -16,7 +16,15 @@ from bearingsim.store.files import (
     write_bytes,
     write_text,
 )
-from bearingsim.store.folder import FolderInUse, Holdings, claim_results, discard, holdings, in_use
+from bearingsim.store.folder import (
+    FolderInUse,
+    Holdings,
+    claim_results,
+    discard,
+    holdings,
+    in_use,
+    refuse_users_study,
+)
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
 from bearingsim.store.marker import NotOurs, OtherStudy, claim
 from bearingsim.store.merge import Merged, Unmergeable, merge
@@ -107,6 +115,7 @@ __all__ = [
     "read_series",
     "read_trials",
     "refuse_links",
+    "refuse_users_study",
     "results_folder",
     "room",
     "sealed_units",

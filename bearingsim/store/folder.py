@@ -10,16 +10,27 @@ from bearingsim.errors import UserError
 from bearingsim.store import own_files
 from bearingsim.store.files import left_behind, lock, room, temporary
 from bearingsim.store.journal import Failure, judged_failures, log
-from bearingsim.store.marker import OtherStudy, claim, mark, owner
+from bearingsim.store.marker import NotOurs, OtherStudy, claim, mark, owner
 from bearingsim.store.results import ResultsError, open_results, results_folder
 from bearingsim.store.sealed import set_aside
 from bearingsim.store.stock import judged
-from bearingsim.store.table import read_frame
+from bearingsim.store.table import STUDY, read_frame
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["FolderInUse", "Holdings", "claim_results", "discard", "holdings", "in_use", "refuse_use"]
+    from bearingsim.study import Study
+
+__all__ = [
+    "FolderInUse",
+    "Holdings",
+    "claim_results",
+    "discard",
+    "holdings",
+    "in_use",
+    "refuse_use",
+    "refuse_users_study",
+]
 
 RESULTS = "results"
 """What the marker of a results folder says that it is."""
@@ -94,6 +105,26 @@ def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> N
         )
     elif owner(root) is None:  # of an earlier version; another study's stay so until they are thrown away
         mark(root, RESULTS, before)
+
+
+def refuse_users_study(root: Path, study: "Study") -> None:
+    """Raises NotOurs if ``study.yaml`` is a file of the user: the run before was of it, and this one is not."""
+    copy = (root / STUDY).resolve()
+    try:
+        before = open_results(root).plan.get("file")
+    except ResultsError:
+        return
+    if copy.is_file() and _is_of(before, copy) and not _is_of(study.path, copy):
+        instead = _instead(root, study.name, bool(study.quick))
+        raise NotOurs(
+            f"{copy} is the study file of the run before, and would be replaced: name another folder, such as"
+            f" --out {instead}, or move that file away"
+        )
+
+
+def _is_of(file: object, copy: Path) -> bool:
+    """Whether a study was read from this file, by its path as it was typed."""
+    return file is not None and Path(str(file)).resolve() == copy
 
 
 def _instead(root: Path, study: str, quick: bool) -> str:

@@ -46,14 +46,16 @@ __all__ = [
 ]
 
 PER_JOB = ("status", "reason", "healthy", "unit", "stamp")
+STUDY = "study.yaml"
 DIGESTS = ("fingerprint", "csv")
 """Attributes of ``study.h5``: of what it is made from, and of ``results.csv``."""
 
 
 def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> dict[str, Any]:
-    """Write ``study.yaml`` (the text as given) and ``plan.json``, which is returned (``plan_of``)."""
+    """Write ``study.yaml`` (as given, unless it was read from there) and ``plan.json``; return the plan."""
     plan = plan_of(study, jobs, notes)
-    write_text(root / "study.yaml", study.text)
+    if study.path is None or Path(study.path).resolve() != (root / STUDY).resolve():
+        write_text(root / STUDY, study.text)
     write_json(root / "plan.json", plan)
     return plan
 

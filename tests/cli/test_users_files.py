@@ -248,6 +248,21 @@ def test_results_of_an_earlier_version_are_marked_by_their_plan(tmp_path, monkey
     type_("run", "small.yaml", "--out", "ours", "--jobs", "1", code=2)
 
 
+def test_a_study_file_that_was_run_where_its_results_are_is_never_written(tmp_path, monkeypatch, done):
+    """As earlier versions let one do: `run study.yaml --out .`."""
+    shutil.copytree(done, tmp_path / "ours")
+    monkeypatch.chdir(tmp_path / "ours")
+    mine = STUDY.replace("\n", "\r\n").encode()
+    Path("study.yaml").write_bytes(mine)
+    Path("bearingsim.json").unlink()
+    type_("run", "study.yaml", "--out", ".", "--jobs", "1", "--quick")
+    assert Path("study.yaml").read_bytes() == mine
+    Path("../other.yaml").write_text(STUDY.replace("study: small", "study: other"))
+    told = type_("run", "../other.yaml", "--out", ".", "--jobs", "1", "--quick", "--fresh", code=2)[1]
+    assert "such as --out results/other-quick, or move that file away" in " ".join(told.split())
+    assert Path("study.yaml").read_bytes() == mine
+
+
 def test_a_figure_of_this_program_is_drawn_anew(done, tmp_path):
     for file_format in ("png", "svg", "pdf"):
         first = type_("plot", done, "--out", tmp_path, "--format", file_format)[0]
