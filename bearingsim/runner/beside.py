@@ -19,7 +19,7 @@ LOOK_S = 0.5
 class OtherRuns:
     """What other runs have sealed in a folder since this one began.
 
-    known: names of the units that were there then. Of its own units a run begins no job that it has sealed.
+    known: names of the units that were judged then. Of its own units a run begins no job that it has sealed.
     """
 
     root: Path

@@ -91,13 +91,13 @@ def run(
         plan = _plan(root, ours, retry_failed, verify)
         store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
         tally = _Tally(root, command("run", study, root, "--retry-failed"), plan.failures, max_failures)
-        interrupted = 0
+        interrupted, bounds = 0, (engine, max_failures, max_cpu, plan.held.units)
         try:
             if plan.todo and joined is not None:
                 with joined() as cluster:  # first: estimating what the jobs take may compile code
                     todo = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
                     told += todo.notes
-                    works = _works(root, study, todo, cluster.assembled(), engine, max_failures, max_cpu)
+                    works = _works(root, study, todo, cluster.assembled(), *bounds)
                     _compute(works, cluster.outcomes(works), tally, progress)
             elif plan.todo:
                 with getting_ready(progress) as patience:
@@ -105,7 +105,7 @@ def run(
                     todo = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
                     told += [*todo.notes, *fewer(todo.costs, workers)]
                     workers = fitting(todo.costs, workers)
-                    works = _works(root, study, todo, workers, engine, max_failures, max_cpu)
+                    works = _works(root, study, todo, workers, *bounds)
                     _warm(root, engine, todo.jobs, patience)
                 _compute(works, outcomes(works, workers), tally, progress)
         except KeyboardInterrupt as stop:
@@ -315,11 +315,15 @@ def _works(
     engine: Engine,
     max_failures: float,
     max_cpu: float,
+    judged: frozenset[str],
 ) -> list[Work]:
-    """Pack the jobs left to do into units of work. Raises DiskFull if there is surely no room for them."""
+    """Pack the jobs left to do into units of work; ``judged``: units that were there when these jobs were left.
+
+    Raises DiskFull if there is surely no room for them.
+    """
     provenance = store.provenance(study)
     units = pack(todo.jobs, todo.costs, workers)
-    theirs = beside.OtherRuns(root, frozenset(store.unit_names(root)))
+    theirs = beside.OtherRuns(root, judged)
     works = [
         Work(
             root,

@@ -44,9 +44,11 @@ class FolderInUse(UserError):
 class Holdings:
     """What a folder holds: ids of jobs in sound units, failures by job, rows that are not in the table.
 
-    damaged: names of files that could not be read, and have been set aside.
+    units: names of all units that were judged; damaged: names of files that could not be read, and have been set
+    aside.
     """
 
+    units: frozenset[str]
     sealed: set[str]
     failures: dict[str, Failure]
     rows: "dict[str, pd.DataFrame]"
@@ -59,7 +61,8 @@ def holdings(root: Path, verify: bool = False) -> Holdings:
     verify: read the units that the table knows, too.
     """
     known = read_frame(root, groups=())
-    stock = judged(own_files.UNITS.of(root), known, {}, verify)
+    units = own_files.UNITS.of(root)
+    stock = judged(units, known, {}, verify)
     failures, unreadable = judged_failures(root)
     damaged = stock.damaged | unreadable
     for path, reason in damaged.items():
@@ -67,7 +70,8 @@ def holdings(root: Path, verify: bool = False) -> Holdings:
         log(root, "damaged", file=str(path.relative_to(root)), reason=reason)
     jobs = set() if known is None else set(known.index[known["unit"].isin(stock.known)])
     jobs = jobs.union(*(rows.index for rows in stock.read.values()))
-    return Holdings(jobs, failures, stock.read, [str(path.relative_to(root)) for path in damaged])
+    names = frozenset(path.stem for path in units)
+    return Holdings(names, jobs, failures, stock.read, [str(path.relative_to(root)) for path in damaged])
 
 
 @contextmanager

@@ -134,6 +134,35 @@ def test_a_fresh_start_names_what_goes_of_an_earlier_version(tmp_path: Path) -> 
     assert marker.owner(tmp_path) == ("results", "other")
 
 
+@pytest.mark.parametrize("moment", ["estimate", "simulate"])
+def test_the_same_run_beside_is_not_done_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str
+) -> None:
+    """The other runs when this one has judged what is there, or when it has its first job in hand."""
+    plain, simulate = getattr(fake_studies, moment), fake_studies.simulate
+    asked, computed = list[str](), list[str]()
+
+    def beside_it(case: Any) -> Any:
+        asked.append(case_id(case))
+        if len(asked) == 1:
+            compute(MM, tmp_path)
+        return plain(case)
+
+    def counted(case: Any) -> Any:
+        computed.append(case_id(case))
+        return beside_it(case) if moment == "simulate" else simulate(case)
+
+    monkeypatch.setattr(fake_studies, "estimate", beside_it if moment == "estimate" else fake_studies.estimate)
+    monkeypatch.setattr(fake_studies, "simulate", counted)
+    monkeypatch.setattr(beside, "LOOK_S", 0.0)
+    summary = compute(MM, tmp_path)
+    twice = {job for job, count in Counter(computed).items() if count > 1}
+    assert twice == ({computed[0]} if moment == "simulate" else set())
+    assert (summary.exit_code, summary.done, summary.missing) == (0, 5, 0)
+    assert "were computed by another run in this folder meanwhile" in str(summary)
+    assert "replaced" not in str(summary)
+
+
 def test_choices_of_a_run_beside_stay(tmp_path: Path) -> None:
     from bearingsim.selection import Choice
 
