@@ -6,10 +6,10 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Set
+from collections.abc import Mapping, Set
 from importlib import import_module
 from pathlib import Path
-from types import MappingProxyType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import pytest
@@ -20,39 +20,43 @@ from tests.scenes.commands import type_
 from tests.scenes.design_results import computed
 from tests.scenes.every_command import COMMANDS, WRITING, refused_lock
 
-NOTEBOOK = {"MPLBACKEND": "module://matplotlib_inline.backend_inline", "MPLCONFIGDIR": "{}/tex"}
-ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "PYTHONIOENCODING": "ascii"}
-A_FILE, NOWHERE = "{}/file", "/proc/no/home"
+NOTEBOOK = {"MPLBACKEND": "module://matplotlib_inline.backend_inline", "MPLCONFIGDIR": "{}/tex", "HOME": "{}/file"}
+ASCII = {
+    "LC_ALL": "C",
+    "PYTHONUTF8": "0",
+    "PYTHONCOERCECLOCALE": "0",
+    "PYTHONIOENCODING": "ascii",
+    "HOME": "/proc/no/home",
+}
 PRINTING = frozenset({*COMMANDS, "help"})
 
 
-class Environment(NamedTuple):
-    """The surroundings of a command; ``{}``: the folder above the working one.
+class Shell(NamedTuple):
+    """The surroundings of a process that runs all commands; ``{}``: a folder of its own.
 
-    variables: HOME among them takes BEARINGSIM_CACHE away; redirections: of the shell; jobs: of `run`; fault: of
-    ``tests.scenes.every_command``; refused: the commands that end with exit code 2, each with the message.
+    variables: HOME among them takes BEARINGSIM_CACHE away; redirections: of the shell; faults: of
+    ``tests.scenes.every_command``, with the worker processes of `run` meanwhile.
     """
 
-    variables: MappingProxyType[str, str] = MappingProxyType({})
-    redirections: str = ">{}/out 2>{}/err"
-    jobs: int = 1
-    fault: str = ""
-    refused: Set[str] = frozenset()
-    message: str = ""
+    variables: Mapping[str, str]
+    redirections: str
+    faults: tuple[str, ...]
 
 
-ENVIRONMENTS = {
-    "notebook": Environment(MappingProxyType(NOTEBOOK | {"HOME": A_FILE})),
-    "ascii": Environment(MappingProxyType(ASCII | {"HOME": NOWHERE})),
-    "closed streams": Environment(redirections="<&- >&- 2>&-", jobs=2),
-    "full stdout": Environment(
-        redirections=">/dev/full 2>{}/err", refused=PRINTING, message="the disk is full (stdout"
-    ),
-    "no shared memory": Environment(
-        jobs=2, fault="no /dev/shm", refused={"run"}, message="/dev/shm, which is missing"
-    ),
-    "no inodes": Environment(fault="no inodes", refused=WRITING, message="has no inodes left"),
+FILES = ">{}/out 2>{}/err"
+SHELLS = {
+    "notebook": Shell(NOTEBOOK, FILES, ("none=1",)),
+    "ascii": Shell(ASCII, FILES, ("none=1",)),
+    "closed streams": Shell({}, "<&- >&- 2>&-", ("none=2",)),
+    "refusing system": Shell({}, FILES, ("no shared memory=2", "no inodes=1", "full stdout=1")),
 }
+REFUSED: dict[str, tuple[Set[str], str]] = {
+    "none": (frozenset(), ""),
+    "no shared memory": (frozenset({"run"}), "need /dev/shm, which is missing"),
+    "no inodes": (WRITING, "has no inodes left"),
+    "full stdout": (PRINTING, "the disk is full (stdout"),
+}
+"""Of each fault the commands that end with exit code 2, and the message of each of them."""
 
 
 @pytest.fixture(scope="session")
@@ -60,8 +64,8 @@ def design(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return computed(tmp_path_factory.mktemp("design") / "design", n=16)
 
 
-def surroundings(root: Path, variables: MappingProxyType[str, str]) -> dict[str, str]:
-    """The variables of an environment; without a home the compiled code lies in the temporary folder."""
+def surroundings(root: Path, variables: Mapping[str, str]) -> dict[str, str]:
+    """The variables of a shell; without a home the compiled code lies in the temporary folder."""
     (root / "tex").mkdir()
     (root / "tex/matplotlibrc").write_text("text.usetex: True\n")
     (root / "file").touch()
@@ -76,31 +80,29 @@ def surroundings(root: Path, variables: MappingProxyType[str, str]) -> dict[str,
     return usual | {name: value.format(root) for name, value in variables.items()}
 
 
-@pytest.mark.parametrize("name", ENVIRONMENTS)
+@pytest.mark.parametrize("name", SHELLS)
 def test_every_command_ends_well_or_with_a_message(name: str, done: Path, design: Path, tmp_path: Path) -> None:
-    environment = ENVIRONMENTS[name]
-    folder = tmp_path / "here"
-    folder.mkdir()
-    shell = f'exec "$@" {environment.redirections.replace("{}", str(tmp_path))}'
-    words = [tmp_path / "record", done, design, environment.jobs, *filter(None, [environment.fault])]
+    shell = SHELLS[name]
+    line = f'exec "$@" {shell.redirections.replace("{}", str(tmp_path))}'
+    words = [tmp_path / "record", done, design, *shell.faults]
     subprocess.run(
-        ["sh", "-c", shell, "sh", sys.executable, "-m", "tests.scenes.every_command", *map(str, words)],
-        cwd=folder,
-        env=surroundings(tmp_path, environment.variables),
+        ["sh", "-c", line, "sh", sys.executable, "-m", "tests.scenes.every_command", *map(str, words)],
+        cwd=tmp_path,
+        env=surroundings(tmp_path, shell.variables),
         check=False,
         timeout=300,
     )
-    ends = json.loads((tmp_path / "record").read_text())
-    assert set(ends) == PRINTING
-    assert {command: end["traceback"] for command, end in ends.items() if end["traceback"]} == {}
-    assert {command: end["code"] for command, end in ends.items() if end["code"]} == dict.fromkeys(
-        environment.refused, 2
-    )
     messages = (tmp_path / "err").read_text() if (tmp_path / "err").exists() else ""
     assert "Traceback" not in messages
-    assert not environment.message or messages.count(environment.message) == len(environment.refused)
-    if "run" not in environment.refused:
-        assert "4 jobs: 4 done" in type_("show", folder / "ran")[0]
+    record = json.loads((tmp_path / "record").read_text())
+    assert list(record) == [word.partition("=")[0] for word in shell.faults]
+    for fault, ends in record.items():
+        refused, message = REFUSED[fault]
+        assert set(ends) == PRINTING
+        assert {command: end["traceback"] for command, end in ends.items() if end["traceback"]} == {}
+        assert {command: end["code"] for command, end in ends.items() if end["code"]} == dict.fromkeys(refused, 2)
+        assert not message or messages.count(message) == len(refused)
+        assert "run" in refused or "4 jobs: 4 done" in type_("show", tmp_path / fault / "ran")[0]
 
 
 def test_every_command_is_tried() -> None:

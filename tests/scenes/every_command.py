@@ -1,10 +1,10 @@
 """Every command of the program in one process, each run by its entry point, in an environment that is given.
 
-    python -m tests.scenes.every_command RECORD RESULTS DESIGN JOBS [FAULT]
+    python -m tests.scenes.every_command RECORD RESULTS DESIGN FAULT=JOBS...
 
-RECORD: the file for the exit code of each command; RESULTS, DESIGN: results folders of a study and of a design;
-JOBS: worker processes of `run`; FAULT: what the system refuses (``FAULTS``). Files go to the working folder.
-The computations of `stability` and `bench` are left out: their tables and figures are made of rows that are given.
+RECORD: the file for the exit codes; RESULTS, DESIGN: results folders of a study and of a design; FAULT: what the
+system refuses (``FAULTS``); JOBS: worker processes of `run` meanwhile. All commands run once for each FAULT, in a
+folder of that name. `stability` and `bench` compute nothing: their tables and figures are made of given rows.
 """
 
 import _multiprocessing  # type: ignore[import-not-found]
@@ -13,7 +13,9 @@ import json
 import os
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -35,7 +37,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "bench": ("--scene", "healthy", "--quick", "--out", "bench"),
 }
 """Words of each command, by its name."""
-WRITING = {"new", "run", "plot", "sensitivity", "export", "merge", "stability", "bench"}
+WRITING = frozenset({"new", "run", "plot", "sensitivity", "export", "merge", "stability", "bench"})
 
 
 def refused_lock(number: int) -> type:
@@ -48,32 +50,55 @@ def refused_lock(number: int) -> type:
     return Lock
 
 
-def refuse_locks() -> None:
-    """Let the system refuse every lock in shared memory, as where nothing is mounted at /dev/shm."""
-    _multiprocessing.SemLock = refused_lock(errno.ENOENT)
+@contextmanager
+def no_locks() -> Iterator[None]:
+    """Refuse every lock in shared memory, as where nothing is mounted at /dev/shm."""
+    locks: Any = import_module("joblib.externals.loky.backend.synchronize")
+    locks._SemLock, usual = refused_lock(errno.ENOENT), locks._SemLock
+    yield
+    locks._SemLock = usual
 
 
-def refuse_files() -> None:
-    """Let the system refuse every new file in the working folder, as a disk without inodes does."""
-    root, disk = Path.cwd(), os.statvfs
+@contextmanager
+def no_inodes() -> Iterator[None]:
+    """Refuse every new file in the working folder, as a disk without inodes does."""
+    root, statvfs, ended = Path.cwd(), os.statvfs, []
 
     def refuse(event: str, arguments: tuple[Any, ...]) -> None:
-        if event not in ("open", "os.mkdir") or not isinstance(arguments[0], str | bytes | Path):
+        if ended or event not in ("open", "os.mkdir") or not isinstance(arguments[0], str | bytes | Path):
             return
         path = Path(os.fsdecode(arguments[0])).absolute()
         is_made = event == "os.mkdir" or bool(arguments[2] & os.O_CREAT)
         if is_made and root in path.parents and not path.exists():
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
+    def without_inodes(path: Any) -> Any:
+        disk = statvfs(path)
+        return SimpleNamespace(f_bavail=disk.f_bavail, f_bfree=disk.f_bfree, f_blocks=disk.f_blocks,
+                               f_frsize=disk.f_frsize, f_files=disk.f_files, f_favail=0)  # fmt: skip
+
     sys.addaudithook(refuse)
-    os.statvfs = lambda path: SimpleNamespace(  # type: ignore[assignment, return-value]
-        **{name: getattr(disk(path), name) for name in dir(disk(path)) if name.startswith("f_")} | {"f_favail": 0}
-    )
+    os.statvfs = without_inodes
+    yield
+    os.statvfs = statvfs
+    ended.append(True)
 
 
-FAULTS: dict[str, Callable[[], None]] = {
-    "no /dev/shm": refuse_locks,
-    "no inodes": refuse_files,
+@contextmanager
+def full_stdout() -> Iterator[None]:
+    """Let stdout be a file on a full disk."""
+    usual, full = os.dup(1), os.open("/dev/full", os.O_WRONLY)
+    os.dup2(full, 1)
+    yield
+    os.dup2(usual, 1)
+    sys.stdout.flush()
+
+
+FAULTS: dict[str, Callable[[], AbstractContextManager[None]]] = {
+    "none": nullcontext,
+    "no shared memory": no_locks,
+    "no inodes": no_inodes,
+    "full stdout": full_stdout,
 }
 
 
@@ -108,14 +133,24 @@ def run(words: list[str]) -> dict[str, Any]:
     return {"code": 0, "traceback": ""}
 
 
-if __name__ == "__main__":
-    record, results, design, jobs, *fault = sys.argv[1:]
+def run_all(fault: str, places: dict[str, str]) -> dict[str, Any]:
+    """Run every command in a folder of its own under a fault; what ``run`` says of each."""
+    Path(fault).mkdir()
+    os.chdir(fault)
     Path("small.yaml").write_text(STUDY)
-    places = {"RESULTS": results, "DESIGN": design, "JOBS": jobs}
-    done = {"help": run(["--help"])}
+    with FAULTS[fault]():
+        ends = {"help": run(["--help"])}
+        for name, words in COMMANDS.items():
+            ends[name] = run([name, *(places.get(word, word) for word in words)])
+    os.chdir("..")
+    return ends
+
+
+if __name__ == "__main__":
+    record, results, design, *faults = sys.argv[1:]
+    run(["--version"])  # before anything else is imported, as in a process of its own
     leave_out_long_computations()
-    for name in fault:
-        FAULTS[name]()
-    done |= {name: run([name, *(places.get(word, word) for word in words)]) for name, words in COMMANDS.items()}
-    with open(record, "w", encoding="utf-8") as file:
-        json.dump(done, file)
+    ends = {}
+    for fault, jobs in (word.split("=") for word in faults):
+        ends[fault] = run_all(fault, {"RESULTS": results, "DESIGN": design, "JOBS": jobs})
+    Path(record).write_text(json.dumps(ends), encoding="utf-8")
