@@ -29,7 +29,7 @@ def opened(folder: Path | None) -> "Results":
 
 def _newest_first() -> list[Path]:
     roots = [plan.parent for plan in Path("results").glob("*/plan.json")]
-    return sorted(roots, key=lambda root: max(file.stat().st_mtime for file in root.glob("*")), reverse=True)
+    return sorted(roots, key=lambda root: max(file.lstat().st_mtime for file in root.glob("*")), reverse=True)
 
 
 def job_meant(results: "Results", word: str) -> str:

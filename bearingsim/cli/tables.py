@@ -163,5 +163,5 @@ def show_failures(folder: Path, tracebacks: bool = False) -> None:
             typer.echo(failure.traceback)
     if len(failures) > MOST_ROWS:
         typer.echo(f"and {len(failures) - MOST_ROWS} jobs more: failed/ has them, a file each")
-    commands = dict.fromkeys(failure.command for failure in failures.values())
-    typer.echo("\n".join(f"again: {command}" for command in commands) or "no job failed")
+    commands = dict.fromkeys(failure.command for failure in failures.values() if failure.command)
+    typer.echo("\n".join(f"again: {command}" for command in commands) if failures else "no job failed")

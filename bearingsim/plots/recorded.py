@@ -73,8 +73,8 @@ def case_of(results: "Results", job: str, known: Mapping[Any, Any]) -> "Case":
 
     try:
         return made(known, results.path)
-    except ValidationError as error:
-        reason = error.errors()[0]["msg"]
+    except ValueError as error:
+        reason = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
         raise PlotError(f"the case of job {job} cannot be made again from its results: {reason}") from None
 
 

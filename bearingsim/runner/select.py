@@ -91,7 +91,7 @@ def _decided(
 ) -> selection.Decision:
     """What is chosen for the cases of these numbers, once all that is wanted has been tried. Raises Stopped."""
     choosing = selection.Choosing(study, missing)
-    known: dict[str, Trial | None] = store.read_trials(root)
+    known: dict[str, Trial | None] = store.read_trials(root, selection.asked_of(study))
     try:
         while wanted := choosing.wanted(known):
             known |= dict.fromkeys((one.id for one in wanted), None)  # what the machine fails is not wanted again
@@ -110,7 +110,7 @@ def _tried(
     """All trials of the folder, once those that are wanted are among them: each batch is sealed as it is done."""
     provenance = store.provenance(study)
     deaths = Deaths(root, "while models were tried")
-    while todo := _untried(root, wanted):
+    while todo := _untried(root, wanted, study):
         with (
             getting_ready(shown) as patience,
             suppress(Exception),
@@ -130,12 +130,12 @@ def _tried(
             deaths.add(death)
         else:
             break
-    return store.read_trials(root)
+    return store.read_trials(root, selection.asked_of(study))
 
 
-def _untried(root: Path, wanted: Sequence["Trialled"]) -> "list[Trialled]":
+def _untried(root: Path, wanted: Sequence["Trialled"], study: "Study") -> "list[Trialled]":
     """Those of which the folder holds no trial: another process may have added some."""
-    known = store.read_trials(root)
+    known = store.read_trials(root, selection.asked_of(study))
     return [one for one in wanted if one.id not in known]
 
 

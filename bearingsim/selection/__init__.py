@@ -3,6 +3,6 @@
 from bearingsim.selection.choices import Choice, Choices, chosen
 from bearingsim.selection.curves import Curve, curves
 from bearingsim.selection.decide import Choosing, Decision
-from bearingsim.selection.trials import Trialled
+from bearingsim.selection.trials import Trialled, asked_of
 
-__all__ = ["Choice", "Choices", "Choosing", "Curve", "Decision", "Trialled", "chosen", "curves"]
+__all__ = ["Choice", "Choices", "Choosing", "Curve", "Decision", "Trialled", "asked_of", "chosen", "curves"]

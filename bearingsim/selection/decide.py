@@ -166,7 +166,7 @@ class Evidence:
         assert self.study.goal is not None
         trials = [self.known.get(one.id) for one in trials_of(self.study, n, case)]
         own, twin = trials[0], trials[-1] if len(trials) > 1 else None
-        if own is None or None in trials:
+        if own is None or None in trials or (twin is not None and twin.turns != own.turns):
             return {}
         return {feature: value(feature, own, twin) for feature in self.study.goal.of}
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import stdtrit
 
-from bearingsim.simulation.trial import Trial
+from bearingsim.simulation.trial import LARGEST_FORCE, Trial
 from bearingsim.study.goal import HEALTHY
 
 SURE = 0.975
@@ -32,7 +32,7 @@ class Value(NamedTuple):
 
 def value(feature: str, found: Trial, twin: Trial | None) -> Value:
     """A feature (SI) of a trial, against its healthy twin if it is measured so."""
-    if feature == "outer_force.max":
+    if feature == LARGEST_FORCE:
         turns = np.array_split(found.forces, found.turns)
         return Value(float(found.forces.max()), np.array([turn.max() for turn in turns]), 1.0)
     share = 2.0 / found.turns
@@ -47,8 +47,8 @@ def value(feature: str, found: Trial, twin: Trial | None) -> Value:
 
 def error(one: Value, other: Value) -> float:
     """What the first is surely no further off from the second than (SI); infinite if too little is seen of it."""
+    if len(one.parts) < 2 or len(one.parts) != len(other.parts):
+        return float("inf")  # how they scatter is not seen
     apart, parts = abs(one.value - other.value), one.parts - other.parts
-    if len(parts) < 2:
-        return float("inf")  # how it scatters is not seen
     t = float(stdtrit(len(parts) - 1.0, SURE))
     return apart + t * float(np.sqrt(one.share) * np.std(parts, ddof=1))

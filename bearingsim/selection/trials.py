@@ -29,12 +29,20 @@ Known = Mapping[str, Trial | None]
 
 def trials_of(study: Study, number: int, case: Case) -> list[Trialled]:
     """Those by which a candidate for a case of a study is judged: its own, and its healthy twin's if asked."""
-    assert study.goal is not None
     own = study.swept_cases[number][0]
-    asked = tuple(sorted({name.removesuffix(HEALTHY) for name in study.goal.of}))
-    read = asked, passes_to_try(own), pit_turn(own)  # the twin's as the case's, whose pits it does not have
+    read = (
+        asked_of(study),
+        passes_to_try(own),
+        pit_turn(own),
+    )  # the twin's as its case's: it has no pits
     cases = [one for one in (case, twin_asked(study, case)) if one is not None]
     return [Trialled(_named(one, *read), one, *read) for one in cases]
+
+
+def asked_of(study: Study) -> tuple[str, ...]:
+    """The features that each trial of a study is to have."""
+    assert study.goal is not None
+    return tuple(sorted({name.removesuffix(HEALTHY) for name in study.goal.of}))
 
 
 @lru_cache(maxsize=1 << 17)

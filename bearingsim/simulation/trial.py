@@ -6,7 +6,7 @@ nothing of a turn's own rhythm through). How far two models are apart scatters b
 chaotic, and hardly at all if it is not.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, pi
 
@@ -28,6 +28,7 @@ MOST_PART = 0.5
 MAIN_LOBE, NEAR = 2.0, 4.0
 """Over the length of Hann's window: from where on it is zero in places; from where on it lets through under 0.6 %.
 Lines nearer than that to each other are told apart by solving for both."""
+LARGEST_FORCE = "outer_force.max"
 TOLD_APART = 0.1
 """The least eigenvalue of lines' overlap with which they are: each weighs three times as much noise then."""
 
@@ -48,6 +49,16 @@ class Trial:
     lines: dict[str, np.ndarray]
     powers: dict[str, np.ndarray]
     forces: np.ndarray
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all that is told of it has the lengths that its passes and turns ask for."""
+        parts = {len(told) for told in (*self.lines.values(), *self.powers.values())}
+        return parts <= {parts_of(self.turns)} and len(self.forces) == self.passes >= self.turns
+
+    def tells(self, asked: Iterable[str]) -> bool:
+        """Whether it has all lines and RMS among some features; the largest force each has."""
+        return all(name in self.lines or name in self.powers for name in asked if name != LARGEST_FORCE)
 
 
 def passes_to_try(case: Case) -> int:
@@ -99,10 +110,15 @@ def spans_of(passes: int, turn: float, per_pass: int) -> list[slice]:
     turn: in ball passes. All of it alone, if it holds less than three.
     """
     turns = whole_turns(passes, turn)
-    if turns < 3:
+    if parts_of(turns) == 1:
         return [slice(0, passes * per_pass)]
     ends = [round(n * turn * per_pass) for n in range(turns + 1)]
     return [slice(0, ends[-1]), *(slice(a, b) for a, b in zip(ends, ends[2:], strict=False))]
+
+
+def parts_of(turns: int) -> int:
+    """How many values a trial of so many turns has of a line: of the whole, and of each two turns."""
+    return turns if turns >= 3 else 1
 
 
 def whole_turns(passes: int, turn: float) -> int:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.store.scans import kept_scan
+from bearingsim.store.scans import own_scan
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
@@ -18,8 +18,8 @@ def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
     """The case of a job from its resolved parameters in SI, as ``Results.parameters`` has them.
 
     What is not set (NaN or an empty text) is left out, and what was recorded: that is in the series. Scans are
-    those that the results folder ``root`` has kept, or else the files themselves. Raises pydantic's
-    ValidationError for parameters that make no case, as those of another version may.
+    those that the results folder ``root`` has kept: no other file is read for it. Raises ValueError (pydantic's
+    ValidationError, ScanError) for parameters that make no case, as those of another version may.
     """
     from bearingsim.config import Case
 
@@ -28,16 +28,15 @@ def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
         if value == value and value != "":
             _plant(tree, str(path).split("."), _plain(value))
     if root is not None:
-        for defect in tree.get("defects", {}).values():
-            _take_kept(root, defect)
+        for defect in _mapping(tree.get("defects", {})).values():
+            _take_kept(root, _mapping(defect))
     return Case.model_validate({name: _lists(item) for name, item in tree.items() if name not in WORDS})
 
 
 def _take_kept(root: Path, defect: dict[str, Any]) -> None:
-    """Let a defect read its scan from where it was kept, if it has one and it was."""
-    if "file" in defect and "digest" in defect:
-        kept = kept_scan(root, str(defect["digest"]), defect["file"])
-        defect["file"] = str(kept if kept.is_file() else defect["file"])
+    """Let a defect read its scan, if it has one, from where it was kept. Raises ScanError if it was not."""
+    if "file" in defect:
+        defect["file"] = str(own_scan(root, str(defect.get("digest")), str(defect["file"])))
 
 
 def _plain(value: Any) -> Any:
@@ -47,8 +46,14 @@ def _plain(value: Any) -> Any:
 
 def _plant(tree: dict[str, Any], path: list[str], value: Any) -> None:
     for name in path[:-1]:
-        tree = tree.setdefault(name, {})
+        tree = _mapping(tree.setdefault(name, {}))
     tree[path[-1]] = value
+
+
+def _mapping(item: Any) -> dict[str, Any]:
+    if not isinstance(item, dict):
+        raise ValueError("a parameter is a value and has parts")
+    return item
 
 
 def _lists(item: Any) -> Any:

@@ -19,12 +19,14 @@ from typing import BinaryIO, TextIO
 from filelock import FileLock, Timeout
 
 from bearingsim.errors import NO_ROOM, UserError
-from bearingsim.store.own_files import FOLDERS, temporary_files
+from bearingsim.store.own_files import FIGURES, FOLDERS, LOCK, temporary_files
+from bearingsim.store.regular import Unreadable, open_regular
 
 __all__ = [
     "DiskFull",
     "LinkWithin",
     "check_room",
+    "copy",
     "left_behind",
     "lock",
     "open_to_append",
@@ -104,15 +106,30 @@ def check_room(root: Path, wanted: float) -> None:
         raise DiskFull(f"the disk {_mount(root)} has no room for {root}: {sizes}: {ADVICE}")
 
 
-def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all: under a temporary name, fsynced, renamed. Raises DiskFull, OSError."""
+def write_bytes(path: Path, content: bytes | BinaryIO) -> None:
+    """Write a file whole or not at all: under a temporary name, fsynced, renamed. Raises DiskFull, OSError.
+
+    content: bytes, or an open file to be copied.
+    """
     with room(path), temporary(path.parent, path.name, "part") as file:
-        file.write(content)
+        if isinstance(content, bytes):
+            file.write(content)
+        else:
+            shutil.copyfileobj(content, file)
         file.flush()
         os.fsync(file.fileno())
         os.replace(file.name, path)
         if os.name == "posix":
             _fsync(path.parent)
+
+
+def copy(path: Path, into: Path) -> None:
+    """Copy a file whole or not at all. Raises Unreadable if it is a link or no file, DiskFull, OSError."""
+    try:
+        with open_regular(path) as file:
+            write_bytes(into, file)
+    except Unreadable as error:
+        raise Unreadable(f"{path} cannot be copied: {error}") from None
 
 
 @contextmanager
@@ -151,8 +168,9 @@ def _take(file: BinaryIO, wait: bool) -> bool:
 @contextmanager
 def left_behind(path: Path) -> Iterator[bool]:
     """Whether the writer of a temporary file is known to be gone; nobody else finds so until this is left."""
+    flags = os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
     try:
-        file = path.open("r+b")
+        file = os.fdopen(os.open(path, flags), "r+b", buffering=0)
     except OSError:  # it has just been removed, or is not ours to remove
         file = None
     if file is None:
@@ -186,11 +204,12 @@ def lock(root: Path, wait: bool = True) -> Iterator[None]:
     """The lock that parents sharing a folder hold while they build the table or sweep; dies with its holder.
 
     On a disk that has no locks nothing is held. Whoever waits for long says for whom. Without ``wait`` raises
-    filelock.Timeout if another holds it.
+    filelock.Timeout if another holds it, and LinkWithin if a link stands for it.
     """
-    held = FileLock(root / ".lock", timeout=PATIENCE_S if wait else 0)
+    _refuse_link(root / LOCK)
+    held = FileLock(root / LOCK, timeout=PATIENCE_S if wait else 0)
     try:
-        with room(root / ".lock"):
+        with room(root / LOCK):
             held.acquire()
     except Timeout:
         if not wait:
@@ -216,12 +235,17 @@ def _other_runs(root: Path) -> str:
 
 
 def refuse_links(root: Path) -> None:
-    """Raises LinkWithin where a link stands for one of the folders: it leads to files outside."""
-    for path in (path for name in FOLDERS for path in root.glob(name)):
-        if path.is_symlink():
-            raise LinkWithin(
-                f"{path} is a link, and would lead out of the results folder: put a folder in its place"
-            )
+    """Raises LinkWithin where a link stands for one of the folders, or the lock: it leads out of the results."""
+    for path in (path for name in (*FOLDERS, FIGURES, LOCK) for path in root.glob(name)):
+        _refuse_link(path)
+
+
+def _refuse_link(path: Path) -> None:
+    if path.is_symlink():
+        raise LinkWithin(
+            f"{path} is a link, and leads out of the results folder: remove it, or put in its place what it"
+            " stands for (`cp -rL`)"
+        )
 
 
 def sweep(root: Path) -> list[Path]:

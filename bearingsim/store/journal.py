@@ -1,18 +1,23 @@
 """What happened: the journal of each running parent, start markers of units, and failed jobs."""
 
 import json
+import shlex
 import warnings
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from bearingsim.errors import DamageWarning
+from bearingsim.store import layouts
 from bearingsim.store.files import left_behind, open_to_append, room, temporary, writer
+from bearingsim.store.layouts import check
 from bearingsim.store.own_files import FAILURES, temporary_files
+from bearingsim.store.regular import read_regular
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
+from bearingsim.text.terminal import is_line
 
 __all__ = [
     "Failure",
@@ -77,8 +82,19 @@ def judged_failures(root: Path) -> tuple[dict[str, Failure], dict[Path, str]]:
 def _failure(path: Path) -> Failure:
     """Of an earlier version some entries may be lacking, or others there."""
     told = read_json(path)
+    check(layouts.Failure, told)
     known = {entry.name: told[entry.name] for entry in fields(Failure) if entry.name in told}
-    return Failure(**{"reason": "not known", **known, "job": path.stem})
+    again = _own_command(str(known.get("command", "")))
+    return Failure(**{"reason": "not known", **known, "job": path.stem, "command": again})
+
+
+def _own_command(text: str) -> str:
+    """A command to repeat, if it is one of this program's, and one alone; else nothing: users type it again."""
+    try:
+        words = shlex.split(text)
+    except ValueError:
+        return ""
+    return text if words[:2] == ["bearingsim", "run"] and shlex.join(words) == text and is_line(text) else ""
 
 
 def read_failures(root: Path) -> dict[str, Failure]:
@@ -118,6 +134,7 @@ def take_suspects(root: Path, units: Iterable[str]) -> set[str]:
     for path in (path for path in markers if path.name.partition(".")[0] in wanted):
         with left_behind(path) as left:
             if left:
-                suspects.update(path.read_text(encoding="utf-8").split()[-1:])
+                with suppress(*UNREADABLE):
+                    suspects.update(read_regular(path).decode().split()[-1:])
                 path.unlink()
     return suspects

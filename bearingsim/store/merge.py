@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from bearingsim.errors import UserError
-from bearingsim.store.files import refuse_links, sweep, write_bytes
+from bearingsim.store.files import copy, refuse_links, sweep
 from bearingsim.store.folder import claim_results
 from bearingsim.store.journal import Failure, clear_failure, log, read_failures
 from bearingsim.store.own_files import UNITS
+from bearingsim.store.regular import digest
 from bearingsim.store.results import Results, open_results
 from bearingsim.store.scans import copy_scans, held_scans
 from bearingsim.store.table import build_table
@@ -77,7 +78,7 @@ def merge(folders: Sequence[Path], out: Path) -> Merged:
     sweep(out)
     if out not in held:
         for name in ("study.yaml", "plan.json"):
-            write_bytes(out / name, (folders[0] / name).read_bytes())
+            copy(folders[0] / name, out / name)
     if choices != read_choices(out):
         write_choices(out, choices, plans)
     copy_scans(scans, out)
@@ -87,7 +88,7 @@ def merge(folders: Sequence[Path], out: Path) -> Merged:
     for path in units[out]:
         new.pop(path.stem, None)
     for name, path in sorted(new.items()):
-        write_bytes(unit_path(out, name), path.read_bytes())
+        copy(path, unit_path(out, name))
     _take_failures(folders, out, sealed)
     status = build_table(out)["status"]
     if new:
@@ -146,7 +147,7 @@ def _judged(paths: Sequence[Path]) -> set[str]:
         for other in found[1:]:
             shared[found[0], other].append(job)
     for (one, other), jobs in shared.items():
-        if one.name != other.name or one.read_bytes() != other.read_bytes():
+        if one.name != other.name or digest(one) != digest(other):
             _refuse_other_results(one, other, jobs)
     return set(units)
 

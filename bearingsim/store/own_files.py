@@ -11,7 +11,9 @@ __all__ = [
     "CHOICES",
     "DAMAGED",
     "FAILURES",
+    "FIGURES",
     "FOLDERS",
+    "LOCK",
     "SCANS",
     "TABLES",
     "TRIALS",
@@ -55,7 +57,7 @@ FOLDERS = ("failed", "figures", "scans", "trials", "units", "units/??")
 
 AT_TOP = r"bearingsim\.json|plan\.json|study\.yaml|study\.h5|results\.csv|choices\.json"
 TEMPORARY = re.compile(rf"(run|{AT_TOP}|{ID}(\.\w+)?)\.[\w-]+-\d+-[0-9a-f]{{8}}\.(part|started)")
-LOCK = ".lock"
+LOCK, FIGURES = ".lock", "figures"
 
 
 def temporary_files(root: Path) -> list[Path]:

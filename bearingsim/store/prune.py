@@ -89,7 +89,7 @@ def superfluous(root: Path) -> Superfluous:
         "scans of no job": [path for path in scans if path.stem not in named],
         "temporary files of processes that are gone": [path for path in temporary if _is_left(path)],
     }
-    sizes = {what: {path: path.stat().st_size for path in sorted(paths)} for what, paths in found.items()}
+    sizes = {what: {path: path.lstat().st_size for path in sorted(paths)} for what, paths in found.items()}
     return Superfluous({what: files for what, files in sizes.items() if files}, (*notes, *_whole(units)))
 
 

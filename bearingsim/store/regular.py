@@ -3,15 +3,16 @@
 A results folder may come from anyone. A link in it would lead what is read out of it, a pipe would never end.
 """
 
+import hashlib
 import os
 import stat
+from io import BufferedReader
 from pathlib import Path
-from typing import BinaryIO
 
 from bearingsim import memory
 from bearingsim.errors import UserError
 
-__all__ = ["COST", "Unreadable", "open_regular", "read_regular"]
+__all__ = ["BLOCK", "COST", "Unreadable", "digest", "open_regular", "read_regular"]
 
 COST = 32
 """Bytes of memory that what is read of a file may take, over the file's own. Results take up to 13 times."""
@@ -23,7 +24,7 @@ class Unreadable(UserError):
     """A file is not as it was written, or is of another version: the text says which."""
 
 
-def open_regular(path: Path) -> BinaryIO:
+def open_regular(path: Path) -> BufferedReader:
     """Open a file to be read. Raises Unreadable if it is a link or no file, or larger than memory; OSError."""
     if path.is_symlink():
         raise Unreadable("it is a link: copy the folder with what its links stand for (`cp -rL`)")
@@ -38,6 +39,12 @@ def open_regular(path: Path) -> BinaryIO:
         os.close(descriptor)
         raise
     return os.fdopen(descriptor, "rb")
+
+
+def digest(path: Path) -> str:
+    """The SHA-256 of a file in hex digits. Raises Unreadable as ``open_regular``, OSError."""
+    with open_regular(path) as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def read_regular(path: Path) -> bytes:

@@ -23,30 +23,27 @@ if TYPE_CHECKING:
 
 __all__ = ["Results", "ResultsError", "open_results", "planned_jobs", "results_folder"]
 
-PLANNED = {"study", "quick", "units", "figures", "jobs"}  # what is read of a plan, and of each of its jobs
-PLANNED_JOB = {"job", "healthy", "twin", "swept"}
-
 
 class ResultsError(UserError):
     """A folder holds no results, or not those asked for."""
 
 
 def open_results(path: str | Path) -> "Results":
-    """Open the results folder of a study. Raises ResultsError if it is none or its plan is damaged, LinkWithin."""
-    root = Path(path)
-    if not (root / "plan.json").is_file():
-        raise ResultsError(f"{root} holds no results of a study (it has no plan.json)")
-    refuse_links(root)
-    results, reason = Results(root), ""
+    """Open the results folder of a study.
+
+    Raises ResultsError if it is none, or its plan is damaged, and LinkWithin if links lead out of it.
+    """
+    results = Results(Path(path))
+    plan = results.path / "plan.json"
+    if not plan.is_file():
+        raise ResultsError(f"{results.path} holds no results of a study (it has no plan.json)")
+    refuse_links(results.path)
     try:
-        jobs = results.plan["jobs"]
-        sound = results.plan.keys() >= PLANNED and jobs and all(job.keys() >= PLANNED_JOB for job in jobs)
+        results.plan  # noqa: B018
+    except PermissionError:
+        raise
     except UNREADABLE as error:
-        if isinstance(error, PermissionError):
-            raise
-        sound, reason = False, f" ({error})"
-    if not sound:
-        raise ResultsError(f"{root / 'plan.json'} is damaged or of another version: run the study again{reason}")
+        raise ResultsError(f"{plan} is damaged or of another version: run the study again ({error})") from None
     return results
 
 

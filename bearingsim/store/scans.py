@@ -1,11 +1,13 @@
 """The scans of a study, kept with its results: these can be drawn where, and after, the files are gone."""
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearingsim.store.files import write_bytes
-from bearingsim.store.own_files import SCANS
+from bearingsim.store import regular
+from bearingsim.store.files import copy, write_bytes
+from bearingsim.store.own_files import ID, SCANS
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
@@ -16,6 +18,7 @@ __all__ = [
     "keep_scans",
     "kept_scan",
     "kept_scans",
+    "own_scan",
     "short_path",
     "with_short_paths",
 ]
@@ -67,7 +70,17 @@ def copy_scans(scans: Iterable[Path], root: Path) -> None:
     for path in scans:
         kept = root / "scans" / path.name
         if not _holds(kept, path.stem):
-            write_bytes(kept, path.read_bytes())
+            copy(path, kept)
+
+
+def own_scan(root: Path, digest: str, file: str) -> Path:
+    """The copy of a scan in a results folder. Raises ScanError without one, or if it is not as it was written."""
+    from bearingsim.config.scan.file import ScanError
+
+    kept = kept_scan(root, digest, file)
+    if not re.fullmatch(ID, digest) or not _holds(kept, digest):
+        raise ScanError(f"its scan is not kept in {root / 'scans'}", "run the study again where the scan is")
+    return kept
 
 
 def kept_scan(root: Path, digest: str, file: str) -> Path:
@@ -84,9 +97,10 @@ def short_path(file: str) -> str:
 
 
 def _holds(path: Path, digest: str) -> bool:
-    from bearingsim.config.scan.file import digest_of
-
-    return path.is_file() and digest_of(path.read_bytes()) == digest
+    try:
+        return regular.digest(path).startswith(digest)
+    except (OSError, regular.Unreadable):
+        return False
 
 
 def _content(path: Path, digest: str) -> bytes:

@@ -59,7 +59,7 @@ def _read(path: Path, stamp: str, stock: Stock) -> None:
 
 
 def _stamp(path: Path) -> str:
-    told = path.stat()
+    told = path.lstat()
     return f"{told.st_size} {told.st_mtime_ns}"
 
 

@@ -16,9 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bearingsim.errors import DamageWarning
+from bearingsim.store import regular
 from bearingsim.store.columns import GROUPS, TEXT, read_columns, write_columns, write_jobs
 from bearingsim.store.files import DiskFull, lock, write_text
 from bearingsim.store.journal import Failure, read_failures
+from bearingsim.store.layouts import check_plan
 from bearingsim.store.names import in_feature_order
 from bearingsim.store.nearness import nearness
 from bearingsim.store.own_files import FAILURES, UNITS
@@ -118,7 +120,9 @@ def read_plan(root: Path) -> dict[str, Any]:
 
     Of a plan of a version without designs the entry `design` is None.
     """
-    return {"design": None} | read_json(root / "plan.json")
+    plan = {"design": None} | read_json(root / "plan.json")
+    check_plan(plan)
+    return plan
 
 
 def job_frame(root: Path) -> "pd.DataFrame":
@@ -259,13 +263,16 @@ def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
 def _fingerprint(root: Path) -> str:
     """Digest of what the table is made from: the plan; names, sizes and times of units and failures."""
     sources = [*UNITS.of(root), *FAILURES.of(root)]
-    told = ((path.name, path.stat()) for path in sources)
+    told = ((path.name, path.lstat()) for path in sources)
     listing = "\n".join(f"{name} {stat.st_size} {stat.st_mtime_ns}" for name, stat in told)
-    return hashlib.sha256((root / "plan.json").read_bytes() + listing.encode()).hexdigest()
+    return hashlib.sha256(regular.read_regular(root / "plan.json") + listing.encode()).hexdigest()
 
 
 def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
+    try:
+        return regular.digest(path)
+    except (OSError, regular.Unreadable):
+        return ""
 
 
 def _write_frame(root: Path, frame: "pd.DataFrame", fingerprint: str) -> None:

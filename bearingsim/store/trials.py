@@ -4,7 +4,7 @@
 what names the plan of the study that it was made for.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -15,8 +15,10 @@ import numpy as np
 from bearingsim.errors import UserError
 from bearingsim.selection import Choice, Choices
 from bearingsim.simulation.trial import Trial
-from bearingsim.store import own_files
+from bearingsim.store import layouts, own_files
 from bearingsim.store.files import lock, write_bytes
+from bearingsim.store.layouts import check
+from bearingsim.store.regular import Unreadable, read_regular
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 
 __all__ = [
@@ -43,16 +45,21 @@ def write_trials(root: Path, unit: str, found: Mapping[str, Trial | None]) -> No
     write_json(root / TRIALS / f"{unit}.json", {TRIALS: told}, indent=None)
 
 
-def read_trials(root: Path) -> dict[str, Trial | None]:
-    """All trials of a folder, by id. A file that cannot be read counts as absent: its trials are made again."""
+def read_trials(root: Path, asked: Collection[str] = ()) -> dict[str, Trial | None]:
+    """All trials of a folder that have the features ``asked``, by id.
+
+    A file that cannot be read, and a trial without these features, count as absent: they are made again.
+    """
     found: dict[str, Trial | None] = {}
     for path in own_files.TRIALS.of(root):
         try:
             told = read_json(path)
             told = told.get(TRIALS, told)  # of earlier versions: nothing around them
-            found |= {name: None if one is None else _trial(one) for name, one in told.items()}
+            check(layouts.Trials, told)
+            trials = {name: None if one is None else _trial(one) for name, one in told.items()}
         except UNREADABLE:
             continue
+        found |= {name: one for name, one in trials.items() if one is None or one.tells(asked)}
     return found
 
 
@@ -65,7 +72,7 @@ def copy_trials(source: Path, root: Path) -> None:
         with suppress(*UNREADABLE):
             read_json(path)
             if not (root / TRIALS / path.name).exists():
-                write_bytes(root / TRIALS / path.name, path.read_bytes())
+                write_bytes(root / TRIALS / path.name, read_regular(path))
 
 
 def _plain(one: Trial) -> dict[str, Any]:
@@ -78,9 +85,10 @@ def _plain(one: Trial) -> dict[str, Any]:
 def _trial(told: Mapping[str, Any]) -> Trial:
     lines = {name: np.array([complex(*pair) for pair in parts]) for name, parts in told["lines"].items()}
     powers = {name: np.array(parts) for name, parts in told["powers"].items()}
-    return Trial(
-        int(told["passes"]), int(told["turns"]), bool(told["repeats"]), lines, powers, np.array(told["forces"])
-    )
+    trial = Trial(told["passes"], told["turns"], told["repeats"], lines, powers, np.array(told["forces"]))
+    if not trial.is_whole:
+        raise Unreadable("the parts of a trial do not fit each other")
+    return trial
 
 
 def write_choices(root: Path, choices: Choices, plans: Mapping[str, str] | None = None) -> None:
@@ -115,7 +123,9 @@ def _read(root: Path) -> dict[str, tuple[Choice, str]]:
     path = root / CHOICES
     try:
         told = read_json(path)
-        return {name: _choice(one) for name, one in told.get("choices", told).items()}
+        told = told.get("choices", told)
+        check(layouts.Choices, told)
+        return {name: _choice(one) for name, one in told.items()}
     except FileNotFoundError:
         return {}
     except UNREADABLE as error:

@@ -6,10 +6,11 @@ from typing import Any
 import pytest
 
 from bearingsim import store
+from bearingsim.errors import DamageWarning, UserError
 from bearingsim.runner import run
 from bearingsim.store import LinkWithin
 from bearingsim.store.files import writer
-from bearingsim.store.own_files import FOLDERS
+from bearingsim.store.own_files import FIGURES, FOLDERS, LOCK
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
 
@@ -20,12 +21,13 @@ def marked(root: Any) -> Any:
     return root
 
 
-@pytest.mark.parametrize("name", FOLDERS)
+@pytest.mark.parametrize("name", [*FOLDERS, FIGURES, LOCK])
 def test_a_link_for_a_folder_is_refused(tmp_path: Any, name: str) -> None:
     outside, root = tmp_path / "outside", marked(tmp_path / "results")
     outside.mkdir()
     link = root / name.replace("??", "ab")
     link.parent.mkdir(exist_ok=True)
+    link.unlink(missing_ok=True)
     link.symlink_to(outside)
     study: Any = FakeStudy()
     with pytest.raises(LinkWithin, match=f"{link} is a link"):
@@ -75,3 +77,54 @@ def test_no_journal_is_written_through_a_link(tmp_path: Any) -> None:
     with pytest.raises(OSError, match="journal"):
         run(study, root, jobs=1, progress=False, engine=ENGINE)
     assert precious.read_text() == "precious"
+
+
+def test_no_lock_is_taken_through_a_link(tmp_path: Any) -> None:
+    precious, root = tmp_path / "precious", tmp_path / "results"
+    precious.write_text("precious")
+    root.mkdir()
+    (root / LOCK).symlink_to(precious)
+    with pytest.raises(LinkWithin, match="is a link"):
+        marked(root)
+    assert precious.read_text() == "precious"
+
+
+def made_link(path: Any) -> None:
+    """The file elsewhere, and a link to it in its place."""
+    other = path.parents[3] / "elsewhere"
+    path.rename(other)
+    path.symlink_to(other)
+
+
+def made_pipe(path: Any) -> None:
+    path.unlink()
+    os.mkfifo(path)
+
+
+def made_hole(path: Any) -> None:
+    with path.open("r+b") as file:
+        file.truncate(1 << 43)
+
+
+@pytest.mark.parametrize("change", [made_link, made_pipe, made_hole])
+def test_a_unit_that_is_no_file_of_the_folder_is_damaged(tmp_path: Any, change: Any) -> None:
+    study, root = FakeStudy(), tmp_path / "results"
+    run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
+    [unit] = root.glob("units/*/*.h5")
+    change(unit)
+    with pytest.warns(DamageWarning, match="is a link|is no file|more than the memory"):
+        assert set(store.open_results(root).table()["status"]) == {"missing"}
+    summary = run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
+    assert (summary.done, summary.resumed) == (4, 0)
+    assert unit.is_file()
+    assert not unit.is_symlink()
+
+
+@pytest.mark.parametrize("name", ["plan.json", "study.yaml"])
+def test_a_file_elsewhere_is_not_copied_by_a_merge(tmp_path: Any, name: str) -> None:
+    study, root = FakeStudy(), tmp_path / "a" / "b" / "c"
+    run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
+    made_link(root / name)
+    with pytest.raises(UserError, match=rf"{name}.*is a link"):
+        store.merge([root], tmp_path / "out")
+    assert not (tmp_path / "out" / name).exists()

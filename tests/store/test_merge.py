@@ -177,14 +177,17 @@ def test_where_a_study_lay_is_no_other_plan(tmp_path: Path) -> None:
     assert store.merge([first, second], tmp_path / "out").jobs["done"] == 2
 
 
+def accuracy(within: float, notes: list[str]) -> dict[str, Any]:
+    return {"within": within, "notes": notes, "of": [], "jobs": {}, "curves": [], "audits": []}
+
+
 def test_what_is_said_of_an_earlier_plan_s_choices_is_no_other_plan(tmp_path: Path) -> None:
     folders = [folder(tmp_path / name, FakeStudy(WIDTHS), [[n]]) for n, name in enumerate("ab")]
     for one, notes in zip(folders, ([], ["3 choices were made for an earlier plan"]), strict=True):
-        said = {"accuracy": {"within": 0.05, "notes": notes, "jobs": {}}}
-        write_json(one / "plan.json", store.read_plan(one) | said)
+        write_json(one / "plan.json", store.read_plan(one) | {"accuracy": accuracy(0.05, notes)})
     assert "2 units copied" in str(store.merge(folders, tmp_path / "out"))
     assert "1 unit copied" in str(store.merge(folders[:1], tmp_path / "one"))
-    write_json(folders[1] / "plan.json", store.read_plan(folders[1]) | {"accuracy": {"within": 0.02, "jobs": {}}})
+    write_json(folders[1] / "plan.json", store.read_plan(folders[1]) | {"accuracy": accuracy(0.02, [])})
     with pytest.raises(store.Unmergeable, match="`accuracy` differs"):
         store.merge(folders, tmp_path / "other")
 
@@ -215,16 +218,16 @@ def test_folders_without_results_are_refused(tmp_path: Path) -> None:
 def test_an_interrupted_merge_can_be_repeated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     study = FakeStudy(WIDTHS)
     shards = [folder(tmp_path / str(k), study, [[k], [k + 3]]) for k in range(3)]
-    write, written = store.merge.__globals__["write_bytes"], []
+    copy, copied = store.merge.__globals__["copy"], []
 
-    def write_a_few(path: Path, told: bytes) -> None:
-        if len(written) == 5:
+    def copy_a_few(path: Path, into: Path) -> None:
+        if len(copied) == 5:
             raise KeyboardInterrupt
-        written.append(path)
-        write(path, told)
+        copied.append(path)
+        copy(path, into)
 
     with monkeypatch.context() as patch:
-        patch.setitem(store.merge.__globals__, "write_bytes", write_a_few)
+        patch.setitem(store.merge.__globals__, "copy", copy_a_few)
         with pytest.raises(KeyboardInterrupt):
             store.merge(shards, tmp_path / "out")
     assert len([*tmp_path.glob("out/units/??/*.h5")]) == 3

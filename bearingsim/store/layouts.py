@@ -1,0 +1,185 @@
+"""What the JSON files of a results folder hold: ids, names, numbers and texts, each in its place.
+
+Names that become those of files are checked as a study's own. Texts may be anything: they are printed by
+``text/terminal.py``, drawn as they are, and quoted in tables.
+"""
+
+from collections.abc import Iterator, Mapping
+from functools import cache
+from itertools import chain
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError
+
+from bearingsim.designs import Kind, block
+from bearingsim.store.own_files import ID
+from bearingsim.store.regular import Unreadable
+from bearingsim.study.design import IN_BLOCKS
+from bearingsim.study.load import NAME
+
+__all__ = ["Choices", "Failure", "Trials", "check", "check_plan"]
+
+Id = Annotated[str, StringConstraints(pattern=f"^{ID}$")]
+Name = Annotated[str, StringConstraints(pattern=r"^[^\x00-\x1f\x7f-\x9f]{1,200}$")]
+"""Of a feature, or a path of a study."""
+Count = Annotated[int, Field(ge=1)]
+Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+LONGEST_PLACE = 100
+"""Letters of the place of an entry that a message names."""
+
+
+class Layout(BaseModel):
+    """A mapping with these entries; others are those of another version."""
+
+    model_config = ConfigDict(strict=True)
+
+
+class Figure(Layout):
+    y: list[Name]
+    x: Name
+    by: list[Name]
+    panels: list[Name]
+    where: dict[Name, str]
+    title: str | None
+    log: list[str]
+
+
+class Job(Layout):
+    job: Id
+    healthy: Id | None
+    twin: bool
+    variation: bool = False
+    swept: dict[Name, float | str]
+
+
+class Design(Layout):
+    kind: Kind
+    n: Count
+    seed: Annotated[int, Field(ge=0)]
+    paths: list[Name]
+    ranges: list[Pair]
+    ids: list[Id]
+
+
+class Chosen(Layout):
+    model: str
+    why: str
+    error: dict[Name, float]
+
+
+class Curve(Layout):
+    feature: Name
+    jobs: list[Id]
+
+
+class Audit(Layout):
+    of: Id
+    job: Id
+
+
+class Accuracy(Layout):
+    within: float
+    of: list[Name]
+    jobs: dict[Id, Chosen]
+    curves: list[Curve]
+    audits: list[Audit]
+    notes: list[str] = []
+
+
+class Variation(Layout):
+    of: Id
+    what: str
+    value: float
+    job: Id
+
+
+class Plan(Layout):
+    study: Annotated[str, StringConstraints(pattern=f"^{NAME.pattern}$")]
+    quick: bool
+    units: dict[Name, str]
+    figures: list[Figure]
+    jobs: Annotated[list[Job], Field(min_length=1)]
+    file: str | None = None
+    overrides: dict[str, str] = {}
+    model_version: int = 0
+    made_of: str = ""
+    notes: list[str] = []
+    design: Design | None = None
+    assumptions: list[str] = []
+    accuracy: Accuracy | None = None
+    nothing_uncertain: bool = False
+    variations: list[Variation] = []
+
+
+class Failure(Layout):
+    reason: str = ""
+    advice: str = ""
+    time: float | None = None
+    traceback: str = ""
+    attempts: Count = 1
+    command: str = ""
+    when: str = ""
+
+
+class Choice(Layout):
+    candidate: str
+    model: str
+    why: str
+    error: dict[Name, float]
+    plan: str = ""
+
+
+class Trial(Layout):
+    passes: Count
+    turns: Annotated[int, Field(ge=0)]
+    repeats: bool
+    lines: dict[Name, list[Pair]]
+    powers: dict[Name, list[float]]
+    forces: list[float]
+
+
+Choices = dict[Name, Choice]
+Trials = dict[Name, Trial | None]
+
+
+@cache
+def _adapter(layout: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(layout)
+
+
+def check(layout: Any, value: Any) -> None:
+    """Raises Unreadable, with the place of the first entry that a layout does not allow."""
+    try:
+        _adapter(layout).validate_python(value)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_context=False)[0]
+        place = ".".join(map(str, first["loc"])) or "its text"
+        raise Unreadable(f"{place[:LONGEST_PLACE]}: {first['msg']}") from None
+
+
+def check_plan(plan: Mapping[str, Any]) -> None:
+    """Raises Unreadable for what is no plan: by its layout, or by ids of jobs that it does not have."""
+    check(Plan, plan)
+    ids = {entry["job"] for entry in plan["jobs"]}
+    if len(ids) < len(plan["jobs"]):
+        raise Unreadable("jobs: an id occurs twice")
+    lacking = next((job for job in _references(plan) if job not in ids), None)
+    if lacking is not None:
+        raise Unreadable(f"jobs: there is no {lacking}, which the plan names elsewhere")
+    design = plan.get("design")
+    if design is not None:
+        rows = block(design["kind"], len(design["paths"])) if design["kind"] in IN_BLOCKS else 1
+        if not design["paths"] or len(design["ranges"]) != len(design["paths"]) or len(design["ids"]) % rows:
+            raise Unreadable("design: its paths, ranges and jobs do not fit each other")
+
+
+def _references(plan: Mapping[str, Any]) -> Iterator[str]:
+    """The ids that a plan names beside those of its jobs."""
+    yield from (entry["healthy"] for entry in plan["jobs"] if entry["healthy"] is not None)
+    yield from chain.from_iterable((one["of"], one["job"]) for one in plan.get("variations", ()))
+    yield from (plan.get("design") or {"ids": ()})["ids"]
+    accuracy = plan.get("accuracy")
+    if accuracy is not None:
+        yield from accuracy["jobs"]
+        yield from chain.from_iterable(curve["jobs"] for curve in accuracy["curves"])
+        yield from chain.from_iterable((one["of"], one["job"]) for one in accuracy["audits"])

@@ -1,0 +1,173 @@
+"""The JSON files of a results folder hold ids, names, numbers and texts, each in its place, or are refused."""
+
+import copy
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bearingsim import store
+from bearingsim.runner import run
+from bearingsim.simulation.trial import Trial
+from bearingsim.store import layouts
+from bearingsim.store.regular import Unreadable
+from bearingsim.store.sealed import read_json, write_json
+from tests.scenes.fake_studies import ENGINE, FakeStudy
+
+OTHER = "0123456789abcdef"
+FIGURE = {
+    "y": ["velocity@BPFO"],
+    "x": "defect.width",
+    "by": [],
+    "panels": [],
+    "where": {},
+    "title": None,
+    "log": [],
+}
+DESIGN = {"kind": "morris", "n": 1, "seed": 1, "paths": ["defect.width"], "ranges": [[1e-3, 2e-3]]}
+CHOICE = {"candidate": "ring", "model": "ring", "why": "near enough", "error": {"velocity@BPFO": 0.01}}
+TRIAL = {"passes": 4, "turns": 4, "repeats": False, "lines": {"velocity@BPFO": [[1.0, 0.0]] * 4}}
+TRIAL |= {"powers": {}, "forces": [1.0] * 4}
+
+
+@pytest.fixture(scope="module")
+def plan() -> dict[str, Any]:
+    study: Any = FakeStudy()
+    return store.plan_of(study, study.jobs())
+
+
+def changed(plan: dict[str, Any], place: str, value: Any) -> dict[str, Any]:
+    found = copy.deepcopy(plan)
+    *path, last = (int(word) if word.isdecimal() else word for word in place.split("/"))
+    inner: Any = found
+    for word in path:
+        inner = inner[word]
+    inner[last] = value
+    return found
+
+
+def test_what_a_study_expands_to_is_a_plan(plan: dict[str, Any]) -> None:
+    layouts.check_plan(plan)
+    layouts.check_plan(plan | {"figures": [FIGURE], "of another version": [1]})
+    ids = [entry["job"] for entry in plan["jobs"]]
+    layouts.check_plan(plan | {"design": DESIGN | {"ids": ids[:2]}})
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        ("study", "../../x"),
+        ("study", "a/b"),
+        ("study", ".."),
+        ("study", "x\n"),
+        ("study", 1),
+        ("quick", "no"),
+        ("units", {"load\x1b[2J": "N"}),
+        ("units", []),
+        ("jobs", []),
+        ("jobs", {}),
+        ("jobs/0/job", "../../../../etc/x"),
+        ("jobs/0/job", "0123456789ABCDEF"),
+        ("jobs/0/healthy", "x"),
+        ("jobs/0/healthy", OTHER),
+        ("jobs/0/swept", {"load": [1.0]}),
+        ("jobs/0/swept", {"x" * 300: 1.0}),
+        ("jobs/0/twin", None),
+        ("figures", [{"x": "load"}]),
+        ("figures", [FIGURE | {"y": "velocity@BPFO"}]),
+        ("overrides", {"load": 1}),
+        ("notes", "all is well"),
+        ("design", DESIGN | {"ids": [OTHER]}),
+        ("design", DESIGN | {"ids": []} | {"ranges": []}),
+        ("design", DESIGN | {"ids": [], "kind": "grid"}),
+        ("variations", [{"of": OTHER, "what": "damping", "value": 1.0, "job": OTHER}]),
+        ("accuracy", {"within": 0.1}),
+        ("accuracy", {"within": 0.1, "of": [], "jobs": {"../x": {}}, "curves": [], "audits": []}),
+        ("accuracy", {"within": 0.1, "of": [], "jobs": {}, "curves": [], "audits": [{"of": OTHER, "job": OTHER}]}),
+    ],
+)
+def test_what_is_no_plan_is_refused_with_its_place(plan: dict[str, Any], place: str, value: Any) -> None:
+    with pytest.raises(Unreadable, match=f"{place.split('/')[0]}|names elsewhere"):
+        layouts.check_plan(changed(plan, place, value))
+
+
+def test_ids_that_occur_twice_or_fill_no_block_are_refused(plan: dict[str, Any]) -> None:
+    with pytest.raises(Unreadable, match="twice"):
+        layouts.check_plan(plan | {"jobs": [*plan["jobs"], plan["jobs"][0]]})
+    ids = [entry["job"] for entry in plan["jobs"]]
+    with pytest.raises(Unreadable, match="do not fit"):
+        layouts.check_plan(plan | {"design": DESIGN | {"ids": ids[:3]}})
+
+
+@pytest.mark.parametrize(
+    ("layout", "value"),
+    [
+        (layouts.Failure, {"reason": ["a"]}),
+        (layouts.Failure, {"reason": "a", "time": "now"}),
+        (layouts.Failure, {"attempts": 0}),
+        (layouts.Choices, {"one": CHOICE | {"error": {"velocity@BPFO": "large"}}}),
+        (layouts.Choices, {"one": {}}),
+        (layouts.Trials, {"one": {}}),
+        (layouts.Trials, {"one": TRIAL | {"lines": {"velocity@BPFO": [[1.0]]}}}),
+        (layouts.Trials, {"one": TRIAL | {"passes": 1e9}}),
+    ],
+)
+def test_other_files_are_refused(layout: Any, value: Any) -> None:
+    with pytest.raises(Unreadable):
+        layouts.check(layout, value)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda trial: {"lines": {}},
+        lambda trial: {"lines": {"velocity@BPFO": []}},
+        lambda trial: {"lines": {"velocity@BPFO": [[1.0, 0.0]]}},
+        lambda trial: {"forces": []},
+        lambda trial: {"turns": 5},
+        lambda trial: {"passes": 10**12},
+    ],
+)
+def test_a_trial_whose_parts_do_not_fit_counts_as_absent(tmp_path: Path, change: Callable[[Any], Any]) -> None:
+    folder, asked = tmp_path / "trials", ["velocity@BPFO", "outer_force.max"]
+    folder.mkdir()
+    write_json(folder / f"{OTHER}.json", {"trials": {"one": TRIAL, "two": None}})
+    assert set(store.read_trials(tmp_path, asked)) == {"one", "two"}
+    write_json(folder / f"{OTHER}.json", {"trials": {"one": TRIAL | change(TRIAL), "two": None}})
+    assert "one" not in store.read_trials(tmp_path, asked)
+
+
+def test_trials_are_written_as_they_are_read(tmp_path: Path) -> None:
+    lines = {"velocity@BPFO": np.array([1.0 + 2.0j])}
+    store.write_trials(
+        tmp_path, OTHER, {"one": Trial(3, 0, True, lines, {"velocity.rms": np.ones(1)}, np.ones(3))}
+    )
+    assert store.read_trials(tmp_path, ["velocity@BPFO", "velocity.rms"])["one"] is not None
+
+
+@pytest.mark.parametrize(
+    ("command", "kept"),
+    [
+        ("bearingsim run 'my study.yaml' --out results/x --retry-failed", True),
+        ("bearingsim run x.yaml; rm -rf ~", False),
+        ("bearingsim run $(id)", False),
+        ("bearingsim run 'x\n rm'", False),
+        ("bearingsim prune x --no-dry-run", False),
+        ("rm -rf x", False),
+        ("bearingsim run 'x", False),
+    ],
+)
+def test_only_commands_of_this_program_are_repeated(tmp_path: Path, command: str, kept: bool) -> None:
+    (tmp_path / "failed").mkdir()
+    write_json(tmp_path / "failed" / f"{OTHER}.json", {"reason": "a", "command": command})
+    assert store.read_failures(tmp_path)[OTHER].command == (command if kept else "")
+
+
+def test_a_plan_that_is_none_is_told_by_its_place(tmp_path: Path) -> None:
+    study: Any = FakeStudy()
+    run(study, tmp_path, jobs=1, progress=False, engine=ENGINE)
+    write_json(tmp_path / "plan.json", read_json(tmp_path / "plan.json") | {"study": "../../x"})
+    with pytest.raises(store.ResultsError, match=r"plan.json is damaged .*\(study: "):
+        store.open_results(tmp_path)
