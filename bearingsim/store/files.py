@@ -19,7 +19,7 @@ from typing import BinaryIO, TextIO
 from filelock import FileLock, Timeout
 
 from bearingsim.errors import NO_ROOM, UserError
-from bearingsim.store.own_files import FIGURES, FOLDERS, LOCK, temporary_files
+from bearingsim.store.own_files import FOLDERS, LOCK, temporary_files
 from bearingsim.store.regular import Unreadable, open_regular
 
 __all__ = [
@@ -236,7 +236,7 @@ def _other_runs(root: Path) -> str:
 
 def refuse_links(root: Path) -> None:
     """Raises LinkWithin where a link stands for one of the folders, or the lock: it leads out of the results."""
-    for path in (path for name in (*FOLDERS, FIGURES, LOCK) for path in root.glob(name)):
+    for path in (path for name in (*FOLDERS, LOCK) for path in root.glob(name)):
         _refuse_link(path)
 
 

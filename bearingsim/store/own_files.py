@@ -11,7 +11,6 @@ __all__ = [
     "CHOICES",
     "DAMAGED",
     "FAILURES",
-    "FIGURES",
     "FOLDERS",
     "LOCK",
     "SCANS",
@@ -57,7 +56,7 @@ FOLDERS = ("failed", "figures", "scans", "trials", "units", "units/??")
 
 AT_TOP = r"bearingsim\.json|plan\.json|study\.yaml|study\.h5|results\.csv|choices\.json"
 TEMPORARY = re.compile(rf"(run|{AT_TOP}|{ID}(\.\w+)?)\.[\w-]+-\d+-[0-9a-f]{{8}}\.(part|started)")
-LOCK, FIGURES = ".lock", "figures"
+LOCK = ".lock"
 
 
 def temporary_files(root: Path) -> list[Path]:
