@@ -47,8 +47,8 @@ class Figure(Layout):
 class Job(Layout):
     job: Id
     healthy: Id | None
-    twin: bool
-    variation: bool = False
+    is_baseline: bool = Field(alias="twin")
+    is_variation: bool = Field(alias="variation", default=False)
     swept: dict[Name, float | str]
 
 
