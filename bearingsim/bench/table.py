@@ -2,7 +2,6 @@
 
 import csv
 import json
-import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
@@ -17,6 +16,7 @@ from bearingsim.bench.scene import Scene
 from bearingsim.runner.pool import spread
 from bearingsim.runner.progress import duration
 from bearingsim.store import claim
+from bearingsim.text.terminal import say
 
 RUNS, ABOUT = "runs.csv", "provenance.json"
 LINE_EVERY_S = 5.0
@@ -91,7 +91,7 @@ def _append(path: Path, todo: Sequence[Run], jobs: int) -> None:
                 if time.monotonic() - last > LINE_EVERY_S:
                     last = time.monotonic()
                     left = duration((last - began) * (len(todo) - done) / done)
-                    print(f"{done}/{len(todo)} runs, about {left} left", file=sys.stderr, flush=True)
+                    say(f"{done}/{len(todo)} runs, about {left} left", err=True)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"interrupted: {path} has {done} of {len(todo)} runs; run it again") from None
 
@@ -106,9 +106,9 @@ def _rows(run: Run, solver: outside.Solver | None) -> list[Row]:
 def _compile(todo: Sequence[Run], jobs: int) -> None:
     """Compile before anything is timed: what one model needs, in one process."""
     groups = kinds(todo)
-    print(f"getting ready: {len(groups)} models, {len(todo)} runs to do", file=sys.stderr, flush=True)
+    say(f"getting ready: {len(groups)} models, {len(todo)} runs to do", err=True)
     for done, model in enumerate(spread(_ready, [(group, dict(outside.SOLVERS)) for group in groups], jobs), 1):
-        print(f"ready, {done} of {len(groups)}: {model}", file=sys.stderr, flush=True)
+        say(f"ready, {done} of {len(groups)}: {model}", err=True)
 
 
 def _ready(group: Sequence[Run], solvers: dict[str, outside.Solver]) -> str:

@@ -17,6 +17,7 @@ from bearingsim.cli.group import Commands
 from bearingsim.cli.opening import job_meant, near
 from bearingsim.cli.opening import opened as opened_results
 from bearingsim.errors import Signalled
+from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     from bearingsim.study import Study
@@ -69,7 +70,7 @@ def _end(number: int, frame: object) -> None:
 
 def _version(asked: bool) -> None:
     if asked:
-        typer.echo(f"bearingsim {__version__}")
+        say(f"bearingsim {__version__}")
         raise typer.Exit
 
 
@@ -92,8 +93,8 @@ def new(
 
     write_study(path)
     for line in write_schema(path.parent):
-        typer.echo(line, err=True)
-    typer.echo(f"{path} written: next `bearingsim check {path}`")
+        say(line, err=True)
+    say(f"{path} written: next `bearingsim check {path}`")
 
 
 @app.command()
@@ -118,7 +119,7 @@ def check(
     if schema:
         from bearingsim.study import schema_text
 
-        typer.echo(schema_text(), nl=False)
+        say(schema_text().rstrip("\n"))
         return
     if study is None:
         raise typer.BadParameter("name a study file (or --schema)", param_hint="STUDY")
@@ -133,11 +134,11 @@ def check(
         asked = runner.with_models(asked, out, jobs, try_them=pilots)
     found = plan.plan_of(asked, jobs)
     if as_json:
-        typer.echo(plan.as_json(found))
+        say(plan.as_json(found))
     else:
         plan.show(found, verbose=_verbose(ctx))
     for refused in found.refused:
-        typer.echo(f"{study}: {refused}", err=True)
+        say(f"{study}: {refused}", err=True)
     if found.refused:
         raise typer.Exit(2)
 
@@ -196,12 +197,12 @@ def run(
             max_failures=failures,
             max_cpu=cpu,
         )
-    typer.echo(str(summary))
+    say(str(summary))
     if _verbose(ctx) and summary.failed:
         from bearingsim.cli import tables
 
         tables.show_failures(summary.folder, tracebacks=True)
-    typer.echo(f"results: {near(summary.folder)}")
+    say(f"results: {near(summary.folder)}")
     raise typer.Exit(summary.exit_code)
 
 
@@ -249,9 +250,9 @@ def plot(
     with warnings.catch_warnings(record=True) as left_out:
         warnings.simplefilter("always", plots.PlotWarning)
         files = plots.plot(opened, kind, x, ids, file_format, out, **changes)
-    typer.echo("\n".join(map(near, files)))
+    say("\n".join(map(near, files)))
     for warning in left_out:
-        typer.echo(str(warning.message), err=True)
+        say(str(warning.message), err=True)
 
 
 @app.command()
@@ -323,7 +324,7 @@ def export(
         written.append(exporting.series(opened, ids, out, file_format, force))
     for path in written:
         if path != exporting.STDOUT:
-            typer.echo(near(path), err=exporting.STDOUT in written)
+            say(near(path), err=exporting.STDOUT in written)
 
 
 @app.command()
@@ -336,8 +337,8 @@ def merge(
     """Make one results folder of several: those of shards, or of other machines. They stay as they are."""
     from bearingsim import store
 
-    typer.echo(str(store.merge(folders, out)))
-    typer.echo(f"results: {near(out)}")
+    say(str(store.merge(folders, out)))
+    say(f"results: {near(out)}")
 
 
 @app.command()
@@ -354,11 +355,12 @@ def prune(
     root = opened_results(results).path
     found = store.superfluous(root) if dry_run else store.prune(root)
     if _verbose(ctx):
-        typer.echo("".join(f"{near(path)}\n" for path in found.paths), nl=False)
-    typer.echo(str(found))
+        for path in found.paths:
+            say(near(path))
+    say(str(found))
     if found.paths:
         later = f"nothing is removed yet: `bearingsim prune {near(root)} --no-dry-run` does it"
-        typer.echo(later if dry_run else "removed")
+        say(later if dry_run else "removed")
 
 
 @app.command()
@@ -382,7 +384,7 @@ def freq(
 
     found = frequencies.of_bearing(bearing, speed, outer_speed, contact_angle)
     if as_json:
-        typer.echo(json.dumps(found, indent=1))
+        say(json.dumps(found, indent=1))
     else:
         frequencies.show(bearing, speed, found, outer_speed)
 
@@ -441,7 +443,7 @@ def _loaded(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
 
     study = load_study(path, dict(map(_assignment, assignments or [])), quick)
     if quick and not study.quick:
-        typer.echo(f"{path} has no `quick:` section: this is the whole study", err=True)
+        say(f"{path} has no `quick:` section: this is the whole study", err=True)
     return study
 
 

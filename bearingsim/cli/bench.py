@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from bearingsim.cli.opening import near
+from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     from bearingsim.bench.plan import Settings
@@ -21,7 +22,7 @@ def show(study: Path | None, scenes: Sequence[str], quick: bool, folder: Path | 
     usual = "bench-chart-quick" if quick else "bench-chart"
     target = folder or Path("results") / (f"bench-{study.stem}" if study is not None else usual)
     for file in chart(study, scenes, quick, target, jobs):
-        typer.echo(near(file))
+        say(near(file))
 
 
 def chart(

@@ -2,9 +2,8 @@
 
 from typing import Any
 
-import typer
-
 from bearingsim.cli.screen import print_table
+from bearingsim.text.terminal import say
 
 __all__ = ["of_bearing", "show"]
 
@@ -93,7 +92,7 @@ def show(name: str, speed: str, found: dict[str, Any], outer_speed: str | None =
     outer = "" if outer_speed is None else f", its outer ring at {outer_speed}"
     angle = f", contact angle {found['contact_angle_deg']:.4g} deg" if found["contact_angle_deg"] else ""
     ring = "shaft" if found["inner_hz"] else "outer ring"
-    typer.echo(f"{found['bearing'] or name} at {speed}{outer}{angle} ({ring} {found['shaft_hz']:.4g} Hz)")
+    say(f"{found['bearing'] or name} at {speed}{outer}{angle} ({ring} {found['shaft_hz']:.4g} Hz)")
     heads = ["", "what", "order", *(f"{k} x (Hz)" for k in HARMONICS)]
     against = found["cage_hz"] * (found["inner_hz"] or found["outer_hz"]) < 0.0
     rows = [

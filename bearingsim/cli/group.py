@@ -16,6 +16,7 @@ from typer.core import TyperGroup
 from bearingsim import extensions
 from bearingsim.cli.streams import reader_is_gone
 from bearingsim.errors import NO_ROOM, DamageWarning, UserError
+from bearingsim.text.terminal import say
 
 __all__ = ["WRONG", "Commands"]
 
@@ -53,7 +54,7 @@ def sentence(error: OSError) -> str:
 def _tell(message: Warning | str, *place: Any, **more: Any) -> None:
     """What a user must know, without its place in the program; all else as Python tells it."""
     told = str(message) if isinstance(message, DamageWarning) else warnings.formatwarning(message, *place[:3])
-    typer.echo(told, err=True)
+    say(told, err=True)
 
 
 @contextmanager
@@ -72,7 +73,7 @@ def _left_out_told() -> Iterator[None]:
 
 def _tell_left_out() -> None:
     for sentence in extensions.BROKEN.values():
-        typer.echo(f"{sentence} (left out)", err=True)
+        say(f"{sentence} (left out)", err=True)
 
 
 @contextmanager
@@ -81,15 +82,15 @@ def _ended_by_message(ctx: Any) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt as stop:
-        typer.echo(str(stop) or "interrupted", err=True)
+        say(str(stop) or "interrupted", err=True)
         raise typer.Exit(128 + getattr(stop, "number", signal.SIGINT)) from None
     except (OSError, UserError) as error:
         if isinstance(error, BrokenPipeError) and reader_is_gone():
             raise  # typer ends quietly
         if ctx.params.get("verbose"):
-            typer.echo("Traceback (most recent call last):", err=True)
+            say("Traceback (most recent call last):", err=True)
             traceback.print_tb(error.__traceback__)
-        typer.echo(sentence(error) if isinstance(error, OSError) else str(error), err=True)
+        say(sentence(error) if isinstance(error, OSError) else str(error), err=True)
         raise typer.Exit(WRONG) from None
 
 

@@ -3,9 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
 from bearingsim.errors import UserError
+from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     from bearingsim.store import Results
@@ -23,7 +22,7 @@ def opened(folder: Path | None) -> "Results":
         try:
             return open_results(root)
         except (ResultsError, LinkWithin) as error:
-            typer.echo(f"{error} (left out)", err=True)
+            say(f"{error} (left out)", err=True)
     raise UserError("there are no results in ./results: name a folder, or run a study first")
 
 

@@ -3,10 +3,13 @@
 import math
 import sys
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from bearingsim.text.terminal import plain
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.text import Text
 
 __all__ = ["print_table", "significant", "span"]
 
@@ -26,7 +29,13 @@ def console(least: int = 0) -> "Console":
     """The console of stdout (NO_COLOR honoured), at least so wide; wide where no terminal sets a width."""
     from rich.console import Console
 
-    return Console(width=max(terminal_width() or PIPED_WIDTH, least), highlight=False)
+    class Screen(Console):
+        """A console that shows the control characters of no text."""
+
+        def render_str(self, text: str, **more: Any) -> "Text":
+            return super().render_str(plain(text), **more)
+
+    return Screen(width=max(terminal_width() or PIPED_WIDTH, least), highlight=False)
 
 
 def print_table(heads: Sequence[str], rows: Iterable[Sequence[str]], words: int = 1) -> None:

@@ -5,11 +5,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from bearingsim.cli.opening import near
 from bearingsim.cli.screen import print_table, significant
 from bearingsim.errors import UserError
+from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     from bearingsim.plots.sensitivity import Answer
@@ -33,14 +32,14 @@ def show(results: "Results", features: Sequence[str], as_json: bool, out: Path |
     blocks = [of_results(results, feature) for feature in wanted]
     answers = [(one, analysed(one)) for one in blocks]
     if as_json:
-        typer.echo(json.dumps({one.feature: _plain(one, found) for one, found in answers}, indent=1))
+        say(json.dumps({one.feature: _plain(one, found) for one, found in answers}, indent=1))
     else:
         for number, answer in enumerate(answers):
-            typer.echo("\n" * bool(number) + _head(*answer))
+            say("\n" * bool(number) + _head(*answer))
             _print(*answer)
-            typer.echo(_verdict(*answer))
+            say(_verdict(*answer))
             for told in _remarks(answer[0]):
-                typer.echo(told)
+                say(told)
     if out is not None or not as_json:
         _draw(results, answers, target, quiet=as_json)
 
@@ -64,7 +63,7 @@ def _draw(results: "Results", answers: "Sequence[Answer]", target: Path, quiet: 
     target.parent.mkdir(exist_ok=True)
     file = sensitivity.draw(results, answers, target)
     if not quiet:
-        typer.echo(near(file))
+        say(near(file))
 
 
 def _head(blocks: "Blocks", found: "Indices | Effects") -> str:

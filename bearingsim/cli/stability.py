@@ -6,6 +6,7 @@ from pathlib import Path
 import typer
 
 from bearingsim.cli.opening import near
+from bearingsim.text.terminal import say
 
 __all__ = ["chosen", "show"]
 
@@ -42,6 +43,6 @@ def show(
     target = folder or Path("results") / ("stability-quick" if quick else "stability")
     path = mapping.compute(of, by, grid, target, jobs)
     print_table(("model", "method", *judge.CLASSES), mapping.summary(path), words=2)
-    typer.echo(near(path))
+    say(near(path))
     for file in maps.draw_all(path):
-        typer.echo(near(file))
+        say(near(file))

@@ -8,12 +8,11 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from bearingsim.cli.screen import needed_width, print_table, significant, terminal_width
 from bearingsim.config.rules import damping
 from bearingsim.errors import UserError
 from bearingsim.runner.summary import repetitions
+from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,25 +38,25 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     _check(chosen, [str(name) for name in table])
     if as_json:
         asked = rows[["job", *chosen]] if columns else rows
-        typer.echo(json.dumps([_plain(row) for row in asked.to_dict("records")], indent=1))
+        say(json.dumps([_plain(row) for row in asked.to_dict("records")], indent=1))
         return
     shown = rows[:MOST_ROWS]
     found = [("job", [job[:8] for job in shown["job"]]), *(_column(results, shown, name) for name in chosen)]
     kept = found if columns else _fitting(found, [name in features for name in ["job", *chosen]])
     print_table([head for head, _ in kept], list(zip(*(cells for _, cells in kept), strict=True)))
     if len(shown) < len(rows):
-        typer.echo(f"and {len(rows) - len(shown)} jobs more: results.csv has them, and `--json`")
-    typer.echo(_counts(table) + _varied(results))
+        say(f"and {len(rows) - len(shown)} jobs more: results.csv has them, and `--json`")
+    say(_counts(table) + _varied(results))
     info = results.info().reindex(table["job"])
     of_choices = (results.plan.get("accuracy") or {}).get("notes", ())
     assumed = results.plan.get("assumptions", ())
     for told in (*of_choices, *repetitions(info), *assumed, *damping.of_jobs(info)):
-        typer.echo(told)
+        say(told)
     if len(kept) < len(found):
         heads = {_stacked(head) for head, _ in kept}
         left = ", ".join(head for head, _ in found if _stacked(head) not in heads)
         count = len(found) - len(kept)
-        typer.echo(f"{count} columns too wide for the terminal: {left} (`--columns NAME`, `--json` or a pipe)")
+        say(f"{count} columns too wide for the terminal: {left} (`--columns NAME`, `--json` or a pipe)")
 
 
 def usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
@@ -155,13 +154,13 @@ def show_failures(folder: Path, tracebacks: bool = False) -> None:
     failures = {job: known[job] for job in results.planned if job in known}
     varied = {one["job"]: f"{one['what']} {one['value']:.3g} (SI) of {one['of']}" for one in results.variations}
     for job, failure in islice(failures.items(), MOST_ROWS):
-        typer.echo(f"{job}  {varied.get(job) or described(swept[job], results.plan['units'])}")
+        say(f"{job}  {varied.get(job) or described(swept[job], results.plan['units'])}")
         told = failure.time is None or "into the run" in failure.reason
         when = "" if told else f", {1e3 * (failure.time or 0.0):.4g} ms into the run"
-        typer.echo(f"    {failure.reason}{when}" + (f" ({failure.advice})" if failure.advice else ""))
+        say(f"    {failure.reason}{when}" + (f" ({failure.advice})" if failure.advice else ""))
         if tracebacks:
-            typer.echo(failure.traceback)
+            say(failure.traceback)
     if len(failures) > MOST_ROWS:
-        typer.echo(f"and {len(failures) - MOST_ROWS} jobs more: failed/ has them, a file each")
+        say(f"and {len(failures) - MOST_ROWS} jobs more: failed/ has them, a file each")
     commands = dict.fromkeys(failure.command for failure in failures.values() if failure.command)
-    typer.echo("\n".join(f"again: {command}" for command in commands) if failures else "no job failed")
+    say("\n".join(f"again: {command}" for command in commands) if failures else "no job failed")

@@ -1,11 +1,11 @@
 """What bounds a run: jobs that would take too much CPU time are left out, and enough failed jobs end it."""
 
-import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.runner.packing import Cost
 from bearingsim.runner.progress import duration
+from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     from bearingsim.study import Job
@@ -41,7 +41,7 @@ def affordable(jobs: Sequence["Job"], costs: Sequence[Cost], max_cpu: float, sho
             f"{which} left out: estimated to take {most} of CPU time, over {duration(max_cpu)} (`--max-cpu`)"
         )
         if shown is not False:
-            print(*notes, file=sys.stderr, flush=True)
+            say(" ".join(notes), err=True)
     return Affordable([job for job, _ in kept], [cost for _, cost in kept], notes)
 
 

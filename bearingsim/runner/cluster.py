@@ -6,7 +6,6 @@ a case travels with its model.
 
 import asyncio
 import pickle
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
@@ -42,6 +41,7 @@ from bearingsim.runner.handshake import SchedulerGone, client_of, within
 from bearingsim.runner.pool import RESTARTS_WITHOUT_PROGRESS, WorkersDie
 from bearingsim.runner.stopping import asked, heeding
 from bearingsim.runner.work import Outcome, Work
+from bearingsim.text.terminal import say
 
 __all__ = ["Cluster", "SchedulerGone", "joined"]
 
@@ -266,7 +266,7 @@ class Cluster:
             told = (
                 f"no worker is at {self.address}: waiting (`dask worker {self.address} --nthreads 1` starts one)"
             )
-            print(told, file=sys.stderr, flush=True)
+            say(told, err=True)
         self.alone = not self.count
         while self.lost:
             self.landed.put(self.lost.pop())

@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 
+from bearingsim.text.terminal import say
+
 __all__ = ["Patience", "Report", "duration", "getting_ready", "progress"]
 
 LINE_EVERY_S = 10.0
@@ -34,7 +36,7 @@ class Patience:
     def begin(self, what: str) -> None:
         """From now on ``what`` is done; it is said if it takes over ``PATIENCE_S``."""
         self.end()
-        self.timer = threading.Timer(PATIENCE_S, lambda: print(what, file=sys.stderr, flush=True))
+        self.timer = threading.Timer(PATIENCE_S, lambda: say(what, err=True))
         self.timer.daemon = True
         if self.shown:
             self.timer.start()
@@ -92,7 +94,7 @@ def _lines(jobs: int, seconds: float) -> Iterator[Report]:
         now = time.monotonic()
         if now - last >= LINE_EVERY_S:
             left = (now - started) * max(seconds - computed, 0.0) / max(computed, 1e-9)
-            print(f"{_counts(done, failed, jobs)}, about {duration(left)} left", file=sys.stderr, flush=True)
+            say(f"{_counts(done, failed, jobs)}, about {duration(left)} left", err=True)
             last = now
 
     yield report

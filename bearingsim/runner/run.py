@@ -1,7 +1,6 @@
 """Running a study: what is not done yet is computed and stored, whatever happens meanwhile."""
 
 import signal
-import sys
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager, nullcontext, suppress
@@ -25,6 +24,7 @@ from bearingsim.runner.select import NoChoices, Stopped, selected
 from bearingsim.runner.stopping import ending, flag_for_workers
 from bearingsim.runner.summary import Interrupted, RunSummary, grouped
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
+from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -209,7 +209,7 @@ def _prepared(
     store.sweep(root)
     thrown_away = store.discard(root, study.name) if fresh else ""
     if thrown_away and shown is not False:
-        print(thrown_away, file=sys.stderr, flush=True)
+        say(thrown_away, err=True)
     with store.in_use(root):
         store.claim_results(root, study.name, bool(study.quick))  # again: until now another run could clear it
         yield

@@ -4,7 +4,6 @@ So they do where the run itself has seen enough.
 """
 
 import signal
-import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,6 +12,7 @@ from typing import Any
 
 from bearingsim.errors import Signalled
 from bearingsim.runner.shared_memory import in_shared_memory
+from bearingsim.text.terminal import say
 
 __all__ = ["asked", "ending", "flag_for_workers", "heed", "heeding", "ignoring", "take_flag"]
 
@@ -122,4 +122,4 @@ def _ask(number: int, frame: FrameType | None) -> None:
         _flag.set()
     for each in SIGNALS:
         signal.signal(each, signal.SIG_DFL)
-    print("stopping when the jobs in hand are done (once more: at once)", file=sys.stderr, flush=True)
+    say("stopping when the jobs in hand are done (once more: at once)", err=True)

@@ -1,7 +1,6 @@
 """A whole stability map: units of work spread over processes, rows written as they come."""
 
 import csv
-import sys
 import time
 from collections.abc import Iterator, Sequence
 from itertools import chain
@@ -13,6 +12,7 @@ from bearingsim.runner.pool import spread
 from bearingsim.runner.progress import duration
 from bearingsim.stability.matrix import Grid, Material, count, judges, map_of, materials, warm
 from bearingsim.store import claim
+from bearingsim.text.terminal import say
 
 NAME = "stability.csv"
 LINE_EVERY_S = 5.0
@@ -51,9 +51,9 @@ def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: P
 def _compile(models: Sequence[str], methods: Sequence[str], grid: Grid, jobs: int) -> None:
     """Compile before any cell is run, so that none is slow for it."""
     units = [(model, method, grid) for model in models for method in (*methods, *judges(methods))]
-    print(f"getting ready: {len(units)} pairs of model and method", file=sys.stderr, flush=True)
+    say(f"getting ready: {len(units)} pairs of model and method", err=True)
     for done, (model, method) in enumerate(spread(_warmed, units, jobs), 1):
-        print(f"ready, {done} of {len(units)}: {model}, {method}", file=sys.stderr, flush=True)
+        say(f"ready, {done} of {len(units)}: {model}, {method}", err=True)
 
 
 def _warmed(model: str, method: str, grid: Grid) -> tuple[str, str]:
@@ -75,7 +75,7 @@ def _text(value: Any) -> Any:
 
 def _tell(done: int, total: int, elapsed: float) -> None:
     left = duration(elapsed * (total - done) / done)
-    print(f"{done}/{total} cells, about {left} left", file=sys.stderr, flush=True)
+    say(f"{done}/{total} cells, about {left} left", err=True)
 
 
 def summary(path: Path) -> Iterator[tuple[str, ...]]:

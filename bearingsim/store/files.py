@@ -10,7 +10,6 @@ import os
 import secrets
 import shutil
 import socket
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,6 +20,7 @@ from filelock import FileLock, Timeout
 from bearingsim.errors import NO_ROOM, UserError
 from bearingsim.store.own_files import FOLDERS, LOCK, temporary_files
 from bearingsim.store.regular import Unreadable, open_regular
+from bearingsim.text.terminal import say
 
 __all__ = [
     "DiskFull",
@@ -215,9 +215,7 @@ def lock(root: Path, wait: bool = True) -> Iterator[None]:
         if not wait:
             raise
         advice = "end it if it is suspended or hangs"
-        print(
-            f"waiting for {_other_runs(root)}, which holds {held.lock_file}: {advice}", file=sys.stderr, flush=True
-        )
+        say(f"waiting for {_other_runs(root)}, which holds {held.lock_file}: {advice}", err=True)
         held.acquire(timeout=-1)  # the holder may be building a large table
     except OSError as error:
         if error.errno not in NO_LOCKS:

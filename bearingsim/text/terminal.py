@@ -9,14 +9,15 @@ import sys
 __all__ = ["is_line", "plain", "say"]
 
 LONGEST_LINE = 1000  # letters of a text on one line
-LAYOUT = "\n\t"
 
 
 def plain(text: str) -> str:
     """Return a text without control characters, marks of direction and surrogates; lines and tabs stay."""
-    if text.isprintable():
-        return text
-    return "".join(letter for letter in text if letter.isprintable() or letter in LAYOUT)
+    return "\n".join(line if line.isprintable() else _printable(line) for line in text.split("\n"))
+
+
+def _printable(line: str) -> str:
+    return "".join(letter for letter in line if letter.isprintable() or letter == "\t")
 
 
 def is_line(text: str) -> bool:
