@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from bearingsim.errors import UserError
+from bearingsim.text.spreadsheets import csv_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,7 +24,7 @@ def features(results: "Results", path: Path | None, file_format: str | None, for
     force: in place of a file that is there. Raises UserError for one without it.
     """
     made: dict[str, Callable[[pd.DataFrame], bytes]] = {
-        "csv": lambda table: table.to_csv(index=False).encode(),
+        "csv": lambda table: csv_text(table).encode(),
         "parquet": _parquet,
     }
     target = path or Path(f"{results.plan['study']}-features.{file_format or 'csv'}")
@@ -115,7 +116,7 @@ def _csv(found: "dict[str, Series]") -> bytes:
     for job, one in found.items():
         before = f"{job}/" if len(found) > 1 else ""
         columns |= {f"{before}{name} [{one.units[name]}]": values for name, values in one.channels.items()}
-    return pd.DataFrame(columns).to_csv(index=False).encode()
+    return csv_text(pd.DataFrame(columns)).encode()
 
 
 def _mat(found: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:

@@ -28,6 +28,7 @@ from bearingsim.store.provenance import made_of
 from bearingsim.store.sealed import UNREADABLE, new_hdf5, open_hdf5, read_json, write_json
 from bearingsim.store.spread import errors
 from bearingsim.store.stock import Rows, judged
+from bearingsim.text.spreadsheets import csv_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -159,7 +160,7 @@ def build_table(root: Path, rows: Rows | None = None) -> "pd.DataFrame":
             return known
         plan = read_plan(root)
         frame = _make_frame(root, plan, known, rows or {}, read_failures(root))
-        write_text(root / "results.csv", table(plan, frame).to_csv(index=False))
+        write_text(root / "results.csv", csv_text(table(plan, frame)))
         _write_frame(root, frame, fingerprint)
     return frame.sort_index(axis=1)
 
@@ -191,8 +192,9 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     seconds = frame["info/cpu_s"] if "info/cpu_s" in frame else pd.Series(np.nan, frame.index)
     rest = pd.DataFrame({"status": frame["status"], "reason": frame["reason"], "seconds": seconds})
     jobs = pd.DataFrame({"job": frame.index}, index=frame.index)
-    whole = pd.concat([jobs, swept, features, rest, frame[["healthy", "unit"]]], axis=1)
-    return whole.reset_index(drop=True)
+    beside = [features, rest, frame[["healthy", "unit"]]]
+    swept = swept.drop(columns={name for one in (jobs, *beside) for name in one}, errors="ignore")
+    return pd.concat([jobs, swept, *beside], axis=1).reset_index(drop=True)
 
 
 def info(frame: "pd.DataFrame") -> "pd.DataFrame":

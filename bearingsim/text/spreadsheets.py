@@ -1,0 +1,37 @@
+"""Tables as CSV, of which a spreadsheet takes no text for a formula."""
+
+from typing import TYPE_CHECKING, Any
+
+from bearingsim.text.terminal import plain
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["csv_text"]
+
+FORMULA = ("=", "+", "-", "@", "\t", "\n")
+"""How a formula may begin (OWASP, CSV injection)."""
+
+
+def csv_text(table: "pd.DataFrame") -> str:
+    """Return a table as CSV: a text that begins as a formula does gets a `'` before it, a number stays."""
+    quoted = table.copy(deep=False)
+    for name in table.columns:
+        if table[name].dtype.kind not in "fiub":
+            quoted[name] = [_cell(value) for value in table[name]]
+    return quoted.rename(columns=_cell).to_csv(index=False)
+
+
+def _cell(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    text = plain(value)
+    return f"'{text}" if text.startswith(FORMULA) and not _is_number(text) else text
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
