@@ -81,10 +81,10 @@ def test_what_is_not_planned_is_removed_and_nothing_else(narrowed: Path) -> None
 def test_what_was_set_aside_and_what_the_dead_left_goes(tmp_path: Path) -> None:
     compute(FakeStudy(), tmp_path)
     for name in (
-        f"units/00/{ID}.damaged",
+        f"units/01/{ID}.damaged",
         f"failed/{ID}.damaged",
-        f"units/00/{ID}.h5.host-1-0123abcd.part",
-        f"units/00/{ID}.host-1-0123abcd.started",
+        f"units/01/{ID}.h5.host-1-0123abcd.part",
+        f"units/01/{ID}.host-1-0123abcd.started",
     ):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_bytes(b"12345")
