@@ -1,6 +1,7 @@
 """What the command line refuses, in one sentence and once."""
 
 import errno
+import re
 
 import pytest
 from typer.testing import CliRunner
@@ -26,7 +27,7 @@ def test_a_missing_folder_is_told(here, done):
 
 def test_a_file_is_no_results_folder(here):
     _, told = type_("run", "small.yaml", "--out", "small.yaml", code=2)
-    assert told == f"{here / 'small.yaml'}: this is a file, not a folder\n"
+    assert told == f"{here / 'small.yaml'} is a file: name a folder, such as --out results/small\n"
 
 
 @pytest.mark.parametrize(
@@ -34,12 +35,16 @@ def test_a_file_is_no_results_folder(here):
     [
         (errno.EACCES, "here/plan.json: you are not allowed to read or write here"),
         (errno.EROFS, "here/plan.json: the disk can only be read"),
-        (errno.ENOSPC, "here/plan.json: the disk is full"),
         (errno.EIO, "here/plan.json: what the system says"),
     ],
 )
 def test_errors_of_the_system_are_sentences(number, message):
     assert sentence(OSError(number, "what the system says", "here/plan.json")) == message
+
+
+def test_a_full_disk_is_named():
+    told = sentence(OSError(errno.ENOSPC, "what the system says", "here/plan.json"))
+    assert re.match(r"the disk \S+ is full \(\d+ kB are left\), and so \S+ takes no plan\.json: make room", told)
 
 
 def test_a_message_stands_once_even_with_its_traceback(here):

@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bearingsim import store
@@ -53,6 +53,7 @@ def content(*roots: Path) -> dict[Path, tuple[bytes, int]]:
 jobs_of_units = st.lists(st.lists(st.integers(0, len(WIDTHS)), min_size=1, unique=True), max_size=4)
 
 
+@settings(max_examples=25)
 @given(st.lists(jobs_of_units, min_size=1, max_size=4), st.integers(0, len(WIDTHS)))
 def test_any_split_and_any_overlap_gives_the_table_of_a_single_run(
     tmp_path_factory: pytest.TempPathFactory, splits: list[list[list[int]]], lost: int
