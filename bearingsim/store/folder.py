@@ -105,7 +105,7 @@ def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> N
     elif before != study and not fresh:
         raise OtherStudy(
             f"{root} holds results of the study `{before}` ({_held(root)}): name another folder, such as"
-            f" --out {instead}, or say --fresh, which throws them away"
+            f" --out {instead}, or throw them away by `run --fresh`"
         )
     elif owner(root) is None:  # of an earlier version; another study's stay so until they are thrown away
         mark(root, RESULTS, before)

@@ -226,7 +226,7 @@ def test_a_fresh_start_removes_results_and_says_whose(tmp_path, monkeypatch, don
     units = {path.stem for path in Path("ours").glob("units/*/*.h5")}
     told = " ".join(type_("run", "other.yaml", "--out", "ours", "--quick", "--jobs", "1", code=2)[1].split())
     assert f"ours holds results of the study `small` ({len(units)} units, 0 failures)" in told
-    assert "such as --out results/other-quick, or say --fresh, which throws them away" in told
+    assert "such as --out results/other-quick, or throw them away by `run --fresh`" in told
     assert {path.stem for path in Path("ours").glob("units/*/*.h5")} == units
     told = type_("run", "other.yaml", "--out", "ours", "--quick", "--jobs", "1", "--fresh")[1]
     assert f"the results of the study `small` ({len(units)} units, 0 failures)" in told
