@@ -91,7 +91,7 @@ def works(study: Study, root: Path, count: int) -> list[Work]:
     """Units of one job, each with a load of its own."""
     case, provenance = study.cases()[0], store.provenance(study)
     cases = (case.model_copy(update={"load": 100.0 + 1e-3 * n}) for n in range(count))
-    jobs = (Job(f"{n:016x}", case, {"load": case.load}, None) for n, case in enumerate(cases))
+    jobs = (Job(case, {"load": case.load}) for case in cases)
     return [Work(root, (job,), (1.0,), ENGINE, provenance) for job in jobs]
 
 

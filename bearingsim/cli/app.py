@@ -17,6 +17,7 @@ from bearingsim.cli.group import Commands
 from bearingsim.cli.opening import job_meant, near
 from bearingsim.cli.opening import opened as opened_results
 from bearingsim.errors import Signalled
+from bearingsim.text.patience import patient
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+SILENCE_S = 1.0  # after which it is said what takes so long
 FRESH_SHARD = "would throw away the other shards' results: remove the folder first"
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="study file (YAML)", show_default=False)]
 Results = Annotated[
@@ -132,7 +134,8 @@ def check(
         from bearingsim import runner
 
         asked = runner.with_models(asked, out, jobs, try_them=pilots)
-    found = plan.plan_of(asked, jobs)
+    with patient(seconds=SILENCE_S) as patience:
+        found = plan.plan_of(asked, jobs, patience)
     if as_json:
         say(plan.as_json(found))
     else:
@@ -441,10 +444,17 @@ def _loaded(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
     """The study, with what `--set` says."""
     from bearingsim.study import load_study
 
-    study = load_study(path, dict(map(_assignment, assignments or [])), quick)
+    with patient(seconds=SILENCE_S) as patience:
+        overrides = dict(map(_assignment, assignments or []))
+        study = load_study(path, overrides, quick, lambda count: patience.begin(f"reading {grouped(count)} cases"))
     if quick and not study.quick:
         say(f"{path} has no `quick:` section: this is the whole study", err=True)
     return study
+
+
+def grouped(count: int) -> str:
+    """`36 000`."""
+    return f"{count:,}".replace(",", " ")
 
 
 def _assignment(text: str, option: str = "--set") -> tuple[str, str]:

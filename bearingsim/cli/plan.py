@@ -8,6 +8,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.cli.screen import console, print_table, significant, span
+from bearingsim.text.patience import ONCE, QUIET, Patience
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
@@ -15,7 +16,8 @@ if TYPE_CHECKING:
     from bearingsim.simulation.choice import Choice
     from bearingsim.simulation.limits import Limits
     from bearingsim.simulation.time_grid import Estimate
-    from bearingsim.study import Design, Job, Study
+    from bearingsim.study import Job, Study
+    from bearingsim.study.design import Drawn
 
 MOST_PRICED = 1000
 """Jobs: each takes a millisecond or two."""
@@ -109,16 +111,26 @@ class Plan:
         return round(self.share * sum(priced.estimate.bytes for priced in self.everything))
 
 
-def plan_of(study: "Study", workers: int | None) -> Plan:
+ESTIMATING = "estimating what the jobs take"
+COMPILING = f"compiling what the estimate needs, some seconds: {ONCE}"
+
+
+def plan_of(study: "Study", workers: int | None, patience: Patience = QUIET) -> Plan:
     """Price the jobs of a study, or some if they are many; refusals are gathered, not raised."""
     from joblib import cpu_count
 
+    from bearingsim.core.jit import heard
+
+    patience.begin(ESTIMATING)
     jobs, priced, refusals = study.jobs(), [], []
-    for job in drawn(jobs):
-        try:
-            priced.append(_priced(job))
-        except ValueError as error:
-            refusals.append((job, str(error)))
+    with heard(lambda: patience.begin(COMPILING), lambda: patience.begin(ESTIMATING)):
+        for job in drawn(jobs):
+            try:
+                priced.append(_priced(job))
+            except ValueError as error:
+                refusals.append((job, str(error)))
+        if not refusals:
+            study.assumptions  # noqa: B018 (made here, because it may compile, too)
     return Plan(
         study=study,
         jobs=tuple(jobs),
@@ -225,8 +237,8 @@ def show(plan: Plan, verbose: bool) -> None:
     study, out = plan.study, console()
     swept = ", ".join(study.units) or "nothing"
     out.print(f"{study.name}: {_counts(plan)}; sweeps {swept}", markup=False)
-    if study.design is not None:
-        out.print(f"design: {study.design}; {_rows(study.design)}", markup=False)
+    if study.drawn is not None:
+        out.print(f"design: {study.drawn}; {_rows(study.drawn)}", markup=False)
     if plan.refusals or not plan.everything:
         return
     groups = _groups(plan.cases or plan.baselines)
@@ -274,8 +286,8 @@ def _counts(plan: Plan) -> str:
     return f"{every} job{'s' * (every != 1)} ({', '.join(kinds)}){told}"
 
 
-def _rows(design: "Design") -> str:
-    rows, cases = len(design.ids), len(set(design.ids))
+def _rows(drawn: "Drawn") -> str:
+    rows, cases = len(drawn.cases), len(set(drawn.cases))
     return f"{rows} row{'s' * (rows != 1)}, {cases} case{'s' * (cases != 1)}"
 
 

@@ -102,8 +102,9 @@ def varied(plan: "Plan") -> Iterator[str]:
 
     tried = by_kind((one.what, one.value) for one in plan.study.variations())
     for what, values in tried.items():
-        jobs = {one.of for one in plan.study.variations() if one.what == what}
-        of = f"{len(jobs)} of {len(plan.cases)} cases" if len(jobs) < len(plan.cases) else "each case"
+        jobs = {id(one.case) for one in plan.study.variations() if one.what == what}
+        cases, *_ = plan.counted
+        of = f"{len(jobs)} of {cases} cases" if len(jobs) < cases else "each case"
         yield f"`uncertainty`: {UNKNOWNS[what].tried_text(what, values)}, in {of}"
     if "damping" not in tried and plan.study.uncertainty != () and not sweeps_damping(plan.study.units):
         damped = [one for one in plan.cases if acts("damping", one.job.case)]

@@ -23,15 +23,15 @@ import os
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable
-from contextlib import nullcontext, suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 import numba
 from filelock import FileLock
-from numba.core import config
+from numba.core import config, event
 from numba.extending import overload
 
 from bearingsim.catalogue import extension_sources
@@ -150,6 +150,28 @@ def kept_safely(dispatcher: Any) -> Any:
 
     cache.save_overload, cache.load_overload = save_in_turn, load_if_readable
     return dispatcher
+
+
+@contextmanager
+def heard(begins: Callable[[], None], ends: Callable[[], None]) -> Iterator[None]:
+    """Call ``begins`` when something is compiled, not loaded from the cache, and ``ends`` when that is done."""
+    depth = 0  # what is called is compiled meanwhile
+
+    class Compilation(event.Listener):
+        def on_start(self, _: event.Event) -> None:
+            nonlocal depth
+            depth += 1
+            if depth == 1:
+                begins()
+
+        def on_end(self, _: event.Event) -> None:
+            nonlocal depth
+            depth -= 1
+            if depth == 0:
+                ends()
+
+    with event.install_listener("numba:compile", Compilation()):
+        yield
 
 
 ABSENT: set[type] = set()

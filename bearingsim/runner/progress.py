@@ -1,17 +1,16 @@
 """Progress of a run: a bar with the time left on a terminal, a plain line now and then elsewhere."""
 
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 
+from bearingsim.text.patience import ONCE, Patience
 from bearingsim.text.terminal import say
 
-__all__ = ["Patience", "Report", "duration", "getting_ready", "progress"]
+__all__ = ["Report", "compiling", "duration", "progress"]
 
 LINE_EVERY_S = 10.0
-PATIENCE_S = 2.0  # without a word
 SPEED_OVER_S = 3600.0  # units of work may come minutes apart
 
 Report = Callable[[int, int, float], None]
@@ -25,42 +24,13 @@ def progress(shown: bool | None, jobs: int, seconds: float) -> AbstractContextMa
     return _bar(jobs, seconds) if sys.stderr and sys.stderr.isatty() else _lines(jobs, seconds)
 
 
-class Patience:
-    """Says what is being done, if it takes long."""
+def compiling(patience: Patience) -> Callable[[int, int, float], None]:
+    """What says that kind ``number`` of ``count`` is compiled, which takes so many seconds."""
 
-    def __init__(self, shown: bool | None) -> None:
-        """shown: False says nothing."""
-        self.shown = shown is not False
-        self.timer = threading.Timer(0.0, lambda: None)
+    def about_to(number: int, count: int, seconds: float) -> None:
+        patience.begin(f"compiling {number} of {count}, about {duration(seconds)}: {ONCE}")
 
-    def begin(self, what: str) -> None:
-        """From now on ``what`` is done; it is said if it takes over ``PATIENCE_S``."""
-        self.end()
-        self.timer = threading.Timer(PATIENCE_S, lambda: say(what, err=True))
-        self.timer.daemon = True
-        if self.shown:
-            self.timer.start()
-
-    def compile(self, number: int, count: int, seconds: float) -> None:
-        """From now on kind ``number`` of ``count`` is compiled, which takes ``seconds``."""
-        self.begin(
-            f"compiling {number} of {count}, about {duration(seconds)}:"
-            " once for each kind of model, method and contact law"
-        )
-
-    def end(self) -> None:
-        """All is done."""
-        self.timer.cancel()
-
-
-@contextmanager
-def getting_ready(shown: bool | None) -> Iterator[Patience]:
-    """What is said before the first job runs, if it takes long; ``shown`` False says nothing."""
-    patience = Patience(shown)
-    try:
-        yield patience
-    finally:
-        patience.end()
+    return about_to
 
 
 @contextmanager

@@ -18,12 +18,13 @@ from bearingsim.runner.commands import command
 from bearingsim.runner.findings import of_results
 from bearingsim.runner.packing import Cost, fewer, fitting, pack, shard_of
 from bearingsim.runner.pool import outcomes
-from bearingsim.runner.progress import Patience, getting_ready
+from bearingsim.runner.progress import compiling
 from bearingsim.runner.progress import progress as shown_progress
 from bearingsim.runner.select import NoChoices, Stopped, selected
 from bearingsim.runner.stopping import ending, flag_for_workers
 from bearingsim.runner.summary import Interrupted, RunSummary, grouped
 from bearingsim.runner.work import BEARINGSIM, Engine, Outcome, Work, load
+from bearingsim.text.patience import Patience, patient
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ def run(
                     works = _works(root, study, todo, cluster.assembled(), *bounds)
                     _compute(works, cluster.outcomes(works), tally, progress)
             elif plan.todo:
-                with getting_ready(progress) as patience:
+                with patient(progress) as patience:
                     patience.begin("estimating what the jobs take")
                     todo = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
                     told += [*todo.notes, *fewer(todo.costs, workers)]
@@ -345,7 +346,7 @@ def _works(
 def _warm(root: Path, engine: Engine, todo: Sequence["Job"], patience: Patience) -> None:
     """Compile before workers start; a case that fails here fails as a job too, and is told there."""
     try:
-        load(engine.warm)([job.case for job in todo], patience.compile)
+        load(engine.warm)([job.case for job in todo], compiling(patience))
     except Exception as error:
         store.log(root, "warm-up failed", reason=f"{type(error).__name__}: {error}")
 

@@ -14,12 +14,13 @@ from bearingsim.errors import UserError
 from bearingsim.runner.commands import command
 from bearingsim.runner.earlier import kept, plan_name
 from bearingsim.runner.pool import Deaths, spread
-from bearingsim.runner.progress import getting_ready, progress
+from bearingsim.runner.progress import compiling, progress
 from bearingsim.runner.stopping import asked
 from bearingsim.runner.work import Engine, load
 from bearingsim.selection.candidates import price
 from bearingsim.selection.choices import key
 from bearingsim.store.columns import Value
+from bearingsim.text.patience import patient
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -112,10 +113,10 @@ def _tried(
     deaths = Deaths(root, "while models were tried")
     while todo := _untried(root, wanted, study):
         with (
-            getting_ready(shown) as patience,
+            patient(shown) as patience,
             suppress(Exception),
         ):  # what fails here fails as a trial, and is told
-            load(engine.warm)([one.case for one in todo], patience.compile)
+            load(engine.warm)([one.case for one in todo], compiling(patience))
         arguments = [(root, batch, engine, provenance) for batch in _batches(todo, workers)]
         costs = {one.id: min(price(one.case), 1e6) for one in todo}
         try:
@@ -191,4 +192,4 @@ def _try(
         return
     found[one.id] = trial
     if record is not None:
-        records.append((Job(case_id(one.case), one.case, {}, None), record))
+        records.append((Job(one.case), record))

@@ -80,6 +80,6 @@ def audits(study: Study, references: Sequence[Case], ids: Sequence[str]) -> list
 def _audit(study: Study, of: str, case: Case) -> Audit:
     """A job computed again as a case says, with its healthy twin if what is asked is measured against that."""
     plain = twin_asked(study, case)
-    twin = None if plain is None else Job(case_id(plain), plain, {}, None, is_variation=True)
-    job = Job(case_id(case), case, {}, twin.id if twin else None, is_variation=True)
+    twin = None if plain is None else Job(plain, is_variation=True)
+    job = Job(case, baseline=twin, is_variation=True)
     return Audit(of, job, twin)

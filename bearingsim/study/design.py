@@ -49,9 +49,7 @@ class Design:
     ids: tuple[str, ...]
 
     def __str__(self) -> str:
-        count = f"{self.n} {COUNTED[self.kind]}" if self.n > 1 else f"1 {COUNTED[self.kind][:-1]}"
-        many = len(self.paths) > 1
-        return f"{self.kind}, {count} of {len(self.paths)} path{'s' * many}, seed {self.seed}"
+        return _described(self.kind, self.n, self.seed, self.paths)
 
 
 @dataclass(frozen=True)
@@ -65,12 +63,20 @@ class Drawn:
     ranges: tuple[tuple[float, float], ...]
     cases: tuple[int, ...] = ()
 
+    def __str__(self) -> str:
+        return _described(self.kind, self.n, self.seed, self.paths)
+
     def notes(self) -> Iterator[str]:
         """What is to be known of it before one thinks of a larger one."""
         if self.kind not in EXTENDED:
             yield f"{self.kind}: another `n` gives other points, and all jobs anew; `sobol` keeps its points"
         if self.kind in ("sobol", "saltelli") and self.n & (self.n - 1):
             yield f"{self.kind}: points fill the space evenly where `n` is a power of two, and {self.n} is none"
+
+
+def _described(kind: Kind, n: int, seed: int, paths: Sequence[str]) -> str:
+    count = f"{n} {COUNTED[kind]}" if n > 1 else f"1 {COUNTED[kind][:-1]}"
+    return f"{kind}, {count} of {len(paths)} path{'s' * (len(paths) > 1)}, seed {seed}"
 
 
 def drawn(kind: Kind, entry: Node, most: int, problems: list[Problem]) -> tuple[Drawn, Axis] | None:

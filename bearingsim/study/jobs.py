@@ -1,7 +1,7 @@
 """What a study expands to: cases, their ids, and the jobs that a runner works through."""
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
@@ -33,28 +33,42 @@ class Figure:
 
 @dataclass(frozen=True)
 class Job:
-    """One simulation of a study: its id, its swept values (SI, or words), and its healthy baseline's id.
+    """One simulation of a study: its case, its swept values (SI, or words), and its healthy baseline.
 
-    `healthy` is None for a bearing without defects, which is its own baseline; `is_baseline` tells a
-    job that is there only to be compared with, `is_variation` one that shows what the unknown does to another.
+    `baseline` is None for a bearing without defects, which is its own; `is_baseline` tells a job that is there
+    only to be compared with, `is_variation` one that shows what the unknown does to another.
     """
 
-    id: str
     case: Case
-    swept: dict[str, float | str]
-    healthy: str | None
+    swept: dict[str, float | str] = field(default_factory=dict)
+    baseline: "Job | None" = None
     is_baseline: bool = False
     is_variation: bool = False
+
+    @cached_property
+    def id(self) -> str:
+        """16 hex digits (``case_id``), which take the limits of the case's step to find."""
+        return case_id(self.case)
+
+    @property
+    def healthy(self) -> str | None:
+        """The id of the baseline."""
+        return None if self.baseline is None else self.baseline.id
 
 
 @dataclass(frozen=True)
 class Variation:
-    """A job with another value (SI) of what is not known; `of`: the id of the job it is compared with."""
+    """A job with another value (SI) of what is not known in a case."""
 
-    of: str
+    case: Case
     what: str
     value: float
     job: Job
+
+    @property
+    def of(self) -> str:
+        """The id of the job it is compared with."""
+        return case_id(self.case)
 
 
 @dataclass(frozen=True)
@@ -116,12 +130,9 @@ class Study:
 
     def jobs(self) -> list[Job]:
         """Every job once: the cases, the healthy baselines they are compared with, then what is varied of them."""
-        found = {job.id: job for job in self.planned()}
         audited = () if self.selection is None else self.selection.audits
         again = [job for one in audited for job in (one.job, one.healthy) if job is not None]
-        beside = [one.job for one in self.variations()] + again
-        varied = {job.id: job for job in beside}
-        return [*found.values(), *(job for key, job in varied.items() if key not in found)]
+        return _each_once([*self._planned, *(one.job for one in self.variations()), *again])
 
     def planned(self) -> list[Job]:
         """The cases, then the healthy baselines they are compared with."""
@@ -133,24 +144,13 @@ class Study:
         found = self.drawn
         if found is None:
             return None
-        ids = tuple(self._ids[number] for number in found.cases)
+        ids = tuple(case_id(self.swept_cases[number][0]) for number in found.cases)
         return Design(found.kind, found.n, found.seed, found.paths, found.ranges, ids)
 
     @cached_property
-    def _ids(self) -> tuple[str, ...]:
-        """The job's id of each swept case."""
-        return tuple(case_id(case) for case, _ in self.swept_cases)
-
-    @cached_property
     def _planned(self) -> tuple[Job, ...]:
-        jobs: dict[str, Job] = {}
-        twins: dict[str, Job] = {}
-        for job_id, (case, swept) in zip(self._ids, self.swept_cases, strict=True):
-            twin = _baseline(case, swept)
-            jobs.setdefault(job_id, Job(job_id, case, swept, twin.id if twin else None))
-            if twin:
-                twins.setdefault(twin.id, twin)
-        return (*jobs.values(), *(twin for key, twin in twins.items() if key not in jobs))
+        jobs = [Job(case, swept, _baseline(case, swept)) for case, swept in self.swept_cases]
+        return tuple(_each_once([*jobs, *(job.baseline for job in jobs if job.baseline is not None)]))
 
     @cached_property
     def assumptions(self) -> tuple[str, ...]:
@@ -176,10 +176,18 @@ class Study:
         else:
             cases, uncertain = sampled(self.cases(), len(self.planned())), (USUAL,)
         return [
-            Variation(case_id(case), what, value, Job(case_id(varied), varied, {}, None, is_variation=True))
+            Variation(case, what, value, Job(varied, is_variation=True))
             for case in cases
             for what, value, varied in variations(case, uncertain)
         ]
+
+
+def _each_once(jobs: Iterable[Job]) -> list[Job]:
+    """The jobs, each once, in order."""
+    found: dict[str, Job] = {}
+    for job in jobs:
+        found.setdefault(identity(job.case), job)
+    return list(found.values())
 
 
 def case_id(case: Case) -> str:
@@ -222,7 +230,7 @@ def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
         return None
     dropped = _of_defects(case)
     kept = {path: value for path, value in swept.items() if path.split(".")[0] not in dropped}
-    return Job(case_id(healthy), healthy, kept, None, is_baseline=True)
+    return Job(healthy, kept, is_baseline=True)
 
 
 def healthy_twin(case: Case) -> Case | None:

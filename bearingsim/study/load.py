@@ -1,63 +1,117 @@
 """A study file in, a checked `Study` out, or every problem at once."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import NamedTuple
 
 from bearingsim import extensions
+from bearingsim.catalogue import REFERENCE
+from bearingsim.config import Case
 from bearingsim.config.fields import described
 from bearingsim.study import aliases
 from bearingsim.study.figures import check_known, parse_figures
-from bearingsim.study.goal import asks_for_reference, check_goal, parse_goal
-from bearingsim.study.jobs import Study
+from bearingsim.study.goal import Goal, asks_for_reference, check_goal, parse_goal
+from bearingsim.study.jobs import Figure, Study
 from bearingsim.study.plan import Plan
-from bearingsim.study.uncertainty import check_possible, parse_uncertainty
+from bearingsim.study.uncertainty import Uncertain, check_possible, parse_uncertainty
 from bearingsim.text import files_read
 from bearingsim.text.yamlfile import Node, Problem, StudyError, argument_mark, parse, problem, read_text
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
 
 
-def load_study(path: str | FilePath, overrides: Mapping[str, str] | None = None, quick: bool = False) -> Study:
+def load_study(
+    path: str | FilePath,
+    overrides: Mapping[str, str] | None = None,
+    quick: bool = False,
+    reading: Callable[[int], None] | None = None,
+) -> Study:
     """Read and check a study file.
 
     `overrides` maps paths to values as they would stand in the file (`{"load": "200 N"}`); `quick` takes the
-    file's reduced grid, if it has one. Raises StudyError with everything that is wrong, BrokenExtension.
+    file's reduced grid, if it has one; `reading` is called with the number of combinations before all of them are
+    read. Raises StudyError with what is wrong, and BrokenExtension. What a few cases show is refused before the
+    others are read.
     """
     extensions.refuse_broken()
     opened = _opened(FilePath(path), overrides or {})
-    text, root, whole, plans = opened.text, opened.root, opened.whole, opened.plans
-    given, problems = opened.given, list(opened.flaws)
-    cases = [plan.cases() for plan in plans]
+    said = _said(opened)
+    looks = [plan.first_look() for plan in opened.plans]
+    _check(opened, said, looks[0], [case for look in looks for case in look] if all(looks) else [])
+    for plan in opened.plans:
+        plan.check_words()
+    _refuse(opened, said)
+    reduced = quick and "quick" in opened.root.mapping
+    plan = opened.plans[-1 if reduced else 0]
+    if reading is not None:
+        reading(plan.count)
+    swept_cases = tuple(plan.cases())
+    _refuse(opened, said)
+    cases = [case for case, _ in swept_cases]
+    _check(opened, said, [] if reduced else cases, cases)
+    if REFERENCE in said.models:
+        known = {case.model for case in (*cases, *(case for look in looks for case in look))}
+        check_known(opened.root.mapping.get("figures"), known, said.problems)
+    _refuse(opened, said)
+    study = Study(
+        name=said.name,
+        path=str(path),
+        text=opened.text,
+        overrides=opened.given,
+        quick=reduced,
+        figures=said.figures,
+        units=plan.units(),
+        swept_cases=swept_cases,
+        notes=(*opened.notes, *(plan.drawn.notes() if plan.drawn is not None else ())),
+        uncertainty=() if reduced and said.uncertain else said.uncertain,  # a first look tries nothing else
+        files=opened.files,
+        drawn=plan.drawn,
+    )
+    return study if said.goal is None else replace(study, goal=said.goal, otherwise=plan.otherwise)
+
+
+class _Said(NamedTuple):
+    """What a study says besides its cases, the models that it names, and what is wrong so far."""
+
+    name: str
+    figures: tuple[Figure, ...]
+    uncertain: tuple[Uncertain, ...] | None
+    goal: Goal | None
+    swept: dict[str, Node]
+    models: set[str]
+    problems: list[Problem]
+
+
+def _said(opened: "_Opened") -> _Said:
+    """What a study says besides its cases; what is wrong with it costs nothing to find."""
+    problems, plans, entries = list(opened.flaws), opened.plans, opened.root.mapping
     swept = {path: node for plan in plans for path, node in plan.entries().items()}
-    uncertain = parse_uncertainty(root.mapping.get("uncertainty"), problems)
+    uncertain = parse_uncertainty(entries.get("uncertainty"), problems)
     wrong = sorted({path for plan in plans for path in plan.asked} - swept.keys())  # told where they are swept
-    figures = parse_figures(root.mapping.get("figures"), [*swept, *wrong], problems)
-    name = _name(root, problems)
-    goal = parse_goal(whole.mapping.get("accuracy"), figures, problems)
-    if all(cases):
-        models = {case.model for found in cases for case, _ in found}
-        check_known(root.mapping.get("figures"), models, problems)
-        own, named = [case for case, _ in cases[0]], "accuracy" not in whole.mapping
-        check_possible(root.mapping.get("uncertainty"), own, uncertain or (), problems, named)
-        if goal is not None:
-            check_goal(whole, [case for found in cases for case, _ in found], swept, given, problems)
-    problems += [found for plan in plans for found in plan.all_problems()]
+    figures = parse_figures(entries.get("figures"), [*swept, *wrong], problems)
+    name = _name(opened.root, problems)
+    goal = parse_goal(opened.whole.mapping.get("accuracy"), figures, problems)
+    models = {model for plan in plans for model in plan.models()}
+    if REFERENCE not in models:
+        check_known(entries.get("figures"), models, problems)
+    return _Said(name, figures, uncertain, goal, swept, models, problems)
+
+
+def _check(opened: "_Opened", said: _Said, own: Sequence[Case], every: Sequence[Case]) -> None:
+    """Note what cannot be with some cases: own: those that `uncertainty` varies; every: those of an accuracy."""
+    named = "accuracy" not in opened.whole.mapping
+    check_possible(opened.root.mapping.get("uncertainty"), own, said.uncertain or (), said.problems, named)
+    if said.goal is not None and every:
+        check_goal(opened.whole, every, said.swept, opened.given, said.problems)
+
+
+def _refuse(opened: "_Opened", said: _Said) -> None:
+    """Raise StudyError if anything is wrong so far."""
+    problems = [*said.problems, *(found for plan in opened.plans for found in plan.all_problems())]
     if problems:
-        raise StudyError(_in_order(problems, str(path)))
-    reduced = quick and "quick" in root.mapping
-    chosen = -1 if reduced else 0
-    units, swept_cases = plans[chosen].units(), tuple(cases[chosen])
-    tried = () if reduced and uncertain else uncertain  # a first look tries nothing else
-    drawn = plans[chosen].drawn
-    told = (*opened.notes, *(drawn.notes() if drawn is not None else ()))
-    study = Study(name, str(path), text, given, reduced, figures, units, swept_cases, told, tried, opened.files)
-    study = replace(study, drawn=drawn)
-    if goal is None:
-        return study
-    return replace(study, goal=goal, otherwise=plans[chosen].otherwise)
+        raise StudyError(_in_order(problems, opened.path))
 
 
 class Outline(NamedTuple):
@@ -87,6 +141,7 @@ class _Opened(NamedTuple):
     given: what is said instead of the file's values.
     """
 
+    path: str
     text: str
     whole: Node
     root: Node
@@ -114,7 +169,7 @@ def _opened(path: FilePath, overrides: Mapping[str, str]) -> _Opened:
         plans = [Plan.of(root, path.parent, given, reduced) for reduced in modes]
         for plan in plans:
             plan.open_files()
-    return _Opened(text, whole, root, flaws, notes, given, plans, files)
+    return _Opened(str(path), text, whole, root, flaws, notes, given, plans, files)
 
 
 def _texts(overrides: Mapping[str, str]) -> dict[str, str]:

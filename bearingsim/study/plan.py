@@ -1,18 +1,20 @@
 """A plan: a study's base and its axes, and the cases that they make together."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, reduce
 from pathlib import Path as FilePath
 
+from bearingsim.catalogue import USUAL_MODEL
 from bearingsim.config import Case
 from bearingsim.config.rules.conflicts import Path
 from bearingsim.designs import KINDS
 from bearingsim.study.design import IN_BLOCKS, Drawn, beside, drawn
 from bearingsim.study.diagnose import STUDY_KEYS, Found, Sections, case_of, check_replaced, mark_of
 from bearingsim.study.expand import expanded
+from bearingsim.study.first_look import one_at_a_time
 from bearingsim.study.jobs import identity
 from bearingsim.study.paths import dimension, parse_path, put, unspelled, value_at
 from bearingsim.study.relations import Relations, Row, Valueless, parse_relations
@@ -78,6 +80,7 @@ class Plan:
         plan.draw()
         plan.axes = [axis for axis in plan.axes if plan.check(axis)]
         plan.relate()
+        plan.check_count()
         return plan
 
     def expand(self) -> None:
@@ -224,19 +227,39 @@ class Plan:
                 value = row[axis.paths.index(path)]
                 expanded(put(self.base, self.places[path], value), self.folder, [])
 
+    @property
+    def count(self) -> int:
+        """How many combinations the axes make."""
+        return math.prod(len(axis.rows) for axis in self.axes)
+
+    def check_count(self) -> None:
+        """Note that there are too many, and leave them out."""
+        if self.count > MAX_CASES:
+            mark = self.axes[0].keys[0].mark
+            self.problems.append(problem(mark, f"sweep: {self.count} cases; at most {MAX_CASES} are possible"))
+            self.axes = []
+
+    def models(self) -> set[str]:
+        """The models that the study names, right or wrong."""
+        values = [
+            row[axis.paths.index("model")] for axis in self.axes if "model" in axis.paths for row in axis.rows
+        ]
+        base = self.base.mapping.get("model")
+        return {node.text for node in values or ([base] if base else [])} or {USUAL_MODEL}
+
+    def first_look(self) -> list[Case]:
+        """A few cases that show most of what is wrong, which is noted."""
+        check_replaced(self.base, frozenset(self.places.values()), self.found)
+        looked = (self.case(row) for row in self.rows(one_at_a_time(self.axes)))
+        return [case for case in looked if case is not None]
+
     def cases(self) -> list[tuple[Case, Swept]]:
         """The cases, each once, with their swept values; what is wrong with others is noted."""
-        count = math.prod(len(axis.rows) for axis in self.axes)
-        if count > MAX_CASES:
-            mark = self.axes[0].keys[0].mark
-            self.problems.append(problem(mark, f"sweep: {count} cases; at most {MAX_CASES} are possible"))
-            return []
-        check_replaced(self.base, frozenset(self.places.values()), self.found)
         cases: dict[str, tuple[Case, Swept]] = {}
         numbers: dict[str, int] = {}
         order: list[int] = []
         wrong = 0
-        for row in self.rows():
+        for row in self.rows(rows_of(self.axes)):
             case = self.case(row)
             if case is not None:
                 name = identity(case)
@@ -245,19 +268,22 @@ class Plan:
                 order.append(numbers.setdefault(name, len(numbers)))
             elif (wrong := wrong + 1) == MAX_WRONG:
                 break
-        self._check_words([case for case, _ in cases.values()])
         if self.drawn is not None:
             self.drawn = replace(self.drawn, cases=tuple(order))
         return list(cases.values())
 
-    def _check_words(self, cases: Sequence[Case]) -> None:
+    def check_words(self) -> None:
         """Note where `where` leaves nothing, and `repeat` repeats what is not random."""
         if self.problems or self.found:
             return
-        if not cases and self.relations.dropped:
+        self.relations.dropped.clear()
+        once = [axis if axis.paths != ("seed",) else replace(axis, rows=axis.rows[:1]) for axis in self.axes]
+        cases = filter(None, map(self.case, self.rows(rows_of(once))))
+        first = next(cases, None)
+        if first is None and self.relations.dropped:
             self.problems.append(self.relations.nothing_left())
         node = self.words.get("repeat")
-        if node is not None and not any(map(is_random, cases)):
+        if node is not None and first is not None and not any(map(is_random, (first, *cases))):
             message = "repeat: nothing is random in this study: another `seed` gives the same"
             advice = "it is with `excitation: random-impulses`, or rollers loose in a free cage (`model: planar`)"
             self.problems.append(problem(node.key or node.mark, message, advice))
@@ -276,17 +302,17 @@ class Plan:
         other.places |= {path: place for path, place in places.items() if place is not None}
         fixed = [(path, Node(text, mark)) for path, text in given.items()]
         found: dict[str, Case | None] = {}
-        for row in self.rows():
+        for row in self.rows(rows_of(self.axes)):
             case = self.case(row)
             if case is not None:
                 kept = [pair for pair in row if self.places[pair[0]] not in places.values()]
                 found.setdefault(identity(case), other.case(kept + fixed))
         return list(found.values())
 
-    def rows(self) -> Iterator[Row]:
-        """The combinations that the study has, with what follows from each; what is wrong with others is noted."""
+    def rows(self, combinations: Iterable[Row]) -> Iterator[Row]:
+        """Those that the study has, with what follows from each; what is wrong with others is noted."""
         wrong = 0
-        for row in rows_of(self.axes):
+        for row in combinations:
             try:
                 more = self.relations.completed(self.tree(row)) if self.relations else []
             except Valueless as error:

@@ -22,6 +22,7 @@ from bearingsim import store
 from bearingsim.runner import Interrupted, RunSummary, progress, run
 from bearingsim.runner.packing import Cost, pack, shard_of, unit_seconds
 from bearingsim.runner.summary import chaos, grouped, step_errors
+from bearingsim.text import patience
 from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 
 ROOT = Path(__file__).parents[2]
@@ -134,10 +135,11 @@ def test_progress_lines_tell_counts_and_time_left(
 def test_a_long_start_is_explained(
     shown: bool | None, said: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(progress, "PATIENCE_S", 0.05)
-    with progress.getting_ready(shown) as patience:
-        patience.compile(1, 5, 7.0)
-        patience.compile(2, 5, 22.0)
+    monkeypatch.setattr(patience, "PATIENCE_S", 0.05)
+    with patience.patient(shown) as start:
+        about_to = progress.compiling(start)
+        about_to(1, 5, 7.0)
+        about_to(2, 5, 22.0)
         assert "compiling" not in capsys.readouterr().err
         time.sleep(0.3)
     told = capsys.readouterr().err

@@ -1,5 +1,6 @@
 """How the roller of a case is cut into slices, and what is recorded of each."""
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import catalogue
@@ -17,9 +18,17 @@ def reach(defect: "Defect") -> tuple[float, float]:
 
 def slice_ends(case: "CaseFields") -> Any:
     """Ends (n + 1,) of the slices of the case's roller, m from its middle. ValueError if they are too many."""
+    pits = tuple(map(reach, case.defects))
+    return _slice_ends(float(case.bearing.roller_length or 0.0), pits, case.contact.slices)
+
+
+@lru_cache(maxsize=1 << 12)
+def _slice_ends(length: float, pits: tuple[tuple[float, float], ...], count: int) -> Any:
     from bearingsim.core.geometry.slices import slice_edges  # numpy, which only who computes needs
 
-    return slice_edges(float(case.bearing.roller_length or 0.0), map(reach, case.defects), case.contact.slices)
+    found = slice_edges(length, pits, count)
+    found.flags.writeable = False  # many cases share it
+    return found
 
 
 def slice_count(case: "CaseFields") -> int | None:

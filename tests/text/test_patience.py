@@ -1,0 +1,24 @@
+"""What takes long is said on stderr, once, and by what is being done by then."""
+
+import time
+
+import pytest
+
+from bearingsim.text.patience import patient
+
+
+def test_what_takes_long_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
+    with patient(seconds=0.05) as patience:
+        for what in ("first", "second", "third", "second"):
+            patience.begin(what)
+            if what != "first":
+                patience.timer.join()
+    assert capsys.readouterr().err.split() == ["second", "third"]
+
+
+@pytest.mark.parametrize("shown", [None, False])
+def test_what_is_short_or_not_wanted_is_not_said(shown: bool | None, capsys: pytest.CaptureFixture[str]) -> None:
+    with patient(shown, seconds=10.0 if shown is None else 0.0) as patience:
+        patience.begin("short")
+    time.sleep(0.01)
+    assert capsys.readouterr().err == ""
