@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from bearingsim import extensions
+from bearingsim.cpu_time import OutOfCpuTime
 from bearingsim.entries import Entry, Feature, Law, Method, Model, Shape, places
 from bearingsim.errors import Refused, UserError
 from bearingsim.extensions import BrokenExtension
@@ -134,7 +135,7 @@ def call(place: str, *arguments: Any) -> Any:
     function = code(place)
     try:
         return function(*arguments)
-    except (UserError, Refused):
+    except (UserError, Refused, OutOfCpuTime):
         raise
     except (Exception, SystemExit) as error:
         if not foreign(place):

@@ -19,7 +19,7 @@ from bearingsim.core.geometry.motion import steady
 from bearingsim.core.geometry.slices import ZETA
 from bearingsim.core.methods.interface import MethodKind
 from bearingsim.core.models import spatial
-from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch
+from bearingsim.core.models.equilibrium import find_in_time, find_rest, rest_from_scratch
 from bearingsim.core.models.interface import ModelKind
 from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_space
 from bearingsim.core.models.static import Static
@@ -184,7 +184,7 @@ def anchor_in_space(case: Case) -> tuple[float, float]:
     parts = {name: PARAMETER_BUILDERS[name](case) for name in _made(spatial.Spatial) if name != "support"}
     bearing = spatial.Spatial(support=free_ring, **parts)
     y = empty_buffer(bearing)
-    rest_from_scratch(static_model(bearing), 0.0, y)
+    find_in_time(rest_from_scratch, static_model(bearing), 0.0, y)
     rest = mean_rest_in_space(bearing, y)
     return rest.x, rest.y
 
@@ -231,7 +231,7 @@ def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
 
 def find_equilibrium(model: Any, t: float, y: np.ndarray, from_scratch: bool = False) -> float:
     """Put rings and rollers at rest at time ``t`` (s), near a rest or from scratch; the force left over (N)."""
-    left = (rest_from_scratch if from_scratch else find_rest)(static_model(model), t, y)
+    left = find_in_time(rest_from_scratch if from_scratch else find_rest, static_model(model), t, y)
     return rest_in_space(model, t, y) if isinstance(model, spatial.Spatial) else float(left)
 
 

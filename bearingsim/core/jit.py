@@ -34,6 +34,7 @@ from filelock import FileLock
 from numba.core import config, event
 from numba.extending import overload
 
+from bearingsim import cpu_time
 from bearingsim.catalogue import extension_sources
 from bearingsim.core import linking
 from bearingsim.own_folder import Distrusted, own_folder
@@ -129,6 +130,8 @@ def jit(function: Callable, **options: Any) -> Any:
 def kept_safely(dispatcher: Any) -> Any:
     """A compiled function whose code is saved by one process at a time, and compiled anew if it cannot be read.
 
+    Compiling and loading are not charged to the job that needs the code.
+
     numba reads an index, picks a file name and writes both: two processes at once could give one name to the code
     of two signatures, and later load one for the other. And whoever reads that index must be able to import every
     type that the function was ever compiled for: somebody else's models may be gone.
@@ -136,7 +139,7 @@ def kept_safely(dispatcher: Any) -> Any:
     if not hasattr(dispatcher, "_cache"):  # plain Python, which NUMBA_DISABLE_JIT asks for
         return dispatcher
     cache = linking.ready_when_called(dispatcher)._cache
-    save, load = cache.save_overload, cache.load_overload
+    save, load, compile_for = cache.save_overload, cache.load_overload, dispatcher.compile
 
     def save_in_turn(signature: Any, code: Any) -> None:
         if linking.is_linked(code):
@@ -148,7 +151,12 @@ def kept_safely(dispatcher: Any) -> Any:
         with suppress(*UNREADABLE):
             return load(signature, context)
 
+    def compile_uncharged(signature: Any) -> Any:
+        with cpu_time.uncharged():
+            return compile_for(signature)
+
     cache.save_overload, cache.load_overload = save_in_turn, load_if_readable
+    dispatcher.compile = compile_uncharged
     return dispatcher
 
 

@@ -106,6 +106,9 @@ LOADED_ROLLERS = STAGE + STAGE_STATES * STATE  # one cell: rollers that carry lo
 ) = range(LOADED_ROLLERS + 1, LOADED_ROLLERS + 11)
 # the time it stops at next (s), the length of the step taken last (s) and its error; dense output complete?
 NEXT_STOP, H_TAKEN, LAST_ERROR, DENSE_READY = range(LOADED_ROLLERS + 11, LOADED_ROLLERS + 15)
+CPU_END = (
+    LOADED_ROLLERS + 15
+)  # cell: this thread's CPU time (s) at which compiled loops end, 0: never (``clock.py``)
 # of each of the first pits' roller-pit pairs: 1 + the number of the roller that stands in it, 0: none; rollers
 # seen in it
 ROLLER_IN_PIT, PAIR_CROSSINGS = LOADED_ROLLERS + 2 * VECTOR_WIDTH, LOADED_ROLLERS + 2 * VECTOR_WIDTH + ROW

@@ -77,11 +77,14 @@ def decimate(raw, taps, D, out):
 
 
 @jit
-def low_pass(fine, taps, out):
-    """Filter ``fine`` (C, n + len(taps) - 1) into ``out`` (C, n), sample m centred on m + len(taps)//2."""
+def low_pass(fine, taps, out, begin, end):
+    """Filter ``fine`` (C, n + len(taps) - 1) into the columns ``begin`` <= m < ``end`` of ``out`` (C, n).
+
+    Sample m is centred on m + len(taps)//2.
+    """
     length = len(taps)
     for c in range(out.shape[0]):
-        for m in range(out.shape[1]):
+        for m in range(begin, end):
             out[c, m] = dot(taps, fine[c, m : m + length], length)
 
 

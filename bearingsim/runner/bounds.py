@@ -1,6 +1,7 @@
 """What bounds a run: jobs that would take too much CPU time are left out, and enough failed jobs end it."""
 
 from collections.abc import Sequence
+from math import isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.runner.packing import Cost
@@ -36,10 +37,9 @@ def affordable(jobs: Sequence["Job"], costs: Sequence[Cost], max_cpu: float, sho
     notes = []
     if longer:
         which = f"{len(longer)} jobs are" if len(longer) > 1 else "1 job is"
-        most = f"{'up to ' * (len(longer) > 1)}{duration(max(longer))}"
-        notes.append(
-            f"{which} left out: estimated to take {most} of CPU time, over {duration(max_cpu)} (`--max-cpu`)"
-        )
+        bound, longest = duration(max_cpu), max(longer)
+        most = f"{'up to ' * (len(longer) > 1)}{duration(longest)} of CPU time, " if isfinite(longest) else ""
+        notes.append(f"{which} left out: estimated to take {most}over {bound} (`--max-cpu`)")
         if shown is not False:
             say(" ".join(notes), err=True)
     return Affordable([job for job, _ in kept], [cost for _, cost in kept], notes)

@@ -19,11 +19,15 @@ UNIT_BYTES = 64e6
 
 
 class Cost(NamedTuple):
-    """Estimated price of a job: CPU time in s, series in bytes, and the most memory in bytes that it may take."""
+    """Estimated price of a job: CPU time in s, series in bytes, and the most memory in bytes that it may take.
+
+    spent: CPU time in s that the estimate itself took.
+    """
 
     seconds: float
     bytes: float
     memory: float = 0.0
+    spent: float = 0.0
 
 
 def shard_of(jobs: Sequence["Job"], shard: tuple[int, int]) -> list["Job"]:

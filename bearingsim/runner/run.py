@@ -10,7 +10,7 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim import store
+from bearingsim import cpu_time, store
 from bearingsim.errors import UserError
 from bearingsim.runner import beside
 from bearingsim.runner.bounds import Affordable, affordable, ended_early, refuse_bounds
@@ -96,14 +96,14 @@ def run(
         try:
             if plan.todo and joined is not None:
                 with joined() as cluster:  # first: estimating what the jobs take may compile code
-                    todo = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
+                    todo = affordable(plan.todo, _costs(engine, plan.todo, max_cpu), max_cpu, progress)
                     told += todo.notes
                     works = _works(root, study, todo, cluster.assembled(), *bounds)
                     _compute(works, cluster.outcomes(works), tally, progress)
             elif plan.todo:
                 with patient(progress) as patience:
                     patience.begin("estimating what the jobs take")
-                    todo = affordable(plan.todo, _costs(engine, plan.todo), max_cpu, progress)
+                    todo = affordable(plan.todo, _costs(engine, plan.todo, max_cpu), max_cpu, progress)
                     told += [*todo.notes, *fewer(todo.costs, workers)]
                     workers = fitting(todo.costs, workers)
                     works = _works(root, study, todo, workers, *bounds)
@@ -336,6 +336,7 @@ def _works(
             max_cpu,
             max_failures,
             theirs,
+            {todo.jobs[i].id: todo.costs[i].spent for i in unit},
         )
         for unit in units
     ]
@@ -351,18 +352,26 @@ def _warm(root: Path, engine: Engine, todo: Sequence["Job"], patience: Patience)
         store.log(root, "warm-up failed", reason=f"{type(error).__name__}: {error}")
 
 
-def _costs(engine: Engine, todo: Sequence["Job"]) -> list[Cost]:
+def _costs(engine: Engine, todo: Sequence["Job"], max_cpu: float) -> list[Cost]:
     estimate = load(engine.estimate)
-    return [_cost(estimate, job.case) for job in todo]
+    return [_cost(estimate, job.case, max_cpu) for job in todo]
 
 
-def _cost(estimate: Callable[[Any], Any], case: Any) -> Cost:
-    """Price of a job; nothing for a case that is refused: its simulation will say why."""
+def _cost(estimate: Callable[[Any], Any], case: Any, max_cpu: float) -> Cost:
+    """Price of a job; nothing for a case that is refused: its simulation will say why.
+
+    Infinite for a case whose price takes longer to find than the CPU time (s) that the job may take.
+    """
+    began = cpu_time.now()
     try:
-        found = estimate(case)
+        with cpu_time.at_most(max_cpu):
+            found = estimate(case)
+    except cpu_time.OutOfCpuTime:
+        return Cost(inf, 0.0)
     except ValueError:
         return Cost(0.0, 0.0)
-    return Cost(float(found.cpu_seconds), float(found.bytes), float(found.most_memory))
+    price = float(found.cpu_seconds), float(found.bytes), float(found.most_memory)
+    return Cost(*price, spent=cpu_time.now() - began)
 
 
 def _compute(

@@ -10,7 +10,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,8 +55,8 @@ Seal = Callable[[Path, Sequence[tuple["Job", "Record"]], Mapping[str, Value]], o
 class Work:
     """Jobs to compute in one go, where to store them, the estimated time in s of each, and bytes of all series.
 
-    max_cpu: CPU time (s) that a job may take; max_failures: jobs that may fail before no more is begun.
-    others: the runs beside this one in the folder.
+    max_cpu: CPU time (s) that a job may take; max_failures: jobs that may fail before no more is begun; others:
+    the runs beside this one in the folder; spent: CPU time (s) of a job that is gone already, by its id.
     """
 
     root: Path
@@ -68,6 +68,7 @@ class Work:
     max_cpu: float = inf
     max_failures: float = inf
     others: OtherRuns | None = None
+    spent: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def unit(self) -> str:
@@ -128,8 +129,9 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
                 elsewhere.append(job.id)
                 continue
             note(job.id)
+            bound = cpu_time.at_most(work.max_cpu, work.spent.get(job.id, 0.0))
             try:
-                with room(work.root / unit), cpu_time.at_most(work.max_cpu):  # a full disk is no fault of the job
+                with room(work.root / unit), bound:  # a full disk is no fault of the job
                     done.append((job, simulate(job.case)))
             except DiskFull:
                 raise

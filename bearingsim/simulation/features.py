@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim import signals
+from bearingsim import cpu_time, signals
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
@@ -79,8 +79,10 @@ BLOCK = 1 << 16
 
 
 def blocks(count: int) -> Iterator[tuple[int, int]]:
-    """Where each block of so many samples begins and ends."""
-    return ((first, min(first + BLOCK, count)) for first in range(0, count, BLOCK))
+    """Where each block of so many samples begins and ends. Raises OutOfCpuTime if the job's is over."""
+    for first in range(0, count, BLOCK):
+        cpu_time.check()
+        yield first, min(first + BLOCK, count)
 
 
 def sensed(case: Case, raw: RawRecord | LowPassed, quantity: str, start: int, count: int) -> np.ndarray:

@@ -3,7 +3,6 @@
 Every run is monitored (``core/advance.py``): what it gives up, and why, is a ``MethodFailure``.
 """
 
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -117,6 +116,24 @@ def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup
     )
 
 
+SECONDS_PER_CALL = 0.1  # s of CPU time between two looks at the clock, about
+FIRST_STEPS, STEPS_PER_CALL = 8, 4000  # steps, or recorded instants, until the first look, and at most
+MAX_EVALUATIONS = 2e4  # evaluations of the model by an adaptive method after which the clock is looked at earlier
+
+
+@dataclass
+class Pace:
+    """CPU time (s) of the integrator so far, and the steps that it takes until the clock is looked at again."""
+
+    cpu_s: float = 0.0
+    steps: int = FIRST_STEPS
+
+    def add(self, seconds: float, steps: int) -> None:
+        """Count the CPU time of some steps, and choose how many come next."""
+        self.cpu_s += seconds
+        self.steps = int(min(STEPS_PER_CALL, max(1.0, steps * SECONDS_PER_CALL / max(seconds, 1e-9))))
+
+
 def monitor_of(cut: time_grid.Grid, found: Limits) -> Monitor:
     """Look twice within an impact (half a period of the roller between its contacts), and as a pit is crossed."""
     patience = 0.5 / found.contact_frequency if found.contact_frequency > 0.0 else 1.0
@@ -142,11 +159,11 @@ def integrate(
     """
     case, cut = setup.case, setup.cut
     y = _start(setup, nudge, start)
-    kept, clock = Recording(case, cut, setup.model.bearing.Z, y), [0.0]
+    kept, pace = Recording(case, cut, setup.model.bearing.Z, y), Pace()
     search, period, difference = _search(setup, kept.places, close), 0, nan
     passes, look_at = 0, accuracy.MIN_PASSES
     began_at = _pit_passages(setup, 0.0, y)
-    for p, window in enumerate(_ball_passes(setup, kept.samples, y, kept.places, clock)):
+    for p, window in enumerate(_ball_passes(setup, kept.samples, y, kept.places, pace)):
         kept.keep(p, window, y)
         passes = p + 1
         if search is not None:
@@ -157,11 +174,11 @@ def integrate(
             raise NotRepeating(f"no ball pass of {passes} repeats another", "name a `method`", passes / cut.rate)
         if case.until is not None and passes >= look_at:
             look_at = ceil(accuracy.LOOK_AGAIN * passes)
-            so_far = kept.raw(Repetition(passes, 0, nan), y, clock[0])
+            so_far = kept.raw(Repetition(passes, 0, nan), y, pace.cpu_s)
             if accuracy.standard_errors(case, setup.model, cut, so_far).largest <= case.until:
                 break
     _check_end(setup, began_at, y, passes)
-    raw = kept.raw(Repetition(passes, period, difference), y, clock[0])
+    raw = kept.raw(Repetition(passes, period, difference), y, pace.cpu_s)
     if period > 0 and not case.antialias:
         kept.pick_repeated(raw.repetition)
     if MODELS[case.model].memoryless:  # it was never at rest
@@ -195,11 +212,11 @@ def _start(setup: Setup, nudge: float, given: np.ndarray | None = None) -> np.nd
 
 
 def _ball_passes(
-    setup: Setup, samples: NoSamples | Samples, y: np.ndarray, places: np.ndarray, clock: list[float]
+    setup: Setup, samples: NoSamples | Samples, y: np.ndarray, places: np.ndarray, pace: Pace
 ) -> Iterator[np.ndarray]:
     """The recording, a ball pass at a time: (C, tail + steps) with the end of the pass before in front.
 
-    The same array every time. ``clock[0]`` gathers the CPU seconds spent in the integrator.
+    The same array every time. ``pace`` gathers the CPU time of the integrator.
     """
     case, cut = setup.case, setup.cut
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
@@ -208,11 +225,11 @@ def _ball_passes(
     _warm_up(setup, samples, y, places)
     if MODELS[case.model].memoryless:  # it was never at rest: what was before t = 0 is known
         before = window[:, steps:]
-        advance_and_sample(setup.method, setup.model, setup.monitor, -tail, y, places, before, NoSamples())
+        _record_steps(setup, NoSamples(), -tail, y, places, before, pace)
         take_peaks(y)
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
-        _record_steps(setup, samples, p * steps, y, places, window[:, tail:], clock)
+        _record_steps(setup, samples, p * steps, y, places, window[:, tail:], pace)
         if assemble.adaptive(case):
             for motion in MOTIONS if case.rig.ring is not None else MOTIONS[:1]:
                 differentiate(window, motion, tail, cut.step)
@@ -231,12 +248,10 @@ def _check_end(setup: Setup, began_at: list[float], y: np.ndarray, passes: int) 
 
 def _warm_up(setup: Setup, samples: NoSamples | Samples, y: np.ndarray, places: np.ndarray) -> None:
     """Compile or load what takes steps, before the clock runs: a step that is thrown away."""
+    y = y.copy()
+    y[lay.CPU_END] = cpu_time.end()
     part = np.empty((len(places), 2))[:, :1]  # laid out as parts of a recording: another layout is other code
-    advance_and_sample(setup.method, setup.model, setup.monitor, 0, y.copy(), places, part, samples)
-
-
-STEPS_PER_CALL = 4000  # steps, or recorded instants of an adaptive method, between two looks at the clock
-MAX_EVALUATIONS = 1e5  # evaluations of the model after which it is looked at earlier, once an instant is recorded
+    advance_and_sample(setup.method, setup.model, setup.monitor, 0, y, places, part, samples)
 
 
 def _record_steps(
@@ -246,20 +261,20 @@ def _record_steps(
     y: np.ndarray,
     places: np.ndarray,
     out: np.ndarray,
-    clock: list[float],
+    pace: Pace,
 ) -> None:
     """Take and record all steps of ``out`` from number ``start``, a while at a time; raises if it must stop."""
     n = 0
     while n < out.shape[1]:
-        began = time.thread_time()
-        part = out[:, n : n + STEPS_PER_CALL]
+        y[lay.CPU_END], began = cpu_time.end(), cpu_time.now()
+        part = out[:, n : n + pace.steps]
         taken, outcome, body = advance_and_sample(
             setup.method, setup.model, setup.monitor, start + n, y, places, part, samples
         )
         n += taken
-        clock[0] += time.thread_time() - began
+        pace.add(cpu_time.now() - began, taken)
         cpu_time.check()
-        if outcome == outcomes.SUCCESS and clock[0] > setup.max_cpu and setup.case.step == "auto":
+        if outcome == outcomes.SUCCESS and pace.cpu_s > setup.max_cpu and setup.case.step == "auto":
             outcome = outcomes.TOO_SLOW
         if outcome != outcomes.SUCCESS:
             raise stopped(setup, outcome, body, (start + n) * setup.cut.step)

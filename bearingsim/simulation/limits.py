@@ -7,7 +7,7 @@ steepest pit. What loads, speeds and pits can do at most bounds what a run may b
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import hypot, inf, pi, sqrt
 from typing import Any, NamedTuple
 
@@ -35,6 +35,7 @@ from bearingsim.core.parts.bending import Stiff
 from bearingsim.core.pits.excitations import STEP_EXCITATIONS
 from bearingsim.core.pits.pairs import DEPTH
 from bearingsim.core.pits.passage import free_impact, passage_peak
+from bearingsim.cpu_time import bounded
 from bearingsim.errors import Refused
 
 LONGEST = 20e-6  # s: a step nobody needs to exceed, for the models without a limit
@@ -147,7 +148,8 @@ def impact_force(model: Any, load: float) -> float:
         return load
     inwards = max(load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i), 0.0)
     deep = approach(model.outer, load), approach(model.inner, inwards)
-    return max([load, *(float(passage_peak(model, d, *deep)) for d in range(len(model.pits.head)))])
+    peaks = (bounded(partial(passage_peak, model, d, *deep)) for d in range(len(model.pits.head)))
+    return max([load, *map(float, peaks)])
 
 
 APPROACH_MARGIN, ENERGY_MARGIN = 10.0, 1000.0
@@ -250,7 +252,7 @@ def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
     """
     if m == 0.0 or speed == 0.0:
         return 0.0, 0.0, 0.0
-    peak, K, C = free_impact(m, law, speed)
+    peak, K, C = bounded(partial(free_impact, m, law, speed))
     return float(peak), float(K) / m, float(C) / m
 
 

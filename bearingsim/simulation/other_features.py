@@ -5,6 +5,7 @@ from math import isfinite, nan
 
 import numpy as np
 
+from bearingsim import cpu_time
 from bearingsim.catalogue import FEATURES, Feature, call
 from bearingsim.config import FEATURES as DECLARED
 from bearingsim.config import Case
@@ -41,6 +42,7 @@ def of_extensions(
         else:
             if not isfinite(values[name]):
                 values[name], reasons[NO_VALUE + name] = nan, f"computed as {values[name]}"
+        cpu_time.check()
     return values, reasons
 
 

@@ -6,6 +6,7 @@ from math import ceil
 
 import numpy as np
 
+from bearingsim import cpu_time
 from bearingsim.core import layout as lay
 from bearingsim.core.sampling import low_pass
 from bearingsim.simulation.repetition import Repetition, turned
@@ -89,6 +90,10 @@ class RawRecord:
         return replace(self, fine=fine, lead=self.lead - reach, zero=self.zero - reach, repetition=repetition)
 
 
+PRODUCTS = 1 << 28
+"""Products of a tap and a value between two looks at the clock: some 0.1 s."""
+
+
 @dataclass(frozen=True)
 class LowPassed:
     """A raw record, seen through the low-pass ``taps``."""
@@ -101,5 +106,8 @@ class LowPassed:
         reach = len(self.taps) // 2
         wide = np.ascontiguousarray(self.raw.read(first - reach, count + 2 * reach, rows))
         out = np.empty((len(wide), count))
-        low_pass(wide, self.taps, out)
+        block = max(1, PRODUCTS // (len(self.taps) * max(1, len(wide))))
+        for begin in range(0, count, block):
+            cpu_time.check()
+            low_pass(wide, self.taps, out, begin, min(begin + block, count))
         return out

@@ -5,7 +5,7 @@ from math import ceil, floor
 
 import numpy as np
 
-from bearingsim import assemble
+from bearingsim import assemble, cpu_time
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import NoSamples, Samples
@@ -55,6 +55,7 @@ class Recording:
     def pick_repeated(self, repetition: Repetition) -> None:
         """Pick what a raw record holds of the passes that were not computed."""
         for p in range(repetition.computed, self.cut.passes):
+            cpu_time.check()
             source = int(repetition.source(p))
             window = self.last[source - repetition.computed]
             _pick_pass(self.case, self.cut, p, window[turned(self.places, self.Z, p - source)], self.picked)

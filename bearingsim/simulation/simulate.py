@@ -1,14 +1,14 @@
 """One case, computed: the integrator's steps become series and features."""
 
-import time
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import ceil, floor, isfinite, nan, sqrt
 from typing import Any, TypeVar
 
 import numpy as np
 
-from bearingsim import assemble, extensions
+from bearingsim import assemble, cpu_time, extensions
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case, Section, dataset_names
 from bearingsim.core import layout as lay
@@ -88,7 +88,7 @@ def simulate(case: Case) -> Record:
     An automatic step rests on an estimate of what is to come, so it is proven (``step_check``), and the run is
     monitored all along. Should it fail, shorter ones are tried, and then (with `method: auto`) other methods.
     """
-    began = time.process_time()
+    began = cpu_time.now()
     return _in_turn(case, lambda attempt: _simulate(attempt, began))
 
 
@@ -99,7 +99,7 @@ def try_out(case: Case, asked: Sequence[str], passes: int, turn: float = 0.0) ->
     cut (0 if none turns), its own or of the case whose healthy twin this is. If the motion repeats itself within
     them, what repeats is all there is to know: then there is the whole record besides. Raises like ``simulate``.
     """
-    began = time.process_time()
+    began = cpu_time.now()
     return _in_turn(case, lambda attempt: _try_out(attempt, asked, passes, turn, began))
 
 
@@ -182,7 +182,7 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
         time=instants,
         series=series,
         features=own | others,
-        info=_info(setup, raw) | reasons | {"cpu_s": time.process_time() - began},
+        info=_info(setup, raw) | reasons | {"cpu_s": cpu_time.now() - began},
     )
 
 
@@ -305,6 +305,7 @@ def _cage_angle(setup: Setup, raw: RawRecord) -> float:
 
 
 _WARM: set[tuple] = set()  # kinds of case that this process has compiled or loaded
+WARM_S = 0.3  # s of CPU time, without compiling, of a ball pass: what it has not reached by then compiles in a job
 
 
 def warm(cases: Iterable[Case], about_to: Callable[[int, int, float], None] | None = None) -> None:
@@ -323,7 +324,8 @@ def warm(cases: Iterable[Case], about_to: Callable[[int, int, float], None] | No
             about_to(number, len(new), price("compile", case.model))
         short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
         plain = {"duration": short, "settle": 0.0, "step": "auto", "step_check": False}
-        simulate(case.model_copy(update=plain))
+        with suppress(cpu_time.OutOfCpuTime), cpu_time.at_most(WARM_S):
+            simulate(case.model_copy(update=plain))
         _WARM.add(kind)
 
 
@@ -356,6 +358,7 @@ def _sampled(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) 
     block = max(1, int(BLOCK / ratio))
     start = case.settle * cut.fine_rate
     for n in range(0, out.shape[1], block):
+        cpu_time.check()
         end = min(n + block, out.shape[1])
         first = floor(start + n * ratio) - INTERPOLATION_REACH
         count = ceil((end - n) * ratio) + 2 * INTERPOLATION_REACH + 1

@@ -31,7 +31,7 @@ def resampled(fine: np.ndarray, ratio: float, count: int = 40) -> tuple[np.ndarr
     """Samples of fine ones (C, n), and the fine positions at which they should be."""
     taps = sampling_kernel(ratio)
     low = np.empty((len(fine), fine.shape[1] - len(taps) + 1))
-    low_pass(fine, taps, low)
+    low_pass(fine, taps, low, 0, low.shape[1])
     first, out = INTERPOLATION_REACH + 1.3, np.empty((len(fine), count))
     interpolate(low, first, ratio, interpolation_kernel(), np.empty(2 * INTERPOLATION_REACH), out, 0, count)
     return out, first + len(taps) // 2 + ratio * np.arange(count)

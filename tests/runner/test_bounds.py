@@ -1,5 +1,7 @@
 """What bounds a run: failures that end it, and CPU time that a job may take. Neither changes a result or an id."""
 
+import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -110,6 +112,33 @@ def test_a_job_that_takes_longer_than_was_thought_is_stopped_and_fails(tmp_path:
 
 def cheap(case: Any) -> Any:
     return type("Estimate", (), {"cpu_seconds": 0.001, "bytes": 0.0, "most_memory": 0.0})
+
+
+def test_what_its_estimate_took_is_part_of_a_job_s_time(tmp_path: Path) -> None:
+    """An estimate that finds no equilibrium may take longer than the job."""
+    study: Any = FakeStudy(deeds={1: "spin"}, seconds=0.15)
+    slow = replace(ENGINE, estimate="tests.runner.test_bounds:thoughtful")
+    summary = run(study, tmp_path, jobs=1, progress=False, engine=slow, max_cpu=0.2)
+    assert (summary.done, summary.failed) == (3, 1)  # the others sleep
+    summary = run(study, tmp_path, jobs=1, progress=False, engine=slow, max_cpu=0.5, retry_failed=True)
+    assert (summary.done, summary.failed) == (1, 0)
+
+
+def test_a_job_whose_estimate_takes_all_its_time_is_left_out(tmp_path: Path) -> None:
+    slow = replace(ENGINE, estimate="tests.runner.test_bounds:thoughtful")
+    began = time.thread_time()
+    study: Any = FakeStudy([1e-3])
+    summary = run(study, tmp_path, jobs=1, progress=False, engine=slow, max_cpu=0.05)
+    assert (summary.failed, summary.missing, summary.exit_code) == (0, 2, 1)  # the case and its healthy twin
+    assert "2 jobs are left out: estimated to take over 0.05 s (`--max-cpu`)" in summary.notes
+    assert time.thread_time() - began < 1.0
+
+
+def thoughtful(case: Any) -> Any:
+    end = cpu_time.now() + 0.1
+    while cpu_time.now() < end:
+        cpu_time.check()
+    return cheap(case)
 
 
 def test_a_simulation_is_stopped_between_its_steps_and_no_other_method_is_tried() -> None:

@@ -220,10 +220,9 @@ def test_a_pilot_may_take_its_part_of_what_a_run_may() -> None:
 
 def test_the_clock_is_looked_at_within_a_ball_pass() -> None:
     setup = set_up(choice.resolved(case(**{**VERLET, "step": "auto", "duration": "20 ms"})))
-    few = mock.patch.object(INTEGRATION, "STEPS_PER_CALL", 16)
-    with few, pytest.raises(SIMULATION.TooSlow) as caught:
+    with pytest.raises(SIMULATION.TooSlow) as caught:
         INTEGRATION.integrate(replace(setup, max_cpu=1e-9))
-    assert caught.value.time == pytest.approx(16 * setup.cut.step)
+    assert caught.value.time == pytest.approx(INTEGRATION.FIRST_STEPS * setup.cut.step)
 
 
 def test_the_clock_is_looked_at_where_steps_are_much_work() -> None:

@@ -21,6 +21,7 @@ from math import inf, isfinite, sqrt
 from typing import Any
 
 from bearingsim.core import layout as lay
+from bearingsim.core.clock import is_over
 from bearingsim.core.jit import add, generic, jit
 from bearingsim.core.methods.interface import attempt, interpolate, no_limit, prepare, reach, stability_ratio, step
 from bearingsim.core.models.arms import roller_arms, shared_arms
@@ -32,7 +33,7 @@ from bearingsim.core.models.interface import (
     state_width,
     update_extremes,
 )
-from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
+from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS, TOO_SLOW
 from bearingsim.core.parameters import lanes
 from bearingsim.core.pits.jumps import next_jump
 
@@ -48,6 +49,7 @@ TIME_ROUNDING = 8 * 2.0**-52
 JUMP_STEP = 1e-13  # s: where in so short a step a force jumps is of no account to methods that damp what it leaves
 JUMP_GAP = 1e-12  # s: so far on either side of a jump a step ends, or begins
 MAX_ATTEMPTS = 100_000  # steps between two recorded instants
+ATTEMPTS_A_LOOK = 64  # steps between two looks at the clock
 TIME_TOLERANCE = 1e-9  # part of the time between recorded instants: so near to one, a step's end is it
 
 
@@ -370,10 +372,14 @@ def _step(method, model, t, y):
 
 def _reach(method, model, t, y):
     """``reach`` of every adaptive method: up to the instant or past it, then back by dense output."""
-    tries = 0
+    tries, look = 0, ATTEMPTS_A_LOOK
     while y[lay.FAILED] == SUCCESS and y[lay.T_END] < t - TIME_TOLERANCE * method.h:
         tries += advance_once(method, model, y)
         if tries > MAX_ATTEMPTS and y[lay.FAILED] == SUCCESS:
             y[lay.FAILED] = TOO_MANY_STEPS
+        if tries >= look:
+            look = tries + ATTEMPTS_A_LOOK
+            if is_over(y[lay.CPU_END]):
+                y[lay.FAILED] = TOO_SLOW
     if y[lay.FAILED] == SUCCESS:
         show_instant(method, model, t, y)

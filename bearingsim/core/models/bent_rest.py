@@ -14,9 +14,18 @@ from typing import Any
 import numpy as np
 
 from bearingsim.core import layout as lay
+from bearingsim.core.clock import is_over
 from bearingsim.core.jit import generic, inlined, jit
 from bearingsim.core.laws.stiffness.interface import tangent
-from bearingsim.core.models.equilibrium import K_SERIES, MAX_STEPS, RESIDUAL, balance_rollers, net_force, settle
+from bearingsim.core.models.equilibrium import (
+    K_SERIES,
+    MAX_STEPS,
+    RESIDUAL,
+    STEPS_A_LOOK,
+    balance_rollers,
+    net_force,
+    settle,
+)
 from bearingsim.core.parts.bending import (
     COS_S,
     K_S,
@@ -221,8 +230,8 @@ def _settle(bending, model, t, y):
     goal = RESIDUAL * (bending.load + 1e-3)
     balance_rollers(model, t, y)
     size = fill_force(bending, model, y)
-    for _ in range(MAX_STEPS):
-        if size <= goal:
+    for n in range(MAX_STEPS):
+        if size <= goal or (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_over(y[lay.CPU_END])):
             break
         push = choose_way(bending, model, y)
         size = search_along(bending, model, t, y, push)

@@ -14,7 +14,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bearingsim import cpu_time
 from bearingsim.core import layout as lay
+from bearingsim.core.clock import is_over
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.laws.damping.interface import damping_bound, in_series
 from bearingsim.core.laws.stiffness.interface import tangent
@@ -31,6 +33,7 @@ PAIR, DISTANCE = lay.WORK + lay.ROW, lay.WORK + 3 * lay.ROW
 # stands in (-1: none), and its distance from the pit's middle, m
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 MAX_STEPS = 200
+STEPS_A_LOOK = 16  # steps between two looks at the clock
 LONGEST_STEP = 1e-5  # m
 LIGHT = 1e-8  # m: how far a roller that carries nothing may be pressed, to begin with
 REACH = 1e-6  # m: how far one is looked for further out, to begin with
@@ -220,8 +223,8 @@ def _settle(bending, model, t, y):
     goal = RESIDUAL * (hypot(model.support.F, model.support.F_across) + 1e-3)
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)
-    for _ in range(MAX_STEPS):
-        if hypot(f_x, f_y) <= goal:
+    for n in range(MAX_STEPS):
+        if hypot(f_x, f_y) <= goal or (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_over(y[lay.CPU_END])):
             break
         k_xx, k_xy, k_yy = ring_stiffness(model, y)
         d_x, d_y = solve_2x2(k_xx, k_xy, k_yy, f_x, f_y)
@@ -262,6 +265,16 @@ def rest_from_scratch(model, t, y):
     y[lay.VELOCITY : lay.VELOCITY + lay.STATE] = 0.0
     first_guess(model, t, y)
     return find_rest(model, t, y)
+
+
+def find_in_time(find, model, t, y):
+    """``find_rest`` or ``rest_from_scratch``, called from Python. Raises OutOfCpuTime if the job's is over."""
+
+    def find_until(end):
+        y[lay.CPU_END] = end
+        return find(model, t, y)
+
+    return cpu_time.bounded(find_until)
 
 
 def given_load(model):
@@ -310,7 +323,7 @@ def rests_of_a_pass(model, y, samples):
     pass_time, load = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c), given_load(model)
     for n in range(samples):
         find = rest_from_scratch if n == 0 else find_rest
-        residual = find(model, (n + 0.5) / samples * pass_time, y)
+        residual = find_in_time(find, model, (n + 0.5) / samples * pass_time, y)
         if not residual <= 1e-8 * load:
             raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {load:g} N")
         yield n

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bearingsim import cpu_time
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.orientation import body_at
@@ -105,6 +106,7 @@ class Statics:
     def press(self) -> tuple[np.ndarray, np.ndarray]:
         """Residuals of the rollers (Z, 2), N and N m, and of the rings (8,): forces, and N m against lean."""
         contacts_at_rest(self.model, self.t, self.y, self.n)
+        cpu_time.check()
         b, y = self.model.bearing, self.y
         out = self.row(lay.FORCE_R) + self.flung * ((b.R_o + b.R_i) / 2.0 + self.row(lay.RADIAL))
         tilting = self.row(lay.MOMENT_T) - self.gyro * self.row(lay.TILT)

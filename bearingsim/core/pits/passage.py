@@ -8,6 +8,7 @@ other rollers and the rings' masses are left out, so this is an estimate: how ha
 
 from math import pi, sqrt
 
+from bearingsim.core.clock import is_over
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.pits.on_roller import force_over_pit
@@ -15,14 +16,15 @@ from bearingsim.core.pits.pairs import HALF_WIDTH, OUTER, SIDE, passing_speed
 
 STEPS_OF_A_PASSAGE = 400  # at least, from rim to rim
 STEP_OF_A_PERIOD = 0.1  # of the time in which a contact turns by one radian
+STEPS_A_LOOK = 4096  # steps between two looks at the clock
 AFTERWARDS = 10.0  # such times, and the passage once more, that are looked at behind the pit
 
 
 @jit
-def passage_peak(model, d, delta_o, delta_i):
+def passage_peak(model, d, delta_o, delta_i, cpu_end):
     """The largest contact force (N) as a roller passes roller-pit pair ``d``.
 
-    delta_o, delta_i: the approaches (m) of its contacts at rest.
+    delta_o, delta_i: the approaches (m) of its contacts at rest; cpu_end: as of ``cpu_time.bounded``.
     """
     outer, inner, pits, m = model.outer, model.inner, model.pits, model.bearing.m_r
     speed, half = passing_speed(pits, d, model.bearing), pits.head[d, HALF_WIDTH]
@@ -31,7 +33,9 @@ def passage_peak(model, d, delta_o, delta_i):
     resting = sqrt((stiffness_bound(outer, delta_o, 0.0) + stiffness_bound(inner, delta_i, 0.0)) / m)
     longest, end = 2.0 * half / (abs(speed) * STEPS_OF_A_PASSAGE), 3.0 * half / abs(speed) + AFTERWARDS / resting
     t, x, v, peak = -half / abs(speed), 0.0, 0.0, normal_force(outer, delta_o, 0.0)
-    while t < end:
+    n = 0
+    while t < end and not (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_over(cpu_end)):
+        n += 1
         s = speed * t
         over_pit = abs(s) < half
         d_o, d_i = delta_o + x, delta_i - x
@@ -60,14 +64,17 @@ IMPACT_STEP = 0.2  # of the time in which damping alone would stop a roller: a s
 
 
 @jit
-def free_impact(m, law, speed):
+def free_impact(m, law, speed, cpu_end):
     """A free roller of mass ``m`` (kg) thrown at one race with ``speed`` (m/s).
 
-    Returns the peak force (N) and the largest stiffness (N/m) and damping (N s/m) until it stands still.
+    cpu_end: as of ``cpu_time.bounded``. Returns the peak force (N) and the largest stiffness (N/m) and damping
+    (N s/m) until it stands still.
     """
     longest = min(LONGEST_IMPACT_STEP, 1e-3 * pi * sqrt(m / stiffness_bound(law, 1e-7, 0.0)))
     delta, v, peak, K, C = FIRST_APPROACH, speed, 0.0, 0.0, 0.0
-    while v > 0.0:
+    n = 0
+    while v > 0.0 and not (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_over(cpu_end)):
+        n += 1
         peak = max(peak, normal_force(law, delta, v))
         damping = damping_bound(law, delta, v)
         K, C = max(K, stiffness_bound(law, delta, v)), max(C, damping)

@@ -1,0 +1,54 @@
+"""The CPU clock in compiled code: loops that may run long read it now and then, and end with the job's CPU time.
+
+``cpu_time.bounded`` calls such a function, and says when that is. A reading takes 0.3 us.
+"""
+
+import time
+from typing import Any
+
+from llvmlite import ir  # type: ignore[import-untyped]
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, overload
+
+from bearingsim.core.jit import OPTIONS, jit
+
+CLOCK = getattr(time, "CLOCK_THREAD_CPUTIME_ID", None)  # of clock_gettime; None where the system has no such call
+LONG, INT = ir.IntType(64), ir.IntType(32)
+
+
+def thread_seconds() -> float:
+    """Return the CPU time (s) of this thread; in compiled code 0 where the system does not report it."""
+    return time.thread_time()
+
+
+@intrinsic
+def seconds_by_system(typing_context: Any) -> Any:
+    """``thread_seconds``, by the system's ``clock_gettime``."""
+
+    def written(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        if CLOCK is None:
+            return context.get_constant(types.float64, 0.0)
+        parts = ir.LiteralStructType([LONG, LONG])  # seconds, nanoseconds
+        place = cgutils.alloca_once(builder, parts)
+        kind = ir.FunctionType(INT, [INT, parts.as_pointer()])
+        call = cgutils.get_or_insert_function(builder.module, kind, "clock_gettime")
+        builder.call(call, [ir.Constant(INT, CLOCK), place])
+        whole, rest = (
+            builder.sitofp(builder.load(cgutils.gep_inbounds(builder, place, 0, n)), ir.DoubleType())
+            for n in (0, 1)
+        )
+        return builder.fadd(whole, builder.fmul(rest, ir.Constant(ir.DoubleType(), 1e-9)))
+
+    return types.float64(), written
+
+
+@overload(thread_seconds, jit_options=OPTIONS, strict=False)
+def _thread_seconds():
+    return lambda: seconds_by_system()
+
+
+@jit
+def is_over(end):
+    """Tell whether the CPU time of this thread is past ``end`` (s); 0 and inf are never past."""
+    return 0.0 < end < thread_seconds()
