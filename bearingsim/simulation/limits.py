@@ -30,15 +30,17 @@ from bearingsim.core.advance import start_at_rest
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.methods.interface import stability_ratio
 from bearingsim.core.models.equilibrium import NoEquilibrium
-from bearingsim.core.models.interface import damping_per_mass, stiffness_per_mass
+from bearingsim.core.models.interface import damping_per_mass, degrees_of_freedom, stiffness_per_mass
 from bearingsim.core.parts.bending import Stiff
 from bearingsim.core.pits.excitations import STEP_EXCITATIONS
 from bearingsim.core.pits.pairs import DEPTH
 from bearingsim.core.pits.passage import free_impact, passage_peak
 from bearingsim.cpu_time import bounded
 from bearingsim.errors import Refused
+from bearingsim.simulation.fastest import SEARCH, Rates, fastest_rate, rates_at_rest
 
 LONGEST = 20e-6  # s: a step nobody needs to exceed, for the models without a limit
+FASTER = 2.0  # times the rate of the monitored bodies: what moves faster than that bounds a step
 SAMPLES_OF_A_PASS = 16  # cage angles at which the load at rest is looked at
 
 
@@ -48,7 +50,8 @@ class Limits:
 
     The limits are the method's own, on the linearised bearing; ``impact_force`` is an estimate of the peak.
     damping_ratio is that of a roller (in `ring`, of the ring) on its contacts, without friction; damping_time (s)
-    is c/k of a contact under the largest load at rest, the larger of both races'.
+    is c/k of a contact under the largest load at rest, the larger of both races'. fastest_rate (1/s) is the
+    largest eigenvalue of the bearing at rest: of such a body, or of one that is much lighter or held much harder.
     approach_bound (m), energy_bound (J): approach of a contact and radial energy of motion that no right run
     exceeds.
     """
@@ -56,6 +59,7 @@ class Limits:
     rest_load: float
     contact_frequency: float
     damping_ratio: float
+    fastest_rate: float
     damping_time: float
     at_rest: float
     closing_speed: float
@@ -91,10 +95,14 @@ def _without_method(case: Case) -> tuple[Limits, Slopes]:
     """The limits but for those of a method, and the slopes that these follow from."""
     rest_load, K, C = loads_at_rest(_healthy(case))
     K_alone, _ = contacts_alone(_healthy(case))
+    frequency = sqrt(K_alone) / (2.0 * pi) if K_alone > 0.0 else inf
+    ratio, faster = damping_ratio_at_rest(case), faster_than_monitored(_healthy(case))
+    K, C = max(K, faster.K), max(C, faster.C)
     found = Limits(
         rest_load=rest_load,
-        contact_frequency=sqrt(K_alone) / (2.0 * pi) if K_alone > 0.0 else inf,
-        damping_ratio=damping_ratio_at_rest(case),
+        contact_frequency=frequency,
+        damping_ratio=ratio,
+        fastest_rate=max(fastest_rate(2.0 * pi * frequency, ratio), faster.fastest),
         damping_time=damping_time(case, rest_load),
         at_rest=inf,
         closing_speed=0.0,
@@ -122,7 +130,8 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits,
     speed = closing_speed(model)
     hits = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
     hits += [step_impact(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
-    _, K_more, C_more = (max(values) for values in zip(*hits, strict=True))
+    lighter = max(1.0, model.bearing.m_r / model.bearing.m_o)  # a ring that is feels an impact so much more
+    _, K_more, C_more = (lighter * max(values) for values in zip(*hits, strict=True))
     if case.rig.ring is not None:  # the race gives way too
         both = 1.0 + model.bearing.m_r * model.bending.mobility
         K_more, C_more = both * K_more, both * C_more
@@ -197,10 +206,24 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Largest outer contact force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
     load, K, C = 0.0, 0.0, 0.0
-    for y, K_now, C_now in at_rest_in_a_pass(model):
+    for _, y, K_now, C_now in at_rest_in_a_pass(model):
         load = max(load, float(assemble.outer_forces(model, y).max()))
         K, C = max(K, K_now), max(C, C_now)
     return load, K, C
+
+
+@lru_cache(maxsize=OF_A_STUDY)
+def faster_than_monitored(healthy: Case) -> Rates:
+    """Rates of what moves much faster at rest than the monitored bodies; zero if nothing does."""
+    load, *monitored = loads_at_rest(healthy)
+    model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
+    if not MODELS[healthy.model].has_inertia or not degrees_of_freedom.serves(type(model)):
+        return Rates(0.0, 0.0)
+    t, y = next(at_rest_in_a_pass(model))[:2]
+    deep = approach(model.outer, load)
+    if rates_at_rest(model, t, y, deep, SEARCH).fastest <= FASTER * Rates(*monitored).fastest:
+        return Rates(0.0, 0.0)
+    return rates_at_rest(model, t, y, deep)
 
 
 @lru_cache(maxsize=OF_A_STUDY)
@@ -210,21 +233,21 @@ def contacts_alone(healthy: Case) -> tuple[float, float]:
         return loads_at_rest(healthy)[1:]
     model, found = assemble.model(healthy), []
     stiff = model._replace(bending=Stiff())
-    for y, _, _ in at_rest_in_a_pass(model):
+    for _, y, _, _ in at_rest_in_a_pass(model):
         for j in range(model.bearing.Z):
             found.append((stiffness_per_mass(stiff, y, j), damping_per_mass(stiff, y, j)))
     K, C = np.max(found, axis=0)
     return float(K), float(C)
 
 
-def at_rest_in_a_pass(model: Any) -> Iterator[tuple[np.ndarray, float, float]]:
-    """The model at rest at some cage angles of a ball pass: its buffer, a body's stiffness, damping over mass."""
+def at_rest_in_a_pass(model: Any) -> Iterator[tuple[float, np.ndarray, float, float]]:
+    """The model at rest at some times (s) of a ball pass: its buffer, a body's stiffness, damping over mass."""
     y, pass_time = assemble.empty_buffer(model), 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     for n in range(SAMPLES_OF_A_PASS):
         t = (n + 0.5) / SAMPLES_OF_A_PASS * pass_time
         assemble.find_equilibrium(model, t, y, from_scratch=n == 0)
         K, C = start_at_rest(model, t, y)
-        yield y, float(K), float(C)
+        yield t, y, float(K), float(C)
 
 
 def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]:

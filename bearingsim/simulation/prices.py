@@ -6,7 +6,7 @@ on them. ``benchmarks/step_cost.py`` measures them.
 
 import csv
 from functools import cache
-from math import inf, pi, sqrt
+from math import inf
 from pathlib import Path
 
 from bearingsim import assemble
@@ -84,12 +84,6 @@ def adaptive_step(case: Case, found: Limits) -> float:
     steps = price("own steps", name)
     smooth = min(found.crossing, LONGEST * usual) / steps
     if not METHODS[name].implicit:
-        return min(smooth, price("stable step", name) / fastest_rate(found))
+        return min(smooth, price("stable step", name) / found.fastest_rate)
     rings = 1.0 / found.contact_frequency / OWN_PER_PERIOD if found.damping_ratio < RINGING_RATIO else inf
     return min(smooth, rings, LONGEST * usual / steps / max(1.0, found.damping_ratio) ** DAMPING_POWER)
-
-
-def fastest_rate(found: Limits) -> float:
-    """The largest eigenvalue (1/s) of a body on its contacts at rest: what an explicit method's step follows."""
-    zeta = found.damping_ratio
-    return 2.0 * pi * found.contact_frequency * (zeta + sqrt(zeta * zeta - 1.0) if zeta > 1.0 else 1.0)

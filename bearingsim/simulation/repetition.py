@@ -16,7 +16,8 @@ from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
 from bearingsim.config.rules.passes import ALIKE
 from bearingsim.core import layout as lay
-from bearingsim.core.models.interface import degrees_of_freedom, harmonics, state_width
+from bearingsim.core.models.interface import degrees_of_freedom
+from bearingsim.simulation.lengths import lengths
 
 CONSTANT = frozenset(
     {
@@ -112,7 +113,7 @@ class Search:
         self.model = model
         self.compared = np.r_[0:4, 9 : len(places)]  # accelerations jump, and what cages do is of the state
         self.compared = self.compared[places[self.compared] != lay.SENSOR_A]
-        self.weights = np.zeros(12 * lay.ROW) if memoryless else _lengths(model)
+        self.weights = np.zeros(12 * lay.ROW) if memoryless else lengths(model)
         self.least_peaks = np.array([name == "tilt.max" for name in EXTREMES]) / model.bearing.R_o
         held = int(MOST_HELD // (8 * len(places) * steps))
         self.periods = range(1, 1 + min(LONGEST_PERIOD, held))
@@ -198,23 +199,6 @@ def turned_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:
     lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + model.bearing.Z)
     found[:, :own, lanes] = np.roll(found[:, :own, lanes], passes, axis=2)
     return found
-
-
-def _lengths(model: Any) -> np.ndarray:
-    """By what (m, or 1) positions and velocities are multiplied to become lengths and speeds (2 STATE,).
-
-    A roller's own rotation, which grows without end, counts by its speed alone; what is no state of the model does
-    not.
-    """
-    cells = np.full((2, 6, lay.ROW), model.bearing.R_o)
-    cells[:, 0, lay.FIRST_LANE :] = 1.0
-    cells[:, 3] = 1.0
-    cells[:, 0, [lay.X, lay.Y, lay.X_C, lay.Y_C, lay.X_I, lay.Y_I]] = 1.0
-    cells[0, 2, lay.FIRST_LANE :] = 0.0
-    if harmonics(model) > 0:  # lengths, where other models have the rollers' angles
-        cells[:, 1:3] = 1.0
-    cells.reshape(2, -1)[:, state_width(model) :] = 0.0
-    return cells.ravel()
 
 
 def _over(differences: np.ndarray, ranges: np.ndarray) -> float:

@@ -1,0 +1,69 @@
+"""How fast anything in a bearing at rest can move: the largest slopes of all its accelerations.
+
+    a(q + dq, v + dv) = a(q, v) - K dq - C dv
+
+A step is bounded by the slopes of the monitored bodies (``core/advance.py``): of what is light in a bearing, the
+rollers. A ring that is lighter, or that its bracket or shaft holds harder, is faster. The largest eigenvalues of K
+and C are found by power iteration, each product a difference of two evaluations of the model: no body is left out.
+"""
+
+from math import sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import start_at_rest
+from bearingsim.simulation.lengths import lengths
+
+SEARCH, REFINE = 3, 24  # rounds of the power iteration: to notice what is four times faster, and to find its rate
+SMALL = 1e-3  # of the approach at rest: a displacement in which the contacts are straight
+
+
+class Rates(NamedTuple):
+    """Largest eigenvalues of stiffness (1/s^2) and damping (1/s) over mass."""
+
+    K: float
+    C: float
+
+    @property
+    def fastest(self) -> float:
+        """The largest eigenvalue (1/s) of a motion with both: what the step of an explicit method follows."""
+        omega = sqrt(self.K)
+        return fastest_rate(omega, self.C / (2.0 * omega)) if omega > 0.0 else self.C
+
+
+def fastest_rate(omega: float, zeta: float) -> float:
+    """Return the largest eigenvalue (1/s) of a motion by its angular frequency (1/s) and damping ratio."""
+    return omega * (zeta + sqrt(zeta * zeta - 1.0) if zeta > 1.0 else 1.0)
+
+
+def rates_at_rest(model: Any, t: float, y: np.ndarray, approach: float, rounds: int = REFINE) -> Rates:
+    """Find the rates of a bearing at rest at time ``t`` (s), whose buffer ``y`` is left as it is.
+
+    approach: of its most loaded contact (m).
+    """
+    of_places, of_speeds = lengths(model).reshape(2, lay.STATE)
+    small = SMALL * approach
+    K = _largest(model, t, y, lay.POSITION, of_places, small, rounds)
+    return Rates(K, _largest(model, t, y, lay.VELOCITY, of_speeds, small * sqrt(K), rounds))
+
+
+def _largest(model: Any, t: float, y: np.ndarray, block: int, arms: np.ndarray, size: float, rounds: int) -> float:
+    """The largest eigenvalue of minus the slope of the accelerations in a block of the state.
+
+    arms: (STATE,) of each entry, m per unit, 0 of what is none; size: largest change of an entry, m or m/s.
+    """
+    cells = np.flatnonzero(arms)
+    arms, changed, accelerated = arms[cells], block + cells, lay.ACCELERATION + cells
+    rest, still = y[changed].copy(), y[accelerated].copy()
+    slope, value = np.random.default_rng(0).standard_normal(len(cells)), 0.0
+    for _ in range(rounds):
+        step = slope * (size / (float(np.abs(slope).max()) or 1.0))
+        y[changed] = rest + step / arms
+        start_at_rest(model, t, y)
+        slope = arms * (still - y[accelerated])
+        value = float(np.linalg.norm(slope)) / (float(np.linalg.norm(step)) or 1.0)
+    y[changed] = rest
+    start_at_rest(model, t, y)
+    return value
