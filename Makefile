@@ -20,7 +20,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes one-folder
+.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes one-folder cpu-bounds
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -131,6 +131,10 @@ faults: install-dev
 # is a wrong scheduler told in time, and does Ctrl-C end the run meanwhile? Writes docs/data/handshakes.csv
 handshakes: install-dev
 	$(BIN)/python -m benchmarks.handshakes
+
+# does a job end by its CPU time, whichever phase takes it? Writes docs/data/cpu_bounds.csv
+cpu-bounds: install-dev
+	$(BIN)/python -m benchmarks.cpu_bounds --csv docs/data/cpu_bounds.csv
 
 # three runs of an edited study in one folder: is a job lost or computed in vain? Writes docs/data/one_folder.csv
 one-folder: install-dev

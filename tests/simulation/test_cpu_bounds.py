@@ -2,6 +2,8 @@
 
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 from unittest import mock
 
@@ -14,7 +16,9 @@ from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.simulation import choice, features, limits, other_features, simulate, step_check, time_grid, warm
 from bearingsim.simulation.integration import Pace, integrate, set_up
-from bearingsim.simulation.simulate import WARM_S, _record
+from bearingsim.simulation.simulate import WARM_S, SimulationError, _record
+from bearingsim.study import load_study
+from benchmarks.cpu_bounds import study_of
 from tests.scenes.short_cases import SLOT, case
 
 
@@ -105,6 +109,17 @@ def test_a_feature_of_another_package_that_runs_out_of_time_is_no_fault_of_it() 
     ):
         ended = ended_in(lambda: other_features.of_extensions(case(), np.zeros(1), {}))
     assert ended[-2:] == ["slow", "check"]
+
+
+@pytest.mark.parametrize("extreme", ["load lost in rounding", "slow turn"])
+def test_an_extreme_job_ends_by_its_time(tmp_path: Path, extreme: str) -> None:
+    """The others of ``make cpu-bounds`` take models or methods that compile for long."""
+    job = load_study(study_of(extreme, tmp_path)).jobs()[0]
+    began = cpu_time.now()
+    with suppress(cpu_time.OutOfCpuTime, SimulationError), cpu_time.at_most(0.5):
+        time_grid.estimate(job.case)
+        simulate(job.case)
+    assert cpu_time.now() - began < 1.0
 
 
 def test_few_steps_are_taken_until_it_is_known_what_they_take() -> None:

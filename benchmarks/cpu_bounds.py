@@ -1,0 +1,209 @@
+"""Does a job end by the CPU time that it is given, whichever phase takes it?
+
+    python -m benchmarks.cpu_bounds [--only NAME ...] [--csv docs/data/cpu_bounds.csv]
+
+Extreme studies, each of which spends its time in another phase of a job, are run by the command line in one
+process under ``--max-cpu '5 s'``, twice: the first run compiles, the second is measured. The command's CPU time,
+start-up and table included, must stay under 6 s for each of its jobs.
+"""
+
+import argparse
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from bearingsim import store
+
+GIVEN_S, ALLOWED_S = 5.0, 6.0
+"""CPU time that a job is given, and after which it must have ended."""
+ALIKE = {"bearing": "nf308", "speed": "1800 rpm", "settle": "0 s"}
+SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+INNER = SLOT | {"race": "inner"}
+LOADS = {"sweep": {"load": ["150 N", "165 N"]}}  # with a healthy twin each
+EXTREMES: dict[str, dict[str, Any]] = {
+    "light ring": {"model": "rollers", "duration": "0.1 s", "rig": {"ring_mass": "1e-6 kg"}, "defect": SLOT}
+    | LOADS,
+    "damping of a second": {
+        "model": "rollers",
+        "duration": "0.1 s",
+        "contact": {"damping": {"law": "kraemer", "beta": "1 s"}},
+        "defect": SLOT,
+    }
+    | LOADS,
+    "load lost in rounding": {
+        "model": "static",
+        "duration": "0.1 s",
+        "clearance": "-20 um",
+        "defect": SLOT,
+        "sweep": {"load": ["1e-3 N", "1.1e-3 N"]},
+    },
+    "slow turn": {
+        "model": "rollers",
+        "speed": "2 rpm",
+        "duration": "6 s",
+        "sampling": "100 Hz",
+        "defect": INNER,
+    }
+    | LOADS,
+    "tight tolerance": {
+        "model": "spatial",
+        "method": "backward-euler",
+        "tolerance": 1e-11,
+        "duration": "0.02 s",
+        "defect": SLOT,
+    }
+    | LOADS,
+    "many slices": {
+        "model": "spatial",
+        "method": "rodas",
+        "duration": "0.02 s",
+        "contact": {"slices": 48},
+        "defect": SLOT,
+    }
+    | LOADS,
+    "many harmonics": {
+        "model": "static",
+        "duration": "0.05 s",
+        "periodic": False,
+        "rig": {"ring": {"harmonics": 60}, "load": {"by": "point"}},
+        "defect": INNER,
+    }
+    | LOADS,
+    "long record": {
+        "model": "ring",
+        "duration": "12 s",
+        "sampling": "100 kHz",
+        "periodic": False,
+        "step_check": False,
+        "record": ["ring.displacement", "ring.velocity", "ring.acceleration"],
+        "defect": INNER,
+    }
+    | LOADS,
+    "long filter": {
+        "model": "ring",
+        "duration": "2 s",
+        "sampling": "2 Hz",
+        "periodic": False,
+        "step_check": False,
+        "defect": INNER,
+    }
+    | LOADS,
+}
+"""Fields of a study, by name; most of them priced under the bound, which they exceed."""
+PHASES = {
+    "check_step": "step check",
+    "_record": "features and series",
+    "rest_from_scratch": "equilibrium",
+    "_record_steps": "steps",
+    "simulate": "other",
+}
+"""Phases of a job by a function that its traceback names, from the one that is looked for first."""
+
+
+class Bounded(NamedTuple):
+    """A study run under a bound: its jobs and what became of them, CPU times, and whether the bound held.
+
+    phase: in which jobs were stopped; priced_s: of the dearest job.
+    """
+
+    study: str
+    jobs: int
+    done: int
+    stopped: int
+    failed: int
+    left_out: int
+    phase: str
+    priced_s: float
+    cpu_s: float
+    cpu_per_job_s: float
+    compile_s: float
+    held: bool
+
+
+def study_of(name: str, folder: Path) -> Path:
+    """Write the study file of an extreme."""
+    path = folder / f"{name.replace(' ', '-')}.yaml"
+    fields = {"study": path.stem, **ALIKE, **EXTREMES[name]}
+    path.write_text(json.dumps(fields, indent=1))
+    return path
+
+
+def bounded(name: str) -> Bounded:
+    """Run an extreme under the bound, compiled code at hand."""
+    with tempfile.TemporaryDirectory() as folder:
+        study, out = study_of(name, Path(folder)), Path(folder) / "results"
+        first = command("run", str(study), "--jobs", "1", "--max-cpu", f"{GIVEN_S} s", "--out", f"{out}-first")
+        cpu = command("run", str(study), "--jobs", "1", "--max-cpu", f"{GIVEN_S} s", "--out", str(out))
+        status = store.open_results(out).table()["status"].value_counts()
+        failures = store.read_failures(out).values()
+        prices = json.loads(said("check", str(study), "--json"))["jobs"]
+    stopped = [one for one in failures if "--max-cpu" in one.reason]
+    jobs = int(status.sum())
+    return Bounded(
+        study=name,
+        jobs=jobs,
+        done=int(status.get("done", 0)),
+        stopped=len(stopped),
+        failed=len(failures) - len(stopped),
+        left_out=int(status.get("missing", 0)),
+        phase=", ".join(sorted({phase(one.traceback) for one in stopped})),
+        priced_s=max((job["estimate"]["cpu_seconds"] for job in prices), default=float("nan")),
+        cpu_s=cpu,
+        cpu_per_job_s=cpu / jobs,
+        compile_s=max(0.0, first - cpu),
+        held=cpu <= ALLOWED_S * jobs,
+    )
+
+
+def phase(traceback: str) -> str:
+    """The phase of a job in which its traceback ends."""
+    return next(name for function, name in PHASES.items() if f"in {function}\n" in traceback)
+
+
+def command(*words: str) -> float:
+    """Type a command; returns the CPU time (s) of its processes."""
+    before = _cpu_of_children()
+    done = subprocess.run(
+        [sys.executable, "-m", "bearingsim", *words], capture_output=True, text=True, check=False
+    )
+    if done.returncode not in (0, 1) or "Traceback" in done.stderr:
+        raise RuntimeError(f"{' '.join(words)}: exit code {done.returncode}\n{done.stderr}")
+    return _cpu_of_children() - before
+
+
+def said(*words: str) -> str:
+    """What a command prints."""
+    return subprocess.run(
+        [sys.executable, "-m", "bearingsim", *words], capture_output=True, text=True, check=False
+    ).stdout
+
+
+def _cpu_of_children() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def main() -> None:
+    """Run all, or some; write the table. Exit code 1 if a bound did not hold."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", nargs="+", choices=EXTREMES, default=list(EXTREMES))
+    parser.add_argument("--csv", type=Path)
+    asked = parser.parse_args()
+    rows = []
+    for name in asked.only:
+        rows.append(bounded(name))
+        print(*(f"{key}={value}" for key, value in rows[-1]._asdict().items()), flush=True)
+    table = pd.DataFrame(rows)
+    if asked.csv:
+        table.to_csv(asked.csv, index=False, float_format="%.2f", lineterminator="\n")
+    sys.exit(int(not table["held"].all()))
+
+
+if __name__ == "__main__":
+    main()
