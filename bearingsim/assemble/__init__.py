@@ -13,10 +13,12 @@ from bearingsim.assemble import bending, contacts, free, geometry, pits, scales,
 from bearingsim.assemble.rest import bracket_anchor, static_model
 from bearingsim.catalogue import EXPLICIT, METHODS, MODELS, call, code
 from bearingsim.config import Case
+from bearingsim.config.sections.contact import Undamped as NoDamping
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.geometry.motion import steady
 from bearingsim.core.geometry.slices import ZETA
+from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.methods.interface import MethodKind
 from bearingsim.core.models import spatial
 from bearingsim.core.models.equilibrium import find_in_time, find_rest, rest_from_scratch
@@ -173,8 +175,18 @@ def healthy(case: Case) -> Case:
 
 
 def _at_rest(case: Case) -> Case:
-    """The healthy case without what only motion knows; what chooses compiled code is kept."""
-    return healthy(case).model_copy(update={"start_angle": 0.0, "antialias": True})
+    """The healthy case without what only motion and its bracket know; what chooses compiled code is kept."""
+    still = {
+        "start_angle": 0.0,
+        "antialias": True,
+        "rig": case.rig.model_copy(update=OF_A_BRACKET),
+        "contact": case.contact.model_copy(update={"damping": NoDamping()}),
+    }
+    return healthy(case).model_copy(update=still)
+
+
+OF_A_BRACKET = {"bracket_stiffness": 0.0, "bracket_damping": 0.0, "sensor_angle": 0.0}
+"""Fields of a rig that do not touch where a ring rests that is held by its load alone."""
 
 
 @lru_cache(maxsize=256)
@@ -182,7 +194,7 @@ def anchor_in_space(case: Case) -> tuple[float, float]:
     """Mean place (m, m) over a ball pass of a ring whose rollers are loaded unevenly along their length."""
     free_ring = Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
     parts = {name: PARAMETER_BUILDERS[name](case) for name in _made(spatial.Spatial) if name != "support"}
-    bearing = spatial.Spatial(support=free_ring, **parts)
+    bearing = undamped(spatial.Spatial(support=free_ring, **parts))
     y = empty_buffer(bearing)
     find_in_time(rest_from_scratch, static_model(bearing), 0.0, y)
     rest = mean_rest_in_space(bearing, y)
@@ -232,7 +244,12 @@ def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
 def find_equilibrium(model: Any, t: float, y: np.ndarray, from_scratch: bool = False) -> float:
     """Put rings and rollers at rest at time ``t`` (s), near a rest or from scratch; the force left over (N)."""
     left = find_in_time(rest_from_scratch if from_scratch else find_rest, static_model(model), t, y)
-    return rest_in_space(model, t, y) if isinstance(model, spatial.Spatial) else float(left)
+    return rest_in_space(undamped(model), t, y) if isinstance(model, spatial.Spatial) else float(left)
+
+
+def undamped(model: Any) -> Any:
+    """The model with contacts that only spring: at rest they are the same, and compiled once for all damping."""
+    return model._replace(outer=Undamped(model.outer.stiffness), inner=Undamped(model.inner.stiffness))
 
 
 def empty_buffer(model: Any) -> np.ndarray:

@@ -4,6 +4,7 @@ A ring's axis is the unit vector b; its components b_x, b_y in the bearing's pla
 angles of a bearing). A ring that is held with a lean is misaligned.
 """
 
+from math import sqrt
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
@@ -107,14 +108,33 @@ def _mount_springs_sprung(held):
     return held.k_z / held.m, held.c_z / held.m, held.k_tilt / held.I_t, held.c_tilt / held.I_t
 
 
-@generic(absent=None)
-def mount_rates(held: Any) -> tuple[float, float] | None:
-    """Spring rates along the axis (N/m) and against leaning (N m/rad); None where nothing gives way."""
+@generic(absent=(0.0, 0.0))
+def mount_rates(held: Any) -> tuple[float, float]:
+    """Spring rates along the axis (N/m) and against leaning (N m/rad); zero where nothing gives way."""
+
+
+@generic(absent=(0.0, 0.0, 0.0))
+def mount_load(
+    held: Any, y: Any, f_z: float, m_x: float, m_y: float, m_z: float, z: int, tilt_x: int, tilt_y: int
+) -> tuple[float, float, float]:
+    """What force (N) and moment (N m) leave over springs at rest: along the axis (N), on the lean's x, y (N m)."""
 
 
 @mount_rates.register(ElasticMount)
 def _mount_rates_sprung(held):
     return held.k_z, held.k_tilt
+
+
+@mount_load.register(ElasticMount)
+def _mount_load_sprung(held, y, f_z, m_x, m_y, m_z, z, tilt_x, tilt_y):
+    b_x, b_y = y[lay.POSITION + tilt_x], y[lay.POSITION + tilt_y]
+    b_z = sqrt(1.0 - b_x * b_x - b_y * b_y)
+    on_x, on_y = m_y * b_z - m_z * b_y, m_z * b_x - m_x * b_z  # on the axis' tip, at 1 m
+    return (
+        f_z - held.k_z * y[lay.POSITION + z],
+        on_x - held.k_tilt * (b_x - held.tilt_x),
+        on_y - held.k_tilt * (b_y - held.tilt_y),
+    )
 
 
 @generic(absent=0.0)

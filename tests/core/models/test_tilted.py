@@ -17,7 +17,8 @@ from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import damping_per_mass
-from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_space
+from bearingsim.core.models.rest_in_space import balance, eliminate, mean_rest_in_space, rest_in_space
+from bearingsim.core.models.still_in_space import room
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parts.flanges import Flanges, NoFlanges, axial_position, half_chord
 from bearingsim.core.parts.mounts import RigidMount
@@ -302,3 +303,22 @@ def test_the_watch_sees_friction_on_flanges_and_pockets(where):
     fastest = -np.linalg.eigvals(slopes).real.min()
     assert fastest > 1e3
     assert 0.1 * told < fastest <= 1.001 * told
+
+
+def test_equations_are_solved_whatever_the_order_of_their_rows():
+    matrix = np.random.default_rng(2).normal(size=(8, 8))
+    matrix[0, 0] = 0.0  # no pivot
+    right = np.arange(8.0)
+    equations = np.column_stack([matrix, right])
+    eliminate(equations)
+    assert equations[:, 8] == pytest.approx(np.linalg.solve(matrix, right), rel=1e-10)
+
+
+def test_the_search_for_a_rest_ends_with_the_cpu_time_of_its_job():
+    model = misaligned()
+    y = empty(model)
+    rest_from_scratch(assemble.static_model(model), 0.0, y)
+    y[lay.CPU_END] = 1e-9
+    assert balance(room(13), model, 0.0, y) > 1e-8 * model.support.F
+    y[lay.CPU_END] = np.inf
+    assert balance(room(13), model, 0.0, y) < 1e-8 * model.support.F

@@ -1,0 +1,235 @@
+"""What rings and rollers of a bearing in space feel where they stand still: residuals, and their slopes.
+
+Unknown are radial place and tilt of every roller, and eight coordinates of the rings (``CELLS``). Residuals are
+minus the gradient of an energy, stiffnesses minus their slopes. Slices of a roller lie along its axis at zeta, so
+that the stiffness of their contacts enters by three sums over them: of k, k zeta and k zeta^2.
+"""
+
+from math import hypot
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.core import layout as lay
+from bearingsim.core.geometry.motion import kinematic_time
+from bearingsim.core.geometry.orientation import body_at
+from bearingsim.core.geometry.plane import roller_directions
+from bearingsim.core.geometry.sides import InnerSide, OuterSide
+from bearingsim.core.geometry.slices import WEIGHT, ZETA
+from bearingsim.core.jit import jit
+from bearingsim.core.laws.damping.interface import stiffness_bound
+from bearingsim.core.laws.stiffness.interface import tangent
+from bearingsim.core.models.equilibrium import solve_2x2
+from bearingsim.core.models.spatial import race_contacts, roller_axes
+from bearingsim.core.parameters import lanes
+from bearingsim.core.parts.flanges import axial_position
+from bearingsim.core.parts.mounts import mount_load, mount_rates
+from bearingsim.core.parts.races_in_space import side_loads
+from bearingsim.core.sums import sum_loads
+
+ADDED_STIFFNESS = 1e-3  # of a contact's stiffness, added to a roller's: one that touches nothing finds back
+CELLS = (lay.X, lay.Y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
+"""Coordinates of the rings: place and lean of the outer, axial place and lean of the inner."""
+RINGS, INNER = len(CELLS), 5  # how many, and the first of the inner ring
+
+
+class Room(NamedTuple):
+    """Where the search for a rest writes: a row for each roller, in m and rad or N and N m; rings as of ``CELLS``.
+
+    left (Z, 2): residuals; step (Z, 2) and push (Z,): a step and its work (N m); pairs (Z, 3): stiffness of radial
+    place and tilt, symmetric; crossed (Z, 2, 8): stiffness between rollers and rings; held, follow (Z, 2): where
+    rollers stood, and how far a step of the rings takes them along.
+    forces, move, start (8,): residuals of the rings, their step, and where they stood; stiff (8, 9): their
+    stiffness, the right side behind it.
+    """
+
+    left: np.ndarray
+    step: np.ndarray
+    push: np.ndarray
+    pairs: np.ndarray
+    crossed: np.ndarray
+    held: np.ndarray
+    follow: np.ndarray
+    forces: np.ndarray
+    move: np.ndarray
+    start: np.ndarray
+    stiff: np.ndarray
+
+
+def room(Z: int) -> Room:
+    """Room for a bearing of ``Z`` rollers."""
+    shapes = ((Z, 2), (Z, 2), (Z,), (Z, 3), (Z, 2, RINGS), (Z, 2), (Z, 2), *3 * [(RINGS,)], (RINGS, RINGS + 1))
+    return Room(*map(np.zeros, shapes))
+
+
+class Scales(NamedTuple):
+    """What the search measures by.
+
+    half: half a roller's length, m; load: N; flung: centrifugal force of a roller over its distance from the axis,
+    N/m; gyro: gyroscopic moment over its tilt, N m/rad; soft: stiffness added to that of its contacts, N/m.
+    """
+
+    half: float
+    load: float
+    flung: float
+    gyro: float
+    soft: float
+
+
+@jit
+def scales(model, t):
+    """``Scales`` at time ``t`` (s)."""
+    b, rate = model.bearing, kinematic_time(model.motion, t)[1]
+    orbit, spin = b.omega_c * rate, (b.omega_c - b.omega_b) * rate
+    return Scales(
+        model.L_w / 2.0,
+        hypot(model.support.F, model.support.F_across) + 1e-3,
+        b.m_r * orbit * orbit,
+        orbit * (b.I_r * spin - model.I_t * orbit),
+        ADDED_STIFFNESS * tangent(model.outer.stiffness, 1e-7),
+    )
+
+
+# Residuals
+
+
+@jit
+def contacts_at_rest(model, t, y, n):
+    """All contacts with everything standing still at time ``t`` (s): what presses on rollers and rings."""
+    b, middle = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
+    time, _, _ = kinematic_time(model.motion, t)
+    outer = body_at(y, lay.X, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, 0.0)
+    inner = body_at(y, lay.X_I, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y, 0.0)
+    roller_directions(b.theta_0 + b.omega_c * time, y, n)
+    for j in range(n):
+        c, s = y[lay.COS + j], y[lay.SIN + j]
+        tilt = y[lay.TILT + j]
+        y[lay.AXIS_X + j], y[lay.AXIS_Y + j] = tilt * c, tilt * s
+        y[lay.AXIAL + j] = axial_position(model.flanges, outer, inner, c, s, middle + y[lay.RADIAL + j])
+        y[lay.FORCE_R + j], y[lay.MOMENT_T + j] = 0.0, 0.0
+    roller_axes(0.0, 0.0, b.R_w, y, n)
+    race_contacts(model, t, 0.0, outer, inner, 0.0, y, n)
+    side_loads(OuterSide(), b, outer, y, n)
+    side_loads(InnerSide(), b, inner, y, n)
+    sum_loads(lay.F_X, lay.M_INNER, y, n)
+
+
+@jit
+def press(model, t, y, s, at):
+    """Fill ``at.left`` and ``at.forces``; returns the largest residual (N) of the rollers."""
+    contacts_at_rest(model, t, y, lanes(model.bearing))
+    b, support, largest = model.bearing, model.support, 0.0
+    for j in range(b.Z):
+        at.left[j, 0] = y[lay.FORCE_R + j] + s.flung * (0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j])
+        at.left[j, 1] = y[lay.MOMENT_T + j] - s.gyro * y[lay.TILT + j]
+        largest = max(largest, abs(at.left[j, 0]), abs(at.left[j, 1]) / s.half)
+    f = at.forces
+    f[0] = y[lay.F_X] - support.F - support.k_b * (y[lay.POSITION + lay.X] - support.x_0)
+    f[1] = y[lay.F_Y] - support.F_across - support.k_b * (y[lay.POSITION + lay.Y] - support.y_0)
+    f[2], f[3], f[4] = mount_load(
+        model.mount_o,
+        y,
+        y[lay.F_Z],
+        y[lay.M_X],
+        y[lay.M_Y],
+        y[lay.M_RING],
+        lay.Z,
+        lay.RING_TILT_X,
+        lay.RING_TILT_Y,
+    )
+    f_z, m_x, m_y, m_z = y[lay.F_Z_I], y[lay.M_X_I], y[lay.M_Y_I], y[lay.M_INNER]
+    f[5], f[6], f[7] = mount_load(
+        model.mount_i, y, f_z, m_x, m_y, m_z, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y
+    )
+    return largest
+
+
+@jit
+def arm(i, half):
+    """Half a roller's length (m) if coordinate ``i`` of the rings is an angle, else 1."""
+    return half if i in (3, 4, 6, 7) else 1.0
+
+
+@jit
+def largest_force(s, at):
+    """The largest residual (N) of the rings, moments counted by half a roller's length."""
+    largest = 0.0
+    for i in range(RINGS):
+        largest = max(largest, abs(at.forces[i]) / arm(i, s.half))
+    return largest
+
+
+# Stiffness
+
+
+@jit
+def moments(model, y, j):
+    """Sums of k, k zeta, k zeta^2 over roller ``j``'s contacts (N/m, N, N m): on the outer race, on the inner."""
+    o_0, o_1, o_2, i_0, i_1, i_2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(len(model.slices.table)):
+        weight, zeta = model.slices.table[k, WEIGHT], model.slices.table[k, ZETA]
+        outer, inner = y[lay.slice_row(k, lay.APPROACH_O) + j], y[lay.slice_row(k, lay.APPROACH_I) + j]
+        k_o = weight * stiffness_bound(model.outer, outer, 0.0) if outer > 0.0 else 0.0
+        k_i = weight * stiffness_bound(model.inner, inner, 0.0) if inner > 0.0 else 0.0
+        o_0, o_1, o_2 = o_0 + k_o, o_1 + zeta * k_o, o_2 + zeta * zeta * k_o
+        i_0, i_1, i_2 = i_0 + k_i, i_1 + zeta * k_i, i_2 + zeta * zeta * k_i
+    return o_0, o_1, o_2, i_0, i_1, i_2
+
+
+@jit
+def softened(model, s):
+    """Those of the stiffness that is added to every roller's."""
+    first, second, count = 0.0, 0.0, len(model.slices.table)
+    for k in range(count):
+        zeta = model.slices.table[k, ZETA]
+        first, second = first + zeta, second + zeta * zeta
+    return s.soft, s.soft * first / count, s.soft * second / count
+
+
+@jit
+def stiffen_rollers(model, y, s, at):
+    """Fill ``at.pairs``."""
+    s_0, s_1, s_2 = softened(model, s)
+    for j in range(model.bearing.Z):
+        o_0, o_1, o_2, i_0, i_1, i_2 = moments(model, y, j)
+        at.pairs[j, 0] = o_0 + i_0 + s_0 - s.flung
+        at.pairs[j, 1] = o_1 + i_1 + s_1
+        at.pairs[j, 2] = o_2 + i_2 + s_2 + s.gyro
+
+
+@jit
+def stiffen_rings(model, y, at):
+    """Fill ``at.crossed`` and ``at.stiff``, that of the rings when rollers give way, by ``at.pairs``."""
+    at.stiff[:], at.crossed[:] = 0.0, 0.0
+    for j in range(model.bearing.Z):
+        o_0, o_1, o_2, _, i_1, i_2 = moments(model, y, j)
+        moved, tilted = at.crossed[j, 0], at.crossed[j, 1]
+        for e in range(2):
+            along = y[lay.COS + j] if e == 0 else y[lay.SIN + j]
+            moved[e], moved[3 + e], moved[6 + e] = -o_0 * along, -o_1 * along, -i_1 * along
+            tilted[e], tilted[3 + e], tilted[6 + e] = -o_1 * along, -o_2 * along, -i_2 * along
+        for e in range(2):
+            along = y[lay.COS + j] if e == 0 else y[lay.SIN + j]
+            for w in range(INNER):
+                at.stiff[e, w] -= along * moved[w]
+                at.stiff[3 + e, w] -= along * tilted[w]
+            for w in range(INNER, RINGS):
+                at.stiff[6 + e, w] -= along * tilted[w]
+        for w in range(RINGS):
+            q, tilt = solve_2x2(at.pairs[j, 0], at.pairs[j, 1], at.pairs[j, 2], moved[w], tilted[w])
+            for v in range(RINGS):
+                at.stiff[v, w] -= moved[v] * q + tilted[v] * tilt
+    hold_rings(model, at)
+
+
+@jit
+def hold_rings(model, at):
+    """Add to ``at.stiff`` what holds the rings besides rollers; a coordinate that nothing lets move stays."""
+    k_b = model.support.k_b + 1e-8 * tangent(model.outer.stiffness, 1e-7)
+    (z_o, lean_o), (z_i, lean_i) = mount_rates(model.mount_o), mount_rates(model.mount_i)
+    held = (k_b, k_b, z_o, lean_o, lean_o, z_i, lean_i, lean_i)
+    for v in range(RINGS):
+        if held[v] == 0.0:
+            at.stiff[v, :], at.stiff[:, v] = 0.0, 0.0
+            at.stiff[v, v] = 1.0
+        at.stiff[v, v] += held[v]
