@@ -12,7 +12,7 @@ from bearingsim.core.advance import ready
 from bearingsim.core.clock import is_over, thread_seconds
 from bearingsim.core.jit import jit
 from bearingsim.core.methods import adaptive
-from bearingsim.core.models.equilibrium import rest_from_scratch
+from bearingsim.core.models import equilibrium
 from bearingsim.core.pits.passage import free_impact, passage_peak
 from bearingsim.simulation import choice
 from bearingsim.simulation.integration import set_up
@@ -41,17 +41,17 @@ def test_a_buffer_without_an_end_is_never_past_it(end: float, over: bool) -> Non
 
 
 def test_the_search_for_an_equilibrium_ends_by_the_clock() -> None:
-    """Of a load that is lost in the rounding of far larger forces, it finds none."""
-    model = assemble.static_model(assemble.model(case(clearance="-20 um")))
-    model = model._replace(support=model.support._replace(F=1e-6))
-    taken = []
+    """Of a ring that stands 100 of its longest steps away: after the first 16 of them."""
+    model = assemble.static_model(assemble.model(case()))
+    far = 100.0 * equilibrium.LONGEST_STEP
+    left = {}
     for end in (np.inf, PAST):
-        y, began = assemble.empty_buffer(model), time.thread_time()
-        y[lay.CPU_END] = end
-        left = rest_from_scratch(model, 0.0, y)
-        taken.append(time.thread_time() - began)
-        assert left > 1e-8 * model.support.F
-    assert taken[1] < 0.5 * taken[0]
+        y = assemble.empty_buffer(model)
+        y[lay.POSITION + lay.X], y[lay.CPU_END] = far, end
+        equilibrium.find_rest(model, 0.0, y)
+        left[end] = y[lay.POSITION + lay.X]
+    assert left[np.inf] < 0.1 * far
+    assert left[PAST] > 0.8 * far
 
 
 def test_an_adaptive_method_ends_by_the_clock_between_two_recorded_instants(

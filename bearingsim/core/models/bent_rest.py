@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from bearingsim.core import layout as lay
-from bearingsim.core.clock import is_over
 from bearingsim.core.jit import generic, inlined, jit
 from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.models.equilibrium import (
@@ -23,6 +22,7 @@ from bearingsim.core.models.equilibrium import (
     RESIDUAL,
     STEPS_A_LOOK,
     balance_rollers,
+    is_futile,
     net_force,
     settle,
 )
@@ -231,7 +231,7 @@ def _settle(bending, model, t, y):
     balance_rollers(model, t, y)
     size = fill_force(bending, model, y)
     for n in range(MAX_STEPS):
-        if size <= goal or (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_over(y[lay.CPU_END])):
+        if size <= goal or (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_futile(size, y)):
             break
         push = choose_way(bending, model, y)
         size = search_along(bending, model, t, y, push)

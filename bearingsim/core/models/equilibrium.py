@@ -33,7 +33,8 @@ PAIR, DISTANCE = lay.WORK + lay.ROW, lay.WORK + 3 * lay.ROW
 # stands in (-1: none), and its distance from the pit's middle, m
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 MAX_STEPS = 200
-STEPS_A_LOOK = 16  # steps between two looks at the clock
+STEPS_A_LOOK = 16  # steps between two looks at the clock, and at the rounding
+ROUNDING = 1e-14  # of the largest contact force: what a net force cannot be brought below for sure
 LONGEST_STEP = 1e-5  # m
 LIGHT = 1e-8  # m: how far a roller that carries nothing may be pressed, to begin with
 REACH = 1e-6  # m: how far one is looked for further out, to begin with
@@ -213,6 +214,15 @@ def find_rest(model, t, y):
     return settle(model.bending, model, t, y)
 
 
+@jit
+def is_futile(size, y):
+    """Tell whether further steps are: the job's CPU time is over, or a net force of ``size`` (N) is rounding."""
+    largest = 0.0
+    for j in range(lay.ROW):
+        largest = max(largest, y[lay.Q_O + j], y[lay.Q_I + j])
+    return is_over(y[lay.CPU_END]) or size <= ROUNDING * largest
+
+
 @generic
 def settle(bending: Any, model: Any, t: float, y: np.ndarray) -> float:
     """``find_rest`` of a ring that bends so."""
@@ -224,7 +234,8 @@ def _settle(bending, model, t, y):
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)
     for n in range(MAX_STEPS):
-        if hypot(f_x, f_y) <= goal or (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_over(y[lay.CPU_END])):
+        size = hypot(f_x, f_y)
+        if size <= goal or (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_futile(size, y)):
             break
         k_xx, k_xy, k_yy = ring_stiffness(model, y)
         d_x, d_y = solve_2x2(k_xx, k_xy, k_yy, f_x, f_y)

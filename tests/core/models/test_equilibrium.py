@@ -17,7 +17,14 @@ from bearingsim.core.laws.stiffness.johnson import johnson
 from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.laws.stiffness.ten_ninths import TenNinths, iso16281
 from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
-from bearingsim.core.models.equilibrium import DISTANCE, PAIR, rest_from_scratch, roller_balance
+from bearingsim.core.models.equilibrium import (
+    DISTANCE,
+    PAIR,
+    ROUNDING,
+    is_futile,
+    rest_from_scratch,
+    roller_balance,
+)
 from bearingsim.core.pits.excitations import ClearanceIncrease
 from bearingsim.core.pits.pairs import ON_INNER, ON_OUTER, REDUCED_RADIUS, RollerPitPair, pack_pits
 from tests.independent import rollers
@@ -252,3 +259,14 @@ def test_a_rollers_balance_is_that_of_a_bisection(named):
             Q = loads(middle)
             low, high = (low, middle) if Q[0] - Q[1] >= pressing * (mean + middle) else (middle, high)
         assert loads(roller_balance(model, y, 0, u_r)) == pytest.approx(loads(high), rel=1e-9, abs=1e-8)
+
+
+def test_a_load_that_rounding_hides_ends_the_search():
+    preloaded = case(clearance="-20 um", load="1e-3 N")
+    model = assemble.model(preloaded)
+    y, residual = assemble.start(preloaded, model)
+    largest = y[lay.Q_O : lay.Q_O + lay.ROW].max()
+    assert residual < 1e-8 * preloaded.load
+    assert ROUNDING * largest > 1e-10 * preloaded.load  # the residual that heavier loads are brought to
+    assert is_futile(0.9 * ROUNDING * largest, y)
+    assert not is_futile(1.1 * ROUNDING * largest, y)
