@@ -36,10 +36,11 @@ from numba.extending import overload
 
 from bearingsim import cpu_time
 from bearingsim.catalogue import extension_sources
-from bearingsim.core import linking
+from bearingsim.core import linking, resolving
 from bearingsim.own_folder import Distrusted, own_folder
 
 numba_config: Any = config  # its names are made at run time
+resolving.resolve_once()
 
 CORE = Path(__file__).parent
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}, "_nrt": False, **linking.OPTIONS}
