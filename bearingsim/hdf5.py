@@ -62,7 +62,7 @@ class Hdf5:
         self._stream.close()
 
     def names(self, group: str = "") -> list[str]:
-        """Names of the datasets and groups in a group, or in the file."""
+        """List the names of the datasets and groups in a group, or in the file."""
         return list(self._item(group))
 
     def __contains__(self, name: str) -> bool:
@@ -70,25 +70,25 @@ class Hdf5:
         return last in self._item(parent)
 
     def is_group(self, name: str) -> bool:
-        """Whether a name is that of a group."""
+        """Tell whether a name is that of a group."""
         return isinstance(self._item(name), h5py.Group)
 
     def shape(self, name: str) -> tuple[int, ...]:
-        """The shape of a dataset; nothing of it is read."""
+        """Return the shape of a dataset, without reading it."""
         return tuple(self._dataset(name).shape)
 
     def afford(self, what: str, size: float) -> None:
-        """Raises Unsafe if ``size`` bytes are more than may be read at a time."""
+        """Raise Unsafe if ``size`` bytes are more than may be read at a time. what: names them in the message."""
         if size > self.most:
             sizes = f"{size / 1e6:.3g} MB, over the {self.most / 1e6:.3g} MB that are plausible for this file"
             raise Unsafe(f"{what} would take {sizes}")
 
     def has_attribute(self, name: str, of: str = "") -> bool:
-        """Whether there is an attribute, of whatever value."""
+        """Tell whether there is an attribute, of whatever value."""
         return name in self._item(of).attrs
 
     def attribute(self, name: str, of: str = "", default: Any = None, variable: bool = False) -> Any:
-        """An attribute that is one number or text; ``default`` without it.
+        """Return an attribute that is one number or text; ``default`` without it.
 
         variable: take a text of variable length, too; its length, of up to 4 GB, is known only once it is read.
         """
@@ -103,15 +103,15 @@ class Hdf5:
         return value.decode() if isinstance(value, bytes) else value
 
     def cost(self, *names: str) -> int:
-        """Bytes of memory that the values of some datasets take."""
+        """Return the bytes of memory that the values of some datasets take."""
         return sum(self._cost(self._dataset(name)) for name in names)
 
     def values(self, name: str) -> NDArray[Any]:
-        """The numbers, or else the texts, of a dataset."""
+        """Read the numbers, or else the texts, of a dataset."""
         return self.numbers(name) if self._dataset(name).dtype.kind in NUMBERS else self.texts(name)
 
     def numbers(self, name: str, row: int | None = None) -> NDArray[Any]:
-        """The numbers of a dataset, or of one of its rows."""
+        """Read the numbers of a dataset, or of one of its rows."""
         item = self._dataset(name)
         if item.dtype.kind not in NUMBERS:
             raise Unsafe(f"`{name}` holds something else than numbers")
@@ -120,7 +120,7 @@ class Hdf5:
         return np.asarray(item[() if row is None else row])
 
     def texts(self, name: str) -> NDArray[np.object_]:
-        """The texts of a dataset."""
+        """Read the texts of a dataset."""
         item = self._dataset(name)
         kind = h5py.check_string_dtype(item.dtype)
         if kind is None:
@@ -132,7 +132,7 @@ class Hdf5:
         return np.char.decode(item[()].astype(np.bytes_), "utf-8").astype(object)
 
     def _item(self, name: str) -> Any:
-        """A group or dataset that lies in this file."""
+        """Return a group or dataset that lies in this file."""
         item: Any = self._file
         for word in filter(None, name.split("/")):
             link = item.get(word, getlink=True)
@@ -144,7 +144,7 @@ class Hdf5:
         return item
 
     def _dataset(self, name: str) -> h5py.Dataset:
-        """A dataset whose bytes lie in this file, as they are or behind filters of ``FILTERS``."""
+        """Return a dataset whose bytes lie in this file, as they are or behind filters of ``FILTERS``."""
         item = self._item(name)
         if not isinstance(item, h5py.Dataset) or item.shape is None:
             raise Unsafe(f"`{name}` is no dataset")
@@ -159,7 +159,7 @@ class Hdf5:
         return item
 
     def _cost(self, item: h5py.Dataset) -> int:
-        """Bytes of memory that the values of a dataset take."""
+        """Return the bytes of memory that the values of a dataset take."""
         kind = h5py.check_string_dtype(item.dtype)
         if kind is None:
             return int(item.size * item.dtype.itemsize)
@@ -167,7 +167,7 @@ class Hdf5:
         return int(TEXT_BYTES * item.size + LETTER_BYTES * letters)
 
     def _letters(self, item: h5py.Dataset) -> int:
-        """Letters of all texts of variable length, by what the dataset states of each."""
+        """Count the letters of all texts of variable length, by what the dataset states of each."""
         layout = item.id.get_create_plist().get_layout()
         sizes = self._file.id.get_create_plist().get_sizes()
         if layout != h5py.h5d.CONTIGUOUS or sizes != (8, 8):
@@ -181,7 +181,7 @@ class Hdf5:
         return int(stated["letters"].sum(dtype=np.uint64))
 
     def _check_chunks(self, item: h5py.Dataset, row: int | None = None) -> None:
-        """Raises Unsafe if a chunk takes more than ``most`` bytes, by its shape or once it is inflated."""
+        """Raise Unsafe if a chunk takes more than ``most`` bytes, by its shape or once it is inflated."""
         if item.chunks is None:
             return
         whole, filters = prod(item.chunks) * item.dtype.itemsize, _filters(item)
@@ -208,13 +208,13 @@ def _name(item: h5py.Dataset) -> str:
 
 
 def _filters(item: h5py.Dataset) -> list[int]:
-    """Numbers of the filters that a dataset passes through."""
+    """List the numbers of the filters that a dataset passes through."""
     listed = item.id.get_create_plist()
     return [listed.get_filter(place)[0] for place in range(listed.get_nfilters())]
 
 
 def _inflates_beyond(content: bytes, size: int) -> bool:
-    """Whether deflated bytes inflate to more than ``size``."""
+    """Tell whether deflated bytes inflate to more than ``size``."""
     try:
         return len(zlib.decompressobj().decompress(content, size + 1)) > size
     except zlib.error as error:

@@ -14,7 +14,7 @@ import typer
 from bearingsim import __version__, blas_threads
 from bearingsim.cli import streams
 from bearingsim.cli.group import Commands
-from bearingsim.cli.opening import job_meant, near
+from bearingsim.cli.opening import job_meant, near, reading
 from bearingsim.cli.opening import opened as opened_results
 from bearingsim.errors import Signalled
 from bearingsim.text.patience import patient
@@ -210,6 +210,7 @@ def run(
 
 
 @app.command()
+@reading
 def plot(
     results: Results = None,
     kind: Annotated[
@@ -259,6 +260,7 @@ def plot(
 
 
 @app.command()
+@reading
 def show(
     results: Results = None,
     failed: Annotated[bool, typer.Option("--failed", help="only failed jobs, with reason and advice")] = False,
@@ -278,6 +280,7 @@ def show(
 
 
 @app.command()
+@reading
 def sensitivity(
     results: Results = None,
     of: Annotated[
@@ -297,6 +300,7 @@ def sensitivity(
 
 
 @app.command()
+@reading
 def export(
     results: Results = None,
     features: Annotated[

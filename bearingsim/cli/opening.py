@@ -1,7 +1,9 @@
 """From what was typed to the results meant."""
 
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from bearingsim.errors import UserError
 from bearingsim.text.terminal import say
@@ -9,7 +11,30 @@ from bearingsim.text.terminal import say
 if TYPE_CHECKING:
     from bearingsim.store import Results
 
-__all__ = ["job_meant", "near", "opened"]
+__all__ = ["job_meant", "near", "opened", "reading"]
+
+Command = Callable[..., None]
+LONGEST = 200
+"""Letters of an error that a message repeats."""
+UNUSABLE = (ArithmeticError, AttributeError, LookupError, MemoryError, RecursionError, TypeError, ValueError)
+"""What a command raises where results are other than they should be."""
+
+
+def reading(command: Command) -> Command:
+    """Let a command that reads results end with a sentence where they are such as no run leaves behind."""
+
+    @wraps(command)
+    def read(*arguments: Any, **options: Any) -> None:
+        try:
+            command(*arguments, **options)
+        except UserError:
+            raise
+        except UNUSABLE as error:
+            what = f"these results cannot be used ({type(error).__name__}: {str(error)[:LONGEST]})"
+            causes = "they are damaged or of another version, or this is an error of the program (-v shows where)"
+            raise UserError(f"{what}: {causes}").with_traceback(error.__traceback__) from error
+
+    return read
 
 
 def opened(folder: Path | None) -> "Results":

@@ -99,8 +99,10 @@ def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
 
     Raises PlotError where a file of that name is no figure of this program: it stays as it is.
     """
+    from bearingsim.plots.style import take_literally
     from bearingsim.store import write_bytes
 
+    take_literally(canvas)
     drawing, kind = BytesIO(), path.suffix.removeprefix(".").lower()
     canvas.savefig(drawing, format=kind, metadata=MADE_BY[kind])
     if path.parent.resolve() != results.path.resolve() / FIGURES and not _is_replaceable(path):

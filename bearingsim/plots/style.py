@@ -5,8 +5,11 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import matplotlib as mpl
+from matplotlib.figure import Figure
+from matplotlib.mathtext import MathTextParser
+from matplotlib.text import Text
 
-__all__ = ["COLUMN_IN", "RC", "CurveStyle", "curve_styles", "drawing"]
+__all__ = ["COLUMN_IN", "RC", "CurveStyle", "curve_styles", "drawing", "take_literally"]
 
 COLUMN_IN = 3.3  # width of one column of axes
 FEW = 4  # curves up to this are drawn each thinner than the one before
@@ -47,6 +50,17 @@ def drawing(changes: Mapping[str, Any] = RC) -> Iterator[None]:
         mpl.rcdefaults()
         mpl.rcParams.update(changes)  # type: ignore[arg-type]
         yield
+
+
+def take_literally(canvas: Figure) -> None:
+    """Draw texts as they are written where a `$` in them begins no formula that matplotlib can read."""
+    reader = MathTextParser("path")
+    for text in canvas.findobj(Text):
+        if isinstance(text, Text) and "$" in text.get_text():
+            try:
+                reader.parse(text.get_text())
+            except ValueError:
+                text.set_parse_math(False)
 
 
 class CurveStyle(NamedTuple):

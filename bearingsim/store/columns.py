@@ -99,6 +99,8 @@ def read_columns(file: Hdf5, groups: Sequence[str] = tuple(GROUPS)) -> dict[str,
     for name, column in found.items():
         if column.shape != jobs.shape:
             raise Unreadable(f"{name} has {len(column)} rows, not {len(jobs)}")
+        if column.dtype == object and name.startswith("features/"):
+            raise Unreadable(f"{name} holds no numbers")
         if not is_line(name):
             raise Unreadable(f"{name!a} is no name of a column")
     return {"job": jobs} | found

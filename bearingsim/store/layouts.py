@@ -148,7 +148,7 @@ def _adapter(layout: Any) -> TypeAdapter[Any]:
 
 
 def check(layout: Any, value: Any) -> None:
-    """Raises Unreadable, with the place of the first entry that a layout does not allow."""
+    """Raise Unreadable, with the place of the first entry that a layout does not allow."""
     try:
         _adapter(layout).validate_python(value)
     except ValidationError as error:
@@ -158,7 +158,7 @@ def check(layout: Any, value: Any) -> None:
 
 
 def check_plan(plan: Mapping[str, Any]) -> None:
-    """Raises Unreadable for what is no plan: by its layout, or by ids of jobs that it does not have."""
+    """Raise Unreadable for what is no plan: by its layout, or by ids of jobs that it does not have."""
     check(Plan, plan)
     ids = {entry["job"] for entry in plan["jobs"]}
     if len(ids) < len(plan["jobs"]):
@@ -174,7 +174,7 @@ def check_plan(plan: Mapping[str, Any]) -> None:
 
 
 def _references(plan: Mapping[str, Any]) -> Iterator[str]:
-    """The ids that a plan names beside those of its jobs."""
+    """Yield the ids that a plan names beside those of its jobs."""
     yield from (entry["healthy"] for entry in plan["jobs"] if entry["healthy"] is not None)
     yield from chain.from_iterable((one["of"], one["job"]) for one in plan.get("variations", ()))
     yield from (plan.get("design") or {"ids": ()})["ids"]

@@ -25,7 +25,7 @@ class Unreadable(UserError):
 
 
 def open_regular(path: Path) -> BufferedReader:
-    """Open a file to be read. Raises Unreadable if it is a link or no file, or larger than memory; OSError."""
+    """Open a file to be read. Raises Unreadable if it is a link, no file, or larger than memory; OSError."""
     if path.is_symlink():
         raise Unreadable("it is a link: copy the folder with what its links stand for (`cp -rL`)")
     descriptor = os.open(path, _FLAGS)
@@ -42,13 +42,13 @@ def open_regular(path: Path) -> BufferedReader:
 
 
 def digest(path: Path) -> str:
-    """The SHA-256 of a file in hex digits. Raises Unreadable as ``open_regular``, OSError."""
+    """Return the SHA-256 of a file in hex digits. Raises as ``open_regular``."""
     with open_regular(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def read_regular(path: Path) -> bytes:
-    """The content of a text file. Raises Unreadable as ``open_regular``, and at the first zero byte; OSError."""
+    """Read a text file. Raises as ``open_regular``, and Unreadable at the first zero byte."""
     blocks = []
     with open_regular(path) as file:
         while block := file.read(BLOCK):

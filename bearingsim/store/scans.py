@@ -74,7 +74,7 @@ def copy_scans(scans: Iterable[Path], root: Path) -> None:
 
 
 def own_scan(root: Path, digest: str, file: str) -> Path:
-    """The copy of a scan in a results folder. Raises ScanError without one, or if it is not as it was written."""
+    """Find the copy of a scan in a results folder. Raises ScanError without one that is as it was written."""
     from bearingsim.config.scan.file import ScanError
 
     kept = kept_scan(root, digest, file)

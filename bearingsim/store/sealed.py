@@ -35,6 +35,8 @@ __all__ = [
 
 SCHEMA = 2  # of all files that have a digest
 LIBVER = ("v108", "v108")  # object headers with checksums and no 64 kB limit on attributes
+LEAST_BYTES = 8
+"""Of text for each list or mapping of a JSON file: an empty one takes 64 bytes of memory."""
 HDF5_MARK, JSON_MARK = b"\nSHA-256 ", ',\n "sha256": "'
 
 
@@ -127,7 +129,7 @@ def open_sealed(stream: BinaryIO) -> Hdf5:
 
 
 def _read_through(stream: BinaryIO) -> tuple[int, str, bytes]:
-    """Bytes of a stream; digest of all but the last of them, which may be a seal; and these."""
+    """Return the size of a stream, the digest of all but its last bytes, which may be a seal, and these."""
     size = stream.seek(0, io.SEEK_END)
     left, digest = max(size - SEAL_BYTES, 0), hashlib.sha256()
     stream.seek(0)
@@ -156,6 +158,8 @@ def read_json(path: Path) -> dict[str, Any]:
     body, mark, _ = text.rpartition(JSON_MARK)
     if mark and text != body + _json_seal(body):
         raise Unreadable("its text is not what was written")
+    if LEAST_BYTES * (text.count("[") + text.count("{")) > max(len(text), BLOCK):
+        raise Unreadable("it holds more lists and mappings than any file of its size")
     told = json.loads(text)
     if not isinstance(told, dict):
         raise Unreadable("it holds no mapping")

@@ -21,7 +21,7 @@ def _printable(line: str) -> str:
 
 
 def is_line(text: str) -> bool:
-    """Whether a text is one line that a terminal shows as it is."""
+    """Tell whether a text is one line that a terminal shows as it is."""
     return 0 < len(text) <= LONGEST_LINE and text.isprintable()
 
 
