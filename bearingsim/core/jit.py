@@ -25,7 +25,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -115,7 +115,12 @@ _CACHE = cache_folder()
 UNREADABLE = (ImportError, AttributeError)  # a type of another module, which is not here or has changed
 SAVING_S = 10.0
 """How long another process may save: then this one does not, for it may be suspended."""
-_SAVING: Any = FileLock(_CACHE / "saving.lock", timeout=SAVING_S) if _CACHE else nullcontext()
+
+
+@lru_cache(maxsize=1)
+def saving(process: int) -> Any:
+    """Lock the cache for saving by this ``process``: a lock must not be inherited across a fork."""
+    return FileLock(_CACHE / "saving.lock", timeout=SAVING_S) if _CACHE else nullcontext()
 
 
 def jit(function: Callable, **options: Any) -> Any:
@@ -145,7 +150,10 @@ def kept_safely(dispatcher: Any) -> Any:
     def save_in_turn(signature: Any, code: Any) -> None:
         if linking.is_linked(code):
             return
-        with suppress(OSError, NotImplementedError, *UNREADABLE), _SAVING:  # without locks nothing is kept
+        with (
+            suppress(OSError, NotImplementedError, *UNREADABLE),
+            saving(os.getpid()),
+        ):  # without locks nothing is kept
             save(signature, code)
 
     def load_if_readable(signature: Any, context: Any) -> Any:
