@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from random import Random
 from typing import TYPE_CHECKING, Any
@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from bearingsim.study import Job, Study
     from bearingsim.study.design import Drawn
 
-MOST_PRICED = 1000
-"""Jobs: each takes a millisecond or two."""
+MOST_PRICED = 150
+"""Jobs: each takes 2 to 4 ms of CPU time."""
+IN_SPACE = 5
+"""So many jobs one counts for whose rollers are loaded unevenly along their length: it rests in space."""
 
 __all__ = ["Plan", "as_json", "plan_of", "show"]
 
@@ -45,8 +47,8 @@ class Priced:
 class Plan:
     """A study's cases, their healthy baselines and what is varied of them, priced.
 
-    jobs: all of them; of more than MOST_PRICED so many are priced, drawn at random, and stand for all. refusals:
-    those that cannot be run, and why.
+    jobs: all of them; of many some are priced (``drawn``), and stand for all. refusals: those that cannot be run,
+    and why.
     """
 
     study: "Study"
@@ -143,11 +145,27 @@ def plan_of(study: "Study", workers: int | None, patience: Patience = QUIET) -> 
 
 
 def drawn(jobs: "Sequence[Job]") -> "Sequence[Job]":
-    """The jobs, in order; of many MOST_PRICED, the same each time, the first and the last among them."""
-    if len(jobs) <= MOST_PRICED:
+    """The jobs, in order; of many as many as MOST_PRICED allows, the same each time.
+
+    The first and the last are among them, and those at the ends of swept ranges: there most refusals are.
+    """
+    from bearingsim.assemble.space import unevenly_loaded
+
+    effort = sum(IN_SPACE if unevenly_loaded(job.case) else 1 for job in jobs)
+    if effort <= MOST_PRICED:
         return jobs
-    inner = sorted(Random(len(jobs)).sample(range(1, len(jobs) - 1), MOST_PRICED - 2))
-    return [jobs[n] for n in (0, *inner, len(jobs) - 1)]
+    count = MOST_PRICED * len(jobs) // effort
+    order = [*ends(jobs), *Random(len(jobs)).sample(range(len(jobs)), len(jobs))]
+    return [jobs[n] for n in sorted([*dict.fromkeys(order)][:count])]
+
+
+def ends(jobs: "Sequence[Job]") -> Iterator[int]:
+    """The numbers of the first and last job, and of those with the least and greatest value of each swept path."""
+    yield from (0, len(jobs) - 1)
+    for path in jobs[0].swept:
+        values = {n: value for n, job in enumerate(jobs) if isinstance(value := job.swept.get(path), float)}
+        if values:
+            yield from (min(values, key=values.__getitem__), max(values, key=values.__getitem__))
 
 
 def _priced(job: "Job") -> Priced:

@@ -149,8 +149,12 @@ class Study:
 
     @cached_property
     def _planned(self) -> tuple[Job, ...]:
-        jobs = [Job(case, swept, _baseline(case, swept)) for case, swept in self.swept_cases]
-        return tuple(_each_once([*jobs, *(job.baseline for job in jobs if job.baseline is not None)]))
+        jobs: list[Job] = []
+        twins: dict[str, Job] = {}  # each once: many cases share one
+        for case, swept in self.swept_cases:
+            twin = _baseline(case, swept)
+            jobs.append(Job(case, swept, twin and twins.setdefault(identity(twin.case), twin)))
+        return tuple(_each_once([*jobs, *twins.values()]))
 
     @cached_property
     def assumptions(self) -> tuple[str, ...]:

@@ -56,6 +56,32 @@ def test_the_first_and_the_last_job_are_priced(many):
     assert found == plan.drawn(jobs)
 
 
+def test_the_ends_of_swept_ranges_are_priced(many, monkeypatch):
+    """A step may be refused at one of them only."""
+    monkeypatch.setattr(plan, "MOST_PRICED", 5)
+    jobs = load_study(many).jobs()
+    found = {id(job) for job in plan.drawn(jobs)}
+    for path in ("load", "defect.width"):
+        values = [job.swept[path] for job in jobs if path in job.swept]
+        for end in (min, max):
+            first = next(job for job in jobs if job.swept.get(path) == end(values))
+            assert id(first) in found
+
+
+def test_fewer_are_priced_where_rollers_tilt(many, monkeypatch):
+    monkeypatch.setattr(plan, "MOST_PRICED", 55)
+    assert len(plan.drawn(load_study(many).jobs())) == 55
+    leaning = {"model": "spatial", "misalignment.inner": "0.1 mrad"}
+    jobs = load_study(many, leaning).jobs()
+    assert len(jobs) == 55
+    assert len(plan.drawn(jobs)) == 55 // plan.IN_SPACE
+
+
+def test_cases_share_the_healthy_twin(many):
+    twins = [job.baseline for job in load_study(many).jobs() if job.baseline is not None]
+    assert (len(twins), len({id(twin) for twin in twins})) == (50, 5)
+
+
 def test_a_long_table_is_cut(done, monkeypatch):
     monkeypatch.setattr(tables, "MOST_ROWS", 3)
     said, _ = type_("show", done)
