@@ -1,14 +1,17 @@
 """No method of the automatic set steps over a pit, wherever in a step it comes; tighter is no worse."""
 
 from itertools import pairwise
+from unittest import mock
 
 import numpy as np
 import pytest
+from numba import typeof
 
 from bearingsim import assemble
 from bearingsim.catalogue import METHODS
+from bearingsim.core.advance import advance_and_sample
 from bearingsim.simulation import automatic_step, choice, limits
-from bearingsim.stability import judge, matrix, references
+from bearingsim.stability import judge, matrix, references, traces
 from bearingsim.stability.scene import MIDDLES, SAMPLE_INTERVAL, TIMES, crossing, crossings
 from bearingsim.stability.traces import trace
 
@@ -108,3 +111,13 @@ def test_a_ring_that_does_not_answer_has_seen_no_crossing():
     blind = trace("verlet", verlet, scene.model, scene.y, np.inf)
     assert judge.crossings_seen(blind, exact, healthy, crossings(scene.model)) == 3
     assert judge.crossings_seen(blind._replace(velocity=still), exact, healthy, crossings(scene.model)) == 0
+
+
+def test_its_clock_runs_for_code_that_is_compiled():
+    """A step before the clock runs has the types of those after, and leaves the state as it is."""
+    scene = bench("healthy")
+    with mock.patch.object(traces, "advance_and_sample", wraps=advance_and_sample) as steps:
+        trace("verlet", assemble.kind_of_method("verlet").parameters(5e-7), scene.model, scene.y, np.inf)
+    of_first, *of_others = [tuple(map(typeof, call.args)) for call in steps.call_args_list]
+    assert {*of_others} == {of_first}
+    assert steps.call_args_list[0].args[4] is not steps.call_args_list[1].args[4]
