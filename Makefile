@@ -103,9 +103,9 @@ smoke-lowest: .venv-lowest/installed
 	  -W ignore::DeprecationWarning -W ignore::PendingDeprecationWarning
 
 .venv-lowest/installed: requirements-lowest.lock pyproject.toml $(VENV)/installed-dev
-	python=$$($(FIND_PYTHON) $(firstword $(PYTHONS))) || python=$(PYTHON); $$python -m venv --clear .venv-lowest
-	.venv-lowest/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r $<
-	.venv-lowest/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	python=$$($(FIND_PYTHON) $(firstword $(PYTHONS))) || python=$(PYTHON); $$python -m venv --clear --without-pip .venv-lowest
+	$(BIN)/uv pip install --quiet --python .venv-lowest/bin/python --require-hashes -r $<
+	$(BIN)/uv pip install --quiet --python .venv-lowest/bin/python --no-deps --no-build-isolation -e .
 	@touch $@
 
 lint: install-dev
