@@ -20,7 +20,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes one-folder cpu-bounds
+.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -131,6 +131,11 @@ faults: install-dev
 # is a wrong scheduler told in time, and does Ctrl-C end the run meanwhile? Writes docs/data/handshakes.csv
 handshakes: install-dev
 	$(BIN)/python -m benchmarks.handshakes
+
+# broken, mistaken and hostile study files: are they refused with a place, and in time? Writes docs/data/check_limits.csv
+hostile: install-dev
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.hostile
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.check_limits
 
 # does a job end by its CPU time, whichever phase takes it? Writes docs/data/cpu_bounds.csv
 cpu-bounds: install-dev

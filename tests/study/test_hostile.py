@@ -3,13 +3,14 @@
 from contextlib import suppress
 from math import inf
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from bearingsim.study import StudyError, load_study
+from bearingsim.study import StudyError, diagnose, load_study, plan
 from bearingsim.text import yamlfile
 from bearingsim.text.yamlfile import LONGEST_ECHO, LONGEST_LINE, MAX_LETTERS, MAX_TOLD
-from benchmarks import hostile, malformed, mutants
+from benchmarks import check_limits, crossed_blocks, hostile, malformed, mutants
 from tests.conftest import Write
 
 SLOWLY = hostile.Limits(cpu=60.0, memory=inf)  # of a slow machine: here it counts that there is an end
@@ -63,6 +64,44 @@ def test_mutants_are_those_of_their_seed(tmp_path: Path) -> None:
         return [path.read_bytes() for _, path in mutants.mutants(tmp_path, 20, seed)]
 
     assert texts(3) == texts(3) != texts(4)
+
+
+MOST_MADE = 1000
+"""Cases that may be made of a study that is refused: each takes under a millisecond of the two seconds allowed."""
+
+
+@pytest.mark.parametrize("seed", [1])
+def test_studies_with_crossed_blocks_load_or_are_refused_soon(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int
+) -> None:
+    made: list[Path] = []
+
+    def counted(*given: Any) -> Any:
+        made.append(path)
+        return diagnose.case_of(*given)
+
+    monkeypatch.setattr(plan, "case_of", counted)
+    refused = {}
+    for _, path in crossed_blocks.write_crossed(tmp_path, 40, seed):
+        try:
+            load_study(path)
+        except StudyError as error:
+            refused[path] = str(error)
+    assert 10 < len(refused) < 35
+    assert all(map(hostile.PLACED.search, refused.values()))
+    assert max(map(made.count, refused)) < MOST_MADE
+
+
+def test_limits_are_those_of_what_was_checked() -> None:
+    def wrong(code: int, said: str, cpu: float, memory: float = 1e8) -> str:
+        ended = hostile.Ended(code, said, cpu, memory)
+        return check_limits.judged(1, "", Path("a.yaml"), ended).wrong
+
+    valid, refused = "a: 500 jobs (400 cases, 100 healthy twins)", "a.yaml:1:1: no"
+    assert [wrong(0, valid, cpu) for cpu in (1.4, 1.6)] == ["", "1.6 s"]
+    assert [wrong(2, refused, cpu) for cpu in (1.9, 2.1)] == ["", "2.1 s"]
+    assert wrong(2, refused, 0.5, 3.1e8) == "310 MB"
+    assert wrong(1, "a.yaml: Traceback", 0.5) == "a traceback; exit code 1"
 
 
 # What messages look like
