@@ -4,7 +4,7 @@
 
 The mutants are those of ``crossed_blocks.py``; by default the commit is their seed. A study that is refused is
 checked in a process of its own, which may take 2 s of CPU time and 300 MB. A valid one is checked in a fork of a
-process that has imported everything and has checked another study: 1 s and 1 ms a job. Code that only it needs is
+process that has imported everything and has checked other studies: 1 s and 1 ms a job. Code that only it needs is
 compiled before. Memory is the system's count, which is at least that of the process that started the command.
 """
 
@@ -105,7 +105,8 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=seed_of_commit())
     parser.add_argument("--csv", type=Path, default=HOME / "docs" / "data" / "check_limits.csv")
     asked = parser.parse_args()
-    in_here("check", str(HOME / "studies" / "slip.yaml"))  # imports what every study needs
+    for imports in ("slip", "sensitivity"):  # what every study needs, and what designs do
+        in_here("check", str(HOME / "studies" / f"{imports}.yaml"))
     rows = []
     with TemporaryDirectory() as folder:
         for number, (change, path) in enumerate(write_crossed(Path(folder), asked.count, asked.seed)):

@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from random import Random
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from bearingsim.study import Job, Study
     from bearingsim.study.design import Drawn
 
-MOST_PRICED = 150
+MOST_PRICED = 100
 """Jobs: each takes 2 to 4 ms of CPU time."""
 IN_SPACE = 5
 """So many jobs one counts for whose rollers are loaded unevenly along their length: it rests in space."""
@@ -195,6 +196,7 @@ def friction_scale(case: "Case", force: float) -> tuple[float, float]:
     return most_friction(model.friction, u) * force, settled
 
 
+@lru_cache(maxsize=1 << 10)
 def most_friction(law: Any, u: float) -> float:
     """The largest friction coefficient of a law at the rolling speed ``u`` (m/s), within 1 %."""
     from bearingsim.core.laws.friction.interface import mu
