@@ -25,7 +25,7 @@ def small_plan(monkeypatch):
     """A plan of few methods, and no model above `rollers` but the reference."""
     small = plan.Plan(
         {"verlet": (Setting(step=16.0), Setting(step=1.0))},
-        {"verlet": (Setting(step=0.25),), "dop853": (Setting(tolerance=1e-7),)},
+        {"verlet": (Setting(step=0.25),), "rk4": (Setting(step=0.25),)},
         {"scipy-dop853": (Setting(tolerance=1e-5),)},
     )
     monkeypatch.setattr(plan, "plan_of", lambda case, quick: small)
