@@ -62,5 +62,5 @@ def done(tmp_path_factory):
     (folder / "small.yaml").write_text(STUDY)
     out = folder / "results" / "small"
     said, _ = type_("run", folder / "small.yaml", "--jobs", "1", "--out", out)
-    assert said.startswith("small: 8 done of 8 jobs")
+    assert said.startswith("small: 8 of 8 jobs done")
     return out

@@ -186,7 +186,7 @@ def edited(site: Path, before: pd.DataFrame) -> Said:
 
 def test_an_edited_law_gives_its_new_number(site: Path, before: pd.DataFrame, edited: Said) -> None:
     """Compiled code and results are kept between processes, but not beyond a change of anybody's law."""
-    assert "2 done of 2 jobs" in edited[run("contact law")][1]
+    assert "2 of 2 jobs done" in edited[run("contact law")][1]
     after = results(site, "contact law")["velocity.rms"]
     assert after[0] == pytest.approx(before["velocity.rms"][1])
     assert after[0] != pytest.approx(before["velocity.rms"][0], rel=0.1)

@@ -200,12 +200,13 @@ def run(
             max_failures=failures,
             max_cpu=cpu,
         )
-    say(str(summary))
+    from bearingsim.cli import ending
+
+    ending.show(summary, _verbose(ctx))
     if _verbose(ctx) and summary.failed:
         from bearingsim.cli import tables
 
         tables.show_failures(summary.folder, tracebacks=True)
-    say(f"results: {near(summary.folder)}")
     raise typer.Exit(summary.exit_code)
 
 
@@ -264,6 +265,9 @@ def plot(
 def show(
     results: Results = None,
     failed: Annotated[bool, typer.Option("--failed", help="only failed jobs, with reason and advice")] = False,
+    assumptions: Annotated[
+        bool, typer.Option("--assumptions", help="what was assumed, and not varied, in sentences")
+    ] = False,
     columns: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="column of the table; repeatable")
     ] = None,
@@ -273,7 +277,9 @@ def show(
     from bearingsim.cli import tables
 
     opened = opened_results(results)
-    if failed and not as_json:
+    if assumptions:
+        tables.show_assumptions(opened)
+    elif failed and not as_json:
         tables.show_failures(opened.path)
     else:
         tables.show_jobs(opened, columns or [], failed, as_json)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-__all__ = ["show_failures", "show_jobs", "usual_features"]
+__all__ = ["show_assumptions", "show_failures", "show_jobs", "usual_features"]
 
 Column = tuple[str, list[str]]  # head and cells
 STATISTICS = ("velocity.rms", "outer_force.max")
@@ -57,6 +57,16 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
         left = ", ".join(head for head, _ in found if _stacked(head) not in heads)
         count = len(found) - len(kept)
         say(f"{count} columns too wide for the terminal: {left} (`--columns NAME`, `--json` or a pipe)")
+
+
+def show_assumptions(results: "Results") -> None:
+    """Print a sentence for each assumption of a study, and what it would take to try other values."""
+    from bearingsim.runner.unknowns import examined
+    from bearingsim.store import job_frame
+
+    told = [*examined(results.plan, job_frame(results.path)), *damping.of_jobs(results.info())]
+    for text in told or ["nothing is assumed that this program would vary"]:
+        say(text)
 
 
 def usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:

@@ -1,31 +1,91 @@
-"""What is said of the results at the end of a run."""
+"""What there is to say of the results at the end of a run."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
 from bearingsim.config.names import NO_VALUE
 from bearingsim.config.rules import damping
-from bearingsim.runner.promises import promises
+from bearingsim.runner.promises import held, promises
 from bearingsim.runner.summary import chaos, repetitions, step_errors
 from bearingsim.runner.unknowns import examined
+from bearingsim.study.uncertainty import NO_SLIP, RIGID, sweeps_damping
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["of_results"]
+__all__ = ["Findings", "findings"]
 
 
-def of_results(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """What is worth knowing of the planned jobs' results, and of what was varied of them."""
+@dataclass(frozen=True)
+class Findings:
+    """What there is to say of results: how well they hold, warnings, names of what was assumed, and details."""
+
+    held: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
+    details: tuple[str, ...] = ()
+
+    @property
+    def everything(self) -> tuple[str, ...]:
+        """All sentences."""
+        return (*self.held, *self.warnings, *self.details)
+
+
+def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
+    """Return what there is to say of the results of a plan; ``frame``: of ``store.job_frame``."""
     own = frame.loc[[entry["job"] for entry in plan["jobs"] if not entry["variation"]]]
-    yield from promises(plan, frame)
-    yield from repetitions(store.info(own))
-    yield from damping.of_jobs(store.info(own))
-    yield from examined(plan, frame)
-    yield from chaos(own)
-    yield from step_errors(own)
-    yield from without_value(store.info(own))
+    info = store.info(own)
+    of_damping = list(damping.of_jobs(info))
+    warned = [text for text in of_damping if text.startswith(damping.WARNING)]
+    return Findings(
+        held=tuple(held(plan, frame) if plan.get("accuracy") else _step_errors(own)),
+        warnings=(*warned, *chaos(own), *step_errors(own), *without_value(info)),
+        assumed=tuple(_assumed(plan, own)),
+        details=(
+            *promises(plan, frame),
+            *repetitions(info),
+            *(text for text in of_damping if text not in warned),
+            *examined(plan, frame),
+        ),
+    )
+
+
+def _step_errors(own: "pd.DataFrame") -> Iterator[str]:
+    """A line on the largest change that a shorter step makes, of jobs whose step was checked."""
+    names = {"line": "the line", "rms": "RMS", "force": "the largest force"}
+    found = {text: own[f"features/step_error.{name}"].max() for name, text in names.items() if _has(own, name)}
+    if found:
+        each = ", ".join(f"{text} {100.0 * error:.2g} %" for text, error in found.items())
+        yield f"time step: errors of at most {each}"
+
+
+def _has(own: "pd.DataFrame", name: str) -> bool:
+    return f"features/step_error.{name}" in own and bool(own[f"features/step_error.{name}"].notna().any())
+
+
+def _assumed(plan: Mapping[str, Any], own: "pd.DataFrame") -> Iterator[str]:
+    """Names of what moves results, is not known, and was given one value."""
+    varied = {one["what"] for one in plan["variations"]}
+    damped = "info/damping_time_s" in own and bool(own["info/damping_time_s"].notna().any())
+    held_by_bracket = "parameters/rig.bracket_stiffness" in own and bool(
+        (own["parameters/rig.bracket_stiffness"] > 0.0).any()
+    )
+    if not plan["nothing_uncertain"]:
+        if damped and "damping" not in varied and not sweeps_damping(plan["units"]):
+            yield "damping"
+        if "clearance" not in {*varied, *plan["units"]}:
+            yield "clearance"
+        if held_by_bracket and "bracket" not in varied:
+            yield "bracket"
+    yield from (
+        name for sentence, name in ((RIGID, "rigid ring"), (NO_SLIP, "no slip")) if sentence in _said(plan)
+    )
+
+
+def _said(plan: Mapping[str, Any]) -> tuple[str, ...]:
+    return tuple(plan.get("assumptions", ()))
 
 
 def without_value(info: "pd.DataFrame") -> Iterator[str]:

@@ -64,7 +64,8 @@ def _lines(jobs: int, seconds: float) -> Iterator[Report]:
         now = time.monotonic()
         if now - last >= LINE_EVERY_S:
             left = (now - started) * max(seconds - computed, 0.0) / max(computed, 1e-9)
-            say(f"{_counts(done, failed, jobs)}, about {duration(left)} left", err=True)
+            ahead = f", about {duration(left)} left" if done + failed < jobs else ""
+            say(f"{_counts(done, failed, jobs)}{ahead}", err=True)
             last = now
 
     yield report

@@ -11,7 +11,7 @@ from bearingsim.study.uncertainty import UNKNOWNS
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["promises"]
+__all__ = ["held", "promises"]
 
 
 def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
@@ -24,16 +24,6 @@ def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     told = ", ".join(f"`{model}` in {count}" for model, count in models.most_common())
     yield f"models for {within} of {', '.join(accuracy['of'])}: {told} of {len(accuracy['jobs'])} cases"
     yield from accuracy["notes"]
-    near = store.nearness(plan, frame)
-    done = [job for job in accuracy["jobs"] if frame["status"].get(job) == "done"]
-    sums = near.loc[done, ["error.model", "error.step", "error.scatter"]].sum(axis=1, skipna=False).dropna()
-    held = int((sums <= accuracy["within"]).sum())
-    longer = _longer(near, sums, accuracy)
-    if done:
-        yield f"{held} of {len(done)} cases hold it, against this ladder of models, not a rig{longer}"
-    if len(sums) < len(done):
-        count = len(done) - len(sums)
-        yield f"of {count} chaotic cases the scatter of a line is not known, and so not whether they hold it"
     found = list(store.audited(plan, frame))
     if found:
         kept = sum(one.off <= accuracy["within"] + one.scatter for one in found)
@@ -46,6 +36,23 @@ def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     unknown = [what for what in UNKNOWNS if what not in moved]
     if unknown:
         yield f"not examined beside it: what {', '.join(unknown)} move"
+
+
+def held(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
+    """How many cases are as close as their study asks; nothing of one that asks for nothing."""
+    accuracy = plan.get("accuracy")
+    if accuracy is None:
+        return
+    near = store.nearness(plan, frame)
+    done = [job for job in accuracy["jobs"] if frame["status"].get(job) == "done"]
+    sums = near.loc[done, ["error.model", "error.step", "error.scatter"]].sum(axis=1, skipna=False).dropna()
+    close = int((sums <= accuracy["within"]).sum())
+    within, longer = f"{100.0 * accuracy['within']:.3g} %", _longer(near, sums, accuracy)
+    if done:
+        yield f"accuracy of {within}: {close} of {len(done)} cases hold it, against the reference model{longer}"
+    if len(sums) < len(done):
+        count = len(done) - len(sums)
+        yield f"of {count} chaotic cases the scatter of a line is not known, and so not whether they hold it"
 
 
 def _longer(near: "pd.DataFrame", sums: "pd.Series[float]", accuracy: Mapping[str, Any]) -> str:

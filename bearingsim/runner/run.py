@@ -15,7 +15,7 @@ from bearingsim.errors import UserError
 from bearingsim.runner import beside
 from bearingsim.runner.bounds import Affordable, affordable, ended_early, refuse_bounds
 from bearingsim.runner.commands import command
-from bearingsim.runner.findings import of_results
+from bearingsim.runner.findings import Findings, findings
 from bearingsim.runner.packing import Cost, fewer, fitting, pack, shard_of
 from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import compiling
@@ -79,6 +79,7 @@ def run(
     if fresh and workers > 1 and joined is None:
         flag_for_workers()  # without shared memory it raises, before anything is thrown away
     with _prepared(root, study, fresh, shard, progress):
+        before = store.holdings(root).sealed if study.goal is not None else None  # trials may do some jobs, too
         try:
             reach = partial(_reach, joined)
             study = selected(study, root, workers, engine, alone=shard == (1, 1), shown=progress, first=reach)
@@ -89,7 +90,7 @@ def run(
         store.keep_scans(root, [job.case for job in every])
         earlier = store.planned_jobs(root)
         written = store.write_plan(root, study, every, told)
-        plan = _plan(root, ours, retry_failed, verify)
+        plan = _plan(root, ours, retry_failed, verify, before)
         store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
         tally = _Tally(root, command("run", study, root, "--retry-failed"), plan.failures, max_failures)
         interrupted, bounds = 0, (engine, max_failures, max_cpu, plan.held.units)
@@ -119,9 +120,9 @@ def run(
     status = frame["status"].loc[[job.id for job in ours]]
     if tally.full and (status == "missing").any():
         told.insert(0, ended_early(tally.failed, max_failures))
-    before = _notes(left_out, plan.held.damaged)
-    notes = (*before, *beside.notes(root, written, tally.elsewhere), *told, *of_results(written, frame))
-    summary = tally.summary(study.name, status, plan.resumed, seconds, interrupted, notes)
+    notes = (*_notes(left_out, plan.held.damaged), *beside.notes(root, written, tally.elsewhere), *told)
+    of_results = findings(written, frame)
+    summary = tally.summary(study.name, status, plan.resumed, seconds, interrupted, notes, of_results)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
     if interrupted:
         raise Interrupted(summary)
@@ -218,7 +219,7 @@ def _prepared(
 
 @dataclass(frozen=True)
 class _Plan:
-    """What is left to do: jobs to compute, number of jobs done before, failures that are not tried again.
+    """What is left to do: jobs to compute, number of jobs done by earlier runs, failures that are not tried again.
 
     held: what the folder holds, of this study or not.
     """
@@ -229,13 +230,15 @@ class _Plan:
     held: store.Holdings
 
 
-def _plan(root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool) -> _Plan:
+def _plan(root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool, before: set[str] | None) -> _Plan:
+    """before: what the folder held when this run began, if it has sealed jobs since."""
     held = store.holdings(root, verify)
     left = [job for job in jobs if job.id not in held.sealed]
     ids = {job.id for job in left}
     failures = {job: failure for job, failure in held.failures.items() if job in ids}
     todo = left if retry_failed else [job for job in left if job.id not in failures]
-    return _Plan(todo, len(jobs) - len(left), failures, held)
+    resumed = [job for job in jobs if job.id in held.sealed and (before is None or job.id in before)]
+    return _Plan(todo, len(resumed), failures, held)
 
 
 @dataclass
@@ -281,6 +284,7 @@ class _Tally:
         seconds: float,
         interrupted: int,
         notes: tuple[str, ...],
+        of_results: Findings,
     ) -> RunSummary:
         """What the run comes to. status: what the table says of each job asked for: both count alike."""
         return RunSummary(
@@ -298,6 +302,7 @@ class _Tally:
             integrator_cpu_s=self.integrator_cpu_s,
             interrupted=interrupted,
             notes=notes,
+            findings=of_results,
         )
 
     def _add_failure(self, failure: store.Failure) -> None:

@@ -13,6 +13,8 @@ from bearingsim.store import Failure
 if TYPE_CHECKING:
     import pandas as pd
 
+    from bearingsim.runner.findings import Findings
+
 __all__ = ["FailureGroup", "Interrupted", "RunSummary", "chaos", "grouped", "kind_of", "step_errors"]
 
 
@@ -117,7 +119,7 @@ class RunSummary:
     ``interrupted``: number of the signal, or 0.
     ``start_cpu_s`` is what the workers took to import and compile, ``cpu_s`` their CPU time after that and
     ``integrator_cpu_s`` the part of it inside the integrator; ``notes`` tell what became of earlier results, and
-    what was repaired or assumed.
+    what was repaired; ``findings`` what there is to say of the results, None before there are any.
     """
 
     study: str
@@ -132,6 +134,7 @@ class RunSummary:
     integrator_cpu_s: float
     interrupted: int = 0
     notes: tuple[str, ...] = ()
+    findings: "Findings | None" = None
 
     @property
     def failed(self) -> int:
@@ -154,13 +157,32 @@ class RunSummary:
         return 128 + self.interrupted if self.interrupted else int(self.failed > 0 or self.missing > 0)
 
     def __str__(self) -> str:
-        counts = {"done before": self.resumed, "failed": self.failed, "left": self.missing}
-        parts = [f"{self.done} done", *(f"{count} {what}" for what, count in counts.items() if count)]
-        line = f"{self.study}: {', '.join(parts)} of {self.planned} jobs in {self.seconds:.1f} s"
-        if self.cpu_s > 0:
-            apart = f"{self.start_cpu_s:.1f} s of start-up apart"
-            line += f"; {self.integrator_share:.0%} of the workers' CPU time, {apart}, went into the runs' steps"
-        return "\n".join([line, *map(str, self.failures), *self.notes])
+        return "\n".join([self.headline, *self.happened, *self.details])
+
+    @property
+    def headline(self) -> str:
+        """`small: 8 of 8 jobs done in 3.2 s, 2 of them before`."""
+        done = self.done + self.resumed
+        counts = {"of them before": self.resumed, "failed": self.failed, "left": self.missing}
+        parts = [f"{count} {what}" for what, count in counts.items() if count]
+        line = (
+            f"{self.study}: {done} of {self.planned} job{'s' * (self.planned != 1)} done in {self.seconds:.1f} s"
+        )
+        return ", ".join([line, *parts])
+
+    @property
+    def happened(self) -> tuple[str, ...]:
+        """Failures, and what became of earlier results."""
+        return (*map(str, self.failures), *self.notes)
+
+    @property
+    def details(self) -> tuple[str, ...]:
+        """All there is to say of the results, and where the CPU time went."""
+        told = () if self.findings is None else self.findings.everything
+        if not self.cpu_s > 0.0:
+            return told
+        apart = f"{self.start_cpu_s:.1f} s of start-up apart"
+        return (*told, f"{self.integrator_share:.0%} of the workers' CPU time, {apart}, went into the runs' steps")
 
 
 class Interrupted(KeyboardInterrupt):

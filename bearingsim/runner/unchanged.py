@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from bearingsim import store
-from bearingsim.runner.findings import of_results
+from bearingsim.runner.findings import findings
 from bearingsim.runner.summary import RunSummary
 from bearingsim.study import outline
 
@@ -42,5 +42,6 @@ def finished(path: Path, out: Path | None, overrides: Mapping[str, str], quick: 
         start_cpu_s=0.0,
         cpu_s=0.0,
         integrator_cpu_s=0.0,
-        notes=(*plan["notes"], *of_results(plan, frame)),
+        notes=tuple(plan["notes"]),
+        findings=findings(plan, frame),
     )

@@ -252,12 +252,12 @@ def test_check_needs_a_study():
 
 def test_run_resumes(done):
     said, _ = type_("run", done.parents[1] / "small.yaml", "--jobs", "1", "--out", done, "--verify")
-    assert said.startswith("small: 0 done, 8 done before of 8 jobs")
+    assert said.startswith("small: 8 of 8 jobs done")
 
 
 def test_run_goes_to_results(here):
     said, _ = type_("run", "small.yaml", "--jobs", "1", "--quick", "--shard", "1/2")
-    assert "2 done of 2 jobs" in said
+    assert "2 of 2 jobs done" in said
     assert "results: results/small-quick" in said
     assert Path("results/small-quick/results.csv").is_file()
 
@@ -265,7 +265,7 @@ def test_run_goes_to_results(here):
 def test_failed_jobs_are_stored_and_told(here):
     words = ["run", "small.yaml", "--jobs", "1", "--set", "load=150 N", "--set", "model=[static, rollers]"]
     said, _ = type_(*words, "--set", "step=5 us", code=1)
-    assert "2 done, 2 failed of 4 jobs" in said
+    assert "2 of 4 jobs done" in said
     assert "2 jobs failed: a step of" in said
     said, _ = type_("show", "--failed")
     assert "model rollers" in said
@@ -311,7 +311,7 @@ def test_an_interrupt_is_130_and_tells_what_is_done(here, monkeypatch):
 
     monkeypatch.setattr(runner, "run", interrupted)
     _, told = type_("run", "small.yaml", code=130)
-    assert "2 done, 1 done before, 5 left of 8 jobs" in told
+    assert "3 of 8 jobs done in 0.5 s, 1 of them before, 5 left" in told
 
 
 def test_detail_shows_the_traceback_of_an_error(here):

@@ -28,7 +28,7 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.setattr(provenance, "_commit", lambda: "")
     (tmp_path / "mine.yaml").write_text(NF308)
     (tmp_path / "told.yaml").write_text(STUDY)
-    assert "4 done of 4 jobs" in type_("run", "told.yaml", "--jobs", 1)[0]
+    assert "4 of 4 jobs done" in type_("run", "told.yaml", "--jobs", 1)[0]
     return tmp_path
 
 
@@ -51,7 +51,7 @@ def test_a_second_run_says_what_the_first_said(folder):
     second, quick = repeated()
     assert (made, quick) == (True, False)
     assert [line for line in first.splitlines() if "CPU" not in line][1:] == second.splitlines()[1:]
-    assert "0 done, 4 done before of 4 jobs" in second
+    assert "4 of 4 jobs done" in second
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,7 @@ def test_a_file_that_has_changed_is_read(folder, file, old, new):
     path.write_text(path.read_text().replace(old, new))
     said, made = repeated()
     assert made
-    assert "4 done" in said
+    assert "4 of 4 jobs done" in said
 
 
 def test_a_file_that_would_be_found_first_is_seen(folder):

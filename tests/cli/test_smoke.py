@@ -13,7 +13,7 @@ def test_a_new_study_is_checked_computed_shown_drawn_and_exported(here: Path, mo
     type_("new", "spall.yaml")
     assert "5 jobs" in type_("check", "spall.yaml", "--quick")[0]
     summary, _ = type_("run", "spall.yaml", "--quick", "--jobs", "2", "--out", "results/spall")
-    assert "5 done of 5 jobs" in summary
+    assert "5 of 5 jobs done" in summary
     assert "5 jobs: 5 done" in type_("show")[0]
     assert all(Path(figure).stat().st_size for figure in type_("plot")[0].split())
     type_("export", "--features", "table.csv")

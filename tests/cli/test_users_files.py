@@ -239,10 +239,10 @@ def test_results_of_an_earlier_version_are_marked_by_their_plan(tmp_path, monkey
     Path("small.yaml").write_text(STUDY)
     shutil.copytree(done, "ours")
     Path("ours/bearingsim.json").unlink()
-    assert "8 done before of 8 jobs" in type_("run", "small.yaml", "--out", "ours", "--verify", "--jobs", "1")[0]
+    assert "8 of 8 jobs done" in type_("run", "small.yaml", "--out", "ours", "--verify", "--jobs", "1")[0]
     assert json.loads(Path("ours/bearingsim.json").read_text())["name"] == "small"
     Path("ours/plan.json").write_text("{}")  # the marker suffices
-    assert "8 done before of 8 jobs" in type_("run", "small.yaml", "--out", "ours", "--verify", "--jobs", "1")[0]
+    assert "8 of 8 jobs done" in type_("run", "small.yaml", "--out", "ours", "--verify", "--jobs", "1")[0]
     Path("ours/plan.json").write_text("{}")
     Path("ours/bearingsim.json").write_text("{}")
     type_("run", "small.yaml", "--out", "ours", "--jobs", "1", code=2)

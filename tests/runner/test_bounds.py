@@ -176,6 +176,6 @@ def test_the_command_refuses_what_it_cannot_mean(here: Path, words: list[str], s
 
 def test_the_command_leaves_what_is_too_dear(here: Path) -> None:
     said, told = type_("run", "small.yaml", "--jobs", "1", "--max-cpu", "1 ns", code=1)
-    assert "8 left of 8 jobs" in said
+    assert "0 of 8 jobs done" in said
     assert "8 jobs are left out: estimated to take" in told
     assert "(`--max-cpu`)" in told

@@ -265,7 +265,7 @@ def test_real_numbers_and_scans_travel(
     Path("small.yaml").write_text(SCANNED)
     type_("run", "small.yaml", "--jobs", "1", "--out", "here")
     said, _ = type_("run", "small.yaml", "--scheduler", machines.address, "--out", "there")
-    assert "4 done of 4 jobs" in said
+    assert "4 of 4 jobs done" in said
     here, there = numbers_of(Path("here")), numbers_of(Path("there"))
     pd.testing.assert_frame_equal(there, here, check_exact=True)
     assert same_series(Path("there"), Path("here"), list(here.index))

@@ -91,7 +91,7 @@ def test_study_is_computed_and_stored(tmp_path: Path, jobs: int) -> None:
     summary = compute(study, tmp_path, jobs)
     assert (summary.planned, summary.done, summary.failed, summary.missing) == (4, 4, 0, 0)
     assert summary.exit_code == 0
-    assert "4 done of 4 jobs" in str(summary)
+    assert "4 of 4 jobs done" in str(summary)
     results = store.open_results(tmp_path)
     for job in study.jobs():
         expected = record_of(job.case).series["ring.velocity.x"].astype("f4")

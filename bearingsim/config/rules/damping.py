@@ -12,6 +12,8 @@ PLAUSIBLE = (0.3e-6, 25e-6)
 """Least and largest c/k (s) that measurement and theory make likely, of a lubricated contact."""
 PART_OF_CROSSING = 0.1
 """Of the time in which a pit is crossed: what c/k stays under, if the roller is to follow the pit."""
+WARNING = "warning: "
+"""How a sentence begins that is one."""
 SLACK = 1.0 + 1e-6
 """A default at the very end of the range is not beside it."""
 
@@ -47,12 +49,12 @@ def sentences(jobs: Sequence[Damped]) -> Iterator[str]:
     if heavy:
         found = _range([1e6 * job.time for job in heavy])
         yield (
-            f"warning: {_counted(heavy, jobs)}c/k of {found} us is over {high} us or a tenth of the crossing:"
+            f"{WARNING}{_counted(heavy, jobs)}c/k of {found} us is over {high} us or a tenth of the crossing:"
             " the roller cannot follow the pit; damping rules this result"
         )
     if light:
         found = _range([1e6 * job.time for job in light])
-        yield f"warning: {_counted(light, jobs)}c/k of {found} us is under {low} us, near dry steel: expect chaos"
+        yield f"{WARNING}{_counted(light, jobs)}c/k of {found} us is under {low} us, near dry steel: expect chaos"
 
 
 def of_jobs(info: Any) -> Iterator[str]:
