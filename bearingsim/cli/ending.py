@@ -115,7 +115,8 @@ def _healthy(results: "Results", name: str, factor: float) -> str:
 def _error(rows: "pd.DataFrame", name: str) -> str:
     """`error: 0.3 %` of the largest value: by the check of the step, and the scatter between ball passes."""
     plain = name.removesuffix("-healthy")
-    step = rows.get(f"step_error.{STEP_ERRORS.get(plain.rpartition('.')[2], 'line')}")
+    kind = plain.partition("@")[0].rpartition(".")[2]
+    step = rows.get(f"step_error.{STEP_ERRORS.get(kind, 'line')}")
     if step is None or plain not in rows or not step.notna().any():
         return ""
     scatter = rows[f"{plain}-scatter"] if f"{plain}-scatter" in rows else 0.0 * step

@@ -61,23 +61,25 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
 
 def show_assumptions(results: "Results") -> None:
     """Print a sentence for each assumption of a study, and what it would take to try other values."""
-    from bearingsim.runner.unknowns import examined
+    from bearingsim.runner.unknowns import assumed
     from bearingsim.store import job_frame
 
-    told = [*examined(results.plan, job_frame(results.path)), *damping.of_jobs(results.info())]
+    told = [*assumed(results.plan, job_frame(results.path)), *damping.of_jobs(results.info())]
     for text in told or ["nothing is assumed that this program would vary"]:
         say(text)
 
 
 def usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
-    """The fault's line, the cage's slip if it can slip, what the defects have made, statistics, errors."""
+    """The fault's line, the cage's slip if it can slip, what the defects have made, bands, statistics, errors."""
+    from bearingsim.config.names import of_band
     from bearingsim.plots import lines
 
     known = results.parameters()
     shown = [f"velocity@{line}" for line in lines.fitting(known)]
     slip = ["cage.slip.mean"] if lines.may_slip(known) else []
     moved = [name for name in map(str, table) if name.startswith("error.")]
-    wanted = (*shown, *slip, *(f"{line}-healthy" for line in shown), *STATISTICS, *moved, *PROOF)
+    banded = [name for name in map(str, table) if of_band(name) is not None]
+    wanted = (*shown, *slip, *(f"{line}-healthy" for line in shown), *banded, *STATISTICS, *moved, *PROOF)
     told = [name for name in wanted if name in table and table[name].notna().any()]
     return [name for name in told if name != "chaotic" or (table[name] > 0.0).any()]
 

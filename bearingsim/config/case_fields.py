@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 from pydantic import BeforeValidator, Field
 
 from bearingsim import catalogue
-from bearingsim.config.channels import channel, channel_schema
+from bearingsim.config.channels import channel, channel_schema, feature, feature_schema
 from bearingsim.config.fields import (
     OR_NONE,
     Accuracy,
@@ -45,6 +45,9 @@ else:
 MAX_PITS = 100
 """Each is compared with all others, and with chains of them that overlap: that many in half a second."""
 
+MOST_BANDS = 100
+"""Features of bands that a case may name: each is a transform of the record."""
+
 OLD_WORDS = {"prove": "step_check"}
 """Keys of a case that have been replaced, and the words that stand for them now. Old ones are still read."""
 
@@ -83,8 +86,8 @@ class CaseFields(Section):
     the roller. With `step_check` the step, automatic or given, is tried on the run's beginning before it is
     trusted; `strict` tries all of the run, and refuses a chaotic record that is too short for its RMS. With
     `periodic` a motion that repeats itself is computed until it does, and its record made of that; without, all of
-    it is computed. A record `until` a share ends when the standard errors of line and RMS are under it, at the
-    latest after `duration`.
+    it is computed. ``features`` names those of bands, besides all others. A record `until` a share ends when the
+    standard errors of line and RMS are under it, at the latest after `duration`.
     """
 
     bearing: Annotated[Bearing, named("bearings")]
@@ -120,6 +123,9 @@ class CaseFields(Section):
     sampling: Frequency = 10240.0
     antialias: Switch = True
     record: tuple[Annotated[str, Written(channel, channel_schema)], ...] = ("ring.velocity",)
+    features: Annotated[
+        tuple[Annotated[str, Written(feature, feature_schema)], ...], Field(max_length=MOST_BANDS)
+    ] = ()
 
     @property
     def checks_step(self) -> bool:

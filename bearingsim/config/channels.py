@@ -1,10 +1,11 @@
-"""What a name in `record:` asks for."""
+"""What a name in `record:` or `features:` asks for."""
 
 import re
 from typing import Any
 
-from bearingsim.config.fields import Schema, or_words, raise_unknown_word
-from bearingsim.config.names import CHANNELS, LINE_LOADS, ROLLER
+from bearingsim.config import bands
+from bearingsim.config.fields import Schema, or_words, raise_unknown_word, refuse
+from bearingsim.config.names import CHANNELS, FEATURES, LINE_LOADS, ROLLER, of_band
 
 _OF_ROLLER = re.compile(r"roller\.(?:([1-9]\d?)\.)?([a-z_]+)(?:\.([1-9]\d?))?", re.ASCII)
 
@@ -46,4 +47,23 @@ def channel(given: Any) -> Any:
     """Validator of a name in `record`."""
     if not isinstance(given, str) or given not in CHANNELS:
         raise_unknown_word(given, tuple(CHANNELS))
+    return given
+
+
+def feature_schema(own: Schema) -> Schema:
+    """Schema of a name in `features`."""
+    return own | {"pattern": bands.PATTERN}
+
+
+def feature(given: Any) -> Any:
+    """Validator of a name in `features`: of a band, for all others are computed anyway."""
+    if isinstance(given, str) and given in FEATURES and of_band(given) is None:
+        refuse(
+            "feature", f"`{given}` is computed of every case", f"name features of bands, such as {bands.EXAMPLES}"
+        )
+    found = of_band(given) if isinstance(given, str) else None
+    if found is None:
+        refuse("feature", f"no feature `{given}`", f"name a band, as in {bands.EXAMPLES}")
+    if found.healthy:
+        refuse("feature", f"`{given}` follows from `{given.removesuffix('-healthy')}`", "name that")
     return given

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from bearingsim import catalogue, extensions
+from bearingsim.config import bands
 
 
 class Channel(NamedTuple):
@@ -150,6 +151,10 @@ def roller_of(channel: str) -> tuple[int, str] | None:
     return (int(number), quantity) if number.isdigit() else (1, rest)
 
 
+QUANTITIES = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
+"""Units of what is sensed, by name."""
+
+
 def _line_features(quantity: str, unit: str) -> dict[str, Feature]:
     found = {}
     for line, made_of in LINES.items():
@@ -194,7 +199,7 @@ def _errors() -> dict[str, Feature]:
 
 def _features() -> dict[str, Feature]:
     found: dict[str, Feature] = {}
-    for quantity, unit in {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}.items():
+    for quantity, unit in QUANTITIES.items():
         found |= _line_features(quantity, unit) | _statistics(quantity, unit)
     return found | {
         "outer_force.max": Feature("N", "largest force of a roller on the outer race"),
@@ -218,5 +223,30 @@ def _features() -> dict[str, Feature]:
 _OWN = _features()
 NO_VALUE = "no_value."
 """Before the name of an extension's feature: the fact that says why a job has no number for it."""
-FEATURES: dict[str, Feature] = _OWN | _of_extensions(_OWN)
+
+
+def of_band(name: str) -> bands.BandFeature | None:
+    """Return what the name of a band's RMS or of an envelope's line stands for; None of another name."""
+    found = bands.read(name)
+    return None if found is None or (found.line and found.line not in LINES) else found
+
+
+class _Features(dict[str, Feature]):
+    """Features by name; one of a band is made when it is asked for."""
+
+    def __missing__(self, name: str) -> Feature:
+        found = of_band(name)
+        if found is None:
+            raise KeyError(name)
+        unit, text = QUANTITIES[found.quantity], f"RMS {found.quantity}"
+        if found.line:
+            unit, text = "m^2/s^4", f"squared envelope at {found.line}"
+        where = f", {found.band.text}" if found.band else ""
+        return Feature(unit, f"{text}{where}{', change against healthy' if found.healthy else ''}")
+
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(name) or of_band(str(name)) is not None
+
+
+FEATURES: Mapping[str, Feature] = _Features(_OWN | _of_extensions(_OWN))
 """Columns of the results table that are computed, along the sensor's direction."""

@@ -1,9 +1,10 @@
 """What all cases of a figure have in common, for the line below it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
+from bearingsim.config.bands import FLAT
 from bearingsim.plots import labels, select
 
 if TYPE_CHECKING:
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-__all__ = ["fixed_values", "moved_along", "varying"]
+__all__ = ["band_of_record", "fixed_values", "moved_along", "varying"]
 
 CAPTION_FIELDS = (  # parameters worth saying, in order, with the word that introduces the value
     ("bearing.name", ""),
@@ -63,6 +64,8 @@ SMALL = {
 
 
 MOST_WORDS = 4
+STATISTICS = {"rms": "RMS", "peak": "peak", "crest": "crest factor", "kurtosis": "kurtosis"}
+"""Of a record, whose band ends with its sampling."""
 
 
 def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
@@ -75,6 +78,19 @@ def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> l
     units = SMALL | dict(results.plan["units"])
     said = [*_defects(known, drawn, units), *_machine(known, drawn, units)]
     return [*said, "quick grid"] if results.plan["quick"] else said
+
+
+def band_of_record(results: "Results", rows: "pd.DataFrame", features: Sequence[str]) -> list[str]:
+    """`RMS and peak of 0 to 4.1 kHz`: the band of the statistics that a figure draws, where all rows have one."""
+    drawn = [word for word in STATISTICS if any(name.endswith(f".{word}") for name in features)]
+    known = results.parameters()
+    known = known.loc[known.index.intersection(list(rows["job"]))]
+    sampling, filtered = (_single(known, name) for name in ("sampling", "antialias"))
+    if not drawn or not isinstance(sampling, float):
+        return []
+    if filtered != "true":
+        return [f"{' and '.join(STATISTICS[word] for word in drawn)} of raw samples"]
+    return [f"{' and '.join(STATISTICS[word] for word in drawn)} of 0 to {FLAT * sampling / 1e3:.2g} kHz"]
 
 
 def moved_along(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:

@@ -92,7 +92,7 @@ def _panel(
         found = list(curve.rows[name] * factor)
         look: CurveStyle = curve.look._replace(line="")
         ax.plot(found, places, **look.keywords())
-        mark_chaotic(ax, found, places, curve.rows)
+        mark_chaotic(ax, found, places, curve.rows, name)
         if len(curves) == 1:
             _numbers(ax, found, places, is_log)
         _mark_lost(ax, places, list(curve.rows["status"]))

@@ -168,7 +168,7 @@ def _panel(
         x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)
         ax.plot(x, y, **curve.look.keywords() | POINTS)
         _mark_trend(ax, curve, trend(x, y))
-        mark_chaotic(ax, x, y, curve.rows)
+        mark_chaotic(ax, x, y, curve.rows, name)
         mark_lost(ax, x, curve.rows["status"])
     x_axis(ax, figure, rows, units)
     y_axis(ax, name, figure)

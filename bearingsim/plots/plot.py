@@ -152,7 +152,7 @@ def _shows_design(results: "Results", x: str | None, changes: Mapping[str, Any])
 def _of_design(results: "Results", changes: Mapping[str, Any]) -> list[tuple[str, "Canvas"]]:
     """A figure for each feature, with a panel for each parameter of the design that varies."""
     from bearingsim.plots import design, select
-    from bearingsim.plots.caption import fixed_values, varying
+    from bearingsim.plots.caption import band_of_record, fixed_values, varying
     from bearingsim.study import Figure
 
     rows, units, every = select.case_rows(results), results.plan["units"], select.design_paths(results)
@@ -169,6 +169,7 @@ def _of_design(results: "Results", changes: Mapping[str, Any]) -> list[tuple[str
         figure, part = select.completed(wanted, rows, units, every)
         others = {path: unit for path, unit in units.items() if path not in paths}
         fixed = fixed_values(results, part, {*paths, *figure.by})
+        fixed += band_of_record(results, part, [name])
         caption = [*fixed, *varying(figure, part, others), *_design_said(results)]
         sheets.append((_name_of_design(name, changes), design.draw_paths(figure, paths, part, units, caption)))
     return sheets
@@ -183,11 +184,12 @@ def _design_said(results: "Results") -> list[str]:
 def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple[Canvas, Figure]":
     """The figure drawn, and as it was completed."""
     from bearingsim.plots import categories, design, select, sweep
-    from bearingsim.plots.caption import fixed_values, moved_along, varying
+    from bearingsim.plots.caption import band_of_record, fixed_values, moved_along, varying
 
     units, together = results.plan["units"], select.design_paths(results)
     figure, part = select.completed(wanted, rows, units, together)
     caption = fixed_values(results, part, {figure.x, *select.varied(part, [*figure.by, *figure.panels])})
+    caption += band_of_record(results, part, figure.y)
     if select.scattered(figure, part, together):
         caption += [*varying(figure, part, units), *_design_said(results)]
         return design.draw(figure, part, units, caption), figure

@@ -13,6 +13,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocato
 
 from bearingsim.plots import labels, select
 from bearingsim.plots.style import COLUMN_IN, CurveStyle, curve_styles
+from bearingsim.store import is_one_draw
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
@@ -158,7 +159,8 @@ def legend_entries(
     entries += [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in lost]
     marks = {model: MODEL_MARK | {"marker": mark} for model, mark in models_of(rows).items()}
     entries += [Line2D([], [], label=model, **mark) for model, mark in marks.items() if len(marks) > 1]
-    return entries + [Line2D([], [], **RING, label="chaotic: one draw of many")] * bool(is_chaotic(rows).any())
+    drawn = [is_one_draw(rows, name).any() for name in figure.y if name in rows]
+    return entries + [Line2D([], [], **RING, label="chaotic: one draw of many")] * any(drawn)
 
 
 def _entry(text: str, look: CurveStyle) -> Line2D:
@@ -180,7 +182,7 @@ def _panel(
         mark_spread(ax, x, curve, name, factor)
         mark_errors(ax, x, y, curve)
         mark_models(ax, x, y, curve.rows, models_of(rows))
-        mark_chaotic(ax, x, y, curve.rows)
+        mark_chaotic(ax, x, y, curve.rows, name)
         mark_lost(ax, x, curve.rows["status"])
     x_axis(ax, figure, rows, units)
     y_axis(ax, name, figure)
@@ -256,15 +258,10 @@ def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[flo
     return [a for a, _ in points], [b for _, b in points]
 
 
-def is_chaotic(rows: "pd.DataFrame") -> "pd.Series[bool]":
-    """Which jobs were seen to move chaotically."""
-    found = rows["chaotic"] if "chaotic" in rows else rows["status"].map(lambda _: math.nan)
-    return found == 1.0
-
-
-def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], rows: "pd.DataFrame") -> None:
-    """A ring around each point whose motion was chaotic."""
-    points = [(a, b) for a, b, is_so in zip(x, y, is_chaotic(rows), strict=True) if is_so and math.isfinite(a * b)]
+def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], rows: "pd.DataFrame", name: str) -> None:
+    """Draw a ring around each point of a feature that is one draw of many of a chaotic motion."""
+    draws = is_one_draw(rows, name)
+    points = [(a, b) for a, b, is_so in zip(x, y, draws, strict=True) if is_so and math.isfinite(a * b)]
     if points:
         ax.plot(*zip(*points, strict=True), **RING)
 

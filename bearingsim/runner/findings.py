@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
@@ -9,7 +10,7 @@ from bearingsim.config.names import NO_VALUE
 from bearingsim.config.rules import damping
 from bearingsim.runner.promises import held, promises
 from bearingsim.runner.summary import chaos, repetitions, step_errors
-from bearingsim.runner.unknowns import examined
+from bearingsim.runner.unknowns import assumed, moved
 from bearingsim.study.uncertainty import NO_SLIP, RIGID, sweeps_damping
 
 if TYPE_CHECKING:
@@ -38,16 +39,24 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     own = frame.loc[[entry["job"] for entry in plan["jobs"] if not entry["variation"]]]
     info = store.info(own)
     of_damping = list(damping.of_jobs(info))
-    warned = [text for text in of_damping if text.startswith(damping.WARNING)]
+    warned = [text for text in (*of_damping, *_said(plan)) if text.startswith(damping.WARNING)]
+    drawn = list(dict.fromkeys(name for figure in plan["figures"] for name in figure["y"]))
+    within = plan["accuracy"]["within"] if plan.get("accuracy") else inf
+    flagged = chaos(own, drawn, min(store.NOTABLE, within / 2.0))
     return Findings(
-        held=tuple(held(plan, frame) if plan.get("accuracy") else _step_errors(own)),
-        warnings=(*warned, *chaos(own), *step_errors(own), *without_value(info)),
+        held=(*(held(plan, frame) if plan.get("accuracy") else _step_errors(own)), *moved(plan, frame)),
+        warnings=(
+            *warned,
+            *flagged,
+            *step_errors(own),
+            *without_value(info),
+        ),
         assumed=tuple(_assumed(plan, own)),
         details=(
             *promises(plan, frame),
             *repetitions(info),
             *(text for text in of_damping if text not in warned),
-            *examined(plan, frame),
+            *(text for text in assumed(plan, frame) if text not in warned),
         ),
     )
 

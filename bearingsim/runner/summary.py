@@ -1,14 +1,14 @@
 """What a run comes to: counts, time, and failures grouped by reason."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearingsim.store import Failure
+from bearingsim.store import NOTABLE, Failure, is_one_draw
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,11 +40,21 @@ def grouped(failures: Iterable[Failure]) -> tuple[FailureGroup, ...]:
     return tuple(sorted(found, key=lambda group: -len(group.jobs)))
 
 
-def chaos(frame: "pd.DataFrame") -> Iterator[str]:
-    """What is to be known of the jobs whose motion is chaotic; ``frame``: of ``store.build_table``."""
+LINE_AND_RMS = ("velocity@BPFO", "velocity.rms")
+
+
+def chaos(frame: "pd.DataFrame", drawn: Sequence[str] = (), notable: float = NOTABLE) -> Iterator[str]:
+    """What is to be known of the jobs of which a result is one draw of many; ``frame``: of ``store.build_table``.
+
+    drawn: features that are looked at; notable: part of them, a standard error of which is told.
+    """
     if "features/rms_scatter" not in frame:
         return
-    scatter = frame["features/rms_scatter"][frame["features/chaotic"] == 1.0]
+    import pandas as pd
+
+    features = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
+    draws = pd.DataFrame({name: is_one_draw(features, name, notable) for name in drawn or LINE_AND_RMS})
+    scatter = frame["features/rms_scatter"][draws.any(axis=1)]
     if len(scatter) == 0:
         return
     known, several = scatter[scatter < inf], len(scatter) > 1

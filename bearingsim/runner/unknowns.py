@@ -10,13 +10,13 @@ from bearingsim.study.uncertainty import UNKNOWNS, by_kind, sweeps_damping, unex
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["examined"]
+__all__ = ["assumed", "moved"]
 
 BRIEFLY = {"": "the line", ".rms": "the RMS", ".force": "the largest force"}
 
 
-def examined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """How far the unknown moves the results of some jobs; of damping, if it was not tried, what that would take.
+def moved(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
+    """How far what was tried of the unknown moves the results of some jobs.
 
     plan: of ``store.read_plan``; frame: of ``store.build_table``.
     """
@@ -26,11 +26,16 @@ def examined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
         columns = {text: f"error.{what}{ending}" for ending, text in BRIEFLY.items()}
         known = {text: found[name].dropna() for text, name in columns.items() if name in found}
         yield from _lacking(plan, frame, what)
-        moved = ", ".join(f"{text} by {_percent(column.max())}" for text, column in known.items())
-        if moved:
+        how_far = ", ".join(f"{text} by {_percent(column.max())}" for text, column in known.items())
+        if how_far:
             jobs = max(len(column) for column in known.values())
             most = f" (at most, of {jobs} jobs)" if jobs > 1 else ""
-            yield f"{UNKNOWNS[what].tried_text(what, tried)} moves {moved}{most}{_chaotic(plan, frame, what)}"
+            yield f"{UNKNOWNS[what].tried_text(what, tried)} moves {how_far}{most}{_chaotic(plan, frame, what)}"
+
+
+def assumed(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
+    """What was assumed of all jobs; of damping, if nothing was tried, what that would take."""
+    values = {one["what"] for one in plan["variations"]}
     if "damping" not in values and not plan["nothing_uncertain"] and not sweeps_damping(plan["units"]):
         yield from _unexamined(plan, frame)
     yield from plan.get("assumptions", ())

@@ -69,3 +69,19 @@ def envelope_spectrum(
     ``squared_envelope``.
     """
     return spectrum(squared_envelope(series, fs, band or (0.0, FLAT * fs)), fs)
+
+
+def band_rms(series: np.ndarray, fs: float, band: tuple[float, float]) -> float:
+    """RMS of a series (n,) sampled at ``fs`` (Hz), of what lies in ``band`` (Hz, ends included), without its mean.
+
+    Of the power spectrum under Hann's window, 1.5 fs/n wide: a line so near to an end of the band counts in part.
+    ValueError for a band that is empty or not within 0 to fs/2.
+    """
+    low, high = band
+    if not 0.0 <= low < high <= fs / 2.0:
+        raise ValueError(f"a band from {low:g} to {high:g} Hz is not within 0 to {fs / 2.0:g} Hz")
+    weight = hann(len(series))
+    lines = np.fft.rfft((series - np.average(series, weights=weight)) * weight)
+    frequencies = np.fft.rfftfreq(len(series), 1.0 / fs)
+    power = np.abs(lines[(frequencies >= low) & (frequencies <= high)]) ** 2
+    return float(np.sqrt(2.0 * power.sum() / (len(series) * np.sum(weight**2))))

@@ -19,6 +19,7 @@ FLOAT = 8  # bytes
 SENSED = 6  # rows along the sensor that are filtered for statistics
 PASSES_CHECKED = 2.0 / (1.0 + sqrt(5.0))  # in a step check that takes the steps of one pass: coarse ones and fine
 STEADY, TURNING, STATISTICS = 6.0, 16.0, 3.0  # values for each fine sample while lines, and statistics, are read
+BANDED = 14.0  # values for each fine sample of the record while features of bands are read
 PILOT = 3.0  # rows of a pilot's, as they are, filtered, and with filters' reach
 COMPARED = 6.0  # values for each fine sample that are kept of a pilot
 WRITTEN = 3.0  # values for each sample of a series: filtered, of one precision and of the other
@@ -116,7 +117,8 @@ def memory(case: Case, of: Size) -> float:
     passes = of.rows * (of.steps + 2 * DECIMATION_REACH * of.steps / of.fine)
     picked = 0.0 if case.antialias else of.rows * of.samples
     run = of.rows * (of.computed * of.fine + lead) + picked
-    run += max(per_sample * of.read, (of.asked + WRITTEN * of.columns + 2.0) * of.samples)
+    banded = BANDED * of.whole if case.features else 0.0
+    run += max(per_sample * of.read, banded, (of.asked + WRITTEN * of.columns + 2.0) * of.samples)
     pilot = PASSES_CHECKED * of.checked / 2.0 * of.fine
     check = (PILOT * of.rows + COMPARED) * pilot + 2.0 * passes
     return FLOAT * (max(run, check) + passes) + min(MOST_HELD, FLOAT * held * passes) + SMALL

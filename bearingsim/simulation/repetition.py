@@ -23,7 +23,7 @@ CONSTANT = frozenset(
     {
         *("bearing", "rig", "speed", "load", "load_across", "gravity", "clearance", "contact", "friction", "drag"),
         *("shaft", "misalignment", "step", "tolerance", "step_check", "duration", "settle", "start_angle", "seed"),
-        *("sampling", "antialias", "record", "until"),
+        *("sampling", "antialias", "features", "record", "until"),
     }
 )
 """Fields of a case that bring nothing into its motion which one ball pass has and the next has not."""

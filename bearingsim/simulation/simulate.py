@@ -15,6 +15,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.sampling import INTERPOLATION_REACH, interpolate, interpolation_kernel, sampling_kernel
 from bearingsim.errors import Refused
 from bearingsim.simulation import accuracy, channels, choice, record_windows, step_check, time_grid, trial
+from bearingsim.simulation.bands import band_features
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE
 from bearingsim.simulation.features import features
 from bearingsim.simulation.integration import (
@@ -175,7 +176,8 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
     sampled = _sampled(case, setup.cut, raw, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
     series = channels.series(case, setup.model, sampled, raw.places[rows], case.settle + instants)
-    own = features(case, setup.model, setup.cut, raw) | _check_features(checks_step, _kept(setup, raw))
+    own = features(case, setup.model, setup.cut, raw) | band_features(case, setup.model, setup.cut, raw)
+    own |= _check_features(checks_step, _kept(setup, raw))
     others, reasons = of_extensions(case, instants, series)
     refuse_undeclared(own | others)
     return Record(

@@ -6,6 +6,7 @@ from math import ceil, floor
 from bearingsim import assemble, memory
 from bearingsim.assemble.scales import MIN_STEPS_PER_CROSSING, at_full_speed
 from bearingsim.config import Case
+from bearingsim.config.names import of_band
 from bearingsim.core.sampling import DECIMATION_REACH, INTERPOLATION_REACH, RESAMPLE_REACH
 from bearingsim.errors import Refused
 from bearingsim.memory import PROGRAM
@@ -19,6 +20,7 @@ from bearingsim.simulation.record_cost import Size
 
 SAFETY = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
 FINE_PER_SAMPLE, MIN_FINE = 4, 64
+LET_THROUGH = 0.15  # of the fine rate: up to there fine samples are as computed (core/sampling.py)
 MAX_STEPS = 10_000_000  # in a ball pass, whose recording is held in memory: 640 MB
 MAX_CPU = 12 * 3600.0  # s: a job of more is refused, unless it gives its own step
 
@@ -95,6 +97,12 @@ def samples(case: Case) -> int:
     return floor(case.duration * case.sampling + 1e-6)
 
 
+def highest(case: Case) -> float:
+    """The upper end (Hz) of the highest band that a case names; 0 of one that names none."""
+    asked = (of_band(name) for name in case.features)
+    return max((feature.band.high for feature in asked if feature and feature.band), default=0.0)
+
+
 def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
     """Cut the case in time: the wanted step, shortened until a ball pass holds a whole number of fine samples.
 
@@ -107,7 +115,7 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
     named, case = case.method != "auto", resolved(case)
     other = ", or say `method: auto`" if named else ""
     rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
-    fine = max(MIN_FINE, ceil(FINE_PER_SAMPLE * case.sampling / rate))
+    fine = max(MIN_FINE, ceil(max(FINE_PER_SAMPLE * case.sampling, highest(case) / LET_THROUGH) / rate))
     decimation = max(1, ceil(1.0 / (rate * fine * part * requested_step(case)) * (1.0 - 1e-12)))
     if fine * decimation > MAX_STEPS:
         raise Refused(

@@ -12,9 +12,11 @@ from math import ceil, floor, pi
 
 import numpy as np
 
+from bearingsim import signals
 from bearingsim.config import Case
-from bearingsim.config.names import LINES, Line
+from bearingsim.config.names import LINES, Line, of_band
 from bearingsim.simulation import features, record_windows
+from bearingsim.simulation.bands import band_of
 from bearingsim.simulation.comparison import FORCE, low_passed
 from bearingsim.simulation.features import SampleAngles
 from bearingsim.simulation.integration import Setup
@@ -92,7 +94,17 @@ def of_passes(setup: Setup, raw: RawRecord, asked: Sequence[str], passes: int, t
     lines, powers = {}, {}
     for name in asked:
         quantity, _, line = name.partition("@")
-        if line:
+        banded = of_band(name)
+        if banded is not None:
+            series = features.along_sensor(case, fine, banded.quantity)
+            band = band_of(case, banded)
+            if banded.line:
+                envelope = signals.squared_envelope(series, cut.fine_rate, band)
+                lines[name] = amplitudes(envelope, angles_near(case, turning, banded.line, spans[-1]), spans)
+            else:
+                parts = [signals.band_rms(series[span], cut.fine_rate, band) for span in spans]
+                powers[name] = np.square(parts)
+        elif line:
             series = features.along_sensor(case, fine, quantity)
             lines[name] = amplitudes(series, angles_near(case, turning, line, spans[-1]), spans)
         elif name.endswith(".rms"):

@@ -35,7 +35,7 @@ from bearingsim.store.prune import Superfluous, prune, superfluous
 from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs, results_folder
 from bearingsim.store.scans import keep_scans, kept_scans, with_short_paths
 from bearingsim.store.sealed import UNREADABLE
-from bearingsim.store.spread import errors, spread
+from bearingsim.store.spread import NOTABLE, errors, is_one_draw, spread
 from bearingsim.store.table import build_table, info, job_frame, own_frame, plan_of, read_plan, write_plan
 from bearingsim.store.trials import (
     DamagedChoices,
@@ -61,6 +61,7 @@ from bearingsim.store.units import (
 )
 
 __all__ = [
+    "NOTABLE",
     "UNREADABLE",
     "DamagedChoices",
     "DamagedUnit",
@@ -92,6 +93,7 @@ __all__ = [
     "holdings",
     "in_use",
     "info",
+    "is_one_draw",
     "job_frame",
     "jobs_named",
     "keep_scans",

@@ -86,8 +86,10 @@ def feature_attributes(name: str) -> dict[str, str]:
     """``units`` and ``long_name`` of a feature; none for one that is not in the list of features."""
     from bearingsim.config import FEATURES
 
-    feature = FEATURES.get(name)
-    return {} if feature is None else {"units": feature.unit or "1", "long_name": feature.long_name}
+    if name not in FEATURES:
+        return {}
+    feature = FEATURES[name]
+    return {"units": feature.unit or "1", "long_name": feature.long_name}
 
 
 def in_feature_order(names: Iterable[str]) -> list[str]:

@@ -72,7 +72,8 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
     told = plan["accuracy"]["jobs"]
     model = pd.Series({job: told[job]["error"].get(feature, 0.0) for job in told}).reindex(frame.index)
     relative = frame.get(
-        f"features/step_error.{STEP_OF.get(feature.rpartition('.')[2], 'line')}", pd.Series(0.0, frame.index)
+        f"features/step_error.{STEP_OF.get(feature.partition('@')[0].rpartition('.')[2], 'line')}",
+        pd.Series(0.0, frame.index),
     )
     step = relative.fillna(0.0) * frame[f"features/{plain}"].abs() / size
     scatter = standard_error(frame, plain).where(~scatters_unknown(frame, plain), inf) / size

@@ -11,7 +11,10 @@ from bearingsim.config.names import ERRORS, FAULT_LINES
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["errors", "spread"]
+__all__ = ["NOTABLE", "errors", "is_one_draw", "spread"]
+
+NOTABLE = 0.005
+"""Of a value: a standard error beyond which a result of a chaotic motion is one draw of many."""
 
 STANDARD_DEVIATIONS = 2.5  # that `rms_scatter` stands for, or more: it counts how few passes tell
 
@@ -60,9 +63,26 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     found = pd.Series(0.0, frame.index)
     if f"features/{feature}-scatter" in frame:
         found = frame[f"features/{feature}-scatter"]
-    elif feature.endswith(".rms") and "features/rms_scatter" in frame:
+    elif ".rms" in feature and "features/rms_scatter" in frame:
         found = frame["features/rms_scatter"] / STANDARD_DEVIATIONS * frame[f"features/{feature}"]
     return found.replace(np.inf, np.nan).where(_chaotic(frame), 0.0)
+
+
+def is_one_draw(table: "pd.DataFrame", feature: str, notable: float = NOTABLE) -> "pd.Series[bool]":
+    """Where a feature of a table is one draw of many: the motion is chaotic, its standard error over ``notable``.
+
+    ``notable``: part of the value. Of a line without a standard error any chaotic motion counts; what is neither
+    line nor RMS is judged by the RMS of the velocity.
+    """
+    frame = table.add_prefix("features/")
+    plain = feature.removesuffix("-healthy.phase").removesuffix(".phase").removesuffix("-healthy")
+    is_line = "@" in plain and ".rms@" not in plain
+    if is_line and f"features/{plain}-scatter" not in frame:
+        return _chaotic(frame)
+    judged = plain if is_line else "velocity.rms"
+    if f"features/{judged}" not in frame:
+        return _chaotic(frame)
+    return _chaotic(frame) & ~(standard_error(frame, judged) <= notable * frame[f"features/{judged}"].abs())
 
 
 def scatters_unknown(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":

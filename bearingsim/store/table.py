@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bearingsim.config.names import of_band
 from bearingsim.errors import DamageWarning
 from bearingsim.store import regular
 from bearingsim.store.columns import GROUPS, TEXT, read_columns, write_columns, write_jobs
@@ -247,7 +248,10 @@ def _collect(root: Path, known: "pd.DataFrame | None", rows: Rows) -> "pd.DataFr
 
 
 def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
-    """``|A - A_healthy|`` of the complex amplitude of each line with a phase, NaN where there is no twin."""
+    """``|A - A_healthy|`` of the complex amplitude of each line with a phase, NaN where there is no twin.
+
+    Of a feature of a band, which has no phase, the difference itself.
+    """
     import pandas as pd
 
     lines = [name.removesuffix(".phase") for name in frame.columns if str(name).endswith(".phase")]
@@ -256,6 +260,10 @@ def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
         amplitude = frame[line] * np.exp(1j * frame[f"{line}.phase"])
         twin = amplitude.reindex(frame["healthy"]).to_numpy()
         differences[f"{line}-healthy"] = np.abs(amplitude.to_numpy() - twin)
+    for name in frame.columns:
+        if of_band(str(name).removeprefix("features/")) is not None:
+            twin = frame[name].reindex(frame["healthy"]).to_numpy()
+            differences[f"{name}-healthy"] = frame[name].to_numpy() - twin
     return pd.DataFrame(differences, index=frame.index)
 
 

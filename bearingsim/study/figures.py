@@ -1,9 +1,11 @@
 """The `figures:` section."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 
 from bearingsim.catalogue import MODELS
 from bearingsim.config import FEATURES
+from bearingsim.config.bands import EXAMPLES
+from bearingsim.config.names import of_band
 from bearingsim.config.vocabulary import sentence
 from bearingsim.study.jobs import Figure
 from bearingsim.text.units import suggestion
@@ -11,6 +13,8 @@ from bearingsim.text.yamlfile import MAX_TOLD, Node, Problem, problem
 
 DRAWN = (*FEATURES, "seconds")
 """Columns of the results table that can stand on a y axis: features, and the CPU time of a job."""
+
+HEALTHY = "-healthy"
 
 KNOWN_TO: dict[str, tuple[str, ...]] = {
     "cage": tuple(model.name for model in MODELS.values() if model.slips),
@@ -22,6 +26,32 @@ KNOWN_TO: dict[str, tuple[str, ...]] = {
 """Which models give the features that begin so; all others are every model's."""
 
 KEYS = ("y", "x", "by", "panels", "where", "title", "log")
+
+
+def with_features(root: Node) -> Node:
+    """The tree of a study with the features of bands that figures and `accuracy` name among its `features`."""
+    named, own = list(_named(root)), root.mapping.get("features")
+    known = {node.text for node in (own.items if own is not None else ())}
+    missing: dict[str, Node] = {}
+    for node in named:
+        name = node.text.removesuffix(HEALTHY)
+        if of_band(name) is not None and name not in known:
+            missing.setdefault(name, Node(name, node.mark))
+    if not missing or (own is not None and not isinstance(own.value, tuple)):
+        return root
+    first = next(iter(missing.values()))
+    items = (*(own.items if own is not None else ()), *missing.values())
+    features = Node(items, own.mark if own is not None else first.mark, own.key if own is not None else first.key)
+    return Node(root.mapping | {"features": features}, root.mark, root.key)
+
+
+def _named(root: Node) -> Iterator[Node]:
+    """What figures draw, and what an accuracy is asked of."""
+    figures, accuracy = root.mapping.get("figures"), root.mapping.get("accuracy")
+    entries = [figure.mapping.get("y") for figure in (figures.items if figures is not None else ())]
+    for entry in (*entries, accuracy.mapping.get("of") if accuracy is not None else None):
+        if entry is not None:
+            yield from entry.items or (entry,)
 
 
 def parse_figures(section: Node | None, swept: Collection[str], problems: list[Problem]) -> tuple[Figure, ...]:
@@ -91,7 +121,8 @@ def _check_keys(node: Node, problems: list[Problem]) -> None:
 def _check_words(key: str, node: Node, words: Collection[str], what: str, problems: list[Problem]) -> None:
     entry = node.mapping.get(key)
     for word in (entry.items or (entry,)) if entry else ():
-        _check_word(f"figures.{key}", word.text, word, words, what, problems)
+        if key != "y" or of_band(word.text) is None:
+            _check_word(f"figures.{key}", word.text, word, words, what, problems)
 
 
 def _check_word(
@@ -99,9 +130,14 @@ def _check_word(
 ) -> None:
     if word not in words:
         few = "known: " + ", ".join(words) if 0 < len(words) < 10 else None
-        hint = (sentence(word) or suggestion(word, words) or few) if len(problems) < MAX_TOLD else None
+        band = f"bands are named as in {EXAMPLES}" if words is DRAWN and _asks_for_band(word) else ""
+        hint = (sentence(word) or band or suggestion(word, words) or few) if len(problems) < MAX_TOLD else None
         mark = node.key if node.key and node.key.column and where in ("figures", "where") else node.mark
         problems.append(problem(mark, f"{where}: no {what} `{word}`", hint))
+
+
+def _asks_for_band(word: str) -> bool:
+    return word.startswith("envelope") or ".rms@" in word or word.endswith("Hz")
 
 
 def _texts(node: Node | None) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from bearingsim.catalogue import AUTO, REFERENCE
 from bearingsim.config import Case
-from bearingsim.config.names import LINES
+from bearingsim.config.names import LINES, of_band
 from bearingsim.config.rules import hierarchy
 from bearingsim.study.jobs import Figure
 from bearingsim.text.units import UnitError, parse, show, suggestion
@@ -46,6 +46,11 @@ class Goal:
     def text(self) -> str:
         """`2 % of velocity@BPFO`."""
         return f"{100.0 * self.within:.3g} % of {', '.join(self.of)}"
+
+
+def is_judged(name: str) -> bool:
+    """Tell whether an accuracy can be asked of a feature: one of ``KNOWN``, or one of a band."""
+    return name in KNOWN or of_band(name) is not None
 
 
 def parse_goal(section: Node | None, figures: Iterable[Figure], problems: list[Problem]) -> Goal | None:
@@ -86,7 +91,7 @@ def _features(node: Node | None, problems: list[Problem]) -> tuple[str, ...]:
     """What an accuracy is asked of."""
     items = () if node is None else node.items or (node,)
     for item in items:
-        if item.text not in KNOWN:
+        if not is_judged(item.text):
             known = "lines such as `velocity@BPFO`, an RMS such as `velocity.rms`, `outer_force.max`"
             message = f"accuracy.of: no accuracy can be held of `{item.text}`"
             problems.append(problem(item.mark, message, suggestion(item.text, KNOWN) or known))
@@ -95,7 +100,7 @@ def _features(node: Node | None, problems: list[Problem]) -> tuple[str, ...]:
 
 def _drawn(figures: Iterable[Figure]) -> tuple[str, ...]:
     """What figures draw, as far as an accuracy can be asked of it."""
-    return tuple(dict.fromkeys(name for figure in figures for name in figure.y if name in KNOWN))
+    return tuple(dict.fromkeys(name for figure in figures for name in figure.y if is_judged(name)))
 
 
 def check_goal(

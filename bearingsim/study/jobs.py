@@ -159,12 +159,14 @@ class Study:
     @cached_property
     def assumptions(self) -> tuple[str, ...]:
         """What is assumed because the study says nothing of it, and what it takes out of its range, in words."""
-        from bearingsim.study.ranges import beyond  # imports the core, which takes a second
+        from bearingsim.study.ranges import beyond, unheld  # imports the core, which takes a second
 
         drawn = [name for figure in self.figures for name in figure.y]
         slips = self.goal is None or any(speaks_of_slip(case) for case in self.cases())
         rigid = assumes_rigid_ring(self.cases(), drawn, self.uncertainty)
-        return (RIGID,) * rigid + (NO_SLIP,) * (not slips) + tuple(beyond(self.cases(), drawn))
+        cases = self.cases()
+        named = unheld(cases) if self.goal is None else ()
+        return (RIGID,) * rigid + (NO_SLIP,) * (not slips) + (*named, *beyond(cases, drawn))
 
     def variations(self) -> list[Variation]:
         """What is varied of the cases: of all by `uncertainty`; of a few if the study does not speak of it.

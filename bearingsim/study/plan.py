@@ -40,7 +40,7 @@ MAX_WRONG = 500
 """Cases that are wrong before no more are looked at: they take milliseconds each, and are mostly wrong alike."""
 MAX_PATHS = 100
 """Paths that a study sweeps: more than make sense, few enough to find what each should be."""
-_LIST_VALUED = ("defects", "record", "rig.load.angles", "rig.load.at")
+_LIST_VALUED = ("defects", "record", "features", "rig.load.angles", "rig.load.at")
 
 Swept = dict[str, float | str]
 

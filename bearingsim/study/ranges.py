@@ -2,10 +2,13 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache, partial
-from math import hypot, pi
+from math import ceil, floor, hypot, inf, log10, pi
 
 from bearingsim.config import Case
+from bearingsim.config.bands import FLAT
 from bearingsim.config.names import FAULT_LINES, LINES
+from bearingsim.config.rules import hierarchy
+from bearingsim.config.rules.damping import WARNING
 from bearingsim.config.sections.machine import Bearing
 from bearingsim.core.geometry import kinematics
 from bearingsim.core.laws import hertz
@@ -21,8 +24,15 @@ Range = tuple[Callable[[Case], float], Callable[[Case], str]]
 """How far a case goes, as a part of what is sensible, and what is said of it where that is over 1."""
 
 
+FEWEST_SAMPLES = 8.0
+"""Samples of the record while a roller crosses a pit: with fewer, its series and statistics show little of it."""
+OF_RECORD = (".rms", ".peak", ".crest", ".kurtosis")
+"""Endings of the features that are statistics of the record."""
+
+
 def beyond(cases: Sequence[Case], drawn: Sequence[str]) -> Iterator[str]:
     """A text for each range that some cases leave: how many, and the worst; drawn: the figures' features."""
+    of_record = any(name.removesuffix("-healthy").endswith(OF_RECORD) for name in drawn)
     lines = dict.fromkeys(name.partition("@")[2].partition("-healthy")[0].partition(".")[0] for name in drawn)
     sampled = partial(highest_line, drawn=[name for name in lines if name in LINES])
     ranges: tuple[Range, ...] = (
@@ -30,12 +40,28 @@ def beyond(cases: Sequence[Case], drawn: Sequence[str]) -> Iterator[str]:
         (lambda case: load(case) / static_rating(case), overloaded),
         (lambda case: top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR, fast),
         (lambda case: 2.0 * sampled(case)[0] / case.sampling, lambda case: unseen(case, *sampled(case))),
+        (lambda case: coarseness(case) if of_record or asks_for_series(case) else 0.0, coarse),
     )
     for reach, said in ranges:
         over = [(part, number) for number, part in enumerate(map(reach, cases)) if part > 1.0]
         if over:
             count = f"{len(over)} of {len(cases)} cases, at worst " if len(cases) > 1 else ""
-            yield f"warning: {count}{said(cases[max(over)[1]])}"
+            yield f"{WARNING}{count}{said(cases[max(over)[1]])}"
+
+
+def unheld(cases: Sequence[Case]) -> Iterator[str]:
+    """A text for each model and each thing that its cases ask for and it leaves out, with the worst reason."""
+    found: dict[tuple[str, str], list[str]] = {}
+    able: dict[tuple[str, str], str | None] = {}
+    for case in cases:
+        for need in hierarchy.unmet_wishes(case):
+            found.setdefault((case.model, need.what), []).append(need.why)
+            able.setdefault((case.model, need.what), hierarchy.least(case))
+    for (model, what), reasons in found.items():
+        count = f" in {len(reasons)} of {len(cases)} cases" if len(cases) > 1 else ""
+        better = able[model, what]
+        hint = f"; `model: {better}` has it" if better not in (None, model) else ""
+        yield f"{WARNING}`{model}`{count} leaves out {what}: {reasons[-1]}{hint}"
 
 
 # Contact pressure, static rating
@@ -139,6 +165,46 @@ def frequency(case: Case, name: str) -> float:
         + line.cage * kinematics.fundamental_train_frequency(speed, D_w, d_m)
         + line.shaft * speed / (2.0 * pi)
     )
+
+
+def asks_for_series(case: Case) -> bool:
+    """Whether a case records what it would not record unasked."""
+    return bool(set(case.record) - set(Case.model_fields["record"].default))
+
+
+def coarseness(case: Case) -> float:
+    """Part of FEWEST_SAMPLES that the quickest crossing of a pit lacks; 0 without pits, or with raw samples."""
+    crossing = shortest_crossing(case)
+    return FEWEST_SAMPLES / (crossing * case.sampling) if crossing < inf else 0.0
+
+
+def shortest_crossing(case: Case) -> float:
+    """The shortest time (s) in which a roller crosses the width of a pit; inf without pits."""
+    b, speed = case.bearing, top_speed(case)
+    cage = kinematics.cage_speed(speed, b.roller_diameter, b.pitch_diameter)
+    spin = 2.0 * pi * kinematics.ball_spin_frequency(speed, b.roller_diameter, b.pitch_diameter)
+    passing = {
+        "outer": cage * (b.pitch_diameter + b.roller_diameter) / 2.0,
+        "inner": (speed - cage) * (b.pitch_diameter - b.roller_diameter) / 2.0,
+        "roller": spin * b.roller_diameter / 2.0,
+    }
+    return min((d.width / passing[d.race] for d in case.defects if d.width is not None), default=inf)
+
+
+def coarse(case: Case) -> str:
+    """What is said of a pit that is crossed in few samples."""
+    crossing = shortest_crossing(case)
+    samples, wanted = crossing * case.sampling, FEWEST_SAMPLES / crossing
+    return (
+        f"a pit is crossed in {1e6 * crossing:.3g} us, {samples:.2g} samples: RMS, peak and series hold 0 to"
+        f" {FLAT * case.sampling / 1e3:.2g} kHz of it (`sampling: {show(_rounded(wanted), 'kHz')}` shows it)"
+    )
+
+
+def _rounded(hertz: float) -> float:
+    """A frequency (Hz) rounded up to two digits."""
+    unit = 10.0 ** (floor(log10(hertz)) - 1)
+    return ceil(hertz / unit) * unit
 
 
 def unseen(case: Case, hertz: float, name: str) -> str:

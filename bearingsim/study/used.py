@@ -26,6 +26,7 @@ INACTIVE: dict[str, Any] = {
     "prove": True,
     "periodic": True,
     "until": None,
+    "features": (),
     "bearing": {"element": "roller", "inner_groove_radius": None, "outer_groove_radius": None},
     "rig": {
         **dict.fromkeys(("torsion_stiffness", "torsion_damping", *MOUNT_FIELDS, "ring")),
@@ -98,7 +99,7 @@ def _text(name: str, value: Any, unused: tuple[str, ...]) -> str:
         return _text_of_section(name, value, unused)
     if name == "defects":
         return "[" + ",".join(_text_of_section(name, defect, unused) for defect in value) + "]"
-    return _text_of_plain(tuple(sorted(set(value))) if name == "record" else value)
+    return _text_of_plain(tuple(sorted(set(value))) if name in ("record", "features") else value)
 
 
 @lru_cache(maxsize=1 << 16, typed=True)

@@ -66,7 +66,7 @@ def registered(monkeypatch: pytest.MonkeyPatch, function: str) -> None:
 def declared(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let `mine` be among the declared features."""
     for module in ("simulation.other_features", "assemble.registered"):
-        monkeypatch.setattr(f"bearingsim.{module}.DECLARED", FEATURES | {"mine": FEATURES["velocity.rms"]})
+        monkeypatch.setattr(f"bearingsim.{module}.DECLARED", {**FEATURES, "mine": FEATURES["velocity.rms"]})
 
 
 def read() -> tuple[dict[str, float], dict[str, str]]:

@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from bearingsim.runner.promises import promises
+from bearingsim.runner.promises import held
 from bearingsim.store.nearness import audited, nearness, scales
 from bearingsim.study.uncertainty import RIGID
 
@@ -87,8 +87,8 @@ def test_a_chaotic_line_whose_scatter_nothing_tells_has_no_sum() -> None:
     assert found["error.scatter"].isna().tolist() == [True, False, False]
     assert found["error"].isna().tolist() == [True, False, False]
     assert found["error.model"].tolist() == [0.03] * 3
-    told = list(promises(asked, frame(columns)))
-    assert "2 of 3 cases hold it, against this ladder of models, not a rig" in told
+    told = list(held(asked, frame(columns)))
+    assert "accuracy of 5 %: 2 of 3 cases hold it, against the reference model" in told
     assert "of 1 chaotic cases the scatter of a line is not known, and so not whether they hold it" in told
 
 

@@ -13,7 +13,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 
 from bearingsim import store
 from bearingsim.plots.plot import drawn
-from bearingsim.runner.unknowns import examined
+from bearingsim.runner.unknowns import moved
 from bearingsim.store.spread import errors, spread, standard_error
 from bearingsim.store.table import job_frame
 from bearingsim.study import StudyError, case_id, json_schema, load_study
@@ -265,17 +265,18 @@ def test_what_is_said_of_damping_is_of_the_studys_own_jobs(ran: tuple[Path, str]
     """Not of what was tried beside them."""
     shown, _ = type_("show", ran[0] / "out")
     checked, _ = type_("check", ran[0] / "unsure.yaml")
-    for said in (ran[1], shown, checked):
+    again, _ = type_("-v", "run", ran[0] / "unsure.yaml", "--jobs", "1", "--out", ran[0] / "out")
+    for said in (again, shown, checked):
         assert "damping: c/k 2.5 us (plausible: 0.3 to 25 us)" in " ".join(said.split())
 
 
 def test_a_run_without_it_says_what_it_would_take(here: Path) -> None:
-    said, _ = type_("run", "small.yaml", "--jobs", "1")
+    said, _ = type_("-v", "run", "small.yaml", "--jobs", "1")
     told = " ".join(said.split())
     assert "damping not examined: `uncertainty: {damping: [0.5 us, 10 us]}` would, with 6 jobs more and" in told
     with Path("small.yaml").open("a") as file:
         file.write("uncertainty: none\n")
-    for command in (("check", "small.yaml"), ("run", "small.yaml", "--jobs", "1")):
+    for command in (("check", "small.yaml"), ("-v", "run", "small.yaml", "--jobs", "1")):
         assert "not examined" not in type_(*command)[0]
 
 
@@ -391,11 +392,11 @@ def test_the_line_is_that_of_what_carries_the_pit() -> None:
 def test_one_job_is_told_without_at_most() -> None:
     plan, frame = made_up(**CHAOTIC)
     plan |= {"jobs": [SimpleNamespace(job=name) for name in "abc"], "units": {}}
-    (told,) = examined(plan, frame)
-    moved = "damping of 1 to 10 us moves the line by 37 %, the RMS by 24 %, the largest force by 10 %"
-    assert told == f"{moved}; 1 of 2 variations moved chaotically: the standard error of line and RMS counts"
+    (told,) = moved(plan, frame)
+    said = "damping of 1 to 10 us moves the line by 37 %, the RMS by 24 %, the largest force by 10 %"
+    assert told == f"{said}; 1 of 2 variations moved chaotically: the standard error of line and RMS counts"
     frame["features/chaotic"] = 0.0
-    assert list(examined(plan, frame)) == [moved.replace("37", "30").replace("24", "15")]
+    assert list(moved(plan, frame)) == [said.replace("37", "30").replace("24", "15")]
 
 
 def test_a_value_with_which_no_case_could_be_is_refused(write: Write) -> None:

@@ -9,7 +9,7 @@ from matplotlib.collections import PolyCollection
 
 from bearingsim import store
 from bearingsim.plots.plot import drawn
-from bearingsim.runner.unknowns import examined
+from bearingsim.runner.unknowns import assumed
 from bearingsim.store.table import job_frame
 from bearingsim.study import case_id, load_study
 from bearingsim.study.uncertainty import RIGID, SUPPORTS, UNKNOWNS, Uncertain
@@ -172,7 +172,7 @@ def test_its_figure_has_a_band_from_the_least_to_the_largest(ran: tuple[Path, st
 )
 def test_a_rigid_ring_is_told_where_its_motion_is_read(write: Write, said: str, assumed: bool) -> None:
     text = BASE if not said.partition("sweep: {load")[1] else BASE.replace("load: 150 N\n", "")
-    assert load_study(write(f"{text}{said}\n")).assumptions == (RIGID,) * assumed
+    assert load_study(write(f"{text}{said}\n")).assumptions.count(RIGID) == assumed
 
 
 def test_check_says_it_once(write: Write) -> None:
@@ -190,6 +190,6 @@ def test_old_results_assume_nothing(ran: tuple[Path, str]) -> None:
     """Their plan does not speak of it."""
     plan = json.loads((ran[0] / "out" / "plan.json").read_text())
     frame = job_frame(ran[0] / "out")
-    assert RIGID in list(examined(plan | {"assumptions": [RIGID]}, frame))
+    assert RIGID in list(assumed(plan | {"assumptions": [RIGID]}, frame))
     del plan["assumptions"]
-    assert RIGID not in list(examined(plan, frame))
+    assert RIGID not in list(assumed(plan, frame))

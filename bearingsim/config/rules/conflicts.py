@@ -4,7 +4,9 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from bearingsim import catalogue
+from bearingsim.config.bands import FEWEST_PERIODS, HIGHEST
 from bearingsim.config.channels import plain, roller_number, slice_number
+from bearingsim.config.names import of_band
 from bearingsim.config.rules import hierarchy
 from bearingsim.config.rules.conflict import Conflict, Path
 from bearingsim.config.rules.flexible_ring import flexible_ring_conflicts
@@ -41,6 +43,7 @@ def conflicts(case: "CaseFields") -> Iterator[Conflict]:
     yield from _in_space(case)
     yield from flexible_ring_conflicts(case)
     yield from _record(case)
+    yield from _bands(case)
     yield from until_conflicts(case)
     yield from _sizes(case)
 
@@ -163,6 +166,24 @@ def _record(case: "CaseFields") -> Iterator[Conflict]:
         still = _still(name, case) if catalogue.MODELS[case.model].slips else None
         if still:
             yield Conflict("still", (at,), f"`{name}` stays zero: {still[0]}", still[1])
+
+
+def _bands(case: "CaseFields") -> Iterator[Conflict]:
+    for index, name in enumerate(case.features):
+        found = of_band(name)
+        if found is None or found.band is None:
+            continue
+        at: Path = ("features", index)
+        low, high = found.band
+        if not low < high:
+            yield Conflict("band", (at,), f"`{name}`: the band is empty", "give the lower frequency first")
+        elif high > HIGHEST:
+            message = f"`{name}`: the models know nothing over {show(HIGHEST, 'kHz')}"
+            yield Conflict("band", (at,), message, "end the band there")
+        elif 0.0 < low < FEWEST_PERIODS / case.duration:
+            needed = show(FEWEST_PERIODS / low, "s")
+            message = f"`{name}`: a record of {show(case.duration, 's')} does not resolve {low:g} Hz"
+            yield Conflict("band", (at, ("duration",)), message, f"take a `duration` of {needed} or more")
 
 
 def _slice_of(at: Path, name: str, case: "CaseFields") -> Iterator[Conflict]:

@@ -48,8 +48,12 @@ def sentences(jobs: Sequence[Damped]) -> Iterator[str]:
     heavy, light = [job for job in jobs if job.too_heavy], [job for job in jobs if job.too_light]
     if heavy:
         found = _range([1e6 * job.time for job in heavy])
+        bounds = [f"{high} us"] * any(job.time > SLACK * PLAUSIBLE[1] for job in heavy)
+        crossed = [1e6 * PART_OF_CROSSING * job.crossing for job in heavy if isfinite(job.crossing)]
+        if any(job.time > PART_OF_CROSSING * job.crossing for job in heavy):
+            bounds.append(f"{min(crossed):.3g} us, a tenth of the crossing")
         yield (
-            f"{WARNING}{_counted(heavy, jobs)}c/k of {found} us is over {high} us or a tenth of the crossing:"
+            f"{WARNING}{_counted(heavy, jobs)}c/k of {found} us is over {' and '.join(bounds)}:"
             " the roller cannot follow the pit; damping rules this result"
         )
     if light:

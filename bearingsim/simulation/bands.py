@@ -1,0 +1,63 @@
+"""Features of a band: an RMS, or a line of the acceleration's squared envelope, from fine samples.
+
+These are all that was computed, so that they do not depend on `sampling` and its low-pass; the fine rate is such
+that a band is let through as it is (``time_grid.grid``).
+"""
+
+from math import nan, pi
+from typing import Any
+
+import numpy as np
+
+from bearingsim import cpu_time, signals
+from bearingsim.config import Case
+from bearingsim.config.bands import FLAT, Band, BandFeature
+from bearingsim.config.names import LINES, of_band
+from bearingsim.simulation.channels import CAGE_ANGLE
+from bearingsim.simulation.features import ROW_OF, SampleAngles, sample_angles, sensed, slips
+from bearingsim.simulation.raw_record import RawRecord
+from bearingsim.simulation.record_windows import windows
+from bearingsim.simulation.time_grid import Grid
+
+
+def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
+    """The features that a case names, over the whole ball passes of its record; nan if it holds none."""
+    asked = {name: feature for name in case.features if (feature := of_band(name)) is not None}
+    of_record = windows(case, cut, raw, reach=0)
+    start, count = of_record.start, len(of_record.index) * of_record.M
+    if not asked or not count:
+        return dict.fromkeys(asked, nan)
+    series = {f.quantity: sensed(case, raw, f.quantity, start, count) for f in asked.values()}
+    angles = _angles(case, model, cut, raw, start, count)
+    found = {}
+    for name, feature in asked.items():
+        cpu_time.check()
+        of, band = series[feature.quantity], band_of(case, feature)
+        if feature.line:
+            found[name] = _envelope_line(case, feature, band, of, cut.fine_rate, angles)
+        else:
+            found[name] = signals.band_rms(of, cut.fine_rate, band)
+    return found
+
+
+def band_of(case: Case, feature: BandFeature) -> Band:
+    """The band of a feature: its own, or of an envelope without one what `sampling` shows."""
+    return feature.band or Band(0.0, FLAT * case.sampling)
+
+
+def _angles(case: Case, model: Any, cut: Grid, raw: RawRecord, start: int, count: int) -> SampleAngles:
+    slip = np.zeros(count)
+    if slips(case):
+        (slip,) = raw.read(start, count, np.array([ROW_OF[CAGE_ANGLE]]))
+    return sample_angles(model, cut, start, slip)
+
+
+def _envelope_line(
+    case: Case, feature: BandFeature, band: Band, series: np.ndarray, fs: float, angles: SampleAngles
+) -> float:
+    """Amplitude of a line of the squared envelope; nan of one that the band is too narrow to show."""
+    angle = angles.along(LINES[feature.line], case.bearing.rollers)
+    frequency = (angle[-1] - angle[0]) / (2.0 * pi * (len(angle) - 1)) * fs
+    if not 0.0 < frequency < band.high - band.low:
+        return nan
+    return float(abs(signals.line_at(signals.squared_envelope(series, fs, band), angle)))
