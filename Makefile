@@ -145,6 +145,14 @@ cpu-bounds: install-dev
 one-folder: install-dev
 	$(BIN)/python -m benchmarks.one_folder
 
+# lines of envelopes, RMS of a band at any sampling, contact forces: are they what they are called? Writes docs/data/bands.csv
+bands: install-dev
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.bands --csv docs/data/bands.csv
+
+# is a result flagged as one draw of many where it is not known to 0.5 %? Writes docs/data/flags.csv
+flags: install-dev
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.flags --csv docs/data/flags.csv
+
 bench-compare: install-dev
 	$(BIN)/python -m benchmarks.speed.compare
 

@@ -9,6 +9,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.cli.screen import console, print_table, significant, span
+from bearingsim.study.ranges import frequency, pressure
 from bearingsim.text.patience import ONCE, QUIET, Patience
 
 if TYPE_CHECKING:
@@ -33,7 +34,8 @@ class Priced:
     """A job with the method and the step (s) chosen for it, the limits of that step (s), and its price.
 
     friction_scale: the most that friction can do to the most loaded roller at rest (N), and the time (s) in which
-    it brings that roller to roll; nan and inf without friction.
+    it brings that roller to roll; nan and inf without friction. sinking: how deep (m) a roller sinks into a pit at
+    most, 0 without any.
     """
 
     job: "Job"
@@ -42,6 +44,7 @@ class Priced:
     limits: "Limits"
     estimate: "Estimate"
     friction_scale: tuple[float, float]
+    sinking: float
 
 
 @dataclass(frozen=True)
@@ -170,12 +173,15 @@ def ends(jobs: "Sequence[Job]") -> Iterator[int]:
 
 
 def _priced(job: "Job") -> Priced:
+    from bearingsim import assemble
+    from bearingsim.assemble.scales import largest_roller_drop
     from bearingsim.simulation import choice, time_grid
 
     case = job.case
     cut, limits = time_grid.grid(case), choice.limits(case)
     price, rubs = time_grid.estimate(case), friction_scale(case, limits.rest_load)
-    return Priced(job, choice.choice(case), cut.step, limits, price, rubs)
+    sinking = largest_roller_drop(assemble.model(case)) if case.defects else 0.0
+    return Priced(job, choice.choice(case), cut.step, limits, price, rubs, sinking)
 
 
 def friction_scale(case: "Case", force: float) -> tuple[float, float]:
@@ -225,17 +231,37 @@ def _grouped(refusals: Iterable[tuple["Job", str]], study: "Study") -> Iterable[
 Line = tuple[str, Callable[[Priced], float]]
 CHOSEN: Line = ("step chosen (us)", lambda p: math.inf if takes_own_steps(p) else 1e6 * p.step)
 RECORDED: Line = ("own steps, recorded every (us)", lambda p: 1e6 * p.step if takes_own_steps(p) else math.inf)
+
+
+def line_frequency(name: str, share: float = 1.0) -> Callable[[Priced], float]:
+    """What gives the frequency (Hz) of a line, or of a share of it, at a job's highest speed."""
+    return lambda p: share * frequency(p.job.case, name)
+
+
 LINES: tuple[Line, ...] = (
+    ("BPFO (Hz)", line_frequency("BPFO")),
+    ("BPFI (Hz)", line_frequency("BPFI")),
+    ("BSF (Hz)", line_frequency("2BSF", 0.5)),
+    ("FTF (Hz)", line_frequency("FTF")),
+    ("largest force at rest (N)", lambda p: p.limits.rest_load),
+    ("its pressure (GPa)", lambda p: 1e-9 * pressure(p.job.case)),
+)
+PITS: tuple[Line, ...] = (
+    ("impact force, about (N)", lambda p: p.limits.impact_force),
+    ("crossing of the pit (us)", lambda p: 1e6 * p.limits.crossing),
+    ("samples in a crossing", lambda p: p.limits.crossing * p.job.case.sampling),
+    ("a roller sinks by (um)", lambda p: 1e6 * p.sinking),
+)
+"""Said where there are pits."""
+LIMITS: tuple[Line, ...] = (
     ("step limit at rest (us)", lambda p: 1e6 * p.limits.at_rest),
     ("step limit at impact (us)", lambda p: 1e6 * p.limits.at_impact),
-    ("crossing of the pit (us)", lambda p: 1e6 * p.limits.crossing),
     ("contact frequency (kHz)", lambda p: 1e-3 * p.limits.contact_frequency),
     ("damping c/k at rest (us)", lambda p: 1e6 * p.limits.damping_time),
     ("damping ratio", lambda p: p.limits.damping_ratio),
-    ("largest force at rest (N)", lambda p: p.limits.rest_load),
     ("closing speed (mm/s)", lambda p: 1e3 * p.limits.closing_speed),
-    ("impact force, about (N)", lambda p: p.limits.impact_force),
 )
+"""What a method must keep to."""
 COST: Line = ("CPU time of a job (s)", lambda p: p.estimate.cpu_seconds)
 MEMORY: Line = ("memory of a job, at most (MB)", lambda p: 1e-6 * p.estimate.most_memory)
 PROOF: Line = ("of it to prove its step (s)", lambda p: p.estimate.check_seconds)
@@ -265,12 +291,19 @@ def show(plan: Plan, verbose: bool) -> None:
     out.print()
     drawn_only = " drawn" * (len(plan.everything) < len(plan.jobs))
     heads = ["", *groups]
-    rows = [[name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan)]
+    rows = [
+        [name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan, verbose)
+    ]
     print_table(heads, [[f"cases{drawn_only}", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
     if len(plan.everything) < len(plan.jobs):
         out.print(f"{len(plan.everything)} jobs were drawn and priced, and stand for all {len(plan.jobs)}")
-    for told in [*fewer(plan.costs, plan.asked_workers), *remarks(plan), *study.notes, *notes(study.cases())]:
+    for told in [
+        *fewer(plan.costs, plan.asked_workers),
+        *remarks(plan, verbose),
+        *study.notes,
+        *notes(study.cases()),
+    ]:
         out.print(told, markup=False)
     if verbose:
         _show_cases(plan)
@@ -287,13 +320,17 @@ def takes_own_steps(priced: Priced) -> bool:
     return method is not None and METHODS[method].adaptive
 
 
-def _lines(plan: Plan) -> tuple[Line, ...]:
-    """The lines of the table: those of friction, of the step check, of either kind of step where there is some."""
+def _lines(plan: Plan, verbose: bool) -> tuple[Line, ...]:
+    """The lines of the table: frequencies, forces, pits, the price; verbose: steps, their limits, friction."""
+    pits = PITS if any(one.job.case.defects for one in plan.everything) else ()
+    if not verbose:
+        return (*LINES, *pits, COST)
     rubs = any(math.isfinite(one.friction_scale[1]) for one in plan.everything)
     proves = any(one.job.case.checks_step for one in plan.everything)
     own = [takes_own_steps(one) for one in plan.everything]
     steps = (*((CHOSEN,) if not all(own) else ()), *((RECORDED,) if any(own) else ()))
-    return (*steps, *LINES, *(FRICTION if rubs else ()), COST, *((PROOF,) if proves else ()), MEMORY)
+    of_methods = (*steps, *LIMITS, *(FRICTION if rubs else ()))
+    return (*LINES, *pits, *of_methods, COST, *((PROOF,) if proves else ()), MEMORY)
 
 
 def _counts(plan: Plan) -> str:
@@ -322,7 +359,7 @@ def _show_cases(plan: Plan) -> None:
     from bearingsim.plots.labels import value_text
 
     units = plan.study.units
-    lines = _lines(plan)
+    lines = _lines(plan, verbose=True)
     heads = [*units, *(name for name, _ in lines)]
     rows = [
         [*(value_text(path, one.job.swept[path], units) for path in units), *(span([f(one)]) for _, f in lines)]

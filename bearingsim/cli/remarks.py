@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from bearingsim.cli.screen import span
+from bearingsim.config.rules.damping import WARNING
 
 if TYPE_CHECKING:
     from bearingsim.cli.plan import Plan, Priced
@@ -16,15 +17,31 @@ OPENS = 2.0  # times the force at rest: an impact by which contacts have opened
 SETTLED = 4.0  # such times after which what was at the start is forgotten, but for 2 %
 
 
-def remarks(plan: "Plan") -> Iterator[str]:
-    """All that is said, one text each."""
+def remarks(plan: "Plan", verbose: bool) -> Iterator[str]:
+    """What is said, one text each; verbose: also of methods, repetition and damping, and what varying it takes."""
     yield from choices(plan)
-    yield from methods(plan)
-    yield from repeating(plan)
-    yield from damping(plan)
+    if verbose:
+        yield from methods(plan)
+        yield from repeating(plan)
+    yield from (text for text in damping(plan) if verbose or text.startswith(WARNING))
+    yield from hanging(plan)
     yield from varied(plan)
+    if verbose:
+        yield from unvaried(plan)
     yield from plan.study.assumptions
     yield from creeping(plan)
+
+
+HANGS = 0.999  # of a pit's depth: what a roller sinks by that does not reach its floor
+
+
+def hanging(plan: "Plan") -> Iterator[str]:
+    """Whether rollers hang on the rims of all pits, so that depth and section do not count."""
+    damaged = [one for one in plan.cases if one.job.case.defects]
+    depths = [min(defect.depth for defect in one.job.case.defects) for one in damaged]
+    if damaged and all(one.sinking < HANGS * depth for one, depth in zip(damaged, depths, strict=True)):
+        reached, floors = (span(1e6 * d for d in part) for part in ([one.sinking for one in damaged], depths))
+        yield f"rollers hang on the rims, {reached} um into pits of {floors} um: depth and section do not count"
 
 
 def choices(plan: "Plan") -> list[str]:
@@ -96,9 +113,8 @@ def caveat(priced: "Priced") -> str:
 
 
 def varied(plan: "Plan") -> Iterator[str]:
-    """What the study varies of what is not known; what it would take to vary the damping, if it does not."""
-    from bearingsim.runner.progress import duration
-    from bearingsim.study.uncertainty import UNKNOWNS, acts, by_kind, sweeps_damping, unexamined
+    """What the study varies of what is not known."""
+    from bearingsim.study.uncertainty import UNKNOWNS, by_kind
 
     tried = by_kind((one.what, one.value) for one in plan.study.variations())
     for what, values in tried.items():
@@ -106,6 +122,14 @@ def varied(plan: "Plan") -> Iterator[str]:
         cases, *_ = plan.counted
         of = f"{len(jobs)} of {cases} cases" if len(jobs) < cases else "each case"
         yield f"`uncertainty`: {UNKNOWNS[what].tried_text(what, values)}, in {of}"
+
+
+def unvaried(plan: "Plan") -> Iterator[str]:
+    """What it would take to vary the damping, if the study does not."""
+    from bearingsim.runner.progress import duration
+    from bearingsim.study.uncertainty import acts, sweeps_damping, unexamined
+
+    tried = {one.what for one in plan.study.variations()}
     if "damping" not in tried and plan.study.uncertainty != () and not sweeps_damping(plan.study.units):
         damped = [one for one in plan.cases if acts("damping", one.job.case)]
         if damped:

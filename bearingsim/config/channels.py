@@ -28,6 +28,15 @@ def plain(channel: str) -> str:
     return f"roller.{found[2]}" if found else channel
 
 
+CONTACT_FORCES = ("outer_force", "inner_force", "cage_force", "flange_force", *LINE_LOADS)
+"""Of a roller: they begin and end within a sample, so that a low-pass would make tension of them."""
+
+
+def is_contact_force(channel: str) -> bool:
+    """Tell whether a channel is a force of a contact: it is recorded as it is at each instant."""
+    return plain(channel).removeprefix("roller.") in CONTACT_FORCES
+
+
 def line_load_of(channel: str) -> str | None:
     """The line load along a whole roller, with the roller's number, that a channel asks for; None for another."""
     found = _OF_ROLLER.fullmatch(channel)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from bearingsim.config import CHANNELS, dataset_names
+from bearingsim.config.channels import is_contact_force
 from bearingsim.config.names import LINE_LOADS, ROLLER, roller_of
 from bearingsim.plots.labels import PlotError
 from bearingsim.text.units import suggestion
@@ -22,6 +23,7 @@ __all__ = [
     "case_of",
     "channels_for",
     "is_of_slice",
+    "over_time",
     "recorded_as",
     "signals_of",
     "text_of",
@@ -133,6 +135,19 @@ def signals_of(job: Job, channel: str) -> Iterator[Signal]:
         return
     for name, values in zip(names, rows, strict=True):
         yield Signal(time, values, name.removeprefix(whole).removeprefix("."))
+
+
+def over_time(job: Job, channel: str, signal: Signal) -> np.ndarray:
+    """The signal's values (n,) as they are drawn over time: nothing rings before what causes it.
+
+    The record's low-pass has no delay, so that an impact rings before it. Contact forces, and records without a
+    low-pass, are drawn as they are.
+    """
+    if job.known["antialias"] != "true" or is_contact_force(channel):
+        return signal.values
+    from bearingsim import signals
+
+    return signals.causal(signal.values)
 
 
 def unit_of(channel: str) -> str:

@@ -14,12 +14,13 @@ from bearingsim.signals.lines import (
 from bearingsim.signals.moments import statistics
 from bearingsim.signals.passes import at_equal_angles
 from bearingsim.signals.picker import PickedLine, pick_from, pick_line
-from bearingsim.signals.spectra import band_rms, envelope_spectrum, hann, spectrum, squared_envelope
+from bearingsim.signals.spectra import band_rms, causal, envelope_spectrum, hann, spectrum, squared_envelope
 
 __all__ = [
     "PickedLine",
     "at_equal_angles",
     "band_rms",
+    "causal",
     "derivative_lines",
     "envelope_spectrum",
     "hann",

@@ -85,3 +85,42 @@ def band_rms(series: np.ndarray, fs: float, band: tuple[float, float]) -> float:
     frequencies = np.fft.rfftfreq(len(series), 1.0 / fs)
     power = np.abs(lines[(frequencies >= low) & (frequencies <= high)]) ** 2
     return float(np.sqrt(2.0 * power.sum() / (len(series) * np.sum(weight**2))))
+
+
+MIRRORED = 64
+"""Samples by which a series is continued at both ends while it is filtered."""
+PHASE_POINTS, PHASE_RATES = 1 << 14, 4
+"""Points at which a gain is looked at, up to half so many times the sampling."""
+STOPPED = 1e-4
+"""Gain over half of the sampling."""
+
+
+def causal(series: np.ndarray) -> np.ndarray:
+    """A series (..., n) through a causal low-pass, flat up to ``FLAT`` of its sampling and zero at half of it.
+
+    A low-pass without delay, such as that of a record, lets an impact ring before it happens; this one, of least
+    phase, turns it to what follows (its phase is the Hilbert transform of the gain's logarithm: Oppenheim and
+    Schafer, Discrete-Time Signal Processing, ch. 13). Both ends are continued by their mirror image, so that some
+    samples there are not true.
+    """
+    n = series.shape[-1]
+    reach = min(n - 1, MIRRORED)
+    wide = np.concatenate([series[..., reach:0:-1], series, series[..., -2 : -2 - reach : -1]], axis=-1)
+    frequencies = np.fft.rfftfreq(wide.shape[-1])
+    response = _gain(frequencies) * np.exp(1j * _least_phase(frequencies))
+    return np.fft.irfft(np.fft.rfft(wide) * response, wide.shape[-1])[..., reach : reach + n]
+
+
+def _gain(frequency: np.ndarray) -> np.ndarray:
+    """Gain of that low-pass; frequency: in parts of the sampling."""
+    falling = np.clip((frequency - FLAT) / (0.5 - FLAT), 0.0, 1.0)
+    return np.maximum(np.cos(0.5 * np.pi * falling) ** 2, STOPPED)
+
+
+def _least_phase(frequency: np.ndarray) -> np.ndarray:
+    """Phase (rad) of the causal filter of least phase with that gain."""
+    whole, half = np.fft.fftfreq(PHASE_POINTS, 1.0 / PHASE_RATES), PHASE_POINTS // 2
+    cepstrum = np.fft.ifft(np.log(_gain(np.abs(whole)))).real
+    cepstrum[1:half] *= 2.0
+    cepstrum[half + 1 :] = 0.0
+    return np.interp(frequency, whole[:half], np.fft.fft(cepstrum).imag[:half])

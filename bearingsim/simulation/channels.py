@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim.config import Case, dataset_names
+from bearingsim.config.channels import is_contact_force
 from bearingsim.config.names import roller_of
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import RING_MOTION
@@ -105,6 +106,12 @@ def asked(case: Case, places: np.ndarray) -> np.ndarray:
     names = [name for channel in case.record for name in dataset_names(channel)]
     found = [row_of[one] for name in names for one in places_of(case, name)]
     return np.array([*dict.fromkeys(found)], dtype=np.int64)
+
+
+def are_contact_forces(case: Case, places: np.ndarray) -> np.ndarray:
+    """Which of some places (R,) of the buffer hold contact forces that the case records: (R,) booleans."""
+    names = [name for channel in case.record if is_contact_force(channel) for name in dataset_names(channel)]
+    return np.isin(places, [one for name in names for one in places_of(case, name)])
 
 
 def series(

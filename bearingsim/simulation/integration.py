@@ -179,7 +179,7 @@ def integrate(
                 break
     _check_end(setup, began_at, y, passes)
     raw = kept.raw(Repetition(passes, period, difference), y, pace.cpu_s)
-    if period > 0 and not case.antialias:
+    if period > 0 and kept.picks:
         kept.pick_repeated(raw.repetition)
     if MODELS[case.model].memoryless:  # it was never at rest
         extend_back(case, raw)

@@ -18,7 +18,7 @@ class RawRecord:
 
     places: (C,) of the buffer, recorded; fine: (C, n) fine samples of them over the computed passes, number 0
     (t = 0) in column ``zero``, the first pass from column ``lead`` on, ``M`` to each pass; Z: rollers; picked:
-    (C, m) raw values at the record's instants, empty with the low-pass on; peaks: (passes, E) largest values of
+    (C, m) raw values at the record's instants, empty if none is asked for; peaks: (passes, E) largest values of
     ``EXTREMES`` in each computed pass; y: the buffer at the end.
     """
 

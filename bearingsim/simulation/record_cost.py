@@ -10,6 +10,7 @@ from typing import NamedTuple
 from bearingsim.assemble.scales import at_full_speed
 from bearingsim.catalogue import MODELS
 from bearingsim.config import CHANNELS, Case
+from bearingsim.config.channels import is_contact_force
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 from bearingsim.simulation import channels
 from bearingsim.simulation.prices import price
@@ -115,7 +116,8 @@ def memory(case: Case, of: Size) -> float:
     lead = RESAMPLE_REACH * of.whole / max(1, of.samples)
     held = 1 + LONGEST_PERIOD if may_repeat(case) else 1
     passes = of.rows * (of.steps + 2 * DECIMATION_REACH * of.steps / of.fine)
-    picked = 0.0 if case.antialias else of.rows * of.samples
+    raw = not case.antialias or any(map(is_contact_force, case.record))
+    picked = of.rows * of.samples if raw else 0.0
     run = of.rows * (of.computed * of.fine + lead) + picked
     banded = BANDED * of.whole if case.features else 0.0
     run += max(per_sample * of.read, banded, (of.asked + WRITTEN * of.columns + 2.0) * of.samples)

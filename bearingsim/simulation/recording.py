@@ -7,6 +7,7 @@ import numpy as np
 
 from bearingsim import assemble, cpu_time
 from bearingsim.config import Case
+from bearingsim.config.channels import is_contact_force
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import NoSamples, Samples
 from bearingsim.core.sampling import (
@@ -34,11 +35,12 @@ class Recording:
         self.taps = decimation_kernel(self.cut.decimation)
         self.fine = np.empty((len(self.places), self.lead + self.cut.passes * self.cut.fine_per_pass))
         self.fine[:, : self.lead] = y[self.places][:, np.newaxis]
-        self.picked = np.empty((len(self.places), 0 if self.case.antialias else samples(self.case)))
+        self.picks = picks(self.case)
+        self.picked = np.empty((len(self.places), samples(self.case) if self.picks else 0))
         self.picked[:, :1] = y[self.places][:, np.newaxis]  # at t = 0, should the record begin there
         self.peaks = np.empty((self.cut.passes, len(EXTREMES)))
         self.samples = samples_between_steps(self.case, self.picked)
-        keeps = not self.case.antialias and may_repeat(self.case)  # passes to pick from
+        keeps = self.picks and may_repeat(self.case)  # passes to pick from
         self.last: deque[np.ndarray] = deque(maxlen=LONGEST_PERIOD if keeps else 0)
 
     def keep(self, p: int, window: np.ndarray, y: np.ndarray) -> None:
@@ -46,14 +48,14 @@ class Recording:
         M, D = self.cut.fine_per_pass, self.cut.decimation
         start = self.lead + p * M
         decimate(window, self.taps, D, self.fine[:, start : start + M])
-        if type(self.samples) is NoSamples:
+        if self.picks and type(self.samples) is NoSamples:
             _pick_pass(self.case, self.cut, p, window, self.picked)
             if self.last.maxlen:
                 self.last.append(window.copy())
         self.peaks[p] = take_peaks(y)
 
     def pick_repeated(self, repetition: Repetition) -> None:
-        """Pick what a raw record holds of the passes that were not computed."""
+        """Pick raw values of the passes that were not computed."""
         for p in range(repetition.computed, self.cut.passes):
             cpu_time.check()
             source = int(repetition.source(p))
@@ -78,12 +80,17 @@ class Recording:
         )
 
 
+def picks(case: Case) -> bool:
+    """Tell whether raw values are kept at the record's instants: of all, or of contact forces."""
+    return not case.antialias or any(map(is_contact_force, case.record))
+
+
 def samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples:
     """What an adaptive method is to record at the raw record's own instants, into ``picked``.
 
     The steps of any other are so short that a value between two is taken from both.
     """
-    if case.antialias or not assemble.adaptive(case):
+    if not picks(case) or not assemble.adaptive(case):
         return NoSamples()
     return Samples(case.settle, case.sampling, picked)
 

@@ -349,9 +349,19 @@ BLOCK = 1 << 15  # fine samples that are made into a series at a time
 
 
 def _sampled(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
-    """The record's samples (R, n) of ``rows`` of the raw one, a block at a time."""
+    """The record's samples (R, n) of ``rows`` of the raw one: low-passed, but for contact forces."""
     if not case.antialias:
         return raw.picked[rows]
+    forces = channels.are_contact_forces(case, raw.places[rows])
+    sampled = np.empty((len(rows), time_grid.samples(case)))
+    if forces.any():
+        sampled[forces] = raw.picked[rows[forces]]
+    sampled[~forces] = _low_passed(case, cut, raw, rows[~forces])
+    return sampled
+
+
+def _low_passed(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
+    """The same, all of them low-passed, a block at a time."""
     out = np.empty((len(rows), time_grid.samples(case)))
     if len(rows) == 0:
         return out

@@ -195,10 +195,8 @@ def coarse(case: Case) -> str:
     """What is said of a pit that is crossed in few samples."""
     crossing = shortest_crossing(case)
     samples, wanted = crossing * case.sampling, FEWEST_SAMPLES / crossing
-    return (
-        f"a pit is crossed in {1e6 * crossing:.3g} us, {samples:.2g} samples: RMS, peak and series hold 0 to"
-        f" {FLAT * case.sampling / 1e3:.2g} kHz of it (`sampling: {show(_rounded(wanted), 'kHz')}` shows it)"
-    )
+    band, advice = f"0-{FLAT * case.sampling / 1e3:.2g} kHz", f"`sampling: {show(_rounded(wanted), 'kHz')}`"
+    return f"a pit is crossed in {samples:.2g} samples: RMS, peak, series are of {band} ({advice})"
 
 
 def _rounded(hertz: float) -> float:

@@ -8,6 +8,7 @@ from typing import Any
 from bearingsim import catalogue
 from bearingsim.config import Case
 from bearingsim.config.case_fields import OLD_WORDS
+from bearingsim.config.channels import is_contact_force
 from bearingsim.config.fields import Section
 from bearingsim.config.rules.conflicts import MOUNT_FIELDS
 
@@ -65,6 +66,8 @@ def used(case: Case) -> dict[str, str]:
         texts.pop("excitation", None)
     if case.method is None:
         texts.pop("prove", None)
+    if case.antialias and any(map(is_contact_force, case.record)):
+        texts["forces"] = '"raw"'  # earlier versions low-passed them
     if not catalogue.MODELS[case.model].slips and case.excitation != "random-impulses":
         texts.pop("seed", None)
     return texts

@@ -109,17 +109,28 @@ def test_new_overwrites_nothing(here):
 
 
 def test_check_prints_the_plan(here):
-    said, _ = type_("check", "small.yaml", "--jobs", "2")
+    said, _ = type_("-v", "check", "small.yaml", "--jobs", "2")
     assert "8 jobs (4 cases, 4 healthy twins); sweeps load, model" in said
     rows = {line[: line.find("  ")].strip(): line.split() for line in said.splitlines() if "  " in line}
     assert rows["cases"][-2:] == ["2", "2"]
     assert rows["crossing of the pit (us)"][-2:] == ["270", "270"]  # 0.8 mm at 2.959 m/s
     assert rows["step limit at rest (us)"][5] == "-"  # the static model has none
     assert "2 workers" in said
-    table = [line for line in said.splitlines() if "  " in line]
-    assert len(max(table, key=len)) < 100
     assert rows["damping c/k at rest (us)"][-2:] == ["2.5", "2.5"]
     assert "\ndamping: c/k 2.5 us (plausible: 0.3 to 25 us), damping ratio 0.0765 to 0.0789;" in said
+
+
+def test_check_says_what_an_engineer_asks_first(here):
+    """Z = 13, D_w/d_m = 12/65 at 30 Hz: FTF 15 (1 - 12/65), BPFO 13 FTF, BPFI 13 (30 - FTF)."""
+    said, _ = type_("check", "small.yaml", "--jobs", "2")
+    rows = {line[: line.find("  ")].strip(): line.split() for line in said.splitlines() if "  " in line}
+    for name, hertz in {"BPFO": 159.0, "BPFI": 231.0, "BSF": 78.5, "FTF": 12.2308}.items():
+        assert float(rows[f"{name} (Hz)"][-1]) == pytest.approx(hertz, rel=3e-3)
+    assert float(rows["samples in a crossing"][-1]) == pytest.approx(270e-6 * 10240, rel=0.01)
+    assert max(map(len, said.splitlines())) < 100
+    assert "rollers hang on the rims" in said
+    assert "step limit" not in said
+    assert "plausible" not in said
 
 
 def test_check_shows_the_design(here):
@@ -163,11 +174,11 @@ def test_check_says_what_friction_can_do(here):
     assert limits["slip_settles"] == pytest.approx(0.01065 / (4.0 * 22.5 * limits["rest_load"]), rel=1e-3)
     assert found["jobs"][0]["least_model"] == "static"
     words = ["--set", "load=150 N", "--set", "model=[ring, planar]"]
-    said, _ = type_("check", "small.yaml", *words)
+    said, _ = type_("-v", "check", "small.yaml", *words)
     rows = {line[: line.find("  ")].strip(): line.split() for line in said.splitlines() if "  " in line}
     assert rows["friction at rest, at most (N)"][-2:] == ["-", "14.9"]
     assert rows["slip at rest settles in (us)"][-2:] == ["-", "2.39"]
-    assert "slip at rest" not in type_("check", "small.yaml")[0]
+    assert "slip at rest" not in type_("-v", "check", "small.yaml")[0]
 
 
 def test_check_for_a_script(here):
@@ -258,7 +269,7 @@ def test_run_resumes(done):
 def test_run_goes_to_results(here):
     said, _ = type_("run", "small.yaml", "--jobs", "1", "--quick", "--shard", "1/2")
     assert "2 of 2 jobs done" in said
-    assert "results: results/small-quick" in said
+    assert ", in results/small-quick\n" in said
     assert Path("results/small-quick/results.csv").is_file()
 
 

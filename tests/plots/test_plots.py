@@ -180,6 +180,9 @@ def test_what_moves_chaotically_is_ringed_and_the_legend_says_so(results):
     assert "chaotic: one draw of many" not in text_of(only(drawn(made))[1])
     table = made.table()
     table["chaotic"] = 0.0
+    table["rms_scatter"] = 1.0
+    for name in (name for name in table if "@" in name and f"{name}.phase" in table):
+        table[f"{name}-scatter"] = table[name]
     table.loc[(table["defect.length"] == 6e-3) & (table["load"] == 300.0), "chaotic"] = 1.0
     with mock.patch.object(type(made), "table", return_value=table):
         _, canvas = only(drawn(made))

@@ -113,3 +113,18 @@ def test_the_sensor_s_series_is_what_its_features_are_read_from(ring, more):
     else:
         assert series["sensor.velocity"] == pytest.approx(turned, abs=1e-15)
     assert np.std(series["sensor.velocity"]) == pytest.approx(found.features["velocity.rms"], rel=0.1)
+
+
+@pytest.mark.parametrize("method", ["verlet", "dop853"])
+def test_contact_forces_are_recorded_as_they_are(method: str) -> None:
+    """Never as tension, and the same as without a low-pass; what is no force is low-passed."""
+    record = ["roller.1.outer_force", "ring.velocity"]
+    filtered, raw = (
+        simulate(case(defect=SLOT, method=method, duration="60 ms", record=record, antialias=antialias))
+        for antialias in (True, False)
+    )
+    force = filtered.series["roller.1.outer_force"]
+    assert force.min() >= 0.0
+    assert force.max() > 0.0
+    assert force.tolist() == raw.series["roller.1.outer_force"].tolist()
+    assert not np.array_equal(filtered.series["ring.velocity.x"], raw.series["ring.velocity.x"])

@@ -1,0 +1,46 @@
+"""Which results of a chaotic motion are one draw of many."""
+
+import math
+
+import pandas as pd
+import pytest
+
+from bearingsim.store import is_one_draw
+
+LINE, RMS = "velocity@BPFO", "velocity.rms"
+
+
+def table(chaotic: float = 1.0, line: float = 0.0, rms: float = 0.0) -> pd.DataFrame:
+    """A result with a relative standard error of the line, and of the RMS (of 2.5 standard deviations)."""
+    row = {LINE: 2.0, f"{LINE}-scatter": 2.0 * line, RMS: 3.0, "rms_scatter": 2.5 * rms, "chaotic": chaotic}
+    return pd.DataFrame([row | {"velocity@BPFI": 1.0, "outer_force.max": 5.0}])
+
+
+@pytest.mark.parametrize(
+    ("feature", "found", "is_so"),
+    [
+        (LINE, table(line=0.006), True),
+        (LINE, table(line=0.004, rms=0.1), False),
+        (f"{LINE}-healthy", table(line=0.006), True),
+        (f"{LINE}.phase", table(line=0.006), True),
+        (RMS, table(rms=0.006), True),
+        (RMS, table(rms=0.004, line=0.1), False),
+        (RMS, table(rms=math.inf), True),
+        ("velocity.rms@10-1000Hz", table(rms=0.006), True),
+        ("outer_force.max", table(rms=0.006), True),
+        ("outer_force.max", table(line=0.1), False),
+        ("velocity@BPFI", table(), True),  # nothing tells how it scatters
+        (LINE, table(chaotic=0.0, line=0.1), False),
+        (LINE, table(chaotic=math.nan, line=0.1), False),
+    ],
+)
+def test_a_result_is_flagged_by_its_own_standard_error(feature: str, found: pd.DataFrame, is_so: bool) -> None:
+    assert bool(is_one_draw(found, feature).iloc[0]) == is_so
+
+
+def test_a_closer_look_may_be_asked_for() -> None:
+    assert is_one_draw(table(line=0.004), LINE, notable=0.003).iloc[0]
+
+
+def test_results_that_were_not_checked_are_not_flagged() -> None:
+    assert not is_one_draw(pd.DataFrame([{LINE: 2.0}]), LINE).iloc[0]
