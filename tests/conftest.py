@@ -1,6 +1,9 @@
 """Settings and fixtures of all tests."""
 
 import os
+import subprocess
+from functools import lru_cache
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
@@ -26,13 +29,35 @@ LONG = (ROOT / "tests/long.txt").read_text().split()
 assert {f"test_{name}" for name in LONG} <= {path.stem for path in Path(__file__).parent.rglob("test_*.py")}
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+SAMPLED = (ROOT / "tests/sampled.txt").read_text().split()
+"""Tests that compute for long, `file::test`: of their cases `SAMPLE=3` runs a third, drawn by the commit."""
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """The long files come first, so that no process is left alone with one of them; all of them are slow."""
+    left_out = [item for item in items if is_left_out(item.path.stem, item.name)]
+    config.hook.pytest_deselected(items=left_out)
+    items[:] = [item for item in items if item not in left_out]
     order = {f"test_{name}": place for place, name in enumerate(LONG)}
     items.sort(key=lambda item: order.get(item.path.stem, len(order)))
     for item in items:
         if item.path.stem in order:
             item.add_marker("slow")
+
+
+@lru_cache(maxsize=1)
+def commit() -> str:
+    """The commit that is tested; empty outside of a clone."""
+    asked = ["git", "-C", str(ROOT), "rev-parse", "HEAD"]
+    return subprocess.run(asked, capture_output=True, text=True, check=False).stdout.strip()
+
+
+def is_left_out(file: str, name: str) -> bool:
+    """Tell whether a test is none of those drawn for this commit."""
+    share = int(os.environ.get("SAMPLE") or 1)
+    if f"{file.removeprefix('test_')}::{name.partition('[')[0]}" not in SAMPLED:
+        return False
+    return int(sha256(f"{commit()} {file} {name}".encode()).hexdigest(), 16) % share != 0
 
 
 @pytest.fixture
