@@ -2,13 +2,14 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from bearingsim import store
 from bearingsim.config import Case
 from bearingsim.study import StudyError, load_study
-from bearingsim.study.ranges import SPEED_FACTOR, contact_pressure, frequency, static_rating
+from bearingsim.study.ranges import SPEED_FACTOR, contact_pressure, frequency, static_rating, unheld
 from tests.conftest import Write
 from tests.scenes.commands import type_
 
@@ -126,3 +127,57 @@ def test_the_fastest_ring_of_steel_does_not_burst(write: Write) -> None:
     """NF308, 560 m/s of its inner race; n d_m is 200 times its limit then."""
     load_study(write(BASE.replace("1800 rpm", "200000 rpm") + "load: 1 N\n"))
     assert pytest.approx(104.72, rel=1e-4) == SPEED_FACTOR  # 1e6 mm/min in rad/s m
+
+
+# Models that leave out what a case asks for
+
+ITALICS = {
+    "damping": {"contact": {"damping": {"law": "kraemer", "beta": "2 us"}}},
+    "the ring's acceleration": {"record": ["ring.acceleration"]},
+    "inertia of the rollers": {"speed": "30000 rpm"},
+    "tilt": {
+        "defect": {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um", "offset": "2 mm"}
+    },
+}
+"""What asks for each need of quality of the table in docs/model.md."""
+ABILITY = {"the ring's acceleration": "acceleration", "inertia of the rollers": "inertia of rollers"}
+
+
+def needs_of_quality() -> list[tuple[str, str, bool]]:
+    """Need, model, and whether the model has it, as docs/model.md says."""
+    page = (Path(__file__).parents[2] / "docs/model.md").read_text(encoding="utf-8")
+    head = next(line for line in page.splitlines() if line.startswith("| need | asked for by |"))
+    models = [cell.strip(" `") for cell in head.split("|")[3:-1]]
+    rows = [line.replace("\\|", "/").split("|")[1:-1] for line in page.splitlines() if line.startswith("| *")]
+    return [
+        (row[0].strip(" *"), model, bool(cell.strip()))
+        for row in rows
+        for model, cell in zip(models, row[2:], strict=True)
+    ]
+
+
+def test_every_need_of_quality_has_a_scene() -> None:
+    assert {need for need, _, _ in needs_of_quality()} == set(ITALICS)
+
+
+@pytest.mark.parametrize(("need", "model", "has_it"), needs_of_quality())
+def test_a_model_that_leaves_out_what_is_asked_for_is_named(need: str, model: str, has_it: bool) -> None:
+    if model == "impulse" and need == "tilt":
+        pytest.skip("impulses have no place along the roller, and refuse it")
+    found = list(unheld([of_model(model, ITALICS[need])]))
+    named = [text for text in found if f"leaves out {ABILITY.get(need, need)}:" in text]
+    assert len(named) == (not has_it)
+    assert all(text.startswith(f"warning: `{model}` leaves out") for text in found)
+
+
+def of_model(model: str, fields: dict[str, Any]) -> Case:
+    base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": model, "duration": "1 s"}
+    slot = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "50 um"}
+    return Case.model_validate(base | {"defect": slot} | fields)
+
+
+def test_each_is_told_once_with_the_worst_and_how_many() -> None:
+    cases = [of_model("ring", {"speed": f"{speed} rpm"}) for speed in (600, 6000, 9000)]
+    (text,) = unheld(cases)
+    assert text.startswith("warning: `ring` in 2 of 3 cases leaves out inertia of rollers: the centrifugal force")
+    assert text.endswith("; `model: rollers` has it")
