@@ -89,16 +89,27 @@ def _line(results: "Results", rows: "pd.DataFrame", name: str) -> _Line:
 
 
 def _with_frequency(results: "Results", name: str) -> str:
-    """`velocity@BPFO (159 Hz)`, if the line stands at one frequency in all jobs."""
+    """`velocity@BPFO (159 Hz)`, if the line stands at one frequency in all jobs; of a statistic its band."""
     from bearingsim.config.names import LINES
     from bearingsim.plots.lines import frequency
 
     line = LINES.get(name.partition("@")[2].removesuffix("-healthy"))
     if line is None:
-        return name
+        return f"{name}{_band(results, name)}"
     wanted = ["speed", "bearing.roller_diameter", "bearing.pitch_diameter", "bearing.rollers"]
     known = results.parameters()[wanted].drop_duplicates().to_dict("records")
     return f"{name} ({significant(frequency(line, known[0]))} Hz)" if len(known) == 1 else name
+
+
+def _band(results: "Results", name: str) -> str:
+    """` (0-4.1 kHz)`, the band of a statistic of the record, if all jobs have one."""
+    from bearingsim.config.bands import FLAT
+    from bearingsim.study.ranges import OF_RECORD
+
+    known = results.parameters()[["sampling", "antialias"]].drop_duplicates().to_dict("records")
+    if not name.endswith(OF_RECORD) or len(known) != 1 or known[0]["antialias"] != "true":
+        return ""
+    return f" (0-{FLAT * known[0]['sampling'] / 1e3:.2g} kHz)"
 
 
 def _healthy(results: "Results", name: str, factor: float) -> str:
@@ -121,4 +132,4 @@ def _error(rows: "pd.DataFrame", name: str) -> str:
         return ""
     scatter = rows[f"{plain}-scatter"] if f"{plain}-scatter" in rows else 0.0 * step
     error = step * rows[plain].abs() + STANDARD_ERRORS * scatter
-    return f"error: {100.0 * float(error.max() / rows[name].abs().max()):.2g} %"
+    return f"numerical error: {100.0 * float(error.max() / rows[name].abs().max()):.2g} %"

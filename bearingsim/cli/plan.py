@@ -35,7 +35,7 @@ class Priced:
 
     friction_scale: the most that friction can do to the most loaded roller at rest (N), and the time (s) in which
     it brings that roller to roll; nan and inf without friction. sinking: how deep (m) a roller sinks into a pit at
-    most, 0 without any.
+    most, nan without any.
     """
 
     job: "Job"
@@ -175,12 +175,14 @@ def ends(jobs: "Sequence[Job]") -> Iterator[int]:
 def _priced(job: "Job") -> Priced:
     from bearingsim import assemble
     from bearingsim.assemble.scales import largest_roller_drop
+    from bearingsim.catalogue import MODELS
     from bearingsim.simulation import choice, time_grid
 
     case = job.case
     cut, limits = time_grid.grid(case), choice.limits(case)
     price, rubs = time_grid.estimate(case), friction_scale(case, limits.rest_load)
-    sinking = largest_roller_drop(assemble.model(case)) if case.defects else 0.0
+    sinks = case.defects and MODELS[case.model].loaded
+    sinking = largest_roller_drop(assemble.model(case)) if sinks else math.nan
     return Priced(job, choice.choice(case), cut.step, limits, price, rubs, sinking)
 
 

@@ -36,12 +36,16 @@ HANGS = 0.999  # of a pit's depth: what a roller sinks by that does not reach it
 
 
 def hanging(plan: "Plan") -> Iterator[str]:
-    """Whether rollers hang on the rims of all pits, so that depth and section do not count."""
-    damaged = [one for one in plan.cases if one.job.case.defects]
+    """Whether rollers hang on the rims of all pits, so that how deep they are does not count."""
+    damaged = [one for one in plan.cases if one.job.case.defects and one.job.case.excitation == "envelope"]
     depths = [min(defect.depth for defect in one.job.case.defects) for one in damaged]
+    prisms = all(
+        defect.shape in ("rectangular", "triangular") for one in damaged for defect in one.job.case.defects
+    )
     if damaged and all(one.sinking < HANGS * depth for one, depth in zip(damaged, depths, strict=True)):
         reached, floors = (span(1e6 * d for d in part) for part in ([one.sinking for one in damaged], depths))
-        yield f"rollers hang on the rims, {reached} um into pits of {floors} um: depth and section do not count"
+        same = "; rectangle and triangle are the same" if prisms else ""
+        yield f"rollers do not reach the floor: {reached} um deep at most, of {floors} um{same}"
 
 
 def choices(plan: "Plan") -> list[str]:

@@ -67,7 +67,7 @@ def _step_errors(own: "pd.DataFrame") -> Iterator[str]:
     found = {text: own[f"features/step_error.{name}"].max() for name, text in names.items() if _has(own, name)}
     if found:
         each = ", ".join(f"{text} {100.0 * error:.2g} %" for text, error in found.items())
-        yield f"time step: errors of at most {each}"
+        yield f"numerical errors, at most: {each}"
 
 
 def _has(own: "pd.DataFrame", name: str) -> bool:

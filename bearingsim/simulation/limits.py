@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim import assemble
-from bearingsim.assemble.rest import OF_A_STUDY
+from bearingsim.assemble.rest import OF_A_STUDY, static_model
 from bearingsim.assemble.scales import (
     approach,
     at_full_speed,
@@ -155,6 +155,7 @@ def impact_force(model: Any, load: float) -> float:
     b = model.bearing
     if b.m_r == 0.0:
         return load
+    model = model._replace(pits=static_model(model).pits)  # of slices each has its share of the roller
     inwards = max(load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i), 0.0)
     deep = approach(model.outer, load), approach(model.inner, inwards)
     peaks = (bounded(partial(passage_peak, model, d, *deep)) for d in range(len(model.pits.head)))

@@ -196,7 +196,7 @@ def coarse(case: Case) -> str:
     crossing = shortest_crossing(case)
     samples, wanted = crossing * case.sampling, FEWEST_SAMPLES / crossing
     band, advice = f"0-{FLAT * case.sampling / 1e3:.2g} kHz", f"`sampling: {show(_rounded(wanted), 'kHz')}`"
-    return f"a pit is crossed in {samples:.2g} samples: RMS, peak, series are of {band} ({advice})"
+    return f"{samples:.2g} samples to cross a pit: RMS, peak, series are of {band}; {advice} for 8 samples"
 
 
 def _rounded(hertz: float) -> float:

@@ -128,7 +128,7 @@ def test_check_says_what_an_engineer_asks_first(here):
         assert float(rows[f"{name} (Hz)"][-1]) == pytest.approx(hertz, rel=3e-3)
     assert float(rows["samples in a crossing"][-1]) == pytest.approx(270e-6 * 10240, rel=0.01)
     assert max(map(len, said.splitlines())) < 100
-    assert "rollers hang on the rims" in said
+    assert "rollers do not reach the floor: 11.3 um deep at most, of 50 um; rectangle and triangle" in said
     assert "step limit" not in said
     assert "plausible" not in said
 

@@ -19,7 +19,7 @@ def test_a_run_ends_with_its_results_and_the_next_command(here):
     velocity = 1e6 * table["velocity@BPFO"]
     line, healthy = velocity.iloc[:4], velocity.iloc[4:]
     values = f"{line.min():.3g} to {line.max():.3g} µm/s, healthy: {healthy.min():.3g} to {healthy.max():.3g}"
-    assert lines[1].startswith(f"  velocity@BPFO (159 Hz)  {values}, error: ")
+    assert lines[1].startswith(f"  velocity@BPFO (159 Hz)  {values}, numerical error: ")
     at = table.iloc[int(line.argmax())]
     assert lines[2].strip() == f"largest: load {at['load']:.0f} N, model {at['model']}"
     names = "damping, clearance, bracket, rigid ring"

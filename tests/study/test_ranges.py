@@ -131,7 +131,7 @@ def test_the_fastest_ring_of_steel_does_not_burst(write: Write) -> None:
 
 # Models that leave out what a case asks for
 
-ITALICS = {
+ITALICS: dict[str, dict[str, Any]] = {
     "damping": {"contact": {"damping": {"law": "kraemer", "beta": "2 us"}}},
     "the ring's acceleration": {"record": ["ring.acceleration"]},
     "inertia of the rollers": {"speed": "30000 rpm"},

@@ -264,7 +264,7 @@ def test_a_run_says_how_far_the_unknown_moves_the_results(ran: tuple[Path, str])
 def test_what_is_said_of_damping_is_of_the_studys_own_jobs(ran: tuple[Path, str]) -> None:
     """Not of what was tried beside them."""
     shown, _ = type_("show", ran[0] / "out")
-    checked, _ = type_("check", ran[0] / "unsure.yaml")
+    checked, _ = type_("-v", "check", ran[0] / "unsure.yaml")
     again, _ = type_("-v", "run", ran[0] / "unsure.yaml", "--jobs", "1", "--out", ran[0] / "out")
     for said in (again, shown, checked):
         assert "damping: c/k 2.5 us (plausible: 0.3 to 25 us)" in " ".join(said.split())
