@@ -1,6 +1,7 @@
 """The end of `bearingsim run`: what was done, what came of it, how well it is known, what comes next."""
 
 from collections.abc import Iterator
+from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.cli.opening import near
@@ -16,8 +17,8 @@ if TYPE_CHECKING:
 __all__ = ["results_in_lines", "show"]
 
 MOST_FEATURES = 3
-STEP_ERRORS = {"rms": "rms", "max": "force"}
-"""What checks the step, by the ending of a feature's name; of all others it is the line's."""
+STEP_ERRORS = {"velocity.rms": "rms", "velocity@": "line", "outer_force.max": "force"}
+"""What checks the step of features whose names begin so."""
 STANDARD_ERRORS = 2.0
 
 
@@ -124,12 +125,19 @@ def _healthy(results: "Results", name: str, factor: float) -> str:
 
 
 def _error(rows: "pd.DataFrame", name: str) -> str:
-    """`error: 0.3 %` of the largest value: by the check of the step, and the scatter between ball passes."""
+    """`numerical error: 0.3 %` of the largest value: by the check of the step, and two standard errors.
+
+    Of what the check looks at: lines and RMS of the velocity, the largest force.
+    """
+    from bearingsim.store.spread import standard_error
+
     plain = name.removesuffix("-healthy")
-    kind = plain.partition("@")[0].rpartition(".")[2]
-    step = rows.get(f"step_error.{STEP_ERRORS.get(kind, 'line')}")
-    if step is None or plain not in rows or not step.notna().any():
+    kind = next((kind for start, kind in STEP_ERRORS.items() if plain.startswith(start)), "")
+    step, largest = rows.get(f"step_error.{kind}"), float(rows[name].abs().max())
+    if step is None or plain not in rows or not step.notna().any() or not largest > 0.0:
         return ""
-    scatter = rows[f"{plain}-scatter"] if f"{plain}-scatter" in rows else 0.0 * step
+    scatter = standard_error(rows.add_prefix("features/"), plain).fillna(inf)
     error = step * rows[plain].abs() + STANDARD_ERRORS * scatter
-    return f"numerical error: {100.0 * float(error.max() / rows[name].abs().max()):.2g} %"
+    if not float(error.max()) < inf:
+        return "numerical error: unknown (chaotic)"
+    return f"numerical error: {100.0 * float(error.max() / largest):.2g} %"

@@ -1,4 +1,4 @@
-"""Features of a frequency band, by name: `velocity.rms@10-1000Hz`, `envelope@BPFO`, `envelope@BPFO@2-5kHz`."""
+"""Features of a frequency band: `velocity.rms@10-1000Hz`, `envelope@BPFO`, `envelope@BPFO@2000-5000Hz`."""
 
 import re
 from typing import NamedTuple
@@ -9,14 +9,14 @@ HIGHEST = 100e3
 """Hz: the highest end of a band. Rings and rollers are rigid, or bend in few modes: none above is computed."""
 FEWEST_PERIODS = 2.0
 """Periods of a band's lowest frequency that a record must hold."""
-EXAMPLES = "velocity.rms@10-1000Hz, envelope@BPFO or envelope@BPFO@2-5kHz"
+EXAMPLES = "velocity.rms@10-1000Hz, envelope@BPFO or envelope@BPFO@2000-5000Hz"
 
-_NUMBER = r"(?:0|[1-9]\d{0,6})(?:\.\d{1,6})?"
-_BAND = rf"(?P<low>{_NUMBER})-(?P<high>{_NUMBER})(?P<kilo>k?)Hz"
+_NUMBER = r"(?:0|[1-9]\d{0,6})(?:\.\d{0,5}[1-9])?"
+_BAND = rf"(?P<low>{_NUMBER})-(?P<high>{_NUMBER})Hz"
 _HEALTHY = r"(?P<healthy>-healthy)?"
 _RMS = re.compile(rf"(?P<quantity>displacement|velocity|acceleration)\.rms@{_BAND}{_HEALTHY}", re.ASCII)
 _ENVELOPE = re.compile(rf"envelope@(?P<line>[^@]+?)(?:@{_BAND})?{_HEALTHY}", re.ASCII)
-PATTERN = rf"^((displacement|velocity|acceleration)\.rms|envelope@[^@]+)(@{_NUMBER}-{_NUMBER}k?Hz)?$"
+PATTERN = rf"^((displacement|velocity|acceleration)\.rms|envelope@[^@]+)(@{_NUMBER}-{_NUMBER}Hz)?(-healthy)?$"
 """Of such a name, in a schema."""
 
 
@@ -53,7 +53,6 @@ def read(name: str) -> BandFeature | None:
     parts = found.groupdict()
     band = None
     if parts["high"]:
-        factor = 1e3 if parts["kilo"] else 1.0
-        band = Band(factor * float(parts["low"]), factor * float(parts["high"]))
+        band = Band(float(parts["low"]), float(parts["high"]))
     quantity, line = parts.get("quantity", "acceleration"), parts.get("line", "")
     return BandFeature(quantity, line, band, bool(parts["healthy"]))

@@ -216,6 +216,8 @@ def _features() -> dict[str, Feature]:
         "step_error.record": Feature("", "the same of what is recorded, of the quantity that changes most"),
         "chaotic": Feature("", "whether the motion is chaotic (1) or not (0)"),
         "rms_scatter": Feature("", "by how much chaos alone lets the RMS of such a record change"),
+        "standard_error.line": Feature("", "relative standard error of the velocity at BPFO, of a chaotic motion"),
+        "standard_error.rms": Feature("", "relative standard error of the velocity's RMS, of a chaotic motion"),
         **_errors(),
     }
 

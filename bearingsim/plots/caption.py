@@ -86,7 +86,7 @@ def band_of_record(results: "Results", rows: "pd.DataFrame", features: Sequence[
     known = results.parameters()
     known = known.loc[known.index.intersection(list(rows["job"]))]
     sampling, filtered = (_single(known, name) for name in ("sampling", "antialias"))
-    if not drawn or not isinstance(sampling, float):
+    if not drawn or not isinstance(sampling, float) or filtered is None:
         return []
     if filtered != "true":
         return [f"{' and '.join(STATISTICS[word] for word in drawn)} of raw samples"]

@@ -76,12 +76,12 @@ def _has(own: "pd.DataFrame", name: str) -> bool:
 
 def _assumed(plan: Mapping[str, Any], own: "pd.DataFrame") -> Iterator[str]:
     """Names of what moves results, is not known, and was given one value."""
-    varied = {one["what"] for one in plan["variations"]}
+    varied = {one["what"] for one in plan.get("variations", ())}
     damped = "info/damping_time_s" in own and bool(own["info/damping_time_s"].notna().any())
     held_by_bracket = "parameters/rig.bracket_stiffness" in own and bool(
         (own["parameters/rig.bracket_stiffness"] > 0.0).any()
     )
-    if not plan["nothing_uncertain"]:
+    if not plan.get("nothing_uncertain"):
         if damped and "damping" not in varied and not sweeps_damping(plan["units"]):
             yield "damping"
         if "clearance" not in {*varied, *plan["units"]}:

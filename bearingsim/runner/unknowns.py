@@ -21,7 +21,7 @@ def moved(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     plan: of ``store.read_plan``; frame: of ``store.build_table``.
     """
     found = errors(plan, frame)
-    values = by_kind((one["what"], one["value"]) for one in plan["variations"])
+    values = by_kind((one["what"], one["value"]) for one in plan.get("variations", ()))
     for what, tried in values.items():
         columns = {text: f"error.{what}{ending}" for ending, text in BRIEFLY.items()}
         known = {text: found[name].dropna() for text, name in columns.items() if name in found}
@@ -35,8 +35,8 @@ def moved(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
 
 def assumed(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     """What was assumed of all jobs; of damping, if nothing was tried, what that would take."""
-    values = {one["what"] for one in plan["variations"]}
-    if "damping" not in values and not plan["nothing_uncertain"] and not sweeps_damping(plan["units"]):
+    values = {one["what"] for one in plan.get("variations", ())}
+    if "damping" not in values and not plan.get("nothing_uncertain") and not sweeps_damping(plan["units"]):
         yield from _unexamined(plan, frame)
     yield from plan.get("assumptions", ())
 
@@ -47,7 +47,7 @@ def _percent(part: float) -> str:
 
 def _variations(plan: Mapping[str, Any], what: str) -> list[str]:
     """Ids of the jobs in which it was varied."""
-    return list({one["job"]: None for one in plan["variations"] if one["what"] == what})
+    return list({one["job"]: None for one in plan.get("variations", ()) if one["what"] == what})
 
 
 def _lacking(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> Iterator[str]:

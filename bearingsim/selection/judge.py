@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import stdtrit
 
+from bearingsim.config.names import of_band
 from bearingsim.simulation.trial import LARGEST_FORCE, Trial
 from bearingsim.study.goal import HEALTHY
 
@@ -36,10 +37,13 @@ def value(feature: str, found: Trial, twin: Trial | None) -> Value:
         turns = np.array_split(found.forces, found.turns)
         return Value(float(found.forces.max()), np.array([turn.max() for turn in turns]), 1.0)
     share = 2.0 / found.turns
-    if feature in found.powers:
-        rms = float(np.sqrt(found.powers[feature][0]))
-        return Value(rms, 0.5 * found.powers[feature][1:] / (rms or 1.0), share)
     line = feature.removesuffix(HEALTHY)
+    if of_band(line) is not None and feature != line and twin is not None:  # magnitudes are subtracted
+        own, healthy = value(line, found, None), value(line, twin, None)
+        return Value(own.value - healthy.value, own.parts - healthy.parts, share)
+    if line in found.powers:
+        rms = float(np.sqrt(found.powers[line][0]))
+        return Value(rms, 0.5 * found.powers[line][1:] / (rms or 1.0), share)
     amplitudes = found.lines[line] - (twin.lines[line] if feature != line and twin is not None else 0.0)
     parts = amplitudes[1:] * np.exp(-1j * np.angle(amplitudes[0]))
     return Value(float(abs(amplitudes[0])), parts.real, share)

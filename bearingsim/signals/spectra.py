@@ -74,8 +74,8 @@ def envelope_spectrum(
 def band_rms(series: np.ndarray, fs: float, band: tuple[float, float]) -> float:
     """RMS of a series (n,) sampled at ``fs`` (Hz), of what lies in ``band`` (Hz, ends included), without its mean.
 
-    Of the power spectrum under Hann's window, 1.5 fs/n wide: a line so near to an end of the band counts in part.
-    ValueError for a band that is empty or not within 0 to fs/2.
+    Of the power spectrum under Hann's window, 1.5 fs/n wide: a line so near to an end of the band counts in part;
+    nan of a band that lies between two lines. ValueError for a band that is empty or not within 0 to fs/2.
     """
     low, high = band
     if not 0.0 <= low < high <= fs / 2.0:
@@ -83,7 +83,10 @@ def band_rms(series: np.ndarray, fs: float, band: tuple[float, float]) -> float:
     weight = hann(len(series))
     lines = np.fft.rfft((series - np.average(series, weights=weight)) * weight)
     frequencies = np.fft.rfftfreq(len(series), 1.0 / fs)
-    power = np.abs(lines[(frequencies >= low) & (frequencies <= high)]) ** 2
+    inside = (frequencies >= low) & (frequencies <= high)
+    if not inside.any():
+        return float("nan")
+    power = np.abs(lines[inside]) ** 2
     return float(np.sqrt(2.0 * power.sum() / (len(series) * np.sum(weight**2))))
 
 

@@ -33,7 +33,9 @@ def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str
     for name, feature in asked.items():
         cpu_time.check()
         of, band = series[feature.quantity], band_of(case, feature)
-        if feature.line:
+        if not resolves(band, count / cut.fine_rate):
+            found[name] = nan
+        elif feature.line:
             found[name] = _envelope_line(case, feature, band, of, cut.fine_rate, angles)
         else:
             found[name] = signals.band_rms(of, cut.fine_rate, band)
@@ -43,6 +45,11 @@ def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str
 def band_of(case: Case, feature: BandFeature) -> Band:
     """The band of a feature: its own, or of an envelope without one what `sampling` shows."""
     return feature.band or Band(0.0, FLAT * case.sampling)
+
+
+def resolves(band: Band, duration: float) -> bool:
+    """Tell whether a record of ``duration`` (s) holds a period of a band's lowest frequency and of its width."""
+    return (band.low == 0.0 or band.low * duration >= 1.0) and (band.high - band.low) * duration >= 1.0
 
 
 def _angles(case: Case, model: Any, cut: Grid, raw: RawRecord, start: int, count: int) -> SampleAngles:
@@ -55,9 +62,13 @@ def _angles(case: Case, model: Any, cut: Grid, raw: RawRecord, start: int, count
 def _envelope_line(
     case: Case, feature: BandFeature, band: Band, series: np.ndarray, fs: float, angles: SampleAngles
 ) -> float:
-    """Amplitude of a line of the squared envelope; nan of one that the band is too narrow to show."""
-    angle = angles.along(LINES[feature.line], case.bearing.rollers)
-    frequency = (angle[-1] - angle[0]) / (2.0 * pi * (len(angle) - 1)) * fs
-    if not 0.0 < frequency < band.high - band.low:
+    """Amplitude of a line of the squared envelope; nan where band or record do not tell it from others."""
+    Z, name, duration = case.bearing.rollers, feature.line, (len(series) - 1) / fs
+    ends = np.array([angles.ends().along(line, Z) for line in LINES.values()])
+    frequencies = (ends[:, 1] - ends[:, 0]) / (2.0 * pi * duration)
+    known = dict(zip(LINES, zip(frequencies, signals.resolvable(frequencies, duration), strict=True), strict=True))
+    frequency, is_told = known[name]
+    if not (is_told or LINES[name].outer) or not 0.0 < frequency < band.high - band.low:
         return nan
+    angle = angles.along(LINES[name], Z)
     return float(abs(signals.line_at(signals.squared_envelope(series, fs, band), angle)))

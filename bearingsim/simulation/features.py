@@ -42,6 +42,10 @@ class SampleAngles(NamedTuple):
     inner: np.ndarray
     roll: np.ndarray
 
+    def ends(self) -> "SampleAngles":
+        """The first and the last of them."""
+        return SampleAngles(self.cage[[0, -1]], self.inner[[0, -1]], self.roll[[0, -1]])
+
     def along(self, line: Line, Z: int) -> np.ndarray:
         """The angle whose cosine a line follows."""
         return (

@@ -32,6 +32,7 @@ from bearingsim.simulation.other_features import of_extensions, refuse_undeclare
 from bearingsim.simulation.pilot import longer_duration
 from bearingsim.simulation.prices import price
 from bearingsim.simulation.raw_record import RawRecord
+from bearingsim.simulation.recording import picks
 from bearingsim.simulation.repetition import may_repeat
 from bearingsim.simulation.step_check import StepCheck
 from bearingsim.simulation.trial import Trial
@@ -177,7 +178,7 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
     instants = np.arange(time_grid.samples(case)) / case.sampling
     series = channels.series(case, setup.model, sampled, raw.places[rows], case.settle + instants)
     own = features(case, setup.model, setup.cut, raw) | band_features(case, setup.model, setup.cut, raw)
-    own |= _check_features(checks_step, _kept(setup, raw))
+    own |= _check_features(checks_step, _kept(setup, raw)) | _of_chaos(setup, raw, checks_step.chaotic)
     others, reasons = of_extensions(case, instants, series)
     refuse_undeclared(own | others)
     return Record(
@@ -279,6 +280,14 @@ def _info(setup: Setup, raw: RawRecord) -> dict[str, float | int | str]:
     }
 
 
+def _of_chaos(setup: Setup, raw: RawRecord, chaotic: bool) -> dict[str, float]:
+    """How well the line and the RMS of a chaotic motion are known, relative; nan of another."""
+    errors = accuracy.StandardErrors(nan, nan)
+    if chaotic:
+        errors = accuracy.standard_errors(setup.case, setup.model, setup.cut, raw)
+    return {"standard_error.line": errors.line, "standard_error.rms": errors.rms}
+
+
 def _standard_errors(setup: Setup, raw: RawRecord) -> dict[str, float]:
     """Those of line and RMS that a record ``until`` an accuracy has reached, relative."""
     errors = accuracy.StandardErrors(nan, nan)
@@ -319,7 +328,7 @@ def warm(cases: Iterable[Case], about_to: Callable[[int, int, float], None] | No
     kinds: dict[tuple, Case] = {}
     for case in cases:
         laws = assemble.contacts.outer(case), assemble.contacts.inner(case)
-        kinds.setdefault((_words(choice.resolved(case)), _types(laws)), case)
+        kinds.setdefault((_words(choice.resolved(case)), _types(laws), picks(case)), case)
     new = {kind: case for kind, case in kinds.items() if kind not in _WARM}
     for number, (kind, case) in enumerate(new.items(), 1):
         if about_to is not None:

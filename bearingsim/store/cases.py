@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 __all__ = ["case_of"]
 
-WORDS = ("record",)  # stored as words joined by spaces
+WORDS = ("record", "features")  # stored as words joined by spaces
 
 
 def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":

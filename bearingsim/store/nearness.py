@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from math import inf, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from bearingsim.config.names import of_band
 from bearingsim.store.spread import scatters_unknown, standard_error
 from bearingsim.study.goal import HEALTHY
 from bearingsim.study.uncertainty import RIGID
@@ -71,15 +72,24 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
     size, plain = scales(plan, frame, feature), feature.removesuffix(HEALTHY)
     told = plan["accuracy"]["jobs"]
     model = pd.Series({job: told[job]["error"].get(feature, 0.0) for job in told}).reindex(frame.index)
-    relative = frame.get(
-        f"features/step_error.{STEP_OF.get(feature.partition('@')[0].rpartition('.')[2], 'line')}",
-        pd.Series(0.0, frame.index),
-    )
+    relative = _step_errors(frame, plain)
     step = relative.fillna(0.0) * frame[f"features/{plain}"].abs() / size
     scatter = standard_error(frame, plain).where(~scatters_unknown(frame, plain), inf) / size
     return pd.DataFrame({"error.model": model, "error.step": step, "error.scatter": scatter}).where(
         frame["status"] == "done"
     )
+
+
+def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
+    """The relative errors of the step of a feature; of an envelope, a square, twice that of the acceleration."""
+    import pandas as pd
+
+    found = of_band(feature)
+    if found is not None and (found.line or found.quantity == "acceleration"):
+        kind, times = "record", 2.0 if found.line else 1.0
+    else:
+        kind, times = STEP_OF.get(feature.partition("@")[0].rpartition(".")[2], "line"), 1.0
+    return times * frame.get(f"features/step_error.{kind}", pd.Series(0.0, frame.index))
 
 
 def audited(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Audited]:

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 __all__ = ["NOTABLE", "errors", "is_one_draw", "spread"]
 
+BY_BLOCKS = {"velocity@BPFO": "standard_error.line", "velocity.rms": "standard_error.rms"}
+"""The relative standard errors by blocks of ball passes; results of earlier versions do not have them."""
 NOTABLE = 0.005
 """Of a value: a standard error beyond which a result of a chaotic motion is one draw of many."""
 
@@ -64,7 +66,7 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     if f"features/{feature}-scatter" in frame:
         found = frame[f"features/{feature}-scatter"]
     elif ".rms" in feature and "features/rms_scatter" in frame:
-        found = frame["features/rms_scatter"] / STANDARD_DEVIATIONS * frame[f"features/{feature}"]
+        found = frame["features/rms_scatter"] / STANDARD_DEVIATIONS * frame[f"features/{feature}"].abs()
     return found.replace(np.inf, np.nan).where(_chaotic(frame), 0.0)
 
 
@@ -82,12 +84,18 @@ def is_one_draw(table: "pd.DataFrame", feature: str, notable: float = NOTABLE) -
     judged = plain if is_line else "velocity.rms"
     if f"features/{judged}" not in frame:
         return _chaotic(frame)
-    return _chaotic(frame) & ~(standard_error(frame, judged) <= notable * frame[f"features/{judged}"].abs())
+    relative = standard_error(frame, judged) / frame[f"features/{judged}"].abs()
+    by_blocks = frame.get(f"features/{BY_BLOCKS.get(judged, '')}")
+    if by_blocks is not None:
+        relative = by_blocks.where(by_blocks.notna(), relative)
+    if plain != feature.removesuffix(".phase") and f"features/{plain}-healthy" in frame:  # the change may be small
+        relative = relative * (frame[f"features/{judged}"] / frame[f"features/{plain}-healthy"]).abs()
+    return _chaotic(frame) & ~(relative <= notable)
 
 
 def scatters_unknown(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":
     """Where a feature is a line of a chaotic motion whose scatter nothing tells: it is no multiple of BPFO."""
-    told = "@" not in feature or f"features/{feature}-scatter" in frame
+    told = "@" not in feature or ".rms@" in feature or f"features/{feature}-scatter" in frame
     return _chaotic(frame) & (not told)
 
 

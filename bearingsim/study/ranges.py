@@ -175,7 +175,7 @@ def asks_for_series(case: Case) -> bool:
 def coarseness(case: Case) -> float:
     """Part of FEWEST_SAMPLES that the quickest crossing of a pit lacks; 0 without pits, or with raw samples."""
     crossing = shortest_crossing(case)
-    return FEWEST_SAMPLES / (crossing * case.sampling) if crossing < inf else 0.0
+    return FEWEST_SAMPLES / (crossing * case.sampling) if crossing < inf and case.antialias else 0.0
 
 
 def shortest_crossing(case: Case) -> float:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pydantic.json_schema import models_json_schema
 
 from bearingsim.catalogue import AUTO
-from bearingsim.config import Case, Defect, Section
+from bearingsim.config import Case, Defect, Section, bands
 from bearingsim.config.case_fields import OLD_WORDS
 from bearingsim.config.fields import POSITIVE, Schema, quantity_schema, whole_schema
 from bearingsim.designs import KINDS
@@ -28,6 +28,7 @@ from bearingsim.text.units import UNITS
 __all__ = ["json_schema", "schema_text"]
 
 _TEXT = {"type": ["string", "number", "boolean"]}
+OF_BAND: Schema = {"type": "string", "pattern": bands.PATTERN}
 _NUMBERED = r"^defects\.[0-9]{1,4}"
 
 
@@ -49,7 +50,7 @@ def json_schema() -> Schema:
         return _one_of(_ref(names, *field) for field in fields_at()[OLD_WORDS.get(path, path)])
 
     shared = {
-        "Feature": {"enum": list(DRAWN)},
+        "Feature": {"anyOf": [{"enum": list(DRAWN)}, OF_BAND]},
         "Path": {"anyOf": [{"enum": _paths()}, {"type": "string", "pattern": _NUMBERED}]},
         "Values": _by_path(_paths(), lambda path: _values(path, at(path))),
         "Ranges": _by_path(filter(known_paths().get, known_paths()), lambda path: _shared(f"Range {_kind(path)}")),
@@ -224,7 +225,14 @@ def _tried(unknown: Unknown) -> Schema:
 
 def _accuracy() -> Schema:
     share = quantity_schema("share", POSITIVE)
-    return _one_of([share, _closed({"within": share, "of": _some({"enum": list(KNOWN)})}, required=["within"])])
+    return _one_of(
+        [
+            share,
+            _closed(
+                {"within": share, "of": _some({"anyOf": [{"enum": list(KNOWN)}, OF_BAND]})}, required=["within"]
+            ),
+        ]
+    )
 
 
 # What goes together

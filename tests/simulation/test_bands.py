@@ -9,7 +9,7 @@ from tests.scenes.nf308 import SLOT, case
 
 BPFO = case().bearing.ball_pass_frequency(case().speed)
 NARROW = SLOT | {"width": "0.2 mm"}
-RMS, HIGH, ENVELOPE = "velocity.rms@10-1000Hz", "acceleration.rms@1-5kHz", "envelope@BPFO@1-5kHz"
+RMS, HIGH, ENVELOPE = "velocity.rms@10-1000Hz", "acceleration.rms@1000-5000Hz", "envelope@BPFO@1000-5000Hz"
 
 
 def computed(**given):
@@ -45,9 +45,10 @@ def test_the_rms_of_a_band_is_that_of_its_harmonics(narrow):
     assert narrow.features[RMS] == pytest.approx(np.sqrt(power), rel=0.02)
 
 
-@pytest.mark.parametrize(
-    "name", ["velocity.rms@10-1000", "velocity.peak@10-1000Hz", "envelope@BPFX", "envelope@BPFO@5kHz", "envelope"]
-)
+OTHERS = ("velocity.rms@10-1000", "velocity.peak@10-1000Hz", "envelope@BPFX", "envelope@BPFO@5kHz", "envelope")
+
+
+@pytest.mark.parametrize("name", [*OTHERS, "velocity.rms@1-5kHz", "velocity.rms@10.0-1000Hz"])
 def test_other_names_are_no_bands(name):
     assert of_band(name) is None
 
@@ -55,3 +56,10 @@ def test_other_names_are_no_bands(name):
 def test_a_line_that_the_band_is_too_narrow_for_is_none():
     found = simulate(case(defect=NARROW, duration="0.1 s", features=["envelope@BPFO@1000-1100Hz"], record=[]))
     assert np.isnan(found.features["envelope@BPFO@1000-1100Hz"])
+
+
+def test_a_line_that_the_record_does_not_tell_from_another_is_none():
+    """157 Hz beside BPFO at 159 Hz, in 0.1 s."""
+    found = simulate(case(defect=NARROW, duration="0.1 s", features=["envelope@2BSF"], record=[]))
+    assert np.isnan(found.features["envelope@2BSF"])
+    assert np.isnan(found.features["velocity@2BSF"])

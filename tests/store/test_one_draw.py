@@ -44,3 +44,11 @@ def test_a_closer_look_may_be_asked_for() -> None:
 
 def test_results_that_were_not_checked_are_not_flagged() -> None:
     assert not is_one_draw(pd.DataFrame([{LINE: 2.0}]), LINE).iloc[0]
+
+
+def test_blocks_of_passes_tell_more_than_single_ones() -> None:
+    found = table(line=0.1, rms=0.1).assign(**{"standard_error.line": [0.004], "standard_error.rms": [0.006]})
+    assert not is_one_draw(found, LINE).iloc[0]
+    assert is_one_draw(found, RMS).iloc[0]
+    assert is_one_draw(found.assign(**{"standard_error.line": [math.nan]}), LINE).iloc[0]
+    assert is_one_draw(found.assign(**{"standard_error.line": [math.inf]}), LINE).iloc[0]

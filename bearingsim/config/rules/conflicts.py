@@ -1,6 +1,7 @@
 """Values of a case that are right alone but not together."""
 
 from collections.abc import Iterator
+from math import inf
 from typing import TYPE_CHECKING
 
 from bearingsim import catalogue
@@ -177,12 +178,13 @@ def _bands(case: "CaseFields") -> Iterator[Conflict]:
         low, high = found.band
         if not low < high:
             yield Conflict("band", (at,), f"`{name}`: the band is empty", "give the lower frequency first")
-        elif high > HIGHEST:
+        if high > HIGHEST:
             message = f"`{name}`: the models know nothing over {show(HIGHEST, 'kHz')}"
             yield Conflict("band", (at,), message, "end the band there")
-        elif 0.0 < low < FEWEST_PERIODS / case.duration:
-            needed = show(FEWEST_PERIODS / low, "s")
-            message = f"`{name}`: a record of {show(case.duration, 's')} does not resolve {low:g} Hz"
+        finest = min(low or inf, high - low)
+        if 0.0 < finest < FEWEST_PERIODS / case.duration:
+            needed = show(FEWEST_PERIODS / finest, "s")
+            message = f"`{name}`: a record of {show(case.duration, 's')} does not resolve {finest:g} Hz"
             yield Conflict("band", (at, ("duration",)), message, f"take a `duration` of {needed} or more")
 
 

@@ -1,0 +1,114 @@
+"""Features of bands, as studies name them: in figures, in an accuracy, by themselves."""
+
+from pathlib import Path
+
+import pytest
+
+from bearingsim import store
+from bearingsim.config import Case
+from bearingsim.simulation import time_grid
+from bearingsim.study import StudyError, case_id, load_study
+from tests.conftest import Write
+from tests.scenes.commands import type_
+
+BASE = """\
+study: a
+bearing: nf308
+speed: 1800 rpm
+model: static
+duration: 0.2 s
+defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 0.05 mm}
+sweep: {load: [150 N, 300 N]}
+"""
+ALL = {RMS := "velocity.rms@10-1000Hz", HIGH := "acceleration.rms@1000-20000Hz", ENVELOPE := "envelope@BPFO"}
+
+
+def features(write: Write, said: str) -> set[str]:
+    (found,) = {case.features for case in load_study(write(BASE + said)).cases()}
+    return set(found)
+
+
+@pytest.mark.parametrize(
+    ("said", "named"),
+    [
+        ("", set()),
+        (f"features: [{HIGH}]\n", {HIGH}),
+        (f"figures: [{{y: {RMS}, x: load}}]\n", {RMS}),
+        (
+            f"figures: [{{y: [{RMS}-healthy, {ENVELOPE}], x: load}}]\nfeatures: [{HIGH}, {RMS}]\n",
+            {RMS, ENVELOPE, HIGH},
+        ),
+    ],
+)
+def test_what_figures_draw_is_computed(write: Write, said: str, named: set[str]) -> None:
+    assert features(write, said) == named
+
+
+def test_so_is_what_an_accuracy_is_asked_of(write: Write) -> None:
+    text = BASE.replace("model: static\n", "") + f"accuracy: {{within: 5 %, of: [{RMS}-healthy, {ENVELOPE}]}}\n"
+    study = load_study(write(text))
+    assert {case.features for case in study.cases()} == {(RMS, ENVELOPE)}
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("velocity.rms@1000-10Hz", "the band is empty"),
+        ("velocity.rms@10-200000Hz", "nothing over 100 kHz"),
+        ("velocity.rms@5-1000Hz", "a record of 0.2 s does not resolve 5 Hz"),
+        ("velocity.rms@1000-1005Hz", "does not resolve 5 Hz"),
+        ("velocity.rms@0-5Hz", "does not resolve 5 Hz"),
+    ],
+)
+def test_a_band_that_the_run_does_not_resolve_is_refused_where_it_stands(
+    write: Write, name: str, reason: str
+) -> None:
+    with pytest.raises(StudyError, match=reason) as caught:
+        load_study(write(f"{BASE}figures: [{{y: {name}, x: load}}]\n"))
+    line, caret = str(caught.value).splitlines()[1:3]
+    assert line[caret.index("^") :].startswith(name)
+
+
+def test_a_word_that_is_almost_one_is_answered_with_examples(write: Write) -> None:
+    with pytest.raises(StudyError, match=r"bands are named as in velocity\.rms@10-1000Hz"):
+        load_study(write(f"{BASE}figures: [{{y: velocity.rms@1-5kHz, x: load}}]\n"))
+
+
+def test_what_is_computed_anyway_needs_no_naming(write: Write) -> None:
+    with pytest.raises(StudyError, match="is computed of every case"):
+        load_study(write(f"{BASE}features: [velocity.rms]\n"))
+
+
+def test_the_order_of_names_makes_no_other_case() -> None:
+    one, other, none = (
+        Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "features": names})
+        for names in ([RMS, ENVELOPE], [ENVELOPE, RMS], [])
+    )
+    assert case_id(one) == case_id(other) != case_id(none)
+
+
+def test_a_high_band_raises_the_rate_of_fine_samples() -> None:
+    plain, high = (
+        Case.model_validate(
+            {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "ring", "features": names}
+        )
+        for names in ([], [HIGH])
+    )
+    assert time_grid.grid(plain).fine_rate < 20e3 / 0.15 < time_grid.grid(high).fine_rate
+
+
+def test_they_are_stored_drawn_and_beside_their_healthy_twin(tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text(f"{BASE}figures: [{{y: [{RMS}, {RMS}-healthy], x: load}}]\nfeatures: [{ENVELOPE}]\n")
+    type_("run", path, "--jobs", "1", "--out", tmp_path / "out")
+    results = store.open_results(tmp_path / "out")
+    table = results.table().set_index("job")
+    for job, healthy in table["healthy"][table["healthy"] != ""].items():
+        for name in (RMS, ENVELOPE):
+            apart = table.loc[job, name] - table.loc[healthy, name]  # type: ignore[index]
+            assert table.loc[job, f"{name}-healthy"] == apart  # type: ignore[index]
+            assert apart > 0.0
+    shown, _ = type_("show", tmp_path / "out")
+    assert RMS in shown
+    for kind in ("sweep", "pit"):  # the latter makes the case again from its parameters
+        type_("plot", tmp_path / "out", "--kind", kind, "--format", "svg")
