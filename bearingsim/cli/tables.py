@@ -59,12 +59,23 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
         say(f"{count} columns too wide for the terminal: {left} (`--columns NAME`, `--json` or a pipe)")
 
 
+UNVARIED = {"clearance": "0 um, 10 um", "bracket": "0.5, 2"}
+"""Examples of values of what is not known, and has no sentence of its own."""
+
+
 def show_assumptions(results: "Results") -> None:
     """Print a sentence for each assumption of a study, and what it would take to try other values."""
+    from bearingsim.runner.findings import findings
     from bearingsim.runner.unknowns import assumed
     from bearingsim.store import job_frame
 
-    told = [*assumed(results.plan, job_frame(results.path)), *damping.of_jobs(results.info())]
+    frame = job_frame(results.path)
+    told = [*assumed(results.plan, frame), *damping.of_jobs(results.info())]
+    unvaried = [name for name in findings(results.plan, frame).assumed if name in UNVARIED]
+    told += [
+        f"{name} has one value in each case: `uncertainty: {{{name}: [{UNVARIED[name]}]}}` varies it"
+        for name in unvaried
+    ]
     for text in told or ["nothing is assumed that this program would vary"]:
         say(text)
 

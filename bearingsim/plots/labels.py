@@ -36,6 +36,7 @@ SCALES: dict[str, tuple[tuple[str, float], ...]] = {  # readable units of a feat
     "m": (("mm", 1e3), ("µm", 1e6), ("nm", 1e9)),
     "m/s": (("m/s", 1.0), ("mm/s", 1e3), ("µm/s", 1e6)),
     "m/s^2": (("m/s²", 1.0), ("mm/s²", 1e3)),
+    "m^2/s^4": (("m²/s⁴", 1.0),),
     "N": (("N", 1.0),),
     "N/m": (("N/mm", 1e-3), ("N/m", 1.0)),
     "s": (("s", 1.0), ("ms", 1e3)),

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.config import FEATURES
+from bearingsim.config.names import of_band
 from bearingsim.plots.labels import COST, PlotError, described, unit_of, value_text
 from bearingsim.plots.lines import fitting, may_slip, races_of_all
 from bearingsim.study import Figure, dimension
@@ -281,6 +282,7 @@ def phases(features: Sequence[str]) -> tuple[str, ...]:
 def _check(word: str, known: Any, what: str) -> None:
     if word not in known:
         near = "" if word in FEATURES else suggestion(word, list(known))  # another line is not the one asked for
+        near = f"say `features: [{word.removesuffix('-healthy')}]` and run again" if of_band(word) else near
         advice = near or f"there are: {', '.join(known) or 'none'}"
         raise PlotError(f"no {what} `{word}` in these results ({advice})")
 

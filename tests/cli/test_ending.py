@@ -37,6 +37,12 @@ def test_all_else_is_said_when_asked_for(here):
     assumed = type_("show", "results/small", "--assumptions")[0].splitlines()
     assert assumed[0].startswith("damping not examined: ")
     assert any(line.startswith("rigid ring assumed") for line in assumed)
+    for name, values in {"clearance": "[0 um, 10 um]", "bracket": "[0.5, 2]"}.items():
+        said = f"{name} has one value in each case: `uncertainty: {{{name}: {values}}}` varies it"
+        assert said in assumed
+        text = Path("small.yaml").read_text() + f"uncertainty: {{{name}: {values}}}\n"
+        Path("varied.yaml").write_text(text)
+        type_("check", "varied.yaml")
 
 
 BOTH = "uncertainty: {damping: [1 us, 5 us], clearance: [0 um, 5 um]}"
