@@ -33,6 +33,7 @@ def remarks(plan: "Plan", verbose: bool) -> Iterator[str]:
 
 
 HANGS = 0.999  # of a pit's depth: what a roller sinks by that does not reach its floor
+CLEARS_WALLS = 0.5  # the same of a V: its walls, of slope 2 depth/width, are steeper than the roller at its rims
 
 
 def hanging(plan: "Plan") -> Iterator[str]:
@@ -40,7 +41,9 @@ def hanging(plan: "Plan") -> Iterator[str]:
     damaged = [one for one in plan.cases if one.job.case.defects and one.job.case.excitation == "envelope"]
     depths = [min(defect.depth for defect in one.job.case.defects) for one in damaged]
     prisms = all(
-        defect.shape in ("rectangular", "triangular") for one in damaged for defect in one.job.case.defects
+        defect.shape in ("rectangular", "triangular") and one.sinking < CLEARS_WALLS * defect.depth
+        for one in damaged
+        for defect in one.job.case.defects
     )
     if damaged and all(one.sinking < HANGS * depth for one, depth in zip(damaged, depths, strict=True)):
         reached, floors = (span(1e6 * d for d in part) for part in ([one.sinking for one in damaged], depths))

@@ -50,7 +50,7 @@ def beyond(cases: Sequence[Case], drawn: Sequence[str]) -> Iterator[str]:
 
 
 def unheld(cases: Sequence[Case]) -> Iterator[str]:
-    """A text for each model and each thing that its cases ask for and it leaves out, with the worst reason."""
+    """A text for each model and each thing that its cases ask for and it leaves out, with the last reason."""
     found: dict[tuple[str, str], list[str]] = {}
     able: dict[tuple[str, str], str | None] = {}
     for case in cases:

@@ -133,6 +133,14 @@ def test_check_says_what_an_engineer_asks_first(here):
     assert "plausible" not in said
 
 
+@pytest.mark.parametrize(("depth", "same"), [("25 um", True), ("20 um", False)])
+def test_a_triangle_is_as_a_rectangle_only_where_its_walls_are_steep(here, depth, same):
+    """A roller sinks 11.3 um between the rims, and touches the walls of a V less than twice as deep."""
+    said, _ = type_("check", "small.yaml", "--set", f"defect.depth={depth}")
+    assert "rollers do not reach the floor: 11.3 um" in said
+    assert ("rectangle and triangle are the same" in said) == same
+
+
 def test_check_shows_the_design(here):
     sweep = STUDY.replace("load: [150 N, 300 N]", "morris: {n: 6, over: {load: [150 N, 300 N]}}")
     Path("design.yaml").write_text(sweep.replace("model: [static, ring]", "model: [static]"))
