@@ -39,6 +39,8 @@ def show(summary: "RunSummary", verbose: bool) -> None:
         say(text)
     if summary.findings is None:
         return
+    for text in summary.findings.withdrawn:
+        say(text)
     try:
         lines = list(results_in_lines(open_results(summary.folder)))
     except ResultsError:  # another run has replaced the plan

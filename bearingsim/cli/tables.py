@@ -30,6 +30,9 @@ PROOF = ("step_error.line", "step_error.rms", "step_error.record", "chaotic")
 
 def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json: bool) -> None:
     """Print a row per job; columns: instead of the usual ones. As JSON: all of them, in SI."""
+    from bearingsim.runner.promises import withdrawals
+    from bearingsim.store import job_frame
+
     table = results.table()
     rows = table[table["status"] == "failed"] if failed else table
     swept = list(results.plan["units"])
@@ -47,6 +50,8 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     if len(shown) < len(rows):
         say(f"and {len(rows) - len(shown)} jobs more: results.csv has them, and `--json`")
     say(_counts(table) + _varied(results))
+    for text in withdrawals(results.plan, job_frame(results.path)):
+        say(text)
     info = results.info().reindex(table["job"])
     of_choices = (results.plan.get("accuracy") or {}).get("notes", ())
     assumed = results.plan.get("assumptions", ())

@@ -13,7 +13,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocato
 
 from bearingsim.plots import labels, select
 from bearingsim.plots.style import COLUMN_IN, CurveStyle, curve_styles
-from bearingsim.store import is_one_draw
+from bearingsim.store import PARTS, is_one_draw
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
@@ -202,17 +202,17 @@ def mark_spread(ax: "Axes", x: Sequence[float], curve: Curve, name: str, factor:
         ax.vlines(at, least, largest, color=curve.look.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
 
 
-ERRORS = ("error.model", "error.step", "error.scatter")
 MODEL_MARKS = "osD^vP"
 MODEL_MARK: dict[str, Any] = {"ls": "", "color": "0.1", "ms": 2.5, "mew": 0.0}
 
 
 def mark_errors(ax: "Axes", x: Sequence[float], y: Sequence[float], curve: Curve) -> None:
     """What model, step and scatter may be off, over the curve's largest: a bar, where an accuracy is named."""
-    if not all(name in curve.rows for name in ERRORS):
+    if not all(name in curve.rows for name in (*PARTS, "error")):
         return
     largest = max((abs(value) for value in y if math.isfinite(value)), default=0.0)
-    off = largest * curve.rows[list(ERRORS)].sum(axis=1, min_count=1)
+    parts = curve.rows[[*PARTS]].sum(axis=1, min_count=1)
+    off = largest * parts.where(~(curve.rows["error"] > parts), curve.rows["error"])  # of a failed audit
     known = [(a, b, e) for a, b, e in zip(x, y, off, strict=True) if math.isfinite(b * e)]
     if known:
         at, value, error = zip(*known, strict=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from bearingsim import store
 from bearingsim.config.names import NO_VALUE
 from bearingsim.config.rules import damping
-from bearingsim.runner.promises import held, promises
+from bearingsim.runner.promises import held, promises, withdrawals
 from bearingsim.runner.summary import chaos, repetitions, step_errors
 from bearingsim.runner.unknowns import assumed, moved
 from bearingsim.study.uncertainty import NO_SLIP, RIGID, sweeps_damping
@@ -21,8 +21,11 @@ __all__ = ["Findings", "findings"]
 
 @dataclass(frozen=True)
 class Findings:
-    """What there is to say of results: how well they hold, warnings, names of what was assumed, and details."""
+    """What there is to say of results: promises that audits refuted, how well the results hold, warnings, names of
+    what was assumed, and details.
+    """
 
+    withdrawn: tuple[str, ...] = ()
     held: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
@@ -31,7 +34,7 @@ class Findings:
     @property
     def everything(self) -> tuple[str, ...]:
         """All sentences."""
-        return (*self.held, *self.warnings, *self.details)
+        return (*self.withdrawn, *self.held, *self.warnings, *self.details)
 
 
 def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
@@ -44,6 +47,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     within = plan["accuracy"]["within"] if plan.get("accuracy") else inf
     flagged = chaos(own, drawn, min(store.NOTABLE, within / 2.0))
     return Findings(
+        withdrawn=tuple(withdrawals(plan, frame)),
         held=(*(held(plan, frame) if plan.get("accuracy") else _step_errors(own)), *moved(plan, frame)),
         warnings=(
             *warned,

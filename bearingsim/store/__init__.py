@@ -29,7 +29,7 @@ from bearingsim.store.journal import Failure, clear_failure, log, now, read_fail
 from bearingsim.store.marker import NotOurs, OtherStudy, claim
 from bearingsim.store.merge import Merged, Unmergeable, merge
 from bearingsim.store.names import flat_parameters
-from bearingsim.store.nearness import audited, nearness
+from bearingsim.store.nearness import PARTS, Audited, audited, nearness, withdrawn
 from bearingsim.store.provenance import made_of, provenance
 from bearingsim.store.prune import Superfluous, prune, superfluous
 from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs, results_folder
@@ -62,7 +62,9 @@ from bearingsim.store.units import (
 
 __all__ = [
     "NOTABLE",
+    "PARTS",
     "UNREADABLE",
+    "Audited",
     "DamagedChoices",
     "DamagedUnit",
     "DiskFull",
@@ -131,6 +133,7 @@ __all__ = [
     "unit_names",
     "unit_path",
     "with_short_paths",
+    "withdrawn",
     "write_bytes",
     "write_choices",
     "write_plan",

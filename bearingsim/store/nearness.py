@@ -15,19 +15,28 @@ from bearingsim.study.uncertainty import RIGID
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Audited", "audited", "nearness"]
+__all__ = ["PARTS", "Audited", "audited", "nearness", "withdrawn"]
 
 STEP_OF = {"rms": "rms", "max": "force"}  # by the ending of a feature: all others are lines
-COLUMNS = ("error.model", "error.step", "error.scatter", "error")
+PARTS = ("error.model", "error.step", "error.scatter")
+"""Columns whose sum is ``error``."""
 STANDARD_ERRORS = 2.0
 
 
 class Audited(NamedTuple):
-    """A job that was computed again by its reference: the largest difference, and what it may be by scatter."""
+    """A feature of a job that was computed again by its reference: the difference, and what may be scatter.
+
+    job: the id of the job that was audited; off, scatter: relative to the largest value of the feature's curve.
+    """
 
     job: str
+    feature: str
     off: float
     scatter: float
+
+    def fails(self, within: float) -> bool:
+        """Return whether the difference exceeds an accuracy by more than scatter explains."""
+        return self.off > within + self.scatter
 
 
 def scales(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
@@ -46,23 +55,26 @@ def nearness(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     """``error.model``, ``.step``, ``.scatter`` and their sum ``error`` by case: of what is asked, the largest.
 
     No ``error`` where the study leaves open what moves its results more than any model: whether its ring bends. No
-    ``.scatter`` and no ``error`` of a chaotic motion if a line is asked for whose scatter is not told.
+    ``.scatter`` and no ``error`` of a chaotic motion if a line is asked for whose scatter is not told. Where an
+    audit failed, ``error`` is at least the difference that it found, on all of the curve.
     """
     import pandas as pd
 
     accuracy = plan.get("accuracy")
-    found = pd.DataFrame(index=frame.index, columns=[*COLUMNS], dtype=float)
+    found = pd.DataFrame(index=frame.index, columns=[*PARTS, "error"], dtype=float)
     if accuracy is None:
         return found.iloc[:, :0]
     cases = [job for job in accuracy["jobs"] if job in frame.index]
     parts = {feature: _parts(plan, frame, feature) for feature in accuracy["of"] if f"features/{feature}" in frame}
-    for name in COLUMNS[:3]:
+    for name in PARTS:
         of_features = pd.DataFrame({feature: part[name] for feature, part in parts.items()})
         found.loc[cases, name] = of_features.max(axis=1).replace(inf, nan).reindex(cases)
     if RIGID not in plan.get("assumptions", ()):
         sums = pd.DataFrame({feature: part.sum(axis=1, skipna=False) for feature, part in parts.items()})
         found.loc[cases, "error"] = sums.max(axis=1).replace(inf, nan).reindex(cases)
-    return found
+    refuted = pd.Series(withdrawn(plan, frame), dtype=float).reindex(found.index)
+    found["error"] = found["error"].where(~(refuted > found["error"].fillna(0.0)), refuted)
+    return found.where(frame["status"] == "done")
 
 
 def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.DataFrame":
@@ -93,21 +105,37 @@ def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
 
 
 def audited(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Audited]:
-    """What the audits found, of those whose jobs are both done."""
+    """Yield the differences that audits found, by job and feature, of pairs whose jobs are both done."""
     accuracy = plan.get("accuracy") or {"audits": [], "of": []}
-    for one in accuracy["audits"]:
-        pair = [one["of"], one["job"]]
+    features = [feature for feature in accuracy["of"] if f"features/{feature}" in frame]
+    sizes = {feature: scales(plan, frame, feature) for feature in features if accuracy["audits"]}
+    for audit in accuracy["audits"]:
+        pair = [audit["of"], audit["job"]]
         if not frame["status"].reindex(pair).eq("done").all():
             continue
-        compared = [f for f in accuracy["of"] if f"features/{f}" in frame]
-        compared = [f for f in compared if frame[f"features/{f}"].loc[pair].notna().all()]
-        if not compared:
-            continue
-        off, scatter = 0.0, 0.0
-        for feature in compared:
-            name = f"features/{feature}"
-            size = float(scales(plan, frame, feature)[one["of"]]) or 1.0
-            off = max(off, abs(float(frame[name][pair[0]] - frame[name][pair[1]])) / size)
+        for feature in features:
+            own, reference = frame[f"features/{feature}"].loc[pair]
+            if own != own or reference != reference:  # no value in one of them: nothing is compared
+                continue
+            size = float(sizes[feature][audit["of"]]) or 1.0
             errors = standard_error(frame, feature.removesuffix(HEALTHY)).reindex(pair)
-            scatter = max(scatter, STANDARD_ERRORS * float((errors**2).sum() ** 0.5) / size)
-        yield Audited(one["of"], off, scatter)
+            scatter = STANDARD_ERRORS * float((errors**2).sum() ** 0.5) / size
+            yield Audited(audit["of"], feature, abs(float(own - reference)) / size, scatter)
+
+
+def withdrawn(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, float]:
+    """Return the largest difference that a failed audit found on a curve of each case, by job.
+
+    Only of cases on a curve of a feature whose audit failed: what was promised of them is withdrawn. A feature on
+    no curve counts for its own job alone.
+    """
+    accuracy = plan.get("accuracy") or {"within": inf, "curves": []}
+    largest: dict[str, float] = {}
+    for audit in audited(plan, frame):
+        if not audit.fails(accuracy["within"]):
+            continue
+        drawn = [curve["jobs"] for curve in accuracy["curves"] if curve["feature"] == audit.feature]
+        on_it = [job for jobs in drawn if audit.job in jobs for job in jobs]
+        for job in (audit.job, *on_it):
+            largest[job] = max(largest.get(job, 0.0), audit.off)
+    return largest

@@ -179,7 +179,7 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     import pandas as pd
 
     ours = rows_of(plan)
-    spreads = errors(plan, frame)
+    spreads, near = errors(plan, frame), nearness(plan, frame)  # of audits and other variations, too
     frame = frame.loc[[entry["job"] for entry in ours]]
     swept = pd.DataFrame([entry["swept"] for entry in ours], index=frame.index)
     features = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
@@ -187,9 +187,8 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     features = features[in_feature_order(features.columns)]
     told = (plan.get("accuracy") or {"jobs": {}})["jobs"]
     if told:
-        models = {"model": [told[job]["model"] if job in told else "" for job in frame.index]}
-        near = nearness(plan, frame).reindex(frame.index)
-        features = pd.concat([pd.DataFrame(models, index=frame.index), near, features], axis=1)
+        models = pd.DataFrame({"model": [told[job]["model"] if job in told else "" for job in frame.index]})
+        features = pd.concat([models.set_index(frame.index), near.reindex(frame.index), features], axis=1)
     seconds = frame["info/cpu_s"] if "info/cpu_s" in frame else pd.Series(np.nan, frame.index)
     rest = pd.DataFrame({"status": frame["status"], "reason": frame["reason"], "seconds": seconds})
     jobs = pd.DataFrame({"job": frame.index}, index=frame.index)

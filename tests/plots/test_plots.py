@@ -192,10 +192,11 @@ def test_what_moves_chaotically_is_ringed_and_the_legend_says_so(results):
     assert text_of(canvas)[-1] == "chaotic: one draw of many"
 
 
-def test_of_an_accuracy_bars_show_the_error_and_marks_the_model(results):
+@pytest.mark.parametrize(("total", "shown"), [(math.nan, 0.04), (0.04, 0.04), (0.2, 0.2)])  # 0.2: by an audit
+def test_of_an_accuracy_bars_show_the_error_and_marks_the_model(results, total, shown):
     made = results()
     table = made.table()
-    errors = {"error.model": 0.03, "error.step": 0.01, "error.scatter": 0.0}
+    errors = {**dict.fromkeys(store.PARTS, 0.0), "error.model": 0.03, "error.step": 0.01, "error": total}
     for name, share in errors.items():
         table[name] = share
     table["model"] = "planar"
@@ -205,7 +206,7 @@ def test_of_an_accuracy_bars_show_the_error_and_marks_the_model(results):
     ax = canvas.axes[0]
     (bars,) = [one for one in ax.collections if len(one.get_segments()) > 1]
     lengths = [abs(b[1] - a[1]) for a, b in bars.get_segments()]
-    assert lengths == pytest.approx([2 * 0.04 * max(ax.lines[0].get_ydata())] * len(lengths))
+    assert lengths == pytest.approx([2 * shown * max(ax.lines[0].get_ydata())] * len(lengths))
     assert text_of(canvas)[-2:] == ["planar", "rollers"]
     marks = [line for line in ax.lines if line.get_markersize() == sweep.MODEL_MARK["ms"]]
     at = {line.get_marker(): set(line.get_xdata()) for line in marks}

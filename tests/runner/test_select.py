@@ -503,8 +503,16 @@ def test_audits_of_what_is_measured_against_a_twin_compare_that(
     monkeypatch.setattr(
         trials, "simulate", lambda case: _line(plain(case), 1.5 if case.model == "rollers" else 1.0)
     )
-    said = str(compute(study, tmp_path / "out"))
+    summary = compute(study, tmp_path / "out")
+    said = str(summary)
     assert "audit: 0 of 3 jobs computed again by their reference kept it; the worst is 34 % off" in said
+    assert summary.exit_code == 0
+    assert said.splitlines()[1].startswith("accuracy of 5 % withdrawn for 3 of 3 cases: velocity@BPFO-healthy of ")
+    assert "hold it" not in said
+    table = store.open_results(tmp_path / "out").table()
+    assert table["error"].dropna().tolist() == pytest.approx([0.34] * 3, abs=0.005)
+    shown = type_("show", tmp_path / "out")[0]
+    assert said.splitlines()[1] in shown.splitlines()
 
 
 def _line(record: Any, times: float) -> Any:

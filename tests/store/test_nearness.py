@@ -6,8 +6,8 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from bearingsim.runner.promises import held
-from bearingsim.store.nearness import audited, nearness, scales
+from bearingsim.runner.promises import held, withdrawals
+from bearingsim.store.nearness import audited, nearness, scales, withdrawn
 from bearingsim.study.uncertainty import RIGID
 
 LINE, RMS, FORCE = "velocity@BPFO", "velocity.rms", "outer_force.max"
@@ -109,7 +109,7 @@ AUDIT = [{"of": "a", "job": "d"}]
 
 def test_an_audit_is_off_by_what_differs_over_the_curve() -> None:
     (found,) = audited(plan([LINE], audits=AUDIT), frame({LINE: [1.0, 2.0, 2.0, 1.1]}))
-    assert found == ("a", pytest.approx(0.05), 0.0)
+    assert found == ("a", LINE, pytest.approx(0.05), 0.0)
 
 
 @pytest.mark.parametrize("audit", [math.nan, None])
@@ -120,3 +120,54 @@ def test_an_audit_that_compares_nothing_is_none(audit: float | None) -> None:
     assert not list(audited(plan([healthy], audits=AUDIT), given))
     missing = frame({LINE: [1.0, 2.0, 2.0, 1.1]}, status=["done", "done", "done", "failed"])
     assert not list(audited(plan([LINE], audits=AUDIT), missing))
+
+
+# An audit that fails
+
+
+def test_a_failed_audit_withdraws_the_promise_of_its_curve() -> None:
+    """Of that curve alone: `c` is on none, and keeps its own error."""
+    asked = plan([LINE], {LINE: 0.01}, audits=AUDIT)
+    given = frame({LINE: [1.0, 2.0, 2.0, 1.4]})  # a is 20 % of the curve's largest value off
+    assert withdrawn(asked, given) == pytest.approx({"a": 0.2, "b": 0.2})
+    found = nearness(asked, given)
+    assert found["error"].iloc[:3].tolist() == pytest.approx([0.2, 0.2, 0.01])
+    assert found["error.model"].iloc[:3].tolist() == pytest.approx([0.01] * 3)
+    assert list(withdrawals(asked, given)) == [
+        "accuracy of 5 % withdrawn for 2 of 3 cases: velocity@BPFO of a is 20 % off its reference"
+        " (say `model: reference` to compute all by it)"
+    ]
+    assert list(held(asked, given)) == ["of the other 1 cases 1 are within 5 % by their trials"]
+
+
+@pytest.mark.parametrize(("audit", "fails"), [(1.099, False), (1.101, True), (0.901, False), (0.899, True)])
+def test_an_audit_fails_beyond_what_was_asked(audit: float, fails: bool) -> None:
+    asked, given = plan([LINE], audits=AUDIT), frame({LINE: [1.0, 2.0, 2.0, audit]})
+    assert bool(withdrawn(asked, given)) == fails
+    assert any("hold it" in text for text in held(asked, given)) != fails
+
+
+def test_scatter_of_both_runs_excuses_an_audit() -> None:
+    columns = {LINE: [1.0, 2.0, 2.0, 1.4], f"{LINE}-scatter": [0.15, 0.0, 0.0, 0.1], "chaotic": [1.0] * 4}
+    assert not withdrawn(plan([LINE], audits=AUDIT), frame(columns))
+
+
+def test_each_feature_has_a_curve_of_its_own_to_lose() -> None:
+    """The scatter of one feature excuses no other."""
+    curves = [{"feature": LINE, "jobs": ["a", "b"]}, {"feature": RMS, "jobs": ["a", "c"]}]
+    asked = plan([LINE, RMS], audits=AUDIT, curves=curves)
+    given = {LINE: [1.0, 2.0, 2.0, 1.0], RMS: [1.0, 1.0, 1.0, 1.3]}
+    noisy = {f"{LINE}-scatter": [9.0] * 4, "chaotic": [1.0] * 4, "rms_scatter": [0.0] * 4}
+    assert withdrawn(asked, frame(given | noisy)) == pytest.approx({"a": 0.3, "c": 0.3})
+
+
+def test_a_feature_on_no_curve_loses_its_own_case_alone() -> None:
+    asked = plan([LINE], audits=AUDIT, curves=[])
+    assert withdrawn(asked, frame({LINE: [1.0, 2.0, 2.0, 1.4]})) == {"a": pytest.approx(0.4)}
+
+
+def test_what_an_audit_found_is_in_the_table_though_the_ring_is_only_assumed_to_be_rigid() -> None:
+    asked = plan([LINE], audits=AUDIT) | {"assumptions": [RIGID]}
+    found = nearness(asked, frame({LINE: [1.0, 2.0, 2.0, 1.4]}))
+    assert found["error"].iloc[:2].tolist() == pytest.approx([0.2, 0.2])
+    assert math.isnan(found["error"].iloc[2])
