@@ -1,6 +1,6 @@
 """The `figures:` section."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 
 from bearingsim.catalogue import MODELS
 from bearingsim.config import FEATURES
@@ -28,21 +28,25 @@ KNOWN_TO: dict[str, tuple[str, ...]] = {
 KEYS = ("y", "x", "by", "panels", "where", "title", "log")
 
 
-def with_features(root: Node) -> Node:
-    """The tree of a study with the features of bands that figures and `accuracy` name among its `features`."""
-    named, own = list(_named(root)), root.mapping.get("features")
-    known = {node.text for node in (own.items if own is not None else ())}
-    missing: dict[str, Node] = {}
-    for node in named:
+def of_bands(root: Node) -> dict[str, Node]:
+    """Return the features of bands that the figures and the `accuracy` of a study name, healthy ones as their own."""
+    features: dict[str, Node] = {}
+    for node in _named(root):
         name = node.text.removesuffix(HEALTHY)
-        if of_band(name) is not None and name not in known:
-            missing.setdefault(name, Node(name, node.mark))
+        if of_band(name) is not None:
+            features.setdefault(name, Node(name, node.mark))
+    return features
+
+
+def with_features(base: Node, wanted: Mapping[str, Node]) -> Node:
+    """Return the tree of a case with ``wanted`` among its `features`; those that are no list are left as they are."""
+    own = base.mapping.get("features")
+    items = own.items if own is not None else ()
+    missing = [node for name, node in wanted.items() if name not in {item.text for item in items}]
     if not missing or (own is not None and not isinstance(own.value, tuple)):
-        return root
-    first = next(iter(missing.values()))
-    items = (*(own.items if own is not None else ()), *missing.values())
-    features = Node(items, own.mark if own is not None else first.mark, own.key if own is not None else first.key)
-    return Node(root.mapping | {"features": features}, root.mark, root.key)
+        return base
+    mark, key = (own.mark, own.key) if own is not None else (missing[0].mark, missing[0].key)
+    return Node(base.mapping | {"features": Node((*items, *missing), mark, key)}, base.mark, base.key)
 
 
 def _named(root: Node) -> Iterator[Node]:

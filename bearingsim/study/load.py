@@ -11,7 +11,7 @@ from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.fields import described
 from bearingsim.study import aliases
-from bearingsim.study.figures import check_known, parse_figures, with_features
+from bearingsim.study.figures import check_known, of_bands, parse_figures
 from bearingsim.study.goal import Goal, asks_for_reference, check_goal, parse_goal
 from bearingsim.study.jobs import Figure, Study
 from bearingsim.study.plan import Plan
@@ -163,11 +163,11 @@ def _opened(path: FilePath, overrides: Mapping[str, str]) -> _Opened:
             )
         notes, root = aliases.notes(root, overrides), aliases.renamed(root)
         given = {aliases.new_path(path): value for path, value in _texts(overrides).items()}
-        root = with_features(root)
+        computed = of_bands(root)
         whole, root = root, asks_for_reference(root) if "accuracy" in root.mapping else root
         # Both are checked, so that a mistake in `quick` is told now and not when it is first used.
         modes = (False, True) if "quick" in root.mapping else (False,)
-        plans = [Plan.of(root, path.parent, given, reduced) for reduced in modes]
+        plans = [Plan.of(root, path.parent, given, reduced, computed) for reduced in modes]
         for plan in plans:
             plan.open_files()
     return _Opened(str(path), text, whole, root, flaws, notes, given, plans, files)

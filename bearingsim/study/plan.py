@@ -14,6 +14,7 @@ from bearingsim.designs import KINDS
 from bearingsim.study.design import IN_BLOCKS, Drawn, beside, drawn
 from bearingsim.study.diagnose import STUDY_KEYS, Found, Sections, case_of, check_replaced, mark_of
 from bearingsim.study.expand import expanded
+from bearingsim.study.figures import with_features
 from bearingsim.study.first_look import one_at_a_time
 from bearingsim.study.jobs import identity
 from bearingsim.study.paths import dimension, parse_path, put, unspelled, value_at
@@ -66,8 +67,15 @@ class Plan:
     others: dict[tuple, list[Case | None]] = field(default_factory=dict)  # what was asked for otherwise
 
     @classmethod
-    def of(cls, root: Node, folder: FilePath, overrides: Mapping[str, str], quick: bool) -> "Plan":
-        """The plan of a file: its base and sweep, then `quick`, then the overrides."""
+    def of(
+        cls,
+        root: Node,
+        folder: FilePath,
+        overrides: Mapping[str, str],
+        quick: bool,
+        features: Mapping[str, Node],
+    ) -> "Plan":
+        """Make the plan of a file: its base and sweep, then `quick`, the overrides, and features besides its own."""
         entries = {key: node for key, node in root.mapping.items() if key not in STUDY_KEYS}
         plan = cls(Node(entries, root.mark), folder)
         plan.expand()
@@ -77,6 +85,7 @@ class Plan:
             plan.take_quick(root.mapping["quick"])
         for path, text in overrides.items():
             plan.override(path, text)
+        plan.base = with_features(plan.base, features)
         plan.draw()
         plan.axes = [axis for axis in plan.axes if plan.check(axis)]
         plan.relate()

@@ -44,6 +44,14 @@ def test_what_figures_draw_is_computed(write: Write, said: str, named: set[str])
     assert features(write, said) == named
 
 
+def test_what_figures_draw_is_computed_whatever_else_is_said_instead(write: Write) -> None:
+    path = write(f"{BASE}figures: [{{y: {RMS}, x: load}}]\nquick: {{features: [{HIGH}]}}\n")
+    (plain,) = {case.features for case in load_study(path, {"features": f"[{ENVELOPE}]"}).cases()}
+    (quick,) = {case.features for case in load_study(path, quick=True).cases()}
+    assert set(plain) == {RMS, ENVELOPE}
+    assert set(quick) == {RMS, HIGH}
+
+
 def test_so_is_what_an_accuracy_is_asked_of(write: Write) -> None:
     text = BASE.replace("model: static\n", "") + f"accuracy: {{within: 5 %, of: [{RMS}-healthy, {ENVELOPE}]}}\n"
     study = load_study(write(text))
