@@ -169,7 +169,7 @@ def most_able() -> str:
 
 _STATIC = frozenset({"balance", "forces", "a second load", "shapes", "balls"})
 _RING = _STATIC | {"damping", "acceleration", "weakened contact", "shared pressure"}
-_ROLLERS = _RING | {"inertia of rollers"}
+_ROLLERS = _RING | {"roller inertia"}
 _PLANAR = _ROLLERS | {"ramp", "gravity", "friction", "cage", "drag", "shaft", "ring rotation", "slip"}
 _SPATIAL = _PLANAR - {"balls", "shared pressure"} | {"tilt", "leaning rings", "profile"}
 

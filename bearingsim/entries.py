@@ -39,7 +39,7 @@ class Model:
     @property
     def has_inertia(self) -> bool:
         """Whether its rollers have mass."""
-        return "inertia of rollers" in self.abilities
+        return "roller inertia" in self.abilities
 
     @property
     def has_centrifugal_load(self) -> bool:

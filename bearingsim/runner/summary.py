@@ -4,11 +4,11 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from math import inf
+from math import ceil, inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearingsim.store import NOTABLE, Failure, is_one_draw
+from bearingsim.store import NOTABLE, Failure, is_one_draw, relative_error
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,30 +41,39 @@ def grouped(failures: Iterable[Failure]) -> tuple[FailureGroup, ...]:
 
 
 LINE_AND_RMS = ("velocity@BPFO", "velocity.rms")
+FEW = 2  # features that a line has room for
 
 
 def chaos(frame: "pd.DataFrame", drawn: Sequence[str] = (), notable: float = NOTABLE) -> Iterator[str]:
-    """What is to be known of the jobs of which a result is one draw of many; ``frame``: of ``store.build_table``.
+    """Yield how well the results of chaotic jobs are known, and what would tell more.
 
-    drawn: features that are looked at; notable: part of them, a standard error of which is told.
+    frame: of ``store.build_table``; drawn: features that are looked at; notable: standard error, relative, over
+    which it is told.
     """
-    if "features/rms_scatter" not in frame:
-        return
     import pandas as pd
 
-    features = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
-    draws = pd.DataFrame({name: is_one_draw(features, name, notable) for name in drawn or LINE_AND_RMS})
-    scatter = frame["features/rms_scatter"][draws.any(axis=1)]
-    if len(scatter) == 0:
+    table = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
+    names = [name for name in drawn or LINE_AND_RMS if name in table]
+    if not names or "chaotic" not in table:
         return
-    known, several = scatter[scatter < inf], len(scatter) > 1
-    jobs, whose = (f"{len(scatter)} jobs are", "their") if several else ("1 job is", "its")
-    worth = f"what {whose} RMS is worth was not seen"
-    if len(known):
-        worth = f"{whose} RMS is known to {100.0 * known.max():.2g} %{' at worst' * several}"
-    if 0 < len(known) < len(scatter):
-        worth += f", but that of {len(scatter) - len(known)} was not seen for long enough to tell"
-    yield f"{jobs} chaotic: a line is one draw of many; {worth} (`chaotic`, `rms_scatter`)"
+    errors = pd.DataFrame(
+        {name: relative_error(table, name).where(is_one_draw(table, name, notable), 0.0) for name in names}
+    )
+    unknown = errors.isna() | (errors == inf)
+    known = errors.mask(unknown, 0.0)
+    if (known.to_numpy() > 0.0).any():
+        worst = float(known.to_numpy().max())
+        longer = f"{ceil((worst / notable) ** 2)} times the `duration` for {100.0 * notable:.2g} %"
+        yield f"{_of_jobs(known > 0.0)} chaotic, known to {100.0 * worst:.2g} %; {longer}"
+    if unknown.to_numpy().any():
+        yield f"{_of_jobs(unknown)} chaotic, standard error unknown; a longer `duration` may tell"
+
+
+def _of_jobs(flags: "pd.DataFrame") -> str:
+    """`velocity.rms in 2 of 8 jobs`; flags: of jobs by features."""
+    names = [str(name) for name in flags if flags[name].any()]
+    more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
+    return f"{', '.join(names[:FEW])}{more} in {flags.any(axis=1).sum()} of {len(flags)} jobs:"
 
 
 LESS_SURE = {

@@ -383,7 +383,7 @@ def advice(setup: Setup, outcome: int) -> str:
     if outcome == outcomes.TOO_SLOW:
         return "take a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
     if needs_roller_mass(setup, outcome):
-        return f"say `model: {lowest('inertia of rollers')}`: {hierarchy.NEEDS_ROLLER_MASS}"
+        return f"say `model: {lowest('roller inertia')}`: {hierarchy.NEEDS_ROLLER_MASS}"
     if not adaptive:
         return f"take a step under {1e6 * setup.cut.step / 2:.2g} us"
     loose = outcome in (outcomes.STEP_TOO_SMALL, outcomes.TOO_MANY_STEPS)

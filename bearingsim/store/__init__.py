@@ -35,7 +35,7 @@ from bearingsim.store.prune import Superfluous, prune, superfluous
 from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs, results_folder
 from bearingsim.store.scans import keep_scans, kept_scans, with_short_paths
 from bearingsim.store.sealed import UNREADABLE
-from bearingsim.store.spread import NOTABLE, errors, is_one_draw, spread
+from bearingsim.store.spread import NOTABLE, errors, is_one_draw, relative_error, spread
 from bearingsim.store.table import build_table, info, job_frame, own_frame, plan_of, read_plan, write_plan
 from bearingsim.store.trials import (
     DamagedChoices,
@@ -120,6 +120,7 @@ __all__ = [
     "read_trials",
     "refuse_links",
     "refuse_users_study",
+    "relative_error",
     "results_folder",
     "room",
     "sealed_units",

@@ -11,7 +11,7 @@ from bearingsim.config.names import ERRORS, FAULT_LINES
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["NOTABLE", "errors", "is_one_draw", "spread"]
+__all__ = ["NOTABLE", "errors", "is_one_draw", "relative_error", "spread"]
 
 BY_BLOCKS = {"velocity@BPFO": "standard_error.line", "velocity.rms": "standard_error.rms"}
 """The relative standard errors by blocks of ball passes; results of earlier versions do not have them."""
@@ -73,24 +73,31 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
 def is_one_draw(table: "pd.DataFrame", feature: str, notable: float = NOTABLE) -> "pd.Series[bool]":
     """Where a feature of a table is one draw of many: the motion is chaotic, its standard error over ``notable``.
 
-    ``notable``: part of the value. Of a line without a standard error any chaotic motion counts; what is neither
-    line nor RMS is judged by the RMS of the velocity.
+    ``notable``: part of the value.
     """
+    return _chaotic(table.add_prefix("features/")) & ~(relative_error(table, feature) <= notable)
+
+
+def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
+    """The standard error of a feature of a table as a part of it; NaN where nothing tells it.
+
+    What is neither line nor RMS has that of the velocity's RMS.
+    """
+    import pandas as pd
+
     frame = table.add_prefix("features/")
     plain = feature.removesuffix("-healthy.phase").removesuffix(".phase").removesuffix("-healthy")
     is_line = "@" in plain and ".rms@" not in plain
-    if is_line and f"features/{plain}-scatter" not in frame:
-        return _chaotic(frame)
     judged = plain if is_line else "velocity.rms"
-    if f"features/{judged}" not in frame:
-        return _chaotic(frame)
+    if f"features/{judged}" not in frame or (is_line and f"features/{plain}-scatter" not in frame):
+        return pd.Series(float("nan"), frame.index)
     relative = standard_error(frame, judged) / frame[f"features/{judged}"].abs()
     by_blocks = frame.get(f"features/{BY_BLOCKS.get(judged, '')}")
     if by_blocks is not None:
         relative = by_blocks.where(by_blocks.notna(), relative)
     if plain != feature.removesuffix(".phase") and f"features/{plain}-healthy" in frame:  # the change may be small
         relative = relative * (frame[f"features/{judged}"] / frame[f"features/{plain}-healthy"]).abs()
-    return _chaotic(frame) & ~(relative <= notable)
+    return relative
 
 
 def scatters_unknown(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":

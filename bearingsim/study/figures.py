@@ -29,7 +29,7 @@ KEYS = ("y", "x", "by", "panels", "where", "title", "log")
 
 
 def of_bands(root: Node) -> dict[str, Node]:
-    """Return the features of bands that the figures and the `accuracy` of a study name, healthy ones as their own."""
+    """Return the features of bands that figures and `accuracy` of a study name, without `-healthy`."""
     features: dict[str, Node] = {}
     for node in _named(root):
         name = node.text.removesuffix(HEALTHY)
@@ -39,7 +39,7 @@ def of_bands(root: Node) -> dict[str, Node]:
 
 
 def with_features(base: Node, wanted: Mapping[str, Node]) -> Node:
-    """Return the tree of a case with ``wanted`` among its `features`; those that are no list are left as they are."""
+    """Return the tree of a case with ``wanted`` among its `features`, which are left as they are if no list."""
     own = base.mapping.get("features")
     items = own.items if own is not None else ()
     missing = [node for name, node in wanted.items() if name not in {item.text for item in items}]

@@ -75,7 +75,7 @@ class Plan:
         quick: bool,
         features: Mapping[str, Node],
     ) -> "Plan":
-        """Make the plan of a file: its base and sweep, then `quick`, the overrides, and features besides its own."""
+        """Make the plan of a file: its base and sweep, then `quick`, the overrides, and further features."""
         entries = {key: node for key, node in root.mapping.items() if key not in STUDY_KEYS}
         plan = cls(Node(entries, root.mark), folder)
         plan.expand()

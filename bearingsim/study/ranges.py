@@ -45,23 +45,22 @@ def beyond(cases: Sequence[Case], drawn: Sequence[str]) -> Iterator[str]:
     for reach, said in ranges:
         over = [(part, number) for number, part in enumerate(map(reach, cases)) if part > 1.0]
         if over:
-            count = f"{len(over)} of {len(cases)} cases, at worst " if len(cases) > 1 else ""
-            yield f"{WARNING}{count}{said(cases[max(over)[1]])}"
+            count = f" ({len(over)} of {len(cases)} cases)" if len(over) < len(cases) else ""
+            yield f"{WARNING}{said(cases[max(over)[1]])}{count}"
 
 
 def unheld(cases: Sequence[Case]) -> Iterator[str]:
-    """A text for each model and each thing that its cases ask for and it leaves out, with the last reason."""
-    found: dict[tuple[str, str], list[str]] = {}
+    """Yield a text for each thing that cases ask for and their model leaves out, with the last reason."""
+    reasons: dict[tuple[str, str], list[str]] = {}
     able: dict[tuple[str, str], str | None] = {}
     for case in cases:
         for need in hierarchy.unmet_wishes(case):
-            found.setdefault((case.model, need.what), []).append(need.why)
+            reasons.setdefault((case.model, need.what), []).append(need.why)
             able.setdefault((case.model, need.what), hierarchy.least(case))
-    for (model, what), reasons in found.items():
-        count = f" in {len(reasons)} of {len(cases)} cases" if len(cases) > 1 else ""
-        better = able[model, what]
-        hint = f"; `model: {better}` has it" if better not in (None, model) else ""
-        yield f"{WARNING}`{model}`{count} leaves out {what}: {reasons[-1]}{hint}"
+    for (model, what), why in reasons.items():
+        count = f" ({len(why)} of {len(cases)})" if len(why) < len(cases) else ""
+        advice = f"; take `{able[model, what]}`" if able[model, what] not in (None, model) else ""
+        yield f"{WARNING}`{model}`{count} leaves out {what}: {why[-1]}{advice}"
 
 
 # Contact pressure, static rating
@@ -116,16 +115,13 @@ def static_rating(case: Case) -> float:
 def pressed(case: Case) -> str:
     """What is said of a pressure."""
     limit = show(RATED_PRESSURE[case.bearing.element], "GPa")
-    return (
-        f"the most loaded contact is pressed to {pressure(case) / 1e9:.3g} GPa at rest, over the {limit} at which"
-        " races keep dents (ISO 76): the contacts computed here stay elastic"
-    )
+    return f"{pressure(case) / 1e9:.3g} GPa at rest: races keep dents over {limit} (ISO 76), here none"
 
 
 def overloaded(case: Case) -> str:
     """What is said of a load."""
     rating = f"{static_rating(case) / 1e3:.3g} kN"
-    return f"a load of {load(case) / 1e3:.4g} kN is over the bearing's static rating C0, about {rating} (ISO 76)"
+    return f"a load of {load(case) / 1e3:.4g} kN is over the static rating C0, about {rating} (ISO 76)"
 
 
 # Speed
@@ -138,11 +134,9 @@ def top_speed(case: Case) -> float:
 
 def fast(case: Case) -> str:
     """What is said of a speed."""
-    found = top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR
-    return (
-        f"{show(top_speed(case), 'rpm')} is n d_m = {found:.2g}e6 mm/min, over 1e6: bearings run so fast only with"
-        " cages and oil jets of their own, and heat and growth of the rings are not computed"
-    )
+    factor = top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR
+    rpm = show(top_speed(case), "rpm")
+    return f"{rpm}, n d_m {factor:.2g}e6 mm/min, over 1e6: heat and growth of rings are not computed"
 
 
 # Sampling
@@ -196,7 +190,7 @@ def coarse(case: Case) -> str:
     crossing = shortest_crossing(case)
     samples, wanted = crossing * case.sampling, FEWEST_SAMPLES / crossing
     band, advice = f"0-{FLAT * case.sampling / 1e3:.2g} kHz", f"`sampling: {show(_rounded(wanted), 'kHz')}`"
-    return f"{samples:.2g} samples to cross a pit: RMS, peak, series are of {band}; {advice} for 8 samples"
+    return f"RMS, peak, series are of {band}, {samples:.2g} samples a crossing; {advice} gives 8"
 
 
 def _rounded(hertz: float) -> float:
@@ -207,7 +201,5 @@ def _rounded(hertz: float) -> float:
 
 def unseen(case: Case, hertz: float, name: str) -> str:
     """What is said of a sampling."""
-    return (
-        f"`sampling: {show(case.sampling, 'Hz', 'frequency')}` shows nothing over half of it: record, RMS and peak"
-        f" lack {name}, at {hertz:.4g} Hz (lines are read before, and have it)"
-    )
+    rate = show(case.sampling, "Hz", "frequency")
+    return f"RMS, peak and series lack {name}, {hertz:.4g} Hz: over half of `sampling: {rate}`"

@@ -26,7 +26,7 @@ NEEDS = {
     "the contact's force at the pit": {"weakened contact", "shared pressure"},
     "damping": {"damping"},
     "the ring's acceleration": {"acceleration"},
-    "inertia of the rollers": {"inertia of rollers"},
+    "inertia of the rollers": {"roller inertia"},
     "a ramp, gravity, friction, cage, drag, a shaft, an unbalance, rotation of the ring": {
         *("ramp", "gravity", "friction", "cage", "drag", "shaft", "ring rotation", "slip"),
     },

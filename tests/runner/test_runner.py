@@ -51,24 +51,42 @@ def assert_tidy(out: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("scatter", "told"),
+    ("line", "rms", "texts"),
     [
-        ([], []),
-        ([0.0, math.nan], []),  # not chaotic; not proven
-        ([0.085], ["1 job is chaotic: a line is one draw of many; its RMS is known to 8.5 % (`"]),
+        ([], [], []),
+        ([0.001, 0.0], [0.0, 0.0], []),
         (
-            [0.02, 0.085, 0.0],
-            ["2 jobs are chaotic: a line is one draw of many; their RMS is known to 8.5 % at worst (`"],
+            [0.02, 0.04, 0.0],
+            [0.0, 0.0, 0.0],
+            ["velocity@BPFO in 2 of 3 jobs: chaotic, known to 4 %; 64 times the `duration` for 0.5 %"],
         ),
-        ([math.inf], ["1 job is chaotic: a line is one draw of many; what its RMS is worth was not seen (`"]),
-        ([0.02, math.inf], ["known to 2 % at worst, but that of 1 was not seen for long enough to tell"]),
+        (
+            [0.02],
+            [0.05],
+            [
+                "velocity@BPFO, velocity.rms in 1 of 1 jobs: chaotic, known to 5 %;"
+                " 100 times the `duration` for 0.5 %"
+            ],
+        ),
+        (
+            [math.inf, 0.0],
+            [0.01, 0.0],
+            [
+                "velocity.rms in 1 of 2 jobs: chaotic, known to 1 %; 4 times the `duration` for 0.5 %",
+                "velocity@BPFO in 1 of 2 jobs: chaotic, standard error unknown; a longer `duration` may tell",
+            ],
+        ),
     ],
 )
-def test_chaotic_jobs_are_told_of(scatter: list[float], told: list[str]) -> None:
-    frame = pd.DataFrame({"features/rms_scatter": scatter, "features/chaotic": [float(x > 0.0) for x in scatter]})
-    found = list(chaos(frame))
-    assert len(found) == len(told)
-    assert all(part in whole for part, whole in zip(told, found, strict=True))
+def test_chaotic_jobs_are_told_of_with_what_would_tell_more(
+    line: list[float], rms: list[float], texts: list[str]
+) -> None:
+    features = {"velocity@BPFO": 2.0, "velocity@BPFO-scatter": 1.0, "velocity.rms": 3.0, "rms_scatter": 1.0}
+    frame = pd.DataFrame(
+        {**features, "standard_error.line": line, "standard_error.rms": rms, "chaotic": 1.0}, range(len(line))
+    )
+    assert list(chaos(frame.add_prefix("features/"))) == texts
+    assert not list(chaos(frame.assign(chaotic=0.0).add_prefix("features/")))
     assert not list(chaos(pd.DataFrame({"status": ["failed"]})))
 
 

@@ -15,7 +15,6 @@ from bearingsim.config.names import LINE_LOADS
 from bearingsim.config.sections.defect import IMPULSE_EXCITATIONS, STIFFNESS_EXCITATIONS
 from bearingsim.config.sections.free import Frictionless
 from bearingsim.core.geometry.kinematics import cage_speed
-from bearingsim.text.units import show
 
 if TYPE_CHECKING:
     from bearingsim.config.case_fields import CaseFields
@@ -117,7 +116,7 @@ def _of_defects(case: "CaseFields") -> Iterator[Need]:
         yield Need("shared pressure", why, excitation)
     for number, defect in enumerate(case.defects):
         if defect.offset != 0.0:
-            why = "a defect off the roller's middle tilts the roller"
+            why = "an `offset` tilts the roller"
             yield Need("tilt", why, (("defects", number, "offset"),), required=False)
 
 
@@ -170,10 +169,10 @@ def _is_said(case: "CaseFields", name: str) -> bool:
 
 
 _RECORDED = {
-    "ring.acceleration": ("acceleration", "the ring's acceleration depends on its mass"),
-    "sensor.acceleration": ("acceleration", "the acceleration at the sensor depends on masses"),
+    "ring.acceleration": ("acceleration", "masses decide the acceleration"),
+    "sensor.acceleration": ("acceleration", "masses decide the acceleration"),
     "ring.rotation": ("ring rotation", "`ring.rotation` is the turning of the outer ring"),
-    "roller.radial": ("inertia of rollers", "where a roller is, apart from the races, is recorded"),
+    "roller.radial": ("roller inertia", "where a roller is, apart from the races, is recorded"),
     "roller.outer_force": ("forces", "a contact force is recorded"),
     "roller.inner_force": ("forces", "a contact force is recorded"),
     "roller.outer_slip": ("slip", "slip is recorded"),
@@ -215,18 +214,17 @@ def _of_masses(case: "CaseFields") -> Iterator[Need]:
     shown = [plain(name) for name in case.record]
     sharp = any(name.startswith("roller.") or name.endswith(".acceleration") for name in shown)
     if case.defects and case.excitation not in IMPULSE_EXCITATIONS and sharp:
-        why = "how a roller strikes the far edge of a pit, and its force there, depend on its mass"
-        yield Need("inertia of rollers", why, (("record",),), required=False)
+        why = "a roller's mass decides its impact"
+        yield Need("roller inertia", why, (("record",),), required=False)
     if case.defects and case.excitation not in IMPULSE_EXCITATIONS and case.contact.jumps:
-        yield Need("inertia of rollers", NEEDS_ROLLER_MASS, (("contact", "damping"),), required=False)
+        yield Need(
+            "roller inertia", "such damping needs the mass of rollers", (("contact", "damping"),), required=False
+        )
     force = _centrifugal_force(case)
     load = STRIBECK * math.hypot(case.load, case.load_across) / case.bearing.rollers
     if force > NOTABLE_SHARE * load:
-        why = (
-            f"the centrifugal force of a roller ({show(force, 'N')}) is {force / load:.0%} of the largest load"
-            f" at rest ({show(load, 'N')})"
-        )
-        yield Need("inertia of rollers", why, (("speed",), ("load",)), required=False)
+        why = f"centrifugal force {100.0 * force / load:.0f} % of load"
+        yield Need("roller inertia", why, (("speed",), ("load",)), required=False)
 
 
 def _centrifugal_force(case: "CaseFields") -> float:
