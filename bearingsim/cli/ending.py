@@ -1,6 +1,7 @@
 """The end of `bearingsim run`: what was done, what came of it, how well it is known, what comes next."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from bearingsim.runner import RunSummary
     from bearingsim.store import Results
 
-__all__ = ["results_in_lines", "show"]
+__all__ = ["results_named", "show"]
 
 MOST_FEATURES = 3
 STEP_ERRORS = {"velocity.rms": "rms", "velocity@": "line", "outer_force.max": "force"}
@@ -22,8 +23,8 @@ STEP_ERRORS = {"velocity.rms": "rms", "velocity@": "line", "outer_force.max": "f
 STANDARD_ERRORS = 2.0
 
 
-class _Line(NamedTuple):
-    """A feature's name, its range in words, and where it is largest."""
+class Result(NamedTuple):
+    """A feature's name, its range in words, and what there is to say of it, a line each."""
 
     name: str
     values: str
@@ -41,21 +42,24 @@ def show(summary: "RunSummary", verbose: bool) -> None:
         return
     for text in summary.findings.withdrawn:
         say(text)
-    try:
-        lines = list(results_in_lines(open_results(summary.folder)))
-    except ResultsError:  # another run has replaced the plan
-        lines = []
-    width = max((len(line.name) for line in lines), default=0)
-    for name, values, remarks in lines:
-        say(f"  {name:{width}}  {values}")
+    named, quick = [], False
+    with suppress(ResultsError):  # another run has replaced the plan
+        results = open_results(summary.folder)
+        named, quick = list(results_named(results)), results.plan["quick"]
+    for name, values, remarks in named[:MOST_FEATURES]:
+        say(f"  {name}: {values}")
         for remark in remarks:
-            say(f"  {'':{width}}  {remark}")
+            say(f"    {remark}")
+    if len(named) > MOST_FEATURES:
+        say(f"  and {len(named) - MOST_FEATURES} more: bearingsim show {near(summary.folder)}")
     for text in (*summary.findings.held, *summary.findings.warnings):
         say(text)
     assumed = summary.findings.assumed
     if assumed:
-        what = f"{len(assumed)} assumption{'s' * (len(assumed) != 1)} not varied"
-        say(f"{what}: {', '.join(assumed)} (`bearingsim show --assumptions`)")
+        say(f"{len(assumed)} assumption{'s' * (len(assumed) != 1)} not varied: {', '.join(assumed)}")
+        say("  what they are: bearingsim show --assumptions")
+    if quick:
+        say("this was the reduced grid: the whole study runs without --quick")
     if verbose:
         for text in summary.details:
             say(text)
@@ -63,32 +67,37 @@ def show(summary: "RunSummary", verbose: bool) -> None:
         say(f"next: bearingsim plot {near(summary.folder)}")
 
 
-def results_in_lines(results: "Results") -> Iterator[_Line]:
-    """Yield a line for each of the first features that the figures name: its range, where it is largest."""
+def results_named(results: "Results") -> Iterator[Result]:
+    """Yield each feature that the figures name: its range, that of the healthy bearings, where its ends lie."""
     from bearingsim.plots import select
 
     rows = select.case_rows(results)
     done = rows[rows["status"] == "done"]
     drawn = [name for figure in results.plan["figures"] for name in figure["y"]]
-    names = [name for name in dict.fromkeys(drawn or select.default_y(results, rows)) if name in done]
-    for name in names[:MOST_FEATURES]:
-        if done[name].notna().any():
-            yield _line(results, done, name)
+    names = dict.fromkeys(drawn or select.default_y(results, rows))
+    yield from (_result(results, done, name) for name in names if name in done and done[name].notna().any())
 
 
-def _line(results: "Results", rows: "pd.DataFrame", name: str) -> _Line:
+def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     from bearingsim.plots.labels import described, feature_axis
 
     values = rows[name].dropna()
     unit, factor = feature_axis(name, float(values.abs().max()))
-    low, high = (significant(factor * float(end)) for end in (values.min(), values.max()))
-    text = f"{low} to {high} {unit}" if low != high else f"{low} {unit}"
     units = results.plan["units"]
     several = [path for path in units if path in rows and rows[path].nunique(dropna=False) > 1]
-    place = {path: rows[path][values.idxmax()] for path in several}
-    known = ", ".join(filter(None, [text.strip(), _healthy(results, name, factor), _error(rows, name)]))
-    where = [f"largest: {described(place, units)}"] if place and low != high else []
-    return _Line(_with_frequency(results, name), known, where)
+    low, high = (significant(factor * float(end)) for end in (values.min(), values.max()))
+    ends = {"largest": values.idxmax(), "smallest": values.idxmin()} if several and low != high else {}
+    places = [
+        f"{end}: {described({path: rows[path][row] for path in several}, units)}" for end, row in ends.items()
+    ]
+    texts = [_range(low, high, unit), _error(rows, name)]
+    return Result(
+        _with_frequency(results, name), ", ".join(filter(None, texts)), [*_healthy(results, name), *places]
+    )
+
+
+def _range(low: str, high: str, unit: str) -> str:
+    return f"{low} to {high} {unit}".strip() if low != high else f"{low} {unit}".strip()
 
 
 def _with_frequency(results: "Results", name: str) -> str:
@@ -115,31 +124,35 @@ def _band(results: "Results", name: str) -> str:
     return f" (0-{FLAT * known[0]['sampling'] / 1e3:.2g} kHz)"
 
 
-def _healthy(results: "Results", name: str, factor: float) -> str:
-    """`healthy 0.61 to 1.13`, of the baselines."""
+def _healthy(results: "Results", name: str) -> Iterator[str]:
+    """`healthy: 0.61 to 1.13 um/s`, of the baselines."""
+    from bearingsim.plots.labels import feature_axis
+
     twins = {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
     table = results.table()
-    values = factor * table[table["job"].isin(twins)][name].dropna()
-    if name.endswith("-healthy") or not len(values):
-        return ""
-    low, high = (significant(float(end)) for end in (values.min(), values.max()))
-    return f"healthy: {low} to {high}" if low != high else f"healthy: {low}"
+    values = table[table["job"].isin(twins)][name].dropna()
+    if len(values) and not name.endswith("-healthy"):
+        unit, factor = feature_axis(name, float(values.abs().max()))
+        low, high = (significant(factor * float(end)) for end in (values.min(), values.max()))
+        yield f"healthy: {_range(low, high, unit)}"
 
 
 def _error(rows: "pd.DataFrame", name: str) -> str:
-    """`numerical error: 0.3 %` of the largest value: by the check of the step, and two standard errors.
+    """`numerical error 0.3 %` of the largest value: by the check of the step, and two standard errors.
 
     Of what the check looks at: lines and RMS of the velocity, the largest force.
     """
-    from bearingsim.store.spread import standard_error
+    from bearingsim.store import relative_error
 
     plain = name.removesuffix("-healthy")
     kind = next((kind for start, kind in STEP_ERRORS.items() if plain.startswith(start)), "")
     step, largest = rows.get(f"step_error.{kind}"), float(rows[name].abs().max())
     if step is None or plain not in rows or not step.notna().any() or not largest > 0.0:
         return ""
-    scatter = standard_error(rows.add_prefix("features/"), plain).fillna(inf)
-    error = step * rows[plain].abs() + STANDARD_ERRORS * scatter
-    if not float(error.max()) < inf:
-        return "numerical error: unknown (chaotic)"
-    return f"numerical error: {100.0 * float(error.max() / largest):.2g} %"
+    scatter = relative_error(rows, plain).where(rows["chaotic"] == 1.0, 0.0).fillna(inf)
+    error = (step + STANDARD_ERRORS * scatter) * rows[plain].abs()
+    unknown = int((error == inf).sum())
+    but = f", of {unknown} chaotic jobs unknown" if unknown else ""
+    if unknown == error.count():
+        return "numerical error unknown (chaotic)"
+    return f"numerical error {100.0 * float(error[error < inf].max() / largest):.2g} %{but}"

@@ -78,7 +78,7 @@ def _of_jobs(flags: "pd.DataFrame") -> str:
 
 LESS_SURE = {
     "step_error.force": "the largest force",
-    "step_error.record": "the RMS of something else that is recorded",
+    "step_error.record": "RMS of what else is recorded",
 }
 
 
@@ -92,9 +92,8 @@ def step_errors(frame: "pd.DataFrame") -> Iterator[str]:
         said = frame[f"features/{name}"]
         error = said[(frame["features/chaotic"] == 0.0) & (said > ACCURACY)]
         if len(error):
-            jobs = f"of {len(error)} jobs" if len(error) > 1 else "of 1 job"
-            off = f"{100.0 * error.max():.2g} %"
-            yield f"{jobs} line and RMS hold, but {what} may be off by up to {off} (`{name}`)"
+            jobs = f"{len(error)} job{'s' * (len(error) > 1)}"
+            yield f"{jobs}: {what} may be off by up to {100.0 * error.max():.2g} % (`{name}`)"
 
 
 def repetitions(info: "pd.DataFrame") -> Iterator[str]:

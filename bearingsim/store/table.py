@@ -94,7 +94,7 @@ def plan_of(study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) ->
         "design": None if study.design is None else asdict(study.design),
         "assumptions": list(study.assumptions),
         "accuracy": _accuracy(study),
-        "nothing_uncertain": study.uncertainty == (),
+        "nothing_uncertain": study.uncertainty == () and not study.left_out,
         "variations": [
             {"of": one.of, "what": one.what, "value": one.value, "job": one.job.id} for one in study.variations()
         ],

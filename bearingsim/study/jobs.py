@@ -105,7 +105,7 @@ class Study:
     the swept cases have the model that others are judged by, and ``otherwise`` gives the same cases with other
     values at some paths, None for those that cannot be. drawn: the design that is swept, by numbers of cases;
     ``design`` says it by the jobs' ids, those of the models that have been chosen. files: what it is made of
-    (``text/files_read.py``).
+    (``text/files_read.py``). left_out: what `uncertainty` varies, and `quick` does not.
     """
 
     name: str
@@ -118,6 +118,7 @@ class Study:
     swept_cases: tuple[tuple[Case, dict[str, float | str]], ...] = field(repr=False)
     notes: tuple[str, ...] = ()
     uncertainty: tuple[Uncertain, ...] | None = None
+    left_out: tuple[Uncertain, ...] = ()
     files: Mapping[str, str | None] = field(default_factory=dict, repr=False)
     goal: "Goal | None" = None
     selection: Selection | None = None

@@ -66,6 +66,7 @@ def load_study(
         swept_cases=swept_cases,
         notes=(*opened.notes, *(plan.drawn.notes() if plan.drawn is not None else ())),
         uncertainty=() if reduced and said.uncertain else said.uncertain,  # a first look tries nothing else
+        left_out=(said.uncertain or ()) if reduced else (),
         files=opened.files,
         drawn=plan.drawn,
     )

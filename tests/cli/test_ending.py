@@ -18,14 +18,33 @@ def test_a_run_ends_with_its_results_and_the_next_command(here):
     table = open_results("results/small").table()
     velocity = 1e6 * table["velocity@BPFO"]
     line, healthy = velocity.iloc[:4], velocity.iloc[4:]
-    values = f"{line.min():.3g} to {line.max():.3g} µm/s, healthy: {healthy.min():.3g} to {healthy.max():.3g}"
-    assert lines[1].startswith(f"  velocity@BPFO (159 Hz)  {values}, numerical error: ")
-    at = table.iloc[int(line.argmax())]
-    assert lines[2].strip() == f"largest: load {at['load']:.0f} N, model {at['model']}"
-    names = "damping, clearance, bracket, rigid ring"
-    assert lines[-2] == f"4 assumptions not varied: {names} (`bearingsim show --assumptions`)"
+    assert lines[1].startswith(
+        f"  velocity@BPFO (159 Hz): {line.min():.3g} to {line.max():.3g} µm/s, numerical error "
+    )
+    assert lines[2] == f"    healthy: {healthy.min():.3g} to {healthy.max():.3g} µm/s"
+    for text, row in zip(lines[3:5], (line.argmax(), line.argmin()), strict=True):
+        at = table.iloc[int(row)]
+        assert text.partition(": ")[2] == f"load {at['load']:.0f} N, model {at['model']}"
+    assert lines[-3] == "4 assumptions not varied: damping, clearance, bracket, rigid ring"
     assert lines[-1] == "next: bearingsim plot results/small"
-    assert len(lines) <= 12
+    assert len(lines) <= 24
+    assert all(len(text) <= 100 for text in lines)
+
+
+def test_a_reduced_grid_is_named_and_varies_nothing(here):
+    text = STUDY.replace("quick: {sweep: {model: [static]}}", "quick: {sweep: {model: [ring]}}")
+    Path("small.yaml").write_text(f"{text}uncertainty: {{damping: [1 us, 5 us]}}\n")
+    lines = type_("run", "small.yaml", "--jobs", "1", "--quick")[0].splitlines()
+    assert "4 assumptions not varied: damping, clearance, bracket, rigid ring" in lines
+    assert lines[-2] == "this was the reduced grid: the whole study runs without --quick"
+
+
+def test_features_beyond_the_first_three_are_counted(here):
+    drawn = "[velocity@BPFO, velocity.rms, velocity.peak, outer_force.max, velocity.crest]"
+    Path("small.yaml").write_text(STUDY.replace("y: velocity@BPFO", f"y: {drawn}"))
+    lines = type_("run", "small.yaml", "--jobs", "1")[0].splitlines()
+    assert sum(line.startswith("  ") and ": " in line and line[2] != " " for line in lines) == 5
+    assert "  and 2 more: bearingsim show results/small" in lines
 
 
 def test_all_else_is_said_when_asked_for(here):
