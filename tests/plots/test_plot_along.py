@@ -1,4 +1,4 @@
-"""What moves along the curves of a figure without standing on an axis is named below it."""
+"""The caption of a figure: what moves along its curves and stands on no axis, the band of its records."""
 
 import pytest
 
@@ -66,3 +66,19 @@ def test_what_is_constant_in_the_figure_does_not_move_along(results):
     canvas = draw(results, ZIP, "{y: velocity@BPFO, x: model, where: {load: 200 N}}")
     assert "moves along" not in caption_of(canvas)
     assert "load 200 N" in caption_of(canvas)
+
+
+@pytest.mark.parametrize(
+    ("more", "band"),
+    [
+        ("", "RMS of 0 to 4.1 kHz"),
+        ("sampling: 20 kHz\n", "RMS of 0 to 8 kHz"),
+        ("antialias: false\n", "RMS of raw samples"),
+    ],
+)
+def test_the_band_of_a_statistic_stands_in_the_caption(results, more, band):
+    text = f"{STUDY}{more}figures: [{{y: [velocity.rms, velocity@BPFO], x: defect.length}}]\n"
+    opened = results(text)
+    assert band in caption_of(only(drawn(opened))[1])
+    line = drawn(opened, x="defect.length", y=["velocity@BPFO"])
+    assert "kHz" not in caption_of(only(line)[1])

@@ -9,6 +9,7 @@ import pytest
 from bearingsim.cli import tables
 from bearingsim.config import dataset_names
 from bearingsim.core.geometry.kinematics import cage_speed
+from bearingsim.core.sampling import sampling_kernel
 from bearingsim.plots import PlotError, labels, recorded, series
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import Job, Signal
@@ -60,6 +61,20 @@ def test_without_the_ring_the_first_channel_is_drawn(planar):
     assert canvas.axes[0].lines[0].get_xdata()[-1] == pytest.approx(
         1e3 * 26 / BPFO, rel=2e-3
     )  # two turns of the cage
+
+
+@pytest.mark.parametrize(
+    ("channel", "antialias", "delayed"),
+    [("ring.velocity", "true", True), ("ring.velocity", "false", False), ("roller.2.outer_force", "true", False)],
+)
+def test_over_time_nothing_rings_before_it_happens(channel: str, antialias: str, delayed: bool) -> None:
+    """A blow as the record's low-pass, which has no delay, leaves it: even about its instant."""
+    blow = np.convolve(np.where(np.arange(4000) == 2004, 1.0, 0.0), sampling_kernel(10.0), "same")[::10]
+    job = SimpleNamespace(known={"antialias": antialias})
+    values = recorded.over_time(job, channel, Signal(np.arange(400.0), blow))  # type: ignore[arg-type]
+    ahead = np.max(np.abs(values[:198])) / np.max(np.abs(values))
+    assert (ahead < 2e-3) == delayed
+    assert (values is blow) != delayed
 
 
 def test_a_column_per_channel_each_in_its_unit(planar):

@@ -1,0 +1,42 @@
+"""Which channels are forces of a contact, and that a case records them as they are."""
+
+import pytest
+
+from bearingsim.config import Case
+from bearingsim.config.channels import is_contact_force
+from bearingsim.study.used import used
+
+
+@pytest.mark.parametrize(
+    "channel",
+    [
+        "roller.outer_force",
+        "roller.3.inner_force",
+        "roller.cage_force",
+        "roller.2.flange_force",
+        "roller.outer_line_load",
+        "roller.3.inner_line_load.7",
+    ],
+)
+def test_forces_of_contacts_are_known(channel: str) -> None:
+    assert is_contact_force(channel)
+
+
+@pytest.mark.parametrize("channel", ["roller.radial", "roller.2.outer_slip", "load_zone.rollers", "ring.velocity"])
+def test_what_else_is_recorded_is_none(channel: str) -> None:
+    assert not is_contact_force(channel)
+
+
+@pytest.mark.parametrize(
+    ("record", "antialias", "as_they_are"),
+    [
+        (["roller.inner_force"], True, True),
+        (["ring.velocity"], True, False),
+        (["roller.inner_force"], False, False),  # nothing is filtered anyway: an old result is the same
+    ],
+)
+def test_a_case_whose_forces_were_filtered_by_earlier_versions_is_another(
+    record: list[str], antialias: bool, as_they_are: bool
+) -> None:
+    fields = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "record": record, "antialias": antialias}
+    assert (used(Case.model_validate(fields)).get("forces") == '"raw"') == as_they_are

@@ -1,0 +1,31 @@
+"""What the end of a run says of chaotic results: by 0.5 %, or by half of the accuracy asked."""
+
+import pandas as pd
+import pytest
+
+from bearingsim.runner.findings import findings
+
+JOB = "0" * 16
+
+
+def warnings(within: float | None, error: float) -> tuple[str, ...]:
+    """Return the warnings of one chaotic job, whose line has a relative standard error."""
+    features = {"velocity@BPFO": 1.0, "velocity@BPFO-scatter": error, "velocity.rms": 1.0, "rms_scatter": 0.0}
+    row = {**features, "chaotic": 1.0, "standard_error.line": error, "standard_error.rms": 0.0}
+    frame = pd.DataFrame([row], index=[JOB]).add_prefix("features/").assign(status="done")
+    accuracy = {"within": within, "of": ["velocity@BPFO"], "jobs": {}, "curves": [], "audits": [], "notes": []}
+    plan = {
+        "jobs": [{"job": JOB, "healthy": "", "twin": False, "variation": False, "swept": {}}],
+        "figures": [{"y": ["velocity@BPFO"], "x": "load"}],
+        "units": {},
+        "accuracy": None if within is None else accuracy,
+    }
+    return findings(plan, frame).warnings
+
+
+@pytest.mark.parametrize(
+    ("within", "error", "flagged"),
+    [(None, 0.004, False), (None, 0.006, True), (0.05, 0.006, True), (0.006, 0.004, True), (0.006, 0.002, False)],
+)
+def test_a_chaotic_result_is_told_of_by_what_is_asked(within: float | None, error: float, flagged: bool) -> None:
+    assert any("chaotic" in text for text in warnings(within, error)) == flagged
