@@ -18,6 +18,7 @@ FLOOR, CEILING = 2.0**FIRST, 2.0**LAST
 COEFFICIENTS = 4
 _SHIFT = 52 - CELL_BITS  # bits of a double below those that name its cell
 _BELOW_FLOOR = ((1023 + FIRST) << CELL_BITS) - 1  # cell 0 reaches from the origin to FLOOR
+_LOWEST = float(np.nextafter(FLOOR, 0.0))  # its bits name cell 0
 
 
 def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
@@ -38,12 +39,11 @@ def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) ->
 @jit
 def cell(y):
     """Where the coefficients of the cell of ``y`` begin, and the distance of ``y`` from the cell's left end."""
-    inside = min(max(FLOOR, y), CEILING)  # in this order NaN finds a cell, and stays in the distance
+    inside = min(max(_LOWEST, y), CEILING)  # in this order NaN finds a cell, and stays in the distance
     number = np.float64(inside).view(np.int64) >> _SHIFT
     left = np.int64(number << _SHIFT).view(np.float64)
-    low = y < FLOOR
-    first = 0 if low else COEFFICIENTS * (number - _BELOW_FLOOR)
-    return first, y - (0.0 if low else left)
+    # one choice only: of two, Numba on Python 3.13 makes branches, and the loop over rollers loses its lanes
+    return COEFFICIENTS * (number - _BELOW_FLOOR), y - (0.0 if y < FLOOR else left)
 
 
 @jit

@@ -28,8 +28,8 @@ def _force(contact, delta, v):
     d = max(delta, 0.0)
     drag = contact.c * raised(contact.m2, abs(v)) * raised(contact.m3, d)
     drag = drag if v > 0.0 else -drag
-    force = max(elastic(contact.stiffness, d) + drag, 0.0)
-    return force if delta > 0.0 else 0.0  # with m3 = 0 the dashpot would act on a roller that is not there
+    pressing = 1.0 if delta > 0.0 else 0.0  # with m3 = 0 the dashpot would act on a roller that is not there
+    return pressing * max(elastic(contact.stiffness, d) + drag, 0.0)
 
 
 @slopes.register(General)
