@@ -19,11 +19,13 @@ from bearingsim.config.sections.defect import EDGE_RADIUS, SIMPLE_SHAPES
 from bearingsim.core.pits import excitations
 from bearingsim.core.pits.closed_forms import groups_of, groups_of_slices
 from bearingsim.core.pits.depth import (
+    EVEN,
     Eased,
     Merged,
     Mirrored,
     Placed,
     Scanned,
+    cuts,
     extent,
 )
 from bearingsim.core.pits.edge_contact import EdgeContact, edge_contact
@@ -145,6 +147,11 @@ def depth_map(d: config.Defect) -> Any:
     given = (d,) if shape.of_section else (d.length, d.width, d.depth)
     pit = call(shape.build, *given)
     return pit if d.edge is None else Eased(pit, d.edge.radius or 0.0, d.edge.ramp or 0.0)
+
+
+def varies_along_roller(d: config.Defect) -> bool:
+    """Return whether the profile of a defect along rolling changes along the roller, which nodes then sample."""
+    return any(kind != EVEN for *_, kind in cuts(depth_map(d)))
 
 
 def spall(d: config.Defect) -> Any:

@@ -63,8 +63,8 @@ def choices(plan: "Plan") -> list[str]:
             f" by which {goal.text} is judged"
         ]
     why: dict[str, list[str]] = {}
-    for model, reason, _ in found.jobs.values():
-        why.setdefault(model, []).append(reason)
+    for chosen in found.jobs.values():
+        why.setdefault(chosen.model, []).append(chosen.why)
     count = len(found.jobs)
     told = [f"`{model}` in {len(reasons)} of {count} cases: {reasons[0]}" for model, reasons in why.items()]
     return [*told, *found.notes]

@@ -81,11 +81,14 @@ def _by_job(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, list[st
 
 
 def _longer(near: "pd.DataFrame", sums: "pd.Series[float]", accuracy: Mapping[str, Any]) -> str:
-    """What those need that do not hold it, if that is a longer record."""
+    """What those need that do not hold it, if that is a longer record, or a finer discretisation."""
     over = sums[sums > accuracy["within"]].index
     scattered = near.loc[over, "error.scatter"]
     left = accuracy["within"] - near.loc[over, [name for name in store.PARTS if name != "error.scatter"]].sum(
         axis=1
     )
     longer = ((scattered / left) ** 2)[(left > 0.0) & (scattered > left)]
-    return f"; {len(longer)} would with a `duration` {longer.max():.1f} times as long" if len(longer) else ""
+    told = f"; {len(longer)} would with a `duration` {longer.max():.1f} times as long" if len(longer) else ""
+    nodes = near.loc[over, "error.nodes"]
+    finer = int(((nodes > 0.0) & (sums[over] - nodes <= accuracy["within"])).sum())
+    return told + (f"; {finer} would with more `contact.length_nodes` (slices, harmonics)" if finer else "")

@@ -4,11 +4,13 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 
+from bearingsim.assemble.pits import varies_along_roller
 from bearingsim.catalogue import MODELS, below
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
 from bearingsim.config.rules.slicing import slice_count
 from bearingsim.config.sections.contact import MOST_SLICES
+from bearingsim.config.sections.machine import Rig
 from bearingsim.config.sections.ring import MAX_HARMONICS
 from bearingsim.simulation.time_grid import estimate
 from bearingsim.study import Study
@@ -23,7 +25,7 @@ SLICES = {
 }
 """Of the slices that are said, how many a candidate takes; its error is of their second power."""
 FEWEST_SLICES = 2
-FINER = 2  # how many times as many slices or harmonics the reference has
+FINER = 2  # how many times as many slices or harmonics the reference has, and nodes the trial of their error
 CANDIDATES = (*SLICES, AS_SAID, f"{FEW_HARMONICS} harmonics", *reversed(MODELS))
 """The names of all of them, from the highest."""
 WORTH_TRYING = 0.8  # of what the reference takes: a model that saves less is not tried
@@ -31,11 +33,36 @@ WORTH_TRYING = 0.8  # of what the reference takes: a model that saves less is no
 
 def reference(case: Case) -> Case:
     """What a case is judged by: itself, with twice the slices, or twice the harmonics where its ring bends."""
-    ring = case.rig.ring
-    if ring is not None:
-        more = ring.model_copy(update={"harmonics": min(MAX_HARMONICS, FINER * int(ring.harmonics))})
-        return case.model_copy(update={"rig": case.rig.model_copy(update={"ring": more})})
+    if case.rig.ring is not None:
+        return case.model_copy(update={"rig": _with_harmonics(case)})
     return _finely_sliced(case) if MODELS[case.model].sliced else case
+
+
+def recut(case: Case, judges: bool = True) -> tuple[Case, float] | None:
+    """Return a case with other nodes, and the largest error of its own nodes over the change that these make.
+
+    Nodes along defects are doubled. Of a reference harmonics are, too, and slices are halved, since twice as many
+    are too many. judges: whether it is a reference; the error of any other model includes that of its slices and
+    harmonics. An error of first order is twice the change by doubling, and the change by halving. None if nothing
+    changes.
+    """
+    contact, rig = case.contact, case.rig
+    if MODELS[case.model].sliced:
+        fewer = contact.model_copy(update={"slices": max(1, int(contact.slices) // FINER)})
+        return (case.model_copy(update={"contact": fewer}), 1.0) if judges else None
+    if any(varies_along_roller(defect) for defect in case.defects):
+        contact = contact.model_copy(update={"length_nodes": FINER * contact.length_nodes})
+    if judges and rig.ring is not None and int(rig.ring.harmonics) < MAX_HARMONICS:
+        rig = _with_harmonics(case)
+    same = contact is case.contact and rig is case.rig
+    return None if same else (case.model_copy(update={"contact": contact, "rig": rig}), float(FINER))
+
+
+def _with_harmonics(case: Case) -> Rig:
+    """Return the rig of a case whose ring bends, with twice the harmonics."""
+    assert case.rig.ring is not None
+    more = {"harmonics": min(MAX_HARMONICS, FINER * int(case.rig.ring.harmonics))}
+    return case.rig.model_copy(update={"ring": case.rig.ring.model_copy(update=more)})
 
 
 def _finely_sliced(case: Case) -> Case:

@@ -4,7 +4,7 @@ Kept in ``choices.json`` from before the first job on. Who comes later reads the
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from random import Random
 
 from bearingsim.catalogue import REFERENCE
@@ -14,7 +14,7 @@ from bearingsim.selection.candidates import computed_by, reference
 from bearingsim.selection.curves import curves
 from bearingsim.selection.trials import twin_asked
 from bearingsim.study import Job, Study
-from bearingsim.study.jobs import Audit, Selection, case_id, identity
+from bearingsim.study.jobs import Audit, Chosen, Selection, case_id, identity
 
 AUDITED, FEWEST_AUDITED = 0.05, 3
 
@@ -23,13 +23,15 @@ AUDITED, FEWEST_AUDITED = 0.05, 3
 class Choice:
     """What computes a case: the name of a candidate, or `reference`; why; what it may be off, by feature (share).
 
-    model: the name of the model that this comes to.
+    model: the name of the model that this comes to; nodes: the error of its discretisation, by feature (share),
+    None where it is unknown.
     """
 
     candidate: str
     model: str
     why: str
     error: Mapping[str, float]
+    nodes: Mapping[str, float | None] = field(default_factory=dict)
 
 
 Choices = dict[str, Choice]
@@ -50,7 +52,10 @@ def chosen(study: Study, choices: Choices) -> Study:
     swept = tuple((case, values) for case, (_, values) in zip(cases, study.swept_cases, strict=True))
     ids = [case_id(case) for case in cases]
     drawn = tuple((curve.feature, tuple(ids[n] for n in curve.cases)) for curve in curves(study))
-    told = {name: (one.model, one.why, dict(one.error)) for name, one in zip(ids, found, strict=True)}
+    told = {
+        name: Chosen(one.model, one.why, dict(one.error), dict(one.nodes))
+        for name, one in zip(ids, found, strict=True)
+    }
     selection = Selection(told, drawn, tuple(audits(study, own, ids)))
     return replace(study, swept_cases=swept, selection=selection)
 

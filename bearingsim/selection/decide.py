@@ -4,6 +4,7 @@ Candidates are tried from the cheapest up, and no further than the first that ho
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from math import inf, nan
 from typing import NamedTuple
@@ -12,11 +13,12 @@ import numpy as np
 
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
-from bearingsim.selection.candidates import can_be_tried, candidates, price, reference
+from bearingsim.selection.candidates import can_be_tried, candidates, price, recut, reference
 from bearingsim.selection.choices import Choice, Choices, key
 from bearingsim.selection.curves import curves, groups, scales
 from bearingsim.selection.judge import Value, error, value
 from bearingsim.selection.trials import Known, Trialled, first_trials, once, repeats, trials_of
+from bearingsim.simulation.trial import stepped_alike
 from bearingsim.study import Study
 
 FOR_MODEL = 0.8
@@ -36,6 +38,14 @@ class Decision(NamedTuple):
     repeating: int
 
 
+class Recut(NamedTuple):
+    """A case, its like with other nodes, and how many times what these change the error of its own is at most."""
+
+    case: Case
+    recut: Case
+    times: float
+
+
 class Choosing:
     """The choice for some cases of a study: which trials it wants next, and what follows from them."""
 
@@ -51,11 +61,21 @@ class Choosing:
         if first:
             return first
         evidence = Evidence(self, known)
-        return once([one for group in self.open_groups(known) for one in self._next(group, evidence)])
+        missing = once([one for group in self.open_groups(known) for one in self._next(group, evidence)])
+        return missing or self._recut_trials(evidence)
 
     def decide(self, known: Known) -> Decision:
         """Choose, with what is known: a trial that is not counts as failed."""
         evidence, cases = Evidence(self, known), self.study.cases()
+        found = self._models(evidence)
+        for n in self.tried:
+            found[n] = replace(found[n], nodes=self._nodes(n, found[n], evidence))
+        repeating = sum(bool(evidence.of_reference[n]) and repeats(self.study, n, known) for n in self.tried)
+        return Decision({key(self.study, cases[n]): one for n, one in found.items()}, repeating)
+
+    def _models(self, evidence: "Evidence") -> dict[int, Choice]:
+        """Return the choice for each case, without the errors of its discretisation."""
+        known, cases = evidence.known, self.study.cases()
         found = {n: Choice(REFERENCE, cases[n].model, NOTHING_CHEAPER, {}) for n in self.numbers}
         settled = [n for n in self.tried if repeats(self.study, n, known)]
         for n in settled:
@@ -65,8 +85,29 @@ class Choosing:
             )
         for group in self.open_groups(known):
             found |= self._of_group(group, evidence)
-        repeating = sum(bool(evidence.of_reference[n]) for n in settled)
-        return Decision({key(self.study, cases[n]): one for n, one in found.items()}, repeating)
+        return found
+
+    def _recut_trials(self, evidence: "Evidence") -> list[Trialled]:
+        """Return the trials of the choices with other nodes that are still to be computed."""
+        others = [(n, self._recut(n, choice, evidence)) for n, choice in self._models(evidence).items()]
+        trials = [trials_of(self.study, n, other.recut)[0] for n, other in others if other is not None]
+        return once([trial for trial in trials if trial.id not in evidence.known])
+
+    def _recut(self, n: int, choice: Choice, evidence: "Evidence") -> "Recut | None":
+        """Return the case that was chosen for number ``n`` and its like with other nodes, at the same step.
+
+        None if nodes change nothing, or the case was not tried.
+        """
+        own, judges = self.study.cases()[n], choice.candidate == REFERENCE
+        chosen = reference(own) if judges else self.able[choice.candidate][n]
+        other = recut(chosen, judges)
+        trial = evidence.known.get(trials_of(self.study, n, chosen)[0].id)
+        return None if other is None or trial is None else Recut(chosen, stepped_alike(other[0], trial), other[1])
+
+    def _nodes(self, n: int, choice: Choice, evidence: "Evidence") -> dict[str, float | None]:
+        """Return the error of a choice's discretisation, by feature; nothing if it has none, or was not tried."""
+        other = self._recut(n, choice, evidence)
+        return {} if other is None else evidence.of_nodes(n, other)
 
     def open_groups(self, known: Known) -> list[list[int]]:
         """The cases whose reference does not repeat itself, those that take one model together."""
@@ -161,10 +202,31 @@ class Evidence:
             return {}
         return {name: _relative(error(own[name], other[name]), self.sizes[name][n]) for name in own}
 
-    def _values(self, n: int, case: Case) -> dict[str, Value]:
-        """What is asked of a case, as its trial (and its twin's) has it; nothing of one that failed."""
+    def of_nodes(self, n: int, other: Recut) -> dict[str, float | None]:
+        """Return the error of the discretisation of a case for number ``n``, by feature; None where it is unknown.
+
+        Of motions that repeat themselves one period is all: nothing scatters.
+        """
         assert self.study.goal is not None
-        trials = [self.known.get(one.id) for one in trials_of(self.study, n, case)]
+        own, off = self._values(n, other.case), self._values(n, other.recut, other.case)
+        if not own or not off:
+            return dict.fromkeys(self.study.goal.of)
+        trials = [self.known[trials_of(self.study, n, case)[0].id] for case in (other.case, other.recut)]
+        exact = all(trial is not None and trial.repeats for trial in trials)
+        errors = {
+            name: abs(own[name].value - off[name].value) if exact else error(own[name], off[name]) for name in own
+        }
+        found = {name: other.times * _relative(of, self.sizes[name][n]) for name, of in errors.items()}
+        return {name: of if of < inf else None for name, of in found.items()}
+
+    def _values(self, n: int, case: Case, beside: Case | None = None) -> dict[str, Value]:
+        """What is asked of a case, as its trial (and its twin's) has it; nothing of one that failed.
+
+        beside: a case whose twin counts instead.
+        """
+        assert self.study.goal is not None
+        twins = trials_of(self.study, n, beside or case)[1:]
+        trials = [self.known.get(one.id) for one in (trials_of(self.study, n, case)[0], *twins)]
         own, twin = trials[0], trials[-1] if len(trials) > 1 else None
         if own is None or None in trials or (twin is not None and twin.turns != own.turns):
             return {}

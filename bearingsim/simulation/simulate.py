@@ -99,7 +99,8 @@ def try_out(case: Case, asked: Sequence[str], passes: int, turn: float = 0.0) ->
 
     asked: the features that are; passes: how many are compared; turn: of the slowest pit (s), by which they are
     cut (0 if none turns), its own or of the case whose healthy twin this is. If the motion repeats itself within
-    them, what repeats is all there is to know: then there is the whole record besides. Raises like ``simulate``.
+    them, what repeats is all there is to know: then there is the whole record besides, unless its step is not to
+    be checked. Raises like ``simulate``.
     """
     began = cpu_time.now()
     return _in_turn(case, lambda attempt: _try_out(attempt, asked, passes, turn, began))
@@ -165,7 +166,7 @@ def _try_out(
     setup = set_up(whole, attempt.part)
     raw = integrate(setup, most=trial.last_pass(setup, passes))
     found = trial.of_passes(setup, raw, asked, passes, turn)
-    if not found.repeats or setup.case.step_check == "strict" or attempt.case.until is not None:
+    if not found.repeats or setup.case.step_check in ("strict", False) or attempt.case.until is not None:
         return found, None
     return found, _record(setup, raw, _checked_step(setup, raw), began)
 

@@ -9,10 +9,12 @@ chaotic, and hardly at all if it is not.
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, pi
+from typing import Any
 
 import numpy as np
 
-from bearingsim import signals
+from bearingsim import assemble, signals
+from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
 from bearingsim.config.names import LINES, Line, of_band
 from bearingsim.simulation import features, record_windows
@@ -42,7 +44,8 @@ class Trial:
     passes: how many count; turns: of the slowest pit in them, of ball passes if none turns; repeats: whether the
     motion has been found to repeat itself; lines: (1 + W,) complex amplitudes (SI) of each asked line over the
     whole, and over W pairs of turns, by name, NaN of one that the whole cannot tell from others; powers: (1 + W,)
-    mean squares of an asked RMS (SI), likewise; forces: (passes,) the largest of an outer contact (N).
+    mean squares of an asked RMS (SI), likewise; forces: (passes,) the largest of an outer contact (N); method: its
+    name, empty if the model has none; step: its step (s), or its tolerance if it is adaptive.
     """
 
     passes: int
@@ -51,6 +54,8 @@ class Trial:
     lines: dict[str, np.ndarray]
     powers: dict[str, np.ndarray]
     forces: np.ndarray
+    method: str = ""
+    step: float = 0.0
 
     @property
     def is_whole(self) -> bool:
@@ -113,7 +118,23 @@ def of_passes(setup: Setup, raw: RawRecord, asked: Sequence[str], passes: int, t
     before = ceil(start / cut.fine_per_pass)
     known = raw.peaks[:, FORCE]
     places = [int(p) if p < len(known) else int(raw.repetition.source(p)) for p in range(before, before + passes)]
-    return Trial(passes, whole_turns(passes, turn), raw.repetition.period > 0, lines, powers, known[places])
+    stepped = (case.method, _fineness(setup)) if case.method is not None else ("", 0.0)
+    periodic = raw.repetition.period > 0
+    return Trial(passes, whole_turns(passes, turn), periodic, lines, powers, known[places], *stepped)
+
+
+def _fineness(setup: Setup) -> float:
+    """Return the step (s) of a setup, or the tolerance of an adaptive method."""
+    return float(setup.method.rtol) if assemble.adaptive(setup.case) else setup.cut.step
+
+
+def stepped_alike(case: Case, trial: Trial) -> Case:
+    """Return a case with the method and the step, or tolerance, of a trial, taken without a check."""
+    fixed: dict[str, Any] = {"step_check": False}
+    if trial.method:
+        fixed |= {"method": trial.method}
+        fixed |= {"tolerance" if METHODS[trial.method].adaptive else "step": trial.step}
+    return case.model_copy(update=fixed)
 
 
 def spans_of(passes: int, turn: float, per_pass: int) -> list[slice]:

@@ -65,6 +65,7 @@ class Chosen(Layout):
     model: str
     why: str
     error: dict[Name, float]
+    nodes: dict[Name, float | None] = {}
 
 
 class Curve(Layout):
@@ -126,6 +127,7 @@ class Choice(Layout):
     model: str
     why: str
     error: dict[Name, float]
+    nodes: dict[Name, float | None] = {}
     plan: str = ""
 
 
@@ -136,6 +138,8 @@ class Trial(Layout):
     lines: dict[Name, list[Pair]]
     powers: dict[Name, list[float]]
     forces: list[float]
+    method: str = ""
+    step: float = 0.0
 
 
 Choices = dict[Name, Choice]

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 __all__ = ["PARTS", "Audited", "audited", "nearness", "withdrawn"]
 
 STEP_OF = {"rms": "rms", "max": "force"}  # by the ending of a feature: all others are lines
-PARTS = ("error.model", "error.step", "error.scatter")
+OF_RECORD = dict.fromkeys(("acceleration.rms", "displacement.rms"), "record")
+"""Of all that is recorded the largest change: these change otherwise than the RMS of the velocity."""
+PARTS = ("error.model", "error.nodes", "error.step", "error.scatter")
 """Columns whose sum is ``error``."""
 STANDARD_ERRORS = 2.0
 
@@ -52,7 +54,7 @@ def scales(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
 
 
 def nearness(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
-    """``error.model``, ``.step``, ``.scatter`` and their sum ``error`` by case: of what is asked, the largest.
+    """Return ``PARTS`` and their sum ``error`` by case, each the largest of what is asked.
 
     No ``error`` where the study leaves open what moves its results more than any model: whether its ring bends. No
     ``.scatter`` and no ``error`` of a chaotic motion if a line is asked for whose scatter is not told. Where an
@@ -78,18 +80,22 @@ def nearness(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.DataFrame":
-    """The three errors of a feature by job."""
+    """Return the parts of the error of a feature by job."""
     import pandas as pd
 
     size, plain = scales(plan, frame, feature), feature.removesuffix(HEALTHY)
-    told = plan["accuracy"]["jobs"]
-    model = pd.Series({job: told[job]["error"].get(feature, 0.0) for job in told}).reindex(frame.index)
+    chosen = plan["accuracy"]["jobs"]
+
+    def tried(part: str) -> "pd.Series[float]":
+        found = pd.Series({job: one.get(part, {}).get(feature, 0.0) for job, one in chosen.items()}, dtype=float)
+        return found.fillna(inf).reindex(frame.index)
+
     relative = _step_errors(frame, plain)
     step = relative.fillna(0.0) * frame[f"features/{plain}"].abs() / size
     scatter = standard_error(frame, plain).where(~scatters_unknown(frame, plain), inf) / size
-    return pd.DataFrame({"error.model": model, "error.step": step, "error.scatter": scatter}).where(
-        frame["status"] == "done"
-    )
+    of_trials = {"error.model": tried("error"), "error.nodes": tried("nodes")}
+    parts = pd.DataFrame(of_trials | {"error.step": step, "error.scatter": scatter})
+    return parts.where(frame["status"] == "done")
 
 
 def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
@@ -100,7 +106,8 @@ def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     if found is not None and (found.line or found.quantity == "acceleration"):
         kind, times = "record", 2.0 if found.line else 1.0
     else:
-        kind, times = STEP_OF.get(feature.partition("@")[0].rpartition(".")[2], "line"), 1.0
+        plain = feature.partition("@")[0]
+        kind, times = OF_RECORD.get(plain) or STEP_OF.get(plain.rpartition(".")[2], "line"), 1.0
     return times * frame.get(f"features/step_error.{kind}", pd.Series(0.0, frame.index))
 
 

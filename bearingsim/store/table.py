@@ -106,7 +106,7 @@ def _accuracy(study: "Study") -> dict[str, Any] | None:
     goal, found = study.goal, study.selection
     if goal is None or found is None:
         return None
-    jobs = {job: {"model": model, "why": why, "error": error} for job, (model, why, error) in found.jobs.items()}
+    jobs = {job: chosen._asdict() for job, chosen in found.jobs.items()}
     return {
         "within": goal.within,
         "of": list(goal.of),

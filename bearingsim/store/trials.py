@@ -79,13 +79,16 @@ def _plain(one: Trial) -> dict[str, Any]:
     lines = {name: [[a.real, a.imag] for a in parts.tolist()] for name, parts in one.lines.items()}
     powers = {name: parts.tolist() for name, parts in one.powers.items()}
     told = {"passes": one.passes, "turns": one.turns, "repeats": one.repeats, "forces": one.forces.tolist()}
-    return told | {"lines": lines, "powers": powers}
+    return told | {"lines": lines, "powers": powers, "method": one.method, "step": one.step}
 
 
 def _trial(told: Mapping[str, Any]) -> Trial:
     lines = {name: np.array([complex(*pair) for pair in parts]) for name, parts in told["lines"].items()}
     powers = {name: np.array(parts) for name, parts in told["powers"].items()}
-    trial = Trial(told["passes"], told["turns"], told["repeats"], lines, powers, np.array(told["forces"]))
+    stepped = told.get("method", ""), told.get("step", 0.0)
+    trial = Trial(
+        told["passes"], told["turns"], told["repeats"], lines, powers, np.array(told["forces"]), *stepped
+    )
     if not trial.is_whole:
         raise Unreadable("the parts of a trial do not fit each other")
     return trial

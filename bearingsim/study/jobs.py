@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim.catalogue import AUTO, MODELS
 from bearingsim.config import Case
@@ -83,15 +83,27 @@ class Audit:
     healthy: Job | None = None
 
 
+class Chosen(NamedTuple):
+    """A model that was chosen for a case, why, and its errors, relative, by feature.
+
+    error: against the reference; nodes: of nodes along defects, slices and harmonics, None where it is unknown.
+    """
+
+    model: str
+    why: str
+    error: dict[str, float]
+    nodes: dict[str, float | None]
+
+
 @dataclass(frozen=True)
 class Selection:
     """What was chosen for a study that names an accuracy (``bearingsim/selection``).
 
-    jobs: of each case's id the model, why, and what the model may be off, relative, by feature; curves: features,
-    and the ids on each curve; notes: what is to be known of choices that were made for an earlier plan.
+    jobs: by the id of each case; curves: features, and the ids on each curve; notes: remarks on choices that were
+    made for an earlier plan.
     """
 
-    jobs: Mapping[str, tuple[str, str, dict[str, float]]]
+    jobs: Mapping[str, Chosen]
     curves: tuple[tuple[str, tuple[str, ...]], ...]
     audits: tuple[Audit, ...]
     notes: tuple[str, ...] = ()

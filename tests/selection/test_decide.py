@@ -12,10 +12,11 @@ import pytest
 
 from bearingsim import selection
 from bearingsim.config import Case
+from bearingsim.config.sections.ring import MAX_HARMONICS
 from bearingsim.selection import Choice, Trialled, candidates, choices
 from bearingsim.selection.choices import key
 from bearingsim.selection.decide import MIXED, TIE
-from bearingsim.simulation.trial import Trial
+from bearingsim.simulation.trial import Trial, stepped_alike
 from bearingsim.study import Study, case_id, load_study
 from tests.scenes.study_text import Write
 from tests.scenes.trials import HEAD, TEXT, Of, by_model, known, near, trial
@@ -217,6 +218,89 @@ def test_a_case_whose_curve_keeps_it_from_a_cheaper_model_is_told_so(write: Writ
     assert found[0].why == "the nearest of those that cost less is 0 % off here, but over 4 % elsewhere on a curve"
 
 
+# Discretisation
+
+BOWL = TEXT.replace("rectangular", "circular")
+NODES = 24
+
+
+def by_nodes(off: float, scatter: float = 0.0, **others: Any) -> Of:
+    """Trials of rollers that hold, whose line doubled nodes change by a share."""
+
+    def of(one: Trialled) -> Trial:
+        more = 1.0 + off * (one.case.contact.length_nodes > NODES)
+        size = one.case.load * more * {"planar": 1.0, "rollers": 1.01}.get(one.case.model, 9.0)
+        return trial(size, names=one.asked, scatter=scatter * (more > 1.0), **others)
+
+    return of
+
+
+@pytest.mark.parametrize("repeats", [False, True])
+def test_twice_the_nodes_of_the_choice_tell_the_error_of_its_discretisation(
+    write: Write, dear: dict[str, float], repeats: bool
+) -> None:
+    """Twice what they change, as of an error of first order, over the largest value of the curve."""
+    found = decided(near(write, BOWL), by_nodes(0.004, repeats=repeats))
+    assert [one.candidate for one in found] == ["reference" if repeats else "rollers"] * 3
+    size = 1.0 if repeats else 1.01
+    told = [one.nodes["velocity@BPFO"] for one in found]
+    assert told == pytest.approx([2.0 * 0.004 * size * load / 450.0 for load in (150.0, 300.0, 450.0)], rel=1e-6)
+
+
+def test_nodes_whose_change_scatters_count_with_their_scatter(write: Write, dear: dict[str, float]) -> None:
+    plain = decided(near(write, BOWL), by_nodes(0.004))[2].nodes["velocity@BPFO"]
+    noisy = decided(near(write, BOWL), by_nodes(0.004, scatter=0.01))[2].nodes["velocity@BPFO"]
+    assert plain is not None
+    assert noisy is not None
+    assert noisy > plain + 0.005
+
+
+def test_what_twice_the_nodes_do_is_unknown_where_their_trial_fails(write: Write, dear: dict[str, float]) -> None:
+    of = by_nodes(0.0)
+    found = decided(near(write, BOWL), lambda one: None if one.case.contact.length_nodes > NODES else of(one))
+    assert [one.nodes for one in found] == [{"velocity@BPFO": None}] * 3
+
+
+@pytest.mark.parametrize(
+    ("shape", "varies"),
+    [("rectangular", False), ("triangular", False), ("circular", True), ("elliptical", True), ("spall", True)],
+)
+def test_nodes_are_doubled_where_a_defect_varies_along_the_roller(write: Write, shape: str, varies: bool) -> None:
+    other = candidates.recut(near(write, TEXT.replace("rectangular", shape)).cases()[0])
+    assert (other is not None) == varies
+    assert other is None or (other[0].contact.length_nodes, other[0].contact.slices, other[1]) == (48, 24, 2.0)
+
+
+def test_of_a_reference_slices_are_halved_and_harmonics_doubled_again(write: Write) -> None:
+    """Twice the slices would be too many. Of what is judged by a reference that is in the error of the model."""
+    leaning = candidates.reference(near(write, SPATIAL.replace("rectangular", "circular")).cases()[0])
+    other = candidates.recut(leaning)
+    assert other is not None
+    assert (leaning.contact.slices, other[0].contact.slices, other[0].contact.length_nodes) == (48, 24, NODES)
+    assert other[1] == 1.0
+    assert candidates.recut(leaning, judges=False) is None
+    bending = candidates.reference(near(write, f"{TEXT}rig: {{ring: {RING}}}\n").cases()[0])
+    other = candidates.recut(bending)
+    assert other is not None
+    rings = [case.rig.ring for case in (bending, other[0])]
+    assert [int(ring.harmonics) for ring in rings if ring is not None] == [32, min(MAX_HARMONICS, 64)]
+    assert other[1] == 2.0
+    assert candidates.recut(bending, judges=False) is None
+
+
+@pytest.mark.parametrize(("method", "step"), [("verlet", 1e-6), ("dop853", 1e-5), ("", 0.0)])
+def test_nodes_are_doubled_at_the_step_of_the_trial(write: Write, method: str, step: float) -> None:
+    """Another step would have an error of its own. It has been taken before, and is not checked again."""
+    case = near(write, BOWL).cases()[0]
+    found = stepped_alike(case, replace(trial(1.0), method=method, step=step))
+    assert found.step_check is False
+    assert (found.method, found.step, found.tolerance) == {
+        "verlet": ("verlet", 1e-6, "auto"),
+        "dop853": ("dop853", "auto", 1e-5),
+        "": (case.method, "auto", "auto"),
+    }[method]
+
+
 # Candidates
 
 
@@ -327,7 +411,7 @@ def test_what_was_chosen_is_told_by_job(write: Write) -> None:
     assert found is not None
     study = with_choice(near(write), "ring")
     ids = [case_id(case) for case in study.cases()]
-    assert found.jobs == {name: ("ring", "told", {"velocity@BPFO": 0.02}) for name in ids}
+    assert found.jobs == {name: ("ring", "told", {"velocity@BPFO": 0.02}, {}) for name in ids}
     assert found.curves == (("velocity@BPFO", tuple(ids)),)
 
 

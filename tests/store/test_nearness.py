@@ -52,12 +52,13 @@ def test_errors_count_over_the_lowest_curves_largest_value() -> None:
         (LINE, "line"),
         ("displacement@BPFI", "line"),
         (RMS, "rms"),
-        ("acceleration.rms", "rms"),
+        ("acceleration.rms", "record"),
+        ("displacement.rms", "record"),
         (FORCE, "force"),
     ],
 )
 def test_each_feature_has_its_step_error(feature: str, column: str) -> None:
-    steps = {f"step_error.{name}": [0.5, 0.5, 0.5] for name in ("line", "rms", "force")}
+    steps = {f"step_error.{name}": [0.5, 0.5, 0.5] for name in ("line", "rms", "force", "record")}
     found = nearness(
         plan([feature]), frame({feature: [1.0, 2.0, 4.0]} | steps | {f"step_error.{column}": [0.01] * 3})
     )
@@ -78,6 +79,25 @@ def test_model_step_and_scatter_add_up_and_the_worst_feature_counts() -> None:
     assert found["error.step"].tolist() == pytest.approx([0.02, 0.01, 0.0])
     assert found["error.scatter"].tolist() == pytest.approx([0.05, 0.1, 0.0])
     assert found["error"].tolist() == pytest.approx([0.03 + 0.005 + 0.05, 0.03 + 0.01 + 0.1, 0.03])
+
+
+def test_errors_of_nodes_are_added_and_where_unknown_there_is_no_sum() -> None:
+    asked = plan([LINE], {LINE: 0.01})
+    asked["accuracy"]["jobs"]["a"]["nodes"] = {LINE: 0.02}
+    asked["accuracy"]["jobs"]["b"]["nodes"] = {LINE: None}
+    found = nearness(asked, frame({LINE: [1.0, 2.0, 2.0]}))
+    assert found["error.nodes"].tolist() == pytest.approx([0.02, math.nan, 0.0], nan_ok=True)
+    assert found["error"].tolist() == pytest.approx([0.03, math.nan, 0.01], nan_ok=True)
+
+
+def test_it_is_told_where_more_nodes_would_do() -> None:
+    asked = plan([LINE], {LINE: 0.01})
+    for job, nodes in {"a": 0.03, "b": 0.045, "c": 0.5}.items():
+        asked["accuracy"]["jobs"][job]["nodes"] = {LINE: nodes}
+    asked["accuracy"]["jobs"]["c"]["error"] = {LINE: 0.06}  # too far off without
+    (told,) = held(asked, frame({LINE: [1.0, 2.0, 2.0]}))
+    assert told.startswith("accuracy of 5 %: 1 of 3 cases hold it")
+    assert told.endswith("; 1 would with more `contact.length_nodes` (slices, harmonics)")
 
 
 def test_a_chaotic_line_whose_scatter_nothing_tells_has_no_sum() -> None:
