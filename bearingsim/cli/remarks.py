@@ -48,7 +48,7 @@ def hanging(plan: "Plan") -> Iterator[str]:
     if damaged and all(one.sinking < HANGS * depth for one, depth in zip(damaged, depths, strict=True)):
         reached, floors = (span(1e6 * d for d in part) for part in ([one.sinking for one in damaged], depths))
         same = "; rectangle and triangle are the same" if prisms else ""
-        yield f"rollers do not reach the floor: {reached} um deep at most, of {floors} um{same}"
+        yield f"rollers sink {reached} um and do not reach the floor, {floors} um{same}"
 
 
 def choices(plan: "Plan") -> list[str]:
@@ -57,11 +57,8 @@ def choices(plan: "Plan") -> list[str]:
     if goal is None:
         return []
     if found is None:
-        models = ", ".join(f"`{name}`" for name in dict.fromkeys(one.job.case.model for one in plan.cases))
-        return [
-            f"model: unknown before pilots (`check --pilots` runs them); priced as the reference, {models},"
-            f" by which {goal.text} is judged"
-        ]
+        models = ", ".join(f"`{name}`" for name in dict.fromkeys(priced.job.case.model for priced in plan.cases))
+        return [f"model: chosen as the run begins, or by `check --pilots`; priced as the reference, {models}"]
     why: dict[str, list[str]] = {}
     for chosen in found.jobs.values():
         why.setdefault(chosen.model, []).append(chosen.why)
@@ -83,8 +80,8 @@ def methods(plan: "Plan") -> list[str]:
     checks_step = [one.job.case.checks_step for one in plan.everything]
     if any(checks_step):
         whole = all(one.job.case.step_check == "strict" for one in plan.everything if one.job.case.checks_step)
-        where = "all of its run" if whole else "a period of its motion, or its run's beginning"
-        told.append(f"each step is proven on {where}: half of it may change line and RMS by 0.5 %")
+        where = "the whole run" if whole else "a period, or on the run's beginning"
+        told.append(f"time step: checked on {where}; half of it may change line and RMS by 0.5 %")
     return told
 
 
@@ -95,10 +92,8 @@ def repeating(plan: "Plan") -> Iterator[str]:
     found = [one for one in plan.everything if one.estimate.most_seconds > one.estimate.cpu_seconds]
     if found:
         most = plan.cpu_seconds + sum(one.estimate.most_seconds - one.estimate.cpu_seconds for one in found)
-        yield (
-            f"{len(found)} of {len(plan.everything)} jobs may repeat themselves, and are priced as if they did:"
-            f" if none does, about {duration(most)} of CPU time"
-        )
+        count = f"{len(found)} of {len(plan.everything)}"
+        yield f"{count} responses may be periodic; if none is: {duration(most)} of CPU time"
 
 
 def damping(plan: "Plan") -> Iterator[str]:

@@ -105,18 +105,18 @@ def repetitions(info: "pd.DataFrame") -> Iterator[str]:
     if len(repeating):
         passes = _span(repeating["passes_computed"], "{:.0f}")
         yield (
-            f"{len(repeating)} of {len(told)} jobs repeat themselves: {passes} ball passes were computed of"
-            f" {_span(repeating['passes'], '{:.0f}')} (`periodic: false` computes all)"
+            f"{len(repeating)} of {len(told)} responses are periodic: {passes} of"
+            f" {_span(repeating['passes'], '{:.0f}')} ball passes computed (`periodic: false` computes all)"
         )
     ended = told[(told["period_passes"] == 0) & (told["passes_computed"] < told["passes"])]
     if len(ended):
         passes = _span(ended["passes_computed"], "{:.0f}")
-        yield f"{len(ended)} of {len(told)} jobs ended after {passes} ball passes, accurate enough"
+        yield f"{len(ended)} of {len(told)} jobs were accurate enough after {passes} ball passes"
     others = told[(told["passes_computed"] == told["passes"]) & (told["last_difference"] > 0.0)]
     if len(others):
         yield (
-            f"{len(others)} of {len(told)} jobs do not repeat themselves, and are computed in full: their passes"
-            f" differ by {_span(others['last_difference'], '{:.2g}')} of the range (`last_difference`)"
+            f"{len(others)} of {len(told)} responses are not periodic: successive passes differ by"
+            f" {_span(100.0 * others['last_difference'], '{:.2g}')} % of the range (`last_difference`)"
         )
 
 

@@ -119,7 +119,7 @@ def choice(case: Case) -> Choice:
         return Choice(safe[0], _saving(safe[0], prices, step_limits(with_method(case, EXPLICIT))), prices)
     if not may_repeat(with_method(as_usual, EXPLICIT)):
         return Choice(EXPLICIT, "no other method would take much less CPU time", prices)
-    return Choice(EXPLICIT, "each ball pass may repeat the last", prices, _patience(case, costs))
+    return Choice(EXPLICIT, "the response may be periodic", prices, _patience(case, costs))
 
 
 def margin(name: str) -> float:

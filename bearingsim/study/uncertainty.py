@@ -273,10 +273,11 @@ def assumes_rigid_ring(cases: Iterable[Case], drawn: Iterable[str], uncertain: S
 
 
 def unexamined(cases: int, duration: Callable[[float], str], seconds: float) -> str:
-    """What is said where damping is not varied: what it would take.
+    """Return the sentence for a damping that is not varied: what varying it takes.
 
     cases: how many depend on it; seconds: their CPU time; duration: how a time is written.
     """
     jobs, time = len(USUAL.values) * cases, duration(len(USUAL.values) * seconds)
-    would = f"`uncertainty: {{damping: {UNKNOWNS['damping'].example}}}` would, with {jobs} jobs more"
-    return f"damping not examined: {would} and {time} of CPU time"
+    return (
+        f"damping not varied: `uncertainty: {{damping: {UNKNOWNS['damping'].example}}}` adds {jobs} jobs, {time}"
+    )

@@ -74,8 +74,8 @@ def test_show_prints_a_row_per_job(done):
     assert "velocity@BPFO (µm/s)" in lines[0]
     assert sum(line.startswith(tuple(job[:8] for job in ids(done))) for line in lines) == 8
     told = lines[lines.index("8 jobs: 8 done") + 1 :]  # a job may need a pass more than the record has
-    assert re.match(r"[78] of 8 jobs repeat themselves: 1 to ", told[0])
-    assert lines[-1].startswith("damping: c/k 2.5 us (plausible: 0.3 to 25 us), damping ratio 0.0765 to 0.0789;")
+    assert re.match(r"[78] of 8 responses are periodic: 1 to ", told[0])
+    assert lines[-1].startswith("damping: c/k 2.5 us (plausible: 0.3 to 25), ratio 0.0765 to 0.0789;")
 
 
 def test_show_takes_columns(done):

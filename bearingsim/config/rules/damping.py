@@ -37,28 +37,24 @@ class Damped(NamedTuple):
 
 
 def sentences(jobs: Sequence[Damped]) -> Iterator[str]:
-    """What is to be said of the damping of some jobs: its range beside the plausible one, then warnings."""
+    """Yield the range of the damping of some jobs beside the plausible one, then warnings."""
     if not jobs:
         return
     pits = [job.crossing for job in jobs if isfinite(job.crossing)]
-    crossing = f"; the shortest pit is crossed in {1e6 * min(pits):.3g} us" if pits else ""
+    crossing = f"; shortest crossing of a defect {1e6 * min(pits):.3g} us" if pits else ""
     times, ratios = _range([1e6 * job.time for job in jobs]), _range([job.ratio for job in jobs])
     low, high = (f"{1e6 * end:g}" for end in PLAUSIBLE)
-    yield f"damping: c/k {times} us (plausible: {low} to {high} us), damping ratio {ratios}{crossing}"
+    yield f"damping: c/k {times} us (plausible: {low} to {high}), ratio {ratios}{crossing}"
     heavy, light = [job for job in jobs if job.too_heavy], [job for job in jobs if job.too_light]
     if heavy:
-        found = _range([1e6 * job.time for job in heavy])
-        bounds = [f"{high} us"] * any(job.time > SLACK * PLAUSIBLE[1] for job in heavy)
-        crossed = [1e6 * PART_OF_CROSSING * job.crossing for job in heavy if isfinite(job.crossing)]
+        reasons = [f"{high} us"] * any(job.time > SLACK * PLAUSIBLE[1] for job in heavy)
         if any(job.time > PART_OF_CROSSING * job.crossing for job in heavy):
-            bounds.append(f"{min(crossed):.3g} us, a tenth of the crossing")
-        yield (
-            f"{WARNING}{_counted(heavy, jobs)}c/k of {found} us is over {' and '.join(bounds)}:"
-            " the roller cannot follow the pit; damping rules this result"
-        )
+            reasons.append("a tenth of the crossing")
+        over = f"c/k {_range([1e6 * job.time for job in heavy])} us, over {' and '.join(reasons)}"
+        yield f"{WARNING}{over}: damping decides the result{_counted(heavy, jobs)}"
     if light:
-        found = _range([1e6 * job.time for job in light])
-        yield f"{WARNING}{_counted(light, jobs)}c/k of {found} us is under {low} us, near dry steel: expect chaos"
+        under = f"c/k {_range([1e6 * job.time for job in light])} us, under {low} us like dry steel"
+        yield f"{WARNING}{under}: expect chaos{_counted(light, jobs)}"
 
 
 def of_jobs(info: Any) -> Iterator[str]:
@@ -74,4 +70,4 @@ def _range(values: Sequence[float]) -> str:
 
 
 def _counted(some: Sequence[Damped], every: Sequence[Damped]) -> str:
-    return "" if len(some) == len(every) else f"{len(some)} of {len(every)} jobs: "
+    return "" if len(some) == len(every) else f" ({len(some)} of {len(every)} jobs)"
