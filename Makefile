@@ -151,7 +151,7 @@ bands: install-dev
 
 # is a result flagged as one draw of many where it is not known to 0.5 %? Writes docs/data/flags.csv
 flags: install-dev
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.flags --csv docs/data/flags.csv
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.flags
 
 bench-compare: install-dev
 	$(BIN)/python -m benchmarks.speed.compare

@@ -9,6 +9,8 @@ from bearingsim.signals.lines import (
     lines_by_pass,
     lines_of_blocks,
     lines_of_windows,
+    pass_angles,
+    pass_weights,
     resolvable,
 )
 from bearingsim.signals.moments import statistics
@@ -30,6 +32,8 @@ __all__ = [
     "lines_by_pass",
     "lines_of_blocks",
     "lines_of_windows",
+    "pass_angles",
+    "pass_weights",
     "pick_from",
     "pick_line",
     "resolvable",

@@ -16,10 +16,19 @@ def lines_by_pass(fine: np.ndarray, M: int, harmonics: Sequence[int], start: int
     if the line peaks as a roller passes phi = 0, and a defect at phi shifts it by -k Z phi. Over whole passes no
     other harmonic leaks in. Returns (harmonics, passes) complex.
     """
-    angle = Z_theta_0 + 2.0 * pi * ((start + np.arange(M)) % M) / M  # of the pass, so that no digits are lost
-    angles = np.multiply.outer(np.asarray(harmonics), angle)
+    angles = np.multiply.outer(np.asarray(harmonics), pass_angles(M, start, Z_theta_0))
     passes = fine.reshape(-1, M).T
     return 2.0 / M * (np.cos(angles) @ passes - 1j * (np.sin(angles) @ passes))
+
+
+def pass_angles(M: int, start: int, Z_theta_0: float) -> np.ndarray:
+    """Return Z times the first roller's angle (rad) at the M samples (M,) of a ball pass, less whole turns."""
+    return Z_theta_0 + 2.0 * pi * ((start + np.arange(M)) % M) / M  # of the pass, so that no digits are lost
+
+
+def pass_weights(n: int, neighbours: bool) -> np.ndarray:
+    """Return the weights (n,) of a record's passes in its lines: all 1, or beside other lines Hann's window."""
+    return np.sin(pi * (np.arange(n) + 0.5) / n) ** 2 if neighbours else np.ones(n)
 
 
 def derivative_lines(
@@ -44,7 +53,7 @@ def line(by_pass: np.ndarray, neighbours: bool = False) -> tuple[float, float, f
     pass over the root of their number, neighbours included; nan with fewer than two passes.
     """
     n = len(by_pass)
-    weights = np.sin(pi * (np.arange(n) + 0.5) / n) ** 2 if neighbours else np.ones(n)
+    weights = pass_weights(n, neighbours)
     mean = (weights * by_pass).sum() / weights.sum()
     scatter = np.sqrt(np.mean(np.abs(by_pass - mean) ** 2) / (n - 1)) if n > 1 else np.nan
     return float(abs(mean)), float(np.angle(mean)), float(scatter)

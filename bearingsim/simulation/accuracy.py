@@ -1,20 +1,21 @@
-"""How well a record knows its line and its RMS: standard errors from its ball passes."""
+"""Standard errors of the line and the RMS of a record, from its ball passes."""
 
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.fft import dct
 from scipy.special import stdtrit
 
 from bearingsim import signals
 from bearingsim.config import Case
 from bearingsim.core.sampling import sampling_kernel
-from bearingsim.simulation.features import sensed
+from bearingsim.simulation.features import beside_other_lines, lines_of_passes, sensed
 from bearingsim.simulation.raw_record import RawRecord
-from bearingsim.simulation.record_windows import windows
+from bearingsim.simulation.record_windows import Windows, windows
 from bearingsim.simulation.time_grid import Grid
 
-MIN_BLOCKS = 8  # of passes: fewer do not tell how they scatter
 MIN_PASSES = 16
+COSINES = 12  # over the record: fewer ask for more of Student's t, more see less of passes that are alike
 THREE_SIGMA = 0.99865  # the probability of no more than that
 LOOK_AGAIN = 1.1  # times as many passes: so seldom the errors are looked at
 QUIET_LINE = 1e-3  # a line under this part of the RMS (60 dB below it) is none, and is measured by it
@@ -33,37 +34,67 @@ class StandardErrors(NamedTuple):
 
 
 def standard_errors(case: Case, model: Any, cut: Grid, raw: RawRecord) -> StandardErrors:
-    """Those of what has been computed of a record; infinite of too few passes."""
+    """Estimate those of what has been computed of a record; infinite of too few passes."""
+    if raw.repetition.period > 0:
+        return StandardErrors(0.0, 0.0)
     taps = sampling_kernel(cut.fine_rate / case.sampling)
     of_record = windows(case, cut, raw, reach=len(taps) // 2)
     M, n = of_record.M, len(of_record.index)
-    if raw.repetition.period > 0:
-        return StandardErrors(0.0, 0.0)
     if n < MIN_PASSES:
         return StandardErrors(np.inf, np.inf)
-    velocity = sensed(case, raw, "velocity", of_record.start, n * M)
-    angle = case.bearing.rollers * model.bearing.theta_0
-    (lines,) = signals.lines_by_pass(velocity, M, [1], of_record.start, angle)
     low = sensed(case, raw.through(taps), "velocity", of_record.start, n * M)
-    power = np.mean(low.reshape(n, M) ** 2, axis=1)
-    mean, rms = lines.mean(), np.sqrt(power.mean())
-    along = (lines * np.exp(-1j * np.angle(mean))).real
+    power = np.mean(low.reshape(n, M) ** 2, axis=1, keepdims=True)
+    least = QUIET_LINE * np.sqrt(power.mean())
+    error_of_line = _error_from_passes if beside_other_lines(case) else _error_from_samples
     return StandardErrors(
-        float(standard_error(along) / (max(abs(mean), QUIET_LINE * rms) or 1.0)),
+        error_of_line(case, model, cut, raw, of_record, least),
         float(0.5 * standard_error(power) / (power.mean() or 1.0)),
     )
 
 
-def standard_error(values: np.ndarray) -> float:
-    """The standard error of the mean of ``values`` (n,), of which neighbours may be alike.
+def _error_from_samples(
+    case: Case, model: Any, cut: Grid, raw: RawRecord, of_record: Windows, least: float
+) -> float:
+    """Estimate the relative standard error of a line that is a plain mean, from all samples of its passes.
 
-    From blocks of 1, 2, 4 ... of them, whichever says more: what is loud may stay loud for a while. Few blocks
-    tell little of how they scatter, so by Student's t it is such that three of it hold as surely as three sigma.
+    Where the border of two passes cuts an impact, what one of them lacks the other has: whole passes scatter by
+    several times what their mean does.
     """
-    found, size = 0.0, 1
-    while len(values) // size >= MIN_BLOCKS:
-        blocks = values[: len(values) // size * size].reshape(-1, size).mean(axis=1)
-        n = len(blocks)
-        found = max(found, float(stdtrit(n - 1.0, THREE_SIGMA) / 3.0 * blocks.std(ddof=1)) / n**0.5)
-        size *= 2
-    return found
+    M, n, start = of_record.M, len(of_record.index), of_record.start
+    velocity, Z_theta_0 = sensed(case, raw, "velocity", start, n * M), case.bearing.rollers * model.bearing.theta_0
+    line = signals.lines_by_pass(velocity, M, [1], start, Z_theta_0).mean()
+    along = 2.0 * np.cos(signals.pass_angles(M, start, Z_theta_0) + np.angle(line))
+    return _relative(standard_error(velocity.reshape(n, M) * along), line, least)
+
+
+def _error_from_passes(
+    case: Case, model: Any, cut: Grid, raw: RawRecord, of_record: Windows, least: float
+) -> float:
+    """Estimate that of a line beside others, from its passes as they are weighted and cut for the feature."""
+    lines = lines_of_passes(case, model, cut, raw).get("velocity", np.empty((1, 0)))[0]
+    if len(lines) < MIN_PASSES:
+        return np.inf
+    weights = signals.pass_weights(len(lines), neighbours=True)
+    line = np.average(lines, weights=weights)
+    along = (lines * np.exp(-1j * np.angle(line))).real
+    return _relative(standard_error(along[:, np.newaxis], weights), line, least)
+
+
+def _relative(error: float, line: complex, least: float) -> float:
+    return float(error / (max(abs(line), least) or 1.0))
+
+
+def standard_error(values: np.ndarray, weights: np.ndarray | None = None) -> float:
+    """Estimate the standard error of the mean of ball passes, of which neighbours may be alike.
+
+    values: (passes, M), M of each pass, of which the mean course over a pass is no error; weights: (passes,), or
+    equal ones. The spectrum at zero frequency is the mean square of the projections on the lowest cosines over the
+    record (Lazarus, Lewis, Stock and Watson 2018, J. Bus. Econ. Stat. 36, 541: equal-weighted cosines), so that
+    alternation does not count, slow change does. By Student's t three standard errors are as sure as three sigma.
+    """
+    passes, M = values.shape
+    weights = np.ones(passes) if weights is None else weights
+    lowest = dct((values - values.mean(axis=0)).ravel(), norm="ortho")[1 : COSINES + 1]
+    spectrum = np.mean(lowest**2) / M
+    student = stdtrit(float(len(lowest)), THREE_SIGMA) / 3.0
+    return float(student * np.sqrt(spectrum * np.sum(weights**2)) / np.sum(weights))

@@ -113,14 +113,23 @@ def sample_angles(model: Any, cut: Grid, start: int, slip: np.ndarray) -> Sample
 
 def ball_pass_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
-    by_pass = _lines_at_equal_angles if slips(case) else _lines_at_equal_times
     found = {}
-    beside = slips(case) or any(defect.race != "outer" for defect in case.defects)
-    for quantity, lines in by_pass(case, model, cut, raw).items():
+    beside = beside_other_lines(case)
+    for quantity, lines in lines_of_passes(case, model, cut, raw).items():
         for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
             found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values, beside)
     return found or dict.fromkeys(_ball_pass_names(), float("nan"))
+
+
+def beside_other_lines(case: Case) -> bool:
+    """Tell whether a record holds lines, besides those of BPFO, of which a ball pass holds no whole period."""
+    return slips(case) or any(defect.race != "outer" for defect in case.defects)
+
+
+def lines_of_passes(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
+    """Read the lines (harmonics, passes) of each quantity; none of a free cage's record that is too short."""
+    return (_lines_at_equal_angles if slips(case) else _lines_at_equal_times)(case, model, cut, raw)
 
 
 def _lines_at_equal_times(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
@@ -128,7 +137,7 @@ def _lines_at_equal_times(case: Case, model: Any, cut: Grid, raw: RawRecord) -> 
     of_record = windows(case, cut, raw, reach=1)
     M, start = of_record.M, of_record.start
     place, speed = (sensed(case, raw, quantity, start, of_record.distinct * M + 1) for quantity in MOTION[:2])
-    lines = _lines_of_passes(place, speed, M, start, cut.rate, case.bearing.rollers * model.bearing.theta_0)
+    lines = _lines_from_samples(place, speed, M, start, cut.rate, case.bearing.rollers * model.bearing.theta_0)
     return {quantity: found[:, of_record.index] for quantity, found in lines.items()}
 
 
@@ -147,10 +156,10 @@ def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) ->
     (place, speed), first = signals.at_equal_angles(motion, ball_pass, M)
     passes = first + np.arange((len(place) - 1) // M + 1)
     rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, ball_pass, np.arange(length) / cut.fine_rate))
-    return _lines_of_passes(place, speed, M, 0, rate, angle)
+    return _lines_from_samples(place, speed, M, 0, rate, angle)
 
 
-def _lines_of_passes(
+def _lines_from_samples(
     place: np.ndarray, speed: np.ndarray, M: int, start: int, rate: Any, Z_theta_0: float
 ) -> dict[str, np.ndarray]:
     """Lines (harmonics, passes) of each quantity, from place and speed in whole passes and a sample more."""

@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from bearingsim import simulate
-from bearingsim.simulation.accuracy import MIN_PASSES, standard_error
+from bearingsim.simulation.accuracy import MIN_PASSES
 from tests.scenes.short_cases import SLOT, case
 
 CHATTERS: dict[str, Any] = {"model": "rollers", "defect": SLOT | {"depth": "5 um", "angle": "20 deg"}}
@@ -40,18 +40,6 @@ def test_what_repeats_is_known_exactly() -> None:
     found = simulate(case(defect=SLOT, record=[], until="0.5 %"))
     assert (found.info["standard_error_line"], found.info["standard_error_rms"]) == (0.0, 0.0)
     assert float(found.info["passes_computed"]) < MIN_PASSES
-
-
-@pytest.mark.parametrize("alike", [0.0, 0.9])
-def test_the_standard_error_of_a_mean(alike: float) -> None:
-    """Of a chain in which each value is like the one before: as far as the mean of many chains scatters."""
-    rng = np.random.default_rng(3)
-    chains = rng.normal(size=(400, 512)) * (1.0 - alike**2) ** 0.5
-    for n in range(1, 512):
-        chains[:, n] += alike * chains[:, n - 1]
-    right = chains.mean(axis=1).std()
-    told = np.array([standard_error(chain) for chain in chains])
-    assert 0.85 * right < np.median(told) < 1.5 * right
 
 
 @pytest.mark.parametrize(
