@@ -108,6 +108,11 @@ def asked(case: Case, places: np.ndarray) -> np.ndarray:
     return np.array([*dict.fromkeys(found)], dtype=np.int64)
 
 
+def picks(case: Case) -> bool:
+    """Tell whether raw values are kept at the record's instants: of all, or of contact forces."""
+    return not case.antialias or any(map(is_contact_force, case.record))
+
+
 def are_contact_forces(case: Case, places: np.ndarray) -> np.ndarray:
     """Which of some places (R,) of the buffer hold contact forces that the case records: (R,) booleans."""
     names = [name for channel in case.record if is_contact_force(channel) for name in dataset_names(channel)]

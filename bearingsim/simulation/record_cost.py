@@ -10,7 +10,7 @@ from typing import NamedTuple
 from bearingsim.assemble.scales import at_full_speed
 from bearingsim.catalogue import MODELS
 from bearingsim.config import CHANNELS, Case
-from bearingsim.config.channels import is_contact_force
+from bearingsim.config.names import of_band
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 from bearingsim.simulation import channels
 from bearingsim.simulation.prices import price
@@ -18,13 +18,15 @@ from bearingsim.simulation.repetition import LONGEST_PERIOD, MOST_HELD, may_repe
 
 FLOAT = 8  # bytes
 SENSED = 6  # rows along the sensor that are filtered for statistics
-PASSES_CHECKED = 2.0 / (1.0 + sqrt(5.0))  # in a step check that takes the steps of one pass: coarse ones and fine
+FINER = sqrt(5.0)  # times as many steps are taken to check them
+PASSES_CHECKED = 2.0 / (1.0 + FINER)  # in a step check that takes the steps of one pass: coarse ones and fine
 STEADY, TURNING, STATISTICS = 6.0, 16.0, 3.0  # values for each fine sample while lines, and statistics, are read
 BANDED = 14.0  # values for each fine sample of the record while features of bands are read
 PILOT = 3.0  # rows of a pilot's, as they are, filtered, and with filters' reach
 COMPARED = 6.0  # values for each fine sample that are kept of a pilot
 WRITTEN = 3.0  # values for each sample of a series: filtered, of one precision and of the other
 LOOKS = 11.0  # lengths of all that a record is looked at over that ends as it is accurate enough: 1 + 1/1.1 + ...
+NOT_COMPARED = 5  # rows of a pass, when it is compared with others: accelerations, and what cage and rollers count
 SMALL = 8e6  # bytes of all that is small
 
 
@@ -33,7 +35,8 @@ class Counts(NamedTuple):
 
     kept_value: values recorded, one for each row and step; kept_pass: ball passes; tap: of the low-pass, over all
     that is filtered; line_sample, turning_sample: fine samples that lines are read from, at constant speeds and at
-    others; ramp_sample: of these, at a speed that changes; sample: of the record's series; written: numbers.
+    others; ramp_sample: of these, at a speed that changes; band_sample: of the record, for each feature of a band;
+    sample: of the record's series, and of rows picked at their instants; written: numbers.
     """
 
     kept_value: float
@@ -42,6 +45,7 @@ class Counts(NamedTuple):
     line_sample: float
     turning_sample: float
     ramp_sample: float
+    band_sample: float
     sample: float
     written: float
 
@@ -104,23 +108,39 @@ def counts(case: Case, of: Size) -> Counts:
         line_sample=of.read * (1.0 + looks),
         turning_sample=of.read if turns or ramps else 0.0,
         ramp_sample=of.read if ramps else 0.0,
-        sample=float(of.samples * of.asked),
+        band_sample=of.whole * _bands(case),
+        sample=float(of.samples * (of.asked + (of.rows if channels.picks(case) else 0))),
         written=float(of.samples * of.columns),
     )
 
 
 def memory(case: Case, of: Size) -> float:
-    """The most memory (bytes) that a run of that size takes at once, beside the program's own."""
+    """Return the most memory (bytes) that a run of that size takes at once, beside the program's own."""
     turning = case.ramp is not None or MODELS[case.model].slips
     per_sample = max(STATISTICS, TURNING if turning else STEADY)
     lead = RESAMPLE_REACH * of.whole / max(1, of.samples)
-    held = 1 + LONGEST_PERIOD if may_repeat(case) else 1
-    passes = of.rows * (of.steps + 2 * DECIMATION_REACH * of.steps / of.fine)
-    raw = not case.antialias or any(map(is_contact_force, case.record))
-    picked = of.rows * of.samples if raw else 0.0
-    run = of.rows * (of.computed * of.fine + lead) + picked
-    banded = BANDED * of.whole if case.features else 0.0
-    run += max(per_sample * of.read, banded, (of.asked + WRITTEN * of.columns + 2.0) * of.samples)
+    window = of.rows * (of.steps + 2 * DECIMATION_REACH * of.steps / of.fine)
+    picked = float(of.rows * of.samples) if channels.picks(case) else 0.0
+    recording = of.rows * (of.computed * of.fine + lead) + picked
+    banded = BANDED * of.whole if _bands(case) else 0.0
+    series = (of.asked + WRITTEN * of.columns + 2.0) * of.samples
     pilot = PASSES_CHECKED * of.checked / 2.0 * of.fine
-    check = (PILOT * of.rows + COMPARED) * pilot + 2.0 * passes
-    return FLOAT * (max(run, check) + passes) + min(MOST_HELD, FLOAT * held * passes) + SMALL
+    check = (PILOT * of.rows + COMPARED) * pilot + 2.0 * window
+    most = max(per_sample * of.read, banded, series, window)
+    if not may_repeat(case):
+        return FLOAT * max(recording + most, check) + SMALL
+    stepped = window + _held(case, window, of.rows)
+    if of.checked > 0.0:  # a period is computed again, in finer steps
+        stepped = FINER * stepped + picked
+    return FLOAT * (recording + max(most, stepped, check)) + SMALL
+
+
+def _bands(case: Case) -> int:
+    """Count the features of bands, which are read from all fine samples of the record."""
+    return sum(of_band(name) is not None for name in case.features)
+
+
+def _held(case: Case, window: float, rows: int) -> float:
+    """Count values of the ball passes that are held to compare the next with, and to pick contact forces from."""
+    compared = min(MOST_HELD / FLOAT, (1 + LONGEST_PERIOD) * window * (1.0 - NOT_COMPARED / rows))
+    return compared + (LONGEST_PERIOD * window if channels.picks(case) else 0.0)

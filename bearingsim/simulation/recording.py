@@ -7,7 +7,6 @@ import numpy as np
 
 from bearingsim import assemble, cpu_time
 from bearingsim.config import Case
-from bearingsim.config.channels import is_contact_force
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import NoSamples, Samples
 from bearingsim.core.sampling import (
@@ -35,7 +34,7 @@ class Recording:
         self.taps = decimation_kernel(self.cut.decimation)
         self.fine = np.empty((len(self.places), self.lead + self.cut.passes * self.cut.fine_per_pass))
         self.fine[:, : self.lead] = y[self.places][:, np.newaxis]
-        self.picks = picks(self.case)
+        self.picks = channels.picks(self.case)
         self.picked = np.empty((len(self.places), samples(self.case) if self.picks else 0))
         self.picked[:, :1] = y[self.places][:, np.newaxis]  # at t = 0, should the record begin there
         self.peaks = np.empty((self.cut.passes, len(EXTREMES)))
@@ -59,8 +58,8 @@ class Recording:
         for p in range(repetition.computed, self.cut.passes):
             cpu_time.check()
             source = int(repetition.source(p))
-            window = self.last[source - repetition.computed]
-            _pick_pass(self.case, self.cut, p, window[turned(self.places, self.Z, p - source)], self.picked)
+            picked = _pick_pass(self.case, self.cut, p, self.last[source - repetition.computed], self.picked)
+            picked[:] = picked[turned(self.places, self.Z, p - source)]
 
     def raw(self, repetition: Repetition, y: np.ndarray, cpu_s: float) -> RawRecord:
         """The record as far as it has been computed."""
@@ -80,17 +79,12 @@ class Recording:
         )
 
 
-def picks(case: Case) -> bool:
-    """Tell whether raw values are kept at the record's instants: of all, or of contact forces."""
-    return not case.antialias or any(map(is_contact_force, case.record))
-
-
 def samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples:
     """What an adaptive method is to record at the raw record's own instants, into ``picked``.
 
     The steps of any other are so short that a value between two is taken from both.
     """
-    if not picks(case) or not assemble.adaptive(case):
+    if not channels.picks(case) or not assemble.adaptive(case):
         return NoSamples()
     return Samples(case.settle, case.sampling, picked)
 
@@ -118,8 +112,8 @@ def extend_back(case: Case, raw: RawRecord) -> None:
         fine[:rows, :zero] = fine[:rows, zero + np.arange(-zero, 0) % raw.M]
 
 
-def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, picked: np.ndarray) -> None:
-    """Fill in the raw values whose instants lie in ball pass ``p`` (start excluded, end included)."""
+def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, picked: np.ndarray) -> np.ndarray:
+    """Fill in, and return, the raw values whose instants lie in ball pass ``p`` (start excluded, end included)."""
     steps, tail = cut.steps_per_pass, window.shape[1] - cut.steps_per_pass
     ratio = 1.0 / (case.sampling * cut.step)  # steps per sample
     start = case.settle / cut.step
@@ -128,3 +122,4 @@ def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, picked: np.nda
     end = min(end, picked.shape[1])
     if end > first:
         pick(window, start - p * steps + tail - 1, ratio, picked, first, end)
+    return picked[:, first : max(first, end)]

@@ -32,7 +32,6 @@ from bearingsim.simulation.other_features import of_extensions, refuse_undeclare
 from bearingsim.simulation.pilot import longer_duration
 from bearingsim.simulation.prices import price
 from bearingsim.simulation.raw_record import RawRecord
-from bearingsim.simulation.recording import picks
 from bearingsim.simulation.repetition import may_repeat
 from bearingsim.simulation.step_check import StepCheck
 from bearingsim.simulation.trial import Trial
@@ -121,7 +120,7 @@ def _in_turn(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
         except NotRepeating:
             left.add(named)
         except MethodFailure as error:
-            failed[str(attempt.case.method)] = error
+            failed[str(attempt.case.method)] = error.with_traceback(None)  # whose frames hold the whole record
             enough[str(attempt.case.method)] = error.part
             if isinstance(error, TooSlow):
                 left |= {named, (attempt.case.method, 0)}
@@ -329,7 +328,7 @@ def warm(cases: Iterable[Case], about_to: Callable[[int, int, float], None] | No
     kinds: dict[tuple, Case] = {}
     for case in cases:
         laws = assemble.contacts.outer(case), assemble.contacts.inner(case)
-        kinds.setdefault((_words(choice.resolved(case)), _types(laws), picks(case)), case)
+        kinds.setdefault((_words(choice.resolved(case)), _types(laws), channels.picks(case)), case)
     new = {kind: case for kind, case in kinds.items() if kind not in _WARM}
     for number, (kind, case) in enumerate(new.items(), 1):
         if about_to is not None:

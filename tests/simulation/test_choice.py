@@ -371,7 +371,7 @@ def test_what_may_repeat_is_priced_by_the_passes_that_are_expected() -> None:
     assert long.steps == short.steps
     assert short.cpu_seconds < long.cpu_seconds < 0.05 * whole.cpu_seconds  # its series are longer
     assert short.memory < long.memory < whole.memory == whole.most_memory
-    assert whole.memory < long.most_memory < 1.1 * whole.memory  # passes are held, to be compared
+    assert whole.memory <= long.most_memory < 1.1 * whole.memory  # passes are held only while it is stepped
     assert long.most_seconds == whole.cpu_seconds == whole.most_seconds
     assert 0.0 < long.check_seconds < long.cpu_seconds
 

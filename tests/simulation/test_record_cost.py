@@ -24,6 +24,9 @@ TURNING = {"model": "planar", "cage": {"motion": "free"}}
 RAMP = TURNING | {"ramp": {"to": "2400 rpm", "time": "0.1 s"}}
 
 
+BANDS = ["velocity.rms@10-1000Hz", "acceleration.rms@10-5000Hz", "envelope@BPFO@2000-5000Hz"]
+
+
 @pytest.mark.parametrize("name", record_cost.Counts._fields)
 def test_everything_counted_has_a_price(name: str) -> None:
     assert prices.price(name.replace("_", " ")) > 0.0
@@ -43,6 +46,8 @@ def test_what_is_read_and_written_is_priced() -> None:
     assert seconds(record=["ring.velocity", "ring.displacement"]) > seconds() > seconds(record=[])
     assert seconds(sampling="40 kHz") > 1.2 * seconds()
     assert seconds(antialias=False) < seconds()
+    assert seconds(features=BANDS) > seconds(features=BANDS[:1]) > seconds()
+    assert seconds(record=["roller.1.outer_force"]) > 1.01 * seconds(record=["load_zone.rollers"])
     assert seconds(**RAMP) > seconds(**TURNING) > seconds(**TURNING | {"cage": {"motion": "kinematic"}})
 
 
@@ -80,6 +85,24 @@ def test_features_of_a_long_record_copy_little_of_it(
         monkeypatch.setattr(module, "BLOCK", 1 << 10)
     simulate(case(duration="0.6 s", **more, **FULL))
     assert found["peak"] < times
+
+
+@pytest.mark.parametrize("repeats", [True, False])
+def test_memory_is_that_of_bands_and_of_forces_picked_as_they_are(repeats: bool) -> None:
+    """What holds passes of a motion that repeats was not counted: 125 MB were priced at 58 MB."""
+    forces = {"record": ["roller.outer_force", "roller.inner_force"], "features": BANDS}
+    computed = {"periodic": repeats, "step_check": repeats, "method": "verlet", "step": "0.3 us"}
+    given = case(model="rollers", duration="1 s", **forces, **computed)
+    simulate(given.model_copy(update={"duration": 0.02}))  # compiled
+    tracemalloc.start()
+    try:
+        record = simulate(given)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert (record.info["period_passes"] != 0) == repeats
+    priced = time_grid.estimate(given).memory
+    assert 0.6 * priced < peak < priced
 
 
 def test_lines_of_blocks_are_those_of_the_whole_series() -> None:
