@@ -36,7 +36,6 @@ __all__ = [
     "AUTO",
     "EXPLICIT",
     "FEATURES",
-    "FORMER_LEAST",
     "LAWS",
     "METHODS",
     "MODELS",
@@ -67,8 +66,6 @@ OWN = "bearingsim"
 
 REFERENCE, AUTO = "reference", "auto"
 """What a case says to leave the choice to the program: the model that others are judged by, and the method."""
-FORMER_LEAST = "least"
-"""What cases said before a study could name an accuracy; refused, with that advice."""
 
 MODELS: dict[str, Model] = {}
 """From the lowest to the highest; those of other packages come last."""
@@ -85,7 +82,7 @@ def register(*entries: Entry) -> None:
         if not isinstance(entry, Entry):
             raise ValueError(f"expected a Model, Method, Law, Shape or Feature, got `{entry!r}`")
         table = _table_of(entry)
-        if entry.name in (REFERENCE, AUTO, FORMER_LEAST):
+        if entry.name in (REFERENCE, AUTO):
             raise ValueError(f"`{entry.name}` leaves the choice to the program: take another name")
         if isinstance(entry, Law) and not entry.section and entry.what != "stiffness":
             raise ValueError(f"the {entry.what} law `{entry.name}` needs a section")

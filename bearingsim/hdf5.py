@@ -106,10 +106,6 @@ class Hdf5:
         """Return the bytes of memory that the values of some datasets take."""
         return sum(self._cost(self._dataset(name)) for name in names)
 
-    def values(self, name: str) -> NDArray[Any]:
-        """Read the numbers, or else the texts, of a dataset."""
-        return self.numbers(name) if self._dataset(name).dtype.kind in NUMBERS else self.texts(name)
-
     def numbers(self, name: str, row: int | None = None) -> NDArray[Any]:
         """Read the numbers of a dataset, or of one of its rows."""
         item = self._dataset(name)

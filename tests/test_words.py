@@ -15,13 +15,12 @@ from typing import NamedTuple
 
 import pytest
 
-from bearingsim.cli import plan
 from bearingsim.config import case_fields
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "bearingsim"
 OF_CODE = ("row", "constant", "function", "type", "field", "module")
-OF_FILES = ("yaml", "column")
+OF_FILES = ("yaml",)
 
 
 class Word(NamedTuple):
@@ -187,6 +186,5 @@ def test_kinds_are_known() -> None:
     assert {word.kind for word in WORDS} == {*OF_CODE, *OF_FILES}
 
 
-@pytest.mark.parametrize(("kind", "aliases"), [("yaml", case_fields.OLD_WORDS), ("column", plan.FORMER)])
-def test_words_of_files_keep_their_old_form_as_an_alias(kind: str, aliases: dict[str, str]) -> None:
-    assert {word.old: word.new for word in WORDS if word.kind == kind} == aliases
+def test_words_of_studies_keep_their_old_form_as_an_alias() -> None:
+    assert {word.old: word.new for word in WORDS if word.kind == "yaml"} == case_fields.OLD_WORDS

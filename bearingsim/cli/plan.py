@@ -378,9 +378,6 @@ def size(count: int) -> str:
     return f"{count} B"
 
 
-FORMER = {"deepest": "approach_bound", "liveliest": "energy_bound", "proof_seconds": "check_seconds"}
-
-
 def as_json(plan: Plan) -> str:
     """The plan for a script: SI, null where there is no limit."""
     from bearingsim.config.scan.repair import notes
@@ -404,18 +401,12 @@ def as_json(plan: Plan) -> str:
     return json.dumps(found, indent=1)
 
 
-def _with_former(found: dict[str, Any]) -> dict[str, Any]:
-    """Numbers by their names and, for scripts that know them, by their former names."""
-    return found | {old: found[new] for old, new in FORMER.items() if new in found}
-
-
 def _job_entry(priced: Priced) -> dict[str, Any]:
     from bearingsim.config.rules import hierarchy
 
     job = priced.job
-    named = _with_former(asdict(priced.limits)) | dict(
-        zip(("friction", "slip_settles"), priced.friction_scale, strict=True)
-    )
+    friction = dict(zip(("friction", "slip_settles"), priced.friction_scale, strict=True))
+    named = asdict(priced.limits) | friction
     limits = {name: value if math.isfinite(value) else None for name, value in named.items()}
     return {
         "job": job.id,
@@ -431,5 +422,5 @@ def _job_entry(priced: Priced) -> dict[str, Any]:
         "reasons": hierarchy.reasons(job.case),
         "step": priced.step,
         "limits": limits,
-        "estimate": _with_former(asdict(priced.estimate)),
+        "estimate": asdict(priced.estimate),
     }

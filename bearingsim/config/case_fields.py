@@ -64,16 +64,6 @@ def _of_inner_ring(given: Any) -> Any:
     return given
 
 
-def _not_least(given: Any) -> Any:
-    if given == catalogue.FORMER_LEAST:
-        refuse(
-            "word",
-            "`least` was the lowest model that can, however far off",
-            "say `accuracy: 2 %` in the study for the cheapest that is so close, or name a model",
-        )
-    return given
-
-
 class CaseFields(Section):
     """One simulation, in SI: speed in rad/s, loads in N, lengths in m, angles in rad, times in s.
 
@@ -107,9 +97,7 @@ class CaseFields(Section):
     shaft: Annotated[free.Shaft | None, OR_NONE] = None
     unbalance: Annotated[free.Unbalance | None, OR_NONE] = None
     misalignment: Annotated[Misalignment | None, OR_NONE] = None
-    model: Annotated[ModelName, one_of(catalogue.REFERENCE, *catalogue.MODELS), BeforeValidator(_not_least)] = (
-        catalogue.USUAL_MODEL
-    )
+    model: Annotated[ModelName, one_of(catalogue.REFERENCE, *catalogue.MODELS)] = catalogue.USUAL_MODEL
     method: Annotated[MethodName, one_of(catalogue.AUTO, *catalogue.METHODS)] | None = None
     step: Step = "auto"
     tolerance: Tolerance = "auto"

@@ -1,8 +1,7 @@
 """Columns over the jobs of a file: parameters, features, and what the solver said.
 
 All numbers of a group are one float64 dataset (job, name), such as ``features``. The scale of its second dimension
-is ``feature``, the names; ``feature_units`` has the units. All its words are another, ``feature_text``. Files of
-earlier versions have a dataset for each name, ``features/velocity.rms``.
+is ``feature``, the names; ``feature_units`` has the units. All its words are another, ``feature_text``.
 """
 
 import math
@@ -107,9 +106,7 @@ def read_columns(file: Hdf5, groups: Sequence[str] = tuple(GROUPS)) -> dict[str,
 
 
 def _tables(file: Hdf5, group: str) -> list[str]:
-    """The datasets with the values of a group; in files of an earlier version one for each column."""
-    if group in file and file.is_group(group):
-        return [f"{group}/{name}" for name in file.names(group)]
+    """Return the datasets with the values of a group: of numbers, and of words."""
     return [name for name in (group, f"{GROUPS[group]}_text") if name in file]
 
 
@@ -118,7 +115,5 @@ def _group(file: Hdf5, group: str) -> Iterator[tuple[str, NDArray[Any]]]:
     for table in _tables(file, group):
         if table == group:
             yield from zip(file.texts(one), file.numbers(group).T, strict=True)
-        elif table == f"{one}_text":
-            yield from zip(file.texts(f"{one}_text_name"), file.texts(table).T, strict=True)
         else:
-            yield table.removeprefix(f"{group}/"), file.values(table)
+            yield from zip(file.texts(f"{one}_text_name"), file.texts(table).T, strict=True)

@@ -1,7 +1,7 @@
 """Files that tell whether they are as they were written: each ends with the SHA-256 of what comes before.
 
 Behind an HDF5 file, whose readers take no notice of what follows its end; as the last entry of a JSON file, beside
-the version of its layout. Files of earlier versions have no digest, and are read as far as they can be.
+the version of its layout.
 """
 
 import hashlib
@@ -33,7 +33,7 @@ __all__ = [
     "write_json",
 ]
 
-SCHEMA = 2  # of all files that have a digest
+SCHEMA = 2  # version of the layout of all files
 LIBVER = ("v108", "v108")  # object headers with checksums and no 64 kB limit on attributes
 LEAST_BYTES = 8
 """Of text for each list or mapping of a JSON file: an empty one takes 64 bytes of memory."""
@@ -114,14 +114,12 @@ def open_sealed(stream: BinaryIO) -> Hdf5:
     """
     try:
         size, digest, seal = _read_through(stream)
-        is_sealed = seal.startswith(HDF5_MARK)
-        if is_sealed and seal != _as_seal(digest):
+        if not seal.startswith(HDF5_MARK):
+            raise Unreadable("its digest is missing")
+        if seal != _as_seal(digest):
             raise Unreadable("its bytes are not those that were written")
         file = Hdf5(stream, COST * size)
-        if is_sealed:
-            _check_schema(file.attribute("schema"))
-        elif file.attribute("schema") is not None:
-            raise Unreadable("its digest is missing")
+        _check_schema(file.attribute("schema"))
     except BaseException:
         stream.close()
         raise
@@ -153,18 +151,15 @@ def _json_seal(body: str) -> str:
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """The mapping in a file; of an earlier version without a digest, as it stands. Raises one of UNREADABLE."""
+    """Read the mapping in a file after comparing its text with its digest. Raises one of UNREADABLE."""
     text = read_regular(path).decode()
     body, mark, _ = text.rpartition(JSON_MARK)
-    if mark and text != body + _json_seal(body):
+    if not mark:
+        raise Unreadable("its digest is missing")
+    if text != body + _json_seal(body):
         raise Unreadable("its text is not what was written")
     if LEAST_BYTES * (text.count("[") + text.count("{")) > max(len(text), BLOCK):
         raise Unreadable("it holds more lists and mappings than any file of its size")
     told = json.loads(text)
-    if not isinstance(told, dict):
-        raise Unreadable("it holds no mapping")
-    if mark:
-        _check_schema(told["schema"])
-    elif "schema" in told:
-        raise Unreadable("its digest is missing")
+    _check_schema(told["schema"])
     return {name: value for name, value in told.items() if name not in ("schema", "sha256")}

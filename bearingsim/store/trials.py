@@ -54,7 +54,7 @@ def read_trials(root: Path, asked: Collection[str] = ()) -> dict[str, Trial | No
     for path in own_files.TRIALS.of(root):
         try:
             told = read_json(path)
-            told = told.get(TRIALS, told)  # of earlier versions: nothing around them
+            told = told[TRIALS]
             check(layouts.Trials, told)
             trials = {name: None if one is None else _trial(one) for name, one in told.items()}
         except UNREADABLE:

@@ -183,10 +183,9 @@ def _write_provenance(file: h5py.File, provenance: Mapping[str, Value]) -> None:
 
 @contextmanager
 def open_unit(path: Path) -> Iterator[Hdf5]:
-    """Open a unit, once it is known to be as it was written, and to hold what its name promises.
+    """Open a unit after comparing it with its digest and its name with its jobs.
 
-    One of an earlier version, without a digest, is read whole against HDF5's checksums. Raises DamagedUnit, for
-    what is read of it, too.
+    Raises DamagedUnit, for what is read of it, too.
     """
     try:
         with open_hdf5(path) as file:
@@ -268,21 +267,6 @@ def _check(path: Path, file: Hdf5) -> None:
         whole = (len(ids), *file.shape("time"))
         if file.shape(name) != whole:
             raise Unreadable(f"{name} has shape {file.shape(name)}, not {whole}")
-    if not file.has_attribute("schema"):
-        _read_everything(file)
-
-
-def _read_everything(file: Hdf5, group: str = "") -> None:
-    """Read every dataset: HDF5 raises on the first chunk that does not match its checksum."""
-    for item in file.names(group):
-        name = f"{group}/{item}".removeprefix("/")
-        if file.is_group(name):
-            _read_everything(file, name)
-        elif len(file.shape(name)) == 2:
-            for row in range(file.shape(name)[0]):
-                file.numbers(name, row)
-        else:
-            file.values(name)
 
 
 def _channels(file: Hdf5) -> list[str]:

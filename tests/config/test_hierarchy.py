@@ -42,11 +42,15 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
     ({"record": ["roller.2.inner_force"]}, "static", "a contact force is recorded"),
     ({"load_across": "10 N"}, "static", "`load_across` turns the load"),
     ({"friction": "none", "drag": "none"}, "static", "a healthy bearing"),
-    ({"record": ["ring.acceleration"]}, "ring", "the ring's acceleration depends on its mass"),
+    ({"record": ["ring.acceleration"]}, "ring", "masses decide the acceleration"),
     ({"contact": {"damping": {"chi": "5 s/m"}}}, "ring", "`contact.damping` acts on motion"),
     ({"contact": {"damping": JUMPING}}, "ring", "`contact.damping` acts on motion"),
-    ({"defect": PIT, "contact": {"damping": JUMPING}}, "rollers", "needs the mass of a roller"),
-    ({"defect": PIT, "contact": {"damping": "kraemer"} | LINEAR}, "rollers", "needs the mass of a roller"),
+    ({"defect": PIT, "contact": {"damping": JUMPING}}, "rollers", "such damping needs the mass of rollers"),
+    (
+        {"defect": PIT, "contact": {"damping": "kraemer"} | LINEAR},
+        "rollers",
+        "such damping needs the mass of rollers",
+    ),
     ({"defect": PIT, "contact": {"damping": "kraemer"}}, "ring", "`contact.damping` acts on motion"),
     ({"defect": PIT, "contact": {"damping": JUMPING | {"coefficient": 0.0}}}, "ring", "`contact.damping` acts"),
     (
@@ -56,9 +60,9 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
     ),
     ({"defect": PIT, "excitation": "pressure-share"}, "ring", "`pressure-share` changes the force at the pit"),
     ({"defect": PIT, "excitation": "soft-edge"}, "ring", "`soft-edge` changes the force at the pit"),
-    ({"defect": PIT, "record": ["roller.outer_force"]}, "rollers", "depend on its mass"),
-    ({"defect": PIT, "record": ["ring.acceleration"]}, "rollers", "depend on its mass"),
-    ({"speed": "9000 rpm"}, "rollers", "the centrifugal force of a roller (51.1204 N) is 109% of"),
+    ({"defect": PIT, "record": ["roller.outer_force"]}, "rollers", "a roller's mass decides its impact"),
+    ({"defect": PIT, "record": ["ring.acceleration"]}, "rollers", "a roller's mass decides its impact"),
+    ({"speed": "9000 rpm"}, "rollers", "centrifugal force 109 % of load"),
     ({"ramp": {"to": "3000 rpm", "time": "1 s"}}, "planar", "a `ramp` changes the speed under way"),
     ({"gravity": True}, "planar", "`gravity` pulls at rollers"),
     ({"friction": "static-dynamic"}, "planar", "`friction` acts where rollers can slip"),
@@ -71,7 +75,7 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
         "planar",
         "lets the outer ring rotate",
     ),
-    ({"defect": PIT | {"offset": "2 mm"}}, "spatial", "off the roller's middle tilts the roller"),
+    ({"defect": PIT | {"offset": "2 mm"}}, "spatial", "an `offset` tilts the roller"),
     ({"misalignment": {"inner": "0.5 mrad"}}, "spatial", "loads the rollers unevenly"),
     ({"rig": SPRUNG}, "spatial", "lets the outer ring lean"),
     ({"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"} | SPRUNG}, "spatial", "lets the inner ring lean"),
@@ -114,13 +118,6 @@ def test_the_reference_slips_only_where_a_case_speaks_of_it() -> None:
 
 def test_the_reference_of_a_ring_that_bends_is_rollers() -> None:
     assert case(model="reference", rig={"ring": {"bends": True}}).model == "rollers"
-
-
-def test_the_least_model_is_no_longer_taken() -> None:
-    with pytest.raises(ValidationError) as caught:
-        case(model="least")
-    (error,) = caught.value.errors()
-    assert "accuracy: 2 %" in error["ctx"]["hint"]
 
 
 @pytest.mark.parametrize(("fields", "model", "why"), LEAST)

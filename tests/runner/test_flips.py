@@ -13,6 +13,7 @@ from bearingsim import store
 from bearingsim.errors import DamageWarning
 from bearingsim.runner import RunSummary, run
 from bearingsim.selection import Choice
+from bearingsim.store import sealed
 from bearingsim.store.units import read_unit
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
@@ -122,9 +123,10 @@ def test_a_damaged_series_is_refused_with_its_remedy(whole: Path, tmp_path: Path
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("{", "Expecting property name"),
-        ("[]", "it holds no mapping"),
+        ("{", "its digest is missing"),
         ('{"schema": 2, "job": "x"}', "its digest is missing"),
+        ("{" + sealed._json_seal("{}"), "its text is not what was written"),
+        ("{" + sealed._json_seal("{"), "Expecting property name"),
     ],
 )
 def test_a_failure_that_cannot_be_read_is_told(whole: Path, tmp_path: Path, text: str, reason: str) -> None:
@@ -142,8 +144,8 @@ def test_a_failure_that_cannot_be_read_is_told(whole: Path, tmp_path: Path, text
 def test_a_failure_of_another_version_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
     (tmp_path / "failed").mkdir()
     first, second = "ab" * 8, "cd" * 8
-    (tmp_path / f"failed/{first}.json").write_text('{"reason": "diverged", "mood": "bad"}')
-    (tmp_path / f"failed/{second}.json").write_text('{"job": "cd", "advice": "none"}')
+    sealed.write_json(tmp_path / f"failed/{first}.json", {"reason": "diverged", "mood": "bad"})
+    sealed.write_json(tmp_path / f"failed/{second}.json", {"job": "cd", "advice": "none"})
     found = store.read_failures(tmp_path)
     assert (found[first].job, found[first].reason) == (first, "diverged")
     assert (found[second].reason, found[second].advice) == ("not known", "none")

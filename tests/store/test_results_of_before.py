@@ -1,4 +1,4 @@
-"""A results folder written before the house was redrawn is read: shown, drawn, exported."""
+"""A results folder without a marker, of model version 9, is read: shown, drawn, exported."""
 
 import tarfile
 from pathlib import Path
@@ -9,7 +9,7 @@ import pytest
 import bearingsim as bs
 from tests.scenes.commands import type_
 
-KEPT = Path(__file__).parents[1] / "data" / "results_of_model_4.tar.gz"
+KEPT = Path(__file__).parents[1] / "data" / "results_of_model_9.tar.xz"
 
 
 @pytest.fixture

@@ -233,9 +233,7 @@ def test_what_no_model_knows_in_full_has_no_reference(write: Write) -> None:
     """A pit off the roller's middle tilts rollers, a ring that bends is known to others."""
     offset = BASE.replace("depth: 50 um", "depth: 50 um, offset: 1 mm")
     (found,) = problems(write(f"{offset}{MODELS}rig: {{ring: {{bends: true}}}}\n"))
-    assert found.message.startswith(
-        "accuracy: no model has all that this asks for: a defect off the roller's middle"
-    )
+    assert found.message.startswith("accuracy: no model has all that this asks for: an `offset` tilts the roller")
     assert found.hint == "leave that out, or name a `model` in place of `accuracy`"
     load_study(write(offset + MODELS))  # without the ring: spatial
 
