@@ -12,6 +12,7 @@ from bearingsim.errors import Refused
 from bearingsim.simulation import limits as case_limits
 from bearingsim.simulation import simulate
 from bearingsim.simulation.automatic_step import automatic_step
+from bearingsim.simulation.settling import settled
 from bearingsim.simulation.simulate import Record, SimulationError, warm
 
 IN_FULL = {"periodic": False, "step_check": False}
@@ -57,7 +58,7 @@ def _job(run: Run, case: Case) -> list[Row]:
     warm([case])
     record = simulate(case)
     seconds = _cpu(case, record, "cpu_s")
-    took = [_row(run, record, seconds / (case.settle + case.duration))]
+    took = [_row(run, record, seconds / (settled(case).settle + case.duration))]
     if case.method is None:
         full = _in_full(replace(run, role=AUTOMATIC), case.model_copy(update=IN_FULL))
         return [*took, full | {"key": run.key}]

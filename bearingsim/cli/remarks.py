@@ -9,12 +9,11 @@ from bearingsim.config.rules.damping import WARNING
 
 if TYPE_CHECKING:
     from bearingsim.cli.plan import Plan, Priced
-    from bearingsim.simulation.limits import Limits
 
 __all__ = ["remarks"]
 
 OPENS = 2.0  # times the force at rest: an impact by which contacts have opened
-SETTLED = 4.0  # such times after which what was at the start is forgotten, but for 2 %
+NOTABLE = 0.01  # of the start: what may be left of it when the record begins, without a word
 
 
 def remarks(plan: "Plan", verbose: bool) -> Iterator[str]:
@@ -29,7 +28,7 @@ def remarks(plan: "Plan", verbose: bool) -> Iterator[str]:
     if verbose:
         yield from unvaried(plan)
     yield from plan.study.assumptions
-    yield from creeping(plan)
+    yield from unsettled(plan)
 
 
 HANGS = 0.999  # of a pit's depth: what a roller sinks by that does not reach its floor
@@ -138,20 +137,17 @@ def unvaried(plan: "Plan") -> Iterator[str]:
             yield unexamined(len(damped), duration, sum(one.estimate.cpu_seconds for one in damped))
 
 
-def creeping(plan: "Plan") -> list[str]:
-    """Where dashpots are so stiff that contacts come to rest more slowly than the run settles: a text, or none."""
-    slow = [one for one in plan.everything if SETTLED * creep(one.limits) > one.job.case.settle]
-    if not slow:
-        return []
-    every = len(plan.everything)
-    jobs = "" if len(slow) == every else f"{len(slow)} of {every} jobs: "
-    times = span(1e3 * creep(one.limits) for one in slow)
-    return [
-        f"{jobs}damping is so heavy that contacts creep to rest, in about {times} ms; with a `settle` under"
-        f" {SETTLED:g} times that a record, of a healthy twin above all, shows the start of its run"
-    ]
+def unsettled(plan: "Plan") -> Iterator[str]:
+    """Jobs whose start has not decayed when their record begins."""
+    from bearingsim.simulation.choice import resolved
+    from bearingsim.simulation.settling import MOST, needed, remembered, slow_modes
 
-
-def creep(limits: "Limits") -> float:
-    """The time (s) in which a contact with a heavy dashpot comes to rest, C/K; 0 where it is not heavy."""
-    return limits.damping_ratio / (math.pi * limits.contact_frequency) if limits.damping_ratio > 1.0 else 0.0
+    cases = [resolved(one.job.case) for one in plan.everything]
+    slow = [case for case in cases if remembered(case) > NOTABLE and slow_modes(case) == 0]
+    if slow:
+        jobs = f"{len(slow)} of {len(cases)} jobs: " if len(slow) < len(cases) else ""
+        left = f"{span(1e2 * remembered(case) for case in slow)} % of the start is left"
+        times = [needed(case) for case in slow]
+        advice = f"needs {span(times)} s" if max(times) < math.inf else "is never damped"
+        longer = "`settle: auto`" if max(times) <= MOST else "more damping"
+        yield f"{jobs}{left} when the record begins; the slowest mode {advice}: take {longer} (docs/start.md)"

@@ -10,12 +10,12 @@ from bearingsim.config.fields import (
     OR_NONE,
     Accuracy,
     Angle,
-    Delay,
     Duration,
     Force,
     Frequency,
     Rotation,
     Section,
+    Settling,
     SignedForce,
     Step,
     StepCheckMode,
@@ -37,9 +37,11 @@ from bearingsim.config.vocabulary import sentence
 if TYPE_CHECKING:
     ModelName = str
     MethodName = str
+    AUTO_TIME: float
 else:
     ModelName = Literal[(catalogue.REFERENCE, *catalogue.MODELS)]
     MethodName = Literal[(catalogue.AUTO, *catalogue.METHODS)]
+    AUTO_TIME = catalogue.AUTO
 
 
 MAX_PITS = 100
@@ -105,7 +107,7 @@ class CaseFields(Section):
     periodic: Switch = True
     until: Accuracy | None = None
     duration: Duration = 1.0
-    settle: Delay = 0.05
+    settle: Settling = AUTO_TIME
     start_angle: Angle = 0.0
     seed: Annotated[int, whole(0, 999_999_999)] = 0
     sampling: Frequency = 10240.0

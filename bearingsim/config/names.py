@@ -218,6 +218,10 @@ def _features() -> dict[str, Feature]:
         "rms_scatter": Feature("", "by how much chaos alone lets the RMS of such a record change"),
         "standard_error.line": Feature("", "relative standard error of the velocity at BPFO, of a chaotic motion"),
         "standard_error.rms": Feature("", "relative standard error of the velocity's RMS, of a chaotic motion"),
+        **{
+            f"error.start{ending}": Feature("", f"relative error of {of} because the run has not settled")
+            for ending, of in ERRORS.items()
+        },
         **_errors(),
     }
 

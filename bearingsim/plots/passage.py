@@ -9,6 +9,7 @@ from bearingsim.config.names import roller_of
 from bearingsim.plots.pit_shape import Pit, pits_of
 from bearingsim.plots.recorded import Job, recorded_as
 from bearingsim.plots.series import roller_angle
+from bearingsim.simulation.settling import settled
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
@@ -70,7 +71,7 @@ def _passage(job: Job, case: "Case", number: int, pit: Pit) -> Passage | None:
     ahead = roller_angle(job, number) - pit.angle
     radius = (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0
     if pit.race == "inner":
-        ahead = case.speed * (case.settle + time) - ahead
+        ahead = case.speed * (settled(case).settle + time) - ahead
         radius -= case.bearing.roller_diameter
     turns = ahead / (2.0 * pi)
     speed = float((ahead[-1] - ahead[0]) / (time[-1] - time[0]) * radius)

@@ -9,7 +9,7 @@ from bearingsim import store
 from bearingsim.config.names import NO_VALUE
 from bearingsim.config.rules import damping
 from bearingsim.runner.promises import held, promises, withdrawals
-from bearingsim.runner.summary import chaos, repetitions, step_errors
+from bearingsim.runner.summary import chaos, repetitions, step_errors, unsettled
 from bearingsim.runner.unknowns import assumed, moved
 from bearingsim.study.uncertainty import NO_SLIP, RIGID, sweeps_damping
 
@@ -53,6 +53,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
             *warned,
             *flagged,
             *step_errors(own),
+            *unsettled(own),
             *without_value(info),
         ),
         assumed=tuple(_assumed(plan, own)),

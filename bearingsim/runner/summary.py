@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from bearingsim.runner.findings import Findings
 
-__all__ = ["FailureGroup", "Interrupted", "RunSummary", "chaos", "grouped", "kind_of", "step_errors"]
+__all__ = ["FailureGroup", "Interrupted", "RunSummary", "chaos", "grouped", "kind_of", "step_errors", "unsettled"]
 
 
 @dataclass(frozen=True)
@@ -94,6 +94,24 @@ def step_errors(frame: "pd.DataFrame") -> Iterator[str]:
         if len(error):
             jobs = f"{len(error)} job{'s' * (len(error) > 1)}"
             yield f"{jobs}: {what} may be off by up to {100.0 * error.max():.2g} % (`{name}`)"
+
+
+def unsettled(frame: "pd.DataFrame") -> Iterator[str]:
+    """Jobs whose start still moves line or RMS by more than 1 %, other than by chance."""
+    from bearingsim.simulation.step_check import ACCURACY
+
+    columns = [name for name in ("features/error.start", "features/error.start.rms") if name in frame]
+    if not columns:
+        return
+    by_chance = frame.filter(items=["features/standard_error.line", "features/cage.slip.mean"]).notna().any(axis=1)
+    errors = frame.loc[~by_chance, columns].max(axis=1)
+    errors = errors[errors > ACCURACY]
+    if len(errors):
+        jobs = f"{len(errors)} jobs have" if len(errors) > 1 else "1 job has"
+        yield (
+            f"{jobs} not settled: line or RMS is off by up to {100.0 * errors.max():.2g} % (`error.start`);"
+            " take `settle: auto`, or a longer one"
+        )
 
 
 def repetitions(info: "pd.DataFrame") -> Iterator[str]:

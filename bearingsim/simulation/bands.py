@@ -14,9 +14,10 @@ from bearingsim.config import Case
 from bearingsim.config.bands import FLAT, Band, BandFeature
 from bearingsim.config.names import LINES, of_band
 from bearingsim.simulation.channels import CAGE_ANGLE
-from bearingsim.simulation.features import ROW_OF, SampleAngles, sample_angles, sensed, slips
+from bearingsim.simulation.features import ROW_OF, SampleAngles, sample_angles, sensed
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.record_windows import windows
+from bearingsim.simulation.settling import has_free_cage
 from bearingsim.simulation.time_grid import Grid
 
 
@@ -54,7 +55,7 @@ def resolves(band: Band, duration: float) -> bool:
 
 def _angles(case: Case, model: Any, cut: Grid, raw: RawRecord, start: int, count: int) -> SampleAngles:
     slip = np.zeros(count)
-    if slips(case):
+    if has_free_cage(case):
         (slip,) = raw.read(start, count, np.array([ROW_OF[CAGE_ANGLE]]))
     return sample_angles(model, cut, start, slip)
 

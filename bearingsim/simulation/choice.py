@@ -18,6 +18,7 @@ from bearingsim.simulation.cost import Cost, cost
 from bearingsim.simulation.limits import Limits, step_limits
 from bearingsim.simulation.prices import price
 from bearingsim.simulation.repetition import may_repeat
+from bearingsim.simulation.settling import settled
 
 STEP_PARTS = (1.0, 0.5, 0.25, 0.125)
 """Parts of an automatic step that are tried in turn; with half of it goes a tenth of the tolerance."""
@@ -50,9 +51,9 @@ class Attempt(NamedTuple):
 
 
 def resolved(case: Case) -> Case:
-    """The case with a method instead of `auto`."""
+    """Return the case with a method instead of `auto`, and with a time to settle in."""
     found = choice(case).method
-    return case if found == case.method else with_method(case, found)
+    return settled(case if found == case.method else with_method(case, found))
 
 
 def limits(case: Case) -> Limits:
@@ -75,7 +76,7 @@ def attempts(case: Case) -> Iterator[Attempt]:
     for part in parts:
         yield Attempt(first, part, patience)
     for name in tried(case)[1:]:
-        yield from (Attempt(with_method(case, name), part) for part in parts)
+        yield from (Attempt(with_method(first, name), part) for part in parts)
     if patience > 0:
         yield from (Attempt(first, part) for part in parts)
 
@@ -109,7 +110,7 @@ def choice(case: Case) -> Choice:
     able = [name for name in METHODS if METHODS[name].automatic and can_step(case, name)]
     if case.tolerance != "auto":  # only those that keep one
         able = [name for name in able if METHODS[name].adaptive]
-    as_usual = case.model_copy(update={"periodic": True})
+    as_usual = settled(case).model_copy(update={"periodic": True})
     costs = {name: _cost(with_method(as_usual, name)) for name in able}
     safe = sorted(able, key=lambda name: margin(name) * costs[name].whole)
     prices = {name: costs[name].whole for name in safe}

@@ -9,6 +9,7 @@ from bearingsim.config import Case
 from bearingsim.simulation.pilot import check_cost
 from bearingsim.simulation.prices import per_second, price
 from bearingsim.simulation.repetition import may_repeat
+from bearingsim.simulation.settling import extrapolation_passes
 
 
 class Cost(NamedTuple):
@@ -40,12 +41,14 @@ def cost(case: Case, step: float, passes: int | None = None) -> Cost:
     if solved_once(case):
         whole = 1
     proof = check_cost(case) * whole if case.checks_step else 0.0
-    at_most = one_pass * (whole + proof)
+    before = extrapolation_passes(case)
+    at_most = one_pass * (before + whole + proof)
     computed = whole
     if may_repeat(case):
         computed = min(whole, int(price("passes")))
         if case.checks_step and case.step_check != "strict":
-            proof = sqrt(5.0) * price("finer passes")
+            proof = sqrt(5.0) * (price("finer passes") + before)
+    computed += before
     return Cost(one_pass * computed, one_pass * proof, at_most, computed, one_pass)
 
 

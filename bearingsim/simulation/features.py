@@ -26,6 +26,7 @@ from bearingsim.simulation.channels import (
 from bearingsim.simulation.raw_record import LowPassed, RawRecord
 from bearingsim.simulation.record_windows import first_sample, whole_passes, windows
 from bearingsim.simulation.repetition import EXTREMES
+from bearingsim.simulation.settling import has_free_cage
 from bearingsim.simulation.time_grid import Grid
 
 MIN_PASSES = 3
@@ -97,11 +98,6 @@ def sensed(case: Case, raw: RawRecord | LowPassed, quantity: str, start: int, co
     return out
 
 
-def slips(case: Case) -> bool:
-    """Whether the cage may turn otherwise than it does without slip."""
-    return MODELS[case.model].slips and not (case.cage is not None and case.cage.motion == "kinematic")
-
-
 def sample_angles(model: Any, cut: Grid, start: int, slip: np.ndarray) -> SampleAngles:
     """Angles at fine samples from number ``start`` on; ``slip``: (n,) the cage's turn beyond its kinematic one."""
     b = model.bearing
@@ -124,12 +120,12 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[s
 
 def beside_other_lines(case: Case) -> bool:
     """Tell whether a record holds lines, besides those of BPFO, of which a ball pass holds no whole period."""
-    return slips(case) or any(defect.race != "outer" for defect in case.defects)
+    return has_free_cage(case) or any(defect.race != "outer" for defect in case.defects)
 
 
 def lines_of_passes(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
     """Read the lines (harmonics, passes) of each quantity; none of a free cage's record that is too short."""
-    return (_lines_at_equal_angles if slips(case) else _lines_at_equal_times)(case, model, cut, raw)
+    return (_lines_at_equal_angles if has_free_cage(case) else _lines_at_equal_times)(case, model, cut, raw)
 
 
 def _lines_at_equal_times(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
@@ -181,7 +177,7 @@ def other_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, 
     """Amplitude and phase of lines whose periods do not divide the record; nan where it is too short to tell."""
     length = max(2, floor(case.duration * cut.fine_rate + 1e-6))
     length = length if raw.end is None else min(length, raw.end - first_sample(case, cut))
-    read = _lines_as_they_turn if slips(case) or not steady(model) else _lines_at_constant_speed
+    read = _lines_as_they_turn if has_free_cage(case) or not steady(model) else _lines_at_constant_speed
     lines, frequencies = read(case, model, cut, raw, length)
     told = dict(
         zip(LINES, signals.resolvable(frequencies, min(case.duration, length / cut.fine_rate)), strict=True)

@@ -4,9 +4,10 @@ Every run is monitored (``core/advance.py``): what it gives up, and why, is a ``
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import cache
-from math import ceil, factorial, hypot, nan
+from math import ceil, exp, factorial, hypot, nan
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from bearingsim.core.pits.crossings import missed_crossings, passages
 from bearingsim.core.sampling import (
     DECIMATION_REACH,
 )
-from bearingsim.simulation import accuracy, choice, time_grid
+from bearingsim.simulation import accuracy, channels, choice, time_grid
 from bearingsim.simulation.channels import BASE
 from bearingsim.simulation.limits import APPROACH_MARGIN, ENERGY_MARGIN, Limits
 from bearingsim.simulation.raw_record import RawRecord
@@ -35,7 +36,10 @@ from bearingsim.simulation.repetition import (
     Repetition,
     Search,
     may_repeat,
+    turned_state,
 )
+from bearingsim.simulation.settling import settled, slowest_decay
+from bearingsim.simulation.slow_modes import SlowModes
 
 
 class SimulationError(Exception):
@@ -97,6 +101,7 @@ class Setup:
 
 def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup:
     """Ready a case whose method is named; it may take ``max_cpu`` (s). Raises ``Refused``."""
+    case = settled(case)
     cut, found = time_grid.grid(case, part, max_cpu or 0.0), choice.limits(case)
     time_grid.refuse_too_large(case, cut)
     kind = assemble.method_kind(case)
@@ -118,6 +123,7 @@ def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup
 
 SECONDS_PER_CALL = 0.1  # s of CPU time between two looks at the clock, about
 FIRST_STEPS, STEPS_PER_CALL = 8, 4000  # steps, or recorded instants, until the first look, and at most
+NEAR_STEADY = 0.01  # times the closeness of passes that repeat each other: changes that count as none
 MAX_EVALUATIONS = 2e4  # evaluations of the model by an adaptive method after which the clock is looked at earlier
 
 
@@ -157,9 +163,9 @@ def integrate(
     been found to repeat itself is left with ``NotRepeating``, 0 for never; most: ball passes after which it ends
     there.
     """
-    case, cut = setup.case, setup.cut
-    y = _start(setup, nudge, start)
-    kept, pace = Recording(case, cut, setup.model.bearing.Z, y), Pace()
+    case, cut, pace = setup.case, setup.cut, Pace()
+    y = _start(setup, nudge, _steady_start(setup, pace, start, close))
+    kept = Recording(case, cut, setup.model.bearing.Z, y)
     search, period, difference = _search(setup, kept.places, close), 0, nan
     passes, look_at = 0, accuracy.MIN_PASSES
     began_at = _pit_passages(setup, 0.0, y)
@@ -189,7 +195,8 @@ def integrate(
 def _search(setup: Setup, places: np.ndarray, close: Closeness) -> Search | None:
     if not may_repeat(setup.case):
         return None
-    return Search(places, setup.cut.steps_per_pass, setup.model, MODELS[setup.case.model].memoryless, close)
+    memoryless, keeps = MODELS[setup.case.model].memoryless, exp(-slowest_decay(setup.case) / setup.cut.rate)
+    return Search(places, setup.cut.steps_per_pass, setup.model, memoryless, close, keeps)
 
 
 def _start(setup: Setup, nudge: float, given: np.ndarray | None = None) -> np.ndarray:
@@ -209,6 +216,35 @@ def _start(setup: Setup, nudge: float, given: np.ndarray | None = None) -> np.nd
     if type(setup.method) in prepare.types:
         ready(setup.method, model, 0.0, y)
     return y
+
+
+def _go_on_from(setup: Setup, t: float, y: np.ndarray) -> None:
+    """Complete a buffer into which places and velocities have been written, at time ``t`` (s)."""
+    start_at_rest(setup.model, t, y)
+    if type(setup.method) in prepare.types:
+        ready(setup.method, setup.model, t, y)
+
+
+def _steady_start(setup: Setup, pace: Pace, start: np.ndarray | None, close: Closeness) -> np.ndarray | None:
+    """Return the state at t = 0, (2, 6, ROW), that slow modes decay to; ``start`` if none is found.
+
+    At the end of each ball pass rollers stand where others stood at t = 0.
+    """
+    slow = SlowModes.of(setup.case, setup.model, setup.cut, NEAR_STEADY * close.shrinking)
+    if slow is None:
+        return start
+    y, passes = _start(setup, 0.0, start), 0
+    places = channels.recorded(setup.case)
+    first = replace(setup, cut=replace(setup.cut, passes=slow.passes))
+    with suppress(MethodFailure):  # if it is not the extrapolation's, the run meets it too
+        for _ in _ball_passes(first, NoSamples(), y, places, pace):
+            passes += 1
+            if slow.after_pass(y):
+                _go_on_from(setup, passes * setup.cut.steps_per_pass * setup.cut.step, y)
+            if slow.reached:
+                break
+    state = y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW)
+    return turned_state(state, setup.model, passes) if slow.steady and np.isfinite(state).all() else start
 
 
 def _ball_passes(

@@ -93,10 +93,10 @@ def step_limits(case: Case) -> Limits:
 @lru_cache(maxsize=OF_A_STUDY)
 def _without_method(case: Case) -> tuple[Limits, Slopes]:
     """The limits but for those of a method, and the slopes that these follow from."""
-    rest_load, K, C = loads_at_rest(_healthy(case))
-    K_alone, _ = contacts_alone(_healthy(case))
+    rest_load, K, C = loads_at_rest(loaded_at_rest(case))
+    K_alone, _ = contacts_alone(loaded_at_rest(case))
     frequency = sqrt(K_alone) / (2.0 * pi) if K_alone > 0.0 else inf
-    ratio, faster = damping_ratio_at_rest(case), faster_than_monitored(_healthy(case))
+    ratio, faster = damping_ratio_at_rest(case), faster_than_monitored(loaded_at_rest(case))
     K, C = max(K, faster.K), max(C, faster.C)
     found = Limits(
         rest_load=rest_load,
@@ -117,8 +117,8 @@ def _without_method(case: Case) -> tuple[Limits, Slopes]:
 
 def damping_ratio_at_rest(case: Case) -> float:
     """The largest damping ratio of a body on its contacts under the load at rest, without friction."""
-    rest_load, *_ = loads_at_rest(_healthy(case))
-    K, C = contacts_alone(_healthy(case))
+    rest_load, *_ = loads_at_rest(loaded_at_rest(case))
+    K, C = contacts_alone(loaded_at_rest(case))
     if MODELS[case.model].slips:
         return damping_ratio(case, rest_load)
     return C / (2.0 * sqrt(K)) if K > 0.0 else 0.0
@@ -196,8 +196,8 @@ def unbalance_speed(case: Case) -> float:
     return case.unbalance.mass_radius * case.speed**2 / c if c > 0.0 else inf
 
 
-def _healthy(case: Case) -> Case:
-    """The case without what does not touch its load at rest; what is struck stands as a ring does."""
+def loaded_at_rest(case: Case) -> Case:
+    """Return the case without what does not touch its load at rest; what is struck stands as a ring does."""
     same = assemble.healthy(case)
     return same if MODELS[case.model].loaded else same.model_copy(update={"model": lowest("forces", "damping")})
 

@@ -8,6 +8,7 @@ from bearingsim.simulation.limits import step_limits
 
 UNCOUNTED_PASSES = 1  # ball passes at the start of a pilot that do not count
 LIGHT_DAMPING = 0.2  # damping ratio of a loaded roller under which what a run starts with is long remembered
+SETTLES = 0.05  # s: what a pilot settles for at most
 MIN_PASSES, MIN_DURATION = 4, 5e-3  # ball passes, and s, that count
 PILOT_PART = 1 / 16  # of a run that a pilot takes: with its half step a fifth of the run's CPU time
 TURNS = 2.0  # of a pit through the load zone: one passage is not like the next
@@ -20,14 +21,14 @@ def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
     """The beginning of a case, its method named, and how many ball passes are compared.
 
     times: as many of them as usual. Of a case with a ramp, one at its highest speed all along: there its step is
-    hardest to hold. One that is lightly damped, or to be proven strictly, goes through all of the run's settling:
-    from rest it may need that long to become what it will be.
+    hardest to hold. One that is lightly damped settles first, since from rest it may need that long to become what
+    it will be; one that is to be proven strictly does so as long as the run.
     """
     case = at_full_speed(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
     whole = case.settle + case.duration
-    settles = case.step_check == "strict" or is_lightly_damped(case)
-    forgotten = max(UNCOUNTED_PASSES / rate, case.settle if settles else 0.0)
+    settles = case.settle if case.step_check == "strict" else SETTLES * is_lightly_damped(case)
+    forgotten = max(UNCOUNTED_PASSES / rate, min(settles, case.settle))
     wanted = times * max(MIN_PASSES / rate, MIN_DURATION, compared_part(case) * whole, turns_of_pits(case))
     counted = max(1, min(ceil(wanted * rate - ROUNDING), int((whole - forgotten) * rate + ROUNDING)))
     settle = min(forgotten, max(0.0, whole - counted / rate))

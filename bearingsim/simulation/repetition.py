@@ -7,7 +7,7 @@ compared by place: roller j now with roller j + m of m passes ago. What repeats 
 
 from collections import deque
 from collections.abc import Callable
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -105,11 +105,15 @@ class Search:
     with a ratio rho from pass to pass that is rho/(1 - rho) of it.
     """
 
-    def __init__(self, places: np.ndarray, steps: int, model: Any, memoryless: bool, close: Closeness) -> None:
+    def __init__(
+        self, places: np.ndarray, steps: int, model: Any, memoryless: bool, close: Closeness, keeps: float = 0.0
+    ) -> None:
         """places: (C,) of the buffer, the first four the ring's place and velocity; steps: in a pass; memoryless:
-        nothing is to be waited for; close: differences that are small.
+        nothing is to be waited for; close: differences that are small; keeps: what the slowest mode of the bearing
+        at rest keeps of itself in a pass.
         """
         self.places, self.memoryless, self.close, self.Z = places, memoryless, close, model.bearing.Z
+        self.keeps = keeps
         self.model = model
         self.compared = np.r_[0:4, 9 : len(places)]  # accelerations jump, and what cages do is of the state
         self.compared = self.compared[places[self.compared] != lay.SENSOR_A]
@@ -145,7 +149,7 @@ class Search:
                 found = self.differences[period]
                 found.append(self._difference(period, ranges))
                 passes = self.close.times + period - 1  # each of a period
-                if all(_settled(found[: len(found) - n], self.close) for n in range(passes)):
+                if all(_settled(found[: len(found) - n], self.close, self.keeps) for n in range(passes)):
                     return period, found[-1]
         return 0, min((found[-1] for found in self.differences.values() if found), default=nan)
 
@@ -207,17 +211,25 @@ def _over(differences: np.ndarray, ranges: np.ndarray) -> float:
         return float(np.max(np.where(differences == 0.0, 0.0, differences / ranges), initial=0.0))
 
 
-def _settled(differences: list[float], close: Closeness) -> bool:
-    """Whether the last of differences, and all that is to come, is small."""
+def _settled(differences: list[float], close: Closeness, keeps: float) -> bool:
+    """Whether the last of differences, and all that is to come, is small.
+
+    keeps: ratio of one difference to the one before that the slowest mode has, which may be too small to be seen.
+    """
     if not differences or not isfinite(differences[-1]):
         return False
     last = differences[-1]
-    if last <= close.anyhow:
+    if last <= close.anyhow and to_come(last, keeps) <= close.shrinking:
         return True
     if len(differences) < 3 or not isfinite(differences[-3]):
         return False
     before, further = differences[-2], differences[-3]
     if before == 0.0 or further == 0.0:  # it does not shrink
         return False
-    rho = max(last / before, before / further)
-    return rho < SLOWEST and last * max(1.0, rho / (1.0 - rho)) <= close.shrinking
+    rho = max(last / before, before / further, keeps)
+    return rho < SLOWEST and to_come(last, rho) <= close.shrinking
+
+
+def to_come(difference: float, rho: float) -> float:
+    """What a difference, if each is ``rho`` times the one before, can still add up to, itself at least."""
+    return difference * max(1.0, rho / (1.0 - rho)) if rho < 1.0 else inf

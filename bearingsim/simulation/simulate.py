@@ -33,6 +33,8 @@ from bearingsim.simulation.pilot import longer_duration
 from bearingsim.simulation.prices import price
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.repetition import may_repeat
+from bearingsim.simulation.settling import has_free_cage
+from bearingsim.simulation.start_error import start_errors
 from bearingsim.simulation.step_check import StepCheck
 from bearingsim.simulation.trial import Trial
 
@@ -179,6 +181,9 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
     series = channels.series(case, setup.model, sampled, raw.places[rows], case.settle + instants)
     own = features(case, setup.model, setup.cut, raw) | band_features(case, setup.model, setup.cut, raw)
     own |= _check_features(checks_step, _kept(setup, raw)) | _of_chaos(setup, raw, checks_step.chaotic)
+    own |= _of_start(setup, raw, checks_step.chaotic)
+    if case.step_check == "strict" and not (checks_step.chaotic or has_free_cage(case)):
+        _refuse_unsettled(case, max(own["error.start"], own["error.start.rms"]))
     others, reasons = of_extensions(case, instants, series)
     refuse_undeclared(own | others)
     return Record(
@@ -233,6 +238,15 @@ def _refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
     )
 
 
+def _refuse_unsettled(case: Case, error: float) -> None:
+    """Refuse a record that its run's start moves by more than a strict check allows."""
+    if error > step_check.ACCURACY:
+        raise SimulationError(
+            f"after {case.settle:.2g} s the run has not settled: line or RMS is off by {error:.1%}",
+            "take `settle: auto` or a longer one, or say `step_check: true`",
+        )
+
+
 def _kept(setup: Setup, raw: RawRecord) -> float:
     """The share of its ball passes that a record holds, if it ended as it was accurate enough."""
     whole = record_windows.whole_passes(setup.case, setup.cut)
@@ -260,6 +274,7 @@ def _info(setup: Setup, raw: RawRecord) -> dict[str, float | int | str]:
         "method": case.method or "",
         "step_s": cut.step,
         "step_part": setup.part,
+        "settle_s": case.settle,
         "passes": cut.passes,
         "passes_computed": raw.repetition.computed,
         "period_passes": raw.repetition.period,
@@ -286,6 +301,16 @@ def _of_chaos(setup: Setup, raw: RawRecord, chaotic: bool) -> dict[str, float]:
     if chaotic:
         errors = accuracy.standard_errors(setup.case, setup.model, setup.cut, raw)
     return {"standard_error.line": errors.line, "standard_error.rms": errors.rms}
+
+
+def _of_start(setup: Setup, raw: RawRecord, chaotic: bool) -> dict[str, float]:
+    """What the record remembers of the run's start, relative."""
+    by_chance = accuracy.StandardErrors(nan, nan)
+    enough = len(record_windows.windows(setup.case, setup.cut, raw, reach=0).index) > accuracy.MIN_PASSES
+    if enough and (chaotic or has_free_cage(setup.case)):
+        by_chance = accuracy.standard_errors(setup.case, setup.model, setup.cut, raw)
+    errors = start_errors(setup, raw, by_chance)
+    return {"error.start": errors.line, "error.start.rms": errors.rms, "error.start.force": errors.force}
 
 
 def _standard_errors(setup: Setup, raw: RawRecord) -> dict[str, float]:

@@ -78,7 +78,7 @@ sweep:
 
 # The record
 duration: 1 s                     # after settling
-# settle: 50 ms                   # run before anything is recorded; with drag take 0.3 s, with gross slip 1 s
+# settle: auto                    # run before anything is recorded; with drag take 0.3 s, with gross slip 1 s
 # sampling: 10240 Hz              # of the stored series, after a low-pass; `antialias: false` picks raw values
 record: [ring.velocity]           # also ring.displacement, roller.3.outer_force, cage.slip, ...
 

@@ -158,7 +158,7 @@ def test_a_rigid_ring_renames_no_result(
     monkeypatch: pytest.MonkeyPatch, fields: dict[str, Any], name: str
 ) -> None:
     monkeypatch.setattr("bearingsim.core.MODEL_VERSION", 8)
-    assert case_id(case(**fields)) == name
+    assert case_id(case(settle="50 ms", **fields)) == name
 
 
 def test_one_sensor_has_one_id() -> None:

@@ -33,7 +33,7 @@ def test_of_an_ordinary_bearing_it_is_that_of_the_monitored_bodies(model: str) -
     least = 0.5 if model == "ring" else 0.9  # all contacts in one line are at most twice the eigenvalue
     assert least < found.K / monitored.K < 1.1
     assert least < found.C / monitored.C < 1.1
-    assert limits.faster_than_monitored(limits._healthy(case(model=model))) == (0.0, 0.0)
+    assert limits.faster_than_monitored(limits.loaded_at_rest(case(model=model))) == (0.0, 0.0)
 
 
 def test_of_a_light_ring_it_is_that_of_the_ring_on_its_contacts() -> None:

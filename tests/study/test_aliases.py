@@ -12,7 +12,7 @@ from bearingsim.study.jobs import case_id
 from tests.scenes.commands import type_
 from tests.scenes.study_text import BASE, Write
 
-DAMPED = "contact: {damping: {chi: 50 s/m}}\nmethod: verlet\n"  # the damping was the default then
+DAMPED = "contact: {damping: {chi: 50 s/m}}\nmethod: verlet\nsettle: 50 ms\n"  # the defaults then
 ID = "ce2149882a252c52"  # of BASE with `prove: strict` in model version 4, before the word was replaced
 
 

@@ -1,0 +1,138 @@
+"""How long a run remembers its start: the time that `settle: auto` stands for, by the slowest mode of the bearing.
+
+A run starts from rest, which is not the steady motion. The difference decays in the modes of the ring (and of the
+inner ring on its shaft) on contacts and bracket. They are found by linearising the bearing at rest.
+"""
+
+from functools import lru_cache
+from math import exp, inf, log
+from typing import Any
+
+import numpy as np
+
+from bearingsim import assemble
+from bearingsim.assemble.rest import OF_A_STUDY
+from bearingsim.assemble.scales import approach, at_full_speed
+from bearingsim.catalogue import MODELS
+from bearingsim.config import Case
+from bearingsim.core import layout as lay
+from bearingsim.core.advance import start_at_rest
+from bearingsim.core.models.equilibrium import NoEquilibrium
+from bearingsim.core.models.interface import harmonics
+from bearingsim.errors import Refused
+from bearingsim.simulation.limits import LONGEST, at_rest_in_a_pass, loaded_at_rest, loads_at_rest
+from bearingsim.simulation.repetition import may_repeat
+
+REMEMBERED = 5e-5
+"""Of the start, when the record begins. The start is up to ten times the RMS, and a tenth of the least accuracy
+that can be asked for (0.5 %) is 5e-4 of it."""
+LEAST, MOST = 0.05, 10.0  # s: `auto` settles no shorter, and no longer
+FAST = 0.05  # a mode that keeps less of itself for a ball pass is forgotten by itself
+WAIT = 2  # ball passes in which all but slow modes are forgotten
+EXTRAPOLATIONS, MOST_PASSES = 6, 120  # one after the other, as a rule; ball passes after which none is found
+CAGE_TURNS = 5.0  # that a free cage takes to settle
+SMALL = 1e-3  # of the approach at rest: a displacement in which the contacts are straight
+
+
+def settled(case: Case) -> Case:
+    """Return the case with a time in place of `settle: auto`. Raises ``Refused`` if nothing holds the ring."""
+    given: Any = case.settle
+    return case.model_copy(update={"settle": settling(case)}) if given == "auto" else case
+
+
+def settling(case: Case) -> float:
+    """Return the time (s) that `settle: auto` stands for. Raises ``Refused`` if nothing holds the ring."""
+    time = min(max(LEAST, needed(case)), MOST)
+    return max(time, CAGE_TURNS * cage_turn(case)) if has_free_cage(case) else time
+
+
+def needed(case: Case) -> float:
+    """Return the time (s) after which the slowest mode has forgotten the start; inf if nothing damps it."""
+    decay = slowest_decay(case)
+    return -log(REMEMBERED) / decay if decay > 0.0 else inf
+
+
+def remembered(case: Case) -> float:
+    """Return the part of its start that a case, whose `settle` is a time, remembers as its record begins."""
+    return exp(-slowest_decay(case) * case.settle)
+
+
+def has_free_cage(case: Case) -> bool:
+    """Return whether the cage may slip."""
+    return MODELS[case.model].slips and not (case.cage is not None and case.cage.motion == "kinematic")
+
+
+def cage_turn(case: Case) -> float:
+    """Return the time (s) of a turn of the cage."""
+    return case.bearing.rollers / case.bearing.ball_pass_frequency(case.speed)
+
+
+def slowest_decay(case: Case) -> float:
+    """Return the rate (1/s) at which the slowest mode of the bearing decays, inf without modes."""
+    return max(0.0, -max((mode.real for mode in modes(case)), default=-inf))
+
+
+def slow_modes(case: Case) -> int:
+    """Return the number of modes from whose decay the steady motion is extrapolated; 0 if it is waited for.
+
+    Ball passes must be alike, and the case, whose `settle` is a time, must settle for longer than fast modes need.
+    """
+    if case.settle <= LEAST or not may_repeat(case.model_copy(update={"periodic": True})):
+        return 0
+    rate = case.bearing.ball_pass_frequency(case.speed)
+    return sum(mode.real > log(FAST) * rate for mode in modes(case))
+
+
+def extrapolation_passes(case: Case) -> int:
+    """Return the ball passes in which the steady motion is extrapolated, about."""
+    count = slow_modes(case)
+    return min(EXTRAPOLATIONS * (WAIT + count + 2), MOST_PASSES) if count > 0 else 0
+
+
+def modes(case: Case) -> tuple[complex, ...]:
+    """Return the eigenvalues (1/s) of rings and rollers in radial motion about rest, those of both signs.
+
+    None of a model without memory. Raises ``Refused`` if nothing holds the ring.
+    """
+    if MODELS[case.model].memoryless:
+        return ()
+    try:
+        return _modes(loaded_at_rest(assemble.bearing_of(at_full_speed(case))))
+    except NoEquilibrium as error:
+        raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
+
+
+@lru_cache(maxsize=OF_A_STUDY)
+def _modes(healthy: Case) -> tuple[complex, ...]:
+    load, K, _ = loads_at_rest(healthy)
+    model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
+    t, y = next(at_rest_in_a_pass(model))[:2]
+    matrix = _linearised(model, t, y, SMALL * approach(model.outer, load), K)
+    return tuple(complex(value) for value in np.linalg.eigvals(matrix))
+
+
+def _linearised(model: Any, t: float, y: np.ndarray, small: float, K: float) -> np.ndarray:
+    """Return the matrix (2 n, 2 n) of the motion about rest, by central differences of the accelerations.
+
+    small: displacement (m); K: stiffness over mass (1/s^2) of the stiffest roller, by which a speed is as small.
+    """
+    cells = _radial(model)
+    slopes = np.empty((2, len(cells), len(cells)))
+    for block, step, found in ((lay.POSITION, small, slopes[0]), (lay.VELOCITY, small * K**0.5, slopes[1])):
+        for n, cell in enumerate(block + cells):
+            rest, pushed = y[cell], []
+            for y[cell] in (rest + step, rest - step):
+                start_at_rest(model, t, y)
+                pushed.append(y[lay.ACCELERATION + cells])
+            y[cell] = rest
+            found[:, n] = (pushed[0] - pushed[1]) / (2.0 * step)
+    moves = np.abs(slopes[0]).sum(axis=1) > 0.0  # an inner ring without a shaft does not
+    stiffness, damping = (found[np.ix_(moves, moves)] for found in slopes)
+    still = np.zeros_like(stiffness)
+    return np.block([[still, np.eye(len(still))], [stiffness, damping]])
+
+
+def _radial(model: Any) -> np.ndarray:
+    """Return the cells of a state in which rings move and bend in the plane, and rollers radially."""
+    lanes, bent = lay.FIRST_LANE + np.arange(model.bearing.Z), np.arange(harmonics(model))
+    return np.r_[lay.X, lay.Y, lay.X_I, lay.Y_I, lanes, lay.MODES_C + bent, lay.MODES_S + bent]

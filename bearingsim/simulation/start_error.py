@@ -1,0 +1,128 @@
+"""Errors of a record because its run has not wholly settled: of line, RMS and largest force.
+
+Of a motion that repeats itself the steady passes are known, and the record is compared with them. Of any other the
+second half of the record is compared with the first: what has decayed between them decays on. Where that is chance
+(a chaotic motion, a free cage) no error is under the standard error.
+"""
+
+from math import exp, nan
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.catalogue import MODELS
+from bearingsim.config import Case
+from bearingsim.config.names import LINES
+from bearingsim.core.geometry.motion import steady
+from bearingsim.core.sampling import sampling_kernel
+from bearingsim.simulation.accuracy import QUIET_LINE, StandardErrors
+from bearingsim.simulation.channels import CAGE_ANGLE
+from bearingsim.simulation.comparison import FORCE, fault_lines
+from bearingsim.simulation.features import ROW_OF, sample_angles, sensed
+from bearingsim.simulation.integration import Setup
+from bearingsim.simulation.raw_record import RawRecord
+from bearingsim.simulation.record_windows import Windows, windows
+from bearingsim.simulation.settling import has_free_cage, slowest_decay
+from bearingsim.simulation.trial import pit_turn
+
+PARTS = 4  # of a record: how the change from one to the next shrinks tells what is to come
+SLOWER = 16.0  # times as slowly as at rest a motion may decay: it is driven, and contacts open
+
+
+class StartErrors(NamedTuple):
+    """Relative errors of the fault's line, of the velocity's RMS, and of the largest outer force."""
+
+    line: float
+    rms: float
+    force: float
+
+
+class Passes(NamedTuple):
+    """Contributions of each of n ball passes to a record.
+
+    lines: (L, n) complex amplitudes (m/s) of the fault's lines; powers: (n,) mean squares of the velocity
+    (m^2/s^2); forces: (n,) largest outer forces (N).
+    """
+
+    lines: np.ndarray
+    powers: np.ndarray
+    forces: np.ndarray
+
+    def mean(self, weights: np.ndarray) -> "Passes":
+        """Return the weighted means, and the largest force of passes that weigh anything."""
+        return Passes(
+            self.lines @ weights / weights.sum(),
+            self.powers @ weights / weights.sum(),
+            self.forces[weights > 0].max(),
+        )
+
+
+def start_errors(setup: Setup, raw: RawRecord, standard: StandardErrors) -> StartErrors:
+    """Return the errors of a run; NaN of too short a record, and where no motion is steady.
+
+    standard: standard errors of its line and RMS where these are chance, else NaN.
+    """
+    case, cut = setup.case, setup.cut
+    if MODELS[case.model].memoryless:
+        return StartErrors(0.0, 0.0, 0.0)
+    of_record = windows(case, cut, raw, reach=len(sampling_kernel(cut.fine_rate / case.sampling)) // 2)
+    if len(of_record.index) < PARTS or not steady(setup.model):
+        return StartErrors(nan, nan, nan)
+    passes = _passes(setup, raw, of_record)
+    if raw.repetition.period > 0:
+        last = np.zeros(of_record.distinct)
+        last[-raw.repetition.period :] = 1.0
+        return _changes(passes.mean(of_record.weights), passes.mean(last), passes)
+    return _of_parts(case, passes, cut.rate, standard)
+
+
+def _passes(setup: Setup, raw: RawRecord, of_record: Windows) -> Passes:
+    case, cut, M, n = setup.case, setup.cut, of_record.M, of_record.distinct
+    velocity = sensed(case, raw, "velocity", of_record.start, n * M)
+    taps = sampling_kernel(cut.fine_rate / case.sampling)
+    low = sensed(case, raw.through(taps), "velocity", of_record.start, n * M)
+    slip = np.zeros(n * M)
+    if has_free_cage(case):
+        (slip,) = raw.read(of_record.start, n * M, np.array([ROW_OF[CAGE_ANGLE]]))
+    angles = sample_angles(setup.model, cut, of_record.start, slip)
+    lines = np.stack(
+        [
+            2.0 * (velocity * np.exp(-1j * angles.along(LINES[name], raw.Z))).reshape(n, M).mean(axis=1)
+            for name in fault_lines(case)
+        ]
+    )
+    sources = raw.repetition.source(round(of_record.start / M) + np.arange(n))
+    return Passes(lines, np.mean(low.reshape(n, M) ** 2, axis=1), raw.peaks[sources, FORCE])
+
+
+def _changes(one: Passes, other: Passes, passes: Passes) -> StartErrors:
+    """Return the differences between the means of some passes and of others."""
+    power = float(passes.powers.mean()) or 1.0
+    sizes = np.maximum(np.abs(passes.lines.mean(axis=1)), QUIET_LINE * power**0.5)
+    return StartErrors(
+        float(np.max(np.abs(one.lines - other.lines) / sizes)),
+        0.5 * float(abs(one.powers - other.powers)) / power,
+        float(abs(one.forces - other.forces) / (passes.forces.max() or 1.0)),
+    )
+
+
+def _of_parts(case: Case, passes: Passes, rate: float, standard: StandardErrors) -> StartErrors:
+    """Return errors from what decays from part to part of a record.
+
+    The mean of the record is off by (1 + r)/(2 (1 - r)) of the change from its first half to its second, the
+    largest force by 1/(1 - r), with r what remains of a decay after a half: as seen from part to part, at most
+    that of the slowest mode at rest if it decays ``SLOWER`` times as slowly.
+    """
+    turn = max(1.0, pit_turn(case) * rate)  # in passes
+    length = len(passes.powers) // PARTS
+    length = int(int(length // turn) * turn) or length
+    parts = np.repeat(np.eye(PARTS), length, axis=1)
+    parts = np.pad(parts, ((0, 0), (0, len(passes.powers) - parts.shape[1])))
+    earlier, later = (_changes(passes.mean(parts[n]), passes.mean(parts[n + 2]), passes) for n in range(2))
+    halves = _changes(passes.mean(parts[0] + parts[1]), passes.mean(parts[2] + parts[3]), passes)
+    slow = exp(-slowest_decay(case) / SLOWER * 2.0 * length / rate)
+    before, after, change = (np.array(changes) for changes in (earlier, later, halves))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        r = np.fmin((after / before) ** 2, slow)
+        line, rms, force = change * [0.5, 0.5, 1.0] * (1.0 + r * [1.0, 1.0, 0.0]) / (1.0 - r)
+    return StartErrors(float(np.fmax(line, standard.line)), float(np.fmax(rms, standard.rms)), float(force))

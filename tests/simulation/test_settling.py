@@ -1,0 +1,146 @@
+"""Settling: how long a run remembers its start, how the steady motion is extrapolated, and what error is left."""
+
+from math import log
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bearingsim import assemble, simulate
+from bearingsim.core import layout as lay
+from bearingsim.simulation import choice, repetition, settling
+from bearingsim.simulation.slow_modes import SlowModes
+from tests.scenes.short_cases import SLOT, case
+
+HEAVY: dict[str, Any] = {"rig": {"ring_mass": "20 kg"}, "step_check": False, "duration": "0.3 s", "defect": SLOT}
+CELLS = (lay.X, lay.Y)
+
+
+def auto(**fields: Any) -> Any:
+    return case(**{"settle": "auto"} | fields)
+
+
+@pytest.mark.parametrize("model", ["ring", "rollers", "planar"])
+def test_contacts_damp_a_ring_by_its_mass(model: str) -> None:
+    """c/2m of contacts in parallel: twice the mass decays half as fast, twice the damping twice as fast."""
+    light, heavy = (
+        auto(model=model, rig={"ring_mass": mass, "bracket_damping": 0}) for mass in ("20 kg", "40 kg")
+    )
+    assert settling.slowest_decay(light) == pytest.approx(2.0 * settling.slowest_decay(heavy), rel=0.02)
+    damped = auto(model=model, rig={"ring_mass": "20 kg", "bracket_damping": 2000.0})
+    added = settling.slowest_decay(damped) - settling.slowest_decay(light)
+    assert added == pytest.approx(2000.0 / (2.0 * 20.0), rel=0.03)
+
+
+def test_auto_is_as_long_as_the_slowest_mode_needs() -> None:
+    assert settling.settling(auto()) == settling.LEAST
+    heavy = auto(**HEAVY)
+    assert settling.settling(heavy) == pytest.approx(-log(settling.REMEMBERED) / settling.slowest_decay(heavy))
+    assert settling.remembered(settling.settled(heavy)) == pytest.approx(settling.REMEMBERED)
+    assert settling.settling(auto(rig={"ring_mass": "2000 kg"})) == settling.MOST
+    assert settling.settled(case(settle="20 ms")).settle == 0.02
+
+
+def test_a_free_cage_settles_for_five_turns() -> None:
+    free = auto(model="planar")
+    assert settling.settling(free) == pytest.approx(5.0 * settling.cage_turn(free))
+    assert settling.settling(auto(model="planar", cage={"motion": "kinematic"})) == settling.LEAST
+
+
+def test_models_without_memory_have_no_modes() -> None:
+    assert settling.modes(auto(model="static")) == ()
+    assert settling.settling(auto(model="static")) == settling.LEAST
+
+
+def test_runs_settle_for_the_time_that_auto_stands_for() -> None:
+    heavy = auto(**HEAVY)
+    assert simulate(heavy).info["settle_s"] == pytest.approx(settling.settling(heavy))
+
+
+def decaying(matrix: np.ndarray, passes: int = 40, count: int = 4) -> tuple[SlowModes, np.ndarray]:
+    """The extrapolation fed with s' = s_0 + M (s - s_0), s_0 = (1, -1) um; and the state (2,) at its end."""
+    model = assemble.model(case(defect=SLOT))
+    slow, y, rest = SlowModes(model, count, passes, 1e-9), assemble.empty_buffer(model), np.array([1e-6, -1e-6])
+    hidden = np.array([2e-6, 1e-6, 0.0, 3e-6])  # two places, two velocities, as they differ from rest
+    cells = np.r_[lay.POSITION + np.array(CELLS), lay.VELOCITY + np.array(CELLS)]
+    steady = np.r_[rest, 0.0, 0.0]
+    y[cells] = steady + hidden
+    for _ in range(passes):
+        y[cells] = steady + matrix @ (y[cells] - steady)
+        slow.after_pass(y)
+        if slow.reached:
+            break
+    return slow, y[cells[:2]] - rest
+
+
+def turning(moduli: tuple[float, float]) -> np.ndarray:
+    """A matrix (4, 4) of two pairs of complex modes, mixed with each other."""
+    matrix = np.zeros((4, 4))
+    for n, (modulus, angle) in enumerate(zip(moduli, (0.8, 2.1), strict=True)):
+        c, s = modulus * np.cos(angle), modulus * np.sin(angle)
+        matrix[2 * n : 2 * n + 2, 2 * n : 2 * n + 2] = [[c, -s], [s, c]]
+    mix = np.eye(4) + 0.3 * np.arange(16).reshape(4, 4) / 16.0
+    return np.asarray(mix @ matrix @ np.linalg.inv(mix))
+
+
+def test_slow_modes_are_taken_off_in_a_few_passes() -> None:
+    slow, left = decaying(turning((0.99, 0.97)))
+    assert slow.reached
+    assert np.abs(left).max() < 1e-13
+
+
+def test_a_motion_whose_modes_grow_has_no_steady_state() -> None:
+    slow, _ = decaying(turning((0.99, 1.002)))
+    assert not slow.steady
+
+
+def test_only_slow_modes_of_passes_that_are_alike_are_extrapolated() -> None:
+    heavy = choice.resolved(auto(**HEAVY))
+    assert settling.slow_modes(heavy) == 4
+    for other in (
+        choice.resolved(auto()),
+        heavy.model_copy(update={"settle": 0.05}),
+        choice.resolved(auto(**HEAVY | {"defect": SLOT | {"race": "inner"}})),
+        choice.resolved(auto(**HEAVY, model="planar")),
+    ):
+        assert settling.slow_modes(other) == 0
+
+
+def test_a_heavy_ring_that_starts_from_rest_is_told_and_auto_forgets_it() -> None:
+    long, short, found = (
+        simulate(case(**HEAVY | {"settle": settle}, periodic=periodic))
+        for settle, periodic in (("1.5 s", False), ("50 ms", True), ("auto", True))
+    )
+    for name, column in (("velocity@BPFO", ""), ("velocity.rms", ".rms"), ("outer_force.max", ".force")):
+        right = long.features[name]
+        assert found.features[name] == pytest.approx(right, rel=1e-5)
+        assert found.features[f"error.start{column}"] < 1e-6
+        error = abs(short.features[name] / right - 1.0)
+        assert error <= 1.2 * short.features[f"error.start{column}"] + 1e-5
+        assert short.features[f"error.start{column}"] <= 5.0 * error + 1e-4
+    assert short.features["error.start.force"] > 2e-4
+    assert float(found.info["passes_computed"]) < 20
+
+
+def test_periodic_or_in_full_the_motion_is_the_same() -> None:
+    short, whole = (simulate(auto(**HEAVY, periodic=periodic)) for periodic in (True, False))
+    assert whole.info["passes_computed"] == whole.info["passes"]
+    for name in ("velocity@BPFO", "velocity.rms", "velocity.kurtosis", "acceleration.peak", "outer_force.max"):
+        assert short.features[name] == pytest.approx(whole.features[name], rel=1e-6)
+
+
+def test_no_error_of_a_free_cage_is_under_its_standard_error() -> None:
+    found = simulate(auto(model="planar", defect=SLOT, step_check=False, duration="0.3 s")).features
+    one = simulate(auto(model="planar", defect=SLOT, duration="0.3 s", step_check=False, seed=1)).features
+    assert 1e-4 < found["error.start"] < 0.5
+    assert abs(one["velocity@BPFO"] / found["velocity@BPFO"] - 1.0) < 5.0 * found["error.start"]
+
+
+def test_a_slow_decay_is_no_repetition() -> None:
+    """A difference of 1e-8 that shrinks by half, but of a mode that may keep 0.995 of itself, is not the last."""
+    seen = [4e-8, 2e-8, 1e-8]
+    assert repetition._settled(seen, repetition.OF_A_RECORD, 0.0)
+    assert not repetition._settled(seen, repetition.OF_A_RECORD, 0.995)
+    tiny = [1e-9, 1e-9, 0.9e-10]
+    assert repetition._settled(tiny, repetition.OF_A_RECORD, 0.99)
+    assert not repetition._settled(tiny, repetition.OF_A_RECORD, 0.9999)
