@@ -153,6 +153,14 @@ bands: install-dev
 flags: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.flags
 
+# bowls and spalls at four times the nodes: within the error that is said? Writes docs/data/nodes.csv
+nodes: install-dev
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.nodes --csv docs/data/nodes.csv
+
+# does an accuracy hold against friction and a free cage, at which cost? Writes docs/data/friction.csv
+friction: install-dev
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.friction --csv docs/data/friction.csv
+
 bench-compare: install-dev
 	$(BIN)/python -m benchmarks.speed.compare
 

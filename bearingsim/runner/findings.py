@@ -11,7 +11,7 @@ from bearingsim.config.rules import damping
 from bearingsim.runner.promises import held, promises, withdrawals
 from bearingsim.runner.summary import chaos, repetitions, step_errors, unsettled
 from bearingsim.runner.unknowns import assumed, moved
-from bearingsim.study.uncertainty import NO_SLIP, RIGID, sweeps_damping
+from bearingsim.study.uncertainty import NO_OIL, NO_SLIP, RIGID, sweeps_damping
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -94,7 +94,9 @@ def _assumed(plan: Mapping[str, Any], own: "pd.DataFrame") -> Iterator[str]:
         if held_by_bracket and "bracket" not in varied:
             yield "bracket"
     yield from (
-        name for sentence, name in ((RIGID, "rigid ring"), (NO_SLIP, "no slip")) if sentence in _said(plan)
+        name
+        for sentence, name in ((RIGID, "rigid ring"), (NO_SLIP, "no slip"), (NO_OIL, "no oil drag"))
+        if sentence in _said(plan)
     )
 
 

@@ -184,7 +184,7 @@ def _try(
     from bearingsim.study import Job, case_id
 
     try:
-        trial, record = load(engine.try_out)(one.case, one.asked, one.passes, one.turn)
+        trial, record = load(engine.try_out)(one.case, one.asked, one.passes, one.turn, *one.against)
     except SimulationError:  # told by the job, if it comes to that
         trial, record = None, None
     except Exception as error:  # of the machine, perhaps: nothing is known of it, and so it is not chosen

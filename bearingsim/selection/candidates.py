@@ -8,8 +8,10 @@ from bearingsim.assemble.pits import varies_along_roller
 from bearingsim.catalogue import MODELS, below
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
+from bearingsim.config.rules.hierarchy import leaves_friction_open
 from bearingsim.config.rules.slicing import slice_count
 from bearingsim.config.sections.contact import MOST_SLICES
+from bearingsim.config.sections.free import Cage, StaticDynamic
 from bearingsim.config.sections.machine import Rig
 from bearingsim.config.sections.ring import MAX_HARMONICS
 from bearingsim.simulation.time_grid import estimate
@@ -25,6 +27,8 @@ SLICES = {
 }
 """Of the slices that are said, how many a candidate takes; its error is of their second power."""
 FEWEST_SLICES = 2
+WITH_FRICTION = "reference with friction"
+"""The name of the reference with a free cage and friction, where it takes the place of the one without."""
 FINER = 2  # how many times as many slices or harmonics the reference has, and nodes the trial of their error
 CANDIDATES = (*SLICES, AS_SAID, f"{FEW_HARMONICS} harmonics", *reversed(MODELS))
 """The names of all of them, from the highest."""
@@ -36,6 +40,16 @@ def reference(case: Case) -> Case:
     if case.rig.ring is not None:
         return case.model_copy(update={"rig": _with_harmonics(case)})
     return _finely_sliced(case) if MODELS[case.model].sliced else case
+
+
+def with_friction(case: Case) -> Case | None:
+    """Return the reference of a case with what its model has by default: a free cage, dry friction on the races.
+
+    None if the case says what slips, or that nothing does (`friction: none`).
+    """
+    if not leaves_friction_open(case):
+        return None
+    return reference(case).model_copy(update={"cage": Cage(), "friction": StaticDynamic()})
 
 
 def recut(case: Case, judges: bool = True) -> tuple[Case, float] | None:

@@ -10,7 +10,7 @@ from random import Random
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.errors import UserError
-from bearingsim.selection.candidates import computed_by, reference
+from bearingsim.selection.candidates import WITH_FRICTION, computed_by, reference, with_friction
 from bearingsim.selection.curves import curves
 from bearingsim.selection.trials import twin_asked
 from bearingsim.study import Job, Study
@@ -24,7 +24,8 @@ class Choice:
     """What computes a case: the name of a candidate, or `reference`; why; what it may be off, by feature (share).
 
     model: the name of the model that this comes to; nodes: the error of its discretisation, by feature (share),
-    None where it is unknown.
+    None where it is unknown; friction: the same of the friction that it leaves out; inferred: whether that is from
+    other cases of its curve.
     """
 
     candidate: str
@@ -32,6 +33,8 @@ class Choice:
     why: str
     error: Mapping[str, float]
     nodes: Mapping[str, float | None] = field(default_factory=dict)
+    friction: Mapping[str, float | None] = field(default_factory=dict)
+    inferred: bool = False
 
 
 Choices = dict[str, Choice]
@@ -41,7 +44,8 @@ Choices = dict[str, Choice]
 def key(study: Study, case: Case) -> str:
     """What names a case and the accuracy that is asked of it."""
     assert study.goal is not None
-    return identity(case, {"within": study.goal.within, "of": list(study.goal.of)})
+    asked = {"within": study.goal.within, "of": list(study.goal.of)}
+    return identity(case, asked | ({"friction": "tried"} if with_friction(case) is not None else {}))
 
 
 def chosen(study: Study, choices: Choices) -> Study:
@@ -53,16 +57,18 @@ def chosen(study: Study, choices: Choices) -> Study:
     ids = [case_id(case) for case in cases]
     drawn = tuple((curve.feature, tuple(ids[n] for n in curve.cases)) for curve in curves(study))
     told = {
-        name: Chosen(one.model, one.why, dict(one.error), dict(one.nodes))
+        name: Chosen(one.model, one.why, dict(one.error), dict(one.nodes), dict(one.friction))
         for name, one in zip(ids, found, strict=True)
     }
-    selection = Selection(told, drawn, tuple(audits(study, own, ids)))
+    judges = [_judge(case, one) for case, one in zip(own, found, strict=True)]
+    selection = Selection(told, drawn, tuple(audits(study, judges, ids)))
     return replace(study, swept_cases=swept, selection=selection)
 
 
 def _case(study: Study, own: Sequence[Case], number: int, candidate: str) -> Case:
     """A case as a candidate computes it."""
-    found = reference(own[number]) if candidate == REFERENCE else computed_by(study, number, candidate)
+    named = {REFERENCE: reference, WITH_FRICTION: with_friction}.get(candidate)
+    found = named(own[number]) if named is not None else computed_by(study, number, candidate)
     if found is None:
         raise UserError(
             f"choices.json names `{candidate}`, which cannot compute a case: remove it to decide again"
@@ -70,11 +76,15 @@ def _case(study: Study, own: Sequence[Case], number: int, candidate: str) -> Cas
     return found
 
 
+def _judge(own: Case, choice: Choice) -> Case:
+    """Return what audits a choice: the reference, with friction if that was not tried on this very case."""
+    rubbing = with_friction(own) if choice.inferred or choice.candidate == WITH_FRICTION else None
+    return rubbing or reference(own)
+
+
 def audits(study: Study, references: Sequence[Case], ids: Sequence[str]) -> list[Audit]:
     """Jobs to be computed again by their reference: a seeded twentieth of those that took something else."""
-    other = [
-        (name, case) for name, case in zip(ids, map(reference, references), strict=True) if case_id(case) != name
-    ]
+    other = [(name, case) for name, case in zip(ids, references, strict=True) if case_id(case) != name]
     if not other:
         return []
     count = min(len(other), max(FEWEST_AUDITED, round(AUDITED * len(other))))

@@ -6,17 +6,24 @@ Candidates are tried from the cheapest up, and no further than the first that ho
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import inf, nan
+from math import inf
 from typing import NamedTuple
-
-import numpy as np
 
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
-from bearingsim.selection.candidates import can_be_tried, candidates, price, recut, reference
+from bearingsim.selection.candidates import (
+    WITH_FRICTION,
+    can_be_tried,
+    candidates,
+    price,
+    recut,
+    reference,
+    with_friction,
+)
 from bearingsim.selection.choices import Choice, Choices, key
-from bearingsim.selection.curves import curves, groups, scales
-from bearingsim.selection.judge import Value, error, value
+from bearingsim.selection.curves import curves, groups
+from bearingsim.selection.evidence import Evidence, Recut
+from bearingsim.selection.friction import Friction
 from bearingsim.selection.trials import Known, Trialled, first_trials, once, repeats, trials_of
 from bearingsim.simulation.trial import stepped_alike
 from bearingsim.study import Study
@@ -38,14 +45,6 @@ class Decision(NamedTuple):
     repeating: int
 
 
-class Recut(NamedTuple):
-    """A case, its like with other nodes, and how many times what these change the error of its own is at most."""
-
-    case: Case
-    recut: Case
-    times: float
-
-
 class Choosing:
     """The choice for some cases of a study: which trials it wants next, and what follows from them."""
 
@@ -60,21 +59,31 @@ class Choosing:
         first = [one for one in first_trials(self.study, self.tried) if one.id not in known]
         if first:
             return first
-        evidence = Evidence(self, known)
-        missing = once([one for group in self.open_groups(known) for one in self._next(group, evidence)])
-        return missing or self._recut_trials(evidence)
+        evidence, friction = self._seen(known)
+        missing = friction.trials()
+        if not missing:
+            missing = [one for group in self._open(friction) for one in self._next(group, evidence, friction)]
+        return once(missing) or self._recut_trials(evidence, friction)
+
+    def _seen(self, known: Known) -> tuple[Evidence, Friction]:
+        """Return what trials tell of models, and of friction."""
+        assert self.study.goal is not None
+        evidence = Evidence(self.study, self.drawn, known)
+        return evidence, Friction(evidence, self.tried, self.drawn, FOR_MODEL * self.study.goal.within)
 
     def decide(self, known: Known) -> Decision:
         """Choose, with what is known: a trial that is not counts as failed."""
-        evidence, cases = Evidence(self, known), self.study.cases()
-        found = self._models(evidence)
+        (evidence, friction), cases = self._seen(known), self.study.cases()
+        found = self._models(evidence, friction)
         for n in self.tried:
             found[n] = replace(found[n], nodes=self._nodes(n, found[n], evidence))
+            if found[n].candidate != WITH_FRICTION:
+                found[n] = replace(found[n], friction=friction.errors(n), inferred=friction.inferred(n))
         repeating = sum(bool(evidence.of_reference[n]) and repeats(self.study, n, known) for n in self.tried)
         return Decision({key(self.study, cases[n]): one for n, one in found.items()}, repeating)
 
-    def _models(self, evidence: "Evidence") -> dict[int, Choice]:
-        """Return the choice for each case, without the errors of its discretisation."""
+    def _models(self, evidence: Evidence, friction: Friction) -> dict[int, Choice]:
+        """Return the choice for each case, without the errors of friction and discretisation."""
         known, cases = evidence.known, self.study.cases()
         found = {n: Choice(REFERENCE, cases[n].model, NOTHING_CHEAPER, {}) for n in self.numbers}
         settled = [n for n in self.tried if repeats(self.study, n, known)]
@@ -83,42 +92,46 @@ class Choosing:
             found[n] = Choice(
                 REFERENCE, cases[n].model, why if evidence.of_reference[n] else "the reference fails", {}
             )
-        for group in self.open_groups(known):
-            found |= self._of_group(group, evidence)
-        return found
+        for group in self._open(friction):
+            found |= self._of_group(group, evidence, friction)
+        rubbing = {n: Choice(WITH_FRICTION, cases[n].model, why, {}) for n, why in friction.too_much.items()}
+        return found | rubbing
 
-    def _recut_trials(self, evidence: "Evidence") -> list[Trialled]:
+    def _recut_trials(self, evidence: Evidence, friction: Friction) -> list[Trialled]:
         """Return the trials of the choices with other nodes that are still to be computed."""
-        others = [(n, self._recut(n, choice, evidence)) for n, choice in self._models(evidence).items()]
+        others = [(n, self._recut(n, choice, evidence)) for n, choice in self._models(evidence, friction).items()]
         trials = [trials_of(self.study, n, other.recut)[0] for n, other in others if other is not None]
         return once([trial for trial in trials if trial.id not in evidence.known])
 
-    def _recut(self, n: int, choice: Choice, evidence: "Evidence") -> "Recut | None":
+    def _recut(self, n: int, choice: Choice, evidence: Evidence) -> "Recut | None":
         """Return the case that was chosen for number ``n`` and its like with other nodes, at the same step.
 
-        None if nodes change nothing, or the case was not tried.
+        Of a reference with friction that without: it is cheaper, and has the same nodes. None if nodes change
+        nothing, or the case was not tried.
         """
-        own, judges = self.study.cases()[n], choice.candidate == REFERENCE
+        own, judges = self.study.cases()[n], choice.candidate in (REFERENCE, WITH_FRICTION)
         chosen = reference(own) if judges else self.able[choice.candidate][n]
         other = recut(chosen, judges)
         trial = evidence.known.get(trials_of(self.study, n, chosen)[0].id)
         return None if other is None or trial is None else Recut(chosen, stepped_alike(other[0], trial), other[1])
 
-    def _nodes(self, n: int, choice: Choice, evidence: "Evidence") -> dict[str, float | None]:
+    def _nodes(self, n: int, choice: Choice, evidence: Evidence) -> dict[str, float | None]:
         """Return the error of a choice's discretisation, by feature; nothing if it has none, or was not tried."""
         other = self._recut(n, choice, evidence)
         return {} if other is None else evidence.of_nodes(n, other)
 
-    def open_groups(self, known: Known) -> list[list[int]]:
-        """The cases whose reference does not repeat itself, those that take one model together."""
-        return groups((n for n in self.tried if not repeats(self.study, n, known)), self.drawn)
+    def _open(self, friction: Friction) -> list[list[int]]:
+        """The cases whose reference does not repeat itself nor needs friction; groups take one model."""
+        known = friction.evidence.known
+        left = [n for n in self.tried if n not in friction.too_much and not repeats(self.study, n, known)]
+        return groups(left, self.drawn)
 
     @cached_property
     def able(self) -> dict[str, dict[int, Case]]:
         """The cases of every candidate, by name, from the highest."""
         return candidates(self.study, self.tried)
 
-    def _next(self, group: Sequence[int], evidence: "Evidence") -> list[Trialled]:
+    def _next(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> list[Trialled]:
         """The trials of the cheapest candidate that has not been tried on a group, if nothing cheaper holds."""
         held = inf
         for cost, name in sorted((self._cost(name, group), name) for name in self.able):
@@ -130,7 +143,7 @@ class Choosing:
             if missing:
                 return missing
             if len(cases) == len(group) and all(
-                self._holds(evidence.errors(n, case)) for n, case in cases.items()
+                self._holds(evidence.errors(n, case), friction.errors(n)) for n, case in cases.items()
             ):
                 held = cost
         return []
@@ -139,16 +152,19 @@ class Choosing:
         """What a candidate costs for the cases of a group that it is able to compute."""
         return sum(price(self.able[name][n]) for n in group if n in self.able[name])
 
-    def _holds(self, errors: Mapping[str, float]) -> bool:
-        """Whether a model's errors leave enough of the accuracy to step and scatter."""
+    def _holds(self, errors: Mapping[str, float], friction: Mapping[str, float | None]) -> bool:
+        """Whether a model's errors, and those of friction, leave enough of the accuracy to step and scatter."""
         assert self.study.goal is not None
-        return bool(errors) and max(errors.values()) <= FOR_MODEL * self.study.goal.within
+        sums = [of + (friction.get(name) or 0.0) for name, of in errors.items()]
+        return bool(sums) and max(sums) <= FOR_MODEL * self.study.goal.within
 
-    def _of_group(self, group: Sequence[int], evidence: "Evidence") -> dict[int, Choice]:
+    def _of_group(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> dict[int, Choice]:
         """One model for the cases of a group, unless several cost less than a third of it."""
         costs = {REFERENCE: {n: price(reference(self.study.cases()[n])) for n in group}}
         for name, cases in self.able.items():
-            held = [n for n in group if n in cases and self._holds(evidence.errors(n, cases[n]))]
+            held = [
+                n for n in group if n in cases and self._holds(evidence.errors(n, cases[n]), friction.errors(n))
+            ]
             costs[name] = {n: price(cases[n]) for n in held}
         whole = {name: sum(of.values()) for name, of in costs.items() if len(of) == len(group)}
         one = _cheapest(whole)
@@ -157,17 +173,18 @@ class Choosing:
         taken = each if mixed < MIXED * whole[one] else dict.fromkeys(group, one)
         return {n: self._told(n, name, evidence) for n, name in taken.items()}
 
-    def _told(self, n: int, name: str, evidence: "Evidence") -> Choice:
+    def _told(self, n: int, name: str, evidence: Evidence) -> Choice:
         """A choice, and why."""
         own = self.study.cases()[n]
-        if name == REFERENCE:
-            return Choice(REFERENCE, own.model, self._why_none(n, evidence), {})
+        if name == REFERENCE:  # with friction it costs no more: neither repeats itself
+            last = REFERENCE if with_friction(own) is None else WITH_FRICTION
+            return Choice(last, own.model, self._why_none(n, evidence), {})
         case = self.able[name][n]
         errors = evidence.errors(n, case)
         why = f"{100.0 * max(errors.values()):.2g} % from {own.model}, at {case.model}'s price"
         return Choice(name, case.model, why, errors)
 
-    def _why_none(self, n: int, evidence: "Evidence") -> str:
+    def _why_none(self, n: int, evidence: Evidence) -> str:
         """Why nothing cheaper is taken in place of the reference of a case."""
         assert self.study.goal is not None
         tried = [evidence.errors(n, cases[n]) for cases in self.able.values() if n in cases]
@@ -179,64 +196,6 @@ class Choosing:
         nearest = f"the nearest of those that cost less is {100.0 * min(own):.2g} % off"
         over = f"over {100.0 * most:.2g} %"
         return f"{nearest}: {over}" if min(own) > most else f"{nearest} here, but {over} elsewhere on a curve"
-
-
-class Evidence:
-    """What trials tell of the cases of a study: how far a candidate is off, over what errors count over."""
-
-    def __init__(self, choosing: Choosing, known: Known) -> None:
-        self.study, self.known = choosing.study, known
-        assert self.study.goal is not None
-        self.of_reference = [self._values(n, reference(case)) for n, case in enumerate(self.study.cases())]
-        self.sizes = {
-            feature: scales(
-                feature, [of[feature].value if of else nan for of in self.of_reference], choosing.drawn
-            )
-            for feature in self.study.goal.of
-        }
-
-    def errors(self, n: int, case: Case) -> dict[str, float]:
-        """What a case that stands for number ``n`` is surely no further off, by feature; nothing if it failed."""
-        own, other = self._values(n, case), self.of_reference[n]
-        if not own or not other:
-            return {}
-        return {name: _relative(error(own[name], other[name]), self.sizes[name][n]) for name in own}
-
-    def of_nodes(self, n: int, other: Recut) -> dict[str, float | None]:
-        """Return the error of the discretisation of a case for number ``n``, by feature; None where it is unknown.
-
-        Of motions that repeat themselves one period is all: nothing scatters.
-        """
-        assert self.study.goal is not None
-        own, off = self._values(n, other.case), self._values(n, other.recut, other.case)
-        if not own or not off:
-            return dict.fromkeys(self.study.goal.of)
-        trials = [self.known[trials_of(self.study, n, case)[0].id] for case in (other.case, other.recut)]
-        exact = all(trial is not None and trial.repeats for trial in trials)
-        errors = {
-            name: abs(own[name].value - off[name].value) if exact else error(own[name], off[name]) for name in own
-        }
-        found = {name: other.times * _relative(of, self.sizes[name][n]) for name, of in errors.items()}
-        return {name: of if of < inf else None for name, of in found.items()}
-
-    def _values(self, n: int, case: Case, beside: Case | None = None) -> dict[str, Value]:
-        """What is asked of a case, as its trial (and its twin's) has it; nothing of one that failed.
-
-        beside: a case whose twin counts instead.
-        """
-        assert self.study.goal is not None
-        twins = trials_of(self.study, n, beside or case)[1:]
-        trials = [self.known.get(one.id) for one in (trials_of(self.study, n, case)[0], *twins)]
-        own, twin = trials[0], trials[-1] if len(trials) > 1 else None
-        if own is None or None in trials or (twin is not None and twin.turns != own.turns):
-            return {}
-        return {feature: value(feature, own, twin) for feature in self.study.goal.of}
-
-
-def _relative(error: float, size: float) -> float:
-    """An error over what it counts over; infinite if nobody knows."""
-    found = error / (size or 1.0)
-    return found if np.isfinite(found) else inf
 
 
 def _cheapest(costs: Mapping[str, float]) -> str:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from bearingsim.config import Case
-from bearingsim.selection.candidates import reference
-from bearingsim.simulation.trial import Trial, passes_to_try, pit_turn
+from bearingsim.selection.candidates import recut, reference, with_friction
+from bearingsim.simulation.trial import Against, Trial, cage_turn, passes_to_try, pit_turn, tells_friction
 from bearingsim.study import Study, healthy_twin
 from bearingsim.study.goal import HEALTHY
 from bearingsim.study.jobs import identity
@@ -14,13 +14,17 @@ from bearingsim.study.jobs import identity
 
 @dataclass(frozen=True)
 class Trialled:
-    """A trial to be computed: of which case, what is asked of it, how many ball passes, cut by which turn (s)."""
+    """A trial to be computed: of which case, what is asked of it, how many ball passes, cut by which turn (s).
+
+    against: what it is compared with as it goes on, if it is.
+    """
 
     id: str
     case: Case
     asked: tuple[str, ...]
     passes: int
     turn: float
+    against: tuple[Against, ...] = ()
 
 
 Known = Mapping[str, Trial | None]
@@ -30,11 +34,9 @@ Known = Mapping[str, Trial | None]
 def trials_of(study: Study, number: int, case: Case) -> list[Trialled]:
     """Those by which a candidate for a case of a study is judged: its own, and its healthy twin's if asked."""
     own = study.swept_cases[number][0]
-    read = (
-        asked_of(study),
-        passes_to_try(own),
-        pit_turn(own),
-    )  # the twin's as its case's: it has no pits
+    loose = with_friction(own) is not None
+    turn = max(pit_turn(own), cage_turn(own)) if loose else pit_turn(own)
+    read = asked_of(study), passes_to_try(own, loose), turn  # the twin's as its case's: it has no pits
     cases = [one for one in (case, twin_asked(study, case)) if one is not None]
     return [Trialled(_named(one, *read), one, *read) for one in cases]
 
@@ -59,9 +61,10 @@ def twin_asked(study: Study, case: Case) -> Case | None:
 
 
 def first_trials(study: Study, numbers: Sequence[int]) -> list[Trialled]:
-    """Those of the references of cases, each once."""
+    """Return those of the references of cases, each once; none of a record that is too short for friction."""
     cases = study.cases()
-    return once([one for n in numbers for one in trials_of(study, n, reference(cases[n]))])
+    wanted = [n for n in numbers if tells_friction(cases[n]) or with_friction(cases[n]) is None or recut(cases[n])]
+    return once([one for n in wanted for one in trials_of(study, n, reference(cases[n]))])
 
 
 def once(trials: Sequence[Trialled]) -> list[Trialled]:

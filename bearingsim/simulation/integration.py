@@ -3,12 +3,12 @@
 Every run is monitored (``core/advance.py``): what it gives up, and why, is a ``MethodFailure``.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from math import ceil, exp, factorial, hypot, nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -147,6 +147,13 @@ def monitor_of(cut: time_grid.Grid, found: Limits) -> Monitor:
     return Monitor(min(32, max(1, stride)), patience, found.approach_bound, found.energy_bound, MAX_EVALUATIONS)
 
 
+class Look(NamedTuple):
+    """A look at a run after so many ball passes: ``ends`` returns whether they are enough."""
+
+    passes: int
+    ends: Callable[[RawRecord], bool]
+
+
 def integrate(
     setup: Setup,
     nudge: float = 0.0,
@@ -154,6 +161,7 @@ def integrate(
     close: Closeness = OF_A_RECORD,
     patience: int = 0,
     most: int | None = None,
+    look: Look | None = None,
 ) -> RawRecord:
     """Step through the ball passes, keeping fine samples (and raw picks where the case wants them).
 
@@ -161,7 +169,7 @@ def integrate(
     enough. nudge: share of its displacement by which the ring is moved at the start; start: positions and
     velocities there (2, 6, ROW), if not those at rest; patience: ball passes after which a motion that has not
     been found to repeat itself is left with ``NotRepeating``, 0 for never; most: ball passes after which it ends
-    there.
+    there; look: whether it may end before.
     """
     case, cut, pace = setup.case, setup.cut, Pace()
     y = _start(setup, nudge, _steady_start(setup, pace, start, close))
@@ -175,6 +183,9 @@ def integrate(
         if search is not None:
             period, difference = search.after_pass(window, y, kept.peaks[p])
         if period > 0 or passes == most:
+            break
+        looks = look is not None and passes == look.passes
+        if look is not None and looks and look.ends(kept.raw(Repetition(passes, 0, nan), y, pace.cpu_s)):
             break
         if passes == patience:
             raise NotRepeating(f"no ball pass of {passes} repeats another", "name a `method`", passes / cut.rate)

@@ -19,6 +19,7 @@ from bearingsim.simulation.bands import band_features
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE
 from bearingsim.simulation.features import features
 from bearingsim.simulation.integration import (
+    Look,
     MethodFailure,
     NotRepeating,
     Setup,
@@ -36,7 +37,7 @@ from bearingsim.simulation.repetition import may_repeat
 from bearingsim.simulation.settling import has_free_cage
 from bearingsim.simulation.start_error import start_errors
 from bearingsim.simulation.step_check import StepCheck
-from bearingsim.simulation.trial import Trial
+from bearingsim.simulation.trial import Against, Trial
 
 T = TypeVar("T")
 
@@ -95,7 +96,9 @@ def simulate(case: Case) -> Record:
     return _in_turn(case, lambda attempt: _simulate(attempt, began))
 
 
-def try_out(case: Case, asked: Sequence[str], passes: int, turn: float = 0.0) -> tuple[Trial, Record | None]:
+def try_out(
+    case: Case, asked: Sequence[str], passes: int, turn: float = 0.0, against: Against | None = None
+) -> tuple[Trial, Record | None]:
     """The first ball passes of a case, for its model to be compared with others (``trial.py``).
 
     asked: the features that are; passes: how many are compared; turn: of the slowest pit (s), by which they are
@@ -104,7 +107,7 @@ def try_out(case: Case, asked: Sequence[str], passes: int, turn: float = 0.0) ->
     be checked. Raises like ``simulate``.
     """
     began = cpu_time.now()
-    return _in_turn(case, lambda attempt: _try_out(attempt, asked, passes, turn, began))
+    return _in_turn(case, lambda attempt: _try_out(attempt, asked, passes, turn, began, against))
 
 
 def _in_turn(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
@@ -160,16 +163,33 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
 
 
 def _try_out(
-    attempt: choice.Attempt, asked: Sequence[str], passes: int, turn: float, began: float
+    attempt: choice.Attempt,
+    asked: Sequence[str],
+    passes: int,
+    turn: float,
+    began: float,
+    against: Against | None,
 ) -> tuple[Trial, Record | None]:
     """The first passes of a case, computed in one way: their step is proven if they are all of the record."""
     whole = attempt.case.model_copy(update={"until": None})  # which may end before so many passes
     setup = set_up(whole, attempt.part)
-    raw = integrate(setup, most=trial.last_pass(setup, passes))
+    look = None if against is None else _look(setup, asked, turn, against)
+    raw = integrate(setup, most=trial.last_pass(setup, min(passes, trial.most_passes(whole))), look=look)
+    if look is not None and raw.repetition.computed == look.passes:
+        passes = trial.LOOK_TURNS * raw.Z
     found = trial.of_passes(setup, raw, asked, passes, turn)
     if not found.repeats or setup.case.step_check in ("strict", False) or attempt.case.until is not None:
         return found, None
     return found, _record(setup, raw, _checked_step(setup, raw), began)
+
+
+def _look(setup: Setup, asked: Sequence[str], turn: float, against: Against) -> Look:
+    """Return the look at a trial after two turns of the cage, at which it ends if it is far off."""
+    passes = trial.LOOK_TURNS * setup.model.bearing.Z
+    return Look(
+        trial.last_pass(setup, passes),
+        lambda raw: against.is_far(trial.of_passes(setup, raw, asked, passes, turn)),
+    )
 
 
 def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) -> Record:

@@ -6,7 +6,7 @@ nothing of a turn's own rhythm through). How far two models are apart scatters b
 chaotic, and hardly at all if it is not.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, pi
 from typing import Any
@@ -29,6 +29,12 @@ MIN_PASSES, TURNS = 16, 4
 """Ball passes, and turns of every pit through the load zone, that are compared at least."""
 MOST_PART = 0.5
 """Of a record, the most that is compared: more would cost as much as the run that it may save."""
+CAGE_TURNS = 5
+"""Turns of a free cage that are compared at least. Its passes are correlated over tens of them: 16 know a line to
+0.9 %, 64 to 0.3 % (100 N, 3000 rpm)."""
+LOOK_TURNS = 2
+"""Turns of the cage after which a trial ends that is far off already."""
+SPARE = 1e-9  # s: of rounding, where a duration is to hold a number of passes
 MAIN_LOBE, NEAR = 2.0, 4.0
 """Over the length of Hann's window: from where on it is zero in places; from where on it lets through under 0.6 %.
 Lines nearer than that to each other are told apart by solving for both."""
@@ -68,11 +74,53 @@ class Trial:
         return all(name in self.lines or name in self.powers for name in asked if name != LARGEST_FORCE)
 
 
-def passes_to_try(case: Case) -> int:
-    """Ball passes of a case by which its model is judged; 0 if its record holds none."""
+@dataclass(frozen=True)
+class Against:
+    """What a trial is compared with as it goes on.
+
+    values: of lines and RMS (SI), by feature; most: the differences (SI) beyond which it need not go on.
+    """
+
+    values: Mapping[str, float]
+    most: Mapping[str, float]
+
+    def is_far(self, trial: "Trial") -> bool:
+        """Return whether a trial differs by more in any of them."""
+        own = {name: float(abs(parts[0])) for name, parts in trial.lines.items()}
+        own |= {name: float(np.sqrt(parts[0])) for name, parts in trial.powers.items()}
+        return any(abs(own[name] - value) > self.most[name] for name, value in self.values.items() if name in own)
+
+
+def passes_to_try(case: Case, loose: bool = False) -> int:
+    """Ball passes of a case by which its model is judged; 0 if its record holds none.
+
+    loose: whether that is done beside a free cage, which takes turns of the cage, though the record hold fewer.
+    """
     rate = case.bearing.ball_pass_frequency(case.speed)
     wanted = max(MIN_PASSES, ceil(TURNS * pit_turn(case) * rate), ceil(PILOT_PART * case.duration * rate))
-    return min(wanted, max(int(MOST_PART * case.duration * rate), 1))
+    return max(min(wanted, most_passes(case)), loose * CAGE_TURNS * case.bearing.rollers)
+
+
+def most_passes(case: Case) -> int:
+    """Return the ball passes of a case that are computed for a trial at most, if its motion does not repeat."""
+    return max(int(MOST_PART * case.duration * case.bearing.ball_pass_frequency(case.speed)), 1)
+
+
+def cage_turn(case: Case) -> float:
+    """Return the time (s) in which the cage turns through the load zone once."""
+    return case.bearing.rollers / case.bearing.ball_pass_frequency(case.speed)
+
+
+def tells_friction(case: Case) -> bool:
+    """Return whether the record of a case holds the turns of a free cage that tell what friction does."""
+    return case.duration >= CAGE_TURNS * cage_turn(case)
+
+
+def long_enough(case: Case) -> Case:
+    """Return a case whose record is so long that its trial may hold the turns of a free cage."""
+    return case.model_copy(
+        update={"duration": max(case.duration, CAGE_TURNS * cage_turn(case) / MOST_PART + SPARE)}
+    )
 
 
 def pit_turn(case: Case) -> float:
@@ -88,8 +136,12 @@ def last_pass(setup: Setup, passes: int) -> int:
 
 
 def of_passes(setup: Setup, raw: RawRecord, asked: Sequence[str], passes: int, turn: float) -> Trial:
-    """What is asked of the first ``passes`` of a run after settling; ``turn``: of the slowest pit (s), or 0."""
+    """What is asked of the first ``passes`` of a run after settling; ``turn``: of the slowest pit (s), or 0.
+
+    Of a motion that does not repeat itself at most ``most_passes``.
+    """
     case, cut = setup.case, setup.cut
+    passes = passes if raw.repetition.period > 0 else min(passes, most_passes(case))
     start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
     fine = raw.read(start, length, features.of_base(case))
     rows = low_passed(setup, raw, start, length) if case.antialias else fine

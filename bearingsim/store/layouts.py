@@ -66,6 +66,7 @@ class Chosen(Layout):
     why: str
     error: dict[Name, float]
     nodes: dict[Name, float | None] = {}
+    friction: dict[Name, float | None] = {}
 
 
 class Curve(Layout):
@@ -128,6 +129,8 @@ class Choice(Layout):
     why: str
     error: dict[Name, float]
     nodes: dict[Name, float | None] = {}
+    friction: dict[Name, float | None] = {}
+    inferred: bool = False
     plan: str = ""
 
 

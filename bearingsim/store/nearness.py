@@ -20,7 +20,7 @@ __all__ = ["PARTS", "Audited", "audited", "nearness", "withdrawn"]
 STEP_OF = {"rms": "rms", "max": "force"}  # by the ending of a feature: all others are lines
 OF_RECORD = dict.fromkeys(("acceleration.rms", "displacement.rms"), "record")
 """Of all that is recorded the largest change: these change otherwise than the RMS of the velocity."""
-PARTS = ("error.model", "error.nodes", "error.step", "error.scatter")
+PARTS = ("error.model", "error.friction", "error.nodes", "error.step", "error.scatter")
 """Columns whose sum is ``error``."""
 STANDARD_ERRORS = 2.0
 
@@ -93,7 +93,7 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
     relative = _step_errors(frame, plain)
     step = relative.fillna(0.0) * frame[f"features/{plain}"].abs() / size
     scatter = standard_error(frame, plain).where(~scatters_unknown(frame, plain), inf) / size
-    of_trials = {"error.model": tried("error"), "error.nodes": tried("nodes")}
+    of_trials = {"error.model": tried("error"), "error.friction": tried("friction"), "error.nodes": tried("nodes")}
     parts = pd.DataFrame(of_trials | {"error.step": step, "error.scatter": scatter})
     return parts.where(frame["status"] == "done")
 

@@ -9,9 +9,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from bearingsim.catalogue import AUTO, MODELS
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
-from bearingsim.config.rules.hierarchy import speaks_of_slip
+from bearingsim.config.rules.hierarchy import leaves_friction_open, speaks_of_slip
 from bearingsim.study.design import Design, Drawn
-from bearingsim.study.uncertainty import NO_SLIP, RIGID, USUAL, Uncertain, assumes_rigid_ring, sampled, variations
+from bearingsim.study.uncertainty import (
+    NO_OIL,
+    NO_SLIP,
+    RIGID,
+    USUAL,
+    Uncertain,
+    assumes_rigid_ring,
+    sampled,
+    variations,
+)
 from bearingsim.study.used import extensions, json_text, used
 
 if TYPE_CHECKING:
@@ -86,13 +95,15 @@ class Audit:
 class Chosen(NamedTuple):
     """A model that was chosen for a case, why, and its errors, relative, by feature.
 
-    error: against the reference; nodes: of nodes along defects, slices and harmonics, None where it is unknown.
+    error: against the reference; nodes: of nodes along defects, slices and harmonics; friction: of friction, if it
+    is left out; both None where they are unknown.
     """
 
     model: str
     why: str
     error: dict[str, float]
     nodes: dict[str, float | None]
+    friction: dict[str, float | None]
 
 
 @dataclass(frozen=True)
@@ -175,11 +186,18 @@ class Study:
         from bearingsim.study.ranges import beyond, unheld  # imports the core, which takes a second
 
         drawn = [name for figure in self.figures for name in figure.y]
-        slips = self.goal is None or any(speaks_of_slip(case) for case in self.cases())
         rigid = assumes_rigid_ring(self.cases(), drawn, self.uncertainty)
         cases = self.cases()
         named = unheld(cases) if self.goal is None else ()
-        return (RIGID,) * rigid + (NO_SLIP,) * (not slips) + (*named, *beyond(cases, drawn))
+        return (RIGID,) * rigid + self._of_slip() + (*named, *beyond(cases, drawn))
+
+    def _of_slip(self) -> tuple[str, ...]:
+        """Return what a study that names an accuracy assumes of friction and oil, in words."""
+        if self.goal is None or any(case.drag is not None for case in self.cases()):
+            return ()
+        tried = self.selection is not None and any(one.friction for one in self.selection.jobs.values())
+        rubs = tried or any(speaks_of_slip(case) or leaves_friction_open(case) for case in self.cases())
+        return (NO_OIL,) if rubs else (NO_SLIP,)
 
     def variations(self) -> list[Variation]:
         """What is varied of the cases: of all by `uncertainty`; of a few if the study does not speak of it.

@@ -260,6 +260,7 @@ def variations(case: Case, uncertain: Sequence[Uncertain]) -> list[tuple[str, fl
 
 RIGID = "rigid ring assumed (docs/ring.md: bending moves lines by factors)"
 NO_SLIP = "no slip assumed: cage and rollers roll (docs/accuracy.md: oil moves lines by percents, an RMS by more)"
+NO_OIL = "no oil drag assumed: friction is dry (docs/accuracy.md: oil moves lines by percents, an RMS by more)"
 _OF_RING = ("ring.", "displacement", "velocity", "acceleration")
 
 

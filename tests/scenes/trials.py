@@ -41,6 +41,7 @@ bearing: nf308
 speed: 6000 rpm
 defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 50 um}
 duration: 0.2 s
+friction: none
 """
 TEXT = f"""\
 {HEAD}accuracy: 5 %

@@ -411,7 +411,7 @@ def test_what_was_chosen_is_told_by_job(write: Write) -> None:
     assert found is not None
     study = with_choice(near(write), "ring")
     ids = [case_id(case) for case in study.cases()]
-    assert found.jobs == {name: ("ring", "told", {"velocity@BPFO": 0.02}, {}) for name in ids}
+    assert found.jobs == {name: ("ring", "told", {"velocity@BPFO": 0.02}, {}, {}) for name in ids}
     assert found.curves == (("velocity@BPFO", tuple(ids)),)
 
 

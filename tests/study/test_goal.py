@@ -7,7 +7,7 @@ import pytest
 
 from bearingsim.study import Problem, StudyError, load_study
 from bearingsim.study.goal import Goal
-from bearingsim.study.uncertainty import NO_SLIP
+from bearingsim.study.uncertainty import NO_OIL, NO_SLIP
 from tests.scenes.study_text import BASE, Write
 
 FIGURE = "figures: [{y: [velocity@BPFO, seconds, velocity.rms], x: load}, {y: velocity@BPFO, x: load}]\n"
@@ -241,13 +241,14 @@ def test_what_no_model_knows_in_full_has_no_reference(write: Write) -> None:
 @pytest.mark.parametrize(
     ("said", "assumed"),
     [
-        ("accuracy: {within: 2 %, of: [velocity.rms]}\n", True),
-        ("accuracy: {within: 2 %, of: [velocity.rms]}\ncage: {pocket_clearance: 0.1 mm}\n", False),
-        ("accuracy: {within: 2 %, of: [velocity.rms]}\ndrag: {oil_fraction: 0.1}\n", False),
-        ("accuracy: {within: 2 %, of: [velocity.rms]}\nrecord: [cage.slip]\n", False),
-        ("model: rollers\n", False),
+        ("accuracy: {within: 2 %, of: [velocity.rms]}\n", (NO_OIL,)),
+        ("accuracy: {within: 2 %, of: [velocity.rms]}\nfriction: none\n", (NO_SLIP,)),
+        ("accuracy: {within: 2 %, of: [velocity.rms]}\ncage: {pocket_clearance: 0.1 mm}\n", (NO_OIL,)),
+        ("accuracy: {within: 2 %, of: [velocity.rms]}\ndrag: {oil_fraction: 0.1}\n", ()),
+        ("accuracy: {within: 2 %, of: [velocity.rms]}\nrecord: [cage.slip]\n", (NO_OIL,)),
+        ("model: rollers\n", ()),
     ],
 )
-def test_a_reference_without_slip_is_told(write: Write, said: str, assumed: bool) -> None:
+def test_what_a_reference_leaves_out_is_told(write: Write, said: str, assumed: tuple[str, ...]) -> None:
     text = "study: a\nbearing: nf308\nspeed: 1800 rpm\nload: 150 N\nrig: {ring: {bends: false}}\n"
-    assert load_study(write(text + said)).assumptions == (NO_SLIP,) * assumed
+    assert load_study(write(text + said)).assumptions == assumed

@@ -76,6 +76,12 @@ def speaks_of_slip(case: "CaseFields") -> bool:
     return said or any(_RECORDED.get(plain(name), ("", ""))[0] in slips for name in case.record)
 
 
+def leaves_friction_open(case: "CaseFields") -> bool:
+    """Return whether a case says nothing of what slips, and not `friction: none`, though its model knows of it."""
+    slips = catalogue.MODELS[case.model].slips
+    return slips and not speaks_of_slip(case) and "friction" not in case.model_fields_set
+
+
 def unmet_needs(case: "CaseFields") -> list[Need]:
     """The firm needs that the case's own model cannot meet."""
     return [

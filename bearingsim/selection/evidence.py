@@ -1,0 +1,83 @@
+"""What trials tell of the cases of a study: values, and how far one case is from another that stands for it."""
+
+from collections.abc import Sequence
+from math import inf, nan
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingsim.config import Case
+from bearingsim.selection.candidates import reference
+from bearingsim.selection.curves import Curve, scales
+from bearingsim.selection.judge import Value, error, value
+from bearingsim.selection.trials import Known, trials_of
+from bearingsim.study import Study
+
+
+class Recut(NamedTuple):
+    """A case, its like with other nodes, and how many times what these change the error of its own is at most."""
+
+    case: Case
+    recut: Case
+    times: float
+
+
+class Evidence:
+    """What trials tell of the cases of a study: how far a candidate is off, over what errors count over."""
+
+    def __init__(self, study: Study, drawn: Sequence[Curve], known: Known) -> None:
+        self.study, self.known = study, known
+        assert self.study.goal is not None
+        self.of_reference = [self._values(n, reference(case)) for n, case in enumerate(self.study.cases())]
+        self.sizes = {
+            feature: scales(feature, [of[feature].value if of else nan for of in self.of_reference], drawn)
+            for feature in self.study.goal.of
+        }
+
+    def errors(self, n: int, case: Case) -> dict[str, float]:
+        """What a case that stands for number ``n`` is surely no further off, by feature; nothing if it failed."""
+        own, other = self._values(n, case), self.of_reference[n]
+        if not own or not other:
+            return {}
+        return {name: _relative(error(own[name], other[name]), self.sizes[name][n]) for name in own}
+
+    def turns(self, n: int) -> int:
+        """Return the turns that the trial of the reference of number ``n`` holds, 0 if it failed."""
+        trial = self.known.get(trials_of(self.study, n, reference(self.study.cases()[n]))[0].id)
+        return 0 if trial is None else trial.turns
+
+    def of_nodes(self, n: int, other: Recut) -> dict[str, float | None]:
+        """Return the error of the discretisation of a case for number ``n``, by feature; None where it is unknown.
+
+        Of motions that repeat themselves one period is all: nothing scatters.
+        """
+        assert self.study.goal is not None
+        own, off = self._values(n, other.case), self._values(n, other.recut, other.case)
+        if not own or not off:
+            return dict.fromkeys(self.study.goal.of)
+        trials = [self.known[trials_of(self.study, n, case)[0].id] for case in (other.case, other.recut)]
+        exact = all(trial is not None and trial.repeats for trial in trials)
+        errors = {
+            name: abs(own[name].value - off[name].value) if exact else error(own[name], off[name]) for name in own
+        }
+        found = {name: other.times * _relative(of, self.sizes[name][n]) for name, of in errors.items()}
+        return {name: of if of < inf else None for name, of in found.items()}
+
+    def _values(self, n: int, case: Case, beside: Case | None = None) -> dict[str, Value]:
+        """What is asked of a case, as its trial (and its twin's) has it; nothing of one that failed.
+
+        beside: a case whose twin counts instead.
+        """
+        assert self.study.goal is not None
+        twins = trials_of(self.study, n, beside or case)[1:]
+        trials = [self.known.get(one.id) for one in (trials_of(self.study, n, case)[0], *twins)]
+        own, twin = trials[0], trials[-1] if len(trials) > 1 else None
+        if own is None or None in trials or (twin is not None and twin.turns != own.turns):
+            return {}
+        return {feature: value(feature, own, twin) for feature in self.study.goal.of}
+
+
+def _relative(error: float, size: float) -> float:
+    """An error over what it counts over; infinite if nobody knows."""
+    found = error / (size or 1.0)
+    return found if np.isfinite(found) else inf

@@ -1,0 +1,235 @@
+"""Does an accuracy hold against the friction that a case would have, and what does that cost?
+
+    python -m benchmarks.friction [--light 60] [--loaded 20] [--seed N] [--csv docs/data/friction.csv] [--out DIR]
+
+A scene is a study of one case that asks 2 % of the fault's line, the RMS and the largest force, and says nothing
+of friction. Its result is compared with `planar` as it is by default, with a free cage and dry friction, 1 s of it
+(3 s where that is chaotic). Light scenes have 15 to 300 N, loaded ones 500 to 5000 N; of the loaded those count in
+which friction changes nothing by 0.5 %. Kept is what is off by no more than 2 % and two standard errors. The CPU
+time of the trials and of the job is put over that of `planar`; compiling is left out. Each is asked with
+`friction: none`, too, and compared with the reference without. The seed is made of the commit. What is in OUT
+is not computed again. Exit code 1 if under 95 % are kept, or it costs too much.
+"""
+
+import argparse
+import csv
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from math import hypot
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from bearingsim import selection
+from bearingsim.config import Case
+from bearingsim.config.names import FAULT_LINES
+from bearingsim.selection.candidates import reference, with_friction
+from bearingsim.selection.choices import key
+from bearingsim.simulation import SimulationError, simulate, try_out, warm
+from bearingsim.simulation.simulate import Record
+from bearingsim.simulation.trial import Trial
+from bearingsim.study import Study, case_id, load_study
+from benchmarks.promise import standard_error
+
+WITHIN, MOVED = 0.02, 0.005
+SHARE, LIGHT_COST, LOADED_COST = 0.95, 1.3, 0.5
+LOADS = {"light": (15.0, 300.0), "loaded": (500.0, 5000.0)}
+LONG = 3.0  # s of a chaotic motion
+STANDARD_ERRORS = 2.0
+MOST_LOADED = 2  # times as many loaded scenes are drawn at most as count
+KINDS = ("line", "rms", "force")
+
+
+def seed_of_commit() -> int:
+    """Return a number made of the commit's first digits."""
+    said = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=True).stdout
+    return int(said[:6], 16)
+
+
+def draw(kind: str, number: int, seed: int) -> dict[str, Any]:
+    """Return a scene as a study's YAML."""
+    chance = np.random.default_rng([seed, len(kind), number])
+    load, rpm = (float(np.exp(chance.uniform(*np.log(ends)))) for ends in (LOADS[kind], (600.0, 6000.0)))
+    width = float(chance.uniform(0.2, 1.5))
+    race = str(chance.choice(["outer", "outer", "inner"]))
+    defect = {
+        "race": race,
+        "shape": str(chance.choice(["rectangular", "triangular", "circular"])),
+        "length": f"{float(chance.uniform(max(width, 2.0), 12.0)):.6g} mm",
+        "width": f"{width:.6g} mm",
+        "depth": f"{float(np.exp(chance.uniform(*np.log((5.0, 100.0))))):.6g} um",
+        "angle": f"{float(chance.uniform(-20.0, 20.0)):.6g} deg",
+    }
+    return {
+        "study": f"{kind}-{number}",
+        "bearing": "nf308",
+        "rig": {"ring": {"bends": False}},
+        "speed": f"{rpm:.6g} rpm",
+        "load": f"{load:.6g} N",
+        "clearance": f"{float(chance.choice([0.0, chance.uniform(0.0, 15.0)])):.6g} um",
+        "defect": defect,
+        "duration": "1 s",
+        "record": [],
+        "accuracy": {
+            "within": f"{WITHIN:.0%}",
+            "of": [f"velocity@{FAULT_LINES[race]}", "velocity.rms", "outer_force.max"],
+        },
+    }
+
+
+def study_of(scene: dict[str, Any]) -> Study:
+    """Return a scene as a study."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scene.yaml"
+        path.write_text(yaml.safe_dump(scene))
+        return load_study(path)
+
+
+class Asked:
+    """A study of one case, its model chosen as a run does: choice, features, CPU time (s) of trials and job."""
+
+    def __init__(self, study: Study, done: dict[str, tuple[Record, float]]) -> None:
+        """done: records that have been computed, and what they took, by the id of their case."""
+        choosing, known = selection.Choosing(study, [0]), dict[str, Trial | None]()
+        self.cpu_s = 0.0
+        while wanted := choosing.wanted(known):
+            warm([one.case for one in wanted])
+            for one in wanted:
+                began = time.process_time()
+                try:
+                    known[one.id], record = try_out(one.case, one.asked, one.passes, one.turn, *one.against)
+                except SimulationError:
+                    known[one.id], record = None, None
+                took = time.process_time() - began
+                self.cpu_s += took
+                if record is not None:
+                    done[case_id(one.case)] = record, 0.0
+        choices = choosing.decide(known).choices
+        self.choice = choices[key(study, study.cases()[0])]
+        self.features, took = computed(selection.chosen(study, choices).cases()[0], done)
+        self.cpu_s += took
+
+
+def computed(case: Case, done: dict[str, tuple[Record, float]]) -> tuple[dict[str, float], float]:
+    """Return the features of a case, and the CPU time (s) that it takes beyond its trial."""
+    if case_id(case) not in done:
+        warm([case])
+        began = time.process_time()
+        done[case_id(case)] = simulate(case), time.process_time() - began
+    record, took = done[case_id(case)]
+    return dict(record.features), took
+
+
+def measured(kind: str, number: int, seed: int) -> dict[str, Any]:
+    """Compute a scene in each way, and compare."""
+    scene = draw(kind, number, seed)
+    open_study, none = study_of(scene), study_of(scene | {"friction": "none"})
+    case = with_friction(open_study.cases()[0])
+    assert case is not None
+    done: dict[str, tuple[Record, float]] = {}
+    always, always_s = computed(case, done)
+    asked = Asked(open_study, done)
+    long = case.model_copy(update={"duration": LONG})
+    truth = computed(long, done)[0] if always["chaotic"] == 1.0 else always
+    without = Asked(none, done)
+    plain = computed(reference(none.cases()[0]), done)[0]
+    row: dict[str, Any] = {"kind": kind, "scene": number, "chaotic": always["chaotic"]}
+    row |= {name: scene[name] for name in ("load", "speed")} | {"race": scene["defect"]["race"]}
+    row |= {"taken": asked.choice.candidate, "cpu_s": asked.cpu_s, "always_s": always_s}
+    row |= {"none_taken": without.choice.candidate}
+    assert open_study.goal is not None
+    for what, name in zip(KINDS, open_study.goal.of, strict=True):
+        row[f"{what}_moved"] = abs(plain[name] / always[name] - 1.0)
+        row |= _off(what, name, asked.features, truth) | _off(f"none_{what}", name, without.features, plain)
+        row[f"{what}_said"] = asked.choice.friction.get(name, 0.0)
+    return row
+
+
+def _off(what: str, name: str, own: dict[str, float], right: dict[str, float]) -> dict[str, float]:
+    """Return how far off a feature is, and two standard errors of both, over the right value."""
+    size = abs(right[name]) or 1.0
+    beside = STANDARD_ERRORS * hypot(*(standard_error(name, one) / size for one in (own, right)))
+    return {f"{what}_off": abs(own[name] - right[name]) / size, f"{what}_scatter": beside}
+
+
+def kept(row: dict[str, Any], of: str = "") -> bool:
+    """Return whether all features of a scene are as close as was asked."""
+    return all(row[f"{of}{what}_off"] <= WITHIN + row[f"{of}{what}_scatter"] for what in KINDS)
+
+
+def rows_of(kind: str, count: int, seed: int, out: Path) -> list[dict[str, Any]]:
+    """Return the first scenes that count, computing those that are missing."""
+    rows: list[dict[str, Any]] = []
+    for number in range(count if kind == "light" else MOST_LOADED * count):
+        path = out / f"{seed}-{kind}-{number}.json"
+        if not path.exists():
+            try:
+                found = measured(kind, number, seed)
+            except SimulationError as error:
+                found = {"refused": str(error)[:200]}
+            path.write_text(json.dumps(found))
+        row = json.loads(path.read_text())
+        if "refused" in row:
+            print(f"left out: {kind} {number}: {row['refused']}", flush=True)
+        elif kind == "light" or all(row[f"{what}_moved"] < MOVED for what in KINDS):
+            print(*(f"{name}={_short(value)}" for name, value in row.items()), flush=True)
+            rows.append(row)
+        if len(rows) == count:
+            break
+    return rows
+
+
+def report(kind: str, rows: list[dict[str, Any]], most: float) -> bool:
+    """Print how many scenes are kept, and what they cost; return whether that is enough."""
+    whole = [sum(row[name] for row in rows) for name in ("cpu_s", "always_s")]
+    cost, held, plain = whole[0] / whole[1], sum(map(kept, rows)), sum(kept(row, "none_") for row in rows)
+    taken = [row["taken"] for row in rows]
+    counts = ", ".join(f"{name} {taken.count(name)}" for name in dict.fromkeys(taken))
+    print(
+        f"{kind}: {held} of {len(rows)} kept, {plain} with `friction: none`;"
+        f" CPU time {cost:.2f} of planar's; {counts}"
+    )
+    for row in rows:
+        if not kept(row) or not kept(row, "none_"):
+            print("  miss:", *(f"{name}={_short(value)}" for name, value in row.items()))
+    return min(held, plain) >= SHARE * len(rows) and cost <= most
+
+
+def _short(value: Any) -> Any:
+    return f"{value:.3g}" if isinstance(value, float) else value
+
+
+def main() -> None:
+    """Compute what is missing, write the table, report."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--light", type=int, default=60)
+    parser.add_argument("--loaded", type=int, default=20)
+    parser.add_argument("--seed", type=int)
+    parser.add_argument("--out", type=Path, default=Path("results/friction"))
+    parser.add_argument("--csv", type=Path)
+    asked = parser.parse_args()
+    asked.out.mkdir(parents=True, exist_ok=True)
+    seed = seed_of_commit() if asked.seed is None else asked.seed
+    print(f"seed {seed}")
+    groups = {
+        kind: rows_of(kind, count, seed, asked.out)
+        for kind, count in (("light", asked.light), ("loaded", asked.loaded))
+    }
+    every = [row for rows in groups.values() for row in rows]
+    if asked.csv:
+        with asked.csv.open("w", newline="") as file:
+            writer = csv.DictWriter(file, every[0], lineterminator="\n")
+            writer.writeheader()
+            writer.writerows({name: _short(value) for name, value in row.items()} for row in every)
+    most = {"light": LIGHT_COST, "loaded": LOADED_COST}
+    enough = [report(kind, rows, most[kind]) for kind, rows in groups.items() if rows]
+    sys.exit(int(not all(enough)))
+
+
+if __name__ == "__main__":
+    main()

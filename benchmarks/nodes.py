@@ -1,0 +1,114 @@
+"""Is the error of the discretisation within what is said? Bowls and spalls, against four times the nodes.
+
+    python -m benchmarks.nodes [--count 20] [--seed 1] [--csv docs/data/nodes.csv] [--out results/nodes]
+
+A scene is a study of one case that asks 2 % of the line at BPFO, the RMS of velocity and acceleration, and the
+largest force. Its result is compared with the same case at four times the nodes along the defect, and with the
+table's `error`. What is in OUT is not computed again. Exit code 1 if under 95 % are within their error.
+"""
+
+import argparse
+import csv
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from bearingsim import runner, store
+from bearingsim.simulation import SimulationError, simulate
+from bearingsim.study import load_study
+
+TIMES = 4
+SHARE = 0.95
+FEATURES = ("velocity@BPFO", "velocity.rms", "outer_force.max", "acceleration.rms")
+SHAPES = ("circular", "elliptical", "spall")
+
+
+def draw(number: int, seed: int) -> dict[str, Any]:
+    """Return a scene as a study's YAML."""
+    chance = np.random.default_rng([seed, number])
+    width = float(chance.uniform(0.2, 1.5))
+    load, rpm = (float(np.exp(chance.uniform(*np.log(ends)))) for ends in ((50.0, 1000.0), (600.0, 4000.0)))
+    return {
+        "study": f"nodes-{number}",
+        "bearing": "nf308",
+        "rig": {"ring": {"bends": False}},
+        "speed": f"{rpm:.6g} rpm",
+        "load": f"{load:.6g} N",
+        "clearance": f"{float(chance.uniform(0.0, 10.0)):.6g} um",
+        "defect": {
+            "shape": SHAPES[number % len(SHAPES)],
+            "length": f"{float(chance.uniform(width, 10.0)):.6g} mm",
+            "width": f"{width:.6g} mm",
+            "depth": f"{float(np.exp(chance.uniform(*np.log((5.0, 300.0))))):.6g} um",
+            "angle": f"{float(chance.uniform(-20.0, 20.0)):.6g} deg",
+        },
+        "friction": "none",
+        "duration": "0.5 s",
+        "record": [],
+        "accuracy": {"within": "2 %", "of": list(FEATURES)},
+    }
+
+
+def measured(number: int, seed: int, out: Path) -> list[dict[str, Any]]:
+    """Compute a scene, and again with more nodes: a row for each feature."""
+    folder = out / f"{seed}-{number}"
+    folder.mkdir(parents=True, exist_ok=True)
+    told = draw(number, seed)
+    (folder / "scene.yaml").write_text(yaml.safe_dump(told))
+    study = load_study(folder / "scene.yaml")
+    runner.run(study, folder / "results", jobs=1, progress=False)
+    results = store.open_results(folder / "results")
+    row = results.table().iloc[0]
+    chosen = runner.with_models(study, folder / "results", 1, False).cases()[0]
+    more = {"length_nodes": TIMES * chosen.contact.length_nodes}
+    fine = simulate(chosen.model_copy(update={"contact": chosen.contact.model_copy(update=more)})).features
+    about = {"scene": number, "shape": told["defect"]["shape"], "model": row["model"], "chaotic": row["chaotic"]}
+    return [
+        about
+        | {"feature": name, "off": abs(row[name] / fine[name] - 1.0), "error": float(row["error"])}
+        | {part: float(row[part]) for part in ("error.model", "error.nodes", "error.step", "error.scatter")}
+        for name in FEATURES
+    ]
+
+
+def main() -> None:
+    """Measure the scenes that are missing, write the table, and report."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--out", type=Path, default=Path("results/nodes"))
+    parser.add_argument("--csv", type=Path)
+    asked = parser.parse_args()
+    rows: list[dict[str, Any]] = []
+    for number in range(asked.count):
+        kept = asked.out / f"{asked.seed}-{number}.json"
+        if not kept.exists():
+            try:
+                kept.parent.mkdir(parents=True, exist_ok=True)
+                kept.write_text(json.dumps(measured(number, asked.seed, asked.out)))
+            except SimulationError as error:
+                print(f"left out: scene {number}: {error}", flush=True)
+                continue
+        rows += json.loads(kept.read_text())
+        print(*(f"{key}={value}" for key, value in rows[-1].items()), flush=True)
+    within = [row["off"] <= row["error"] for row in rows]
+    if asked.csv:
+        with asked.csv.open("w", newline="") as file:
+            writer = csv.DictWriter(file, rows[0], lineterminator="\n")
+            writer.writeheader()
+            shown = ({k: f"{v:.3g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows)
+            writer.writerows(shown)
+    for row, one in zip(rows, within, strict=True):
+        if not one:
+            print(f"miss: scene {row['scene']} {row['feature']}: {row['off']:.2%} off, {row['error']:.2%} said")
+    unsaid = sum(row["error"] != row["error"] for row in rows)
+    print(f"{sum(within)} of {len(rows)} within their error ({unsaid} have none)")
+    sys.exit(int(sum(within) < SHARE * len(rows)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,192 @@
+"""Friction that a case leaves open: tried where it may change most, and computed where it changes much."""
+
+from collections.abc import Mapping
+
+import pytest
+
+from bearingsim import selection
+from bearingsim.config import Case
+from bearingsim.selection import Choice, Trialled, candidates
+from bearingsim.selection.candidates import WITH_FRICTION
+from bearingsim.selection.choices import key
+from bearingsim.simulation import try_out
+from bearingsim.simulation.trial import CAGE_TURNS, LOOK_TURNS, Against, Trial, long_enough, passes_to_try
+from bearingsim.study import Study, case_id, load_study
+from tests.scenes.study_text import Write
+from tests.scenes.trials import TEXT, Of, known, near, trial
+
+OPEN = TEXT.replace("friction: none\n", "")
+LOADS = "150 N, 300 N, 450 N"
+LINE = "velocity@BPFO"
+OFF = {"planar": 1.0, "rollers": 1.01, "ring": 1.5, "static": 2.0}
+
+
+def is_free(case: Case) -> bool:
+    return case.cage is not None and case.cage.motion == "free"
+
+
+def by_friction(change: float, off: Mapping[str, float] = OFF, repeats: bool = False) -> Of:
+    """Trials whose features are the load, times what a model makes of it, and what friction changes."""
+
+    def of(one: Trialled) -> Trial:
+        free = is_free(one.case)
+        size = one.case.load * off[one.case.model] * (1.0 + change * free)
+        return trial(size, names=one.asked, repeats=repeats and not free)
+
+    return of
+
+
+def decided(study: Study, of: Of) -> list[Choice]:
+    numbers = range(len(study.cases()))
+    found = selection.Choosing(study, numbers).decide(known(study, of)).choices
+    return [found[key(study, case)] for case in study.cases()]
+
+
+@pytest.mark.parametrize("repeats", [False, True])
+def test_friction_that_changes_little_is_an_error(write: Write, repeats: bool) -> None:
+    found = decided(near(write, OPEN), by_friction(0.002, repeats=repeats))
+    assert [one.candidate for one in found] == ["reference" if repeats else "rollers"] * 3
+    told = [one.friction[LINE] for one in found]
+    assert told == pytest.approx([0.002 * load / 450.0 for load in (150.0, 450.0, 450.0)], rel=1e-6)
+    assert [one.inferred for one in found] == [False, True, False]  # that between the ends of the curve
+
+
+@pytest.mark.parametrize("repeats", [False, True])
+def test_friction_that_changes_much_is_computed(write: Write, repeats: bool) -> None:
+    """On all of the curve: as `planar` has it by default."""
+    study = near(write, OPEN)
+    of = by_friction(0.045, repeats=repeats)
+    found = decided(study, of)
+    assert [one.candidate for one in found] == [WITH_FRICTION] * 3
+    assert found[0].why == "friction changes velocity@BPFO by up to 4.5 % on its curve: over 4 %"
+    assert [one.friction for one in found] == [{}] * 3
+    done = selection.chosen(study, selection.Choosing(study, range(3)).decide(known(study, of)).choices)
+    named = OPEN.replace("accuracy: 5 %", "model: planar")
+    assert [case_id(case) for case in done.cases()] == [case_id(case) for case in load_study(write(named)).cases()]
+    assert done.selection is not None
+    assert done.selection.audits == ()
+
+
+def test_model_and_friction_share_what_is_asked(write: Write) -> None:
+    """4 % of 5 %: neither is over that alone. With friction the last resort costs no more than without."""
+    alone = decided(near(write, OPEN), by_friction(0.001, OFF | {"rollers": 1.03}))
+    both = decided(near(write, OPEN), by_friction(0.02, OFF | {"rollers": 1.03}))
+    assert [one.candidate for one in alone] == ["rollers"] * 3
+    assert [one.candidate for one in both] == [WITH_FRICTION] * 3
+
+
+@pytest.mark.parametrize("said", ["friction: none", "cage: {pocket_clearance: 0.1 mm}", "friction: traction"])
+def test_who_speaks_of_it_has_what_is_said(write: Write, said: str) -> None:
+    study = near(write, f"{OPEN}{said}\n")
+    assert candidates.with_friction(study.cases()[0]) is None
+    found = decided(study, by_friction(9.0, OFF))
+    assert WITH_FRICTION not in [one.candidate for one in found]
+    assert [one.friction for one in found] == [{}] * 3
+
+
+def test_a_choice_with_friction_left_open_is_another(write: Write) -> None:
+    named, left = near(write), near(write, OPEN)
+    assert case_id(named.cases()[0]) == case_id(left.cases()[0])
+    assert key(named, named.cases()[0]) != key(left, left.cases()[0])
+
+
+def test_it_is_tried_at_the_ends_of_a_curve_and_where_it_is_largest(write: Write) -> None:
+    """The others are taken to change by no more; their audits have friction."""
+    study = near(write, OPEN.replace(LOADS, "150 N, 800 N, 200 N, 300 N, 450 N"))
+    tried: set[float] = set()
+
+    def of(one: Trialled) -> Trial | None:
+        if is_free(one.case):
+            tried.add(one.case.load)
+        return by_friction(0.01 * one.case.load / 800.0, repeats=True)(one)
+
+    found = decided(study, of)
+    assert tried == {150.0, 450.0, 800.0}
+    assert [one.inferred for one in found] == [False, False, True, True, False]
+    largest = found[1].friction[LINE]
+    assert [one.friction[LINE] for one in found[2:4]] == [largest, largest]
+    choices = selection.Choosing(study, range(5)).decide(known(study, of)).choices
+    done = selection.chosen(study, choices)
+    assert done.selection is not None
+    ids = [case_id(case) for case in done.cases()]
+    assert {one.of for one in done.selection.audits} == {ids[2], ids[3]}
+    assert all(is_free(one.job.case) for one in done.selection.audits)
+
+
+def test_each_curve_is_judged_by_itself(write: Write) -> None:
+    text = OPEN.replace("sweep: {", "sweep: {defect.width: [0.4 mm, 0.8 mm], ").replace(
+        "x: load", "x: load, by: defect.width"
+    )
+    study = near(write, text)
+
+    def of(one: Trialled) -> Trial | None:
+        wide = bool(one.case.defects) and one.case.defects[0].width > 5e-4
+        return by_friction(0.1 if wide else 0.0)(one)
+
+    assert [one.candidate for one in decided(study, of)] == ["rollers"] * 3 + [WITH_FRICTION] * 3
+
+
+def test_what_friction_does_is_unknown_where_its_trial_fails(write: Write) -> None:
+    of = by_friction(0.0, repeats=True)
+    found = decided(near(write, OPEN), lambda one: None if is_free(one.case) else of(one))
+    assert [one.candidate for one in found] == ["reference"] * 3
+    assert [one.friction for one in found] == [{LINE: None}] * 3
+
+
+def test_a_record_of_too_few_turns_of_the_cage_is_computed_with_friction(write: Write) -> None:
+    """Nothing is tried: that would cost more. 65 ball passes are 0.122 s."""
+    short = near(write, OPEN.replace("0.2 s", "0.12 s"))
+    assert known(short, by_friction(0.0)) == {}
+    assert [one.candidate for one in decided(short, by_friction(0.0))] == [WITH_FRICTION] * 3
+    long = near(write, OPEN.replace("0.2 s", "0.13 s"))
+    assert [one.candidate for one in decided(long, by_friction(0.0, repeats=True))] == ["reference"] * 3
+
+
+def test_too_few_turns_of_what_does_not_repeat_itself_are_not_compared(write: Write) -> None:
+    def of(one: Trialled) -> Trial:
+        assert not is_free(one.case)
+        return trial(one.case.load, CAGE_TURNS - 1, names=one.asked)
+
+    found = decided(near(write, OPEN), of)
+    assert [one.candidate for one in found] == [WITH_FRICTION] * 3
+    assert found[0].why.startswith("without friction it does not repeat itself")
+
+
+def test_trials_beside_a_free_cage_count_whole_turns_of_it(write: Write) -> None:
+    case = near(write, OPEN).cases()[0]
+    Z, rate = case.bearing.rollers, case.bearing.ball_pass_frequency(case.speed)
+    first = selection.Choosing(near(write, OPEN), [0]).wanted({})[0]
+    assert first.passes == passes_to_try(case, loose=True) == CAGE_TURNS * Z
+    assert first.turn == pytest.approx(Z / rate)
+    assert passes_to_try(case) < CAGE_TURNS * Z
+    assert long_enough(case).duration * rate / 2.0 >= CAGE_TURNS * Z
+    assert long_enough(long_enough(case)).duration == long_enough(case).duration
+
+
+# Computed
+
+SCENE = {
+    "bearing": "nf308",
+    "speed": "6000 rpm",
+    "load": "100 N",
+    "defect": {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "50 um"},
+    "model": "reference",
+    "record": [],
+}
+
+
+def test_a_trial_that_is_far_off_after_two_turns_of_the_cage_ends_there() -> None:
+    """A motion that repeats itself is read beyond its record."""
+    case = Case.model_validate(SCENE | {"duration": "0.1 s"})
+    free = candidates.with_friction(case)
+    assert free is not None
+    Z = case.bearing.rollers
+    passes, turn = CAGE_TURNS * Z, Z / case.bearing.ball_pass_frequency(case.speed)
+    plain, record = try_out(case, [LINE], passes, turn)
+    assert record is not None
+    assert (plain.passes, plain.turns, plain.repeats) == (passes, CAGE_TURNS, True)
+    size = float(abs(plain.lines[LINE][0]))
+    for most, turns in ((1e-6, LOOK_TURNS), (10.0, CAGE_TURNS)):
+        rubbing, _ = try_out(long_enough(free), [LINE], passes, turn, Against({LINE: size}, {LINE: most * size}))
+        assert (rubbing.turns, rubbing.passes, rubbing.repeats) == (turns, turns * Z, False)
+        assert rubbing.is_whole
