@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, floor, isfinite, nan, sqrt
 from typing import Any, TypeVar
 
@@ -152,10 +152,13 @@ def _all_failed(errors: list[SimulationError]) -> SimulationError:
 def _simulate(attempt: choice.Attempt, began: float) -> Record:
     """Compute one case in one way; ``began``: CPU time at the start, s."""
     case, part, patience = attempt
-    setup = set_up(case, part)
-    if may_repeat(case) and case.step_check != "strict":  # the run itself shows whether it does, and soon
-        raw = integrate(setup, patience=patience)
-        checks_step = _checked_step(setup, raw)
+    setup, periodic = set_up(case, part), case.model_copy(update={"periodic": True})
+    if may_repeat(periodic) and case.step_check != "strict":  # the run itself shows whether it does, and soon
+        until_periodic = replace(setup, case=periodic)
+        raw = integrate(until_periodic, patience=patience)
+        checks_step = _checked_step(until_periodic, raw)
+        if not case.periodic and raw.repetition.period > 0:
+            raw = integrate(setup)  # at the step that has been checked on its period
     else:
         checks_step = _checked_step(setup)
         raw = integrate(setup)
@@ -327,7 +330,8 @@ def _of_start(setup: Setup, raw: RawRecord, chaotic: bool) -> dict[str, float]:
     """What the record remembers of the run's start, relative."""
     by_chance = accuracy.StandardErrors(nan, nan)
     enough = len(record_windows.windows(setup.case, setup.cut, raw, reach=0).index) > accuracy.MIN_PASSES
-    if enough and (chaotic or has_free_cage(setup.case)):
+    alike = may_repeat(setup.case.model_copy(update={"periodic": True}))
+    if enough and (chaotic or alike or has_free_cage(setup.case)):
         by_chance = accuracy.standard_errors(setup.case, setup.model, setup.cut, raw)
     errors = start_errors(setup, raw, by_chance)
     return {"error.start": errors.line, "error.start.rms": errors.rms, "error.start.force": errors.force}

@@ -18,7 +18,9 @@ from bearingsim.simulation.repetition import turned_state
 from bearingsim.simulation.settling import MOST_PASSES, WAIT, slow_modes
 from bearingsim.simulation.time_grid import Grid
 
-LEFT = 0.3  # of the last change: the most that slow modes leave unexplained of it, where they are all there is
+LEFT = 0.02
+"""Of the last change, the most that the modes leave unexplained. Where more is left, the motion is not linear yet,
+and an extrapolation might lead to another steady motion than the one that a start from rest comes to."""
 
 
 class SlowModes:

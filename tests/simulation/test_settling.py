@@ -144,3 +144,17 @@ def test_a_slow_decay_is_no_repetition() -> None:
     tiny = [1e-9, 1e-9, 0.9e-10]
     assert repetition._settled(tiny, repetition.OF_A_RECORD, 0.99)
     assert not repetition._settled(tiny, repetition.OF_A_RECORD, 0.9999)
+
+
+@pytest.mark.parametrize("rig", [{}, {"ring_mass": "20 kg"}])
+def test_an_automatic_step_is_the_same_periodic_or_in_full(rig: dict[str, Any]) -> None:
+    """Pilots from rest asked for a quarter of the step that holds on the steady motion."""
+    defect = SLOT | {"width": "0.35 mm", "angle": "11 deg"}
+    fields = {"speed": "1700 rpm", "load": "180 N", "clearance": "8 um", "defect": defect, "duration": "0.25 s"}
+    short, whole = (simulate(auto(**fields, rig=rig, periodic=periodic)) for periodic in (True, False))
+    assert whole.info["passes_computed"] == whole.info["passes"]
+    assert float(short.info["passes_computed"]) < 0.5 * float(whole.info["passes"])
+    assert whole.info["step_s"] == short.info["step_s"]
+    assert whole.features["step_error.rms"] == short.features["step_error.rms"]
+    for name in ("velocity@BPFO", "velocity@3BPFO", "velocity.rms", "velocity.kurtosis", "outer_force.max"):
+        assert short.features[name] == pytest.approx(whole.features[name], rel=1e-5)
