@@ -24,6 +24,7 @@ from bearingsim.simulation.channels import (
     places_of,
 )
 from bearingsim.simulation.raw_record import LowPassed, RawRecord
+from bearingsim.simulation.record_cost import BLOCK
 from bearingsim.simulation.record_windows import first_sample, whole_passes, windows
 from bearingsim.simulation.repetition import EXTREMES
 from bearingsim.simulation.settling import has_free_cage
@@ -77,10 +78,6 @@ def of_base(case: Case) -> np.ndarray:
 def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
     """A quantity of the ring in the direction the sensor looks; of a ring that bends, where the sensor sits."""
     return along(case, [rows[ROW_OF[place]] for place in places_of(case, f"sensor.{quantity}")])
-
-
-BLOCK = 1 << 16
-"""Fine samples that are read at a time: of a long record a copy of all rows is larger than all else."""
 
 
 def blocks(count: int) -> Iterator[tuple[int, int]]:

@@ -20,7 +20,11 @@ FLOAT = 8  # bytes
 SENSED = 6  # rows along the sensor that are filtered for statistics
 FINER = sqrt(5.0)  # times as many steps are taken to check them
 PASSES_CHECKED = 2.0 / (1.0 + FINER)  # in a step check that takes the steps of one pass: coarse ones and fine
-STEADY, TURNING, STATISTICS = 6.0, 16.0, 3.0  # values for each fine sample while lines, and statistics, are read
+BLOCK = (
+    1 << 16
+)  # fine samples that are read at a time: of a long record a copy of all rows is larger than all else
+TURNED = 180.0  # values for each fine sample of a block while lines of bodies that slip are read
+STEADY, TURNING = 6.0, 16.0  # values for each fine sample while lines are read, at constant speeds and at others
 BANDED = 14.0  # values for each fine sample of the record while features of bands are read
 PILOT = 3.0  # rows of a pilot's, as they are, filtered, and with filters' reach
 COMPARED = 6.0  # values for each fine sample that are kept of a pilot
@@ -117,7 +121,7 @@ def counts(case: Case, of: Size) -> Counts:
 def memory(case: Case, of: Size) -> float:
     """Return the most memory (bytes) that a run of that size takes at once, beside the program's own."""
     turning = case.ramp is not None or MODELS[case.model].slips
-    per_sample = max(STATISTICS, TURNING if turning else STEADY)
+    lines = TURNING * of.read + TURNED * min(of.read, BLOCK) if turning else STEADY * of.read
     lead = RESAMPLE_REACH * of.whole / max(1, of.samples)
     window = of.rows * (of.steps + 2 * DECIMATION_REACH * of.steps / of.fine)
     picked = float(of.rows * of.samples) if channels.picks(case) else 0.0
@@ -126,7 +130,7 @@ def memory(case: Case, of: Size) -> float:
     series = (of.asked + WRITTEN * of.columns + 2.0) * of.samples
     pilot = PASSES_CHECKED * of.checked / 2.0 * of.fine
     check = (PILOT * of.rows + COMPARED) * pilot + 2.0 * window
-    most = max(per_sample * of.read, banded, series, window)
+    most = max(lines, banded, series, window)
     if not may_repeat(case):
         return FLOAT * max(recording + most, check) + SMALL
     stepped = window + _held(case, window, of.rows)

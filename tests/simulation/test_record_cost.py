@@ -3,6 +3,7 @@
 import tracemalloc
 from importlib import import_module
 from typing import Any
+from weakref import ReferenceType, ref
 
 import numpy as np
 import pytest
@@ -11,6 +12,9 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.signals import line_at, lines, lines_of_blocks, passes
 from bearingsim.simulation import features, prices, record_cost, simulate, time_grid
+from bearingsim.simulation.choice import Attempt
+from bearingsim.simulation.integration import MethodFailure
+from bearingsim.simulation.simulate import _in_turn as in_turn
 
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 FULL = {"periodic": False, "step_check": False}
@@ -47,7 +51,9 @@ def test_what_is_read_and_written_is_priced() -> None:
     assert seconds(sampling="40 kHz") > 1.2 * seconds()
     assert seconds(antialias=False) < seconds()
     assert seconds(features=BANDS) > seconds(features=BANDS[:1]) > seconds()
-    assert seconds(record=["roller.1.outer_force"]) > 1.01 * seconds(record=["load_zone.rollers"])
+    assert seconds(model="rollers", record=["roller.1.outer_force"]) > seconds(
+        model="rollers", record=["roller.1.radial"]
+    )
     assert seconds(**RAMP) > seconds(**TURNING) > seconds(**TURNING | {"cage": {"motion": "kinematic"}})
 
 
@@ -87,20 +93,59 @@ def test_features_of_a_long_record_copy_little_of_it(
     assert found["peak"] < times
 
 
-@pytest.mark.parametrize("repeats", [True, False])
-def test_memory_is_that_of_bands_and_of_forces_picked_as_they_are(repeats: bool) -> None:
-    """What holds passes of a motion that repeats was not counted: 125 MB were priced at 58 MB."""
-    forces = {"record": ["roller.outer_force", "roller.inner_force"], "features": BANDS}
-    computed = {"periodic": repeats, "step_check": repeats, "method": "verlet", "step": "0.3 us"}
-    given = case(model="rollers", duration="1 s", **forces, **computed)
-    simulate(given.model_copy(update={"duration": 0.02}))  # compiled
+def test_a_failed_attempt_leaves_no_record_behind() -> None:
+    left: list[ReferenceType[np.ndarray]] = []
+
+    def compute(attempt: Attempt) -> float:
+        if left:
+            assert left[0]() is None
+            return attempt.part
+        record = np.zeros(1)
+        left.append(ref(record))
+        raise MethodFailure("too long a step", "", part=0.5 * attempt.part)
+
+    assert in_turn(case(model="ring"), compute) < 1.0
+
+
+FORCES = {
+    "record": ["roller.outer_force", "roller.inner_force"],
+    "features": BANDS,
+    "step": "0.3 us",
+    "method": "verlet",
+}
+REPEATS = {"model": "rollers", "duration": "1 s", **FORCES}
+
+
+OF_BANDS = {
+    "model": "ring",
+    "method": "verlet",
+    "step": "0.5 us",
+    "duration": "4 s",
+    "record": [],
+    "features": BANDS,
+}
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        REPEATS,
+        REPEATS | FULL,
+        OF_BANDS | FULL,
+        TURNING | FULL | {"duration": "0.6 s", "record": [], "method": "verlet"},
+    ],
+    ids=["repeats", "in full", "bands", "slips"],
+)
+def test_memory_is_that_which_is_taken(more: dict[str, Any]) -> None:
+    """Of passes held while a period is sought, forces picked as they are, bands, and lines of bodies that slip."""
+    given = case(**more)
+    simulate(given.model_copy(update={"duration": 0.05}))  # compiled
     tracemalloc.start()
     try:
-        record = simulate(given)
+        simulate(given)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert (record.info["period_passes"] != 0) == repeats
     priced = time_grid.estimate(given).memory
     assert 0.6 * priced < peak < priced
 
