@@ -18,9 +18,11 @@ if TYPE_CHECKING:
 __all__ = ["PARTS", "Audited", "audited", "nearness", "withdrawn"]
 
 STEP_OF = {"rms": "rms", "max": "force"}  # by the ending of a feature: all others are lines
-OF_RECORD = dict.fromkeys(("acceleration.rms", "displacement.rms"), "record")
-"""Of all that is recorded the largest change: these change otherwise than the RMS of the velocity."""
-PARTS = ("error.model", "error.friction", "error.nodes", "error.step", "error.scatter")
+OF_RECORD = ("acceleration.rms", "displacement.rms")
+"""They change otherwise than the RMS of the velocity: bounded by the largest change of all that is recorded."""
+START_OF = {"line": "", "rms": ".rms", "force": ".force"}
+"""Endings of `error.start`, by what it is of."""
+PARTS = ("error.model", "error.friction", "error.nodes", "error.start", "error.step", "error.scatter")
 """Columns whose sum is ``error``."""
 STANDARD_ERRORS = 2.0
 
@@ -90,25 +92,34 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
         found = pd.Series({job: one.get(part, {}).get(feature, 0.0) for job, one in chosen.items()}, dtype=float)
         return found.fillna(inf).reindex(frame.index)
 
-    relative = _step_errors(frame, plain)
-    step = relative.fillna(0.0) * frame[f"features/{plain}"].abs() / size
+    step = _step_errors(frame, plain) * frame[f"features/{plain}"].abs() / size
     scatter = standard_error(frame, plain).where(~scatters_unknown(frame, plain), inf) / size
     of_trials = {"error.model": tried("error"), "error.friction": tried("friction"), "error.nodes": tried("nodes")}
-    parts = pd.DataFrame(of_trials | {"error.step": step, "error.scatter": scatter})
+    start = _relative(frame, f"error.start{START_OF[_kind(plain)]}") * frame[f"features/{plain}"].abs() / size
+    beyond = (start - scatter.fillna(0.0)).clip(lower=0.0)  # of what does not repeat itself it counts scatter, too
+    parts = pd.DataFrame(of_trials | {"error.start": beyond, "error.step": step, "error.scatter": scatter})
     return parts.where(frame["status"] == "done")
 
 
 def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     """The relative errors of the step of a feature; of an envelope, a square, twice that of the acceleration."""
+    found = of_band(feature)
+    times = 2.0 if found is not None and found.line else 1.0
+    of_acceleration = found is not None and (found.line or found.quantity == "acceleration")
+    kind = "record" if of_acceleration or feature.partition("@")[0] in OF_RECORD else _kind(feature)
+    return times * _relative(frame, f"step_error.{kind}")
+
+
+def _kind(feature: str) -> str:
+    """Return whether a feature is a `line`, an `rms`, or a `force`."""
+    return STEP_OF.get(feature.partition("@")[0].rpartition(".")[2], "line")
+
+
+def _relative(frame: "pd.DataFrame", name: str) -> "pd.Series[float]":
+    """Return a relative error that each job has as a feature, 0 where it has none."""
     import pandas as pd
 
-    found = of_band(feature)
-    if found is not None and (found.line or found.quantity == "acceleration"):
-        kind, times = "record", 2.0 if found.line else 1.0
-    else:
-        plain = feature.partition("@")[0]
-        kind, times = OF_RECORD.get(plain) or STEP_OF.get(plain.rpartition(".")[2], "line"), 1.0
-    return times * frame.get(f"features/step_error.{kind}", pd.Series(0.0, frame.index))
+    return frame.get(f"features/{name}", pd.Series(0.0, frame.index)).fillna(0.0)
 
 
 def audited(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Audited]:

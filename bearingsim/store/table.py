@@ -188,7 +188,8 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     told = (plan.get("accuracy") or {"jobs": {}})["jobs"]
     if told:
         models = pd.DataFrame({"model": [told[job]["model"] if job in told else "" for job in frame.index]})
-        features = pd.concat([models.set_index(frame.index), near.reindex(frame.index), features], axis=1)
+        own = near.drop(columns=[name for name in near if name in features])  # jobs have `error.start` themselves
+        features = pd.concat([models.set_index(frame.index), own.reindex(frame.index), features], axis=1)
     seconds = frame["info/cpu_s"] if "info/cpu_s" in frame else pd.Series(np.nan, frame.index)
     rest = pd.DataFrame({"status": frame["status"], "reason": frame["reason"], "seconds": seconds})
     jobs = pd.DataFrame({"job": frame.index}, index=frame.index)

@@ -81,6 +81,21 @@ def test_model_step_and_scatter_add_up_and_the_worst_feature_counts() -> None:
     assert found["error"].tolist() == pytest.approx([0.03 + 0.005 + 0.05, 0.03 + 0.01 + 0.1, 0.03])
 
 
+@pytest.mark.parametrize(("feature", "ending"), [(LINE, ""), (RMS, ".rms"), (FORCE, ".force")])
+def test_the_error_of_the_start_is_added(feature: str, ending: str) -> None:
+    """Where nothing repeats itself it counts the scatter, too: only what it is beyond that is added."""
+    columns = {f"error.start{one}": [0.5, 0.5, 0.5] for one in ("", ".rms", ".force")}
+    columns |= {feature: [1.0, 2.0, 4.0], f"error.start{ending}": [0.01, 0.02, 0.02], "chaotic": [0.0, 1.0, 1.0]}
+    columns |= {f"{feature}-scatter": [0.0, 0.01, 0.2]} if feature == LINE else {}
+    found = nearness(plan([feature]), frame(columns))
+    assert found["error.start"].tolist() == pytest.approx(
+        [0.005, 0.015, 0.0] if feature == LINE else [0.005, 0.02, 0.02]
+    )
+    assert found["error"].tolist() == pytest.approx(
+        [0.005, 0.02, 0.05] if feature == LINE else [0.005, 0.02, 0.02]
+    )
+
+
 def test_errors_of_nodes_are_added_and_where_unknown_there_is_no_sum() -> None:
     asked = plan([LINE], {LINE: 0.01})
     asked["accuracy"]["jobs"]["a"]["nodes"] = {LINE: 0.02}
