@@ -467,6 +467,22 @@ def test_the_table_tells_models_and_how_far_off_they_may_be(write: Write, tmp_pa
     assert twins[near_columns[1:]].isna().all(axis=None)
 
 
+def test_the_table_tells_what_friction_changes(write: Write, tmp_path: Path, log: Path) -> None:
+    """Two of three cases are tried with it, at the ends of the curve, in other processes."""
+    text = TEXT.replace("friction: none\n", "") + RIGID
+    compute(near(write, text), tmp_path / "out", jobs=2)
+    assert sorted(line for line in lines(log) if line.startswith("rub")) == ["rub planar 150", "rub planar 450"]
+    found = store.read_choices(tmp_path / "out").values()
+    assert sorted(one.inferred for one in found) == [False, False, True]
+    table = store.open_results(tmp_path / "out").table()
+    own = table[table["healthy"] != ""]
+    assert own["error.friction"].to_numpy() == pytest.approx([0.002 / 3.0, 0.002, 0.002], rel=1e-6)
+    assert own["error"].to_numpy() == pytest.approx((own["error.model"] + own["error.friction"]).to_numpy())
+    plan = store.read_plan(tmp_path / "out")
+    assert "no oil drag assumed" in " ".join(plan["assumptions"])
+    assert len(plan["accuracy"]["audits"]) == 3
+
+
 def test_no_sum_is_told_where_the_ring_is_only_assumed_to_be_rigid(write: Write, tmp_path: Path) -> None:
     summary = compute(near(write), tmp_path / "out")
     table = store.open_results(tmp_path / "out").table()

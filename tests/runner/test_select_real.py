@@ -31,6 +31,7 @@ load: 150 N
 defect: {race: inner, shape: rectangular, length: 12 mm, width: 0.4 mm, depth: 50 um}
 duration: 0.25 s
 settle: 50 ms
+friction: none
 record: [ring.velocity]
 accuracy: {within: 30 %, of: [velocity.rms, velocity@BPFI-healthy]}
 sweep:

@@ -15,7 +15,7 @@ from bearingsim import cli, runner, selection
 from bearingsim.config import Case
 from bearingsim.runner import Engine
 from bearingsim.selection import Trialled
-from bearingsim.simulation.trial import Trial
+from bearingsim.simulation.trial import Against, Trial
 from bearingsim.study import Study, load_study
 from tests.scenes.study_text import Write
 
@@ -51,6 +51,8 @@ figures: [{{y: velocity@BPFO, x: load}}]
 
 OFF = {"planar": 1.0, "rollers": 1.01, "ring": 1.5, "static": 2.0}
 """What each model makes of a line, over what the reference does."""
+FRICTION = 0.002
+"""By what share a free cage changes that."""
 
 
 def near(write: Write, text: str = TEXT) -> Study:
@@ -97,12 +99,15 @@ def _log(what: str, case: Case) -> None:
             file.write(f"{what} {case.model} {case.load:g}\n")
 
 
-def try_out(case: Case, asked: Sequence[str], passes: int, turn: float) -> tuple[Trial, Any]:
-    _log("try", case)
+def try_out(
+    case: Case, asked: Sequence[str], passes: int, turn: float, against: Against | None = None
+) -> tuple[Trial, Any]:
+    _log("try" if against is None else "rub", case)
     time.sleep(float(os.environ.get(SECONDS, "0")))
     if DIE in os.environ:
         os._exit(3)
-    return trial(case.load * OFF[case.model], passes, names=asked), None
+    free = case.cage is not None and case.cage.motion == "free"
+    return trial(case.load * OFF[case.model] * (1.0 + FRICTION * free), passes, names=asked), None
 
 
 def simulate(case: Case) -> SimpleNamespace:
