@@ -23,8 +23,6 @@ from bearingsim.text.terminal import say
 if TYPE_CHECKING:
     from bearingsim.study import Study
 
-__all__ = ["app", "main"]
-
 app = typer.Typer(
     cls=Commands,
     name="bearingsim",
@@ -35,7 +33,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-SILENCE_S = 1.0  # after which it is said what takes so long
+SILENCE_S = 1.0  # s without output, after which the step in progress is named
 FRESH_SHARD = "would throw away the other shards' results: remove the folder first"
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="study file (YAML)", show_default=False)]
 Results = Annotated[
@@ -51,9 +49,9 @@ Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, metavar="N", he
 
 
 def main() -> None:
-    """Entry point of the command `bearingsim`."""
+    """Run the command `bearingsim`."""
     streams.prepare()
-    os.environ.pop("MPLBACKEND", None)  # a notebook's: figures are files, and it may not be installed here
+    os.environ.pop("MPLBACKEND", None)  # set by notebooks; figures are files, and that backend may be missing
     blas_threads.take_one()
     for name in ("SIGTERM", "SIGHUP"):
         if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) == signal.SIG_DFL:
@@ -61,17 +59,17 @@ def main() -> None:
     try:
         app()
     finally:
-        gc.freeze()  # what is left ends with the process: to free it object by object takes 0.5 s of CPU time
+        gc.freeze()  # the process ends: freeing each object would take 0.5 s of CPU time
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            signal.signal(signal.SIGINT, signal.SIG_DFL)  # nobody hears it while the interpreter ends
+            signal.signal(signal.SIGINT, signal.SIG_DFL)  # the interpreter is ending: no handler runs any more
 
 
 def _end(number: int, frame: object) -> None:
     raise Signalled(number)
 
 
-def _version(asked: bool) -> None:
-    if asked:
+def _version(requested: bool) -> None:
+    if requested:
         say(f"bearingsim {__version__}")
         raise typer.Exit
 
@@ -83,7 +81,7 @@ def common(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="print the version and exit")
     ] = False,
 ) -> None:
-    """Options of all commands."""
+    """Handle the options of all commands."""
 
 
 @app.command()
@@ -127,22 +125,22 @@ def check(
         raise typer.BadParameter("name a study file (or --schema)", param_hint="STUDY")
     from bearingsim.cli import plan
 
-    asked = _loaded(study, set_, quick)
-    if pilots and asked.goal is None:
+    loaded = _loaded(study, set_, quick)
+    if pilots and loaded.goal is None:
         raise typer.BadParameter("the study names no `accuracy`: nothing is to be chosen", param_hint="--pilots")
-    if asked.goal is not None:
+    if loaded.goal is not None:
         from bearingsim import runner
 
-        asked = runner.with_models(asked, out, jobs, try_them=pilots)
+        loaded = runner.with_models(loaded, out, jobs, try_them=pilots)
     with patient(seconds=SILENCE_S) as patience:
-        found = plan.plan_of(asked, jobs, patience)
+        priced = plan.plan_of(loaded, jobs, patience)
     if as_json:
-        say(plan.as_json(found))
+        say(plan.as_json(priced))
     else:
-        plan.show(found, verbose=_verbose(ctx))
-    for refused in found.refused:
+        plan.show(priced, verbose=_verbose(ctx))
+    for refused in priced.refused:
         say(f"{study}: {refused}", err=True)
-    if found.refused:
+    if priced.refused:
         raise typer.Exit(2)
 
 
@@ -187,9 +185,9 @@ def run(
     if share == (1, 1) and not (fresh or verify):
         summary = runner.finished(study, out, dict(map(_assignment, set_ or [])), quick)
     if summary is None:
-        asked = _loaded(study, set_, quick)
+        loaded = _loaded(study, set_, quick)
         summary = runner.run(
-            asked,
+            loaded,
             out,
             jobs,
             fresh,
@@ -366,12 +364,12 @@ def prune(
     from bearingsim import store
 
     root = opened_results(results).path
-    found = store.superfluous(root) if dry_run else store.prune(root)
+    superfluous = store.superfluous(root) if dry_run else store.prune(root)
     if _verbose(ctx):
-        for path in found.paths:
+        for path in superfluous.paths:
             say(near(path))
-    say(str(found))
-    if found.paths:
+    say(str(superfluous))
+    if superfluous.paths:
         later = f"nothing is removed yet: `bearingsim prune {near(root)} --no-dry-run` does it"
         say(later if dry_run else "removed")
 
@@ -395,11 +393,11 @@ def freq(
     """
     from bearingsim.cli import frequencies
 
-    found = frequencies.of_bearing(bearing, speed, outer_speed, contact_angle)
+    values = frequencies.of_bearing(bearing, speed, outer_speed, contact_angle)
     if as_json:
-        say(json.dumps(found, indent=1))
+        say(json.dumps(values, indent=1))
     else:
-        frequencies.show(bearing, speed, found, outer_speed)
+        frequencies.show(bearing, speed, values, outer_speed)
 
 
 @app.command()
@@ -451,7 +449,7 @@ def _verbose(ctx: typer.Context) -> bool:
 
 
 def _loaded(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
-    """The study, with what `--set` says."""
+    """Load a study, with the assignments of `--set`."""
     from bearingsim.study import load_study
 
     with patient(seconds=SILENCE_S) as patience:
@@ -463,7 +461,7 @@ def _loaded(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
 
 
 def grouped(count: int) -> str:
-    """`36 000`."""
+    """Format a count with its digits in groups of three: `36 000`."""
     return f"{count:,}".replace(",", " ")
 
 
@@ -499,7 +497,7 @@ def _share(text: str) -> tuple[int, int]:
     return int(k), int(n)
 
 
-def _one_of(option: str, word: str, known: tuple[str, ...]) -> None:
-    if word not in known:
-        words = f"{', '.join(known[:-1])} or {known[-1]}"
+def _one_of(option: str, word: str, choices: tuple[str, ...]) -> None:
+    if word not in choices:
+        words = f"{', '.join(choices[:-1])} or {choices[-1]}"
         raise typer.BadParameter(f"expected {words}, got `{word}`", param_hint=option)

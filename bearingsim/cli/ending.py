@@ -1,4 +1,4 @@
-"""The end of `bearingsim run`: what was done, what came of it, how well it is known, what comes next."""
+"""Summary at the end of `bearingsim run`: counts, results with their errors, the next command."""
 
 from collections.abc import Iterator
 from contextlib import suppress
@@ -15,16 +15,14 @@ if TYPE_CHECKING:
     from bearingsim.runner import RunSummary
     from bearingsim.store import Results
 
-__all__ = ["results_named", "show"]
-
-MOST_FEATURES = 3
+MOST_FEATURES = 3  # features printed in full; the rest are counted
 STEP_ERRORS = {"velocity.rms": "rms", "velocity@": "line", "outer_force.max": "force"}
-"""What checks the step of features whose names begin so."""
-STANDARD_ERRORS = 2.0
+"""Column ``step_error.*`` that bounds the step error of a feature, by the beginning of its name."""
+STANDARD_ERRORS = 2.0  # width of the error bound of a chaotic response, about 95 %
 
 
 class Result(NamedTuple):
-    """A feature's name, its range in words, and what there is to say of it, a line each."""
+    """Name of a feature, its range as text, and remarks on it, a line each."""
 
     name: str
     values: str
@@ -32,7 +30,7 @@ class Result(NamedTuple):
 
 
 def show(summary: "RunSummary", verbose: bool) -> None:
-    """Print the end of a run: counts, the results that the figures name, what holds, the next command."""
+    """Print counts, the results that the figures name, promises and warnings, and the next command."""
     from bearingsim.store import ResultsError, open_results
 
     say(f"{summary.headline}, in {near(summary.folder)}")
@@ -68,7 +66,7 @@ def show(summary: "RunSummary", verbose: bool) -> None:
 
 
 def results_named(results: "Results") -> Iterator[Result]:
-    """Yield each feature that the figures name: its range, that of the healthy bearings, where its ends lie."""
+    """Yield each feature that the figures name: its range, the healthy range, the cases of its extremes."""
     from bearingsim.plots import select
 
     rows = select.case_rows(results)
@@ -101,31 +99,34 @@ def _range(low: str, high: str, unit: str) -> str:
 
 
 def _with_frequency(results: "Results", name: str) -> str:
-    """`velocity@BPFO (159 Hz)`, if the line stands at one frequency in all jobs; of a statistic its band."""
+    """Append its frequency to a line, as in `velocity@BPFO (159 Hz)`, or its band to a statistic.
+
+    A line whose frequency differs between jobs gets none.
+    """
     from bearingsim.config.names import LINES
     from bearingsim.plots.lines import frequency
 
     line = LINES.get(name.partition("@")[2].removesuffix("-healthy"))
     if line is None:
         return f"{name}{_band(results, name)}"
-    wanted = ["speed", "bearing.roller_diameter", "bearing.pitch_diameter", "bearing.rollers"]
-    known = results.parameters()[wanted].drop_duplicates().to_dict("records")
-    return f"{name} ({significant(frequency(line, known[0]))} Hz)" if len(known) == 1 else name
+    names = ["speed", "bearing.roller_diameter", "bearing.pitch_diameter", "bearing.rollers"]
+    cases = results.parameters()[names].drop_duplicates().to_dict("records")
+    return f"{name} ({significant(frequency(line, cases[0]))} Hz)" if len(cases) == 1 else name
 
 
 def _band(results: "Results", name: str) -> str:
-    """` (0-4.1 kHz)`, the band of a statistic of the record, if all jobs have one."""
+    """Return the band of a statistic of the record, as ` (0-4.1 kHz)`, or "" if it differs between jobs."""
     from bearingsim.config.bands import FLAT
     from bearingsim.study.ranges import OF_RECORD
 
-    known = results.parameters()[["sampling", "antialias"]].drop_duplicates().to_dict("records")
-    if not name.endswith(OF_RECORD) or len(known) != 1 or known[0]["antialias"] != "true":
+    samplings = results.parameters()[["sampling", "antialias"]].drop_duplicates().to_dict("records")
+    if not name.endswith(OF_RECORD) or len(samplings) != 1 or samplings[0]["antialias"] != "true":
         return ""
-    return f" (0-{FLAT * known[0]['sampling'] / 1e3:.2g} kHz)"
+    return f" (0-{FLAT * samplings[0]['sampling'] / 1e3:.2g} kHz)"
 
 
 def _healthy(results: "Results", name: str) -> Iterator[str]:
-    """`healthy: 0.61 to 1.13 um/s`, of the baselines."""
+    """Yield the range over the healthy twins, as `healthy: 0.61 to 1.13 um/s`."""
     from bearingsim.plots.labels import feature_axis
 
     twins = {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
@@ -138,9 +139,10 @@ def _healthy(results: "Results", name: str) -> Iterator[str]:
 
 
 def _error(rows: "pd.DataFrame", name: str) -> str:
-    """`numerical error 0.3 %` of the largest value: by the check of the step, and two standard errors.
+    """Format the largest numerical error as a part of the largest value: `numerical error 0.3 %`.
 
-    Of what the check looks at: lines and RMS of the velocity, the largest force.
+    The sum of the step error and two standard errors of a chaotic response; "" for a feature that the step check
+    does not cover (it covers lines and RMS of the velocity, and the largest force).
     """
     from bearingsim.store import relative_error
 
@@ -152,7 +154,7 @@ def _error(rows: "pd.DataFrame", name: str) -> str:
     scatter = relative_error(rows, plain).where(rows["chaotic"] == 1.0, 0.0).fillna(inf)
     error = (step + STANDARD_ERRORS * scatter) * rows[plain].abs()
     unknown = int((error == inf).sum())
-    but = f", of {unknown} chaotic jobs unknown" if unknown else ""
+    exception = f", of {unknown} chaotic jobs unknown" if unknown else ""
     if unknown == error.count():
         return "numerical error unknown (chaotic)"
-    return f"numerical error {100.0 * float(error[error < inf].max() / largest):.2g} %{but}"
+    return f"numerical error {100.0 * float(error[error < inf].max() / largest):.2g} %{exception}"

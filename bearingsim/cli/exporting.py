@@ -1,4 +1,4 @@
-"""`bearingsim export`: features and series in files that other programs read."""
+"""`bearingsim export`: features and series as csv, parquet or mat."""
 
 from collections.abc import Callable, Mapping, Sequence
 from io import BytesIO
@@ -15,22 +15,20 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results, Series
 
-__all__ = ["STDOUT", "check", "features", "series"]
-
 
 def features(results: "Results", path: Path | None, file_format: str | None, force: bool) -> Path:
     """Write the table of jobs (swept values and features in SI) to csv or parquet; return the file.
 
-    force: in place of a file that is there. Raises UserError for one without it.
+    force: replace an existing file. Raises UserError for an existing file without it.
     """
-    made: dict[str, Callable[[pd.DataFrame], bytes]] = {
+    writers: dict[str, Callable[[pd.DataFrame], bytes]] = {
         "csv": lambda table: csv_text(table).encode(),
         "parquet": _parquet,
     }
     target = path or Path(f"{results.plan['study']}-features.{file_format or 'csv'}")
-    make = made[_suffix(target, tuple(made))]
+    write = writers[_suffix(target, tuple(writers))]
     _refuse_existing(target, force)
-    _write(target, make(results.table()))
+    _write(target, write(results.table()))
     return target
 
 
@@ -39,25 +37,25 @@ def series(
 ) -> Path:
     """Write the recorded series (SI) of some jobs to csv or mat; return the file.
 
-    force: in place of a file that is there. Raises UserError for one without it, ResultsError.
+    force: replace an existing file. Raises UserError for an existing file without it, ResultsError.
     """
     target = path or Path(f"{results.plan['study']}-series.{file_format or 'csv'}")
     suffix = _suffix(target, ("csv", "mat"))
     _refuse_existing(target, force)
-    found = {job: results.series(job) for job in jobs}
-    empty = [job for job, one in found.items() if not one.channels]
+    recorded = {job: results.series(job) for job in jobs}
+    empty = [job for job, signals in recorded.items() if not signals.channels]
     if empty:
         raise UserError(f"job {empty[0]} has no series: the study says `record: []`")
-    _write(target, _csv(found) if suffix == "csv" else _mat(found, results.parameters()))
+    _write(target, _csv(recorded) if suffix == "csv" else _mat(recorded, results.parameters()))
     return target
 
 
 STDOUT = Path("-")
-"""The file that stands for stdout, which gets csv."""
+"""Path that stands for stdout, which gets csv."""
 
 
 def check(features: Path | None, jobs: Sequence[str], out: Path | None, file_format: str | None) -> None:
-    """Refuse a file of series without a job, two tables on one stdout, and any format there but csv."""
+    """Refuse a file of series without a job, two tables on one stdout, and any format but csv there."""
     if out is not None and not jobs:
         raise UserError("`--out` is the file of series: name a job with `--series`, or say `--features FILE`")
     if features == out == STDOUT:
@@ -81,13 +79,16 @@ def _write(target: Path, content: bytes) -> None:
         write_bytes(target, content)
 
 
-def _suffix(path: Path, known: tuple[str, ...]) -> str:
-    """The format that a file's name asks for. Raises UserError for another, or where there is no folder."""
+def _suffix(path: Path, formats: tuple[str, ...]) -> str:
+    """Return the format named by a file's suffix.
+
+    Raises UserError for a format that is not in ``formats``, or a missing folder.
+    """
     if path == STDOUT:
         return "csv"
     suffix = path.suffix.removeprefix(".").lower()
-    if suffix not in known:
-        raise UserError(f"{path}: expected a name that ends in .{' or .'.join(known)}")
+    if suffix not in formats:
+        raise UserError(f"{path}: expected a name that ends in .{' or .'.join(formats)}")
     if not path.parent.is_dir():
         raise UserError(f"{path}: there is no folder {path.parent}")
     return suffix
@@ -104,32 +105,35 @@ def _parquet(table: "pd.DataFrame") -> bytes:
     return content
 
 
-def _csv(found: "dict[str, Series]") -> bytes:
-    """One time column, one column per channel (and job, if there are several); units in the heads."""
+def _csv(recorded: "dict[str, Series]") -> bytes:
+    """Write one time column and one column per channel (and job, if there are several); units in the heads.
+
+    Raises UserError for jobs with different time axes.
+    """
     import numpy as np
     import pandas as pd
 
-    first = next(iter(found.values()))
-    if not all(np.array_equal(one.time, first.time) for one in found.values()):
+    reference = next(iter(recorded.values()))
+    if not all(np.array_equal(signals.time, reference.time) for signals in recorded.values()):
         raise UserError("the jobs have different time axes: write them to .mat, or one by one")
-    columns: dict[str, Any] = {"time [s]": first.time}
-    for job, one in found.items():
-        before = f"{job}/" if len(found) > 1 else ""
-        columns |= {f"{before}{name} [{one.units[name]}]": values for name, values in one.channels.items()}
+    columns: dict[str, Any] = {"time [s]": reference.time}
+    for job, signals in recorded.items():
+        prefix = f"{job}/" if len(recorded) > 1 else ""
+        columns |= {f"{prefix}{name} [{signals.units[name]}]": values for name, values in signals.channels.items()}
     return csv_text(pd.DataFrame(columns)).encode()
 
 
-def _mat(found: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
-    """One struct per job, `job_<id>`: time, channels, their units, the job's parameters (SI, or words)."""
+def _mat(recorded: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
+    """Write one struct per job, `job_<id>`: time, channels, their units, the job's parameters (SI, or words)."""
     from scipy.io import savemat
 
     structs = {
         f"job_{job}": {
-            **_fields({"time": one.time} | one.channels),
-            "units": _fields({"time": "s"} | one.units),
+            **_fields({"time": signals.time} | signals.channels),
+            "units": _fields({"time": "s"} | signals.units),
             "parameters": _fields(parameters.loc[job].replace("", None).dropna().to_dict()),
         }
-        for job, one in found.items()
+        for job, signals in recorded.items()
     }
     file: Any = BytesIO()
     savemat(file, structs, oned_as="column", long_field_names=True)
@@ -137,5 +141,5 @@ def _mat(found: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
 
 
 def _fields(named: Mapping[Any, Any]) -> dict[str, Any]:
-    """Dots of names as underscores: what MATLAB takes as the name of a field."""
+    """Replace the dots of names by underscores, as MATLAB requires of the names of fields."""
     return {str(name).replace(".", "_"): value for name, value in named.items()}

@@ -1,11 +1,9 @@
-"""`bearingsim freq`: the frequencies at which the parts of a bearing pass."""
+"""`bearingsim freq`: characteristic frequencies of a bearing."""
 
 from typing import Any
 
 from bearingsim.cli.screen import print_table
 from bearingsim.text.terminal import say
-
-__all__ = ["of_bearing", "show"]
 
 NAMES = {
     "BPFO": "{}s over a point of the outer race",
@@ -74,7 +72,7 @@ def _check_turning(speed: str, inner: float, outer_speed: str | None, outer: flo
 
 
 def _contact_angle(text: str) -> float:
-    """The angle of an option, rad."""
+    """Parse a contact angle, in rad. Raises UnitError outside 0 to 90 deg."""
     from math import pi
 
     from bearingsim.text.units import UnitError, parse
@@ -85,23 +83,23 @@ def _contact_angle(text: str) -> float:
     return angle
 
 
-def show(name: str, speed: str, found: dict[str, Any], outer_speed: str | None = None) -> None:
+def show(name: str, speed: str, values: dict[str, Any], outer_speed: str | None = None) -> None:
     """Print the frequencies as a table."""
     from bearingsim.config.names import HARMONICS
 
     outer = "" if outer_speed is None else f", its outer ring at {outer_speed}"
-    angle = f", contact angle {found['contact_angle_deg']:.4g} deg" if found["contact_angle_deg"] else ""
-    ring = "shaft" if found["inner_hz"] else "outer ring"
-    say(f"{found['bearing'] or name} at {speed}{outer}{angle} ({ring} {found['shaft_hz']:.4g} Hz)")
+    angle = f", contact angle {values['contact_angle_deg']:.4g} deg" if values["contact_angle_deg"] else ""
+    ring = "shaft" if values["inner_hz"] else "outer ring"
+    say(f"{values['bearing'] or name} at {speed}{outer}{angle} ({ring} {values['shaft_hz']:.4g} Hz)")
     heads = ["", "what", "order", *(f"{k} x (Hz)" for k in HARMONICS)]
-    against = found["cage_hz"] * (found["inner_hz"] or found["outer_hz"]) < 0.0
+    against = values["cage_hz"] * (values["inner_hz"] or values["outer_hz"]) < 0.0
     rows = [
         [
             key,
-            NAMES[key].format(found["element"]) + f", against the {ring}" * (against and key == "FTF"),
+            NAMES[key].format(values["element"]) + f", against the {ring}" * (against and key == "FTF"),
             f"{entry['order']:.4f}",
-            *(f"{value:.3f}" for value in entry["hz"]),
+            *(f"{hertz:.3f}" for hertz in entry["hz"]),
         ]
-        for key, entry in found["frequencies"].items()
+        for key, entry in values["frequencies"].items()
     ]
     print_table(heads, rows, words=2)

@@ -1,4 +1,4 @@
-"""The set of commands, and what becomes of errors: a message and an exit code, no traceback."""
+"""The group of commands: errors end with a message and an exit code, without a traceback."""
 
 import errno
 import os
@@ -18,9 +18,7 @@ from bearingsim.cli.streams import reader_is_gone
 from bearingsim.errors import NO_ROOM, DamageWarning, UserError
 from bearingsim.text.terminal import say
 
-__all__ = ["WRONG", "Commands"]
-
-WRONG = 2
+WRONG = 2  # exit code of errors of the user or the system
 
 WORDS = {
     errno.ENOENT: "there is no such file or folder",
@@ -37,7 +35,7 @@ WORDS = {
 
 
 def sentence(error: OSError) -> str:
-    """An error of the system in words: the path, and what is wrong with it."""
+    """Format an error of the operating system: the path, and its cause in words."""
     if not error.filename or error.errno is None:
         place = " (stdout, or a file that the system does not name)" if error.errno in NO_ROOM else ""
         return f"bearingsim: {WORDS.get(error.errno or 0, error)}{place}"
@@ -52,14 +50,14 @@ def sentence(error: OSError) -> str:
 
 
 def _tell(message: Warning | str, *place: Any, **more: Any) -> None:
-    """What a user must know, without its place in the program; all else as Python tells it."""
-    told = str(message) if isinstance(message, DamageWarning) else warnings.formatwarning(message, *place[:3])
-    say(told, err=True)
+    """Print a warning on stderr: a DamageWarning as its text alone, any other in Python's format."""
+    text = str(message) if isinstance(message, DamageWarning) else warnings.formatwarning(message, *place[:3])
+    say(text, err=True)
 
 
 @contextmanager
 def _left_out_told() -> Iterator[None]:
-    """Name the extensions that did not load when a command ends that goes on without them."""
+    """Name on leaving the extensions that did not load, unless the command fails for one of them."""
     try:
         yield
     except extensions.BrokenExtension:
@@ -98,7 +96,7 @@ class Commands(TyperGroup):
     """Commands whose errors end with a message and an exit code."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Take `-v` wherever it stands; print the help or the version that is asked for."""
+        """Accept `-v` anywhere among the arguments; print the help or the version if requested."""
         loud = [word for word in args if word in ("-v", "--verbose")]
         with _ended_by_message(ctx):
             return super().parse_args(ctx, loud[:1] + [word for word in args if word not in loud])

@@ -1,4 +1,4 @@
-"""`bearingsim new`: a study to start from, and its schema; no file that exists is touched."""
+"""`bearingsim new`: a study to start from, and its schema; existing files are left alone."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -6,11 +6,9 @@ from pathlib import Path
 from bearingsim.errors import UserError
 from bearingsim.study import NEW_STUDY, SCHEMA_FILE, schema_text
 
-__all__ = ["write_schema", "write_study"]
-
 
 def write_study(path: Path) -> None:
-    """Write the study. Raises UserError if there is a file of that name."""
+    """Write the study. Raises UserError if the file exists."""
     try:
         _write(path, NEW_STUDY)
     except FileExistsError:
@@ -18,7 +16,7 @@ def write_study(path: Path) -> None:
 
 
 def write_schema(folder: Path) -> Iterator[str]:
-    """Write the schema into a folder; yield what to do if there is another file of its name."""
+    """Write the schema into a folder; yield a remark if another file of its name exists."""
     path, text = folder / SCHEMA_FILE, schema_text()
     try:
         _write(path, text)
@@ -31,7 +29,7 @@ def write_schema(folder: Path) -> Iterator[str]:
 
 
 def _write(path: Path, text: str) -> None:
-    """Write a new file, all of it or nothing."""
+    """Write a new file completely or not at all. Raises FileExistsError."""
     with path.open("x", encoding="utf-8") as file:
         try:
             file.write(text)
@@ -42,7 +40,7 @@ def _write(path: Path, text: str) -> None:
 
 
 def _holds(path: Path, text: str) -> bool:
-    """Whether a file holds a text."""
+    """Compare the content of a file with a text; False for an unreadable file."""
     try:
         return path.stat().st_size == len(text.encode()) and path.read_text(encoding="utf-8") == text
     except (OSError, UnicodeDecodeError):

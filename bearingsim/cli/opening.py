@@ -1,4 +1,4 @@
-"""From what was typed to the results meant."""
+"""Results and jobs named by the arguments of a command."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -11,17 +11,15 @@ from bearingsim.text.terminal import say
 if TYPE_CHECKING:
     from bearingsim.store import Results
 
-__all__ = ["job_meant", "near", "opened", "reading"]
-
 Command = Callable[..., None]
 LONGEST = 200
-"""Letters of an error that a message repeats."""
+"""Letters of an error that are quoted in a message."""
 UNUSABLE = (ArithmeticError, AttributeError, LookupError, MemoryError, RecursionError, TypeError, ValueError)
-"""What a command raises where results are other than they should be."""
+"""Errors that malformed results raise in a command that reads them."""
 
 
 def reading(command: Command) -> Command:
-    """Let a command that reads results end with a sentence where they are such as no run leaves behind."""
+    """Decorate a command that reads results: errors due to malformed results become a UserError."""
 
     @wraps(command)
     def read(*arguments: Any, **options: Any) -> None:
@@ -30,15 +28,18 @@ def reading(command: Command) -> Command:
         except UserError:
             raise
         except UNUSABLE as error:
-            what = f"these results cannot be used ({type(error).__name__}: {str(error)[:LONGEST]})"
+            problem = f"these results cannot be used ({type(error).__name__}: {str(error)[:LONGEST]})"
             causes = "they are damaged or of another version, or this is an error of the program (-v shows where)"
-            raise UserError(f"{what}: {causes}").with_traceback(error.__traceback__) from error
+            raise UserError(f"{problem}: {causes}").with_traceback(error.__traceback__) from error
 
     return read
 
 
 def opened(folder: Path | None) -> "Results":
-    """The results in a folder, or the newest sound ones in ./results. Raises UserError, as ``open_results``."""
+    """Open the results in a folder, or the newest sound ones in ./results.
+
+    Raises UserError, as ``open_results``.
+    """
     from bearingsim.store import LinkWithin, ResultsError, open_results
 
     if folder is not None:
@@ -57,15 +58,18 @@ def _newest_first() -> list[Path]:
 
 
 def job_meant(results: "Results", word: str) -> str:
-    """The id of the job whose id begins with ``word``. Raises UserError if none does, or several do."""
-    found = [job for job in results.planned if job.startswith(word.lower())]
-    if len(found) != 1:
-        problem = f"{len(found)} jobs begin with" if found else "no job begins with"
+    """Return the id of the only job whose id begins with ``word``.
+
+    Raises UserError if none does, or several do.
+    """
+    matches = [job for job in results.planned if job.startswith(word.lower())]
+    if len(matches) != 1:
+        problem = f"{len(matches)} jobs begin with" if matches else "no job begins with"
         raise UserError(f"{problem} `{word}`: `bearingsim show {near(results.path)}` lists them")
-    return found[0]
+    return matches[0]
 
 
 def near(path: Path) -> str:
-    """A path as seen from the working folder."""
-    here, whole = Path.cwd(), path.resolve()
-    return str(whole.relative_to(here)) if whole.is_relative_to(here) else str(whole)
+    """Return a path relative to the working folder, or absolute if it lies outside."""
+    folder, whole = Path.cwd(), path.resolve()
+    return str(whole.relative_to(folder)) if whole.is_relative_to(folder) else str(whole)

@@ -1,4 +1,4 @@
-"""`bearingsim check`: what a study will do, and what it will take."""
+"""`bearingsim check`: plan of a study, with its CPU time, memory and disk space."""
 
 import json
 import math
@@ -22,20 +22,17 @@ if TYPE_CHECKING:
     from bearingsim.study.design import Drawn
 
 MOST_PRICED = 100
-"""Jobs: each takes 2 to 4 ms of CPU time."""
+"""Largest number of jobs that are priced, at 2 to 4 ms of CPU time each."""
 IN_SPACE = 5
-"""So many jobs one counts for whose rollers are loaded unevenly along their length: it rests in space."""
-
-__all__ = ["Plan", "as_json", "plan_of", "show"]
+"""Weight in MOST_PRICED of a job with uneven load along its rollers: equilibrium takes three dimensions."""
 
 
 @dataclass(frozen=True)
 class Priced:
     """A job with the method and the step (s) chosen for it, the limits of that step (s), and its price.
 
-    friction_scale: the most that friction can do to the most loaded roller at rest (N), and the time (s) in which
-    it brings that roller to roll; nan and inf without friction. sinking: how deep (m) a roller sinks into a pit at
-    most, nan without any.
+    friction_scale: the largest friction on the most loaded roller at rest (N), and the decay time (s) of its slip;
+    nan and inf without friction. sinking: largest depth (m) of a roller in a pit, nan without pits.
     """
 
     job: "Job"
@@ -49,10 +46,10 @@ class Priced:
 
 @dataclass(frozen=True)
 class Plan:
-    """A study's cases, their healthy baselines and what is varied of them, priced.
+    """A study's cases, their healthy baselines and variations, priced.
 
-    jobs: all of them; of many some are priced (``drawn``), and stand for all. refusals: those that cannot be run,
-    and why.
+    jobs: all of them; a large study is priced by a sample (``drawn``). refusals: jobs that cannot be run, with the
+    reason.
     """
 
     study: "Study"
@@ -65,34 +62,34 @@ class Plan:
 
     @property
     def costs(self) -> list["Cost"]:
-        """What packs jobs for workers, and tells how many of these there is memory for."""
+        """Costs by which jobs are packed for workers and the workers that fit into memory are counted."""
         from bearingsim.runner.packing import Cost
 
-        found = [one.estimate for one in self.everything]
-        return [Cost(one.cpu_seconds, one.bytes, one.most_memory) for one in found]
+        estimates = [priced.estimate for priced in self.everything]
+        return [Cost(price.cpu_seconds, price.bytes, price.most_memory) for price in estimates]
 
     @property
     def workers(self) -> int:
-        """Worker processes: as many as asked for, if there is memory for them."""
+        """Number of worker processes: the requested number, or fewer if memory limits it."""
         from bearingsim.runner.packing import fitting
 
         return fitting(self.costs, self.asked_workers)
 
     @property
     def refused(self) -> tuple[str, ...]:
-        """Why some cannot be run, one text a kind."""
+        """Reasons for which jobs cannot be run, one text a kind."""
         return tuple(_grouped(self.refusals, self.study))
 
     @property
     def counted(self) -> tuple[int, int, int]:
-        """How many cases, twins and variations the study has, refused ones too."""
+        """Numbers of cases, twins and variations of the study, including refused ones."""
         twins = sum(job.is_baseline for job in self.jobs)
         varied = sum(job.is_variation for job in self.jobs)
         return len(self.jobs) - twins - varied, twins, varied
 
     @property
     def share(self) -> float:
-        """How many jobs one that is priced stands for."""
+        """Number of jobs per priced job."""
         return len(self.jobs) / (len(self.everything) + len(self.refusals))
 
     @property
@@ -122,7 +119,7 @@ COMPILING = f"compiling what the estimate needs, some seconds: {ONCE}"
 
 
 def plan_of(study: "Study", workers: int | None, patience: Patience = QUIET) -> Plan:
-    """Price the jobs of a study, or some if they are many; refusals are gathered, not raised."""
+    """Price the jobs of a study, or a sample of many; refusals are collected, not raised."""
     from joblib import cpu_count
 
     from bearingsim.core.jit import heard
@@ -136,22 +133,22 @@ def plan_of(study: "Study", workers: int | None, patience: Patience = QUIET) -> 
             except ValueError as error:
                 refusals.append((job, str(error)))
         if not refusals:
-            study.assumptions  # noqa: B018 (made here, because it may compile, too)
+            study.assumptions  # noqa: B018 (evaluated now, because it may compile too)
     return Plan(
         study=study,
         jobs=tuple(jobs),
-        cases=tuple(one for one in priced if not one.job.is_baseline and not one.job.is_variation),
-        baselines=tuple(one for one in priced if one.job.is_baseline),
-        variations=tuple(one for one in priced if one.job.is_variation),
+        cases=tuple(item for item in priced if not item.job.is_baseline and not item.job.is_variation),
+        baselines=tuple(item for item in priced if item.job.is_baseline),
+        variations=tuple(item for item in priced if item.job.is_variation),
         refusals=tuple(refusals),
         asked_workers=workers or cpu_count(),
     )
 
 
 def drawn(jobs: "Sequence[Job]") -> "Sequence[Job]":
-    """The jobs, in order; of many as many as MOST_PRICED allows, the same each time.
+    """Sample the jobs if they exceed MOST_PRICED, reproducibly and in order.
 
-    The first and the last are among them, and those at the ends of swept ranges: there most refusals are.
+    The sample includes the first and last job and the extremes of swept ranges, where most refusals occur.
     """
     from bearingsim.assemble.space import unevenly_loaded
 
@@ -164,7 +161,7 @@ def drawn(jobs: "Sequence[Job]") -> "Sequence[Job]":
 
 
 def ends(jobs: "Sequence[Job]") -> Iterator[int]:
-    """The numbers of the first and last job, and of those with the least and greatest value of each swept path."""
+    """Yield the indices of the first and last job, and of the least and greatest value of each swept path."""
     yield from (0, len(jobs) - 1)
     for path in jobs[0].swept:
         values = {n: value for n, job in enumerate(jobs) if isinstance(value := job.swept.get(path), float)}
@@ -187,10 +184,10 @@ def _priced(job: "Job") -> Priced:
 
 
 def friction_scale(case: "Case", force: float) -> tuple[float, float]:
-    """The largest friction (N) under a force (N), and the time (s) in which it brings a slipping roller to roll.
+    """Compute the largest friction (N) under a force (N), and the decay time (s) of the slip of a roller.
 
-    Slip s of a roller between two races under the force Q each dies out like exp(-2 mu' Q R_w^2/I_r t), mu' the
-    steepest slope of the friction's curve.
+    The slip of a roller between two races, each under the force Q, decays as exp(-2 mu' Q R_w^2/I_r t), with mu'
+    the largest slope of the friction curve.
     """
     from bearingsim import assemble
     from bearingsim.core.laws.friction.interface import mu_slope_bound
@@ -206,14 +203,14 @@ def friction_scale(case: "Case", force: float) -> tuple[float, float]:
 
 @lru_cache(maxsize=1 << 10)
 def most_friction(law: Any, u: float) -> float:
-    """The largest friction coefficient of a law at the rolling speed ``u`` (m/s), within 1 %."""
+    """Compute the largest friction coefficient of a law at the rolling speed ``u`` (m/s), within 1 %."""
     from bearingsim.core.laws.friction.interface import mu
 
     return max(float(mu(law, u * 10.0 ** (n / SLIPS_PER_DECADE), u)) for n in range(-4 * SLIPS_PER_DECADE, 1))
 
 
 def _grouped(refusals: Iterable[tuple["Job", str]], study: "Study") -> Iterable[str]:
-    """One message for all refusals that differ in numbers at most."""
+    """Yield one message for all refusals that differ only in numbers."""
     from bearingsim.plots.labels import described
     from bearingsim.runner.summary import kind_of
 
@@ -227,7 +224,7 @@ def _grouped(refusals: Iterable[tuple["Job", str]], study: "Study") -> Iterable[
         yield f"{count} {where or 'the only case'}: {text}"
 
 
-# What is printed: rows of a table, one column per model and method
+# Rows of the printed table, with one column per model and method
 
 
 Line = tuple[str, Callable[[Priced], float]]
@@ -236,7 +233,7 @@ RECORDED: Line = ("own steps, recorded every (us)", lambda p: 1e6 * p.step if ta
 
 
 def line_frequency(name: str, share: float = 1.0) -> Callable[[Priced], float]:
-    """What gives the frequency (Hz) of a line, or of a share of it, at a job's highest speed."""
+    """Return a function that computes the frequency (Hz) of a line, times ``share``, at a job's highest speed."""
     return lambda p: share * frequency(p.job.case, name)
 
 
@@ -254,7 +251,7 @@ PITS: tuple[Line, ...] = (
     ("samples in a crossing", lambda p: p.limits.crossing * p.job.case.sampling),
     ("a roller sinks by (um)", lambda p: 1e6 * p.sinking),
 )
-"""Said where there are pits."""
+"""Rows of studies with pits."""
 LIMITS: tuple[Line, ...] = (
     ("step limit at rest (us)", lambda p: 1e6 * p.limits.at_rest),
     ("step limit at impact (us)", lambda p: 1e6 * p.limits.at_impact),
@@ -263,7 +260,7 @@ LIMITS: tuple[Line, ...] = (
     ("damping ratio", lambda p: p.limits.damping_ratio),
     ("closing speed (mm/s)", lambda p: 1e3 * p.limits.closing_speed),
 )
-"""What a method must keep to."""
+"""Step limits, and the contact properties that they follow from."""
 COST: Line = ("CPU time of a job (s)", lambda p: p.estimate.cpu_seconds)
 MEMORY: Line = ("memory of a job, at most (MB)", lambda p: 1e-6 * p.estimate.most_memory)
 PROOF: Line = ("of it to prove its step (s)", lambda p: p.estimate.check_seconds)
@@ -271,12 +268,12 @@ FRICTION: tuple[Line, ...] = (
     ("friction at rest, at most (N)", lambda p: p.friction_scale[0]),
     ("slip at rest settles in (us)", lambda p: 1e6 * p.friction_scale[1]),
 )
-"""Said where there is friction. It lags by a step, so it limits none; a step under the time resolves it."""
-SLIPS_PER_DECADE = 50
+"""Rows of studies with friction. It lags by one step, so it sets no limit; a step below the time resolves it."""
+SLIPS_PER_DECADE = 50  # slip speeds per decade at which a friction curve is searched for its maximum
 
 
 def show(plan: Plan, verbose: bool) -> None:
-    """Print the plan; verbose: a line for each case, too."""
+    """Print the plan; verbose: also a row per case."""
     from bearingsim.cli.remarks import remarks
     from bearingsim.config.scan.repair import notes
     from bearingsim.runner.packing import fewer
@@ -300,13 +297,13 @@ def show(plan: Plan, verbose: bool) -> None:
     out.print()
     if len(plan.everything) < len(plan.jobs):
         out.print(f"{len(plan.everything)} jobs were drawn and priced, and stand for all {len(plan.jobs)}")
-    for told in [
+    for text in [
         *fewer(plan.costs, plan.asked_workers),
         *remarks(plan, verbose),
         *study.notes,
         *notes(study.cases()),
     ]:
-        out.print(told, markup=False)
+        out.print(text, markup=False)
     if verbose:
         _show_cases(plan)
         out.print()
@@ -315,7 +312,7 @@ def show(plan: Plan, verbose: bool) -> None:
 
 
 def takes_own_steps(priced: Priced) -> bool:
-    """Whether the job's method chooses its steps itself."""
+    """Return True if the method of a job adapts its step."""
     from bearingsim.catalogue import METHODS
 
     method = priced.choice.method
@@ -323,13 +320,13 @@ def takes_own_steps(priced: Priced) -> bool:
 
 
 def _lines(plan: Plan, verbose: bool) -> tuple[Line, ...]:
-    """The lines of the table: frequencies, forces, pits, the price; verbose: steps, their limits, friction."""
-    pits = PITS if any(one.job.case.defects for one in plan.everything) else ()
+    """Return the rows of the table: frequencies, forces, pits, cost; verbose: also steps, limits, friction."""
+    pits = PITS if any(priced.job.case.defects for priced in plan.everything) else ()
     if not verbose:
         return (*LINES, *pits, COST)
-    rubs = any(math.isfinite(one.friction_scale[1]) for one in plan.everything)
-    proves = any(one.job.case.checks_step for one in plan.everything)
-    own = [takes_own_steps(one) for one in plan.everything]
+    rubs = any(math.isfinite(priced.friction_scale[1]) for priced in plan.everything)
+    proves = any(priced.job.case.checks_step for priced in plan.everything)
+    own = [takes_own_steps(priced) for priced in plan.everything]
     steps = (*((CHOSEN,) if not all(own) else ()), *((RECORDED,) if any(own) else ()))
     of_methods = (*steps, *LIMITS, *(FRICTION if rubs else ()))
     return (*LINES, *pits, *of_methods, COST, *((PROOF,) if proves else ()), MEMORY)
@@ -341,8 +338,8 @@ def _counts(plan: Plan) -> str:
     every = cases + twins + varied
     kinds = [f"{cases} case{'s' * (cases != 1)}", f"{twins} healthy twin{'s' * (twins != 1)}"]
     kinds += [f"{varied} variation{'s' * (varied != 1)}"] if varied else []
-    told = f", {refused} refused" if refused else ""
-    return f"{every} job{'s' * (every != 1)} ({', '.join(kinds)}){told}"
+    rejected = f", {refused} refused" if refused else ""
+    return f"{every} job{'s' * (every != 1)} ({', '.join(kinds)}){rejected}"
 
 
 def _rows(drawn: "Drawn") -> str:
@@ -350,10 +347,10 @@ def _rows(drawn: "Drawn") -> str:
     return f"{rows} row{'s' * (rows != 1)}, {cases} case{'s' * (cases != 1)}"
 
 
-def _groups(priced: Sequence[Priced]) -> dict[str, list[Priced]]:
+def _groups(jobs: Sequence[Priced]) -> dict[str, list[Priced]]:
     groups: dict[str, list[Priced]] = {}
-    for one in priced:
-        groups.setdefault(" ".join(filter(None, [one.job.case.model, one.choice.method])), []).append(one)
+    for priced in jobs:
+        groups.setdefault(" ".join(filter(None, [priced.job.case.model, priced.choice.method])), []).append(priced)
     return groups
 
 
@@ -364,14 +361,17 @@ def _show_cases(plan: Plan) -> None:
     lines = _lines(plan, verbose=True)
     heads = [*units, *(name for name, _ in lines)]
     rows = [
-        [*(value_text(path, one.job.swept[path], units) for path in units), *(span([f(one)]) for _, f in lines)]
-        for one in plan.cases
+        [
+            *(value_text(path, priced.job.swept[path], units) for path in units),
+            *(span([f(priced)]) for _, f in lines),
+        ]
+        for priced in plan.cases
     ]
     print_table(heads, rows, words=len(units))
 
 
 def size(count: int) -> str:
-    """Bytes as `12 kB`, `3.4 MB`, `1.2 GB`."""
+    """Format a number of bytes as `12 kB`, `3.4 MB`, `1.2 GB`."""
     for unit, scale in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
         if count >= scale:
             return f"{significant(count / scale, 2)} {unit}"
@@ -379,11 +379,11 @@ def size(count: int) -> str:
 
 
 def as_json(plan: Plan) -> str:
-    """The plan for a script: SI, null where there is no limit."""
+    """Return the plan as JSON, in SI; null stands for no limit."""
     from bearingsim.config.scan.repair import notes
 
     cases, twins, varied = plan.counted
-    found = {
+    entries = {
         "study": plan.study.name,
         "cases": cases,
         "twins": twins,
@@ -398,7 +398,7 @@ def as_json(plan: Plan) -> str:
         "notes": [*plan.study.assumptions, *plan.study.notes, *notes(plan.study.cases())],
         "jobs": [_job_entry(priced) for priced in plan.everything],
     }
-    return json.dumps(found, indent=1)
+    return json.dumps(entries, indent=1)
 
 
 def _job_entry(priced: Priced) -> dict[str, Any]:

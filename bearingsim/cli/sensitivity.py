@@ -1,4 +1,4 @@
-"""`bearingsim sensitivity`: what decides a feature, as a table, in words, as a figure."""
+"""`bearingsim sensitivity`: influence of each parameter on a feature, as a table, a sentence and a figure."""
 
 import json
 from collections.abc import Sequence
@@ -15,13 +15,11 @@ if TYPE_CHECKING:
     from bearingsim.sensitivity import Blocks, Effects, Estimate, Indices
     from bearingsim.store import Results
 
-__all__ = ["show"]
-
 
 def show(results: "Results", features: Sequence[str], as_json: bool, out: Path | None) -> None:
-    """Print indices or effects of some features (default: the fault's line), and draw them.
+    """Print Sobol' indices or Morris' effects of some features (default: the defect's line), and draw them.
 
-    out: file of the figure; default: a name of its own among the results' figures, none for JSON.
+    out: file of the figure; default: among the results' figures, none with JSON.
     """
     from bearingsim.plots import select
     from bearingsim.sensitivity import analysed, design_of, of_results
@@ -29,23 +27,23 @@ def show(results: "Results", features: Sequence[str], as_json: bool, out: Path |
     design_of(results)
     wanted = list(dict.fromkeys(features)) or list(select.default_y(results, results.table()))
     target = _target(results, wanted, out)
-    blocks = [of_results(results, feature) for feature in wanted]
-    answers = [(one, analysed(one)) for one in blocks]
+    all_blocks = [of_results(results, feature) for feature in wanted]
+    answers = [(blocks, analysed(blocks)) for blocks in all_blocks]
     if as_json:
-        say(json.dumps({one.feature: _plain(one, found) for one, found in answers}, indent=1))
+        say(json.dumps({blocks.feature: _plain(blocks, analysis) for blocks, analysis in answers}, indent=1))
     else:
         for number, answer in enumerate(answers):
             say("\n" * bool(number) + _head(*answer))
             _print(*answer)
             say(_verdict(*answer))
-            for told in _remarks(answer[0]):
-                say(told)
+            for text in _remarks(answer[0]):
+                say(text)
     if out is not None or not as_json:
         _draw(results, answers, target, quiet=as_json)
 
 
 def _target(results: "Results", features: Sequence[str], out: Path | None) -> Path:
-    """The file of the figure. Raises UserError for a name of another format, or in no folder."""
+    """Return the file of the figure. Raises UserError for a wrong suffix, or a missing folder."""
     from bearingsim.plots.plot import FIGURES, FORMATS, slug
 
     if out is None:
@@ -66,8 +64,11 @@ def _draw(results: "Results", answers: "Sequence[Answer]", target: Path, quiet: 
         say(near(file))
 
 
-def _head(blocks: "Blocks", found: "Indices | Effects") -> str:
-    """`velocity@BPFO: mean 14.6 um/s, standard deviation 10.1 um/s; Sobol' indices from 128 blocks, 1024 jobs`."""
+def _head(blocks: "Blocks", analysis: "Indices | Effects") -> str:
+    """Format mean, standard deviation and design of a feature.
+
+    `velocity@BPFO: mean 14.6 um/s, standard deviation 10.1 um/s; Sobol' indices from 128 blocks, 1024 jobs`.
+    """
     unit, factor = _unit(blocks)
     numbers = (blocks.values.mean(), blocks.values.std())
     mean, deviation = (f"{significant(factor * float(number))} {unit}".strip() for number in numbers)
@@ -76,71 +77,74 @@ def _head(blocks: "Blocks", found: "Indices | Effects") -> str:
     return f"{blocks.feature}: mean {mean}, standard deviation {deviation}; {of}"
 
 
-def _print(blocks: "Blocks", found: "Indices | Effects") -> None:
-    """A row for each parameter, the one that matters most first; intervals in brackets."""
+def _print(blocks: "Blocks", analysis: "Indices | Effects") -> None:
+    """Print a row for each parameter, the most important first; intervals in brackets."""
     from bearingsim.sensitivity import LEVEL, Indices
 
-    unit, factor, digits = ("", 1.0, "z.2f") if isinstance(found, Indices) else (*_unit(blocks), ".3g")
-    columns = _columns(found)
+    unit, factor, digits = ("", 1.0, "z.2f") if isinstance(analysis, Indices) else (*_unit(blocks), ".3g")
+    columns = _columns(analysis)
     heads = ["parameter"]
     for name in columns:
         heads += [f"{name} ({unit})" if unit else name, f"{100 * LEVEL:.0f} %"]
     ranked = next(iter(columns.values())).value
     order = sorted(range(len(blocks.paths)), key=lambda place: -ranked[place])
     rows = [
-        [blocks.paths[place], *(cell for one in columns.values() for cell in _cells(one, place, digits, factor))]
+        [
+            blocks.paths[place],
+            *(cell for estimate in columns.values() for cell in _cells(estimate, place, digits, factor)),
+        ]
         for place in order
     ]
     print_table(heads, rows)
 
 
-def _columns(found: "Indices | Effects") -> "dict[str, Estimate]":
-    """What is told of each parameter; the first is what they are ranked by."""
+def _columns(analysis: "Indices | Effects") -> "dict[str, Estimate]":
+    """Return the estimates of each parameter by column; the first ranks the parameters."""
     from bearingsim.sensitivity import Indices
 
-    if isinstance(found, Indices):
-        return {"total": found.total, "first": found.first}
-    return {"mu*": found.magnitude, "sigma": found.spread, "mu": found.mean}
+    if isinstance(analysis, Indices):
+        return {"total": analysis.total, "first": analysis.first}
+    return {"mu*": analysis.magnitude, "sigma": analysis.spread, "mu": analysis.mean}
 
 
-def _cells(one: "Estimate", place: int, digits: str, factor: float) -> tuple[str, str]:
-    value, low, high = (f"{factor * float(ends[place]):{digits}}" for ends in one)
+def _cells(estimate: "Estimate", place: int, digits: str, factor: float) -> tuple[str, str]:
+    value, low, high = (f"{factor * float(ends[place]):{digits}}" for ends in estimate)
     return value, f"{low} .. {high}"
 
 
-def _verdict(blocks: "Blocks", found: "Indices | Effects") -> str:
+def _verdict(blocks: "Blocks", analysis: "Indices | Effects") -> str:
     from bearingsim.sensitivity import Indices, of_effects, of_indices
 
-    if isinstance(found, Indices):
-        return of_indices(found, blocks.feature, blocks.paths)
-    return of_effects(found, blocks.feature, blocks.paths, *_unit(blocks))
+    if isinstance(analysis, Indices):
+        return of_indices(analysis, blocks.feature, blocks.paths)
+    return of_effects(analysis, blocks.feature, blocks.paths, *_unit(blocks))
 
 
 def _remarks(blocks: "Blocks") -> list[str]:
-    """What is to be kept in mind: what was dropped, what is chance."""
-    told = []
+    """Return remarks on dropped blocks and on chaotic jobs."""
+    texts = []
     if blocks.dropped:
-        told.append(f"{blocks.losses()}; indices are those of the rest")
+        texts.append(f"{blocks.losses()}; indices are those of the rest")
     if blocks.chaotic:
-        told.append(
+        texts.append(
             f"{blocks.chaotic} of {blocks.jobs} jobs are chaotic: how far one draw differs from another counts"
             " as parameters that act together"
         )
-    return told
+    return texts
 
 
 def _unit(blocks: "Blocks") -> tuple[str, float]:
-    """The unit in which a feature reads well, and its factor from SI."""
+    """Return a readable unit of a feature, and its factor from SI."""
     from bearingsim.plots.labels import feature_axis
 
     return feature_axis(blocks.feature, float(abs(blocks.values).max()))
 
 
-def _plain(blocks: "Blocks", found: "Indices | Effects") -> dict[str, Any]:
-    """For JSON, in SI."""
+def _plain(blocks: "Blocks", analysis: "Indices | Effects") -> dict[str, Any]:
+    """Convert an analysis for JSON, in SI."""
     from bearingsim.sensitivity import Indices
 
-    told: dict[str, Any] = {
+    entries: dict[str, Any] = {
         "design": blocks.kind,
         "blocks": len(blocks.values),
         "dropped": blocks.dropped,
@@ -151,13 +155,13 @@ def _plain(blocks: "Blocks", found: "Indices | Effects") -> dict[str, Any]:
         "mean": float(blocks.values.mean()),
         "standard_deviation": float(blocks.values.std()),
         "parameters": {
-            path: {name: _ends(one, place) for name, one in _columns(found).items()}
+            path: {name: _ends(estimate, place) for name, estimate in _columns(analysis).items()}
             for place, path in enumerate(blocks.paths)
         },
-        "says": _verdict(blocks, found),
+        "says": _verdict(blocks, analysis),
     }
-    return told | ({"together": _ends(found.together, 0)} if isinstance(found, Indices) else {})
+    return entries | ({"together": _ends(analysis.together, 0)} if isinstance(analysis, Indices) else {})
 
 
-def _ends(one: "Estimate", place: int) -> dict[str, float]:
-    return {name: float(ends[place]) for name, ends in zip(("value", "low", "high"), one, strict=True)}
+def _ends(estimate: "Estimate", place: int) -> dict[str, float]:
+    return {name: float(ends[place]) for name, ends in zip(("value", "low", "high"), estimate, strict=True)}

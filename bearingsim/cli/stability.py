@@ -1,4 +1,4 @@
-"""`bearingsim stability`: where each method fails, as a table, a CSV file and maps."""
+"""`bearingsim stability`: failures of each method as a table, a CSV file and maps."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,16 +8,19 @@ import typer
 from bearingsim.cli.opening import near
 from bearingsim.text.terminal import say
 
-__all__ = ["chosen", "show"]
 
+def chosen(
+    option: str, requested: Sequence[str] | None, choices: Sequence[str], usual: Sequence[str]
+) -> list[str]:
+    """Return the requested words without duplicates, or ``usual`` without a request.
 
-def chosen(option: str, asked: Sequence[str] | None, known: Sequence[str], usual: Sequence[str]) -> list[str]:
-    """The words asked for, each once; all that is ``usual`` if none. Raises BadParameter for an unknown word."""
-    for word in asked or []:
-        if word not in known:
-            words = f"{', '.join(known[:-1])} or {known[-1]}"
+    Raises BadParameter for a word that is not in ``choices``.
+    """
+    for word in requested or []:
+        if word not in choices:
+            words = f"{', '.join(choices[:-1])} or {choices[-1]}"
             raise typer.BadParameter(f"expected {words}, got `{word}`", param_hint=option)
-    return list(dict.fromkeys(asked or usual))
+    return list(dict.fromkeys(requested or usual))
 
 
 def show(
@@ -28,7 +31,7 @@ def show(
     folder: Path | None,
     jobs: int,
 ) -> None:
-    """Compute the map, draw it, and print what was found and where it lies."""
+    """Compute the map, draw it, and print its summary and the paths of its files."""
     from bearingsim.cli.screen import print_table
     from bearingsim.plots import stability as maps
     from bearingsim.stability import judge, mapping, matrix
@@ -36,12 +39,12 @@ def show(
 
     grid = matrix.QUICK if quick else matrix.FULL
     usual = matrix.QUICK_METHODS if quick else matrix.methods_known()
-    known = matrix.methods_known()
+    every_method = matrix.methods_known()
     grid = grid._replace(pits=tuple(chosen("--pit", pits, tuple(PITS), grid.pits)))
-    of = chosen("--model", models, matrix.models_known(), matrix.QUICK_MODELS if quick else matrix.USUAL)
-    by = chosen("--method", methods, known, [name for name in usual if name in known])
+    of_models = chosen("--model", models, matrix.models_known(), matrix.QUICK_MODELS if quick else matrix.USUAL)
+    by_methods = chosen("--method", methods, every_method, [name for name in usual if name in every_method])
     target = folder or Path("results") / ("stability-quick" if quick else "stability")
-    path = mapping.compute(of, by, grid, target, jobs)
+    path = mapping.compute(of_models, by_methods, grid, target, jobs)
     print_table(("model", "method", *judge.CLASSES), mapping.summary(path), words=2)
     say(near(path))
     for file in maps.draw_all(path):

@@ -1,4 +1,4 @@
-"""Standard streams that work in any environment: closed, with an encoding of few letters, or read by nobody."""
+"""Standard streams for any environment: closed, with a narrow encoding, or without a reader."""
 
 import codecs
 import os
@@ -7,14 +7,12 @@ import sys
 from io import TextIOWrapper
 from typing import Any
 
-__all__ = ["prepare", "reader_is_gone"]
-
 SPELL = "bearingsim.spell"
 """Name of the error handler of both streams."""
 
 
 class Messages(TextIOWrapper):
-    """Stderr whose reader may go, or whose disk may fill: the command goes on without messages."""
+    """Stderr that drops messages after its reader has closed it, or its disk is full."""
 
     def write(self, text: str) -> int:
         """Write a text, or drop it."""
@@ -32,7 +30,7 @@ class Messages(TextIOWrapper):
 
 
 def prepare() -> None:
-    """Lead closed streams to the null device, and give both an encoder that never fails."""
+    """Connect closed streams to the null device, and give both an encoder that never fails."""
     _reserve_descriptors()
     codecs.register_error(SPELL, _spelled)
     sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
@@ -45,7 +43,7 @@ def prepare() -> None:
 
 
 def _reserve_descriptors() -> None:
-    """Open the null device on each closed descriptor of 0 to 2: else a file of results gets it, and its prints."""
+    """Open the null device on each closed descriptor of 0 to 2, so that no results file is opened there."""
     while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
         os.set_inheritable(descriptor, True)
     os.close(descriptor)
@@ -62,7 +60,7 @@ def _spelled(error: UnicodeError) -> tuple[str, int]:
 
 
 def reader_is_gone() -> bool:
-    """Whether stdout is a pipe that nobody reads any more, as after `| head`."""
+    """Return True if stdout is a pipe closed at the other end, as after `| head`."""
     stdout: Any = select.poll()
     stdout.register(1, 0)
     return any(event & (select.POLLERR | select.POLLHUP) for _, event in stdout.poll(0))

@@ -19,17 +19,15 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-__all__ = ["show_assumptions", "show_failures", "show_jobs", "usual_features"]
-
 Column = tuple[str, list[str]]  # head and cells
 STATISTICS = ("velocity.rms", "outer_force.max")
 MOST_ROWS = 1000
-"""Of a table that is printed: nobody reads more, and 100 000 take minutes."""
+"""Largest number of printed rows; 100 000 rows take minutes."""
 PROOF = ("step_error.line", "step_error.rms", "step_error.record", "chaotic")
 
 
 def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json: bool) -> None:
-    """Print a row per job; columns: instead of the usual ones. As JSON: all of them, in SI."""
+    """Print a row per job; columns: replace the usual ones. As JSON: all columns, in SI."""
     from bearingsim.runner.promises import withdrawals
     from bearingsim.store import job_frame
 
@@ -40,12 +38,12 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     chosen = list(columns) or [*swept, *features, "status", "seconds"]
     _check(chosen, [str(name) for name in table])
     if as_json:
-        asked = rows[["job", *chosen]] if columns else rows
-        say(json.dumps([_plain(row) for row in asked.to_dict("records")], indent=1))
+        requested = rows[["job", *chosen]] if columns else rows
+        say(json.dumps([_plain(row) for row in requested.to_dict("records")], indent=1))
         return
     shown = rows[:MOST_ROWS]
-    found = [("job", [job[:8] for job in shown["job"]]), *(_column(results, shown, name) for name in chosen)]
-    kept = found if columns else _fitting(found, [name in features for name in ["job", *chosen]])
+    all_columns = [("job", [job[:8] for job in shown["job"]]), *(_column(results, shown, name) for name in chosen)]
+    kept = all_columns if columns else _fitting(all_columns, [name in features for name in ["job", *chosen]])
     print_table([head for head, _ in kept], list(zip(*(cells for _, cells in kept), strict=True)))
     if len(shown) < len(rows):
         say(f"and {len(rows) - len(shown)} jobs more: results.csv has them, and `--json`")
@@ -55,56 +53,59 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     info = results.info().reindex(table["job"])
     of_choices = (results.plan.get("accuracy") or {}).get("notes", ())
     assumed = results.plan.get("assumptions", ())
-    for told in (*of_choices, *repetitions(info), *assumed, *damping.of_jobs(info)):
-        say(told)
-    if len(kept) < len(found):
+    for text in (*of_choices, *repetitions(info), *assumed, *damping.of_jobs(info)):
+        say(text)
+    if len(kept) < len(all_columns):
         heads = {_stacked(head) for head, _ in kept}
-        left = ", ".join(head for head, _ in found if _stacked(head) not in heads)
-        count = len(found) - len(kept)
+        left = ", ".join(head for head, _ in all_columns if _stacked(head) not in heads)
+        count = len(all_columns) - len(kept)
         say(f"{count} columns too wide for the terminal: {left} (`--columns NAME`, `--json` or a pipe)")
 
 
 UNVARIED = {"clearance": "0 um, 10 um", "bracket": "0.5, 2"}
-"""Examples of values of what is not known, and has no sentence of its own."""
+"""Example values of unknown quantities whose assumption has no sentence of its own."""
 
 
 def show_assumptions(results: "Results") -> None:
-    """Print a sentence for each assumption of a study, and what it would take to try other values."""
+    """Print a sentence for each assumption of a study, and the setting that varies it."""
     from bearingsim.runner.findings import findings
     from bearingsim.runner.unknowns import assumed
     from bearingsim.store import job_frame
 
     frame = job_frame(results.path)
-    told = [*assumed(results.plan, frame), *damping.of_jobs(results.info())]
+    texts = [*assumed(results.plan, frame), *damping.of_jobs(results.info())]
     unvaried = [name for name in findings(results.plan, frame).assumed if name in UNVARIED]
-    told += [
+    texts += [
         f"{name} has one value in each case: `uncertainty: {{{name}: [{UNVARIED[name]}]}}` varies it"
         for name in unvaried
     ]
-    for text in told or ["nothing is assumed that this program would vary"]:
+    for text in texts or ["nothing is assumed that this program would vary"]:
         say(text)
 
 
 def usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
-    """The fault's line, the cage's slip if it can slip, what the defects have made, bands, statistics, errors."""
+    """List the usual columns that have a value.
+
+    Line of the defect, cage slip of models with slip, change from healthy, bands, statistics, errors.
+    """
     from bearingsim.config.names import of_band
     from bearingsim.plots import lines
 
-    known = results.parameters()
-    shown = [f"velocity@{line}" for line in lines.fitting(known)]
-    slip = ["cage.slip.mean"] if lines.may_slip(known) else []
+    parameters = results.parameters()
+    shown = [f"velocity@{line}" for line in lines.fitting(parameters)]
+    slip = ["cage.slip.mean"] if lines.may_slip(parameters) else []
     moved = [name for name in map(str, table) if name.startswith("error.")]
     banded = [name for name in map(str, table) if of_band(name) is not None]
     wanted = (*shown, *slip, *(f"{line}-healthy" for line in shown), *banded, *STATISTICS, *moved, *PROOF)
-    told = [name for name in wanted if name in table and table[name].notna().any()]
-    return [name for name in told if name != "chaotic" or (table[name] > 0.0).any()]
+    present = [name for name in wanted if name in table and table[name].notna().any()]
+    return [name for name in present if name != "chaotic" or (table[name] > 0.0).any()]
 
 
-def _fitting(found: list[Column], features: Sequence[bool]) -> list[Column]:
-    """The columns that fit into the terminal: heads are stacked, then features left out from the right."""
-    if _fits(found):
-        return found
-    kept = [(_stacked(head), cells) for head, cells in found]
+def _fitting(columns: list[Column], features: Sequence[bool]) -> list[Column]:
+    """Select the columns that fit into the terminal: stack the heads, then drop features from the right."""
+    if _fits(columns):
+        return columns
+    kept = [(_stacked(head), cells) for head, cells in columns]
     for column, feature in reversed(list(zip(list(kept), features, strict=True))):
         if _fits(kept):
             break
@@ -115,25 +116,25 @@ def _fitting(found: list[Column], features: Sequence[bool]) -> list[Column]:
 
 def _fits(columns: Sequence[Column]) -> bool:
     width, whole = terminal_width(), [[head, *cells] for head, cells in columns]
-    return width is None or needed_width([one[0] for one in whole], zip(*whole, strict=True)) <= width
+    return width is None or needed_width([column[0] for column in whole], zip(*whole, strict=True)) <= width
 
 
 def _stacked(head: str) -> str:
-    """A head in several lines: broken before `.width` and `-healthy`, the unit below."""
+    """Break a head into lines, before `.width` and `-healthy` and before the unit."""
     return re.sub(r"(?<=\w)(?=[.-][a-z])", "\n", head).replace(" (", "\n(")
 
 
-def _check(chosen: Sequence[str], known: Sequence[str]) -> None:
+def _check(chosen: Sequence[str], columns: Sequence[str]) -> None:
     from bearingsim.text.units import suggestion
 
     for name in chosen:
-        if name not in known:
-            near = suggestion(name, known)
+        if name not in columns:
+            near = suggestion(name, columns)
             raise UserError(f"no column `{name}`" + (f" ({near})" if near else ""))
 
 
 def _plain(row: Mapping[Any, Any]) -> dict[str, Any]:
-    """A row for JSON: null for what is not there, or is without bound."""
+    """Convert a row for JSON: null for missing and infinite values."""
     return {
         str(key): None if isinstance(value, float) and not math.isfinite(value) else value
         for key, value in row.items()
@@ -141,8 +142,8 @@ def _plain(row: Mapping[Any, Any]) -> dict[str, Any]:
 
 
 def _varied(results: "Results") -> str:
-    """How many variations stand beside the jobs, and how many of them have no result."""
-    jobs = {one["job"] for one in results.variations} - set(results.table()["job"])
+    """Count the variations, and those without a result."""
+    jobs = {entry["job"] for entry in results.variations} - set(results.table()["job"])
     lacking = len(jobs - set(results.info().index))
     return f", and {len(jobs)} variations{f' ({lacking} without a result)' * bool(lacking)}" if jobs else ""
 
@@ -153,7 +154,7 @@ def _counts(table: "pd.DataFrame") -> str:
 
 
 def _column(results: "Results", rows: "pd.DataFrame", name: str) -> Column:
-    """Head and cells of a column, in the study's unit or a readable one."""
+    """Return head and cells of a column, in the study's unit or a readable one."""
     from bearingsim.plots import labels
 
     units = results.plan["units"]
@@ -178,13 +179,15 @@ def show_failures(folder: Path, tracebacks: bool = False) -> None:
 
     results = open_results(folder)
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
-    known = results.failures()
-    failures = {job: known[job] for job in results.planned if job in known}
-    varied = {one["job"]: f"{one['what']} {one['value']:.3g} (SI) of {one['of']}" for one in results.variations}
+    stored = results.failures()
+    failures = {job: stored[job] for job in results.planned if job in stored}
+    varied = {
+        entry["job"]: f"{entry['what']} {entry['value']:.3g} (SI) of {entry['of']}" for entry in results.variations
+    }
     for job, failure in islice(failures.items(), MOST_ROWS):
         say(f"{job}  {varied.get(job) or described(swept[job], results.plan['units'])}")
-        told = failure.time is None or "into the run" in failure.reason
-        when = "" if told else f", {1e3 * (failure.time or 0.0):.4g} ms into the run"
+        timeless = failure.time is None or "into the run" in failure.reason
+        when = "" if timeless else f", {1e3 * (failure.time or 0.0):.4g} ms into the run"
         say(f"    {failure.reason}{when}" + (f" ({failure.advice})" if failure.advice else ""))
         if tracebacks:
             say(failure.traceback)
