@@ -26,6 +26,7 @@ from bearingsim.simulation.settling import has_free_cage, slowest_decay
 from bearingsim.simulation.trial import pit_turn
 
 PARTS = 4  # of a record: how the change from one to the next shrinks tells what is to come
+ALIKE = 12  # ball passes: a multiple of all periods that have been seen
 SLOWER = 16.0  # times as slowly as at rest a motion may decay: it is driven, and contacts open
 
 
@@ -113,7 +114,7 @@ def _of_parts(case: Case, passes: Passes, rate: float, standard: StandardErrors)
     largest force by 1/(1 - r), with r what remains of a decay after a half: as seen from part to part, at most
     that of the slowest mode at rest if it decays ``SLOWER`` times as slowly.
     """
-    turn = max(1.0, pit_turn(case) * rate)  # in passes
+    turn = max(1.0, pit_turn(case) * rate or ALIKE)  # in passes
     length = len(passes.powers) // PARTS
     length = int(int(length // turn) * turn) or length
     parts = np.repeat(np.eye(PARTS), length, axis=1)
@@ -125,4 +126,15 @@ def _of_parts(case: Case, passes: Passes, rate: float, standard: StandardErrors)
     with np.errstate(divide="ignore", invalid="ignore"):
         r = np.fmin((after / before) ** 2, slow)
         line, rms, force = change * [0.5, 0.5, 1.0] * (1.0 + r * [1.0, 1.0, 0.0]) / (1.0 - r)
-    return StartErrors(float(np.fmax(line, standard.line)), float(np.fmax(rms, standard.rms)), float(force))
+    scatter = _scatter([passes.mean(part) for part in parts], passes)
+    line, rms = (
+        np.fmax(line, np.fmax(scatter.line, standard.line)),
+        np.fmax(rms, np.fmax(scatter.rms, standard.rms)),
+    )
+    return StartErrors(float(line), float(rms), float(np.fmax(force, scatter.force)))
+
+
+def _scatter(means: list[Passes], passes: Passes) -> StartErrors:
+    """Return standard errors of a record from the means of its parts."""
+    changes = np.array([_changes(one, other, passes) for one in means for other in means])
+    return StartErrors(*np.sqrt(np.mean(changes**2, axis=0) * PARTS / (PARTS - 1) / 2.0 / PARTS).tolist())

@@ -94,6 +94,17 @@ def test_a_motion_whose_modes_grow_has_no_steady_state() -> None:
     assert not slow.steady
 
 
+def test_states_are_compared_with_rollers_in_the_places_of_the_last() -> None:
+    """A pattern that stands still while rollers go on from place to place is the same in each pass."""
+    model = assemble.model(case(defect=SLOT))
+    slow, pattern = SlowModes(model, 4, 40, 1e-9), np.arange(13.0)
+    for n in range(3):
+        y = assemble.empty_buffer(model)
+        y[lay.RADIAL : lay.RADIAL + 13] = np.roll(pattern, -n)  # roller j stands where j + 1 did a pass before
+        slow.states.append(y[lay.POSITION : lay.POSITION + 2 * lay.STATE])
+    assert np.ptp(slow._in_place(), axis=1).max() == 0.0
+
+
 def test_only_slow_modes_of_passes_that_are_alike_are_extrapolated() -> None:
     heavy = choice.resolved(auto(**HEAVY))
     assert settling.slow_modes(heavy) == 4
