@@ -1,4 +1,4 @@
-"""What all cases of a figure have in common, for the line below it."""
+"""Common parameters of all cases of a figure, for the caption."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePath
@@ -13,9 +13,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-__all__ = ["band_of_record", "fixed_values", "moved_along", "varying"]
-
-CAPTION_FIELDS = (  # parameters worth saying, in order, with the word that introduces the value
+CAPTION_FIELDS = (  # parameters of the caption in order, each with its introducing word
     ("bearing.name", ""),
     ("speed", ""),
     ("ramp.to", "ramp to"),
@@ -52,7 +50,7 @@ USUAL = {
     "misalignment.inner": 0.0,
     "misalignment.outer": 0.0,
     "bearing.roller_profile.shape": "straight",
-}  # not worth saying
+}  # defaults left out of the caption
 SIZES = ("grown", "seed", "file", "length", "width", "depth", "angle", "offset", "edge.radius", "edge.ramp")
 DEFECT = ("shape", *SIZES)
 SMALL = {
@@ -65,27 +63,27 @@ SMALL = {
 
 MOST_WORDS = 4
 STATISTICS = {"rms": "RMS", "peak": "peak", "crest": "crest factor", "kurtosis": "kurtosis"}
-"""Of a record, whose band ends with its sampling."""
+"""Statistics of a record, limited to the band of its sampling."""
 
 
 def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
-    """Resolved parameters that do not vary over the finished jobs of ``rows``, in words.
+    """List in words the resolved parameters that do not vary over the finished jobs of ``rows``.
 
     drawn: swept paths that the figure shows and the caption leaves out.
     """
-    known = results.parameters()
-    known = known.loc[known.index.intersection(list(rows["job"]))]
+    parameters = results.parameters()
+    parameters = parameters.loc[parameters.index.intersection(list(rows["job"]))]
     units = SMALL | dict(results.plan["units"])
-    said = [*_defects(known, drawn, units), *_machine(known, drawn, units)]
-    return [*said, "quick grid"] if results.plan["quick"] else said
+    texts = [*_defects(parameters, drawn, units), *_machine(parameters, drawn, units)]
+    return [*texts, "quick grid"] if results.plan["quick"] else texts
 
 
 def band_of_record(results: "Results", rows: "pd.DataFrame", features: Sequence[str]) -> list[str]:
-    """`RMS and peak of 0 to 4.1 kHz`: the band of the statistics that a figure draws, where all rows have one."""
+    """Name the band of the statistics in a figure, `RMS and peak of 0 to 4.1 kHz`, if all rows share it."""
     drawn = [word for word in STATISTICS if any(name.endswith(f".{word}") for name in features)]
-    known = results.parameters()
-    known = known.loc[known.index.intersection(list(rows["job"]))]
-    sampling, filtered = (_single(known, name) for name in ("sampling", "antialias"))
+    parameters = results.parameters()
+    parameters = parameters.loc[parameters.index.intersection(list(rows["job"]))]
+    sampling, filtered = (_single(parameters, name) for name in ("sampling", "antialias"))
     if not drawn or not isinstance(sampling, float) or filtered is None:
         return []
     if filtered != "true":
@@ -94,9 +92,10 @@ def band_of_record(results: "Results", rows: "pd.DataFrame", features: Sequence[
 
 
 def moved_along(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:
-    """What varies in a completed figure and stands on none of its axes, curves and panels, with its range.
+    """Describe parameters that vary in a completed figure without an axis, curve or panel, with their ranges.
 
-    Of a `zip`, or derived: `load moves along: 150 to 300 N`, with x or with what is named.
+    Parameters tied by `zip` or `derived` read `load moves along: 150 to 300 N`, plus the parameter they follow
+    unless that is x.
     """
     for path, leader in select.moving_along(figure, rows, units):
         with_it = "" if leader in ("", *figure.x.split(", ")) else f" with {labels.name_text(leader)}"
@@ -104,61 +103,65 @@ def moved_along(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]
 
 
 def varying(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:
-    """What varies in a figure of points and stands on none of its axes and panels: `load varies: 150 to 300 N`.
+    """Describe parameters that vary in a scatter figure without an axis or panel: `load varies: 150 to 300 N`.
 
-    In a design nothing follows x, and hardly a point has the x of another.
+    In a design no parameter follows x, and x values hardly ever repeat.
     """
     for path, _ in select.moving_along(figure, rows, units):
         yield f"{labels.name_text(path)} varies: {_range(path, rows, units)}"
 
 
 def _range(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
-    """`150 to 300 N`; words one by one."""
-    found = select.values(rows, path)
-    if select.is_numeric(found):
+    """Format the range of a parameter, `150 to 300 N`, or its distinct words."""
+    distinct = select.values(rows, path)
+    if select.is_numeric(distinct):
         unit = labels.unit_of(path, units)
-        low, high = (labels.shown(path, value, unit) for value in (found[0], found[-1]))
+        low, high = (labels.shown(path, value, unit) for value in (distinct[0], distinct[-1]))
         return f"{low:.4g} to {high:.4g}{'' if unit in ('deg', '') else ' '}{labels.pretty(unit)}"
-    told = [labels.value_text(path, value, units) for value in found]
-    return " / ".join(told if len(told) <= MOST_WORDS else [*told[:MOST_WORDS], f"{len(told) - MOST_WORDS} more"])
+    texts = [labels.value_text(path, value, units) for value in distinct]
+    return " / ".join(
+        texts if len(texts) <= MOST_WORDS else [*texts[:MOST_WORDS], f"{len(texts) - MOST_WORDS} more"]
+    )
 
 
-def _machine(known: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:
+def _machine(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:
     for path, word in CAPTION_FIELDS:
-        value = _single(known, path)
+        value = _single(parameters, path)
         if value is not None and value != USUAL.get(path) and path not in drawn:
             yield f"{word} {labels.value_text(path, value, units)}".strip()
 
 
-def _defects(known: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:
-    """Each defect's fixed values, as `circular defect, width 0.8 mm, depth 0.05 mm`."""
-    count = len({name.split(".")[1] for name in known.columns if name.startswith("defects.")})
+def _defects(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, str]) -> Iterator[str]:
+    """Describe the fixed values of each defect: `circular defect, width 0.8 mm, depth 0.05 mm`."""
+    count = len({name.split(".")[1] for name in parameters.columns if name.startswith("defects.")})
     for number in range(1, count + 1):
         for part in DEFECT:
             names = {f"defect.{part}", f"defects.{number}.{part}"}
-            value = _single(known, f"defects.{number}.{part}")
+            value = _single(parameters, f"defects.{number}.{part}")
             if value is not None and not names & drawn and (part, value) != ("offset", 0.0):
                 shown = units if not names & units.keys() else {f"defect.{part}": units[min(names & units.keys())]}
                 text = labels.value_text(f"defect.{part}", value, shown)
                 which = f" {number}" if count > 1 else ""
-                yield f"{text} defect{which}{_place(known, number)}" if part == "shape" else _sized(part, text)
+                yield (
+                    f"{text} defect{which}{_place(parameters, number)}" if part == "shape" else _sized(part, text)
+                )
 
 
 def _sized(part: str, text: str) -> str:
-    """`depth 0.05 mm`; a file without its folder."""
+    """Format a size of a defect, `depth 0.05 mm`, or a file without its folder."""
     return f"{part.replace('.', ' ')} {PurePath(text).name if part == 'file' else text}"
 
 
-def _place(known: "pd.DataFrame", number: int) -> str:
-    """Where a defect is, if that is not the outer race."""
-    race, roller = (_single(known, f"defects.{number}.{name}") for name in ("race", "roller"))
+def _place(parameters: "pd.DataFrame", number: int) -> str:
+    """Name the element that carries a defect; empty for the outer race."""
+    race, roller = (_single(parameters, f"defects.{number}.{name}") for name in ("race", "roller"))
     if race == "roller":
         return f" of roller {labels.number_text(float(str(roller)))}" if roller is not None else " of a roller"
     return " of the inner race" if race == "inner" else ""
 
 
-def _single(known: "pd.DataFrame", path: str) -> object:
-    """The value that a parameter has in all jobs; None if it varies or is not set."""
-    if path not in known or known[path].isna().any() or known[path].nunique() != 1:
+def _single(parameters: "pd.DataFrame", path: str) -> object:
+    """Return the common value of a parameter in all jobs; None if it varies or is not set."""
+    if path not in parameters or parameters[path].isna().any() or parameters[path].nunique() != 1:
         return None
-    return known[path].iloc[0] or (0.0 if known[path].dtype.kind == "f" else None)
+    return parameters[path].iloc[0] or (0.0 if parameters[path].dtype.kind == "f" else None)

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-__all__ = ["are_many", "draw"]
-
 MAX_UPRIGHT, MAX_LETTERS = 6, 36  # names, and letters of all of them, that find room below an axis
 COLUMN_IN, LINE_IN, CHARACTER_IN = 2.3, 0.22, 0.072
 LABEL_LETTERS = 30  # of an axis label, in a line
@@ -38,10 +36,10 @@ ROOM = 0.22  # of the axis' length, for the number beside the last point
 
 
 def are_many(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> bool:
-    """Whether the words on x are too many, or too long, to stand below an axis."""
-    known = select.values(rows, figure.x)
-    letters = sum(len(labels.value_text(figure.x, value, units)) for value in known)
-    return not select.is_numeric(known) and (len(known) > MAX_UPRIGHT or letters > MAX_LETTERS)
+    """Check if the words on x are too many, or too long, to be written below an axis."""
+    categories = select.values(rows, figure.x)
+    letters = sum(len(labels.value_text(figure.x, value, units)) for value in categories)
+    return not select.is_numeric(categories) and (len(categories) > MAX_UPRIGHT or letters > MAX_LETTERS)
 
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
@@ -70,9 +68,9 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
             ax = axes[row][column]
             _panel(ax, feature, figure, rows, curves_of(figure, part, units, styles, order), order)
             letter(ax, row * len(figure.y) + column, len(panels) * len(figure.y), text)
-    first = axes[0][0]
-    first.set_yticks(range(len(names)), [labels.value_text(figure.x, name, units) for name in names])
-    first.set_ylim(len(names) - 0.5, -0.5)
+    corner = axes[0][0]
+    corner.set_yticks(range(len(names)), [labels.value_text(figure.x, name, units) for name in names])
+    corner.set_ylim(len(names) - 0.5, -0.5)
     if entries:
         canvas.legend(handles=entries, loc="outside right upper")
     finish(canvas, figure.title, caption)
@@ -82,27 +80,27 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
 def _panel(
     ax: "Axes", name: str, figure: Figure, rows: "pd.DataFrame", curves: list[Curve], order: Mapping[str, int]
 ) -> None:
-    """One feature's points, on a line per name."""
+    """Draw the points of one feature, a row per category."""
     unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))
     ax.set_xlabel(textwrap.fill(axis_label(labels.feature_text(name), unit), LABEL_LETTERS), fontsize=8.0)
     is_log = "y" in figure.log and not name.endswith(".phase")
     for number, curve in enumerate(curves):
         aside = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
         places = [order[value] + aside for value in curve.rows[figure.x]]
-        found = list(curve.rows[name] * factor)
+        points = list(curve.rows[name] * factor)
         look: CurveStyle = curve.look._replace(line="")
-        ax.plot(found, places, **look.keywords())
-        mark_chaotic(ax, found, places, curve.rows, name)
+        ax.plot(points, places, **look.keywords())
+        mark_chaotic(ax, points, places, curve.rows, name)
         if len(curves) == 1:
-            _numbers(ax, found, places, is_log)
+            _numbers(ax, points, places, is_log)
         _mark_lost(ax, places, list(curve.rows["status"]))
     _value_axis(ax, name, is_log)
     ax.grid(visible=False, axis="x")
 
 
-def _numbers(ax: "Axes", found: Sequence[float], places: Sequence[float], is_log: bool) -> None:
-    """The number right of each point; of one that a log axis cannot show, at the axis."""
-    for value, place in zip(found, places, strict=True):
+def _numbers(ax: "Axes", points: Sequence[float], places: Sequence[float], is_log: bool) -> None:
+    """Write its value right of each point, or at the axis if a log axis cannot show it."""
+    for value, place in zip(points, places, strict=True):
         if value > 0.0 or (value == value and not is_log):
             ax.annotate(
                 f"{value:.3g}", (value, place), (5, 0), textcoords="offset points", va="center", fontsize=7
@@ -113,7 +111,7 @@ def _numbers(ax: "Axes", found: Sequence[float], places: Sequence[float], is_log
 
 
 def _mark_lost(ax: "Axes", places: Sequence[float], status: Sequence[str]) -> None:
-    """Jobs without a result stand as marks on the left axis."""
+    """Mark jobs without a result on the left axis."""
     for kind, (marker, colour, _) in STATUS_MARKS.items():
         where = [place for place, state in zip(places, status, strict=True) if state == kind]
         if where:
@@ -122,7 +120,7 @@ def _mark_lost(ax: "Axes", places: Sequence[float], status: Sequence[str]) -> No
 
 
 def _value_axis(ax: "Axes", name: str, is_log: bool) -> None:
-    """The axis of values, with room for the number of the largest."""
+    """Set scale, limits and ticks of the value axis, with room for the number of the largest value."""
     if is_log:
         ax.set_xscale("log", nonpositive="mask")
         ticks_between(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)

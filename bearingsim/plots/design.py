@@ -43,12 +43,10 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-__all__ = ["TREND", "Trend", "by_logarithm", "draw", "draw_paths", "said", "trend"]
-
-FEWEST = 24  # points that have a middle worth drawing
-MOST_LEVELS = 12  # values on x, up to which each has its own median
+FEWEST = 24  # points needed for a median
+MOST_LEVELS = 12  # distinct values on x up to which each has its own median
 MOST_GROUPS = 20
-WIDE = 5.0  # ratio of the ends of a range from which on a log axis is worth its odd ticks
+WIDE = 5.0  # ratio of limits from which a log axis is considered
 MOST_COLUMNS = 3
 POINTS: dict[str, Any] = {"linestyle": "", "markersize": 3.0, "alpha": 0.55, "markeredgewidth": 0.0}
 TREND = ("line: median of points side by side", "band: the middle half of them")
@@ -64,14 +62,14 @@ class Trend(NamedTuple):
 
 
 def trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
-    """Medians and quartiles of groups of about sqrt(n) of n points, or of the points over each of few values of x.
+    """Compute medians and quartiles of groups of about sqrt(n) of n points, or of each level of x if x has few.
 
-    None of so few points that chance makes it.
+    Returns None for fewer than ``FEWEST`` points: their median is dominated by chance.
     """
-    known = [(a, b) for a, b in zip(x, y, strict=True) if math.isfinite(a * b)]
-    if len(known) < FEWEST:
+    finite = [(a, b) for a, b in zip(x, y, strict=True) if math.isfinite(a * b)]
+    if len(finite) < FEWEST:
         return None
-    points = np.array(sorted(known))
+    points = np.array(sorted(finite))
     levels = np.unique(points[:, 0])
     if len(levels) < 2:
         return None
@@ -84,8 +82,10 @@ def trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
     return Trend(middles, middle, low, high)
 
 
-def said(design: Mapping[str, Any]) -> str:
-    """A design in a caption: `sobol design of 64 points, seed 1`; so many of them if the study leaves some out."""
+def description(design: Mapping[str, Any]) -> str:
+    """Describe a design in a caption, `sobol design of 64 points, seed 1`, with the number of points drawn if some
+    are left out.
+    """
     left = f"{len(design['ids'])} of " * (len(design["ids"]) < design["n"])
     return f"{design['kind']} design of {left}{design['n']} {COUNTED[design['kind']]}, seed {design['seed']}"
 
@@ -139,8 +139,10 @@ def draw_paths(
 
 
 def by_logarithm(values: Sequence[float]) -> bool:
-    """Whether values fill their range evenly by their logarithm: their median is nearer to the geometric mean of
-    its ends than to the other one.
+    """Check if values are spaced evenly in their logarithm.
+
+    True if the median is nearer to the geometric than to the arithmetic mean of the extremes, and the range is
+    wide.
     """
     low, high = min(values), max(values)
     if not 0.0 < low * WIDE <= high:
@@ -174,7 +176,7 @@ def _panel(
     y_axis(ax, name, figure)
 
 
-def _mark_trend(ax: "Axes", curve: Curve, found: Trend | None) -> None:
-    if found is not None:
-        ax.fill_between(found.x, found.low, found.high, color=curve.look.colour, alpha=BAND_ALPHA, lw=0.0)
-        ax.plot(found.x, found.middle, color=curve.look.colour, ls=curve.look.line, lw=1.8)
+def _mark_trend(ax: "Axes", curve: Curve, groups: Trend | None) -> None:
+    if groups is not None:
+        ax.fill_between(groups.x, groups.low, groups.high, color=curve.look.colour, alpha=BAND_ALPHA, lw=0.0)
+        ax.plot(groups.x, groups.middle, color=curve.look.colour, ls=curve.look.line, lw=1.8)

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-__all__ = ["Curve", "View", "grid"]
-
 ROW_IN, LOW_ROW_IN = 1.7, 1.15
 MANY = 6  # jobs above which rows are low
 HEALTHY = "0.35"
@@ -33,7 +31,7 @@ Curve = tuple[np.ndarray, np.ndarray]
 
 
 class View(NamedTuple):
-    """A way to look at signals: their curve, in SI; what stands on the axes; the power of the channel's unit.
+    """Way to look at signals: function of their curve, in SI; axis labels; power of the channel's unit.
 
     baselines: whether the healthy baseline is drawn too, where a column has one curve.
     """
@@ -48,9 +46,9 @@ class View(NamedTuple):
 def grid(
     results: "Results", jobs: dict[str, Job], channels: Sequence[str], view: View
 ) -> tuple[Canvas, list[list["Axes"]]]:
-    """A row of axes per job, a column per quantity with one unit; titles of what was swept; the healthy baselines.
+    """Draw a row of axes per job and a column per quantity, with the healthy baselines.
 
-    A quantity of several rollers is one column.
+    Titles give the swept values. A quantity of several rollers shares one column.
     """
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
     twin_of = _baselines(results, jobs) if view.baselines else {}
@@ -62,12 +60,12 @@ def grid(
     made = canvas.subplots(len(jobs), len(columns), sharex="col", squeeze=False)
     axes = [list(row) for row in made]
     for column, together in enumerate(columns):
-        drawn = {job: _curves(one, together, view) for job, one in jobs.items()}
+        drawn = {job: _curves(record, together, view) for job, record in jobs.items()}
         unit, factor = _unit(together[0], view, drawn)
         for row, (job, curves) in zip(axes, drawn.items(), strict=True):
             twin = twins.get(twin_of.get(job, ""))
-            told = twin is not None and len(curves) == 1 and _has(twin, together[0])
-            _panel(row[column], curves, _curves(twin, together, view) if twin and told else {}, factor)
+            has_baseline = twin is not None and len(curves) == 1 and _has(twin, together[0])
+            _panel(row[column], curves, _curves(twin, together, view) if twin and has_baseline else {}, factor)
         label = axis_label(view.y_label(recorded.text_of(*together)), unit)
         _name_axes([row[column] for row in axes], label, len(columns) == 1)
         axes[-1][column].set_xlabel(view.x_label)
@@ -82,16 +80,16 @@ def grid(
 
 
 def _columns(channels: Sequence[str]) -> Iterator[list[str]]:
-    """The channels, those of one quantity of different rollers together."""
-    found: dict[str, list[str]] = {}
+    """Group channels into columns: the same quantity of different rollers together."""
+    groups: dict[str, list[str]] = {}
     for channel in channels:
         roller = roller_of(channel)
-        found.setdefault(roller[1] if roller else f"of no roller: {channel}", []).append(channel)
-    yield from found.values()
+        groups.setdefault(roller[1] if roller else f"of no roller: {channel}", []).append(channel)
+    yield from groups.values()
 
 
 def _curves(job: Job, channels: Sequence[str], view: View) -> dict[str, Curve]:
-    """The curve of each component, or of each roller."""
+    """Compute the curve of each component, or of each roller."""
     return {
         signal.component if len(channels) == 1 else _whose(channel): view.curve(job, channel, signal)
         for channel in channels
@@ -100,7 +98,7 @@ def _curves(job: Job, channels: Sequence[str], view: View) -> dict[str, Curve]:
 
 
 def _has(job: Job, channel: str) -> bool:
-    """Whether a job has recorded a channel: a healthy baseline has no slices of its own."""
+    """Check if a job has recorded a channel (a healthy baseline has no slices of its own)."""
     components = [name for whole in job.recorded for name in dataset_names(whole)]
     return recorded.recorded_as(channel, [*job.recorded, *components]) is not None
 
@@ -110,7 +108,7 @@ def _whose(channel: str) -> str:
 
 
 def _unit(channel: str, view: View, drawn: Mapping[str, Mapping[str, Curve]]) -> tuple[str, float]:
-    """The unit of a column and the factor from SI that suits its largest value."""
+    """Choose the unit of a column and its factor from SI by the largest value."""
     largest = max(float(np.nanmax(np.abs(y))) for curves in drawn.values() for _, y in curves.values())
     alike = (SQUARES if view.power == 2 else 1.0) * largest ** (1.0 / view.power)
     unit, factor = labels.readable(recorded.unit_of(channel), channel, alike)
@@ -129,7 +127,7 @@ def _panel(ax: "Axes", curves: Mapping[str, Curve], healthy: Mapping[str, Curve]
 
 
 def _name_axes(column: Sequence["Axes"], label: str, only: bool) -> None:
-    """The label of a column's y axes: once beside all of them if there is no other column."""
+    """Label the y axes of a column, once for all of them if there is no other column."""
     if only and len(column) > 1:
         canvas = column[0].get_figure(root=True)
         assert canvas is not None
@@ -141,14 +139,14 @@ def _name_axes(column: Sequence["Axes"], label: str, only: bool) -> None:
 
 
 def _legend(canvas: Canvas, axes: Iterable["Axes"]) -> None:
-    """One entry for each name that a curve has."""
+    """Add a legend with one entry per name of a curve."""
     entries = {name: handle for ax in axes for handle, name in zip(*ax.get_legend_handles_labels(), strict=True)}
     if entries:
         canvas.legend(list(entries.values()), list(entries), loc="outside upper right", ncols=len(entries))
 
 
 def _baselines(results: "Results", jobs: Iterable[str]) -> dict[str, str]:
-    """The healthy baselines of some jobs, as far as they are done."""
+    """Map jobs to their healthy baselines, as far as these are done."""
     table = results.table().set_index("job")
     done = set(table.index[table["status"] == "done"])
     healthy = {entry["job"]: entry["healthy"] for entry in results.plan["jobs"]}

@@ -1,27 +1,10 @@
-"""Words for people: names of paths and features, values with readable units."""
+"""Texts of figures and tables: names of paths and features, values with readable units."""
 
 from collections.abc import Mapping
 from functools import cache
 
 from bearingsim.errors import UserError
 from bearingsim.text.units import DISPLAY, UNITS, Dimension, display
-
-__all__ = [
-    "COST",
-    "PlotError",
-    "PlotWarning",
-    "described",
-    "feature_axis",
-    "feature_text",
-    "name_text",
-    "number_text",
-    "pretty",
-    "readable",
-    "shown",
-    "squared",
-    "unit_of",
-    "value_text",
-]
 
 PRINTED_UNITS = {
     "um": "µm",
@@ -43,9 +26,9 @@ SCALES: dict[str, tuple[tuple[str, float], ...]] = {  # readable units of a feat
     "rad": (("°", 57.29577951308232),),
     "%": (("%", 1e2),),
 }
-SMALL_ANGLE_WORDS = ("tilt", "skew", "lean", "rotation")  # angles so small that nobody says them in degrees
+SMALL_ANGLE_WORDS = ("tilt", "skew", "lean", "rotation")  # of small angles, shown in mrad instead of degrees
 SMALL_ANGLES = (("mrad", 1e3), ("µrad", 1e6), ("nrad", 1e9))
-SHARES = ("cage.slip",)  # pure numbers that people say in per cent, with what is computed of them
+SHARES = ("cage.slip",)  # dimensionless quantities shown in per cent, with their statistics
 COST, COST_UNIT, COST_TEXT = "seconds", "s", "CPU time of a job"
 """A column of the table that can be drawn like a feature."""
 
@@ -59,12 +42,12 @@ class PlotWarning(UserWarning):
 
 
 def pretty(unit: str) -> str:
-    """A unit word as it is printed: µ for u, the degree sign, raised digits."""
+    """Return a unit as printed: µ for u, the degree sign, superscripts."""
     return PRINTED_UNITS.get(unit, unit)
 
 
 def name_text(path: str) -> str:
-    """A path in words: ``defect.length`` is `defect length`, ``defects.2.width`` `defect 2 width`."""
+    """Return a path in words: `defect length` for ``defect.length``, `defect 2 width` for ``defects.2.width``."""
     words = path.removeprefix("contact.damping.").removeprefix("contact.").replace("defects.", "defect ")
     return words.replace(".", " ").replace("_", " ")
 
@@ -80,7 +63,7 @@ def _dimension(path: str) -> Dimension | None:
 
 
 def unit_of(path: str, units: Mapping[str, str]) -> str:
-    """The unit in which a path's values are shown: as the study writes it, else the field's usual one."""
+    """Return the display unit of a path: the one written in the study, else the field's default."""
     dimension = _dimension(path)
     written = units.get(path, "")
     if dimension is None or written in UNITS[dimension]:
@@ -89,17 +72,17 @@ def unit_of(path: str, units: Mapping[str, str]) -> str:
 
 
 def shown(path: str, value: float, unit: str) -> float:
-    """An SI value of a path in ``unit``."""
+    """Convert an SI value of a path to ``unit``."""
     return display(value, unit, _dimension(path)) if unit else value
 
 
 def number_text(value: float) -> str:
-    """A number with at most five significant digits, without an exponent up to a million."""
+    """Format a number with at most five significant digits, without an exponent up to a million."""
     return f"{value:.0f}" if 1e5 <= abs(value) < 1e6 else f"{value:.5g}"
 
 
 def value_text(path: str, value: object, units: Mapping[str, str]) -> str:
-    """A value of a path as a person writes it: `0.8 mm`, `rollers`."""
+    """Format a value of a path with its unit: `0.8 mm`, `rollers`."""
     if not isinstance(value, int | float):
         return str(value).strip("{}")
     unit = unit_of(path, units)
@@ -108,17 +91,17 @@ def value_text(path: str, value: object, units: Mapping[str, str]) -> str:
 
 
 def described(swept: Mapping[str, object], units: Mapping[str, str]) -> str:
-    """Swept values in one line: `circular, length 3 mm, load 150 N, model rollers`."""
+    """Join swept values in one line: `circular, length 3 mm, load 150 N, model rollers`."""
     return ", ".join(f"{_short(path)} {value_text(path, swept[path], units)}".strip() for path in swept)
 
 
 def _short(path: str) -> str:
-    """The name of a path where its value follows: what belongs to the only defect needs no `defect`."""
+    """Shorten the name of a path in front of its value: the only defect needs no `defect`."""
     return "" if path == "defect.shape" else name_text(path.removeprefix("defect."))
 
 
 def squared(unit: str) -> str:
-    """The square of a printed unit: `µm²/s²`."""
+    """Return the square of a printed unit: `µm²/s²`."""
     above, _, below = unit.partition("/")
     return "/".join(
         f"{part.removesuffix('²')}{'⁴' if part.endswith('²') else '²'}" for part in (above, below) if part
@@ -126,7 +109,7 @@ def squared(unit: str) -> str:
 
 
 def feature_text(name: str) -> str:
-    """A feature in words, as the label of an axis begins: `Velocity amplitude at BPFO`."""
+    """Return the long name of a feature, capitalised for an axis label: `Velocity amplitude at BPFO`."""
     from bearingsim.config import FEATURES
 
     line = name.removesuffix("-healthy.phase")
@@ -140,7 +123,7 @@ def feature_text(name: str) -> str:
 
 
 def feature_axis(name: str, largest: float) -> tuple[str, float]:
-    """Unit word and factor from SI for a feature, so that its largest value reads well; no unit: `("", 1.0)`."""
+    """Choose unit and factor from SI for a feature by its largest value; ``("", 1.0)`` without a unit."""
     from bearingsim.config import FEATURES
 
     unit = "rad" if name.endswith(".phase") else FEATURES[name].unit if name in FEATURES else ""
@@ -148,7 +131,7 @@ def feature_axis(name: str, largest: float) -> tuple[str, float]:
 
 
 def readable(unit: str, name: str, largest: float) -> tuple[str, float]:
-    """Unit word and factor from SI for a quantity of some name, so that its largest value reads well."""
+    """Choose unit and factor from SI for a quantity by its name and largest value."""
     if any(name == share or name.startswith(f"{share}.") for share in SHARES):
         unit = "%"
     if unit not in SCALES:

@@ -22,13 +22,11 @@ if TYPE_CHECKING:
     from bearingsim.config import Case
     from bearingsim.store import Results
 
-__all__ = ["LoadAlong", "draw_load", "instants"]
-
 ROW_IN, LEAN_IN, PICTURE_IN, PROFILE_IN = 2.5, 1.3, 4.2, 2.6
 SCALE = "YlOrRd"
-UNLOADED = 0.02  # of the largest line load: what is less is drawn as none
-WITHOUT_PIT = 8.0  # ball passes shown of a roller that passes none
-FEW = 10.0  # samples over a pit, below which the caption tells how many
+UNLOADED = 0.02  # of the largest line load: smaller ones are drawn as zero
+WITHOUT_PIT = 8.0  # ball passes shown of a roller that passes no defect
+FEW = 10.0  # samples over a defect: the caption states lower numbers
 LABEL_LETTERS = 30
 MIN_SAMPLES = 4
 LEANS = {"tilt": COLOURS[0], "skew": COLOURS[1]}
@@ -36,7 +34,7 @@ ADVICE = "add `roller.outer_line_load` to `record`, with `model: spatial`"
 
 
 class LoadAlong(NamedTuple):
-    """What is drawn of a job: time (n,) in s, line load (slices, n) in N/m, ends of the slices (m), passage.
+    """Line load of a job: time (n,) in s, load (slices, n) in N/m, ends of the slices (m), passage.
 
     leans: tilt and skew (n,) in rad of the same roller, as far as they were recorded.
     """
@@ -50,39 +48,39 @@ class LoadAlong(NamedTuple):
 
 
 def draw_load(results: "Results", jobs: Sequence[str], y: Sequence[str] = (), span: float | None = None) -> Canvas:
-    """Line load along a roller, a row per job and channel: a picture over time, and sections through it.
+    """Draw the line load along a roller, a row per job and channel: a map over time, and sections through it.
 
-    Below it the roller's tilt and skew, where they were recorded. ``span``: so much time (s) around the roller's
-    first passage over a pit. Raises PlotError for what was not recorded.
+    Below it the roller's tilt and skew, if they were recorded. ``span``: time (s) shown around the roller's first
+    passage over a defect. Raises PlotError for channels that were not recorded.
     """
-    found = recorded.all_jobs(results, jobs)
-    rows = [(job, one) for job, known in found.items() for one in _loads(results, job, known, y, span)]
-    heights = [height for _, one in rows for height in (ROW_IN, *([LEAN_IN] if one.leans else []))]
+    records = recorded.all_jobs(results, jobs)
+    rows = [(job, load) for job, record in records.items() for load in _loads(results, job, record, y, span)]
+    heights = [height for _, load in rows for height in (ROW_IN, *([LEAN_IN] if load.leans else []))]
     canvas = Canvas(figsize=(PICTURE_IN + PROFILE_IN + 2.4, sum(heights) + 0.8), layout="constrained")
     made = canvas.subplots(
         len(heights), 2, squeeze=False, width_ratios=[PICTURE_IN, PROFILE_IN], height_ratios=heights
     )
     axes = iter(made)
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
-    for job, one in rows:
+    for job, load in rows:
         picture, profile = next(axes)
-        _draw_row(picture, profile, one)
+        _draw_row(picture, profile, load)
         picture.set_title(labels.described(swept[job], results.plan["units"]), loc="left", fontsize=8)
-        if one.leans:
+        if load.leans:
             below, beside = next(axes)
-            _draw_leans(below, beside, picture, one)
+            _draw_leans(below, beside, picture, load)
     table = select.case_rows(results)
-    said = fixed_values(results, table[table["job"].isin(jobs)], set().union(*swept.values()))
-    finish(canvas, None, [*_notes(found, rows), *said])
+    fixed = fixed_values(results, table[table["job"].isin(jobs)], set().union(*swept.values()))
+    finish(canvas, None, [*_notes(records, rows), *fixed])
     return canvas
 
 
-def _notes(found: Mapping[str, Job], rows: Sequence[tuple[str, LoadAlong]]) -> list[str]:
-    """What must be known of the passages: few samples over a pit, or none at all."""
-    crossed = [(job, one.passage) for job, one in rows if one.passage is not None]
-    counts = [passage.samples(found[job].known["sampling"]) for job, passage in crossed]
+def _notes(records: Mapping[str, Job], rows: Sequence[tuple[str, LoadAlong]]) -> list[str]:
+    """Report passages with few samples over a defect, or rollers that pass none."""
+    crossed = [(job, load.passage) for job, load in rows if load.passage is not None]
+    counts = [passage.samples(records[job].parameters["sampling"]) for job, passage in crossed]
     few = [f"only {min(counts):.1f} samples over the pit"] if min(counts, default=FEW) < FEW else []
-    missed = any(one.passage is None and lines.races(found[job].known) for job, one in rows)
+    missed = any(load.passage is None and lines.races(records[job].parameters) for job, load in rows)
     return [*few, *(["a roller passes no pit of a race within the record"] if missed else [])]
 
 
@@ -90,51 +88,51 @@ def _notes(found: Mapping[str, Job], rows: Sequence[tuple[str, LoadAlong]]) -> l
 
 
 def _loads(
-    results: "Results", job: str, known: Job, asked: Sequence[str], span: float | None
+    results: "Results", job: str, record: Job, names: Sequence[str], span: float | None
 ) -> Iterator[LoadAlong]:
-    """The line loads of a job that are asked for, or all that it has recorded."""
-    case = recorded.case_of(results, job, known.known)
+    """Yield the requested line loads of a job, or all that it has recorded."""
+    case = recorded.case_of(results, job, record.parameters)
     ends = ends_of_slices(case)
-    for channel in [_full(name) for name in asked] or _recorded(job, known):
-        load = _rows(job, known, channel, len(ends) - 1)
+    for channel in [_full(name) for name in names] or _recorded(job, record):
+        load = _rows(job, record, channel, len(ends) - 1)
         number, quantity = roller_of(channel) or (1, "")
-        passage = first_passage(known, case, number, quantity.partition("_")[0])
-        start, stop = _window(case, known, passage, span)
-        time = known.series.time
+        passage = first_passage(record, case, number, quantity.partition("_")[0])
+        start, stop = _window(case, record, passage, span)
+        time = record.series.time
         shown = (time >= start) & (time <= stop)
         if np.count_nonzero(shown) < MIN_SAMPLES:
             raise labels.PlotError(
                 f"job {job} has {np.count_nonzero(shown)} samples in that time: raise `sampling`"
             )
-        leans = {name: values[shown] for name, values in _leans(known, number)}
+        leans = {name: values[shown] for name, values in _leans(record, number)}
         yield LoadAlong(channel, time[shown], load[:, shown], ends, passage, leans)
 
 
-def _leans(known: Job, number: int) -> Iterator[tuple[str, Reals]]:
-    """Tilt and skew (rad) of a roller, if they were recorded."""
+def _leans(record: Job, number: int) -> Iterator[tuple[str, Reals]]:
+    """Yield tilt and skew (rad) of a roller, if they were recorded."""
     for name in LEANS:
-        channel = recorded.recorded_as(f"roller.{number}.{name}", known.recorded)
+        channel = recorded.recorded_as(f"roller.{number}.{name}", record.recorded)
         if channel:
-            yield name, np.asarray(known.series.channels[channel], np.float64)
+            yield name, np.asarray(record.series.channels[channel], np.float64)
 
 
 def _full(name: str) -> str:
-    """`roller.outer_line_load` is the first roller's."""
+    """Expand `roller.outer_line_load` to the name of the first roller's channel."""
     return name.replace("roller.", "roller.1.", 1) if name in (f"roller.{kind}" for kind in LINE_LOADS) else name
 
 
-def _recorded(job: str, known: Job) -> list[str]:
-    """The line loads that a job has recorded, without the slices' numbers."""
-    found = dict.fromkeys(name.rpartition(".")[0] for name in known.recorded if "_line_load." in name)
-    if not found:
+def _recorded(job: str, record: Job) -> list[str]:
+    """List the line loads that a job has recorded, without slice numbers. Raises PlotError if there are none."""
+    channels = dict.fromkeys(name.rpartition(".")[0] for name in record.recorded if "_line_load." in name)
+    if not channels:
         raise labels.PlotError(f"job {job} has recorded no load along a roller: {ADVICE}")
-    return list(found)
+    return list(channels)
 
 
-def _rows(job: str, known: Job, channel: str, count: int) -> Reals:
-    """The line load (N/m) of every slice (slices, n). Raises PlotError if some were not recorded."""
+def _rows(job: str, record: Job, channel: str, count: int) -> Reals:
+    """Stack the line load (N/m) of all slices, (slices, n). Raises PlotError if some were not recorded."""
     names = [f"{channel}.{number}" for number in range(1, count + 1)]
-    missing = sum(name not in known.series.channels for name in names)
+    missing = sum(name not in record.series.channels for name in names)
     if count < 1 or missing == count:
         advice = ADVICE.replace("roller.outer_line_load", channel)
         raise labels.PlotError(f"job {job} has recorded no `{channel}`: {advice}")
@@ -142,14 +140,14 @@ def _rows(job: str, known: Job, channel: str, count: int) -> Reals:
         raise labels.PlotError(
             f"job {job} has recorded {count - missing} of {count} slices: add `{channel}`, which means all of them"
         )
-    return np.stack([np.asarray(known.series.channels[name], np.float64) for name in names])
+    return np.stack([np.asarray(record.series.channels[name], np.float64) for name in names])
 
 
-def _window(case: "Case", known: Job, passage: Passage | None, span: float | None) -> tuple[float, float]:
-    """From when to when (s) is shown."""
+def _window(case: "Case", record: Job, passage: Passage | None, span: float | None) -> tuple[float, float]:
+    """Return start and end (s) of the time shown."""
     if passage is None:
         rate = case.bearing.ball_pass_frequency(case.speed)
-        return 0.0, span or min(WITHOUT_PIT / rate, float(known.known["duration"]))
+        return 0.0, span or min(WITHOUT_PIT / rate, float(record.parameters["duration"]))
     start, stop = passage.window
     if span is None:
         return start, stop
@@ -157,45 +155,45 @@ def _window(case: "Case", known: Job, passage: Passage | None, span: float | Non
     return passage.time - before, passage.time - before + span
 
 
-def instants(one: LoadAlong) -> dict[str, int]:
-    """The samples whose distributions are drawn, by name.
+def instants(load: LoadAlong) -> dict[str, int]:
+    """Select the samples at which the distribution is drawn, by name.
 
-    Over the pit: in the middle of when the slices over it carry least. The largest: of the roller's whole load
-    from then on. Without a pit: the largest and the least load.
+    `over the pit`: the middle of the time at which the slices over the defect carry least. `largest after`: the
+    largest total load from then on. Without a defect: the largest and the smallest total load.
     """
-    whole = _whole(one)
-    if one.passage is None:
+    whole = _whole(load)
+    if load.passage is None:
         return {"largest load": int(np.argmax(whole)), "least load": int(np.argmin(whole))}
-    low, high = one.passage.pit.z
-    middles = (one.ends[1:] + one.ends[:-1]) / 2.0
-    inside = np.maximum(_share(one)[(middles > low) & (middles < high)].sum(axis=0), 0.0)
+    low, high = load.passage.pit.z
+    middles = (load.ends[1:] + load.ends[:-1]) / 2.0
+    inside = np.maximum(_share(load)[(middles > low) & (middles < high)].sum(axis=0), 0.0)
     least = np.flatnonzero(inside <= inside.min() + UNLOADED * inside.max())
     over = int(least[len(least) // 2])
     largest = over + int(np.argmax(whole[over:]))
-    return {"before": 0, "over the pit": over, "largest after": largest, "after": len(one.time) - 1}
+    return {"before": 0, "over the pit": over, "largest after": largest, "after": len(load.time) - 1}
 
 
-def _share(one: LoadAlong) -> Reals:
-    """Force (N) of each slice."""
-    return one.load * np.diff(one.ends)[:, np.newaxis]
+def _share(load: LoadAlong) -> Reals:
+    """Compute the force (N) on each slice, (slices, n)."""
+    return load.load * np.diff(load.ends)[:, np.newaxis]
 
 
-def _whole(one: LoadAlong) -> Reals:
-    """Force (N) of the whole roller."""
-    return np.asarray(_share(one).sum(axis=0))
+def _whole(load: LoadAlong) -> Reals:
+    """Compute the total force (N) on the roller, (n,)."""
+    return np.asarray(_share(load).sum(axis=0))
 
 
 # Drawing
 
 
-def _draw_row(picture: "Axes", profile: "Axes", one: LoadAlong) -> None:
-    unit, factor = labels.readable("N/m", one.channel, float(one.load.max()))
-    _draw_picture(picture, one, factor, axis_label(recorded.text_of(one.channel), unit))
-    for number, (name, at) in enumerate(instants(one).items()):
+def _draw_row(picture: "Axes", profile: "Axes", load: LoadAlong) -> None:
+    unit, factor = labels.readable("N/m", load.channel, float(load.load.max()))
+    _draw_picture(picture, load, factor, axis_label(recorded.text_of(load.channel), unit))
+    for number, (name, sample) in enumerate(instants(load).items()):
         look = {"color": COLOURS[number % len(COLOURS)], "ls": LINES[number % len(LINES)], "lw": 1.4}
-        profile.stairs(factor * one.load[:, at], 1e3 * one.ends, orientation="horizontal", baseline=None,
-                       label=f"{name},\n{1e3 * one.time[at]:.3f} ms", **look)  # fmt: skip
-        picture.axvline(1e3 * one.time[at], color=look["color"], lw=1.0, ls=look["ls"])
+        profile.stairs(factor * load.load[:, sample], 1e3 * load.ends, orientation="horizontal", baseline=None,
+                       label=f"{name},\n{1e3 * load.time[sample]:.3f} ms", **look)  # fmt: skip
+        picture.axvline(1e3 * load.time[sample], color=look["color"], lw=1.0, ls=look["ls"])
     profile.set_ylim(picture.get_ylim())
     profile.set_ylabel("z (mm)")
     profile.set_xlabel(f"Line load ({unit})")
@@ -203,13 +201,13 @@ def _draw_row(picture: "Axes", profile: "Axes", one: LoadAlong) -> None:
     profile.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), fontsize=7, borderaxespad=0.0)
 
 
-def _draw_picture(ax: "Axes", one: LoadAlong, factor: float, label: str) -> None:
-    """Line load over time and place; white where the roller is lifted; the pit's ends dotted."""
-    step = one.time[1] - one.time[0]
-    edges = 1e3 * np.append(one.time - step / 2.0, one.time[-1] + step / 2.0)
-    seen = np.ma.masked_less(factor * one.load, UNLOADED * factor * float(one.load.max()))
-    made = ax.pcolormesh(edges, 1e3 * one.ends, seen, cmap=SCALE, vmin=0.0, rasterized=True)
-    for end in one.passage.pit.z if one.passage is not None else ():
+def _draw_picture(ax: "Axes", load: LoadAlong, factor: float, label: str) -> None:
+    """Draw line load over time and position: white at lift-off, the ends of the defect dotted."""
+    step = load.time[1] - load.time[0]
+    edges = 1e3 * np.append(load.time - step / 2.0, load.time[-1] + step / 2.0)
+    seen = np.ma.masked_less(factor * load.load, UNLOADED * factor * float(load.load.max()))
+    made = ax.pcolormesh(edges, 1e3 * load.ends, seen, cmap=SCALE, vmin=0.0, rasterized=True)
+    for end in load.passage.pit.z if load.passage is not None else ():
         ax.axhline(1e3 * end, color="0.2", lw=0.8, ls=(0, (1, 2)))
     ax.grid(visible=False)
     ax.set_xlabel("Time (ms)")
@@ -220,17 +218,17 @@ def _draw_picture(ax: "Axes", one: LoadAlong, factor: float, label: str) -> None
     bar.ax.yaxis.set_label_position("left")  # on its right there are the sections
 
 
-def _draw_leans(ax: "Axes", beside: "Axes", picture: "Axes", one: LoadAlong) -> None:
-    """Tilt and skew over the time of the picture above."""
-    largest = max(float(np.max(np.abs(values))) for values in one.leans.values())
+def _draw_leans(ax: "Axes", beside: "Axes", picture: "Axes", load: LoadAlong) -> None:
+    """Draw tilt and skew over the time axis of the map above."""
+    largest = max(float(np.max(np.abs(values))) for values in load.leans.values())
     unit, factor = labels.readable("rad", "tilt", largest)
-    for name, values in one.leans.items():
-        ax.plot(1e3 * one.time, factor * values, color=LEANS[name], lw=1.2, label=name)
+    for name, values in load.leans.items():
+        ax.plot(1e3 * load.time, factor * values, color=LEANS[name], lw=1.2, label=name)
     if factor * largest < 1.0:  # of the smallest unit: rounding
         ax.set_ylim(-1.0, 1.0)
     ax.set_xlim(picture.get_xlim())
     ax.set_xlabel("Time (ms)")
-    ax.set_ylabel(f"Tilt, skew ({unit})" if len(one.leans) > 1 else axis_label(next(iter(one.leans)), unit))
+    ax.set_ylabel(f"Tilt, skew ({unit})" if len(load.leans) > 1 else axis_label(next(iter(load.leans)), unit))
     ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
     beside.set_axis_off()
     beside.legend(*ax.get_legend_handles_labels(), loc="upper left", fontsize=7, borderaxespad=0.0)

@@ -9,20 +9,18 @@ from bearingsim.config.names import Line
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["FAMILIES", "Family", "Mark", "fitting", "frequency", "marks", "may_slip", "races", "races_of_all"]
-
 
 class Family(NamedTuple):
-    """Lines of one element: the first, by how much a name counts up, and the sidebands' distance and its name."""
+    """Lines of one element: the fundamental, its name, the sidebands' distance and its name."""
 
     line: str
-    first: Line
+    fundamental: Line
     beside: Line | None = None
     distance: str = ""
 
     def name(self, k: int) -> str:
-        """`BPFO`, `3 BPFO`; of rollers `2 BSF`, `6 BSF`."""
-        step, word = (2, "BSF") if self.first.spin else (1, self.line)
+        """Return the name of the k-th line: `BPFO`, `3 BPFO`; of rollers `2 BSF`, `6 BSF`."""
+        step, word = (2, "BSF") if self.fundamental.spin else (1, self.line)
         return f"{k * step} {word}" if k * step > 1 else word
 
 
@@ -35,7 +33,7 @@ FAMILIES = {
 
 
 class Mark(NamedTuple):
-    """A place on the frequency axis (Hz): of which race's family, its name, and whether it is a sideband."""
+    """Line on the frequency axis (Hz): the element of its family, its name, and whether it is a sideband."""
 
     hertz: float
     race: str
@@ -44,40 +42,40 @@ class Mark(NamedTuple):
 
 
 def races(*jobs: Mapping[Any, Any]) -> list[str]:
-    """Where the defects of some jobs are, from their parameters; nothing for healthy bearings."""
-    found = {
+    """List the elements with defects in some jobs, from their parameters; empty for healthy bearings."""
+    elements = {
         value
-        for known in jobs
-        for name, value in known.items()
+        for parameters in jobs
+        for name, value in parameters.items()
         if str(name).startswith("defects.") and str(name).endswith(".race")
     }
-    return [race for race in FAMILIES if race in found]
+    return [race for race in FAMILIES if race in elements]
 
 
-def races_of_all(known: "pd.DataFrame") -> list[str]:
-    """``races`` of all jobs of a table of parameters."""
-    return races(*known.filter(regex=r"\.race$").drop_duplicates().to_dict("records"))
+def races_of_all(parameters: "pd.DataFrame") -> list[str]:
+    """List the elements with defects over a table of parameters."""
+    return races(*parameters.filter(regex=r"\.race$").drop_duplicates().to_dict("records"))
 
 
-def fitting(known: "pd.DataFrame") -> list[str]:
-    """The first line of each family that the defects of some jobs have; of healthy bearings the outer race's."""
-    return [FAMILIES[race].line for race in races_of_all(known) or ("outer",)]
+def fitting(parameters: "pd.DataFrame") -> list[str]:
+    """List the fundamental line of each family present in some jobs; BPFO for healthy bearings."""
+    return [FAMILIES[race].line for race in races_of_all(parameters) or ("outer",)]
 
 
-def may_slip(known: "pd.DataFrame") -> bool:
-    """Whether the cage of some of the jobs can slip."""
+def may_slip(parameters: "pd.DataFrame") -> bool:
+    """Check if the model of any job has cage slip."""
     free = [model.name for model in MODELS.values() if model.slips]
-    return "model" in known and bool(known["model"].isin(free).any())
+    return "model" in parameters and bool(parameters["model"].isin(free).any())
 
 
-def frequency(line: Line, known: Mapping[Any, Any]) -> float:
-    """Where a line stands (Hz) if the cage does not slip; ``known``: a job's parameters."""
+def frequency(line: Line, parameters: Mapping[Any, Any]) -> float:
+    """Compute the frequency (Hz) of a line without cage slip from the parameters of a job."""
     from math import pi
 
     from bearingsim.core.geometry.kinematics import ball_spin_frequency, fundamental_train_frequency
 
-    omega, D_w, d_m = (known[name] for name in ("speed", "bearing.roller_diameter", "bearing.pitch_diameter"))
-    Z, shaft = int(known["bearing.rollers"]), omega / (2.0 * pi)
+    omega, D_w, d_m = (parameters[name] for name in ("speed", "bearing.roller_diameter", "bearing.pitch_diameter"))
+    Z, shaft = int(parameters["bearing.rollers"]), omega / (2.0 * pi)
     cage = fundamental_train_frequency(omega, D_w, d_m)
     spin = ball_spin_frequency(omega, D_w, d_m)
     return float(
@@ -89,14 +87,16 @@ def frequency(line: Line, known: Mapping[Any, Any]) -> float:
     )
 
 
-def marks(known: Mapping[Any, Any], highest: float) -> Iterator[Mark]:
-    """The lines up to ``highest`` (Hz) of the families that a job's defects have."""
-    for race in races(known) or ["outer"]:
+def marks(parameters: Mapping[Any, Any], highest: float) -> Iterator[Mark]:
+    """Yield the lines and sidebands up to ``highest`` (Hz) of the families of a job's defects."""
+    for race in races(parameters) or ["outer"]:
         family = FAMILIES[race]
-        first = frequency(family.first, known)
-        for k in range(1, int(highest / first) + 1):
-            yield Mark(k * first, race, family.name(k))
+        fundamental = frequency(family.fundamental, parameters)
+        for k in range(1, int(highest / fundamental) + 1):
+            yield Mark(k * fundamental, race, family.name(k))
             if family.beside:
-                aside = frequency(family.beside, known)
+                aside = frequency(family.beside, parameters)
                 for sign, side in (("-", -aside), ("+", aside)):
-                    yield Mark(k * first + side, race, f"{family.name(k)} {sign} {family.distance}", sideband=True)
+                    yield Mark(
+                        k * fundamental + side, race, f"{family.name(k)} {sign} {family.distance}", sideband=True
+                    )

@@ -14,10 +14,8 @@ from bearingsim.simulation.settling import settled
 if TYPE_CHECKING:
     from bearingsim.config import Case
 
-__all__ = ["Passage", "RollerPath", "first_passage", "roller_path"]
-
-BEFORE, AFTER = 1.5, 3.0  # widths of the pit that are shown before and after its middle
-LEAST = 6e-4  # m: taken for the width of a narrower pit, since a roller may be anywhere in its pocket
+BEFORE, AFTER = 1.5, 3.0  # widths of the defect shown before and after its middle
+LEAST = 6e-4  # m, least width of a defect in a window: covers the play of a roller in its pocket
 
 
 class RollerPath(NamedTuple):
@@ -31,7 +29,7 @@ class RollerPath(NamedTuple):
     depth: np.ndarray
     lean: np.ndarray
 
-    def at(self, z: float) -> np.ndarray:
+    def depth_at(self, z: float) -> np.ndarray:
         """Depth (n,) m of the roller's lowest point in the section z (m)."""
         return self.depth + self.lean * z
 
@@ -50,23 +48,23 @@ class Passage(NamedTuple):
         return self.time - BEFORE * width / self.speed, self.time + AFTER * width / self.speed
 
     def samples(self, rate: float) -> float:
-        """Samples, at ``rate`` (Hz), while the roller crosses the pit."""
+        """Compute the number of samples, at ``rate`` (Hz), during the crossing of the defect."""
         return rate * (self.pit.s[1] - self.pit.s[0]) / self.speed
 
 
 def first_passage(job: Job, case: "Case", number: int, race: str) -> Passage | None:
-    """The first time that a roller (from 1) wholly passes a pit of a race, or else of the other one.
+    """Find the first complete passage of a roller (from 1) over a defect of ``race``, or else of the other race.
 
-    None if no race has a pit, or none is passed within the record. Raises PlotError under a ramp.
+    Returns None if no race has a defect, or none is passed within the record. Raises PlotError under a ramp.
     """
     pits = [pit for pit in pits_of(case) if pit.race != "roller"]
     ordered = sorted(pits, key=lambda pit: pit.race != race)
-    found = (_passage(job, case, number, pit) for pit in ordered)
-    return next((one for one in found if one is not None), None)
+    passages = (_passage(job, case, number, pit) for pit in ordered)
+    return next((passage for passage in passages if passage is not None), None)
 
 
 def _passage(job: Job, case: "Case", number: int, pit: Pit) -> Passage | None:
-    """The first passage of one pit whose window lies in the record."""
+    """Find the first passage over one defect whose window lies in the record."""
     time = job.series.time
     ahead = roller_angle(job, number) - pit.angle
     radius = (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0
@@ -76,17 +74,18 @@ def _passage(job: Job, case: "Case", number: int, pit: Pit) -> Passage | None:
     turns = ahead / (2.0 * pi)
     speed = float((ahead[-1] - ahead[0]) / (time[-1] - time[0]) * radius)
     for turn in range(int(np.ceil(turns[0])), int(np.floor(turns[-1])) + 1):
-        found = Passage(pit, float(np.interp(turn, turns, time)), speed)
-        if found.window[0] >= time[0] and found.window[1] <= time[-1]:
-            return found
+        passage = Passage(pit, float(np.interp(turn, turns, time)), speed)
+        if passage.window[0] >= time[0] and passage.window[1] <= time[-1]:
+            return passage
     return None
 
 
 def roller_path(job: Job, case: "Case", pit: Pit) -> RollerPath | None:
-    """The path of the first roller whose place was recorded; None without, or if it does not pass the pit.
+    """Compute the path of the first roller whose radial position was recorded.
 
-    The depth of its lowest point is what it has moved outwards beyond the play, less what the ring has (for a pit
-    of the inner race inwards). It includes the contact's elastic approach.
+    Returns None without such a record, or if the roller does not pass the defect. The depth of the lowest point is
+    the outward displacement beyond the clearance, less that of the ring (inwards for a defect of the inner race).
+    It includes the elastic approach of the contact.
     """
     series = {name: np.asarray(values, np.float64) for name, values in job.series.channels.items()}
     names = [name for name in job.recorded if (roller_of(name) or (0, ""))[1] == "radial"]

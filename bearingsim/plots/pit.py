@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-__all__ = ["Sheet", "draw_pit", "exaggeration", "round_below", "sheets"]
-
 MAP_IN, SECTION_IN = 4.2, 4.4  # height of the map, width of a section
 LOWEST_IN, HIGHEST_IN = 0.7, 1.9  # of a section
 NARROWEST, WIDEST_IN = 0.3, 5.0  # width of the map: at least over its length, at most in inches
@@ -37,7 +35,7 @@ STEPS = (1.0, 2.0, 5.0)
 
 
 class Sheet(NamedTuple):
-    """A figure to draw: a pit, its number (from 1) among those of its case, the jobs that have it, the roller."""
+    """Figure to draw: a defect, its number (from 1) among those of its case, its jobs, the roller."""
 
     pit: Pit
     number: int
@@ -48,26 +46,29 @@ class Sheet(NamedTuple):
 
 
 def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
-    """The different pits of some finished jobs. Raises PlotError if none has any, ResultsError if not done."""
-    found: dict[Any, Sheet] = {}
+    """Collect the distinct defects of some finished jobs.
+
+    Raises PlotError if no job has a defect, ResultsError if one is not done.
+    """
+    distinct: dict[Any, Sheet] = {}
     done = results.parameters()
     for name in jobs:
         if name not in done.index:
-            results.series(name)  # which says why there is nothing of it
-    for job, known in done.loc[list(jobs)].iterrows():
-        for one in _of_job(results, str(job), known.to_dict()):
-            first = found.setdefault(_key(one), one)
-            if first is not one:
-                first.jobs.append(str(job))
-    if not found:
+            results.series(name)  # raises the reason
+    for job, parameters in done.loc[list(jobs)].iterrows():
+        for sheet in _of_job(results, str(job), parameters.to_dict()):
+            earlier = distinct.setdefault(_key(sheet), sheet)
+            if earlier is not sheet:
+                earlier.jobs.append(str(job))
+    if not distinct:
         raise labels.PlotError("these cases have no defect: there is no pit to draw")
-    return list(found.values())
+    return list(distinct.values())
 
 
-def _of_job(results: "Results", job: str, known: Mapping[Any, Any]) -> Iterator[Sheet]:
+def _of_job(results: "Results", job: str, parameters: Mapping[Any, Any]) -> Iterator[Sheet]:
     from bearingsim.assemble.pits import contact_length
 
-    case = recorded.case_of(results, job, known)
+    case = recorded.case_of(results, job, parameters)
     made = list(pits_of(case))
     for number, pit in enumerate(made, 1):
         length = contact_length(case, side=1 if pit.race == "inner" else 0)
@@ -75,17 +76,17 @@ def _of_job(results: "Results", job: str, known: Mapping[Any, Any]) -> Iterator[
 
 
 def _key(sheet: Sheet) -> tuple[Any, ...]:
-    """What tells one picture from another."""
+    """Return a hashable key, equal for sheets with the same picture."""
     pit, drawn = sheet.pit, (sheet.pit.picture, sheet.slice_ends)
     numbers = np.round([pit.R, *pit.s, *pit.z, sheet.roller_length], 9)
     return pit.race, *numbers, *(np.round(part, 12).tobytes() for part in drawn)
 
 
 def draw_pit(results: "Results", sheet: Sheet) -> Canvas:
-    """One pit: its map, and the section where it is deepest and in its middle, with the roller's path.
+    """Draw one defect: its map, and the sections through its deepest point and its middle, with the roller's path.
 
-    Lengths are to scale; the heights of a section are exaggerated by a round number, which its title says. A path
-    much shallower than the pit is drawn once more, closer.
+    Lengths are to scale; the heights of a section are exaggerated by a round number, printed in its title. A path
+    much shallower than the defect is drawn once more, magnified.
     """
     taken = _roller_path(results, sheet)
     panels = list(_panels(sheet.pit, taken[1] if taken else None))
@@ -111,13 +112,13 @@ def draw_pit(results: "Results", sheet: Sheet) -> Canvas:
 
 
 def _place(canvas: Canvas, left: float, bottom: float, width: float, height: float) -> "Axes":
-    """Axes at a place given in inches: their scales are, so the layout is."""
+    """Add axes at a position in inches, since the lengths are to scale."""
     wide, tall = canvas.get_size_inches()
     return canvas.add_axes((left / wide, bottom / tall, width / wide, height / tall))
 
 
 def _name_curves(ax: "Axes", left: float, top: float) -> None:
-    """A legend at a place given in inches."""
+    """Add the legend at a position in inches."""
     canvas = ax.get_figure(root=True)
     assert canvas is not None
     corner = (left / canvas.get_figwidth(), top / canvas.get_figheight())
@@ -129,7 +130,7 @@ def _name_curves(ax: "Axes", left: float, top: float) -> None:
 
 
 def _shown(sheet: Sheet) -> tuple[tuple[float, float], tuple[float, float]]:
-    """From where to where (m) the map reaches, along rolling and along the roller: roller and pit."""
+    """Return the limits (m) of the map along rolling and along the roller, around roller and defect."""
     half = sheet.roller_length / 2.0
     low, high = min(-half, sheet.pit.z[0]), max(half, sheet.pit.z[1])
     more = BEYOND * (high - low)
@@ -139,14 +140,14 @@ def _shown(sheet: Sheet) -> tuple[tuple[float, float], tuple[float, float]]:
 
 
 def _map_inches(sheet: Sheet) -> tuple[float, float]:
-    """Width and height of the map."""
+    """Compute width and height of the map in inches."""
     s, z = _shown(sheet)
     scale = min(MAP_IN / (z[1] - z[0]), WIDEST_IN / (s[1] - s[0]))
     return scale * (s[1] - s[0]), scale * (z[1] - z[0])
 
 
 def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
-    """Depth over s and z, the roller's length behind it, its slices' ends and the sections across it."""
+    """Draw depth over s and z, with the roller's length, the ends of its slices and the lines of the sections."""
     pit, half = sheet.pit, 500.0 * sheet.roller_length
     depths = 1e6 * np.ma.masked_equal(pit.picture, 0.0)
     made = ax.pcolormesh(1e3 * pit.places(), 1e3 * pit.heights, depths, cmap=SCALE, shading="nearest",
@@ -181,7 +182,9 @@ def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
 
 
 class Panel(NamedTuple):
-    """A section as it is drawn: its name on the map, the depths shown (m), times the heights are exaggerated.
+    """Section as drawn: its name on the map, the depths shown (m), the exaggeration of heights.
+
+    closer: whether it shows a section once more, magnified.
 
     closer: whether it shows a section once more.
     """
@@ -196,12 +199,14 @@ class Panel(NamedTuple):
 
 
 def _panels(pit: Pit, taken: RollerPath | None) -> Iterator[Panel]:
-    """The sections of a pit; the deepest also closer, where paths are far above its floor or each other."""
+    """Yield the panels of the sections; the deepest also magnified if paths stay far above its floor or each
+    other.
+    """
     for number, place in enumerate(distinct_sections(pit)):
         made, name = cut(pit, place), "AB"[number]
         deepest, path = (float(np.max(values)) for values in (made.p, made.h))
         depths = [deepest or float(pit.picture.max())]
-        closer = [path, *([float(np.max(taken.at(place)))] if taken else [])]
+        closer = [path, *([float(np.max(taken.depth_at(place)))] if taken else [])]
         depths += [CLOSER * low for far, low in pairwise([deepest, *closer]) if 0.0 < low < SHALLOW * far]
         shown = depths if number == 0 else depths[:1]
         yield from (_panel(made, name, depth, closer=n > 0) for n, depth in enumerate(shown))
@@ -215,18 +220,18 @@ def _panel(made: Section, name: str, depth: float, closer: bool) -> Panel:
 
 
 def exaggeration(metre_per_inch: float, height: float) -> float:
-    """The round number of times that a height (m) is drawn taller than to scale, to stay within a panel."""
+    """Return the round factor by which a height (m) is exaggerated to fit into a panel."""
     return max(1.0, round_below(HIGHEST_IN * metre_per_inch / height))
 
 
 def round_below(most: float) -> float:
-    """The largest round number up to ``most``: 1, 2 or 5 times a power of ten."""
+    """Round down to 1, 2 or 5 times a power of ten."""
     decade = 10.0 ** floor(log10(most))
     return max(step for step in STEPS if step * decade <= most * (1.0 + 1e-9)) * decade
 
 
 def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
-    """Pit, the roller's path over it, and the roller where it stands on its way; depth downwards."""
+    """Draw the defect, the path of a roller over it, and the roller at some positions; depth downwards."""
     made = panel.section
     s, width = 1e3 * made.s, np.ptp(made.s)
     ax.fill_between(s, 1e6 * made.p, 1e6 * panel.floor, color="0.88", lw=0.0, zorder=1)
@@ -234,10 +239,10 @@ def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
     ax.plot(s, 1e6 * made.h, color=PATH, lw=1.5, label="path of a round roller", zorder=4)
     inner = width / (1.0 + 2.0 * MARGIN)
     for place, name in zip(ROLLERS, ["roller", *[None] * (len(ROLLERS) - 1)], strict=True):
-        here = float(np.mean(made.s)) + place * inner
-        low = float(np.interp(here, made.s, made.h))
-        ax.plot(s, 1e6 * (low - (made.s - here) ** 2 / (2.0 * R)), color=ROLLER, lw=0.8, label=name, zorder=2)
-        ax.plot(1e3 * here, 1e6 * low, "o", color=PATH, markersize=3, zorder=5)
+        center = float(np.mean(made.s)) + place * inner
+        low = float(np.interp(center, made.s, made.h))
+        ax.plot(s, 1e6 * (low - (made.s - center) ** 2 / (2.0 * R)), color=ROLLER, lw=0.8, label=name, zorder=2)
+        ax.plot(1e3 * center, 1e6 * low, "o", color=PATH, markersize=3, zorder=5)
     ax.set_xlim(s[0], s[-1])
     ax.set_ylim(1e6 * panel.floor, 1e6 * panel.top)
     ax.set_aspect(1e-3 * panel.times)
@@ -248,10 +253,10 @@ def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
 
 
 def _draw_roller_path(ax: "Axes", panel: Panel, taken: RollerPath) -> None:
-    """The path that a roller took, where it is inside the panel."""
+    """Draw the recorded path of a roller, clipped to the panel."""
     ax.plot(
         1e3 * taken.s,
-        1e6 * taken.at(panel.section.z),
+        1e6 * taken.depth_at(panel.section.z),
         color=TAKEN_PATH,
         lw=1.3,
         ls=(0, (4, 1.2)),
@@ -269,21 +274,21 @@ def _title(sheet: Sheet) -> str | None:
 
 
 def _roller_path(results: "Results", sheet: Sheet) -> tuple[str, RollerPath] | None:
-    """The first job whose record shows which path a roller took, and that path."""
+    """Find the first job with a recorded path over the defect; return its id and the path."""
     for job in sheet.jobs:
-        [one] = recorded.all_jobs(results, [job]).values()
-        found = roller_path(one, recorded.case_of(results, job, one.known), sheet.pit)
-        if found is not None:
-            return job, found
+        [record] = recorded.all_jobs(results, [job]).values()
+        path = roller_path(record, recorded.case_of(results, job, record.parameters), sheet.pit)
+        if path is not None:
+            return job, path
     return None
 
 
 def _caption(results: "Results", sheet: Sheet, taken: tuple[str, RollerPath] | None) -> list[str]:
     rows = select.case_rows(results)
     R = labels.number_text(round(1e3 * sheet.pit.R, 2))
-    said = [f"race unrolled: the roller has the radius {R} mm that it has relative to the race"]
+    texts = [f"race unrolled: the roller has the radius {R} mm that it has relative to the race"]
     if taken is not None:
         swept = next(entry["swept"] for entry in results.plan["jobs"] if entry["job"] == taken[0])
         case = labels.described(swept, results.plan["units"])
-        said.append(f"path taken by roller {taken[1].number} at {case or 'this case'}")
-    return [*said, *fixed_values(results, rows[rows["job"].isin(sheet.jobs)], set())]
+        texts.append(f"path taken by roller {taken[1].number} at {case or 'this case'}")
+    return [*texts, *fixed_values(results, rows[rows["job"].isin(sheet.jobs)], set())]

@@ -1,4 +1,4 @@
-"""Pits as a figure shows them: how deep they are, and how a roller passes over them."""
+"""Defects as figures show them: their depth, and the path of a roller over them."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -9,11 +9,9 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from bearingsim.config import Case
 
-__all__ = ["MARGIN", "Pit", "Reals", "Section", "cut", "distinct_sections", "ends_of_slices", "pits_of"]
-
-ACROSS, ALONG = 401, 241  # places along rolling and along the roller at which a picture looks a pit's depth up
-FINER = 4  # times as many in a section
-ALIKE = 0.98  # of the largest depth: a middle as deep is not told from the deepest section
+ACROSS, ALONG = 401, 241  # grid points of a depth map along rolling and along the roller
+FINER = 4  # times as many points in a section
+ALIKE = 0.98  # of the largest depth: a middle at least so deep counts as the deepest section
 MARGIN = 0.3  # of the pit's width, shown on either side of it
 
 Reals = NDArray[np.float64]
@@ -34,7 +32,9 @@ class Pit(NamedTuple):
     z: tuple[float, float]
 
     def places(self, count: int = ACROSS, beside: float = MARGIN) -> Reals:
-        """Places (count,) in m along rolling, over the pit and so many of its widths on either side."""
+        """Return positions (count,) in m along rolling, over the defect and ``beside`` times its width on either
+        side.
+        """
         more = beside * (self.s[1] - self.s[0])
         return np.linspace(self.s[0] - more, self.s[1] + more, count)
 
@@ -53,7 +53,9 @@ class Pit(NamedTuple):
 
 
 class Section(NamedTuple):
-    """A pit across the roller's axis at z (m): places s (n,), depth p (n,) and the roller's path h (n,), m."""
+    """Section of a defect across the roller's axis at z (m): s (n,), depth p (n,) and path h of the roller (n,),
+    m.
+    """
 
     z: float
     s: Reals
@@ -62,7 +64,7 @@ class Section(NamedTuple):
 
 
 def cut(pit: Pit, z: float) -> Section:
-    """The pit at z (m) along the roller."""
+    """Compute the section of a defect at z (m) along the roller."""
     from bearingsim.core.pits.depth import section
     from bearingsim.core.pits.envelope import path_drop, path_over
     from bearingsim.core.pits.profile import depth_at
@@ -72,28 +74,28 @@ def cut(pit: Pit, z: float) -> Section:
 
 
 def distinct_sections(pit: Pit) -> list[float]:
-    """Places z (m) of the sections worth drawing: the deepest, and the pit's middle if that is another one."""
+    """List the positions z (m) of the sections to draw: the deepest, and the middle if it differs."""
     deepest = pit.picture.max(axis=1)
-    here, middle = int(np.argmax(deepest)), ALONG // 2
-    if deepest[middle] >= ALIKE * deepest[here]:
+    lowest, middle = int(np.argmax(deepest)), ALONG // 2
+    if deepest[middle] >= ALIKE * deepest[lowest]:
         return [float(pit.heights[middle])]
-    return [float(pit.heights[k]) for k in ((here, middle) if deepest[middle] > 0.0 else (here,))]
+    return [float(pit.heights[k]) for k in ((lowest, middle) if deepest[middle] > 0.0 else (lowest,))]
 
 
 def pits_of(case: "Case") -> Iterator[Pit]:
-    """The pits of a case, in its order; those that a roller feels as one are one."""
+    """Yield the defects of a case in its order; overlapping ones count as one."""
     from bearingsim.assemble import pits
     from bearingsim.core.pits.depth import Placed, extent
 
-    for found in pits.pit_clusters(case):
-        race, R = found.first.race, pits.reduced_radius(case, 1 if found.first.race == "inner" else 0)
-        made = found.pit or Placed(pits.depth_map(found.first), 0.0, found.first.offset)
+    for cluster in pits.pit_clusters(case):
+        race, R = cluster.first.race, pits.reduced_radius(case, 1 if cluster.first.race == "inner" else 0)
+        made = cluster.pit or Placed(pits.depth_map(cluster.first), 0.0, cluster.first.offset)
         low, high, left, right = extent(made)
-        yield Pit(race, R, found.angle, made, (low, high), (left, right))
+        yield Pit(race, R, cluster.angle, made, (low, high), (left, right))
 
 
 def ends_of_slices(case: "Case") -> Reals:
-    """Where the slices of the case's rollers end (m, from the middle); empty for a model without slices."""
+    """Return the ends of the slices of a roller (m, from its middle); empty for a model without slices."""
     from bearingsim.catalogue import MODELS
     from bearingsim.config.rules.slicing import slice_ends
 

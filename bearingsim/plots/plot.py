@@ -1,4 +1,4 @@
-"""`bearingsim plot`: which figures, drawn and written where."""
+"""`bearingsim plot`: selection, drawing and writing of figures."""
 
 import warnings
 from collections.abc import Mapping, Sequence
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-__all__ = ["FORMATS", "KINDS", "drawn", "plot", "slug", "written"]
-
 PIT, LOAD, RING, DESIGN = "pit", "load", "ring", "design"
 OF_JOBS = ("series", "spectrum", "envelope", "roller", LOAD, PIT, RING)
 KINDS = ("sweep", "phase", DESIGN, *OF_JOBS)
@@ -29,13 +27,13 @@ UNUSED_OPTIONS = {
     **dict.fromkeys(("series", LOAD), ("x", "by", "panels")),
     **dict.fromkeys((PIT, RING), ("x", "y", "by", "panels", "span")),
 }
-"""What a kind of figure does not take."""
+"""Options that a kind of figure does not accept."""
 MAX_NAMED = 4  # jobs in the name of a file
 FORMATS = ("png", "svg", "pdf")
 FIGURES = "figures"
 """The folder of a study's figures, among its results."""
 MARK = b"made by bearingsim"
-"""What every figure says of itself."""
+"""Metadata of every figure, by which a file may be replaced."""
 MADE_BY = {
     "png": {"Software": MARK.decode()},
     "svg": {"Creator": MARK.decode(), "Date": None},
@@ -74,9 +72,9 @@ def plot(
 def drawn(
     results: "Results", kind: str = "sweep", x: str | None = None, jobs: Sequence[str] = (), **changes: Any
 ) -> list[tuple[str, "Canvas"]]:
-    """The figures of ``plot`` with their names, not written anywhere."""
+    """Draw the figures of ``plot`` without writing them; return pairs of name and figure."""
     _check_changes(kind, {"x": x, **changes})
-    if not jobs or list(jobs) == [ALL]:  # a job that is named says itself what became of it
+    if not jobs or list(jobs) == [ALL]:  # loading a named job raises its own error
         _check_done(results)
     if kind in OF_JOBS:
         return _of_jobs(results, kind, jobs, changes)
@@ -86,7 +84,7 @@ def drawn(
 
 
 def _check_done(results: "Results") -> None:
-    """Raises PlotError where no job is done, with the reason of those that failed."""
+    """Raise PlotError, with the reason of a failed job, if no job is done."""
     if (results.table()["status"] == "done").any():
         return
     failures = list(results.failures().values())
@@ -95,7 +93,9 @@ def _check_done(results: "Results") -> None:
 
 
 def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
-    """Write a figure as the ending of its name says; return the file.
+    """Write a figure in the format of the file's suffix; return the file.
+
+    Raises PlotError instead of replacing a file that is not a figure of this program.
 
     Raises PlotError where a file of that name is no figure of this program: it stays as it is.
     """
@@ -112,7 +112,7 @@ def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
 
 
 def _is_replaceable(path: Path) -> bool:
-    """Whether nothing has the name of a figure, or a figure of this program."""
+    """Check that a path is free or a figure of this program."""
     if path.is_symlink() or not path.is_file():
         return not path.is_symlink() and not path.exists()
     return MARK in path.read_bytes()
@@ -121,7 +121,7 @@ def _is_replaceable(path: Path) -> bool:
 def _of_table(
     results: "Results", kind: str, x: str | None, changes: Mapping[str, Any]
 ) -> list[tuple[str, "Canvas"]]:
-    """Every figure that can be drawn; the error of the first that cannot if there is none."""
+    """Draw all figures of a sweep; warn of those that cannot be drawn, raise the first error if none can."""
     from bearingsim.plots import select
 
     rows = select.case_rows(results)
@@ -142,7 +142,7 @@ def _of_table(
 
 
 def _shows_design(results: "Results", x: str | None, changes: Mapping[str, Any]) -> bool:
-    """Whether a design is all there is to draw: no figure is named, nor how one is to be arranged."""
+    """Check if the study has a design and neither the study nor the command names a figure."""
     from bearingsim.plots import select
 
     named = x or results.plan["figures"] or changes.get("panels")
@@ -150,7 +150,7 @@ def _shows_design(results: "Results", x: str | None, changes: Mapping[str, Any])
 
 
 def _of_design(results: "Results", changes: Mapping[str, Any]) -> list[tuple[str, "Canvas"]]:
-    """A figure for each feature, with a panel for each parameter of the design that varies."""
+    """Draw a figure per feature, with a panel for each parameter of the design that varies."""
     from bearingsim.plots import design, select
     from bearingsim.plots.caption import band_of_record, fixed_values, varying
     from bearingsim.study import Figure
@@ -170,19 +170,19 @@ def _of_design(results: "Results", changes: Mapping[str, Any]) -> list[tuple[str
         others = {path: unit for path, unit in units.items() if path not in paths}
         fixed = fixed_values(results, part, {*paths, *figure.by})
         fixed += band_of_record(results, part, [name])
-        caption = [*fixed, *varying(figure, part, others), *_design_said(results)]
+        caption = [*fixed, *varying(figure, part, others), *_design_texts(results)]
         sheets.append((_name_of_design(name, changes), design.draw_paths(figure, paths, part, units, caption)))
     return sheets
 
 
-def _design_said(results: "Results") -> list[str]:
+def _design_texts(results: "Results") -> list[str]:
     from bearingsim.plots import design
 
-    return [design.said(results.plan["design"]), *design.TREND]
+    return [design.description(results.plan["design"]), *design.TREND]
 
 
 def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple[Canvas, Figure]":
-    """The figure drawn, and as it was completed."""
+    """Complete and draw a figure; return the canvas and the completed figure."""
     from bearingsim.plots import categories, design, select, sweep
     from bearingsim.plots.caption import band_of_record, fixed_values, moved_along, varying
 
@@ -191,60 +191,60 @@ def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple
     caption = fixed_values(results, part, {figure.x, *select.varied(part, [*figure.by, *figure.panels])})
     caption += band_of_record(results, part, figure.y)
     if select.scattered(figure, part, together):
-        caption += [*varying(figure, part, units), *_design_said(results)]
+        caption += [*varying(figure, part, units), *_design_texts(results)]
         return design.draw(figure, part, units, caption), figure
     caption += moved_along(figure, part, units)
     if categories.are_many(figure, part, units):
         return categories.draw(figure, part, units, caption), figure
     part = select.with_spread(results, part, figure.y)
-    return sweep.draw(figure, part, units, [*caption, *select.spread_said(results, part)]), figure
+    return sweep.draw(figure, part, units, [*caption, *select.spread_texts(results, part)]), figure
 
 
 def _wanted(
     results: "Results", rows: "pd.DataFrame", kind: str, x: str | None, changes: Mapping[str, Any]
 ) -> "list[Figure]":
-    """The figures asked for: the study's own, or one over x, with the changes."""
+    """List the requested figures: those of the study, or one over x, with the changes applied."""
     from bearingsim.plots import select
 
-    found = [select.arranged(results, x, rows)] if x else select.planned(results, rows)
-    given: dict[str, Any] = {
+    figures = [select.arranged(results, x, rows)] if x else select.planned(results, rows)
+    overrides: dict[str, Any] = {
         key: dict(value) if key == "where" else tuple(value) for key, value in changes.items() if value
     }
     if kind == "phase":
-        given["y"] = select.phases(given["y"]) if "y" in given else select.default_phases(results)
-    changed = [_changed(figure, given) for figure in found]
+        overrides["y"] = select.phases(overrides["y"]) if "y" in overrides else select.default_phases(results)
+    changed = [_changed(figure, overrides) for figure in figures]
     return [figure for number, figure in enumerate(changed) if figure not in changed[:number]]
 
 
-def _changed(figure: "Figure", given: dict[str, Any]) -> "Figure":
-    """The figure with what was given; a path that is given as curves makes no panels any more, and vice versa."""
-    by = tuple(path for path in figure.by if path not in given.get("panels", ()))
-    panels = tuple(path for path in figure.panels if path not in given.get("by", ()))
-    return replace(figure, **({"by": by, "panels": panels} | given))
+def _changed(figure: "Figure", overrides: dict[str, Any]) -> "Figure":
+    """Apply overrides to a figure; a path made a curve is dropped from the panels, and vice versa."""
+    by = tuple(path for path in figure.by if path not in overrides.get("panels", ()))
+    panels = tuple(path for path in figure.panels if path not in overrides.get("by", ()))
+    return replace(figure, **({"by": by, "panels": panels} | overrides))
 
 
 def _name(number: int, figure: "Figure", x: str | None, changes: Mapping[str, Any]) -> str:
-    """`fig1-velocity-bpfo-vs-defect-length`; one that the study does not name tells what was asked for."""
-    asked = x or any(changes.values())
+    """Name the file of a figure, `fig1-velocity-bpfo-vs-defect-length`, including the options of the command."""
+    changed = x or any(changes.values())
     y = figure.y if changes.get("y") else figure.y[:1]
-    words = [f"{'plot' if asked else 'fig'}{number}", *y, "vs", figure.x]
-    return slug([*words, *_asked(changes)])
+    words = [f"{'plot' if changed else 'fig'}{number}", *y, "vs", figure.x]
+    return slug([*words, *_option_words(changes)])
 
 
-def _asked(changes: Mapping[str, Any]) -> list[str]:
-    """Words of a file's name for what was asked for."""
+def _option_words(changes: Mapping[str, Any]) -> list[str]:
+    """List the words of a file name that describe the options of the command."""
     words = [word for key in ("by", "panels") if changes.get(key) for word in (key, *changes[key])]
     where = [f"{path} {value.replace('-', 'minus ')}" for path, value in (changes.get("where") or {}).items()]
     return [*words, *(["where", *where] if where else [])]
 
 
 def _name_of_design(feature: str, changes: Mapping[str, Any]) -> str:
-    """`design-velocity-bpfo`."""
-    return slug([DESIGN, feature, *_asked(changes)])
+    """Name the file of a design figure: `design-velocity-bpfo`."""
+    return slug([DESIGN, feature, *_option_words(changes)])
 
 
 def slug(words: Sequence[str]) -> str:
-    """Words as the name of a file: `fig1-velocity-bpfo`."""
+    """Join words to a file name: `fig1-velocity-bpfo`."""
     return "-".join("".join(c if c.isalnum() else " " for c in " ".join(words).lower()).split())
 
 
@@ -272,17 +272,20 @@ def _of_jobs(
 
 
 def _of_pits(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
-    """A figure for each of the different pits of some jobs."""
+    """Draw a figure for each distinct defect of some jobs."""
     from bearingsim.plots import pit
 
     return [
-        (slug([PIT, one.jobs[0][:8], *([str(one.number)] if one.of > 1 else [])]), pit.draw_pit(results, one))
-        for one in pit.sheets(results, jobs)
+        (
+            slug([PIT, sheet.jobs[0][:8], *([str(sheet.number)] if sheet.of > 1 else [])]),
+            pit.draw_pit(results, sheet),
+        )
+        for sheet in pit.sheets(results, jobs)
     ]
 
 
 def _of_rings(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
-    """A figure for each job whose ring rests; the error of the first if there is none."""
+    """Draw a figure per job with a static equilibrium; raise the first error if none has one."""
     from bearingsim.plots import ring
 
     sheets, problems = [], []
@@ -299,7 +302,7 @@ def _of_rings(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canva
 
 
 def _check_changes(kind: str, changes: Mapping[str, Any]) -> None:
-    """Refuse what a kind of figure does not take."""
+    """Raise PlotError for options that a kind of figure does not accept."""
     useless = [name for name in UNUSED_OPTIONS[kind] if changes.get(name)]
     if useless:
         how = ": its jobs are chosen by `--job` or by `--where`" if kind in OF_JOBS else ""

@@ -1,4 +1,4 @@
-"""What a job has recorded, as a figure shows it: one channel, its components, its unit."""
+"""Recorded channels of a job as drawn: a channel, its components, its unit."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import cos, sin
@@ -16,25 +16,11 @@ if TYPE_CHECKING:
     from bearingsim.config import Case
     from bearingsim.store import Results, Series
 
-__all__ = [
-    "Job",
-    "Signal",
-    "all_jobs",
-    "case_of",
-    "channels_for",
-    "is_of_slice",
-    "over_time",
-    "recorded_as",
-    "signals_of",
-    "text_of",
-    "unit_of",
-]
-
 PREFERRED = ("ring.velocity", "ring.acceleration", "ring.displacement")
 
 
 class Signal(NamedTuple):
-    """A channel of a job: time (n,) in s and values (n,) in SI; component: what tells it from its sisters."""
+    """Channel of a job: time (n,) in s and values (n,) in SI; component: its name among those of the channel."""
 
     time: np.ndarray
     values: np.ndarray
@@ -47,81 +33,82 @@ class Signal(NamedTuple):
 
 
 class Job(NamedTuple):
-    """A finished job: its parameters, what the solver said of it, its series."""
+    """Finished job: its parameters, the solver's attributes, its series."""
 
-    known: dict[Any, Any]
+    parameters: dict[Any, Any]
     info: dict[Any, Any]
     series: "Series"
 
     @property
     def recorded(self) -> list[str]:
         """The channels that its case asked for, in that order."""
-        return str(self.known["record"]).split() if self.series.channels else []
+        return str(self.parameters["record"]).split() if self.series.channels else []
 
 
 def all_jobs(results: "Results", jobs: Sequence[str]) -> dict[str, Job]:
-    """Some finished jobs by id. Raises ResultsError for one that has none."""
+    """Load finished jobs by id. Raises ResultsError for a job without results."""
     series = {job: results.series(job) for job in jobs}
     ids = list(series)
-    known, info = (frame.loc[ids].to_dict("index") for frame in (results.parameters(), results.info()))
-    return {job: Job(known[job], info[job], series[job]) for job in jobs}
+    parameters, info = (frame.loc[ids].to_dict("index") for frame in (results.parameters(), results.info()))
+    return {job: Job(parameters[job], info[job], series[job]) for job in jobs}
 
 
-def case_of(results: "Results", job: str, known: Mapping[Any, Any]) -> "Case":
-    """The case of a job from its parameters. Raises PlotError if it cannot be made again, as without its scan."""
+def case_of(results: "Results", job: str, parameters: Mapping[Any, Any]) -> "Case":
+    """Rebuild the case of a job from its parameters. Raises PlotError if that fails, as for a missing scan."""
     from pydantic import ValidationError
 
     from bearingsim.store import case_of as made
 
     try:
-        return made(known, results.path)
+        return made(parameters, results.path)
     except ValueError as error:
         reason = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
         raise PlotError(f"the case of job {job} cannot be made again from its results: {reason}") from None
 
 
-def channels_for(jobs: dict[str, Job], asked: Sequence[str], prefix: str = "") -> list[str]:
-    """The channels to draw: those asked for, or the ring's velocity, or else the first that was recorded.
+def channels_for(jobs: dict[str, Job], requested: Sequence[str], prefix: str = "") -> list[str]:
+    """Select the channels to draw: the requested ones, else the ring's velocity, else the first recorded channel.
 
-    prefix: of the names that will do. Raises PlotError for what a job has not recorded.
+    prefix: required beginning of the default channel's name. Raises PlotError for a channel that a job has not
+    recorded.
     """
-    name, first = next(iter(jobs.items()))
-    recorded = [name for name in first.recorded if name.startswith(prefix) and not is_of_slice(name)]
-    if not recorded and not asked:
+    name, leading = next(iter(jobs.items()))
+    recorded = [name for name in leading.recorded if name.startswith(prefix) and not is_of_slice(name)]
+    if not recorded and not requested:
         raise PlotError(f"job {name} has recorded no {prefix or 'channel'}: add one to `record`")
-    wanted = list(asked) or [next((channel for channel in PREFERRED if channel in recorded), recorded[0])]
+    wanted = list(requested) or [next((channel for channel in PREFERRED if channel in recorded), recorded[0])]
     along = next((channel for channel in wanted if roller_of(channel) and channel.endswith(LINE_LOADS)), None)
     if along:
         raise PlotError(f"`{along}` is a load along a roller, with a value in each slice: draw its `--kind load`")
     for channel in wanted:
-        for job, one in jobs.items():
-            _check(job, channel, one.recorded)
+        for job, record in jobs.items():
+            _check(job, channel, record.recorded)
     return wanted
 
 
 def is_of_slice(channel: str) -> bool:
-    """Whether a channel is of one slice of a roller."""
+    """Check if a channel belongs to a single slice of a roller."""
     roller = roller_of(channel)
     return roller is not None and "." in roller[1]
 
 
 def _check(job: str, channel: str, recorded: Sequence[str]) -> None:
-    known = [*recorded, *(name for whole in recorded for name in dataset_names(whole))]
-    if recorded_as(channel, known) is None:
-        near = "" if channel in CHANNELS else suggestion(channel, known)
+    names = [*recorded, *(name for whole in recorded for name in dataset_names(whole))]
+    if recorded_as(channel, names) is None:
+        near = "" if channel in CHANNELS else suggestion(channel, names)
         advice = near or f"there are: {', '.join(recorded)}"
         raise PlotError(f"job {job} has recorded no `{channel}` ({advice})")
 
 
 def recorded_as(channel: str, recorded: Sequence[str]) -> str | None:
-    """The name under which a channel was recorded: `roller.spin` is `roller.1.spin`."""
+    """Return the name under which a channel was recorded: `roller.1.spin` for `roller.spin`."""
     roller = roller_of(channel) if channel in CHANNELS else None
     same = (name for name in recorded if name == channel or (roller and roller_of(name) == roller))
     return next(same, None)
 
 
 def signals_of(job: Job, channel: str) -> Iterator[Signal]:
-    """A channel's components, or its one component; of the ring's motion what the sensor would give."""
+    """Yield the components of a channel; of the ring's motion only its projection on the sensor axis."""
     time, series = job.series.time, job.series.channels
     if channel in series:
         yield Signal(time, np.asarray(series[channel], np.float64))
@@ -130,7 +117,7 @@ def signals_of(job: Job, channel: str) -> Iterator[Signal]:
     names = dataset_names(whole)
     rows = [np.asarray(series[name], np.float64) for name in names]
     if channel in PREFERRED:
-        angle = job.known["rig.sensor_angle"]
+        angle = job.parameters["rig.sensor_angle"]
         yield Signal(time, cos(angle) * rows[0] + sin(angle) * rows[1])
         return
     for name, values in zip(names, rows, strict=True):
@@ -138,12 +125,12 @@ def signals_of(job: Job, channel: str) -> Iterator[Signal]:
 
 
 def over_time(job: Job, channel: str, signal: Signal) -> np.ndarray:
-    """The signal's values (n,) as they are drawn over time: nothing rings before what causes it.
+    """Return the signal's values (n,) as drawn over time, filtered causally.
 
-    The record's low-pass has no delay, so that an impact rings before it. Contact forces, and records without a
-    low-pass, are drawn as they are.
+    The record's zero-phase low-pass rings before an impact, the causal one does not. Contact forces, and records
+    without a low-pass, are drawn as recorded.
     """
-    if job.known["antialias"] != "true" or is_contact_force(channel):
+    if job.parameters["antialias"] != "true" or is_contact_force(channel):
         return signal.values
     from bearingsim import signals
 
@@ -151,12 +138,12 @@ def over_time(job: Job, channel: str, signal: Signal) -> np.ndarray:
 
 
 def unit_of(channel: str) -> str:
-    """The SI unit of a channel, or of one of its components."""
+    """Return the SI unit of a channel, or of one of its components."""
     return CHANNELS[_whole(channel)].unit
 
 
 def text_of(channel: str, *others: str) -> str:
-    """A channel in words, as an axis begins: `Contact force of roller 3 on the outer race`.
+    """Return the long name of a channel, capitalised: `Contact force of roller 3 on the outer race`.
 
     others: the same quantity of other rollers, then `Contact force of each roller on the outer race`.
     """

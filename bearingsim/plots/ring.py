@@ -25,14 +25,12 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-__all__ = ["View", "draw_ring", "draw_shape", "view"]
-
-ROOM = 0.1  # of the ring's outer radius: the largest displacement as it is drawn
-SPRING, ARROW, MARGIN = 0.16, 0.2, 0.16  # of the ring's outer radius: a spring, a force, what is free around
-LEAST_PIT = 0.035  # rad: half of the angle of a pit that is as wide as that, or narrower
-INSIDE = 0.04  # of the ring's outer radius: how far inside of the carrier its sensor is drawn
+ROOM = 0.1  # of the outer radius: largest displacement as drawn
+SPRING, ARROW, MARGIN = 0.16, 0.2, 0.16  # of the outer radius: spring, force arrow, margin
+LEAST_PIT = 0.035  # rad, least half angle of a defect as drawn
+INSIDE = 0.04  # of the outer radius: distance of the sensor inside the carrier
 COILS = 3
-FEW = 12  # springs, up to which they are drawn with coils
+FEW = 12  # springs up to this number are drawn with coils
 AROUND = np.linspace(-pi, pi, 721)
 SCALE = "YlGnBu"
 STEEL, EDGE, SOUND, INNER, LIFTED = "0.84", "0.15", "0.5", "0.95", "0.75"
@@ -71,55 +69,62 @@ class View(NamedTuple):
         return (1.0 + SPRING) * self.outside
 
     def enlarged(self, metres: Any) -> Any:
-        """A displacement (m) as it is drawn."""
+        """Scale a displacement (m) to drawing units (mm, exaggerated)."""
         return 1e3 * self.times * metres
 
-    def of_ring(self, one: Instant, angles: Reals, radius: float) -> tuple[Reals, Reals]:
-        """Where points of the ring are, which stand at a ``radius`` in the undeformed one."""
-        return point(angles, radius + self.enlarged(one.bent(angles)), self.enlarged(one.x), self.enlarged(one.y))
+    def of_ring(self, instant: Instant, angles: Reals, radius: float) -> tuple[Reals, Reals]:
+        """Return the drawn positions of ring points with undeformed ``radius`` at some angles."""
+        return point(
+            angles,
+            radius + self.enlarged(instant.bent(angles)),
+            self.enlarged(instant.x),
+            self.enlarged(instant.y),
+        )
 
-    def of_carrier(self, one: Instant, angles: Reals, beyond: float = 0.0) -> tuple[Reals, Reals]:
-        """Where points of the carrier are, or so much ``beyond`` it."""
-        return point(angles, self.carrier + beyond, *(self.enlarged(part) for part in one.carrier))
+    def of_carrier(self, instant: Instant, angles: Reals, beyond: float = 0.0) -> tuple[Reals, Reals]:
+        """Return the drawn positions of carrier points, or of points ``beyond`` the carrier (mm)."""
+        return point(angles, self.carrier + beyond, *(self.enlarged(part) for part in instant.carrier))
 
-    def of_roller(self, one: Instant, j: int) -> tuple[float, float]:
-        """Where the centre of roller ``j`` is."""
-        right, up = point(one.angles[j], 1e3 * self.shape.pitch + self.enlarged(one.outwards[j]))
+    def of_roller(self, instant: Instant, j: int) -> tuple[float, float]:
+        """Return the drawn position of the centre of roller ``j``."""
+        right, up = point(instant.angles[j], 1e3 * self.shape.pitch + self.enlarged(instant.outwards[j]))
         return float(right), float(up)
 
 
 def point(angles: Any, radius: Any, x: float = 0.0, y: float = 0.0) -> tuple[Any, Any]:
-    """To the right and upwards: places at some angles around (x, y). The load line points upwards, 90 deg left."""
+    """Convert polar coordinates around (x, y) to drawing axes (right, up): load line upwards, 90 deg left."""
     return -(radius * np.sin(angles) + y), radius * np.cos(angles) + x
 
 
 def view(shape: RingShape) -> View:
-    """How to draw a ring: enlarged by a round number."""
+    """Choose the round exaggeration and the range of shades for a ring."""
     times = round_below(ROOM * shape.outside / max(shape.largest(), 1e-12))
-    most = max(float(one.forces[one.loaded].max(initial=0.0)) for one in shape.instants)
+    most = max(float(instant.forces[instant.loaded].max(initial=0.0)) for instant in shape.instants)
     return View(shape, times, most or 1.0)
 
 
 def draw_ring(results: "Results", job: str) -> Canvas:
-    """The ring of a finished job. Raises PlotError where nothing rests, ResultsError if the job is not done."""
+    """Draw the ring of a finished job. Raises PlotError without an equilibrium, ResultsError if the job is not
+    done.
+    """
     done = results.parameters()
     if job not in done.index:
-        results.series(job)  # which says why there is nothing of it
+        results.series(job)  # raises the reason
     shape = ring_shape(recorded.case_of(results, job, done.loc[job].to_dict()))
     rows = select.case_rows(results)
     return draw_shape(shape, fixed_values(results, rows[rows["job"] == job], set()))
 
 
 def draw_shape(shape: RingShape, caption: list[str]) -> Canvas:
-    """A panel for each instant; below them what all marks mean and the ``caption``."""
+    """Draw a panel per instant, with a legend above and the ``caption`` below."""
     seen = view(shape)
     rows = -(-len(shape.instants) // 2)
     canvas = Canvas(figsize=(2 * COLUMN_IN + 0.8, rows * 3.1 + 1.1),
                     layout=ConstrainedLayoutEngine(w_pad=0.04, h_pad=0.04))  # fmt: skip
     axes = list(canvas.subplots(rows, 2, squeeze=False).flat)
-    for number, (ax, one) in enumerate(zip(axes, shape.instants, strict=False)):
-        draw_instant(ax, seen, one)
-        letter(ax, number, len(shape.instants), _said(shape, one))
+    for number, (ax, instant) in enumerate(zip(axes, shape.instants, strict=False)):
+        draw_instant(ax, seen, instant)
+        letter(ax, number, len(shape.instants), _time_text(shape, instant))
     shades = ScalarMappable(Normalize(0.0, seen.darkest), SCALE)
     bar = canvas.colorbar(shades, ax=axes, shrink=0.5, aspect=25, pad=0.02)
     bar.set_label("Force of a roller on the outer race (N)")
@@ -130,32 +135,34 @@ def draw_shape(shape: RingShape, caption: list[str]) -> Canvas:
     return canvas
 
 
-def _said(shape: RingShape, one: Instant) -> str:
-    """When an instant is."""
-    if one.part in PARTS_SAID:
-        return PARTS_SAID[one.part]
-    where = "over the pit" if any(mark.on == "outer" for mark in one.marks) else "at the load line"
-    return f"a roller {where}" if one.part == 0.0 else f"{labels.number_text(one.part)} of a ball pass later"
+def _time_text(shape: RingShape, instant: Instant) -> str:
+    """Describe the time of an instant."""
+    if instant.part in PARTS_SAID:
+        return PARTS_SAID[instant.part]
+    where = "over the pit" if any(mark.on == "outer" for mark in instant.marks) else "at the load line"
+    return (
+        f"a roller {where}" if instant.part == 0.0 else f"{labels.number_text(instant.part)} of a ball pass later"
+    )
 
 
 def _enlargement(seen: View) -> str:
-    """What is drawn how many times as large as it is."""
+    """State the exaggeration in words."""
     return f"Ring at rest; displacements and clearance ×{labels.number_text(seen.times)}"
 
 
-def draw_instant(ax: "Axes", seen: View, one: Instant) -> None:
-    """One instant of a ball pass."""
+def draw_instant(ax: "Axes", seen: View, instant: Instant) -> None:
+    """Draw the bearing at one instant of a ball pass."""
     ax.set_aspect("equal")
     ax.set_axis_off()
-    draw_bodies(ax, seen, one)
-    for j in range(len(one.angles)):
-        draw_roller(ax, seen, one, j)
-    for mark in one.marks:
-        ax.plot(*pit_line(seen, one, mark), color=PIT, lw=3.0, solid_capstyle="butt", zorder=6, gid="pit")
-    draw_springs(ax, seen, one)
+    draw_bodies(ax, seen, instant)
+    for j in range(len(instant.angles)):
+        draw_roller(ax, seen, instant, j)
+    for mark in instant.marks:
+        ax.plot(*pit_line(seen, instant, mark), color=PIT, lw=3.0, solid_capstyle="butt", zorder=6, gid="pit")
+    draw_springs(ax, seen, instant)
     for push in seen.shape.pushes:
-        draw_push(ax, seen, one, push)
-    sensor = sensor_place(seen, one)
+        draw_push(ax, seen, instant, push)
+    sensor = sensor_place(seen, instant)
     ax.plot(*sensor, marker="s", ls="", color=SENSOR, ms=5.5, mec="white", mew=0.6, zorder=8, gid="sensor")
     left, right, low, high = frame(seen)
     ax.set_xlim(left, right)
@@ -163,7 +170,7 @@ def draw_instant(ax: "Axes", seen: View, one: Instant) -> None:
 
 
 def frame(seen: View) -> tuple[float, float, float, float]:
-    """Left, right, lowest, highest: the ring with all that is around it, the same at every instant."""
+    """Return left, right, lower and upper limit of the drawing, equal at all instants."""
     radius = seen.carrier if len(seen.shape.spring_angles) else seen.outside
     angles = np.array([push.angle for push in seen.shape.pushes])
     right, up = point(angles, radius + ARROW * seen.outside)
@@ -173,9 +180,9 @@ def frame(seen: View) -> tuple[float, float, float, float]:
     return float(sides.min()), float(sides.max()), float(heights.min()), float(heights.max())
 
 
-def draw_bodies(ax: "Axes", seen: View, one: Instant) -> None:
-    """The ring, the undeformed one as thin circles, the inner race and the directions."""
-    inside, outside = seen.of_ring(one, AROUND, seen.race), seen.of_ring(one, AROUND, seen.outside)
+def draw_bodies(ax: "Axes", seen: View, instant: Instant) -> None:
+    """Draw the ring, its undeformed shape as thin circles, the inner race and the axes."""
+    inside, outside = seen.of_ring(instant, AROUND, seen.race), seen.of_ring(instant, AROUND, seen.outside)
     ax.fill(*(np.r_[a, b[::-1]] for a, b in zip(outside, inside, strict=True)), color=STEEL, lw=0.0, zorder=1)
     for line, name in ((inside, "race"), (outside, "outside")):
         ax.plot(*line, color=EDGE, lw=1.0, zorder=3, gid=name)
@@ -195,18 +202,18 @@ def draw_bodies(ax: "Axes", seen: View, one: Instant) -> None:
         ax.annotate(word, beyond, ha="center", va="center", fontsize=7, color="0.4")
 
 
-def draw_roller(ax: "Axes", seen: View, one: Instant, j: int) -> None:
-    """Roller ``j``: filled by its force, open if it carries none."""
-    shade = colormaps[SCALE](one.forces[j] / seen.darkest) if one.loaded[j] else "white"
-    ax.add_patch(Circle(seen.of_roller(one, j), 1e3 * seen.shape.roller, fc=shade, ec=EDGE, lw=0.7, zorder=2,
+def draw_roller(ax: "Axes", seen: View, instant: Instant, j: int) -> None:
+    """Draw roller ``j``: shaded by its force, open if unloaded."""
+    shade = colormaps[SCALE](instant.forces[j] / seen.darkest) if instant.loaded[j] else "white"
+    ax.add_patch(Circle(seen.of_roller(instant, j), 1e3 * seen.shape.roller, fc=shade, ec=EDGE, lw=0.7, zorder=2,
                         gid=f"roller {j + 1}"))  # fmt: skip
 
 
-def pit_line(seen: View, one: Instant, mark: Mark) -> tuple[Reals, Reals]:
-    """Where a pit is marked: on a race, or on a roller."""
+def pit_line(seen: View, instant: Instant, mark: Mark) -> tuple[Reals, Reals]:
+    """Return the line that marks a defect on a race or a roller."""
     half = max(mark.half, LEAST_PIT)
     if mark.on == "roller":
-        right, up = seen.of_roller(one, mark.roller)
+        right, up = seen.of_roller(instant, mark.roller)
         radius = 1e3 * seen.shape.roller
         wide = max(mark.half, LEAST_PIT * seen.race / radius)
         there = point(np.linspace(mark.angle - wide, mark.angle + wide, 21), radius)
@@ -214,37 +221,37 @@ def pit_line(seen: View, one: Instant, mark: Mark) -> tuple[Reals, Reals]:
     angles = np.linspace(mark.angle - half, mark.angle + half, 21)
     if mark.on == "inner":
         return point(angles, seen.inner_race)
-    return seen.of_ring(one, angles, seen.race)
+    return seen.of_ring(instant, angles, seen.race)
 
 
-def draw_springs(ax: "Axes", seen: View, one: Instant) -> None:
-    """Springs around the ring, those that press darker, and the carrier behind them."""
-    if not len(one.springs):
+def draw_springs(ax: "Axes", seen: View, instant: Instant) -> None:
+    """Draw the springs around the ring, loaded ones darker, and the carrier behind them."""
+    if not len(instant.springs):
         return
-    ax.plot(*seen.of_carrier(one, AROUND), color=SPRINGS, lw=1.1, zorder=3, gid="carrier")
-    for p in range(len(one.springs)):
-        presses = one.springs[p] > 0.0
-        ax.plot(*spring_line(seen, one, p), color=SPRINGS if presses else LIFTED, lw=1.0 if presses else 0.6,
+    ax.plot(*seen.of_carrier(instant, AROUND), color=SPRINGS, lw=1.1, zorder=3, gid="carrier")
+    for p in range(len(instant.springs)):
+        presses = instant.springs[p] > 0.0
+        ax.plot(*spring_line(seen, instant, p), color=SPRINGS if presses else LIFTED, lw=1.0 if presses else 0.6,
                 zorder=5 if presses else 4, gid="pressed" if presses else "lifted")  # fmt: skip
 
 
-def spring_line(seen: View, one: Instant, p: int) -> tuple[Reals, Reals]:
-    """Spring ``p`` from the ring to its carrier: with coils if there are few, else a stroke."""
+def spring_line(seen: View, instant: Instant, p: int) -> tuple[Reals, Reals]:
+    """Return the line of spring ``p`` from ring to carrier: with coils if there are few springs, else straight."""
     angle = seen.shape.spring_angles[p : p + 1]
-    first, last = (np.concatenate(end) for end in (seen.of_ring(one, angle, seen.outside),
-                                                   seen.of_carrier(one, angle)))  # fmt: skip
-    if len(one.springs) > FEW:
-        return np.array([first[0], last[0]]), np.array([first[1], last[1]])
+    inner, outer = (np.concatenate(end) for end in (seen.of_ring(instant, angle, seen.outside),
+                                                   seen.of_carrier(instant, angle)))  # fmt: skip
+    if len(instant.springs) > FEW:
+        return np.array([inner[0], outer[0]]), np.array([inner[1], outer[1]])
     along = np.r_[0.0, 0.15, 0.15 + 0.7 * (np.arange(2 * COILS) + 0.5) / (2 * COILS), 0.85, 1.0]
     aside = 0.03 * seen.outside * np.r_[0.0, 0.0, np.tile([1.0, -1.0], COILS), 0.0, 0.0]
     beside = point(angle[0] + pi / 2.0, 1.0)
-    right, up = (first[i] + along * (last[i] - first[i]) + aside * beside[i] for i in (0, 1))
+    right, up = (inner[i] + along * (outer[i] - inner[i]) + aside * beside[i] for i in (0, 1))
     return right, up
 
 
-def draw_push(ax: "Axes", seen: View, one: Instant, push: Push) -> None:
-    """A given force: an arrow to the ring, or to the carrier, and how large it is."""
-    tip, tail = push_ends(seen, one, push)
+def draw_push(ax: "Axes", seen: View, instant: Instant, push: Push) -> None:
+    """Draw an applied force as an arrow to the ring or carrier, with its magnitude."""
+    tip, tail = push_ends(seen, instant, push)
     ax.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "lw": 1.4, "color": EDGE, "shrinkA": 0.0,
                                            "shrinkB": 0.0, "mutation_scale": 11.0}, zorder=7)  # fmt: skip
     sideways, upwards = -sin(push.angle), cos(push.angle)
@@ -254,31 +261,31 @@ def draw_push(ax: "Axes", seen: View, one: Instant, push: Push) -> None:
                 textcoords="offset points", ha=ha, va=va, fontsize=7.5, zorder=7, gid="push")  # fmt: skip
 
 
-def push_ends(seen: View, one: Instant, push: Push) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Tip and tail of a force's arrow."""
-    at, length = np.array([push.angle]), ARROW * seen.outside
-    if len(one.springs):
-        ends = seen.of_carrier(one, at), seen.of_carrier(one, at, length)
+def push_ends(seen: View, instant: Instant, push: Push) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return tip and tail of the arrow of a force."""
+    angles, length = np.array([push.angle]), ARROW * seen.outside
+    if len(instant.springs):
+        ends = seen.of_carrier(instant, angles), seen.of_carrier(instant, angles, length)
     else:
-        ends = seen.of_ring(one, at, seen.outside), seen.of_ring(one, at, seen.outside + length)
+        ends = seen.of_ring(instant, angles, seen.outside), seen.of_ring(instant, angles, seen.outside + length)
     tip, tail = ((float(right[0]), float(up[0])) for right, up in ends)
     return tip, tail
 
 
-def sensor_place(seen: View, one: Instant) -> tuple[Reals, Reals]:
-    """Where the sensor is drawn: within the ring's section, or just inside of the carrier, clear of forces."""
-    at = np.array([seen.shape.sensor])
+def sensor_place(seen: View, instant: Instant) -> tuple[Reals, Reals]:
+    """Return the position of the sensor: in the ring's section, or just inside the carrier, clear of forces."""
+    angles = np.array([seen.shape.sensor])
     if seen.shape.sensor_on == "housing":
-        return seen.of_carrier(one, at, -INSIDE * seen.outside)
-    return seen.of_ring(one, at, 0.5 * (seen.race + seen.outside))
+        return seen.of_carrier(instant, angles, -INSIDE * seen.outside)
+    return seen.of_ring(instant, angles, 0.5 * (seen.race + seen.outside))
 
 
 def _legend(seen: View) -> Iterator[Line2D]:
-    """What the marks mean."""
+    """Yield the legend entries of the marks."""
     round_mark: dict[str, Any] = {"ls": "", "marker": "o", "mec": EDGE, "mew": 0.7, "ms": 8.0}
     yield Line2D([], [], color=SOUND, lw=0.7, ls=(0, (6, 3)), label="undeformed ring")
     yield Line2D([], [], mfc="white", label="roller without load", **round_mark)
-    if any(one.marks for one in seen.shape.instants):
+    if any(instant.marks for instant in seen.shape.instants):
         yield Line2D([], [], color=PIT, lw=3.0, label="pit")
     yield Line2D([], [], ls="", marker="s", color=SENSOR, mec="white", ms=6.0, label="sensor")
     if len(seen.shape.spring_angles):

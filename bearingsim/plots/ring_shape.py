@@ -12,8 +12,6 @@ from bearingsim.plots.labels import PlotError
 if TYPE_CHECKING:
     from bearingsim.config import Case
 
-__all__ = ["PARTS", "Instant", "Mark", "Push", "Reals", "RingShape", "ring_shape"]
-
 PARTS = (0.0, 0.25, 0.5, 0.75)
 """Of a ball pass, from the moment at which a roller stands over the first pit of the outer race, or else at the
 load line: when the ring is shown."""
@@ -23,17 +21,17 @@ Reals = NDArray[np.float64]
 
 
 class Push(NamedTuple):
-    """A given force (N) that pushes inwards at an angle (rad)."""
+    """Applied force (N), inwards at an angle (rad)."""
 
     angle: float
     force: float
 
 
 class Mark(NamedTuple):
-    """A pit at some instant: from where to where it reaches (rad), and on what.
+    """Extent (rad) of a defect at some instant, and its carrier.
 
-    on: `outer`, `inner`, or `roller`; angle: of its middle, rad; of a roller's pit the direction from that
-    roller's centre; half: half of its width seen from the centre of what carries it, rad; roller: which one.
+    on: `outer`, `inner`, or `roller`; angle: of its middle, rad, for a roller's defect from that roller's centre;
+    half: half of its width seen from the centre of its carrier, rad; roller: index of the roller.
     """
 
     on: str
@@ -67,12 +65,12 @@ class Instant(NamedTuple):
     marks: tuple[Mark, ...]
 
     def bent(self, angles: Reals) -> Reals:
-        """How far the ring is bent outwards at some angles, m."""
+        """Compute the outward bending displacement (m) of the ring at some angles."""
         turns = np.multiply.outer(np.asarray(angles), self.n)
         return np.asarray(np.cos(turns) @ self.a + np.sin(turns) @ self.b)
 
     def moved(self, angles: Reals) -> Reals:
-        """How far the ring has come outwards at some angles, by its bending and as a whole, m."""
+        """Compute the outward displacement (m) of the ring at some angles: bending plus rigid body."""
         return self.bent(angles) + self.x * np.cos(angles) + self.y * np.sin(angles)
 
 
@@ -98,16 +96,23 @@ class RingShape(NamedTuple):
     instants: tuple[Instant, ...]
 
     def largest(self) -> float:
-        """The largest displacement (m) of ring, rollers and carrier at any of the instants."""
+        """Compute the largest displacement (m) of ring, rollers and carrier over all instants."""
         around = np.linspace(-pi, pi, 721)
-        found = [self.gap]
-        for one in self.instants:
-            found += [np.abs(one.moved(around)).max(), np.abs(one.outwards).max(), float(np.hypot(*one.carrier))]
-        return float(max(found))
+        displacements = [self.gap]
+        for instant in self.instants:
+            displacements += [
+                np.abs(instant.moved(around)).max(),
+                np.abs(instant.outwards).max(),
+                float(np.hypot(*instant.carrier)),
+            ]
+        return float(max(displacements))
 
 
 def ring_shape(case: "Case", parts: tuple[float, ...] = PARTS) -> RingShape:
-    """The case's outer ring at rest at some ``parts`` of a ball pass. Raises PlotError if nothing rests."""
+    """Compute a case's outer ring in static equilibrium at some ``parts`` of a ball pass.
+
+    Raises PlotError for a model without load or a case without equilibrium.
+    """
     from bearingsim import assemble
     from bearingsim.catalogue import MODELS
     from bearingsim.core.models.equilibrium import NoEquilibrium
@@ -137,15 +142,15 @@ def ring_shape(case: "Case", parts: tuple[float, ...] = PARTS) -> RingShape:
 
 
 def _bending(model: Any) -> Any:
-    """How the model's ring bends; None if it does not."""
+    """Return the bending part of a model; None for a rigid ring."""
     from bearingsim.core.parts.bending import Bending
 
-    found = getattr(model, "bending", None)
-    return found if isinstance(found, Bending) else None
+    part = getattr(model, "bending", None)
+    return part if isinstance(part, Bending) else None
 
 
 def _spring_angles(bent: Any) -> Reals:
-    """Angles (P,) rad of the springs around a ring."""
+    """Compute the angles (P,) in rad of the springs around a ring."""
     from bearingsim.core.parts.bending import COS_S, SIN_S, Springs
 
     if bent is None or not isinstance(bent.springs, Springs):
@@ -155,7 +160,7 @@ def _spring_angles(bent: Any) -> Reals:
 
 
 def _pushes(case: "Case") -> Iterator[Push]:
-    """The given load: on pads that share it, or at the load line, and across it."""
+    """Yield the applied loads: shared by the pads, or at the load line, and the load across."""
     pads = case.rig.load.angles if case.rig.ring is not None and case.rig.load is not None else None
     angles = np.asarray(pads or (0.0,))
     for angle in angles:
@@ -166,7 +171,7 @@ def _pushes(case: "Case") -> Iterator[Push]:
 
 
 def _instants(case: "Case", model: Any, parts: tuple[float, ...]) -> Iterator[Instant]:
-    """The bearing at rest, one instant after the other."""
+    """Yield the bearing in equilibrium at each part of a ball pass."""
     from bearingsim import assemble
 
     y, bearing = assemble.empty_buffer(model), model.bearing
@@ -181,7 +186,7 @@ def _instants(case: "Case", model: Any, parts: tuple[float, ...]) -> Iterator[In
 
 
 def _begin(model: Any) -> float:
-    """The first time (s) at which a roller stands over the first pit of the outer race, or at the load line."""
+    """Compute the first time (s) of a roller over the first defect of the outer race, or at the load line."""
     from bearingsim.core.pits.pairs import ANGLE, CARRIER, ON_OUTER
 
     places = [float(row[ANGLE]) for row in model.pits.head if row[CARRIER] == ON_OUTER]
@@ -190,7 +195,7 @@ def _begin(model: Any) -> float:
 
 
 def _read(model: Any, t: float, y: np.ndarray, part: float) -> Instant:
-    """What the buffer says of a bearing that rests at ``t`` (s)."""
+    """Read an instant from the buffer of a bearing in equilibrium at ``t`` (s)."""
     from bearingsim.core import layout as lay
 
     Z, bent = model.bearing.Z, _bending(model)
@@ -199,7 +204,7 @@ def _read(model: Any, t: float, y: np.ndarray, part: float) -> Instant:
     n, a, b = _amplitudes(bent, y)
     angles = np.arctan2(sines, cosines)
     springs, carrier = _springs(bent, y)
-    found = Instant(
+    instant = Instant(
         part=part,
         x=float(y[lay.POSITION + lay.X]),
         y=float(y[lay.POSITION + lay.Y]),
@@ -214,12 +219,12 @@ def _read(model: Any, t: float, y: np.ndarray, part: float) -> Instant:
         carrier=carrier,
         marks=tuple(_marks(model, t, angles)),
     )
-    touching = found.moved(angles) + model.bearing.gap + np.maximum(approach, 0.0)
-    return found._replace(outwards=np.minimum(outwards, touching))
+    touching = instant.moved(angles) + model.bearing.gap + np.maximum(approach, 0.0)
+    return instant._replace(outwards=np.minimum(outwards, touching))
 
 
 def _amplitudes(bent: Any, y: np.ndarray) -> tuple[Reals, Reals, Reals]:
-    """Numbers of the ring's harmonics, amplitudes (m) of cosine and sine, without a carrier's place."""
+    """Return harmonic numbers and cosine and sine amplitudes (m) of the ring, without the carrier's position."""
     from bearingsim.core import layout as lay
     from bearingsim.core.parts.bending import N
 
@@ -235,7 +240,7 @@ def _amplitudes(bent: Any, y: np.ndarray) -> tuple[Reals, Reals, Reals]:
 
 
 def _springs(bent: Any, y: np.ndarray) -> tuple[Reals, tuple[float, float]]:
-    """What the springs press (P,) N, and the place (m, m) of the carrier behind them."""
+    """Return the spring forces (P,) in N and the position (m, m) of the carrier behind them."""
     from bearingsim.core import layout as lay
     from bearingsim.core.parts.bending import held_place
 
@@ -247,7 +252,7 @@ def _springs(bent: Any, y: np.ndarray) -> tuple[Reals, tuple[float, float]]:
 
 
 def _marks(model: Any, t: float, angles: Reals) -> Iterator[Mark]:
-    """Where the pits are at ``t`` (s)."""
+    """Yield the positions of the defects at ``t`` (s)."""
     from bearingsim.core.pits.pairs import ANGLE, CARRIER, HALF_WIDTH, ON_INNER, ON_OUTER, OUTER, RADIUS, SIDE
 
     bearing = model.bearing

@@ -1,4 +1,4 @@
-"""What a figure is made of: the rows of the table that belong to it, and how they split into curves."""
+"""Selection of rows for a figure, and their split into curves."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,71 +18,46 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-__all__ = [
-    "arranged",
-    "automatic",
-    "case_rows",
-    "completed",
-    "default_phases",
-    "default_y",
-    "design_paths",
-    "is_drawable",
-    "is_numeric",
-    "joined",
-    "matching",
-    "moving_along",
-    "phases",
-    "planned",
-    "scattered",
-    "splits",
-    "spread_said",
-    "values",
-    "varied",
-    "with_defect_phases",
-    "with_spread",
-    "x_unit",
-]
-
 HEALTHY_PHASE = "-healthy.phase"
 MAX_CURVES = 9  # in one panel of an automatic figure
-UNSAID = "none"  # a word that adds nothing to the name of a category
+UNSAID = "none"  # omitted from the name of a category
 
 
 def case_rows(results: "Results") -> "pd.DataFrame":
-    """The rows of the table that are cases of the study, not the healthy baselines they are compared with."""
+    """Select the rows of the table that are cases of the study, without healthy baselines."""
     table, twins = results.table(), {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
     return table[~table["job"].isin(twins)].reset_index(drop=True)
 
 
 def design_paths(results: "Results") -> tuple[str, ...]:
-    """The paths that move together as points of a design; none of a study that has none."""
+    """Return the paths of the study's design; empty without one."""
     design = results.plan.get("design")
     return tuple(design["paths"]) if design else ()
 
 
 def scattered(figure: Figure, rows: "pd.DataFrame", design: Sequence[str]) -> list[str]:
-    """The paths of a design that move freely along the curves of a figure: its points make no line then."""
+    """List the paths of a design that vary freely along the curves of a figure: its points form no line."""
     return varied(rows, [path for path in design if path not in (figure.x, *figure.by, *figure.panels)])
 
 
 def varied(rows: "pd.DataFrame", paths: Sequence[str]) -> list[str]:
-    """The paths that take more than one value in the rows."""
+    """List the paths with more than one value in the rows."""
     return [path for path in paths if path in rows and rows[path].nunique() > 1]
 
 
 def values(rows: "pd.DataFrame", path: str) -> list[Any]:
-    """The values of a path: numbers ascending, words in the order of the study."""
-    found = list(dict.fromkeys(rows[path].dropna()))
-    return sorted(found) if is_numeric(found) else found
+    """List the distinct values of a path: numbers ascending, words in the order of the study."""
+    distinct = list(dict.fromkeys(rows[path].dropna()))
+    return sorted(distinct) if is_numeric(distinct) else distinct
 
 
-def is_numeric(found: Sequence[Any]) -> bool:
-    """Whether all values are numbers."""
-    return all(isinstance(value, int | float) for value in found)
+def is_numeric(distinct: Sequence[Any]) -> bool:
+    """Check if all values are numbers."""
+    return all(isinstance(value, int | float) for value in distinct)
 
 
 def planned(results: "Results", rows: "pd.DataFrame") -> list[Figure]:
-    """The figures that the study names, less those whose x it no longer sweeps; automatic ones if none."""
+    """List the figures of the study whose x is swept; automatic ones if there are none."""
     swept = list(results.plan["units"])
     named = [_figure(entry) for entry in results.plan["figures"]]
     drawable = [
@@ -107,7 +82,9 @@ def _known_items(where: Mapping[str, str], swept: Sequence[str]) -> dict[str, st
 
 
 def automatic(results: "Results", rows: "pd.DataFrame") -> list[Figure]:
-    """A figure for each swept number on x in turn, everything else as curves and panels.
+    """Make a figure over each swept number in turn, all other paths as curves and panels.
+
+    Raises PlotError if nothing is swept.
 
     Raises PlotError where nothing is swept.
     """
@@ -120,7 +97,7 @@ def automatic(results: "Results", rows: "pd.DataFrame") -> list[Figure]:
 
 
 def arranged(results: "Results", x: str, rows: "pd.DataFrame") -> Figure:
-    """A figure over x, other paths as curves, that with the fewest values as panels if curves are too many."""
+    """Make a figure over x, other paths as curves; the path with fewest values as panels if there are too many."""
     units = results.plan["units"]
     beside = joined(x, [], rows, units)
     leading = [x, *(path for path in design_paths(results) if path != x)]
@@ -134,64 +111,67 @@ def arranged(results: "Results", x: str, rows: "pd.DataFrame") -> Figure:
 
 
 def _follows(path: str, leading: Sequence[str], rows: "pd.DataFrame") -> bool:
-    """Whether a path has one value for each combination of others: it moves together with them."""
+    """Check if a path is a function of other paths, with one value per combination of them."""
     return set(leading) <= set(rows) and bool(rows.groupby(list(leading))[path].nunique().max() <= 1)
 
 
 def default_y(results: "Results", rows: "pd.DataFrame") -> tuple[str, ...]:
-    """The line that shows the defects and what of it they have made; of several kinds of defect each one's line.
+    """Choose the features of a figure: the amplitude at the fundamental line of each kind of defect.
 
-    Of healthy bearings that can slip also the slip.
+    For one kind also its change from the healthy baseline; for healthy bearings with a slipping cage also the
+    slip.
     """
-    known = results.parameters()
-    lines = [f"velocity@{line}" for line in fitting(known)]
+    parameters = results.parameters()
+    lines = [f"velocity@{line}" for line in fitting(parameters)]
     wanted = [*lines, f"{lines[0]}-healthy"] if len(lines) == 1 else lines
-    if may_slip(known) and not races_of_all(known):
+    if may_slip(parameters) and not races_of_all(parameters):
         wanted.append("cage.slip.mean")
     return tuple(name for name in wanted if name in rows and rows[name].notna().any()) or (lines[0],)
 
 
 def default_phases(results: "Results") -> tuple[str, ...]:
-    """The phase of the line that shows the defects, and of what of it they have made."""
+    """Return the phase of the defect's line and the phase of its change from the healthy baseline."""
     line = f"velocity@{fitting(results.parameters())[0]}"
     return f"{line}.phase", f"{line}{HEALTHY_PHASE}"
 
 
 def with_defect_phases(results: "Results", rows: "pd.DataFrame") -> "pd.DataFrame":
-    """The rows with the phases (rad) of all lines less the healthy baseline's: what the defect alone adds."""
+    """Add the phases (rad) of all lines minus the healthy baseline: the contribution of the defect."""
     import numpy as np
     import pandas as pd
 
     table = results.table().set_index("job")
     lines = [str(name).removesuffix(".phase") for name in table if str(name).endswith(".phase")]
-    found = {}
+    columns = {}
     for line in lines:
         amplitude = table[line] * np.exp(1j * table[f"{line}.phase"])
         twin = amplitude.reindex(rows["healthy"]).to_numpy()
-        found[f"{line}{HEALTHY_PHASE}"] = np.angle(amplitude.reindex(rows["job"]).to_numpy() - twin)
-    return pd.concat([rows, pd.DataFrame(found, index=rows.index)], axis=1)
+        columns[f"{line}{HEALTHY_PHASE}"] = np.angle(amplitude.reindex(rows["job"]).to_numpy() - twin)
+    return pd.concat([rows, pd.DataFrame(columns, index=rows.index)], axis=1)
 
 
 def with_spread(results: "Results", rows: "pd.DataFrame", features: Sequence[str]) -> "pd.DataFrame":
-    """The rows with ``least NAME``, ``largest NAME`` (SI), ``chaotic NAME`` of features that the unknown moves."""
+    """Add columns ``least NAME``, ``largest NAME`` (SI) and ``chaotic NAME`` for features with an uncertainty."""
     import pandas as pd
 
-    found = {name: results.spread(name) for name in features}
+    spreads = {name: results.spread(name) for name in features}
     columns = {
         f"{end} {name}": spread[end].reindex(rows["job"]).to_numpy()
-        for name, spread in found.items()
+        for name, spread in spreads.items()
         for end in ("least", "largest", "chaotic")
         if len(spread)
     }
     return pd.concat([rows, pd.DataFrame(columns, index=rows.index)], axis=1)
 
 
-def spread_said(results: "Results", rows: "pd.DataFrame") -> list[str]:
-    """What the bands of a figure stand for, if it has any: `bands and bars: damping 0.5 to 10 us`."""
+def spread_texts(results: "Results", rows: "pd.DataFrame") -> list[str]:
+    """Describe the uncertainty bands of a figure, if it has any: `bands and bars: damping 0.5 to 10 us`."""
     if not any(str(column).startswith("least ") for column in rows):
         return []
     drawn = set(rows["job"])
-    tried = by_kind((one["what"], one["value"]) for one in results.variations if one["of"] in drawn)
+    tried = by_kind(
+        (variation["what"], variation["value"]) for variation in results.variations if variation["of"] in drawn
+    )
     band = " and ".join(
         (f"{what} ({text})" if UNKNOWNS[what].choices else f"{what} {text}")
         for what, text in ((what, UNKNOWNS[what].range_text(values)) for what, values in tried.items())
@@ -203,10 +183,10 @@ def spread_said(results: "Results", rows: "pd.DataFrame") -> list[str]:
 def completed(
     figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], design: Sequence[str] = ()
 ) -> tuple[Figure, "pd.DataFrame"]:
-    """The rows of a figure, and the figure with every path that still varies among its curves.
+    """Return a figure with all remaining varied paths as curves, and its rows.
 
-    design: paths that move together, and so make no curves. Raises PlotError for a path or feature that the
-    results do not have.
+    design: paths that vary together, and so make no curves. Raises PlotError for a path or feature missing from
+    the results.
     """
     paths = (figure.x, *figure.by, *figure.panels)
     for path in paths:
@@ -227,14 +207,14 @@ def completed(
 
 
 def is_drawable(column: str) -> bool:
-    """Whether a column of the table can stand on the y axis."""
+    """Check if a column of the table can be drawn on the y axis."""
     return column in FEATURES or column == COST or column.endswith(HEALTHY_PHASE)
 
 
 def joined(x: str, placed: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]) -> list[str]:
-    """The paths that name a category together with the words on x: those that a `zip` ties to it.
+    """List the paths that form a category together with the words on x, as tied to it by a `zip`.
 
-    Words are tied where not every word of one meets every word of the other. ``placed``: curves and panels.
+    Words are tied if not all combinations of them occur. ``placed``: curves and panels.
     """
     if x not in rows or is_numeric(values(rows, x)):
         return [x]
@@ -250,7 +230,7 @@ def _product(rows: "pd.DataFrame", *paths: str) -> int:
 def _as_categories(
     paths: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]
 ) -> tuple[str, "pd.DataFrame"]:
-    """The paths as one, and the rows with a column for it: `envelope, ring` in `excitation, model`."""
+    """Merge paths into one, with a column of joined words: `envelope, ring` for `excitation, model`."""
     if len(paths) == 1:
         return paths[0], rows
     texts = [
@@ -261,7 +241,7 @@ def _as_categories(
 
 
 def matching(rows: "pd.DataFrame", where: Mapping[str, str], units: Mapping[str, str]) -> "pd.DataFrame":
-    """The rows whose swept paths have the values written. Raises PlotError for an unknown path, or if none has."""
+    """Select the rows with given values of swept paths. Raises PlotError for an unknown path, or if none match."""
     for path, text in where.items():
         _check(path, units, "swept path")
         rows = rows[_matches(rows[path], path, text)]
@@ -271,27 +251,27 @@ def matching(rows: "pd.DataFrame", where: Mapping[str, str], units: Mapping[str,
 
 
 def phases(features: Sequence[str]) -> tuple[str, ...]:
-    """The phases of some lines, each named by its line or its phase. Raises PlotError for what has no phase."""
-    found = tuple(f"{name.removesuffix('.phase')}.phase" for name in features)
-    for name, phase in zip(features, found, strict=True):
+    """Convert names of lines or phases to names of phases. Raises PlotError for a feature without a phase."""
+    names = tuple(f"{name.removesuffix('.phase')}.phase" for name in features)
+    for name, phase in zip(features, names, strict=True):
         if phase.replace(HEALTHY_PHASE, ".phase") not in FEATURES:
             raise PlotError(f"`{name}` has no phase: expected a line such as `velocity@BPFO`")
-    return found
+    return names
 
 
-def _check(word: str, known: Any, what: str) -> None:
-    if word not in known:
-        near = "" if word in FEATURES else suggestion(word, list(known))  # another line is not the one asked for
+def _check(word: str, valid: Any, what: str) -> None:
+    if word not in valid:
+        near = "" if word in FEATURES else suggestion(word, list(valid))  # another line is not the one asked for
         near = f"say `features: [{word.removesuffix('-healthy')}]` and run again" if of_band(word) else near
-        advice = near or f"there are: {', '.join(known) or 'none'}"
+        advice = near or f"there are: {', '.join(valid) or 'none'}"
         raise PlotError(f"no {what} `{word}` in these results ({advice})")
 
 
 def _matches(column: "pd.Series[Any]", path: str, text: str) -> "pd.Series[bool]":
-    """Which values of a swept column are the one written as ``text``."""
-    known = dimension(path)
+    """Compare a swept column with a value written as ``text``."""
+    unit_kind = dimension(path)
     try:
-        value = parse(text, known) if known else float(text)  # a seed has no unit
+        value = parse(text, unit_kind) if unit_kind else float(text)  # a seed has no unit
     except (UnitError, ValueError):
         value = None
     if value is None or not is_numeric(list(column.dropna())):
@@ -300,19 +280,19 @@ def _matches(column: "pd.Series[Any]", path: str, text: str) -> "pd.Series[bool]
 
 
 def moving_along(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """The swept paths that vary in a completed figure without being drawn, and the drawn one that each follows.
+    """Yield the varied paths that a completed figure does not draw, each with the drawn path that it follows.
 
-    Empty for one that follows none of them alone.
+    The latter is empty for a path that follows none of them alone.
     """
     drawn = [*figure.x.split(", "), *figure.by, *figure.panels]
     for path in varied(rows, [path for path in units if path not in drawn]):
-        yield path, next((one for one in drawn if _follows(path, [one], rows)), "")
+        yield path, next((leader for leader in drawn if _follows(path, [leader], rows)), "")
 
 
 def splits(
     rows: "pd.DataFrame", paths: Sequence[str], units: Mapping[str, str]
 ) -> Iterator[tuple[str, "pd.DataFrame"]]:
-    """The rows for each combination of some paths' values, with its text; all of them if there are no paths."""
+    """Yield the rows for each combination of values of some paths, with its text; all rows without paths."""
     if not paths:
         yield "", rows
         return
@@ -323,5 +303,5 @@ def splits(
 
 
 def x_unit(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
-    """The unit of the x axis; empty for words."""
+    """Return the unit of the x axis; empty for words."""
     return unit_of(path, units) if is_numeric(values(rows, path)) else ""

@@ -1,4 +1,4 @@
-"""What decides a feature: Sobol' indices as bars, Morris' effects as points, both with their intervals."""
+"""Sensitivity of a feature: Sobol indices as bars, Morris effects as points, with confidence intervals."""
 
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-__all__ = ["Answer", "draw", "figure", "label_of"]
-
 Answer = tuple[Blocks, Indices | Effects]
 COLUMN_IN, BAR_IN, NAMES_IN, POINTS_IN = 2.9, 0.42, 1.3, 2.9
 THICK = 0.38
@@ -42,16 +40,16 @@ def draw(results: "Results", answers: Sequence[Answer], path: Path) -> Path:
 
 
 def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:
-    """A column of axes for each feature. All answers are of one design."""
-    blocks, found = answers[0]
+    """Draw a panel for each feature. All answers belong to one design."""
+    blocks, indices = answers[0]
     design, units = results.plan["design"], results.plan["units"]
     names = [label_of(path, ends, units) for path, ends in zip(blocks.paths, design["ranges"], strict=True)]
-    bars = isinstance(found, Indices)
+    bars = isinstance(indices, Indices)
     width = len(answers) * COLUMN_IN + NAMES_IN
     height = (len(names) * BAR_IN if bars else POINTS_IN) + 1.3
     canvas = Canvas(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06))
     axes = canvas.subplots(1, len(answers), sharey=bars, squeeze=False)[0]
-    places = _places(found) if isinstance(found, Indices) else []
+    places = _places(indices) if isinstance(indices, Indices) else []
     for ax, (own, answer) in zip(axes, answers, strict=True):
         if isinstance(answer, Indices):
             _bars(ax, answer, places, names)
@@ -63,28 +61,28 @@ def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:
     canvas.legend(handles, texts, **place)
     table = results.table()[["job"]]
     rows = table[table["job"].isin(design["ids"])]
-    finish(canvas, None, [*fixed_values(results, rows, set(blocks.paths)), *_told(answers)])
+    finish(canvas, None, [*fixed_values(results, rows, set(blocks.paths)), *_notes(answers)])
     return canvas
 
 
 def label_of(path: str, ends: Sequence[float], units: Mapping[str, str]) -> str:
-    """A parameter and its range (SI) in the unit of the study: two lines."""
+    """Format a parameter and its range (SI) in the study's unit, on two lines."""
     unit = labels.unit_of(path, units)
     least, largest = (labels.number_text(labels.shown(path, end, unit)) for end in ends)
     name = labels.name_text(path)
     return f"{name[:1].upper()}{name[1:]}\n{least} to {largest} {labels.pretty(unit)}".rstrip()
 
 
-def _places(found: Indices) -> list[int]:
-    """Where each parameter stands from the top: by its total index."""
-    return [int(place) for place in np.argsort(np.argsort(-found.total.value, kind="stable"))]
+def _places(indices: Indices) -> list[int]:
+    """Rank the parameters by total index, 0 at the top."""
+    return [int(place) for place in np.argsort(np.argsort(-indices.total.value, kind="stable"))]
 
 
-def _bars(ax: "Axes", found: Indices, places: Sequence[int], names: Sequence[str]) -> None:
+def _bars(ax: "Axes", indices: Indices, places: Sequence[int], names: Sequence[str]) -> None:
     for number, (name, text, colour) in enumerate(BARS):
-        one: Estimate = getattr(found, name)
+        estimate: Estimate = getattr(indices, name)
         where = [place + (number - 0.5) * THICK for place in places]
-        ax.barh(where, one.value, THICK, color=colour, label=text, xerr=_whiskers(one), error_kw=WHISKER)
+        ax.barh(where, estimate.value, THICK, color=colour, label=text, xerr=_whiskers(estimate), error_kw=WHISKER)
     ax.set_yticks(places, names)
     ax.set_ylim(len(names) - 0.4, -0.6)
     ax.axvline(0.0, color="0.3", linewidth=0.8)
@@ -93,10 +91,12 @@ def _bars(ax: "Axes", found: Indices, places: Sequence[int], names: Sequence[str
     ax.grid(visible=False, axis="y")
 
 
-def _points(ax: "Axes", blocks: Blocks, found: Effects, names: Sequence[str]) -> None:
-    unit, factor = labels.feature_axis(blocks.feature, float(found.magnitude.high.max()))
+def _points(ax: "Axes", blocks: Blocks, effects: Effects, names: Sequence[str]) -> None:
+    unit, factor = labels.feature_axis(blocks.feature, float(effects.magnitude.high.max()))
     in_unit = f" ({unit})" if unit else ""
-    across, up = (Estimate(*(factor * ends for ends in one)) for one in (found.magnitude, found.spread))
+    across, up = (
+        Estimate(*(factor * ends for ends in estimate)) for estimate in (effects.magnitude, effects.spread)
+    )
     for place, name in enumerate(names):
         colour, mark = COLOURS[place % len(COLOURS)], MARKERS[place % len(MARKERS)]
         bars: dict[str, Any] = WHISKER | {"ecolor": colour, "color": colour, "marker": mark, "clip_on": False}
@@ -112,12 +112,12 @@ def _points(ax: "Axes", blocks: Blocks, found: Effects, names: Sequence[str]) ->
     ax.set_title(textwrap.fill(labels.feature_text(blocks.feature), LABEL_LETTERS), loc="left")
 
 
-def _whiskers(found: Estimate) -> np.ndarray:
-    """Down and up from the value (2, d), as matplotlib takes it; never negative, though rounding may be."""
-    return np.maximum([found.value - found.low, found.high - found.value], 0.0)
+def _whiskers(estimate: Estimate) -> np.ndarray:
+    """Return lower and upper error lengths (2, d) for matplotlib, clipped at zero against rounding."""
+    return np.maximum([estimate.value - estimate.low, estimate.high - estimate.value], 0.0)
 
 
-def _told(answers: Sequence[Answer]) -> list[str]:
-    """Of how many blocks, and what their whiskers are."""
+def _notes(answers: Sequence[Answer]) -> list[str]:
+    """State the number of blocks and the meaning of the whiskers."""
     counts = dict.fromkeys(f"{len(blocks.values)} of {blocks.planned} blocks" for blocks, _ in answers)
     return [f"{' and '.join(counts)} ({answers[0][0].kind})", f"whiskers: {100 * LEVEL:.0f} % by bootstrap"]

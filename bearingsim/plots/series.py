@@ -21,10 +21,12 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-__all__ = ["DRAW", "amplitude_spectrum", "done_jobs", "roller_angle", "some_jobs"]
-
-SHOWN_PASSES = {"ring.": 8, "load_zone.": 8, "roller.": 26}  # of a series, in ball passes; of others all
-SHOWN_IN_SECONDS = 0.5  # s: shorter times stand in ms
+SHOWN_PASSES = {
+    "ring.": 8,
+    "load_zone.": 8,
+    "roller.": 26,
+}  # ball passes shown of a series; all for other channels
+SHOWN_IN_SECONDS = 0.5  # s: shorter time axes are in ms
 SHOWN_LINES = 6  # multiples of the first line in a spectrum
 SOME = 3
 MARK_COLOURS = {"outer": COLOURS[1], "inner": COLOURS[3], "roller": COLOURS[2]}
@@ -32,12 +34,12 @@ DASHED = (0, (2, 2))
 
 
 def done_jobs(rows: "pd.DataFrame") -> list[str]:
-    """The finished cases among some rows of the table."""
+    """List the ids of the finished cases in the rows."""
     return list(rows[rows["status"] == "done"]["job"])
 
 
 def some_jobs(rows: "pd.DataFrame") -> list[str]:
-    """A few finished cases from all over some rows of the table: the first, the last, one between."""
+    """List the ids of the first, a middle and the last finished case in the rows."""
     done = done_jobs(rows)
     return list(dict.fromkeys(done[round(i * (len(done) - 1) / (SOME - 1))] for i in range(SOME))) if done else []
 
@@ -45,20 +47,22 @@ def some_jobs(rows: "pd.DataFrame") -> list[str]:
 # Curves
 
 
-def first_line(known: Mapping[Any, Any]) -> float:
-    """The frequency (Hz) of the first line of the job's defects."""
-    return lines.frequency(lines.FAMILIES[(lines.races(known) or ["outer"])[0]].first, known)
+def first_line(parameters: Mapping[Any, Any]) -> float:
+    """Compute the fundamental frequency (Hz) of the job's defects."""
+    return lines.frequency(lines.FAMILIES[(lines.races(parameters) or ["outer"])[0]].fundamental, parameters)
 
 
 def whole_periods(signal: Signal, frequency: float) -> np.ndarray:
-    """The signal's values over a whole number of periods of a frequency (Hz); all if it is shorter than one."""
+    """Trim a signal to a whole number of periods of ``frequency`` (Hz); return all of it if shorter than one."""
     periods = int(len(signal.time) / signal.rate * frequency + 1e-9)
     count = min(len(signal.time), round(periods * signal.rate / frequency))
     return signal.values[: count or None]
 
 
 def amplitude_spectrum(signal: Signal, frequency: float) -> Curve:
-    """Frequencies (Hz) and amplitudes of the lines, over whole periods of a frequency (Hz), Hann window.
+    """Compute the amplitude spectrum (Hz, SI) over whole periods of ``frequency`` (Hz), Hann window.
+
+    A sine of amplitude A gives a peak of height A.
 
     A sine of amplitude A gives a peak of height A.
     """
@@ -68,16 +72,16 @@ def amplitude_spectrum(signal: Signal, frequency: float) -> Curve:
 
 
 def envelope_spectrum(signal: Signal, frequency: float) -> Curve:
-    """Frequencies (Hz) and amplitudes of the squared envelope's lines, over whole periods of a frequency (Hz)."""
+    """Compute the squared-envelope spectrum (Hz, SI) over whole periods of ``frequency`` (Hz)."""
     from bearingsim import signals
 
     return signals.envelope_spectrum(whole_periods(signal, frequency), signal.rate)
 
 
 def _shown_spectrum(spectrum: Callable[[Signal, float], Curve], job: Job, _: str, signal: Signal) -> Curve:
-    first = first_line(job.known)
-    frequency, amplitude = spectrum(signal, first)
-    shown = frequency <= (SHOWN_LINES + 0.5) * first
+    fundamental = first_line(job.parameters)
+    frequency, amplitude = spectrum(signal, fundamental)
+    shown = frequency <= (SHOWN_LINES + 0.5) * fundamental
     return frequency[shown], amplitude[shown]
 
 
@@ -87,36 +91,41 @@ def _beginning(span: float | None, scale: float, job: Job, channel: str, signal:
 
 
 def shown_time(job: Job, channel: str) -> float:
-    """How much of a series is worth showing (s): what is fast only for some ball passes."""
+    """Return the duration (s) of a series to draw: some ball passes for fast channels, all for others."""
     passes = next((passes for start, passes in SHOWN_PASSES.items() if channel.startswith(start)), np.inf)
     if _has_ramp(job):
         passes = np.inf
-    return float(min(passes / lines.frequency(lines.FAMILIES["outer"].first, job.known), job.known["duration"]))
+    return float(
+        min(
+            passes / lines.frequency(lines.FAMILIES["outer"].fundamental, job.parameters),
+            job.parameters["duration"],
+        )
+    )
 
 
 def _has_ramp(job: Job) -> bool:
-    return bool(job.known.get("ramp.to", np.nan) > 0.0)
+    return bool(job.parameters.get("ramp.to", np.nan) > 0.0)
 
 
 def roller_angle(job: Job, number: int) -> np.ndarray:
-    """Where a roller (from 1) was during the record: rad from the load line, growing.
+    """Compute the angle (n,) of a roller (from 1) during the record: rad from the load line, increasing.
 
-    From the recorded speed or slip of the cage, or else as if it did not slip during the record. A roller's place
-    in its pocket is not known. Raises PlotError for a speed that changes.
+    Uses the recorded speed or slip of the cage, else pure rolling. The position of a roller in its pocket is not
+    recorded. Raises PlotError for a speed that changes.
     """
     if _has_ramp(job):
         raise labels.PlotError("under a ramp the rollers' angles are not known: draw the series instead")
-    series, known = job.series, job.known
-    omega_c = 2.0 * pi * lines.frequency(Line(cage=1), known)
+    series, parameters = job.series, job.parameters
+    omega_c = 2.0 * pi * lines.frequency(Line(cage=1), parameters)
     speed = omega_c * (1.0 - np.asarray(series.channels.get("cage.slip", np.zeros(len(series.time))), np.float64))
     speed = np.asarray(series.channels.get("cage.speed", speed), np.float64)
     turned = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(series.time))])
-    between = 2.0 * pi * (number - 1) / known["bearing.rollers"]
+    between = 2.0 * pi * (number - 1) / parameters["bearing.rollers"]
     return np.asarray(float(job.info["cage_angle_start_rad"]) + between + turned)
 
 
 def _round(job: Job, channel: str, signal: Signal) -> Curve:
-    """The signal over the roller's angle (deg, from the load line), broken where a turn ends."""
+    """Return the signal over the roller's angle (deg, from the load line), broken at the end of a revolution."""
     number, _ = roller_of(channel) or (1, "")
     angle = np.degrees(roller_angle(job, number) + pi) % 360.0 - 180.0
     ends = np.flatnonzero(np.diff(angle) < 0.0) + 1
@@ -129,13 +138,16 @@ def _round(job: Job, channel: str, signal: Signal) -> Curve:
 def draw_series(
     results: "Results", jobs: Sequence[str], y: Sequence[str] = (), span: float | None = None
 ) -> Canvas:
-    """Channels over time, a panel per job, its healthy baseline in dark grey; ``span``: so much of them (s)."""
-    found = recorded.all_jobs(results, jobs)
-    channels = recorded.channels_for(found, y)
-    longest = max(shown_time(job, channel) for job in found.values() for channel in channels)
+    """Draw channels over time, a panel per job, with its healthy baseline in dark grey.
+
+    ``span``: time shown (s).
+    """
+    records = recorded.all_jobs(results, jobs)
+    channels = recorded.channels_for(records, y)
+    longest = max(shown_time(job, channel) for job in records.values() for channel in channels)
     unit, scale = ("s", 1.0) if (span or longest) >= SHOWN_IN_SECONDS else ("ms", 1e-3)
     view = View(partial(_beginning, span, scale), f"Time ({unit})", str)
-    return grid(results, found, channels, view)[0]
+    return grid(results, records, channels, view)[0]
 
 
 def draw_spectrum(
@@ -146,51 +158,51 @@ def draw_spectrum(
     of: str = "Amplitude of the {}",
     power: int = 1,
 ) -> Canvas:
-    """Amplitude spectrum of channels, the lines of the defects' families marked, else like ``draw_series``."""
-    found = recorded.all_jobs(results, jobs)
+    """Draw the amplitude spectrum of channels like ``draw_series``, the families of the defects marked."""
+    records = recorded.all_jobs(results, jobs)
     view = View(
         partial(_shown_spectrum, spectrum),
         "Frequency (Hz)",
         lambda text: of.format(_lowered(text)),
         power,
     )
-    canvas, axes = grid(results, found, recorded.channels_for(found, y), view)
-    for row, job in zip(axes, found.values(), strict=True):
+    canvas, axes = grid(results, records, recorded.channels_for(records, y), view)
+    for row, job in zip(axes, records.values(), strict=True):
         for ax in row:
             ax.set_ylim(bottom=0.0)
-            ax.set_xlim(0.0, (SHOWN_LINES + 0.5) * first_line(job.known))
+            ax.set_xlim(0.0, (SHOWN_LINES + 0.5) * first_line(job.parameters))
             if not _has_ramp(job):
                 _mark_lines(ax, job, named=row is axes[0])
-    _name_sidebands(canvas, found.values())
+    _name_sidebands(canvas, records.values())
     return canvas
 
 
 def draw_roller(results: "Results", jobs: Sequence[str], y: Sequence[str] = ()) -> Canvas:
-    """What a roller meets on its way round: its recorded channels over its angle from the load line."""
-    found = recorded.all_jobs(results, jobs)
-    channels = recorded.channels_for(found, y, prefix="roller.")
+    """Draw the recorded channels of a roller over its angle from the load line."""
+    records = recorded.all_jobs(results, jobs)
+    channels = recorded.channels_for(records, y, prefix="roller.")
     if not y:
-        known = [name for name in next(iter(found.values())).recorded if not recorded.is_of_slice(name)]
+        names = [name for name in next(iter(records.values())).recorded if not recorded.is_of_slice(name)]
         number = (roller_of(channels[0]) or (1, ""))[0]
-        channels = [name for name in known if (roller_of(name) or (0, ""))[0] == number]
+        channels = [name for name in names if (roller_of(name) or (0, ""))[0] == number]
     for name in channels:
         if roller_of(name) is None:
             raise labels.PlotError(f"`{name}` is of no roller: draw its series instead")
     view = View(_round, "Angle of the roller (°)", str, baselines=False)
-    canvas, axes = grid(results, found, channels, view)
-    for row, job in zip(axes, found.values(), strict=True):
+    canvas, axes = grid(results, records, channels, view)
+    for row, job in zip(axes, records.values(), strict=True):
         for ax in row:
             ax.set_xlim(-180.0, 180.0)
             ax.set_xticks(range(-180, 181, 90))
-            for angle in _outer_pits(job.known):
+            for angle in _outer_pits(job.parameters):
                 ax.axvline(np.degrees(angle), color=MARK_COLOURS["outer"], lw=0.7, alpha=0.6, zorder=0.9)
     return canvas
 
 
-def _outer_pits(known: Mapping[Any, Any]) -> list[float]:
-    """Angles (rad) of the pits that stand still."""
-    heads = [str(name).removesuffix(".race") for name in known if str(name).endswith(".race")]
-    return [known[f"{head}.angle"] for head in heads if known[f"{head}.race"] == "outer"]
+def _outer_pits(parameters: Mapping[Any, Any]) -> list[float]:
+    """List the angles (rad) of the stationary defects."""
+    heads = [str(name).removesuffix(".race") for name in parameters if str(name).endswith(".race")]
+    return [parameters[f"{head}.angle"] for head in heads if parameters[f"{head}.race"] == "outer"]
 
 
 DRAW: dict[str, Callable[..., Canvas]] = {
@@ -207,26 +219,26 @@ def _lowered(text: str) -> str:
 
 
 def _mark_lines(ax: "Axes", job: Job, named: bool) -> None:
-    """A line at each line of the defects' families, sidebands dashed; names above, one height per family."""
-    known = lines.races(job.known) or ["outer"]
-    for mark in lines.marks(job.known, ax.get_xlim()[1]):
+    """Mark the spectral lines of the defects' families, sidebands dashed, names above at a height per family."""
+    elements = lines.races(job.parameters) or ["outer"]
+    for mark in lines.marks(job.parameters, ax.get_xlim()[1]):
         colour = MARK_COLOURS[mark.race]
         dashes: Mapping[str, Any] = {"ls": DASHED, "alpha": 0.4} if mark.sideband else {"alpha": 0.5}
         ax.axvline(mark.hertz, color=colour, lw=0.7, zorder=0.9, **dashes)
         if named and not mark.sideband:
-            ax.annotate(mark.name, (mark.hertz, 1.0), (0, 2 + 8 * known.index(mark.race)),
+            ax.annotate(mark.name, (mark.hertz, 1.0), (0, 2 + 8 * elements.index(mark.race)),
                         xycoords=("data", "axes fraction"), textcoords="offset points", ha="center",
                         fontsize=7, color=colour)  # fmt: skip
 
 
 def _name_sidebands(canvas: Canvas, jobs: Iterable[Job]) -> None:
-    """Beside the curves' legend entries what the dashed lines are."""
-    known = dict.fromkeys(race for job in jobs if not _has_ramp(job) for race in lines.races(job.known))
+    """Add the meaning of the dashed lines to the legend."""
+    elements = dict.fromkeys(race for job in jobs if not _has_ramp(job) for race in lines.races(job.parameters))
     entries = [
         Line2D(
             [], [], color=MARK_COLOURS[race], lw=0.7, ls=(0, (2, 2)), label=f"± {lines.FAMILIES[race].distance}"
         )
-        for race in known
+        for race in elements
         if lines.FAMILIES[race].beside
     ]
     if entries:

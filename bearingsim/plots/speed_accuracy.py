@@ -27,8 +27,6 @@ from bearingsim.plots.style import COLOURS, MARKERS, RC, drawing
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["draw", "figure"]
-
 LOOK = RC | {"font.size": 8.0, "axes.labelsize": 8.0, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5}
 SIZE_IN, DPI, SHADES = (7.4, 8.4), 100, 64
 RAIL = 1.075  # of the height of a panel
@@ -44,7 +42,7 @@ PALER = 0.35  # of the way to white: each further variant of a model
 
 
 def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
-    """Draw a scene's rows (``errors.with_errors``) into a PNG; its path."""
+    """Draw a scene's rows (``errors.with_errors``) into a PNG; return its path."""
     with drawing(LOOK):
         canvas = figure(rows, title)
         whole = BytesIO()
@@ -55,7 +53,7 @@ def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
 
 
 def figure(rows: Sequence[Row], title: str) -> Canvas:
-    """The figure of a scene."""
+    """Draw cost against numerical and total error of a scene, a row of panels per quantity."""
     methods = list(dict.fromkeys(row["method"] for row in rows if row["role"] in (POINT, AUTOMATIC, PEER)))
     colours = _colours(rows)
     marks = {name: MARKERS[n % len(MARKERS)] for n, name in enumerate(filter(None, methods))} | {"": MARKERS[-1]}
@@ -70,39 +68,39 @@ def figure(rows: Sequence[Row], title: str) -> Canvas:
     _rail(panels[0][0], rows, colours)
     for ax in panels[-1]:
         ax.set_xlabel("relative error")
-    canvas.suptitle(f"{title}\n{_told(rows)}", x=0.01, ha="left", fontsize=9.5)
+    canvas.suptitle(f"{title}\n{_verdicts(rows)}", x=0.01, ha="left", fontsize=9.5)
     handles = _legend(rows, colours, marks)
     canvas.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=7.5, handlelength=2.0)
     return canvas
 
 
 def _colours(rows: Sequence[Row]) -> dict[str, str]:
-    """A colour for each variant: a model's own in every scene, paler for each further variant of it."""
-    own, found, seen = dict(zip(reversed(MODELS), COLOURS, strict=False)), dict[str, str](), list[str]()
+    """Assign a colour to each variant: one per model in all scenes, paler for each further variant."""
+    own, shades, seen = dict(zip(reversed(MODELS), COLOURS, strict=False)), dict[str, str](), list[str]()
     for variant, model in {row["variant"]: row["model"] for row in rows}.items():
-        found[variant] = _paler(own[model], 1.0 - (1.0 - PALER) ** seen.count(model))
+        shades[variant] = _paler(own[model], 1.0 - (1.0 - PALER) ** seen.count(model))
         seen.append(model)
-    return found
+    return shades
 
 
 def _paler(colour: str, part: float) -> str:
-    """A colour, so far on the way to white."""
+    """Blend a colour with white; ``part``: 0 to 1."""
     red, green, blue = (value + part * (1.0 - value) for value in to_rgb(colour))
     return to_hex((red, green, blue))
 
 
-def _told(rows: Sequence[Row]) -> str:
-    """The verdicts, a line each."""
+def _verdicts(rows: Sequence[Row]) -> str:
+    """Format the verdicts, one per line."""
     lines = []
     for within in WITHIN:
-        found = verdict(rows, within)
-        if found.job is not None:
-            what = f"{found.job['variant']} ({found.job['method'] or 'no method'}, "
-            what += f"{seconds(found.job['cpu_per_s'])} as a job)"
-        elif found.point is not None:
-            what = f"{found.point['variant']} ({by(found.point)})"
+        cheapest = verdict(rows, within)
+        if cheapest.job is not None:
+            what = f"{cheapest.job['variant']} ({cheapest.job['method'] or 'no method'}, "
+            what += f"{seconds(cheapest.job['cpu_per_s'])} as a job)"
+        elif cheapest.point is not None:
+            what = f"{cheapest.point['variant']} ({by(cheapest.point)})"
         else:
-            what = f"not to be told ({found.unknown})" if found.unknown else "none that was run"
+            what = f"not to be told ({cheapest.unknown})" if cheapest.unknown else "none that was run"
         lines.append(f"line, RMS and force all within {percent(within)}: cheapest is {what}")
     return "\n".join(lines)
 
@@ -136,26 +134,26 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
     for row in good:
         if row["role"] == AUTOMATIC:
             _automatic(ax, row, [r for r in good if r["role"] == JOB], column, colours, marks)
-    known = [
+    errors = [
         _shown(row[f"{of}.{name}"]) for row in rows for of in HEADS for name in QUANTITIES if not row["failure"]
     ]
-    ax.set_xlim(LEAST / 1.6, 2.0 * max(error for error in [*known, ROOM] if error == error))
+    ax.set_xlim(LEAST / 1.6, 2.0 * max(error for error in [*errors, ROOM] if error == error))
     ax.xaxis.set_major_locator(LogLocator(numticks=12))
     ax.xaxis.set_minor_formatter(NullFormatter())
 
 
 def _spread(rows: Sequence[Row], column: str) -> list[Row]:
-    """Those of the rows whose marks are far enough from each other to be named."""
-    found: list[Row] = []
+    """Select rows with marks far enough apart to be labelled."""
+    separate: list[Row] = []
     for row in rows:
-        places = [(log10(_shown(one[column])), log10(one["cpu_per_s"])) for one in (row, *found)]
+        places = [(log10(_shown(other[column])), log10(other["cpu_per_s"])) for other in (row, *separate)]
         if all(hypot(places[0][0] - x, 1.5 * (places[0][1] - y)) > APART for x, y in places[1:]):
-            found.append(row)
-    return found
+            separate.append(row)
+    return separate
 
 
 def _name(ax: "Axes", row: Row, x: float) -> None:
-    """A run's step or tolerance beside its mark."""
+    """Label a mark with the step or tolerance of its run."""
     ax.annotate(
         label(row), (x, row["cpu_per_s"]), xytext=(-4.0, -3.0), textcoords="offset points",
         fontsize=6.0, color="0.25", ha="right", va="top", zorder=6,
@@ -163,7 +161,7 @@ def _name(ax: "Axes", row: Row, x: float) -> None:
 
 
 def _curve(ax: "Axes", rows: Sequence[Row], column: str, colour: str, mark: str, hollow: bool) -> None:
-    """The settings of a method, joined from the coarsest."""
+    """Draw the settings of a method, joined from the coarsest."""
     if rows:
         ax.plot(
             [_shown(row[column]) for row in rows], [row["cpu_per_s"] for row in rows],
@@ -173,7 +171,7 @@ def _curve(ax: "Axes", rows: Sequence[Row], column: str, colour: str, mark: str,
 
 
 def _automatic(ax: "Axes", row: Row, jobs: Sequence[Row], column: str, colours: dict, marks: dict) -> None:
-    """The automatic choice in full, ringed; a star where a job of it lies."""
+    """Draw the automatic choice in full, ringed, with a star for a job of it."""
     colour, x, y = colours[row["variant"]], _shown(row[column]), row["cpu_per_s"]
     ax.plot(x, y, marker=marks[row["method"]], color=colour, markersize=4.5, zorder=4)
     ax.plot(x, y, marker="o", markersize=11.0, markerfacecolor="none", markeredgecolor=colour, mew=1.4, zorder=5)
@@ -189,7 +187,7 @@ def _shown(error: float) -> float:
 
 
 def _rail(ax: "Axes", rows: Sequence[Row], colours: dict) -> None:
-    """What failed, in the order of the rows: the CSV says why."""
+    """List the failed runs above the panels, in the order of the rows."""
     failed = [row for row in rows if row["failure"]]
     if not failed:
         return
@@ -208,7 +206,7 @@ def _failed(row: Row) -> str:
 
 def _legend(rows: Sequence[Row], colours: dict, marks: dict) -> list[Any]:
     chaotic = {row["variant"] for row in rows if row["chaotic"] == 1.0}
-    found: list[Any] = [
+    entries: list[Any] = [
         Line2D([], [], color=colour, linewidth=4.0, label=name + " (chaotic)" * (name in chaotic))
         for name, colour in colours.items()
     ]
@@ -217,13 +215,15 @@ def _legend(rows: Sequence[Row], colours: dict, marks: dict) -> list[Any]:
         if name:
             fill = "white" if name in peers else "0.3"
             line: dict[str, Any] = {"linestyle": "--" if name in peers else "-", "linewidth": 0.7}
-            found.append(Line2D([], [], color="0.3", marker=mark, ms=4.5, mfc=fill, label=name, **line))
+            entries.append(Line2D([], [], color="0.3", marker=mark, ms=4.5, mfc=fill, label=name, **line))
     instant = [row for row in rows if row["role"] == AUTOMATIC and not row["method"]]
     if instant:
-        found.append(Line2D([], [], color="0.3", marker=marks[""], ms=4.5, ls="none", label="instant by instant"))
+        entries.append(
+            Line2D([], [], color="0.3", marker=marks[""], ms=4.5, ls="none", label="instant by instant")
+        )
     ring: dict[str, Any] = {"marker": "o", "ms": 10.0, "mfc": "none", "mec": "0.2", "mew": 1.4}
-    found.append(Line2D([], [], color="0.3", ls="none", label="automatic choice, in full", **ring))
+    entries.append(Line2D([], [], color="0.3", ls="none", label="automatic choice, in full", **ring))
     star: dict[str, Any] = {"marker": "*", "ms": 8.0, "mfc": "0.6", "mec": "black", "mew": 0.5}
-    found.append(Line2D([], [], ls="none", label="the same as a job (see the text)", **star))
-    found.append(Line2D([], [], color="0.75", linewidth=4.0, label="Pareto front of all models, in full"))
-    return found
+    entries.append(Line2D([], [], ls="none", label="the same as a job (see the text)", **star))
+    entries.append(Line2D([], [], color="0.75", linewidth=4.0, label="Pareto front of all models, in full"))
+    return entries

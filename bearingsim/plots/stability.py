@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-__all__ = ["draw", "draw_all", "figure"]
-
 PLAIN = RC | {"axes.grid": False, "font.size": 8.0}
 LEAST_IN = 5.6  # holds the title and the legend
 COLUMN_IN, ROW_IN, HEAD_IN, FOOT_IN = 2.45, 0.98, 1.0, 0.95
@@ -62,12 +60,12 @@ class Entry(NamedTuple):
 
 
 def draw_all(path: Path) -> list[Path]:
-    """Draw every model and pit of a CSV file, beside it; the files."""
+    """Draw every model and defect of a CSV file, beside it; return the files."""
     import pandas as pd
 
     table = pd.read_csv(path)
-    found = table[["model", "pit"]].drop_duplicates().itertuples(index=False)
-    return [file for model, pit in found for file in draw(table, model, pit, path.parent / _name(model, pit))]
+    maps = table[["model", "pit"]].drop_duplicates().itertuples(index=False)
+    return [file for model, pit in maps for file in draw(table, model, pit, path.parent / _name(model, pit))]
 
 
 def _name(model: str, pit: str) -> str:
@@ -75,7 +73,7 @@ def _name(model: str, pit: str) -> str:
 
 
 def draw(table: "pd.DataFrame", model: str, pit: str, path: Path) -> list[Path]:
-    """Draw the map of one model and pit: methods that have a step, then those with a tolerance; the files."""
+    """Draw the map of one model and defect: methods with a step, then those with a tolerance; return the files."""
     chosen = table[(table["model"] == model) & (table["pit"] == pit)]
     made = []
     for axis, ending in (("step", "steps"), ("tolerance", "tolerances")):
@@ -145,7 +143,7 @@ def _panel(ax: "Axes", cells: "pd.DataFrame", axis: str, damping: list, settings
 
 
 def _limit(ax: "Axes", cells: "pd.DataFrame", column: dict, settings: list[float]) -> None:
-    """The theoretical limit over each damping: a bar between the last step below it and the first above."""
+    """Draw the theoretical limit over each damping: a bar between the last step below it and the first above."""
     logs = np.log(settings)
     for (m3, c), group in cells.groupby(["m3", "c"]):
         limit, x = float(group["step_limit"].iloc[0]), column[m3, c]
@@ -156,11 +154,11 @@ def _limit(ax: "Axes", cells: "pd.DataFrame", column: dict, settings: list[float
 
 
 def _laws(ax: "Axes", damping: list[tuple[float, float]]) -> None:
-    """The exponent m3 over the columns that have it."""
+    """Write the exponent m3 above its columns."""
     for m3 in sorted({m3 for m3, _ in damping}):
-        at = [n for n, one in enumerate(damping) if one[0] == m3]
+        columns = [n for n, pair in enumerate(damping) if pair[0] == m3]
         ax.annotate(
-            f"$m_3$ = {m3:g}", (np.mean(at), 1.0), (0, 2), xycoords=("data", "axes fraction"),
+            f"$m_3$ = {m3:g}", (np.mean(columns), 1.0), (0, 2), xycoords=("data", "axes fraction"),
             textcoords="offset points", ha="center", va="bottom", fontsize=7,
         )  # fmt: skip
 
@@ -176,7 +174,7 @@ def _power(value: float) -> str:
 
 
 def _legend(rows: "pd.DataFrame", limit: bool) -> list[Any]:
-    """An entry for each class that occurs, for the limit, and for what is judged by its RMS."""
+    """Make an entry for each class present, for the limit, and for cells judged by RMS."""
     entries: list[Any] = []
     for name, look in CLASS_STYLES.items():
         if (rows["class"] == name).any():

@@ -1,4 +1,4 @@
-"""How figures look: for a column of a journal, colour-blind safe, and readable in grey print."""
+"""Style of figures: for a column of a journal, colour-blind safe, and readable in grey print."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -9,11 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
-__all__ = ["COLUMN_IN", "RC", "CurveStyle", "curve_styles", "drawing", "take_literally"]
-
 COLUMN_IN = 3.3  # width of one column of axes
-FEW = 4  # curves up to this are drawn each thinner than the one before
-SEQUENCE_FROM = 7  # more values than this, in order, take their colours from a scale
+FEW = 4  # up to this number of curves each is thinner than the one before
+SEQUENCE_FROM = 7  # from this number of ordered values on, colours come from a scale
 
 RC: dict[str, Any] = {
     "font.family": "DejaVu Sans",
@@ -76,28 +74,28 @@ class CurveStyle(NamedTuple):
     rank: int = 0
 
     def keywords(self) -> dict[str, Any]:
-        """As matplotlib's Line2D takes it."""
+        """Return the keyword arguments of matplotlib's Line2D."""
         fill = {} if self.filled else {"markerfacecolor": "white"}
         widths = {"linewidth": max(1.8 - 0.3 * self.rank, 1.1), "markersize": max(6.5 - self.rank, 4.0)}
         return {"color": self.colour, "marker": self.marker, "linestyle": self.line, **widths, **fill}
 
 
-def curve_styles(first: int, second: int, ordered: bool) -> list[list[CurveStyle]]:
-    """Looks of ``first`` x ``second`` curves: colour and marker tell the first, the line the second.
+def curve_styles(by_colour: int, by_line: int, ordered: bool) -> list[list[CurveStyle]]:
+    """Return the styles of ``by_colour`` x ``by_line`` curves, distinguished by colour and marker, and by line.
 
-    With a single second value the line tells the first too. ``ordered``: many first values are shades.
+    With a single line style, the line distinguishes colours too. ``ordered``: many colours become shades.
     """
-    shades = ordered and first >= SEQUENCE_FROM
-    colours = _shades(first) if shades else [COLOURS[i % len(COLOURS)] for i in range(first)]
+    shades = ordered and by_colour >= SEQUENCE_FROM
+    colours = _shades(by_colour) if shades else [COLOURS[i % len(COLOURS)] for i in range(by_colour)]
     return [
         [
             CurveStyle(colours[i], MARKERS[i % len(MARKERS)], LINES[line % len(LINES)], j == 0, rank)
-            for j in range(second)
+            for j in range(by_line)
             for line, rank in [
-                (j, j + 1) if second > 1 else (0, 3) if shades else (i, min(i, 3) if first <= FEW else 3)
+                (j, j + 1) if by_line > 1 else (0, 3) if shades else (i, min(i, 3) if by_colour <= FEW else 3)
             ]
         ]
-        for i in range(first)
+        for i in range(by_colour)
     ]
 
 

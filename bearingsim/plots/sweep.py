@@ -21,44 +21,29 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
 
-__all__ = [
-    "axis_label",
-    "curves_of",
-    "draw",
-    "finish",
-    "legend_entries",
-    "legend_width",
-    "letter",
-    "mark_chaotic",
-    "mark_lost",
-    "positions",
-    "share_scales",
-    "styles_of_curves",
-    "ticks_between",
-    "x_axis",
-    "y_axis",
-]
-
 ROW_IN = 2.7
-HEADROOM = 1.05  # an axis from zero ends so much above the largest value
+HEADROOM = 1.05  # upper limit of an axis from zero, times the largest value
 LABEL_LETTERS = 34  # of an axis label, in a line
-CAPTION_LINES, CAPTION_LINE_IN = 4, 0.13  # lines that find room below any figure; height of one more
+CAPTION_LINES, CAPTION_LINE_IN = (
+    4,
+    0.13,
+)  # caption lines that fit below any figure; height (inches) of each further line
 CHARACTER_IN = 0.066  # width of a letter of the legend
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
 BAND_ALPHA, BAR_POINTS = 0.18, 4.0
-EVEN = 3.0  # ratio of the ends of a log axis up to which its ticks are as even as a plain one's
+EVEN = 3.0  # below this ratio of limits a log axis gets linear ticks
 TICKS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)))
-"""Digits at which a log axis has ticks, by the ratio of the ends up to which they find room."""
+"""Digits of ticks on a log axis, by the largest ratio of limits at which they fit."""
 NO_BREAK = "\u00a0"
 
 
 @dataclass(frozen=True)
 class Curve:
-    """One line of a panel: what it is called by each of the two things that tell lines apart, and its rows."""
+    """Line of a panel: its texts in the legend by colour and by line, its style and its rows."""
 
-    first: str
-    second: str
+    colour_text: str
+    line_text: str
     look: CurveStyle
     rows: "pd.DataFrame"
 
@@ -99,7 +84,7 @@ def finish(canvas: Canvas, title: str | None, caption: Sequence[str]) -> None:
 
 
 def axis_label(text: str, unit: str) -> str:
-    """`Defect length (mm)`."""
+    """Join name and unit to an axis label: `Defect length (mm)`."""
     return text[:1].upper() + text[1:] + (f" ({labels.pretty(unit)})" if unit else "")
 
 
@@ -110,7 +95,7 @@ def _sheet(rows: int, columns: int, entries: Sequence[Line2D]) -> tuple[Canvas, 
 
 
 def legend_width(entries: Sequence[Line2D]) -> float:
-    """Inches that a legend beside the axes takes, beyond those for its handles."""
+    """Estimate the width (inches) of the texts of a legend beside the axes."""
     return CHARACTER_IN * max((len(str(entry.get_label())) for entry in entries), default=-8)
 
 
@@ -120,7 +105,7 @@ def legend_width(entries: Sequence[Line2D]) -> float:
 def styles_of_curves(
     figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]
 ) -> dict[tuple[str, str], CurveStyle]:
-    """The look of each combination of the first `by` path and all others, the same in every panel."""
+    """Assign a style to each combination of the first `by` path and all others, equal in every panel."""
     firsts = [text for text, _ in select.splits(rows, figure.by[:1], units)]
     seconds = list(dict.fromkeys(text for text, _ in select.splits(rows, figure.by[1:], units)))
     ordered = bool(figure.by) and select.is_numeric(select.values(rows, figure.by[0]))
@@ -135,26 +120,35 @@ def curves_of(
     styles: Mapping[tuple[str, str], CurveStyle],
     order: Mapping[Any, int],
 ) -> list[Curve]:
-    """The curves of one panel, their points in the given order of the values on x."""
+    """List the curves of one panel, points sorted by the ``order`` of values on x."""
     return [
-        Curve(first, second, styles[first, second], inner.loc[inner[figure.x].map(order).sort_values().index])
-        for first, part in select.splits(rows, figure.by[:1], units)
-        for second, inner in select.splits(part, figure.by[1:], units)
+        Curve(
+            colour_text,
+            line_text,
+            styles[colour_text, line_text],
+            inner.loc[inner[figure.x].map(order).sort_values().index],
+        )
+        for colour_text, part in select.splits(rows, figure.by[:1], units)
+        for line_text, inner in select.splits(part, figure.by[1:], units)
     ]
 
 
 def legend_entries(
     figure: Figure, styles: Mapping[tuple[str, str], CurveStyle], rows: "pd.DataFrame"
 ) -> list[Line2D]:
-    """A legend that names the first `by` path by colour and marker, the others by line, and marks of failures."""
-    firsts = list(dict.fromkeys(first for first, _ in styles))
-    seconds = list(dict.fromkeys(second for _, second in styles))
+    """Make legend entries: first `by` path by colour and marker, others by line, then marks of failures and
+    models.
+    """
+    firsts = list(dict.fromkeys(colour_text for colour_text, _ in styles))
+    seconds = list(dict.fromkeys(line_text for _, line_text in styles))
     entries: list[Line2D] = []
     if len(firsts) > 1:
-        looks_of = [(first, styles[first, seconds[0]]) for first in firsts]
+        looks_of = [(colour_text, styles[colour_text, seconds[0]]) for colour_text in firsts]
         entries += [_entry(text, look._replace(line="") if len(seconds) > 1 else look) for text, look in looks_of]
     if len(seconds) > 1:
-        entries += [_entry(second, styles[firsts[0], second]._replace(colour="0.25")) for second in seconds]
+        entries += [
+            _entry(line_text, styles[firsts[0], line_text]._replace(colour="0.25")) for line_text in seconds
+        ]
     lost = [mark for status, mark in STATUS_MARKS.items() if (rows["status"] == status).any()]
     entries += [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in lost]
     marks = {model: MODEL_MARK | {"marker": mark} for model, mark in models_of(rows).items()}
@@ -189,7 +183,7 @@ def _panel(
 
 
 def mark_spread(ax: "Axes", x: Sequence[float], curve: Curve, name: str, factor: float) -> None:
-    """What is not known moves a point that far: a band where all points have one, else bars."""
+    """Draw the uncertainty of a feature: a band if all points have one, else bars."""
     ends = [f"{end} {name}" for end in ("least", "largest")]
     if not all(end in curve.rows for end in ends):
         return
@@ -198,8 +192,8 @@ def mark_spread(ax: "Axes", x: Sequence[float], curve: Curve, name: str, factor:
     if all(has) and len(x) > 1:
         ax.fill_between(x, low, high, color=curve.look.colour, alpha=BAND_ALPHA, lw=0.0)
     elif any(has):
-        at, least, largest = ([v for v, is_one in zip(a, has, strict=True) if is_one] for a in (x, low, high))
-        ax.vlines(at, least, largest, color=curve.look.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
+        places, least, largest = ([v for v, is_one in zip(a, has, strict=True) if is_one] for a in (x, low, high))
+        ax.vlines(places, least, largest, color=curve.look.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
 
 
 MODEL_MARKS = "osD^vP"
@@ -207,20 +201,23 @@ MODEL_MARK: dict[str, Any] = {"ls": "", "color": "0.1", "ms": 2.5, "mew": 0.0}
 
 
 def mark_errors(ax: "Axes", x: Sequence[float], y: Sequence[float], curve: Curve) -> None:
-    """What model, step and scatter may be off, over the curve's largest: a bar, where an accuracy is named."""
+    """Draw the error bound of model, step and scatter as bars, relative to the curve's largest value.
+
+    Draws nothing unless the study names an accuracy.
+    """
     if not all(name in curve.rows for name in (*PARTS, "error")):
         return
     largest = max((abs(value) for value in y if math.isfinite(value)), default=0.0)
     parts = curve.rows[[*PARTS]].sum(axis=1, min_count=1)
     off = largest * parts.where(~(curve.rows["error"] > parts), curve.rows["error"])  # of a failed audit
-    known = [(a, b, e) for a, b, e in zip(x, y, off, strict=True) if math.isfinite(b * e)]
-    if known:
-        at, value, error = zip(*known, strict=True)
-        ax.errorbar(at, value, error, fmt="none", ecolor=curve.look.colour, elinewidth=1.0, capsize=2.5)
+    bounded = [(a, b, e) for a, b, e in zip(x, y, off, strict=True) if math.isfinite(b * e)]
+    if bounded:
+        places, value, error = zip(*bounded, strict=True)
+        ax.errorbar(places, value, error, fmt="none", ecolor=curve.look.colour, elinewidth=1.0, capsize=2.5)
 
 
 def models_of(rows: "pd.DataFrame") -> dict[str, str]:
-    """The mark of each model that was chosen for the rows; none of a study that names no accuracy."""
+    """Assign a mark to each model chosen for the rows; empty unless the study names an accuracy."""
     if "error.model" not in rows:
         return {}
     names = sorted({str(name) for name in rows["model"] if name})
@@ -230,7 +227,7 @@ def models_of(rows: "pd.DataFrame") -> dict[str, str]:
 def mark_models(
     ax: "Axes", x: Sequence[float], y: Sequence[float], rows: "pd.DataFrame", marks: Mapping[str, str]
 ) -> None:
-    """A small mark in each point, by the model that was chosen for it, where several were."""
+    """Mark each point by its model if several were chosen."""
     for model, mark in marks.items() if len(marks) > 1 else ():
         points = [
             (a, b) for a, b, name in zip(x, y, rows["model"], strict=True) if name == model and math.isfinite(b)
@@ -240,21 +237,21 @@ def mark_models(
 
 
 def positions(x: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping[str, str]) -> list[float]:
-    """Where the rows stand on the x axis: in the study's unit, or words counted from 0."""
-    known = select.values(rows, x)
-    if not select.is_numeric(known):
-        return [float(known.index(value)) for value in part[x]]
+    """Return the positions of rows on the x axis: in the study's unit, or words counted from 0."""
+    distinct = select.values(rows, x)
+    if not select.is_numeric(distinct):
+        return [float(distinct.index(value)) for value in part[x]]
     unit = select.x_unit(x, rows, units)
     return [labels.shown(x, value, unit) for value in part[x]]
 
 
 def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[float], list[float]]:
-    """The points of a curve; one of phases is broken where it leaves at -180 deg to come back at 180."""
+    """Return the points of a curve; phases are broken at the wrap from -180 to 180 deg."""
     points = [(x[0], y[0])]
-    for here, before in zip(zip(x[1:], y[1:], strict=True), y, strict=False):
-        if name.endswith(".phase") and abs(here[1] - before) > 180.0:
+    for point, before in zip(zip(x[1:], y[1:], strict=True), y, strict=False):
+        if name.endswith(".phase") and abs(point[1] - before) > 180.0:
             points.append((math.nan, math.nan))
-        points.append(here)
+        points.append(point)
     return [a for a, _ in points], [b for _, b in points]
 
 
@@ -267,7 +264,7 @@ def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], rows: "pd.D
 
 
 def mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None:
-    """Jobs without a result stand as marks on the x axis."""
+    """Mark jobs without a result on the x axis."""
     for kind, (marker, colour, _) in STATUS_MARKS.items():
         where = [position for position, state in zip(x, status, strict=True) if state == kind]
         if where:  # an empty line that is not clipped has no place, and breaks the layout
@@ -276,22 +273,22 @@ def mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None:
 
 
 def x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> None:
-    """Ticks of the x axis: at each value if these are few, words as such."""
-    known = select.values(rows, figure.x)
-    if not select.is_numeric(known):
-        ax.set_xticks(range(len(known)), [labels.value_text(figure.x, value, units) for value in known])
+    """Set the ticks of the x axis: at each value if there are few, words as categories."""
+    distinct = select.values(rows, figure.x)
+    if not select.is_numeric(distinct):
+        ax.set_xticks(range(len(distinct)), [labels.value_text(figure.x, value, units) for value in distinct])
         ax.margins(x=0.12)
     elif "x" in figure.log:
         ax.set_xscale("log")
         ticks_between(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
-    elif len(known) <= 7:
+    elif len(distinct) <= 7:
         unit = select.x_unit(figure.x, rows, units)
-        ticks = [labels.shown(figure.x, value, unit) for value in known]
+        ticks = [labels.shown(figure.x, value, unit) for value in distinct]
         ax.set_xticks(ticks, [labels.number_text(tick) for tick in ticks])
 
 
 def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
-    """Ends and ticks of the y axis of a feature: from zero where nothing is below."""
+    """Set limits and ticks of a feature's y axis, from zero if no value is negative."""
     if "y" in figure.log and not name.endswith(".phase"):
         ax.set_yscale("log", nonpositive="mask")
         ticks_between(ax.yaxis, ax.dataLim.minposy, ax.dataLim.y1)
@@ -306,7 +303,7 @@ def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
 
 
 def ticks_between(axis: "Axis", low: float, high: float) -> None:
-    """Ticks of a log axis over values from ``low`` > 0, in plain numbers, the more the fewer decades there are."""
+    """Set the ticks of a log axis from ``low`` > 0 to ``high``: plain numbers, denser over fewer decades."""
     span = high / low
     between = next((digits for most, digits in TICKS if span < most), (1.0,))
     axis.set_major_locator(MaxNLocator(4) if span < EVEN else LogLocator(subs=between))
@@ -316,16 +313,16 @@ def ticks_between(axis: "Axis", low: float, high: float) -> None:
 
 
 def letter(ax: "Axes", number: int, count: int, text: str) -> None:
-    """`(a)` and what the panel shows, above its left corner."""
+    """Write `(a)` and the panel's text above its left corner."""
     letter = f"({chr(ord('a') + number)})" if count > 1 else ""
     ax.set_title(" ".join(filter(None, [letter, text])), loc="left")
 
 
-COMPARABLE = 4.0  # spans of y axes that differ by more keep their own: the smaller curves would lie flat
+COMPARABLE = 4.0  # ratio of y ranges above which panels keep their own axes
 
 
 def share_scales(axes: list[list["Axes"]]) -> None:
-    """Panels of one feature, a column of them, have one y axis for comparison, unless they differ too much."""
+    """Share one y axis among the panels of a feature, unless their ranges differ too much."""
     for stack in zip(*axes, strict=True):
         limits = [ax.get_ylim() for ax in stack]
         spans = [high - low for low, high in limits]

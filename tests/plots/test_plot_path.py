@@ -53,7 +53,7 @@ def test_a_leaning_roller_is_deeper_at_one_end():
     still = dict.fromkeys(dataset_names("ring.displacement"), 0.0)
     found = roller_path(job_of(given, **{"roller.2.radial": 0.0, "roller.2.tilt": 1e-3, **still}), given, pit)
     assert set(found.lean) == {1e-3}
-    assert found.at(3e-3) == pytest.approx(found.depth + 3e-6)
+    assert found.depth_at(3e-3) == pytest.approx(found.depth + 3e-6)
 
 
 def test_on_the_inner_race_inwards_is_deep_and_rollers_come_from_ahead():

@@ -381,11 +381,11 @@ def test_what_is_refused_and_where(write: Write, said: str, message: str | None,
 
 
 def test_a_figure_says_how_many_points_are_left() -> None:
-    from bearingsim.plots.design import said
+    from bearingsim.plots.design import description
 
     told = {"kind": "sobol", "n": 32, "seed": 0, "ids": ("a",) * 24}
-    assert said(told) == "sobol design of 24 of 32 points, seed 0"
-    assert said(told | {"ids": ("a",) * 32}) == "sobol design of 32 points, seed 0"
+    assert description(told) == "sobol design of 24 of 32 points, seed 0"
+    assert description(told | {"ids": ("a",) * 32}) == "sobol design of 32 points, seed 0"
 
 
 def test_a_single_value_beside_blocks_is_let_be(write: Write) -> None:

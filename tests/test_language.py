@@ -1,0 +1,91 @@
+"""Language of the code: docstrings of functions begin with an imperative verb, names describe their content."""
+
+import ast
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+ROOMS = ("plots",)  # packages checked; add a package once it passes
+NO_VERBS = frozenset({  # openings of a docstring that are no imperative
+    "what", "who", "which", "where", "when", "how", "whether", "why", "one", "ones", "those", "these",
+    "this", "that", "there", "it", "its", "their", "they", "a", "an", "the", "all", "each", "every",
+    "some", "any", "no", "nothing", "of", "for", "by", "in", "on", "to", "with", "from", "as", "at",
+    "if", "is", "are", "not",
+})  # fmt: skip
+VERBS_IN_S = frozenset({"pass", "process", "compress", "express", "discuss", "address", "guess", "assess", "bias"})
+VAGUE = frozenset({"found", "told", "one", "known", "given", "here", "asked", "said", "at", "first"})
+
+
+def modules(room: str) -> list[Path]:
+    """Return the source files of a package of the program."""
+    return sorted((ROOT / "bearingsim" / room).rglob("*.py"))
+
+
+def is_property(function: ast.FunctionDef) -> bool:
+    """Check if a method is read like a field."""
+    names = {ast.unparse(decorator).split("(")[0].split(".")[-1] for decorator in function.decorator_list}
+    return bool(names & {"property", "cached_property", "setter"})
+
+
+def is_imperative(sentence: str) -> bool:
+    """Check if the first word of a docstring may be an imperative verb."""
+    word = sentence.split()[0].rstrip(",.:;")
+    third_person = word.endswith("s") and word.lower() not in VERBS_IN_S
+    return word.isalpha() and word[0].isupper() and word.lower() not in NO_VERBS and not third_person
+
+
+def odd_openings(tree: ast.Module) -> Iterator[str]:
+    """List functions whose docstring does not begin with an imperative."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef) and not is_property(node):
+            text = ast.get_docstring(node)
+            if text and not is_imperative(text):
+                yield f"{node.lineno} {node.name}: {text.splitlines()[0]}"
+
+
+def vague_names(tree: ast.Module) -> Iterator[str]:
+    """List names bound by assignment, loop, ``with``, comprehension, ``except``, ``match`` or as a parameter."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.Name(id=name, ctx=ast.Store()) if name in VAGUE:
+                yield f"{node.lineno} {name}"
+            case ast.arg(arg=name) | ast.FunctionDef(name=name) if name in VAGUE:
+                yield f"{node.lineno} {name}"
+            case ast.ExceptHandler(name=str(name)) | ast.MatchAs(name=str(name)) | ast.MatchStar(name=str(name)):
+                if name in VAGUE:
+                    yield f"{node.lineno} {name}"
+
+
+def places(room: str, faults_in: Callable[[ast.Module], Iterator[str]]) -> list[str]:
+    """Return the faults of a package, with file and line."""
+    return [
+        f"{path.relative_to(ROOT)}:{fault}"
+        for path in modules(room)
+        for fault in faults_in(ast.parse(path.read_text(encoding="utf-8")))
+    ]
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_docstrings_of_functions_begin_with_a_verb(room: str) -> None:
+    assert modules(room)
+    assert places(room, odd_openings) == []
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_names_describe_their_content(room: str) -> None:
+    assert places(room, vague_names) == []
+
+
+def test_openings_that_are_no_imperative_are_recognised() -> None:
+    sentences = [
+        "What all rollers share.",
+        "The step.",
+        "Computes the step.",
+        "x and y.",
+        "One that opens.",
+        "``a``.",
+    ]
+    assert [sentence for sentence in sentences if is_imperative(sentence)] == []
+    assert all(is_imperative(sentence) for sentence in ("Return the step.", "Compute it.", "Pass a value on."))
