@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-ROOMS = ("plots",)  # packages checked; add a package once it passes
+ROOMS = ("assemble", "bench", "plots")  # packages checked; add a package once it passes
 NO_VERBS = frozenset({  # openings of a docstring that are no imperative
     "what", "who", "which", "where", "when", "how", "whether", "why", "one", "ones", "those", "these",
     "this", "that", "there", "it", "its", "their", "they", "a", "an", "the", "all", "each", "every",

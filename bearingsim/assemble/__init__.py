@@ -63,105 +63,105 @@ PARAMETER_BUILDERS: dict[str, Any] = {
     "bracket": free.bracket,
     "gravity": free.gravity,
     "slices": space.slices,
-    "L_w": space.roller_length,
+    "L_w": contacts.roller_length,
     "I_t": space.roller_inertia_across,
     "mount_o": space.outer_mount,
     "mount_i": space.inner_mount,
     "flanges": space.flanges,
     "cage_z": space.cage_in_space,
 }
-"""How each field of a model's parameters is made."""
+"""Builder of each field of a model's parameters, a function of the case."""
 
 
 def kind(case: Case) -> ModelKind:
-    """What belongs to the code of the case's model."""
+    """Return the classes and functions of the case's model."""
     return kind_of_model(case.model)
 
 
 def kind_of_model(name: str) -> ModelKind:
-    """What belongs to the code of a model."""
-    found: ModelKind = code(f"{MODELS[name].module}:KIND", ModelKind)
-    return found
+    """Return the classes and functions of a model."""
+    loaded: ModelKind = code(f"{MODELS[name].module}:KIND", ModelKind)
+    return loaded
 
 
 def kind_of_method(name: str) -> MethodKind:
-    """What belongs to the code of a method that a case can name."""
-    found: MethodKind = code(f"{METHODS[name].module}:KIND", MethodKind)
-    return found
+    """Return the classes and functions of a method that a case can name."""
+    loaded: MethodKind = code(f"{METHODS[name].module}:KIND", MethodKind)
+    return loaded
 
 
 def method_kind(case: Case) -> MethodKind:
-    """What belongs to the code of the case's method, which must be named, or of its model's own."""
+    """Return the classes and functions of the case's method (no `auto`), or of its model's own."""
     if case.method is not None:
         return kind_of_method(case.method)
-    found: MethodKind = code(f"{MODELS[case.model].own_method}:KIND", MethodKind)
-    return found
+    loaded: MethodKind = code(f"{MODELS[case.model].own_method}:KIND", MethodKind)
+    return loaded
 
 
 def adaptive(case: Case) -> bool:
-    """Whether the case's method, which must be named, chooses its own steps."""
+    """Check if the case's method (no `auto`) controls its own step."""
     return case.method is not None and METHODS[case.method].adaptive
 
 
 def model(case: Case) -> Any:
-    """The core's model of the case, its bracket anchored where the healthy bearing rests on average.
+    """Assemble the core's model of the case, its bracket anchored at the mean equilibrium of the healthy bearing.
 
-    So the load is what the bearing carries: a bracket anchored anywhere else would take a share of it.
-    Raises ``NoEquilibrium`` if the healthy bearing finds no equilibrium.
+    So the bearing carries the whole load: a bracket anchored anywhere else would take a share of it. Raises
+    ``NoEquilibrium`` if the healthy bearing has no equilibrium.
     """
-    known = MODELS[case.model]
-    if known.build:
-        return call(known.build, case, support(case))
+    entry = MODELS[case.model]
+    if entry.build:
+        return call(entry.build, case, support(case))
     return _made_by_field(bearing_of(case))
 
 
 OF_A_RUN = {"method": EXPLICIT, "step": "auto", "tolerance": "auto", "step_check": True, "periodic": True}
 OF_A_RUN |= {"duration": 1.0, "settle": 0.0}
-"""Fields that say how, and how long, a bearing is computed, each with some value."""
+"""Fields of method and duration, at arbitrary values."""
 
 
 def bearing_of(case: Case) -> Case:
-    """The case without what does not touch its bearing, so that all ways to compute it share its parameters."""
+    """Reset the fields that do not affect the bearing, so that all computations of it share its parameters."""
     return case.model_copy(update=OF_A_RUN)
 
 
 @lru_cache(maxsize=64)
 def _made_by_field(case: Case) -> Any:
-    """The core's model, made once for all that ask for it: nobody writes into its arrays."""
+    """Build the core's model, cached: its arrays are read-only by convention."""
     parameters = kind(case).parameters
-    found = parameters(**{name: PARAMETER_BUILDERS[name](case) for name in _made(parameters)})
-    return static_model(found) if isinstance(found, Static) else found
+    built = parameters(**{name: PARAMETER_BUILDERS[name](case) for name in _made(parameters)})
+    return static_model(built) if isinstance(built, Static) else built
 
 
 def _made(parameters: Any) -> list[str]:
-    """The fields of a model's parameters that are made from a case."""
+    """List the fields of a model's parameters that are built from a case."""
     made = [name for name in parameters._fields if name not in parameters._field_defaults]
     unknown = [name for name in made if name not in PARAMETER_BUILDERS]
     if unknown:
         raise UserError(
-            f"{parameters.__name__} asks for `{unknown[0]}`, which nobody makes: {', '.join(PARAMETER_BUILDERS)}"
+            f"{parameters.__name__} needs `{unknown[0]}`, which no builder makes: {', '.join(PARAMETER_BUILDERS)}"
         )
     return made
 
 
 def pits_of_case(case: Case) -> Pits:
-    """The case's pits, cut along the roller as its model cuts rollers."""
+    """Build the case's defects, sliced along the roller like the rollers of its model."""
     return pits.packed_pits(case, space.slices(case).table[:, ZETA] if MODELS[case.model].sliced else None)
 
 
 def bending_of_case(case: Case) -> Any:
-    """The bending of the case's outer ring; its carrier, if there is one, is held by the bracket."""
+    """Build the bending of the case's outer ring; the bracket holds its carrier, if there is one."""
     if case.rig.ring is None:
         return Stiff()
-    found = bending.of_ring(case)
+    ring = bending.of_ring(case)
     if bending.has_carrier(case.rig):
         bracket = case.rig.bracket_stiffness, case.rig.bracket_damping, *bracket_anchor(case)
-        found = found._replace(bracket=bracket)
-    return bending.made(found)
+        ring = ring._replace(bracket=bracket)
+    return bending.made(ring)
 
 
 def support(case: Case) -> Support:
-    """Load and bracket of the case's ring: none where they act on a carrier."""
+    """Return load and bracket of the case's ring: zero if they act on a carrier."""
     if bending.has_carrier(case.rig):
         return Support(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     x_0, y_0 = anchor_in_space(_at_rest(case)) if space.unevenly_loaded(case) else bracket_anchor(case)
@@ -169,13 +169,13 @@ def support(case: Case) -> Support:
 
 
 def healthy(case: Case) -> Case:
-    """The case without what does not touch its load at rest, so that many cases share one."""
+    """Reset the fields that do not affect the load at rest, so that many cases share one equilibrium."""
     same = {"defects": (), "record": (), "sampling": 1e4, "excitation": "envelope", "seed": 0}
     return case.model_copy(update=OF_A_RUN | same)
 
 
 def _at_rest(case: Case) -> Case:
-    """The healthy case without what only motion and its bracket know; what chooses compiled code is kept."""
+    """Reset the fields of the healthy case that matter only in motion, except those that select compiled code."""
     still = {
         "start_angle": 0.0,
         "antialias": True,
@@ -186,12 +186,12 @@ def _at_rest(case: Case) -> Case:
 
 
 OF_A_BRACKET = {"bracket_stiffness": 0.0, "bracket_damping": 0.0, "sensor_angle": 0.0}
-"""Fields of a rig that do not touch where a ring rests that is held by its load alone."""
+"""Fields of a rig without effect on the equilibrium of a ring held by its load alone."""
 
 
 @lru_cache(maxsize=256)
 def anchor_in_space(case: Case) -> tuple[float, float]:
-    """Mean place (m, m) over a ball pass of a ring whose rollers are loaded unevenly along their length."""
+    """Compute the mean position (m, m) over a ball pass of a ring with unevenly loaded rollers."""
     free_ring = Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
     parts = {name: PARAMETER_BUILDERS[name](case) for name in _made(spatial.Spatial) if name != "support"}
     bearing = undamped(spatial.Spatial(support=free_ring, **parts))
@@ -202,34 +202,35 @@ def anchor_in_space(case: Case) -> tuple[float, float]:
 
 
 def aligned_with_cusp(model: Any, steps_per_pass: int, cusp: float) -> Any:
-    """The model with the cusp of its first pit ``cusp`` of a step after a step's start.
+    """Shift the model's rollers so that the cusp of its first defect lies ``cusp`` of a step after the start of a
+    step.
 
-    At the cusp the damping force jumps; where in a step it does so decides whether the error is of first or of
-    second order (docs/steps.md). The rollers start less than a step further on. Of several pits only the first
-    is in step, and only on the outer race at a steady speed: elsewhere cusps fall anywhere in a step, and the
+    The damping force jumps at the cusp; its position within a step decides whether the error is of first or of
+    second order (docs/steps.md). The rollers start less than a step further on. Only the first of several defects
+    is aligned, and only on the outer race at a steady speed: elsewhere cusps fall anywhere in a step, and the
     error averages out.
     """
     if "pits" not in model._fields or not steady(model):
         return model
-    found = model.pits
-    if len(found.head) == 0 or found.head[0, CARRIER] != ON_OUTER:
+    pits = model.pits
+    if len(pits.head) == 0 or pits.head[0, CARRIER] != ON_OUTER:
         return model
     b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
-    place = found.head[0, ANGLE] + found.head[0, CUSP] / found.head[0, RADIUS]
+    place = pits.head[0, ANGLE] + pits.head[0, CUSP] / pits.head[0, RADIUS]
     steps = (b.theta_0 - place) / pass_angle * steps_per_pass  # whole when the cusp is met
     ahead = ceil(steps + cusp) - cusp - steps
     return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))
 
 
 def with_friction_lag(model: Any, lag: float) -> Any:
-    """The model with friction that acts no faster than within ``lag`` (s), so that it limits no step of it."""
+    """Return the model with friction lagged by ``lag`` (s), so that friction does not limit the step."""
     return model._replace(lag=lag) if "lag" in model._fields else model
 
 
 def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
-    """A buffer at t = 0 at static equilibrium, accelerations filled in; and the force left over (N).
+    """Return a buffer at t = 0 in static equilibrium, accelerations filled in, and the residual force (N).
 
-    With a free cage and a seed, the rollers begin anywhere in their pockets.
+    With a free cage and a seed, the rollers start at random positions in their pockets.
     """
     y, residual = empty_buffer(model), 0.0
     if MODELS[case.model].loaded:
@@ -242,35 +243,37 @@ def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
 
 
 def find_equilibrium(model: Any, t: float, y: np.ndarray, from_scratch: bool = False) -> float:
-    """Put rings and rollers at rest at time ``t`` (s), near a rest or from scratch; the force left over (N)."""
+    """Put rings and rollers into equilibrium at ``t`` (s), near a rest or from scratch; return the residual force
+    (N).
+    """
     left = find_in_time(rest_from_scratch if from_scratch else find_rest, static_model(model), t, y)
     return rest_in_space(undamped(model), t, y) if isinstance(model, spatial.Spatial) else float(left)
 
 
 def undamped(model: Any) -> Any:
-    """The model with contacts that only spring: at rest they are the same, and compiled once for all damping."""
+    """Return the model with undamped contacts: equal at rest, and compiled once for all damping laws."""
     return model._replace(outer=Undamped(model.outer.stiffness), inner=Undamped(model.inner.stiffness))
 
 
 def empty_buffer(model: Any) -> np.ndarray:
-    """A zeroed state buffer for the model."""
+    """Allocate a zeroed state buffer for the model."""
     return lay.buffer(model.bearing.Z, model.bearing.m_r, slices_of(model))
 
 
 def slices_of(model: Any) -> int:
-    """How many slices a roller of the model is cut into; 0 of a model that cuts none."""
+    """Return the number of slices of a roller; 0 for a model without slices."""
     return len(model.slices.table) if "slices" in model._fields else 0
 
 
 def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:
-    """Outer contact force (N) of each roller, (Z,), as the buffer has it."""
+    """Return the outer contact force (N) of each roller, (Z,), from the buffer."""
     return y[lay.Q_O : lay.Q_O + model.bearing.Z]
 
 
 def method(case: Case, h: float, part: float = 1.0) -> Any:
-    """The core's method of the case with step ``h`` (s), which is ``part`` of what it would be.
+    """Build the core's method of the case for step ``h`` (s), ``part`` times the normal step.
 
-    With half of it an adaptive method takes a tenth of its own tolerance; one that the case gives stays.
+    At half the step an adaptive method takes a tenth of its own tolerance; a tolerance given by the case stays.
     """
     parameters: Any = method_kind(case).parameters
     usual = METHODS[case.method].tolerance if case.method is not None else None
@@ -278,6 +281,6 @@ def method(case: Case, h: float, part: float = 1.0) -> Any:
         return parameters(h)
     own = part ** log2(10.0) * usual
     tolerance = own if case.tolerance == "auto" else case.tolerance
-    first = model(case)
-    fastest = first if case.ramp is None else model(scales.at_full_speed(case))
-    return parameters(*scales.tolerances(case, first, fastest, h, tolerance))
+    slowest = model(case)
+    fastest = slowest if case.ramp is None else model(scales.at_full_speed(case))
+    return parameters(*scales.tolerances(case, slowest, fastest, h, tolerance))

@@ -20,56 +20,58 @@ from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
 
 
 def outer(case: Case) -> Any:
-    """The law at the outer race."""
+    """Build the contact law of the outer race."""
     return damped(case, on_outer=True)
 
 
 def inner(case: Case) -> Any:
-    """The law at the inner race."""
+    """Build the contact law of the inner race."""
     return damped(case, on_outer=False)
 
 
 def powers(case: Case) -> int:
-    """How many powers of the law are the library's, which leaves the vector lanes."""
+    """Count the powers of the law that call the library's ``pow``, which is not vectorised."""
     return sum(isinstance(part, PowerLaw | multibody.Power) for part in outer(case))
 
 
 def damped(case: Case, on_outer: bool) -> Any:
-    """The case's law at one race: ``build(case, section, stiffness, on_outer)`` of the catalogue's damping law."""
+    """Build the law of one race by the catalogue's ``build(case, section, stiffness, on_outer)`` of the damping
+    law.
+    """
     section: Any = case.contact.damping
     return call(LAWS["damping"][section.law].build, case, section, stiffness(case, on_outer), on_outer)
 
 
 def hunt_crossley(case: Case, section: Any, stiffness: Any, on_outer: bool) -> HuntCrossley:
-    """Damping proportional to the elastic force."""
+    """Build a damping proportional to the elastic force."""
     return HuntCrossley(stiffness, section.chi)
 
 
 def kraemer(case: Case, section: Any, stiffness: Any, on_outer: bool) -> Kraemer:
-    """Damping proportional to the tangent stiffness."""
+    """Build a damping proportional to the tangent stiffness."""
     return Kraemer(stiffness, section.damping_time)
 
 
 def general(case: Case, section: Any, stiffness: Any, on_outer: bool) -> multibody.General:
-    """Damping of the multibody codes, its coefficient in N, mm and s."""
+    """Build the damping of the multibody codes; coefficient in N, mm and s."""
     m2, m3 = section.velocity_exponent, section.indentation_exponent
     return multibody.general(stiffness, section.coefficient * 1e3 ** (m2 + m3), m2, m3)
 
 
 def film(case: Case, section: Any, elastic: Any, on_outer: bool) -> Tabulated:
-    """An oil film, and hysteresis."""
+    """Build the damping of an oil film plus hysteresis."""
     point = point_contact(case, on_outer) if case.bearing.element == "ball" else None
     return oil.film(case, elastic, stiffness(case, not on_outer), point, on_outer)
 
 
 def stiffness(case: Case, on_outer: bool) -> Any:
-    """The case's stiffness law at one race: ``build(case, section, on_outer)`` of the catalogue's law."""
+    """Build the stiffness law of one race by the catalogue's ``build(case, section, on_outer)`` of the law."""
     law = LAWS["stiffness"][case.contact.elastic_law]
     return call(law.build, case, case.contact.stiffness, on_outer)
 
 
 def constant(case: Case, section: Any, on_outer: bool) -> Any:
-    """k delta^m, the coefficient in N and mm."""
+    """Build the law k delta^m; coefficient in N and mm."""
     return power(section.coefficient * 1e3**section.exponent, section.exponent)
 
 
@@ -78,7 +80,7 @@ FASTER = ((1.0, Linear), (ten_ninths.EXPONENT, ten_ninths.TenNinths), (1.5, Thre
 
 
 def power(k: float, m: float) -> Any:
-    """The law k delta^m, k in N/m^m: the fastest that has this exponent."""
+    """Build the law k delta^m, k in N/m^m, by the fastest implementation of this exponent."""
     for exponent, law in FASTER:
         if isclose(m, exponent, rel_tol=1e-12):
             return law(k)
@@ -88,34 +90,34 @@ def power(k: float, m: float) -> Any:
 
 
 def palmgren(case: Case, section: Any, on_outer: bool) -> ten_ninths.TenNinths:
-    """Palmgren's line contact."""
+    """Build Palmgren's line contact."""
     return ten_ninths.palmgren(roller_length(case))
 
 
 def iso16281(case: Case, section: Any, on_outer: bool) -> ten_ninths.TenNinths:
-    """ISO/TS 16281's line contact."""
+    """Build the line contact of ISO/TS 16281."""
     return ten_ninths.iso16281(roller_length(case))
 
 
 def johnson(case: Case, section: Any, on_outer: bool) -> line_contact.Johnson:
-    """Johnson's line contact of a roller inside, or outside, a race."""
+    """Build Johnson's line contact of a roller inside, or outside, a race."""
     b, R_w = case.bearing, case.bearing.roller_diameter / 2.0
     dR = outer_radius(case) - R_w if on_outer else inner_radius(case) + R_w
     return line_contact.johnson(b.material.young_modulus, b.material.poisson_ratio, roller_length(case), dR)
 
 
 def point(case: Case, section: Any, on_outer: bool) -> ThreeHalves:
-    """Hertz's point contact of a ball."""
+    """Build the Hertzian point contact of a ball."""
     return ThreeHalves(point_contact(case, on_outer).k)
 
 
 def roller_length(case: Case) -> float:
-    """Length (m) of a roller; 0 of a ball, which no law of lines is given."""
+    """Return the length (m) of a roller; 0 for a ball, which has no law of line contact."""
     return float(case.bearing.roller_length or 0.0)
 
 
 def point_contact(case: Case, on_outer: bool) -> PointContact:
-    """The contact of a ball with the groove of one race."""
+    """Build the contact of a ball with the groove of one race."""
     b = case.bearing
     r_g = b.outer_groove_radius if on_outer else b.inner_groove_radius
     R = -outer_radius(case) if on_outer else inner_radius(case)

@@ -20,13 +20,13 @@ from bearingsim.core.laws.oil_film import OiledLine, ball_as_strip, entrainment_
 from bearingsim.core.laws.stiffness.interface import curve
 from bearingsim.core.pits.pairs import inner_reduced_radius, outer_reduced_radius
 
-DEEPEST = 1e-4  # m: beyond it the damping is that at this approach; no bearing is pressed so far
-DIFFERENCE = 1e-5  # of the approach, over which the slope is taken
-LINE, STRIP = 0.5, 1.0 / 3.0  # powers of the load with which the half widths of rollers and of balls grow
+DEEPEST = 1e-4  # m, largest approach of the table, beyond that of any bearing: damping is constant above
+DIFFERENCE = 1e-5  # of the approach, step of the difference quotient
+LINE, STRIP = 0.5, 1.0 / 3.0  # exponents of the load in the half widths of rollers and of balls
 
 
 class OiledContact(NamedTuple):
-    """What the damping of one contact depends on.
+    """Parameters of the damping of one contact.
 
     stiffness, other: the elastic laws of this race and of the other; point: of a ball, else None; line: of a
     roller (for a ball its length and radius are not used); mass: of the element (kg).
@@ -42,7 +42,7 @@ class OiledContact(NamedTuple):
 
 
 def film(case: Case, stiffness: Any, other: Any, point: PointContact | None, on_outer: bool) -> Tabulated:
-    """The law of one race; point: the contact of a ball, None of a roller."""
+    """Build the law of one race; point: the contact of a ball, None for a roller."""
     b, section = case.bearing, cast(Film, case.contact.damping)
     reduced, race = (outer_reduced_radius, outer_radius) if on_outer else (inner_reduced_radius, inner_radius)
     line = OiledLine(
@@ -60,7 +60,7 @@ def film(case: Case, stiffness: Any, other: Any, point: PointContact | None, on_
 
 @lru_cache(maxsize=64)
 def table(contact: OiledContact, named: str) -> np.ndarray:
-    """Table of c (N s/m) over the approach (m), remembered; ``named`` tells equal tuples apart."""
+    """Tabulate c (N s/m) over the approach (m), cached; ``named`` distinguishes laws that are equal as tuples."""
 
     def with_slope(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         delta = np.minimum(y, DEEPEST)
@@ -68,13 +68,13 @@ def table(contact: OiledContact, named: str) -> np.ndarray:
         flat = y > DEEPEST
         return damping(contact, delta), np.where(flat, 0.0, (more - less) / (2.0 * DIFFERENCE * delta))
 
-    found = tabulate(with_slope)
-    found.flags.writeable = False
-    return found
+    tabulated = tabulate(with_slope)
+    tabulated.flags.writeable = False
+    return tabulated
 
 
 def damping(contact: OiledContact, delta: np.ndarray) -> np.ndarray:
-    """c (N s/m) at approaches ``delta`` (m): of the film at the load there, and of hysteresis."""
+    """Compute c (N s/m) at approaches ``delta`` (m): of the film under the load there, plus hysteresis."""
     Q, k = curve(contact.stiffness, delta)
     omega = own_frequency(contact, Q, k)
     line, growth = oiled_line(contact, Q)
@@ -83,14 +83,16 @@ def damping(contact: OiledContact, delta: np.ndarray) -> np.ndarray:
 
 
 def own_frequency(contact: OiledContact, Q: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Angular frequency (rad/s) of the element between its races, both under the loads ``Q`` (N)."""
+    """Compute the angular frequency (rad/s) of the element between its races, both under the loads ``Q`` (N)."""
     loads, stiffnesses = curve(contact.other, np.logspace(-12.0, -3.0, 400))
     beyond = np.exp(np.interp(np.log(Q), np.log(loads), np.log(stiffnesses)))
     return np.sqrt((k + beyond) / contact.mass)
 
 
 def oiled_line(contact: OiledContact, Q: np.ndarray) -> tuple[OiledLine, float]:
-    """The oiled line of the contact under the loads ``Q`` (N), and the power with which its half width grows."""
+    """Return the equivalent line contact under the loads ``Q`` (N), and the exponent of the load in its half
+    width.
+    """
     if contact.point is None:
         return contact.line, LINE
     a, b = contact.point.semi_axes(Q)

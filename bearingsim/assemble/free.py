@@ -1,4 +1,4 @@
-"""What moves freely in ``planar``: motion, friction, cage, drag, shaft. What a case leaves open is assumed."""
+"""Free motion in ``planar``: inner ring, friction, cage, drag, shaft; assumptions for what a case leaves open."""
 
 from math import pi
 from typing import Any
@@ -22,54 +22,56 @@ STANDARD_GRAVITY = 9.80665  # m/s^2
 CAGE_THICKNESS = 0.35  # of the roller's diameter, radially: an assumption
 CAGE_WIDTH = 0.7  # of the bearing's: an assumption
 CAGE_SOLID = 0.5  # of the cage's ring; the rest is pockets: an assumption
-LAND = 0.35  # of the roller's diameter: how far from the pitch circle the cage runs on a ring: an assumption
+LAND = 0.35  # of the roller's diameter, from pitch circle to guiding land: an assumption
 
 
 def motion(case: Case) -> Any:
-    """How the inner ring turns; a ramp to the same speed is none."""
+    """Build the motion of the inner ring; a ramp to the same speed is steady."""
     if case.ramp is None or case.ramp.to == case.speed:
         return Steady()
     return Ramp(float(case.ramp.to / case.speed), float(case.ramp.time))
 
 
 def friction(case: Case) -> Any:
-    """Friction between rollers and races: ``build(section)`` of the catalogue's law."""
+    """Build the friction between rollers and races by ``build(section)`` of the catalogue's law."""
     section: Any = case.friction
     return call(LAWS["friction"][section.law].build, section) if section else Frictionless()
 
 
 def static_dynamic(section: Any) -> StaticDynamic:
-    """The static-dynamic curve."""
+    """Build the static-dynamic friction curve."""
     return StaticDynamic(section.static, section.dynamic, section.static_speed, section.dynamic_speed)
 
 
 def traction(section: Any) -> Traction:
-    """The traction curve."""
+    """Build the traction curve."""
     return Traction(section.a, section.b, section.c, section.d)
 
 
 def frictionless(section: Any) -> Frictionless:
-    """No friction."""
+    """Build the law without friction."""
     return Frictionless()
 
 
 def cage_mass(case: Case) -> float:
-    """Mass (kg) of the cage: as given, else of a pierced ring of the bearing's material on the pitch circle."""
-    b, given = case.bearing, case.cage.mass if case.cage else None
-    if given is not None:
-        return given
+    """Return the mass (kg) of the cage: the given one, else of a perforated ring of the bearing's material at the
+    pitch circle.
+    """
+    b, mass = case.bearing, case.cage.mass if case.cage else None
+    if mass is not None:
+        return mass
     section = CAGE_THICKNESS * b.roller_diameter * CAGE_WIDTH * b.width
     return b.material.density * CAGE_SOLID * section * pi * b.pitch_diameter
 
 
 def land_radius(case: Case, on_outer: bool) -> float:
-    """Radius (m) of the land of a ring that the cage runs on."""
+    """Return the radius (m) of the land by which a ring guides the cage."""
     b = case.bearing
     return b.pitch_diameter / 2.0 + (LAND if on_outer else -LAND) * b.roller_diameter
 
 
 def cage(case: Case) -> Any:
-    """The cage, with its pockets and its guide."""
+    """Build the cage, with its pockets and its guide."""
     c = case.cage or config.Cage()
     if c.motion == "kinematic":
         return cages.KinematicCage()
@@ -86,7 +88,7 @@ def cage(case: Case) -> Any:
 
 
 def guide(case: Case, c: config.Cage, law: Any, rubbing: Any) -> Any:
-    """What centres the cage."""
+    """Build the guide of the cage."""
     if c.guide == "centred":
         return cages.Centred()
     if c.guide == "rollers":
@@ -98,7 +100,7 @@ def guide(case: Case, c: config.Cage, law: Any, rubbing: Any) -> Any:
 
 
 def drag(case: Case) -> Any:
-    """What the oil does to rollers and cage."""
+    """Build the oil drag on rollers and cage."""
     d, b = case.drag, case.bearing
     if d is None:
         return cages.NoDrag()
@@ -113,7 +115,7 @@ def drag(case: Case) -> Any:
 
 
 def shaft(case: Case) -> Any:
-    """What holds the inner ring."""
+    """Build the support of the inner ring."""
     s, u = case.shaft, case.unbalance
     if s is None:
         return shafts.RigidShaft()
@@ -121,7 +123,7 @@ def shaft(case: Case) -> Any:
 
 
 def bracket(case: Case) -> Any:
-    """What keeps the outer ring from rotating."""
+    """Build the torsional support of the outer ring."""
     rig = case.rig
     if rig.torsion_stiffness is None:
         return shafts.FixedRing()
@@ -129,14 +131,14 @@ def bracket(case: Case) -> Any:
 
 
 def gravity(case: Case) -> float:
-    """Gravity (m/s^2) along the load line, towards the most loaded position."""
+    """Return gravity (m/s^2) along the load line, towards the most loaded position."""
     return STANDARD_GRAVITY if case.gravity else 0.0
 
 
 def initial_pocket_angles(case: Case) -> Any:
-    """Angles (Z,) in rad of the rollers from the middles of their pockets at the start; random with a seed."""
-    found = cage(case)
-    if case.seed == 0 or not isinstance(found, cages.FreeCage):
+    """Draw the rollers' initial angles (Z,) in rad in their pockets; 0 without a seed or a free cage."""
+    retainer = cage(case)
+    if case.seed == 0 or not isinstance(retainer, cages.FreeCage):
         return 0.0
-    reach = found.play / (case.bearing.pitch_diameter / 2.0)
+    reach = retainer.play / (case.bearing.pitch_diameter / 2.0)
     return np.random.default_rng(case.seed).uniform(-reach, reach, case.bearing.rollers)

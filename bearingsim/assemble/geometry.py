@@ -9,17 +9,17 @@ from bearingsim.core.parameters import Bearing
 
 
 def outer_radius(case: Case) -> float:
-    """Radius (m) of the outer race, half of the clearance on its side."""
+    """Compute the radius (m) of the outer race, half of the clearance on its side."""
     return (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0 + case.clearance / 4.0
 
 
 def inner_radius(case: Case) -> float:
-    """Radius (m) of the inner race, half of the clearance on its side."""
+    """Compute the radius (m) of the inner race, half of the clearance on its side."""
     return (case.bearing.pitch_diameter - case.bearing.roller_diameter) / 2.0 - case.clearance / 4.0
 
 
 def ring_mass(case: Case) -> float:
-    """Mass (kg) of the outer ring: as given by the rig, else a plain tube from the race to the outside."""
+    """Return the mass (kg) of the outer ring: given by the rig, else of a tube from the race to the outside."""
     if case.rig.ring_mass is not None:
         return case.rig.ring_mass
     ring = case.bearing
@@ -27,18 +27,18 @@ def ring_mass(case: Case) -> float:
 
 
 def roller_inertia(case: Case) -> float:
-    """Moment of inertia (kg m^2) of a rolling element about its axis: of a cylinder, or of a sphere."""
+    """Compute the moment of inertia (kg m^2) of a rolling element about its axis: a cylinder's, or a sphere's."""
     share = 1.0 / 2.0 if case.bearing.element == "roller" else 2.0 / 5.0
     return share * case.bearing.element_mass * (case.bearing.roller_diameter / 2.0) ** 2
 
 
 def ring_inertia(case: Case) -> float:
-    """Moment of inertia (kg m^2) of the outer ring about its axis, as of a tube of its mass."""
+    """Compute the moment of inertia (kg m^2) of the outer ring about its axis, as of a tube of its mass."""
     return ring_mass(case) * ((case.bearing.outside_diameter / 2.0) ** 2 + outer_radius(case) ** 2) / 2.0
 
 
 def bearing(case: Case) -> Bearing:
-    """Geometry, masses and motion of the case's bearing."""
+    """Collect geometry, masses and speeds of the case's bearing."""
     b = case.bearing
     return Bearing(
         Z=b.rollers,

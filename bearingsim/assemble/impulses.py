@@ -1,4 +1,4 @@
-"""The parameters of ``impulse``: what is struck, and when, and how hard."""
+"""Parameters of ``impulse``: the ring as oscillators, times and sizes of its impulses."""
 
 from math import atan2
 from typing import Any
@@ -16,18 +16,18 @@ from bearingsim.core.pits.impulse_train import LoadZone, random_train, train
 from bearingsim.core.pits.pairs import RollerPitPair
 from bearingsim.core.sampling import RESAMPLE_REACH
 
-LEAD = 4  # ball passes by which a run may go on after its record and what filters reach, and some steps more
+LEAD = 4  # ball passes beyond record and filters, for the last steps of a run
 
 
 def model(case: Case, support: Support) -> Impulse:
-    """The ring as two oscillators, on the healthy bearing's mean stiffness and damping at rest."""
+    """Build the ring as two oscillators, on the mean stiffness and damping of the healthy bearing at rest."""
     rest, b = healthy_rest(case), geometry.bearing(case)
     c_x, c_y = healthy_damping(case)
     filters = RESAMPLE_REACH / case.sampling
     end = case.settle + case.duration + filters + LEAD / case.bearing.ball_pass_frequency(case.speed)
-    found = pits.roller_pit_pairs(case)
+    pairs = pits.roller_pit_pairs(case)
     zone = load_zone(case, rest.K_x + support.k_b, rest.K_y + support.k_b)
-    blows = _train(case, zone, found, end)
+    blows = _train(case, zone, pairs, end)
     return Impulse(
         bearing=b,
         m=b.m_o,
@@ -41,15 +41,15 @@ def model(case: Case, support: Support) -> Impulse:
     )
 
 
-def _train(case: Case, zone: LoadZone, found: list[RollerPitPair], end: float) -> Any:
+def _train(case: Case, zone: LoadZone, pairs: list[RollerPitPair], end: float) -> Any:
     b = geometry.bearing(case)
     if case.excitation == "random-impulses":
-        return random_train(b, zone, found, 0.0, end, np.random.default_rng(case.seed))
-    return train(b, zone, found, 0.0, end)
+        return random_train(b, zone, pairs, 0.0, end, np.random.default_rng(case.seed))
+    return train(b, zone, pairs, 0.0, end)
 
 
 def load_zone(case: Case, K_x: float, K_y: float) -> LoadZone:
-    """How the healthy bearing at rest shares its load; ``K_x``, ``K_y``: of the ring, with bracket (N/m)."""
+    """Compute the load zone of the healthy bearing at rest; ``K_x``, ``K_y``: of the ring, with bracket (N/m)."""
     rest = healthy_rest(case)
     shift = rest.approach + case.clearance / 2.0
     return LoadZone(
@@ -64,5 +64,5 @@ def load_zone(case: Case, K_x: float, K_y: float) -> LoadZone:
 
 
 def _exponent(law: Any) -> float:
-    """The exponent of a law; of one that is no power of the approach, a line contact's."""
+    """Return the exponent of a law; that of a line contact if the law is no power of the approach."""
     return float(as_power(law)[1] or EXPONENT)

@@ -1,4 +1,4 @@
-"""Where rollers meet the case's pits, and what they feel of them."""
+"""Pairs of rollers and the defects of a case, and the excitation by each."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -69,34 +69,36 @@ Places = Sequence[float] | np.ndarray
 
 
 class PitCluster(NamedTuple):
-    """Pits of one element that a roller feels as one: the ``first`` of them, and all of them as one map, its s
-    measured from ``angle`` (rad); ``pit`` is None where one pit alone has a closed form.
+    """Defects of one element that act on a roller as one.
+
+    leader: the first of them; pit: all of them as one map, its s measured from ``angle`` (rad), None for a single
+    defect with a closed form.
     """
 
-    first: config.Defect
+    leader: config.Defect
     angle: float
     pit: Any
 
 
 def packed_pits(case: Case, zetas: Places | None = None) -> Pits:
-    """Where the rollers' contacts meet the case's pits.
+    """Pack the case's defects for the core, as met by the rollers' contacts.
 
-    zetas: middles (m) of a roller's slices: then a group of weight 1 for each of them, in their order.
-    Raises Refused for what is not felt at all, and for pits too wide to be felt by one roller at a time.
+    zetas: middles (m) of a roller's slices: then a group of weight 1 for each of them, in their order. Raises
+    Refused for a defect without effect, and for one wider than the spacing of the rollers.
     """
-    chosen, found = excitation(case), roller_pit_pairs(case, zetas)
-    if any(one.paths for one in found):
-        return traced_pits(found)
-    return pack_pits(found, chosen, 1 if zetas is None else len(zetas))
+    chosen, pairs = excitation(case), roller_pit_pairs(case, zetas)
+    if any(pair.paths for pair in pairs):
+        return traced_pits(pairs)
+    return pack_pits(pairs, chosen, 1 if zetas is None else len(zetas))
 
 
 def roller_pit_pairs(case: Case, zetas: Places | None = None) -> list[RollerPitPair]:
-    """Every pit as each contact meets it: all by closed form, or all traced."""
-    return [one for found in pit_clusters(case) for one in pairs_of_cluster(case, found, zetas)]
+    """Pair every defect with each contact that meets it: all by closed form, or all traced."""
+    return [pair for cluster in pit_clusters(case) for pair in pairs_of_cluster(case, cluster, zetas)]
 
 
 def excitation(case: Case) -> Any:
-    """What a roller of the case feels of a pit."""
+    """Build the excitation of the case's rollers by a defect."""
     if case.excitation == "pressure-share":
         return excitations.PressureShare(half_width(case))
     if case.excitation == "elastic-edge":
@@ -105,7 +107,7 @@ def excitation(case: Case) -> Any:
 
 
 def elastic_edge(case: Case) -> EdgeContact:
-    """Edges that give way under the largest load of the healthy bearing."""
+    """Build the contact with elastic edges under the largest load of the healthy bearing."""
     b, edge = case.bearing, case.defects[0].edge if case.defects else None
     E_star = b.material.young_modulus / (2.0 * (1.0 - b.material.poisson_ratio**2))
     rho = float((edge and edge.radius) or EDGE_RADIUS)
@@ -114,7 +116,7 @@ def elastic_edge(case: Case) -> EdgeContact:
 
 
 def reduced_radius(case: Case, side: int) -> float:
-    """Radius (m) of a roller relative to the race on one side of it."""
+    """Compute the radius (m) of a roller relative to the race on one side of it."""
     R_w = case.bearing.roller_diameter / 2.0
     if side == OUTER:
         return outer_reduced_radius(R_w, outer_radius(case))
@@ -122,7 +124,9 @@ def reduced_radius(case: Case, side: int) -> float:
 
 
 def half_width(case: Case) -> float:
-    """Half width (m) of the outer contact along rolling, under the largest load of the healthy bearing."""
+    """Compute the half width (m) of the outer contact along rolling, under the largest load of the healthy
+    bearing.
+    """
     load = largest_load(case)
     if case.bearing.element == "ball":
         return point_contact(case, on_outer=True).semi_axes(load)[1]
@@ -132,7 +136,7 @@ def half_width(case: Case) -> float:
 
 
 def contact_length(case: Case, side: int) -> float:
-    """Length (m) of the contact along the axis: the roller's; of a ball its ellipse's at the largest load."""
+    """Return the contact length (m) along the axis: the roller's, or that of a ball at the largest load."""
     if case.bearing.roller_length is not None:
         return case.bearing.roller_length
     return 2.0 * point_contact(case, side == OUTER).semi_axes(largest_load(case))[0]
@@ -142,10 +146,10 @@ def contact_length(case: Case, side: int) -> float:
 
 
 def depth_map(d: config.Defect) -> Any:
-    """A defect's depth map around its own middle."""
+    """Build a defect's depth map around its own middle."""
     shape = SHAPES[d.shape]
-    given = (d,) if shape.of_section else (d.length, d.width, d.depth)
-    pit = call(shape.build, *given)
+    arguments = (d,) if shape.of_section else (d.length, d.width, d.depth)
+    pit = call(shape.build, *arguments)
     return pit if d.edge is None else Eased(pit, d.edge.radius or 0.0, d.edge.ramp or 0.0)
 
 
@@ -155,27 +159,27 @@ def varies_along_roller(d: config.Defect) -> bool:
 
 
 def spall(d: config.Defect) -> Any:
-    """A spall; rollers of an inner race come from +s, so that it falls back behind them."""
+    """Build a spall, mirrored on an inner race, where rollers come from +s and spalls grow the other way."""
     pit = Spall(d.length, d.width, d.depth, float(d.grown or 0.0), int(d.seed or 0))
     return Mirrored(pit) if d.race == "inner" else pit
 
 
 def scan(d: config.Defect) -> Scanned:
-    """A measured depth map."""
+    """Build a measured depth map."""
     return scanned(str(d.file), str(d.digest))
 
 
 @lru_cache(maxsize=CACHED_SCANS)
 def scanned(file: str, digest: str) -> Scanned:
-    """The map in a file. Raises ValueError if the file is no longer what the case was made from."""
-    found = read_scan(BROUGHT.get(digest, file))
-    if found.digest != digest:
+    """Read the map in a file. Raises ValueError if the file has changed since the case was made."""
+    surface = read_scan(BROUGHT.get(digest, file))
+    if surface.digest != digest:
         raise ValueError(f"{file} has changed since the study was read")
-    return Scanned(digest, found.s, found.z, found.depth)
+    return Scanned(digest, surface.s, surface.z, surface.depth)
 
 
 def pit_clusters(case: Case) -> list[PitCluster]:
-    """The case's pits, those that one roller feels at a time merged; closed forms only if all have one."""
+    """Merge the case's defects that one roller meets at a time; closed forms only if all have one."""
     clusters = _clusters(case)
     simple = all(len(cluster) == 1 and _has_closed_form(case, cluster[0]) for cluster in clusters)
     if simple:
@@ -188,7 +192,7 @@ def _has_closed_form(case: Case, d: config.Defect) -> bool:
 
 
 def _clusters(case: Case) -> list[list[config.Defect]]:
-    """Defects in groups that overlap along rolling, burrs and what they lift a roller included."""
+    """Group defects that overlap along rolling, including burrs and the lift-off of rollers at them."""
     clusters: list[list[config.Defect]] = []
     for d in case.defects:
         near = [cluster for cluster in clusters if any(_reach_each_other(case, d, other) for other in cluster)]
@@ -206,7 +210,7 @@ def _reach_each_other(case: Case, a: config.Defect, b: config.Defect) -> bool:
 
 
 def _response_range(case: Case, d: config.Defect) -> tuple[float, float]:
-    """From where to where (m) along rolling a pit is felt at most, from its middle."""
+    """Return the largest range (m) along rolling in which a defect acts on a roller, from its middle."""
     pit = depth_map(d)
     low, high, _, _ = extent(pit)
     lifted = sqrt(2.0 * reduced_radius(case, OUTER) * burr(pit))
@@ -214,73 +218,77 @@ def _response_range(case: Case, d: config.Defect) -> tuple[float, float]:
 
 
 def carrier_radius(case: Case, d: config.Defect) -> float:
-    """Radius (m) of the surface that carries a pit."""
+    """Return the radius (m) of the surface with a defect."""
     radii = {"outer": outer_radius, "inner": inner_radius}
     return radii[d.race](case) if d.race in radii else case.bearing.roller_diameter / 2.0
 
 
 def _merged(case: Case, cluster: Sequence[config.Defect]) -> PitCluster:
-    """Pits as one map, whose s begins in the middle of them all."""
-    first, radius = cluster[0], carrier_radius(case, cluster[0])
-    places = [remainder(d.angle - first.angle, 2.0 * pi) * radius for d in cluster]
+    """Merge defects into one map, s measured from the middle of them all."""
+    leader, radius = cluster[0], carrier_radius(case, cluster[0])
+    places = [remainder(d.angle - leader.angle, 2.0 * pi) * radius for d in cluster]
     maps = [Placed(depth_map(d), s, d.offset) for d, s in zip(cluster, places, strict=True)]
     if len(maps) == 1:
-        return PitCluster(first, first.angle, maps[0])
+        return PitCluster(leader, leader.angle, maps[0])
     low, high, _, _ = extent(Merged(tuple(maps)))
     middle = (low + high) / 2.0
     return PitCluster(
-        first, first.angle + middle / radius, Merged(tuple(one._replace(s=one.s - middle) for one in maps))
+        leader,
+        leader.angle + middle / radius,
+        Merged(tuple(placed._replace(s=placed.s - middle) for placed in maps)),
     )
 
 
 # Meetings
 
 
-def pairs_of_cluster(case: Case, found: PitCluster, zetas: Places | None) -> list[RollerPitPair]:
-    """Pits that are felt as one, as each contact meets them."""
-    d = found.first
+def pairs_of_cluster(case: Case, cluster: PitCluster, zetas: Places | None) -> list[RollerPitPair]:
+    """Pair merged defects with each contact that meets them."""
+    d = cluster.leader
     on, sides = {
         "outer": (ON_OUTER, (OUTER,)),
         "inner": (ON_INNER, (INNER,)),
         "roller": ((d.roller or 1) - 1, (OUTER, INNER)),
     }[d.race]
-    return [_pair(case, found, on, side, zetas) for side in sides]
+    return [_pair(case, cluster, on, side, zetas) for side in sides]
 
 
-def _pair(case: Case, found: PitCluster, on: int, side: int, zetas: Places | None) -> RollerPitPair:
-    radius, R = carrier_radius(case, found.first), reduced_radius(case, side)
-    if found.pit is None:
-        rows = closed_form_groups(case, found.first, side, zetas)
+def _pair(case: Case, cluster: PitCluster, on: int, side: int, zetas: Places | None) -> RollerPitPair:
+    radius, R = carrier_radius(case, cluster.leader), reduced_radius(case, side)
+    if cluster.pit is None:
+        rows = closed_form_groups(case, cluster.leader, side, zetas)
         jumps = closed_form_jumps(excitation(case), tuple(map(tuple, rows)), R)
-        return _checked_pair(case, found.first, RollerPitPair(side, on, found.angle, radius, R, rows, jumps=jumps))
-    rows, paths = traced_groups(case, found.pit, side, zetas)
-    cusp, span, jumps = sharpest_cusp(rows, paths), span_of(found.pit, R), jumps_of(None, rows, paths, R)
+        return _checked_pair(
+            case, cluster.leader, RollerPitPair(side, on, cluster.angle, radius, R, rows, jumps=jumps)
+        )
+    rows, paths = traced_groups(case, cluster.pit, side, zetas)
+    cusp, span, jumps = sharpest_cusp(rows, paths), span_of(cluster.pit, R), jumps_of(None, rows, paths, R)
     return _checked_pair(
-        case, found.first, RollerPitPair(side, on, found.angle, radius, R, rows, paths, cusp, span, jumps)
+        case, cluster.leader, RollerPitPair(side, on, cluster.angle, radius, R, rows, paths, cusp, span, jumps)
     )
 
 
 @lru_cache(maxsize=64, typed=True)  # excitations without parameters are all equal
 def closed_form_jumps(excitation: Any, groups: tuple[tuple[float, ...], ...], R: float) -> list[float]:
-    """``jumps_of`` a pit with a closed form: alike wherever the pit is, and under any load."""
+    """Return ``jumps_of`` a defect with a closed form, cached: independent of its position and of the load."""
     return jumps_of(excitation, groups, (), R)
 
 
-def _checked_pair(case: Case, d: config.Defect, one: RollerPitPair) -> RollerPitPair:
-    """The roller-pit pair, if it is felt, and by one roller at a time."""
-    if one.half_width == 0.0:
+def _checked_pair(case: Case, d: config.Defect, pair: RollerPitPair) -> RollerPitPair:
+    """Return the pair. Raises Refused if the defect has no effect, or acts on two rollers at a time."""
+    if pair.half_width == 0.0:
         reason = f"nothing is felt of the {d.shape} defect: it is beyond the contact, or of no depth"
-        reach = f"{500.0 * contact_length(case, one.side):.4g} mm"
+        reach = f"{500.0 * contact_length(case, pair.side):.4g} mm"
         raise Refused(
             reason, f"the contact reaches {reach} from the middle: take a smaller `offset`, or a larger pit"
         )
-    spacing = 2.0 * pi * one.radius / (1 if d.race == "roller" else case.bearing.rollers)
-    if 2.0 * one.half_width > spacing:
+    spacing = 2.0 * pi * pair.radius / (1 if d.race == "roller" else case.bearing.rollers)
+    if 2.0 * pair.half_width > spacing:
         wide = (
-            f"felt over {2e3 * one.half_width:.4g} mm, more than the {1e3 * spacing:.4g} mm between two contacts"
+            f"felt over {2e3 * pair.half_width:.4g} mm, more than the {1e3 * spacing:.4g} mm between two contacts"
         )
         raise Refused(f"the defects at {np.degrees(d.angle):.4g} deg are {wide}", _narrower(d))
-    return one
+    return pair
 
 
 def _narrower(d: config.Defect) -> str:
@@ -290,18 +298,18 @@ def _narrower(d: config.Defect) -> str:
 
 
 def closed_form_groups(case: Case, d: config.Defect, side: int, zetas: Places | None) -> list:
-    """The groups along the contact that a pit with a closed form is cut into, or those of given slices."""
+    """Build the groups along the contact of a defect with a closed form, or those of given slices."""
     L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
     pit = call(SHAPES[d.shape].build, d.length, d.width, d.depth)
     rows = groups_of(pit, L_w, R, nodes, d.offset) if zetas is None else groups_of_slices(pit, R, zetas, d.offset)
-    found = excitations.response_groups(excitation(case), pit, rows, R)
-    if zetas is not None and len(found) != len(zetas):
+    groups = excitations.response_groups(excitation(case), pit, rows, R)
+    if zetas is not None and len(groups) != len(zetas):
         raise Refused(f"`{case.excitation}` has no form for slices", "take `excitation: envelope`")
-    return found
+    return groups
 
 
 def traced_groups(case: Case, pit: Any, side: int, zetas: Places | None) -> tuple[list, list]:
-    """Groups and paths of a traced pit along the contact, or at given slices."""
+    """Build groups and paths of a traced defect along the contact, or at given slices."""
     L_w, R = contact_length(case, side), reduced_radius(case, side)
     if zetas is not None:
         return sliced(pit, R, zetas)

@@ -1,4 +1,4 @@
-"""Whether model, method, laws and features bring all that a run calls: an extension may have forgotten some."""
+"""Completeness of model, method, laws and features of a case, as registered by extensions."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -29,7 +29,7 @@ from bearingsim.errors import UserError
 DAMPING = (normal_force, stiffness_bound, damping_bound), (slopes,)
 STIFFNESS = (elastic, tangent), (curvature,)
 FRICTION = (mu, mu_slope_bound), (mu_slope,)
-"""Of each kind of law: what every method calls, and the derivatives that an implicit one solves with."""
+"""Per kind of law: functions of every method, and derivatives for implicit ones."""
 MODEL = (
     (state_width, begin, update_extremes, monitored, stiffness_per_mass, damping_per_mass, count_crossings),
     (linearise, degrees_of_freedom),
@@ -38,7 +38,7 @@ METHOD = (step, stability_ratio), ()
 
 
 def missing(case: Case, implicit: bool) -> Iterator[str]:
-    """What model, method and laws of a case do not register, in words; ``implicit``: of derivatives too."""
+    """List in words what model, method and laws of a case lack; ``implicit``: derivatives, too."""
     model: Any = assemble.kind(case).parameters
     contact, damping = case.contact, case.contact.damping
     yield from _missing(f"model `{case.model}`", model, MODEL, implicit)
@@ -65,7 +65,7 @@ def _missing(what: str, kind: type, called: tuple[tuple[Any, ...], ...], implici
 
 
 def refuse_features() -> None:
-    """Raise UserError if a feature of another package does not load, or was registered too late to be declared."""
+    """Raise UserError if another package's feature does not load, or was registered too late to be declared."""
     for feature in FEATURES.values():
         if not callable(code(feature.compute)):
             raise UserError(f"feature `{feature.name}`: `{feature.compute}` is no function")

@@ -18,43 +18,43 @@ from bearingsim.core.pits.pairs import GROUP_WEIGHT, Pits, pack_pits
 
 STIFF = Stiff()
 OF_A_STUDY = 1 << 14
-"""Cases that are remembered: a run looks at all jobs of a study several times, one after the other."""
+"""Cached cases: a run passes over all jobs of a study several times."""
 
 
 def static_model(model: Any) -> Static:
-    """What of a model stands still: all that the equilibrium is found from, whatever else it knows.
+    """Reduce a model to its static part, from which the equilibrium is computed.
 
-    Of a model that cuts its rollers into slices without their tilt: the slices are groups of their weights.
+    For a model with sliced rollers without their tilt: the slices become groups of their weights.
     """
-    found = model.pits
+    pits = model.pits
     if isinstance(model, Spatial):
-        groups = found.groups.copy()
+        groups = pits.groups.copy()
         groups[:, :, GROUP_WEIGHT] *= model.slices.table[:, WEIGHT] if len(groups) else 1.0
-        found = found._replace(groups=groups)
+        pits = pits._replace(groups=groups)
     shape = bending.at_rest(model.bending) if "bending" in model._fields else Stiff()
-    return static_bearing(model.bearing, model.support, model.outer, model.inner, found, shape)
+    return static_bearing(model.bearing, model.support, model.outer, model.inner, pits, shape)
 
 
 def static_bearing(
-    bearing: Bearing, support: Support, outer: Any, inner: Any, found: Pits, shape: Any = STIFF
+    bearing: Bearing, support: Support, outer: Any, inner: Any, pits: Pits, shape: Any = STIFF
 ) -> Static:
-    """A bearing that stands still: of its contact laws only the stiffness; shape: how its outer ring bends."""
-    return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), found, shape)
+    """Build a bearing at rest: contact laws reduced to stiffness; shape: bending of its outer ring."""
+    return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), pits, shape)
 
 
 def bracket_anchor(case: Case) -> tuple[float, float]:
-    """Mean place (m, m) of the healthy, unsupported ring over a ball pass."""
+    """Compute the mean position (m, m) of the healthy, unsupported ring over a ball pass."""
     rest = healthy_rest(case)
     return rest.x, rest.y
 
 
 def largest_load(case: Case) -> float:
-    """Largest force (N) on a roller of the healthy, unsupported bearing at rest, over a ball pass."""
+    """Compute the largest force (N) on a roller of the healthy, unsupported bearing at rest, over a ball pass."""
     return healthy_rest(case).load
 
 
 def healthy_rest(case: Case) -> Rest:
-    """The healthy, unsupported bearing at rest, averaged over a ball pass."""
+    """Compute the equilibrium of the healthy, unsupported bearing, averaged over a ball pass."""
     laws = [Undamped(contacts.stiffness(case, on_outer)) for on_outer in (True, False)]
     ring = None if case.rig.ring is None else bending.of_ring(case)
     return _rest(geometry.bearing(case), *laws, repr(laws), case.load, case.load_across, ring)
@@ -64,7 +64,7 @@ def healthy_rest(case: Case) -> Rest:
 def _rest(
     of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_across: float, ring: bending.OfRing | None
 ) -> Rest:
-    """``healthy_rest``, remembered; ``named`` tells laws apart that are equal as tuples."""
+    """Compute ``healthy_rest``, cached; ``named`` distinguishes laws that are equal as tuples."""
     carried = ring is not None and ring.load_path.carried
     free = Support(*((0.0, 0.0) if carried else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
     bent = Stiff() if ring is None else bending.at_rest(bending.made(ring))
@@ -73,7 +73,7 @@ def _rest(
 
 
 def healthy_damping(case: Case) -> tuple[float, float]:
-    """Damping (N s/m) that the healthy, unsupported bearing at rest offers its ring along x and y, on average."""
+    """Compute the mean damping (N s/m) of the healthy, unsupported bearing at rest on its ring along x and y."""
     of_case, free = geometry.bearing(case), Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
     outer, inner = contacts.outer(case), contacts.inner(case)
     model = static_bearing(of_case, free, outer, inner, pack_pits([], Envelope()))

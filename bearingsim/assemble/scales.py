@@ -1,4 +1,4 @@
-"""How large things are in a case: the approach and damping of its contacts, the time and speed over its pits.
+"""Scales of a case: approach and damping of its contacts, time and speed of passage over its defects.
 
 The tolerances of adaptive methods are parts of these.
 """
@@ -23,29 +23,29 @@ from bearingsim.core.pits.pairs import (
     passing_speed,
 )
 
-MIN_STEPS_PER_CROSSING = 8  # steps; with fewer a method does not see a pit
-DAMPER_TOLERANCE = 1e-3  # of the force: what an error in velocity may change at a contact's damper
+MIN_STEPS_PER_CROSSING = 8  # steps; with fewer a method may skip a defect
+DAMPER_TOLERANCE = 1e-3  # of the force: largest change of a damping force by an error in velocity
 
 
 def at_full_speed(case: Case) -> Case:
-    """The case at the highest speed of its ramp, without the ramp."""
+    """Return the case at the highest speed of its ramp, without the ramp."""
     if case.ramp is None:
         return case
     return case.model_copy(update={"speed": max(case.speed, case.ramp.to), "ramp": None})
 
 
 def crossing_time(model: Any) -> float:
-    """The shortest time (s) a contact takes to cross a pit, or one of several merged; inf without pits."""
+    """Compute the shortest time (s) of a contact over a defect, or over several merged; inf without defects."""
     pits = model.pits
     times = [pits.head[d, SPAN] / abs(passing_speed(pits, d, model.bearing)) for d in range(len(pits.head))]
     return float(min(times, default=inf))
 
 
 def closing_speed(model: Any) -> float:
-    """Estimate of the speed (m/s) at which a roller meets the far edge of the steepest pit.
+    """Estimate the speed (m/s) of a roller at the far edge of the steepest defect.
 
-    The envelope's slope is at most x/R with x the distance from the rim where the roller reaches wall, floor or
-    middle; the roller moves past it at the sliding speed.
+    The slope of its path is at most x/R with x the distance from the rim to the point of contact with wall, floor
+    or middle; the roller passes it at the sliding speed.
     """
     pits = model.pits
     speeds = [
@@ -58,11 +58,11 @@ def closing_speed(model: Any) -> float:
     return float(max(speeds, default=0.0))
 
 
-SOFTEST = 1e9  # m: no contact is pressed so deep
+SOFTEST = 1e9  # m, bound of the search for an approach
 
 
 def approach(law: Any, load: float) -> float:
-    """The approach (m) of a contact at rest under ``load`` (N)."""
+    """Compute the approach (m) of a contact at rest under ``load`` (N)."""
     if load <= 0.0:
         return 0.0
     deep = 1e-3
@@ -72,34 +72,34 @@ def approach(law: Any, load: float) -> float:
 
 
 def damping_ratio(case: Case, load: float) -> float:
-    """That of a roller between its races, pressed to the outer one by ``load`` (N).
+    """Compute the damping ratio of a roller between its races, pressed to the outer one by ``load`` (N).
 
-    Friction on races, pockets and flanges is none of it, though it counts in what limits a step.
+    Friction on races, pockets and flanges is not included, though it counts in the step limit.
     """
     b, laws = geometry.bearing(case), (contacts.outer(case), contacts.inner(case))
     inwards = max(0.0, load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i))
     deep = [approach(law, force) for law, force in zip(laws, (load, inwards), strict=True)]
     C, K = (
-        sum(bound(law, at, 0.0) for law, at in zip(laws, deep, strict=True))
+        sum(bound(law, delta, 0.0) for law, delta in zip(laws, deep, strict=True))
         for bound in (damping_bound, stiffness_bound)
     )
     return float(C / (2.0 * sqrt(K * b.m_r)))
 
 
 def damping_time(case: Case, load: float) -> float:
-    """c/k (s) of a contact at rest under ``load`` (N): dQ/dv over dQ/d(delta), the larger of both races'."""
+    """Compute c/k (s) of a contact at rest under ``load`` (N): dQ/dv over dQ/d(delta), larger of both races."""
     laws = contacts.outer(case), contacts.inner(case)
     return float(max(damping_over_stiffness(law, approach(law, load)) for law in laws))
 
 
 def damping_over_stiffness(law: Any, delta: float) -> float:
-    """c/k (s) of a contact at rest at the approach ``delta`` (m)."""
+    """Compute c/k (s) of a contact at rest at the approach ``delta`` (m)."""
     K, C = stiffness_bound(law, delta, 0.0), damping_bound(law, delta, 0.0)  # which laws without slopes have too
     return float(C / K) if K > 0.0 else 0.0
 
 
 def largest_roller_drop(model: Any) -> float:
-    """How deep (m) a roller sinks into a pit at most: it hangs on the rims, or reaches the depth."""
+    """Compute the largest depth (m) of a roller in a defect: it hangs on the rims, or reaches the floor."""
     pits = model.pits
     reached = [
         float(group[DEPTH] if isinstance(pits.excitation, STEP_EXCITATIONS) else min(group[DEPTH], hanging))
@@ -111,12 +111,12 @@ def largest_roller_drop(model: Any) -> float:
 
 
 def tolerances(case: Case, model: Any, fastest: Any, h: float, tolerance: float) -> tuple[float, ...]:
-    """Parameters of an adaptive method (``Tolerances``) that shows the state every ``h`` (s).
+    """Compute the parameters of an adaptive method (``Tolerances``) with output every ``h`` (s).
 
-    Positions are held to ``tolerance`` times the approach at rest; velocities to as much of the speed at which a
-    pit's edge closes, and to a change of the damping force that is small beside the load: with a dashpot of
-    1e6 N s/m that is what an error hangs on. ``fastest``: the model at the highest speed of a ramp, which bounds
-    the steps.
+    The tolerance of positions is ``tolerance`` times the approach at rest; that of velocities the same part of the
+    closing speed at a defect's edge, limited by a change of the damping force that is small beside the load (the
+    dominant error with a dashpot of 1e6 N s/m). ``fastest``: the model at the highest speed of a ramp, which
+    bounds the steps.
     """
     F = rest.largest_load(case)
     laws = (contacts.outer(case), contacts.inner(case))
@@ -129,5 +129,5 @@ def tolerances(case: Case, model: Any, fastest: Any, h: float, tolerance: float)
 
 
 def ball_pass(model: Any) -> float:
-    """The time (s) from one roller to the next past a point of the outer race."""
+    """Compute the time (s) between two rollers at a point of the outer race."""
     return 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)

@@ -1,4 +1,4 @@
-"""What ``spatial`` adds: slices with the roller's profile, flanges, and how rings and cage are held."""
+"""Parameters of ``spatial`` beyond ``planar``: slices with the roller profile, flanges, supports of the parts."""
 
 from math import cos, sin
 from typing import Any
@@ -21,12 +21,12 @@ FLANGE_HEIGHT = 0.2  # of the roller's diameter: an assumption
 
 
 def slices(case: Case) -> cut.Slices:
-    """The roller cut into slices, with its profile."""
+    """Cut the roller into slices, with its profile."""
     return cut.slices(slice_ends(case), lambda z: drop(case, z))
 
 
 def drop(case: Case, z: float) -> float:
-    """How much smaller the roller's radius is at ``z`` (m) from its middle, m."""
+    """Compute the reduction (m) of the roller's radius at ``z`` (m) from its middle."""
     b = case.bearing
     L_w, profile = roller_length(case), b.roller_profile
     match profile.shape:
@@ -38,37 +38,41 @@ def drop(case: Case, z: float) -> float:
 
 
 def unevenly_loaded(case: Case) -> bool:
-    """Whether rollers of the healthy bearing are loaded unevenly along their length."""
+    """Check if rollers of the healthy bearing are loaded unevenly along their length."""
     return MODELS[case.model].sliced and (
         case.misalignment is not None or case.bearing.roller_profile.shape != "straight"
     )
 
 
 def roller_inertia_across(case: Case) -> float:
-    """Moment of inertia (kg m^2) of a roller about a diameter: of a plain cylinder."""
+    """Compute the moment of inertia (kg m^2) of a roller about a diameter, as of a plain cylinder."""
     b = case.bearing
     return b.element_mass * (3.0 * (b.roller_diameter / 2.0) ** 2 + roller_length(case) ** 2) / 12.0
 
 
 def inertia_across(case: Case, m: float, about_axis: float) -> float:
-    """Moment of inertia (kg m^2) about a diameter of a ring of mass ``m`` (kg) as wide as the bearing."""
+    """Compute the moment of inertia (kg m^2) about a diameter of a ring of mass ``m`` (kg), as wide as the
+    bearing.
+    """
     return about_axis / 2.0 + m * case.bearing.width**2 / 12.0
 
 
 def outer_mount(case: Case) -> Any:
-    """How the bracket holds the outer ring against moving along its axis and leaning."""
+    """Build the bracket's support of the outer ring along its axis and in tilt."""
     return mount(case, case.rig, "outer", geometry.ring_mass(case), geometry.ring_inertia(case))
 
 
 def inner_mount(case: Case) -> Any:
-    """How the shaft holds the inner ring, which has the mass of the shaft and the dimensions of a ring."""
+    """Build the shaft's support of the inner ring, with the mass of the shaft and the dimensions of a ring."""
     m = case.shaft.mass if case.shaft else 0.0
     about_axis = m * ((case.bearing.bore / 2.0) ** 2 + geometry.inner_radius(case) ** 2) / 2.0
     return mount(case, case.shaft, "inner", m, about_axis)
 
 
 def mount(case: Case, by: config.Rig | config.Shaft | None, ring: str, m: float, about_axis: float) -> Any:
-    """What holds a ring of mass ``m`` (kg) and inertia ``about_axis`` (kg m^2), as askew as the case says."""
+    """Build the support of a ring of mass ``m`` (kg) and inertia ``about_axis`` (kg m^2), misaligned as in the
+    case.
+    """
     askew = case.misalignment
     lean = sin(getattr(askew, ring)) if askew else 0.0
     towards = askew.direction if askew else 0.0
@@ -89,7 +93,7 @@ def mount(case: Case, by: config.Rig | config.Shaft | None, ring: str, m: float,
 
 
 def flanges(case: Case) -> Any:
-    """The shoulders of both rings; one alone stands on the side of +z."""
+    """Build the flanges of both rings; a single one is on the side of +z."""
     f, b = case.bearing.flanges, case.bearing
     if f is None or f.inner + f.outer == 0:
         return shoulders.NoFlanges()
@@ -106,22 +110,10 @@ def flanges(case: Case) -> Any:
 
 
 def cage_in_space(case: Case) -> Any:
-    """How the cage moves along its axis and leans: pushed by the rollers at the ends of their pockets."""
-    found, c = free.cage(case), case.cage or config.Cage()
-    if isinstance(found, KinematicCage):
+    """Build the axial motion and tilt of the cage, pushed by the rollers at the ends of their pockets."""
+    retainer, c = free.cage(case), case.cage or config.Cage()
+    if isinstance(retainer, KinematicCage):
         return CageInPlane()
-    m, width = found.m, free.CAGE_WIDTH * case.bearing.width
-    about_diameter = found.inertia / 2.0 + m * width**2 / 12.0
-    return CageInSpace(float(about_diameter), c.axial_clearance / 2.0, found.pocket)
-
-
-__all__ = [
-    "cage_in_space",
-    "flanges",
-    "inner_mount",
-    "outer_mount",
-    "roller_inertia_across",
-    "roller_length",
-    "slices",
-    "unevenly_loaded",
-]
+    m, width = retainer.m, free.CAGE_WIDTH * case.bearing.width
+    about_diameter = retainer.inertia / 2.0 + m * width**2 / 12.0
+    return CageInSpace(float(about_diameter), c.axial_clearance / 2.0, retainer.pocket)

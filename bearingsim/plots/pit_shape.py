@@ -88,8 +88,8 @@ def pits_of(case: "Case") -> Iterator[Pit]:
     from bearingsim.core.pits.depth import Placed, extent
 
     for cluster in pits.pit_clusters(case):
-        race, R = cluster.first.race, pits.reduced_radius(case, 1 if cluster.first.race == "inner" else 0)
-        made = cluster.pit or Placed(pits.depth_map(cluster.first), 0.0, cluster.first.offset)
+        race, R = cluster.leader.race, pits.reduced_radius(case, 1 if cluster.leader.race == "inner" else 0)
+        made = cluster.pit or Placed(pits.depth_map(cluster.leader), 0.0, cluster.leader.offset)
         low, high, left, right = extent(made)
         yield Pit(race, R, cluster.angle, made, (low, high), (left, right))
 
