@@ -44,7 +44,7 @@ def solver(name: str) -> outside.Solver:
         integrate = dict(peers.solvers(problem))[name]
         began = time.thread_time()
         try:
-            states = integrate(float(given.asked.rtol))
+            states = integrate(float(given.tolerances.rtol))
         except RuntimeError as error:
             raise outside.GaveUp(str(error)) from error
         return outside.Solution(in_si(states.T, int(given.model.bearing.Z)), time.thread_time() - began)

@@ -17,12 +17,12 @@ from bearingsim.bench.plan import JOB, JUDGE
 
 NUMERICAL, TOTAL = "numerical", "total"
 CHAOS = 0.02
-"""Judges that lie further apart follow no common path: what they scatter by is the floor."""
-LEAST = 1e-6  # no solution is known better
+"""Relative difference of judges above which the motion counts as chaotic: their scatter is the floor."""
+LEAST = 1e-6  # relative, least floor of a solution
 
 
 class Truth(NamedTuple):
-    """A model's solution of a scene: what is compared, how far its judges lie apart (relative), their names."""
+    """Solution of a model in a scene: compared quantities, relative difference of its judges, their names."""
 
     values: dict[str, float]
     floor: dict[str, float]
@@ -30,36 +30,36 @@ class Truth(NamedTuple):
     chaotic: bool
 
 
-def apart(one: Row, other: Row) -> dict[str, float]:
-    """Relative differences of two rows."""
-    return {name: relative(one[name], other[name]) for name in QUANTITIES}
+def apart(row: Row, other: Row) -> dict[str, float]:
+    """Compute the relative differences of two rows."""
+    return {name: relative(row[name], other[name]) for name in QUANTITIES}
 
 
 def relative(value: float, right: float) -> float:
-    """Relative error; of what is exactly right, none."""
+    """Compute the relative error; 0 if both values are zero."""
     return abs(value - right) / abs(right) if right else (0.0 if value == right else float("inf"))
 
 
 def truth(rows: Sequence[Row]) -> Truth | None:
-    """The solution that the rows of one model in one scene make; None of a model without any.
+    """Combine the reference rows of one model in one scene into its solution; None without any.
 
-    Of a model that is solved instant by instant, at more instants: it has no floor.
+    The solution of a memoryless model has a finer sampling and no floor.
     """
-    found = [row for row in rows if row["role"] == JUDGE and not row["failure"] and isfinite(row["line"])]
-    if not found:
+    judges = [row for row in rows if row["role"] == JUDGE and not row["failure"] and isfinite(row["line"])]
+    if not judges:
         return None
     chaotic = any(row["chaotic"] == 1.0 for row in rows)
-    if len(found) == 1:
-        unknown = dict.fromkeys(QUANTITIES, LEAST if not found[0]["method"] else nan)
-        return Truth({name: found[0][name] for name in QUANTITIES}, unknown, _name(found[0]), chaotic)
-    pairs = list(combinations(found, 2))
-    first, second = min(pairs, key=lambda pair: max(apart(*pair).values()))
-    floor = apart(first, second)
+    if len(judges) == 1:
+        unknown = dict.fromkeys(QUANTITIES, LEAST if not judges[0]["method"] else nan)
+        return Truth({name: judges[0][name] for name in QUANTITIES}, unknown, _name(judges[0]), chaotic)
+    pairs = list(combinations(judges, 2))
+    closest, second = min(pairs, key=lambda pair: max(apart(*pair).values()))
+    floor = apart(closest, second)
     if chaotic or max(floor.values()) > CHAOS:
-        chosen, chaotic = found, True
+        chosen, chaotic = judges, True
         floor = {name: max(apart(*pair)[name] for pair in pairs) for name in QUANTITIES}
     else:
-        chosen = [first, second]
+        chosen = [closest, second]
     values = {name: sum(row[name] for row in chosen) / len(chosen) for name in QUANTITIES}
     named = " and ".join(_name(row) for row in chosen)
     return Truth(values, {name: max(value, LEAST) for name, value in floor.items()}, named, chaotic)
@@ -70,58 +70,57 @@ def _name(row: Row) -> str:
 
 
 def error(row: Row, right: Truth, name: str) -> float:
-    """The error of a row's quantity, at least the floor."""
+    """Return the relative error of a row's quantity, at least the floor."""
     return max(relative(row[name], right.values[name]), right.floor[name]) if isfinite(row[name]) else nan
 
 
 def with_errors(rows: Sequence[Row]) -> list[Row]:
-    """The rows of one scene, the reference's first, with their errors, floors, and what counts of their errors.
+    """Add errors, floors and counted errors to the rows of one scene, the reference's first.
 
-    chaotic: whether the motion of the row's model is; against: the solutions that the numerical error is measured
-    against.
+    chaotic: whether the motion of the row's model is; against: the solutions for the numerical error.
     """
     variants = list(dict.fromkeys(row["variant"] for row in rows))
-    known = {name: truth([row for row in rows if row["variant"] == name]) for name in variants}
-    judged = known[variants[0]] if variants else None
-    found = [_with_error(row, known[row["variant"]], judged) for row in rows if row["role"] != JUDGE]
-    of_model = {name: _of_model(own, judged) for name, own in known.items()}
-    return [row | _counted(row, found, of_model[row["variant"]]) for row in found]
+    truths = {name: truth([row for row in rows if row["variant"] == name]) for name in variants}
+    judged = truths[variants[0]] if variants else None
+    results = [_with_error(row, truths[row["variant"]], judged) for row in rows if row["role"] != JUDGE]
+    of_model = {name: _of_model(own, judged) for name, own in truths.items()}
+    return [row | _counted(row, results, of_model[row["variant"]]) for row in results]
 
 
 def _of_model(own: Truth | None, judged: Truth | None) -> dict[str, float]:
-    """The total errors of a model whose solution is known."""
+    """Compute the total errors of a model with a solution."""
     if own is None or judged is None:
         return dict.fromkeys(QUANTITIES, 0.0)
     return {name: relative(own.values[name], judged.values[name]) for name in QUANTITIES}
 
 
 def _counted(row: Row, rows: Sequence[Row], of_model: dict[str, float]) -> Row:
-    """What counts of a row's errors."""
-    no_better = [row, *(one for one in rows if _finer(one, row))]
-    found = {}
+    """Compute the counted errors of a row: the largest of its own, all finer runs' and its model's."""
+    no_better = [row, *(other for other in rows if _finer(other, row))]
+    counted = {}
     for kind, least in ((NUMERICAL, dict.fromkeys(QUANTITIES, 0.0)), (TOTAL, of_model)):
         for name in QUANTITIES:
-            known = [one[f"{kind}.{name}"] for one in no_better if isfinite(one[f"{kind}.{name}"])]
+            errors = [other[f"{kind}.{name}"] for other in no_better if isfinite(other[f"{kind}.{name}"])]
             own = row[f"{kind}.{name}"]
-            found[f"{kind}.{name}.counted"] = max(*known, least[name]) if isfinite(own) else own
-    return found
+            counted[f"{kind}.{name}.counted"] = max(*errors, least[name]) if isfinite(own) else own
+    return counted
 
 
-def _finer(one: Row, row: Row) -> bool:
-    """Whether a run in full is another's, but for a smaller step or tolerance."""
-    same = (one["variant"], one["method"]) == (row["variant"], row["method"]) and JOB not in (
-        one["role"],
+def _finer(other: Row, row: Row) -> bool:
+    """Check if a run in full differs from another only by a smaller step or tolerance."""
+    same = (other["variant"], other["method"]) == (row["variant"], row["method"]) and JOB not in (
+        other["role"],
         row["role"],
     )
-    return same and (one["step_s"] < row["step_s"] or one["tolerance"] < row["tolerance"])
+    return same and (other["step_s"] < row["step_s"] or other["tolerance"] < row["tolerance"])
 
 
 def _with_error(row: Row, own: Truth | None, judged: Truth | None) -> Row:
-    found = dict(row)
+    result = dict(row)
     for kind, right in ((NUMERICAL, own if row["method"] else None), (TOTAL, judged)):
         for name in QUANTITIES:
-            found[f"{kind}.{name}"] = error(row, right, name) if right and not row["failure"] else nan
-            found[f"{kind}.{name}.floor"] = right.floor[name] if right else nan
-    found["chaotic"] = nan if own is None else float(own.chaotic)
-    found["against"] = "" if own is None else own.names
-    return found
+            result[f"{kind}.{name}"] = error(row, right, name) if right and not row["failure"] else nan
+            result[f"{kind}.{name}.floor"] = right.floor[name] if right else nan
+    result["chaotic"] = nan if own is None else float(own.chaotic)
+    result["against"] = "" if own is None else own.names
+    return result

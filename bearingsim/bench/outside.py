@@ -1,7 +1,7 @@
-"""Solvers of other packages on our compiled equations, and their result read by the same rules as our own.
+"""Solvers of other packages on the compiled equations, with the features of their solutions.
 
-A solver is handed a model, its state at rest and the instants that a run with an adaptive method would record.
-What it finds there goes through the same recording, and the same features are read from it.
+A solver gets a model, its state at rest and the instants of the record of an adaptive method. Its states pass
+through the same recording, and the same features are computed from them.
 """
 
 import time
@@ -24,20 +24,19 @@ from bearingsim.simulation.recording import Recording
 from bearingsim.simulation.repetition import Repetition
 from bearingsim.stability.references import SCIPY, StateRate, march, moving, packed, state_rate, unpack
 
-MOST_CPU = 120.0  # s that a solver may take
+MOST_CPU = 120.0  # s, limit of CPU time of a solver
 
 
 class Equations(NamedTuple):
-    """What a solver is handed: the core's model, its buffer at rest, instants (n,) in s, the tolerances.
+    """Problem for a solver: the core's model, its buffer at rest, instants (n,) in s, the tolerances.
 
-    asked: as the own methods have them (``core/methods/interface.py``: Tolerances); settled: s, from where forces
-    count.
+    tolerances: as for own methods (``core/methods/interface.py``: Tolerances); settled: s, from when forces count.
     """
 
     model: Any
     y: np.ndarray
     instants: np.ndarray
-    asked: Any
+    tolerances: Any
     settled: float
 
 
@@ -56,7 +55,7 @@ Solver = Callable[[Equations], Solution]
 
 
 class GaveUp(Exception):
-    """A solver has ended early, and why."""
+    """Early end of a solver, with its reason."""
 
 
 class Watched(StateRate):
@@ -64,12 +63,12 @@ class Watched(StateRate):
     counted.
     """
 
-    def __init__(self, given: Equations) -> None:
-        super().__init__(given.model, given.y, MOST_CPU)
-        self.settled, self.force, self.rate = given.settled, 0.0, np.empty(2 * len(self.places))
+    def __init__(self, problem: Equations) -> None:
+        super().__init__(problem.model, problem.y, MOST_CPU)
+        self.settled, self.force, self.rate = problem.settled, 0.0, np.empty(2 * len(self.places))
 
     def look(self, t: float, x: np.ndarray) -> None:
-        """Take the state at the end of a step into the largest force."""
+        """Update the largest force with the state at the end of a step."""
         if t < self.settled:
             return
         began = time.thread_time()
@@ -79,15 +78,17 @@ class Watched(StateRate):
 
 
 def scipy_solver(name: str) -> Solver:
-    """One of SciPy's solvers, called as its users do."""
+    """Wrap one of SciPy's solvers, called as in its documentation."""
 
-    def solve(given: Equations) -> Solution:
-        f = Watched(given)
+    def solve(problem: Equations) -> Solution:
+        f = Watched(problem)
         lever = f.y[LENGTH_SCALE + f.places]
-        atol = np.concatenate([given.asked.atol_q / lever, given.asked.atol_v / lever])
+        atol = np.concatenate([problem.tolerances.atol_q / lever, problem.tolerances.atol_v / lever])
         columns: list[np.ndarray] = []
-        start = packed(given.y, f.places)
-        failure, reason, _ = march(SCIPY[name], f, start, atol, given.asked, columns, given.instants, f.look)
+        start = packed(problem.y, f.places)
+        failure, reason, _ = march(
+            SCIPY[name], f, start, atol, problem.tolerances, columns, problem.instants, f.look
+        )
         if failure:
             raise GaveUp(f"{failure}: {reason}")
         return Solution(np.concatenate(columns, axis=1), f.cpu, f.force)
@@ -96,26 +97,26 @@ def scipy_solver(name: str) -> Solver:
 
 
 SOLVERS: dict[str, Solver] = {name: scipy_solver(name) for name in SCIPY}
-"""By name. What else is installed is added by who measures it (``benchmarks/speed_accuracy.py``)."""
+"""Solvers by name; ``benchmarks/speed_accuracy.py`` adds those of other installed packages."""
 
 
 def can_solve(case: Case) -> bool:
-    """Whether a case's model has equations that can be handed over: those of a ring that bends stay inside."""
+    """Check if other solvers can integrate the equations of a case: not those of a flexible ring."""
     return case.rig.ring is None and assemble.kind(case).parameters in degrees_of_freedom.types
 
 
 def solve(case: Case, solver: Solver, tolerance: float) -> tuple[dict[str, float], float, float]:
-    """The features of a case, CPU time (s) of the solver, and what it has simulated (s)."""
+    """Solve a case; return its features, the CPU time (s) of the solver and the simulated time (s)."""
     named = next(m.name for m in METHODS.values() if m.adaptive and not m.implicit)
-    asked = {"method": named, "tolerance": tolerance, "step": "auto", "periodic": False, "step_check": False}
-    setup = set_up(case.model_copy(update=asked))
+    options = {"method": named, "tolerance": tolerance, "step": "auto", "periodic": False, "step_check": False}
+    setup = set_up(case.model_copy(update=options))
     y, _ = assemble.start(setup.case, setup.model)
     update_extremes(setup.model, y)
     count = setup.cut.passes * setup.cut.steps_per_pass
-    given = Equations(setup.model, y, setup.cut.step * np.arange(1, count + 1), setup.method, setup.case.settle)
-    solution = solver(given)
-    found = _features(setup, y, solution.states) | {"outer_force.max": solution.force}
-    return found, solution.cpu, setup.cut.passes / setup.cut.rate
+    problem = Equations(setup.model, y, setup.cut.step * np.arange(1, count + 1), setup.method, setup.case.settle)
+    solution = solver(problem)
+    values = _features(setup, y, solution.states) | {"outer_force.max": solution.force}
+    return values, solution.cpu, setup.cut.passes / setup.cut.rate
 
 
 @jit
@@ -123,26 +124,26 @@ def _observe(
     model: Any,
     times: np.ndarray,
     states: np.ndarray,
-    first: int,
+    begin: int,
     places: np.ndarray,
     recorded: np.ndarray,
     state: np.ndarray,
     y: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """What a run records of states (2 m, n) at ``times`` (s), from number ``first`` on, into ``out`` (C, w)."""
+    """Record the states (2 m, n) at ``times`` (s), from number ``begin`` on, into ``out`` (C, w)."""
     for n in range(out.shape[1]):
         for k in range(len(state)):
-            state[k] = states[k, first + n]
+            state[k] = states[k, begin + n]
         unpack(state, places, y)
-        accelerations(model, times[first + n], y)
+        accelerations(model, times[begin + n], y)
         update_extremes(model, y)
         for c in range(len(recorded)):
             out[c, n] = y[recorded[c]]
 
 
 def _features(setup: Setup, y: np.ndarray, states: np.ndarray) -> dict[str, float]:
-    """What is read from a run whose states are known at its instants."""
+    """Compute the features of a run from its states at the instants of the record."""
     cut, model = setup.cut, setup.model
     kept = Recording(setup.case, cut, model.bearing.Z, y)
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
@@ -150,11 +151,11 @@ def _features(setup: Setup, y: np.ndarray, states: np.ndarray) -> dict[str, floa
     window = np.empty((len(kept.places), tail + steps))
     window[:] = y[kept.places][:, np.newaxis]
     places, state, states = moving(model), np.empty(len(states)), np.ascontiguousarray(states)
-    found = np.empty((len(kept.places), steps))
+    recorded = np.empty((len(kept.places), steps))
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
-        _observe(model, times, states, p * steps, places, kept.places, state, y, found)
-        window[:, tail:] = found
+        _observe(model, times, states, p * steps, places, kept.places, state, y, recorded)
+        window[:, tail:] = recorded
         differentiate(window, MOTIONS[0], tail, cut.step)
         kept.keep(p, window, y)
     raw = kept.raw(Repetition(cut.passes, 0, float("nan")), y, 0.0)

@@ -1,4 +1,4 @@
-"""What is run of each scene and model: the automatic choice, methods at some settings, judges, peers."""
+"""Runs of each scene and model: the automatic choice, methods at some settings, judges, peers."""
 
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,8 +17,8 @@ from bearingsim.config import Case
 from bearingsim.study.jobs import identity
 
 JOB, AUTOMATIC, POINT, PEER, JUDGE = "job", "automatic", "point", "peer", "judge"
-"""What a row is: the automatic choice as a user gets it; its method and step in full; another method or setting;
-another package's solver; a solution that errors are measured against."""
+"""Role of a row: the automatic choice; its method and step in full; another method or setting; another package's
+solver; a reference for the errors."""
 
 
 class Setting(NamedTuple):
@@ -33,7 +33,7 @@ Settings = Mapping[str, tuple[Setting, ...]]
 
 
 class Plan(NamedTuple):
-    """Of one kind of model: what is run of it."""
+    """Methods, judges and peers to run for one kind of model."""
 
     methods: Settings
     judges: Settings
@@ -42,7 +42,7 @@ class Plan(NamedTuple):
 
 @dataclass(frozen=True)
 class Run:
-    """One run to be made and timed. case: None if the model cannot do the scene, and why in ``refused``."""
+    """Run to be timed. case: None if the model cannot compute the scene; ``refused``: the reason."""
 
     scene: str
     variant: str
@@ -57,8 +57,8 @@ class Run:
     @property
     def key(self) -> str:
         """16 hex digits: equal for equal runs of equal code on an equal machine."""
-        told = identity(self.case) if self.case is not None else self.refused
-        parts = (self.scene, self.variant, told, self.role, self.method, *map(repr, self.setting))
+        problem = identity(self.case) if self.case is not None else self.refused
+        parts = (self.scene, self.variant, problem, self.role, self.method, *map(repr, self.setting))
         return hashlib.sha256("|".join((*parts, code_version(), processor())).encode()).hexdigest()[:16]
 
 
@@ -68,33 +68,33 @@ def _read() -> dict[str, Any]:
 
 
 def scenes_of(quick: bool) -> tuple[str, ...]:
-    """The scenes that are computed if none is named."""
+    """Return the scenes computed by default."""
     return tuple(_read()["quick"]["scenes"]) if quick else ORDER
 
 
 def plan_of(case: Case, quick: bool) -> Plan:
-    """What is run of a case."""
+    """Return the plan of runs for a case."""
     kind = "quick" if quick else "usual"
     if MODELS[case.model].sliced:
         kind = "sliced"
     elif case.rig.ring is not None:
         kind = "bent"
-    given = _read()[kind]
-    return Plan(*(_settings(given.get(part, {})) for part in Plan._fields))
+    entries = _read()[kind]
+    return Plan(*(_settings(entries.get(part, {})) for part in Plan._fields))
 
 
-def _settings(given: Mapping[str, Mapping[str, Sequence[float]]]) -> Settings:
+def _settings(entries: Mapping[str, Mapping[str, Sequence[float]]]) -> Settings:
     return {
         name: tuple(
             [Setting(step=float(s)) for s in of.get("steps", ())]
             + [Setting(tolerance=float(t)) for t in of.get("tolerances", ())]
         )
-        for name, of in given.items()
+        for name, of in entries.items()
     }
 
 
 def runs(scene: Scene, quick: bool, others: Settings | None = None) -> Iterator[Run]:
-    """All runs of a scene. others: solvers of other packages, beside the plan's."""
+    """Yield all runs of a scene. others: solvers of other packages, in addition to the plan's."""
     for variant in scene.variants:
         yield from _of_variant(scene, variant, quick, others or {})
 
@@ -119,14 +119,14 @@ def _of_variant(scene: Scene, variant: Variant, quick: bool, others: Settings) -
 
 
 def _solvable(variant: Variant, settings: Settings) -> Settings:
-    """Those of the methods that are our own; others are handed the equations of the usual model, if it can be."""
+    """Drop other packages' methods unless they can integrate the equations of the usual model."""
     if variant.model == USUAL_MODEL and variant.case is not None and outside.can_solve(variant.case):
         return settings
     return {name: of for name, of in settings.items() if name in METHODS}
 
 
 def kinds(todo: Sequence[Run]) -> list[list[Run]]:
-    """Runs that compile each what no other does, those of one model together."""
+    """Group runs by model, one for each distinct code to compile."""
     groups: dict[str, dict[tuple, Run]] = {}
     for run in todo:
         if run.case is not None:

@@ -1,4 +1,4 @@
-"""Where numbers come from: version, code, machine, date."""
+"""Provenance of numbers: version, code, machine, date."""
 
 import hashlib
 import os
@@ -16,12 +16,12 @@ from bearingsim.core import MODEL_VERSION
 PACKAGE = Path(__file__).parents[1]
 PACKAGES = ("core", "assemble", "config", "signals", "simulation")
 FILES = ("simulation/prices.csv", "stability/references.py", "bench/measure.py", "bench/outside.py")
-"""What a row depends on."""
+"""Sources that affect a row, beside all of ``PACKAGES``."""
 
 
 @cache
 def code_version() -> str:
-    """The model's version, and 12 hex digits over the sources that a row depends on."""
+    """Return the model's version, and 12 hex digits over the sources that affect a row."""
     digest = hashlib.sha256()
     sources = [path for name in PACKAGES for path in sorted((PACKAGE / name).rglob("*.py"))]
     for source in (*sources, *(PACKAGE / name for name in FILES)):
@@ -31,24 +31,24 @@ def code_version() -> str:
 
 @cache
 def processor() -> str:
-    """Its name, where it is told."""
-    told = Path("/proc/cpuinfo")
-    lines = told.read_text().splitlines() if told.exists() else []
+    """Return the CPU model name, or the platform's if the OS does not report it."""
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text().splitlines() if cpuinfo.exists() else []
     names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
     return names[0] if names else platform.processor() or platform.machine()
 
 
 def commit() -> str:
-    """The commit of the source, if git knows it."""
+    """Return the commit of the source, or "" outside a repository."""
     try:
-        asked = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty"]
-        return subprocess.run(asked, capture_output=True, text=True, check=False, timeout=10).stdout.strip()
+        command = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty"]
+        return subprocess.run(command, capture_output=True, text=True, check=False, timeout=10).stdout.strip()
     except (OSError, subprocess.TimeoutExpired):
         return ""
 
 
 def provenance(left_out: dict[str, str]) -> dict[str, Any]:
-    """What numbers of this program on this machine go back to; ``left_out``: peers that are not here, and why."""
+    """Collect versions, machine and date of a run; ``left_out``: peers that are not installed, and why."""
     return {
         "bearingsim": __version__,
         "commit": commit() or "unknown",

@@ -1,4 +1,4 @@
-"""The chart's text: a table of what to take, and a section for each scene, made from its numbers."""
+"""Text of the chart: a table of recommendations, and a section for each scene, from its numbers."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -37,15 +37,18 @@ CHOICES = (
     "force",
 )
 NAME = "speed-accuracy.md"
-ASKED = [(of, within) for of in (("line",), QUANTITIES) for within in WITHIN]
-"""Of what, how close: the columns of the first table."""
-HEADS = ("scene", *(f"{'line' if len(of) == 1 else 'all three'} within {percent(within)}" for of, within in ASKED))
-WIDTH = 138  # letters in a line
-NOTABLE = 1.5  # times the cheapest run of a model that is as close: less is no news
+QUESTIONS = [(of, within) for of in (("line",), QUANTITIES) for within in WITHIN]
+"""Quantities and accuracies: the columns of the first table."""
+HEADS = (
+    "scene",
+    *(f"{'line' if len(of) == 1 else 'all three'} within {percent(within)}" for of, within in QUESTIONS),
+)
+WIDTH = 138  # characters in a line
+NOTABLE = 1.5  # ratio to the cheapest run of equal accuracy, from which a choice counts as off the front
 
 
 class Part(NamedTuple):
-    """A scene: its rows with their errors; duration of its record, s."""
+    """Scene: its rows with their errors; duration of its record, s."""
 
     name: str
     title: str
@@ -54,25 +57,25 @@ class Part(NamedTuple):
 
 
 def figure_name(part: Part) -> str:
-    """The file of a scene's chart."""
+    """Return the file name of a scene's chart."""
     return f"speed-accuracy-{part.name}.png"
 
 
 def line_of(part: Part) -> tuple[str, ...]:
-    """A scene's row of the table of verdicts."""
-    return part.title, *(_cell(verdict(part.rows, within, of)) for of, within in ASKED)
+    """Return a scene's row of the table of verdicts."""
+    return part.title, *(_cell(verdict(part.rows, within, of)) for of, within in QUESTIONS)
 
 
-def _cell(found: Verdict) -> str:
-    if found.job is not None:
-        return f"{found.job['variant']}, {seconds(found.job['cpu_per_s'])}"
-    if found.point is not None:
-        return f"{found.point['variant']} by {by(found.point)}, {seconds(found.point['cpu_per_s'])} in full"
-    return "not to be told" if found.unknown else "none"
+def _cell(best: Verdict) -> str:
+    if best.job is not None:
+        return f"{best.job['variant']}, {seconds(best.job['cpu_per_s'])}"
+    if best.point is not None:
+        return f"{best.point['variant']} by {by(best.point)}, {seconds(best.point['cpu_per_s'])} in full"
+    return "not to be told" if best.unknown else "none"
 
 
 def write(parts: Sequence[Part], folder: Path) -> Path:
-    """Write the text beside the figures; its path."""
+    """Write the text beside the figures; return its path."""
     about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
     path = folder / NAME
     path.write_text("\n".join(lines(parts, about)) + "\n", encoding="utf-8")
@@ -80,7 +83,7 @@ def write(parts: Sequence[Part], folder: Path) -> Path:
 
 
 def lines(parts: Sequence[Part], about: dict[str, Any]) -> Iterator[str]:
-    """The text in Markdown. about: where the numbers come from."""
+    """Yield the lines of the text in Markdown. about: provenance of the numbers."""
     how = Path(__file__).with_name("how_to_read.md").read_text(encoding="utf-8")
     yield from ("# Speed against accuracy", "", how.rstrip(), "", "## What to take", "")
     yield "The cheapest automatic choice that is so close, and its CPU seconds for a simulated second, as a job."
@@ -91,9 +94,9 @@ def lines(parts: Sequence[Part], about: dict[str, Any]) -> Iterator[str]:
         yield from ("", f"## {part.title}", "")
         yield f"![Error against CPU time: {part.title}]({figure_name(part)})"
         yield ""
-        for told in (*why(part.rows), *_method(part), *_peers(part), *_remarks(part)):
+        for sentence in (*why(part.rows), *_method(part), *_peers(part), *_remarks(part)):
             yield from wrap(
-                f"- {told}", WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+                f"- {sentence}", WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
             )
         yield ""
         yield from _table(CHOICES, _ladder(part))
@@ -109,7 +112,7 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]
 
 
 def _ladder(part: Part) -> list[tuple[str, ...]]:
-    """Each model's automatic choice: what it comes to, its costs, and its total errors as a job."""
+    """List the automatic choice of each model: its costs, and its total errors as a job."""
     full = {row["variant"]: row["cpu_per_s"] for row in part.rows if row["role"] == AUTOMATIC}
     return [
         (
@@ -126,27 +129,27 @@ def _ladder(part: Part) -> list[tuple[str, ...]]:
 
 
 def _taken(part: Part) -> list[tuple[str, ...]]:
-    """What to take for each quantity alone, and for all."""
-    asked = [(WORDS[name], (name,)) for name in QUANTITIES] + [("all three", QUANTITIES)]
-    return [(words, *(_cell(verdict(part.rows, within, of)) for within in WITHIN)) for words, of in asked]
+    """List the verdicts for each quantity alone, and for all."""
+    questions = [(WORDS[name], (name,)) for name in QUANTITIES] + [("all three", QUANTITIES)]
+    return [(words, *(_cell(verdict(part.rows, within, of)) for within in WITHIN)) for words, of in questions]
 
 
 def _method(part: Part) -> Iterator[str]:
-    """Of the cheapest model within 1 % (or 5 %): how its automatic choice compares with its other runs in full."""
-    named = [found.model for found in (verdict(part.rows, w) for w in reversed(WITHIN)) if found.model]
+    """Compare the automatic choice of the cheapest model within 1 % (or 5 %) with its other runs in full."""
+    named = [best.model for best in (verdict(part.rows, w) for w in reversed(WITHIN)) if best.model]
     for off in off_the_front(part.rows, NUMERICAL):
         if named and off.row["variant"] == named[0] and worst(off.row, NUMERICAL) < 1.0:
             which = f"of `{named[0]}` the automatic choice, {off.row['method']}"
             error = f"{percent(worst(off.row, NUMERICAL))} numerical error of the worst of the three"
-            told = f"**Method, in full:** {which} ({seconds(off.row['cpu_per_s'])}, {error})"
+            text = f"**Method, in full:** {which} ({seconds(off.row['cpu_per_s'])}, {error})"
             if off.times < NOTABLE:
-                yield f"{told}, is near the front: nothing as close costs less by over {NOTABLE} times."
+                yield f"{text}, is near the front: nothing as close costs less by over {NOTABLE} times."
             else:
-                yield f"{told}, is off the front: {by(off.cheapest)} is as close for {_cost(off.cheapest)}."
+                yield f"{text}, is off the front: {by(off.cheapest)} is as close for {_cost(off.cheapest)}."
 
 
 def _peers(part: Part) -> Iterator[str]:
-    """The cheapest solver of another package within 1 % of its model, and the cheapest of our own runs there."""
+    """Describe the cheapest solver of another package within 1 % of its model, and the cheapest own run."""
     rows = [row for row in part.rows if not row["failure"]]
     peers = [row for row in rows if row["role"] == PEER]
     close = [row for row in peers if _both(row) <= WITHIN[-1]]
@@ -157,8 +160,8 @@ def _peers(part: Part) -> Iterator[str]:
         best = min(close, key=lambda row: row["cpu_per_s"])
         own = [r for r in rows if r["variant"] == best["variant"] and r["role"] in (POINT, AUTOMATIC)]
         in_full = min((r for r in own if _both(r) <= WITHIN[-1]), key=lambda row: row["cpu_per_s"], default=None)
-        told = f"**Peers:** the cheapest within 1 % (numerical) of line and RMS is {by(best)}, {_cost(best)}"
-        yield f"{told}; of our methods " + (f"{by(in_full)}, {_cost(in_full)}." if in_full else "none.")
+        text = f"**Peers:** the cheapest within 1 % (numerical) of line and RMS is {by(best)}, {_cost(best)}"
+        yield f"{text}; of our methods " + (f"{by(in_full)}, {_cost(in_full)}." if in_full else "none.")
 
 
 def _cost(row: Row) -> str:
@@ -166,12 +169,12 @@ def _cost(row: Row) -> str:
 
 
 def _both(row: Row) -> float:
-    """The larger numerical error of line and RMS: peers that do not show their steps have no largest force."""
+    """Return the larger numerical error of line and RMS: peers without access to steps have no largest force."""
     return worst(row, NUMERICAL, QUANTITIES[:2])
 
 
 def _remarks(part: Part) -> Iterator[str]:
-    """What else the reader of a chart must know: chaos, and what was refused."""
+    """Describe chaotic motion, record, reference and refused models."""
     chaotic = list(dict.fromkeys(row["variant"] for row in part.rows if row["chaotic"] == 1.0))
     if chaotic:
         yield (
@@ -192,7 +195,7 @@ def _words(names: Sequence[str]) -> str:
 
 
 def _origin(about: dict[str, Any]) -> Iterator[str]:
-    """Provenance."""
+    """Describe the provenance."""
     yield f"bearingsim {about['bearingsim']} ({about['commit']}), {about['date']}."
     yield f"{about['processor']}, {about['cores']} cores."
     packages = ", ".join(f"{name} {about[name]}" for name in ("python", "numpy", "numba", "scipy"))

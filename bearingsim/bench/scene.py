@@ -1,4 +1,4 @@
-"""Scenes of the chart: study files, the program's own (``scenes/``) or a user's, and what models can do each."""
+"""Scenes of the chart: study files, the program's own (``scenes/``) or a user's, and models able to do each."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -21,14 +21,14 @@ ORDER = (
 )
 """The program's own scenes, in the order of the report."""
 MOST_CASES = 3
-LONGEST = 0.5  # s: of a study's record so much is computed
+LONGEST = 0.5  # s, limit of a study's record
 
 
 @dataclass(frozen=True)
 class Variant:
-    """A model, or one of its harmonics or slices, and the scene's case as it computes it.
+    """Model of a scene, or one of its harmonics or slices, with the scene's case.
 
-    case: None if it cannot, and why in ``refused``.
+    case: None if the model cannot compute it; ``refused``: the reason.
     """
 
     name: str
@@ -39,7 +39,7 @@ class Variant:
 
 @dataclass(frozen=True)
 class Scene:
-    """variants: from the reference, by which all are judged, down."""
+    """Scene of the chart. variants: from the reference, which judges all others, down."""
 
     name: str
     title: str
@@ -60,16 +60,16 @@ class Scene:
 
 
 def own(names: Sequence[str], quick: bool) -> list[Scene]:
-    """The program's own scenes of these names. Raises UserError for one that is unknown."""
+    """Load the program's own scenes of these names. Raises UserError for an unknown one."""
     for name in names:
         if name not in ORDER:
             near = suggestion(name, ORDER) or f"known: {', '.join(ORDER)}"
             raise UserError(f"there is no scene `{name}`; {near}")
-    return [found for name in dict.fromkeys(names) for found in of_file(FOLDER / f"{name}.yaml", quick)]
+    return [scene for name in dict.fromkeys(names) for scene in of_file(FOLDER / f"{name}.yaml", quick)]
 
 
 def of_file(path: Path, quick: bool) -> list[Scene]:
-    """The first cases of a study file, each a scene. Raises StudyError with all that is wrong with it."""
+    """Load the first cases of a study file, each a scene. Raises StudyError with all problems of the file."""
     study = load_study(path, quick=quick)
     judged = _all_by(study, path, {"model": REFERENCE}, quick)
     if any(case.ramp is not None for case in judged if case is not None):
@@ -85,57 +85,57 @@ def of_file(path: Path, quick: bool) -> list[Scene]:
 
 
 def _named(study: Study, n: int) -> tuple[str, str]:
-    """Name and title of a case: a file's first line, if it is a comment, tells what it shows."""
-    first = study.text.partition("\n")[0]
-    title = first.lstrip("# ").strip() if first.startswith("#") else study.name
+    """Return name and title of a case; a comment in the file's first line becomes the title."""
+    heading = study.text.partition("\n")[0]
+    title = heading.lstrip("# ").strip() if heading.startswith("#") else study.name
     if len(study.cases()) == 1:
         return study.name, title
     return f"{study.name}-{n + 1}", f"{title} (case {n + 1})"
 
 
 def _lower(study: Study, path: Path, n: int, judged: Case, quick: bool) -> list[Variant]:
-    """What could take the reference's place, from the highest down."""
-    found = []
-    for candidate, given in ladder(judged).items():
-        asked = {"model": REFERENCE} | given
+    """List the cheaper alternatives to the reference, from the highest down."""
+    variants = []
+    for candidate, changes in ladder(judged).items():
+        fields = {"model": REFERENCE} | changes
         try:
-            case, why = _all_by(study, path, asked, quick)[n], ""
+            case, why = _all_by(study, path, fields, quick)[n], ""
         except StudyError as error:
             case, why = None, error.problems[0].message
         if case is None:
-            found.append(Variant(candidate, given.get("model", candidate), None, why or "it cannot do this"))
+            variants.append(Variant(candidate, changes.get("model", candidate), None, why or "it cannot do this"))
         else:
-            found.append(Variant(_label(case), case.model, case))
-    return found
+            variants.append(Variant(_label(case), case.model, case))
+    return variants
 
 
 def _label(case: Case) -> str:
-    """What tells a variant from others of a scene."""
+    """Name a variant uniquely within its scene."""
     if case.rig.ring is not None and not MODELS[case.model].memoryless:
         return f"{case.model}, {case.rig.ring.harmonics} harmonics"
     return f"{case.model}, {case.contact.slices} slices" if MODELS[case.model].sliced else case.model
 
 
-def _all_by(study: Study, path: Path, given: Mapping[str, str], quick: bool) -> list[Case | None]:
-    """The cases of a study with other values at some paths, their records no longer than is computed."""
+def _all_by(study: Study, path: Path, changes: Mapping[str, str], quick: bool) -> list[Case | None]:
+    """Return a study's cases with other values at some paths, records shortened."""
     if study.goal is not None:
-        found = study.cases() if given == {"model": REFERENCE} else _otherwise(study, given)
+        cases = study.cases() if changes == {"model": REFERENCE} else _otherwise(study, changes)
     else:
-        found = list(_loaded(path, tuple(given.items()), quick).cases())
-    return [case and _shortened(case) for case in found]
+        cases = list(_loaded(path, tuple(changes.items()), quick).cases())
+    return [case and _shortened(case) for case in cases]
 
 
-def _otherwise(study: Study, given: Mapping[str, str]) -> list[Case | None]:
+def _otherwise(study: Study, changes: Mapping[str, str]) -> list[Case | None]:
     assert study.otherwise is not None
-    return study.otherwise(given)
+    return study.otherwise(changes)
 
 
 @cache
-def _loaded(path: Path, given: tuple[tuple[str, str], ...], quick: bool) -> Study:
-    return load_study(path, dict(given), quick)
+def _loaded(path: Path, changes: tuple[tuple[str, str], ...], quick: bool) -> Study:
+    return load_study(path, dict(changes), quick)
 
 
 def _shortened(case: Case) -> Case:
-    """A case that records what is compared, for a while."""
+    """Limit a case to a short record of the compared quantities."""
     plain = {"duration": min(case.duration, LONGEST), "until": None, "record": ("ring.velocity",)}
     return case.model_copy(update=plain)

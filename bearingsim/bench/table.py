@@ -1,4 +1,4 @@
-"""The runs of all scenes, spread over processes and kept row by row: what is there is not computed again."""
+"""Runs of all scenes, spread over processes and stored row by row: stored rows are not computed again."""
 
 import csv
 import json
@@ -31,42 +31,42 @@ def compute(
     others: Mapping[str, Settings] | None = None,
     left_out: dict[str, str] | None = None,
 ) -> list[Row]:
-    """Compute what is not in ``folder`` yet; all rows of the scenes, in the order of the plan.
+    """Compute the runs missing in ``folder``; return all rows of the scenes, in the order of the plan.
 
-    others: by scene, solvers of other packages (``outside.SOLVERS``) at their settings; left_out: those that are
-    not here, and why. Told on stderr how far it is. A run that is interrupted leaves the rows it has.
+    others: by scene, solvers of other packages (``outside.SOLVERS``) at their settings; left_out: those not
+    installed, and why. Reports progress on stderr. An interrupted run keeps the rows it has.
     """
     claim(folder, "a chart", "bearingsim bench", "results/bench-chart-2")
     wanted = [run for scene in scenes for run in runs(scene, quick, (others or {}).get(scene.name))]
     path, began = folder / RUNS, (time.monotonic(), time.process_time())
-    known = read(path)
-    todo = [run for run in wanted if run.key not in known]
+    stored = read(path)
+    todo = [run for run in wanted if run.key not in stored]
     if todo:
         _compile(todo, jobs)
         _append(path, todo, jobs)
-        known = read(path)
+        stored = read(path)
     about = provenance(left_out or {}) | {"runs": len(wanted), "computed": len(todo), "jobs": jobs, "quick": quick}
     about["wall_s"] = round(time.monotonic() - began[0], 1)
     if todo or not (folder / ABOUT).exists():
         (folder / ABOUT).write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
-    return [row for run in wanted for row in known.get(run.key, [])]
+    return [row for run in wanted for row in stored.get(run.key, [])]
 
 
 def read(path: Path) -> dict[str, list[Row]]:
-    """The rows of a file by the key of their run; a row that was not written to its end is none."""
+    """Read the rows of a file by the key of their run, without incomplete ones."""
     if not path.exists():
         return {}
-    found: dict[str, list[Row]] = {}
+    stored: dict[str, list[Row]] = {}
     with path.open(newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
             if set(row) == set(COLUMNS) and all(value is not None for value in row.values()):
-                found.setdefault(row["key"], []).append(_with_numbers(row))
-    return {key: rows for key, rows in found.items() if len(rows) == _rows_of(rows[0])}
+                stored.setdefault(row["key"], []).append(_with_numbers(row))
+    return {key: rows for key, rows in stored.items() if len(rows) == _rows_of(rows[0])}
 
 
-def _rows_of(first: Row) -> int:
-    """How many rows the run has that this one begins."""
-    return 2 if first["role"] == JOB and not first["failure"] else 1
+def _rows_of(leading: Row) -> int:
+    """Return the number of rows of a run, from its first."""
+    return 2 if leading["role"] == JOB and not leading["failure"] else 1
 
 
 def _with_numbers(row: dict[str, str]) -> Row:
@@ -74,7 +74,7 @@ def _with_numbers(row: dict[str, str]) -> Row:
 
 
 def _append(path: Path, todo: Sequence[Run], jobs: int) -> None:
-    """Compute runs and write their rows as they come."""
+    """Compute runs and write their rows as they are finished."""
     new, done, began = not path.exists(), 0, time.monotonic()
     last = began
     with path.open("a", newline="", encoding="utf-8") as file:
@@ -97,14 +97,14 @@ def _append(path: Path, todo: Sequence[Run], jobs: int) -> None:
 
 
 def _rows(run: Run, solver: outside.Solver | None) -> list[Row]:
-    """``measure.rows``, by a process that may not know the run's solver yet."""
+    """Call ``measure.rows`` in a process that may lack the run's solver."""
     if solver is not None:
         outside.SOLVERS.setdefault(run.method, solver)
     return measure.rows(run)
 
 
 def _compile(todo: Sequence[Run], jobs: int) -> None:
-    """Compile before anything is timed: what one model needs, in one process."""
+    """Compile before timing, each model in one process."""
     groups = kinds(todo)
     say(f"getting ready: {len(groups)} models, {len(todo)} runs to do", err=True)
     for done, model in enumerate(spread(_ready, [(group, dict(outside.SOLVERS)) for group in groups], jobs), 1):
@@ -117,14 +117,14 @@ def _ready(group: Sequence[Run], solvers: dict[str, outside.Solver]) -> str:
 
 
 def _text(value: Any) -> Any:
-    """Numbers with seven digits."""
+    """Format numbers with seven digits."""
     if isinstance(value, float):
         return "" if value != value else f"{value:.7g}"
     return value
 
 
 def written(rows: Sequence[Row], path: Path) -> Path:
-    """Write rows as a CSV file; its path."""
+    """Write rows as a CSV file; return its path."""
     names = list(dict.fromkeys(chain.from_iterable(rows)))
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, names)

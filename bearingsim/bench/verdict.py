@@ -1,4 +1,4 @@
-"""What to take: the cheapest model within 5 % and within 1 %, the Pareto front, and what to say of it."""
+"""Recommendations: the cheapest model within 5 % and within 1 %, the Pareto front, and their description."""
 
 from collections.abc import Sequence
 from math import inf, isfinite
@@ -13,10 +13,10 @@ WORDS = {"line": "line", "rms": "RMS", "force": "largest force"}
 
 
 class Verdict(NamedTuple):
-    """What is sufficient in a scene for an accuracy ``within`` of the quantities ``of``.
+    """Cheapest sufficient choice in a scene for an accuracy ``within`` of the quantities ``of``.
 
-    job: the cheapest automatic choice that is, as a user gets it; point: the cheapest run in full that is, of any
-    method and setting; unknown: why nothing can be said, in words.
+    job: the cheapest sufficient automatic choice; point: the cheapest sufficient run in full, of any method and
+    setting; unknown: the reason for no verdict, in words.
     """
 
     within: float
@@ -28,18 +28,18 @@ class Verdict(NamedTuple):
     @property
     def model(self) -> str:
         """The cheapest sufficient model (or one of its variants)."""
-        found = self.job or self.point
-        return found["variant"] if found else ""
+        best = self.job or self.point
+        return best["variant"] if best else ""
 
 
 def worst(row: Row, kind: str = TOTAL, of: Sequence[str] = QUANTITIES) -> float:
-    """The largest error of a row, as it counts; infinite if one is not known."""
+    """Return the largest counted error of a row; infinite if one is not known."""
     errors = [row[f"{kind}.{name}.counted"] for name in of]
     return max(errors) if all(map(isfinite, errors)) else inf
 
 
 def verdict(rows: Sequence[Row], within: float, of: Sequence[str] = QUANTITIES) -> Verdict:
-    """The verdict of a scene's rows for an accuracy of some quantities."""
+    """Find the cheapest sufficient rows of a scene for an accuracy of some quantities."""
     floors = {name: max((row[f"{TOTAL}.{name}.floor"] for row in rows), default=inf) for name in of}
     name = max(floors, key=floors.__getitem__)
     if not floors[name] <= within:
@@ -55,21 +55,21 @@ def _cheapest(rows: Sequence[Row]) -> Row | None:
 
 
 def front(rows: Sequence[Row], column: str) -> list[Row]:
-    """The rows that no other beats in both CPU time and the error of a column, the cheapest first."""
-    found: list[Row] = []
+    """Select the Pareto-optimal rows in CPU time and the error of a column, the cheapest first."""
+    optimal: list[Row] = []
     for row in sorted(rows, key=lambda row: (row["cpu_per_s"], row[column])):
-        if isfinite(row[column]) and (not found or row[column] < found[-1][column]):
-            found.append(row)
-    return found
+        if isfinite(row[column]) and (not optimal or row[column] < optimal[-1][column]):
+            optimal.append(row)
+    return optimal
 
 
 def cost_at(rows: Sequence[Row], column: str, error: float) -> float:
-    """What the cheapest of the rows takes that is no further off than ``error``; inf if none is."""
+    """Return the least CPU time among rows with at most this error; inf if there is none."""
     return min((row["cpu_per_s"] for row in rows if row[column] <= error), default=inf)
 
 
 def percent(share: float) -> str:
-    """A share in per cent, with two digits; large ones as `over 100 %`."""
+    """Format a share in per cent with two digits; large ones as `over 100 times`."""
     if not isfinite(share):
         return "not known"
     if share >= 1.0:
@@ -78,17 +78,17 @@ def percent(share: float) -> str:
 
 
 def seconds(value: float) -> str:
-    """CPU time for a simulated second."""
+    """Format the CPU time per simulated second."""
     return f"{value:.2g} s" if value < 10.0 else f"{value:.0f} s"
 
 
 def by(row: Row) -> str:
-    """Method and setting of a row."""
+    """Describe method and setting of a row."""
     return f"{row['method']}{setting(row)}" if row["method"] else "instant by instant"
 
 
 def setting(row: Row) -> str:
-    """A row's step or tolerance in words, a blank before."""
+    """Describe a row's step or tolerance in words, with a leading blank."""
     if row["role"] == AUTOMATIC:
         return " as it is chosen by `auto`"
     part, of_step, _ = row["setting"].partition(" of the step")
@@ -98,7 +98,7 @@ def setting(row: Row) -> str:
 
 
 def label(row: Row) -> str:
-    """A row's step or tolerance in the fewest letters: `2x`, `1e-3`; of what is chosen by `auto`, `auto`."""
+    """Abbreviate a row's step or tolerance: `2x`, `1e-3`; `auto` for the automatic choice."""
     if row["role"] == AUTOMATIC:
         return "auto"
     part, of_step, _ = row["setting"].partition(" of the step")
@@ -106,11 +106,11 @@ def label(row: Row) -> str:
 
 
 def chosen(row: Row, rows: Sequence[Row]) -> str:
-    """What an automatic choice comes to, once checked: its step over the method's first one, or its tolerance."""
+    """Format the step of an automatic choice over the method's first one, or its tolerance."""
     firsts = [
-        one["step_s"]
-        for one in rows
-        if (one["variant"], one["method"], label(one)) == (row["variant"], row["method"], "1x")
+        other["step_s"]
+        for other in rows
+        if (other["variant"], other["method"], label(other)) == (row["variant"], row["method"], "1x")
     ]
     if isfinite(row["tolerance"]):
         return f"{row['tolerance']:.0e}".replace("e-0", "e-")
@@ -119,60 +119,58 @@ def chosen(row: Row, rows: Sequence[Row]) -> str:
     return f"{1e6 * row['step_s']:.2g} us" if isfinite(row["step_s"]) else ""
 
 
-def short(found: Verdict) -> str:
-    """A verdict in a few words: `5 %: rollers`."""
-    return f"{percent(found.within)}: {found.model or (found.unknown and 'not to be told') or 'none'}"
+def short(best: Verdict) -> str:
+    """Abbreviate a verdict: `5 %: rollers`."""
+    return f"{percent(best.within)}: {best.model or (best.unknown and 'not to be told') or 'none'}"
 
 
 def automatic_rows(rows: Sequence[Row]) -> list[Row]:
-    """The automatic choices as a user gets them, from the reference down, that did not fail."""
+    """Select the successful automatic choices, from the reference down."""
     return [row for row in rows if row["role"] == JOB and not row["failure"]]
 
 
 def why(rows: Sequence[Row]) -> list[str]:
-    """Sentences on a scene, from its numbers: how far off the cheapest model is, how far the next cheaper one."""
+    """Describe a scene in sentences: the error of the cheapest model, and that of the next cheaper one."""
     jobs = automatic_rows(rows)
     if not jobs:
         return ["Nothing could be computed."]
-    said = []
+    sentences = []
     for within in WITHIN:
-        found = verdict(rows, within)
-        said.append(f"**Within {percent(within)}:** {_of(found, rows, jobs)}")
-    return said
+        best = verdict(rows, within)
+        sentences.append(f"**Within {percent(within)}:** {_of(best, rows, jobs)}")
+    return sentences
 
 
-def _of(found: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> str:
-    if found.unknown:
-        return f"not to be told: {found.unknown}."
-    if found.job is None and found.point is None:
+def _of(best: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> str:
+    if best.unknown:
+        return f"not to be told: {best.unknown}."
+    if best.job is None and best.point is None:
         near = min(jobs, key=worst)
         return (
             f"nothing that was run; the nearest automatic choice, `{near['variant']}`, is off by {_errors(near)}."
         )
-    if found.job is None:
-        assert found.point is not None
+    if best.job is None:
+        assert best.point is not None
         return (
-            f"`{found.point['variant']}` by {by(found.point)} ({seconds(found.point['cpu_per_s'])} in full);"
+            f"`{best.point['variant']}` by {by(best.point)} ({seconds(best.point['cpu_per_s'])} in full);"
             " no automatic choice is so close."
         )
-    told = (
-        f"`{found.job['variant']}`, {seconds(found.job['cpu_per_s'])} as a job. It is off by {_errors(found.job)}."
-    )
-    cheaper = [row for row in jobs if row["cpu_per_s"] < found.job["cpu_per_s"] and row is not found.job]
+    text = f"`{best.job['variant']}`, {seconds(best.job['cpu_per_s'])} as a job. It is off by {_errors(best.job)}."
+    cheaper = [row for row in jobs if row["cpu_per_s"] < best.job["cpu_per_s"] and row is not best.job]
     if cheaper:
         next_one = max(cheaper, key=lambda row: row["cpu_per_s"])
-        told += (
+        text += (
             f" The next cheaper will not do: `{next_one['variant']}` costs {seconds(next_one['cpu_per_s'])} and is"
             f" off by {_errors(next_one)}."
         )
     else:
-        told += " No job costs less."
-    if found.point is not None:
-        told += (
-            f" Where every second is computed in full, the cheapest is `{found.point['variant']}` by"
-            f" {by(found.point)}, {seconds(found.point['cpu_per_s'])}."
+        text += " No job costs less."
+    if best.point is not None:
+        text += (
+            f" Where every second is computed in full, the cheapest is `{best.point['variant']}` by"
+            f" {by(best.point)}, {seconds(best.point['cpu_per_s'])}."
         )
-    return told
+    return text
 
 
 def _errors(row: Row) -> str:
@@ -180,7 +178,7 @@ def _errors(row: Row) -> str:
 
 
 class OffFront(NamedTuple):
-    """The automatic choice of a model, the cheapest run of that model that is as close, and what it saves."""
+    """Automatic choice of a model, the cheapest run of that model at least as accurate, and the ratio of costs."""
 
     row: Row
     cheapest: Row
@@ -188,18 +186,18 @@ class OffFront(NamedTuple):
 
 
 def off_the_front(rows: Sequence[Row], kind: str) -> list[OffFront]:
-    """Of each model, its automatic choice in full beside its cheapest run whose worst error is no larger."""
-    found = []
+    """Compare each model's automatic choice in full with its cheapest run of no larger worst error."""
+    pairs = []
     for row in rows:
         if row["role"] == AUTOMATIC and row["method"]:
             as_close = [
-                one
-                for one in rows
-                if one["variant"] == row["variant"]
-                and one["role"] in (POINT, AUTOMATIC)
-                and not one["failure"]
-                and worst(one, kind) <= worst(row, kind)
+                other
+                for other in rows
+                if other["variant"] == row["variant"]
+                and other["role"] in (POINT, AUTOMATIC)
+                and not other["failure"]
+                and worst(other, kind) <= worst(row, kind)
             ]
-            best = min(as_close, key=lambda one: one["cpu_per_s"], default=row)
-            found.append(OffFront(row, best, row["cpu_per_s"] / best["cpu_per_s"]))
-    return found
+            best = min(as_close, key=lambda other: other["cpu_per_s"], default=row)
+            pairs.append(OffFront(row, best, row["cpu_per_s"] / best["cpu_per_s"]))
+    return pairs
