@@ -1,4 +1,4 @@
-"""What bounds a run: jobs that would take too much CPU time are left out, and enough failed jobs end it."""
+"""Bounds of a run: CPU time of a job and number of failed jobs."""
 
 from collections.abc import Sequence
 from math import isfinite
@@ -11,11 +11,9 @@ from bearingsim.text.terminal import say
 if TYPE_CHECKING:
     from bearingsim.study import Job
 
-__all__ = ["Affordable", "affordable", "ended_early", "refuse_bounds"]
-
 
 class Affordable(NamedTuple):
-    """Jobs that a run may begin, with their costs; and lines on those that are left out, one if there are any."""
+    """Jobs within the bound of CPU time, with their costs; notes: a line on the jobs left out, if any."""
 
     jobs: list["Job"]
     costs: list[Cost]
@@ -23,7 +21,7 @@ class Affordable(NamedTuple):
 
 
 def refuse_bounds(max_failures: float, max_cpu: float) -> None:
-    """Raises ValueError for bounds by which no run could begin."""
+    """Raise ValueError for bounds that no job can meet."""
     if max_failures < 1:
         raise ValueError(f"expected at least 1 failed job that ends the run, got {max_failures}")
     if not max_cpu > 0.0:
@@ -31,22 +29,22 @@ def refuse_bounds(max_failures: float, max_cpu: float) -> None:
 
 
 def affordable(jobs: Sequence["Job"], costs: Sequence[Cost], max_cpu: float, shown: bool | None) -> Affordable:
-    """The jobs whose estimated CPU time is ``max_cpu`` s at most. shown: False says nothing at once."""
+    """Select the jobs whose estimated CPU time is at most ``max_cpu`` s; shown: False prints nothing."""
     longer = [cost.seconds for cost in costs if cost.seconds > max_cpu]
     kept = [pair for pair in zip(jobs, costs, strict=True) if pair[1].seconds <= max_cpu]
     notes = []
     if longer:
-        which = f"{len(longer)} jobs are" if len(longer) > 1 else "1 job is"
+        count = f"{len(longer)} jobs are" if len(longer) > 1 else "1 job is"
         bound, longest = duration(max_cpu), max(longer)
         most = f"{'up to ' * (len(longer) > 1)}{duration(longest)} of CPU time, " if isfinite(longest) else ""
-        notes.append(f"{which} left out: estimated to take {most}over {bound} (`--max-cpu`)")
+        notes.append(f"{count} left out: estimated to take {most}over {bound} (`--max-cpu`)")
         if shown is not False:
             say(" ".join(notes), err=True)
     return Affordable([job for job, _ in kept], [cost for _, cost in kept], notes)
 
 
 def ended_early(failed: int, max_failures: float) -> str:
-    """Why a run has ended before all was computed."""
+    """Return a note on a run that the number of failed jobs has ended."""
     jobs = f"{failed} jobs" if failed > 1 else "1 job"
     allowed = "`--fail-fast`" if max_failures == 1 else f"`--max-failures {max_failures:g}`"
     return f"ended early: {jobs} failed ({allowed}); run the same command to go on without what failed"

@@ -1,7 +1,7 @@
-"""Computing units of work by the workers of a dask scheduler, on other machines, with no disk in common.
+"""Computation of units of work by the workers of a dask scheduler, on machines without a common disk.
 
-What a worker does is in ``delivery.py``. Only this process writes into the results folder. A worker never chooses:
-a case travels with its model.
+The workers' side is ``delivery.py``. Only this process writes into the results folder. Models are chosen before: a
+case is sent with its model.
 """
 
 import asyncio
@@ -39,22 +39,20 @@ from bearingsim.runner.delivery import (
 )
 from bearingsim.runner.handshake import SchedulerGone, client_of, within
 from bearingsim.runner.pool import RESTARTS_WITHOUT_PROGRESS, WorkersDie
-from bearingsim.runner.stopping import asked, heeding
+from bearingsim.runner.stopping import heeding, stop_requested
 from bearingsim.runner.work import Outcome, Work
 from bearingsim.text.terminal import say
 
-__all__ = ["Cluster", "SchedulerGone", "joined"]
-
 EACH, LEAST = 4, 16
-"""Units that are under way for each worker, and at least: what is on its way keeps none waiting."""
+"""Units submitted at a time for each worker, and at least, so that no worker waits for its next unit."""
 BATCH, BATCH_BYTES = 64, 64e6
-"""Units, and bytes of their series, that are fetched at once: they pass through the scheduler."""
+"""Largest number of units, and of bytes of their series, fetched at once: they pass through the scheduler."""
 SEALING = 8
-"""Files that are written at a time."""
+"""Threads that write unit files."""
 WAITING_S, LOOK_S = 0.2, 2.0
-"""Between looks whether something has come back, or the first worker; and at who works."""
+"""s between checks for results, or for the first worker; and for the number of workers."""
 ANSWER_S, WORKERS_S = 20.0, 300.0
-"""How long a scheduler may take to answer a question; workers, the first of which load the program."""
+"""Deadlines in s for an answer of the scheduler, and of the workers, which may load the program first."""
 ADVICE = (
     "no job is blamed; the workers' logs may tell why, and the workers may need more memory"
     " (`dask worker --memory-limit`)"
@@ -63,13 +61,16 @@ ADVICE = (
 
 @contextmanager
 def joined(address: str) -> Iterator["Cluster"]:
-    """The workers of the scheduler at ``tcp://HOST:PORT``. Raises SchedulerGone if none answers there in time."""
+    """Connect to the workers of the scheduler at ``tcp://HOST:PORT``.
+
+    Raises SchedulerGone without an answer in time.
+    """
     with client_of(address) as client:
         yield Cluster(client, address)
 
 
 class Killed(NamedTuple):
-    """The worker at ``address`` died, and had the work."""
+    """Unit of work whose worker at ``address`` died."""
 
     work: Work
     address: str
@@ -79,77 +80,83 @@ class Cluster:
     """The workers of a scheduler, as they come and go, for one run."""
 
     def __init__(self, client: Client, address: str) -> None:
-        """Raises OtherInstallation if this process is not as a worker must be."""
+        """Raise OtherInstallation if this process is not configured as a worker must be."""
         self.client, self.address, self.run, self.installed = client, address, token_hex(8), needed()
         self.landed: SimpleQueue[Future] = SimpleQueue()
         self.lost: list[Future] = []
         self.looked, self.count, self.deaths, self.alone, self.number = 0.0, 0, 0, False, count()
 
     def assembled(self) -> int:
-        """How many workers there are, once there is one. Raises OtherInstallation for one that does not fit."""
+        """Wait for a worker, and return the number of workers.
+
+        Raises OtherInstallation for a worker that computes otherwise than this process.
+        """
         with self._reached():
             while not self.count:
                 self._look()
                 time.sleep(WAITING_S)
             for address, threads in within(ANSWER_S, self.client.nthreads).items():
                 refuse_threads(address, threads)
-            self._told(asyncio.to_thread, exec, LOADING, {})
-            for address, found in self._told(installation).items():
-                refuse_installation(address, found, self.installed)
+            self._on_all(asyncio.to_thread, exec, LOADING, {})
+            for address, versions in self._on_all(installation).items():
+                refuse_installation(address, versions, self.installed)
         return self.count
 
     @property
     def workers(self) -> int:
-        """How many there are; 1 while there is none."""
+        """Number of workers; 1 while there is none."""
         return max(1, self.count)
 
     def outcomes(self, works: Sequence[Work]) -> Generator[Outcome, None, None]:
-        """Let units of work be computed; seal what comes back, and yield what became of each, as they come.
+        """Have units of work computed; seal the results, and yield the outcome of each in order of arrival.
 
-        A worker that dies names no culprit among the jobs that it was given: these are computed once more at the
-        end, each alone on its worker, and one whose worker dies again becomes a failure. Raises WorkersDie if that
-        goes on with nothing finished between, SchedulerGone, OtherInstallation, WorkerFailed.
+        The death of a worker does not tell which of its jobs caused it: these are computed once more at the end,
+        each alone on its worker, and a job whose worker dies again becomes a failure. Raises WorkersDie if deaths
+        go on without a result between, SchedulerGone, OtherInstallation, WorkerFailed.
         """
         if not works:
             return
         suspects: list[Work] = []
-        marker = store.start_marker(works[0].root, works[0].unit)  # nobody clears the folder meanwhile
+        marker = store.start_marker(works[0].root, works[0].unit)  # the folder cannot be cleared meanwhile
         with heeding(), self._reached(), marker:
-            for found in self._computed(works, at_once=None):
-                if isinstance(found, Outcome):
-                    yield found
+            for result in self._computed(works, at_once=None):
+                if isinstance(result, Outcome):
+                    yield result
                 else:
-                    suspects += [found.work.only([job.id]) for job in found.work.jobs]
+                    suspects += [result.work.only([job.id]) for job in result.work.jobs]
             yield from self._apart(suspects)
 
     def _apart(self, suspects: Sequence[Work], one_by_one: bool = False) -> Iterator[Outcome]:
-        """Compute jobs whose worker died, each on a worker of its own; what had company there is tried again."""
+        """Compute jobs whose worker died, each alone on a worker; repeat those that shared one when it died."""
         blamed: list[Outcome] = []
         again: list[Work] = []
-        while suspects and not asked():
+        while suspects and not stop_requested():
             size = 1 if one_by_one else self.workers
-            now, suspects = suspects[:size], suspects[size:]
+            batch, suspects = suspects[:size], suspects[size:]
             killed: list[Killed] = []
-            for found in self._computed(now, at_once=size):
-                if isinstance(found, Outcome):
+            for result in self._computed(batch, at_once=size):
+                if isinstance(result, Outcome):
                     yield from blamed
                     blamed.clear()
-                    yield found
+                    yield result
                 else:
-                    killed.append(found)
-            beside = Counter(one.address for one in killed)
-            blamed += [_blamed(one) for one in killed if beside[one.address] == 1]
-            again += [one.work for one in killed if beside[one.address] > 1]
+                    killed.append(result)
+            per_worker = Counter(death.address for death in killed)
+            blamed += [_blamed(death) for death in killed if per_worker[death.address] == 1]
+            again += [death.work for death in killed if per_worker[death.address] > 1]
         yield from blamed
         if again:
             yield from self._apart(again, one_by_one=True)
 
     def _computed(self, works: Iterable[Work], at_once: int | None) -> "Iterator[Outcome | Killed]":
-        """What became of units, a bounded number of which is under way; at_once: that, or as suits the workers."""
+        """Submit units, a bounded number at a time, and yield the result of each.
+
+        at_once: number of units submitted at a time; None chooses it by the number of workers.
+        """
         waiting, flying, stopping = iter(works), dict[Future, Work](), False
         while True:
             looked = self._look()
-            if not asked():
+            if not stop_requested():
                 room = (at_once or max(LEAST, EACH * self.workers)) - len(flying)
                 flying |= self._sent(list(islice(waiting, max(room, 0))))
             elif looked or not stopping:
@@ -171,61 +178,63 @@ class Cluster:
         return dict(zip(futures, works, strict=True))
 
     def _stop(self, flying: dict[Future, Work]) -> None:
-        """Let no worker begin anything more, nor one that has come since; take back what none has."""
-        with suppress(TimeoutError):  # who does not answer is told again
+        """Tell all workers to begin nothing more, and cancel the units that none has begun."""
+        with suppress(TimeoutError):  # repeated at the next look
             within(ANSWER_S, partial(self.client.run, stop, self.run, on_error="ignore"))
         held = {key for keys in within(ANSWER_S, self.client.processing).values() for key in keys}
         places = within(ANSWER_S, partial(self.client.who_has, list(flying)))
-        held |= {key for key, workers in places.items() if workers}  # done since
-        left = [one for one in flying if one.key not in held]
+        held |= {key for key, workers in places.items() if workers}  # finished meanwhile
+        left = [future for future in flying if future.key not in held]
         if left:
             within(ANSWER_S, partial(self.client.cancel, left))
-        for one in left:
-            del flying[one]
+        for future in left:
+            del flying[future]
 
     def _received(self, flying: dict[Future, Work]) -> "Iterator[Outcome | Killed]":
-        """What has come back, and is no longer under way."""
-        done = {one: one.status for one in self._landed(flying)}
+        """Fetch and store finished units, remove them from ``flying``, and yield their outcomes."""
+        done = {future: future.status for future in self._landed(flying)}
         if "cancelled" in done.values():  # by the client, which has lost the scheduler
             raise CommClosedError
-        self.lost += [one for one, status in done.items() if status not in ("finished", "error")]  # died just now
-        fetched = self._fetched([one for one, status in done.items() if status == "finished"])
-        for one, delivery in fetched.items():
-            _refuse_others(flying[one], delivery)
+        self.lost += [future for future, status in done.items() if status not in ("finished", "error")]
+        fetched = self._fetched([future for future, status in done.items() if status == "finished"])
+        for future, delivery in fetched.items():
+            _refuse_others(flying[future], delivery)
         files = [
             (work.root, *file)
-            for one, work in [(one, flying.pop(one)) for one in fetched]
-            for file in fetched[one].files.items()
+            for future, work in [(future, flying.pop(future)) for future in fetched]
+            for file in fetched[future].files.items()
         ]
         if files:
-            with ThreadPoolExecutor(SEALING) as threads:  # a disk says only after a while that it has a file
+            with ThreadPoolExecutor(SEALING) as threads:  # each file waits for its fsync
                 list(threads.map(store.take_unit, *zip(*files, strict=True)))
         for delivery in fetched.values():
             self.deaths = 0
             yield delivery.outcome
-        killed = [Killed(flying.pop(one), self._death(one)) for one, status in done.items() if status == "error"]
+        killed = [
+            Killed(flying.pop(future), self._death(future)) for future, status in done.items() if status == "error"
+        ]
         if killed:
             self._count_deaths(killed)
         yield from killed
 
     def _landed(self, flying: Mapping[Future, Work]) -> list[Future]:
-        """Units that are back, or will not come: a batch of them, none if nothing happens for a while."""
-        found: list[Future] = []
+        """Collect units that are finished or lost: at most a batch, none after a wait of WAITING_S."""
+        batch: list[Future] = []
         size = 0.0
         with suppress(Empty):
-            while len(found) < BATCH and size < BATCH_BYTES:
-                one = self.landed.get(timeout=0.0 if found else WAITING_S)
-                if one in flying:  # and not taken back
-                    found.append(one)
-                    size += flying[one].bytes
-        return found
+            while len(batch) < BATCH and size < BATCH_BYTES:
+                future = self.landed.get(timeout=0.0 if batch else WAITING_S)
+                if future in flying:  # not cancelled
+                    batch.append(future)
+                    size += flying[future].bytes
+        return batch
 
     def _fetched(self, done: Sequence[Future]) -> dict[Future, Delivery]:
-        """What workers gave back. Who dies before has worked in vain, and the scheduler has it done anew.
+        """Fetch results. A result lost with its worker is recomputed by the scheduler.
 
-        Not by ``Client.gather``, which waits until that is done.
+        ``Client.gather`` would wait for that.
         """
-        wanted = {one.key: one for one in done}
+        wanted = {future.key: future for future in done}
         while wanted:
             gather = partial(self.client.sync, self.client.scheduler.gather, keys=list(wanted))
             answer = within(WORKERS_S, gather)
@@ -235,7 +244,7 @@ class Cluster:
         return {}
 
     def _death(self, future: Future) -> str:
-        """The address of the worker that died of a unit; raises what else is the matter."""
+        """Return the address of the worker that died of a unit; raise any other error of the unit."""
         error = future.exception()
         if isinstance(error, KilledWorker):
             return str(error.last_worker.address)
@@ -246,50 +255,50 @@ class Cluster:
         raise error
 
     def _count_deaths(self, killed: Sequence[Killed]) -> None:
-        """Raises WorkersDie if too many have died since something was finished."""
-        for one in killed:
-            suspects = sorted(job.id for job in one.work.jobs)
-            store.log(one.work.root, "worker died", worker=one.address, suspects=suspects)
-        self.deaths += len({one.address for one in killed})
+        """Count deaths of workers. Raises WorkersDie if too many died since the last result."""
+        for death in killed:
+            suspects = sorted(job.id for job in death.work.jobs)
+            store.log(death.work.root, "worker died", worker=death.address, suspects=suspects)
+        self.deaths += len({death.address for death in killed})
         if self.deaths >= RESTARTS_WITHOUT_PROGRESS * self.workers:
             raise WorkersDie(f"{self.deaths} workers died at work, with nothing finished between: {ADVICE}")
 
     def _look(self) -> bool:
-        """See now and then who works, and say so when nobody does; whether it was time to.
+        """Update the number of workers every LOOK_S, and report if it drops to zero; return True after an update.
 
-        What was lost with a worker is then looked at again, too.
+        Units lost with a worker are examined again, too.
         """
         if time.monotonic() - self.looked < LOOK_S:
             return False
         self.count, self.looked = len(within(ANSWER_S, self.client.nthreads)), time.monotonic()
         if not self.count and not self.alone:
-            told = (
+            text = (
                 f"no worker is at {self.address}: waiting (`dask worker {self.address} --nthreads 1` starts one)"
             )
-            say(told, err=True)
+            say(text, err=True)
         self.alone = not self.count
         while self.lost:
             self.landed.put(self.lost.pop())
         return True
 
-    def _told(self, function: Callable, *arguments: Any) -> dict[str, Any]:
-        """What a function gives on each worker, by address; who dies meanwhile is left out.
+    def _on_all(self, function: Callable, *arguments: Any) -> dict[str, Any]:
+        """Call a function on each worker; return the results by address, without workers that were lost meanwhile.
 
-        Raises OtherInstallation where it fails.
+        Raises OtherInstallation where the function fails, WorkerFailed for workers that do not answer.
         """
         try:
-            told = within(WORKERS_S, partial(self.client.run, function, *arguments, on_error="return"))
+            answers = within(WORKERS_S, partial(self.client.run, function, *arguments, on_error="return"))
         except TimeoutError:
             silent = f"of {self.count} workers some do not answer within {WORKERS_S:.0f} s"
             raise WorkerFailed(f"{silent}: end those whose logs stand still") from None
-        for address, found in told.items():
-            if isinstance(found, Exception) and not isinstance(found, OSError):  # which a lost worker is
-                raise OtherInstallation(f"worker {address} cannot load bearingsim: {found}")
-        return {address: found for address, found in told.items() if not isinstance(found, OSError)}
+        for address, answer in answers.items():
+            if isinstance(answer, Exception) and not isinstance(answer, OSError):  # an OSError is a lost worker
+                raise OtherInstallation(f"worker {address} cannot load bearingsim: {answer}")
+        return {address: answer for address, answer in answers.items() if not isinstance(answer, OSError)}
 
     @contextmanager
     def _reached(self) -> Iterator[None]:
-        """Say it by name if the scheduler is lost."""
+        """Turn errors due to a lost scheduler into SchedulerGone."""
         try:
             yield
         except Exception as error:
@@ -315,18 +324,18 @@ def _blamed(killed: Killed) -> Outcome:
 
 
 def _refuse_others(work: Work, delivery: Delivery) -> None:
-    """Raises WorkerFailed if a delivery tells of jobs that were not sent."""
+    """Raise WorkerFailed if a delivery contains jobs that were not sent."""
     outcome = delivery.outcome
-    if not {*outcome.done, *(one.job for one in outcome.failed)} <= {job.id for job in work.jobs}:
+    if not {*outcome.done, *(failure.job for failure in outcome.failed)} <= {job.id for job in work.jobs}:
         raise WorkerFailed(f"unit {work.unit} came back from its worker with jobs that were not sent")
 
 
 def _short(work: Work) -> Work:
-    """The work as it travels: scans are named as results name them, for a worker has another working folder."""
+    """Return the work as it is sent: scans have their short paths, because a worker has another working folder."""
     jobs = tuple(replace(job, case=store.with_short_paths(job.case)) for job in work.jobs)
     return replace(work, others=None, jobs=jobs)
 
 
 def _scans(work: Work) -> dict[str, bytes]:
-    """The scans that a work needs, by the names under which the results folder keeps them."""
+    """Read the scans that a work needs from the results folder; return their contents by file name."""
     return store.kept_scans(work.root, [job.case for job in work.jobs])

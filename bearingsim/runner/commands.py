@@ -1,4 +1,4 @@
-"""Commands that do something with a study again, as a user would type them."""
+"""Command lines that repeat or continue a study."""
 
 import shlex
 from collections.abc import Mapping
@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from bearingsim.study import Study
 
-__all__ = ["command", "typed"]
-
 
 def command(verb: str, study: "Study", root: Path, *options: str) -> str:
-    """`bearingsim run study.yaml --out ... --set ... --quick`, with more options."""
+    """Return a command line such as `bearingsim run study.yaml --out ... --set ... --quick`, with more options."""
     return typed(verb, study.path, root, study.overrides, bool(study.quick), *options)
 
 
 def typed(
     verb: str, file: str | Path | None, root: Path, overrides: Mapping[str, str], quick: bool, *options: str
 ) -> str:
-    """The same from what a plan says of its study; without a file the text that the folder ``root`` keeps."""
+    """Return such a command line for the study of a plan.
+
+    file: path of the study file; without it ``study.yaml`` in the results folder ``root``.
+    """
     words = ["bearingsim", verb, str(file or root / "study.yaml"), "--out", str(root)]
     for path, value in overrides.items():
         words += ["--set", f"{path}={value}"]

@@ -1,4 +1,4 @@
-"""What a worker of a dask scheduler does: it gets a unit of work as a value, and gives back the files of it."""
+"""Worker side of a dask cluster: receives a unit of work as a value, returns its unit files."""
 
 import hashlib
 import os
@@ -27,37 +27,22 @@ if TYPE_CHECKING:
     from bearingsim.store.columns import Value
     from bearingsim.study import Job
 
-__all__ = [
-    "LOADING",
-    "Delivery",
-    "OtherInstallation",
-    "Parcel",
-    "WorkerFailed",
-    "deliver",
-    "installation",
-    "needed",
-    "refuse_installation",
-    "refuse_threads",
-    "stop",
-]
-
 LOADING = "import bearingsim.runner.delivery"
-"""What takes seconds at first, and so is done beside the thread in which a worker says that it is alive."""
-SOURCES = (".py", ".csv")
+"""Import that takes seconds, run outside the event loop of a worker so that its heartbeat goes on."""
+SOURCES = (".py", ".csv")  # files of the program that decide results
 
 
 class OtherInstallation(UserError):
-    """A worker would not compute what this process computes, or not as it is meant to."""
+    """A worker's installation or configuration differs from that of this process."""
 
 
 class WorkerFailed(UserError):
-    """A worker cannot go on, for a reason that lies in its machine."""
+    """A worker cannot go on because of its machine."""
 
 
 @dataclass(frozen=True)
 class Parcel:
-    """What a worker is sent: the work, pickled; the scans that its cases name, by digest; whose run it belongs to;
-    and what must be installed there."""
+    """Message to a worker: pickled work, scans of its cases by file name, id of the run, required installation."""
 
     work: bytes
     scans: Mapping[str, bytes]
@@ -67,14 +52,14 @@ class Parcel:
 
 @dataclass(frozen=True)
 class Delivery:
-    """What a worker gives back: what became of a unit, and the unit files that hold it, by name."""
+    """Message from a worker: outcome of a unit, and its unit files by name."""
 
     outcome: Outcome
     files: Mapping[str, bytes]
 
 
 def deliver(parcel: Parcel) -> Delivery:
-    """In a worker: compute a unit. Raises OtherInstallation, WorkerFailed, and what is a bug."""
+    """Compute a unit in a worker. Raises OtherInstallation, WorkerFailed, and any bug."""
     worker = get_worker()
     refuse_threads(worker.address, worker.state.nthreads)
     refuse_installation(worker.address, installation(), parcel.installed)
@@ -95,7 +80,7 @@ def deliver(parcel: Parcel) -> Delivery:
 
 @contextmanager
 def _brought(scans: Mapping[str, bytes], folder: Path) -> Iterator[None]:
-    """Scans that came with the work lie in a folder, and are found there."""
+    """Store the scans that came with the work in a folder, and let cases read them there."""
     from bearingsim.config.scan.file import BROUGHT
 
     for name, content in scans.items():
@@ -111,20 +96,23 @@ def _brought(scans: Mapping[str, bytes], folder: Path) -> Iterator[None]:
 
 
 _stops: defaultdict[str, threading.Event] = defaultdict(threading.Event)
-"""In a worker, by run: whether it has been asked to stop."""
+"""Requests to stop in this worker, by run."""
 
 
 def stop(run: str) -> None:
-    """In a worker: of this run nothing more is begun."""
+    """Stop a run in this worker: no more of its jobs are begun."""
     _stops[run].set()
 
 
-# What must be the same
+# Agreement of installations
 
 
 @cache
 def installation() -> dict[str, str]:
-    """What must be the same wherever jobs of one study are computed, by its name. Raises BrokenExtension."""
+    """Return the versions and settings that must agree wherever jobs of one study are computed, by name.
+
+    Raises BrokenExtension.
+    """
     from bearingsim.catalogue import extension_digest
     from bearingsim.core import MODEL_VERSION
 
@@ -141,33 +129,33 @@ def installation() -> dict[str, str]:
 
 
 def needed() -> dict[str, str]:
-    """What a worker must have: what is here, and one thread for linear algebra.
+    """Return the installation that a worker must have: that of this process, with one thread for linear algebra.
 
-    Raises OtherInstallation if several are asked for here, where models are chosen.
+    Raises OtherInstallation if this process, which chooses the models, is set to several threads.
     """
-    here = " and ".join(f"{name}={count}" for name, count in blas_threads.several().items())
-    if here:
+    several = " and ".join(f"{name}={count}" for name, count in blas_threads.several().items())
+    if several:
         raise OtherInstallation(
-            f"{here} is set here, and workers take one thread (with more, sums are rounded otherwise): unset it"
+            f"{several} is set here, and workers take one thread (with more, sums are rounded otherwise): unset it"
         )
     return installation() | {"threads of linear algebra": "1"}
 
 
 def _sources() -> str:
-    """First 12 hex digits of SHA-256 over the program: a checkout may have changed while its version has not."""
+    """Return the first 12 hex digits of SHA-256 over the sources: a checkout may change under one version."""
     package, digest = Path(__file__).parents[1], hashlib.sha256()
     for path in sorted(path for path in package.rglob("*") if path.suffix in SOURCES):
         digest.update(path.relative_to(package).as_posix().encode() + path.read_bytes())
     return digest.hexdigest()[:12]
 
 
-def refuse_installation(address: str, there: Mapping[str, str], here: Mapping[str, str]) -> None:
-    """Raises OtherInstallation if a worker differs."""
-    names = dict.fromkeys((*here, *there))
+def refuse_installation(address: str, present: Mapping[str, str], required: Mapping[str, str]) -> None:
+    """Raise OtherInstallation if the installation of a worker differs from the required one."""
+    names = dict.fromkeys((*required, *present))
     other = ", ".join(
-        f"{name} {there.get(name, 'absent')} in place of {here.get(name, 'none')}"
+        f"{name} {present.get(name, 'absent')} in place of {required.get(name, 'none')}"
         for name in names
-        if there.get(name) != here.get(name)
+        if present.get(name) != required.get(name)
     )
     if other:
         raise OtherInstallation(
@@ -176,7 +164,7 @@ def refuse_installation(address: str, there: Mapping[str, str], here: Mapping[st
 
 
 def refuse_threads(address: str, threads: int) -> None:
-    """Raises OtherInstallation if a worker would compute several units in one process."""
+    """Raise OtherInstallation if a worker would compute several units in one process."""
     if threads != 1:
         raise OtherInstallation(
             f"worker {address} has {threads} threads, and a job takes a process: start it by"

@@ -1,4 +1,4 @@
-"""A study that has changed since models were chosen: which cases keep what was chosen before."""
+"""Choices of models kept from an earlier plan of a study."""
 
 import hashlib
 import json
@@ -11,20 +11,21 @@ if TYPE_CHECKING:
     from bearingsim.selection import Choice, Choices
     from bearingsim.study import Study
 
-__all__ = ["kept", "plan_name"]
-
 
 def plan_name(study: "Study", keys: Sequence[str]) -> str:
-    """16 hex digits that name the cases of a study, by their keys, and the curves that they are judged by."""
-    curves = [[one.feature, sorted(keys[n] for n in one.cases)] for one in selection.curves(study)]
+    """Return 16 hex digits that identify the cases of a study and the curves by which models are judged.
+
+    keys: of the cases.
+    """
+    curves = [[curve.feature, sorted(keys[n] for n in curve.cases)] for curve in selection.curves(study)]
     text = json.dumps([sorted(keys), sorted(curves)])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def kept(study: "Study", keys: Sequence[str], choices: "Choices", plans: Mapping[str, str]) -> Iterator[str]:
-    """How many cases keep a choice of an earlier plan, and on how many curves it differs from what is chosen now.
+    """Yield the number of cases that keep a choice of an earlier plan, and curves on which models differ by that.
 
-    keys: of the cases; plans: what names the plan that each choice was made for.
+    keys: of the cases; plans: ``plan_name`` for which each choice was made, by key.
     """
     now = plan_name(study, keys)
     before = sum(plans[name] != now for name in keys)
@@ -36,10 +37,10 @@ def kept(study: "Study", keys: Sequence[str], choices: "Choices", plans: Mapping
         else f"1 of {len(keys)} cases keeps the model"
     )
     yield f"{cases} that was chosen for an earlier plan, by its curves (without choices.json all are chosen anew)"
-    curves = [[keys[n] for n in one.cases] for one in selection.curves(study)]
+    curves = [[keys[n] for n in curve.cases] for curve in selection.curves(study)]
     apart = [names for names in curves if _differ(names, choices, plans)]
     if apart:
-        models = dict.fromkeys(_told(choices[name]) for names in apart for name in names)
+        models = dict.fromkeys(_model_text(choices[name]) for names in apart for name in names)
         yield (
             f"on {len(apart)} of {len(curves)} curves other models were chosen then than now: {', '.join(models)};"
             " a step between them may come from that"
@@ -47,12 +48,12 @@ def kept(study: "Study", keys: Sequence[str], choices: "Choices", plans: Mapping
 
 
 def _differ(names: Sequence[str], choices: "Choices", plans: Mapping[str, str]) -> bool:
-    """Whether on a curve the models that were chosen for one plan are others than those for another plan."""
-    found: dict[str, set[str]] = {}
+    """Return True if the models on a curve that were chosen for one plan differ from those of another plan."""
+    candidates: dict[str, set[str]] = {}
     for name in names:
-        found.setdefault(plans[name], set()).add(choices[name].candidate)
-    return len(set(map(frozenset, found.values()))) > 1
+        candidates.setdefault(plans[name], set()).add(choices[name].candidate)
+    return len(set(map(frozenset, candidates.values()))) > 1
 
 
-def _told(choice: "Choice") -> str:
+def _model_text(choice: "Choice") -> str:
     return f"`{choice.model}`" + (f" ({choice.candidate})" if choice.candidate != choice.model else "")

@@ -1,4 +1,4 @@
-"""What there is to say of the results at the end of a run."""
+"""Statements on the results at the end of a run: accuracy, warnings, assumptions, details."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -16,13 +16,12 @@ from bearingsim.study.uncertainty import NO_OIL, NO_SLIP, RIGID, sweeps_damping
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Findings", "findings"]
-
 
 @dataclass(frozen=True)
 class Findings:
-    """What there is to say of results: promises that audits refuted, how well the results hold, warnings, names of
-    what was assumed, and details.
+    """Statements on results.
+
+    withdrawn: promises that audits refuted; held: accuracy of the results; assumed: names of assumptions.
     """
 
     withdrawn: tuple[str, ...] = ()
@@ -38,11 +37,11 @@ class Findings:
 
 
 def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
-    """Return what there is to say of the results of a plan; ``frame``: of ``store.job_frame``."""
+    """Collect the statements on the results of a plan; ``frame``: of ``store.job_frame``."""
     own = frame.loc[[entry["job"] for entry in plan["jobs"] if not entry["variation"]]]
     info = store.info(own)
     of_damping = list(damping.of_jobs(info))
-    warned = [text for text in (*of_damping, *_said(plan)) if text.startswith(damping.WARNING)]
+    warned = [text for text in (*of_damping, *_assumptions(plan)) if text.startswith(damping.WARNING)]
     drawn = list(dict.fromkeys(name for figure in plan["figures"] for name in figure["y"]))
     within = plan["accuracy"]["within"] if plan.get("accuracy") else inf
     flagged = chaos(own, drawn, min(store.NOTABLE, within / 2.0))
@@ -67,11 +66,11 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
 
 
 def _step_errors(own: "pd.DataFrame") -> Iterator[str]:
-    """A line on the largest change that a shorter step makes, of jobs whose step was checked."""
+    """Yield the largest changes that a shorter step makes, over the jobs whose step was checked."""
     names = {"line": "the line", "rms": "RMS", "force": "the largest force"}
-    found = {text: own[f"features/step_error.{name}"].max() for name, text in names.items() if _has(own, name)}
-    if found:
-        each = ", ".join(f"{text} {100.0 * error:.2g} %" for text, error in found.items())
+    errors = {text: own[f"features/step_error.{name}"].max() for name, text in names.items() if _has(own, name)}
+    if errors:
+        each = ", ".join(f"{text} {100.0 * error:.2g} %" for text, error in errors.items())
         yield f"numerical errors, at most: {each}"
 
 
@@ -80,8 +79,8 @@ def _has(own: "pd.DataFrame", name: str) -> bool:
 
 
 def _assumed(plan: Mapping[str, Any], own: "pd.DataFrame") -> Iterator[str]:
-    """Names of what moves results, is not known, and was given one value."""
-    varied = {one["what"] for one in plan.get("variations", ())}
+    """Yield the names of uncertain quantities that have a single value in the study."""
+    varied = {variation["what"] for variation in plan.get("variations", ())}
     damped = "info/damping_time_s" in own and bool(own["info/damping_time_s"].notna().any())
     held_by_bracket = "parameters/rig.bracket_stiffness" in own and bool(
         (own["parameters/rig.bracket_stiffness"] > 0.0).any()
@@ -96,16 +95,19 @@ def _assumed(plan: Mapping[str, Any], own: "pd.DataFrame") -> Iterator[str]:
     yield from (
         name
         for sentence, name in ((RIGID, "rigid ring"), (NO_SLIP, "no slip"), (NO_OIL, "no oil drag"))
-        if sentence in _said(plan)
+        if sentence in _assumptions(plan)
     )
 
 
-def _said(plan: Mapping[str, Any]) -> tuple[str, ...]:
+def _assumptions(plan: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(plan.get("assumptions", ()))
 
 
 def without_value(info: "pd.DataFrame") -> Iterator[str]:
-    """Name the features of other packages that jobs have no number for; ``info``: of finished jobs, a row each."""
+    """Yield the features of other packages that have no value in some jobs.
+
+    info: of finished jobs, a row each.
+    """
     for column in (name for name in map(str, info) if name.startswith(NO_VALUE)):
         reasons = info[column][info[column] != ""]
         for reason, jobs in reasons.groupby(reasons):

@@ -1,7 +1,7 @@
-"""Joining a dask scheduler, and asking it, with a deadline for each answer.
+"""Connection to a dask scheduler, with a deadline for each answer.
 
-The time-outs of distributed bound the connection, not the exchange of greetings after it: a port that accepts and
-keeps silent is waited for without end. A client that is given up waits again, as it is collected.
+The time-outs of distributed cover the connection, but not the exchange of greetings after it: a port that accepts
+and stays silent blocks forever. An abandoned client waits once more when it is garbage-collected.
 """
 
 import logging
@@ -25,32 +25,31 @@ from bearingsim.errors import UserError
 if TYPE_CHECKING:
     from distributed import Scheduler
 
-__all__ = ["SchedulerGone", "client_of", "within"]
-
 Answer = TypeVar("Answer")
 
 GREETING_S, JOINING_S, CLOSING_S = 10.0, 15.0, 1.5
-"""How long a scheduler may take to greet; to greet and register a client; and to let it go."""
+"""Deadlines in s for a scheduler's greeting; greeting and registration of a client; closing it."""
 TALKING = ("distributed", "distributed.client")
-"""Loggers that have a level of their own."""
+"""Loggers with levels of their own, silenced while connected."""
 LARGEST = 1 << 16
-"""Bytes of a greeting; those of distributed 2026.8 have 169."""
+"""Largest greeting in bytes; those of distributed 2026.8 have 169."""
 WORD = b"pickle-protocol"
 """Key that every greeting of distributed contains."""
 
 
 class SchedulerGone(UserError):
-    """Nobody answers where the scheduler was."""
+    """The scheduler does not answer."""
 
 
 class NotDask(OSError):
-    """Something that is not of dask listens at an address."""
+    """Another program than dask listens at an address."""
 
 
 def within(seconds: float, question: Callable[[], Answer]) -> Answer:
-    """Return the answer to a question, or raise its error. Raises TimeoutError if there is none in time.
+    """Return the answer to a question, or raise its error. Raises TimeoutError without an answer in time.
 
-    A thread of its own asks, so that Ctrl-C is heard meanwhile. One without an answer ends with the process.
+    The question runs in a thread of its own, so that Ctrl-C interrupts the wait; the thread is a daemon and ends
+    with the process.
     """
     outcome: SimpleQueue[Callable[[], Answer]] = SimpleQueue()
     Thread(target=_ask, args=(question, outcome), daemon=True).start()
@@ -77,7 +76,7 @@ def _fail(error: Exception) -> NoReturn:
 def refuse_strangers(address: str, seconds: float) -> None:
     """Exchange greetings as distributed does, with limits of time and size.
 
-    Raises NotDask if something else listens there, OSError if nothing does, ValueError if this is no address.
+    Raises NotDask if another program listens there, OSError if none does, ValueError for an invalid address.
     """
     scheme, place = parse_address(address)
     if scheme not in ("tcp", "tls"):
@@ -91,11 +90,11 @@ def refuse_strangers(address: str, seconds: float) -> None:
         greeting = _received(peer, size, end) if size <= LARGEST else b""
         if WORD not in greeting:
             raise NotDask("it sends something else")
-        peer.sendall(struct.pack("Q", size) + greeting)  # its own, which fits it, so that it does not complain
+        peer.sendall(struct.pack("Q", size) + greeting)  # the scheduler's own greeting, so that it logs no error
 
 
 def _secured(plain: socket.socket, scheme: str) -> AbstractContextManager[socket.socket]:
-    """The connection itself, or one over TLS with the certificates that dask is configured for."""
+    """Return the connection itself, or one over TLS with the certificates of dask's configuration."""
     if scheme == "tcp":
         return plain
     context = Security().get_connection_args("client")["ssl_context"]
@@ -105,7 +104,7 @@ def _secured(plain: socket.socket, scheme: str) -> AbstractContextManager[socket
 
 
 def _received(peer: socket.socket, count: int, end: float) -> bytes:
-    """As many bytes as asked for. Raises NotDask if they do not come until ``end`` (of ``time.monotonic``)."""
+    """Receive exactly ``count`` bytes. Raises NotDask if they do not arrive by ``end`` (of ``time.monotonic``)."""
     content = b""
     while len(content) < count:
         peer.settimeout(max(end - time.monotonic(), 1e-3))
@@ -123,7 +122,7 @@ def _received(peer: socket.socket, count: int, end: float) -> bytes:
 
 
 class _Client(Client):
-    """A client that ends without farewell: the usual one waits for its scheduler again as it is collected."""
+    """Client that does not close on collection: the usual one waits for its scheduler once more."""
 
     def __del__(self) -> None:
         """Leave the connection to the end of the process."""
@@ -131,13 +130,16 @@ class _Client(Client):
 
 @contextmanager
 def client_of(address: str) -> Iterator[Client]:
-    """A client of the scheduler at ``tcp://HOST:PORT``. Raises SchedulerGone if none answers within JOINING_S."""
+    """Connect a client to the scheduler at ``tcp://HOST:PORT``.
+
+    Raises SchedulerGone if none answers within JOINING_S.
+    """
     with _silence():
         client = _joined(address)
         try:
             yield client
         finally:
-            with suppress(TimeoutError):  # who is gone says no goodbye
+            with suppress(TimeoutError):  # a lost scheduler does not answer
                 within(CLOSING_S, client.close)
 
 
@@ -149,13 +151,13 @@ def _joined(address: str) -> Client:
     except NotDask as error:
         advice = "take the address that `dask scheduler` prints, tcp:// or tls://, not its dashboard's (port 8787)"
         raise SchedulerGone(f"what listens at {address} is not a dask scheduler ({error}): {advice}") from None
-    except Exception as error:  # whatever distributed makes of who dies meanwhile, or is a worker
+    except Exception as error:  # distributed raises many types for a peer that dies or is a worker
         advice = "`dask scheduler` starts one, and tells its address"
         raise SchedulerGone(f"no scheduler answers at {address} ({error}): {advice}") from None
 
 
 def _registered(address: str) -> Client:
-    """A client that the scheduler knows, and its plugin there."""
+    """Register a client, and the plugin for workers' deaths, with the scheduler."""
     try:
         client = _Client(address, timeout=JOINING_S, set_as_default=False)
     except TypeError as error:
@@ -166,7 +168,7 @@ def _registered(address: str) -> Client:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """What distributed has to say of a scheduler that is lost are tracebacks: here it is said in words."""
+    """Silence the loggers of distributed, which log tracebacks for a lost scheduler."""
     loggers = [logging.getLogger(name) for name in TALKING]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
@@ -182,18 +184,18 @@ def _silence() -> Iterator[None]:
 
 
 def back_at_first_death() -> SchedulerPlugin:
-    """By it a unit whose worker dies comes back at once: it is not handed on to kill the next.
+    """Make a scheduler plugin that fails a task at the first death of its worker instead of rescheduling it.
 
-    A class made here travels whole, and so the scheduler needs no bearingsim.
+    The class is pickled by value, so that the scheduler needs no bearingsim.
     """
 
     class BackAtFirstDeath(SchedulerPlugin):
         name = "bearingsim"
-        idempotent = True  # one serves all runs
+        idempotent = True  # registered once for all runs
 
-        def update_graph(self, scheduler: "Scheduler", **told: Any) -> None:
-            for key in told["tasks"]:
+        def update_graph(self, scheduler: "Scheduler", **update: Any) -> None:
+            for key in update["tasks"]:
                 if isinstance(key, tuple) and str(key[0]).startswith("bearingsim-"):
-                    scheduler.tasks[key].suspicious = scheduler.allowed_failures  # as often as it may die
+                    scheduler.tasks[key].suspicious = scheduler.allowed_failures  # the next death fails the task
 
     return BackAtFirstDeath()

@@ -1,4 +1,4 @@
-"""Which jobs go together: shards of a study, and units of work of a sensible size."""
+"""Grouping of jobs: shards of a study, and units of work."""
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
@@ -10,16 +10,14 @@ from bearingsim.memory import PROGRAM
 if TYPE_CHECKING:
     from bearingsim.study import Job
 
-__all__ = ["Cost", "fewer", "fitting", "pack", "shard_of"]
-
-UNIT_S = 2.0  # computing that makes the 40 ms of a file small
-SHORTEST_UNIT_S, LONGEST_UNIT_S = 0.25, 10.0
-MIN_UNITS, MAX_UNITS = 3, 50  # per worker: fewer leave some idle at the end, more are only more files
-UNIT_BYTES = 64e6
+UNIT_S = 2.0  # s of CPU time of a unit, against which the 40 ms of its file are small
+SHORTEST_UNIT_S, LONGEST_UNIT_S = 0.25, 10.0  # s of CPU time, in short and long studies
+MIN_UNITS, MAX_UNITS = 3, 50  # per worker: fewer leave workers idle at the end, more only add files
+UNIT_BYTES = 64e6  # largest size of the series of a unit
 
 
 class Cost(NamedTuple):
-    """Estimated price of a job: CPU time in s, series in bytes, and the most memory in bytes that it may take.
+    """Estimated price of a job: CPU time in s, series in bytes, and peak memory in bytes.
 
     spent: CPU time in s that the estimate itself took.
     """
@@ -31,7 +29,7 @@ class Cost(NamedTuple):
 
 
 def shard_of(jobs: Sequence["Job"], shard: tuple[int, int]) -> list["Job"]:
-    """Share ``k`` of ``n`` (from 1) of the jobs: every n-th in the order of ids, the same on every machine.
+    """Select share ``k`` of ``n`` (from 1) of the jobs: every n-th in the order of ids, alike on every machine.
 
     Raises ValueError for a share that does not exist.
     """
@@ -43,10 +41,10 @@ def shard_of(jobs: Sequence["Job"], shard: tuple[int, int]) -> list["Job"]:
 
 
 def pack(jobs: Sequence["Job"], costs: Sequence[Cost], workers: int) -> list[list[int]]:
-    """Indices of the jobs of each unit, most expensive unit first.
+    """Pack jobs into units; return the indices of the jobs of each unit, most expensive unit first.
 
-    A unit has at least 2 s of computing unless there is too little of it for all workers, one time axis and
-    one set of channels.
+    The jobs of a unit share one time axis and one set of channels. A unit takes at least 2 s of CPU time unless
+    the study is too short for all workers.
     """
     target = unit_seconds(sum(cost.seconds for cost in costs), workers)
     order = sorted(range(len(jobs)), key=lambda index: _axis(jobs[index].case))
@@ -56,16 +54,16 @@ def pack(jobs: Sequence["Job"], costs: Sequence[Cost], workers: int) -> list[lis
 
 
 def unit_seconds(total: float, workers: int) -> float:
-    """Computing time in s of a unit of a study of ``total`` s: 2, less in a short study, more in a long one."""
+    """Compute the CPU time (s) of a unit of a study of ``total`` s: 2 s, less in a short, more in a long one."""
     share = total / workers
     wanted = max(min(UNIT_S, share / MIN_UNITS), share / MAX_UNITS)
     return min(max(wanted, SHORTEST_UNIT_S), LONGEST_UNIT_S)
 
 
 def fitting(costs: Sequence[Cost], workers: int) -> int:
-    """How many worker processes have memory enough at once, whichever jobs they are given: at least one.
+    """Compute the number of workers that fit into memory with any choice of jobs, at least 1.
 
-    Each holds what it has computed of its unit, in twice the precision, besides the job in hand.
+    A worker holds the results of its unit, in double precision, besides the running job.
     """
     heaviest = sorted((PROGRAM + cost.memory for cost in costs), reverse=True)
     held = 2.0 * min(UNIT_BYTES, sum(cost.bytes for cost in costs))
@@ -74,7 +72,7 @@ def fitting(costs: Sequence[Cost], workers: int) -> int:
 
 
 def fewer(costs: Sequence[Cost], workers: int) -> Iterator[str]:
-    """A line that says so, if fewer run than asked for."""
+    """Yield a line if memory allows fewer workers than requested."""
     able = fitting(costs, workers)
     if able < workers:
         most = max(cost.memory for cost in costs)
@@ -85,7 +83,7 @@ def fewer(costs: Sequence[Cost], workers: int) -> Iterator[str]:
 
 
 def _axis(case: Any) -> str:
-    """Text that is the same for cases with one time axis and one set of channels."""
+    """Return a text that is equal for cases with one time axis and one set of channels."""
     names = ("sampling", "duration", "antialias", "record")
     return repr([getattr(case, name, None) for name in names])
 

@@ -1,4 +1,4 @@
-"""Computing units of work, in this process or in a pool that survives the death of its workers."""
+"""Computation of units of work, in this process or in a pool that is restarted when a worker dies."""
 
 import os
 import re
@@ -12,29 +12,30 @@ from typing import Any
 
 from bearingsim.errors import UserError
 from bearingsim.runner.shared_memory import in_shared_memory
-from bearingsim.runner.stopping import asked, flag_for_workers, heeding, ignoring
+from bearingsim.runner.stopping import flag_for_workers, heeding, ignoring, stop_requested
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
 
-__all__ = ["Deaths", "WorkersDie", "outcomes", "spread"]
-
-RESTARTS_WITHOUT_PROGRESS = 3
+RESTARTS_WITHOUT_PROGRESS = 3  # deaths of workers without a result between that end the run
 ADVICE = "no job is blamed; run again, with fewer --jobs if memory was short"
 
 
 class WorkersDie(UserError):
-    """Worker processes die, and it is not for one job."""
+    """Worker processes die repeatedly, not because of a single job."""
 
 
 class Deaths:
-    """Deaths of workers since something was last finished: of the third no job is the cause."""
+    """Count of workers' deaths since the last result; the third cannot be due to a single job."""
 
     def __init__(self, root: Path, doing: str) -> None:
-        """root: whose journal tells of them; doing: what they were doing, in words."""
+        """Set the count to zero.
+
+        root: folder of the journal; doing: activity of the workers, in words.
+        """
         self.root, self.doing, self.count = root, doing, 0
 
     def add(self, death: BrokenProcessPool, suspects: Iterable[str] = ()) -> None:
-        """Take one in; suspects: jobs in hand then. Raises WorkersDie if it is one too many."""
+        """Count a death; suspects: jobs running then. Raises WorkersDie at the third without a result between."""
         self.count += 1
         cause = _exit_codes(death)
         log(self.root, "worker died", exit=cause, suspects=sorted(suspects))
@@ -43,16 +44,17 @@ class Deaths:
             raise WorkersDie(f"worker processes died {self.doing} {often} ({cause}): {ADVICE}") from death
 
     def end(self) -> None:
-        """Something was finished."""
+        """Reset the count after a result."""
         self.count = 0
 
 
 def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
-    """Compute units of work and yield what became of each, as they come.
+    """Compute units of work and yield the outcome of each, in order of completion.
 
-    One worker means this process; more are always other processes, even for one unit. A worker that dies takes
-    the pool with it and names no culprit: the jobs that were running then are computed at the end, one at a time,
-    and the one that dies alone becomes a failure. Raises WorkersDie if nothing is finished between three deaths.
+    One worker means this process; more are always other processes, even for one unit. The death of a worker ends
+    the pool and does not tell which job caused it: the jobs that were running are computed at the end, one at a
+    time, and a job whose worker dies again becomes a failure. Raises WorkersDie after three deaths without a
+    result between.
     """
     if workers == 1 or not works:
         yield from _in_turn(works)
@@ -78,18 +80,18 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
 
 
 def _in_turn(works: Sequence[Work]) -> Iterator[Outcome]:
-    """Compute units of work in this process, one after another: of the failures that end a run all count."""
+    """Compute units of work in this process, one after another; failures count over all units."""
     failed = 0
-    given = ((replace(work, max_failures=work.max_failures - failed),) for work in works)  # made as each begins
-    for outcome in spread(compute, given, workers=1):
+    arguments = ((replace(work, max_failures=work.max_failures - failed),) for work in works)  # lazily
+    for outcome in spread(compute, arguments, workers=1):
         failed += len(outcome.failed)
         yield outcome
 
 
 def _one_by_one(works: Sequence[Work], deaths: Deaths, workers: int) -> Iterator[Outcome]:
-    """Compute jobs with nothing beside them: a death names its culprit, unless it is one of three in a row."""
+    """Compute jobs one at a time, so that a death has one possible cause unless it is one of three in a row."""
     blamed: list[Outcome] = []
-    for work in takewhile(lambda _: not asked(), works):
+    for work in takewhile(lambda _: not stop_requested(), works):
         try:
             outcome = next(iter(list(_in_pool([work], workers))))
         except BrokenProcessPool as death:
@@ -119,20 +121,21 @@ def _ids(work: Work) -> set[str]:
 
 
 def _in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
-    """Outcomes in the order of completion. Raises BrokenProcessPool when a worker dies; all are dead then."""
+    """Yield outcomes in the order of completion. Raises BrokenProcessPool when a worker dies, which ends all."""
     yield from spread(compute, [(work,) for work in works], max(2, min(workers, len(works))))
 
 
 def spread(function: Callable, arguments: Iterable[tuple], workers: int) -> Generator[Any, None, None]:
-    """What a function makes of each tuple of arguments, as it is done, by so many processes: one is this one.
+    """Yield the result of a function for each tuple of arguments, in order of completion.
 
-    Raises Signalled, once what was in hand is done, if the program has been asked to stop meanwhile.
+    workers: number of processes; 1 means this process. Raises Signalled after the running calls if the program was
+    asked to stop meanwhile.
     """
     with heeding():
         if workers == 1:
-            # Not `map`, which a StopIteration from within would end in silence.
-            for given in _until_asked(arguments):
-                yield function(*given)
+            # `map` would swallow a StopIteration raised by the function
+            for values in _until_stop(arguments):
+                yield function(*values)
         else:
             yield from _by_workers(function, arguments, workers)
 
@@ -140,25 +143,25 @@ def spread(function: Callable, arguments: Iterable[tuple], workers: int) -> Gene
 def _by_workers(function: Callable, arguments: Iterable[tuple], workers: int) -> Generator[Any, None, None]:
     from joblib import Parallel, delayed, parallel_config
 
-    given_them = (os.getpid(), flag_for_workers())
-    with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=given_them):
+    identity = (os.getpid(), flag_for_workers())
+    with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=identity):
         pool = Parallel(n_jobs=workers, return_as="generator_unordered", batch_size=1, max_nbytes=None)
     with in_shared_memory(), ignoring():
-        results = pool(delayed(function)(*given) for given in _until_asked(arguments))
+        results = pool(delayed(function)(*values) for values in _until_stop(arguments))
     try:
         yield from results
     finally:
-        with warnings.catch_warnings():  # left early on purpose: joblib would say so
+        with warnings.catch_warnings():  # joblib warns of results that are not consumed
             warnings.simplefilter("ignore")
             results.close()
 
 
-def _until_asked(arguments: Iterable[tuple]) -> Iterator[tuple]:
-    """Nothing more is begun once the program has been asked to stop."""
-    return takewhile(lambda _: not asked(), arguments)
+def _until_stop(arguments: Iterable[tuple]) -> Iterator[tuple]:
+    """Yield arguments until the program is asked to stop."""
+    return takewhile(lambda _: not stop_requested(), arguments)
 
 
 def _exit_codes(death: BrokenProcessPool) -> str:
-    """What loky tells of dead workers, such as ``SIGKILL(-9)``."""
-    found = re.search(r"\{(.+?)\}", str(death))
-    return found[1] if found else type(death).__name__
+    """Extract the exit codes of dead workers from loky's message, such as ``SIGKILL(-9)``."""
+    match = re.search(r"\{(.+?)\}", str(death))
+    return match[1] if match else type(death).__name__

@@ -1,4 +1,4 @@
-"""Progress of a run: a bar with the time left on a terminal, a plain line now and then elsewhere."""
+"""Progress of a run: a bar with the time left on a terminal, otherwise a line every LINE_EVERY_S."""
 
 import sys
 import time
@@ -8,29 +8,27 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from bearingsim.text.patience import ONCE, Patience
 from bearingsim.text.terminal import say
 
-__all__ = ["Report", "compiling", "duration", "progress"]
-
-LINE_EVERY_S = 10.0
-SPEED_OVER_S = 3600.0  # units of work may come minutes apart
+LINE_EVERY_S = 10.0  # s between lines
+SPEED_OVER_S = 3600.0  # s over which the bar averages its speed: units of work may end minutes apart
 
 Report = Callable[[int, int, float], None]
-"""Told of jobs done, jobs failed, and estimated seconds of computing that they stood for."""
+"""Callback with the numbers of jobs done and failed, and their estimated CPU time (s)."""
 
 
 def progress(shown: bool | None, jobs: int, seconds: float) -> AbstractContextManager[Report]:
-    """Show the progress of ``jobs`` jobs of ``seconds`` estimated computing; ``shown`` False shows nothing."""
+    """Show the progress of ``jobs`` jobs of ``seconds`` estimated CPU time; ``shown`` False shows nothing."""
     if shown is False or jobs == 0:
         return nullcontext(lambda done, failed, cost: None)
     return _bar(jobs, seconds) if sys.stderr and sys.stderr.isatty() else _lines(jobs, seconds)
 
 
 def compiling(patience: Patience) -> Callable[[int, int, float], None]:
-    """What says that kind ``number`` of ``count`` is compiled, which takes so many seconds."""
+    """Return a callback that announces the compilation of kind ``number`` of ``count``, of some seconds."""
 
-    def about_to(number: int, count: int, seconds: float) -> None:
+    def announce(number: int, count: int, seconds: float) -> None:
         patience.begin(f"compiling {number} of {count}, about {duration(seconds)}: {ONCE}")
 
-    return about_to
+    return announce
 
 
 @contextmanager
@@ -76,7 +74,7 @@ def _counts(done: int, failed: int, jobs: int) -> str:
 
 
 def duration(seconds: float) -> str:
-    """`0.4 s`, `12 s`, `3 min 20 s`, `2 h 5 min`."""
+    """Format a time (s) as `0.4 s`, `12 s`, `3 min 20 s`, `2 h 5 min`."""
     if seconds < 99.5:
         return f"{seconds:.2g} s"
     minutes, rest = divmod(round(seconds), 60)

@@ -1,4 +1,4 @@
-"""Running a study: what is not done yet is computed and stored, whatever happens meanwhile."""
+"""Run of a study: missing jobs are computed and stored."""
 
 import signal
 import time
@@ -33,11 +33,9 @@ if TYPE_CHECKING:
     from bearingsim.runner.cluster import Cluster
     from bearingsim.study import Job, Study
 
-__all__ = ["run", "with_models"]
-
 
 LEAST_PART = 0.1
-"""Of the bytes of the series: what is surely left of them when they are compressed."""
+"""Least size of the compressed series, as a part of their bytes, for the check of disk space."""
 
 
 def run(
@@ -60,19 +58,18 @@ def run(
 
     jobs: worker processes (default: the CPUs); 1 computes in this process. fresh: throw stored results away
     first. retry_failed: try failed jobs again. shard: ``(k, n)`` computes share k of n. verify: read every
-    stored byte against its checksum before trusting it. progress: False shows none. max_failures: jobs that may
-    fail now before no more is begun. max_cpu: CPU time (s) of a job: one estimated to take more is left out, one
-    that takes more fails; neither is part of a job's id, for both leave out results and change none. scheduler:
-    ``tcp://HOST:PORT`` of a dask scheduler, whose workers compute the jobs in place of this machine's; models are
-    still chosen here.
+    stored byte against its checksum before trusting it. progress: False shows none. max_failures: failed jobs
+    after which no more are begun. max_cpu: CPU time (s) of a job: a job with a larger estimate is left out, a job
+    that exceeds it fails; neither bound is part of a job's id, because neither changes a result. scheduler:
+    ``tcp://HOST:PORT`` of a dask scheduler, whose workers compute the jobs; this process still chooses the models.
 
-    Raises Interrupted (with the summary; what is done stays done), ValueError for options that contradict each
-    other, store.FolderInUse, WorkersDie, ScanError when a scan's file is gone, or another, before anything is
-    computed, and OSError when the folder cannot be written.
+    Raises Interrupted (with the summary; finished jobs are stored), ValueError for contradictory options,
+    store.FolderInUse, WorkersDie, ScanError before any computation if a scan's file is missing or has changed, and
+    OSError if the folder cannot be written.
     """
     started = time.perf_counter()
     root = store.results_folder(study.name, study.quick, out)
-    told = [*study.notes, *load(engine.notes)(study.cases())]  # now: files that it reads may go
+    notes = [*study.notes, *load(engine.notes)(study.cases())]  # now: files that it reads may go
     workers, joined = _workers(jobs), _joined(scheduler)
     refuse_bounds(max_failures, max_cpu)
     shard_of([], shard)  # a share that does not exist is refused before models are tried
@@ -89,7 +86,7 @@ def run(
         ours = shard_of(every, shard)
         store.keep_scans(root, [job.case for job in every])
         earlier = store.planned_jobs(root)
-        written = store.write_plan(root, study, every, told)
+        written = store.write_plan(root, study, every, notes)
         plan = _plan(root, ours, retry_failed, verify, before)
         store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(shard))
         tally = _Tally(root, command("run", study, root, "--retry-failed"), plan.failures, max_failures)
@@ -98,14 +95,14 @@ def run(
             if plan.todo and joined is not None:
                 with joined() as cluster:  # first: estimating what the jobs take may compile code
                     todo = affordable(plan.todo, _costs(engine, plan.todo, max_cpu), max_cpu, progress)
-                    told += todo.notes
+                    notes += todo.notes
                     works = _works(root, study, todo, cluster.assembled(), *bounds)
                     _compute(works, cluster.outcomes(works), tally, progress)
             elif plan.todo:
                 with patient(progress) as patience:
                     patience.begin("estimating what the jobs take")
                     todo = affordable(plan.todo, _costs(engine, plan.todo, max_cpu), max_cpu, progress)
-                    told += [*todo.notes, *fewer(todo.costs, workers)]
+                    notes += [*todo.notes, *fewer(todo.costs, workers)]
                     workers = fitting(todo.costs, workers)
                     works = _works(root, study, todo, workers, *bounds)
                     _warm(root, engine, todo.jobs, patience)
@@ -119,10 +116,10 @@ def run(
     left_out = len((earlier & plan.held.sealed) - {job.id for job in every})
     status = frame["status"].loc[[job.id for job in ours]]
     if tally.full and (status == "missing").any():
-        told.insert(0, ended_early(tally.failed, max_failures))
-    notes = (*_notes(left_out, plan.held.damaged), *beside.notes(root, written, tally.elsewhere), *told)
+        notes.insert(0, ended_early(tally.failed, max_failures))
+    all_notes = (*_notes(left_out, plan.held.damaged), *beside.notes(root, written, tally.elsewhere), *notes)
     of_results = findings(written, frame)
-    summary = tally.summary(study.name, status, plan.resumed, seconds, interrupted, notes, of_results)
+    summary = tally.summary(study.name, status, plan.resumed, seconds, interrupted, all_notes, of_results)
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
     if interrupted:
         raise Interrupted(summary)
@@ -130,7 +127,7 @@ def run(
 
 
 def _before_jobs(study: "Study", root: Path, stop: Stopped, seconds: float) -> RunSummary:
-    """What a run comes to that was interrupted while models were tried: some trials are jobs' results, too."""
+    """Summarise a run that was interrupted during the trials of models, some of which are results of jobs."""
     jobs = {job.id for job in study.jobs()}
     sealed = store.holdings(root).sealed
     return RunSummary(
@@ -150,9 +147,9 @@ def _before_jobs(study: "Study", root: Path, stop: Stopped, seconds: float) -> R
 
 
 def with_models(study: "Study", out: str | Path | None, jobs: int | None, try_them: bool) -> "Study":
-    """The study with the models that its results folder holds a choice of, for all cases; itself without.
+    """Return the study with the models chosen in its results folder; unchanged if any case has no choice.
 
-    try_them: make the choice, and keep it there.
+    try_them: make the choice, and store it there.
     """
     root = store.results_folder(study.name, study.quick, out)
     with _prepared(root, study) if try_them else nullcontext(), suppress(NoChoices):
@@ -161,7 +158,7 @@ def with_models(study: "Study", out: str | Path | None, jobs: int | None, try_th
 
 
 def _notes(left_out: int, damaged: Sequence[str]) -> Iterator[str]:
-    """What is worth knowing of the results that were there before."""
+    """Yield notes on earlier results in the folder: jobs outside the plan, damaged files."""
     if left_out:
         jobs = f"{left_out} job{'s' * (left_out > 1)}"
         stay = "results stay in units/ (a run of the earlier plan brings them back)"
@@ -171,17 +168,20 @@ def _notes(left_out: int, damaged: Sequence[str]) -> Iterator[str]:
         yield f"{files} found and set aside as .damaged: what they held is computed again"
 
 
-def _workers(asked: int | None) -> int:
-    """Worker processes: what was asked for, or the CPUs. Raises ValueError for less than one."""
+def _workers(requested: int | None) -> int:
+    """Return the requested number of worker processes, or the number of CPUs. Raises ValueError below 1."""
     from joblib import cpu_count
 
-    if asked is not None and asked < 1:
-        raise ValueError(f"expected at least 1 worker process, got {asked}")
-    return asked or int(cpu_count())
+    if requested is not None and requested < 1:
+        raise ValueError(f"expected at least 1 worker process, got {requested}")
+    return requested or int(cpu_count())
 
 
 def _joined(scheduler: str | None) -> "Callable[[], AbstractContextManager[Cluster]] | None":
-    """What joins the workers of a scheduler, if one is named. Raises UserError without the package for it."""
+    """Return a function that joins the workers of a scheduler, None without one.
+
+    Raises UserError if the package for it is missing.
+    """
     if scheduler is None:
         return None
     try:
@@ -192,7 +192,7 @@ def _joined(scheduler: str | None) -> "Callable[[], AbstractContextManager[Clust
 
 
 def _reach(joined: "Callable[[], AbstractContextManager[Cluster]] | None") -> None:
-    """See that a scheduler which is named answers: a wrong address is told before models are tried, not after."""
+    """Connect to the scheduler once, so that a wrong address is reported before models are tried."""
     if joined is not None:
         with joined():
             pass
@@ -202,7 +202,7 @@ def _reach(joined: "Callable[[], AbstractContextManager[Cluster]] | None") -> No
 def _prepared(
     root: Path, study: "Study", fresh: bool = False, shard: tuple[int, int] = (1, 1), shown: bool | None = None
 ) -> Iterator[None]:
-    """Claim the folder, clear it if asked to, and say that it is in use until this is left."""
+    """Claim the folder, clear it if requested, and mark it as in use until leaving."""
     if fresh and shard != (1, 1):
         raise ValueError("a fresh start would throw away the other shards' results: remove the folder first")
     store.claim_results(root, study.name, bool(study.quick), fresh)
@@ -219,9 +219,9 @@ def _prepared(
 
 @dataclass(frozen=True)
 class _Plan:
-    """What is left to do: jobs to compute, number of jobs done by earlier runs, failures that are not tried again.
+    """Jobs to compute, number of jobs done by earlier runs, failures that are not tried again.
 
-    held: what the folder holds, of this study or not.
+    held: contents of the folder, of this study or another.
     """
 
     todo: list["Job"]
@@ -231,7 +231,10 @@ class _Plan:
 
 
 def _plan(root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool, before: set[str] | None) -> _Plan:
-    """before: what the folder held when this run began, if it has sealed jobs since."""
+    """Plan the jobs to compute.
+
+    before: ids of the jobs sealed when this run began, if trials have sealed some since.
+    """
     held = store.holdings(root, verify)
     left = [job for job in jobs if job.id not in held.sealed]
     ids = {job.id for job in left}
@@ -243,7 +246,7 @@ def _plan(root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool, b
 
 @dataclass
 class _Tally:
-    """What has become of the jobs so far; writes failures and the journal as outcomes come in."""
+    """Running total of outcomes; writes failures and the journal as they arrive."""
 
     root: Path
     command: str
@@ -257,11 +260,11 @@ class _Tally:
 
     @property
     def full(self) -> bool:
-        """Whether as many jobs have failed now as may."""
+        """True if the number of jobs failed in this run has reached its bound."""
         return self.failed >= self.max_failures
 
     def add(self, outcome: Outcome) -> None:
-        """Take an outcome in."""
+        """Add an outcome."""
         self.failed += len(outcome.failed)
         self.elsewhere += len(outcome.elsewhere)
         self.start_cpu_s += outcome.start_cpu_s
@@ -286,7 +289,7 @@ class _Tally:
         notes: tuple[str, ...],
         of_results: Findings,
     ) -> RunSummary:
-        """What the run comes to. status: what the table says of each job asked for: both count alike."""
+        """Summarise the run; status: of each requested job, as in the table, so that both counts agree."""
         return RunSummary(
             study=study,
             folder=self.root,
@@ -308,9 +311,9 @@ class _Tally:
     def _add_failure(self, failure: store.Failure) -> None:
         before = self.failures.get(failure.job)
         attempts = failure.attempts + (before.attempts if before else 0)
-        told = replace(failure, attempts=attempts, command=self.command, when=store.now())
-        self.failures[failure.job] = told
-        told.write(self.root)
+        completed = replace(failure, attempts=attempts, command=self.command, when=store.now())
+        self.failures[failure.job] = completed
+        completed.write(self.root)
 
 
 def _works(
@@ -323,13 +326,13 @@ def _works(
     max_cpu: float,
     judged: frozenset[str],
 ) -> list[Work]:
-    """Pack the jobs left to do into units of work; ``judged``: units that were there when these jobs were left.
+    """Pack the remaining jobs into units of work; ``judged``: units in the folder when the jobs were planned.
 
-    Raises DiskFull if there is surely no room for them.
+    Raises DiskFull if the disk has too little room even for compressed series.
     """
     provenance = store.provenance(study)
     units = pack(todo.jobs, todo.costs, workers)
-    theirs = beside.OtherRuns(root, judged)
+    others = beside.OtherRuns(root, judged)
     works = [
         Work(
             root,
@@ -340,7 +343,7 @@ def _works(
             sum(todo.costs[i].bytes for i in unit),
             max_cpu,
             max_failures,
-            theirs,
+            others,
             {todo.jobs[i].id: todo.costs[i].spent for i in unit},
         )
         for unit in units
@@ -350,7 +353,7 @@ def _works(
 
 
 def _warm(root: Path, engine: Engine, todo: Sequence["Job"], patience: Patience) -> None:
-    """Compile before workers start; a case that fails here fails as a job too, and is told there."""
+    """Compile before workers start; errors are logged, and raised again by the job that needs the code."""
     try:
         load(engine.warm)([job.case for job in todo], compiling(patience))
     except Exception as error:
@@ -363,26 +366,26 @@ def _costs(engine: Engine, todo: Sequence["Job"], max_cpu: float) -> list[Cost]:
 
 
 def _cost(estimate: Callable[[Any], Any], case: Any, max_cpu: float) -> Cost:
-    """Price of a job; nothing for a case that is refused: its simulation will say why.
+    """Estimate the cost of a job: zero for a refused case, whose simulation reports the reason.
 
-    Infinite for a case whose price takes longer to find than the CPU time (s) that the job may take.
+    Infinite if the estimate itself takes longer than the CPU time (s) of a job.
     """
     began = cpu_time.now()
     try:
         with cpu_time.at_most(max_cpu):
-            found = estimate(case)
+            price = estimate(case)
     except cpu_time.OutOfCpuTime:
         return Cost(inf, 0.0)
     except ValueError:
         return Cost(0.0, 0.0)
-    price = float(found.cpu_seconds), float(found.bytes), float(found.most_memory)
-    return Cost(*price, spent=cpu_time.now() - began)
+    numbers = float(price.cpu_seconds), float(price.bytes), float(price.most_memory)
+    return Cost(*numbers, spent=cpu_time.now() - began)
 
 
 def _compute(
     works: Sequence[Work], outcomes: Generator[Outcome, None, None], tally: _Tally, shown: bool | None
 ) -> None:
-    """Take in the outcome of each unit of work as it comes."""
+    """Add the outcome of each unit of work to the tally as it arrives, and show the progress."""
     price = {job.id: seconds for work in works for job, seconds in zip(work.jobs, work.seconds, strict=True)}
     bar = shown_progress(shown, len(price), sum(price.values()))
     with bar as report, ending() as end, closing(outcomes) as coming:

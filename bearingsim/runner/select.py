@@ -15,7 +15,7 @@ from bearingsim.runner.commands import command
 from bearingsim.runner.earlier import kept, plan_name
 from bearingsim.runner.pool import Deaths, spread
 from bearingsim.runner.progress import compiling, progress
-from bearingsim.runner.stopping import asked
+from bearingsim.runner.stopping import stop_requested
 from bearingsim.runner.work import Engine, load
 from bearingsim.selection.candidates import price
 from bearingsim.selection.choices import key
@@ -164,7 +164,7 @@ def _compute(
     found: dict[str, Trial | None] = {}
     records: list[tuple[Job, Record]] = []
     try:
-        for one in takewhile(lambda _: not asked(), batch):
+        for one in takewhile(lambda _: not stop_requested(), batch):
             _try(root, one, engine, found, records)
     finally:
         store.write_units(root, records, provenance)

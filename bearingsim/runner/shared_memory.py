@@ -1,12 +1,10 @@
-"""The shared memory in which worker processes keep their locks: what is wrong with it, by name."""
+"""Errors of the shared memory in which worker processes keep their locks."""
 
 import errno
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from bearingsim.errors import UserError
-
-__all__ = ["NoSharedMemory", "in_shared_memory"]
 
 WRONG = {
     errno.ENOSPC: "is full: make room there",
@@ -16,7 +14,7 @@ WRONG = {
     errno.ENOENT: "is missing: mount it",
     errno.ENOSYS: "is missing: mount it",
 }
-"""Errors of ``sem_open``, by which each lock gets a file in /dev/shm."""
+"""Causes by error number of ``sem_open``, which makes a file in /dev/shm for each lock."""
 
 
 class NoSharedMemory(UserError):
@@ -25,7 +23,7 @@ class NoSharedMemory(UserError):
 
 @contextmanager
 def in_shared_memory() -> Iterator[None]:
-    """Name the shared memory where a lock cannot be made in it. Raises NoSharedMemory."""
+    """Turn errors of locks in shared memory into NoSharedMemory, which names the cause."""
     try:
         yield
     except OSError as error:

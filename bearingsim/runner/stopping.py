@@ -1,6 +1,6 @@
-"""Ending early: at a first Ctrl-C, SIGTERM or SIGHUP the jobs in hand end and are sealed; a second is at once.
+"""Early end of a run: at the first Ctrl-C, SIGTERM or SIGHUP the running jobs finish and are sealed.
 
-So they do where the run itself has seen enough.
+A second signal ends the process at once. A run that reaches its bounds ends like one that gets a first signal.
 """
 
 import signal
@@ -14,21 +14,19 @@ from bearingsim.errors import Signalled
 from bearingsim.runner.shared_memory import in_shared_memory
 from bearingsim.text.terminal import say
 
-__all__ = ["asked", "ending", "flag_for_workers", "heed", "heeding", "ignoring", "take_flag"]
-
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
-_received = 0  # number of the signal, in the process that got it
-_flag: Any = None  # the same for its workers
-_enough = False  # whether this process has seen enough, of itself
+_received = 0  # number of the signal received by this process, 0 without one
+_flag: Any = None  # event that passes the request to stop on to workers
+_enough = False  # True after the run itself requested the end
 
 
-def asked() -> bool:
-    """Whether this process, or the one that it works for, has been asked to stop."""
+def stop_requested() -> bool:
+    """Return True after a request to stop, in this process or the parent of this worker."""
     return _received != 0 or _enough or (_flag is not None and bool(_flag.is_set()))
 
 
 def flag_for_workers() -> Any:
-    """What workers learn it by: one for the life of this process, since another would need other workers.
+    """Return the event that tells workers to stop, made once: another event would need new workers.
 
     Raises NoSharedMemory.
     """
@@ -42,13 +40,13 @@ def flag_for_workers() -> Any:
 
 
 def heed(flag: Any) -> None:
-    """In a worker: from now on the flag tells it to stop."""
+    """Take the request to stop from this event from now on, in a worker."""
     global _flag
     _flag = flag
 
 
 def take_flag(flag: Any) -> None:
-    """In a worker: heed the flag, and no signal; these often go to all processes at once."""
+    """Heed the event and ignore signals, in a worker: a terminal sends signals to all processes at once."""
     heed(flag)
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
@@ -56,7 +54,7 @@ def take_flag(flag: Any) -> None:
 
 @contextmanager
 def heeding() -> Iterator[None]:
-    """Note the first signal, and raise Signalled at the end, when all that was in hand is done."""
+    """Record the first signal, and raise Signalled at the end, after the running jobs have finished."""
     global _received
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -74,7 +72,7 @@ def heeding() -> Iterator[None]:
 
 @contextmanager
 def ending() -> Iterator[Callable[[], None]]:
-    """Gives what ends a run as a signal does, without one: until this is left nothing more is begun."""
+    """Yield a function that stops a run as a signal does; the request is withdrawn on leaving."""
     global _enough
 
     def end() -> None:
@@ -93,7 +91,7 @@ def ending() -> Iterator[Callable[[], None]]:
 
 @contextmanager
 def ignoring() -> Iterator[None]:
-    """Ignore signals while workers start: they inherit it, and leave interrupting to this process from birth."""
+    """Ignore signals while workers start: they inherit this, so that only this process handles interrupts."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -103,7 +101,7 @@ def ignoring() -> Iterator[None]:
 
 @contextmanager
 def _handling(handler: Any) -> Iterator[None]:
-    """Another handler of what is not ignored already, as it is under nohup."""
+    """Set another handler for signals that are not ignored already (as under nohup)."""
     before = {number: signal.getsignal(number) for number in SIGNALS}
     heard = {number: old for number, old in before.items() if old not in (signal.SIG_IGN, None)}
     for number in heard:
@@ -120,6 +118,6 @@ def _ask(number: int, frame: FrameType | None) -> None:
     _received = number
     if _flag is not None:
         _flag.set()
-    for each in SIGNALS:
-        signal.signal(each, signal.SIG_DFL)
+    for other in SIGNALS:
+        signal.signal(other, signal.SIG_DFL)
     say("stopping when the jobs in hand are done (once more: at once)", err=True)

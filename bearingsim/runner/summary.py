@@ -1,4 +1,4 @@
-"""What a run comes to: counts, time, and failures grouped by reason."""
+"""Summary of a run: counts, time, and failures grouped by reason."""
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from bearingsim.runner.findings import Findings
-
-__all__ = ["FailureGroup", "Interrupted", "RunSummary", "chaos", "grouped", "kind_of", "step_errors", "unsettled"]
 
 
 @dataclass(frozen=True)
@@ -33,22 +31,22 @@ class FailureGroup:
 
 
 def grouped(failures: Iterable[Failure]) -> tuple[FailureGroup, ...]:
-    """Group failures whose reasons differ in numbers at most, largest group first."""
+    """Group failures whose reasons differ only in numbers, largest group first."""
     ordered = sorted(failures, key=lambda failure: (kind_of(failure.reason), failure.job))
     groups = [list(group) for _, group in groupby(ordered, key=lambda failure: kind_of(failure.reason))]
-    found = [FailureGroup(g[0].reason, g[0].advice, tuple(failure.job for failure in g)) for g in groups]
-    return tuple(sorted(found, key=lambda group: -len(group.jobs)))
+    kinds = [FailureGroup(g[0].reason, g[0].advice, tuple(failure.job for failure in g)) for g in groups]
+    return tuple(sorted(kinds, key=lambda group: -len(group.jobs)))
 
 
 LINE_AND_RMS = ("velocity@BPFO", "velocity.rms")
-FEW = 2  # features that a line has room for
+FEW = 2  # features named in a line; the rest are counted
 
 
 def chaos(frame: "pd.DataFrame", drawn: Sequence[str] = (), notable: float = NOTABLE) -> Iterator[str]:
-    """Yield how well the results of chaotic jobs are known, and what would tell more.
+    """Yield the standard error of the results of chaotic jobs, and the duration that would reduce it.
 
-    frame: of ``store.build_table``; drawn: features that are looked at; notable: standard error, relative, over
-    which it is told.
+    frame: of ``store.build_table``; drawn: features of the figures; notable: relative standard error above which
+    it is reported.
     """
     import pandas as pd
 
@@ -60,17 +58,17 @@ def chaos(frame: "pd.DataFrame", drawn: Sequence[str] = (), notable: float = NOT
         {name: relative_error(table, name).where(is_one_draw(table, name, notable), 0.0) for name in names}
     )
     unknown = errors.isna() | (errors == inf)
-    known = errors.mask(unknown, 0.0)
-    if (known.to_numpy() > 0.0).any():
-        worst = float(known.to_numpy().max())
+    bounded = errors.mask(unknown, 0.0)
+    if (bounded.to_numpy() > 0.0).any():
+        worst = float(bounded.to_numpy().max())
         longer = f"{ceil((worst / notable) ** 2)} times the `duration` for {100.0 * notable:.2g} %"
-        yield f"{_of_jobs(known > 0.0)} chaotic, known to {100.0 * worst:.2g} %; {longer}"
+        yield f"{_of_jobs(bounded > 0.0)} chaotic, known to {100.0 * worst:.2g} %; {longer}"
     if unknown.to_numpy().any():
         yield f"{_of_jobs(unknown)} chaotic, standard error unknown; a longer `duration` may tell"
 
 
 def _of_jobs(flags: "pd.DataFrame") -> str:
-    """`velocity.rms in 2 of 8 jobs`; flags: of jobs by features."""
+    """Format features with their number of jobs, as `velocity.rms in 2 of 8 jobs:`; flags: jobs by features."""
     names = [str(name) for name in flags if flags[name].any()]
     more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
     return f"{', '.join(names[:FEW])}{more} in {flags.any(axis=1).sum()} of {len(flags)} jobs:"
@@ -83,21 +81,21 @@ LESS_SURE = {
 
 
 def step_errors(frame: "pd.DataFrame") -> Iterator[str]:
-    """What is to be known of jobs whose line and RMS hold, but not all else."""
+    """Yield step errors above the limit in quantities other than line and RMS."""
     from bearingsim.simulation.step_check import ACCURACY  # imports the core, which takes a second
 
     for name, what in LESS_SURE.items():
         if f"features/{name}" not in frame:
             continue
-        said = frame[f"features/{name}"]
-        error = said[(frame["features/chaotic"] == 0.0) & (said > ACCURACY)]
+        values = frame[f"features/{name}"]
+        error = values[(frame["features/chaotic"] == 0.0) & (values > ACCURACY)]
         if len(error):
             jobs = f"{len(error)} job{'s' * (len(error) > 1)}"
             yield f"{jobs}: {what} may be off by up to {100.0 * error.max():.2g} % (`{name}`)"
 
 
 def unsettled(frame: "pd.DataFrame") -> Iterator[str]:
-    """Jobs whose start still moves line or RMS by more than 1 %, other than by chance."""
+    """Yield the jobs whose initial transient changes line or RMS by more than 1 %, except by chance."""
     from bearingsim.simulation.step_check import ACCURACY
 
     columns = [name for name in ("features/error.start", "features/error.start.rms") if name in frame]
@@ -115,25 +113,25 @@ def unsettled(frame: "pd.DataFrame") -> Iterator[str]:
 
 
 def repetitions(info: "pd.DataFrame") -> Iterator[str]:
-    """How much was computed of jobs that repeat themselves, or might; ``info``: of finished jobs, a row each."""
+    """Yield the numbers of periodic and non-periodic responses; ``info``: of finished jobs, a row each."""
     if "period_passes" not in info:
         return
-    told = info[info["period_passes"].notna()]
-    repeating = told[told["period_passes"] > 0]
+    checked = info[info["period_passes"].notna()]
+    repeating = checked[checked["period_passes"] > 0]
     if len(repeating):
         passes = _span(repeating["passes_computed"], "{:.0f}")
         yield (
-            f"{len(repeating)} of {len(told)} responses are periodic: {passes} of"
+            f"{len(repeating)} of {len(checked)} responses are periodic: {passes} of"
             f" {_span(repeating['passes'], '{:.0f}')} ball passes computed (`periodic: false` computes all)"
         )
-    ended = told[(told["period_passes"] == 0) & (told["passes_computed"] < told["passes"])]
+    ended = checked[(checked["period_passes"] == 0) & (checked["passes_computed"] < checked["passes"])]
     if len(ended):
         passes = _span(ended["passes_computed"], "{:.0f}")
-        yield f"{len(ended)} of {len(told)} jobs were accurate enough after {passes} ball passes"
-    others = told[(told["passes_computed"] == told["passes"]) & (told["last_difference"] > 0.0)]
+        yield f"{len(ended)} of {len(checked)} jobs were accurate enough after {passes} ball passes"
+    others = checked[(checked["passes_computed"] == checked["passes"]) & (checked["last_difference"] > 0.0)]
     if len(others):
         yield (
-            f"{len(others)} of {len(told)} responses are not periodic: successive passes differ by"
+            f"{len(others)} of {len(checked)} responses are not periodic: successive passes differ by"
             f" {_span(100.0 * others['last_difference'], '{:.2g}')} % of the range (`last_difference`)"
         )
 
@@ -144,7 +142,7 @@ def _span(values: "pd.Series[float]", form: str) -> str:
 
 
 def kind_of(reason: str) -> str:
-    """A reason without its numbers: the same for all that failed alike."""
+    """Replace the numbers of a reason by `#`, so that failures of one kind compare equal."""
     return re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", reason)
 
 
@@ -153,9 +151,9 @@ class RunSummary:
     """Result of a run: numbers of jobs planned, done before and done now, failures; times in s.
 
     ``interrupted``: number of the signal, or 0.
-    ``start_cpu_s`` is what the workers took to import and compile, ``cpu_s`` their CPU time after that and
-    ``integrator_cpu_s`` the part of it inside the integrator; ``notes`` tell what became of earlier results, and
-    what was repaired; ``findings`` what there is to say of the results, None before there are any.
+    ``start_cpu_s`` is the workers' CPU time for imports and compilation, ``cpu_s`` their CPU time after that and
+    ``integrator_cpu_s`` the part of it inside the integrator; ``notes``: lines on earlier results and on repairs;
+    ``findings``: statements on the results, None before there are any.
     """
 
     study: str
@@ -189,7 +187,7 @@ class RunSummary:
 
     @property
     def exit_code(self) -> int:
-        """0 all done, 1 some failed or left, 128 and the number of the signal if interrupted: 130 by Ctrl-C."""
+        """0 all done, 1 some failed or left, 128 plus the number of the signal if interrupted: 130 by Ctrl-C."""
         return 128 + self.interrupted if self.interrupted else int(self.failed > 0 or self.missing > 0)
 
     def __str__(self) -> str:
@@ -197,10 +195,10 @@ class RunSummary:
 
     @property
     def headline(self) -> str:
-        """`small: 8 of 8 jobs done in 3.2 s, 2 of them before`."""
+        """First line of the summary, as `small: 8 of 8 jobs done in 3.2 s, 2 of them before`."""
         done = self.done + self.resumed
         counts = {"of them before": self.resumed, "failed": self.failed, "left": self.missing}
-        parts = [f"{count} {what}" for what, count in counts.items() if count]
+        parts = [f"{count} {name}" for name, count in counts.items() if count]
         line = (
             f"{self.study}: {done} of {self.planned} job{'s' * (self.planned != 1)} done in {self.seconds:.1f} s"
         )
@@ -208,21 +206,24 @@ class RunSummary:
 
     @property
     def happened(self) -> tuple[str, ...]:
-        """Failures, and what became of earlier results."""
+        """Failures, and notes on earlier results."""
         return (*map(str, self.failures), *self.notes)
 
     @property
     def details(self) -> tuple[str, ...]:
-        """All there is to say of the results, and where the CPU time went."""
-        told = () if self.findings is None else self.findings.everything
+        """All statements on the results, and the share of CPU time spent in the integrator."""
+        texts = () if self.findings is None else self.findings.everything
         if not self.cpu_s > 0.0:
-            return told
+            return texts
         apart = f"{self.start_cpu_s:.1f} s of start-up apart"
-        return (*told, f"{self.integrator_share:.0%} of the workers' CPU time, {apart}, went into the runs' steps")
+        return (
+            *texts,
+            f"{self.integrator_share:.0%} of the workers' CPU time, {apart}, went into the runs' steps",
+        )
 
 
 class Interrupted(KeyboardInterrupt):
-    """A run was interrupted; what was done by then is stored. Carries the summary."""
+    """Interruption of a run, with its summary; results up to then are stored."""
 
     def __init__(self, summary: RunSummary) -> None:
         advice = f"results so far: {summary.folder}; run the same command to continue"

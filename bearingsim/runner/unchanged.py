@@ -1,4 +1,4 @@
-"""A run that has nothing left to do, told by its plan alone: the cases of a long study take a while to make."""
+"""Shortcut for a study that is done: its plan suffices, without expanding the cases of a long study."""
 
 import time
 from collections.abc import Mapping
@@ -9,13 +9,11 @@ from bearingsim.runner.findings import findings
 from bearingsim.runner.summary import RunSummary
 from bearingsim.study import outline
 
-__all__ = ["finished"]
-
 
 def finished(path: Path, out: Path | None, overrides: Mapping[str, str], quick: bool) -> RunSummary | None:
-    """What a run of a study comes to if all of it is done; None if it is not, or that cannot be told so.
+    """Summarise a run of a study that is done; None if jobs are left, or the plan does not decide it.
 
-    It can where study, files, program and working folder are those of the plan, and no accuracy is asked for.
+    The plan decides if study, files, program and working folder have not changed, and no accuracy is requested.
     """
     started = time.perf_counter()
     about = outline(path, overrides, quick)

@@ -1,4 +1,4 @@
-"""What is said at the end of a run of what is not known of the bearing: how far it moves the results."""
+"""Influence of uncertain quantities of the bearing on the results, for the end of a run."""
 
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
@@ -10,32 +10,30 @@ from bearingsim.study.uncertainty import UNKNOWNS, by_kind, sweeps_damping, unex
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["assumed", "moved"]
-
 BRIEFLY = {"": "the line", ".rms": "the RMS", ".force": "the largest force"}
 
 
 def moved(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """How far what was tried of the unknown moves the results of some jobs.
+    """Yield the change of the results over the variations of each uncertain quantity.
 
     plan: of ``store.read_plan``; frame: of ``store.build_table``.
     """
-    found = errors(plan, frame)
-    values = by_kind((one["what"], one["value"]) for one in plan.get("variations", ()))
+    changes = errors(plan, frame)
+    values = by_kind((variation["what"], variation["value"]) for variation in plan.get("variations", ()))
     for what, tried in values.items():
         columns = {text: f"error.{what}{ending}" for ending, text in BRIEFLY.items()}
-        known = {text: found[name].dropna() for text, name in columns.items() if name in found}
+        by_feature = {text: changes[name].dropna() for text, name in columns.items() if name in changes}
         yield from _lacking(plan, frame, what)
-        how_far = ", ".join(f"{text} by {_percent(column.max())}" for text, column in known.items())
-        if how_far:
-            jobs = max(len(column) for column in known.values())
+        ranges = ", ".join(f"{text} by {_percent(column.max())}" for text, column in by_feature.items())
+        if ranges:
+            jobs = max(len(column) for column in by_feature.values())
             most = f" (at most, of {jobs} jobs)" if jobs > 1 else ""
-            yield f"{UNKNOWNS[what].tried_text(what, tried)} moves {how_far}{most}{_chaotic(plan, frame, what)}"
+            yield f"{UNKNOWNS[what].tried_text(what, tried)} moves {ranges}{most}{_chaotic(plan, frame, what)}"
 
 
 def assumed(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """What was assumed of all jobs; of damping, if nothing was tried, what that would take."""
-    values = {one["what"] for one in plan.get("variations", ())}
+    """Yield the assumptions of a study, and the cost of varying damping if it is not varied."""
+    values = {variation["what"] for variation in plan.get("variations", ())}
     if "damping" not in values and not plan.get("nothing_uncertain") and not sweeps_damping(plan["units"]):
         yield from _unexamined(plan, frame)
     yield from plan.get("assumptions", ())
@@ -46,12 +44,12 @@ def _percent(part: float) -> str:
 
 
 def _variations(plan: Mapping[str, Any], what: str) -> list[str]:
-    """Ids of the jobs in which it was varied."""
-    return list({one["job"]: None for one in plan.get("variations", ()) if one["what"] == what})
+    """List the ids of the jobs in which a quantity is varied."""
+    return list({variation["job"]: None for variation in plan.get("variations", ()) if variation["what"] == what})
 
 
 def _lacking(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> Iterator[str]:
-    """How many of the variations have no result, if any has none."""
+    """Yield the number of variations without a result, if any."""
     jobs = _variations(plan, what)
     count = int((frame["status"].reindex(jobs) != "done").sum()) if "status" in frame else 0
     if count:
@@ -59,7 +57,7 @@ def _lacking(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> Itera
 
 
 def _chaotic(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> str:
-    """How many of the variations are chaotic, if any is."""
+    """Return a remark on the number of chaotic variations, or "" without any."""
     jobs = _variations(plan, what)
     if "features/chaotic" not in frame:
         return ""

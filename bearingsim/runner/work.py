@@ -1,4 +1,4 @@
-"""A unit of work and how one is computed: this is what runs in a worker process."""
+"""Unit of work, and its computation in a worker process."""
 
 import ctypes
 import importlib
@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from bearingsim import cpu_time
 from bearingsim.errors import UserError
 from bearingsim.runner.beside import OtherRuns
-from bearingsim.runner.stopping import asked, take_flag
+from bearingsim.runner.stopping import stop_requested, take_flag
 from bearingsim.store import DiskFull, Failure, room, start_marker, unit_name, write_units
 from bearingsim.store.columns import Value
 
@@ -26,16 +26,16 @@ if TYPE_CHECKING:
     from bearingsim.simulation.simulate import Record
     from bearingsim.study import Job
 
-__all__ = ["BEARINGSIM", "Engine", "Outcome", "Work", "compute", "die_with_parent", "load"]
-
-PR_SET_PDEATHSIG = 1
-POLL_S = 2.0
+PR_SET_PDEATHSIG = 1  # option of prctl(2): signal sent to this process when its parent dies
+POLL_S = 2.0  # s between checks of the parent where prctl is missing
 
 
 @dataclass(frozen=True)
 class Engine:
-    """Import paths ``module:function`` of what computes a case, estimates its cost, compiles beforehand, tries the
-    first passes of a case, and says what a user must know of all cases.
+    """Import paths ``module:function`` of the solver.
+
+    simulate: computes a case; estimate: estimates its cost; warm: compiles beforehand; try_out: computes the first
+    passes of a case; notes: remarks on all cases.
     """
 
     simulate: str = "bearingsim.simulation:simulate"
@@ -48,15 +48,15 @@ class Engine:
 BEARINGSIM = Engine()
 
 Seal = Callable[[Path, Sequence[tuple["Job", "Record"]], Mapping[str, Value]], object]
-"""Puts records where they stay: told of the results folder, jobs and their records, and what made them."""
+"""Callback that stores records: results folder, jobs with their records, provenance."""
 
 
 @dataclass(frozen=True)
 class Work:
     """Jobs to compute in one go, where to store them, the estimated time in s of each, and bytes of all series.
 
-    max_cpu: CPU time (s) that a job may take; max_failures: jobs that may fail before no more is begun; others:
-    the runs beside this one in the folder; spent: CPU time (s) of a job that is gone already, by its id.
+    max_cpu: largest CPU time (s) of a job; max_failures: failed jobs after which no more are begun; others: other
+    runs in the folder; spent: CPU time (s) that a job's estimate has taken, by id.
     """
 
     root: Path
@@ -76,7 +76,7 @@ class Work:
         return unit_name(job.id for job in self.jobs)
 
     def only(self, ids: Iterable[str]) -> "Work":
-        """The part of the work that concerns some jobs."""
+        """Return the part of the work with some jobs."""
         wanted = set(ids)
         pairs = [pair for pair in zip(self.jobs, self.seconds, strict=True) if pair[0].id in wanted]
         return replace(self, jobs=tuple(job for job, _ in pairs), seconds=tuple(cost for _, cost in pairs))
@@ -84,9 +84,9 @@ class Work:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a unit of work: jobs sealed, jobs failed, time in s; ``elsewhere``: sealed by another run.
+    """Outcome of a unit of work: jobs sealed, jobs failed, time in s; ``elsewhere``: sealed by another run.
 
-    ``start_cpu_s`` is CPU time of importing and compiling (or loading what is compiled), not part of ``cpu_s``.
+    ``start_cpu_s`` is the CPU time of imports and compilation (or loading of its cache), not part of ``cpu_s``.
     """
 
     unit: str
@@ -100,7 +100,7 @@ class Outcome:
 
 
 def load(path: str) -> Callable[..., Any]:
-    """The function at an import path ``module:function``."""
+    """Import the function at a path ``module:function``."""
     module, _, name = path.partition(":")
     function: Callable[..., Any] = getattr(importlib.import_module(module), name)
     return function
@@ -109,10 +109,10 @@ def load(path: str) -> Callable[..., Any]:
 def compute(work: Work, seal: Seal = write_units) -> Outcome:
     """Simulate the jobs of a unit, seal their records, and return failures as values.
 
-    Whoever is asked to stop seals what is done. Only what concerns the whole study is raised: DiskFull, a bug
-    outside the simulation.
+    After a request to stop the finished jobs are sealed. Only errors of the whole study are raised: DiskFull, or a
+    bug outside the simulation.
     """
-    if asked():
+    if stop_requested():
         return Outcome(work.unit, (), ())
     started = time.perf_counter()
     start_cpu_s = _start_up(work)
@@ -123,7 +123,7 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
     simulate, unit = load(work.engine.simulate), work.unit
     with start_marker(work.root, unit) as note:
         for job in work.jobs:
-            if asked() or len(failed) >= work.max_failures:
+            if stop_requested() or len(failed) >= work.max_failures:
                 break
             if work.others is not None and work.others.have(job.id):
                 elsewhere.append(job.id)
@@ -135,7 +135,7 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
                     done.append((job, simulate(job.case)))
             except DiskFull:
                 raise
-            except KeyboardInterrupt:  # where nobody heeds signals
+            except KeyboardInterrupt:  # without a handler of signals
                 seal(work.root, done, work.provenance)
                 raise
             except Exception as error:
@@ -154,7 +154,10 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
 
 
 def _start_up(work: Work) -> float:
-    """Import and compile what the jobs need; CPU time in s. What fails here fails as a job, and is told there."""
+    """Import and compile the code of the jobs; return the CPU time (s).
+
+    Errors are ignored: the job fails again and reports them.
+    """
     began = time.process_time()
     with suppress(Exception):
         load(work.engine.warm)([job.case for job in work.jobs])
@@ -162,7 +165,7 @@ def _start_up(work: Work) -> float:
 
 
 def _failure(job: str, error: Exception) -> Failure:
-    """A failure as a value; an error of the simulation brings its own reason, advice and time."""
+    """Convert an exception to a Failure; errors of the simulation have their own reason, advice and time."""
     text = str(error).strip().partition("\n")[0]
     kind = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
     return Failure(
@@ -175,7 +178,7 @@ def _failure(job: str, error: Exception) -> Failure:
 
 
 def die_with_parent(parent: int, flag: Any) -> None:
-    """Let this worker be killed when its parent dies, and stop when the parent's flag says so."""
+    """End this worker when its parent dies, and stop it when the parent's event is set."""
     take_flag(flag)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)

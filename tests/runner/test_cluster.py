@@ -357,7 +357,7 @@ def test_who_dies_while_it_is_asked_is_left_out(monkeypatch: pytest.MonkeyPatch)
     client: Any = Scripted()
     answers: dict[str, Any] = {"there": {"numpy": "1"}, "gone": OSError("closed")}
     monkeypatch.setattr(client, "run", lambda *told, on_error: answers)
-    assert flock(client)._told(installation) == {"there": {"numpy": "1"}}
+    assert flock(client)._on_all(installation) == {"there": {"numpy": "1"}}
     answers["broken"] = ImportError("numba")
     with pytest.raises(OtherInstallation, match="worker broken cannot load bearingsim: numba"):
         flock(client).assembled()
@@ -452,7 +452,7 @@ def test_no_client_is_made_where_nobody_listens(monkeypatch: pytest.MonkeyPatch,
         raise AssertionError("a client is made")
 
     monkeypatch.setattr(handshake, "_Client", made)
-    with pytest.raises(cluster.SchedulerGone, match="no scheduler answers"), cluster.joined(address):
+    with pytest.raises(handshake.SchedulerGone, match="no scheduler answers"), cluster.joined(address):
         pass
 
 
@@ -485,7 +485,7 @@ def test_a_worker_dies_and_then_the_scheduler(
         until(lambda: counted(count).total() > seen + 20)
         machines.die()
 
-    with meanwhile(disaster), pytest.raises(cluster.SchedulerGone, match="give the command again"):
+    with meanwhile(disaster), pytest.raises(handshake.SchedulerGone, match="give the command again"):
         compute(study, out, machines.address)
     assert not caplog.records  # the message says it all
     until(lambda: machines.started[2].poll() is not None, "a worker stays when its scheduler has gone")
