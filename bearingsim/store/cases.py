@@ -1,4 +1,4 @@
-"""A job's case, made again from the parameters that were stored with its results."""
+"""Reconstruction of a job's case from the parameters stored with its results."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,17 +9,15 @@ from bearingsim.store.scans import own_scan
 if TYPE_CHECKING:
     from bearingsim.config import Case
 
-__all__ = ["case_of"]
-
 WORDS = ("record", "features")  # stored as words joined by spaces
 
 
 def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
-    """The case of a job from its resolved parameters in SI, as ``Results.parameters`` has them.
+    """Build the case of a job from its resolved parameters in SI, as ``Results.parameters`` returns them.
 
-    What is not set (NaN or an empty text) is left out, and what was recorded: that is in the series. Scans are
-    those that the results folder ``root`` has kept: no other file is read for it. Raises ValueError (pydantic's
-    ValidationError, ScanError) for parameters that make no case, as those of another version may.
+    Parameters that are not set (NaN or an empty text) and the recorded channels are left out. Scans are read from
+    the results folder ``root`` only. Raises ValueError (pydantic's ValidationError, ScanError) for parameters that
+    form no valid case, such as those of another version.
     """
     from bearingsim.config import Case
 
@@ -34,13 +32,13 @@ def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
 
 
 def _take_kept(root: Path, defect: dict[str, Any]) -> None:
-    """Let a defect read its scan, if it has one, from where it was kept. Raises ScanError if it was not."""
+    """Point a defect to the stored copy of its scan, if it has one. Raises ScanError without a copy."""
     if "file" in defect:
         defect["file"] = str(own_scan(root, str(defect.get("digest")), str(defect["file"])))
 
 
 def _plain(value: Any) -> Any:
-    """Whole numbers as such: all numbers are stored as floats."""
+    """Convert whole numbers, which are stored as floats, to int."""
     return int(value) if isinstance(value, float) and value.is_integer() and abs(value) < 1e9 else value
 
 
@@ -57,7 +55,7 @@ def _mapping(item: Any) -> dict[str, Any]:
 
 
 def _lists(item: Any) -> Any:
-    """Mappings by number, from 1, as lists."""
+    """Convert mappings with keys 1, 2, ... to lists."""
     if not isinstance(item, dict):
         return item
     inner = {name: _lists(value) for name, value in item.items()}

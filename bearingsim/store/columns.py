@@ -1,7 +1,7 @@
-"""Columns over the jobs of a file: parameters, features, and what the solver said.
+"""Columns over the jobs of a file: parameters, features, and facts of the solver.
 
 All numbers of a group are one float64 dataset (job, name), such as ``features``. The scale of its second dimension
-is ``feature``, the names; ``feature_units`` has the units. All its words are another, ``feature_text``.
+is ``feature``, the names; ``feature_units`` has the units. All its texts are another, ``feature_text``.
 """
 
 import math
@@ -17,11 +17,9 @@ from bearingsim.store.names import feature_attributes, parameter_attributes
 from bearingsim.store.regular import Unreadable
 from bearingsim.text.terminal import is_line
 
-__all__ = ["GROUPS", "TEXT", "Value", "columns", "read_columns", "write_columns", "write_jobs"]
-
 TEXT = h5py.string_dtype()
 GROUPS = {"parameters": "parameter", "features": "feature", "info": "fact"}
-"""Datasets, and what one of their columns is called."""
+"""Names of a column by dataset."""
 ATTRIBUTES = {"parameters": parameter_attributes, "features": feature_attributes}
 
 Value = float | int | str
@@ -29,9 +27,9 @@ Row = Mapping[str, Value]
 
 
 def columns(rows: Sequence[Row]) -> dict[str, NDArray[Any]]:
-    """Turn one mapping per job into one array per name: float64, or text as soon as one value is a word.
+    """Turn one mapping per job into one array per name: float64, or text if any value is a text.
 
-    A name that a job does not have reads NaN, or the empty text.
+    A missing value is NaN, or the empty text.
     """
     names = dict.fromkeys(name for row in rows for name in row)
     return {name: _column([row.get(name) for row in rows]) for name in names}
@@ -56,16 +54,16 @@ def write_columns(file: h5py.File, jobs: h5py.Dataset, group: str, named: Mappin
     names = sorted(named)
     numbers = [name for name in names if named[name].dtype != object]
     words = [name for name in names if named[name].dtype == object]
-    one = GROUPS[group]
+    item = GROUPS[group]
     if numbers:
-        scale = _table(file, jobs, group, one, np.stack([named[name] for name in numbers], axis=1), numbers)
+        scale = _table(file, jobs, group, item, np.stack([named[name] for name in numbers], axis=1), numbers)
         if group in ATTRIBUTES:
-            told = [ATTRIBUTES[group](name).get("units", "") for name in numbers]
-            units = file.create_dataset(f"{one}_units", data=told, dtype=TEXT)
+            unit_texts = [ATTRIBUTES[group](name).get("units", "") for name in numbers]
+            units = file.create_dataset(f"{item}_units", data=unit_texts, dtype=TEXT)
             units.dims[0].attach_scale(scale)
     if words:
         texts = _fixed(np.stack([named[name] for name in words], axis=1))
-        _table(file, jobs, f"{one}_text", f"{one}_text_name", texts, words)
+        _table(file, jobs, f"{item}_text", f"{item}_text_name", texts, words)
 
 
 def _table(
@@ -81,7 +79,7 @@ def _table(
 
 
 def _fixed(words: NDArray[Any]) -> NDArray[np.bytes_]:
-    """Words of one length, in UTF-8: of these many alike are compressed to next to nothing."""
+    """Encode texts in UTF-8 at a common length: repeated ones compress to almost nothing."""
     coded = np.char.encode(words.astype(str), "utf-8")
     return coded.astype(h5py.string_dtype(length=max(coded.dtype.itemsize, 1)))
 
@@ -89,20 +87,20 @@ def _fixed(words: NDArray[Any]) -> NDArray[np.bytes_]:
 def read_columns(file: Hdf5, groups: Sequence[str] = tuple(GROUPS)) -> dict[str, NDArray[Any]]:
     """Read the columns over ``job`` of a unit or of the table: ``job``, ``features/velocity@BPFO`` ...
 
-    Raises one of UNREADABLE for what is damaged, and for columns that are not over ``job``.
+    Raises one of UNREADABLE for damage, and for columns that are not over ``job``.
     """
     tables = [name for group in groups for name in _tables(file, group)]
     file.afford("the sum of its columns", file.cost("job", *tables))
     jobs = file.texts("job")
-    found = {f"{group}/{name}": column for group in groups for name, column in _group(file, group)}
-    for name, column in found.items():
+    by_name = {f"{group}/{name}": column for group in groups for name, column in _group(file, group)}
+    for name, column in by_name.items():
         if column.shape != jobs.shape:
             raise Unreadable(f"{name} has {len(column)} rows, not {len(jobs)}")
         if column.dtype == object and name.startswith("features/"):
             raise Unreadable(f"{name} holds no numbers")
         if not is_line(name):
             raise Unreadable(f"{name!a} is no name of a column")
-    return {"job": jobs} | found
+    return {"job": jobs} | by_name
 
 
 def _tables(file: Hdf5, group: str) -> list[str]:
@@ -111,9 +109,9 @@ def _tables(file: Hdf5, group: str) -> list[str]:
 
 
 def _group(file: Hdf5, group: str) -> Iterator[tuple[str, NDArray[Any]]]:
-    one = GROUPS[group]
+    item = GROUPS[group]
     for table in _tables(file, group):
         if table == group:
-            yield from zip(file.texts(one), file.numbers(group).T, strict=True)
+            yield from zip(file.texts(item), file.numbers(group).T, strict=True)
         else:
-            yield from zip(file.texts(f"{one}_text_name"), file.texts(table).T, strict=True)
+            yield from zip(file.texts(f"{item}_text_name"), file.texts(table).T, strict=True)

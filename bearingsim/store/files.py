@@ -1,8 +1,8 @@
 """Files of a results folder that are either whole or absent.
 
 Everything is written under a ``.part`` name, fsynced and renamed, so a power cut or ``kill -9`` never leaves half
-a file under a final name. Whoever writes a temporary file holds its lock, which ends with the process, wherever
-that runs: so what was left behind can be told from what is being written.
+a file under a final name. The writer of a temporary file holds its lock, which ends with the process on any
+machine: a file without a lock was left behind.
 """
 
 import errno
@@ -22,27 +22,9 @@ from bearingsim.store.own_files import FOLDERS, LOCK, temporary_files
 from bearingsim.store.regular import Unreadable, open_regular
 from bearingsim.text.terminal import say
 
-__all__ = [
-    "DiskFull",
-    "LinkWithin",
-    "check_room",
-    "copy",
-    "left_behind",
-    "lock",
-    "open_to_append",
-    "refuse_links",
-    "room",
-    "sweep",
-    "temporary",
-    "what_is_full",
-    "write_bytes",
-    "write_text",
-    "writer",
-]
-
 ADVICE = "make room, or take another folder by --out, and give the command again: what is stored stays"
 PATIENCE_S = 5.0
-"""How long a lock is waited for in silence."""
+"""s after which waiting for a lock is reported."""
 NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
 
 
@@ -51,18 +33,18 @@ class DiskFull(UserError):
 
 
 class LinkWithin(UserError):
-    """A part of a results folder lies elsewhere."""
+    """A part of a results folder is a link."""
 
 
 def writer() -> str:
-    """``host-pid`` of this process, as it stands in the names of its files."""
+    """Return ``host-pid`` of this process, used in the names of its files."""
     host = "".join(c if c.isalnum() or c == "-" else "_" for c in socket.gethostname())
     return f"{host or 'host'}-{os.getpid()}"
 
 
 @contextmanager
 def room(path: Path) -> Iterator[None]:
-    """Tell by name of a disk on which there is no room for ``path``. Raises DiskFull."""
+    """Turn errors for want of disk space for ``path`` into DiskFull, which names the disk."""
     try:
         yield
     except OSError as error:
@@ -72,7 +54,7 @@ def room(path: Path) -> Iterator[None]:
 
 
 def what_is_full(path: Path, number: int) -> str:
-    """Tell why there is no room for a file; number: of the system's error, one of NO_ROOM."""
+    """Describe why there is no room for a file; number: of the system's error, one of NO_ROOM."""
     folder = _nearest(path.parent)
     if number == errno.EFBIG:
         return f"no file may grow so large (`ulimit -f`), and so {folder} takes no {path.name}"
@@ -89,17 +71,17 @@ def _inodes_are_out(folder: Path) -> bool:
 
 
 def _nearest(folder: Path) -> Path:
-    """The folder, or the one above it that there is."""
-    return next((one for one in (folder, *folder.absolute().parents) if one.is_dir()), folder)
+    """Return the folder, or its nearest parent that exists."""
+    return next((path for path in (folder, *folder.absolute().parents) if path.is_dir()), folder)
 
 
 def _mount(folder: Path) -> Path:
     whole = folder.resolve()
-    return next(one for one in (whole, *whole.parents) if one.is_mount() or one == one.parent)
+    return next(path for path in (whole, *whole.parents) if path.is_mount() or path == path.parent)
 
 
 def check_room(root: Path, wanted: float) -> None:
-    """Raises DiskFull if the disk of ``root`` has less room than ``wanted`` bytes."""
+    """Raise DiskFull if the disk of ``root`` has less room than ``wanted`` bytes."""
     left = shutil.disk_usage(root).free
     if left < wanted:
         sizes = f"{left / 1e6:.3g} MB are left of the {wanted / 1e6:.3g} MB that the results take at least"
@@ -134,7 +116,7 @@ def copy(path: Path, into: Path) -> None:
 
 @contextmanager
 def temporary(folder: Path, name: str, end: str) -> Iterator[BinaryIO]:
-    """A new file whose lock lives and dies with its writer; on leaving it is removed, unless it was renamed."""
+    """Create a temporary file, locked until its writer ends; on leaving it is removed unless it was renamed."""
     folder.mkdir(parents=True, exist_ok=True)
     file = _locked(folder, name, end)
     try:
@@ -151,11 +133,11 @@ def _locked(folder: Path, name: str, end: str) -> BinaryIO:
         _take(file, wait=True)
         if path.exists():
             return file
-        file.close()  # a sweep was quicker than the lock
+        file.close()  # a sweep removed it before it was locked
 
 
 def _take(file: BinaryIO, wait: bool) -> bool:
-    """Lock a file; False if another holds it, or where there are no locks."""
+    """Lock a file; return False if another process holds it, or the disk has no locks."""
     try:
         import fcntl
 
@@ -167,11 +149,11 @@ def _take(file: BinaryIO, wait: bool) -> bool:
 
 @contextmanager
 def left_behind(path: Path) -> Iterator[bool]:
-    """Whether the writer of a temporary file is known to be gone; nobody else finds so until this is left."""
+    """Yield True if the writer of a temporary file has ended; the file is locked against others meanwhile."""
     flags = os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
     try:
         file = os.fdopen(os.open(path, flags), "r+b", buffering=0)
-    except OSError:  # it has just been removed, or is not ours to remove
+    except OSError:  # it has just been removed, or belongs to another user
         file = None
     if file is None:
         yield False
@@ -189,7 +171,7 @@ def _fsync(folder: Path) -> None:
 
 
 def open_to_append(path: Path) -> TextIO:
-    """A text file to add lines to; an OSError if a link stands for it."""
+    """Open a text file to append lines. Raises OSError if it is a link."""
     flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
     return os.fdopen(os.open(path, flags, 0o666), "a", encoding="utf-8")
 
@@ -201,10 +183,11 @@ def write_text(path: Path, text: str) -> None:
 
 @contextmanager
 def lock(root: Path, wait: bool = True) -> Iterator[None]:
-    """The lock that parents sharing a folder hold while they build the table or sweep; dies with its holder.
+    """Hold the lock of a folder, under which its table is built and temporary files are swept.
 
-    On a disk that has no locks nothing is held. Whoever waits for long says for whom. Without ``wait`` raises
-    filelock.Timeout if another holds it, and LinkWithin if a link stands for it.
+    The lock ends with its holder; on a disk without locks nothing is held. A long wait is reported with the
+    holder. Without ``wait`` raises filelock.Timeout if another process holds it; raises LinkWithin if the lock is
+    a link.
     """
     _refuse_link(root / LOCK)
     held = FileLock(root / LOCK, timeout=PATIENCE_S if wait else 0)
@@ -227,13 +210,13 @@ def lock(root: Path, wait: bool = True) -> Iterator[None]:
 
 
 def _other_runs(root: Path) -> str:
-    """The processes at work in a folder, as their start markers name them, but this one."""
+    """Name the processes that run in a folder, by their start markers, except this one."""
     names = {path.name.split(".")[1].rpartition("-")[0] for path in root.glob("run.*.started")} - {writer()}
     return f"another run ({', '.join(sorted(names))})" if names else "another process"
 
 
 def refuse_links(root: Path) -> None:
-    """Raises LinkWithin where a link stands for one of the folders, or the lock: it leads out of the results."""
+    """Raise LinkWithin if one of the folders, or the lock, is a link: it would lead out of the results."""
     for path in (path for name in (*FOLDERS, LOCK) for path in root.glob(name)):
         _refuse_link(path)
 
@@ -247,7 +230,7 @@ def _refuse_link(path: Path) -> None:
 
 
 def sweep(root: Path) -> list[Path]:
-    """Remove temporary files whose writers are gone; return what was removed."""
+    """Remove temporary files whose writers have ended; return their paths."""
     removed = []
     with lock(root):
         for path in temporary_files(root):

@@ -1,4 +1,4 @@
-"""Resuming: what a results folder holds already, and clearing it."""
+"""Resuming from a results folder, and clearing it."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -21,19 +21,8 @@ if TYPE_CHECKING:
 
     from bearingsim.study import Study
 
-__all__ = [
-    "FolderInUse",
-    "Holdings",
-    "claim_results",
-    "discard",
-    "holdings",
-    "in_use",
-    "refuse_use",
-    "refuse_users_study",
-]
-
 RESULTS = "results"
-"""What the marker of a results folder says that it is."""
+"""Kind of a results folder in its marker."""
 
 
 class FolderInUse(UserError):
@@ -42,10 +31,9 @@ class FolderInUse(UserError):
 
 @dataclass(frozen=True)
 class Holdings:
-    """What a folder holds: ids of jobs in sound units, failures by job, rows that are not in the table.
+    """Contents of a folder: ids of jobs in sound units, failures by job, rows that are not in the table.
 
-    units: names of all units that were judged; damaged: names of files that could not be read, and have been set
-    aside.
+    units: names of all units that were checked; damaged: names of unreadable files, which were set aside.
     """
 
     units: frozenset[str]
@@ -56,19 +44,19 @@ class Holdings:
 
 
 def holdings(root: Path, verify: bool = False) -> Holdings:
-    """Judge all units and failures; what cannot be read is renamed to ``.damaged`` and noted in the journal.
+    """Check all units and failures; rename unreadable files to ``.damaged`` and note them in the journal.
 
-    verify: read the units that the table knows, too.
+    verify: also read the units that are in the table.
     """
-    known = read_frame(root, groups=())
+    frame = read_frame(root, groups=())
     units = own_files.UNITS.of(root)
-    stock = judged(units, known, {}, verify)
+    stock = judged(units, frame, {}, verify)
     failures, unreadable = judged_failures(root)
     damaged = stock.damaged | unreadable
     for path, reason in damaged.items():
         set_aside(path)
         log(root, "damaged", file=str(path.relative_to(root)), reason=reason)
-    jobs = set() if known is None else set(known.index[known["unit"].isin(stock.known)])
+    jobs = set() if frame is None else set(frame.index[frame["unit"].isin(stock.known)])
     jobs = jobs.union(*(rows.index for rows in stock.read.values()))
     names = frozenset(path.stem for path in units)
     return Holdings(names, jobs, failures, stock.read, [str(path.relative_to(root)) for path in damaged])
@@ -76,15 +64,18 @@ def holdings(root: Path, verify: bool = False) -> Holdings:
 
 @contextmanager
 def in_use(root: Path) -> Iterator[None]:
-    """Say that a run works in a folder, until it ends or dies. Others may, too; nothing is cleared meanwhile."""
+    """Mark a folder as in use by this run until it ends or dies; it is not cleared meanwhile.
+
+    Other runs may use it, too.
+    """
     with ExitStack() as held:
-        with room(root / "run"), lock(root):  # under which whoever clears the folder looks for runs, and clears
+        with room(root / "run"), lock(root):  # the folder is cleared under this lock, after a look for runs
             held.enter_context(temporary(root, "run", "started"))
         yield
 
 
 def refuse_use(root: Path) -> None:
-    """Raises FolderInUse while another run works in a folder."""
+    """Raise FolderInUse while another run works in a folder."""
     for path in own_files.temporary_files(root):
         with left_behind(path) as left:
             if not left and path.exists():
@@ -93,10 +84,10 @@ def refuse_use(root: Path) -> None:
 
 
 def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> None:
-    """Mark a folder, made if need be, as that of a study's results.
+    """Mark a folder, created if missing, as that of a study's results.
 
-    Raises NotOurs for a folder that holds files of the user, OtherStudy for that of another study (unless a fresh
-    start is asked for) or of something else. Nothing is written then.
+    Raises NotOurs for a folder with files of the user, OtherStudy for that of another study (unless a fresh start
+    is requested) or of another kind. Nothing is written then.
     """
     instead = _instead(root, study, quick)
     before = _study_in(root)
@@ -107,12 +98,12 @@ def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> N
             f"{root} holds results of the study `{before}` ({_held(root)}): name another folder, such as"
             f" --out {instead}, or throw them away by `run --fresh`"
         )
-    elif owner(root) is None:  # of an earlier version; another study's stay so until they are thrown away
+    elif owner(root) is None:  # of an earlier version; another study's is marked when it is thrown away
         mark(root, RESULTS, before)
 
 
 def refuse_users_study(root: Path, study: "Study") -> None:
-    """Raises NotOurs if ``study.yaml`` is a file of the user: the run before was of it, and this one is not."""
+    """Raise NotOurs if ``study.yaml`` is a file of the user: read by the earlier run, but not by this one."""
     copy = (root / STUDY).resolve()
     try:
         before = open_results(root).plan.get("file")
@@ -127,18 +118,18 @@ def refuse_users_study(root: Path, study: "Study") -> None:
 
 
 def _is_of(file: object, copy: Path) -> bool:
-    """Whether a study was read from this file, by its path as it was typed."""
+    """Return True if a study was read from this file; ``file``: its path as typed."""
     return file is not None and Path(str(file)).resolve() == copy
 
 
 def _instead(root: Path, study: str, quick: bool) -> str:
-    """A folder to propose in place of ``root``."""
+    """Propose a folder in place of ``root``."""
     usual = "results/" + results_folder(study, quick, None).name
     return f"{usual}-2" if root.resolve() == Path(usual).resolve() else usual
 
 
 def _study_in(root: Path) -> str | None:
-    """The study whose results a folder holds, by its marker or else by its plan; None if it holds none."""
+    """Return the study whose results a folder holds, by its marker or else by its plan; None without results."""
     kind, name = owner(root) or ("", "")
     if kind == RESULTS:
         return name
@@ -149,7 +140,7 @@ def _study_in(root: Path) -> str | None:
 
 
 def _held(root: Path) -> str:
-    """`12 units, 1 failure`, of what a fresh start throws away."""
+    """Count the units and failures that a fresh start removes, as `12 units, 1 failure`."""
     counts = {"unit": len(own_files.UNITS.of(root)), "failure": len(own_files.FAILURES.of(root))}
     return ", ".join(f"{count} {what}{'s' * (count != 1)}" for what, count in counts.items())
 
@@ -165,11 +156,10 @@ THROWN_AWAY = (
 
 
 def discard(root: Path, study: str) -> str:
-    """Throw away all units, failures, choices and the table of a folder, which is then that of ``study``.
+    """Remove all units, failures, choices and the table of a folder, and assign it to ``study``.
 
-    Journals, scans, figures and files of the user stay. Returns what is gone if it was another study's, in words.
-
-    Raises FolderInUse while another run works in it.
+    Journals, scans, figures and files of the user stay. Returns a description if results of another study were
+    removed, else "". Raises FolderInUse while another run works in it.
     """
     with lock(root):
         refuse_use(root)

@@ -1,4 +1,4 @@
-"""What happened: the journal of each running parent, start markers of units, and failed jobs."""
+"""Journal of each running parent, start markers of units, and failed jobs."""
 
 import json
 import shlex
@@ -19,17 +19,6 @@ from bearingsim.store.regular import read_regular
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 from bearingsim.text.terminal import is_line
 
-__all__ = [
-    "Failure",
-    "clear_failure",
-    "judged_failures",
-    "log",
-    "now",
-    "read_failures",
-    "start_marker",
-    "take_suspects",
-]
-
 
 def now() -> str:
     """UTC time as ISO 8601 text, to the millisecond."""
@@ -46,7 +35,7 @@ def log(root: Path, event: str, **facts: Any) -> None:
 
 @dataclass(frozen=True)
 class Failure:
-    """A job that gave no result, as it stands in ``failed/<job>.json``; ``time`` is simulated time in s."""
+    """A failed job, as stored in ``failed/<job>.json``; ``time`` is simulated time in s."""
 
     job: str
     reason: str
@@ -67,29 +56,29 @@ def _failure_path(root: Path, job: str) -> Path:
 
 
 def judged_failures(root: Path) -> tuple[dict[str, Failure], dict[Path, str]]:
-    """Failures on record, by job id; and what of them cannot be read, with the reason."""
-    found, damaged = dict[str, Failure](), dict[Path, str]()
+    """Read the failures on record, by job id; return them, and the reasons of unreadable files by path."""
+    failures, damaged = dict[str, Failure](), dict[Path, str]()
     for path in FAILURES.of(root):
         try:
-            found[path.stem] = _failure(path)
+            failures[path.stem] = _failure(path)
         except FileNotFoundError:  # another run has just computed the job
             continue
         except UNREADABLE as error:
             damaged[path] = str(error)
-    return found, damaged
+    return failures, damaged
 
 
 def _failure(path: Path) -> Failure:
-    """Of an earlier version some entries may be lacking, or others there."""
-    told = read_json(path)
-    check(layouts.Failure, told)
-    known = {entry.name: told[entry.name] for entry in fields(Failure) if entry.name in told}
-    again = _own_command(str(known.get("command", "")))
-    return Failure(**{"reason": "not known", **known, "job": path.stem, "command": again})
+    """Read a failure; entries that are missing, as in earlier versions, get their defaults."""
+    entries = read_json(path)
+    check(layouts.Failure, entries)
+    values = {field.name: entries[field.name] for field in fields(Failure) if field.name in entries}
+    again = _own_command(str(values.get("command", "")))
+    return Failure(**{"reason": "not known", **values, "job": path.stem, "command": again})
 
 
 def _own_command(text: str) -> str:
-    """A command to repeat, if it is one of this program's, and one alone; else nothing: users type it again."""
+    """Return a stored command if it is a single run of this program, else "": users copy it to their shell."""
     try:
         words = shlex.split(text)
     except ValueError:
@@ -98,24 +87,24 @@ def _own_command(text: str) -> str:
 
 
 def read_failures(root: Path) -> dict[str, Failure]:
-    """Failures on record, by job id; warns of those that cannot be read."""
-    found, damaged = judged_failures(root)
+    """Read the failures on record, by job id; warn of unreadable ones."""
+    failures, damaged = judged_failures(root)
     for path, reason in damaged.items():
-        told = f"{path} cannot be read ({reason}), its job counts as missing: run the study again"
-        warnings.warn(told, DamageWarning, stacklevel=2)
-    return found
+        text = f"{path} cannot be read ({reason}), its job counts as missing: run the study again"
+        warnings.warn(text, DamageWarning, stacklevel=2)
+    return failures
 
 
 def clear_failure(root: Path, job: str) -> None:
-    """Forget a failure: the job has been computed since."""
+    """Delete the record of a failure whose job has been computed since."""
     _failure_path(root, job).unlink(missing_ok=True)
 
 
 @contextmanager
 def start_marker(root: Path, unit: str) -> Iterator[Callable[[str], None]]:
-    """Mark a unit as being computed; the function given notes the job in hand.
+    """Mark a unit as being computed; yield a function that notes the running job.
 
-    A process that is killed leaves the marker behind, and its last line names the job that was running.
+    A killed process leaves the marker behind, with the running job in its last line.
     """
     folder = root / "units" / unit[:2]
     with room(folder / unit), temporary(folder, unit, "started") as marker:
@@ -128,7 +117,7 @@ def start_marker(root: Path, unit: str) -> Iterator[Callable[[str], None]]:
 
 
 def take_suspects(root: Path, units: Iterable[str]) -> set[str]:
-    """Jobs that were running in ``units`` when their processes died; removes the markers that told."""
+    """Return the jobs that were running in ``units`` when their processes died; remove the markers."""
     suspects, wanted = set[str](), set(units)
     markers = [path for path in temporary_files(root) if path.suffix == ".started"]
     for path in (path for path in markers if path.name.partition(".")[0] in wanted):

@@ -1,7 +1,7 @@
-"""Several results folders of one study made one: those of shards, or of runs on other machines.
+"""Merge of several results folders of one study: those of shards, or of runs on other machines.
 
-All is judged before anything is copied, and the folders that are merged are only read. What is copied is copied
-whole and as it is, so a merge that was interrupted can be repeated, and one that is repeated changes nothing.
+Everything is checked before anything is copied, and the merged folders are only read. Files are copied unchanged,
+so that an interrupted merge can be repeated, and a repeated one changes nothing.
 """
 
 import json
@@ -25,13 +25,12 @@ from bearingsim.store.table import build_table
 from bearingsim.store.trials import copy_trials, read_choices, read_plans, write_choices
 from bearingsim.store.units import DamagedUnit, check_unit, computed, unit_path
 
-__all__ = ["Merged", "Unmergeable", "merge"]
-
 OF_A_RUN = {"file", "made_of", "notes"}
-"""What a plan says of where and when it was run."""
-TOLD_FIRST = ("study", "model_version", "quick", "overrides", "jobs")
+"""Entries of a plan that may differ between runs of one study."""
+FIRST_NAMED = ("study", "model_version", "quick", "overrides", "jobs")
+"""Entries of a plan in which a difference is reported first."""
 LONGEST = 60
-"""Letters of a value that a message repeats."""
+"""Letters of a value that a message quotes."""
 
 
 class Unmergeable(UserError):
@@ -40,7 +39,7 @@ class Unmergeable(UserError):
 
 @dataclass(frozen=True)
 class Merged:
-    """What a merge came to: units copied, and there before; jobs of the plan by status."""
+    """Result of a merge: units copied, and present before; jobs of the plan by status."""
 
     folders: int
     copied: int
@@ -59,10 +58,10 @@ class Merged:
 def merge(folders: Sequence[Path], out: Path) -> Merged:
     """Copy the results of some folders into ``out``, and make its table.
 
-    ``out`` may hold results of the same plan. A job that several have must have the same results in all of them:
-    features, time and channels, bit by bit; how long it took, when and where, may differ. Raises Unmergeable where
-    it has not, and for other studies, plans or versions of the model; DamagedUnit, ScanError, DamagedChoices and
-    ResultsError for what is not as it was written. Then nothing has been copied.
+    ``out`` may hold results of the same plan. Results of a job that lies in several folders must agree bit by bit
+    in features, time and channels; CPU time, date and host may differ. Raises Unmergeable if they do not, and for
+    other studies, plans or versions of the model; DamagedUnit, ScanError, DamagedChoices and ResultsError for
+    files that are not as they were written. Then nothing has been copied.
     """
     _refuse_among(folders, out)
     held = [out, *folders] if (out / "plan.json").is_file() else list(folders)
@@ -84,7 +83,7 @@ def merge(folders: Sequence[Path], out: Path) -> Merged:
     copy_scans(scans, out)
     for folder in folders:
         copy_trials(folder, out)
-    new = {path.stem: path for folder in reversed(folders) for path in units[folder]}  # the first's stays
+    new = {path.stem: path for folder in reversed(folders) for path in units[folder]}  # the first folder's stays
     for path in units[out]:
         new.pop(path.stem, None)
     for name, path in sorted(new.items()):
@@ -93,7 +92,7 @@ def merge(folders: Sequence[Path], out: Path) -> Merged:
     status = build_table(out)["status"]
     if new:
         log(out, "merged", folders=[str(folder) for folder in folders], units=len(new))
-    counts = {one: int((status == one).sum()) for one in ("done", "failed", "missing")}
+    counts = {name: int((status == name).sum()) for name in ("done", "failed", "missing")}
     return Merged(len(folders), len(new), len(units[out]), counts)
 
 
@@ -105,50 +104,58 @@ def _refuse_among(folders: Sequence[Path], out: Path) -> None:
 # Plans
 
 
-def _refuse_other_plan(one: Results, other: Results) -> None:
-    apart = {name for name in {*one.plan, *other.plan} - OF_A_RUN if _text(one, name) != _text(other, name)}
-    for name in [*TOLD_FIRST, *sorted(apart)]:
+def _refuse_other_plan(results: Results, other: Results) -> None:
+    apart = {
+        name for name in {*results.plan, *other.plan} - OF_A_RUN if _text(results, name) != _text(other, name)
+    }
+    for name in [*FIRST_NAMED, *sorted(apart)]:
         if name in apart:
+            difference = _difference(name, results.plan, other.plan)
             raise Unmergeable(
-                f"{one.path} and {other.path} hold results of two plans: {_difference(name, one.plan, other.plan)}"
+                f"{results.path} and {other.path} hold results of two plans: {difference}"
                 + (" (run one study file in both: what is done is kept)" if name != "study" else "")
             )
 
 
 def _text(results: Results, name: str) -> str:
-    said = results.plan.get(name)
-    if name == "accuracy" and said:  # its notes are of a run: they tell from which plan a choice was taken
-        said = {key: value for key, value in said.items() if key != "notes"}
-    return json.dumps(said, sort_keys=True)
+    value = results.plan.get(name)
+    if name == "accuracy" and value:  # its notes are of a run: they name the plan of each choice
+        value = {key: item for key, item in value.items() if key != "notes"}
+    return json.dumps(value, sort_keys=True)
 
 
-def _difference(name: str, one: dict[str, Any], other: dict[str, Any]) -> str:
+def _difference(name: str, plan: dict[str, Any], other: dict[str, Any]) -> str:
     if name == "jobs":
-        first, second = ({entry["job"] for entry in plan["jobs"]} for plan in (one, other))
-        if first != second:
-            return f"{len(first - second)} jobs are only in the first, {len(second - first)} only in the second"
+        jobs, other_jobs = ({entry["job"] for entry in either["jobs"]} for either in (plan, other))
+        if jobs != other_jobs:
+            return (
+                f"{len(jobs - other_jobs)} jobs are only in the first, {len(other_jobs - jobs)} only in the second"
+            )
         return "their jobs have other swept values"
-    texts = [json.dumps(plan.get(name)) for plan in (one, other)]
-    told = f" ({texts[0]} and {texts[1]})" if max(map(len, texts)) <= LONGEST else ""
-    return f"`{name}` differs{told}"
+    texts = [json.dumps(either.get(name)) for either in (plan, other)]
+    values = f" ({texts[0]} and {texts[1]})" if max(map(len, texts)) <= LONGEST else ""
+    return f"`{name}` differs{values}"
 
 
 # Units
 
 
 def _judged(paths: Sequence[Path]) -> set[str]:
-    """The jobs of all units. Raises DamagedUnit, and Unmergeable if one has other results in another unit."""
+    """Check all units, and return their jobs.
+
+    Raises DamagedUnit, and Unmergeable if a job has other results in another unit.
+    """
     units = defaultdict[str, list[Path]](list)
     for path in paths:
         for job in _jobs(path):
             units[job].append(path)
     shared = defaultdict[tuple[Path, Path], list[str]](list)
-    for job, found in units.items():
-        for other in found[1:]:
-            shared[found[0], other].append(job)
-    for (one, other), jobs in shared.items():
-        if one.name != other.name or digest(one) != digest(other):
-            _refuse_other_results(one, other, jobs)
+    for job, places in units.items():
+        for other in places[1:]:
+            shared[places[0], other].append(job)
+    for (unit, other), jobs in shared.items():
+        if unit.name != other.name or digest(unit) != digest(other):
+            _refuse_other_results(unit, other, jobs)
     return set(units)
 
 
@@ -160,33 +167,33 @@ def _jobs(path: Path) -> list[str]:
         raise DamagedUnit(f"{path.parent}/{damage} ({advice})") from None
 
 
-def _refuse_other_results(one: Path, other: Path, jobs: Sequence[str]) -> None:
-    first, second = computed(one, jobs), computed(other, jobs)
+def _refuse_other_results(unit: Path, other: Path, jobs: Sequence[str]) -> None:
+    digests, other_digests = computed(unit, jobs), computed(other, jobs)
     for job in jobs:
-        for name in sorted({*first[job], *second[job]}):
-            a, b = first[job].get(name), second[job].get(name)
+        for name in sorted({*digests[job], *other_digests[job]}):
+            a, b = digests[job].get(name), other_digests[job].get(name)
             if a != b:
                 raise Unmergeable(
-                    f"job {job} has other results in {one} and in {other}: {_apart(name, a, b)}"
+                    f"job {job} has other results in {unit} and in {other}: {_apart(name, a, b)}"
                     " (by another processor, or other packages? Leave a folder out, or remove one of the units)"
                 )
 
 
-def _apart(name: str, *found: bytes | None) -> str:
-    """What two jobs have of one name, if that is a number each."""
-    if any(one is None for one in found):
+def _apart(name: str, *contents: bytes | None) -> str:
+    """Describe how two jobs differ in one name, with both values if they are numbers."""
+    if any(content is None for content in contents):
         return f"only one has `{name}`"
-    if all(one is not None and len(one) == 8 for one in found):
-        values = [float(np.frombuffer(one)[0]) for one in found if one is not None]
+    if all(content is not None and len(content) == 8 for content in contents):
+        values = [float(np.frombuffer(content)[0]) for content in contents if content is not None]
         return f"`{name}` is {values[0]!r} and {values[1]!r}"
     return f"`{name}` differs"
 
 
-# What is beside the units
+# Choices and failures
 
 
 def _choices(folders: Sequence[Path]) -> tuple[dict[str, Any], dict[str, str]]:
-    """The choices of all folders, and what names the plan of each. Raises DamagedChoices, Unmergeable."""
+    """Return the choices of all folders, and the plan of each by name. Raises DamagedChoices, Unmergeable."""
     choices: dict[str, Any] = {}
     plans: dict[str, str] = {}
     origin: dict[str, Path] = {}
@@ -201,7 +208,7 @@ def _choices(folders: Sequence[Path]) -> tuple[dict[str, Any], dict[str, str]]:
 
 
 def _take_failures(folders: Sequence[Path], out: Path, sealed: set[str]) -> None:
-    """Write down the last failure of each job that nobody has done, and forget those of jobs that are done."""
+    """Record the last failure of each job without a result, and delete those of finished jobs."""
     before = read_failures(out)
     for job in before.keys() & sealed:
         clear_failure(out, job)

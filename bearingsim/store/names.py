@@ -1,4 +1,4 @@
-"""Names of what is stored, with the unit and the words that go with them."""
+"""Names of stored parameters, channels and features, with their units and descriptions."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -6,24 +6,15 @@ from typing import Any
 from bearingsim.store.scans import short_path
 from bearingsim.text.units import UNITS, Dimension
 
-__all__ = [
-    "channel_attributes",
-    "channel_unit",
-    "feature_attributes",
-    "flat_parameters",
-    "in_feature_order",
-    "parameter_attributes",
-]
-
-FREE_TEXT = ("source",)
-PATHS = ("file",)
+FREE_TEXT = ("source",)  # fields that shape no result, and are not stored
+PATHS = ("file",)  # fields stored as short paths
 
 
 def flat_parameters(case: Any) -> dict[str, float | str]:
-    """All of a case in one flat mapping, SI: ``bearing.roller_diameter``, ``defects.1.width``, ``model`` ...
+    """Flatten a case to one mapping in SI: ``bearing.roller_diameter``, ``defects.1.width``, ``model`` ...
 
-    Items of lists are numbered from 1, lists of words are joined by spaces; what is not set and free text
-    that shapes no result are left out. Paths are from the working folder, or else names only.
+    Items of lists are numbered from 1, lists of words are joined by spaces; values that are not set and free text
+    that shapes no result are left out. Paths are relative to the working folder, or else file names only.
     """
     return dict(_flat("", case.model_dump()))
 
@@ -47,24 +38,24 @@ def _flat(path: str, value: Any) -> Iterator[tuple[str, float | str]]:
 
 
 def parameter_attributes(name: str) -> dict[str, str]:
-    """``units`` of a parameter; none for words and pure numbers."""
+    """Return ``units`` of a parameter; nothing for words and pure numbers."""
     from bearingsim.study import dimension
 
     try:
-        found = dimension(name)
+        quantity = dimension(name)
     except KeyError:
         return {}
-    unit = "" if found is None else si_unit(found)
+    unit = "" if quantity is None else si_unit(quantity)
     return {"units": unit} if unit else {}
 
 
 def si_unit(dimension: Dimension) -> str:
-    """The word of a dimension's SI unit: the one that is neither scaled nor in turns; empty for a share."""
+    """Return the SI unit of a dimension, the one with factor 1; "" for a share."""
     return next((word for word, factor in UNITS[dimension].items() if factor.exact == 1 and not factor.pi), "")
 
 
 def channel_attributes(name: str) -> dict[str, str]:
-    """``units`` and ``long_name`` of a stored channel such as ``ring.velocity.x``."""
+    """Return ``units`` and ``long_name`` of a stored channel such as ``ring.velocity.x``. Raises KeyError."""
     from bearingsim.config import CHANNELS
 
     whole, _, component = name.rpartition(".")
@@ -75,7 +66,7 @@ def channel_attributes(name: str) -> dict[str, str]:
 
 
 def channel_unit(name: str) -> str:
-    """The unit of a stored channel; empty for one that this version does not know."""
+    """Return the unit of a stored channel; "" for a channel unknown to this version."""
     try:
         return channel_attributes(name)["units"]
     except KeyError:
@@ -83,7 +74,7 @@ def channel_unit(name: str) -> str:
 
 
 def feature_attributes(name: str) -> dict[str, str]:
-    """``units`` and ``long_name`` of a feature; none for one that is not in the list of features."""
+    """Return ``units`` and ``long_name`` of a feature; nothing for one that is not in the list of features."""
     from bearingsim.config import FEATURES
 
     if name not in FEATURES:
@@ -93,7 +84,7 @@ def feature_attributes(name: str) -> dict[str, str]:
 
 
 def in_feature_order(names: Iterable[str]) -> list[str]:
-    """Names of features in the order of the list of features, unknown ones last by name."""
+    """Sort names of features as in the list of features, others last by name."""
     from bearingsim.config import FEATURES
 
     order = {name: number for number, name in enumerate(FEATURES)}

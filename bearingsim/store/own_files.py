@@ -1,30 +1,14 @@
-"""The names of the files that the program makes in a results folder: a file of any other name is the user's.
+"""Names of the program's files in a results folder: a file of any other name is the user's.
 
-Only what has one of these names is ever replaced, renamed or removed.
+Only files with these names are ever replaced, renamed or removed.
 """
 
 import re
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = [
-    "CHOICES",
-    "DAMAGED",
-    "FAILURES",
-    "FOLDERS",
-    "LOCK",
-    "SCANS",
-    "TABLES",
-    "TRIALS",
-    "UNITS",
-    "OwnFiles",
-    "remove",
-    "strangers",
-    "temporary_files",
-]
-
 ID = "[0-9a-f]{16}"
-"""Of a job, a unit, or the content of a scan."""
+"""Pattern of the id of a job, a unit, or the content of a scan."""
 
 
 class OwnFiles(NamedTuple):
@@ -34,7 +18,7 @@ class OwnFiles(NamedTuple):
     path: str
 
     def of(self, root: Path) -> list[Path]:
-        """Those in a results folder, sorted; a folder of such a name is the user's."""
+        """List the files of this kind in a results folder, sorted; a folder of such a name is the user's."""
         paths = sorted(root.glob(f"{self.folder}*"))
         return [path for path in paths if self._names(path.relative_to(root)) and not path.is_dir()]
 
@@ -43,7 +27,7 @@ class OwnFiles(NamedTuple):
 
 
 UNIT = r"units/(?=(..)/\1)../" + ID
-"""Of a unit: it lies in the folder of its first two digits."""
+"""Pattern of the path of a unit, which lies in the folder of its first two digits."""
 UNITS = OwnFiles("units/??/", rf"{UNIT}\.h5")
 FAILURES = OwnFiles("failed/", rf"failed/{ID}\.json")
 TRIALS = OwnFiles("trials/", rf"trials/{ID}\.json")
@@ -52,7 +36,7 @@ CHOICES = OwnFiles("", r"choices\.json")
 TABLES = OwnFiles("", r"study\.h5|results\.csv")
 DAMAGED = (OwnFiles("units/??/", rf"{UNIT}\.damaged"), OwnFiles("failed/", rf"failed/{ID}\.damaged"))
 FOLDERS = ("failed", "figures", "scans", "trials", "units", "units/??")
-"""In a results folder: each is a folder, and no link."""
+"""Folders in a results folder; none may be a link."""
 
 AT_TOP = r"bearingsim\.json|plan\.json|study\.yaml|study\.h5|results\.csv|choices\.json"
 TEMPORARY = re.compile(rf"(run|{AT_TOP}|{ID}(\.\w+)?)\.[\w-]+-\d+-[0-9a-f]{{8}}\.(part|started)")
@@ -60,23 +44,23 @@ LOCK = ".lock"
 
 
 def temporary_files(root: Path) -> list[Path]:
-    """``.part`` files and start markers of a results folder, of living and dead writers alike."""
+    """List the ``.part`` files and start markers of a results folder, of running and ended writers alike."""
     folders = [root, *(path for name in FOLDERS for path in root.glob(name) if path.is_dir())]
     return [path for folder in folders for path in sorted(folder.iterdir()) if TEMPORARY.fullmatch(path.name)]
 
 
 def strangers(root: Path) -> list[str]:
-    """Names in a folder that holds no results, but for what a run that was killed at its start has left there."""
+    """List the files of a folder without results, except those left by a run that was killed at its start."""
     return sorted(path.name for path in root.iterdir() if not (TEMPORARY.fullmatch(path.name) or _is_lock(path)))
 
 
 def _is_lock(path: Path) -> bool:
-    """Whether a file is the lock, which is always empty: locking one truncates it."""
+    """Return True for the lock file, which is always empty: locking a file truncates it."""
     return path.name == LOCK and path.is_file() and not path.is_symlink() and path.stat().st_size == 0
 
 
 def remove(root: Path, *kinds: OwnFiles) -> int:
-    """Remove all files of some kinds, and the folders that are empty then; the number of files."""
+    """Remove all files of some kinds, and the folders emptied by that; return the number of files."""
     files = [path for kind in kinds for path in kind.of(root)]
     for path in files:
         path.unlink(missing_ok=True)
@@ -86,7 +70,7 @@ def remove(root: Path, *kinds: OwnFiles) -> int:
 
 
 def _remove_empty(folder: Path, root: Path) -> None:
-    """Remove a folder, and those above it in ``root``, as far as nothing is in them."""
+    """Remove a folder and its parents within ``root`` as long as they are empty."""
     while folder != root and not any(folder.iterdir()):
         folder.rmdir()
         folder = folder.parent

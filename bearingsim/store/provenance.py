@@ -1,4 +1,4 @@
-"""What made a result: model, packages, commit, host."""
+"""Provenance of a result: model, packages, commit, host."""
 
 import hashlib
 import json
@@ -13,13 +13,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from bearingsim.study import Study
 
-__all__ = ["made_of", "provenance", "versions"]
-
 PACKAGES = ("bearingsim", "numpy", "numba", "scipy", "h5py")
 
 
 def provenance(study: "Study") -> dict[str, str | int]:
-    """Facts that every unit file carries: study text and overrides, versions, git commit, host, time."""
+    """Collect the facts that every unit file carries: study text and overrides, versions, git commit, host."""
     from bearingsim.core import MODEL_VERSION
 
     overrides = " ".join(f"{path}={value}" for path, value in study.overrides.items())
@@ -40,9 +38,10 @@ def provenance(study: "Study") -> dict[str, str | int]:
 
 
 def made_of(files: Mapping[str, str | None], overrides: Mapping[str, str], quick: bool) -> str:
-    """SHA-256 of what decides what a study expands to; empty where nothing tells: the program is being changed.
+    """Return the SHA-256 of everything that decides the expansion of a study.
 
-    files: those that the study is made of (``text/files_read.py``).
+    "" if it cannot be decided, because files are unknown or the checkout has changes. files: of
+    ``text/files_read.py``.
     """
     from bearingsim.catalogue import extension_digest
     from bearingsim.core import MODEL_VERSION
@@ -51,12 +50,12 @@ def made_of(files: Mapping[str, str | None], overrides: Mapping[str, str], quick
     if not files or commit.endswith("-dirty"):
         return ""
     program = [_version("bearingsim"), MODEL_VERSION, commit, extension_digest()]
-    told = [sorted(files.items()), sorted(overrides.items()), quick, str(Path.cwd()), program]
-    return hashlib.sha256(json.dumps(told).encode()).hexdigest()
+    sources = [sorted(files.items()), sorted(overrides.items()), quick, str(Path.cwd()), program]
+    return hashlib.sha256(json.dumps(sources).encode()).hexdigest()
 
 
 def versions() -> dict[str, str]:
-    """Versions of the packages that shape results, by name."""
+    """Return the versions of the packages that shape results, by name."""
     return {name: _version(name) for name in PACKAGES}
 
 
@@ -72,7 +71,7 @@ def _version(package: str) -> str:
 
 
 def _commit() -> str:
-    """Commit of the checkout this package runs from, with ``-dirty`` if it was changed; empty outside one."""
+    """Return the commit of the checkout of this package, with ``-dirty`` if it was changed; "" outside one."""
     checkout = Path(__file__).parents[2]
     if not (checkout / ".git").exists():
         return ""

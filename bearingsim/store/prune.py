@@ -1,4 +1,4 @@
-"""What a results folder holds and its plan no longer names: found, and removed when the user says so."""
+"""Removal of files of a results folder that its plan no longer names."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -16,12 +16,10 @@ from bearingsim.store.sealed import UNREADABLE, read_json
 from bearingsim.store.table import build_table
 from bearingsim.store.units import DamagedUnit, read_unit
 
-__all__ = ["Superfluous", "prune", "superfluous"]
-
 
 @dataclass(frozen=True)
 class Superfluous:
-    """Files to remove, with their bytes, by what they are in words; ``notes``: what stays, and why."""
+    """Files to remove, with their bytes, by kind in words; ``notes``: files that stay, with the reason."""
 
     files: dict[str, dict[Path, int]]
     notes: tuple[str, ...]
@@ -33,7 +31,7 @@ class Superfluous:
 
     @property
     def bytes(self) -> int:
-        """What all of them take."""
+        """Size of all files in bytes."""
         return sum(sum(sizes.values()) for sizes in self.files.values())
 
     def __str__(self) -> str:
@@ -54,7 +52,7 @@ def _files(count: int) -> str:
 
 
 class _Unit(NamedTuple):
-    """A unit that can be read: its jobs, those of them that are planned, and the digests of these ones' scans."""
+    """A readable unit: its jobs, the planned ones among them, and the digests of the scans of these."""
 
     path: Path
     jobs: set[str]
@@ -63,7 +61,10 @@ class _Unit(NamedTuple):
 
 
 def superfluous(root: Path) -> Superfluous:
-    """What may be removed from a results folder; changes nothing. Raises ResultsError without a sound plan."""
+    """List the files that may be removed from a results folder; change nothing.
+
+    Raises ResultsError without a sound plan.
+    """
     results = open_results(root)
     planned = set(results.planned)
     units, notes = list[_Unit](), list[str]()
@@ -76,12 +77,12 @@ def superfluous(root: Path) -> Superfluous:
     done = set[str]().union(*(unit.planned for unit in units))
     if scans and done != planned:
         left = len(planned - done)
-        which = f"{left} jobs that may need them are" if left > 1 else "1 job that may need them is"
-        notes.append(f"scans stay ({_files(len(scans))}): {which} not done")
+        jobs = f"{left} jobs that may need them are" if left > 1 else "1 job that may need them is"
+        notes.append(f"scans stay ({_files(len(scans))}): {jobs} not done")
         scans = []
     named = set[str]().union(*(unit.scans for unit in units))
     temporary = own_files.temporary_files(root)
-    found = {
+    by_kind = {
         "units of jobs that the plan does not name": [unit.path for unit in units if not unit.planned],
         "failures of such jobs": [path for path in own_files.FAILURES.of(root) if path.stem not in planned],
         "damaged files that were set aside": [path for kind in own_files.DAMAGED for path in kind.of(root)],
@@ -89,7 +90,7 @@ def superfluous(root: Path) -> Superfluous:
         "scans of no job": [path for path in scans if path.stem not in named],
         "temporary files of processes that are gone": [path for path in temporary if _is_left(path)],
     }
-    sizes = {what: {path: path.lstat().st_size for path in sorted(paths)} for what, paths in found.items()}
+    sizes = {what: {path: path.lstat().st_size for path in sorted(paths)} for what, paths in by_kind.items()}
     return Superfluous({what: files for what, files in sizes.items() if files}, (*notes, *_whole(units)))
 
 
@@ -102,15 +103,17 @@ def _unit(path: Path, planned: set[str]) -> _Unit:
         if name.startswith("parameters/defects.") and name.endswith(".digest")
     ]
     ours = [row for row, job in enumerate(jobs) if job in planned]
-    return _Unit(path, set(jobs), {jobs[row] for row in ours}, {str(one[row]) for one in digests for row in ours})
+    return _Unit(
+        path, set(jobs), {jobs[row] for row in ours}, {str(column[row]) for column in digests for row in ours}
+    )
 
 
 def _whole(units: Iterable[_Unit]) -> Iterator[str]:
-    """A line on units that hold more than what is planned, if there are any."""
-    found = [unit for unit in units if unit.planned and unit.planned != unit.jobs]
-    if found:
-        stay = f"{len(found)} units stay" if len(found) > 1 else "1 unit stays"
-        unnamed, jobs = sum(len(u.jobs - u.planned) for u in found), sum(len(u.jobs) for u in found)
+    """Yield a line on units that also hold jobs outside the plan, if there are any."""
+    mixed = [unit for unit in units if unit.planned and unit.planned != unit.jobs]
+    if mixed:
+        stay = f"{len(mixed)} units stay" if len(mixed) > 1 else "1 unit stays"
+        unnamed, jobs = sum(len(u.jobs - u.planned) for u in mixed), sum(len(u.jobs) for u in mixed)
         yield f"{stay} whole, though the plan names only {jobs - unnamed} of {jobs} jobs there: a unit is one file"
 
 
@@ -120,7 +123,7 @@ def _is_left(path: Path) -> bool:
 
 
 def _trials(results: Results) -> list[Path]:
-    """Those of a study that names no accuracy any more, and those that cannot be read: these are made again."""
+    """List unreadable trials, and all of a study without an accuracy."""
     return [
         path for path in own_files.TRIALS.of(results.path) if not (results.plan.get("accuracy") and _reads(path))
     ]
@@ -135,19 +138,19 @@ def _reads(path: Path) -> bool:
 
 
 def prune(root: Path) -> Superfluous:
-    """Remove what ``superfluous`` finds, and make the table again; says what it was.
+    """Remove the files listed by ``superfluous``, and make the table again; return them.
 
     Raises FolderInUse while a run works in the folder.
     """
     try:
         with lock(root, wait=False):
             refuse_use(root)
-            found = superfluous(root)
-            for path in found.paths:
+            removed = superfluous(root)
+            for path in removed.paths:
                 path.unlink(missing_ok=True)
     except Timeout:
         raise FolderInUse(f"another run holds {root / '.lock'}: wait for it") from None
-    if found.paths:
-        log(root, "pruned", files=len(found.paths), bytes=found.bytes)
+    if removed.paths:
+        log(root, "pruned", files=len(removed.paths), bytes=removed.bytes)
         build_table(root)
-    return found
+    return removed

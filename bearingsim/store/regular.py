@@ -1,6 +1,6 @@
-"""Files of a results folder, opened to be read: no link, no pipe, and not more than memory holds.
+"""Opening of a results folder's files for reading: no links, no pipes, nothing larger than memory.
 
-A results folder may come from anyone. A link in it would lead what is read out of it, a pipe would never end.
+A results folder may come from anyone. A link would lead out of it, a pipe would never end.
 """
 
 import hashlib
@@ -12,20 +12,21 @@ from pathlib import Path
 from bearingsim import memory
 from bearingsim.errors import UserError
 
-__all__ = ["BLOCK", "COST", "Unreadable", "digest", "open_regular", "read_regular"]
-
 COST = 32
-"""Bytes of memory that what is read of a file may take, over the file's own. Results take up to 13 times."""
-BLOCK = 1 << 20
+"""Largest ratio of the memory for the contents of a file to its size. Results need up to 13."""
+BLOCK = 1 << 20  # bytes read at a time
 _FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 
 
 class Unreadable(UserError):
-    """A file is not as it was written, or is of another version: the text says which."""
+    """A file is not as it was written, or is of another version; the text gives the reason."""
 
 
 def open_regular(path: Path) -> BufferedReader:
-    """Open a file to be read. Raises Unreadable if it is a link, no file, or larger than memory; OSError."""
+    """Open a file for reading.
+
+    Raises Unreadable for a link, a special file, or one larger than memory; OSError.
+    """
     if path.is_symlink():
         raise Unreadable("it is a link: copy the folder with what its links stand for (`cp -rL`)")
     descriptor = os.open(path, _FLAGS)
@@ -48,11 +49,11 @@ def digest(path: Path) -> str:
 
 
 def read_regular(path: Path) -> bytes:
-    """Read a text file. Raises as ``open_regular``, and Unreadable at the first zero byte."""
+    """Read a text file. Raises as ``open_regular``, and Unreadable for a zero byte."""
     blocks = []
     with open_regular(path) as file:
         while block := file.read(BLOCK):
-            if b"\0" in block:  # a hole reads as zeros, and takes no room on the disk
+            if b"\0" in block:  # holes of sparse files read as zeros, of any size
                 raise Unreadable("it is no text")
             blocks.append(block)
     return b"".join(blocks)

@@ -1,4 +1,4 @@
-"""Reading a results folder: the table of its jobs, the series of one, everything for xarray."""
+"""Access to a results folder: table of its jobs, series of a job, all data for xarray."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,17 +21,15 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["Results", "ResultsError", "open_results", "planned_jobs", "results_folder"]
-
 
 class ResultsError(UserError):
-    """A folder holds no results, or not those asked for."""
+    """A folder holds no results, or not the requested ones."""
 
 
 def open_results(path: str | Path) -> "Results":
     """Open the results folder of a study.
 
-    Raises ResultsError if it is none, or its plan is damaged, and LinkWithin if links lead out of it.
+    Raises ResultsError if it is not one, or its plan is damaged, and LinkWithin if links lead out of it.
     """
     results = Results(Path(path))
     plan = results.path / "plan.json"
@@ -48,13 +46,13 @@ def open_results(path: str | Path) -> "Results":
 
 
 def results_folder(name: str, quick: bool, out: str | Path | None) -> Path:
-    """Where results of a study go, if not to a folder that is named."""
+    """Return the results folder of a study: ``out``, or ``results/<study>`` (``-quick`` for a quick study)."""
     usual = Path("results") / (f"{name}-quick" if quick else name)
     return Path(usual if out is None else out).resolve()
 
 
 def planned_jobs(root: Path) -> set[str]:
-    """Ids of the jobs of the plan in a folder; none without a sound plan."""
+    """Return the ids of the jobs of the plan in a folder; none without a sound plan."""
     try:
         return set(open_results(root).planned)
     except ResultsError:
@@ -63,13 +61,13 @@ def planned_jobs(root: Path) -> set[str]:
 
 @dataclass(frozen=True)
 class Results:
-    """The results of a study, as far as they have been computed when first asked for."""
+    """Results of a study, as computed by the time of the first access."""
 
     path: Path
 
     @cached_property
     def plan(self) -> dict[str, Any]:
-        """What the study expanded to: its name, overrides, units of swept paths, figures and jobs."""
+        """Expanded study: its name, overrides, units of swept paths, figures and jobs."""
         return read_plan(self.path)
 
     @cached_property
@@ -79,12 +77,12 @@ class Results:
 
     @cached_property
     def planned(self) -> tuple[str, ...]:
-        """Ids of all that the plan names: ``jobs``, then their variations."""
+        """Ids of all jobs of the plan: ``jobs``, then their variations."""
         return tuple(entry["job"] for entry in self.plan["jobs"])
 
     @cached_property
     def variations(self) -> list[dict[str, Any]]:
-        """What was varied of which job (`uncertainty:`): `of`, `what`, `value` (SI), `job`."""
+        """Variations by `uncertainty:`: mappings of `of` (job), `what`, `value` (SI), `job` (of the variation)."""
         return list(self.plan.get("variations", ()))
 
     @cached_property
@@ -92,29 +90,32 @@ class Results:
         return job_frame(self.path)
 
     def table(self) -> "pd.DataFrame":
-        """One row per job: ``job``, swept paths and features in SI, status, reason, seconds, healthy, unit."""
+        """Return one row per job, in SI.
+
+        Columns: ``job``, swept paths, features, status, reason, seconds, healthy, unit.
+        """
         return table(self.plan, self._frame)
 
     def parameters(self) -> "pd.DataFrame":
-        """All resolved parameters of the finished jobs in SI, indexed by job."""
+        """Return all resolved parameters of the finished jobs in SI, indexed by job."""
         done = self._frame[self._frame["status"] == "done"]
         return done.filter(regex="^parameters/").rename(columns=lambda name: name.partition("/")[2])
 
     def info(self) -> "pd.DataFrame":
-        """What the solver said of each finished job (step, CPU time, error estimates), indexed by job."""
+        """Return the facts of the solver on finished jobs (step, CPU time, error estimates), indexed by job."""
         return info(self._frame)
 
     def spread(self, feature: str) -> "pd.DataFrame":
-        """``least`` and ``largest`` (SI) of a feature over what is not known (`uncertainty:`), by job."""
+        """Return ``least`` and ``largest`` (SI) of a feature over the variations of `uncertainty:`, by job."""
         return spread(self.plan, self._frame, feature)
 
     def failures(self) -> dict[str, Failure]:
-        """Planned jobs that failed, by id, with reason, advice and traceback."""
+        """Return the planned jobs that failed, by id, with reason, advice and traceback."""
         status = self._frame["status"]
         return {job: failure for job, failure in read_failures(self.path).items() if status.get(job) == "failed"}
 
     def series(self, job: str) -> Series:
-        """The recorded series of a job. Raises ResultsError when it is unknown or has none."""
+        """Read the recorded series of a job. Raises ResultsError for an unknown job, or one without series."""
         if job not in self._frame.index:
             raise ResultsError(f"no job {job} in {self.path}")
         row = self._frame.loc[job]
@@ -123,9 +124,9 @@ class Results:
         return read_series(unit_path(self.path, str(row["unit"])), job)
 
     def to_xarray(self, jobs: Sequence[str] | None = None) -> "xr.Dataset":
-        """Series, features and swept values of finished jobs (or some of them) over ``job`` and ``time``.
+        """Return series, features and swept values of finished jobs (or some of them) over ``job`` and ``time``.
 
-        Loads the series into memory. Raises ResultsError without xarray, or when time axes differ.
+        Loads the series into memory. Raises ResultsError without xarray, for unknown jobs, or if time axes differ.
         """
         try:
             import xarray as xr
@@ -153,18 +154,18 @@ def _attributes(name: str, swept: bool) -> dict[str, str]:
 
 
 def _stack(series: dict[str, Series]) -> dict[str, Any]:
-    """Channels (job, time) and the time axis, as xarray takes them."""
+    """Stack channels (job, time), with the time axis, as variables for xarray."""
     if not series:
         return {}
-    first = next(iter(series.values()))
-    if not all(np.array_equal(one.time, first.time) for one in series.values()):
+    reference = next(iter(series.values()))
+    if not all(np.array_equal(signals.time, reference.time) for signals in series.values()):
         raise ResultsError("the jobs have different time axes: name jobs of one duration and sampling")
     stacked = {
         name: (
             ("job", "time"),
-            np.stack([one.channels[name] for one in series.values()]),
+            np.stack([signals.channels[name] for signals in series.values()]),
             channel_attributes(name),
         )
-        for name in first.channels
+        for name in reference.channels
     }
-    return {"time": ("time", first.time, {"units": "s"}), **stacked}
+    return {"time": ("time", reference.time, {"units": "s"}), **stacked}

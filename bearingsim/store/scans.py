@@ -1,4 +1,4 @@
-"""The scans of a study, kept with its results: these can be drawn where, and after, the files are gone."""
+"""Copies of a study's scans in its results, which can be drawn without the original files."""
 
 import re
 from collections.abc import Iterable
@@ -12,22 +12,11 @@ from bearingsim.store.own_files import ID, SCANS
 if TYPE_CHECKING:
     from bearingsim.config import Case
 
-__all__ = [
-    "copy_scans",
-    "held_scans",
-    "keep_scans",
-    "kept_scan",
-    "kept_scans",
-    "own_scan",
-    "short_path",
-    "with_short_paths",
-]
-
 
 def keep_scans(root: Path, cases: Iterable["Case"]) -> None:
     """Copy the scans of some cases to ``scans/<digest>.<ext>``, unless they are there.
 
-    Raises ScanError if one is gone, or is no longer what its case was made from.
+    Raises ScanError if a scan is missing, or has changed since its case was made.
     """
     for digest, file in _scans(cases):
         kept = kept_scan(root, digest, file)
@@ -36,13 +25,13 @@ def keep_scans(root: Path, cases: Iterable["Case"]) -> None:
 
 
 def kept_scans(root: Path, cases: Iterable["Case"]) -> dict[str, bytes]:
-    """The copies of the scans of some cases, by their names ``<digest>.<ext>``."""
+    """Read the stored scans of some cases, by file name ``<digest>.<ext>``."""
     copies = (kept_scan(root, digest, file) for digest, file in _scans(cases))
     return {copy.name: copy.read_bytes() for copy in copies}
 
 
 def with_short_paths(case: "Case") -> "Case":
-    """The case with its scans' files named as results name them, for a machine where they are not."""
+    """Return the case with short paths of its scans, for a machine that lacks the files."""
     if all(d.file is None for d in case.defects):
         return case
     named = tuple(d if d.file is None else d.model_copy(update={"file": short_path(d.file)}) for d in case.defects)
@@ -50,23 +39,23 @@ def with_short_paths(case: "Case") -> "Case":
 
 
 def _scans(cases: Iterable["Case"]) -> list[tuple[str, str]]:
-    """Digest and file of each scan that some cases have."""
+    """List digest and file of each scan of some cases."""
     return sorted({(d.digest, d.file) for case in cases for d in case.defects if d.file and d.digest})
 
 
 def held_scans(root: Path) -> list[Path]:
-    """The scans that a results folder keeps. Raises ScanError for one that is not what its name says."""
+    """List the scans stored in a results folder. Raises ScanError if the content of one has another digest."""
     from bearingsim.config.scan.file import ScanError
 
-    found = SCANS.of(root)
-    for path in found:
+    scans = SCANS.of(root)
+    for path in scans:
         if not _holds(path, path.stem):
             raise ScanError(f"`{path}` is not as it was written", "remove it, and run the study there again")
-    return found
+    return scans
 
 
 def copy_scans(scans: Iterable[Path], root: Path) -> None:
-    """Copy scans that another results folder keeps, unless they are there."""
+    """Copy scans of another results folder, unless they are there."""
     for path in scans:
         kept = root / "scans" / path.name
         if not _holds(kept, path.stem):
@@ -74,7 +63,7 @@ def copy_scans(scans: Iterable[Path], root: Path) -> None:
 
 
 def own_scan(root: Path, digest: str, file: str) -> Path:
-    """Find the copy of a scan in a results folder. Raises ScanError without one that is as it was written."""
+    """Return the path of a scan's copy in a results folder. Raises ScanError without an intact copy."""
     from bearingsim.config.scan.file import ScanError
 
     kept = kept_scan(root, digest, file)
@@ -84,12 +73,12 @@ def own_scan(root: Path, digest: str, file: str) -> Path:
 
 
 def kept_scan(root: Path, digest: str, file: str) -> Path:
-    """Where the copy of a scan lies in a results folder."""
+    """Return the path of the copy of a scan in a results folder."""
     return root / "scans" / f"{digest}{Path(file).suffix.lower()}"
 
 
 def short_path(file: str) -> str:
-    """A path as it may be shown to others: from the working folder, or else without its folders."""
+    """Shorten a path for publication: relative to the working folder, or else the file name."""
     path = Path(file)
     if not path.is_absolute():
         return file

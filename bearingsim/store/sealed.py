@@ -1,7 +1,7 @@
-"""Files that tell whether they are as they were written: each ends with the SHA-256 of what comes before.
+"""Files with a checksum: each ends with the SHA-256 of the bytes before it.
 
-Behind an HDF5 file, whose readers take no notice of what follows its end; as the last entry of a JSON file, beside
-the version of its layout.
+It follows the end of an HDF5 file, where readers ignore it, and is the last entry of a JSON file. Each file also
+has the version of its layout.
 """
 
 import hashlib
@@ -19,29 +19,15 @@ from bearingsim.hdf5 import Hdf5
 from bearingsim.store.files import write_bytes
 from bearingsim.store.regular import BLOCK, COST, Unreadable, open_regular, read_regular
 
-__all__ = [
-    "LIBVER",
-    "UNREADABLE",
-    "Unreadable",
-    "hdf5_in_memory",
-    "new_hdf5",
-    "open_hdf5",
-    "open_sealed",
-    "open_unverified",
-    "read_json",
-    "set_aside",
-    "write_json",
-]
-
 SCHEMA = 2  # version of the layout of all files
 LIBVER = ("v108", "v108")  # object headers with checksums and no 64 kB limit on attributes
 LEAST_BYTES = 8
-"""Of text for each list or mapping of a JSON file: an empty one takes 64 bytes of memory."""
+"""Least text per list or mapping of a JSON file, on average: an empty one takes 64 bytes of memory."""
 HDF5_MARK, JSON_MARK = b"\nSHA-256 ", ',\n "sha256": "'
 
 
 UNREADABLE = (OSError, LookupError, TypeError, ValueError, RuntimeError, AttributeError, MemoryError, Unreadable)
-"""What is raised by what is read of damaged files."""
+"""Errors that damaged files raise when read."""
 
 
 def _digest(content: bytes) -> str:
@@ -54,7 +40,7 @@ def _check_schema(schema: Any) -> None:
 
 
 def set_aside(path: Path) -> None:
-    """Give a damaged file a name under which nobody looks for it, unless another run has done so."""
+    """Rename a damaged file to ``.damaged``, unless another run has done so."""
     with suppress(FileNotFoundError):
         path.replace(path.with_suffix(".damaged"))
 
@@ -63,15 +49,15 @@ def set_aside(path: Path) -> None:
 
 
 def new_hdf5(path: Path) -> AbstractContextManager[h5py.File]:
-    """A file to fill. It is made in memory, where HDF5 meets no full disk, and written on leaving."""
+    """Create an HDF5 file in memory, where HDF5 cannot meet a full disk, and write it on leaving."""
     return hdf5_in_memory(partial(write_bytes, path))
 
 
 @contextmanager
 def hdf5_in_memory(take: Callable[[bytes], None]) -> Iterator[h5py.File]:
-    """A file to fill; what it holds then, with its digest, is handed over on leaving.
+    """Create an HDF5 file in memory; on leaving pass its bytes, with their digest, to ``take``.
 
-    Not by the core driver: with HDF5 1.14 the superblock of its image has a wrong checksum.
+    The core driver of HDF5 1.14 is not used: the superblock of its image has a wrong checksum.
     """
     memory = io.BytesIO()
     with h5py.File(memory, "w", libver=LIBVER) as file:
@@ -93,12 +79,12 @@ SEAL_BYTES = len(_seal(b""))
 
 
 def open_hdf5(path: Path) -> Hdf5:
-    """Open a file after comparing its bytes with its digest. Raises one of UNREADABLE."""
+    """Open a file after checking its digest. Raises one of UNREADABLE."""
     return open_sealed(open_regular(path))
 
 
 def open_unverified(path: Path) -> Hdf5:
-    """Open a file without reading it against its digest. Raises one of UNREADABLE."""
+    """Open a file without checking its digest. Raises one of UNREADABLE."""
     stream = open_regular(path)
     try:
         return Hdf5(stream, COST * stream.seek(0, io.SEEK_END))
@@ -108,9 +94,9 @@ def open_unverified(path: Path) -> Hdf5:
 
 
 def open_sealed(stream: BinaryIO) -> Hdf5:
-    """Open what a stream holds after comparing it with its digest; the stream is closed with the file.
+    """Open the file in a stream after checking its digest; the stream is closed with the file.
 
-    What is read of it at a time takes at most ``COST`` times its bytes. Raises one of UNREADABLE.
+    Reading takes at most ``COST`` times its bytes of memory at a time. Raises one of UNREADABLE.
     """
     try:
         size, digest, seal = _read_through(stream)
@@ -127,7 +113,7 @@ def open_sealed(stream: BinaryIO) -> Hdf5:
 
 
 def _read_through(stream: BinaryIO) -> tuple[int, str, bytes]:
-    """Return the size of a stream, the digest of all but its last bytes, which may be a seal, and these."""
+    """Read a stream; return its size, the digest of all but the bytes of a seal, and these last bytes."""
     size = stream.seek(0, io.SEEK_END)
     left, digest = max(size - SEAL_BYTES, 0), hashlib.sha256()
     stream.seek(0)
@@ -140,9 +126,9 @@ def _read_through(stream: BinaryIO) -> tuple[int, str, bytes]:
 # JSON
 
 
-def write_json(path: Path, told: Mapping[str, Any], indent: int | None = 1) -> None:
+def write_json(path: Path, entries: Mapping[str, Any], indent: int | None = 1) -> None:
     """Write a mapping, with schema and digest."""
-    body = json.dumps({"schema": SCHEMA, **told}, indent=indent, ensure_ascii=False)[:-1].rstrip()
+    body = json.dumps({"schema": SCHEMA, **entries}, indent=indent, ensure_ascii=False)[:-1].rstrip()
     write_bytes(path, (body + _json_seal(body)).encode())
 
 
@@ -151,7 +137,7 @@ def _json_seal(body: str) -> str:
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """Read the mapping in a file after comparing its text with its digest. Raises one of UNREADABLE."""
+    """Read the mapping in a file after checking its digest. Raises one of UNREADABLE."""
     text = read_regular(path).decode()
     body, mark, _ = text.rpartition(JSON_MARK)
     if not mark:
@@ -160,6 +146,6 @@ def read_json(path: Path) -> dict[str, Any]:
         raise Unreadable("its text is not what was written")
     if LEAST_BYTES * (text.count("[") + text.count("{")) > max(len(text), BLOCK):
         raise Unreadable("it holds more lists and mappings than any file of its size")
-    told = json.loads(text)
-    _check_schema(told["schema"])
-    return {name: value for name, value in told.items() if name not in ("schema", "sha256")}
+    entries = json.loads(text)
+    _check_schema(entries["schema"])
+    return {name: value for name, value in entries.items() if name not in ("schema", "sha256")}

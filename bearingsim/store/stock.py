@@ -1,9 +1,9 @@
-"""What a results folder holds: which units are sound. Runs, table and export go by it.
+"""Check of the units of a results folder, for runs, table and export.
 
-`prune` and `merge` remove and copy what they judge, so they trust no table: they read every unit themselves.
+`prune` and `merge` remove and copy units, so they do not rely on the table and read every unit themselves.
 
-A unit whose size and time of last change are those that the table remembers was compared with its digest before,
-and its rows are in the table: it is not read again. All others are read whole.
+A unit with the size and modification time noted in the table was checked against its digest before, and its rows
+are in the table: it is not read again. All others are read completely.
 """
 
 from collections.abc import Iterable, Mapping
@@ -16,26 +16,24 @@ from bearingsim.store.units import DamagedUnit, read_unit
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Stock", "judged"]
-
 Rows = Mapping[str, "pd.DataFrame"]
 
 
 @dataclass(frozen=True)
 class Stock:
-    """Sound units, by name: ``known`` to the table, or ``read`` just now, with their rows; and damaged ones."""
+    """Sound units by name, in the table (``known``) or just ``read``, with their rows; and damaged ones."""
 
     known: set[str] = field(default_factory=set)
     read: "dict[str, pd.DataFrame]" = field(default_factory=dict)
     damaged: dict[Path, str] = field(default_factory=dict)
 
 
-def judged(units: Iterable[Path], known: "pd.DataFrame | None", read: Rows, everything: bool = False) -> Stock:
-    """Judge units. known: the columns ``unit`` and ``stamp`` of the table; read: rows read before, by unit.
+def judged(units: Iterable[Path], table: "pd.DataFrame | None", read: Rows, everything: bool = False) -> Stock:
+    """Check units. table: its columns ``unit`` and ``stamp``; read: rows read before, by unit.
 
-    everything: read what is known, too.
+    everything: also read the units that are in the table.
     """
-    stock, remembered = Stock(), {} if everything else _remembered(known)
+    stock, remembered = Stock(), {} if everything else _remembered(table)
     for path in units:
         stamp = _stamp(path)
         if remembered.get(path.stem) == stamp:
@@ -59,15 +57,18 @@ def _read(path: Path, stamp: str, stock: Stock) -> None:
 
 
 def _stamp(path: Path) -> str:
-    told = path.lstat()
-    return f"{told.st_size} {told.st_mtime_ns}"
+    status = path.lstat()
+    return f"{status.st_size} {status.st_mtime_ns}"
 
 
-def _remembered(known: "pd.DataFrame | None") -> dict[str, str]:
-    """Size and time of each unit all of whose jobs are in the table: a narrower plan has left some out."""
-    if known is None:
+def _remembered(table: "pd.DataFrame | None") -> dict[str, str]:
+    """Return the stamp of each unit with all of its jobs in the table, by name.
+
+    The table of a narrower plan lacks some jobs of a unit.
+    """
+    if table is None:
         return {}
-    counts = known["unit"].value_counts()
-    stamps = known.drop_duplicates("unit").set_index("unit")["stamp"].str.rpartition(" ")
+    counts = table["unit"].value_counts()
+    stamps = table.drop_duplicates("unit").set_index("unit")["stamp"].str.rpartition(" ")
     whole = stamps[2] == counts.reindex(stamps.index).astype(str)
     return dict(stamps[0][whole])

@@ -1,7 +1,7 @@
-"""The table of a study: parameters, features, status and unit of each job, in ``study.h5`` and ``results.csv``.
+"""Table of a study: parameters, features, status and unit of each job, in ``study.h5`` and ``results.csv``.
 
-Made from ``plan.json``, the sealed units and the failures on record, so it can be thrown away and made again;
-rows of units already in ``study.h5`` are taken from there.
+It is made from ``plan.json``, the sealed units and the failures on record, so it can be deleted and made again;
+rows of units that are in ``study.h5`` are taken from there.
 """
 
 import hashlib
@@ -36,23 +36,10 @@ if TYPE_CHECKING:
 
     from bearingsim.study import Job, Study
 
-__all__ = [
-    "build_table",
-    "info",
-    "job_frame",
-    "own_frame",
-    "plan_of",
-    "read_frame",
-    "read_plan",
-    "rows_of",
-    "table",
-    "write_plan",
-]
-
 PER_JOB = ("status", "reason", "healthy", "unit", "stamp")
 STUDY = "study.yaml"
 DIGESTS = ("fingerprint", "csv")
-"""Attributes of ``study.h5``: of what it is made from, and of ``results.csv``."""
+"""Digests in ``study.h5``: of the sources of the table, and of ``results.csv``."""
 
 
 def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> dict[str, Any]:
@@ -65,9 +52,9 @@ def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequenc
 
 
 def plan_of(study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> dict[str, Any]:
-    """What a study expands to, as plain data: its name, overrides, figures and jobs.
+    """Return the expansion of a study as plain data: its name, overrides, figures and jobs.
 
-    notes: what was said of the study.
+    notes: remarks on the study.
     """
     from bearingsim.core import MODEL_VERSION
 
@@ -96,31 +83,32 @@ def plan_of(study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) ->
         "accuracy": _accuracy(study),
         "nothing_uncertain": study.uncertainty == () and not study.left_out,
         "variations": [
-            {"of": one.of, "what": one.what, "value": one.value, "job": one.job.id} for one in study.variations()
+            {"of": variation.of, "what": variation.what, "value": variation.value, "job": variation.job.id}
+            for variation in study.variations()
         ],
     }
 
 
 def _accuracy(study: "Study") -> dict[str, Any] | None:
-    """What was asked, chosen for it, and by what it is judged; None of a study that names no accuracy."""
-    goal, found = study.goal, study.selection
-    if goal is None or found is None:
+    """Return the accuracy goal, the models chosen for it, curves and audits; None for a study without one."""
+    goal, selection = study.goal, study.selection
+    if goal is None or selection is None:
         return None
-    jobs = {job: chosen._asdict() for job, chosen in found.jobs.items()}
+    jobs = {job: chosen._asdict() for job, chosen in selection.jobs.items()}
     return {
         "within": goal.within,
         "of": list(goal.of),
         "jobs": jobs,
-        "curves": [{"feature": feature, "jobs": list(on_it)} for feature, on_it in found.curves],
-        "audits": [{"of": one.of, "job": one.job.id} for one in found.audits],
-        "notes": list(found.notes),
+        "curves": [{"feature": feature, "jobs": list(on_it)} for feature, on_it in selection.curves],
+        "audits": [{"of": audit.of, "job": audit.job.id} for audit in selection.audits],
+        "notes": list(selection.notes),
     }
 
 
 def read_plan(root: Path) -> dict[str, Any]:
-    """What the study expanded to. Raises one of UNREADABLE when the folder holds no results, or it is damaged.
+    """Read the plan of a folder. Raises one of UNREADABLE without results, or if it is damaged.
 
-    Of a plan of a version without designs the entry `design` is None.
+    A plan of a version without designs has None as its entry `design`.
     """
     plan = {"design": None} | read_json(root / "plan.json")
     check_plan(plan)
@@ -128,53 +116,57 @@ def read_plan(root: Path) -> dict[str, Any]:
 
 
 def job_frame(root: Path) -> "pd.DataFrame":
-    """Everything known of each planned job, indexed by id: ``parameters/...``, ``features/...``, ``info/...``,
-    ``status`` (done, failed, missing), ``reason``, ``healthy`` (id of the twin), ``unit``.
+    """Return the data of each planned job, indexed by id.
 
-    Read from ``study.h5`` when that is up to date, made anew (and written, where possible) otherwise.
+    Columns: ``parameters/...``, ``features/...``, ``info/...``, ``status`` (done, failed, missing), ``reason``,
+    ``healthy`` (id of the twin), ``unit``. Read from ``study.h5`` if it is up to date; otherwise made anew, and
+    written where possible.
     """
-    print_now = _fingerprint(root)
-    known = read_frame(root)
-    if known is not None and known.attrs["fingerprint"] == print_now:
-        return known
+    fingerprint = _fingerprint(root)
+    stored = read_frame(root)
+    if stored is not None and stored.attrs["fingerprint"] == fingerprint:
+        return stored
     with suppress(OSError, DiskFull):
         return build_table(root)
-    return _make_frame(root, read_plan(root), known, {}, read_failures(root))
+    return _make_frame(root, read_plan(root), stored, {}, read_failures(root))
 
 
 def own_frame(root: Path, plan: Mapping[str, Any], rows: Rows) -> "pd.DataFrame":
-    """The frame of ``job_frame`` for a plan that need not be the folder's; rows: of units read before, by unit."""
+    """Return the frame of ``job_frame`` for a plan that may differ from the folder's.
+
+    rows: of units read before, by unit.
+    """
     return _make_frame(root, plan, read_frame(root), rows, read_failures(root)).sort_index(axis=1)
 
 
 def build_table(root: Path, rows: Rows | None = None) -> "pd.DataFrame":
-    """Make ``study.h5`` and ``results.csv`` from what the folder holds; return the frame of ``job_frame``.
+    """Make ``study.h5`` and ``results.csv`` from the folder; return the frame of ``job_frame``.
 
-    Nothing is written where both are up to date. rows: of units that have been read before, by unit. Warns of what
-    cannot be read.
+    Nothing is written if both are up to date. rows: of units read before, by unit. Warns of unreadable files.
     """
     with lock(root):
         fingerprint = _fingerprint(root)
-        known = read_frame(root)
-        now = {"fingerprint": fingerprint, "csv": _digest(root / "results.csv")}
-        if known is not None and known.attrs == now:
-            return known
+        stored = read_frame(root)
+        digests = {"fingerprint": fingerprint, "csv": _digest(root / "results.csv")}
+        if stored is not None and stored.attrs == digests:
+            return stored
         plan = read_plan(root)
-        frame = _make_frame(root, plan, known, rows or {}, read_failures(root))
+        frame = _make_frame(root, plan, stored, rows or {}, read_failures(root))
         write_text(root / "results.csv", csv_text(table(plan, frame)))
         _write_frame(root, frame, fingerprint)
     return frame.sort_index(axis=1)
 
 
 def rows_of(plan: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The jobs of a plan that have a row in its table: all but variations."""
+    """List the jobs of a plan that have a row in its table: all except variations."""
     return [entry for entry in plan["jobs"] if not entry.get("variation")]
 
 
 def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
-    """One row per case and twin: ``job``, swept paths (SI), features, status, reason, seconds, healthy, unit.
+    """Return one row per case and twin.
 
-    Variations (``store/spread.py``) have no row: they are in the columns `error.*` of those they vary.
+    Columns: ``job``, swept paths (SI), features, status, reason, seconds, healthy, unit. Variations
+    (``store/spread.py``) have no row: they make the columns `error.*` of their jobs.
     """
     import pandas as pd
 
@@ -185,21 +177,22 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     features = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
     features = pd.concat([features, spreads.reindex(frame.index)], axis=1)
     features = features[in_feature_order(features.columns)]
-    told = (plan.get("accuracy") or {"jobs": {}})["jobs"]
-    if told:
-        models = pd.DataFrame({"model": [told[job]["model"] if job in told else "" for job in frame.index]})
+    models_chosen = (plan.get("accuracy") or {"jobs": {}})["jobs"]
+    if models_chosen:
+        names = [models_chosen[job]["model"] if job in models_chosen else "" for job in frame.index]
+        models = pd.DataFrame({"model": names})
         own = near.drop(columns=[name for name in near if name in features])  # jobs have `error.start` themselves
         features = pd.concat([models.set_index(frame.index), own.reindex(frame.index), features], axis=1)
     seconds = frame["info/cpu_s"] if "info/cpu_s" in frame else pd.Series(np.nan, frame.index)
     rest = pd.DataFrame({"status": frame["status"], "reason": frame["reason"], "seconds": seconds})
     jobs = pd.DataFrame({"job": frame.index}, index=frame.index)
-    beside = [features, rest, frame[["healthy", "unit"]]]
-    swept = swept.drop(columns={name for one in (jobs, *beside) for name in one}, errors="ignore")
-    return pd.concat([jobs, swept, *beside], axis=1).reset_index(drop=True)
+    others = [features, rest, frame[["healthy", "unit"]]]
+    swept = swept.drop(columns={name for columns in (jobs, *others) for name in columns}, errors="ignore")
+    return pd.concat([jobs, swept, *others], axis=1).reset_index(drop=True)
 
 
 def info(frame: "pd.DataFrame") -> "pd.DataFrame":
-    """What the solver said of each finished job, indexed by job; ``frame``: of ``job_frame``."""
+    """Return the facts of the solver for each finished job, indexed by job; ``frame``: of ``job_frame``."""
     done = frame[frame["status"] == "done"]
     return done.filter(regex="^info/").rename(columns=lambda name: name.partition("/")[2])
 
@@ -210,47 +203,47 @@ def info(frame: "pd.DataFrame") -> "pd.DataFrame":
 def _make_frame(
     root: Path,
     plan: Mapping[str, Any],
-    known: "pd.DataFrame | None",
+    table_rows: "pd.DataFrame | None",
     rows: Rows,
     failures: Mapping[str, Failure],
 ) -> "pd.DataFrame":
     import pandas as pd
 
     ids = [entry["job"] for entry in plan["jobs"]]
-    stored = _collect(root, known, rows).reindex(ids)
+    stored = _collect(root, table_rows, rows).reindex(ids)
     done = stored["unit"].notna()
     reasons = pd.Series({job: failure.reason for job, failure in failures.items()}, dtype=object)
     reason = reasons.reindex(stored.index).where(~done)
     status = np.where(done, "done", np.where(reason.notna(), "failed", "missing"))
     healthy = [entry["healthy"] for entry in plan["jobs"]]
-    told = pd.DataFrame({"reason": reason, "status": status, "healthy": healthy}, index=stored.index)
-    frame = pd.concat([stored, told], axis=1)  # of many columns, inserting one is slow, and warned of
+    states = pd.DataFrame({"reason": reason, "status": status, "healthy": healthy}, index=stored.index)
+    frame = pd.concat([stored, states], axis=1)  # inserting a column into many is slow, and pandas warns of it
     words = frame.select_dtypes(exclude="number").columns
     frame = frame.fillna(dict.fromkeys(words, "")).astype(dict.fromkeys(words, str))
     return pd.concat([frame, healthy_differences(frame)], axis=1)
 
 
-def _collect(root: Path, known: "pd.DataFrame | None", rows: Rows) -> "pd.DataFrame":
-    """Rows of all sound units, a job that lies in several taken from the first."""
+def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows) -> "pd.DataFrame":
+    """Collect the rows of all sound units; a job that lies in several is taken from the first."""
     import pandas as pd
 
-    stock = judged(UNITS.of(root), known, rows)
+    stock = judged(UNITS.of(root), table_rows, rows)
     for path, reason in stock.damaged.items():
-        told = f"{path} cannot be read ({reason}), its jobs count as missing: run the study again"
-        warnings.warn(told, DamageWarning, stacklevel=2)
+        text = f"{path} cannot be read ({reason}), its jobs count as missing: run the study again"
+        warnings.warn(text, DamageWarning, stacklevel=2)
     empty = {name: pd.Series(dtype=object) for name in ("unit", "stamp")}
     frames = [pd.DataFrame(empty, index=pd.Index([], name="job")), *stock.read.values()]
-    if known is not None:
-        kept = known[known["unit"].isin(stock.known)].drop(columns=["status", "reason", "healthy"])
+    if table_rows is not None:
+        kept = table_rows[table_rows["unit"].isin(stock.known)].drop(columns=["status", "reason", "healthy"])
         frames.append(kept.loc[:, ~kept.columns.str.endswith("-healthy")])
     whole = pd.concat([frame for frame in frames if len(frame)] or frames[:1])
     return whole[~whole.index.duplicated()]
 
 
 def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
-    """``|A - A_healthy|`` of the complex amplitude of each line with a phase, NaN where there is no twin.
+    """Compute ``|A - A_healthy|`` of the complex amplitude of each line with a phase, NaN without a twin.
 
-    Of a feature of a band, which has no phase, the difference itself.
+    A band has no phase: the difference of its values.
     """
     import pandas as pd
 
@@ -271,10 +264,10 @@ def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def _fingerprint(root: Path) -> str:
-    """Digest of what the table is made from: the plan; names, sizes and times of units and failures."""
+    """Return the digest of the sources of the table: plan; names, sizes and times of units and failures."""
     sources = [*UNITS.of(root), *FAILURES.of(root)]
-    told = ((path.name, path.lstat()) for path in sources)
-    listing = "\n".join(f"{name} {stat.st_size} {stat.st_mtime_ns}" for name, stat in told)
+    states = ((path.name, path.lstat()) for path in sources)
+    listing = "\n".join(f"{name} {stat.st_size} {stat.st_mtime_ns}" for name, stat in states)
     return hashlib.sha256(regular.read_regular(root / "plan.json") + listing.encode()).hexdigest()
 
 
@@ -306,17 +299,17 @@ def _column(values: "pd.Series[Any]") -> NDArray[Any]:
 
 
 def read_frame(root: Path, groups: Sequence[str] = tuple(GROUPS)) -> "pd.DataFrame | None":
-    """The frame as ``study.h5`` holds it (of some groups of columns), None when there is none or it is damaged."""
+    """Read the frame in ``study.h5`` (or some groups of columns); None if it is missing or damaged."""
     import pandas as pd
 
     try:
         with open_hdf5(root / "study.h5") as file:
             file.afford("its columns", file.cost("job", *PER_JOB))
             columns = read_columns(file, groups) | {name: file.texts(name) for name in PER_JOB}
-            told = {name: file.attribute(name) for name in DIGESTS}
+            digests = {name: file.attribute(name) for name in DIGESTS}
     except UNREADABLE:
         return None
     frame = pd.DataFrame(columns).set_index("job")
     frame = frame.sort_index(axis=1)
-    frame.attrs.update(told)
+    frame.attrs.update(digests)
     return frame

@@ -1,7 +1,7 @@
-"""Trials of models, and what was chosen by them: plain JSON, each file whole or absent.
+"""Trials of models, and the choices based on them: plain JSON, each file whole or absent.
 
-``trials/<unit>.json`` holds the trials of a unit of work, ``choices.json`` one choice for each case, and
-what names the plan of the study that it was made for.
+``trials/<unit>.json`` holds the trials of a unit of work, ``choices.json`` one choice for each case, with the name
+of the plan for which it was made.
 """
 
 from collections.abc import Collection, Mapping
@@ -21,52 +21,41 @@ from bearingsim.store.layouts import check
 from bearingsim.store.regular import Unreadable, read_regular
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 
-__all__ = [
-    "DamagedChoices",
-    "add_choices",
-    "copy_trials",
-    "read_choices",
-    "read_plans",
-    "read_trials",
-    "write_choices",
-    "write_trials",
-]
-
 CHOICES, TRIALS, PLAN = "choices.json", "trials", "plan"
 
 
 class DamagedChoices(UserError):
-    """``choices.json`` cannot be read: who decided, and what, is not known."""
+    """``choices.json`` cannot be read, so the models of earlier results are unknown."""
 
 
-def write_trials(root: Path, unit: str, found: Mapping[str, Trial | None]) -> None:
-    """Write the trials of a unit, by id; None for one that failed."""
-    told = {name: None if one is None else _plain(one) for name, one in found.items()}
-    write_json(root / TRIALS / f"{unit}.json", {TRIALS: told}, indent=None)
+def write_trials(root: Path, unit: str, trials: Mapping[str, Trial | None]) -> None:
+    """Write the trials of a unit, by id; None for a failed trial."""
+    entries = {name: None if trial is None else _plain(trial) for name, trial in trials.items()}
+    write_json(root / TRIALS / f"{unit}.json", {TRIALS: entries}, indent=None)
 
 
-def read_trials(root: Path, asked: Collection[str] = ()) -> dict[str, Trial | None]:
-    """All trials of a folder that have the features ``asked``, by id.
+def read_trials(root: Path, features: Collection[str] = ()) -> dict[str, Trial | None]:
+    """Read the trials of a folder that contain the given ``features``, by id.
 
-    A file that cannot be read, and a trial without these features, count as absent: they are made again.
+    Unreadable files and trials without these features count as absent: they are made again.
     """
-    found: dict[str, Trial | None] = {}
+    by_id: dict[str, Trial | None] = {}
     for path in own_files.TRIALS.of(root):
         try:
-            told = read_json(path)
-            told = told[TRIALS]
-            check(layouts.Trials, told)
-            trials = {name: None if one is None else _trial(one) for name, one in told.items()}
+            entries = read_json(path)
+            entries = entries[TRIALS]
+            check(layouts.Trials, entries)
+            trials = {name: None if values is None else _trial(values) for name, values in entries.items()}
         except UNREADABLE:
             continue
-        found |= {name: one for name, one in trials.items() if one is None or one.tells(asked)}
-    return found
+        by_id |= {name: trial for name, trial in trials.items() if trial is None or trial.tells(features)}
+    return by_id
 
 
 def copy_trials(source: Path, root: Path) -> None:
-    """Copy the trials of another results folder, less those that are there, or cannot be read.
+    """Copy the trials of another results folder, except existing and unreadable files.
 
-    A file of the same name stays as it is, and is not compared: its trials are of the same cases.
+    A file of the same name is kept without comparison: its trials are of the same cases.
     """
     for path in own_files.TRIALS.of(source):
         with suppress(*UNREADABLE):
@@ -75,19 +64,30 @@ def copy_trials(source: Path, root: Path) -> None:
                 write_bytes(root / TRIALS / path.name, read_regular(path))
 
 
-def _plain(one: Trial) -> dict[str, Any]:
-    lines = {name: [[a.real, a.imag] for a in parts.tolist()] for name, parts in one.lines.items()}
-    powers = {name: parts.tolist() for name, parts in one.powers.items()}
-    told = {"passes": one.passes, "turns": one.turns, "repeats": one.repeats, "forces": one.forces.tolist()}
-    return told | {"lines": lines, "powers": powers, "method": one.method, "step": one.step}
+def _plain(trial: Trial) -> dict[str, Any]:
+    lines = {name: [[a.real, a.imag] for a in parts.tolist()] for name, parts in trial.lines.items()}
+    powers = {name: parts.tolist() for name, parts in trial.powers.items()}
+    entries = {
+        "passes": trial.passes,
+        "turns": trial.turns,
+        "repeats": trial.repeats,
+        "forces": trial.forces.tolist(),
+    }
+    return entries | {"lines": lines, "powers": powers, "method": trial.method, "step": trial.step}
 
 
-def _trial(told: Mapping[str, Any]) -> Trial:
-    lines = {name: np.array([complex(*pair) for pair in parts]) for name, parts in told["lines"].items()}
-    powers = {name: np.array(parts) for name, parts in told["powers"].items()}
-    stepped = told.get("method", ""), told.get("step", 0.0)
+def _trial(entries: Mapping[str, Any]) -> Trial:
+    lines = {name: np.array([complex(*pair) for pair in parts]) for name, parts in entries["lines"].items()}
+    powers = {name: np.array(parts) for name, parts in entries["powers"].items()}
+    stepped = entries.get("method", ""), entries.get("step", 0.0)
     trial = Trial(
-        told["passes"], told["turns"], told["repeats"], lines, powers, np.array(told["forces"]), *stepped
+        entries["passes"],
+        entries["turns"],
+        entries["repeats"],
+        lines,
+        powers,
+        np.array(entries["forces"]),
+        *stepped,
     )
     if not trial.is_whole:
         raise Unreadable("the parts of a trial do not fit each other")
@@ -95,40 +95,40 @@ def _trial(told: Mapping[str, Any]) -> Trial:
 
 
 def write_choices(root: Path, choices: Choices, plans: Mapping[str, str] | None = None) -> None:
-    """Write what was chosen, all at once; plans: what names the plan that each choice was made for."""
+    """Write the choices; plans: name of the plan for which each choice was made."""
     named = plans or {}
-    told = {name: asdict(one) | {PLAN: named.get(name, "")} for name, one in sorted(choices.items())}
-    write_json(root / CHOICES, {"choices": told})
+    entries = {name: asdict(choice) | {PLAN: named.get(name, "")} for name, choice in sorted(choices.items())}
+    write_json(root / CHOICES, {"choices": entries})
 
 
-def add_choices(root: Path, found: Choices, plan: str) -> tuple[Choices, dict[str, str]]:
-    """Add choices made for a plan to those of a folder, which stay; all choices, and what names the plan of each.
+def add_choices(root: Path, new: Choices, plan: str) -> tuple[Choices, dict[str, str]]:
+    """Add new choices for a plan to those of a folder, which have precedence; return choices and plans by name.
 
     Raises DamagedChoices.
     """
     with lock(root):
-        choices, plans = found | read_choices(root), dict.fromkeys(found, plan) | read_plans(root)
+        choices, plans = new | read_choices(root), dict.fromkeys(new, plan) | read_plans(root)
         write_choices(root, choices, plans)
     return choices, plans
 
 
 def read_choices(root: Path) -> Choices:
-    """What was chosen in a folder; nothing yet if it has no ``choices.json``. Raises DamagedChoices."""
+    """Read the choices of a folder; none if it has no ``choices.json``. Raises DamagedChoices."""
     return {name: choice for name, (choice, _) in _read(root).items()}
 
 
 def read_plans(root: Path) -> dict[str, str]:
-    """What names the plan of the study that each choice in a folder was made for. Raises DamagedChoices."""
+    """Read the name of the plan of each choice in a folder. Raises DamagedChoices."""
     return {name: plan for name, (_, plan) in _read(root).items()}
 
 
 def _read(root: Path) -> dict[str, tuple[Choice, str]]:
     path = root / CHOICES
     try:
-        told = read_json(path)
-        told = told.get("choices", told)
-        check(layouts.Choices, told)
-        return {name: _choice(one) for name, one in told.items()}
+        entries = read_json(path)
+        entries = entries.get("choices", entries)
+        check(layouts.Choices, entries)
+        return {name: _choice(choice) for name, choice in entries.items()}
     except FileNotFoundError:
         return {}
     except UNREADABLE as error:
@@ -137,6 +137,6 @@ def _read(root: Path) -> dict[str, tuple[Choice, str]]:
         ) from error
 
 
-def _choice(told: dict[str, Any]) -> tuple[Choice, str]:
-    plan = told.pop(PLAN, "")
-    return Choice(**told), str(plan)
+def _choice(entries: dict[str, Any]) -> tuple[Choice, str]:
+    plan = entries.pop(PLAN, "")
+    return Choice(**entries), str(plan)

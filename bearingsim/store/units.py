@@ -1,9 +1,8 @@
-"""The unit file: one immutable HDF5 file with the series, parameters and features of one or more jobs.
+"""Unit file: one immutable HDF5 file with the series, parameters and features of one or more jobs.
 
 Root: ``time`` (float64, s) and ``job`` (ids) are dimension scales, each channel is a float32 dataset
-(job, time). ``parameters``, ``features`` and ``info`` are datasets (job, name) in SI (``columns.py``); group
-``provenance`` tells what made the file. Plain HDF5: xarray (h5netcdf), ncdump,
-h5web and MATLAB open it unaided.
+(job, time). ``parameters``, ``features`` and ``info`` are datasets (job, name) in SI (``columns.py``); the
+provenance is in attributes and the group ``provenance``. xarray (h5netcdf), ncdump, h5web and MATLAB open it.
 """
 
 import hashlib
@@ -33,36 +32,19 @@ if TYPE_CHECKING:
     from bearingsim.simulation.simulate import Record
     from bearingsim.study import Job
 
-__all__ = [
-    "DamagedUnit",
-    "Series",
-    "check_unit",
-    "computed",
-    "jobs_named",
-    "open_unit",
-    "read_series",
-    "read_unit",
-    "sealed_units",
-    "take_unit",
-    "unit_name",
-    "unit_names",
-    "unit_path",
-    "write_units",
-]
-
-CHUNK_BYTES = 1 << 16
-LONGEST_CHUNK = 1 << 18  # samples
+CHUNK_BYTES = 1 << 16  # least size of a chunk
+LONGEST_CHUNK = 1 << 18  # samples of a job in a chunk
 
 
 class DamagedUnit(UserError):
-    """A unit file that is not as it was written, or does not hold what its name promises."""
+    """A unit file is not as it was written, or does not hold the jobs of its name."""
 
 
 @dataclass(frozen=True)
 class Series(Mapping[str, NDArray[np.float32]]):
-    """The recorded series of one job: ``time`` (n,) in s, ``channels`` name -> (n,) in SI, ``units`` by name.
+    """Recorded series of one job: ``time`` (n,) in s, ``channels`` name -> (n,) in SI, ``units`` by name.
 
-    As a mapping it is that of its channels.
+    Also a mapping of its channels.
     """
 
     time: NDArray[np.float64]
@@ -80,17 +62,17 @@ class Series(Mapping[str, NDArray[np.float32]]):
 
 
 def unit_name(jobs: Iterable[str]) -> str:
-    """Name of the unit that holds these jobs: 16 hex digits of SHA-256 over the ids in sorted order."""
+    """Return the name of the unit with these jobs: 16 hex digits of SHA-256 over the sorted ids."""
     return hashlib.sha256("\n".join(sorted(jobs)).encode()).hexdigest()[:16]
 
 
 def unit_names(root: Path) -> set[str]:
-    """Names of the units in a results folder."""
+    """Return the names of the units in a results folder."""
     return {path.stem for path in UNITS.of(root)}
 
 
 def unit_path(root: Path, unit: str) -> Path:
-    """Where a unit lies in a results folder."""
+    """Return the path of a unit in a results folder."""
     return root / "units" / unit[:2] / f"{unit}.h5"
 
 
@@ -110,14 +92,14 @@ def _write(path: Path, content: bytes) -> Path:
 def sealed_units(
     done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]
 ) -> Iterator[tuple[str, bytes]]:
-    """The names of the units that hold the records of some jobs, and what their files are to hold."""
+    """Yield the names and contents of the unit files for the records of some jobs."""
     ordered = sorted(done, key=lambda pair: (_shape_key(pair[1]), pair[0].id))
     for _, group in groupby(ordered, key=lambda pair: _shape_key(pair[1])):
         yield _sealed(list(group), provenance)
 
 
 def take_unit(root: Path, unit: str, content: bytes) -> Path:
-    """Write a unit that was sealed elsewhere, as it is. Raises DamagedUnit if it is not as it was sealed."""
+    """Write a unit sealed elsewhere, unchanged. Raises DamagedUnit if it is not as it was sealed."""
     path = unit_path(root, unit)
     try:
         with open_sealed(io.BytesIO(content)) as file:
@@ -133,25 +115,25 @@ def _shape_key(record: "Record") -> tuple[bytes, tuple[str, ...]]:
 
 
 def _sealed(done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]) -> tuple[str, bytes]:
-    ids, found = [job.id for job, _ in done], list[bytes]()
-    with hdf5_in_memory(found.append) as file:
+    ids, contents = [job.id for job, _ in done], list[bytes]()
+    with hdf5_in_memory(contents.append) as file:
         jobs = write_jobs(file, ids)
         _write_series(file, jobs, [record for _, record in done])
         write_columns(file, jobs, "parameters", columns([flat_parameters(job.case) for job, _ in done]))
         write_columns(file, jobs, "features", columns([record.features for _, record in done]))
         write_columns(file, jobs, "info", columns([record.info for _, record in done]))
         _write_provenance(file, provenance)
-    return unit_name(ids), found[0]
+    return unit_name(ids), contents[0]
 
 
 def _write_series(file: h5py.File, jobs: h5py.Dataset, records: Sequence["Record"]) -> None:
-    first = records[0]
-    if not first.series:
+    reference = records[0]
+    if not reference.series:
         return
-    time = file.create_dataset("time", data=np.asarray(first.time, np.float64), fletcher32=True)
+    time = file.create_dataset("time", data=np.asarray(reference.time, np.float64), fletcher32=True)
     time.make_scale("time")
     time.attrs.update(units="s", long_name="time")
-    for name in sorted(first.series):
+    for name in sorted(reference.series):
         data = np.stack([np.asarray(record.series[name], np.float32) for record in records])
         channel = file.create_dataset(
             name, data=data, chunks=_chunks(*data.shape), compression="gzip", shuffle=True, fletcher32=True
@@ -162,13 +144,13 @@ def _write_series(file: h5py.File, jobs: h5py.Dataset, records: Sequence["Record
 
 
 def _chunks(jobs: int, samples: int) -> tuple[int, int]:
-    """One job per chunk, or as many short ones as make a chunk worth its overhead."""
+    """Return the shape of a chunk: one job, or several short ones up to CHUNK_BYTES."""
     width = max(1, min(samples, LONGEST_CHUNK))
     return min(jobs, max(1, CHUNK_BYTES // (4 * width))), width
 
 
 def _write_provenance(file: h5py.File, provenance: Mapping[str, Value]) -> None:
-    """Short facts become attributes of the file; the study's text, of any length, a dataset."""
+    """Write short facts as attributes of the file, and the study's text, of any length, as a dataset."""
     folder = file.require_group("provenance")
     for name, value in provenance.items():
         if isinstance(value, str) and "\n" in value:
@@ -183,9 +165,9 @@ def _write_provenance(file: h5py.File, provenance: Mapping[str, Value]) -> None:
 
 @contextmanager
 def open_unit(path: Path) -> Iterator[Hdf5]:
-    """Open a unit after comparing it with its digest and its name with its jobs.
+    """Open a unit after checking its digest, and its name against its jobs.
 
-    Raises DamagedUnit, for what is read of it, too.
+    Raises DamagedUnit, also for errors of reading within the context.
     """
     try:
         with open_hdf5(path) as file:
@@ -198,22 +180,19 @@ def open_unit(path: Path) -> Iterator[Hdf5]:
 
 
 def read_unit(path: Path) -> dict[str, NDArray[Any]]:
-    """The columns over ``job`` of a unit. Raises DamagedUnit."""
+    """Read the columns over ``job`` of a unit. Raises DamagedUnit."""
     with open_unit(path) as file:
         return read_columns(file)
 
 
 def check_unit(path: Path) -> list[str]:
-    """The ids of the jobs that a unit holds. Raises DamagedUnit."""
+    """Check a unit, and return the ids of its jobs. Raises DamagedUnit."""
     with open_unit(path) as file:
         return list(file.texts("job"))
 
 
 def jobs_named(path: Path) -> list[str]:
-    """The ids of the jobs that a unit says it holds; its bytes are not compared with its digest.
-
-    Raises DamagedUnit.
-    """
+    """Read the ids of the jobs of a unit without checking its digest. Raises DamagedUnit."""
     try:
         with open_unverified(path) as file:
             return list(file.texts("job"))
@@ -222,10 +201,9 @@ def jobs_named(path: Path) -> list[str]:
 
 
 def computed(path: Path, jobs: Collection[str]) -> dict[str, dict[str, bytes]]:
-    """What was computed of some jobs of a unit, by job and name: features that have a value, time, channels.
+    """Return the digests of the computed values of some jobs of a unit: features, time, channels; by job and name.
 
-    As digests: what is equal here is equal in every bit. How, when and where it was computed is not part of it.
-    Raises DamagedUnit.
+    Equal digests mean values equal in every bit. Date, host and CPU time are not part of them. Raises DamagedUnit.
     """
     with open_unit(path) as file:
         features = read_columns(file, ("features",))
@@ -238,14 +216,14 @@ def computed(path: Path, jobs: Collection[str]) -> dict[str, dict[str, bytes]]:
             | {
                 name.partition("/")[2]: _bytes(column[row])
                 for name, column in features.items()
-                if _said(column[row])
+                if _has_value(column[row])
             }
             for job, row in rows.items()
         }
 
 
-def _said(value: float | str) -> bool:
-    """Whether a job has a feature: one that it lacks reads NaN, or empty, beside jobs that have it."""
+def _has_value(value: float | str) -> bool:
+    """Return True if a job has a feature: a missing one is NaN, or empty."""
     return value == value and value != ""
 
 
@@ -270,8 +248,8 @@ def _check(path: Path, file: Hdf5) -> None:
 
 
 def _channels(file: Hdf5) -> list[str]:
-    """Names of the recorded channels. Raises Unreadable for one that is none of this program's."""
-    columns = (*GROUPS, *(f"{one}_text" for one in GROUPS.values()))
+    """List the recorded channels. Raises Unreadable for a name that is not a channel's."""
+    columns = (*GROUPS, *(f"{item}_text" for item in GROUPS.values()))
     series = [name for name in file.names() if name not in columns and not file.is_group(name)]
     channels = [name for name in series if len(file.shape(name)) == 2]
     for name in channels:
