@@ -1,23 +1,20 @@
-"""How many threads linear algebra takes.
+"""Limit linear algebra to one thread.
 
-One: with more, sums are rounded otherwise, and a run by one process would differ in its last digits from one by
-several.
+Several threads sum in another order, so results of one process and of several would differ in the last digits.
 """
 
 import os
 
-__all__ = ["NAMES", "several", "take_one"]
-
 NAMES = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
-"""Variables of the environment, read as NumPy is imported."""
+"""Environment variables with the number of threads; the BLAS libraries read them when NumPy is imported."""
 
 
 def take_one() -> None:
-    """One thread, before NumPy is imported; what the user has set stays."""
+    """Request one thread, unless the user has set the variables. Call it before NumPy is imported."""
     for name in NAMES:
         os.environ.setdefault(name, "1")
 
 
 def several() -> dict[str, str]:
-    """The variables that say other than one, with what they say."""
+    """Return the variables that request another number of threads, with their values."""
     return {name: os.environ[name] for name in NAMES if os.environ.get(name, "1") != "1"}

@@ -1,9 +1,8 @@
-"""What the program knows by name: models, methods, contact laws, shapes of pits, features. One table of each.
+"""Catalogue of models, methods, contact laws, shapes of defects and features: one table for each kind.
 
-An entry (``entries.py``) is words and numbers: the name that a study file says, what the thing can do, and where
-its code stands (``package.module`` or ``package.module:name``), which is imported when it is first needed. So this
-file imports nothing of the program but how extensions are found, and every other package asks it instead of naming
-a model or a method.
+An entry (``entries.py``) is plain data: the name used in study files, the abilities, and the location of the code
+(``package.module`` or ``package.module:name``), which is imported at its first use. This file therefore imports
+only the search for extensions, and every other package looks models and methods up here instead of naming them.
 
 Another package adds its own with one line each in the module that its entry point names:
 
@@ -65,7 +64,7 @@ OWN = "bearingsim"
 """The package of the program's own code."""
 
 REFERENCE, AUTO = "reference", "auto"
-"""What a case says to leave the choice to the program: the model that others are judged by, and the method."""
+"""Words for an automatic choice: of the reference model, and of the method."""
 
 MODELS: dict[str, Model] = {}
 """From the lowest to the highest; those of other packages come last."""
@@ -77,7 +76,7 @@ FEATURES: dict[str, Feature] = {}
 
 
 def register(*entries: Entry) -> None:
-    """Add to the tables. Raises ValueError for a name that is taken, a law of nothing known, what is no entry."""
+    """Add entries to the tables. Raises ValueError for a name in use, an unknown kind of law, another type."""
     for entry in entries:
         if not isinstance(entry, Entry):
             raise ValueError(f"expected a Model, Method, Law, Shape or Feature, got `{entry!r}`")
@@ -112,23 +111,23 @@ def foreign(place: str) -> bool:
 
 
 def code(place: str, expected: type = object) -> Any:
-    """Return what stands at ``package.module`` or ``package.module:name``.
+    """Return the object at ``package.module`` or ``package.module:name``.
 
-    Raises UserError if it does not load, or is not of the type expected; BrokenExtension if it is an extension's.
+    Raises UserError if it fails to load or is not of the expected type; BrokenExtension for code of an extension.
     """
     module, _, name = place.partition(":")
     try:
-        found = import_module(module)
-        found = getattr(found, name) if name else found
-    except (Exception, SystemExit) as error:  # whatever another package does
+        loaded = import_module(module)
+        loaded = getattr(loaded, name) if name else loaded
+    except (Exception, SystemExit) as error:  # any failure of another package
         raise _error_of(place, f"does not load ({extensions.reason(error)})") from error
-    if not isinstance(found, expected):
-        raise _error_of(place, f"is of type {type(found).__name__}, not {expected.__name__}")
-    return found
+    if not isinstance(loaded, expected):
+        raise _error_of(place, f"is of type {type(loaded).__name__}, not {expected.__name__}")
+    return loaded
 
 
 def call(place: str, *arguments: Any) -> Any:
-    """Return what the function at ``place`` gives. Raises like ``code``; BrokenExtension if an extension fails."""
+    """Call the function at ``place``. Raises as ``code`` does; BrokenExtension if an extension's code fails."""
     function = code(place)
     try:
         return function(*arguments)
@@ -147,18 +146,18 @@ def _error_of(place: str, what: str) -> UserError:
 
 
 def below(name: str) -> list[str]:
-    """The names of the models under one whose rollers carry load, from the highest down."""
+    """Return the names of the models below ``name`` whose rollers carry load, from the highest down."""
     order = list(MODELS)
     return [lower for lower in reversed(order[: order.index(name)]) if MODELS[lower].loaded]
 
 
 def lowest(*abilities: str) -> str:
-    """The name of the lowest model with all these abilities."""
+    """Return the name of the lowest model with all these abilities."""
     return next(model.name for model in MODELS.values() if model.abilities.issuperset(abilities))
 
 
 def most_able() -> str:
-    """The name of the model that can do most."""
+    """Return the name of the model with the most abilities."""
     return max(MODELS.values(), key=lambda model: len(model.abilities)).name
 
 

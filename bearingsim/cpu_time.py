@@ -1,7 +1,7 @@
-"""The CPU clock of a job: how much CPU time a job may take, and how much of it is left.
+"""The CPU clock of a job: its limit of CPU time, and the time left.
 
-Everything that computes a job reads this clock: Python between its steps (``check``), and compiled loops that may
-run long (``bounded``, ``core/clock.py``). Compiling is not charged to the job.
+Python checks the clock between steps (``check``), compiled loops that may run long check it themselves
+(``bounded``, ``core/clock.py``). Compilation is not charged to the job.
 """
 
 from collections.abc import Callable, Iterator
@@ -11,13 +11,11 @@ from math import inf
 from time import thread_time
 from typing import NamedTuple, TypeVar
 
-__all__ = ["OutOfCpuTime", "at_most", "bounded", "check", "end", "now", "uncharged"]
-
 T = TypeVar("T")
 
 
 class OutOfCpuTime(Exception):
-    """A job has taken more than it may: why, and what to do instead. No other method is tried for it."""
+    """A job has reached its limit of CPU time: the reason, and the remedy. No other method is tried for it."""
 
     def __init__(self, reason: str, advice: str) -> None:
         super().__init__(f"{reason}; {advice}")
@@ -28,34 +26,34 @@ class OutOfCpuTime(Exception):
 
 
 class _Bound(NamedTuple):
-    """CPU time (s) that a job may take in all, and the reading of the clock at which it ends."""
+    """Limit of a job's CPU time (s), and the reading of the clock (s) at which it is reached."""
 
     seconds: float = inf
     end: float = inf
 
 
 UNBOUNDED = _Bound()
-LEAST_END = 1e-9  # s
+LEAST_END = 1e-9  # s: above 0, which stands for no limit in a buffer; far below the resolution of the clock
 _bound: ContextVar[_Bound] = ContextVar("bound", default=UNBOUNDED)
 _uncharged: ContextVar[float] = ContextVar("uncharged", default=0.0)
 
 
 def now() -> float:
-    """Read the clock: CPU time (s) of this thread, without what is not charged."""
+    """Read the clock: CPU time (s) of this thread, less the time not charged to the job."""
     return thread_time() - _uncharged.get()
 
 
 def end() -> float:
     """Return this thread's CPU time (s), as of ``thread_time``, at which the job ends; inf without a bound.
 
-    Always above 0, which stands for no end in a buffer.
+    The value is above 0, which stands for no limit in a buffer.
     """
     return max(_bound.get().end + _uncharged.get(), LEAST_END)
 
 
 @contextmanager
 def at_most(seconds: float, spent: float = 0.0) -> Iterator[None]:
-    """Bound the CPU time (s) of what this thread computes within; ``spent``: how much is gone already."""
+    """Limit the CPU time (s) of this thread within the context; ``spent``: seconds already used."""
     token = _bound.set(_Bound(seconds, now() + seconds - spent))
     try:
         yield
@@ -65,7 +63,7 @@ def at_most(seconds: float, spent: float = 0.0) -> Iterator[None]:
 
 @contextmanager
 def uncharged() -> Iterator[None]:
-    """Stop the clock: what this thread does within, such as compiling, is not charged to the job."""
+    """Stop the clock within the context: compilation, for example, is not charged to the job."""
     began, before = thread_time(), _uncharged.get()
     try:
         yield
@@ -74,7 +72,7 @@ def uncharged() -> Iterator[None]:
 
 
 def check() -> None:
-    """Raise OutOfCpuTime if the job has taken more CPU time than it may."""
+    """Raise OutOfCpuTime if the job has reached its limit of CPU time."""
     seconds, last = _bound.get()
     if now() > last:
         raise OutOfCpuTime(
@@ -84,10 +82,10 @@ def check() -> None:
 
 
 def bounded(call: Callable[[float], T]) -> T:
-    """Call a compiled function that ends at a CPU time of this thread (s), which it is given; return its result.
+    """Call a compiled function with the CPU time of this thread (s) at which it must end; return its result.
 
-    If it was compiled by the call, it is called once more: its time may have gone into compiling. Raises
-    OutOfCpuTime if the job's is over.
+    A call that also compiled the function is repeated, because compilation may have used its time. Raises
+    OutOfCpuTime if the job has reached its limit.
     """
     while True:
         last = end()

@@ -1,7 +1,7 @@
-"""Designs that fill a space: points in the unit cube, from a few numbers, the same on every machine.
+"""Space-filling designs: points in the unit cube, reproducible on every machine.
 
 =========  ==========================================================  ==============  ===========================
-kind       what it is                                                  rows            a larger n
+kind       construction                                                rows            a larger n
 =========  ==========================================================  ==============  ===========================
 lhs        Latin hypercube (McKay, Beckman, Conover 1979)              n               other points
 sobol      scrambled Sobol' sequence (Owen 1998; Joe, Kuo 2008)        n               keeps the points, adds more
@@ -25,12 +25,12 @@ EXTENDED: tuple[Kind, ...] = ("sobol", "saltelli", "morris")
 LEVELS = (1 / 16, 5 / 16, 11 / 16, 15 / 16)
 """Values that a parameter takes in a design by Morris: one in each quarter of equal probability."""
 MORRIS_STEP = 5 / 8
-"""By how much a parameter moves there: two levels up or down. It is not half of the range, which would be blind to
-whatever repeats itself within half of the range."""
+"""Share of the range by which a parameter of a Morris design moves: two levels up or down. A step of 1/2 would
+miss effects with a period of half the range."""
 
 
 def cube(kind: Kind, n: int, d: int, seed: int) -> "NDArray[np.float64]":
-    """The points of a design: an array (rows, d) in [0, 1).
+    """Compute the points of a design: an array (rows, d) in [0, 1).
 
     n: points of `lhs` and `sobol`, base points of `saltelli`, trajectories of `morris`. Rows lie in blocks of
     ``block(kind, d)``.
@@ -41,7 +41,7 @@ def cube(kind: Kind, n: int, d: int, seed: int) -> "NDArray[np.float64]":
 
 
 def block(kind: Kind, d: int) -> int:
-    """Rows that belong together: one of `lhs` and `sobol`, d + 2 of `saltelli`, d + 1 of `morris`."""
+    """Return the number of rows in a block: 1 of `lhs` and `sobol`, d + 2 of `saltelli`, d + 1 of `morris`."""
     return {"saltelli": d + 2, "morris": d + 1}.get(kind, 1)
 
 
@@ -52,14 +52,14 @@ def _lhs(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]"
 
 
 def _sobol(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
-    """Drawn by a power of two, which is what keeps the sequence in balance, and cut."""
+    """Draw a power of two of points, which balances the sequence, and keep the first n."""
     from scipy.stats import qmc
 
     return qmc.Sobol(d, seed=random).random_base2((n - 1).bit_length())[:n]
 
 
 def _saltelli(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
-    """Blocks A_i, B_i, AB_i^(1) ... AB_i^(d), where AB_i^(j) is A_i with column j of B_i.
+    """Compute the blocks A_i, B_i, AB_i^(1) ... AB_i^(d); AB_i^(j) is A_i with column j of B_i.
 
     A and B are the halves of one sequence in 2d dimensions. Saltelli et al., Computer Physics Communications 181
     (2010) 259-270, table 2 (b) and (f), as ``scipy.stats.sobol_indices`` takes them.
@@ -73,7 +73,7 @@ def _saltelli(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.floa
 
 
 def _morris(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
-    """Trajectories of d + 1 points: each step moves one parameter, in a random order, up or down by MORRIS_STEP.
+    """Compute trajectories of d + 1 points; each step moves one parameter, in random order, by MORRIS_STEP.
 
     Morris, Technometrics 33 (1991) 161-174, with p = 4 levels and steps of two. His levels are 0, 1/3, 2/3, 1;
     those here lie within, so a normal distribution is not always tried at its bounds.

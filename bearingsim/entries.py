@@ -1,4 +1,4 @@
-"""Kinds of entries of the catalogue: words and numbers, and where the code of each stands."""
+"""Types of entries of the catalogue: plain data, and the location of the code."""
 
 from dataclasses import dataclass
 
@@ -7,13 +7,13 @@ from dataclasses import dataclass
 class Model:
     """A model of the bearing.
 
-    module: holds its ``KIND`` (``core/models/interface.py``); abilities: what a case can ask of it
-    (``config/rules/hierarchy.py`` says what asks for what); slips: rollers and cage move freely and can slip;
-    sliced: rollers are cut into slices, and tilt; memoryless: each instant stands alone; repeats: nothing in it
-    changes from ball pass to ball pass but what a case's fields say, and its whole state lies in its coordinates,
-    so its motion may repeat itself (``simulation/repetition.py``); own_method: the module of the only way to step
-    it, if it is no differential equation; build: ``build(case, support)`` makes its parameters, if they are not
-    made field by field (``assemble/__init__.py``).
+    module: defines ``KIND`` (``core/models/interface.py``); abilities: effects that it covers
+    (``config/rules/hierarchy.py`` lists the keys that require each); slips: rollers and cage move freely and can
+    slip; sliced: rollers are divided into slices, and tilt; memoryless: quasi-static, each instant independent of
+    the others; repeats: the equations are periodic with the ball pass except for terms that a case switches on,
+    and the coordinates are the whole state, so the response may be periodic (``simulation/repetition.py``);
+    own_method: the module of its integrator, if the model is no differential equation; build:
+    ``build(case, support)`` assembles its parameters, if not field by field (``assemble/__init__.py``).
     """
 
     name: str
@@ -28,32 +28,31 @@ class Model:
 
     @property
     def loaded(self) -> bool:
-        """Whether its rollers carry load: it starts from their static equilibrium."""
+        """True if the rollers carry load: the model starts from their static equilibrium."""
         return "forces" in self.abilities
 
     @property
     def takes_pits(self) -> bool:
-        """Whether its rollers roll over pits; else a defect is impulses in time."""
+        """True if the rollers roll over defects; otherwise a defect is a series of impulses in time."""
         return "shapes" in self.abilities
 
     @property
     def has_inertia(self) -> bool:
-        """Whether its rollers have mass."""
+        """True if the rollers have mass."""
         return "roller inertia" in self.abilities
 
     @property
     def has_centrifugal_load(self) -> bool:
-        """Whether its rollers press outwards as they go round: those with mass, and those at rest each instant."""
+        """True if the model includes the centrifugal load of the rollers: with roller mass, or quasi-static."""
         return self.has_inertia or (self.loaded and self.memoryless)
 
 
 @dataclass(frozen=True)
 class Method:
-    """A way to integrate.
+    """A time integrator.
 
-    module: holds its ``KIND`` (``core/methods/interface.py``); tolerance: its usual one, relative, if it chooses
-    its steps by an estimate of their error; implicit: it solves with the derivatives of model and laws; automatic:
-    `method: auto` may choose it.
+    module: defines ``KIND`` (``core/methods/interface.py``); tolerance: default relative tolerance of an adaptive
+    method; implicit: solves with the Jacobian of model and laws; automatic: a candidate of `method: auto`.
     """
 
     name: str
@@ -64,18 +63,18 @@ class Method:
 
     @property
     def adaptive(self) -> bool:
-        """Whether it chooses its own steps."""
+        """True if the method adapts its step to an error estimate."""
         return self.tolerance is not None
 
 
 @dataclass(frozen=True)
 class Law:
-    """A law of ``what``: `stiffness`, `damping` or `friction`.
+    """A contact law; ``what``: `stiffness`, `damping` or `friction`.
 
-    section: the class of its numbers in a study file, empty for a word without numbers; build: the function that
-    makes the core's law (``assemble/contacts.py`` and ``assemble/free.py`` say from what); bare: its name alone
-    may stand in a study file, its numbers taking their defaults; element: whose contact it is, `roller` or `ball`,
-    or empty; material: the elastic constants of the bearing's material enter it.
+    section: the class of its parameters in a study file, empty for a law without any; build: the function that
+    makes the core's law (arguments: ``assemble/contacts.py``, ``assemble/free.py``); bare: the name alone is valid
+    in a study file, with default parameters; element: `roller` or `ball` if the law applies to one of them only,
+    else empty; material: the law depends on the elastic constants of the bearing's material.
     """
 
     name: str
@@ -89,10 +88,10 @@ class Law:
 
 @dataclass(frozen=True)
 class Shape:
-    """A shape of pits.
+    """A shape of defects.
 
-    build: makes its depth map of length, width and depth (m), or of the whole section if ``of_section``;
-    simple: every excitation has a closed form for it.
+    build: makes the depth map from length, width and depth (m), or from the whole section if ``of_section``;
+    simple: every excitation has a closed form for this shape.
     """
 
     name: str
@@ -103,10 +102,10 @@ class Shape:
 
 @dataclass(frozen=True)
 class Feature:
-    """A number that another package reads from each record.
+    """A scalar that another package computes from each record.
 
-    unit: SI, or empty; long_name: an axis label; compute: ``compute(case, time, series)`` gives the number, with
-    ``time`` (n,) in s and ``series`` the recorded arrays (n,) by name, in SI.
+    unit: SI, or empty; long_name: an axis label; compute: ``compute(case, time, series)`` returns the value;
+    ``time`` (n,) in s, ``series``: the recorded arrays (n,) by name, in SI.
     """
 
     name: str
@@ -119,6 +118,6 @@ Entry = Model | Method | Law | Shape | Feature
 
 
 def places(entry: Entry) -> list[str]:
-    """Return where the code of an entry stands."""
+    """Return the locations of the code of an entry."""
     named = (getattr(entry, name, "") for name in ("module", "own_method", "section", "build", "compute"))
     return [place for place in named if place]

@@ -1,17 +1,17 @@
-"""What all errors that a user can mend have in common."""
+"""Base classes of the errors that a user can correct."""
 
 import errno
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""Numbers of the system's errors when a file can take no more bytes."""
+"""Error numbers of the operating system for a full disk, an exceeded quota and a file too large."""
 
 
 class UserError(Exception):
-    """Its text says all that a user needs: the command line shows it without a traceback."""
+    """An error whose message is complete: the command line prints it without a traceback."""
 
 
 class Signalled(KeyboardInterrupt):
-    """A signal has asked the program to end; ``number``: which."""
+    """Interruption by a signal; ``number``: of the signal."""
 
     def __init__(self, number: int) -> None:
         super().__init__("interrupted")
@@ -19,11 +19,11 @@ class Signalled(KeyboardInterrupt):
 
 
 class DamageWarning(UserWarning):
-    """Something that a results folder holds cannot be read; the rest can."""
+    """A part of a results folder cannot be read; the rest can."""
 
 
 class Refused(ValueError):
-    """A case that must not be computed as it stands; ``advice`` says what to do instead."""
+    """A case that must not be computed as it is; ``advice``: the remedy."""
 
     def __init__(self, reason: str, advice: str) -> None:
         super().__init__(f"{reason}; {advice}")

@@ -1,8 +1,7 @@
-"""HDF5 files of unknown origin: nothing is read before its size, and the place of its bytes, are checked.
+"""HDF5 files of unknown origin: sizes and locations are checked before anything is read.
 
-A dataset states its own shape, and a file of some kB may state gigabytes: chunks that were never written, zeros
-that gzip has made small, texts that share their letters. It may also lie in another file (links, external and
-virtual storage).
+A dataset states its own shape, so a file of some kB may state gigabytes: chunks never written, zeros compressed by
+gzip, strings with shared storage. The data may also lie in another file (links, external and virtual storage).
 """
 
 import zlib
@@ -16,32 +15,30 @@ from numpy.typing import NDArray
 
 from bearingsim.errors import UserError
 
-__all__ = ["Hdf5", "Unsafe"]
-
 DEFLATE_RATIO = 1032
-"""Largest ratio of sizes that deflate reaches (zlib, technical details)."""
+"""Largest compression ratio of deflate (zlib, technical details)."""
 FILTERS = {
     h5py.h5z.FILTER_DEFLATE: "gzip",
     h5py.h5z.FILTER_SHUFFLE: "shuffle",
     h5py.h5z.FILTER_FLETCHER32: "fletcher32",
 }
-CHECKSUM_BYTES = 4  # of fletcher32, at the end of a chunk
+CHECKSUM_BYTES = 4  # bytes of fletcher32 at the end of a chunk
 REFERENCE = np.dtype([("letters", "<u4"), ("heap", "<u8"), ("place", "<u4")])
-"""A text of variable length, as it lies in a dataset."""
-NUMBERS = "fiub"  # kinds of NumPy's types
+"""Element of a dataset of variable-length strings."""
+NUMBERS = "fiub"  # kinds of NumPy's numeric types
 TEXT_BYTES, LETTER_BYTES = 70, 5
-"""Memory of a text as an object of Python, and of each of its letters while they are decoded."""
+"""Bytes of memory of a Python string, and of each character during decoding."""
 
 
 class Unsafe(UserError, ValueError):
-    """Something in an HDF5 file that is not read; the text names it, and the reason."""
+    """Content of an HDF5 file that is not read; the message names it, and the reason."""
 
 
 class Hdf5:
-    """An open HDF5 file. most: bytes of memory that what is read of it at a time may take.
+    """An open HDF5 file. most: limit of memory (bytes) of one read.
 
-    Names are paths in the file. All methods raise Unsafe for what lies in another file, takes more than ``most``
-    or holds something else than was asked for, and OSError, KeyError, RuntimeError where the file is damaged.
+    Names are paths in the file. All methods raise Unsafe for data in another file, of more than ``most`` bytes or
+    of another type than requested, and OSError, KeyError or RuntimeError for a damaged file.
     """
 
     def __init__(self, stream: BinaryIO, most: float) -> None:
@@ -57,12 +54,12 @@ class Hdf5:
         self.close()
 
     def close(self) -> None:
-        """Close the file, and the stream that it is read from."""
+        """Close the file and its stream."""
         self._file.close()
         self._stream.close()
 
     def names(self, group: str = "") -> list[str]:
-        """List the names of the datasets and groups in a group, or in the file."""
+        """List the names of the datasets and groups in a group, by default of the root."""
         return list(self._item(group))
 
     def __contains__(self, name: str) -> bool:
@@ -70,7 +67,7 @@ class Hdf5:
         return last in self._item(parent)
 
     def is_group(self, name: str) -> bool:
-        """Tell whether a name is that of a group."""
+        """Return True if the name is that of a group."""
         return isinstance(self._item(name), h5py.Group)
 
     def shape(self, name: str) -> tuple[int, ...]:
@@ -78,19 +75,19 @@ class Hdf5:
         return tuple(self._dataset(name).shape)
 
     def afford(self, what: str, size: float) -> None:
-        """Raise Unsafe if ``size`` bytes are more than may be read at a time. what: names them in the message."""
+        """Raise Unsafe if ``size`` bytes exceed the limit of one read. what: names the data in the message."""
         if size > self.most:
             sizes = f"{size / 1e6:.3g} MB, over the {self.most / 1e6:.3g} MB that are plausible for this file"
             raise Unsafe(f"{what} would take {sizes}")
 
     def has_attribute(self, name: str, of: str = "") -> bool:
-        """Tell whether there is an attribute, of whatever value."""
+        """Return True if the attribute exists, whatever its value."""
         return name in self._item(of).attrs
 
     def attribute(self, name: str, of: str = "", default: Any = None, variable: bool = False) -> Any:
-        """Return an attribute that is one number or text; ``default`` without it.
+        """Return a scalar attribute, a number or a string; ``default`` if it does not exist.
 
-        variable: take a text of variable length, too; its length, of up to 4 GB, is known only once it is read.
+        variable: also accept a variable-length string; its length, up to 4 GB, is not stated before it is read.
         """
         attributes = self._item(of).attrs
         if name not in attributes:
@@ -103,11 +100,11 @@ class Hdf5:
         return value.decode() if isinstance(value, bytes) else value
 
     def cost(self, *names: str) -> int:
-        """Return the bytes of memory that the values of some datasets take."""
+        """Return the memory (bytes) of the values of some datasets."""
         return sum(self._cost(self._dataset(name)) for name in names)
 
     def numbers(self, name: str, row: int | None = None) -> NDArray[Any]:
-        """Read the numbers of a dataset, or of one of its rows."""
+        """Read a numeric dataset, or one of its rows."""
         item = self._dataset(name)
         if item.dtype.kind not in NUMBERS:
             raise Unsafe(f"`{name}` holds something else than numbers")
@@ -116,7 +113,7 @@ class Hdf5:
         return np.asarray(item[() if row is None else row])
 
     def texts(self, name: str) -> NDArray[np.object_]:
-        """Read the texts of a dataset."""
+        """Read a dataset of strings."""
         item = self._dataset(name)
         kind = h5py.check_string_dtype(item.dtype)
         if kind is None:
@@ -128,7 +125,7 @@ class Hdf5:
         return np.char.decode(item[()].astype(np.bytes_), "utf-8").astype(object)
 
     def _item(self, name: str) -> Any:
-        """Return a group or dataset that lies in this file."""
+        """Return a group or dataset stored in this file."""
         item: Any = self._file
         for word in filter(None, name.split("/")):
             link = item.get(word, getlink=True)
@@ -140,7 +137,7 @@ class Hdf5:
         return item
 
     def _dataset(self, name: str) -> h5py.Dataset:
-        """Return a dataset whose bytes lie in this file, as they are or behind filters of ``FILTERS``."""
+        """Return a dataset stored in this file, unfiltered or behind the filters of ``FILTERS``."""
         item = self._item(name)
         if not isinstance(item, h5py.Dataset) or item.shape is None:
             raise Unsafe(f"`{name}` is no dataset")
@@ -155,7 +152,7 @@ class Hdf5:
         return item
 
     def _cost(self, item: h5py.Dataset) -> int:
-        """Return the bytes of memory that the values of a dataset take."""
+        """Return the memory (bytes) of the values of a dataset."""
         kind = h5py.check_string_dtype(item.dtype)
         if kind is None:
             return int(item.size * item.dtype.itemsize)
@@ -163,7 +160,7 @@ class Hdf5:
         return int(TEXT_BYTES * item.size + LETTER_BYTES * letters)
 
     def _letters(self, item: h5py.Dataset) -> int:
-        """Count the letters of all texts of variable length, by what the dataset states of each."""
+        """Count the characters of all variable-length strings, as stated by the dataset."""
         layout = item.id.get_create_plist().get_layout()
         sizes = self._file.id.get_create_plist().get_sizes()
         if layout != h5py.h5d.CONTIGUOUS or sizes != (8, 8):
@@ -177,7 +174,7 @@ class Hdf5:
         return int(stated["letters"].sum(dtype=np.uint64))
 
     def _check_chunks(self, item: h5py.Dataset, row: int | None = None) -> None:
-        """Raise Unsafe if a chunk takes more than ``most`` bytes, by its shape or once it is inflated."""
+        """Raise Unsafe if a chunk exceeds ``most`` bytes, by its shape or when inflated."""
         if item.chunks is None:
             return
         whole, filters = prod(item.chunks) * item.dtype.itemsize, _filters(item)
@@ -204,13 +201,13 @@ def _name(item: h5py.Dataset) -> str:
 
 
 def _filters(item: h5py.Dataset) -> list[int]:
-    """List the numbers of the filters that a dataset passes through."""
+    """List the filter numbers of a dataset."""
     listed = item.id.get_create_plist()
     return [listed.get_filter(place)[0] for place in range(listed.get_nfilters())]
 
 
 def _inflates_beyond(content: bytes, size: int) -> bool:
-    """Tell whether deflated bytes inflate to more than ``size``."""
+    """Return True if deflated bytes inflate to more than ``size`` bytes."""
     try:
         return len(zlib.decompressobj().decompress(content, size + 1)) > size
     except zlib.error as error:

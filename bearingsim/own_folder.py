@@ -1,8 +1,8 @@
-"""Folders in which nobody else can put anything: what lies there may be run.
+"""Folders that no other user can write to, so that compiled code in them is safe to run.
 
-Every level of a path counts, from the root down: who may write in a folder can rename what lies in it. In a sticky
-one, such as the temporary folder, others cannot rename what is not theirs, but they may make a name first; so each
-level must belong to this user or to root. Windows is not looked at: its folders have no such modes.
+Every level of a path is checked, from the root down, because write permission in a folder allows its entries to be
+renamed. In a sticky folder such as /tmp other users cannot rename entries, but they can create a name first; each
+level must therefore belong to this user or to root. Windows is not checked: its folders have no such modes.
 """
 
 import os
@@ -14,15 +14,15 @@ OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
 class Distrusted(OSError):
-    """Why what lies in a folder may be another user's."""
+    """The content of a folder may be another user's; the message says why."""
 
 
 def own_folder(base: Path, *names: str) -> Path:
-    """The folder ``base``/names, links resolved: nobody else can put anything there, or change where it leads.
+    """Return the folder ``base``/names, links resolved, that no other user can write to or redirect.
 
-    What is missing of it is made for this user alone (0700). Of the ``names``, all but the last are closed to
-    others if they are this user's; not the last, in which others may have put something. Raises ``Distrusted``,
-    and OSError or RuntimeError if there is no such place.
+    Missing levels are created with mode 0700. All ``names`` except the last are closed to other users if they
+    belong to this user; the last is not, because it may already contain files of others. Raises ``Distrusted``,
+    and OSError or RuntimeError if the path cannot exist.
     """
     named = base.joinpath(*names)
     _refuse_loose_links(named)
@@ -44,45 +44,45 @@ def _is_trusted(owner: int) -> bool:
 
 
 def _refuse_loose_links(path: Path) -> None:
-    """Raise ``Distrusted`` if a link leads nowhere that another has made: nothing is to be made there."""
+    """Raise ``Distrusted`` for a dangling link of another user: creating its target would follow that link."""
     for level in (path, *path.parents):
         if level.is_symlink() and not level.resolve().exists() and not _is_trusted(level.lstat().st_uid):
             raise Distrusted(f"{level} is another user's link")
 
 
 def _close(folder: Path) -> None:
-    """Let nobody else write in a folder that is this user's."""
+    """Remove the write permission of other users from a folder of this user."""
     if hasattr(os, "getuid") and folder.is_dir() and not folder.is_symlink():
-        found = folder.stat()
-        if found.st_uid == os.getuid() and found.st_mode & OTHERS_WRITE:
-            folder.chmod(stat.S_IMODE(found.st_mode) & ~OTHERS_WRITE)
+        status = folder.stat()
+        if status.st_uid == os.getuid() and status.st_mode & OTHERS_WRITE:
+            folder.chmod(stat.S_IMODE(status.st_mode) & ~OTHERS_WRITE)
 
 
 def _check(folder: Path) -> None:
-    """Raise ``Distrusted`` if others can change what any level of a resolved path leads to."""
+    """Raise ``Distrusted`` if another user can redirect any level of a resolved path."""
     for level in (*reversed(folder.parents), folder):
         _check_one(level, sticky_will_do=True)
 
 
 def _check_one(level: Path, sticky_will_do: bool) -> None:
-    found = level.lstat()
-    if not _is_trusted(found.st_uid):
+    status = level.lstat()
+    if not _is_trusted(status.st_uid):
         raise Distrusted(f"{level} belongs to another user")
-    if _others_write(found) and not (sticky_will_do and found.st_mode & stat.S_ISVTX):
+    if _others_write(status) and not (sticky_will_do and status.st_mode & stat.S_ISVTX):
         raise Distrusted(f"others can write in {level} (`chmod go-w` closes it)")
 
 
-def _others_write(found: os.stat_result) -> bool:
+def _others_write(status: os.stat_result) -> bool:
     if not hasattr(os, "getuid"):
         return False
-    if found.st_mode & stat.S_IWOTH:
+    if status.st_mode & stat.S_IWOTH:
         return True
-    return bool(found.st_mode & stat.S_IWGRP) and not _is_own_group(found.st_gid)
+    return bool(status.st_mode & stat.S_IWGRP) and not _is_own_group(status.st_gid)
 
 
 @cache
 def _is_own_group(group: int) -> bool:
-    """Whether a group is this user's private one: of that name, and nobody else in it."""
+    """Return True if a group is this user's private one: of the same name, without other members."""
     import grp
     import pwd
 
@@ -90,5 +90,5 @@ def _is_own_group(group: int) -> bool:
         user, named = pwd.getpwuid(os.getuid()), grp.getgrgid(group)
     except KeyError:
         return False
-    others = {one.pw_name for one in pwd.getpwall() if one.pw_gid == group} | set(named.gr_mem)
+    others = {entry.pw_name for entry in pwd.getpwall() if entry.pw_gid == group} | set(named.gr_mem)
     return named.gr_name == user.pw_name and user.pw_gid == group and others <= {user.pw_name}

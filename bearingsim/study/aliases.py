@@ -1,4 +1,4 @@
-"""Words of study files that have been replaced: the old ones are still read, and a note says the new one."""
+"""Deprecated keys of study files: they are still read, and a note names the new key."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -11,7 +11,7 @@ PATHS = ("x", "by", "panels")
 
 
 def renamed(node: Node, is_path: bool = False) -> Node:
-    """The file with every replaced word in its new form: keys, paths of a sweep, and paths of figures."""
+    """Replace deprecated keys in a file: keys of sections, paths of a sweep and paths of figures."""
     if isinstance(node.value, dict):
         new = {key: new_path(key) for key in node.value}
         # The case refuses a file that has both words.
@@ -23,16 +23,16 @@ def renamed(node: Node, is_path: bool = False) -> Node:
 
 
 def new_path(path: str) -> str:
-    """A path such as `defect.width`, its first word in its new form."""
-    first, dot, rest = path.partition(".")
-    return OLD_WORDS.get(first, first) + dot + rest
+    """Replace a deprecated first word of a path such as `defect.width`."""
+    head, dot, rest = path.partition(".")
+    return OLD_WORDS.get(head, head) + dot + rest
 
 
 def notes(root: Node, overrides: Mapping[str, str]) -> tuple[str, ...]:
-    """What a file and its overrides say in old words: a line for each word."""
-    said = {*_keys(root), *overrides}
-    found = {old: new for old, new in OLD_WORDS.items() if old in said}
-    return tuple(f"`{old}` is now `{new}`; the old word is still read" for old, new in found.items())
+    """List a note for each deprecated key in a file and its overrides."""
+    keys = {*_keys(root), *overrides}
+    replaced = {old: new for old, new in OLD_WORDS.items() if old in keys}
+    return tuple(f"`{old}` is now `{new}`; the old word is still read" for old, new in replaced.items())
 
 
 def _keys(node: Node) -> set[str]:

@@ -1,9 +1,9 @@
-"""Designs in a sweep: paths over ranges, whose values move together as the points of a cube do.
+"""Designs of experiments in a sweep: each point of the unit cube gives one value to every path.
 
     sobol: {n: 64, seed: 1, over: {load: [100 N, 200 N], defect.width: {log: [0.2 mm, 2 mm]}}}
 
-What a range is stands in ``distributions.py``. A coordinate of the cube is the share of values below: so each is
-taken by the inverse of its distribution function. The values have 12 digits and lie within their ranges.
+Ranges are read in ``distributions.py``. A coordinate of the cube is a cumulative probability, which the inverse
+distribution function of the range maps to a value. Values have 12 digits and lie within their ranges.
 """
 
 import re
@@ -19,7 +19,7 @@ from bearingsim.text.yamlfile import Node, Problem, problem
 
 MAX_SEED = 999_999_999
 VALUES_A_ROW = 10
-"""Of the largest design: more paths leave room for fewer rows."""
+"""Values per row of the largest design: with more paths, fewer rows are possible."""
 KEYS = ("n", "seed", "over")
 EXAMPLE = "{n: 64, over: {load: [100 N, 200 N]}}"
 COUNTED: dict[Kind, str] = {
@@ -29,16 +29,16 @@ COUNTED: dict[Kind, str] = {
     "morris": "trajectories",
 }
 IN_BLOCKS: tuple[Kind, ...] = ("saltelli", "morris")
-"""Designs whose rows are worth something in whole blocks only."""
+"""Designs whose rows can only be evaluated in whole blocks."""
 
 
 @dataclass(frozen=True)
 class Design:
-    """A design that a study sweeps: ``ids`` of the jobs of all its rows, in order; two rows may be one job.
+    """A design swept by a study; ``ids``: ids of the jobs of all rows, in order. Two rows may share a job.
 
-    kind, n, seed: as ``designs.cube`` takes them; paths: one for each column of it; ranges: their bounds (SI).
-    Beside `lhs` and `sobol` a study may sweep more, and drop combinations: then ``ids`` has each combination that
-    is left, the design's row slowest.
+    kind, n, seed: as of ``designs.cube``; paths: one per column; ranges: their bounds (SI). With `lhs` and `sobol`
+    a study may sweep further paths and exclude combinations: ``ids`` then has each remaining combination, the row
+    of the design changing slowest.
     """
 
     kind: Kind
@@ -54,7 +54,7 @@ class Design:
 
 @dataclass(frozen=True)
 class Drawn:
-    """A design that has been drawn; ``cases``: of each row the number of its case, once these have been made."""
+    """A design with its points; ``cases``: number of the case of each row, empty before the cases are built."""
 
     kind: Kind
     n: int
@@ -67,7 +67,7 @@ class Drawn:
         return _described(self.kind, self.n, self.seed, self.paths)
 
     def notes(self) -> Iterator[str]:
-        """What is to be known of it before one thinks of a larger one."""
+        """Yield the limits of extending the design to a larger ``n``."""
         if self.kind not in EXTENDED:
             yield f"{self.kind}: another `n` gives other points, and all jobs anew; `sobol` keeps its points"
         if self.kind in ("sobol", "saltelli") and self.n & (self.n - 1):
@@ -80,9 +80,9 @@ def _described(kind: Kind, n: int, seed: int, paths: Sequence[str]) -> str:
 
 
 def drawn(kind: Kind, entry: Node, most: int, problems: list[Problem]) -> tuple[Drawn, Axis] | None:
-    """What a study asks for as ``kind``, and its axis; None if it is wrong, which is noted.
+    """Draw a design and its axis; None if the entry is invalid, with the problem appended to ``problems``.
 
-    entry: with right paths in `over`; most: rows that a study may have.
+    entry: section of the design, with valid paths in `over`; most: limit of rows of a study.
     """
     try:
         return _drawn(kind, entry, most)
@@ -145,7 +145,7 @@ def _seed(entry: Node) -> int:
 
 
 def beside(kind: Kind, axes: Sequence[Axis], words: Words) -> Iterator[Problem]:
-    """What a study sweeps or says beside a design, and would break its blocks."""
+    """Yield a problem for each further axis or key of a sweep that would break the blocks of a design."""
     why = f"beside `{kind}`, whose rows are compared in whole blocks"
     for axis in (axis for axis in axes if len(axis.rows) > 1):
         mark = axis.keys[0].key or axis.keys[0].mark

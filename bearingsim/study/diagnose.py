@@ -1,4 +1,4 @@
-"""From a tree to a case, or to every problem with its place in the file."""
+"""Validate a tree: build its case, or report every problem with its place in the file."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -19,15 +19,15 @@ from bearingsim.text.yamlfile import MAX_TOLD, Mark, Node, Problem, plain, probl
 STUDY_KEYS = ("study", "figures", "sweep", "quick", "uncertainty", "accuracy")
 
 _WITH_NAME: tuple[Path, ...] = (("bearing",), ("bearing", "material"), ("rig",))
-"""Sections that have a name and a source."""
+"""Sections with the keys `name` and `source`."""
 
 NO_SECTION = ("word", "list", "mapping", "tuple_type", "model_type", "model_attributes_type", "dict_type")
-"""Kinds of mistakes that leave no section to put a swept value in."""
+"""Kinds of errors that leave no section in which a swept value could be set."""
 ALONE = (*NO_SECTION, "quantity", "bound", "whole", "text", "scan", "value_error", "extra_forbidden")
-"""Kinds of mistakes in one value, whatever the others are."""
+"""Kinds of errors of a single value, independent of all others."""
 
-Found = dict[tuple[Mark, str, str], Problem]
-"""Problems by place, path and kind: of the same one met in many cases the first is kept."""
+Problems = dict[tuple[Mark, str, str], Problem]
+"""Problems by place, path and kind: the first is kept of a problem that many cases share."""
 
 _STAND_INS: dict[str, Any] = {
     "bearing": "nf308",
@@ -42,24 +42,24 @@ _STAND_INS: dict[str, Any] = {
 
 @dataclass
 class Sections:
-    """Sections that have been validated, each with its node, by the node's id: what cases share is one object."""
+    """Cache of validated sections, each with its node, by the node's id: cases share one object per section."""
 
-    known: dict[int, tuple[Node, Any]] = field(default_factory=dict)
+    validated: dict[int, tuple[Node, Any]] = field(default_factory=dict)
 
     def of(self, tree: Node) -> dict[str, Any]:
-        """The tree as plain values, its sections as what they come to; a section with a mistake stays plain."""
+        """Convert a tree to plain values and validated sections; an invalid section stays plain."""
         return {key: self._section(key, node) for key, node in tree.mapping.items()}
 
     def _section(self, key: str, node: Node) -> Any:
         if key not in _ALONE:
             return plain(node)
-        if id(node) not in self.known:
-            self.known[id(node)] = node, _validated(key, plain(node))
-        return self.known[id(node)][1]
+        if id(node) not in self.validated:
+            self.validated[id(node)] = node, _validated(key, plain(node))
+        return self.validated[id(node)][1]
 
 
 _ALONE = frozenset({"bearing", "rig", "contact", "friction", "cage", "drag", "shaft", "unbalance", "misalignment"})
-"""Sections whose values are right or wrong by themselves."""
+"""Sections whose validity does not depend on other sections."""
 
 
 def _validated(key: str, value: Any) -> Any:
@@ -71,15 +71,15 @@ def _validated(key: str, value: Any) -> Any:
 
 @cache
 def _adapter(key: str) -> TypeAdapter[Any]:
-    known = Case.model_fields[key]
-    kind: Any = Annotated[known.annotation, Field(), *known.metadata]
+    field = Case.model_fields[key]
+    kind: Any = Annotated[field.annotation, Field(), *field.metadata]
     return TypeAdapter(kind)
 
 
-def case_of(tree: Node, swept: frozenset[Path], found: Found, sections: Sections) -> Case | None:
-    """The case of an expanded tree; if it has none, None, and what is wrong goes into `found`.
+def case_of(tree: Node, swept: frozenset[Path], problems: Problems, sections: Sections) -> Case | None:
+    """Build the case of an expanded tree; None if it is invalid, with all problems added to ``problems``.
 
-    A conflict between values is shown at the one that is swept, if one is.
+    A conflict between values is reported at a swept value if it involves one.
     """
     try:
         return Case.model_validate(sections.of(tree))
@@ -92,17 +92,17 @@ def case_of(tree: Node, swept: frozenset[Path], found: Found, sections: Sections
         errors = error.errors(include_url=False)[:MAX_TOLD]
     for details in errors:
         for path, kind, entry in _problems(details, tree, swept):
-            found.setdefault((mark_of(entry), label(path, 0), kind), entry)
+            problems.setdefault((mark_of(entry), label(path, 0), kind), entry)
     for conflict in _hidden_conflicts(data, errors):
         entry = _conflict_problem(conflict, tree, swept)
-        found.setdefault((mark_of(entry), label(conflict.paths[0], 0), conflict.kind), entry)
+        problems.setdefault((mark_of(entry), label(conflict.paths[0], 0), conflict.kind), entry)
     return None
 
 
-def check_replaced(tree: Node, swept: frozenset[Path], found: Found) -> None:
-    """Note what is wrong with the values of a tree that a sweep replaces, though no case has them.
+def check_replaced(tree: Node, swept: frozenset[Path], problems: Problems) -> None:
+    """Add the problems of values in a tree that a sweep replaces, although no case uses them.
 
-    What is missing there, or does not go with other values, is right as soon as it is replaced.
+    Missing values and conflicts with other values are not problems, because the sweep replaces them.
     """
     try:
         Case.model_validate(plain(tree))
@@ -111,17 +111,17 @@ def check_replaced(tree: Node, swept: frozenset[Path], found: Found) -> None:
             for path, kind, entry in _problems(details, tree, swept):
                 above = kind in NO_SECTION and any(s[: len(path)] == path for s in swept)
                 if above or (kind in ALONE and any(path[: len(s)] == s for s in swept)):
-                    found.setdefault((mark_of(entry), label(path, 0), kind), entry)
+                    problems.setdefault((mark_of(entry), label(path, 0), kind), entry)
 
 
 def problems_of(error: ValidationError, tree: Node) -> list[Problem]:
-    """Everything that is wrong with the sections of a tree that are no case."""
+    """List every problem of the sections of a tree that is not a case."""
     errors = error.errors(include_url=False)[:MAX_TOLD]
     return [entry for details in errors for _, _, entry in _problems(details, tree, frozenset())]
 
 
 def mark_of(entry: Problem) -> Mark:
-    """The place of a problem."""
+    """Return the place of a problem."""
     return Mark(entry.file, entry.line, entry.column, entry.source_line)
 
 
@@ -143,7 +143,7 @@ def _problem(details: ErrorDetails, path: Path, tree: Node) -> Problem:
         return _at(_key_mark(tree, path[:-1]), path[:-1], defects, f"`{name}` is missing", hint)
     if details["type"] == "extra_forbidden":
         return _at(_key_mark(tree, path), path[:-1], defects, *_unknown_key(name, path, tree))
-    message, hint = _said(details)
+    message, hint = _message(details)
     return _at(_nearest_node(tree, path).mark, path, defects, message, hint)
 
 
@@ -152,7 +152,7 @@ def _at(mark: Mark, path: Path, defects: int, message: str, hint: str | None) ->
     return problem(mark, f"{where}: {message}" if where else message, hint)
 
 
-def _said(details: ErrorDetails) -> tuple[str, str | None]:
+def _message(details: ErrorDetails) -> tuple[str, str | None]:
     context = details.get("ctx", {})
     if details["type"] == "bearingsim":
         return context["message"], context["hint"]
@@ -166,27 +166,27 @@ def _said(details: ErrorDetails) -> tuple[str, str | None]:
 
 
 def _unknown_key(name: str, path: Path, tree: Node) -> tuple[str, str]:
-    known = _keys_at(path[:-1], tree)
-    return f"unknown key `{name}`", advice_on(name, known, label(path[:-1], 0)) or f"known: {', '.join(known)}"
+    keys = _keys_at(path[:-1], tree)
+    return f"unknown key `{name}`", advice_on(name, keys, label(path[:-1], 0)) or f"known: {', '.join(keys)}"
 
 
 def _keys_at(path: Path, tree: Node) -> list[str]:
-    """The keys that a section may have."""
+    """List the valid keys of a section."""
     if path in LAWS:
-        given = _nearest_node(tree, path).mapping
-        law = given["law"].text if "law" in given else LAWS[path].told_by(given)
+        entries = _nearest_node(tree, path).mapping
+        law = entries["law"].text if "law" in entries else LAWS[path].told_by(entries)
         return list(LAWS[path].sections[law].model_fields)
     prefix = label(path, 0) + "." if path else ""
-    inner = [known.removeprefix(prefix) for known in all_paths() if known.startswith(prefix)]
+    inner = [key.removeprefix(prefix) for key in all_paths() if key.startswith(prefix)]
     extra = ["name", "source"] if path in _WITH_NAME else [] if path else list(STUDY_KEYS)
     return [key for key in inner if "." not in key] + extra
 
 
 def _path_of(details: ErrorDetails) -> Path:
-    """Where the error is in the tree: without the tags that pydantic adds for a law."""
+    """Return the path of an error in the tree, without the tags that pydantic adds for a law."""
     path = [step for i, step in enumerate(details["loc"]) if not _is_tag(details["loc"], i)]
-    at = details.get("ctx", {}).get("at")
-    return (*path, at) if at else tuple(path)
+    key = details.get("ctx", {}).get("at")
+    return (*path, key) if key else tuple(path)
 
 
 def _is_tag(loc: Path, index: int) -> bool:
@@ -195,7 +195,7 @@ def _is_tag(loc: Path, index: int) -> bool:
 
 
 def _nearest_node(tree: Node, path: Path) -> Node:
-    """The node at a path, or the last one on the way."""
+    """Return the node at a path, or its deepest existing parent."""
     for step in path:
         below = tree.mapping.get(str(step))
         if isinstance(step, int) and step < len(tree.items):
@@ -212,7 +212,7 @@ def _key_mark(tree: Node, path: Path) -> Mark:
 
 
 def _conflict_problem(conflict: Conflict, tree: Node, swept: frozenset[Path]) -> Problem:
-    """At the value that is swept, if one is; else at the first that is written at all."""
+    """Report a conflict at a swept value, if it involves one, else at the first value written in the file."""
     written = [path for path in conflict.paths if _is_written(tree, path)] or [conflict.paths[0]]
     moving = [path for path in written if any(path[: len(s)] == s for s in swept)]
     path = (moving or written)[0]
@@ -225,7 +225,7 @@ def _is_written(tree: Node, path: Path) -> bool:
 
 
 def _hidden_conflicts(data: dict[str, Any], errors: list[ErrorDetails]) -> list[Conflict]:
-    """Conflicts among the values that are right, seen once stand-ins replace those that are wrong."""
+    """List the conflicts among the valid values, after replacing invalid ones by stand-ins."""
     bad = [_path_of(details) for details in errors]
     if () in bad:
         return []
@@ -234,8 +234,8 @@ def _hidden_conflicts(data: dict[str, Any], errors: list[ErrorDetails]) -> list[
     try:
         Case.model_validate(data)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0].get("ctx", {})
-        return [c for c in first.get("conflicts", []) if not _touches(c.paths, bad)]
+        context = error.errors(include_url=False)[0].get("ctx", {})
+        return [c for c in context.get("conflicts", []) if not _touches(c.paths, bad)]
     return []
 
 
@@ -244,7 +244,7 @@ def _touches(paths: tuple[Path, ...], bad: list[Path]) -> bool:
 
 
 def _mend(data: dict[str, Any], path: Path, unknown: bool) -> None:
-    """Put a stand-in where a value is wrong, or take it away."""
+    """Replace an invalid value by a stand-in, or remove it."""
     if path[0] == "defects" and len(path) > 1:
         _mend_defect(data, path, unknown)
     elif unknown and len(path) == 1:

@@ -1,7 +1,7 @@
-"""Ranges of a design: over what a path goes, and how its values are distributed there.
+"""Ranges of a design: bounds and distribution of the values of a path.
 
-A range is `[a, b]` or `{uniform: [a, b]}`, `{log: [a, b]}` (its logarithm is uniform), or
-`{normal: [mean, standard deviation], within: [a, b]}` (cut there).
+A range is `[a, b]` or `{uniform: [a, b]}`, `{log: [a, b]}` (log-uniform), or
+`{normal: [mean, standard deviation], within: [a, b]}` (truncated normal).
 """
 
 import math
@@ -17,11 +17,9 @@ from bearingsim.text.yamlfile import Node
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["DISTRIBUTIONS", "Range", "at_key", "ends", "range_of"]
-
 
 class Range(NamedTuple):
-    """Values between two bounds (numbers of ``unit``): ``at`` gives those of shares in [0, 1)."""
+    """Values between two bounds (in ``unit``); ``at``: inverse distribution function, of shares in [0, 1)."""
 
     first: Node
     last: Node
@@ -31,7 +29,7 @@ class Range(NamedTuple):
     at: Callable[["NDArray"], Sequence[float]]
 
     def nodes(self, shares: "NDArray") -> tuple[Node, ...]:
-        """The values as they would stand in the file; equal ones are one object, for designs repeat them."""
+        """Return the values at ``shares`` (n,) as written in a file; equal values share a node."""
         import numpy as np
 
         different, places = np.unique(shares, return_inverse=True)
@@ -39,15 +37,15 @@ class Range(NamedTuple):
         return tuple(made[place] for place in places.tolist())
 
     def _node(self, number: float) -> Node:
-        found = written(number, self.unit, self.first)
-        rounded = float(split(found.text)[0])
+        value = written(number, self.unit, self.first)
+        rounded = float(split(value.text)[0])
         if rounded < self.low:
             return self.first
-        return self.last if rounded > self.high else found
+        return self.last if rounded > self.high else value
 
 
 def range_of(path: str, node: Node) -> Range:
-    """What a design says of a path. Raises Wrong."""
+    """Read the range of a path. Raises Wrong."""
     try:
         return _read(path, node)
     except Wrong as wrong:
@@ -74,65 +72,65 @@ def _read(path: str, node: Node) -> Range:
 
 
 def at_key(node: Node) -> Node:
-    """A node that a message points at by its key."""
+    """Return a node that a message locates at its key."""
     return Node(node.value, node.key or node.mark)
 
 
 def _pair(path: str, node: Node) -> tuple[Node, Node, float, float, str]:
-    """Two values of a path, as numbers of the first one's unit, and that."""
+    """Return two values of a path as nodes, as numbers in the unit of the first, and that unit."""
     if len(node.items) != 2:
         raise Wrong(node, "expected two values, as in `[a, b]`")
-    first, second = node.items
-    for one in (first, second):
-        _check(path, one)
-    a, unit = number_in(first, None)
-    b, _ = number_in(second, unit)
-    return first, second, a, b, unit
+    low, high = node.items
+    for bound in (low, high):
+        _check(path, bound)
+    a, unit = number_in(low, None)
+    b, _ = number_in(high, unit)
+    return low, high, a, b, unit
 
 
-def ends(path: str, found: Range) -> tuple[float, float]:
-    """The bounds of a range in SI."""
-    known = dimension(path)
-    assert known is not None
-    return parse(found.first.text, known), parse(found.last.text, known)
+def ends(path: str, bounds: Range) -> tuple[float, float]:
+    """Return the bounds of a range in SI."""
+    kind = dimension(path)
+    assert kind is not None
+    return parse(bounds.first.text, kind), parse(bounds.last.text, kind)
 
 
 def _check(path: str, node: Node) -> None:
-    known = dimension(path)
-    assert known is not None
+    kind = dimension(path)
+    assert kind is not None
     if not isinstance(node.value, str):
         raise Wrong(node, "expected a number with its unit")
     try:
-        parse(node.value, known)
+        parse(node.value, kind)
     except UnitError as error:
         raise Wrong(node, f"expected {error.expected}, got `{node.value}`", error.hint) from None
 
 
 def _bounds(path: str, node: Node) -> tuple[Node, Node, float, float, str]:
-    first, last, low, high, unit = _pair(path, node)
+    lower, upper, low, high, unit = _pair(path, node)
     if not low < high:
-        raise Wrong(last, f"expected a value above `{first.text}`, got `{last.text}`")
+        raise Wrong(upper, f"expected a value above `{lower.text}`, got `{upper.text}`")
     if not math.isfinite(high - low):
         raise Wrong(node, "the range is larger than any number")
-    return first, last, low, high, unit
+    return lower, upper, low, high, unit
 
 
 def _uniform(path: str, node: Node) -> Range:
-    first, last, low, high, unit = _bounds(path, node.mapping.get("uniform", node))
-    return Range(first, last, low, high, unit, lambda shares: [low + (high - low) * t for t in shares.tolist()])
+    lower, upper, low, high, unit = _bounds(path, node.mapping.get("uniform", node))
+    return Range(lower, upper, low, high, unit, lambda shares: [low + (high - low) * t for t in shares.tolist()])
 
 
 def _log(path: str, node: Node) -> Range:
-    first, last, low, high, unit = _bounds(path, node.mapping["log"])
+    lower, upper, low, high, unit = _bounds(path, node.mapping["log"])
     if low <= 0.0:
-        raise Wrong(first, "`log` needs values above zero")
+        raise Wrong(lower, "`log` needs values above zero")
     if unit in UNITS["temperature"]:
-        raise Wrong(first, "a temperature has no logarithm", "take `uniform`")
-    return Range(first, last, low, high, unit, lambda shares: _geometric(low, high, shares.tolist()))
+        raise Wrong(lower, "a temperature has no logarithm", "take `uniform`")
+    return Range(lower, upper, low, high, unit, lambda shares: _geometric(low, high, shares.tolist()))
 
 
 _DIGITS = Context(prec=25)
-"""Logarithm and power in decimals, which are rounded rightly: those of floats differ between machines."""
+"""Context of logarithm and power in decimals, which are correctly rounded; those of floats differ by machine."""
 
 
 def _geometric(low: float, high: float, shares: Sequence[float]) -> list[float]:
@@ -142,7 +140,7 @@ def _geometric(low: float, high: float, shares: Sequence[float]) -> list[float]:
 
 
 NORMAL_DIGITS = 9
-"""Of a normal deviate: what the machines' own functions agree on."""
+"""Decimals of a normal deviate, to which the implementations of different machines agree."""
 
 
 def _normal(path: str, node: Node) -> Range:
@@ -156,33 +154,32 @@ def _normal(path: str, node: Node) -> Range:
     deviation = _difference(spread, unit)
     if deviation <= 0.0:
         raise Wrong(spread, f"expected a standard deviation above zero, got `{spread.text}`")
-    first, last, low, high, own = _bounds(path, node.mapping["within"])
+    lower, upper, low, high, own = _bounds(path, node.mapping["within"])
     if own != unit:
-        low, high = number_in(first, unit)[0], number_in(last, unit)[0]
+        low, high = number_in(lower, unit)[0], number_in(upper, unit)[0]
     if deviation > MOST_RANGES * (high - low):
-        told = f"a standard deviation over {MOST_RANGES} times the range is none that shows"
-        raise Wrong(spread, told, "take `uniform`")
+        message = f"a standard deviation over {MOST_RANGES} times the range is none that shows"
+        raise Wrong(spread, message, "take `uniform`")
     a, b = (low - mean) / deviation, (high - mean) / deviation
     if a > MOST_DEVIATIONS or b < -MOST_DEVIATIONS:
         raise Wrong(node.mapping["within"], f"these are over {MOST_DEVIATIONS} standard deviations from the mean")
 
-    def at(shares: "NDArray") -> Sequence[float]:
-        found = truncnorm.ppf(shares, a, b).tolist()
-        return [mean + deviation * round(z, NORMAL_DIGITS) for z in found]
+    def quantiles(shares: "NDArray") -> Sequence[float]:
+        deviates = truncnorm.ppf(shares, a, b).tolist()
+        return [mean + deviation * round(z, NORMAL_DIGITS) for z in deviates]
 
-    return Range(first, last, low, high, unit, at)
+    return Range(lower, upper, low, high, unit, quantiles)
 
 
 MOST_DEVIATIONS = 8
-"""From the mean to the nearer bound: beyond, a normal distribution is none that anybody knows."""
-
-
+"""Largest distance from the mean to the nearer bound, in standard deviations: further out the tail holds less than
+1e-15 of the distribution."""
 MOST_RANGES = 1000
-"""Of which a standard deviation may be: beyond, the density is even within 1 %, and values get lost."""
+"""Largest ratio of standard deviation to range: beyond, the density is uniform within 1 %, and digits are lost."""
 
 
 def _difference(node: Node, unit: str) -> float:
-    """A difference of two values, in `unit`: one of 5 K is one of 5 C."""
+    """Return a difference of two values in `unit`: 5 K is the same difference as 5 C."""
     word = split(node.text)[1]
     zero = Node(f"0 {word}".strip(), node.mark)
     return number_in(node, unit)[0] - number_in(zero, unit)[0]

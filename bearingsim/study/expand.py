@@ -1,4 +1,4 @@
-"""A tree in its plain form: names replaced by what their files say, `defect` by a list of one."""
+"""Expand a tree: named files are replaced by their content, `defect` by a list with one item."""
 
 from dataclasses import replace
 from functools import reduce
@@ -13,9 +13,9 @@ from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem
 
 
 def expanded(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
-    """The tree with references opened (relative paths also from `folder`); doing it twice changes nothing.
+    """Expand a tree: open its references, relative paths also from ``folder``. The operation is idempotent.
 
-    A name that leads nowhere stays as it is: the case refuses it with its place.
+    A name without a file is left unchanged: the validation of the case reports it with its place.
     """
     tree = _with_scans(_listed_defects(tree, problems), folder)
     tree = _with_default(tree, "rig", "bvt5")
@@ -44,16 +44,16 @@ def _listed_defects(tree: Node, problems: list[Problem]) -> Node:
 
 
 def _with_scans(tree: Node, folder: FilePath) -> Node:
-    """The tree with the files of scans by their full paths: first looked for from here, then from `folder`."""
+    """Replace the files of scans by absolute paths, searched in the working directory, then in ``folder``."""
     for number, defect in enumerate(tree.mapping.get("defects", _NOTHING).items):
         file = defect.mapping.get("file")
         if file is not None and isinstance(file.value, str):
             places = [base / file.value for base in (FilePath(), folder)]
-            found = next(filter(isfile, places), None)
+            existing = next(filter(isfile, places), None)
             for place in places:
                 note(place)
-            if found is not None:
-                tree = put(tree, ("defects", number, "file"), replace(file, value=str(found.absolute())))
+            if existing is not None:
+                tree = put(tree, ("defects", number, "file"), replace(file, value=str(existing.absolute())))
     return tree
 
 
@@ -71,11 +71,11 @@ def _opened(node: Node, kind: Kind, folder: FilePath, problems: list[Problem]) -
     except ValueError:
         return node
     except StudyError as error:
-        problems += [found for found in error.problems if found not in problems]
-        # By its full path the case finds the file too, and refuses it likewise.
+        problems += [entry for entry in error.problems if entry not in problems]
+        # With the absolute path the validation of the case reads the file too, and rejects it in the same way.
         return replace(node, value=str(find(kind, node.value, folder).absolute()))
-    problems += [found for found in document.problems if found not in problems]
-    return replace(document.root, mark=node.mark)  # what is wrong with the whole is wrong where it was named
+    problems += [entry for entry in document.problems if entry not in problems]
+    return replace(document.root, mark=node.mark)  # problems of the whole file are located where it is named
 
 
 def _opened_material(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
@@ -88,9 +88,9 @@ def _opened_material(tree: Node, folder: FilePath, problems: list[Problem]) -> N
 
 
 def _with_one_sensor_angle(tree: Node) -> Node:
-    """`rig.sensor_angle` as `rig.sensor.angle`, so that a sweep of either meets no value under the other word.
+    """Rename `rig.sensor_angle` to `rig.sensor.angle`, so that a sweep of either replaces the same value.
 
-    Two that differ stay as they are: the case refuses them.
+    Two different values are left unchanged: the validation of the case rejects them.
     """
     rig = tree.mapping.get("rig", _NOTHING)
     angle, sensor = rig.mapping.get("sensor_angle"), rig.mapping.get("sensor", Node({}, rig.mark))
@@ -103,7 +103,7 @@ def _with_one_sensor_angle(tree: Node) -> Node:
 
 
 def _laws_by_name(tree: Node) -> Node:
-    """`damping: kraemer` as the mapping `{law: kraemer}`, so that a sweep can reach into it."""
+    """Replace `damping: kraemer` by the mapping `{law: kraemer}`, whose keys can be swept."""
     for path in LAWS:
         section = reduce(lambda node, step: node.mapping.get(str(step), _NOTHING), path, tree)
         if section is not _NOTHING and isinstance(section.value, str):

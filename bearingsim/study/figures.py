@@ -1,4 +1,4 @@
-"""The `figures:` section."""
+"""The section `figures:` of a study file."""
 
 from collections.abc import Collection, Iterator, Mapping
 
@@ -12,7 +12,7 @@ from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import MAX_TOLD, Node, Problem, problem
 
 DRAWN = (*FEATURES, "seconds")
-"""Columns of the results table that can stand on a y axis: features, and the CPU time of a job."""
+"""Columns of the results table that can be plotted on a y axis: features, and the CPU time of a job."""
 
 HEALTHY = "-healthy"
 
@@ -23,13 +23,13 @@ KNOWN_TO: dict[str, tuple[str, ...]] = {
         ("outer_force", "inner_force", "load_zone"), tuple(model.name for model in MODELS.values() if model.loaded)
     ),
 }
-"""Which models give the features that begin so; all others are every model's."""
+"""Models that compute the features with these prefixes; every model computes all others."""
 
 KEYS = ("y", "x", "by", "panels", "where", "title", "log")
 
 
 def of_bands(root: Node) -> dict[str, Node]:
-    """Return the features of bands that figures and `accuracy` of a study name, without `-healthy`."""
+    """Return the features of bands named by figures and `accuracy` of a study, without `-healthy`."""
     features: dict[str, Node] = {}
     for node in _named(root):
         name = node.text.removesuffix(HEALTHY)
@@ -39,7 +39,7 @@ def of_bands(root: Node) -> dict[str, Node]:
 
 
 def with_features(base: Node, wanted: Mapping[str, Node]) -> Node:
-    """Return the tree of a case with ``wanted`` among its `features`, which are left as they are if no list."""
+    """Add ``wanted`` to the `features` of a case's tree; `features` that is not a list is left unchanged."""
     own = base.mapping.get("features")
     items = own.items if own is not None else ()
     missing = [node for name, node in wanted.items() if name not in {item.text for item in items}]
@@ -50,7 +50,7 @@ def with_features(base: Node, wanted: Mapping[str, Node]) -> Node:
 
 
 def _named(root: Node) -> Iterator[Node]:
-    """What figures draw, and what an accuracy is asked of."""
+    """Yield the features named by figures and by `accuracy`."""
     figures, accuracy = root.mapping.get("figures"), root.mapping.get("accuracy")
     entries = [figure.mapping.get("y") for figure in (figures.items if figures is not None else ())]
     for entry in (*entries, accuracy.mapping.get("of") if accuracy is not None else None):
@@ -59,26 +59,28 @@ def _named(root: Node) -> Iterator[Node]:
 
 
 def parse_figures(section: Node | None, swept: Collection[str], problems: list[Problem]) -> tuple[Figure, ...]:
-    """The figures of a study that sweeps the paths `swept`."""
+    """Parse the figures of a study that sweeps the paths ``swept``."""
     if section is None:
         return ()
     if not isinstance(section.value, tuple):
         message = "figures: expected a list such as `[{y: velocity@BPFO, x: load}]`"
         problems.append(problem(section.mark, message))
-    found = [_figure(node, swept, problems) for node in section.items]
-    return tuple(figure for figure in found if figure is not None)
+    figures = [_figure(node, swept, problems) for node in section.items]
+    return tuple(figure for figure in figures if figure is not None)
 
 
 def check_known(section: Node | None, models: Collection[str], problems: list[Problem]) -> None:
-    """Note the features that none of a study's models can give, so that no figure stays empty."""
+    """Add a problem for each feature that none of a study's models computes, so that no figure is empty."""
     for figure in section.items if section is not None else ():
         node = figure.mapping.get("y")
-        for one in () if node is None else node.items or (node,):
-            able = next((able for beginning, able in KNOWN_TO.items() if one.text.startswith(beginning)), models)
+        for feature in () if node is None else node.items or (node,):
+            able = next(
+                (able for beginning, able in KNOWN_TO.items() if feature.text.startswith(beginning)), models
+            )
             if not set(able) & set(models):
                 words = " or ".join(f"`model: {model}`" for model in able)
-                message = f"figures: no model of the study has `{one.text}`"
-                problems.append(problem(one.mark, message, f"it takes {words}"))
+                message = f"figures: no model of the study has `{feature.text}`"
+                problems.append(problem(feature.mark, message, f"it takes {words}"))
 
 
 def _figure(node: Node, swept: Collection[str], problems: list[Problem]) -> Figure | None:

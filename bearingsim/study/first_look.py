@@ -1,4 +1,4 @@
-"""The few combinations of a sweep that show most of what is wrong with it: they are read before all others."""
+"""Sample combinations of a sweep that reveal most of its problems: they are validated before all others."""
 
 from collections.abc import Iterator, Sequence
 
@@ -9,28 +9,31 @@ from bearingsim.text.units import UnitError, parse
 from bearingsim.text.yamlfile import Node
 
 MOST_OF_AN_AXIS = 50
-"""Rows of an axis that are looked at: of a hundred axes these are as many cases as take a second or two."""
+"""Rows sampled of an axis: with a hundred axes, the cases take a second or two."""
 
 
 def one_at_a_time(axes: Sequence[Axis]) -> Iterator[Row]:
-    """Combinations in which one axis at a time takes its telling rows, all others their first; and the last.
+    """Yield combinations that vary one axis at a time over its sampled rows, all others at their first row.
 
-    Those of an axis are its ends, its least and greatest numbers, each of its words, and what is no quantity.
+    The first and the last combination of the sweep are included.
     """
-    first, last = [axis.rows[0] for axis in axes], [axis.rows[-1] for axis in axes]
-    yield _pairs(axes, first)
+    base = [axis.rows[0] for axis in axes]
+    yield _pairs(axes, base)
     for place, axis in enumerate(axes):
-        for number in telling_rows(axis):
-            yield _pairs(axes, [*first[:place], axis.rows[number], *first[place + 1 :]])
-    yield _pairs(axes, last)
+        for number in sampled_rows(axis):
+            yield _pairs(axes, [*base[:place], axis.rows[number], *base[place + 1 :]])
+    yield _pairs(axes, [axis.rows[-1] for axis in axes])
 
 
 def _pairs(axes: Sequence[Axis], rows: Sequence[tuple[Node, ...]]) -> Row:
     return [pair for axis, row in zip(axes, rows, strict=True) for pair in zip(axis.paths, row, strict=True)]
 
 
-def telling_rows(axis: Axis) -> list[int]:
-    """The numbers of an axis' rows that are looked at, in order; the first row is left out."""
+def sampled_rows(axis: Axis) -> list[int]:
+    """List the indices of an axis' sampled rows, ascending, without 0.
+
+    Sampled are the last row, the least and the greatest number, and the first row with each word or invalid text.
+    """
     rows = {len(axis.rows) - 1: None}
     for column, path in enumerate(axis.paths):
         rows |= dict.fromkeys(_extremes_and_words(path, [row[column] for row in axis.rows]))
@@ -38,7 +41,7 @@ def telling_rows(axis: Axis) -> list[int]:
 
 
 def _extremes_and_words(path: str, column: Sequence[Node]) -> list[int]:
-    """The rows of a column with the least and greatest number, and the first with each word."""
+    """List the rows of a column with the least and the greatest number, and the first row with each word."""
     first_with_word: dict[str, int] = {}
     first_with_number: dict[float, int] = {}
     unit_kind = dimension(path)

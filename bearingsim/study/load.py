@@ -1,4 +1,4 @@
-"""A study file in, a checked `Study` out, or every problem at once."""
+"""Read a study file: return a checked `Study`, or report every problem at once."""
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -30,51 +30,53 @@ def load_study(
 ) -> Study:
     """Read and check a study file.
 
-    `overrides` maps paths to values as they would stand in the file (`{"load": "200 N"}`); `quick` takes the
-    file's reduced grid, if it has one; `reading` is called with the number of combinations before all of them are
-    read. Raises StudyError with what is wrong, and BrokenExtension. What a few cases show is refused before the
-    others are read.
+    `overrides` maps paths to values as written in the file (`{"load": "200 N"}`); `quick` selects the file's
+    reduced grid, if it has one; `reading` is called with the number of combinations before all of them are
+    validated. Raises StudyError with every problem, and BrokenExtension. A sample of the cases is validated first,
+    so that most problems are reported without building all cases.
     """
     extensions.refuse_broken()
     opened = _opened(FilePath(path), overrides or {})
-    said = _said(opened)
-    looks = [plan.first_look() for plan in opened.plans]
-    _check(opened, said, looks[0], [case for look in looks for case in look] if all(looks) else [])
+    settings = _settings(opened)
+    samples = [plan.first_look() for plan in opened.plans]
+    _check(opened, settings, samples[0], [case for sample in samples for case in sample] if all(samples) else [])
     for plan in opened.plans:
         plan.check_words()
-    _refuse(opened, said)
+    _refuse(opened, settings)
     reduced = quick and "quick" in opened.root.mapping
     plan = opened.plans[-1 if reduced else 0]
     if reading is not None:
         reading(plan.count)
     swept_cases = tuple(plan.cases())
-    _refuse(opened, said)
+    _refuse(opened, settings)
     cases = [case for case, _ in swept_cases]
-    _check(opened, said, [] if reduced else cases, cases)
-    if REFERENCE in said.models:
-        known = {case.model for case in (*cases, *(case for look in looks for case in look))}
-        check_known(opened.root.mapping.get("figures"), known, said.problems)
-    _refuse(opened, said)
+    _check(opened, settings, [] if reduced else cases, cases)
+    if REFERENCE in settings.models:
+        models = {case.model for case in (*cases, *(case for sample in samples for case in sample))}
+        check_known(opened.root.mapping.get("figures"), models, settings.problems)
+    _refuse(opened, settings)
     study = Study(
-        name=said.name,
+        name=settings.name,
         path=str(path),
         text=opened.text,
-        overrides=opened.given,
+        overrides=opened.overrides,
         quick=reduced,
-        figures=said.figures,
+        figures=settings.figures,
         units=plan.units(),
         swept_cases=swept_cases,
         notes=(*opened.notes, *(plan.drawn.notes() if plan.drawn is not None else ())),
-        uncertainty=() if reduced and said.uncertain else said.uncertain,  # a first look tries nothing else
-        left_out=(said.uncertain or ()) if reduced else (),
+        uncertainty=()
+        if reduced and settings.uncertain
+        else settings.uncertain,  # no variations of a reduced grid
+        left_out=(settings.uncertain or ()) if reduced else (),
         files=opened.files,
         drawn=plan.drawn,
     )
-    return study if said.goal is None else replace(study, goal=said.goal, otherwise=plan.otherwise)
+    return study if settings.goal is None else replace(study, goal=settings.goal, otherwise=plan.otherwise)
 
 
-class _Said(NamedTuple):
-    """What a study says besides its cases, the models that it names, and what is wrong so far."""
+class _Settings(NamedTuple):
+    """Settings of a study apart from its cases, the models that it names, and the problems so far."""
 
     name: str
     figures: tuple[Figure, ...]
@@ -85,38 +87,38 @@ class _Said(NamedTuple):
     problems: list[Problem]
 
 
-def _said(opened: "_Opened") -> _Said:
-    """What a study says besides its cases; what is wrong with it costs nothing to find."""
+def _settings(opened: "_Opened") -> _Settings:
+    """Parse the settings of a study apart from its cases, which is fast."""
     problems, plans, entries = list(opened.flaws), opened.plans, opened.root.mapping
     swept = {path: node for plan in plans for path, node in plan.entries().items()}
     uncertain = parse_uncertainty(entries.get("uncertainty"), problems)
-    wrong = sorted({path for plan in plans for path in plan.asked} - swept.keys())  # told where they are swept
+    wrong = sorted({path for plan in plans for path in plan.named} - swept.keys())  # reported where they are swept
     figures = parse_figures(entries.get("figures"), [*swept, *wrong], problems)
     name = _name(opened.root, problems)
     goal = parse_goal(opened.whole.mapping.get("accuracy"), figures, problems)
     models = {model for plan in plans for model in plan.models()}
     if REFERENCE not in models:
         check_known(entries.get("figures"), models, problems)
-    return _Said(name, figures, uncertain, goal, swept, models, problems)
+    return _Settings(name, figures, uncertain, goal, swept, models, problems)
 
 
-def _check(opened: "_Opened", said: _Said, own: Sequence[Case], every: Sequence[Case]) -> None:
-    """Note what cannot be with some cases: own: those that `uncertainty` varies; every: those of an accuracy."""
+def _check(opened: "_Opened", settings: _Settings, own: Sequence[Case], every: Sequence[Case]) -> None:
+    """Add the problems of cases; own: cases that `uncertainty` varies; every: cases that `accuracy` concerns."""
     named = "accuracy" not in opened.whole.mapping
-    check_possible(opened.root.mapping.get("uncertainty"), own, said.uncertain or (), said.problems, named)
-    if said.goal is not None and every:
-        check_goal(opened.whole, every, said.swept, opened.given, said.problems)
+    check_possible(opened.root.mapping.get("uncertainty"), own, settings.uncertain or (), settings.problems, named)
+    if settings.goal is not None and every:
+        check_goal(opened.whole, every, settings.swept, opened.overrides, settings.problems)
 
 
-def _refuse(opened: "_Opened", said: _Said) -> None:
-    """Raise StudyError if anything is wrong so far."""
-    problems = [*said.problems, *(found for plan in opened.plans for found in plan.all_problems())]
+def _refuse(opened: "_Opened", settings: _Settings) -> None:
+    """Raise StudyError if there are problems so far."""
+    problems = [*settings.problems, *(entry for plan in opened.plans for entry in plan.all_problems())]
     if problems:
         raise StudyError(_in_order(problems, opened.path))
 
 
 class Outline(NamedTuple):
-    """What is known of a study before its cases are made: ``files`` are those that it is made of."""
+    """Properties of a study that are available before its cases are built; ``files``: all files that it reads."""
 
     name: str
     overrides: dict[str, str]
@@ -125,7 +127,7 @@ class Outline(NamedTuple):
 
 
 def outline(path: FilePath, overrides: Mapping[str, str], quick: bool) -> Outline | None:
-    """That of a study file; None of one in which something is wrong."""
+    """Read the outline of a study file; None if the file has problems."""
     try:
         opened = _opened(path, overrides)
     except StudyError:
@@ -133,13 +135,13 @@ def outline(path: FilePath, overrides: Mapping[str, str], quick: bool) -> Outlin
     named = opened.root.mapping.get("study")
     if opened.flaws or named is None:
         return None
-    return Outline(named.text, opened.given, quick and "quick" in opened.root.mapping, opened.files)
+    return Outline(named.text, opened.overrides, quick and "quick" in opened.root.mapping, opened.files)
 
 
 class _Opened(NamedTuple):
-    """A study file: its tree as written (``whole``) and as it is computed, its plans without and with `quick`.
+    """A study file: its tree as written (``whole``) and as computed (``root``); plans without and with `quick`.
 
-    given: what is said instead of the file's values.
+    overrides: values that replace those of the file, by path.
     """
 
     path: str
@@ -148,7 +150,7 @@ class _Opened(NamedTuple):
     root: Node
     flaws: Sequence[Problem]
     notes: tuple[str, ...]
-    given: dict[str, str]
+    overrides: dict[str, str]
     plans: list[Plan]
     files: Mapping[str, str | None]
 
@@ -163,19 +165,19 @@ def _opened(path: FilePath, overrides: Mapping[str, str]) -> _Opened:
                 [*flaws, problem(root.mark, "expected `key: value` lines, as `bearingsim new` writes")]
             )
         notes, root = aliases.notes(root, overrides), aliases.renamed(root)
-        given = {aliases.new_path(path): value for path, value in _texts(overrides).items()}
+        renamed = {aliases.new_path(path): value for path, value in _texts(overrides).items()}
         computed = of_bands(root)
         whole, root = root, asks_for_reference(root) if "accuracy" in root.mapping else root
-        # Both are checked, so that a mistake in `quick` is told now and not when it is first used.
+        # Both are checked, so that a problem in `quick` is reported now and not at its first use.
         modes = (False, True) if "quick" in root.mapping else (False,)
-        plans = [Plan.of(root, path.parent, given, reduced, computed) for reduced in modes]
+        plans = [Plan.of(root, path.parent, renamed, reduced, computed) for reduced in modes]
         for plan in plans:
             plan.open_files()
-    return _Opened(str(path), text, whole, root, flaws, notes, given, plans, files)
+    return _Opened(str(path), text, whole, root, flaws, notes, renamed, plans, files)
 
 
 def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
-    """The overrides. Raises StudyError for those from Python that are no texts."""
+    """Return the overrides as a dictionary. Raises StudyError for values from Python that are not strings."""
     wrong = [
         problem(
             argument_mark(f"--set {path}={value}", len("--set ") + 1),
@@ -202,5 +204,5 @@ def _name(root: Node, problems: list[Problem]) -> str:
 
 
 def _in_order(problems: Iterable[Problem], main: str) -> list[Problem]:
-    """Each problem once, in the order of the file; other files after it."""
+    """Sort problems by their place in the file, without duplicates; problems of other files follow."""
     return sorted(dict.fromkeys(problems), key=lambda p: (p.file != main, p.file, p.line, p.column))

@@ -15,7 +15,7 @@ from bearingsim.text.units import Dimension, suggestion
 from bearingsim.text.yamlfile import Node
 
 SAME_PLACE: dict[Path, Path] = {("rig", "sensor_angle"): ("rig", "sensor", "angle")}
-"""Paths that are another word for a place, and that place."""
+"""Synonyms: a path, and the path that replaces it."""
 
 
 class Field(NamedTuple):
@@ -26,25 +26,25 @@ class Field(NamedTuple):
 
     @property
     def marks(self) -> list[Any]:
-        """The classes and marks of its type."""
+        """Classes and annotations of the field's type."""
         field = self.section.model_fields[self.name]
         return [*field.metadata, *_leaves(field.annotation)]
 
     @property
     def dimension(self) -> Dimension | None:
-        """That of its values; None of words and sections."""
+        """Dimension of the field's values; None for words and sections."""
         return next((mark.dimension for mark in self.marks if isinstance(mark, Quantity)), None)
 
 
 @cache
 def known_paths() -> dict[str, Dimension | None]:
-    """Every path that can be swept, with its dimension (None: words or whole sections)."""
+    """List every path that can be swept, with its dimension (None: words or whole sections)."""
     return {path: fields[-1].dimension for path, fields in fields_at().items()}
 
 
 @cache
 def fields_at() -> dict[str, list[Field]]:
-    """The field at every path that can be swept; laws that stand for each other may each have one there."""
+    """List the fields at every path that can be swept; alternative laws may each define one."""
     fields: dict[str, list[Field]] = {}
     for path, field in _walk(Case, ""):
         fields.setdefault(path, []).append(field)
@@ -53,9 +53,9 @@ def fields_at() -> dict[str, list[Field]]:
 
 @lru_cache(maxsize=1 << 12)
 def dimension(path: str) -> Dimension | None:
-    """The dimension of the values at a path; KeyError if there is no such path."""
-    first, dot, rest = _without_number(path).partition(".")
-    in_new_words = OLD_WORDS.get(first, first) + dot + rest  # results keep the words of their time
+    """Return the dimension of the values at a path. Raises KeyError for an unknown path."""
+    head, dot, rest = _without_number(path).partition(".")
+    in_new_words = OLD_WORDS.get(head, head) + dot + rest  # older results have the former words
     if in_new_words.startswith("rig.load."):  # in results the items of a list are numbered
         in_new_words = ".".join(step for step in in_new_words.split(".") if not step.isdecimal())
     return all_paths()[in_new_words]
@@ -63,13 +63,13 @@ def dimension(path: str) -> Dimension | None:
 
 @cache
 def all_paths() -> dict[str, Dimension | None]:
-    """The paths that can be swept, and those into the springs of `rig.load.at`, which is swept as a whole."""
+    """List the paths that can be swept, and those into the springs of `rig.load.at`, swept as a whole."""
     springs = {path: field.dimension for path, field in _walk(SupportPoint, "rig.load.at.")}
     return known_paths() | springs
 
 
 def parse_path(text: str, defects: int) -> Path:
-    """Where a path leads in a case with that many defects; ValueError if nowhere."""
+    """Parse a path into a case with ``defects`` defects. Raises ValueError for an unknown path."""
     plain = _without_number(text)
     if plain not in known_paths():
         near = advice_on(plain, known_paths())
@@ -82,20 +82,20 @@ def parse_path(text: str, defects: int) -> Path:
     return SAME_PLACE.get((head, *rest), (head, *rest))
 
 
-MOST_PLACES = 4  # that are listed of a key: of more the list says nothing
+MOST_PLACES = 4  # sections: a longer list of sections with the same key is not printed
 
 
-def advice_on(path: str, known: Collection[str], section: str | None = None) -> str:
-    """A hint for a path, or a key of a section, that there is not; empty if there is none.
+def advice_on(path: str, valid: Collection[str], section: str | None = None) -> str:
+    """Return a hint for an unknown path, or unknown key of a section; empty if there is none.
 
-    What is true of its last word, which other sections have a key of that name, or the nearest of ``known``.
+    The hint is the glossary's on the last word, the other sections with that key, or the nearest of ``valid``.
     """
     word = path.rpartition(".")[2]
-    return sentence(word) or _places(word, section) or suggestion(path, known)
+    return sentence(word) or _places(word, section) or suggestion(path, valid)
 
 
 def _places(word: str, section: str | None) -> str:
-    """The sections that have a key of a name; nothing of a key that a section has with another law."""
+    """Describe the sections that have a key; empty if ``section`` has the key with another law."""
     paths = [path.rpartition(".") for path in all_paths()]
     sections = sorted((above for above, _, key in paths if key == word), key=lambda above: above.count("."))
     if section in sections or not 0 < len(sections) <= MOST_PLACES:
@@ -105,7 +105,7 @@ def _places(word: str, section: str | None) -> str:
 
 
 def unspelled(text: str) -> Path:
-    """What all spellings of a path have in common, be it right or wrong: `defect.width` and `defects.1.width`."""
+    """Return a normal form of a path, valid or not: equal for `defect.width` and `defects.1.width`."""
     head, *rest = text.split(".")
     if head == "defect":
         return ("defects", "1", *rest)
@@ -115,7 +115,7 @@ def unspelled(text: str) -> Path:
 
 
 def label(path: Path, defects: int) -> str:
-    """A path as a user types it."""
+    """Return a path as a user types it."""
     if len(path) > 1 and path[0] == "defects":
         head = "defect" if defects <= 1 else f"defects.{int(path[1]) + 1}"
         return ".".join([head, *map(str, path[2:])])
@@ -123,7 +123,7 @@ def label(path: Path, defects: int) -> str:
 
 
 def put(tree: Node, path: Path, value: Node) -> Node:
-    """The tree with another value at a path; sections missing on the way are made."""
+    """Return a tree with another value at a path; missing sections on the way are created."""
     if not path:
         return replace(value, key=tree.key or value.key)
     head, rest = path[0], path[1:]
@@ -137,7 +137,7 @@ def put(tree: Node, path: Path, value: Node) -> Node:
 
 
 def node_at(tree: Node, path: Path) -> Node | None:
-    """What a tree says at a path; None if nothing."""
+    """Return the node at a path of a tree; None if there is none."""
     for step in path:
         below = tree.mapping.get(step) if isinstance(step, str) else dict(enumerate(tree.items)).get(step)
         if below is None:
@@ -147,18 +147,18 @@ def node_at(tree: Node, path: Path) -> Node | None:
 
 
 def value_at(case: Case, path: Path) -> Any:
-    """What stands at a path of a case; None in a section that was left out for doing nothing."""
-    found: Any = case
+    """Return the value at a path of a case; None in a section that is omitted because it has no effect."""
+    value: Any = case
     for step in path:
-        if found is None:
+        if value is None:
             return None
-        found = found[step] if isinstance(step, int) else getattr(found, step)
-    return found
+        value = value[step] if isinstance(step, int) else getattr(value, step)
+    return value
 
 
 def _walk(section: type[Section], prefix: str) -> Iterator[tuple[str, Field]]:
     for name in section.model_fields:
-        if name in ("name", "source", "digest"):  # not for users to set, or labels that shape no result
+        if name in ("name", "source", "digest"):  # computed, or labels without effect on results
             continue
         field = Field(section, name)
         yield prefix + name, field
@@ -171,7 +171,7 @@ def _walk(section: type[Section], prefix: str) -> Iterator[tuple[str, Field]]:
 
 
 def _leaves(annotation: Any) -> Iterator[Any]:
-    """Classes and marks inside a type such as `tuple[Defect, ...]` or `Annotated[float, ...] | None`."""
+    """Yield the classes and annotations in a type such as `tuple[Defect, ...]` or `Annotated[float, ...]`."""
     yield annotation
     for inner in get_args(annotation):
         yield from _leaves(inner)

@@ -1,4 +1,4 @@
-"""A plan: a study's base and its axes, and the cases that they make together."""
+"""Plan of a study: its base tree and its axes, and the cases built from them."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
@@ -12,7 +12,7 @@ from bearingsim.config import Case
 from bearingsim.config.rules.conflicts import Path
 from bearingsim.designs import KINDS
 from bearingsim.study.design import IN_BLOCKS, Drawn, beside, drawn
-from bearingsim.study.diagnose import STUDY_KEYS, Found, Sections, case_of, check_replaced, mark_of
+from bearingsim.study.diagnose import STUDY_KEYS, Problems, Sections, case_of, check_replaced, mark_of
 from bearingsim.study.expand import expanded
 from bearingsim.study.figures import with_features
 from bearingsim.study.first_look import one_at_a_time
@@ -37,10 +37,11 @@ from bearingsim.text.units import parse as quantity
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_mark, parse_argument, problem
 
 MAX_CASES = 1_000_000
+"""Limit of the cases of a study."""
 MAX_WRONG = 500
-"""Cases that are wrong before no more are looked at: they take milliseconds each, and are mostly wrong alike."""
+"""Limit of the invalid cases that are examined: each takes milliseconds, and most have the same problem."""
 MAX_PATHS = 100
-"""Paths that a study sweeps: more than make sense, few enough to find what each should be."""
+"""Limit of the paths that a study sweeps: with more, the nearest valid path of each takes too long to find."""
 _LIST_VALUED = ("defects", "record", "features", "rig.load.angles", "rig.load.at")
 
 Swept = dict[str, float | str]
@@ -48,9 +49,11 @@ Swept = dict[str, float | str]
 
 @dataclass
 class Plan:
-    """A study on its way: its base, its axes, and what was found wrong so far.
+    """A study under construction: base tree, axes, and problems so far.
 
-    words: what the sweep says besides paths; from these follow ``drawn``, an axis of its own, and ``relations``.
+    words: keys of the sweep that are not paths, from which ``drawn`` (with an axis of its own) and ``relations``
+    are made; case_problems: problems of single cases; named: paths named by a sweep, valid or not; places:
+    location of the valid ones in a case; others: cases built by ``otherwise``, by overrides.
     """
 
     base: Node
@@ -60,11 +63,11 @@ class Plan:
     drawn: Drawn | None = None
     relations: Relations = field(default_factory=Relations)
     problems: list[Problem] = field(default_factory=list)
-    found: Found = field(default_factory=dict)
-    asked: set[str] = field(default_factory=set)  # paths that a sweep names, right or wrong
-    places: dict[str, Path] = field(default_factory=dict)  # where those lead that are right
+    case_problems: Problems = field(default_factory=dict)
+    named: set[str] = field(default_factory=set)
+    places: dict[str, Path] = field(default_factory=dict)
     sections: Sections = field(default_factory=Sections)
-    others: dict[tuple, list[Case | None]] = field(default_factory=dict)  # what was asked for otherwise
+    others: dict[tuple, list[Case | None]] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -75,7 +78,7 @@ class Plan:
         quick: bool,
         features: Mapping[str, Node],
     ) -> "Plan":
-        """Make the plan of a file: its base and sweep, then `quick`, the overrides, and further features."""
+        """Build the plan of a file from its base and sweep, then `quick`, the overrides and further features."""
         entries = {key: node for key, node in root.mapping.items() if key not in STUDY_KEYS}
         plan = cls(Node(entries, root.mark), folder)
         plan.expand()
@@ -97,13 +100,13 @@ class Plan:
         self.base = expanded(self.base, self.folder, self.problems)
 
     def take_sweep(self, sweep: Node) -> list[Axis]:
-        """The axes of a `sweep:`."""
-        found = written_paths(sweep)
-        if len(found) > MAX_PATHS:
-            message = f"sweep: {len(found)} paths; at most {MAX_PATHS} are possible"
+        """Parse the axes of a `sweep:`."""
+        paths = written_paths(sweep)
+        if len(paths) > MAX_PATHS:
+            message = f"sweep: {len(paths)} paths; at most {MAX_PATHS} are possible"
             self.problems.append(problem(sweep.key or sweep.mark, message))
             return []
-        self.asked |= found
+        self.named |= paths
         kinds = [node for key, node in sweep.mapping.items() if key in KINDS]
         if len(kinds) > 1:
             message = "sweep: a second design; a study has one"
@@ -113,7 +116,7 @@ class Plan:
         return parse_sweep(sweep, self.problems)
 
     def take_quick(self, quick: Node) -> None:
-        """Take over the entries of `quick:`."""
+        """Apply the entries of `quick:`."""
         if not isinstance(quick.value, dict):
             message = "quick: expected a mapping such as `{duration: 0.3 s, sweep: {load: [150 N]}}`"
             self.problems.append(problem(quick.mark, message))
@@ -129,7 +132,7 @@ class Plan:
                 self.fix(key, node, node.key or node.mark)
 
     def override(self, path: str, text: str) -> None:
-        """Take over a value from the command line."""
+        """Apply a value of the command line."""
         typed = f"--set {path}={text}"
         path = self.spelled(path)
         try:
@@ -149,7 +152,7 @@ class Plan:
             self.fix(path, value, mark)
 
     def say(self, path: str, value: Node) -> None:
-        """Take over `repeat`, or a word of the design such as `sobol.n`."""
+        """Apply `repeat`, or a key of the design such as `sobol.n`."""
         kind, _, word = path.partition(".")
         if not word:
             self.words = renewed(self.words, kind, value)
@@ -160,7 +163,7 @@ class Plan:
             self.problems.append(problem(mark, f"the study has no `{kind}`", "name it in `sweep`"))
 
     def fix(self, path: str, value: Node, mark: Mark) -> None:
-        """Give a path one value: in the base, and instead of its sweep."""
+        """Set one value at a path of the base, which also replaces the path's sweep."""
         place = self.place(path, mark)
         if place is None:
             return
@@ -172,12 +175,12 @@ class Plan:
             self.axes = replaced(self.axes, Axis((path,), ((value,),), (value,)))
 
     def spelled(self, path: str) -> str:
-        """A path as the axes spell it: figures and results name it so."""
-        every = (one for axis in self.axes for one in axis.paths)
-        return next((one for one in every if unspelled(one) == unspelled(path)), path)
+        """Return the path as spelled by the axes, and therefore by figures and results."""
+        swept = (spelling for axis in self.axes for spelling in axis.paths)
+        return next((spelling for spelling in swept if unspelled(spelling) == unspelled(path)), path)
 
     def place(self, path: str, mark: Mark) -> Path | None:
-        """Where a path leads, or None, which is noted."""
+        """Locate a path in a case; None for an invalid path, with the problem added."""
         try:
             return self.leads(path)
         except ValueError as error:
@@ -185,7 +188,7 @@ class Plan:
             return None
 
     def draw(self) -> None:
-        """Make axes of the design and of `repeat`: the design's is the slowest, that of `repeat` the fastest."""
+        """Add the axes of the design, which changes slowest, and of `repeat`, which changes fastest."""
         kind = next((kind for kind in KINDS if kind in self.words), None)
         if kind in IN_BLOCKS:
             self.problems += beside(kind, self.axes, self.words)
@@ -196,23 +199,23 @@ class Plan:
         entry = self.words[kind]
         marks = {path: node.key or node.mark for path, node in entries_of(kind, entry).items()}
         if None not in [self.place(path, mark) for path, mark in marks.items()]:
-            found = drawn(kind, entry, MAX_CASES, self.problems)
-            if found is not None:
-                self.drawn, axis = found
+            design = drawn(kind, entry, MAX_CASES, self.problems)
+            if design is not None:
+                self.drawn, axis = design
                 self.axes.insert(0, axis)
 
     def relate(self) -> None:
-        """Read `derived` and `where`, now that it is known what is swept."""
+        """Parse `derived` and `where`, which depend on the swept paths."""
         taken = set(self.places.values())
         self.relations = parse_relations(self.words, self.leads, taken.__contains__, self.problems)
-        self.places |= {one.path: one.place for one in self.relations.derived}
+        self.places |= {derived.path: derived.place for derived in self.relations.derived}
 
     def leads(self, path: str) -> Path:
-        """Where a path leads; ValueError if nowhere."""
+        """Locate a path in a case. Raises ValueError for an invalid path."""
         return parse_path(path, len(self.base.mapping.get("defects", self.base).items))
 
     def check(self, axis: Axis) -> bool:
-        """Whether an axis' paths exist and are not swept twice."""
+        """Return True if an axis' paths are valid and not swept twice, which adds them to ``places``."""
         before = len(self.problems)
         for path, node in zip(axis.paths, axis.keys, strict=True):
             mark = node.key or node.mark
@@ -232,24 +235,24 @@ class Plan:
 
     def _open_column(self, path: str, axis: Axis) -> None:
         for row in axis.rows:
-            with suppress(StudyError):  # it is told where the case is made
+            with suppress(StudyError):  # reported when the case is built
                 value = row[axis.paths.index(path)]
                 expanded(put(self.base, self.places[path], value), self.folder, [])
 
     @property
     def count(self) -> int:
-        """How many combinations the axes make."""
+        """Number of combinations of the axes."""
         return math.prod(len(axis.rows) for axis in self.axes)
 
     def check_count(self) -> None:
-        """Note that there are too many, and leave them out."""
+        """Add a problem if there are too many combinations, and drop the axes."""
         if self.count > MAX_CASES:
             mark = self.axes[0].keys[0].mark
             self.problems.append(problem(mark, f"sweep: {self.count} cases; at most {MAX_CASES} are possible"))
             self.axes = []
 
     def models(self) -> set[str]:
-        """The models that the study names, right or wrong."""
+        """Return the models that the study names, valid or not."""
         values = [
             row[axis.paths.index("model")] for axis in self.axes if "model" in axis.paths for row in axis.rows
         ]
@@ -257,13 +260,13 @@ class Plan:
         return {node.text for node in values or ([base] if base else [])} or {USUAL_MODEL}
 
     def first_look(self) -> list[Case]:
-        """A few cases that show most of what is wrong, which is noted."""
-        check_replaced(self.base, frozenset(self.places.values()), self.found)
-        looked = (self.case(row) for row in self.rows(one_at_a_time(self.axes)))
-        return [case for case in looked if case is not None]
+        """Build a sample of the cases, which reveals most problems."""
+        check_replaced(self.base, frozenset(self.places.values()), self.case_problems)
+        sample = (self.case(row) for row in self.rows(one_at_a_time(self.axes)))
+        return [case for case in sample if case is not None]
 
     def cases(self) -> list[tuple[Case, Swept]]:
-        """The cases, each once, with their swept values; what is wrong with others is noted."""
+        """Build the distinct cases, with their swept values; problems of invalid ones are added."""
         cases: dict[str, tuple[Case, Swept]] = {}
         numbers: dict[str, int] = {}
         order: list[int] = []
@@ -282,50 +285,50 @@ class Plan:
         return list(cases.values())
 
     def check_words(self) -> None:
-        """Note where `where` leaves nothing, and `repeat` repeats what is not random."""
-        if self.problems or self.found:
+        """Add a problem if `where` excludes every case, or if `repeat` is used without anything random."""
+        if self.problems or self.case_problems:
             return
         self.relations.dropped.clear()
         once = [axis if axis.paths != ("seed",) else replace(axis, rows=axis.rows[:1]) for axis in self.axes]
         cases = filter(None, map(self.case, self.rows(rows_of(once))))
-        first = next(cases, None)
-        if first is None and self.relations.dropped:
+        example = next(cases, None)
+        if example is None and self.relations.dropped:
             self.problems.append(self.relations.nothing_left())
         node = self.words.get("repeat")
-        if node is not None and first is not None and not any(map(is_random, (first, *cases))):
+        if node is not None and example is not None and not any(map(is_random, (example, *cases))):
             message = "repeat: nothing is random in this study: another `seed` gives the same"
             advice = "it is with `excitation: random-impulses`, or rollers loose in a free cage (`model: planar`)"
             self.problems.append(problem(node.key or node.mark, message, advice))
 
-    def otherwise(self, given: Mapping[str, str]) -> list[Case | None]:
-        """The same cases with other values at some paths; None for one that cannot be. Each is made once."""
-        named = tuple(given.items())
-        if named not in self.others:
-            self.others[named] = self._otherwise(given)
-        return self.others[named]
+    def otherwise(self, values: Mapping[str, str]) -> list[Case | None]:
+        """Build the same cases with other values at some paths; None for an invalid case. The result is cached."""
+        key = tuple(values.items())
+        if key not in self.others:
+            self.others[key] = self._otherwise(values)
+        return self.others[key]
 
-    def _otherwise(self, given: Mapping[str, str]) -> list[Case | None]:
+    def _otherwise(self, values: Mapping[str, str]) -> list[Case | None]:
         other = Plan(self.base, self.folder, places=dict(self.places))
         mark = self.base.mark
-        places = {path: other.place(path, mark) for path in given}
+        places = {path: other.place(path, mark) for path in values}
         other.places |= {path: place for path, place in places.items() if place is not None}
-        fixed = [(path, Node(text, mark)) for path, text in given.items()]
-        found: dict[str, Case | None] = {}
+        fixed = [(path, Node(text, mark)) for path, text in values.items()]
+        cases: dict[str, Case | None] = {}
         for row in self.rows(rows_of(self.axes)):
             case = self.case(row)
             if case is not None:
                 kept = [pair for pair in row if self.places[pair[0]] not in places.values()]
-                found.setdefault(identity(case), other.case(kept + fixed))
-        return list(found.values())
+                cases.setdefault(identity(case), other.case(kept + fixed))
+        return list(cases.values())
 
     def rows(self, combinations: Iterable[Row]) -> Iterator[Row]:
-        """Those that the study has, with what follows from each; what is wrong with others is noted."""
+        """Yield the combinations that `where` keeps, with their derived values; problems of others are added."""
         wrong = 0
         for row in combinations:
             try:
                 more = self.relations.completed(self.tree(row)) if self.relations else []
             except Valueless as error:
-                self.found.setdefault((mark_of(error.problem), "", "no value"), error.problem)
+                self.case_problems.setdefault((mark_of(error.problem), "", "no value"), error.problem)
                 if (wrong := wrong + 1) == MAX_WRONG:
                     return
                 continue
@@ -333,7 +336,7 @@ class Plan:
                 yield row + more
 
     def tree(self, row: Row) -> Node:
-        """The base with the values of one combination."""
+        """Return the base with the values of one combination."""
         tree = self.base
         for path, value in sorted(row, key=lambda pair: len(self.places[pair[0]])):  # sections before parts
             tree = put(tree, self.places[path], value)
@@ -342,41 +345,41 @@ class Plan:
         return tree
 
     def case(self, row: Row) -> Case | None:
-        """The case of one combination of values."""
+        """Build the case of one combination of values; None if it is invalid, with its problems added."""
         tree = self.tree(row)
         try:
-            return case_of(tree, frozenset(self.places[path] for path, _ in row), self.found, self.sections)
-        except StudyError as error:  # a file named here is no YAML
+            swept = frozenset(self.places[path] for path, _ in row)
+            return case_of(tree, swept, self.case_problems, self.sections)
+        except StudyError as error:  # a file named by the row is no YAML
             self.problems += error.problems
             return None
 
     def swept(self, case: Case, row: list[tuple[str, Node]]) -> Swept:
-        """The swept values of a case: numbers in SI, everything else as written."""
+        """Return the swept values of a case by path: numbers in SI, all others as written."""
         values: Swept = {}
         for path, node in row:
-            value, known = value_at(case, self.places[path]), dimension(path)
-            if value is None and known and not _is_word(path, node):
-                value = quantity(node.text, known)  # of a section that does nothing, as at zero misalignment
+            value, kind = value_at(case, self.places[path]), dimension(path)
+            if value is None and kind and not _is_word(path, node):
+                value = quantity(node.text, kind)  # in an omitted section, as at zero misalignment
             is_number = isinstance(value, int | float) and not isinstance(value, bool)
             values[path] = float(value) if is_number and not _is_word(path, node) else node.text
         return values
 
     def entries(self) -> dict[str, Node]:
-        """The paths with values of their own in each case, and where each is said."""
+        """Return the swept and derived paths, each with its entry in the file."""
         swept = {path: node for axis in self.axes for path, node in zip(axis.paths, axis.keys, strict=True)}
-        return swept | {one.path: one.entry for one in self.relations.derived}
+        return swept | {derived.path: derived.entry for derived in self.relations.derived}
 
     def units(self) -> dict[str, str]:
-        """The unit of each swept path as first written; empty for words."""
+        """Return the unit of each swept path in its first value; empty for words."""
         firsts = {path: node for axis in self.axes for path, node in zip(axis.paths, axis.rows[0], strict=True)}
-        derived = {one.path: one.unit for one in self.relations.derived}
+        derived = {relation.path: relation.unit for relation in self.relations.derived}
         return {path: _unit(path, node) for path, node in firsts.items()} | derived
 
     def all_problems(self) -> list[Problem]:
-        """What was found, less the values that are missing only because their sweep is wrong."""
-        wrong = self.asked - self.places.keys()
-        kept = [p for (_, path, kind), p in self.found.items() if not (kind == "missing" and path in wrong)]
-        return self.problems + kept
+        """List all problems, except missing values whose sweep is invalid."""
+        wrong, problems = self.named - self.places.keys(), self.case_problems.items()
+        return self.problems + [p for (_, path, kind), p in problems if not (kind == "missing" and path in wrong)]
 
 
 def _unit(path: str, node: Node) -> str:
@@ -384,7 +387,7 @@ def _unit(path: str, node: Node) -> str:
 
 
 def _is_word(path: str, node: Node) -> bool:
-    """Whether a word stands where a quantity could, such as `auto`, or a clearance's class."""
+    """Return True for a word in place of a quantity, such as `auto` or a clearance class."""
     return _is_no_quantity(path, node.text)
 
 

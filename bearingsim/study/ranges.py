@@ -1,4 +1,4 @@
-"""Where a study leaves the range that its physics is good for: computed all the same, with a note."""
+"""Warnings of cases outside the range of validity of the physics: they are computed all the same."""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache, partial
@@ -15,42 +15,42 @@ from bearingsim.core.laws import hertz
 from bearingsim.text.units import show
 
 RATED_PRESSURE = {"roller": 4.0e9, "ball": 4.2e9}
-"""Pa: by which ISO 76:2006 rates bearings; the most loaded contact then keeps a dent of 1e-4 of its roller."""
+"""Pa: contact pressure at the static rating of ISO 76:2006 (permanent dent of 1e-4 of the roller diameter)."""
 SPEED_FACTOR = 1e6 * 1e-3 * 2.0 * pi / 60.0
-"""n d_m (rad/s m): 1e6 mm/min. Limiting speeds in catalogues (SKF: NU 210 ECP, 6205) come to 0.6e6 to 0.7e6 with
-oil; beyond 1e6 are spindles and turbines, with their own cages and oil jets."""
+"""n d_m (rad/s m): 1e6 mm/min. Limiting speeds of catalogues (SKF: NU 210 ECP, 6205) are 0.6e6 to 0.7e6 with oil;
+spindles and turbines above 1e6 have special cages and oil jets."""
 
 Range = tuple[Callable[[Case], float], Callable[[Case], str]]
-"""How far a case goes, as a part of what is sensible, and what is said of it where that is over 1."""
+"""Ratio of a case's value to the limit, and the warning where it is above 1."""
 
 
 FEWEST_SAMPLES = 8.0
-"""Samples of the record while a roller crosses a pit: with fewer, its series and statistics show little of it."""
+"""Samples of the record per crossing of a defect: with fewer, series and statistics barely resolve the impact."""
 OF_RECORD = (".rms", ".peak", ".crest", ".kurtosis")
-"""Endings of the features that are statistics of the record."""
+"""Suffixes of the features that are statistics of the record."""
 
 
 def beyond(cases: Sequence[Case], drawn: Sequence[str]) -> Iterator[str]:
-    """A text for each range that some cases leave: how many, and the worst; drawn: the figures' features."""
+    """Yield a warning for each exceeded limit: the worst case, and the count; drawn: features of the figures."""
     of_record = any(name.removesuffix("-healthy").endswith(OF_RECORD) for name in drawn)
     lines = dict.fromkeys(name.partition("@")[2].partition("-healthy")[0].partition(".")[0] for name in drawn)
     sampled = partial(highest_line, drawn=[name for name in lines if name in LINES])
     ranges: tuple[Range, ...] = (
-        (lambda case: pressure(case) / RATED_PRESSURE[case.bearing.element], pressed),
-        (lambda case: load(case) / static_rating(case), overloaded),
-        (lambda case: top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR, fast),
-        (lambda case: 2.0 * sampled(case)[0] / case.sampling, lambda case: unseen(case, *sampled(case))),
-        (lambda case: coarseness(case) if of_record or asks_for_series(case) else 0.0, coarse),
+        (lambda case: pressure(case) / RATED_PRESSURE[case.bearing.element], pressure_warning),
+        (lambda case: load(case) / static_rating(case), load_warning),
+        (lambda case: top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR, speed_warning),
+        (lambda case: 2.0 * sampled(case)[0] / case.sampling, lambda case: line_warning(case, *sampled(case))),
+        (lambda case: coarseness(case) if of_record or asks_for_series(case) else 0.0, crossing_warning),
     )
-    for reach, said in ranges:
-        over = [(part, number) for number, part in enumerate(map(reach, cases)) if part > 1.0]
+    for ratio, warning in ranges:
+        over = [(value, number) for number, value in enumerate(map(ratio, cases)) if value > 1.0]
         if over:
             count = f" ({len(over)} of {len(cases)} cases)" if len(over) < len(cases) else ""
-            yield f"{WARNING}{said(cases[max(over)[1]])}{count}"
+            yield f"{WARNING}{warning(cases[max(over)[1]])}{count}"
 
 
 def unheld(cases: Sequence[Case]) -> Iterator[str]:
-    """Yield a text for each thing that cases ask for and their model leaves out, with the last reason."""
+    """Yield a warning for each effect that cases request and their model omits, with the last case's reason."""
     reasons: dict[tuple[str, str], list[str]] = {}
     able: dict[tuple[str, str], str | None] = {}
     for case in cases:
@@ -67,29 +67,29 @@ def unheld(cases: Sequence[Case]) -> Iterator[str]:
 
 
 def load(case: Case) -> float:
-    """The bearing's load (N)."""
+    """Return the magnitude (N) of a case's load."""
     return hypot(case.load, case.load_across)
 
 
 def pressure(case: Case) -> float:
-    """Largest Hertz pressure (Pa) of the most loaded element at rest; 0 where the bearing finds no rest."""
+    """Compute the largest Hertz pressure (Pa) of the most loaded element at rest; 0 without an equilibrium."""
     return healthy_pressure(case.model_copy(update={"defects": ()}))
 
 
 @lru_cache(maxsize=1 << 12)
 def healthy_pressure(case: Case) -> float:
-    """That of a case without defects: many cases that differ in these have one."""
+    """Compute ``pressure`` of a case without defects, cached because many cases differ only in these."""
     from bearingsim.assemble.rest import largest_load
     from bearingsim.core.models.equilibrium import NoEquilibrium
 
     try:
         return contact_pressure(case.bearing, largest_load(case))
-    except NoEquilibrium:  # which is refused elsewhere
+    except NoEquilibrium:  # reported elsewhere
         return 0.0
 
 
 def contact_pressure(bearing: Bearing, force: float) -> float:
-    """Hertz pressure (Pa) of an element under a force (N), at the inner race: the convex one, pressed more."""
+    """Compute the Hertz pressure (Pa) of an element under a force (N) at the inner race, the larger one."""
     E, nu = bearing.material.young_modulus, bearing.material.poisson_ratio
     D_w, R_i = bearing.roller_diameter, (bearing.pitch_diameter - bearing.roller_diameter) / 2.0
     if bearing.roller_length is None:
@@ -100,9 +100,9 @@ def contact_pressure(bearing: Bearing, force: float) -> float:
 
 
 def static_rating(case: Case) -> float:
-    """C0 (N) by ISO 76: of rollers 44 (1 - D_w/d_m) Z L D_w (N, mm), L their length.
+    """Compute the static rating C0 (N) by ISO 76: for rollers 44 (1 - D_w/d_m) Z L D_w (N, mm), L their length.
 
-    Of balls Z Q/5, Q the force that presses a ball to 4.2 GPa: what the standard's factor f_0 stands for.
+    For balls Z Q/5, where Q is the force at a Hertz pressure of 4.2 GPa, on which the standard's f_0 is based.
     """
     b = case.bearing
     if b.roller_length is None:
@@ -112,14 +112,14 @@ def static_rating(case: Case) -> float:
     return 44.0 * share * b.rollers * (1e3 * b.roller_length) * (1e3 * b.roller_diameter)
 
 
-def pressed(case: Case) -> str:
-    """What is said of a pressure."""
+def pressure_warning(case: Case) -> str:
+    """Return the warning of a contact pressure above ``RATED_PRESSURE``."""
     limit = show(RATED_PRESSURE[case.bearing.element], "GPa")
     return f"{pressure(case) / 1e9:.3g} GPa at rest: races keep dents over {limit} (ISO 76), here none"
 
 
-def overloaded(case: Case) -> str:
-    """What is said of a load."""
+def load_warning(case: Case) -> str:
+    """Return the warning of a load above the static rating."""
     rating = f"{static_rating(case) / 1e3:.3g} kN"
     return f"a load of {load(case) / 1e3:.4g} kN is over the static rating C0, about {rating} (ISO 76)"
 
@@ -128,12 +128,12 @@ def overloaded(case: Case) -> str:
 
 
 def top_speed(case: Case) -> float:
-    """The highest speed (rad/s) of a case."""
+    """Return the highest speed (rad/s) of a case."""
     return case.speed if case.ramp is None else max(case.speed, case.ramp.to)
 
 
-def fast(case: Case) -> str:
-    """What is said of a speed."""
+def speed_warning(case: Case) -> str:
+    """Return the warning of a speed above ``SPEED_FACTOR``."""
     factor = top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR
     rpm = show(top_speed(case), "rpm")
     return f"{rpm}, n d_m {factor:.2g}e6 mm/min, over 1e6: heat and growth of rings are not computed"
@@ -143,13 +143,13 @@ def fast(case: Case) -> str:
 
 
 def highest_line(case: Case, drawn: Sequence[str]) -> tuple[float, str]:
-    """The highest (Hz) of the lines drawn, or if none is, of those of the defects; and its name."""
+    """Return the highest frequency (Hz) of the lines drawn, or else of the defects' lines, and its name."""
     names = drawn or [FAULT_LINES[defect.race] for defect in case.defects] or ["BPFO"]
     return max((frequency(case, name), name) for name in names)
 
 
 def frequency(case: Case, name: str) -> float:
-    """The frequency (Hz) of a line at the highest speed of a case, without slip."""
+    """Compute the frequency (Hz) of a line at the highest speed of a case, without slip."""
     b, line, speed = case.bearing, LINES[name], top_speed(case)
     D_w, d_m, Z = b.roller_diameter, b.pitch_diameter, b.rollers
     return (
@@ -162,18 +162,18 @@ def frequency(case: Case, name: str) -> float:
 
 
 def asks_for_series(case: Case) -> bool:
-    """Whether a case records what it would not record unasked."""
+    """Return True if a case records more than the default series."""
     return bool(set(case.record) - set(Case.model_fields["record"].default))
 
 
 def coarseness(case: Case) -> float:
-    """Part of FEWEST_SAMPLES that the quickest crossing of a pit lacks; 0 without pits, or with raw samples."""
+    """Return the ratio of FEWEST_SAMPLES to the samples of the shortest crossing; 0 without defects or filter."""
     crossing = shortest_crossing(case)
     return FEWEST_SAMPLES / (crossing * case.sampling) if crossing < inf and case.antialias else 0.0
 
 
 def shortest_crossing(case: Case) -> float:
-    """The shortest time (s) in which a roller crosses the width of a pit; inf without pits."""
+    """Compute the shortest time (s) in which a roller crosses the width of a defect; inf without defects."""
     b, speed = case.bearing, top_speed(case)
     cage = kinematics.cage_speed(speed, b.roller_diameter, b.pitch_diameter)
     spin = 2.0 * pi * kinematics.ball_spin_frequency(speed, b.roller_diameter, b.pitch_diameter)
@@ -185,8 +185,8 @@ def shortest_crossing(case: Case) -> float:
     return min((d.width / passing[d.race] for d in case.defects if d.width is not None), default=inf)
 
 
-def coarse(case: Case) -> str:
-    """What is said of a pit that is crossed in few samples."""
+def crossing_warning(case: Case) -> str:
+    """Return the warning of a defect crossed in less than ``FEWEST_SAMPLES``."""
     crossing = shortest_crossing(case)
     samples, wanted = crossing * case.sampling, FEWEST_SAMPLES / crossing
     band, advice = f"0-{FLAT * case.sampling / 1e3:.2g} kHz", f"`sampling: {show(_rounded(wanted), 'kHz')}`"
@@ -194,12 +194,12 @@ def coarse(case: Case) -> str:
 
 
 def _rounded(hertz: float) -> float:
-    """A frequency (Hz) rounded up to two digits."""
+    """Round a frequency (Hz) up to two digits."""
     unit = 10.0 ** (floor(log10(hertz)) - 1)
     return ceil(hertz / unit) * unit
 
 
-def unseen(case: Case, hertz: float, name: str) -> str:
-    """What is said of a sampling."""
+def line_warning(case: Case, hertz: float, name: str) -> str:
+    """Return the warning of a spectral line above half the sampling frequency; hertz: its frequency."""
     rate = show(case.sampling, "Hz", "frequency")
     return f"RMS, peak and series lack {name}, {hertz:.4g} Hz: over half of `sampling: {rate}`"

@@ -1,4 +1,4 @@
-"""What follows from the values of a case (`derived`), and which cases a study leaves out (`where`)."""
+"""Derived values of a case (`derived`), and conditions that exclude cases (`where`)."""
 
 import re
 from collections import Counter
@@ -15,15 +15,16 @@ from bearingsim.text.units import DISPLAY, EXPECTED, UnitError, display, parse
 from bearingsim.text.yamlfile import Node, Problem, problem
 
 MAX_CONDITIONS = 100
+"""Limit of the conditions of a study; each is evaluated for every case."""
 Place = Callable[[str], Path]
-"""Where a path leads; ValueError if nowhere."""
+"""Function that locates a path in a case; it raises ValueError for an invalid path."""
 Row = list[tuple[str, Node]]
-"""Paths of a case, and their values."""
+"""Paths of a case, with their values."""
 
 
 @dataclass(frozen=True)
 class Derived:
-    """A path whose value a formula gives."""
+    """A path whose value is computed by a formula."""
 
     path: str
     place: Path
@@ -32,22 +33,22 @@ class Derived:
 
     @property
     def unit(self) -> str:
-        """In which its values are written."""
-        known = dimension(self.path)
-        return DISPLAY[known] if known else ""
+        """Unit in which the values are written."""
+        kind = dimension(self.path)
+        return DISPLAY[kind] if kind else ""
 
     def node(self, value: float) -> Node:
-        """A value (SI) as it would stand in the file, 12 digits."""
-        known, word = dimension(self.path), self.unit
-        number = display(value, word, known) if known else value
+        """Return a value (SI) as written in a file, with 12 digits."""
+        kind, word = dimension(self.path), self.unit
+        number = display(value, word, kind) if kind else value
         return Node(f"{number + 0.0:.12g} {word}".strip(), self.formula.node.mark, self.entry.key)
 
 
 @dataclass(frozen=True)
 class Relations:
-    """All of a study: ``derived`` in an order in which each follows from what is before it.
+    """Relations of a study; ``derived``: in order of evaluation.
 
-    dropped: how many cases each condition of ``where`` has left out.
+    dropped: number of cases excluded by each condition of ``where``.
     """
 
     derived: tuple[Derived, ...] = ()
@@ -59,12 +60,12 @@ class Relations:
         return bool(self.derived or self.where)
 
     def completed(self, tree: Node) -> Row | None:
-        """What follows for a case; None if the study leaves it out. Raises Valueless."""
+        """Compute the derived values of a case; None if a condition excludes the case. Raises Valueless."""
         row: Row = []
-        for one in self.derived:
-            node = one.node(self._value(f"derived.{one.path}", one.formula, tree))
-            row.append((one.path, node))
-            tree = put(tree, one.place, node)
+        for relation in self.derived:
+            node = relation.node(self._value(f"derived.{relation.path}", relation.formula, tree))
+            row.append((relation.path, node))
+            tree = put(tree, relation.place, node)
         for number, condition in enumerate(self.where):
             if not self._value("where", condition, tree):
                 self.dropped[number] += 1
@@ -72,7 +73,7 @@ class Relations:
         return row
 
     def nothing_left(self) -> Problem:
-        """What is said where all cases are left out: at the condition that leaves out most."""
+        """Return the problem of a study without cases, located at the condition that excludes most."""
         (number, _), *_ = self.dropped.most_common(1)
         count = self.dropped.total()
         every = f"all {count} combinations are" if count > 1 else "the only combination is"
@@ -83,34 +84,34 @@ class Relations:
             return formula.value(lambda path: _number(path, node_at(tree, self.place(path))))
         except ExpressionError as error:
             values = [(path, node_at(tree, self.place(path))) for path in dict(formula.names())]
-            told = ", ".join(f"{path} = {node.text}" for path, node in values if node is not None)
-            message = f"{what}: {error}" + (f", at {told}" if told else "")
+            operands = ", ".join(f"{path} = {node.text}" for path, node in values if node is not None)
+            message = f"{what}: {error}" + (f", at {operands}" if operands else "")
             raise Valueless(problem(error.mark, message, error.hint)) from None
 
 
 class Valueless(Exception):
-    """A formula has no value in a case; ``problem`` says why."""
+    """A formula has no value in a case; ``problem``: the reason."""
 
-    def __init__(self, found: Problem) -> None:
-        self.problem = found
-        super().__init__(found.message)
+    def __init__(self, reason: Problem) -> None:
+        self.problem = reason
+        super().__init__(reason.message)
 
 
 def _number(path: str, node: Node | None) -> float:
-    """The value (SI) at a path; ValueError where there is none, or no number."""
+    """Return the value (SI) at a path. Raises ValueError if there is none, or if it is not a number."""
     if node is None:
         raise ValueError(f"the study writes no value of `{path}`, which a formula could use")
-    found = _number_of(path, node.value) if isinstance(node.value, str) else None
-    if found is None:
+    number = _number_of(path, node.value) if isinstance(node.value, str) else None
+    if number is None:
         raise ValueError(f"`{path}` is no number here: `{node.text}`")
-    return found
+    return number
 
 
 @lru_cache(maxsize=1 << 12)
 def _number_of(path: str, text: str) -> float | None:
-    known = dimension(path)
+    kind = dimension(path)
     try:
-        return parse(text, known) if known else float(text) if re.fullmatch(r"\d{1,9}", text, re.ASCII) else None
+        return parse(text, kind) if kind else float(text) if re.fullmatch(r"\d{1,9}", text, re.ASCII) else None
     except UnitError:
         return None
 
@@ -118,14 +119,15 @@ def _number_of(path: str, text: str) -> float | None:
 def parse_relations(
     words: Words, place: Place, swept: Callable[[Path], bool], problems: list[Problem]
 ) -> Relations:
-    """What a study says in `derived` and `where`; what is wrong is noted, and left out.
+    """Parse `derived` and `where`; invalid entries are omitted, and their problems added.
 
-    swept: whether the study sweeps what lies at a place.
+    swept: returns True for a location that the study sweeps.
     """
     derived = [_derived(path, node, place, swept, problems) for path, node in _entries(words, problems)]
     where = [_condition(node, place, problems) for node in _conditions(words, problems)]
-    found = [one for one in derived if one is not None]
-    return Relations(_in_order(found, place, problems), tuple(one for one in where if one is not None), place)
+    formulas = [formula for formula in derived if formula is not None]
+    conditions = tuple(condition for condition in where if condition is not None)
+    return Relations(_in_order(formulas, place, problems), conditions, place)
 
 
 def _entries(words: Words, problems: list[Problem]) -> Iterator[tuple[str, Node]]:
@@ -145,12 +147,12 @@ def _conditions(words: Words, problems: list[Problem]) -> tuple[Node, ...]:
     if isinstance(section.value, dict):
         problems.append(problem(section.mark, "where: expected a list such as `[defect.width < 3 mm]`"))
         return ()
-    found = section.items if isinstance(section.value, tuple) else (section,)
-    if len(found) > MAX_CONDITIONS:
-        message = f"where: {len(found)} conditions; at most {MAX_CONDITIONS} are possible"
+    conditions = section.items if isinstance(section.value, tuple) else (section,)
+    if len(conditions) > MAX_CONDITIONS:
+        message = f"where: {len(conditions)} conditions; at most {MAX_CONDITIONS} are possible"
         problems.append(problem(section.mark, message))
         return ()
-    return found
+    return conditions
 
 
 def _derived(
@@ -163,16 +165,16 @@ def _derived(
             problems.append(problem(key, f"`{path}` is swept, and derived"))
             return None
         formula = read(node)
-        found, known = formula.kind(lambda name: _kind(name, place)), dimension(path)
+        kind, expected_kind = formula.kind(lambda name: _kind(name, place)), dimension(path)
     except ExpressionError as error:
         problems.append(problem(error.mark, f"derived.{path}: {error}", error.hint))
         return None
     except ValueError as error:
         problems.append(problem(key, str(error)))
         return None
-    if found != (kind_of(known) if known else PLAIN):
-        expected = EXPECTED[known] if known else "a plain number"
-        problems.append(problem(node.mark, f"derived.{path}: expected {expected}, and this is {said(found)}"))
+    if kind != (kind_of(expected_kind) if expected_kind else PLAIN):
+        expected = EXPECTED[expected_kind] if expected_kind else "a plain number"
+        problems.append(problem(node.mark, f"derived.{path}: expected {expected}, and this is {said(kind)}"))
         return None
     return Derived(path, where, formula, node)
 
@@ -180,40 +182,40 @@ def _derived(
 def _condition(node: Node, place: Place, problems: list[Problem]) -> Expression | None:
     try:
         formula = read(node)
-        found = formula.kind(lambda name: _kind(name, place))
+        kind = formula.kind(lambda name: _kind(name, place))
     except ExpressionError as error:
         problems.append(problem(error.mark, f"where: {error}", error.hint))
         return None
-    if found != TRUTH:
+    if kind != TRUTH:
         expected = "expected a comparison such as `defect.width < 3 mm`"
-        problems.append(problem(node.mark, f"where: {expected}, and this is {said(found)}"))
+        problems.append(problem(node.mark, f"where: {expected}, and this is {said(kind)}"))
         return None
     return formula
 
 
 def _kind(path: str, place: Place) -> Kind:
-    """What the values at a path are; whether a word stands there is seen with the value."""
+    """Return the kind of the values at a path. A word in place of a number is detected at evaluation."""
     place(path)
-    known = dimension(path)
-    return kind_of(known) if known else PLAIN
+    quantity = dimension(path)
+    return kind_of(quantity) if quantity else PLAIN
 
 
 def _in_order(derived: list[Derived], place: Place, problems: list[Problem]) -> tuple[Derived, ...]:
-    """Each behind those that it follows from."""
+    """Sort derived values by dependence. Duplicates and circular dependences are added to ``problems``."""
     by_place: dict[Path, Derived] = {}
-    for one in derived:
-        if one.place in by_place:
-            problems.append(problem(one.entry.key or one.entry.mark, f"`{one.path}` is derived twice"))
-        by_place.setdefault(one.place, one)
-    names = {where: [place(name) for name, _ in one.formula.names()] for where, one in by_place.items()}
+    for value in derived:
+        if value.place in by_place:
+            problems.append(problem(value.entry.key or value.entry.mark, f"`{value.path}` is derived twice"))
+        by_place.setdefault(value.place, value)
+    names = {where: [place(name) for name, _ in value.formula.names()] for where, value in by_place.items()}
     needs = {where: [named for named in all_named if named in by_place] for where, all_named in names.items()}
     try:
         return tuple(by_place[where] for where in TopologicalSorter(needs).static_order())
     except CycleError as error:
-        circle = [by_place[where] for where in error.args[1][:0:-1]]  # each follows from the next
-        at = circle.index(min(circle, key=lambda one: list(by_place).index(one.place)))
-        first, *others = circle[at:] + circle[:at]
-        chain = ", which follows from ".join(f"`{one.path}`" for one in (*others, first))
-        message = f"derived: `{first.path}` follows from {chain}: none can be first"
-        problems.append(problem(first.entry.key or first.entry.mark, message))
+        circle = [by_place[where] for where in error.args[1][:0:-1]]  # each depends on the next
+        start = circle.index(min(circle, key=lambda value: list(by_place).index(value.place)))
+        top, *others = circle[start:] + circle[:start]
+        chain = ", which follows from ".join(f"`{value.path}`" for value in (*others, top))
+        message = f"derived: `{top.path}` follows from {chain}: none can be first"
+        problems.append(problem(top.entry.key or top.entry.mark, message))
         return ()

@@ -1,4 +1,4 @@
-"""The bearing of `bearingsim freq`: of its file only what decides the characteristic frequencies need be there."""
+"""The bearing of `bearingsim freq`: its file needs only the keys that determine the characteristic frequencies."""
 
 from dataclasses import replace
 from typing import Any
@@ -12,20 +12,18 @@ from bearingsim.config.vocabulary import advice
 from bearingsim.study.diagnose import problems_of
 from bearingsim.text.yamlfile import Node, StudyError, argument_mark, plain, problem
 
-__all__ = ["load_rolling_parts"]
-
 KEYS = (*RollingParts.model_fields, *(key for key in Bearing.model_fields if key not in RollingParts.model_fields))
-"""Keys that a file may have: those that are used, then those of a bearing that are not."""
+"""Valid keys of a file: those used, then the other keys of a bearing."""
 
 
 class _Holder(Section):
-    """A tree that holds a bearing, so that its problems have the paths of a study."""
+    """A section with a bearing, so that problems have the paths of a study."""
 
     bearing: RollingParts
 
 
 def load_rolling_parts(name: str) -> RollingParts:
-    """Read the rolling elements of a named bearing, or of a file. Raises StudyError with all that is wrong."""
+    """Read the rolling elements of a named bearing, or of a file. Raises StudyError with every problem."""
     mark = argument_mark(name, 1)
     try:
         document = read("bearings", name)

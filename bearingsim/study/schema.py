@@ -1,7 +1,7 @@
-"""The JSON schema of study files, by which editors complete and check what is typed.
+"""JSON schema of study files, for completion and validation in editors.
 
-Draft 7, which editors of YAML support. `check` refuses whatever the schema refuses, and more: a schema does not
-see how values go together. Sections that a sweep reaches into require nothing, because the sweep may give it.
+Draft 7, supported by YAML editors. `check` rejects all that the schema rejects, and conflicts between values,
+which a schema cannot express. Sections that can be swept have no required keys, because the sweep may set them.
 """
 
 import json
@@ -25,26 +25,24 @@ from bearingsim.study.sweep import GENERATORS, MAX_VALUES
 from bearingsim.study.uncertainty import NONE, UNKNOWN, UNKNOWNS, Unknown
 from bearingsim.text.units import UNITS
 
-__all__ = ["json_schema", "schema_text"]
-
 _TEXT = {"type": ["string", "number", "boolean"]}
 OF_BAND: Schema = {"type": "string", "pattern": bands.PATTERN}
 _NUMBERED = r"^defects\.[0-9]{1,4}"
 
 
 def schema_text() -> str:
-    """The schema as a file."""
+    """Return the schema as the text of a file."""
     return json.dumps(json_schema(), indent=1) + "\n"
 
 
 def json_schema() -> Schema:
-    """The schema of a study file."""
+    """Build the schema of a study file."""
     names, sections = _sections()
     case = sections.pop(names[Case])["properties"]
     defect = case["defects"]["items"]
 
-    def at(path: str) -> Schema:
-        """The schema of one value of a path."""
+    def value_at(path: str) -> Schema:
+        """Return the schema of one value of a path."""
         if path == "defect":
             return defect
         return _one_of(_ref(names, *field) for field in fields_at()[OLD_WORDS.get(path, path)])
@@ -52,7 +50,7 @@ def json_schema() -> Schema:
     shared = {
         "Feature": {"anyOf": [{"enum": list(DRAWN)}, OF_BAND]},
         "Path": {"anyOf": [{"enum": _paths()}, {"type": "string", "pattern": _NUMBERED}]},
-        "Values": _by_path(_paths(), lambda path: _values(path, at(path))),
+        "Values": _by_path(_paths(), lambda path: _values(path, value_at(path))),
         "Ranges": _by_path(filter(known_paths().get, known_paths()), lambda path: _shared(f"Range {_kind(path)}")),
         "Generated whole": _generated({"type": "number"}),
     }
@@ -71,12 +69,12 @@ def json_schema() -> Schema:
             "study": _TEXT | {"pattern": f"^{NAME.pattern}$", "description": "letters, digits, - _ ."},
             **case,
             "defect": defect,
-            **{old: at(old) | {"deprecated": True} for old in OLD_WORDS},
+            **{old: value_at(old) | {"deprecated": True} for old in OLD_WORDS},
             "accuracy": _accuracy(),
             "sweep": _sweep(required=["n", "over"]),
             "figures": {"type": "array", "items": _figure()},
             "uncertainty": {"anyOf": [{"const": NONE}, _closed({w: _tried(u) for w, u in UNKNOWNS.items()})]},
-            "quick": _by_path(_paths(), at, {"sweep": _sweep(required=[])}),
+            "quick": _by_path(_paths(), value_at, {"sweep": _sweep(required=[])}),
         },
         "required": ["study"],
         "additionalProperties": False,
@@ -89,7 +87,7 @@ def json_schema() -> Schema:
 
 
 def _sections() -> tuple[dict[type[Section], str], dict[str, Schema]]:
-    """The name of every section that a path leads into, and the schemas of all sections by name."""
+    """Return the name of every section that a path leads into, and the schemas of all sections by name."""
     swept = dict.fromkeys(field.section for fields in fields_at().values() for field in fields)
     refs, whole = models_json_schema([(section, "validation") for section in swept])
     names = {section: refs[section, "validation"]["$ref"].rpartition("/")[2] for section in swept}
@@ -100,33 +98,33 @@ def _sections() -> tuple[dict[type[Section], str], dict[str, Schema]]:
 
 
 def _as_written(schema: Schema) -> Schema:
-    """The schema without what only Python sees: titles, defaults in SI, and None, which no file has."""
+    """Remove the parts of a schema that apply to Python only: titles, defaults in SI, and None."""
     kept = {key: value for key, value in schema.items() if key not in ("title", "default", "anyOf", "oneOf")}
     if "properties" in kept:
         kept["properties"] = {name: _as_written(inner) for name, inner in kept["properties"].items()}
     if "items" in kept:
         kept["items"] = _as_written(kept["items"])
     choices = [_as_written(inner) for inner in schema.get("anyOf") or schema.get("oneOf") or ()]
-    return kept | (_one_of(one for one in choices if one != {"type": "null"}) if choices else {})
+    return kept | (_one_of(choice for choice in choices if choice != {"type": "null"}) if choices else {})
 
 
 def _one_of(choices: Iterable[Schema]) -> Schema:
-    """The schema of a value that is one of several; choices among choices are set side by side."""
-    flat = [inner for one in choices for inner in (one["anyOf"] if one.keys() == {"anyOf"} else [one])]
+    """Return the schema of a value with alternatives; nested alternatives are flattened."""
+    flat = [inner for choice in choices for inner in (choice["anyOf"] if choice.keys() == {"anyOf"} else [choice])]
     return flat[0] if len(flat) == 1 else {"anyOf": flat}
 
 
 def _closed(properties: Mapping[str, Schema], required: Iterable[str] = ()) -> Schema:
-    """A mapping of these keys and no others."""
-    found = {"type": "object", "properties": dict(properties), "additionalProperties": False}
-    return found | ({"required": [*required]} if required else {})
+    """Return the schema of a mapping with these keys and no others."""
+    schema = {"type": "object", "properties": dict(properties), "additionalProperties": False}
+    return schema | ({"required": [*required]} if required else {})
 
 
 # Paths
 
 
 def _paths() -> list[str]:
-    """Every path that a study may sweep, in old words too."""
+    """List every path that a study may sweep, including deprecated keys."""
     return [*known_paths(), *OLD_WORDS]
 
 
@@ -140,7 +138,7 @@ def _shared(name: str) -> Schema:
 
 
 def _by_path(paths: Iterable[str], schema: Callable[[str], Schema], more: Mapping[str, Schema] = {}) -> Schema:
-    """A mapping whose keys are paths, some with the number of a defect, and perhaps a few more."""
+    """Return the schema of a mapping whose keys are paths, some with the number of a defect, and ``more`` keys."""
     schemas = {path: schema(path) for path in paths}
     of_defects = [path for path in schemas if path.split(".")[0] == "defect"]
     numbered = {_NUMBERED + re.escape(path.removeprefix("defect")) + "$": schemas[path] for path in of_defects}
@@ -148,13 +146,13 @@ def _by_path(paths: Iterable[str], schema: Callable[[str], Schema], more: Mappin
 
 
 def _kind(path: str) -> str:
-    """What the values of a path can be generated as: quantities of a dimension, whole numbers; empty: nothing."""
+    """Return the kind of values that can be generated for a path: a dimension, `whole`, or empty for none."""
     dimension = known_paths().get(path)
     return dimension or ("whole" if any(int in field.marks for field in fields_at().get(path, ())) else "")
 
 
 def _values(path: str, value: Schema) -> Schema:
-    """The values that a path is swept over: listed, or generated where they are numbers."""
+    """Return the schema of the values of a swept path: a list, or a generator for numbers."""
     listed = {"type": "array", "items": value, "minItems": 1}
     kind = _kind(path)
     return _one_of([listed, _shared(f"Generated {kind}")] if kind else [listed])
@@ -166,7 +164,7 @@ def _generated(end: Schema) -> Schema:
 
 
 def _range(end: Schema) -> Schema:
-    """The range that a design covers: its ends, or a distribution between them."""
+    """Return the schema of a range of a design: two bounds, or a distribution between them."""
     two = _list_of(end, end)
     return _one_of([two, _closed(dict.fromkeys((*DISTRIBUTIONS, "within"), two)) | {"minProperties": 1}])
 
@@ -176,15 +174,15 @@ def _list_of(*items: Schema) -> Schema:
 
 
 def _some(schema: Schema) -> Schema:
-    """One value, or a list of them."""
+    """Return the schema of one value, or a list of values."""
     return _one_of([schema, {"type": "array", "items": schema, "minItems": 1}])
 
 
-# What a study says besides its cases
+# Settings of a study apart from its cases
 
 
 def _sweep(required: list[str]) -> Schema:
-    """The section `sweep`; required: the keys of a design, which `quick` need not repeat."""
+    """Return the schema of `sweep`; required: the keys of a design, which `quick` need not repeat."""
     values = _shared("Values")
     design = {"n": whole_schema(1, 10**99), "seed": whole_schema(0, MAX_SEED), "over": _shared("Ranges")}
     formulas = {
@@ -235,11 +233,11 @@ def _accuracy() -> Schema:
     )
 
 
-# What goes together
+# Dependences between keys
 
 
 def _together() -> Iterator[Schema]:
-    """Keys that exclude each other."""
+    """Yield the conditions of keys that exclude each other."""
     for words in (("defect", "defects"), *OLD_WORDS.items()):
         yield {"not": {"required": [*words]}}
     beside = {path: {"const": AUTO} if why == STEPPED else False for path, why in NOT_BESIDE.items()}
@@ -247,7 +245,7 @@ def _together() -> Iterator[Schema]:
 
 
 def _needs() -> Iterator[Schema]:
-    """Keys that a study and its defect need."""
+    """Yield the conditions of keys that a study and its defect require."""
     for name in _required(Case):
         yield _unless_swept({"required": [name]}, name)
     is_scan = {"properties": {"shape": {"const": "scan"}}, "required": ["shape"]}
@@ -262,6 +260,6 @@ def _required(section: type[Section]) -> list[str]:
 
 
 def _unless_swept(needed: Schema, *paths: str) -> Schema:
-    """What a study needs whose sweep gives none of the paths."""
-    given = [{"required": [word]} for word in (*paths, "zip", "derived", *KINDS)]
-    return {"if": {"properties": {"sweep": {"not": {"anyOf": given}}}}, "then": needed}
+    """Require ``needed`` of a study whose sweep sets none of the paths."""
+    setting = [{"required": [word]} for word in (*paths, "zip", "derived", *KINDS)]
+    return {"if": {"properties": {"sweep": {"not": {"anyOf": setting}}}}, "then": needed}

@@ -1,4 +1,4 @@
-"""The `sweep:` section: lists, linspace, range, logspace, their product, `zip`, and `repeat`."""
+"""The section `sweep:` of a study file: lists, linspace, range, logspace, their product, `zip`, and `repeat`."""
 
 import math
 import re
@@ -15,11 +15,14 @@ from bearingsim.text.units import UnitError, common_dimension, display, parse, s
 from bearingsim.text.yamlfile import Node, Problem, plain, problem
 
 MAX_VALUES = 100_000
+"""Limit of the values of one axis."""
+Interpolation = Callable[[float, float, float], float]
+"""Function (a, b, t) of a value between a and b at the fraction t."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """Paths that move together, and the rows of values that they take."""
+    """Paths swept together, and the rows of their values."""
 
     paths: tuple[str, ...]
     rows: tuple[tuple[Node, ...], ...]
@@ -27,12 +30,12 @@ class Axis:
 
     @property
     def zipped(self) -> bool:
-        """Whether this came from a `zip:` block."""
+        """True for the axis of a `zip:` block."""
         return len(self.paths) > 1
 
 
 def parse_sweep(sweep: Node, problems: list[Problem]) -> list[Axis]:
-    """The axes of a sweep section, in the written order."""
+    """Parse the axes of a sweep section, in the order written."""
     if not isinstance(sweep.value, dict):
         problems.append(problem(sweep.mark, "sweep: expected a mapping such as `{load: [150 N, 300 N]}`"))
     axes = []
@@ -43,48 +46,48 @@ def parse_sweep(sweep: Node, problems: list[Problem]) -> list[Axis]:
 
 
 def written_paths(sweep: Node) -> set[str]:
-    """The paths that a sweep section names, right or wrong."""
+    """Return the paths named by a sweep section, valid or not."""
     entries = {key: node for key, node in sweep.mapping.items() if key not in WORDS}
     blocks = [block for key, node in entries.items() for block in _blocks(key, node, [])]
     return {path for block in blocks for path in block} | named_by(sweep.mapping)
 
 
 def rows_of(axes: list[Axis]) -> Iterator[list[tuple[str, Node]]]:
-    """Every combination of the axes' rows, the last axis fastest, as pairs of path and value."""
+    """Yield every combination of the axes' rows, the last axis fastest, as pairs of path and value."""
     for rows in product(*(axis.rows for axis in axes)):
         yield [pair for axis, row in zip(axes, rows, strict=True) for pair in zip(axis.paths, row, strict=True)]
 
 
 def dropped(axes: list[Axis], paths: Collection[str]) -> list[Axis]:
-    """The axes less some paths."""
+    """Remove some paths from the axes."""
     return [kept for axis in axes for kept in _without(axis, paths)]
 
 
 def single_axis(path: str, entry: Node, problems: list[Problem]) -> Axis | None:
-    """The axis of one path."""
+    """Parse the axis of one path."""
     return _axis({path: entry}, problems)
 
 
 def is_sweep(node: Node) -> bool:
-    """Whether a value stands for several: a list, or `{linspace: ...}` and its like."""
+    """Return True for a value that stands for several: a list, or a generator such as `{linspace: ...}`."""
     return isinstance(node.value, tuple) or bool(node.mapping.keys() & GENERATORS.keys())
 
 
 def replaced(axes: list[Axis], new: Axis) -> list[Axis]:
-    """The axes with the new one in place of its paths' old values; at the end if they had none."""
-    found: list[Axis] = []
+    """Replace the axes of the new one's paths by the new axis, which is appended if there are none."""
+    axes_left: list[Axis] = []
     placed = False
     for axis in axes:
         clashes = not set(map(unspelled, axis.paths)).isdisjoint(map(unspelled, new.paths))
         if clashes and not placed:
-            found.append(new)
+            axes_left.append(new)
             placed = True
-        found += _without(axis, new.paths) if clashes else [axis]
-    return found if placed else [*found, new]
+        axes_left += _without(axis, new.paths) if clashes else [axis]
+    return axes_left if placed else [*axes_left, new]
 
 
 def _without(axis: Axis, paths: Collection[str]) -> list[Axis]:
-    """The axis less some paths, however they are spelled; nothing if none is left."""
+    """Remove some paths, however spelled, from an axis; return no axis if no path is left."""
     gone = set(map(unspelled, paths))
     kept = [i for i, path in enumerate(axis.paths) if unspelled(path) not in gone]
     if not kept:
@@ -109,14 +112,14 @@ def _axis(entries: dict[str, Node], problems: list[Problem]) -> Axis | None:
         return None
     if len(set(lengths)) > 1:
         counts = ", ".join(f"`{path}` has {n}" for path, n in zip(entries, lengths, strict=True))
-        first = next(iter(entries.values()))
-        problems.append(problem(first.key or first.mark, f"zip: lists of unequal length ({counts})"))
+        entry = next(iter(entries.values()))
+        problems.append(problem(entry.key or entry.mark, f"zip: lists of unequal length ({counts})"))
         return None
     return Axis(tuple(entries), tuple(zip(*columns, strict=True)), tuple(entries.values()))
 
 
 def _values(path: str, node: Node, problems: list[Problem]) -> tuple[Node, ...]:
-    """The values of one entry; none if the entry is wrong, which is noted."""
+    """Read the values of one entry; none for an invalid entry, with the problem added."""
     if "over" in node.mapping:
         near = suggestion(path, KINDS) or f"known: {', '.join(KINDS)}"
         problems.append(problem(node.key or node.mark, f"sweep: there is no design `{path}`", near))
@@ -129,7 +132,7 @@ def _values(path: str, node: Node, problems: list[Problem]) -> tuple[Node, ...]:
 
 
 class Wrong(Exception):
-    """An entry of a sweep is wrong: where, and what would mend it."""
+    """An entry of a sweep is invalid; ``node``: its place, ``hint``: the remedy."""
 
     def __init__(self, node: Node, message: str, hint: str | None = None) -> None:
         self.node, self.hint = node, hint
@@ -156,7 +159,7 @@ def _generated(node: Node) -> tuple[Node, ...]:
 
 
 def number_in(node: Node, unit: str | None) -> tuple[float, str]:
-    """The number of a quantity, in `unit` if one is asked for, and its unit. Raises Wrong."""
+    """Return the number of a quantity, in ``unit`` unless that is None, and its unit as written. Raises Wrong."""
     if not isinstance(node.value, str):
         raise Wrong(node, "expected a number with its unit")
     try:
@@ -180,15 +183,17 @@ def _count(node: Node) -> int:
     return int(node.text)
 
 
-def _between(first: Node, last: Node, count: Node, at: Callable[[float, float, float], float]) -> tuple[Node, ...]:
-    """Values from the first to the last; `at(a, b, t)` lies between them at the fraction t."""
-    a, unit = number_in(first, None)
-    b, _ = number_in(last, unit)
+def _between(
+    start: Node, stop: Node, count: Node, interpolate: Callable[[float, float, float], float]
+) -> tuple[Node, ...]:
+    """Return ``count`` values from start to stop, both included."""
+    a, unit = number_in(start, None)
+    b, _ = number_in(stop, unit)
     n = _count(count)
-    if at is _geometric and not (a > 0.0 and b > 0.0):
-        raise Wrong(first, "logspace needs values above zero")
-    middle = [written(at(a, b, i / (n - 1)), unit, first) for i in range(1, n - 1)]
-    return (first, *middle, last)
+    if interpolate is _geometric and not (a > 0.0 and b > 0.0):
+        raise Wrong(start, "logspace needs values above zero")
+    middle = [written(interpolate(a, b, i / (n - 1)), unit, start) for i in range(1, n - 1)]
+    return (start, *middle, stop)
 
 
 def _linear(a: float, b: float, t: float) -> float:
@@ -200,7 +205,7 @@ def _geometric(a: float, b: float, t: float) -> float:
 
 
 def repeated(node: Node, problems: list[Problem]) -> list[Axis]:
-    """The axis of `repeat: N`: the seeds 1 to N; none if that is wrong, which is noted."""
+    """Return the axis of `repeat: N`, the seeds 1 to N; none for an invalid value, with the problem added."""
     whole = isinstance(node.value, str) and re.fullmatch(r"\d{1,6}", node.value, re.ASCII)
     if not whole or not 1 <= int(node.text) <= MAX_VALUES:
         message = f"sweep.repeat: expected a whole number from 1 to {MAX_VALUES}, got {described(plain(node))}"
@@ -210,25 +215,28 @@ def repeated(node: Node, problems: list[Problem]) -> list[Axis]:
     return [Axis(("seed",), seeds, (node,))]
 
 
-def _range(first: Node, last: Node, step: Node) -> tuple[Node, ...]:
-    a, unit = number_in(first, None)
-    b, _ = number_in(last, unit)
+def _range(start: Node, stop: Node, step: Node) -> tuple[Node, ...]:
+    a, unit = number_in(start, None)
+    b, _ = number_in(stop, unit)
     h, _ = number_in(step, unit)
     steps = (b - a) / h if h else math.nan
     if not 0.0 <= steps < MAX_VALUES:
-        raise Wrong(step, f"a step of `{step.text}` does not lead from `{first.text}` to `{last.text}`")
+        raise Wrong(step, f"a step of `{step.text}` does not lead from `{start.text}` to `{stop.text}`")
     count = math.floor(steps + 1e-9)
-    return (first, *(written(a + i * h, unit, first) for i in range(1, count + 1)))
+    return (start, *(written(a + i * h, unit, start) for i in range(1, count + 1)))
 
 
-def written(number: float, unit: str, first: Node) -> Node:
-    """A number as it would stand in the file: 12 digits, as ids have, so that they are equal everywhere."""
-    return Node(f"{number:.12g} {unit}".strip(), first.mark)
+def written(number: float, unit: str, source: Node) -> Node:
+    """Return a number as written in a file, at the place of ``source``.
+
+    It has 12 digits, as in the ids of jobs, so that ids agree between machines.
+    """
+    return Node(f"{number:.12g} {unit}".strip(), source.mark)
 
 
 GENERATORS: dict[str, Callable[[Node, Node, Node], tuple[Node, ...]]] = {
-    "linspace": partial(_between, at=_linear),
-    "logspace": partial(_between, at=_geometric),
+    "linspace": partial(_between, interpolate=_linear),
+    "logspace": partial(_between, interpolate=_geometric),
     "range": _range,
 }
 _EXAMPLES = {

@@ -1,16 +1,16 @@
-"""The `uncertainty:` section: what is not known of a bearing, and jobs that show what it does to the results.
+"""The section `uncertainty:`: uncertain parameters of a bearing, varied in further jobs to bound their effect.
 
     uncertainty: {damping: [0.5 us, 10 us], clearance: [0 um, 10 um], bracket: [0.5, 2]}
 
-Each job is computed again for each value, all else being equal: `damping` as c/k of `kraemer`, `clearance` as it
-is written, `bracket` as a factor on the stiffness of the bracket. Two values stand for a range, of which three
-are tried.
+Each job is repeated with each value, one parameter at a time: `damping` as c/k of `kraemer`, `clearance` as
+written, `bracket` as a factor on the stiffness of the bracket. Two values are a range, of which three values are
+computed.
 
     uncertainty: {support: unknown}
 
-tries four ways of holding a ring that bends. Their value is their number, from 1.
+computes four supports of a flexible ring. Their value is their number, from 1.
 
-What comes out need not be monotone: the least and the largest result found are no bounds.
+Results need not be monotone in a parameter, so the least and the largest result are no strict bounds.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -33,9 +33,9 @@ Values = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Uncertain:
-    """Something that is not known: `damping` (s), `clearance` (m), `bracket` (1) or `support`, and what to try.
+    """An uncertain parameter, `damping` (s), `clearance` (m), `bracket` (1) or `support`, and its values.
 
-    Those of `support` are the numbers of ``SUPPORTS``, from 1.
+    Values of `support` are the numbers of ``SUPPORTS``, from 1.
     """
 
     what: str
@@ -44,9 +44,9 @@ class Uncertain:
 
 @dataclass(frozen=True)
 class Unknown:
-    """How a kind of uncertainty is written, and what it does to a case.
+    """A kind of uncertain parameter: unit and example of its values, and ``varied``, which sets one in a case.
 
-    choices: the names of what is tried, whose values are their numbers from 1; then a study says only `unknown`.
+    choices: names of a discrete parameter's values, which are numbered from 1; a study then states `unknown`.
     """
 
     dimension: Dimension
@@ -57,18 +57,18 @@ class Unknown:
     choices: tuple[str, ...] = ()
 
     def between(self, low: float, high: float) -> float:
-        """The value between the ends of a range: by ratio where all are positive."""
+        """Return the middle of a range: the geometric mean of positive parameters, else the arithmetic mean."""
         return sqrt(low * high) if self.positive else 0.5 * (low + high)
 
     def range_text(self, values: Sequence[float]) -> str:
-        """`0.5 to 10 us`, or the names of what is tried."""
+        """Format a range such as `0.5 to 10 us`, or the names of the choices."""
         if self.choices:
             return ", ".join(self.choices[round(value) - 1] for value in dict.fromkeys(values))
         low, high = (display(pick(values), self.unit, self.dimension) for pick in (min, max))
         return f"{low:.3g} to {high:.3g} {self.unit}".strip()
 
     def tried_text(self, what: str, values: Sequence[float]) -> str:
-        """`damping of 0.5 to 10 us`, or `support (point load, ...)`."""
+        """Format `damping of 0.5 to 10 us`, or `support (point load, ...)`."""
         tried = self.range_text(values)
         return f"{what} ({tried})" if self.choices else f"{what} of {tried}"
 
@@ -93,12 +93,15 @@ SUPPORTS = {
     "housing of 1e10 N/m/m": RingLoad(by="housing", stiffness=1e10),
     "housing of 1e11 N/m/m": RingLoad(by="housing", stiffness=1e11),
 }
-"""How a ring that bends may be held, by name: what is tried where nobody knows."""
+"""Supports of a flexible ring, by name: the choices of `support: unknown`."""
 
 
 def _with_support(case: Case, number: float) -> Case:
     load = [*SUPPORTS.values()][round(number) - 1]
-    bends = {"ring": FlexibleRing(), "ring_mass": None}  # what is lumped into a rigid ring does not bend with it
+    bends = {
+        "ring": FlexibleRing(),
+        "ring_mass": None,
+    }  # a flexible ring has its own mass
     bent = case.model_copy(update={"rig": case.rig.model_copy(update=bends | {"load": load})})
     return bent.model_copy(update={"rig": completed_rig(bent)})
 
@@ -113,15 +116,16 @@ assert tuple(UNKNOWNS) == names.UNKNOWNS, "each has its columns in the table"
 NONE = "none"
 UNKNOWN = "unknown"
 USUAL = Uncertain("damping", (0.5e-6, sqrt(5.0) * 1e-6, 10e-6))
-"""What is tried on a few jobs of a study that says nothing: c/k of a lubricated contact, without its extremes."""
+"""s: c/k varied on a few jobs of a study without `uncertainty`, a lubricated contact without its extremes."""
 SAMPLED_JOBS = 3
+"""Number of those jobs."""
 BENDING = "bending ring"
 LARGEST_PART = 0.1
-"""Of a study's jobs: what may be added without being asked for."""
+"""Limit of the jobs added without `uncertainty`, relative to the jobs of the study."""
 
 
 def parse_uncertainty(section: Node | None, problems: list[Problem]) -> tuple[Uncertain, ...] | None:
-    """What a study says is not known; None if it says nothing."""
+    """Parse the uncertain parameters of a study; None without the section."""
     if section is None:
         return None
     if section.value == NONE:
@@ -129,23 +133,23 @@ def parse_uncertainty(section: Node | None, problems: list[Problem]) -> tuple[Un
     if not isinstance(section.value, dict):
         message = "uncertainty: expected a mapping such as `{damping: [0.5 us, 10 us]}`, or `none`"
         problems.append(problem(section.mark, message))
-    found = [_uncertain(what, node, problems) for what, node in section.mapping.items()]
-    return tuple(one for one in found if one is not None)
+    parameters = [_uncertain(what, node, problems) for what, node in section.mapping.items()]
+    return tuple(parameter for parameter in parameters if parameter is not None)
 
 
 def _uncertain(what: str, node: Node, problems: list[Problem]) -> Uncertain | None:
-    known = UNKNOWNS.get(what)
-    if known is None:
+    kind = UNKNOWNS.get(what)
+    if kind is None:
         near = suggestion(what, list(UNKNOWNS)) or f"known: {', '.join(UNKNOWNS)}"
         problems.append(problem(node.key or node.mark, f"uncertainty: unknown key `{what}`", near))
         return None
-    if known.choices:
-        return _choices(what, known, node, problems)
+    if kind.choices:
+        return _choices(what, kind, node, problems)
     if len(node.items) < 2:
-        message = f"uncertainty.{what}: expected a list of two values or more, such as `{known.example}`"
+        message = f"uncertainty.{what}: expected a list of two values or more, such as `{kind.example}`"
         problems.append(problem(node.mark, message))
         return None
-    values = [_value(what, known, item, problems) for item in node.items]
+    values = [_value(what, kind, item, problems) for item in node.items]
     if any(value is None for value in values):
         return None
     ends = sorted(value for value in values if value is not None)
@@ -153,25 +157,25 @@ def _uncertain(what: str, node: Node, problems: list[Problem]) -> Uncertain | No
         problems.append(problem(node.mark, f"uncertainty.{what}: the values are all the same"))
         return None
     if len(ends) == 2:
-        ends.insert(1, known.between(*ends))
+        ends.insert(1, kind.between(*ends))
     return Uncertain(what, tuple(ends))
 
 
-def _choices(what: str, known: Unknown, node: Node, problems: list[Problem]) -> Uncertain | None:
+def _choices(what: str, kind: Unknown, node: Node, problems: list[Problem]) -> Uncertain | None:
     if node.value == UNKNOWN:
-        return Uncertain(what, tuple(float(number) for number in range(1, len(known.choices) + 1)))
+        return Uncertain(what, tuple(float(number) for number in range(1, len(kind.choices) + 1)))
     message = f"uncertainty.{what}: expected `{UNKNOWN}`, got {described(plain(node))}"
-    problems.append(problem(node.mark, message, f"it tries: {', '.join(known.choices)}"))
+    problems.append(problem(node.mark, message, f"it tries: {', '.join(kind.choices)}"))
     return None
 
 
-def _value(what: str, known: Unknown, item: Node, problems: list[Problem]) -> float | None:
+def _value(what: str, kind: Unknown, item: Node, problems: list[Problem]) -> float | None:
     try:
-        value = parse(item.text, known.dimension)
+        value = parse(item.text, kind.dimension)
     except UnitError as error:
         problems.append(problem(item.mark, f"uncertainty.{what}: {error}"))
         return None
-    if known.positive and value <= 0.0:
+    if kind.positive and value <= 0.0:
         problems.append(problem(item.mark, f"uncertainty.{what}: expected a value above zero, got `{item.text}`"))
         return None
     return value
@@ -184,27 +188,27 @@ def check_possible(
     problems: list[Problem],
     named: bool = True,
 ) -> None:
-    """Note the values with which a case of the study could not be: one problem for each kind.
+    """Add a problem for each parameter with a value that would make a case of the study invalid.
 
-    named: whether the study names its models; else they follow from the `accuracy` that it asks for.
+    named: the study names its models; otherwise they are chosen by its `accuracy`.
     """
-    for one in uncertain:
-        refusals = (_no_support(case, named) for case in cases if one.what == "support")
+    for parameter in uncertain:
+        refusals = (_no_support(case, named) for case in cases if parameter.what == "support")
         refused = next(filter(None, refusals), None)
         if refused is not None and section is not None:
             problems.append(
                 problem(section.mapping["support"].mark, f"uncertainty.support: {refused[0]}", refused[1])
             )
             continue
-        varied = (case for whole in cases for _, _, case in variations(whole, [one]))
-        wrong = next((found for case in varied for found in conflicts(case)), None)
+        varied = (case for whole in cases for _, _, case in variations(whole, [parameter]))
+        wrong = next((conflict for case in varied for conflict in conflicts(case)), None)
         if wrong is not None and section is not None:
-            mark = section.mapping[one.what].mark
-            problems.append(problem(mark, f"uncertainty.{one.what}: {wrong.message}", wrong.hint))
+            mark = section.mapping[parameter.what].mark
+            problems.append(problem(mark, f"uncertainty.{parameter.what}: {wrong.message}", wrong.hint))
 
 
 def _no_support(case: Case, named: bool) -> tuple[str, str] | None:
-    """Why a case cannot be computed with other supports, and what would mend it; None if it can."""
+    """Return the reason why a case cannot have other supports, and the remedy; None if it can."""
     if not named:
         why = "beside `accuracy`, whose models differ in what they know of a ring that bends"
         return why, "leave `support` out, or name a `model` in place of `accuracy`"
@@ -218,7 +222,7 @@ def _no_support(case: Case, named: bool) -> tuple[str, str] | None:
 
 
 def sampled(cases: Sequence[Case], jobs: int) -> list[Case]:
-    """The cases of a study of so many ``jobs`` on which ``USUAL`` is tried unasked: a few by seed, or none."""
+    """Sample the cases varied by ``USUAL`` in a study of ``jobs`` jobs without `uncertainty`; may be none."""
     able = [case for case in cases if acts("damping", case)]
     if len(able) < SAMPLED_JOBS or SAMPLED_JOBS * len(USUAL.values) > LARGEST_PART * jobs:
         return []
@@ -226,20 +230,20 @@ def sampled(cases: Sequence[Case], jobs: int) -> list[Case]:
 
 
 def by_kind(tried: Iterable[tuple[str, float]]) -> dict[str, list[float]]:
-    """The values (SI) that were tried of each kind of uncertainty, from pairs of both."""
-    found: dict[str, list[float]] = {}
+    """Collect values (SI) by kind of uncertainty, from pairs of both."""
+    values: dict[str, list[float]] = {}
     for what, value in tried:
-        found.setdefault(what, []).append(value)
-    return found
+        values.setdefault(what, []).append(value)
+    return values
 
 
 def sweeps_damping(paths: Iterable[str]) -> bool:
-    """Whether a study sweeps the damping, so that nobody need be told to try it."""
+    """Return True if a study sweeps the contact damping."""
     return any(path.startswith("contact.damping") for path in paths)
 
 
 def acts(what: str, case: Case) -> bool:
-    """Whether a case's model knows it."""
+    """Return True if the results of a case can depend on the uncertain parameter ``what``."""
     model: Any = MODELS[case.model]
     if what == "support":
         return BENDING in model.abilities and case.rig.ring is None
@@ -249,12 +253,12 @@ def acts(what: str, case: Case) -> bool:
 
 
 def variations(case: Case, uncertain: Sequence[Uncertain]) -> list[tuple[str, float, Case]]:
-    """The case with each value of what is uncertain, one at a time; none of what it cannot depend on."""
+    """List the case with each value of the uncertain parameters that act on it, one at a time."""
     return [
-        (one.what, value, UNKNOWNS[one.what].varied(case, value))
-        for one in uncertain
-        if acts(one.what, case)
-        for value in one.values
+        (parameter.what, value, UNKNOWNS[parameter.what].varied(case, value))
+        for parameter in uncertain
+        if acts(parameter.what, case)
+        for value in parameter.values
     ]
 
 
@@ -265,8 +269,8 @@ _OF_RING = ("ring.", "displacement", "velocity", "acceleration")
 
 
 def assumes_rigid_ring(cases: Iterable[Case], drawn: Iterable[str], uncertain: Sequence[Uncertain] | None) -> bool:
-    """Whether a study leaves open if its ring bends, though a figure (its features: drawn) or record reads it."""
-    if any(one.what == "support" for one in uncertain or ()):
+    """Return True if a study omits `ring`, although a figure (features: drawn) or record depends on it."""
+    if any(parameter.what == "support" for parameter in uncertain or ()):
         return False
     seen = any(name.startswith(_OF_RING) for name in drawn)
     silent = [case for case in cases if MODELS[case.model].loaded and "ring" not in case.rig.model_fields_set]
@@ -274,9 +278,9 @@ def assumes_rigid_ring(cases: Iterable[Case], drawn: Iterable[str], uncertain: S
 
 
 def unexamined(cases: int, duration: Callable[[float], str], seconds: float) -> str:
-    """Return the sentence for a damping that is not varied: what varying it takes.
+    """Return the sentence for a damping that is not varied, with the cost of varying it.
 
-    cases: how many depend on it; seconds: their CPU time; duration: how a time is written.
+    cases: number of cases that depend on it; seconds: their CPU time; duration: formats a time (s).
     """
     jobs, time = len(USUAL.values) * cases, duration(len(USUAL.values) * seconds)
     return (

@@ -1,4 +1,4 @@
-"""What a case uses of all it can say: the part that shapes its numbers, and so its id."""
+"""Parameters of a case that affect its results, and therefore its id."""
 
 import json
 from functools import lru_cache, reduce
@@ -36,10 +36,10 @@ INACTIVE: dict[str, Any] = {
     },
     "defects": {"roller": None, "offset": 0.0, "edge": None, "grown": None, "seed": None, "digest": None},
 }
-"""Values that do nothing. They are left out, so that a field that is new does not rename results that exist."""
+"""Values without effect. They are omitted from ids, so that a new field does not change the ids of results."""
 
 OLD_NAMES = {new: old for old, new in OLD_WORDS.items()}
-"""The words that ids were first made of: a new word must not rename results that exist."""
+"""Former keys from which ids are computed: a new key must not change the ids of results."""
 
 IN_SPACE: dict[str, tuple[str, ...]] = {
     "bearing": ("roller_profile", "flanges"),
@@ -47,19 +47,19 @@ IN_SPACE: dict[str, tuple[str, ...]] = {
     "cage": ("axial_clearance",),
     "shaft": MOUNT_FIELDS,
 }
-"""Values that only the spatial model looks at."""
+"""Values that only the spatial model depends on."""
 
 
 ANGLE_OF_SENSOR = "sensor.angle"
-"""It stands in `rig.sensor_angle`, too."""
+"""Duplicate of `rig.sensor_angle`."""
 
 
 def used(case: Case) -> dict[str, str]:
-    """What shapes a case's numbers: the JSON text of each field, by name, 12 significant digits to a number."""
-    found = {OLD_NAMES.get(name, name): getattr(case, name) for name in Case.model_fields}
+    """Return the fields that affect a case's results, as JSON text with 12 significant digits, by name."""
+    values = {OLD_NAMES.get(name, name): getattr(case, name) for name in Case.model_fields}
     texts = {
         name: _text(name, value, _unused(name, case))
-        for name, value in found.items()
+        for name, value in values.items()
         if name not in INACTIVE or isinstance(INACTIVE[name], dict) or value != INACTIVE[name]
     }
     if not case.defects:
@@ -74,27 +74,27 @@ def used(case: Case) -> dict[str, str]:
 
 
 def is_random(case: Case) -> bool:
-    """Whether another `seed` gives another result: of impulses at random, or of where rollers begin in a cage."""
+    """Return True if results depend on `seed`: random impulses, or rollers loose in a free cage."""
     loose = case.cage is not None and case.cage.motion == "free" and catalogue.MODELS[case.model].slips
     return case.excitation == "random-impulses" or loose
 
 
 def _unused(name: str, case: Case) -> tuple[str, ...]:
-    """The paths within a field that do not shape the case's numbers."""
+    """List the paths within a field that do not affect the case's results."""
     sliced = catalogue.MODELS[case.model].sliced
-    found = () if sliced else IN_SPACE.get(name, ())
+    paths = () if sliced else IN_SPACE.get(name, ())
     if (
         name == "bearing"
         and not _by_material(case)
         and case.bearing.element == "roller"
         and not _by_pressure(case)
     ):
-        return (*found, "material.young_modulus", "material.poisson_ratio")
+        return (*paths, "material.young_modulus", "material.poisson_ratio")
     if name == "rig":
         return ("sensor", "load") if case.rig.ring is None else (ANGLE_OF_SENSOR,)
     if name == "defects":
-        return ("file",)  # what is in it counts, not where it lies
-    return (*found, "length_nodes") if name == "contact" and sliced else found
+        return ("file",)  # the content affects results, not its location
+    return (*paths, "length_nodes") if name == "contact" and sliced else paths
 
 
 def _text(name: str, value: Any, unused: tuple[str, ...]) -> str:
@@ -112,7 +112,7 @@ def _text_of_plain(value: Any) -> str:
 
 @lru_cache(maxsize=1 << 16)
 def _text_of_section(name: str, section: Section, unused: tuple[str, ...]) -> str:
-    """Cached, because many cases share a section."""
+    """Return the JSON text of a section, cached because many cases share one."""
     values = _without(section.model_dump(), INACTIVE.get(name))
     for path in unused:
         *sections, last = path.split(".")
@@ -121,7 +121,7 @@ def _text_of_section(name: str, section: Section, unused: tuple[str, ...]) -> st
 
 
 def json_text(value: Any) -> str:
-    """JSON with 12 significant digits, without names and sources."""
+    """Return JSON with 12 significant digits, without names and sources."""
     return json.dumps(_canonical(value), sort_keys=True, separators=(",", ":"))
 
 
@@ -136,9 +136,9 @@ def _canonical(value: Any) -> Any:
 
 
 def extensions(case: Case) -> dict[str, str]:
-    """Return what the code of other packages was, if the case uses any: results of an edited law are others.
+    """Return the digest of the code of other packages, if the case uses any: an edited law changes results.
 
-    Features of other packages are read from the record of every case.
+    Features of other packages are computed from the record of every case.
     """
     laws = {"stiffness": case.contact.elastic_law, "damping": getattr(case.contact.damping, "law", "")}
     laws |= {"friction": getattr(case.friction, "law", "none")}
@@ -154,19 +154,19 @@ def extensions(case: Case) -> dict[str, str]:
 
 
 def _by_material(case: Case) -> bool:
-    """Whether the material's elastic constants enter: a contact law (as in any ball's contact), a bent ring."""
+    """Return True if results depend on the elastic constants, by a contact law or a flexible ring."""
     damping = getattr(case.contact.damping, "law", "")
     used = catalogue.LAWS["stiffness"][case.contact.elastic_law], catalogue.LAWS["damping"][damping]
     return case.rig.ring is not None or any(law.material for law in used)
 
 
 def _by_pressure(case: Case) -> bool:
-    """Whether pits are felt by the elastic contact, which depends on the material."""
+    """Return True if the excitation by defects depends on the contact pressure, and so on the material."""
     return bool(case.defects) and case.excitation in ("pressure-share", "elastic-edge")
 
 
 def _without(value: Any, idle: Any) -> Any:
-    """The value less the entries that are idle; of a list, each of its mappings."""
+    """Remove the entries without effect from a mapping, or from each mapping of a list."""
     if isinstance(value, list | tuple):
         return [_without(inner, idle) for inner in value]
     if not isinstance(value, dict) or not isinstance(idle, dict):

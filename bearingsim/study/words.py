@@ -1,4 +1,4 @@
-"""The words of a sweep that are no paths: a design, `derived`, `where`, `repeat`; what `quick` makes of them."""
+"""Keys of a sweep that are not paths, a design, `derived`, `where` and `repeat`, and their changes by `quick`."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -9,15 +9,15 @@ from bearingsim.text.yamlfile import Node
 
 WORDS = (*KINDS, "derived", "where", "repeat")
 OF_COMMAND_LINE = ("repeat", *(f"{kind}.{word}" for kind in KINDS for word in ("n", "seed")))
-"""What `--set` can say of them."""
+"""Keys that `--set` can change."""
 
 Words = dict[str, Node]
-"""What a study says of each."""
+"""Entry of each key in a study."""
 
 
 def renewed(words: Words, key: str, node: Node) -> Words:
-    """The words with one said anew: one design takes another's place, of the same one what is said counts."""
-    kept = {word: said for word, said in words.items() if word == key or key not in KINDS or word not in KINDS}
+    """Update one key: a design replaces another design, and is merged with one of the same kind."""
+    kept = {word: entry for word, entry in words.items() if word == key or key not in KINDS or word not in KINDS}
     former = kept.get(key)
     if former is not None and former.mapping and node.mapping:
         node = replace(node, value=former.mapping | node.mapping)
@@ -25,25 +25,25 @@ def renewed(words: Words, key: str, node: Node) -> Words:
 
 
 def named_by(words: Mapping[str, Node]) -> set[str]:
-    """The paths to which designs, `derived` and `repeat` give values."""
+    """Return the paths to which designs, `derived` and `repeat` assign values."""
     return {path for word, node in words.items() if word in WORDS for path in entries_of(word, node)}
 
 
 def without(words: Words, path: str) -> Words:
-    """The words, none of which gives a path its values, however it is spelled; a design of nothing is none."""
-    found: Words = {}
+    """Remove a path, however spelled, from all keys; a key without paths is removed."""
+    remaining: Words = {}
     for word, node in words.items():
         entries = entries_of(word, node)
         rest = {name: entry for name, entry in entries.items() if unspelled(name) != unspelled(path)}
         if len(rest) == len(entries):
-            found[word] = node
+            remaining[word] = node
         elif rest:
-            found[word] = _with_entries(word, node, rest)
-    return found
+            remaining[word] = _with_entries(word, node, rest)
+    return remaining
 
 
 def entries_of(word: str, node: Node) -> dict[str, Node]:
-    """The paths to which a word gives values, with what is said of each."""
+    """Return the paths to which a key assigns values, with their entries."""
     if word in KINDS:
         return node.mapping["over"].mapping if "over" in node.mapping else {}
     if word == "repeat":
@@ -52,7 +52,7 @@ def entries_of(word: str, node: Node) -> dict[str, Node]:
 
 
 def _with_entries(word: str, node: Node, entries: dict[str, Node]) -> Node:
-    """What a design or `derived` says, of these paths only."""
+    """Return the entry of a design or `derived` with these paths only."""
     if word not in KINDS:
         return replace(node, value=entries)
     return replace(node, value=node.mapping | {"over": replace(node.mapping["over"], value=entries)})
