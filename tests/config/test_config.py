@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from bearingsim import catalogue
+from bearingsim import assemble, catalogue
 from bearingsim.assemble import contacts
 from bearingsim.config import (
     CHANNELS,
@@ -423,11 +423,12 @@ def test_names_of_channels_and_features() -> None:
 
 
 def test_every_word_offered_is_built() -> None:
-    known: list[Any] = [*catalogue.MODELS.values(), *catalogue.METHODS.values()]
-    assert all(catalogue.code(one.module).KIND.parameters for one in known)
-    for model in catalogue.MODELS.values():
-        assert not model.own_method or catalogue.code(model.own_method).KIND.parameters
-        assert not model.build or callable(catalogue.code(model.build))
+    for name, model in catalogue.MODELS.items():
+        of_model = case(model=name, defect=SLOT, settle="0 s")
+        assert isinstance(assemble.model(of_model), assemble.kind_of_model(name).parameters)
+        assert not model.own_method or "h" in assemble.method_kind(of_model).parameters.__annotations__
+    for name in catalogue.METHODS:
+        assert "h" in assemble.kind_of_method(name).parameters.__annotations__
     for law in (law for laws in catalogue.LAWS.values() for law in laws.values()):
         assert callable(catalogue.code(law.build))
     assert all(callable(catalogue.code(shape.build)) for shape in catalogue.SHAPES.values())

@@ -15,7 +15,7 @@ from bearingsim.config import Case
 from bearingsim.config.sections.ring import MAX_HARMONICS
 from bearingsim.selection import Choice, Trialled, candidates, choices
 from bearingsim.selection.choices import key
-from bearingsim.selection.decide import MIXED, TIE
+from bearingsim.selection.decide import MIXED
 from bearingsim.simulation.trial import Trial, stepped_alike
 from bearingsim.study import Study, case_id, load_study
 from tests.scenes.study_text import Write
@@ -127,12 +127,10 @@ def test_a_reference_that_fails_is_left_to_its_job(write: Write, dear: dict[str,
     assert found[1].why == "the reference fails"
 
 
-def test_to_a_tie_the_higher_is_taken(write: Write, dear: dict[str, float]) -> None:
-    of = by_model(FAR | {"rollers": 1.01, "ring": 1.01})
-    dear["ring"] = (TIE + 0.01) * dear["rollers"]
-    assert taken(near(write), of) == ["rollers"] * 3
-    dear["ring"] = (TIE - 0.01) * dear["rollers"]
-    assert taken(near(write), of) == ["ring"] * 3
+@pytest.mark.parametrize(("saving", "model"), [(0.09, "rollers"), (0.11, "ring")])
+def test_a_lower_model_must_save_a_tenth(write: Write, dear: dict[str, float], saving: float, model: str) -> None:
+    dear["ring"] = (1.0 - saving) * dear["rollers"]
+    assert taken(near(write), by_model(FAR | {"rollers": 1.01, "ring": 1.01})) == [model] * 3
 
 
 @pytest.mark.parametrize(("share", "mixed"), [(MIXED - 0.01, True), (MIXED + 0.01, False)])

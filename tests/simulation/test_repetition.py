@@ -139,6 +139,16 @@ def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[in
     return 0, passes
 
 
+def test_passes_are_compared_in_ring_motion_and_recorded_channels_only() -> None:
+    """Accelerations jump; loaded rollers and the cage are compared in the state at the end of a pass."""
+    setup = INTEGRATION.set_up(resolved(model="rollers", record=["roller.3.outer_force"]))
+    places = channels.recorded(setup.case)
+    search = Search(places, STEPS, setup.model, False, OF_A_RECORD)
+    ring = [lay.POSITION + lay.X, lay.POSITION + lay.Y, lay.VELOCITY + lay.X, lay.VELOCITY + lay.Y]
+    assert places[search.compared][:5].tolist() == [*ring, lay.Q_O + 2]
+    assert set(search.compared) == set(range(len(places))) - {*range(4, len(channels.BASE))}
+
+
 def waves(p: int, period: int = 1) -> np.ndarray:
     return np.sin(2.0 * np.pi * (p + np.linspace(0.0, 1.0, STEPS)) / period + np.arange(9)[:, np.newaxis])
 

@@ -176,19 +176,21 @@ def test_a_base_value_that_a_sweep_replaces_is_checked(write: Write, said: str, 
 
 
 @pytest.mark.parametrize(
-    ("said", "swept"),
+    ("base", "path", "value", "number"),
     [
-        ("defect: {shape: rectangular, length: 12 mm, depth: 0.05 mm}", "defect.width: [1 mm]"),  # missing
-        (
-            "defect: {shape: circular, length: 12 mm, width: 80 mm, depth: 9 um}",
-            "defect.width: [1 mm]",
-        ),  # too wide
-        ("contact: {damping: kraemer}", "contact.damping.beta: [1 us]"),
-        ("clearance: C3", "clearance: [0 um]"),
+        ("defect: {shape: rectangular, length: 12 mm, depth: 0.05 mm}", "defect.width", "1 mm", 1e-3),  # missing
+        ("defect: {shape: circular, length: 12 mm, width: 80 mm, depth: 9 um}", "defect.width", "1 mm", 1e-3),
+        ("contact: {damping: kraemer}", "contact.damping.beta", "1 us", 1e-6),
+        ("clearance: C3", "clearance", "0 um", 0.0),
     ],
 )
-def test_a_base_that_only_the_sweep_makes_whole_is_right(write: Write, said: str, swept: str) -> None:
-    load_study(write(f"{malformed.with_(said)}sweep: {{{swept}}}\n"))
+def test_a_base_completed_by_the_sweep_is_valid(
+    write: Write, base: str, path: str, value: str, number: float
+) -> None:
+    study = load_study(write(f"{malformed.with_(base)}sweep: {{{path}: [{value}]}}\n"))
+    ((case, swept),) = study.swept_cases
+    assert swept == {path: pytest.approx(number)}
+    assert case == load_study(write(malformed.with_(base)), {path: value}).cases()[0]
 
 
 def test_both_words_of_a_key_are_refused(write: Write) -> None:
