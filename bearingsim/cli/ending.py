@@ -55,7 +55,7 @@ def show(summary: "RunSummary", verbose: bool) -> None:
     assumed = summary.findings.assumed
     if assumed:
         say(f"{len(assumed)} assumption{'s' * (len(assumed) != 1)} not varied: {', '.join(assumed)}")
-        say("  what they are: bearingsim show --assumptions")
+        say(f"  levels depend on them: bearingsim show {near(summary.folder)} --assumptions")
     if quick:
         say("this was the reduced grid: the whole study runs without --quick")
     if verbose:
@@ -89,51 +89,53 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
         f"{end}: {described({path: rows[path][row] for path in several}, units)}" for end, row in ends.items()
     ]
     texts = [_range(low, high, unit), _error(rows, name)]
-    return Result(
-        _with_frequency(results, name), ", ".join(filter(None, texts)), [*_healthy(results, name), *places]
-    )
+    remarks = [*_healthy(results, name, unit, factor), *places]
+    return Result(_with_meaning(results, name), ", ".join(filter(None, texts)), remarks)
 
 
 def _range(low: str, high: str, unit: str) -> str:
     return f"{low} to {high} {unit}".strip() if low != high else f"{low} {unit}".strip()
 
 
-def _with_frequency(results: "Results", name: str) -> str:
-    """Append its frequency to a line, as in `velocity@BPFO (159 Hz)`, or its band to a statistic.
+def _with_meaning(results: "Results", name: str) -> str:
+    """Append what a feature is: `velocity@BPFO-healthy (159 Hz, defect minus healthy)`."""
+    envelope = "squared envelope" if name.startswith("envelope@") else ""
+    change = "defect minus healthy" if name.endswith("-healthy") else ""
+    meaning = ", ".join(filter(None, [_frequency(results, name), envelope, _band(results, name), change]))
+    return f"{name} ({meaning})" if meaning else name
 
-    A line whose frequency differs between jobs gets none.
-    """
+
+def _frequency(results: "Results", name: str) -> str:
+    """Return the frequency of a line, as `159 Hz`, or "" if it differs between jobs."""
     from bearingsim.config.names import LINES
     from bearingsim.plots.lines import frequency
 
-    line = LINES.get(name.partition("@")[2].removesuffix("-healthy"))
-    if line is None:
-        return f"{name}{_band(results, name)}"
+    line = LINES.get(name.removesuffix("-healthy").split("@")[-1])
     names = ["speed", "bearing.roller_diameter", "bearing.pitch_diameter", "bearing.rollers"]
     cases = results.parameters()[names].drop_duplicates().to_dict("records")
-    return f"{name} ({significant(frequency(line, cases[0]))} Hz)" if len(cases) == 1 else name
+    return f"{significant(frequency(line, cases[0]))} Hz" if line is not None and len(cases) == 1 else ""
 
 
 def _band(results: "Results", name: str) -> str:
-    """Return the band of a statistic of the record, as ` (0-4.1 kHz)`, or "" if it differs between jobs."""
+    """Return the band that `sampling` gives a feature, as `0-4.1 kHz`, or "" if it differs between jobs."""
     from bearingsim.config.bands import FLAT
+    from bearingsim.config.names import of_band
     from bearingsim.study.ranges import OF_RECORD
 
+    feature = of_band(name)
     samplings = results.parameters()[["sampling", "antialias"]].drop_duplicates().to_dict("records")
-    if not name.endswith(OF_RECORD) or len(samplings) != 1 or samplings[0]["antialias"] != "true":
+    by_sampling = name.removesuffix("-healthy").endswith(OF_RECORD) or (feature is not None and not feature.band)
+    if not by_sampling or len(samplings) != 1 or samplings[0]["antialias"] != "true":
         return ""
-    return f" (0-{FLAT * samplings[0]['sampling'] / 1e3:.2g} kHz)"
+    return f"0-{FLAT * samplings[0]['sampling'] / 1e3:.2g} kHz"
 
 
-def _healthy(results: "Results", name: str) -> Iterator[str]:
-    """Yield the range over the healthy twins, as `healthy: 0.61 to 1.13 um/s`."""
-    from bearingsim.plots.labels import feature_axis
-
+def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterator[str]:
+    """Yield the range over the healthy twins, as `healthy: 0.61 to 1.13 um/s`; factor: of the unit from SI."""
     twins = {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
     table = results.table()
     values = table[table["job"].isin(twins)][name].dropna()
     if len(values) and not name.endswith("-healthy"):
-        unit, factor = feature_axis(name, float(values.abs().max()))
         low, high = (significant(factor * float(end)) for end in (values.min(), values.max()))
         yield f"healthy: {_range(low, high, unit)}"
 

@@ -249,7 +249,7 @@ PITS: tuple[Line, ...] = (
     ("impact force, about (N)", lambda p: p.limits.impact_force),
     ("crossing of the pit (us)", lambda p: 1e6 * p.limits.crossing),
     ("samples in a crossing", lambda p: p.limits.crossing * p.job.case.sampling),
-    ("a roller sinks by (um)", lambda p: 1e6 * p.sinking),
+    ("an element sinks by (um)", lambda p: 1e6 * p.sinking),
 )
 """Rows of studies with pits."""
 LIMITS: tuple[Line, ...] = (
@@ -288,15 +288,15 @@ def show(plan: Plan, verbose: bool) -> None:
         return
     groups = _groups(plan.cases or plan.baselines)
     out.print()
-    drawn_only = " drawn" * (len(plan.everything) < len(plan.jobs))
+    of_some = " in the estimate" * (len(plan.everything) < len(plan.jobs))
     heads = ["", *groups]
     rows = [
         [name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan, verbose)
     ]
-    print_table(heads, [[f"cases{drawn_only}", *(str(len(group)) for group in groups.values())], *rows])
+    print_table(heads, [[f"cases{of_some}", *(str(len(group)) for group in groups.values())], *rows])
     out.print()
     if len(plan.everything) < len(plan.jobs):
-        out.print(f"{len(plan.everything)} jobs were drawn and priced, and stand for all {len(plan.jobs)}")
+        out.print(f"estimated from {len(plan.everything)} of {len(plan.jobs)} jobs")
     for text in [
         *fewer(plan.costs, plan.asked_workers),
         *remarks(plan, verbose),

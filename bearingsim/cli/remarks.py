@@ -49,7 +49,8 @@ def hanging(plan: "Plan") -> Iterator[str]:
             span(1e6 * d for d in part) for part in ([priced.sinking for priced in damaged], depths)
         )
         same = "; rectangle and triangle are the same" if prisms else ""
-        yield f"rollers sink {reached} um and do not reach the floor, {floors} um{same}"
+        element = damaged[0].job.case.bearing.element
+        yield f"{element}s sink {reached} um and do not reach the floor, {floors} um{same}"
 
 
 def choices(plan: "Plan") -> list[str]:

@@ -125,6 +125,10 @@ def mark_of(entry: Problem) -> Mark:
     return Mark(entry.file, entry.line, entry.column, entry.source_line)
 
 
+SIZES = {"defect.length": "the size along the axis", "defect.width": "the size along rolling"}
+"""Directions of the sizes of a defect, which readers take for each other."""
+
+
 def _problems(details: ErrorDetails, tree: Node, swept: frozenset[Path]) -> Iterator[tuple[Path, str, Problem]]:
     context = details.get("ctx", {})
     if "conflicts" in context:
@@ -138,8 +142,8 @@ def _problems(details: ErrorDetails, tree: Node, swept: frozenset[Path]) -> Iter
 def _problem(details: ErrorDetails, path: Path, tree: Node) -> Problem:
     name, defects = str(path[-1]) if path else "", len(tree.mapping.get("defects", tree).items)
     if details["type"] == "missing":
-        what = all_paths().get(label(path, 0))
-        hint = f"expected {EXPECTED[what]}" if what else None
+        what, size = all_paths().get(label(path, 0)), SIZES.get(label(path, 0))
+        hint = f"expected {EXPECTED[what]}{f', {size}' if size else ''}" if what else None
         return _at(_key_mark(tree, path[:-1]), path[:-1], defects, f"`{name}` is missing", hint)
     if details["type"] == "extra_forbidden":
         return _at(_key_mark(tree, path), path[:-1], defects, *_unknown_key(name, path, tree))

@@ -189,8 +189,8 @@ def crossing_warning(case: Case) -> str:
     """Return the warning of a defect crossed in less than ``FEWEST_SAMPLES``."""
     crossing = shortest_crossing(case)
     samples, wanted = crossing * case.sampling, FEWEST_SAMPLES / crossing
-    band, advice = f"0-{FLAT * case.sampling / 1e3:.2g} kHz", f"`sampling: {show(_rounded(wanted), 'kHz')}`"
-    return f"RMS, peak, series are of {band}, {samples:.2g} samples a crossing; {advice} gives 8"
+    end, advice = f"{FLAT * case.sampling / 1e3:.2g} kHz", f"`sampling: {show(_rounded(wanted), 'kHz')}`"
+    return f"RMS, peak, series end at {end} ({samples:.2g} samples a crossing); {advice} gives 8"
 
 
 def _rounded(hertz: float) -> float:

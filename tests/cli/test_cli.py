@@ -169,11 +169,6 @@ def test_a_quantity_of_many_cases_is_a_span(found, text):
     assert screen.span(found) == text
 
 
-def test_the_least_model_is_refused_with_what_took_its_place(here):
-    said = type_("check", "small.yaml", "--set", "model=least", code=2)
-    assert "accuracy: 2 %" in "".join(said)
-
-
 def test_check_says_what_friction_can_do(here):
     """0.3 of 49.6 N; slip settles in I/(2 mu' Q R^2) with I = m R^2/2, m = 10.65 g and mu' = 1.5 0.3/0.02 s/m."""
     found = json.loads(type_("check", "small.yaml", "--set", "load=150 N", "--set", "model=planar", "--json")[0])

@@ -42,7 +42,7 @@ def test_some_jobs_stand_for_all(many, monkeypatch):
 
 def test_it_is_said_that_some_were_priced(many):
     said, _ = type_("check", many)
-    assert "20 jobs were drawn and priced, and stand for all 55" in said
+    assert "estimated from 20 of 55 jobs" in said
     assert "55 jobs (50 cases, 5 healthy twins)" in said
     told = json.loads(type_("check", many, "--json")[0])
     assert (told["cases"], len(told["jobs"])) == (50, 20)
