@@ -149,6 +149,10 @@ one-folder: install-dev
 bands: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.bands --csv docs/data/bands.csv
 
+# does a run forget its start, and is what it remembers said? Writes docs/data/start.csv
+start: install-dev
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.start --csv docs/data/start.csv
+
 # is a result flagged as one draw of many where it is not known to 0.5 %? Writes docs/data/flags.csv
 flags: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.flags
