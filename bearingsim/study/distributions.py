@@ -19,29 +19,29 @@ if TYPE_CHECKING:
 
 
 class Range(NamedTuple):
-    """Values between two bounds (in ``unit``); ``at``: inverse distribution function, of shares in [0, 1)."""
+    """Values between two bounds (in ``unit``); ``quantiles``: values of shares in [0, 1)."""
 
-    first: Node
-    last: Node
+    lower: Node
+    upper: Node
     low: float
     high: float
     unit: str
-    at: Callable[["NDArray"], Sequence[float]]
+    quantiles: Callable[["NDArray"], Sequence[float]]
 
     def nodes(self, shares: "NDArray") -> tuple[Node, ...]:
         """Return the values at ``shares`` (n,) as written in a file; equal values share a node."""
         import numpy as np
 
         different, places = np.unique(shares, return_inverse=True)
-        made = [self._node(number) for number in self.at(different)]
+        made = [self._node(number) for number in self.quantiles(different)]
         return tuple(made[place] for place in places.tolist())
 
     def _node(self, number: float) -> Node:
-        value = written(number, self.unit, self.first)
+        value = written(number, self.unit, self.lower)
         rounded = float(split(value.text)[0])
         if rounded < self.low:
-            return self.first
-        return self.last if rounded > self.high else value
+            return self.lower
+        return self.upper if rounded > self.high else value
 
 
 def range_of(path: str, node: Node) -> Range:
@@ -92,7 +92,7 @@ def ends(path: str, bounds: Range) -> tuple[float, float]:
     """Return the bounds of a range in SI."""
     kind = dimension(path)
     assert kind is not None
-    return parse(bounds.first.text, kind), parse(bounds.last.text, kind)
+    return parse(bounds.lower.text, kind), parse(bounds.upper.text, kind)
 
 
 def _check(path: str, node: Node) -> None:
