@@ -55,8 +55,8 @@ def test_show_tells_what_does_not_fit(done, terminal):
     assert max(map(len, said.splitlines()[:9])) <= 64
     assert "outer_force" not in said.splitlines()[0]
     left = "velocity@BPFO-healthy (µm/s), velocity.rms (µm/s), outer_force.max (N)"
-    left += ", step_error.line, step_error.rms, step_error.record"
-    assert f"6 columns too wide for the terminal: {left} (`--columns NAME`" in said
+    left += ", error.start, error.start.rms, error.start.force, step_error.line, step_error.rms, step_error.record"
+    assert f"9 columns too wide for the terminal: {left} (`--columns NAME`" in said
 
 
 def test_columns_asked_for_are_all_printed(done, terminal):
