@@ -7,7 +7,11 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-ROOMS = ("assemble", "bench", "plots")  # packages checked; add a package once it passes
+ROOMS = ("assemble", "bench", "cli", "plots", "runner", "store")  # packages checked; add a package once it passes
+LATER = frozenset({  # modules of these packages that do not pass yet; remove a module once it does
+    "runner/beside.py", "runner/promises.py", "runner/select.py",
+    "store/layouts.py", "store/nearness.py", "store/spread.py",
+})  # fmt: skip
 NO_VERBS = frozenset({  # openings of a docstring that are no imperative
     "what", "who", "which", "where", "when", "how", "whether", "why", "one", "ones", "those", "these",
     "this", "that", "there", "it", "its", "their", "they", "a", "an", "the", "all", "each", "every",
@@ -20,7 +24,10 @@ VAGUE = frozenset({"found", "told", "one", "known", "given", "here", "asked", "s
 
 def modules(room: str) -> list[Path]:
     """Return the source files of a package of the program."""
-    return sorted((ROOT / "bearingsim" / room).rglob("*.py"))
+    package = ROOT / "bearingsim"
+    return sorted(
+        path for path in (package / room).rglob("*.py") if path.relative_to(package).as_posix() not in LATER
+    )
 
 
 def is_property(function: ast.FunctionDef) -> bool:

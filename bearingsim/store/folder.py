@@ -56,7 +56,7 @@ def holdings(root: Path, verify: bool = False) -> Holdings:
     for path, reason in damaged.items():
         set_aside(path)
         log(root, "damaged", file=str(path.relative_to(root)), reason=reason)
-    jobs = set() if frame is None else set(frame.index[frame["unit"].isin(stock.known)])
+    jobs = set() if frame is None else set(frame.index[frame["unit"].isin(stock.in_table)])
     jobs = jobs.union(*(rows.index for rows in stock.read.values()))
     names = frozenset(path.stem for path in units)
     return Holdings(names, jobs, failures, stock.read, [str(path.relative_to(root)) for path in damaged])

@@ -21,9 +21,9 @@ Rows = Mapping[str, "pd.DataFrame"]
 
 @dataclass(frozen=True)
 class Stock:
-    """Sound units by name, in the table (``known``) or just ``read``, with their rows; and damaged ones."""
+    """Sound units by name, ``in_table`` or just ``read``, with their rows; and damaged ones by path."""
 
-    known: set[str] = field(default_factory=set)
+    in_table: set[str] = field(default_factory=set)
     read: "dict[str, pd.DataFrame]" = field(default_factory=dict)
     damaged: dict[Path, str] = field(default_factory=dict)
 
@@ -37,7 +37,7 @@ def judged(units: Iterable[Path], table: "pd.DataFrame | None", read: Rows, ever
     for path in units:
         stamp = _stamp(path)
         if remembered.get(path.stem) == stamp:
-            stock.known.add(path.stem)
+            stock.in_table.add(path.stem)
         elif path.stem in read and read[path.stem]["stamp"].iloc[0].startswith(f"{stamp} "):
             stock.read[path.stem] = read[path.stem]
         else:

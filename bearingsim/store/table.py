@@ -234,7 +234,7 @@ def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows) -> "pd.D
     empty = {name: pd.Series(dtype=object) for name in ("unit", "stamp")}
     frames = [pd.DataFrame(empty, index=pd.Index([], name="job")), *stock.read.values()]
     if table_rows is not None:
-        kept = table_rows[table_rows["unit"].isin(stock.known)].drop(columns=["status", "reason", "healthy"])
+        kept = table_rows[table_rows["unit"].isin(stock.in_table)].drop(columns=["status", "reason", "healthy"])
         frames.append(kept.loc[:, ~kept.columns.str.endswith("-healthy")])
     whole = pd.concat([frame for frame in frames if len(frame)] or frames[:1])
     return whole[~whole.index.duplicated()]

@@ -365,7 +365,7 @@ def test_who_dies_while_it_is_asked_is_left_out(monkeypatch: pytest.MonkeyPatch)
 
 def test_stopping_ends_where_no_worker_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     client = Scripted(workers=0)
-    monkeypatch.setattr(cluster, "asked", lambda: bool(client.futures))
+    monkeypatch.setattr(cluster, "stop_requested", lambda: bool(client.futures))
     assert not list(flock(client)._computed(works_of(FakeStudy(), tmp_path), None))
     assert client.cancelled == client.futures
     assert len(client.futures) == 4
@@ -373,7 +373,7 @@ def test_stopping_ends_where_no_worker_is(tmp_path: Path, monkeypatch: pytest.Mo
 
 def test_stopping_reaches_workers_that_come_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     client, works = Scripted(), works_of(FakeStudy(), tmp_path)
-    monkeypatch.setattr(cluster, "asked", lambda: bool(client.futures))
+    monkeypatch.setattr(cluster, "stop_requested", lambda: bool(client.futures))
     monkeypatch.setattr(cluster, "WAITING_S", 0.01)
     monkeypatch.setattr(cluster, "LOOK_S", 0.02)
 
