@@ -1,4 +1,4 @@
-"""What became of a cell of the stability map: its ring's velocity against a reference made of two solutions."""
+"""Classification of a cell of the stability map by its ring's velocity, against a reference of two solutions."""
 
 from itertools import combinations
 from typing import NamedTuple
@@ -12,13 +12,13 @@ OK, INACCURATE, CHATTER, SKIPPED = "ok", "inaccurate", "chatter", "skipped"
 REFUSED, CHAOS, UNJUDGED = "refused", "within chaos", "no reference"
 CLASSES = (OK, INACCURATE, CHATTER, BLOW_UP, SKIPPED, STALL, REFUSED, TOO_SLOW, CHAOS, UNJUDGED)
 
-ACCURACY = 0.01  # relative error of what is ok
-CHAOS_FLOOR = 0.05  # a floor above it says of a run within it only that chaos explains it
+ACCURACY = 0.01  # largest relative error of class ok
+CHAOS_FLOOR = 0.05  # relative; runs within a larger floor are classed as within chaos
 # two solutions that differ by less than this (relative L2) follow one path; else motion is chaotic
 SAME_PATH = 1e-3
-SEEN_PART = 0.5  # of what a crossing does to the ring: less, and the pit was stepped over
-ANSWER_TIME = 60e-6  # s after a crossing in which the ring still answers it
-MORE_OFTEN, OFTEN = 2.0, 10  # contacts that open so many times as often, and so many times more, chatter
+SEEN_PART = 0.5  # of the reference's response to a crossing; below it the defect was skipped
+ANSWER_TIME = 60e-6  # s, duration of the ring's response after a crossing
+MORE_OFTEN, OFTEN = 2.0, 10  # openings over the reference's, as ratio and difference, from which contacts chatter
 
 
 class Reference(NamedTuple):
@@ -36,7 +36,9 @@ class Reference(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """error (relative) in the reference's measure; crossings seen of those to see; openings of contacts."""
+    """Class of a run: error (relative) in the reference's measure; crossings seen and expected; openings of
+    contacts.
+    """
 
     outcome: str
     error: float
@@ -55,46 +57,45 @@ def rms(a: np.ndarray, b: np.ndarray) -> float:
     return abs(float(np.linalg.norm(a) / np.linalg.norm(b)) - 1.0)
 
 
-def agreeing_solutions(found: dict[str, Trace]) -> Reference | None:
-    """The reference that the solutions of a scene make: the two that agree best; None if there are not two.
+def agreeing_solutions(solutions: dict[str, Trace]) -> Reference | None:
+    """Build the reference of a scene from the two solutions that agree best; None if there are not two.
 
-    Solutions that all part from each other, however tight, are of a chaotic motion: its RMS is compared, and the
-    floor is the largest difference between any two.
+    If even tight solutions all diverge, the motion is chaotic: RMS is compared, and the floor is the largest
+    difference between any two.
     """
-    whole = {name: one for name, one in found.items() if not one.failure}
+    whole = {name: trace for name, trace in solutions.items() if not trace.failure}
     pairs = [(l2(whole[a].velocity, whole[b].velocity), a, b) for a, b in combinations(whole, 2)]
     if not pairs:
         return None
-    least, first, second = min(pairs)
+    least, best, second = min(pairs)
     chaotic = least > SAME_PATH
     worst = max(rms(whole[a].velocity, whole[b].velocity) for _, a, b in pairs)
-    names = " + ".join(whole) if chaotic else f"{first} + {second}"
-    return Reference(whole[first].velocity, whole[first].touching, names, chaotic, worst if chaotic else least)
+    names = " + ".join(whole) if chaotic else f"{best} + {second}"
+    return Reference(whole[best].velocity, whole[best].touching, names, chaotic, worst if chaotic else least)
 
 
 def openings(touching: np.ndarray) -> int:
-    """How often a contact opens."""
+    """Count the openings of contacts."""
     return int((touching[:, :-1] & ~touching[:, 1:]).sum())
 
 
 def crossings_seen(
     trace: Trace, reference: Reference, healthy: Reference, windows: list[tuple[float, float]]
 ) -> int:
-    """Crossings after which the ring moves otherwise than over a sound race, at least ``SEEN_PART`` of what it
-    should.
+    """Count the crossings with a ring response of at least ``SEEN_PART`` of the reference's.
 
-    By the ring's answer, not by where the rollers stand: a solver that steps over a pit stands in it, too, where
-    its result is interpolated.
+    Based on the response of the ring, not on the rollers' positions: a solver that steps over a defect still has a
+    roller in it, in its interpolated result.
     """
     count = 0
     for start, end in windows:
-        first = round(start / SAMPLE_INTERVAL) // trace.every
+        begin = round(start / SAMPLE_INTERVAL) // trace.every
         last = round((end + ANSWER_TIME) / SAMPLE_INTERVAL) // trace.every
-        at = trace.every * np.arange(first + 1, min(last, trace.velocity.shape[1])) - 1
-        sound = healthy.velocity[:, at]
-        answer = trace.velocity[:, (at + 1) // trace.every - 1] - sound
+        samples = trace.every * np.arange(begin + 1, min(last, trace.velocity.shape[1])) - 1
+        sound = healthy.velocity[:, samples]
+        answer = trace.velocity[:, (samples + 1) // trace.every - 1] - sound
         count += bool(
-            np.linalg.norm(answer) >= SEEN_PART * np.linalg.norm(reference.velocity[:, at] - sound) > 0.0
+            np.linalg.norm(answer) >= SEEN_PART * np.linalg.norm(reference.velocity[:, samples] - sound) > 0.0
         )
     return count
 
@@ -106,9 +107,9 @@ def judge(
     windows: list[tuple[float, float]],
     strides: bool,
 ) -> Verdict:
-    """The class of a run, and the numbers it rests on. A run that failed keeps its failure as its class.
+    """Classify a run, with the numbers of its class. A failed run keeps its failure as its class.
 
-    strides: its steps may be longer than a crossing, which it has then stepped over if it does not answer it.
+    strides: its steps may be longer than a crossing; a crossing without response then counts as stepped over.
     """
     missing = Verdict(trace.failure or UNJUDGED, np.nan, 0, openings(trace.touching), 0)
     if reference is None or trace.failure:

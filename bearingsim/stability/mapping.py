@@ -62,12 +62,12 @@ def _warmed(model: str, method: str, grid: Grid) -> tuple[str, str]:
 
 
 def _whole(unit: Material, methods: Sequence[str], grid: Grid) -> list[dict[str, Any]]:
-    """``map_of`` at once: from another process rows cannot come one by one."""
+    """Compute all rows of ``map_of``, since rows cannot be passed one by one from another process."""
     return list(map_of(unit, methods, grid))
 
 
 def _text(value: Any) -> Any:
-    """Numbers with six digits, no more than they have."""
+    """Format numbers with six digits."""
     if isinstance(value, float):
         return "" if value != value else f"{value:.6g}"
     return value
@@ -79,7 +79,7 @@ def _tell(done: int, total: int, elapsed: float) -> None:
 
 
 def summary(path: Path) -> Iterator[tuple[str, ...]]:
-    """Rows of a table: model, method, and how many cells are of each class."""
+    """Yield the rows of a table: model, method, and number of cells of each class."""
     import pandas as pd
 
     from bearingsim.stability.judge import CLASSES

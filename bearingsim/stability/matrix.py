@@ -1,4 +1,4 @@
-"""Where each method fails: short runs over step (or tolerance), stiffness, damping and sharpness of pits.
+"""Failure map of the methods: short runs over step (or tolerance), stiffness, damping and sharpness of defects.
 
 A unit of work is a material, that is a model with one stiffness and damping: its scenes share a sound bearing. For
 each scene first the reference, from solutions that must agree, then every method at every step.
@@ -78,13 +78,13 @@ USUAL = tuple(model.name for model in MODELS.values() if "damping" in model.abil
 QUICK_MODELS = (USUAL_MODEL,)
 
 REFERENCES = (("dop853", 1e-9), ("scipy-lsoda", 1e-9), ("rodas", 1e-8), ("scipy-lsoda", 1e-6))
-"""Solutions that are tried in turn until two agree."""
+"""Solutions computed in turn until two agree."""
 COARSE = ("backward-euler", 1e-2)
-"""And one that holds where others fail, for want of a second."""
+"""Further solution if only one of the others succeeds."""
 
 
 class Material(NamedTuple):
-    """A model's name; k (N/mm^(10/9)), m3 and c (N s/mm^(1 + m3)) of its contacts."""
+    """Material of a scene: name of the model; k (N/mm^(10/9)), m3 and c (N s/mm^(1 + m3)) of its contacts."""
 
     model: str
     k: float
@@ -93,7 +93,7 @@ class Material(NamedTuple):
 
 
 class PreparedScene(NamedTuple):
-    """A scene made ready: its case, the core's model, a buffer at rest, theory's K (1/s^2) and C (1/s) at rest."""
+    """Scene ready to run: its case, the core's model, a buffer at rest, theoretical K (1/s^2), C (1/s) at rest."""
 
     case: Case
     model: Any
@@ -103,34 +103,34 @@ class PreparedScene(NamedTuple):
 
 
 def methods_known() -> tuple[str, ...]:
-    """Names of all methods that can be mapped."""
+    """List the names of all methods that can be mapped."""
     return (*METHODS, *SCIPY)
 
 
 def models_known() -> tuple[str, ...]:
-    """Names of all models that have equations of motion."""
+    """List the names of all models with equations of motion."""
     return tuple(name for name in MODELS if assemble.kind_of_model(name).parameters in degrees_of_freedom.types)
 
 
 def materials(models: Sequence[str], grid: Grid) -> list[Material]:
-    """The units of work."""
+    """List the units of work: one per model and material."""
     return [Material(model, k, m3, c) for model, k, (m3, c) in product(models, grid.k, grid.damping)]
 
 
 def has_step(method: str) -> bool:
-    """Whether a method is told a step, not a tolerance."""
+    """Check if the method takes a fixed step, not a tolerance."""
     return method in METHODS and not METHODS[method].adaptive
 
 
 def cells(method: str, grid: Grid) -> tuple[float, ...]:
-    """The steps (s) or tolerances of a method, the coarsest first."""
+    """Return the steps (s) or tolerances of a method, the coarsest first."""
     if method in SCIPY:
         return grid.scipys
     return grid.steps if has_step(method) else grid.tolerances
 
 
 def count(models: Sequence[str], methods: Sequence[str], grid: Grid) -> int:
-    """Cells of a whole map."""
+    """Count the cells of a whole map."""
     return len(materials(models, grid)) * len(grid.pits) * sum(len(cells(method, grid)) for method in methods)
 
 
@@ -143,7 +143,7 @@ def set_up(material: Material, pit: str) -> PreparedScene:
 
 
 def run(bench: PreparedScene, method: str, setting: float, limit: float) -> Trace:
-    """One cell's run: ``setting`` is its step (s) or tolerance."""
+    """Run one cell; ``setting`` is its step (s) or tolerance."""
     if method in SCIPY:
         return solve(method, bench.model, bench.y, scene_tolerances(bench, setting)._replace(longest=inf), limit)
     if METHODS[method].implicit and type(bench.model) not in linearise.types:
@@ -154,37 +154,37 @@ def run(bench: PreparedScene, method: str, setting: float, limit: float) -> Trac
 
 
 def parameters(bench: PreparedScene, method: str, setting: float) -> Any:
-    """The core's method."""
+    """Build the core's method of a cell."""
     made: Any = assemble.kind_of_method(method).parameters
     return made(setting) if has_step(method) else made(*scene_tolerances(bench, setting))
 
 
 def scene_tolerances(bench: PreparedScene, tolerance: float) -> Tolerances:
-    """The tolerances of a scene, by its relative one."""
+    """Compute the tolerances of a scene from its relative one."""
     return Tolerances(*scales.tolerances(bench.case, bench.model, bench.model, SAMPLE_INTERVAL, tolerance))
 
 
 def reference(bench: PreparedScene, patience: float) -> Reference | None:
-    """Solutions of a scene until two agree; see ``agreeing_solutions``."""
-    found: dict[str, Trace] = {}
+    """Compute solutions of a scene until two agree; see ``agreeing_solutions``."""
+    solutions: dict[str, Trace] = {}
     for method, tolerance in (*REFERENCES, COARSE):
-        best = agreeing_solutions(found)
+        best = agreeing_solutions(solutions)
         if best is not None and (not best.chaotic or (method, tolerance) == COARSE):
             return best
         if method in methods_known():
-            found[f"{method} {tolerance:.0e}"] = reference_solution(bench, method, tolerance, patience)
-    return agreeing_solutions(found)
+            solutions[f"{method} {tolerance:.0e}"] = reference_solution(bench, method, tolerance, patience)
+    return agreeing_solutions(solutions)
 
 
 def reference_solution(bench: PreparedScene, method: str, tolerance: float, patience: float) -> Trace:
-    """A solution that may count for a reference: SciPy's solvers may not step over a pit here."""
+    """Compute a solution for the reference, with SciPy's steps limited so as not to skip a defect."""
     if method not in SCIPY:
         return run(bench, method, tolerance, patience)
     return solve(method, bench.model, bench.y, scene_tolerances(bench, tolerance), patience)
 
 
 def judges(methods: Sequence[str]) -> tuple[str, ...]:
-    """The methods of the reference that are not among those mapped."""
+    """List the reference methods that are not mapped themselves."""
     names = dict.fromkeys(name for name, _ in (*REFERENCES, COARSE))
     return tuple(name for name in names if name not in methods and name in methods_known())
 
@@ -198,7 +198,7 @@ def warm(model: str, method: str, grid: Grid) -> None:
 
 
 def map_of(material: Material, methods: Sequence[str], grid: Grid) -> Iterator[dict[str, Any]]:
-    """The rows of a material: every pit, method and setting."""
+    """Yield the rows of a material: every defect, method and setting."""
     sound: Reference | None = None
     for pit in (HEALTHY, *(pit for pit in grid.pits if pit != HEALTHY)):
         bench = set_up(material, pit)
@@ -218,7 +218,7 @@ def row_by_row(
     exact: Reference | None,
     sound: Reference | None,
 ) -> Iterator[dict[str, Any]]:
-    """The rows of one method in one scene. What would take too long, by what a step has cost, is not begun."""
+    """Yield the rows of one method in one scene, skipping cells that would exceed the time limit."""
     windows = crossings(bench.model)
     limit = limits.step_limit(method, bench.K, bench.C) if has_step(method) else inf
     per_step = 0.0
@@ -248,19 +248,19 @@ def row_by_row(
 
 
 def longest_step(bench: PreparedScene, method: str, setting: float) -> float:
-    """The longest step (s) that a run may take; SciPy's solvers may take any."""
+    """Return the longest step (s) of a run; SciPy's solvers have no limit."""
     if method in SCIPY:
         return inf
     return setting if has_step(method) else scene_tolerances(bench, setting).longest
 
 
 def scene_steps(h: float) -> int:
-    """Steps of ``h`` (s) in a scene."""
+    """Return the number of steps of ``h`` (s) in a scene."""
     return round(SPAN / h)
 
 
 def row_values(made: Trace, verdict: Verdict, exact: Reference | None, expected: int) -> dict[str, Any]:
-    """What a row says of a run and its verdict."""
+    """Collect the values of a row from a run and its verdict."""
     return {
         "class": verdict.outcome,
         "error": verdict.error,

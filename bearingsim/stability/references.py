@@ -1,4 +1,4 @@
-"""SciPy's integrators on the compiled models: other people's methods, to compare with and to check against.
+"""SciPy's integrators on the compiled models, as independent references.
 
 A model's state becomes a vector x = (positions, velocities) of what can move; its slopes are the compiled
 accelerations. Nothing is told to the solver of pits or touch-down; what it takes for success is read, and a run
@@ -22,22 +22,22 @@ from bearingsim.stability.scene import TIMES
 from bearingsim.stability.traces import STALL, TOO_SLOW, Trace
 
 SCIPY = {"scipy-lsoda": "LSODA", "scipy-radau": "Radau", "scipy-bdf": "BDF", "scipy-dop853": "DOP853"}
-"""SciPy's solvers by the names that they have in the map."""
+"""SciPy's solvers by their names in the map."""
 
 
 class OutOfTime(Exception):
-    """A solver has used up the CPU time it was given."""
+    """Exhaustion of the CPU time of a solver."""
 
 
 def moving(model: Any) -> np.ndarray:
-    """Offsets (n,) within a block of the state of what the model's equations move."""
+    """Return the offsets (n,), within a block of the state, of the variables of the model's equations."""
     own, shared = degrees_of_freedom(model)
     rollers = [i * lay.ROW + lay.FIRST_LANE + j for i in range(own) for j in range(model.bearing.Z)]
     return np.array([lay.shared_cell(k) for k in range(shared)] + rollers)
 
 
 def packed(y: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """The vector (2 n,) of a buffer's state."""
+    """Pack a buffer's state into a vector (2 n,)."""
     return np.concatenate([y[lay.POSITION + places], y[lay.VELOCITY + places]])
 
 
@@ -52,7 +52,7 @@ def unpack(x: np.ndarray, places: np.ndarray, y: np.ndarray) -> None:
 
 @jit
 def state_rate(model: Any, t: float, x: np.ndarray, places: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
-    """dx/dt (2 n,) into ``out``."""
+    """Compute dx/dt (2 n,) into ``out``."""
     n = len(places)
     unpack(x, places, y)
     accelerations(model, t, y)
@@ -62,7 +62,7 @@ def state_rate(model: Any, t: float, x: np.ndarray, places: np.ndarray, y: np.nd
 
 
 class StateRate:
-    """dx/dt as SciPy calls it; raises ``OutOfTime`` once ``limit`` (s of CPU) has gone."""
+    """Right-hand side dx/dt for SciPy; raises ``OutOfTime`` after ``limit`` (s of CPU)."""
 
     def __init__(self, model: Any, y: np.ndarray, limit: float) -> None:
         self.model, self.y, self.places = model, y.copy(), moving(model)
@@ -72,7 +72,7 @@ class StateRate:
         self.began, self.limit, self.calls = time.thread_time(), limit, 0
 
     def __call__(self, t: float, x: np.ndarray) -> np.ndarray:
-        """dx/dt (2 n,)."""
+        """Compute dx/dt (2 n,)."""
         self.calls += 1
         if self.calls % 64 == 0 and self.cpu > self.limit:
             raise OutOfTime
@@ -86,7 +86,7 @@ class StateRate:
         return time.thread_time() - self.began
 
 
-def solve(solver: str, model: Any, y: np.ndarray, asked: Tolerances, limit: float) -> Trace:
+def solve(solver: str, model: Any, y: np.ndarray, tolerances: Tolerances, limit: float) -> Trace:
     """Run one of ``SCIPY`` from the buffer's state at t = 0 through the scene, for ``limit`` CPU seconds at most.
 
     asked: as the own methods have it; a solver sees positions and velocities with the same rtol. What a solver
@@ -94,11 +94,11 @@ def solve(solver: str, model: Any, y: np.ndarray, asked: Tolerances, limit: floa
     """
     f = StateRate(model, y, limit)
     lever = f.y[LENGTH_SCALE + f.places]
-    atol = np.concatenate([asked.atol_q / lever, asked.atol_v / lever])
+    atol = np.concatenate([tolerances.atol_q / lever, tolerances.atol_v / lever])
     columns: list[np.ndarray] = []
     with np.errstate(all="ignore"), warnings.catch_warnings():  # a row says what became of a run
         warnings.simplefilter("ignore")
-        failure, reason, steps = march(SCIPY[solver], f, packed(y, f.places), atol, asked, columns, TIMES)
+        failure, reason, steps = march(SCIPY[solver], f, packed(y, f.places), atol, tolerances, columns, TIMES)
     cpu, calls = f.cpu, f.calls
     x = np.concatenate(columns, axis=1) if columns else np.empty((2 * len(lever), 0))
     velocity = x[len(lever) : len(lever) + 2]
@@ -110,7 +110,7 @@ def march(
     f: StateRate,
     x_0: np.ndarray,
     atol: np.ndarray,
-    asked: Tolerances,
+    tolerances: Tolerances,
     columns: list[np.ndarray],
     times: np.ndarray,
     after: Callable[[float, np.ndarray], None] = lambda t, x: None,
@@ -121,16 +121,18 @@ def march(
     """
     steps, due = 0, 0
     try:
-        one = getattr(integrate, name)(f, 0.0, x_0, times[-1], rtol=asked.rtol, atol=atol, max_step=asked.longest)
-        while one.status == "running":
-            reason = one.step()
+        solver = getattr(integrate, name)(
+            f, 0.0, x_0, times[-1], rtol=tolerances.rtol, atol=atol, max_step=tolerances.longest
+        )
+        while solver.status == "running":
+            reason = solver.step()
             steps += 1
             if reason:
                 return STALL, str(reason), steps
-            after(one.t, one.y)
-            before, due = due, int(np.searchsorted(times, one.t, side="right"))
+            after(solver.t, solver.y)
+            before, due = due, int(np.searchsorted(times, solver.t, side="right"))
             if due > before:
-                columns.append(one.dense_output()(times[before:due]))
+                columns.append(solver.dense_output()(times[before:due]))
     except OutOfTime:
         return TOO_SLOW, f"not done after {f.limit:g} s", steps
     except (ValueError, np.linalg.LinAlgError, FloatingPointError) as error:
@@ -139,10 +141,10 @@ def march(
 
 
 def touching(f: StateRate, x: np.ndarray) -> np.ndarray:
-    """Whether each roller carries load at the outer race, (Z, samples)."""
-    found = np.empty((f.model.bearing.Z, x.shape[1]), dtype=bool)
+    """Compute if each roller carries load at the outer race, (Z, samples)."""
+    loaded = np.empty((f.model.bearing.Z, x.shape[1]), dtype=bool)
     unused = np.empty(len(x))
     for n in range(x.shape[1]):
         state_rate(f.model, TIMES[n], x[:, n].copy(), f.places, f.y, unused)
-        found[:, n] = f.y[lay.Q_O : lay.Q_O + len(found)] > 0.0
-    return found
+        loaded[:, n] = f.y[lay.Q_O : lay.Q_O + len(loaded)] > 0.0
+    return loaded

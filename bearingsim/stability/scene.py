@@ -16,15 +16,15 @@ from bearingsim.core.laws.stiffness.ten_ninths import EXPONENT, PALMGREN_N_MM
 from bearingsim.core.pits.pairs import HALF_WIDTH, passing_speed
 
 SPAN = 2.2e-3  # s
-SAMPLE_INTERVAL = 1e-6  # s between the samples that are compared
-MIDDLES = (0.5e-3, 1.1e-3, 1.7e-3)  # s: when the roller stands in the middle of each pit
+SAMPLE_INTERVAL = 1e-6  # s between compared samples
+MIDDLES = (0.5e-3, 1.1e-3, 1.7e-3)  # s, times of the roller at the middle of each defect
 LOAD = 150.0  # N
 
 STEEL = PALMGREN_N_MM * 12.0 ** (8.0 / 9.0)
 """Palmgren's coefficient of a roller of 12 mm, N/mm^(10/9)."""
-PRINTED = 1e8  # N/mm^(10/9): the number that the paper prints
+PRINTED = 1e8  # N/mm^(10/9), as printed in the paper
 NAMED = {STEEL: "steel", PRINTED: "printed"}
-"""Stiffnesses that have a name."""
+"""Named stiffnesses."""
 
 SLOT = {"race": "outer", "shape": "rectangular", "length": "12 mm", "depth": "0.05 mm"}
 PITS: dict[str, dict[str, Any]] = {
@@ -47,20 +47,20 @@ class Scene(NamedTuple):
 
 
 def case_of(scene: Scene) -> Case:
-    """The case of a scene, but for its method and step."""
+    """Build the case of a scene, without method and step."""
     law = {"law": "general", "coefficient": scene.c, "indentation_exponent": scene.m3}
     stiffness = {"law": "constant", "coefficient": scene.k, "exponent": EXPONENT}
     return crossing(scene.model, scene.pit, {"stiffness": stiffness, "damping": law})
 
 
 def crossing(model: str, pit: str, contact: dict[str, Any], late: float = 0.0) -> Case:
-    """The case of a loaded roller that crosses three pits, ``late`` s later than at ``MIDDLES``."""
+    """Build the case of a loaded roller crossing three defects, ``late`` s later than at ``MIDDLES``."""
     base = {"bearing": "nf308", "speed": "1800 rpm", "load": LOAD, "model": model, "contact": contact}
     omega_c = assemble.geometry.bearing(Case.model_validate(base)).omega_c
-    given = dict(PITS[pit])
-    excitation = given.pop("excitation", "envelope")
+    shape = dict(PITS[pit])
+    excitation = shape.pop("excitation", "envelope")
     middle = MIDDLES[len(MIDDLES) // 2]
-    pits = [SLOT | given | {"angle": f"{degrees(omega_c * (t - middle))} deg"} for t in MIDDLES if given]
+    pits = [SLOT | shape | {"angle": f"{degrees(omega_c * (t - middle))} deg"} for t in MIDDLES if shape]
     start = f"{degrees(-omega_c * (middle + late))} deg"
     return Case.model_validate(base | {"defects": pits, "excitation": excitation, "start_angle": start})
 
@@ -71,7 +71,7 @@ TIMES = SAMPLE_INTERVAL * np.arange(1, SAMPLES + 1)
 
 
 def crossings(model: Any) -> list[tuple[float, float]]:
-    """When (s) the roller enters and leaves each pit, at kinematic speeds."""
+    """Compute entry and exit times (s) of the roller at each defect, at kinematic speeds."""
     if len(model.pits.head) == 0:
         return []
     half = float(model.pits.head[0, HALF_WIDTH]) / passing_speed(model.pits, 0, model.bearing)

@@ -1,4 +1,4 @@
-"""A short run by one of the own methods, whatever becomes of it."""
+"""Short run by one of the own methods, including failures."""
 
 import time
 from math import ceil
@@ -13,9 +13,9 @@ from bearingsim.core.advance import Monitor, NoSamples, advance_and_sample, read
 from bearingsim.core.outcomes import NEWTON_FAILED, NOT_FINITE, STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
 from bearingsim.stability.scene import SAMPLE_INTERVAL, SPAN
 
-MAX_DISPLACEMENT, MAX_SPEED = 1e-3, 50.0  # m, m/s: a ring beyond has been blown away
-MAX_EVALUATIONS = 1e4  # evaluations by an adaptive method between two looks at the clock
-MAX_STEPS_AT_ONCE = 20_000  # steps between looks at the clock
+MAX_DISPLACEMENT, MAX_SPEED = 1e-3, 50.0  # m, m/s: limits of the ring, beyond which a run has blown up
+MAX_EVALUATIONS = 1e4  # evaluations by an adaptive method between two checks of the CPU time
+MAX_STEPS_AT_ONCE = 20_000  # steps between checks of the CPU time
 
 BLOW_UP, STALL, TOO_SLOW = "blow-up", "stalled", "too slow"
 WHY = {
@@ -47,7 +47,7 @@ class Trace(NamedTuple):
 
 
 def not_run(failure: str, reason: str) -> Trace:
-    """The trace of a run that was not made."""
+    """Return the trace of a run that was skipped."""
     return Trace(1, np.empty((2, 0)), np.empty((0, 0), dtype=bool), failure, reason)
 
 
@@ -105,7 +105,7 @@ def _room(places: np.ndarray, steps: int) -> np.ndarray:
 
 
 def _beyond(out: np.ndarray) -> tuple[str, str]:
-    """Whether the ring has left the machine."""
+    """Check if the ring has left the machine; return failure and reason, empty if not."""
     if not np.isfinite(out[:4]).all():
         return BLOW_UP, "not finite"
     if np.abs(out[:2]).max() > MAX_SPEED or np.abs(out[2:4]).max() > MAX_DISPLACEMENT:
