@@ -1,4 +1,4 @@
-"""What the results of a design say: which parameters decide a feature, and how surely.
+"""Sensitivity analysis of a design: influential parameters of a feature, with confidence intervals.
 
 ``blocks`` reads a feature from a results folder, in the rows of its design. ``sobol`` and ``morris`` make indices
 and effects of them, ``intervals`` says how well they are known, ``verdict`` puts them into words.
@@ -28,15 +28,15 @@ __all__ = [
 
 
 def analysed(blocks: Blocks) -> Indices | Effects:
-    """Sobol' indices of a design `saltelli`, Morris' effects of a design `morris`, with intervals.
+    """Compute Sobol indices of a design `saltelli`, or Morris effects of a design `morris`, with intervals.
 
-    Raises SensitivityError where so few blocks vary that some of what the bootstrap draws do not.
+    Raises SensitivityError if too few blocks vary for the bootstrap.
     """
-    found: Indices | Effects
+    answer: Indices | Effects
     if blocks.kind == "saltelli":
-        found = of_blocks(blocks.values)
+        answer = of_blocks(blocks.values)
     else:
-        found = of_trajectories(blocks.points, blocks.values)
-    if not all(np.isfinite(ends).all() for one in found for ends in one):
+        answer = of_trajectories(blocks.points, blocks.values)
+    if not all(np.isfinite(ends).all() for estimate in answer for ends in estimate):
         raise SensitivityError(f"`{blocks.feature}` varies in too few blocks for an interval: raise `n`")
-    return found
+    return answer

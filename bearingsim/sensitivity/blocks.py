@@ -1,4 +1,4 @@
-"""From a results folder to the blocks of its design: what a feature is in each row."""
+"""Blocks of a design from a results folder: values of a feature in each row."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,12 +18,10 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-__all__ = ["FAILED_AT_MOST", "Blocks", "SensitivityError", "design_of", "of_results"]
-
 FAILED_AT_MOST = 0.1
-"""Share of jobs without a value up to which the rest still stands for the whole."""
+"""Largest share of jobs without a value at which the blocks are still analysed."""
 LEAST_BLOCKS = 4
-"""With fewer there is nothing to draw anew from."""
+"""Least number of blocks for a bootstrap."""
 READ_BY = ("saltelli", "morris")
 TO_WRITE = (
     "`sweep: {saltelli: {n: 128, seed: 1, over: {defect.width: {uniform: [0.2 mm, 0.8 mm]}, ...}}}`,"
@@ -60,16 +58,16 @@ class Blocks:
         return len(self.values) + self.dropped
 
     def losses(self) -> str:
-        """`31 of 128 blocks dropped: ...`; empty where none is."""
+        """Describe the dropped blocks, `31 of 128 blocks dropped: ...`; empty if there are none."""
         if not self.dropped:
             return ""
         causes = ((self.failed, "failed"), (self.valueless, f"have no `{self.feature}`"))
-        told = " and ".join(f"{count} {what}" for count, what in causes if count)
-        return f"{self.dropped} of {self.planned} blocks dropped: of {self.jobs} jobs {told}"
+        reasons = " and ".join(f"{count} {what}" for count, what in causes if count)
+        return f"{self.dropped} of {self.planned} blocks dropped: of {self.jobs} jobs {reasons}"
 
 
 def design_of(results: "Results") -> Mapping[str, Any]:
-    """The design of a study that has one from which indices follow. Raises SensitivityError for another."""
+    """Return the design of a study. Raises SensitivityError for a design without sensitivity analysis."""
     design = results.plan.get("design")
     if design is None:
         raise SensitivityError(f"{results.path}: the study has no design. For indices write {TO_WRITE}")
@@ -82,10 +80,10 @@ def design_of(results: "Results") -> Mapping[str, Any]:
 
 
 def of_results(results: "Results", feature: str) -> Blocks:
-    """The blocks of a feature.
+    """Collect the blocks of a feature.
 
-    Raises SensitivityError for results without a design, a feature that they do not have or that does not vary,
-    jobs that are not computed yet, and where more than FAILED_AT_MOST of the jobs have no value.
+    Raises SensitivityError for results without a design, a feature that is missing or constant, jobs not yet
+    computed, and for more than FAILED_AT_MOST of the jobs without a value.
     """
     design = design_of(results)
     table = results.table().set_index("job")
@@ -124,11 +122,11 @@ def of_results(results: "Results", feature: str) -> Blocks:
 
 
 def _check_feature(feature: str, table: "pd.DataFrame") -> None:
-    known = [name for name in map(str, table) if name in FEATURES and not name.endswith(".phase")]
-    if feature not in known:
+    features = [name for name in map(str, table) if name in FEATURES and not name.endswith(".phase")]
+    if feature not in features:
         why = " (a phase has no variance: it turns round)" if feature.endswith(".phase") else ""
-        near = "" if feature in FEATURES else suggestion(feature, known)
-        advice = near or f"there are: {', '.join(known) or 'none'}"
+        near = "" if feature in FEATURES else suggestion(feature, features)
+        advice = near or f"there are: {', '.join(features) or 'none'}"
         raise SensitivityError(f"no feature `{feature}` in these results{why} ({advice})")
 
 
@@ -142,7 +140,7 @@ def _check_computed(results: "Results", jobs: "pd.DataFrame") -> None:
 
 def _check_enough(kept: Blocks) -> None:
     if len(kept.values) < LEAST_BLOCKS:
-        told = kept.losses() or f"the design has n: {kept.planned}"
-        raise SensitivityError(f"too few blocks for an interval ({told}): raise `n`")
+        losses = kept.losses() or f"the design has n: {kept.planned}"
+        raise SensitivityError(f"too few blocks for an interval ({losses}): raise `n`")
     if np.ptp(kept.values) == 0.0:
         raise SensitivityError(f"`{kept.feature}` is the same in all jobs: there is nothing to share out")

@@ -1,4 +1,4 @@
-"""How well an estimate from the blocks of a design is known: intervals by the bootstrap."""
+"""Confidence intervals of estimates from the blocks of a design, by the bootstrap."""
 
 import warnings
 from collections.abc import Callable
@@ -7,16 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["LEVEL", "Array", "Estimate", "estimate"]
-
 Array = NDArray[np.float64]
 LEVEL = 0.95
-"""Of an interval: of 100 of them some 95 hold the value."""
+"""Confidence level of an interval."""
 RESAMPLES, SEED = 999, 1
 
 
 class Estimate(NamedTuple):
-    """Some values, each with the ends of its interval; arrays of one shape."""
+    """Values with the limits of their confidence intervals; arrays of one shape."""
 
     value: Array
     low: Array
@@ -24,18 +22,19 @@ class Estimate(NamedTuple):
 
 
 def estimate(statistic: Callable[[Array], Array], blocks: Array) -> Estimate:
-    """What a statistic makes of the blocks (n, ...), and how far chance moves it.
+    """Compute a statistic of the blocks (n, ...) with bootstrap confidence intervals.
 
-    Blocks are drawn with replacement, each as a whole, since its rows belong together. An interval lies between
-    two percentiles of what 999 draws give (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, ch. 13).
-    The draws are seeded: the same blocks give the same interval. Blocks of one Sobol' sequence are more even than
-    draws, so intervals of their indices are rather too wide. NaN where a draw has no value of the statistic.
+    Blocks are resampled with replacement, each as a whole, since its rows belong together. An interval lies
+    between two percentiles of 999 resamples (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, ch.
+    13). The resampling is seeded: the same blocks give the same interval. Blocks of one Sobol sequence are more
+    even than random ones, so intervals of their indices are conservative. NaN if the statistic of a resample is
+    undefined.
     """
     from scipy.stats import DegenerateDataWarning, bootstrap
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DegenerateDataWarning)  # the interval is NaN then, which says it
-        found = bootstrap(
+        interval = bootstrap(
             (np.arange(len(blocks)),),
             lambda drawn: statistic(blocks[drawn]),
             n_resamples=RESAMPLES,
@@ -44,4 +43,4 @@ def estimate(statistic: Callable[[Array], Array], blocks: Array) -> Estimate:
             method="percentile",
             random_state=np.random.default_rng(SEED),
         ).confidence_interval
-    return Estimate(statistic(blocks), np.asarray(found.low), np.asarray(found.high))
+    return Estimate(statistic(blocks), np.asarray(interval.low), np.asarray(interval.high))

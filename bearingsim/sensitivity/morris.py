@@ -1,4 +1,4 @@
-"""Elementary effects after Morris: which parameters matter at all, from few jobs.
+"""Elementary effects after Morris: screening of parameters with few jobs.
 
 An elementary effect is what one step of one parameter does to a feature, over the length of the step. A step is
 counted in the unit cube: an effect is in the feature's unit for the whole range of the parameter.
@@ -17,8 +17,6 @@ import numpy as np
 
 from bearingsim.sensitivity.intervals import Array, Estimate, estimate
 
-__all__ = ["Effects", "elementary", "of_trajectories"]
-
 
 class Effects(NamedTuple):
     """mu, mu* and sigma of d parameters, in the feature's unit over the whole range."""
@@ -29,9 +27,10 @@ class Effects(NamedTuple):
 
 
 def elementary(points: Array, values: Array) -> Array:
-    """The elementary effects (n, d) of trajectories: points (n, d + 1, d) in the unit cube, values (n, d + 1).
+    """Compute the elementary effects (n, d) of trajectories: points (n, d + 1, d) in the unit cube, values (n, d +
+    1).
 
-    Each step of a trajectory moves one parameter, and each parameter is moved once.
+    Each step of a trajectory changes one parameter, and each parameter changes once.
     """
     steps, changes = np.diff(points, axis=1), np.diff(values, axis=1)
     moved = np.argmax(steps != 0.0, axis=1)  # (n, d): the step that moves each parameter
@@ -40,9 +39,9 @@ def elementary(points: Array, values: Array) -> Array:
 
 
 def of_trajectories(points: Array, values: Array) -> Effects:
-    """mu, mu* and sigma of trajectories as of ``elementary``, with intervals."""
-    found = estimate(_statistics, elementary(points, values))
-    return Effects(*(Estimate(*(ends[row] for ends in found)) for row in range(3)))
+    """Compute mu, mu* and sigma of trajectories as in ``elementary``, with intervals."""
+    statistics = estimate(_statistics, elementary(points, values))
+    return Effects(*(Estimate(*(ends[row] for ends in statistics)) for row in range(3)))
 
 
 def _statistics(effects: Array) -> Array:

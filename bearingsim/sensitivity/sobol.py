@@ -1,4 +1,4 @@
-"""Sobol' indices: which share of the variance of a feature is whose.
+"""Sobol indices: shares of the variance of a feature by parameter.
 
 The parameters vary independently, each by its distribution. V is the variance of the feature f.
 
@@ -12,8 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.sensitivity.intervals import Array, Estimate, estimate
-
-__all__ = ["Indices", "indices", "of_blocks"]
 
 
 class Indices(NamedTuple):
@@ -43,21 +41,21 @@ def indices(blocks: Array) -> Array:
         unit = f / np.sqrt((f**2).mean(axis=0))
         a, b, mixed = unit[:, :1], unit[:, 1:2], unit[:, 2:]
         r, c, e = (a * b).mean(), (b * mixed).mean(axis=0), (a * mixed).mean(axis=0)
-        first = (c - r * e) / (1.0 - r**2)
+        alone = (c - r * e) / (1.0 - r**2)
         steps = blocks[:, :1] - blocks[:, 2:]
         total = (steps**2).mean(axis=0) / (2.0 * blocks[:, :2].var())
-    return np.stack([first, total])
+    return np.stack([alone, total])
 
 
 def of_blocks(blocks: Array) -> Indices:
-    """The indices of blocks as of ``indices``, with intervals."""
-    found = estimate(_all, blocks)
+    """Compute the indices of blocks as in ``indices``, with intervals."""
+    estimates = estimate(_all, blocks)
     d = blocks.shape[1] - 2
     parts = (slice(d), slice(d, 2 * d), slice(2 * d, None))
-    return Indices(*(Estimate(*(ends[part] for ends in found)) for part in parts))
+    return Indices(*(Estimate(*(ends[part] for ends in estimates)) for part in parts))
 
 
 def _all(blocks: Array) -> Array:
     """First indices, total ones, and 1 - sum S_j, one after the other (2d + 1)."""
-    first, total = indices(blocks)
-    return np.concatenate([first, total, [1.0 - first.sum()]])
+    alone, total = indices(blocks)
+    return np.concatenate([alone, total, [1.0 - alone.sum()]])

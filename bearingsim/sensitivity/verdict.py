@@ -1,4 +1,4 @@
-"""What decides a feature, in a few plain sentences, no stronger than the intervals allow."""
+"""Influential parameters of a feature in sentences, no stronger than the intervals allow."""
 
 from collections.abc import Iterator, Sequence
 
@@ -8,54 +8,52 @@ from bearingsim.sensitivity.intervals import Estimate
 from bearingsim.sensitivity.morris import Effects
 from bearingsim.sensitivity.sobol import Indices
 
-__all__ = ["LITTLE", "leaders", "negligible", "of_effects", "of_indices"]
-
 LITTLE = 0.05
-"""What is surely under this share, of the variance or of the largest effect, hardly matters."""
+"""Share of the variance or of the largest effect below which a parameter is negligible."""
 
 
-def of_indices(found: Indices, feature: str, paths: Sequence[str]) -> str:
-    """What decides a feature, by Sobol' indices of the parameters ``paths``."""
+def of_indices(indices: Indices, feature: str, paths: Sequence[str]) -> str:
+    """Describe the influential parameters ``paths`` of a feature, by Sobol indices."""
     texts = [
-        f"`{paths[place]}`, total index {_interval(found.total, place)}, alone {_interval(found.first, place)}"
-        for place in leaders(found.total)
+        f"`{paths[place]}`, total index {_interval(indices.total, place)}, alone {_interval(indices.first, place)}"
+        for place in leaders(indices.total)
     ]
-    weak = _weak(negligible(found.total, 1.0), paths, "the variance")
-    return " ".join([_deciding(texts, feature, len(paths)), *weak, _together(found.together)])
+    weak = _weak(negligible(indices.total, 1.0), paths, "the variance")
+    return " ".join([_deciding(texts, feature, len(paths)), *weak, _together(indices.together)])
 
 
-def of_effects(found: Effects, feature: str, paths: Sequence[str], unit: str = "", factor: float = 1.0) -> str:
-    """What decides a feature, by Morris' effects. unit, factor (from SI): in which they are said."""
-    sized = Estimate(*(factor * ends for ends in found.magnitude))
-    first = leaders(found.magnitude)
-    texts = [f"`{paths[place]}`, mu* {_interval(sized, place)}{f' {unit}' * bool(unit)}" for place in first]
-    weak = _weak(negligible(found.magnitude, found.magnitude.low[first[0]]), paths, "that")
-    slope = np.maximum(np.abs(found.mean.low), np.abs(found.mean.high))
-    bent = [f"`{paths[place]}`" for place in first if found.spread.low[place] > slope[place]]
-    said = [f"What {_listed(bent)} does depends on the others, or is no straight line: sigma is over mu."]
-    return " ".join([_deciding(texts, feature, len(paths)), *weak, *said * bool(bent)])
+def of_effects(effects: Effects, feature: str, paths: Sequence[str], unit: str = "", factor: float = 1.0) -> str:
+    """Describe the influential parameters of a feature, by Morris effects; unit, factor (from SI): of the text."""
+    sized = Estimate(*(factor * ends for ends in effects.magnitude))
+    strongest = leaders(effects.magnitude)
+    texts = [f"`{paths[place]}`, mu* {_interval(sized, place)}{f' {unit}' * bool(unit)}" for place in strongest]
+    weak = _weak(negligible(effects.magnitude, effects.magnitude.low[strongest[0]]), paths, "that")
+    slope = np.maximum(np.abs(effects.mean.low), np.abs(effects.mean.high))
+    bent = [f"`{paths[place]}`" for place in strongest if effects.spread.low[place] > slope[place]]
+    nonlinear = [f"What {_listed(bent)} does depends on the others, or is no straight line: sigma is over mu."]
+    return " ".join([_deciding(texts, feature, len(paths)), *weak, *nonlinear * bool(bent)])
 
 
 def leaders(ranked: Estimate) -> list[int]:
-    """The parameter with the largest value, and those whose intervals overlap with its; the largest first."""
+    """List the parameter with the largest value and those with overlapping intervals, the largest first."""
     places = np.argsort(-ranked.value, kind="stable")
     return [int(place) for place in places if ranked.high[place] >= ranked.low[places[0]]]
 
 
 def negligible(ranked: Estimate, whole: float) -> list[int]:
-    """The parameters of which the whole interval lies under LITTLE of ``whole``."""
+    """List the parameters with the whole interval below LITTLE of ``whole``."""
     return [int(place) for place in np.flatnonzero(ranked.high < LITTLE * whole)]
 
 
 def _deciding(texts: Sequence[str], feature: str, many: int) -> str:
-    """texts: of those that may decide most, of ``many`` parameters."""
+    """Describe the most influential of ``many`` parameters; texts: one for each of them."""
     if 1 < len(texts) == many:
-        told = "; ".join(texts)
-        return f"Which parameter decides {feature} most is not to be told: all intervals overlap: {told}."
+        listed = "; ".join(texts)
+        return f"Which parameter decides {feature} most is not to be told: all intervals overlap: {listed}."
     if len(texts) == 1:
         return f"One parameter decides {feature} most, its interval clear of all others: {texts[0]}."
-    told = "; ".join(texts)
-    return f"{len(texts)} parameters decide {feature} most, in an order that their intervals leave open: {told}."
+    listed = "; ".join(texts)
+    return f"{len(texts)} parameters decide {feature} most, in an order that their intervals leave open: {listed}."
 
 
 def _weak(places: Sequence[int], paths: Sequence[str], whole: str) -> Iterator[str]:
@@ -65,16 +63,16 @@ def _weak(places: Sequence[int], paths: Sequence[str], whole: str) -> Iterator[s
 
 
 def _together(rest: Estimate) -> str:
-    """What the sum of the first indices leaves."""
+    """Describe the remainder of the sum of the first indices."""
     share = f"1 - sum of first indices = {_interval(rest, 0)}"
     if rest.low > 0.0:
         return f"Parameters act together ({share}): moving one at a time would not show all."
     return f"Whether parameters act together cannot be told ({share})."
 
 
-def _interval(found: Estimate, place: int) -> str:
-    """`0.71 (0.52 to 0.97)`."""
-    value, low, high = (_short(float(ends[place])) for ends in found)
+def _interval(estimate: Estimate, place: int) -> str:
+    """Format a value and its interval: `0.71 (0.52 to 0.97)`."""
+    value, low, high = (_short(float(ends[place])) for ends in estimate)
     return f"{value} ({low} to {high})"
 
 
@@ -83,5 +81,5 @@ def _short(value: float) -> str:
 
 
 def _listed(texts: Sequence[str]) -> str:
-    """`a`, `a and b`, `a, b and c`."""
+    """Join words: `a`, `a and b`, `a, b and c`."""
     return " and ".join(filter(None, [", ".join(texts[:-1]), *texts[-1:]]))
