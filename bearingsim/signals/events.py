@@ -1,15 +1,15 @@
-"""Where in a pass things happen: a roller that enters a pit and leaves it."""
+"""Entry of a roller into a defect and its exit, within a pass."""
 
 import numpy as np
 
 from bearingsim.signals.spectra import analytic
 
-SMOOTHED = 40  # events closer than a pass over this are one
+SMOOTHED = 40  # events closer than a pass over this count as one
 WHITENED = 20  # lines to either side over which the spectrum is levelled
-FLOOR = 1e-3  # of the mean power: what is weaker is not raised to the rest
-LEAST = 0.08  # of the exit: an entry that stands less is ripple
-STILL = 1e-6  # of the envelope: what moves less is rounding
-NOISE = 7.0  # standard errors of the mean over passes: what stands less is noise
+FLOOR = 1e-3  # of the mean power: weaker lines are not levelled
+LEAST = 0.08  # of the exit, least height of an entry
+STILL = 1e-6  # of the envelope: smaller changes are rounding
+NOISE = 7.0  # standard errors of the mean over passes, least height of an event
 
 
 def spacing(series: np.ndarray, fs: float, period: float) -> float:
@@ -43,7 +43,7 @@ def spacing(series: np.ndarray, fs: float, period: float) -> float:
 
 
 def about_exits(envelope: np.ndarray, half: int) -> np.ndarray:
-    """Passes (p, 2 half + 1) about each value of an envelope (n,) that is the highest within half a pass."""
+    """Return passes (p, 2 half + 1) around the values of an envelope (n,) that are highest within half a pass."""
     tops = maxima(envelope)
     tops = tops[(tops >= half) & (tops < len(envelope) - half)]
     around = np.lib.stride_tricks.sliding_window_view(envelope, 2 * half + 1)[tops - half]
@@ -62,14 +62,14 @@ def levelled_envelope(series: np.ndarray, fs: float, reach: float) -> np.ndarray
 
 
 def smoothed(series: np.ndarray, width: float) -> np.ndarray:
-    """Series (n,) averaged under a bell whose width at half height is ``width`` samples."""
+    """Smooth a series (n,) with a bell of ``width`` samples at half height."""
     frequencies = np.fft.rfftfreq(len(series))
     bell = np.exp(-((np.pi * width * frequencies) ** 2) / (4.0 * np.log(2.0)))
     return np.fft.irfft(np.fft.rfft(series) * bell, len(series))
 
 
 def maxima(values: np.ndarray) -> np.ndarray:
-    """Indices of the local maxima of values (n,), the ends apart."""
+    """Return the indices of the local maxima of values (n,), without the ends."""
     return 1 + np.flatnonzero((values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:]))
 
 
@@ -92,7 +92,7 @@ def summit(values: np.ndarray, top: int) -> float:
 
 
 def height(values: np.ndarray, top: int) -> float:
-    """How far a maximum stands over its surroundings; the end of the series counts as what is higher."""
+    """Compute the prominence of a maximum; the ends of the series count as higher."""
     higher = np.flatnonzero(values > values[top])
     left = higher[higher < top].max(initial=0)
     right = higher[higher > top].min(initial=len(values))

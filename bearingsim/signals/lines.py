@@ -5,7 +5,7 @@ from math import pi
 
 import numpy as np
 
-BLOCK = 1 << 16  # samples that are worked on at a time
+BLOCK = 1 << 16  # samples per block of computation
 
 
 def lines_by_pass(fine: np.ndarray, M: int, harmonics: Sequence[int], start: int, Z_theta_0: float) -> np.ndarray:
@@ -34,12 +34,12 @@ def pass_weights(n: int, neighbours: bool) -> np.ndarray:
 def derivative_lines(
     by_pass: np.ndarray, borders: np.ndarray, rate: float | np.ndarray, harmonics: Sequence[int], Z_theta: float
 ) -> np.ndarray:
-    """Lines of the derivative of a series, from the series' own lines (harmonics, passes), by parts.
+    """Compute lines of the derivative of a series from the series' own lines (harmonics, passes), by parts.
 
-    borders: (passes + 1,) the series at the passes' borders, where Z times the first roller's angle is
-    ``Z_theta`` (rad, any border); rate: passes a second (Hz), one number or each pass's own (passes,).
-    Samples of an acceleration full of impacts fold
-    percents of them into a line a thousand times smaller; a velocity has less to fold.
+    borders: (passes + 1,) the series at the passes' borders, at which Z times the first roller's angle is
+    ``Z_theta`` (rad, any border); rate: passes a second (Hz), one number or each pass's own (passes,). Samples of
+    an acceleration full of impacts alias per cents of them into a line a thousand times smaller; a velocity
+    aliases less.
     """
     k = np.asarray(harmonics)[:, np.newaxis]
     return 2j * pi * rate * k * by_pass + 2.0 * rate * np.exp(-1j * k * Z_theta) * np.diff(borders)
@@ -84,7 +84,7 @@ def line_at(series: np.ndarray, angle: np.ndarray) -> np.ndarray:
 def lines_of_windows(
     windows: np.ndarray, count: int, period: int, rest: np.ndarray, angle: np.ndarray, turn: np.ndarray
 ) -> np.ndarray:
-    """``line_at`` of L lines at constant speed, in a series made of windows of which the last occur again.
+    """Compute ``line_at`` of L lines at constant speed, in a series of windows of which the last repeat.
 
     windows: (..., W, M); the series is ``count`` windows side by side, those after the first W being the last
     ``period`` of them again and again, and ``rest`` (..., r) at the end. angle: (L,) rad of each line at the first
@@ -106,14 +106,14 @@ def lines_of_windows(
     hann = np.array([0.5, -0.25, -0.25]) / (0.5 * (N - 1))
     sums = total.reshape(*total.shape[:-1], -1, 3) @ hann
     kernel = _sum_of_turns(frequency, np.array(N)).reshape(-1, 3) @ hann
-    found = 2.0 * np.exp(-1j * angle) * (sums[..., :-1] - sums[..., -1:] * kernel[:-1])
-    return np.where(np.abs(turn) * (N - 1) >= 4.0 * pi, found, complex(np.nan, np.nan))
+    lines = 2.0 * np.exp(-1j * angle) * (sums[..., :-1] - sums[..., -1:] * kernel[:-1])
+    return np.where(np.abs(turn) * (N - 1) >= 4.0 * pi, lines, complex(np.nan, np.nan))
 
 
 def lines_of_blocks(
     blocks: Iterable[tuple[np.ndarray, np.ndarray, np.ndarray]], begin: np.ndarray, end: np.ndarray
 ) -> np.ndarray:
-    """``line_at`` of L lines in Q series each, which come in blocks that follow each other.
+    """Compute ``line_at`` of L lines in Q series each, given as consecutive blocks.
 
     A block: series (L, Q, n), the lines' angles (L, n) rad, and their growth from sample to sample (L, n). begin,
     end: (L,) angles of the first sample and the last. Returns (L, Q) complex.
@@ -128,17 +128,17 @@ def lines_of_blocks(
         weights, kernels = weights + weight.sum(axis=1), kernels + kernel.sum(axis=1)
         mean = mean + np.einsum("lqn,ln->lq", moving, weight)
         total = total + np.einsum("lqn,ln->lq", moving, kernel)
-    found = 2.0 * (total - mean * (kernels / weights)[:, np.newaxis]) / np.expand_dims(weights, 1)
-    return np.where(np.abs(turns)[:, np.newaxis] >= 2.0, found, complex(np.nan, np.nan))
+    lines = 2.0 * (total - mean * (kernels / weights)[:, np.newaxis]) / np.expand_dims(weights, 1)
+    return np.where(np.abs(turns)[:, np.newaxis] >= 2.0, lines, complex(np.nan, np.nan))
 
 
 def _turn(angle: np.ndarray) -> np.ndarray:
-    """exp(-i angle)."""
+    """Compute exp(-i angle)."""
     return np.cos(angle) - 1j * np.sin(angle)
 
 
 def _turns(n: np.ndarray, frequency: np.ndarray) -> np.ndarray:
-    """exp(-i f n): (n, f)."""
+    """Compute exp(-i f n), (n, f)."""
     return _turn(np.multiply.outer(n, frequency))
 
 
@@ -151,15 +151,15 @@ def _sum_of_turns(frequency: np.ndarray, N: np.ndarray) -> np.ndarray:
 
 
 def lines_at(series: np.ndarray, angles: Iterable[np.ndarray]) -> np.ndarray:
-    """``line_at`` for each of L angles (n,): (L, ...) complex for series (..., n)."""
+    """Compute ``line_at`` for each of L angles (n,): (L, ...) complex for series (..., n)."""
     return np.array([line_at(series, angle) for angle in angles])
 
 
 def resolvable(frequencies: Sequence[float] | np.ndarray, duration: float) -> np.ndarray:
-    """Which lines (Hz) a Hann window over ``duration`` (s) tells from all others: (n,) bool.
+    """Check which lines (Hz) a Hann window over ``duration`` (s) resolves: (n,) bool.
 
-    Those at least 2/duration, half the window's main lobe, from every other and from zero, where the mean and
-    the line's own mirror image begin. Equal lines, and what is not finite, are not.
+    Those at least 2/duration, half the window's main lobe, from every other and from zero, with the mean and the
+    line's own mirror image. Equal lines and non-finite ones are not resolved.
     """
     values = np.asarray(frequencies, dtype=float)
     apart = np.abs(np.subtract.outer(values, values))

@@ -4,13 +4,13 @@ from math import pi
 
 import numpy as np
 
-TAPS = 32  # samples that make one interpolated value
-BLOCK = 1 << 16  # values that are interpolated at a time
-SHARPNESS = 8.5  # of the window: the largest error up to 0.4 of the sample rate is least here, 2.5e-5
+TAPS = 32  # samples per interpolated value
+BLOCK = 1 << 16  # values per block of interpolation
+SHARPNESS = 8.5  # of the window, at the least maximal error up to 0.4 of the sample rate, 2.5e-5
 
 
 def at_equal_angles(fine: np.ndarray, angle: np.ndarray, M: int) -> tuple[np.ndarray, int]:
-    """Rows of a series, M samples to each turn of an angle, from the first whole turn in the record on.
+    """Resample a series to M samples per revolution of an angle, from the first whole revolution on.
 
     fine: (C, n), uniformly sampled in time; angle: (n,) rad at the same instants, growing (of ball passes:
     number of rollers times the angle of the cage). Returns (C, passes * M + 1), the last sample being the border
@@ -25,33 +25,35 @@ def at_equal_angles(fine: np.ndarray, angle: np.ndarray, M: int) -> tuple[np.nda
     if not np.all(np.diff(angle) > 0.0):
         raise ValueError("the angle does not grow throughout the record")
     inside = angle[TAPS // 2 - 1 : len(angle) - TAPS // 2 + 1]
-    first, last = (
+    begin, end = (
         (int(np.ceil(inside[0] / (2 * pi))), int(np.floor(inside[-1] / (2 * pi)))) if len(inside) else (0, 0)
     )
-    if last <= first:
+    if end <= begin:
         raise ValueError(f"no whole pass lies within the record, {TAPS // 2} samples spared at both ends")
-    equal = 2.0 * pi * (first + np.arange((last - first) * M + 1) / M)
-    return interpolated(fine, np.interp(equal, angle, np.arange(len(angle)))), first
+    equal = 2.0 * pi * (begin + np.arange((end - begin) * M + 1) / M)
+    return interpolated(fine, np.interp(equal, angle, np.arange(len(angle)))), begin
 
 
-def interpolated(rows: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Rows (C, n) at positions ``at`` (P,), in samples, from 15 to n - 16: (C, P). See ``at_equal_angles``."""
-    found = np.empty((len(rows), len(at)))
-    for first in range(0, len(at), BLOCK):
-        block = slice(first, first + BLOCK)
-        found[:, block] = _interpolated(rows, at[block])
-    return found
+def interpolated(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """Interpolate rows (C, n) at ``positions`` (P,), in samples, from 15 to n - 16: (C, P). See
+    ``at_equal_angles``.
+    """
+    values = np.empty((len(rows), len(positions)))
+    for begin in range(0, len(positions), BLOCK):
+        block = slice(begin, begin + BLOCK)
+        values[:, block] = _interpolated(rows, positions[block])
+    return values
 
 
-def _interpolated(rows: np.ndarray, at: np.ndarray) -> np.ndarray:
-    before = np.minimum(np.floor(at).astype(int), rows.shape[1] - TAPS // 2 - 1)
-    beyond = at - before
-    found, total = np.zeros((len(rows), len(at))), np.zeros(len(at))
+def _interpolated(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    before = np.minimum(np.floor(positions).astype(int), rows.shape[1] - TAPS // 2 - 1)
+    beyond = positions - before
+    values, total = np.zeros((len(rows), len(positions))), np.zeros(len(positions))
     for tap in range(1 - TAPS // 2, TAPS // 2 + 1):
         weight = kernel(beyond - tap)
-        found += rows[:, before + tap] * weight
+        values += rows[:, before + tap] * weight
         total += weight
-    return found / total  # so that a constant, which may be a thousand times the rest, stays one
+    return values / total  # so that a constant, which may be a thousand times the rest, stays one
 
 
 def kernel(distance: np.ndarray) -> np.ndarray:

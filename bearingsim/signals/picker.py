@@ -1,4 +1,4 @@
-"""The line near an expected frequency, told from its neighbours."""
+"""Line near an expected frequency, resolved from its neighbours."""
 
 from math import inf, pi
 from typing import NamedTuple
@@ -7,19 +7,19 @@ import numpy as np
 
 from bearingsim.signals.spectra import hann
 
-LEAST_PROMINENCE = 2.0  # leakage and ripple stand up to 1.5 times over their median
-TOLD = 0.75  # half-width in bins of the narrowest window of frequencies that can be told from beyond it
-PADDING = 4  # samples of the spectrum to a bin, at least
+LEAST_PROMINENCE = 2.0  # ratio to the local median; leakage and ripple reach 1.5
+TOLD = 0.75  # bins, half width of the narrowest resolvable frequency window
+PADDING = 4  # least samples of the spectrum per bin
 REACH = 6.0  # bins beyond the window within which lines are resolved together
-ONE = 1.5  # bins within which there is one line
-SHOULDER = 3.0, 0.05  # bins within which what is left of a line may be this share of it
+ONE = 1.5  # bins, least distance of two lines
+SHOULDER = 3.0, 0.05  # bins, and share of a line: residuals below it within that distance are its shoulder
 MIN_LINE = 1e-3  # of the strongest nearby
 MAX_LINES = 12  # lines resolved together
-BENT = 0.23  # power of Hann's main lobe that is nearest a parabola
+BENT = 0.23  # power at which Hann's main lobe is closest to a parabola
 
 
 class PickedLine(NamedTuple):
-    """A line: frequency (Hz), amplitude in the series' unit, and how many times it stands over the local median.
+    """Line: frequency (Hz), amplitude in the series' unit, and its ratio to the local median (prominence).
 
     White noise alone reaches a prominence of 3 to 4 among a hundred bins.
     """
@@ -30,7 +30,9 @@ class PickedLine(NamedTuple):
 
 
 def pick_line(series: np.ndarray, fs: float, expected: float, tolerance: float = 0.005) -> PickedLine | None:
-    """The strongest line of a series (n,) within a share ``tolerance`` of ``expected``, or None; ``fs`` in Hz too.
+    """Find the strongest line of a series (n,) within a share ``tolerance`` of ``expected``; ``fs`` in Hz, too.
+
+    Returns None without a line.
 
     A Hann window resolves lines 2/T apart, T the record's length, and hides a weak one next to a strong one from
     four on. So all lines near are resolved together: strongest first, each taken out with frequency, amplitude
@@ -68,7 +70,9 @@ def pick_line(series: np.ndarray, fs: float, expected: float, tolerance: float =
 def pick_from(
     frequencies: np.ndarray, amplitudes: np.ndarray, expected: float, tolerance: float = 0.02
 ) -> PickedLine | None:
-    """The strongest local maximum of a spectrum (n,) within a share ``tolerance`` of ``expected`` (Hz), or None.
+    """Find the strongest local maximum of a spectrum (n,) within a share ``tolerance`` of ``expected`` (Hz).
+
+    Returns None without a maximum.
 
     For spectra of measured signals, whose lines lie up to 1.4 % off (slip); ``frequencies`` (Hz) equally spaced.
     Frequency and amplitude are those of a parabola through three amplitudes to the power 0.23: for a pure tone
@@ -81,10 +85,10 @@ def pick_from(
     close = np.abs(frequencies - expected) <= _surroundings(expected, tolerance, step)
     median = float(np.median(amplitudes[close])) if close.any() else 0.0
     tops = 1 + np.flatnonzero((amplitudes[1:-1] > amplitudes[:-2]) & (amplitudes[1:-1] >= amplitudes[2:]))
-    found = [_top(frequencies, amplitudes, top) for top in tops[close[tops]]]
+    candidates = [_top(frequencies, amplitudes, top) for top in tops[close[tops]]]
     inside = [
         (amplitude, frequency)
-        for frequency, amplitude in found
+        for frequency, amplitude in candidates
         if abs(frequency - expected) <= tolerance * expected and amplitude >= LEAST_PROMINENCE * median
     ]
     if not inside:
@@ -126,9 +130,10 @@ def _line_shape(distance: np.ndarray) -> np.ndarray:
 
 
 def _resolved(bins: np.ndarray, values: np.ndarray, floor: float) -> tuple[np.ndarray, np.ndarray]:
-    """Places (bins) and amplitudes of the lines that make a piece of a spectrum, strongest found first.
+    """Resolve a piece of a spectrum into lines; return their positions (bins) and amplitudes, the strongest first.
 
-    A guess that ends within 1.5 bins of another line is a broad line's other half: dropped, and its place barred.
+    A guess that converges within 1.5 bins of another line is the other half of a broad line: it is dropped, and
+    its position excluded.
     """
     places, lines, left = np.zeros(0), np.zeros(0, dtype=complex), values
     open_bins = np.ones(len(bins))
@@ -147,7 +152,7 @@ def _resolved(bins: np.ndarray, values: np.ndarray, floor: float) -> tuple[np.nd
 def _refined(
     bins: np.ndarray, values: np.ndarray, places: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Places (k,) of lines, by Gauss and Newton from guesses, their complex amplitudes (k,), and the rest (n,)."""
+    """Refine line positions (k,) by Gauss-Newton; return them, complex amplitudes (k,) and the residual (n,)."""
     for _ in range(30):
         shape, lines, left = _without(bins, values, places)
         distance = bins[:, np.newaxis] - places
@@ -164,7 +169,7 @@ def _refined(
 def _without(
     bins: np.ndarray, values: np.ndarray, places: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Shapes (n, k) of lines at places, their amplitudes (k,) by least squares, and what they leave (n,)."""
+    """Fit lines at positions; return shapes (n, k), amplitudes (k,) by least squares, and the residual (n,)."""
     shape = _line_shape(bins[:, np.newaxis] - places)
     lines = np.linalg.lstsq(shape.astype(complex), values, rcond=1e-10)[0]
     return shape, lines, values - shape @ lines
@@ -176,7 +181,7 @@ def _parts(values: np.ndarray) -> np.ndarray:
 
 
 def _stand(places: np.ndarray, amplitudes: np.ndarray, floor: float) -> np.ndarray:
-    """Which lines (k,) stand over ``floor`` and are no part or shoulder of a stronger one."""
+    """Check which lines (k,) exceed ``floor`` and are no part or shoulder of a stronger one."""
     apart = np.abs(np.subtract.outer(places, places))
     stronger = amplitudes > amplitudes[:, np.newaxis]
     part = stronger & (apart < ONE)

@@ -6,14 +6,14 @@ import numpy as np
 
 
 def hann(n: int) -> np.ndarray:
-    """Hann's window of n samples, periodic: its main lobe is four bins wide."""
+    """Return a periodic Hann window of n samples; its main lobe is four bins wide."""
     return np.sin(np.pi * np.arange(n) / n) ** 2
 
 
 def spectrum(
     series: np.ndarray, fs: float, window: Callable[[int], np.ndarray] = hann
 ) -> tuple[np.ndarray, np.ndarray]:
-    """One-sided amplitude spectrum of a series (n,) sampled at ``fs`` (Hz), its mean taken out.
+    """Compute the one-sided amplitude spectrum of a series (n,) sampled at ``fs`` (Hz), without its mean.
 
     Returns frequencies (Hz), fs/n apart, and amplitudes in the series' unit, (n//2 + 1,) each: a sine on a bin
     reads its amplitude, whatever the window; one between two Hann bins up to 15 % less. ``window`` gives the
@@ -99,12 +99,12 @@ STOPPED = 1e-4
 
 
 def causal(series: np.ndarray) -> np.ndarray:
-    """A series (..., n) through a causal low-pass, flat up to ``FLAT`` of its sampling and zero at half of it.
+    """Filter a series (..., n) with a causal low-pass, flat up to ``FLAT`` of its sampling and zero at half of it.
 
-    A low-pass without delay, such as that of a record, lets an impact ring before it happens; this one, of least
-    phase, turns it to what follows (its phase is the Hilbert transform of the gain's logarithm: Oppenheim and
-    Schafer, Discrete-Time Signal Processing, ch. 13). Both ends are continued by their mirror image, so that some
-    samples there are not true.
+    A zero-phase low-pass, such as that of a record, rings before an impact; this minimum-phase one rings only
+    after it (its phase is the Hilbert transform of the gain's logarithm: Oppenheim and Schafer, Discrete-Time
+    Signal Processing, ch. 13). Both ends are continued by their mirror image, so that some samples there are
+    distorted.
     """
     n = series.shape[-1]
     reach = min(n - 1, MIRRORED)
