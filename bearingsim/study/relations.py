@@ -10,7 +10,7 @@ from graphlib import CycleError, TopologicalSorter
 from bearingsim.config.rules.conflicts import Path
 from bearingsim.study.paths import dimension, node_at, put
 from bearingsim.study.words import Words
-from bearingsim.text.expressions import PLAIN, TRUTH, Expression, ExpressionError, Kind, kind_of, read, said
+from bearingsim.text.expressions import PLAIN, TRUTH, Expression, ExpressionError, Kind, kind_of, kind_text, read
 from bearingsim.text.units import DISPLAY, EXPECTED, UnitError, display, parse
 from bearingsim.text.yamlfile import Node, Problem, problem
 
@@ -174,7 +174,7 @@ def _derived(
         return None
     if kind != (kind_of(expected_kind) if expected_kind else PLAIN):
         expected = EXPECTED[expected_kind] if expected_kind else "a plain number"
-        problems.append(problem(node.mark, f"derived.{path}: expected {expected}, and this is {said(kind)}"))
+        problems.append(problem(node.mark, f"derived.{path}: expected {expected}, and this is {kind_text(kind)}"))
         return None
     return Derived(path, where, formula, node)
 
@@ -188,7 +188,7 @@ def _condition(node: Node, place: Place, problems: list[Problem]) -> Expression 
         return None
     if kind != TRUTH:
         expected = "expected a comparison such as `defect.width < 3 mm`"
-        problems.append(problem(node.mark, f"where: {expected}, and this is {said(kind)}"))
+        problems.append(problem(node.mark, f"where: {expected}, and this is {kind_text(kind)}"))
         return None
     return formula
 

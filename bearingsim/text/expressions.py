@@ -18,18 +18,16 @@ from typing import NamedTuple
 from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse, split, suggestion
 from bearingsim.text.yamlfile import Mark, Node
 
-__all__ = ["PLAIN", "TRUTH", "Expression", "ExpressionError", "Kind", "kind_of", "read", "said"]
-
 MAX_LETTERS, MAX_DEPTH = 400, 100
-"""Of a formula: more than anybody writes, and few enough for Python's parser and for a walk by recursion."""
+"""Characters and depth of a formula, limited for Python's parser and for recursion."""
 MOST_POWER = 10
-"""Exponent of a quantity with a unit: its unit has no meaning beyond."""
+"""Largest exponent of a quantity with a unit."""
 
 SAME = 1e-11
-"""Values are equal within this share of the larger one: 3 * 10 um is 30 um, which floats miss by a bit."""
+"""Relative tolerance of equality, since 3 * 10 um differs from 30 um by rounding."""
 
 Kind = tuple[Fraction, ...]
-"""What a value is: its powers of m, kg, s, K and rad; none at all for what is true or false."""
+"""Kind of a value: its powers of m, kg, s, K and rad; empty for a truth value."""
 TRUTH: Kind = ()
 
 _BASES = ("m", "kg", "s", "K", "rad")
@@ -47,25 +45,25 @@ PLAIN: Kind = (Fraction(0),) * len(_BASES)
 
 
 def kind_of(dimension: Dimension) -> Kind:
-    """The powers of a dimension's SI unit; shares and numbers are plain."""
+    """Return the powers of a dimension's SI unit; shares and numbers are dimensionless."""
     word = next((word for word, factor in UNITS[dimension].items() if factor == (1, False, 0)), "")
     above, *below = word.replace("^2", "2").replace("^3", "3").split("/")
     powers = list(PLAIN)
     for sign, factors in ((1, above), *((-1, part) for part in below)):
         for factor in factors.replace("1", "").split():
             symbol, power = factor.rstrip("23"), int(factor[-1]) if factor[-1] in "23" else 1
-            powers = [p + sign * power * one for p, one in zip(powers, _SYMBOLS[symbol], strict=True)]
+            powers = [p + sign * power * exponent for p, exponent in zip(powers, _SYMBOLS[symbol], strict=True)]
     return tuple(powers)
 
 
 _DIMENSIONS: dict[str, Dimension] = {word: dimension for dimension in UNITS for word in UNITS[dimension] if word}
-"""The dimension of a unit; of `Hz` the last one, a frequency: a speed is said in rpm or rad/s."""
+"""Dimension of a unit; of `Hz` the last one, a frequency: speeds are in rpm or rad/s."""
 _KINDS = {dimension: kind_of(dimension) for dimension in UNITS}
 _OF_KIND = {kind: dimension for dimension, kind in _KINDS.items()}
 
 
 class ExpressionError(Exception):
-    """A formula is none, or has no value: the place in its file, and what would mend it."""
+    """Invalid formula, or one without a value: its place in the file, and a remedy."""
 
     def __init__(self, mark: Mark, message: str, hint: str | None = None) -> None:
         self.mark, self.hint = mark, hint
@@ -73,16 +71,16 @@ class ExpressionError(Exception):
 
 
 class _Function(NamedTuple):
-    """What a formula may call: how many values it takes, and what it makes of them and of their kind."""
+    """Function of a formula: number of arguments, value, and kind of the value."""
 
     least: int
     most: int
     call: Callable[..., float]
-    kind: Callable[[Kind], Kind] = lambda given: given
+    kind: Callable[[Kind], Kind] = lambda argument: argument
 
 
 _FUNCTIONS = {
-    "sqrt": _Function(1, 1, math.sqrt, lambda given: _scaled(given, Fraction(1, 2))),
+    "sqrt": _Function(1, 1, math.sqrt, lambda argument: _scaled(argument, Fraction(1, 2))),
     "abs": _Function(1, 1, abs),
     "min": _Function(2, MAX_LETTERS, min),
     "max": _Function(2, MAX_LETTERS, max),
@@ -132,7 +130,7 @@ _ONE_LETTER = str.maketrans({"µ": "u", "μ": "u", "\n": " "})
 
 @dataclass(frozen=True)
 class Expression:
-    """A formula that has been read: its tree, and by column the quantities and the paths in it."""
+    """Parsed formula: its tree, and by column its quantities and paths."""
 
     node: Node
     tree: ast.expr
@@ -141,23 +139,22 @@ class Expression:
     shift: int  # letters before it that are blank
 
     def names(self) -> Iterator[tuple[str, Mark]]:
-        """The paths in it, and where."""
-        for found in ast.walk(self.tree):
-            if isinstance(found, ast.Name) and not self._is_own(found):
-                yield self._path(found), self._mark(found)
+        """Yield the paths of the formula, with their places."""
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Name) and not self._is_own(node):
+                yield self._path(node), self._mark(node)
 
     def kind(self, of: Callable[[str], Kind]) -> Kind:
-        """What its value is, where ``of`` says what each path is (ValueError: there is none).
+        """Return the kind of the value, from the kind ``of`` each path (ValueError: there is none).
 
-        Raises ExpressionError of a node that is not on the list, and of units that do not go together: ``value``
-        relies on it.
+        Raises ExpressionError for a node that is not allowed, and for incompatible units: ``value`` relies on it.
         """
         return self._kind(self.tree, of, 0)
 
     def value(self, of: Callable[[str], float]) -> float:
-        """Its value in SI (of a comparison True or False), where ``of`` gives that of each path.
+        """Evaluate the formula in SI (a comparison to True or False), from the value ``of`` each path.
 
-        Raises ExpressionError where it has none: a division by zero, a root of less than zero, no finite number.
+        Raises ExpressionError for a division by zero, a root of a negative number, or a result that is not finite.
         """
         return self._value(self.tree, of)
 
@@ -227,19 +224,19 @@ class Expression:
 
     def _kind_of_power(self, node: ast.BinOp, base: Kind, exponent: Kind) -> Kind:
         if exponent != PLAIN:
-            raise self._wrong(node.right, f"an exponent is a plain number, and this is {said(exponent)}")
+            raise self._wrong(node.right, f"an exponent is a plain number, and this is {kind_text(exponent)}")
         self._in_brackets(node)
         if base == PLAIN:
             return PLAIN
         if any(isinstance(part, ast.Name) for part in ast.walk(node.right)):
-            raise self._wrong(node.right, f"the exponent of {said(base)} must be written as a number")
+            raise self._wrong(node.right, f"the exponent of {kind_text(base)} must be written as a number")
         power = self._value(node.right, _no_path)
         if abs(power) > MOST_POWER:
-            raise self._wrong(node.right, f"the exponent of {said(base)} is at most {MOST_POWER}")
+            raise self._wrong(node.right, f"the exponent of {kind_text(base)} is at most {MOST_POWER}")
         return _scaled(base, Fraction(power).limit_denominator(1000))
 
     def _in_brackets(self, node: ast.BinOp) -> None:
-        """A power of a quantity needs brackets: `3 mm**2` is 9 mm^2 to some readers, and 3 mm^2 to others."""
+        """Refuse a power of a quantity without brackets: `3 mm**2` may be read as 9 mm^2 or as 3 mm^2."""
         base, exponent = node.left, node.right
         if not isinstance(base, ast.Name) or base.col_offset not in self.quantities:
             return
@@ -247,8 +244,8 @@ class Expression:
             quantity = self.quantities[base.col_offset]
             number, unit = split(quantity)
             power = ast.unparse(exponent) if isinstance(exponent, ast.Constant) else "(...)"
-            known = f"{unit}^{power}" in _DIMENSIONS
-            other = f"{number} {unit}^{power}" if known else f"{number} * (1 {unit})**{power}"
+            is_unit = f"{unit}^{power}" in _DIMENSIONS
+            other = f"{number} {unit}^{power}" if is_unit else f"{number} * (1 {unit})**{power}"
             raise self._wrong(
                 node, f"a power of `{quantity}` without brackets", f"write `({quantity})**{power}` or `{other}`"
             )
@@ -267,7 +264,7 @@ class Expression:
         return function.kind(within[0])
 
     def _no_celsius(self, message: str, *nodes: ast.expr) -> None:
-        """Degrees Celsius do not count from zero: 20 C + 10 C is neither 30 C nor what 293.15 K + 283.15 K is."""
+        """Refuse degrees Celsius in sums: 20 C + 10 C is neither 30 C nor 293.15 K + 283.15 K."""
         for node in nodes:
             if text := self._celsius(node):
                 kelvins = f"{parse(text, 'temperature'):.12g} K"
@@ -275,7 +272,7 @@ class Expression:
                 raise self._wrong(node, message, hint)
 
     def _no_celsius_beside_a_difference(self, nodes: list[ast.expr]) -> None:
-        """A difference of temperatures counts from zero, and degrees Celsius do not."""
+        """Refuse degrees Celsius beside a temperature difference, which has no offset."""
         if any(isinstance(part, ast.Sub) for node in nodes for part in ast.walk(node)):
             self._no_celsius("degrees Celsius beside a difference", *nodes)
 
@@ -286,14 +283,16 @@ class Expression:
 
     def _truth(self, node: ast.expr, kind: Kind) -> Kind:
         if kind != TRUTH:
-            raise self._wrong(node, f"expected a comparison such as `load < 200 N`, and this is {said(kind)}")
+            raise self._wrong(node, f"expected a comparison such as `load < 200 N`, and this is {kind_text(kind)}")
         return kind
 
     def _alike(self, nodes: list[ast.expr], kinds: list[Kind]) -> None:
         for node, kind in zip(nodes, kinds, strict=True):
             self._number(node, kind)
             if kind != kinds[0]:
-                raise self._wrong(node, f"expected {said(kinds[0])} as on the left, and this is {said(kind)}")
+                raise self._wrong(
+                    node, f"expected {kind_text(kinds[0])} as on the left, and this is {kind_text(kind)}"
+                )
 
     # What it comes to
 
@@ -319,8 +318,8 @@ class Expression:
             case ast.Compare():
                 return self._compared(node, of)
             case ast.Call(func=ast.Name(id=name)):
-                given = [self._value(part, of) for part in node.args]
-                return self._finite(node, lambda: _FUNCTIONS[name].call(*given))
+                arguments = [self._value(part, of) for part in node.args]
+                return self._finite(node, lambda: _FUNCTIONS[name].call(*arguments))
         raise AssertionError("`kind` has let this pass")
 
     def _value_of_name(self, node: ast.Name, of: Callable[[str], float]) -> float:
@@ -335,7 +334,7 @@ class Expression:
             raise self._wrong(node, str(error)) from None
 
     def _compared(self, node: ast.Compare, of: Callable[[str], float]) -> bool:
-        """As Python chains comparisons: what stands behind a false one is not looked at."""
+        """Evaluate a chain of comparisons like Python, up to the first false one."""
         left = self._value(node.left, of)
         for op, part in zip(node.ops, node.comparators, strict=True):
             right = self._value(part, of)
@@ -344,9 +343,9 @@ class Expression:
             left = right
         return True
 
-    def _finite(self, node: ast.expr, found: Callable[[], float]) -> float:
+    def _finite(self, node: ast.expr, evaluate: Callable[[], float]) -> float:
         try:
-            value = found()
+            value = evaluate()
         except ZeroDivisionError:
             raise self._wrong(node, "a division by zero") from None
         except OverflowError:
@@ -362,11 +361,11 @@ class Expression:
     # Where it is
 
     def _is_own(self, node: ast.Name) -> bool:
-        """Whether a name is none of the study's."""
+        """Check if a name is not a path of the study."""
         return node.id in _CONSTANTS or node.id in _FUNCTIONS or node.col_offset in self.quantities
 
     def _celsius(self, node: ast.expr) -> str | None:
-        """A quantity in degrees Celsius with the sign before it (`-5 C`: not the opposite of 278.15 K)."""
+        """Return a quantity in degrees Celsius with its sign (`-5 C` is not the opposite of 278.15 K), or None."""
         match node:
             case ast.UnaryOp(op=ast.UAdd()):
                 return self._celsius(node.operand)
@@ -394,7 +393,7 @@ class Expression:
 
 
 def read(node: Node) -> Expression:
-    """The formula that a scalar of a file says. Raises ExpressionError if it is none."""
+    """Parse a scalar of a file as a formula. Raises ExpressionError if it is none."""
     if not isinstance(node.value, str) or not node.value.strip():
         raise ExpressionError(node.mark, "expected a formula such as `defect.width / 4`")
     if len(node.value) > MAX_LETTERS:
@@ -404,13 +403,13 @@ def read(node: Node) -> Expression:
     quantities: dict[int, str] = {}
     paths: dict[int, str] = {}
 
-    def replaced(found: re.Match[str]) -> str:
-        kept = quantities if found["quantity"] else paths
-        kept[found.start()] = found.group()
-        return "_" * len(found.group())
+    def replaced(match: re.Match[str]) -> str:
+        kept = quantities if match["quantity"] else paths
+        kept[match.start()] = match.group()
+        return "_" * len(match.group())
 
     python = _NO_PYTHON.sub(replaced, text.strip())
-    strange = next((at for at, letter in enumerate(python) if not letter.isascii()), None)
+    strange = next((column for column, letter in enumerate(python) if not letter.isascii()), None)
     if strange is not None:
         message = f"a letter that is in no formula: {python[strange]!a}"
         raise ExpressionError(_mark_at(node, shift + strange), message)
@@ -423,15 +422,15 @@ def _tree(node: Node, python: str, shift: int) -> ast.expr:
             warnings.simplefilter("ignore")  # of what would be refused anyway, as in `1if`
             return ast.parse(python, mode="eval").body
     except SyntaxError as error:
-        at = min(error.offset or len(python), len(python)) - 1  # no offset: it ends too early
+        column = min(error.offset or len(python), len(python)) - 1  # no offset: it ends too early
         hint = "a quantity is written as in `3 mm`; what has a comma stands in quotes"
-        raise ExpressionError(_mark_at(node, shift + at), "this is no formula", hint) from None
+        raise ExpressionError(_mark_at(node, shift + column), "this is no formula", hint) from None
     except (ValueError, MemoryError, RecursionError):
         raise ExpressionError(node.mark, "this is no formula") from None
 
 
 def _parts(node: ast.expr) -> list[ast.expr]:
-    """The formulas within a formula, from left to right."""
+    """List the formulas within a formula, from left to right."""
     match node:
         case ast.UnaryOp():
             return [node.operand]
@@ -447,11 +446,11 @@ def _parts(node: ast.expr) -> list[ast.expr]:
 
 
 def _scaled(kind: Kind, power: Fraction) -> Kind:
-    return tuple(power * one for one in kind)
+    return tuple(power * exponent for exponent in kind)
 
 
-def said(kind: Kind) -> str:
-    """A kind in words: `a length`, `in m^2`, `true or false`."""
+def kind_text(kind: Kind) -> str:
+    """Describe a kind in words: `a length`, `in m^2`, `true or false`."""
     if kind == TRUTH:
         return "true or false"
     if kind == PLAIN:
@@ -463,7 +462,7 @@ def said(kind: Kind) -> str:
 
 
 def _dimension(quantity: str) -> Dimension:
-    """That of a quantity as written."""
+    """Return the dimension of a written quantity."""
     return _DIMENSIONS[split(quantity)[1]]
 
 
@@ -472,7 +471,7 @@ def _no_path(path: str) -> float:
 
 
 def _mark_at(node: Node, column: int) -> Mark:
-    """The place of a letter of a scalar; of one that is not written in one piece, its beginning."""
+    """Return the place of a character of a scalar; the scalar's beginning if it is not written in one piece."""
     mark = node.mark
     for quote in (0, 1):
         start = mark.column - 1 + quote

@@ -1,4 +1,4 @@
-"""Which files a study is made of: what is read while it is noted, and where a file was looked for in vain."""
+"""Files of a study: record of the files read, and of those searched in vain."""
 
 import hashlib
 import os
@@ -7,14 +7,12 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 
-__all__ = ["note", "noted"]
-
 _files: ContextVar[dict[str, str | None] | None] = ContextVar("files", default=None)
 
 
 @contextmanager
 def noted() -> Iterator[dict[str, str | None]]:
-    """The SHA-256 of each file that is read from here on, by its full path; None where there was none."""
+    """Collect the SHA-256 of each file read in the context, by its full path; None for a missing file."""
     files: dict[str, str | None] = {}
     token = _files.set(files)
     try:

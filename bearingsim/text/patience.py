@@ -1,4 +1,4 @@
-"""What is being done, said on stderr when nothing has been said for long."""
+"""Announcements of long work on stderr after a silence."""
 
 import threading
 from collections.abc import Iterator
@@ -6,25 +6,23 @@ from contextlib import contextmanager
 
 from bearingsim.text.terminal import say
 
-__all__ = ["ONCE", "PATIENCE_S", "QUIET", "Patience", "patient"]
-
-PATIENCE_S = 2.0  # without a word
+PATIENCE_S = 2.0  # s, silence before an announcement
 ONCE = "once for each kind of model, method and contact law"
-"""What is said of compiling."""
+"""Announcement of compiling."""
 
 
 class Patience:
-    """Says what is being done, if that takes long."""
+    """Announcement of long work."""
 
     def __init__(self, shown: bool | None = None, seconds: float | None = None) -> None:
-        """shown: False says nothing. seconds: without a word (``PATIENCE_S``)."""
+        """Set the delay. shown: False disables announcements. seconds: delay (``PATIENCE_S``)."""
         self.shown, self.seconds = shown is not False, PATIENCE_S if seconds is None else seconds
         self.what = ""
         self.said: set[str] = set()
         self.timer: threading.Timer | None = None
 
     def begin(self, what: str) -> None:
-        """From now on ``what`` is done; it is said once, when nothing has been said for so long."""
+        """Start the work ``what``; announce it once, after the delay without another announcement."""
         self.what = what
         if self.shown and (self.timer is None or not self.timer.is_alive()):
             self.timer = threading.Timer(self.seconds, self._say)
@@ -37,7 +35,7 @@ class Patience:
         self.said.add(self.what)
 
     def end(self) -> None:
-        """All is done."""
+        """End the work."""
         if self.timer is not None:
             self.timer.cancel()
 
@@ -47,7 +45,7 @@ QUIET = Patience(shown=False)
 
 @contextmanager
 def patient(shown: bool | None = None, seconds: float | None = None) -> Iterator[Patience]:
-    """What is said of what takes long, as of ``Patience``."""
+    """Announce long work in the context, as ``Patience`` does."""
     patience = Patience(shown, seconds)
     try:
         yield patience

@@ -7,8 +7,6 @@ from bearingsim.text.terminal import plain
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["csv_text"]
-
 FORMULA = ("=", "+", "-", "@", "\t", "\n")
 """How a formula may begin (OWASP, CSV injection)."""
 

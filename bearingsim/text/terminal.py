@@ -6,8 +6,6 @@ in another order than it has. A results folder of somebody else may hold both.
 
 import sys
 
-__all__ = ["is_line", "plain", "say"]
-
 LONGEST_LINE = 1000  # letters of a text on one line
 
 

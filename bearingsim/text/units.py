@@ -153,21 +153,21 @@ DISPLAY: dict[Dimension, str] = {
     "share": "%",
     "tolerance": "",
 }
-"""Unit in which a quantity of each dimension is shown when nobody asked for another."""
+"""Default unit of display of each dimension."""
 
 MAX_DIGITS = 100
-"""Of a number, its sign, point and exponent counted: a float holds 17, and Python refuses whole ones of 4300."""
+"""Characters of a number with sign, point and exponent: a float has 17 digits, Python refuses integers of 4300."""
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
 SPELLING = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"})
-"""Letters of units in ASCII, as the table of units has them."""
+"""ASCII spelling of unit characters, as in the table of units."""
 
 
 class UnitError(UserError, ValueError):
-    """A text is not a quantity of the dimension asked for.
+    """Text that is no quantity of the required dimension.
 
-    `expected` says what would be, with an example; `hint` what is wrong (or None); `nearest` is the closest
-    valid unit word (or None).
+    `expected` describes a valid one, with an example; `hint` the mistake (or None); `nearest` is the closest valid
+    unit word (or None).
     """
 
     def __init__(self, text: str, expected: str, hint: str | None = None, nearest: str | None = None) -> None:
@@ -220,14 +220,14 @@ def _spellings(word: str) -> str:
         "^3": "(\\^?3|³)",
         "deg": "(deg|°)",
     }
-    return re.sub(r"deg|\^[23]|.", lambda found: parts.get(found[0], found[0]), word)
+    return re.sub(r"deg|\^[23]|.", lambda match: parts.get(match[0], match[0]), word)
 
 
 def display(value: float, word: str, dimension: Dimension | None = None) -> float:
-    """An SI value in the unit `word`.
+    """Convert an SI value to the unit `word`.
 
-    `dimension` is needed only where the word means two things (Hz: a frequency or a rotation speed).
-    Raises UnitError for an unknown word, or one that means two things.
+    `dimension` is needed only for an ambiguous word (Hz: a frequency or a rotation speed). Raises UnitError for an
+    unknown word, or an ambiguous one.
     """
     spelt = _spelling(word)
     factors = {d: f[spelt] for d, f in UNITS.items() if spelt in f}
@@ -240,34 +240,34 @@ def display(value: float, word: str, dimension: Dimension | None = None) -> floa
 
 
 def show(value: float, word: str, dimension: Dimension | None = None) -> str:
-    """An SI value as text in the unit `word`, six digits: `show(0.0008, "mm")` is `0.8 mm`."""
+    """Format an SI value in the unit `word`, six digits: `show(0.0008, "mm")` is `0.8 mm`."""
     return f"{display(value, word, dimension):.6g} {word}".strip()
 
 
-def common_dimension(first: str, second: str) -> Dimension | None:
-    """A dimension that knows both unit words, or None."""
-    return next((d for d, words in UNITS.items() if first in words and second in words), None)
+def common_dimension(word: str, other: str) -> Dimension | None:
+    """Return a dimension with both unit words, or None."""
+    return next((d for d, words in UNITS.items() if word in words and other in words), None)
 
 
 def nearest_word(word: str, words: Collection[str]) -> str | None:
-    """The word of `words` that `word` is likely a slip of, regardless of case; None if there is none."""
+    """Return the word of `words` closest to a misspelled `word`, regardless of case; None if there is none."""
     return next(iter(_nearest_words(word, words)), None)
 
 
 def suggestion(word: str, words: Collection[str]) -> str:
-    """`did you mean ...?` with the words that `word` is likely a slip of; empty if there is none."""
+    """Suggest the words closest to a misspelled `word`: `did you mean ...?`; empty if there is none."""
     nearest = [f"`{near}`" for near in _nearest_words(word, words)[:MOST_SUGGESTED]]
     return f"did you mean {' or '.join(nearest)}?" if nearest else ""
 
 
 MOST_SUGGESTED = 3
 SLIPS_FROM = (3, 9, 14)
-"""Letters from which on a word may have one slip, two, three: of shorter ones another word is another thing."""
+"""Lengths from which a word may have one, two, three slips; shorter words differ by a letter."""
 _ALIKE = str.maketrans("01", "ol")
 
 
 def _nearest_words(typed: str, words: Collection[str]) -> list[str]:
-    """Those with the fewest slips, or the only one that begins so and has no further word behind."""
+    """List the words with the fewest slips, or the only one with this beginning and no further word."""
     folded = typed.lower()
     slips = {word: _slips(folded, word.lower()) for word in sorted(words) if _may_be_slip(folded, word.lower())}
     likely = {word: count for word, count in slips.items() if count <= _most_slips(folded, word)}
@@ -280,7 +280,7 @@ def _nearest_words(typed: str, words: Collection[str]) -> list[str]:
 
 
 def _may_be_slip(typed: str, meant: str) -> bool:
-    """Whether lengths are close enough, and numbers equal: `6204` is no slip of `6205`."""
+    """Check if lengths are close enough, and numbers equal: `6204` is no slip of `6205`."""
     numbers = {"".join(filter(str.isdecimal, word)) for word in (typed, meant)} - {""}
     return abs(len(typed) - len(meant)) <= _most_slips(typed, meant) and len(numbers) < 2
 
@@ -290,7 +290,7 @@ def _most_slips(typed: str, meant: str) -> int:
 
 
 def _slips(typed: str, meant: str) -> int:
-    """How many letters are wrong, missing, too many, or have changed places with the next."""
+    """Count letters that are wrong, missing, superfluous, or swapped with the next."""
     typed, meant = typed.translate(_ALIKE), meant.translate(_ALIKE)
     before, row = [0] * (len(meant) + 1), list(range(len(meant) + 1))
     for i, a in enumerate(typed, 1):
@@ -305,16 +305,16 @@ def _slips(typed: str, meant: str) -> int:
 
 @lru_cache(maxsize=256)
 def _spelling(word: str) -> str:
-    """The word as the table has it: one blank between the factors of a product, powers with `^`."""
+    """Normalise the spelling of a word: one blank between the factors of a product, powers with `^`."""
     word = " ".join(word.translate(SPELLING).split())
     word = re.sub(r"\b(N|Pa|mPa) ?[. ] ?s\b", r"\1 s", re.sub(r"\b(Pa|mPa)s\b", r"\1 s", word))
     word = re.sub(r"\bN ?[. ]? ?(m|mm)( ?[. ] ?s)?(?= ?/ ?rad)", _torsional, word)
     return re.sub(r"(?<=m)([23])$", r"^\1", re.sub(r" ?/ ?", "/", word))
 
 
-def _torsional(found: re.Match[str]) -> str:
-    """`N m` or `N m s`, the blanks set."""
-    return f"N {found[1]} s" if found[2] else f"N {found[1]}"
+def _torsional(match: re.Match[str]) -> str:
+    """Insert the blanks of `N m` or `N m s`."""
+    return f"N {match[1]} s" if match[2] else f"N {match[1]}"
 
 
 def _convert(text: str, number: str, factor: Factor, dimension: Dimension) -> float:
@@ -347,7 +347,7 @@ def _number_hint(text: str) -> str | None:
 
 
 def _unit_hint(word: str, dimension: Dimension) -> tuple[str | None, str | None]:
-    """What is wrong with a unit word, and the nearest right one."""
+    """Describe the mistake in a unit word, and return the nearest valid one."""
     words = [w for w in UNITS[dimension] if w]
     if not word:
         return "the unit is missing", None

@@ -1,4 +1,4 @@
-"""YAML as written: every scalar stays text, every value knows its place.
+"""YAML as written: every scalar stays text, every value has its place.
 
 PyYAML's own loader reads `1e-3` as a string, `12:30:45` as a number, `no` as False and keeps the last of two
 equal keys. Here nothing is guessed: a file becomes a tree of `Node`, whose marks let a later error point at
@@ -20,20 +20,20 @@ if TYPE_CHECKING:
 
 
 ARGUMENT = "command line"
-"""Stands for the file's name where a value came from the command line."""
+"""File name of values from the command line."""
 MAX_LETTERS = 100_000
 """Of a file, its aliases written out: they are read in some 2 s. The longest study here has 4000."""
 MAX_DEPTH = 20
 """Of lists and mappings in each other: a study's deepest value is in 8 of them, Python gives up at some 300."""
 MAX_TOLD = 50
-"""Problems that are told at a time: nobody mends more, and to find a valid word near each takes milliseconds."""
+"""Problems reported at a time: each takes milliseconds, for the nearest valid word."""
 LONGEST_ECHO, LONGEST_MESSAGE, LONGEST_LINE = 200, 2000, 160
-"""Letters of a value that a message repeats, of a message, of the line that it points into."""
+"""Characters of a quoted value, of a message, of a source line in it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A place in a file: line and column count from 1 (0: the file as a whole)."""
+    """Place in a file: line and column count from 1 (0: the file as a whole)."""
 
     file: str
     line: int = 0
@@ -43,7 +43,7 @@ class Mark:
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A value of the file, its place, and the place of its key where it has one."""
+    """Value of the file, its place, and the place of its key if it has one."""
 
     value: str | tuple[Node, ...] | dict[str, Node]
     mark: Mark
@@ -71,7 +71,7 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One thing that is wrong, where, and what would mend it."""
+    """Mistake in a file: its place, and a remedy."""
 
     file: str
     line: int
@@ -93,8 +93,8 @@ class Problem:
 
 
 def _clipped(text: str) -> str:
-    """A message whose quoted values are no longer than one reads."""
-    return _QUOTED.sub(lambda found: _cut(found[1], LONGEST_ECHO).join("``"), text)[:LONGEST_MESSAGE]
+    """Clip the quoted values of a message to a readable length."""
+    return _QUOTED.sub(lambda match: _cut(match[1], LONGEST_ECHO).join("``"), text)[:LONGEST_MESSAGE]
 
 
 def _cut(text: str, most: int) -> str:
@@ -105,7 +105,7 @@ _QUOTED = re.compile(r"`([^`]*)`")
 
 
 class StudyError(UserError):
-    """Everything found wrong in a study and the files it names, as `problems`."""
+    """Mistakes in a study and its files, as `problems`."""
 
     def __init__(self, problems: Iterable[Problem]) -> None:
         self.problems = list(problems)
@@ -115,12 +115,12 @@ class StudyError(UserError):
 
 
 def problem(mark: Mark, message: str, hint: str | None = None) -> Problem:
-    """A problem at a place."""
+    """Make a problem at a place."""
     return Problem(mark.file, mark.line, mark.column, mark.source_line, message, hint)
 
 
 def plain(node: Node) -> Any:
-    """The tree as dicts, lists and texts."""
+    """Convert a tree to dicts, lists and texts."""
     if isinstance(node.value, dict):
         return {key: plain(child) for key, child in node.value.items()}
     if isinstance(node.value, tuple):
@@ -129,7 +129,7 @@ def plain(node: Node) -> Any:
 
 
 def read_text(path: Path) -> str:
-    """The text of a file; raises StudyError if it cannot be read as UTF-8 text, or is too long for a study."""
+    """Read a file; raises StudyError if it is not UTF-8 text, or too long for a study."""
     content = _content(path)
     try:
         text = content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
@@ -143,7 +143,7 @@ def read_text(path: Path) -> str:
 
 
 def _content(path: Path) -> bytes:
-    """What is in a file, but no more than a study can have."""
+    """Read a file, up to the longest possible study."""
     try:
         if path.exists() and not path.is_file():  # the end of a pipe or a device may never come
             what = "a folder" if path.is_dir() else "a pipe or a device"
@@ -163,23 +163,23 @@ _TOO_LONG = f"more than {MAX_LETTERS} letters, those that aliases repeat counted
 
 
 class Document(NamedTuple):
-    """A file's tree, and what is wrong with it (doubled keys, tags); the tree is complete all the same."""
+    """Tree of a file, and its mistakes (doubled keys, tags); the tree is complete all the same."""
 
     root: Node
     problems: tuple[Problem, ...]
 
 
 def parse(text: str, file: str) -> Document:
-    """The tree of a YAML text; raises StudyError on a syntax error, and on a tree too deep or too large."""
+    """Parse a YAML text; raises StudyError on a syntax error, and on a tree too deep or too large."""
     import yaml
 
     class Loader(yaml.BaseLoader):
-        """As PyYAML's, but it refuses what is too deep."""
+        """PyYAML's loader with a limit of depth."""
 
         depth = 0
 
         def compose_node(self, parent: Any, index: Any) -> Any:
-            """The node that begins here."""
+            """Compose the next node."""
             self.depth += 1
             if self.depth > MAX_DEPTH:
                 place = self.peek_event().start_mark
@@ -201,23 +201,23 @@ def parse(text: str, file: str) -> Document:
 _BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 _OWN = "tag:yaml.org,2002:"
 _NO_TEXT = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
-"""Letters that no file of results can hold, or that a terminal takes for commands."""
+"""Characters refused, because HDF5 cannot store them or terminals interpret them."""
 
 
 def _lines(text: str) -> list[str]:
-    """The lines as YAML counts them."""
+    """Split a text into lines as YAML counts them."""
     return _BREAK.split(text.removesuffix("\n"))
 
 
 def _mark_at(text: str, index: int, file: str) -> Mark:
-    """The place of a letter of a text."""
+    """Return the place of a character of a text."""
     before = _BREAK.split(text[:index])
     rest = _BREAK.split(text[index:], maxsplit=1)[0]
     return Mark(file, len(before), len(before[-1]) + 1, before[-1] + rest)
 
 
 def parse_argument(text: str, typed: str) -> Document:
-    """The tree of a value given on the command line, at the end of what was `typed` there.
+    """Parse a value given on the command line, at the end of the words `typed`.
 
     Raises StudyError on a syntax error.
     """
@@ -226,17 +226,17 @@ def parse_argument(text: str, typed: str) -> Document:
     try:
         root, problems = parse(indented, ARGUMENT)
     except StudyError as error:
-        raise StudyError(_retyped(found, typed) for found in error.problems) from None
-    return Document(_moved(root, typed), tuple(_retyped(found, typed) for found in problems))
+        raise StudyError(_retyped(mistake, typed) for mistake in error.problems) from None
+    return Document(_moved(root, typed), tuple(_retyped(mistake, typed) for mistake in problems))
 
 
 def argument_mark(typed: str, column: int) -> Mark:
-    """A place on the command line."""
+    """Return a place on the command line."""
     return Mark(ARGUMENT, 0, column, typed)
 
 
-def _retyped(found: Problem, typed: str) -> Problem:
-    return replace(found, line=0, source_line=typed)
+def _retyped(mistake: Problem, typed: str) -> Problem:
+    return replace(mistake, line=0, source_line=typed)
 
 
 def _moved(node: Node, typed: str) -> Node:
@@ -250,7 +250,7 @@ def _moved(node: Node, typed: str) -> Node:
 
 
 def _syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
-    place, at = getattr(error, "problem_mark", None), getattr(error, "position", None)
+    place, position = getattr(error, "problem_mark", None), getattr(error, "position", None)
     what = getattr(error, "problem", None) or str(error).splitlines()[0]
     if getattr(error, "context", None) == "expected a single document in the stream":
         what = "a second document begins here"
@@ -260,7 +260,7 @@ def _syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
         column = place.column if line == place.line else len(lines[line])
         mark = Mark(file, line + 1, column + 1, lines[line])
     else:
-        mark = Mark(file) if at is None else _mark_at(text, at, file)
+        mark = Mark(file) if position is None else _mark_at(text, position, file)
     return problem(mark, f"not valid YAML: {what}")
 
 
@@ -268,7 +268,7 @@ _UNIT = re.compile(r"[^\W\d]|%|°")
 
 
 def _is_decimal_comma(before: yaml.Node | None, after: yaml.Node) -> bool:
-    """Whether YAML took the comma of `0,2 mm` for the one between two entries."""
+    """Check if YAML has split `0,2 mm` at its comma into two entries."""
     if before is None or not isinstance(before.value, str) or not isinstance(after.value, str):
         return False
     touching = before.end_mark.index + 1 == after.start_mark.index
@@ -280,7 +280,7 @@ def _joined(before: Node, after: Node) -> Node:
 
 
 class _Walk:
-    """One pass over PyYAML's nodes; collects what is wrong and goes on."""
+    """Pass over PyYAML's nodes, collecting all mistakes."""
 
     def __init__(self, file: str, lines: list[str]) -> None:
         self.file, self.lines = file, lines
@@ -295,11 +295,11 @@ class _Walk:
 
     def node(self, raw: yaml.Node) -> Node:
         if id(raw) in self.done:  # an alias: the same node again
-            known = self.done[id(raw)]
-            if known is None:
+            visited = self.done[id(raw)]
+            if visited is None:
                 return self.refuse(raw, "an alias inside its own anchor")
-            self.count(raw, known[1])
-            return known[0]
+            self.count(raw, visited[1])
+            return visited[0]
         self.done[id(raw)] = None
         before = self.letters
         self.count(raw, 1 + len(raw.value) * isinstance(raw.value, str))
@@ -329,29 +329,29 @@ class _Walk:
         return Node(str(raw.value), self.mark(raw))
 
     def entries(self, raw: yaml.MappingNode) -> dict[str, Node]:
-        found: dict[str, Node] = {}
+        entries: dict[str, Node] = {}
         before: tuple[str, yaml.Node | None] = ("", None)  # the last key, and its value
         for raw_key, raw_value in raw.value:
             key, value = self.node(raw_key), self.node(raw_value)
             if _is_decimal_comma(before[1], raw_key) and value.value == "":
-                found[before[0]] = _joined(found[before[0]], key)
+                entries[before[0]] = _joined(entries[before[0]], key)
                 continue
-            self.enter(found, key, value)
-            before = (key.text, raw_value if key.text in found else None)
-        return found
+            self.enter(entries, key, value)
+            before = (key.text, raw_value if key.text in entries else None)
+        return entries
 
-    def enter(self, found: dict[str, Node], key: Node, value: Node) -> None:
+    def enter(self, entries: dict[str, Node], key: Node, value: Node) -> None:
         if not isinstance(key.value, str):
             self.problems.append(problem(key.mark, "a key must be a word"))
-        elif key.value in found:
-            first = found[key.value].key
-            where = f", first on line {first.line}" if first else ""
+        elif key.value in entries:
+            earlier = entries[key.value].key
+            where = f", first on line {earlier.line}" if earlier else ""
             self.problems.append(problem(key.mark, f"the key `{key.value}` is given twice{where}"))
         else:
-            found[key.value] = replace(value, key=key.mark)
+            entries[key.value] = replace(value, key=key.mark)
 
     def rejoined(self, raw: list[yaml.Node], items: list[Node]) -> Iterator[Node]:
-        """The items of a list; `0` and `2 mm` that were written `0,2 mm` as the one that was meant."""
+        """Yield the items of a list, with `0` and `2 mm` rejoined if they were written `0,2 mm`."""
         skip = False
         for i, item in enumerate(items):
             after = raw[i + 1] if i + 1 < len(raw) else None

@@ -20,8 +20,8 @@ from bearingsim.text.expressions import (
     ExpressionError,
     Kind,
     kind_of,
+    kind_text,
     read,
-    said,
 )
 from bearingsim.text.units import UNITS, Dimension, parse
 from bearingsim.text.yamlfile import Mark, Node
@@ -45,7 +45,7 @@ def kind(path: str) -> Kind:
 def value(text: str, values: dict[str, float] = VALUES) -> tuple[float, str]:
     """What a formula comes to, and what it is."""
     found = read(node(text))
-    what = said(found.kind(kind))
+    what = kind_text(found.kind(kind))
     return found.value(values.__getitem__), what
 
 
